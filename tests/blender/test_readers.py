@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 import pytest
 from probe import render_points
-from rig import close, key_heights, points_of
+from rig import close, key_heights, points_of, update
 from rigs import RIGS, HandleRig
 
 HEIGHTS = {1: 0.0, 11: 1.0}
@@ -30,12 +30,13 @@ def listen():
     """Add a handler of another add-on, which reads an object."""
     added = []
 
-    def add(event: str, name: str) -> list[tuple[str, np.ndarray]]:
+    def add(event: str, name: str) -> list[tuple[str, np.ndarray, set[str]]]:
         seen = []
 
         def read(_scene: object, depsgraph: bpy.types.Depsgraph) -> None:
             found = points_of(bpy.data.objects[name].evaluated_get(depsgraph))
-            seen.append((depsgraph.mode, found.copy()))
+            listed = {update.id.name for update in depsgraph.updates}
+            seen.append((depsgraph.mode, found.copy(), listed))
 
         handlers = getattr(bpy.app.handlers, event)
         handlers.append(read)
@@ -55,7 +56,7 @@ def test_handlers_of_frames_read_the_shape_of_the_frame(rising: HandleRig, liste
     seen, edits = listen("frame_change_post", rising.name), listen("depsgraph_update_post", rising.name)
     for frame in (3, 9, 2):
         bpy.context.scene.frame_set(frame)
-        (_mode, shape) = seen.pop()
+        _mode, shape, _listed = seen.pop()
         assert close(shape, rising.at(height_at(frame)), max(rising.tolerance, 2e-5)), frame
         assert not seen
         assert not edits, "a change of frame is no edit"
@@ -67,6 +68,25 @@ def test_handlers_of_frames_read_the_shape_in_renders(rising: HandleRig, listen:
     bpy.context.scene.frame_set(7)
     seen.clear()
     rendered = render_points(rising.obj)
-    shapes = [shape for mode, shape in seen if mode == "RENDER"]
+    shapes = [shape for mode, shape, _listed in seen if mode == "RENDER"]
     assert shapes
     assert all(close(shape, rendered, 2e-5) for shape in shapes)
+
+
+@pytest.mark.parametrize("with_the_scene", [False, True])
+def test_handlers_of_edits_read_the_shape_and_hear_of_all_that_changed(
+    rising: HandleRig, listen: Callable, with_the_scene: bool
+):
+    rising.control.animation_data_clear()
+    update()
+    seen = listen("depsgraph_update_post", rising.name)
+    for height in (0.5, 0.2):
+        seen.clear()
+        if with_the_scene:
+            bpy.context.scene.gravity.x += 1.0
+        rising.lift_to(height)
+        heard = [(close(shape, rising.at(height), 2e-5), listed) for _mode, shape, listed in seen]
+        assert heard[-1][0], "the last one reads the right shape"
+        assert all(is_right for is_right, listed in heard if rising.name in listed)
+        assert {rising.name, rising.control.name} <= set().union(*(listed for _is_right, listed in heard))
+        assert rising.is_right(2e-5)

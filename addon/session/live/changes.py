@@ -9,7 +9,7 @@ and only the target is looked up in the list.
 from collections.abc import Iterator
 from enum import IntEnum
 
-from bpy.types import Depsgraph, DepsgraphUpdate, Object
+from bpy.types import Depsgraph, DepsgraphUpdate, Object, Scene
 
 from ..blocks import references
 from ..control import kinds, placement
@@ -49,6 +49,11 @@ class Changes:
     def take(self) -> None:
         """Read Blender's list now, because another evaluation is about to begin a new one."""
         self._listed(None)
+
+    @property
+    def has_scene(self) -> bool:
+        """Whether the scene itself is on Blender's list."""
+        return any(isinstance(update.id, Scene) for update in self._depsgraph.updates)
 
     def add_geometry(self, obj: Object) -> None:
         """Note that what enters the modifiers of an object may differ, whatever Blender lists."""

@@ -39,7 +39,7 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
     After an ``edit``, that is not after a change of the frame, ``refresh`` looks at meshes with new geometry.
     If nothing changed, this takes some microseconds per control, however large the meshes are.
 
-    In a frame, Blender has evaluated what was written when this returns.
+    Blender evaluates what was written before this returns if handlers of others follow, else right after.
     """
     found = owners()
     if not found or schedule.is_waiting():
@@ -56,15 +56,17 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
         if look is not None:
             moved.append(look)
     steps = schedule.steps(found) if moved and len(found) > 1 else []
-    if moved and (steps or not edit):
+    is_read = bool(moved) and schedule.others_listen(edit)
+    if steps or (is_read and (not edit or changes.has_scene)):
         changes.take()
         schedule.begin(depsgraph, heard=edit)
+        moved = [look for look in (_look_at(old.obj, depsgraph, changes) for old in moved) if look is not None]
     if steps:
         written = _solve_in_order(steps, depsgraph, changes, haste, edit)
     else:
         written = {look.obj for look in moved if _writes(look, depsgraph, changes, haste)}
-    if written and not edit:
-        schedule.evaluate(depsgraph, heard=False)
+    if written and is_read:
+        schedule.evaluate(depsgraph, heard=edit)
     if mirroring.mirrored_targets and depsgraph.mode == "VIEWPORT" and not sessions.is_suspended():
         mirroring.note_seen(edit)
 

@@ -2,8 +2,8 @@
 """In which order rigs are solved: each after those that it reads.
 
 Between two steps Blender evaluates what the first one wrote, so that the controls and modifiers of the next
-one see it. After the last step of a frame it does so too, so that the handlers of others read the right shape.
-That costs nothing: Blender would evaluate the same once these handlers have returned. Rigs in a circle have
+one see it. It does so after the last step too if handlers of others follow, which then read the right shape.
+That costs nothing: else Blender evaluates the same once these handlers have returned. Rigs in a circle have
 no right shape: they are solved in turn until nothing moves, or for so many rounds.
 """
 
@@ -50,6 +50,12 @@ def steps(rigs: Iterable[Object]) -> list[Step]:
         Step(found[count, stands_alone], 1 if stands_alone else _MOST_ROUNDS)
         for count, stands_alone in sorted(found)
     ]
+
+
+def others_listen(edit: bool) -> bool:
+    """Whether Blender calls other handlers than ours after an edit, or after a change of the frame."""
+    handlers = bpy.app.handlers
+    return len(handlers.depsgraph_update_post if edit else handlers.frame_change_post) > 1
 
 
 def begin(depsgraph: Depsgraph, heard: bool = True) -> None:
