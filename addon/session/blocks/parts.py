@@ -17,8 +17,8 @@ _last: dict[tuple, "ShownParts"] = remember({})  # those that were asked for las
 class Parts:
     """The parts of points (n, 3) that faces connect: counts (m,) and corners.
 
-    ``labels`` (n,) tells the part of each vertex, ``firsts`` (k,) the first vertex of each part, and ``sides``
-    (k, 3) how long it is along each axis.
+    ``labels`` (n,) tells the part of each vertex, ``firsts`` (k,) the first vertex of each part, and
+    ``sides`` (k, 3) how long it is along each axis.
     """
 
     def __init__(self, points: np.ndarray, faces: tuple[np.ndarray, np.ndarray]) -> None:

@@ -2,8 +2,8 @@
 """What changed since the last evaluation. If neither a target nor its controls changed, Sinew does nothing.
 
 Blender lists what it updated, but not objects that are hidden or in no scene, nor those of which drivers
-changed a property (3.4.1). So the controls are compared by their matrices and driven settings by their values,
-and only the target is looked up in the list.
+changed a property (3.4.1). So the controls are compared by their matrices and driven settings by their
+values, and only the target is looked up in the list.
 """
 
 from collections.abc import Iterator

@@ -60,7 +60,8 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
     if steps or (is_read and (not edit or changes.has_scene)):
         changes.take()
         schedule.begin(depsgraph, heard=edit)
-        moved = [look for look in (_look_at(old.obj, depsgraph, changes) for old in moved) if look is not None]
+        looks = [_look_at(old.obj, depsgraph, changes) for old in moved]
+        moved = [look for look in looks if look is not None]
     if steps:
         written = _solve_in_order(steps, depsgraph, changes, haste, edit)
     else:
