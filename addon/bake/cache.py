@@ -43,8 +43,8 @@ def timing(scene: Scene, frames: range) -> Timing:
             return Timing(float(scale), float(start))
     if stretch(scene) != 1.0:
         raise SinewError(
-            f"The Mesh Cache modifier cannot play frame {frames.start} to {frames[-1]} exactly with this Time "
-            "Stretching - bake fewer frames, bake to shape keys, or stretch by 50, 200 or 400"
+            f"The Mesh Cache modifier cannot play frame {frames.start} to {frames[-1]} exactly with this "
+            "Time Stretching - bake fewer frames, bake to shape keys, or stretch by 50, 200 or 400"
         )
     raise SinewError(
         f"The Mesh Cache modifier cannot play every {frames.step}th frame exactly from frame {frames.start} "

@@ -51,7 +51,7 @@ class FieldDragging:
     def __init__(
         self, context: Context, name: str, pivot: np.ndarray, radius: float, parts: session.ShownParts
     ) -> None:
-        """``name`` of the object to drag, ``radius`` in the world; 0 for one that fits the part at the mouse."""
+        """``name`` of the object to drag, ``radius`` in the world; 0 for one that fits the part there."""
         self._context, self._name, self.pivot, self._parts = context, name, pivot, parts
         self._fits = radius == 0.0
         self.radius = radius or session.tool_reach(parts.size_at(pivot))

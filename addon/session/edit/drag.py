@@ -24,6 +24,7 @@ from ...properties import SinewDeformer, SinewHandle, deformers_of
 from ..blocks import shapes, surface, targets
 from ..blocks.parts import Parts
 from ..blocks.surface import Hit
+from ..blocks.transforms import put
 from ..control import kinds, locks
 from ..live import binding
 from ..memory.background import Work
@@ -137,6 +138,7 @@ class Drag:
             mover.matrix = handle.control.matrix_world.inverted_safe() @ place
         else:
             mover.matrix_world = place
+        put(mover, mover.matrix_basis.copy())
         deformer = self._deformer(obj)
         if deformer is not None and not handle.vertex_group:
             surface_points.move_image(obj, deformer, handle)

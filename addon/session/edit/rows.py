@@ -24,7 +24,6 @@ from .deformers import add_deformer, remove_deformer
 from .rigging import try_bind
 
 _SIZE = "SPHERE"  # how an empty shows the reach of a tool
-_ROUNDING = 1e-6  # of the largest coordinate: a place that was read in float32 has no more digits
 
 
 def rows_of(deformer: SinewDeformer) -> list[SinewControl]:
@@ -99,8 +98,7 @@ def new_tool(obj: Object, place: np.ndarray, axis: np.ndarray, size: float, name
         collection.objects.link(empty)
     empty.empty_display_type, empty.empty_display_size = _SIZE, size
     empty.show_in_front = True
-    near = np.abs(place) < _ROUNDING * np.abs(place).max(initial=size)
-    follow(empty, obj, _frame(np.where(near, 0.0, place), axis))
+    follow(empty, obj, _frame(place, axis))
     bpy.context.view_layer.update()
     return empty
 

@@ -14,6 +14,7 @@ from ...compat import read_edges, read_positions
 from ...core.errors import SinewError
 from ...core.geometry import frames
 from ...core.geometry.polylines import lengths, lines_of
+from ..blocks import targets
 from ..blocks.capture import evaluated_mesh
 from ..blocks.parts import ShownParts
 from ..memory import sessions
@@ -55,8 +56,10 @@ def wire_radius(length: float, size: float) -> float:
 def fitting_radius(obj: Object, wire: Object) -> float:
     """The radius that fits a curve and the part of ``obj`` beside its middle, as a length of the curve.
 
-    0 if the curve has no length.
+    0 if it is no curve, or has no length.
     """
+    if not targets.is_path(wire):
+        return 0.0
     depsgraph = bpy.context.evaluated_depsgraph_get()
     with evaluated_mesh(wire, depsgraph) as mesh:
         points = read_positions(mesh).astype(np.float64)

@@ -12,6 +12,7 @@ from ....core.errors import ConstraintError
 from ....core.geometry import frames
 from ....mesh_io import RestShape
 from ....properties import SinewHandle
+from ...blocks.transforms import put
 from ...control.handles import poses
 from ...control.placement import read_place
 
@@ -44,6 +45,9 @@ def new_empty(obj: Object, frame: np.ndarray, pose: np.ndarray, name: str, size:
 
     It is a child of the target, and its own transform is zero at rest.
     """
+    target = np.array(obj.matrix_world, dtype=np.float64)
+    at_rest = target @ frame
+    moved = target @ pose @ frames.inverse(target, obj.name)
     empty = bpy.data.objects.new(name, None)
     empty.empty_display_type = "SPHERE"
     empty.empty_display_size = max(size, 1e-3)
@@ -52,17 +56,8 @@ def new_empty(obj: Object, frame: np.ndarray, pose: np.ndarray, name: str, size:
         collection.objects.link(empty)
     empty.parent = obj
     empty.matrix_parent_inverse = to_matrix(frame)
-    empty.matrix_basis = own_transform(frame, pose)
+    put(empty, to_matrix(np.linalg.inv(at_rest) @ moved @ at_rest))
     return empty
-
-
-def own_transform(frame: np.ndarray, pose: np.ndarray) -> Matrix:
-    """The transform of a child of the target whose rest ``frame`` (4, 4) is moved by a ``pose`` (4, 4).
-
-    Only what the pose changes is carried over, so that an unmoved control has zeros and ones without noise.
-    """
-    still = np.eye(4)
-    return to_matrix(still + np.linalg.inv(frame) @ (pose - still) @ frame)
 
 
 def to_matrix(array: np.ndarray) -> Matrix:
