@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 import pytest
 from probe import render_points
-from rig import close, curves_of, evaluated_points, new_empty, push, update
+from rig import close, evaluated_points, key, new_empty, push, update
 from rigs import RIGS, HandleRig
 
 HEIGHT = 0.5
@@ -28,13 +28,19 @@ def lifted(request: pytest.FixtureRequest) -> HandleRig:
     return rig
 
 
-def by_object(driver: bpy.types.Driver) -> Set:
-    """Driven by the place of an object."""
+def _follow(driver: bpy.types.Driver) -> bpy.types.Object:
+    """Let it follow the place of a new object along x."""
     source = new_empty("Source")
     variable = driver.variables.new()
     variable.type = "TRANSFORMS"
     variable.targets[0].id = source
     variable.targets[0].transform_type = "LOC_X"
+    return source
+
+
+def by_object(driver: bpy.types.Driver) -> Set:
+    """Driven by the place of an object."""
+    _follow(driver)
 
     def set_to(value: float) -> None:
         bpy.data.objects["Source"].location.x = value
@@ -60,17 +66,8 @@ def by_scene(driver: bpy.types.Driver) -> Set:
 
 def by_keys(driver: bpy.types.Driver) -> Set:
     """Driven by the place of an object that is animated: ten frames for each 1."""
-    source = new_empty("Source")
-    for frame in (-100, 100):
-        source.location.x = frame / 10.0
-        source.keyframe_insert("location", index=0, frame=frame)
-    for curve in curves_of(source):
-        for point in curve.keyframe_points:
-            point.interpolation = "LINEAR"
-    variable = driver.variables.new()
-    variable.type = "TRANSFORMS"
-    variable.targets[0].id = source
-    variable.targets[0].transform_type = "LOC_X"
+    ends = {frame: {"location": (0.1 * frame, 0.0, 0.0)} for frame in (-100, 100)}
+    key(_follow(driver), ends, linear=True)
     return _go_to
 
 

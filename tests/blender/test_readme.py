@@ -74,9 +74,7 @@ def test_the_manuals_cage_moves_the_mesh(doll: tuple) -> None:
     assert 0.01 < moved < 0.5
 
 
-def test_the_manuals_handler_reads_the_shape_of_each_frame(
-    plate: Rig, capsys: pytest.CaptureFixture
-) -> None:
+def test_the_manuals_handler_reads_the_shape_of_each_frame(plate: Rig, capsys: pytest.CaptureFixture) -> None:
     plate.bind()
     key_heights(plate.control, {1: 0.0, 11: 1.0}, linear=True)
     page = "docs/manual/scripting.md"

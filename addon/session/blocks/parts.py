@@ -6,6 +6,7 @@ from bpy.types import Depsgraph, Object
 
 from ...backend import connected_parts
 from ...compat import read_faces, read_positions
+from ...core.errors import SinewError
 from ...core.geometry import frames
 from ...core.memory import remember
 from . import targets
@@ -30,7 +31,7 @@ class Parts:
 
 
 class ShownParts:
-    """How large the parts of an object are, as it is shown. An object without faces is a single part."""
+    """How large the parts of an object are, as it is shown. One that has no parts, or an odd mesh, is one."""
 
     def __init__(self, obj: Object, depsgraph: Depsgraph) -> None:
         self._whole = max(obj.dimensions) or 1.0
@@ -42,13 +43,16 @@ class ShownParts:
         if not len(points):
             return
         world = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
-        parts = Parts(points, faces)
+        try:
+            parts = Parts(points, faces)
+        except SinewError:
+            return
         longest = (parts.sides * np.linalg.norm(world[:3, :3], axis=0)).max(axis=1)
         self._points, self._sizes = frames.transformed(world, points), longest[parts.labels]
 
     def size_at(self, place: np.ndarray) -> float:
         """The longest side of the part that is nearest to a place (3,) of the world."""
-        sized = self._sizes > 0.0
+        sized = np.isfinite(self._sizes) & (self._sizes > 0.0)
         if not sized.any():
             return self._whole
         away = ((self._points - place) ** 2).sum(axis=1)
