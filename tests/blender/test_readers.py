@@ -11,6 +11,7 @@ import pytest
 from probe import render_points
 from rig import close, key_heights, points_of, update
 from rigs import RIGS, HandleRig
+from test_event_files import without_the_add_on
 
 HEIGHTS = {1: 0.0, 11: 1.0}
 
@@ -61,6 +62,16 @@ def test_handlers_of_frames_read_the_shape_of_the_frame(rising: HandleRig, liste
         assert not seen
         assert not edits, "a change of frame is no edit"
         assert rising.shows(shape)
+
+
+def test_handlers_that_were_there_before_the_add_on_read_it_too(listen: Callable):
+    rig = HandleRig.new().start()
+    key_heights(rig.control, HEIGHTS, linear=True)
+    seen = listen("frame_change_post", rig.name)
+    with without_the_add_on():
+        pass
+    bpy.context.scene.frame_set(8)
+    assert close(seen[-1][1], rig.at(height_at(8)), 2e-5)
 
 
 def test_handlers_of_frames_read_the_shape_in_renders(rising: HandleRig, listen: Callable):
