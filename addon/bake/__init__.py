@@ -7,6 +7,7 @@ from .job import Baking, Request
 from .paths import choose as choose_path
 from .paths import offered as offered_path
 from .sequences import missing_frames
+from .stretching import frame_at
 from .transfer import Transferring
 from .unbake import unbake
 
@@ -17,6 +18,7 @@ __all__ = (
     "can_write_alembic",
     "choose_path",
     "export_alembic",
+    "frame_at",
     "missing_frames",
     "offered_path",
     "unbake",

@@ -71,7 +71,7 @@ class Baking:
         self._opened = False
         self._over = False
         for part in self._parts:
-            self._check(part)
+            self._check(part, scene)
         try:
             self._open()
         except SinewError:
@@ -130,15 +130,17 @@ class Baking:
     def _show(self, part: _Part) -> list[str]:
         """Show the baked shapes instead of the deformer. Returns warnings."""
         request, obj, deformer = self.request, part.reader.owner(), part.reader.deformer()
-        warnings = [*_differences(part.reader), *sequences.missing_frames(obj, deformer, request.frames)]
+        scene, frames = bpy.data.scenes[self._scene], request.frames
+        warnings = [*_differences(part.reader), *sequences.missing_frames(scene, obj, deformer, frames)]
         if request.target == "SHAPE_KEYS":
             warnings += record.remove(obj, deformer)
-            shape_keys.install(obj, deformer, request.frames, part.shapes, request.exact_keys)
+            shape_keys.install(scene, obj, deformer, frames, part.shapes, request.exact_keys)
         else:
             playing = obj.modifiers[part.made] if part.made else session.find_cache(obj, deformer)
             warnings += record.remove_keys(obj, deformer)
-            cache.play(obj, deformer, playing, request.target, part.filepath, request.frames)
-        record.mark_baked(obj, deformer, request.target, request.frames, part.filepath)
+            timed = cache.timing(scene, frames)
+            cache.play(obj, deformer, playing, request.target, part.filepath, timed)
+        record.mark_baked(obj, deformer, request.target, frames, part.filepath)
         return warnings
 
     def cancel(self) -> None:
@@ -158,7 +160,7 @@ class Baking:
                 record.resume(obj, part.reader.deformer())
         self._restore_frame()
 
-    def _check(self, part: _Part) -> None:
+    def _check(self, part: _Part, scene: Scene) -> None:
         """Raise an error if this deformer cannot be baked, before anything is changed."""
         obj, deformer = part.reader.owner(), part.reader.deformer()
         session.require_mesh(obj, "Shape keys, PC2 and MDD hold")
@@ -174,6 +176,7 @@ class Baking:
             shape_keys.require_own_mesh(obj)
         if self.request.target == "SHAPE_KEYS":
             shape_keys.require_keys(obj)
+            shape_keys.require_room(scene, self.request.frames)
             self._check_keys(part.reader, obj, deformer)
         else:
             if deformer.renders_differ:
@@ -182,7 +185,7 @@ class Baking:
                     "the viewport, and a cache holds one number only - use the same Subdivision levels and "
                     "the same visibility in both"
                 )
-            cache.timing(self.request.frames)
+            cache.timing(scene, self.request.frames)
             taken = [other.filepath for other in self._parts if other is not part]
             part.filepath = paths.choose(obj, deformer, self.request.target, self.request.filepath, taken)
 

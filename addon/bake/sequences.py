@@ -10,17 +10,20 @@ import struct
 from collections.abc import Iterable, Iterator
 
 import bpy
-from bpy.types import Modifier, Object
+from bpy.types import Modifier, Object, Scene
 
 from .. import session
 from ..properties import SinewDeformer
+from .stretching import times
 
 _MAGIC = b"POINTCACHE2\0"
 _NUMBER = re.compile(r"(\d+)(?=\D*$)")  # of a file in a sequence of files
 
 
-def missing_frames(obj: Object, deformer: SinewDeformer, frames: range) -> tuple[str, ...]:
-    """A line per file of an animation that is missing, or lacks some of ``frames``.
+def missing_frames(
+    scene: Scene, obj: Object, deformer: SinewDeformer, frames: Iterable[int]
+) -> tuple[str, ...]:
+    """A line per file of an animation that is missing, or lacks some of these frames of the scene.
 
     None where the method of the deformer edits no animations.
     """
@@ -28,22 +31,24 @@ def missing_frames(obj: Object, deformer: SinewDeformer, frames: range) -> tuple
         return ()
     ours = session.find_modifier(obj, deformer)
     lines: list[str] = []
+    timed = dict(zip(frames, times(scene, frames).tolist(), strict=True))
     for modifier in obj.modifiers:
         if modifier == ours:
             break
         if modifier.show_viewport or modifier.show_render:
-            lines += _lacks(modifier, frames)
+            lines += _lacks(modifier, timed)
     return tuple(lines)
 
 
-def _lacks(modifier: Modifier, frames: range) -> Iterator[str]:
+def _lacks(modifier: Modifier, timed: dict[int, float]) -> Iterator[str]:
+    """``timed`` has the time of each frame."""
     if modifier.type == "MESH_CACHE":
-        yield from _of_point_cache(modifier, frames)
+        yield from _of_point_cache(modifier, timed)
     elif modifier.type == "MESH_SEQUENCE_CACHE":
-        yield from _of_alembic(modifier, frames)
+        yield from _of_alembic(modifier, timed)
 
 
-def _of_point_cache(modifier: Modifier, frames: range) -> Iterator[str]:
+def _of_point_cache(modifier: Modifier, timed: dict[int, float]) -> Iterator[str]:
     path = bpy.path.abspath(modifier.filepath)
     name = os.path.basename(path)
     if not os.path.isfile(path):
@@ -56,7 +61,9 @@ def _of_point_cache(modifier: Modifier, frames: range) -> Iterator[str]:
     if modifier.play_mode != "SCENE" or modifier.time_mode != "FRAME":
         return  # it says itself which frame is shown, or the file is spread over the time
     missing = [
-        frame for frame in frames if not 0 <= modifier.frame_scale * frame - modifier.frame_start <= count - 1
+        frame
+        for frame, time in timed.items()
+        if not 0 <= modifier.frame_scale * time - modifier.frame_start <= count - 1
     ]
     if missing:
         yield f"{modifier.name}: {name} has no {_listed(missing)} - its nearest frame is edited there"
@@ -74,7 +81,7 @@ def _samples(path: str) -> int | None:
     return struct.unpack("<i", head[28:32])[0] if head.startswith(_MAGIC) and len(head) == 32 else None
 
 
-def _of_alembic(modifier: Modifier, frames: range) -> Iterator[str]:
+def _of_alembic(modifier: Modifier, timed: dict[int, float]) -> Iterator[str]:
     cache = modifier.cache_file
     if cache is None:
         yield f"{modifier.name}: no file is chosen, so nothing moves the mesh - choose one there"
@@ -90,13 +97,13 @@ def _of_alembic(modifier: Modifier, frames: range) -> Iterator[str]:
         return
     there = set(os.listdir(folder)) if os.path.isdir(folder) else set()
 
-    def file_of(frame: int) -> str:
-        number = f"{frame - round(cache.frame_offset):0{len(digits[0])}d}"
+    def file_of(time: float) -> str:
+        number = f"{int(time) - round(cache.frame_offset):0{len(digits[0])}d}"
         return name[: digits.start()] + number + name[digits.end() :]
 
-    missing = [frame for frame in frames if file_of(frame) not in there]
+    missing = [frame for frame, time in timed.items() if file_of(time) not in there]
     if missing:
-        first = file_of(missing[0])
+        first = file_of(timed[missing[0]])
         yield f"{modifier.name}: {first} is missing, for {_listed(missing)} - put the files there"
 
 

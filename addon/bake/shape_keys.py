@@ -9,13 +9,15 @@ key, both without rounding.
 
 import bpy
 import numpy as np
-from bpy.types import Action, Key, Object, ShapeKey
+from bpy.types import Action, Key, Object, Scene, ShapeKey
 
 from .. import compat
 from ..core.errors import SinewError
 from ..properties import SinewDeformer
+from .stretching import stretch, times
 
 ZERO = "Zero"
+_APART = 0.02  # of a frame: Blender takes keyframes that are closer than half of it for one
 
 
 def require_keys(obj: Object) -> None:
@@ -35,6 +37,14 @@ def require_keys(obj: Object) -> None:
         raise SinewError("The action of the shape keys is linked - make it local, or bake to PC2")
 
 
+def require_room(scene: Scene, frames: range) -> None:
+    """Raise an error if Time Stretching brings the keyframes so close that Blender merges them."""
+    if frames.step * stretch(scene) < _APART:
+        raise SinewError(
+            "Time Stretching leaves no room between keyframes - bake to PC2, or with a larger Step"
+        )
+
+
 def require_own_mesh(obj: Object) -> None:
     """Raise an error if other objects share the mesh, since they would show its shape keys, too."""
     if obj.data.users > 1:
@@ -51,13 +61,14 @@ def basis(obj: Object) -> np.ndarray:
 
 
 def install(
+    scene: Scene,
     obj: Object,
     deformer: SinewDeformer,
     frames: range,
     shapes: list[tuple[np.ndarray, np.ndarray]],
     exact: bool,
 ) -> None:
-    """Add one key per frame.
+    """Add one key per frame of the scene.
 
     ``shapes`` are those before and after the deformer, float32 (n, 3), per frame.
     """
@@ -80,7 +91,7 @@ def install(
             key.relative_key = zero
         added.append(key.name)
     bake.made_action = _action(obj.data.shape_keys) is None
-    _animate(obj, frames, added)
+    _animate(obj, dict(zip(frames, times(scene, frames).tolist(), strict=True)), frames.step, added)
     obj.active_shape_key_index = active
 
 
@@ -93,18 +104,21 @@ def _add(obj: Object, deformer: SinewDeformer, name: str, positions: np.ndarray)
     return key
 
 
-def _animate(obj: Object, frames: range, names: list[str]) -> None:
-    """Let each key be on at its frame and blend into its neighbours. The first and the last key stay on."""
+def _animate(obj: Object, timed: dict[int, float], step: int, names: list[str]) -> None:
+    """Let each key be on at its frame and blend into its neighbours. The first and the last key stay on.
+
+    ``timed`` has the time of each frame.
+    """
     keys = obj.data.shape_keys
-    for frame, name in zip(frames, names, strict=True):
+    for time, name in zip(timed.values(), names, strict=True):
         keys.key_blocks[name].value = 1.0
-        keys.key_blocks[name].keyframe_insert("value", frame=frame)
+        keys.key_blocks[name].keyframe_insert("value", frame=time)
     curves = {curve.data_path: curve for _action, curve in compat.action_curves(keys)}
-    for frame, name in zip(frames, names, strict=True):
+    for frame, name in zip(timed, names, strict=True):
         curve = curves[_path(name)]
-        for neighbour in (frame - frames.step, frame + frames.step):
-            if neighbour in frames:
-                curve.keyframe_points.insert(neighbour, 0.0, options={"FAST"})
+        for neighbour in (frame - step, frame + step):
+            if neighbour in timed:
+                curve.keyframe_points.insert(timed[neighbour], 0.0, options={"FAST"})
         for point in curve.keyframe_points:
             point.interpolation = "LINEAR"
         curve.update()

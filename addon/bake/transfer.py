@@ -36,7 +36,7 @@ class Transferring:
         self._frame = scene.frame_current, scene.frame_subframe
         self._over = False
         _check(source, target)
-        cache.timing(frames)
+        self._timed = cache.timing(scene, frames)
         self._path = paths.choose_for_transfer(source, target, chosen)
         self._transfer = _prepared(source, target)
         rate = scene.render.fps / scene.render.fps_base
@@ -65,7 +65,7 @@ class Transferring:
         modifier = _modifier(source, target)
         self._file.commit()
         self._over = True
-        cache.play_file(modifier, TARGET, self._path, self._frames)
+        cache.play_file(modifier, TARGET, self._path, self._timed)
         self._restore_frame()
         return []
 

@@ -6,6 +6,8 @@ import bpy
 from .. import session
 from . import deferred, evaluation, history
 
+# Those of evaluations come first, so that the handlers of other add-ons find the shapes of the frame.
+_FIRST = ("depsgraph_update_post", "frame_change_post")
 _HANDLERS = (
     ("depsgraph_update_post", evaluation.on_depsgraph_update),
     ("frame_change_post", evaluation.on_frame_change),
@@ -19,7 +21,8 @@ _HANDLERS = (
 
 def register() -> None:
     for event, handler in _HANDLERS:
-        getattr(bpy.app.handlers, event).append(handler)
+        handlers = getattr(bpy.app.handlers, event)
+        handlers.insert(0 if event in _FIRST else len(handlers), handler)
 
 
 def unregister() -> None:

@@ -14,7 +14,7 @@ from bpy_extras import view3d_utils
 from .. import session
 from ..core.errors import SinewError
 from ..core.geometry import frames
-from ..core.methods import DEFAULT_METHOD, METHODS
+from ..core.methods import DEFAULT_GRIP_METHOD, DEFAULT_METHOD, METHODS
 from ..ids import Operators
 from .dragging import Dragging
 from .handle import select_control
@@ -26,7 +26,8 @@ from .reporting import reports_errors
 
 _METHODS = tuple(method for method in METHODS if session.marks_regions(method) and not method.wraps)
 _KEYS: Keys = ((("MOUSE_LMB",), "Release to Keep"), (("MOUSE_RMB",), "Cancel"), *MOTION_KEYS)
-_LINE = (1.0, 1.0, 1.0, 0.9)
+_OF_PART = 0.25  # the most of its part that a new handle takes
+HANDLE, REACH = (1.0, 1.0, 1.0, 0.9), (1.0, 1.0, 1.0, 0.3)  # the colours of the two rings
 _NOT_HELD = "Nothing holds this part, so all of it moves - click on it to make handles that stay"
 _NOTHING = "There is nothing to drag at this place - press on a surface, or on a curve, hair or a cloud"
 
@@ -127,15 +128,19 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
             return {"CANCELLED"}
         view = view_of(context, hit.place)
         if not self.properties.is_property_set("radius"):
-            self.radius = self.pixels * view.pixel
+            self.radius = handle_radius(context, hit, self.pixels)
         drag = self._drag(context, hit, wait=False)
         axes = axes_of(drag.frame)
         typed = self.typed_motion(context, event, view, axes)
         tool = Dragging(drag, typed, hit.place, axes)
         session.watch(drag.uid)
         SINEW_OT_drag.running = True
-        shape = ring(hit.place, hit.normal, self.radius) if drag.is_new else None
-        return self.begin(context, tool, hit.obj, partial(_draw_moved, tool, shape))
+        rings = []
+        if drag.is_new:
+            rings.append(ring(hit.place, hit.normal, self.radius))
+            if drag.is_region and not self.unlimited:
+                rings.append(ring(hit.place, hit.normal, self.reach * self.radius))
+        return self.begin(context, tool, hit.obj, partial(_draw_rings, tool, rings))
 
     def worked_on(self, context: Context) -> Object | None:
         """The object that was met, as long as it is in the scene."""
@@ -157,6 +162,8 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
 
     def _drag(self, context: Context, hit: session.Hit, wait: bool) -> session.Drag:
         reach = math.inf if self.unlimited else self.reach * self.radius
+        if not (session.is_mesh(hit.obj) or self.properties.is_property_set("method")):
+            self.method = DEFAULT_GRIP_METHOD
         brush = session.Brush(self.choose_method(context).id, self.radius, reach)
         drag = session.Drag(hit, context.evaluated_depsgraph_get(), brush, wait)
         if not drag.is_held:
@@ -171,6 +178,12 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
             select_control(context, obj, drag.handle_of(obj))
         except SinewError as error:
             self.report({"WARNING"}, str(error))
+
+
+def handle_radius(context: Context, hit: session.Hit, pixels: int) -> float:
+    """How large a new handle is: so many pixels, and at most a share of the loose part that it is on."""
+    size = session.shown_parts(hit.obj, context.evaluated_depsgraph_get()).size_at(hit.place)
+    return min(pixels * view_of(context, hit.place).pixel, _OF_PART * size)
 
 
 def surface_under(context: Context, x: float, y: float) -> session.Hit | None:
@@ -243,8 +256,11 @@ def _sight(context: Context, x: float, y: float) -> tuple[tuple, tuple]:
     return tuple(view3d_utils.region_2d_to_origin_3d(region, view, pixel)), tuple(direction)
 
 
-def _draw_moved(tool: Dragging, shape: np.ndarray | None) -> None:
-    """Draw the ring of a new handle where it is now, in each 3D Viewport."""
+def _draw_rings(tool: Dragging, rings: list[np.ndarray]) -> None:
+    """Draw the ring of a new handle where it is now, and how far the surface follows, in each 3D Viewport."""
     context = bpy.context
-    if shape is not None and context.region_data is not None:
-        draw_line(context.region, context.region_data, frames.transformed(tool.matrix, shape), _LINE)
+    if context.region_data is None:
+        return
+    for index, shape in enumerate(rings):
+        moved = shape if index else frames.transformed(tool.matrix, shape)
+        draw_line(context.region, context.region_data, moved, REACH if index else HANDLE)

@@ -4,7 +4,7 @@
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 from bpy.types import Context, Operator
 
-from .. import session
+from .. import bake, session
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..properties import MAX_FRAME, SinewDeformer
@@ -136,5 +136,6 @@ class SINEW_OT_key_jump(Operator):
                 "There is no key " + ("after" if self.to == "NEXT" else "before") + " this frame"
             )
         deformer.active_key = index
-        scene.frame_set(deformer.keys[index].frame)
+        frame, subframe = bake.frame_at(scene, deformer.keys[index].frame)
+        scene.frame_set(frame, subframe=subframe)
         return {"FINISHED"}

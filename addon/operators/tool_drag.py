@@ -48,13 +48,18 @@ class FieldDragging:
 
     job = None  # no thread works
 
-    def __init__(self, context: Context, name: str, pivot: np.ndarray, radius: float) -> None:
-        """``name`` of the object to drag, ``radius`` in the world."""
-        self._context, self._name, self.pivot, self.radius = context, name, pivot, radius
+    def __init__(
+        self, context: Context, name: str, pivot: np.ndarray, radius: float, parts: session.ShownParts
+    ) -> None:
+        """``name`` of the object to drag, ``radius`` in the world; 0 for one that fits the part there."""
+        self._context, self._name, self.pivot, self._parts = context, name, pivot, parts
+        self._fits = radius == 0.0
+        self.radius = radius or session.tool_reach(parts.size_at(pivot))
         self.notice = ""  # an error that does not end the tool
         self.stage = Stage.WAITING
         self.path: list[np.ndarray] = []  # places (3,) in the world, from where it was pressed on
         self.hit: session.Hit | None = None
+        self.place = pivot  # (3,) in the world: where the tool is now
         self.uid = ""
         self._was_new = False
         self._from = (0.0, 0.0)
@@ -79,6 +84,7 @@ class FieldDragging:
             self.hit = self._under(event)
         elif key in RESIZE and pressed:
             self.radius *= RESIZE[key]
+            self._fits = False
         elif key == "LEFTMOUSE" and pressed:
             self._press(obj, event)
         return Outcome.GO_ON
@@ -101,7 +107,11 @@ class FieldDragging:
 
     def _under(self, event: Event) -> session.Hit | None:
         hit = surface_under(self._context, event.mouse_x, event.mouse_y)
-        return hit if hit is not None and hit.obj.name == self._name else None
+        if hit is None or hit.obj.name != self._name:
+            return None
+        if self._fits:
+            self.radius = session.tool_reach(self._parts.size_at(hit.place))
+        return hit
 
     def _press(self, obj: Object, event: Event) -> None:
         self.hit = self._under(event)
@@ -113,12 +123,13 @@ class FieldDragging:
         self.uid, self._was_new = deformer.uid, deformer.uid not in before
         if refusal is not None:  # the tool is removed again
             raise refusal
-        self.pivot, self.path = self.hit.place, [self.hit.place]
+        self.pivot = self.place = self.hit.place
+        self.path = [self.hit.place]
         self._from, self.stage = (event.mouse_x, event.mouse_y), Stage.DRAGGING
 
     def _drag(self, obj: Object, event: Event, view: View) -> None:
         x, y = event.mouse_x - self._from[0], event.mouse_y - self._from[1]
-        place = self.path[0] + view.pixel * (x * view.right + y * view.up)
+        self.place = place = self.path[0] + view.pixel * (x * view.right + y * view.up)
         deformer = self.deformer(obj)
         if lead(obj, deformer, deformer.controls[-1], place, self.path[-1], self.radius):
             self.path.append(place)
@@ -132,7 +143,7 @@ def begin(
     outer = radius / scale
     tool = session.new_tool(obj, place, normal, outer, "Drag")
     values = {"tools": "drag", "outer": outer, "inner": _INNER * outer}
-    return session.add_to(obj, [tool], DEFAULT_TOOL_METHOD, True, **values)
+    return session.add_to(obj, {tool: values}, DEFAULT_TOOL_METHOD, True)
 
 
 def lead(
@@ -168,7 +179,8 @@ class SINEW_OT_tool_drag(ViewportTool, Operator):
         name="Radius",
         subtype="DISTANCE",
         min=0.0,
-        description="How far the drag reaches; 0 for a third of the size of the object",
+        options={"SKIP_SAVE"},
+        description="How far the drag reaches; 0 for a third of the size of the part that is pressed",
     )
 
     @classmethod
@@ -185,7 +197,7 @@ class SINEW_OT_tool_drag(ViewportTool, Operator):
         if len(self.path) < 2:
             raise SinewError("There is no path - drag in a 3D Viewport")
         obj, places = target_of(context), [np.array(point.location, dtype=float) for point in self.path]
-        radius = self.radius or _size(obj) / 3.0
+        radius = self.radius or session.tool_reach(_parts(context, obj).size_at(places[0]))
         deformer, refusal = begin(obj, places[0], np.array((0.0, 0.0, 1.0)), radius)
         if refusal is not None:
             raise refusal
@@ -198,7 +210,7 @@ class SINEW_OT_tool_drag(ViewportTool, Operator):
     def start(self, context: Context, _event: Event) -> set[str]:
         obj = target_of(context)
         pivot = np.array(obj.matrix_world.translation, dtype=np.float64)
-        tool = FieldDragging(context, obj.name, pivot, self.radius or _size(obj) / 3.0)
+        tool = FieldDragging(context, obj.name, pivot, self.radius, _parts(context, obj))
         return self.begin(context, tool, obj, partial(_draw, tool))
 
     def worked_on(self, context: Context) -> Object | None:
@@ -217,17 +229,18 @@ class SINEW_OT_tool_drag(ViewportTool, Operator):
         return f"{self.bl_label}: {self.tool.stage.value}, radius {length}"
 
 
-def _size(obj: Object) -> float:
-    return max(obj.dimensions) or 1.0
+def _parts(context: Context, obj: Object) -> session.ShownParts:
+    return session.ShownParts(obj, context.evaluated_depsgraph_get())
 
 
 def _draw(tool: FieldDragging) -> None:
-    """Draw the reach under the mouse, and the way so far, in each 3D Viewport."""
+    """Draw the reach under the mouse or around the tool, and the way so far, in each 3D Viewport."""
     context = bpy.context
     if context.region_data is None:
         return
-    if tool.stage is Stage.WAITING and tool.hit is not None:
-        circle = ring(tool.hit.place, tool.hit.normal, tool.radius)
+    if tool.hit is not None:
+        place = tool.hit.place if tool.stage is Stage.WAITING else tool.place
+        circle = ring(place, tool.hit.normal, tool.radius)
         draw_line(context.region, context.region_data, circle, _RING)
     if len(tool.path) > 1:
         draw_line(context.region, context.region_data, np.array(tool.path), _WAY)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Add Tool, and the stops on the path of a tool."""
 
+import bpy
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
 from bpy.types import Context, Object, Operator
@@ -44,7 +45,8 @@ class SINEW_OT_tool_add(BindingOperator, Operator):
         subtype="DISTANCE",
         min=0.0,
         options={"SKIP_SAVE"},
-        description="How far the tool reaches; 0 for a third of the size of the object",
+        description="How far the tool reaches; 0 for a third of the size of the object, or for a Drag of the "
+        "part beside it",
     )
 
     @classmethod
@@ -54,10 +56,12 @@ class SINEW_OT_tool_add(BindingOperator, Operator):
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
-        size = max(obj.dimensions) or 1.0
-        outer = self.outer or size / 3.0
         with object_mode(context, obj):
-            control = self._control(context, obj, outer)
+            control, place = self._chosen(context), self._place(context, obj)
+            outer = self.outer or session.tool_reach(self._size(obj, place))
+            if control is None:
+                label = next(item[1] for item in _TOOL.items if item[0] == self.tool)
+                control = session.new_tool(obj, place, np.array((0.0, 0.0, 1.0)), outer, label)
             widths = sorted(obj.dimensions)
             values = {
                 "tools": self.tool,
@@ -66,27 +70,39 @@ class SINEW_OT_tool_add(BindingOperator, Operator):
                 "width": 0.75 * widths[1] or outer,
             }
             deformer, refusal = session.add_to(
-                obj, [control], DEFAULT_TOOL_METHOD, owned=not self.control, wait=wait, **values
+                obj, {control: values}, DEFAULT_TOOL_METHOD, owned=not self.control, wait=wait
             )
             if obj == target_of(context):
                 show_only(context, obj, control)
         self.report_bind(refusal, deformer.uid, control.name)
         return {"FINISHED"}
 
-    def _control(self, context: Context, obj: Object, outer: float) -> Object:
-        if self.control:
-            control = context.scene.objects.get(self.control)
-            if control is None:
-                raise SinewError(f"There is no object '{self.control}' in the scene")
-            return control
-        box = np.array([obj.matrix_world @ Vector(corner) for corner in obj.bound_box])
-        place = 0.5 * (box.min(axis=0) + box.max(axis=0))
+    def _chosen(self, context: Context) -> Object | None:
+        """The object that is to be the tool; None if a new one is to be made."""
+        if not self.control:
+            return None
+        control = context.scene.objects.get(self.control)
+        if control is None:
+            raise SinewError(f"There is no object '{self.control}' in the scene")
+        return control
+
+    def _place(self, context: Context, obj: Object) -> np.ndarray:
+        """Where the tool is, (3,) in the world."""
+        control = self._chosen(context)
+        if control is not None:
+            return np.array(control.matrix_world.translation)
         if self.properties.is_property_set("location"):
-            place = np.array(self.location)
-        elif self.tool == "drag":
-            place = np.array(context.scene.cursor.location)
-        label = next(item[1] for item in _TOOL.items if item[0] == self.tool)
-        return session.new_tool(obj, place, np.array((0.0, 0.0, 1.0)), outer, label)
+            return np.array(self.location)
+        if self.tool == "drag":
+            return np.array(context.scene.cursor.location)
+        box = np.array([obj.matrix_world @ Vector(corner) for corner in obj.bound_box])
+        return 0.5 * (box.min(axis=0) + box.max(axis=0))
+
+    def _size(self, obj: Object, place: np.ndarray) -> float:
+        """Of what the tool moves: a Drag takes the part beside it, the others the whole object."""
+        if self.tool != "drag":
+            return max(obj.dimensions) or 1.0
+        return session.ShownParts(obj, bpy.context.evaluated_depsgraph_get()).size_at(place)
 
 
 class SINEW_OT_tool_stop(BindingOperator, Operator):

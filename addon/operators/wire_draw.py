@@ -15,8 +15,9 @@ from ..core.transform.typed_motion import View
 from ..ids import Operators
 from .drag import surface_under
 from .modal.moving import CANCEL, NAVIGATE, WHEEL
-from .modal.ring import draw_line
+from .modal.ring import draw_line, ring
 from .modal.shell import Keys, Outcome, ViewportTool
+from .modal.view import length_text
 from .reporting import reports_errors
 from .target import has_target, target_of
 from .waiting import BindingOperator
@@ -24,6 +25,7 @@ from .wires import POINTS, RADIUS, add_wires
 
 _KEYS: Keys = ((("MOUSE_LMB_DRAG",), "Draw on the Surface"), (("MOUSE_RMB",), "Cancel"))
 _LINE = (1.0, 0.6, 0.1, 1.0)
+_RING = (1.0, 1.0, 1.0, 0.9)
 _STEP = 4.0  # pixels between two places of a stroke
 _FEWEST = 3  # places: less is a click
 
@@ -40,12 +42,19 @@ class Drawing:
 
     job = None  # no thread works
 
-    def __init__(self, context: Context, name: str, pivot: np.ndarray) -> None:
-        """``name`` of the object to draw on; other surfaces are no part of the stroke."""
+    def __init__(
+        self, context: Context, name: str, pivot: np.ndarray, radius: float, parts: session.ShownParts
+    ) -> None:
+        """``name`` of the object to draw on; other surfaces are no part of the stroke.
+
+        ``radius`` of the wire, in the world; 0 for one that fits the stroke and the part that it is on.
+        """
         self._context, self._name, self.pivot = context, name, pivot
+        self._radius, self._parts = radius, parts
         self.notice = ""  # an error that does not end the tool
         self.stage = Stage.WAITING
         self.stroke: list[np.ndarray] = []  # places (3,) in the world
+        self.normal = np.array((0.0, 0.0, 1.0))  # of the surface at the last of them
         self._last = (0.0, 0.0)
 
     def process(self, _obj: Object, event: Event, _view: View) -> Outcome:
@@ -61,6 +70,14 @@ class Drawing:
             self.stage = Stage.DRAWING
             self._add(event)
         return Outcome.GO_ON
+
+    @property
+    def radius(self) -> float:
+        """Of the wire that the stroke would make now."""
+        if self._radius or len(self.stroke) < 2:
+            return self._radius
+        length = float(np.linalg.norm(np.diff(self.stroke, axis=0), axis=1).sum())
+        return session.wire_radius(length, self._parts.size_at(self.stroke[len(self.stroke) // 2]))
 
     def restore(self, _obj: Object) -> None:
         """Nothing: the stroke changes the scene at its end."""
@@ -82,6 +99,7 @@ class Drawing:
         self._last = (event.mouse_x, event.mouse_y)
         if hit is not None and hit.obj.name == self._name:
             self.stroke.append(hit.place)
+            self.normal = hit.normal
 
 
 class SINEW_OT_wire_draw(ViewportTool, BindingOperator, Operator):
@@ -115,7 +133,9 @@ class SINEW_OT_wire_draw(ViewportTool, BindingOperator, Operator):
 
     def start(self, context: Context, _event: Event) -> set[str]:
         obj = target_of(context)
-        tool = Drawing(context, obj.name, np.array(obj.matrix_world.translation, dtype=np.float64))
+        pivot = np.array(obj.matrix_world.translation, dtype=np.float64)
+        parts = session.ShownParts(obj, context.evaluated_depsgraph_get())
+        tool = Drawing(context, obj.name, pivot, self.radius, parts)
         return self.begin(context, tool, obj, partial(_draw, tool))
 
     def worked_on(self, context: Context) -> Object | None:
@@ -130,8 +150,10 @@ class SINEW_OT_wire_draw(ViewportTool, BindingOperator, Operator):
         self._make(context, self.worked_on(context))
         return {"FINISHED"}
 
-    def header(self, _context: Context) -> str:
-        return f"{self.bl_label}: {self.tool.stage.value}"
+    def header(self, context: Context) -> str:
+        radius = self.tool.radius
+        text = f"{self.bl_label}: {self.tool.stage.value}"
+        return text if not radius else f"{text}, radius {length_text(context.scene.unit_settings, radius)}"
 
     def _make(self, context: Context, obj: Object) -> None:
         places = np.array([point.location[:] for point in self.stroke], dtype=np.float64)
@@ -140,7 +162,10 @@ class SINEW_OT_wire_draw(ViewportTool, BindingOperator, Operator):
 
 
 def _draw(tool: Drawing) -> None:
-    """Draw the stroke in each 3D Viewport."""
+    """Draw the stroke, and how far its wire would reach, in each 3D Viewport."""
     context = bpy.context
-    if context.region_data is not None and len(tool.stroke) > 1:
-        draw_line(context.region, context.region_data, np.array(tool.stroke), _LINE)
+    if context.region_data is None or len(tool.stroke) < 2:
+        return
+    draw_line(context.region, context.region_data, np.array(tool.stroke), _LINE)
+    circle = ring(tool.stroke[-1], tool.normal, tool.radius)
+    draw_line(context.region, context.region_data, circle, _RING)

@@ -19,7 +19,8 @@ RADIUS = {
     "default": 0.0,
     "min": 0.0,
     "options": {"SKIP_SAVE"},
-    "description": "How far from the wire points follow it; 0 for a sixth of the size of the object",
+    "description": "How far from the wire points follow it; 0 for about a third of its length, and "
+    "at most a seventh of the size of the part beside it",
 }
 POINTS = {
     "name": "Points",
@@ -96,9 +97,9 @@ def add_wires(
     wait: bool,
 ) -> None:
     """Let curves be wires of an object, select the last one, and report."""
-    radius = radius or max(obj.dimensions) / 6.0
-    values = {} if radius <= 0.0 else {"radius": radius}
-    deformer, refusal = session.add_to(obj, wires, DEFAULT_WIRE_METHOD, owned, wait, **values)
+    radii = {wire: radius or session.fitting_radius(obj, wire) for wire in wires}
+    values = {wire: {"radius": own} if own > 0.0 else {} for wire, own in radii.items()}
+    deformer, refusal = session.add_to(obj, values, DEFAULT_WIRE_METHOD, owned, wait)
     if obj == target_of(context):
         show_only(context, obj, wires[-1])
     operator.report_bind(refusal, deformer.uid, wires[-1].name)

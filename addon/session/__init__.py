@@ -2,8 +2,10 @@
 """Decides when to factorise and when to solve. Operators, handlers and scripts come in by these functions."""
 
 from .blocks.baked import find_cache
+from .blocks.capture import points_shown
 from .blocks.lattice_keys import show_late
 from .blocks.owners import copies, forget_owners, has_copies, owners
+from .blocks.parts import ShownParts, shown_parts
 from .blocks.references import curve_node, edit_curve, reset_curve
 from .blocks.shapes import attribute_names, find_modifier, shown_by, stray_modifiers
 from .blocks.surface import Hit, first_hit, nearest_point
@@ -49,11 +51,21 @@ from .edit.rigging import (
     use_control,
     waiting_for_control,
 )
-from .edit.rows import add_to, forget_stops, new_tool, remove_row, rows_of, set_rest_of, stop_count, stop_here
+from .edit.rows import (
+    add_to,
+    forget_stops,
+    new_tool,
+    remove_row,
+    rows_of,
+    set_rest_of,
+    stop_count,
+    stop_here,
+    tool_reach,
+)
 from .edit.saving import store, store_shown
 from .edit.selection import group_from_selection, select_elements, select_group
 from .edit.upkeep import collect, has_pending, restore_shapes, separate_copies, tidy
-from .edit.wires import wire_from_edges, wire_through
+from .edit.wires import fitting_radius, wire_from_edges, wire_radius, wire_through
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
 from .live.dependencies import circle
 from .live.evaluate import settle, update
@@ -93,6 +105,7 @@ __all__ = (
     "Part",
     "PuppetDrag",
     "PuppetOptions",
+    "ShownParts",
     "Sight",
     "Sketch",
     "Work",
@@ -129,6 +142,7 @@ __all__ = (
     "find_cache",
     "find_modifier",
     "first_hit",
+    "fitting_radius",
     "flip_cage",
     "forget_owners",
     "forget_shapes",
@@ -172,6 +186,7 @@ __all__ = (
     "object_with",
     "owners",
     "part_regions",
+    "points_shown",
     "posed_by",
     "refresh",
     "remove_deformer",
@@ -198,6 +213,7 @@ __all__ = (
     "settle",
     "show_late",
     "shown_by",
+    "shown_parts",
     "stop_count",
     "stop_here",
     "store",
@@ -210,6 +226,7 @@ __all__ = (
     "takes_points",
     "takes_segments",
     "tidy",
+    "tool_reach",
     "try_bind",
     "unbind",
     "unsettled",
@@ -219,6 +236,7 @@ __all__ = (
     "waiting_for_control",
     "watch",
     "wire_from_edges",
+    "wire_radius",
     "wire_through",
     "with_points",
 )

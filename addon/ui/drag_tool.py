@@ -7,10 +7,7 @@ from bpy.types import Context, UILayout, WorkSpaceTool
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..operators import SINEW_OT_drag, draw_line, ring, surface_under
-from ..operators.modal.view import view_of
-
-_HANDLE = (1.0, 1.0, 1.0, 0.9)
-_REACH = (1.0, 1.0, 1.0, 0.3)
+from ..operators.drag import HANDLE, REACH, handle_radius
 
 
 class SINEW_WT_drag(WorkSpaceTool):
@@ -50,11 +47,11 @@ class SINEW_WT_drag(WorkSpaceTool):
         if hit is None:
             return
         settings = tool.operator_properties(Operators.DRAG)
-        radius = settings.pixels * view_of(context, hit.place).pixel
+        radius = handle_radius(context, hit, settings.pixels)
         region, view = context.region, context.region_data
-        rings = [(radius, _HANDLE)]
+        rings = [(radius, HANDLE)]
         if not settings.unlimited:
-            rings.append((radius * settings.reach, _REACH))
+            rings.append((radius * settings.reach, REACH))
         for size, colour in rings:
             draw_line(region, view, ring(hit.place, hit.normal, size), colour, (region.x, region.y))
 

@@ -26,7 +26,7 @@ class SINEW_UL_keys(UIList):
         index: int,
     ) -> None:
         row = layout.row(align=True)
-        is_here = key.frame == context.scene.frame_current
+        is_here = key.frame == round(context.scene.frame_current_final)
         row.prop(key, "frame", text="", emboss=False, icon="KEYTYPE_KEYFRAME_VEC" if is_here else "KEYFRAME")
         jump = row.operator(Operators.KEY_JUMP, text="", icon="TIME", emboss=False)
         jump.to, jump.index = "ACTIVE", index
@@ -57,7 +57,7 @@ class SINEW_PT_keys(ActiveDeformerPanel, Panel):
         side.operator(Operators.KEY_JUMP, text="", icon="NEXT_KEYFRAME").to = "NEXT"
         layout.operator(Operators.KEY_ADD, text="Key without an Edit", icon="KEYFRAME").blank = True
         frames = range(context.scene.frame_start, context.scene.frame_end + 1)
-        missing = bake.missing_frames(target_of(context), deformer, frames)
+        missing = bake.missing_frames(context.scene, target_of(context), deformer, frames)
         for text in (*session.key_notes(deformer), *missing):
             draw_text(context, layout, text, "INFO")
 

@@ -11,6 +11,7 @@ from rig import Rig, evaluated_points, key, make_active
 FRAMES = range(1, 9)
 TARGETS = ("SHAPE_KEYS", "PC2", "MDD")
 CACHES = ("PC2", "MDD")
+STRETCHES = ((100, 50), (100, 200), (100, 130), (130, 100))
 
 
 def animate(control: bpy.types.Object, last: int = 8, angle: float = 80.0) -> None:
@@ -21,6 +22,12 @@ def animate(control: bpy.types.Object, last: int = 8, angle: float = 80.0) -> No
         place, turn = (part * np.array(end) for end in ((0.013, -0.8, 0.9), turned))
         key(control, {frame: {"location": place, "rotation_euler": turn}})
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = FRAMES[0], FRAMES[-1]
+
+
+def stretch_time(old: int, new: int) -> None:
+    """Time Stretching, in the Format panel of the scene."""
+    render = bpy.context.scene.render
+    render.frame_map_old, render.frame_map_new = old, new
 
 
 def played(obj: bpy.types.Object, frames=FRAMES) -> dict[float, np.ndarray]:

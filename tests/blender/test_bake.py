@@ -6,7 +6,18 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, footprint, played
+from baking import (
+    CACHES,
+    FRAMES,
+    STRETCHES,
+    TARGETS,
+    animate,
+    assert_same,
+    bake,
+    footprint,
+    played,
+    stretch_time,
+)
 from inside import SOLVING
 from mathutils import Matrix
 from registry import WITH_HANDLES
@@ -274,6 +285,49 @@ def test_late_and_negative_frames_play_exactly_or_are_refused(
     samples.flush()
     for frame, points in played(moving.obj, frames).items():
         assert np.array_equal(points, samples[frames.index(frame)])
+
+
+@pytest.mark.parametrize("stretch", STRETCHES)
+@pytest.mark.parametrize("target", TARGETS)
+def test_time_stretching_plays_the_frames_of_the_scene(
+    moving: Rig, tmp_path: Path, target: str, stretch: tuple[int, int]
+):
+    stretch_time(*stretch)
+    live = played(moving.obj)
+    assert np.abs(live[8] - live[1]).max() > 0.3
+    bake(moving, target, tmp_path / "plate")
+    assert_same(played(moving.obj), live)
+    bpy.ops.sinew.unbake()
+    assert_same(played(moving.obj), live)
+
+
+@pytest.mark.parametrize("frames", [range(1, 251), range(1001, 1100, 2), range(-50, 60, 5)])
+@pytest.mark.parametrize("stretch", STRETCHES)
+def test_caches_of_long_shots_play_stretched_or_are_refused(
+    moving: Rig, tmp_path: Path, stretch: tuple[int, int], frames: range
+):
+    stretch_time(*stretch)
+    moving.control.animation_data_clear()
+    ends = {"frame_start": frames[0], "frame_end": frames[-1], "step": frames.step}
+    try:
+        bake(moving, "PC2", tmp_path / "plate", **ends)
+    except RuntimeError as error:
+        assert "Time Stretching" in str(error)  # noqa: PT017
+        assert frames[0] == 1001
+        assert not moving.deformer.bake.is_baked
+        return
+    samples = np.memmap(tmp_path / "plate.pc2", dtype="<f4", offset=32, mode="r+").reshape(len(frames), -1, 3)
+    samples[:] = np.random.default_rng(1).normal(size=samples.shape)  # neighbours differ in every bit
+    samples.flush()
+    for frame, points in played(moving.obj, frames).items():
+        assert np.array_equal(points, samples[frames.index(frame)])
+
+
+def test_keyframes_that_time_stretching_would_merge_are_refused(moving: Rig):
+    stretch_time(1, 200)
+    with pytest.raises(RuntimeError, match="no room between keyframes"):
+        bake(moving, "SHAPE_KEYS")
+    assert moving.obj.data.shape_keys is None
 
 
 def test_custom_frames_are_baked_and_the_current_frame_comes_back(moving: Rig, tmp_path: Path):

@@ -142,14 +142,15 @@ def middle_of_a_face(obj: bpy.types.Object) -> np.ndarray | None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_drag_takes_hold_of_curves_text_hair_and_clouds(kind: str):
-    """On their surface, or at the point that is nearest to the line of sight."""
+    """On their surface, or at the point that is nearest to the line of sight, by a method that can do it."""
     obj = MAKERS[kind]()
     update()
     before = moved_by_hand(obj, lambda points: points)
     make_active(obj)
     place = middle_of_a_face(obj)
     place = before[np.argmax(before[:, 2])] if place is None else place
-    control = drag(place[0], place[1], method="inverse_ffd")
+    control = drag(place[0], place[1])
+    assert obj.sinew.active.definition.label == "Inverse Free-Form Deformation"
     (handle,) = obj.sinew.active.handles
     assert handle.control == control
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
@@ -160,7 +161,7 @@ def test_a_drag_takes_hold_of_curves_text_hair_and_clouds(kind: str):
     # A curve moves by its points: a place half-way between two follows less.
     assert lifted[np.argmin(near), 2] > (0.2 if kind in CURVES else 0.3)
     assert np.abs(lifted).max() < 0.7
-    assert drag(*control.matrix_world.translation[:2], method="inverse_ffd") == control
+    assert drag(*control.matrix_world.translation[:2]) == control
     assert len(obj.sinew.active.handles) == 1
 
 

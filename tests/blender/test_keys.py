@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from baking import assert_same, bake, played
+from baking import assert_same, bake, played, stretch_time
 from inside import dragging, native
 from mathutils import Matrix
 from rig import (
@@ -219,6 +219,17 @@ def test_the_list_jumps_from_key_to_key(swaying: Rig):
     bpy.ops.sinew.key_jump(index=1)
     assert bpy.context.scene.frame_current == 10
     assert "sinew.key_jump" in draw(bpy.types.SINEW_PT_keys).operator_names()
+
+
+def test_the_list_jumps_to_the_frame_that_plays_a_key_in_stretched_time(swaying: Rig):
+    keyed(swaying)
+    stretch_time(100, 50)
+    go(6)
+    make_active(swaying.obj)
+    for to, frame, key in (("NEXT", 10, 20), ("PREVIOUS", 5, 10)):
+        bpy.ops.sinew.key_jump(to=to)
+        assert bpy.context.scene.frame_current == frame
+        assert bpy.context.scene.frame_current_final == key
 
 
 def test_a_frame_changed_in_the_list_moves_the_key(swaying: Rig):
@@ -454,6 +465,9 @@ def test_an_animation_from_a_file_is_edited_and_missing_frames_are_named(plate: 
     bpy.context.scene.frame_end = 14
     said = "Take 1: run.pc2 has no frames 11 to 14 - its nearest frame is edited there"
     assert said in key_panel()
+    stretch_time(100, 50)
+    assert "run.pc2 has no frames 6 to 14" in key_panel()
+    stretch_time(100, 100)
     make_active(plate.obj)
     assert bpy.ops.sinew.bake(
         target="PC2", filepath=str(tmp_path / "out.pc2"), frame_start=9, frame_end=12

@@ -2,23 +2,27 @@
 """The scripts that the README and the manual show work as they stand there."""
 
 import re
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
-from rig import add_group, base_points, evaluated_points, grid_object, make_active
+from rig import Rig, add_group, base_points, evaluated_points, grid_object, key_heights, make_active
 
 ROOT = Path(__file__).parents[2]
 FLOAT32 = 1e-6  # both regions are held exactly; float32 keeps some 1e-7 of a unit
 
 
 def scripts(page: str) -> list[str]:
-    """The Python blocks of a page that use Blender."""
-    text = (ROOT / page).read_text(encoding="utf-8")
-    return [
-        block for block in re.findall(r"```python\n(.*?)```", text, re.DOTALL) if "bpy.ops.sinew" in block
-    ]
+    """The Python blocks of a page that call operators of ours."""
+    return [block for block in blocks(page) if "bpy.ops.sinew" in block]
+
+
+def blocks(page: str) -> list[str]:
+    """The Python blocks of a page."""
+    return re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
 
 
 def run(script: str, page: str) -> dict:
@@ -70,6 +74,22 @@ def test_the_manuals_cage_moves_the_mesh(doll: tuple) -> None:
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     moved = np.abs(evaluated_points(obj) - base_points(obj)).max()
     assert 0.01 < moved < 0.5
+
+
+def test_the_manuals_handler_reads_the_shape_of_each_frame(plate: Rig) -> None:
+    plate.bind()
+    key_heights(plate.control, {1: 0.0, 11: 1.0}, linear=True)
+    page = "docs/manual/scripting.md"
+    (script,) = (block for block in blocks(page) if "frame_change_post" in block)
+    names, printed = run(script, page), StringIO()
+    try:
+        with redirect_stdout(printed):
+            for frame in (4, 9):
+                bpy.context.scene.frame_set(frame)
+    finally:
+        bpy.app.handlers.frame_change_post.remove(names["write_heights"])
+    seen = [tuple(map(float, line.split())) for line in printed.getvalue().splitlines()]
+    assert np.allclose(seen, [(4.0, 0.3), (9.0, 0.8)], atol=FLOAT32)
 
 
 def test_the_manual_speaks_of_operators_that_exist() -> None:

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from baking import FRAMES, animate, played
+from baking import FRAMES, STRETCHES, animate, played, stretch_time
 from rig import Rig, base_points, linked, make_active, new_object, push, save
 from second_blender import LOOK, another_blender
 
@@ -56,6 +56,16 @@ def test_faces_of_the_target_may_be_turned(pair, tmp_path: Path):
     plate, target = pair
     target.data.flip_normals()
     assert transfer(plate.obj, target, tmp_path / "stout") == {"FINISHED"}
+    moved = played(target)
+    for frame, points in played(plate.obj).items():
+        assert np.abs(moved[frame] - 2.0 * points).max() < 1e-5, frame
+
+
+@pytest.mark.parametrize("stretch", STRETCHES)
+def test_time_stretching_plays_a_transfer_at_the_frames_of_the_scene(pair, tmp_path: Path, stretch):
+    plate, target = pair
+    stretch_time(*stretch)
+    transfer(plate.obj, target, tmp_path / "stout")
     moved = played(target)
     for frame, points in played(plate.obj).items():
         assert np.abs(moved[frame] - 2.0 * points).max() < 1e-5, frame

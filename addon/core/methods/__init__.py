@@ -34,6 +34,7 @@ __all__ = (
     "BY_ID",
     "CONTROL_PARAMETERS",
     "DEFAULT_CAGE_METHOD",
+    "DEFAULT_GRIP_METHOD",
     "DEFAULT_METHOD",
     "DEFAULT_POINT_METHOD",
     "DEFAULT_PUPPET_METHOD",
@@ -68,6 +69,7 @@ DEFAULT_METHOD = "arap"  # the method of a deformer that Add Handle makes
 DEFAULT_CAGE_METHOD = "mean_value"  # the method of a deformer that Add Cage makes
 DEFAULT_PUPPET_METHOD = "mesh_puppetry"
 DEFAULT_POINT_METHOD = "rbf"  # the method of a deformer that Add Handle Points makes
+DEFAULT_GRIP_METHOD = "inverse_ffd"  # the method that Sinew Drag gives to what is no mesh, such as text
 DEFAULT_TOOL_METHOD = "vector_field"  # the method of a deformer that Add Tool and Field Drag make
 DEFAULT_WIRE_METHOD = "wires"  # the method of a deformer that Add Wire makes
 # The methods that a method is put around until the artist chooses another one.

@@ -16,6 +16,7 @@ from ...core.geometry import flat_outline
 from ...mesh_io import read_rest
 from ...properties import SinewDeformer
 from ..blocks import capture, rest_frame, targets
+from ..blocks.transforms import put
 from ..control import kinds
 from ..control.cage.kind import KIND as CAGE
 from ..live import binding
@@ -101,12 +102,12 @@ def follow(cage: Object, obj: Object, place: Matrix | None = None) -> None:
     else:
         cage.parent = obj
     world = obj.matrix_world.copy()
-    cage.matrix_basis = place
+    put(cage, place)
     sheared = np.abs(np.array(cage.matrix_basis) - np.array(place)).max() > 1e-5 * max(
         place.median_scale, 1.0
     )
     if sheared or world.determinant() == 0.0:
-        cage.matrix_basis = world.inverted_safe() @ place
+        put(cage, world.inverted_safe() @ place)
         return
     if follows is None:
         cage.matrix_parent_inverse = world.inverted()

@@ -14,7 +14,6 @@ import numpy as np
 from bpy.types import Depsgraph, Object, PoseBone
 from mathutils import Matrix
 
-from ...backend import connected_parts
 from ...core import status
 from ...core.errors import ConstraintError, SinewError
 from ...core.geometry import frames, reach
@@ -23,7 +22,9 @@ from ...core.status import Level
 from ...mesh_io import group_weights, read_rest
 from ...properties import SinewDeformer, SinewHandle, deformers_of
 from ..blocks import shapes, surface, targets
+from ..blocks.parts import Parts
 from ..blocks.surface import Hit
+from ..blocks.transforms import put
 from ..control import kinds, locks
 from ..live import binding
 from ..memory.background import Work
@@ -105,6 +106,7 @@ class Drag:
             _make_active(obj, deformer)
             deformer.active_handle = list(deformer.handles).index(handle)
         self.uid, self._handle, self.name = deformer.uid, handle.uid, handle.name
+        self.is_region = bool(handle.vertex_group)
         mover = _mover(handle)
         self._channels = {name: tuple(getattr(mover, name)) for name in _CHANNELS}
         carrier = handle.control.matrix_world
@@ -136,6 +138,7 @@ class Drag:
             mover.matrix = handle.control.matrix_world.inverted_safe() @ place
         else:
             mover.matrix_world = place
+        put(mover, mover.matrix_basis.copy())
         deformer = self._deformer(obj)
         if deformer is not None and not handle.vertex_group:
             surface_points.move_image(obj, deformer, handle)
@@ -278,13 +281,9 @@ def _parts(
 
     Larger parts must not ride on it. A support that has a vertex of them holds their other vertices.
     """
-    labels = connected_parts(len(points), faces)
-    order = np.argsort(labels, kind="stable")
-    starts = np.flatnonzero(np.diff(labels[order], prepend=-1))
-    low, high = (side.reduceat(points[order], starts) for side in (np.minimum, np.maximum))
-    sizes = np.linalg.norm(high - low, axis=1)
-    part = labels == labels[vertex]
-    return part, order[starts[sizes > sizes[part[order[starts]]]]]
+    parts = Parts(points, faces)
+    own, sizes = parts.labels[vertex], np.linalg.norm(parts.sides, axis=1)
+    return parts.labels == own, parts.firsts[sizes > sizes[own]]
 
 
 def _in_order(obj: Object) -> list[SinewDeformer]:

@@ -14,6 +14,7 @@ from ...core.geometry import hexahedra
 from ...mesh_io import RestShape, read_rest
 from ...properties import SinewDeformer
 from ..blocks import capture, rest_frame
+from ..blocks.transforms import put
 from ..control import kinds
 from ..control.lattice.kind import KIND as LATTICE
 from ..live import binding
@@ -73,7 +74,7 @@ def add_lattice_object(objects: Sequence[Object], shape: LatticeShape) -> Object
     if len(objects) == 1:
         cages.follow(obj, objects[0], Matrix(frame.tolist()))
     else:
-        obj.matrix_world = Matrix(frame.tolist())
+        put(obj, Matrix(frame.tolist()))
     obj.show_in_front = True
     bpy.context.view_layer.update()
     return obj

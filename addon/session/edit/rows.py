@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adds and removes the objects that control a deformer together, such as wires or tools. Main thread only."""
 
+from collections.abc import Mapping
+
 import bpy
 import numpy as np
 from bpy.types import Object
@@ -31,12 +33,16 @@ def rows_of(deformer: SinewDeformer) -> list[SinewControl]:
 
 
 def add_to(
-    obj: Object, controls: list[Object], method: str, owned: bool, wait: bool = True, **values: object
+    obj: Object,
+    controls: Mapping[Object, Mapping[str, object]],
+    method: str,
+    owned: bool,
+    wait: bool = True,
 ) -> tuple[SinewDeformer, SinewError | None]:
     """Let objects control the active deformer, or a new one with ``method``; and the error if not bound.
 
-    The active one, if its method asks for the same kind of control. ``values`` are set for each of them, by
-    the names of the method's parameters.
+    The active one, if its method asks for the same kind of control. Each object comes with its values, by the
+    names of the method's parameters.
     """
     active = obj.sinew.active
     kind = kinds.kind_of_method(BY_ID[method])
@@ -45,7 +51,7 @@ def add_to(
     before = len(deformer.controls)
     try:
         with sessions.suspended():
-            for control in controls:
+            for control, values in controls.items():
                 kind.use(obj, deformer, control, owned)
                 for name, value in values.items():
                     setattr(deformer.controls[-1], name, value)
@@ -79,6 +85,11 @@ def set_rest_of(obj: Object, deformer: SinewDeformer) -> None:
     binding.abandon(deformer.uid)
 
 
+def tool_reach(size: float) -> float:
+    """How far a new tool reaches that moves something of a size."""
+    return size / 3.0
+
+
 @sessions.suspended()
 def new_tool(obj: Object, place: np.ndarray, axis: np.ndarray, size: float, name: str) -> Object:
     """An empty that follows ``obj``: at a ``place`` (3,) in the world, its z axis along ``axis`` (3,)."""
@@ -87,9 +98,7 @@ def new_tool(obj: Object, place: np.ndarray, axis: np.ndarray, size: float, name
         collection.objects.link(empty)
     empty.empty_display_type, empty.empty_display_size = _SIZE, size
     empty.show_in_front = True
-    follow(empty, obj)
-    bpy.context.view_layer.update()
-    empty.matrix_world = _frame(place, axis)
+    follow(empty, obj, _frame(place, axis))
     bpy.context.view_layer.update()
     return empty
 

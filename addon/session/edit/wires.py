@@ -10,10 +10,17 @@ import numpy as np
 from bpy.types import Object
 from mathutils import Matrix
 
+from ...compat import read_edges, read_positions
 from ...core.errors import SinewError
+from ...core.geometry import frames
+from ...core.geometry.polylines import lengths, lines_of
+from ..blocks import targets
+from ..blocks.capture import evaluated_mesh
+from ..blocks.parts import ShownParts
 from ..memory import sessions
 from .cages import follow
 
+_OF_LENGTH, _OF_PART = 0.35, 0.15  # the radius of a new wire, and the most of the part beside it
 _RESOLUTION = 16  # places per segment of a Bezier curve: a wire is as smooth as these are near
 
 
@@ -39,6 +46,30 @@ def wire_from_edges(obj: Object, points: int) -> Object:
         if obj.mode != "EDIT":
             edit.free()
     return wire_through(obj, places, points)
+
+
+def wire_radius(length: float, size: float) -> float:
+    """The radius that fits a wire of a length, on a part of a size."""
+    return min(_OF_LENGTH * length, _OF_PART * size)
+
+
+def fitting_radius(obj: Object, wire: Object) -> float:
+    """The radius that fits a curve and the part of ``obj`` beside its middle, as a length of the curve.
+
+    0 if it is no curve, or has no length.
+    """
+    if not targets.is_path(wire):
+        return 0.0
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    with evaluated_mesh(wire, depsgraph) as mesh:
+        points = read_positions(mesh).astype(np.float64)
+        lines = lines_of(len(points), read_edges(mesh))
+    world = np.array(wire.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+    places, scale = frames.transformed(world, points), wire.matrix_world.median_scale
+    if lines is None or not lines.counts or scale == 0.0:
+        return 0.0
+    size = ShownParts(obj, depsgraph).size_at(places[len(places) // 2])
+    return wire_radius(max(lengths(places, lines)), size) / scale
 
 
 def _chains(edges: Sequence[tuple[int, int]]) -> list[tuple[list[int], bool]]:

@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What changed since the last evaluation. If neither a target nor its controls changed, Sinew does nothing.
 
-Blender lists what it updated, but not objects that are hidden or in no scene (3.4.1). So the controls are
-compared by their matrices, and only the target is looked up in the list.
+Blender lists what it updated, but not objects that are hidden or in no scene, nor those of which drivers
+changed a property (3.4.1). So the controls are compared by their matrices and driven settings by their
+values, and only the target is looked up in the list.
 """
 
+from collections.abc import Iterator
 from enum import IntEnum
 
-from bpy.types import ID, Depsgraph, DepsgraphUpdate, Object
+from bpy.types import ID, Depsgraph, DepsgraphUpdate, Object, Scene
 
 from ..blocks import references
 from ..control import kinds, placement
 from ..memory import sessions
 from ..memory.evaluation import ControlState
 from ..memory.sessions import LastUpdate
+
+_OURS = "sinew."  # how the paths of our settings begin
 
 
 class Change(IntEnum):
@@ -46,6 +50,11 @@ class Changes:
         """Read Blender's list now, because another evaluation is about to begin a new one."""
         self._listed(None)
 
+    @property
+    def has_scene(self) -> bool:
+        """Whether the scene itself is on Blender's list."""
+        return any(isinstance(update.id, Scene) for update in self._depsgraph.updates)
+
     def add_geometry(self, obj: Object) -> None:
         """Note that what enters the modifiers of an object may differ, whatever Blender lists."""
         self._new_geometry.add(obj)
@@ -60,7 +69,7 @@ class Changes:
 
     def read(self, obj: Object, evaluated: Object) -> tuple[tuple, list[ControlState]]:
         """Where the target and its controls are, for comparison; and the control of each deformer."""
-        placed: list[object] = [placement.fingerprint(evaluated.matrix_world)]
+        placed: list[object] = [placement.fingerprint(evaluated.matrix_world), *_driven(obj, evaluated)]
         controls = []
         for index, deformer in enumerate(obj.sinew.deformers):
             control = kinds.kind_in_use(deformer).read_state(deformer, self._depsgraph)
@@ -87,6 +96,18 @@ class Changes:
         if self._updates is None:
             self._updates = {update.id.original: _change(update) for update in self._depsgraph.updates}
         return self._updates.get(part, Change.NOTHING)
+
+
+def _driven(obj: Object, evaluated: Object) -> Iterator[str]:
+    """The present value of each of our settings that has a driver."""
+    animation = obj.animation_data
+    for curve in animation.drivers if animation is not None else ():
+        if curve.data_path.startswith(_OURS):
+            try:
+                value = evaluated.path_resolve(curve.data_path)
+            except ValueError:  # it drives a row that is gone
+                continue
+            yield repr(value if isinstance(value, (bool, int, float, str)) else tuple(value))
 
 
 def _change(update: DepsgraphUpdate) -> Change:

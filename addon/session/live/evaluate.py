@@ -38,6 +38,8 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
     whatever was shown before.
     After an ``edit``, that is not after a change of the frame, ``refresh`` looks at meshes with new geometry.
     If nothing changed, this takes some microseconds per control, however large the meshes are.
+
+    Blender evaluates what was written before this returns if handlers of others follow, else right after.
     """
     found = owners()
     if not found or schedule.is_waiting():
@@ -54,25 +56,33 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
         if look is not None:
             moved.append(look)
     steps = schedule.steps(found) if moved and len(found) > 1 else []
-    for look in [] if steps else moved:
-        _solve(look, depsgraph, changes, haste)
+    is_read = bool(moved) and schedule.others_listen(edit)
+    if steps or (is_read and (not edit or changes.has_scene)):
+        changes.take()
+        schedule.begin(depsgraph, heard=edit)
+        looks = [_look_at(old.obj, depsgraph, changes) for old in moved]
+        moved = [look for look in looks if look is not None]
     if steps:
-        _solve_in_order(steps, depsgraph, changes, haste)
+        written = _solve_in_order(steps, depsgraph, changes, haste, edit)
+    else:
+        written = {look.obj for look in moved if _writes(look, depsgraph, changes, haste)}
+    if written and is_read:
+        schedule.evaluate(depsgraph, heard=edit)
     if mirroring.mirrored_targets and depsgraph.mode == "VIEWPORT" and not sessions.is_suspended():
         if edit:
             mirroring.note_keyed(changes.is_edited)
         mirroring.note_seen(edit)
 
 
-def _solve_in_order(steps: list[Step], depsgraph: Depsgraph, changes: Changes, haste: Haste) -> None:
-    """Update rigs after those that they read: see ``schedule``."""
-    changes.take()
-    schedule.begin(depsgraph)
+def _solve_in_order(
+    steps: list[Step], depsgraph: Depsgraph, changes: Changes, haste: Haste, edit: bool
+) -> set[Object]:
+    """Update rigs after those that they read: see ``schedule``. Returns those that were written last."""
     written: set[Object] = set()  # since Blender evaluated them last
     for step in steps:
         for _round in range(step.rounds):
             if written & step.read:
-                schedule.evaluate(depsgraph)
+                schedule.evaluate(depsgraph, heard=edit)
                 for obj, reads in step.rigs.items():
                     if reads.entering & written:
                         changes.add_geometry(obj)
@@ -83,6 +93,7 @@ def _solve_in_order(steps: list[Step], depsgraph: Depsgraph, changes: Changes, h
                     written.add(look.obj)
             if len(written) == before:
                 break
+    return written
 
 
 def _writes(look: "_Look", depsgraph: Depsgraph, changes: Changes, haste: Haste) -> bool:

@@ -12,6 +12,7 @@ from ....core.errors import ConstraintError
 from ....core.geometry import frames
 from ....mesh_io import RestShape
 from ....properties import SinewHandle
+from ...blocks.transforms import put
 from ...control.handles import poses
 from ...control.placement import read_place
 
@@ -55,7 +56,7 @@ def new_empty(obj: Object, frame: np.ndarray, pose: np.ndarray, name: str, size:
         collection.objects.link(empty)
     empty.parent = obj
     empty.matrix_parent_inverse = to_matrix(frame)
-    empty.matrix_basis = to_matrix(np.linalg.inv(at_rest) @ moved @ at_rest)
+    put(empty, to_matrix(np.linalg.inv(at_rest) @ moved @ at_rest))
     return empty
 
 

@@ -10,6 +10,7 @@ from ....core.geometry import frames
 from ....core.sides import flip
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
+from ...blocks.transforms import put
 from ...control.handles import poses
 from ...control.handles.release import release_control
 from ...control.handles.sides import mirrored
@@ -98,7 +99,7 @@ def _place(obj: Object, target: SinewHandle, frame: np.ndarray, pose: np.ndarray
     control = target.control
     if control.parent == obj and control.parent_type == "OBJECT":
         control.matrix_parent_inverse = Matrix(frame.tolist())
-        control.matrix_basis = Matrix((frames.inverse(frame, target.name) @ pose @ frame).tolist())
+        put(control, Matrix((frames.inverse(frame, target.name) @ pose @ frame).tolist()))
     else:
         control.matrix_world = Matrix((_world(obj) @ pose @ frame).tolist())
     poses.set_rest(target, frame)

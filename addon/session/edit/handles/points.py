@@ -5,12 +5,13 @@ from collections.abc import Iterator, Sequence
 
 import bpy
 from bpy.types import Object
-from mathutils import Vector
+from mathutils import Matrix, Vector
 
 from ....core.errors import ConstraintError, SinewError
 from ....core.names import unique_name
 from ....properties import SinewDeformer, SinewHandle
 from ...blocks import shapes, targets
+from ...blocks.transforms import put
 from ...control import kinds
 from ...memory import sessions
 from . import empties
@@ -57,7 +58,7 @@ def empty_at(obj: Object, place: Vector, name: str = "Point") -> Object:
     size = max(obj.dimensions) or 1.0
     empty = _new_empty(obj, f"{obj.name} {name}", 0.05 * size)
     empty.parent = obj
-    empty.matrix_basis.translation = obj.matrix_world.inverted_safe() @ place
+    put(empty, Matrix.Translation(obj.matrix_world.inverted_safe() @ place))
     return empty
 
 
