@@ -187,10 +187,14 @@ VectorX PoseProblem::start() const
 {
     VectorX x = base_x_;
     const Poses poses = skeleton_.poses(base_);
-    Points heads(skeleton_.bone_count(), 3);
+    Vector3 middle = Vector3::Zero(); // of all that may turn
+    int count = 0;
     for (int b = 0; b < skeleton_.bone_count(); ++b)
-        heads.row(b) = apply(poses[b], skeleton_.head(b)).transpose();
-    const Vector3 middle = heads.colwise().mean().transpose();
+        if (first_[b] < first_[b + 1]) {
+            middle += apply(poses[b], skeleton_.head(b));
+            ++count;
+        }
+    middle /= std::max(count, 1);
     for (int u = 0; u < size(); ++u) {
         const auto [bone, axis, moves] = unknowns_[u];
         if (moves || stiffness_[u] == 0)
@@ -199,7 +203,7 @@ VectorX PoseProblem::start() const
         // find a way out of their plane, a little outward: that is the same for both sides of a figure.
         double bend = options_.pole;
         if (u > first_[bone]) {
-            const Vector3 head = heads.row(bone).transpose(),
+            const Vector3 head = apply(poses[bone], skeleton_.head(bone)),
                           along = apply(poses[bone], skeleton_.tail(bone)) - head,
                           outward = along.normalized().cross(head - middle) / skeleton_.size();
             const Vector3 turn =
