@@ -199,15 +199,14 @@ VectorX PoseProblem::start() const
         const auto [bone, axis, moves] = unknowns_[u];
         if (moves || stiffness_[u] == 0)
             continue;
-        // About the hinge, or the first axis that is free, by which chains in Blender bend; and, so that limbs
-        // find a way out of their plane, a little outward: that is the same for both sides of a figure.
+        // About the hinge, or the first axis that is free, by which chains in Blender bend; and, so that
+        // limbs find a way out of their plane, a little outward: that is the same for both sides of a figure.
         double bend = options_.pole;
         if (u > first_[bone]) {
             const Vector3 head = apply(poses[bone], skeleton_.head(bone)),
                           along = apply(poses[bone], skeleton_.tail(bone)) - head,
                           outward = along.normalized().cross(head - middle) / skeleton_.size();
-            const Vector3 turn =
-                poses[bone].leftCols<3>() * skeleton_.axes(bone) * hinges_[bone].col(axis);
+            const Vector3 turn = poses[bone].leftCols<3>() * skeleton_.axes(bone) * hinges_[bone].col(axis);
             bend *= aside * turn.dot(outward);
         }
         x[u] += x[u] + bend <= limits_.upper[u] ? bend : -bend;

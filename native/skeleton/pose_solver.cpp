@@ -11,7 +11,8 @@ namespace sinew {
 
 namespace {
 
-constexpr double stiff_first[] = {1e-1, 1e-2, 1e-3}; ///< the weights of `rest` on the way to the one asked for
+constexpr double stiff_first[] = {1e-1, 1e-2,
+                                  1e-3}; ///< the weights of `rest` on the way to the one asked for
 constexpr double roughly = 1e-2;                     ///< the tolerance on the way
 
 } // namespace
@@ -34,10 +35,9 @@ PoseReport solve_pose(const Skeleton& skeleton, const PoseRequest& request, Post
     if (values.squares > 1e-26 || !balanced) { // else all that is left is rounding
         x = problem.start();
         const auto steps_to = [&](double tolerance) {
-            const GaussNewtonReport steps =
-                minimize(problem, problem.limits(), x,
-                         {.max_iterations = options.max_iterations - report.iterations,
-                          .tolerance = tolerance});
+            const GaussNewtonReport steps = minimize(
+                problem, problem.limits(), x,
+                {.max_iterations = options.max_iterations - report.iterations, .tolerance = tolerance});
             report.iterations += steps.iterations;
             report.rejected += steps.rejected;
             report.converged = steps.converged;

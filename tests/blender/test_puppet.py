@@ -168,7 +168,7 @@ def test_a_whole_bone_turns_about_its_own_length(name: str):
         (FEET, "hip", (0.05, 0.0, -0.3)),
         (FEET, "hip", (0.2, -0.15, -0.1)),
         (FEET, "hand.L", (-0.2, -0.4, -0.5)),
-        (("foot.L", "hand.R"), "hand.L", (0.2, -0.2, 0.3)),
+        (("foot.L", "shin.R"), "hand.L", (0.2, -0.2, 0.3)),
         (("lower.L", "hip"), "hand.L", (-0.05, 0.05, 0.02)),
     ],
 )

@@ -12,7 +12,8 @@ namespace sinew {
 
 namespace {
 
-/// A thigh, a calf that is bent back against it, to +y, by `bend`, and a foot; and what else hangs on the thigh.
+/// A thigh, a calf that is bent back against it, to +y, by `bend`, and a foot; and what else hangs on the
+/// thigh.
 Skeleton leg(double bend, const Joint& knee = {}, const std::vector<Vector3>& more = {})
 {
     std::vector<Vector3> heads{{0, 0, 2}, {0, 0, 1}, {0, std::sin(bend), 1 - std::cos(bend)}};

@@ -387,20 +387,22 @@ double longest_step(const Skeleton& skeleton, const std::vector<Vector3>& goals)
     return longest;
 }
 
-/// A hip with two legs that mirror each other, knees ahead by `knee`.
-Skeleton two_legs(double knee)
+/// A hip with two legs that mirror each other, knees ahead by `knee`, and a spine: the feet are bones 3 and
+/// 6, the chest is bone 8.
+Skeleton legs_and_spine(double knee)
 {
     std::vector<Vector3> heads{{0, 0, 1}}, tails{{0, 0, 1.2}};
     std::vector<int> parents{-1};
-    for (double side : {1.0, -1.0}) {
-        const Vector3 joints[] = {
-            {0.1 * side, 0, 1}, {0.12 * side, -knee, 0.55}, {0.12 * side, 0, 0.1}, {0.12 * side, -0.2, 0}};
-        for (int k = 0; k < 3; ++k) {
+    const auto add = [&](const std::vector<Vector3>& joints) {
+        for (std::size_t k = 0; k + 1 < joints.size(); ++k) {
             parents.push_back(k == 0 ? 0 : static_cast<int>(parents.size()) - 1);
             heads.push_back(joints[k]);
             tails.push_back(joints[k + 1]);
         }
-    }
+    };
+    for (double side : {1.0, -1.0})
+        add({{0.1 * side, 0, 1}, {0.12 * side, -knee, 0.55}, {0.12 * side, 0, 0.1}, {0.12 * side, -0.2, 0}});
+    add({{0, 0, 1.2}, {0, 0.02, 1.4}, {0, 0, 1.6}});
     return {shapes::points_of(heads), shapes::points_of(tails), parents};
 }
 
@@ -427,35 +429,37 @@ TEST(PoseSolver, JointsMoveSmoothlyWithTheHand)
 
 TEST(PoseSolver, BothSidesOfAFigureBendAlikeAndForward)
 {
-    for (double knee : {0.02, 0.08}) {
-        const Skeleton skeleton = two_legs(knee);
-        Points last;
-        for (int k = 0; k <= 60; ++k) {
-            PoseRequest request;
-            for (int bone : {0, 3, 6}) // the hip, and both feet: as whole bones
-                for (const Vector3& from :
-                     {skeleton.head(bone), skeleton.tail(bone), Vector3(skeleton.head(bone) + 0.1 * Vector3::UnitX()),
-                      Vector3(skeleton.head(bone) - 0.1 * Vector3::UnitX())})
-                    request.targets.push_back(
-                        {bone, from, Vector3(from - Vector3(0, 0, bone ? 0.0 : 0.01 * k)), bone ? 1e3 : 1.0});
-            request.moving_roots.assign(skeleton.bone_count(), false);
-            request.moving_roots[0] = true;
-            const Solved solved = solve(skeleton, request);
-            EXPECT_TRUE(solved.report.converged) << k;
-            const Points tails = tails_of(skeleton, solved.posture);
-            for (int b = 1; b <= 3; ++b) {
-                const Vector3 left = tails.row(b).transpose(), right = tails.row(b + 3).transpose();
-                EXPECT_LT((left - right.cwiseProduct(Vector3(-1, 1, 1))).norm(), 1e-6) << k;
+    for (double knee : {0.02, 0.08})
+        for (int dragged : {0, 8}) {
+            const Skeleton skeleton = legs_and_spine(knee);
+            Points last;
+            for (int k = 0; k <= 60; ++k) {
+                PoseRequest request;
+                for (int bone : {dragged, 3, 6}) // as whole bones
+                    for (const Vector3& from : {skeleton.head(bone), skeleton.tail(bone),
+                                                Vector3(skeleton.head(bone) + 0.1 * Vector3::UnitX()),
+                                                Vector3(skeleton.head(bone) - 0.1 * Vector3::UnitX())}) {
+                        const Vector3 down(0, 0, bone == dragged ? -0.01 * k : 0.0);
+                        request.targets.push_back({bone, from, from + down, bone == dragged ? 1.0 : 1e3});
+                    }
+                request.moving_roots.assign(skeleton.bone_count(), false);
+                request.moving_roots[0] = true;
+                const Solved solved = solve(skeleton, request);
+                EXPECT_TRUE(solved.report.converged) << k;
+                const Points tails = tails_of(skeleton, solved.posture);
+                for (int b = 1; b <= 3; ++b) {
+                    const Vector3 left = tails.row(b).transpose(), right = tails.row(b + 3).transpose();
+                    EXPECT_LT((left - right.cwiseProduct(Vector3(-1, 1, 1))).norm(), 1e-6) << k;
+                }
+                EXPECT_LT(tails(1, 1), -knee + 1e-9) << k; // ahead
+                EXPECT_GT(tails(1, 0), 0.1) << k;          // and on its own side
+                // The first centimetres from an almost straight leg move a knee far, whoever bends it.
+                if (k > 4) {
+                    EXPECT_LT((tails - last).rowwise().norm().maxCoeff(), 0.03) << k;
+                }
+                last = tails;
             }
-            EXPECT_LT(tails(1, 1), -knee + 1e-9) << k; // ahead
-            EXPECT_GT(tails(1, 0), 0.1) << k;          // and on its own side
-            // The first centimetres from an almost straight leg move a knee far, whoever bends it.
-            if (k > 4) {
-                EXPECT_LT((tails - last).rowwise().norm().maxCoeff(), 0.03) << k;
-            }
-            last = tails;
         }
-    }
 }
 
 TEST(PoseSolver, NothingToDoIsTheBasePosture)
