@@ -45,9 +45,8 @@ std::vector<Hinge> hinges(const Skeleton& skeleton)
         if (parent < 0 || next[parent] != b || joint.kind != Joint::Kind::ball ||
             joint.most < std::numeric_limits<double>::infinity())
             continue;
-        const Vector3 before = (skeleton.head(b) - skeleton.head(parent)).normalized(),
-                      end = next[b] >= 0 ? skeleton.head(next[b]) : skeleton.tail(b),
-                      along = (end - skeleton.head(b)).normalized(), bend = before.cross(along);
+        const Vector3 before = (skeleton.tail(parent) - skeleton.head(parent)).normalized(),
+                      along = (skeleton.tail(b) - skeleton.head(b)).normalized(), bend = before.cross(along);
         if (bend.norm() < straight)
             continue;
         Matrix3& axes = all[b].emplace();

@@ -18,8 +18,8 @@ using Hinge = std::optional<Matrix3>;
 /// carries bones itself, or the only one at all. Hips and shoulders, from which several limbs go on, have
 /// none, nor has a bone without a parent.
 ///
-/// The hinge is at right angles to the bend of rest, from the parent's joint over this one to the next one,
-/// and a positive turn bends further. A joint that is straight at rest has none: a tail bends to all sides.
+/// The hinge is at right angles to the bone and its parent at rest, and a positive turn bends further. A
+/// joint that is straight at rest has none: a tail bends to all sides.
 std::vector<Hinge> hinges(const Skeleton& skeleton);
 
 } // namespace sinew
