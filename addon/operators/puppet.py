@@ -22,7 +22,7 @@ _PARTS = (
     ("AUTO", "Automatic", "The tail, or the whole bone if it has no parent", "NONE", 0),
     ("TAIL", "Tail", "The tail of the bone", "NONE", 1),
     ("HEAD", "Head", "The head of the bone", "NONE", 2),
-    ("WHOLE", "Whole Bone", "Head and tail, so that the bone keeps its direction", "NONE", 3),
+    ("WHOLE", "Whole Bone", "Head, tail and roll, so that the bone turns only if you turn it", "NONE", 3),
 )
 _METHODS = tuple(method for method in METHODS if session.marks_regions(method) and not method.wraps)
 _BEHIND = 1e-2  # a gap of this share of the motion is worth a word

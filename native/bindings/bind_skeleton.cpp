@@ -204,8 +204,9 @@ void bind_skeleton(py::module_& module)
 Its posture is turns (k, 3), of each bone against its parent, and moves (k, 3), of bones without a parent. Turns are
 rotation vectors in the bone's own axes, or, for bones in `angles`, angles about x, y and z. Zeros are the rest.
 solve() minimises F = sum_t w_t |p_t - g_t|^2 / (2 size^2) + rest / 2 sum_b stiffness_b |turn_b - base_b|^2 within
-limits [Shi et al. 2007], where size is the diagonal of the box around all bones. It never changes, and any number of
-threads may use it.)")
+limits [Shi et al. 2007], where size is the diagonal of the box around all bones. A joint without limits by which alone
+its limb goes on, such as a knee, has a hinge across its bend at rest: what turns aside of that counts 1 + swing times.
+It never changes, and any number of threads may use it.)")
         .def(py::init(&make_skeleton), py::arg("heads"), py::arg("tails"), py::arg("parents"), py::kw_only(),
              py::arg("axes") = py::none(), py::arg("most") = py::none(), py::arg("angles") = py::none(),
              py::arg("stiffness") = py::none(), R"(
@@ -277,10 +278,11 @@ Distances go along the surface. A bone outside, or inside of another one's limb,
                const py::object& goals, const py::object& weights, const py::object& turns,
                const py::object& moves, const py::object& moving_roots, const py::object& locked,
                const py::object& support, const py::object& up, const py::object& masses,
-               const py::object& centres, double rest, double pole, int max_iterations, double tolerance) {
+               const py::object& centres, double rest, double pole, int max_iterations, double tolerance,
+               double swing) {
                 return solve_skeleton(skeleton, bones, points, goals, weights, turns, moves, moving_roots,
                                       locked, support, up, masses, centres,
-                                      {rest, pole, max_iterations, tolerance});
+                                      {rest, pole, max_iterations, tolerance, swing});
             },
             py::arg("bones"), py::arg("points"), py::arg("goals"), py::kw_only(),
             py::arg("weights") = py::none(), py::arg("turns") = py::none(), py::arg("moves") = py::none(),
@@ -290,6 +292,7 @@ Distances go along the surface. A bone outside, or inside of another one's limb,
             py::arg("pole") = PoseSolverOptions{}.pole,
             py::arg("max_iterations") = PoseSolverOptions{}.max_iterations,
             py::arg("tolerance") = PoseSolverOptions{}.tolerance,
+            py::arg("swing") = PoseSolverOptions{}.swing,
             R"(The posture in which points on bones come to their goals -> (turns, moves, PoseReport).
 
 bones, points   (t,) and (t, 3): a bone for each target, and a point that it carries, at rest.
@@ -306,6 +309,8 @@ rest            >= 0: how much it counts that joints turn, beside the targets.
 pole            >= 0, radians: how far joints are bent at the start, so that straight chains can bend.
 max_iterations  >= 1.
 tolerance       >= 0: stop when a step lowers F by at most this share of it.
+swing           >= 0: how much more it counts that a joint turns aside of its hinge than about it. 0 lets knees and
+                elbows bend to any side.
 
 Limits are never exceeded. Goals and a support out of reach are approached, and the report says by how much they are
 missed. Raises InvalidConstraint or InvalidOption.)")

@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/finite.h"
 #include "native/operators/rotation_fit.h"
+#include "native/skeleton/hinges.h"
 
 #include <Eigen/Geometry>
 
@@ -24,8 +25,7 @@ constexpr double infinite = std::numeric_limits<double>::infinity();
 /// Sides of the support are moved inward by this share of the skeleton's size, so that the centre of mass
 /// is inside in spite of rounding.
 constexpr double margin = 1e-6;
-constexpr double aside =
-    0.1; ///< how much each joint is bent at the start about its second axis; the third, squared
+constexpr double aside = 0.1; ///< how much each bone leans outward at the start, beside the pole
 
 /// (sin a / a, (1 - cos a) / a^2, (a - sin a) / a^3), also for small a.
 Vector3 series(double a)
@@ -92,12 +92,13 @@ void check(const PoseRequest& request, int bones)
 
 PoseProblem::PoseProblem(const Skeleton& skeleton, const PoseRequest& request,
                          const PoseSolverOptions& options, Posture base)
-    : skeleton_(skeleton), request_(request), options_(options), base_(std::move(base))
+    : skeleton_(skeleton), request_(request), options_(options), base_(std::move(base)), rest_(options.rest)
 {
     check(request, skeleton.bone_count());
     skeleton.check(base_);
     set_up_balance();
     std::vector<double> lower, upper, base_x, stiffness;
+    const std::vector<Hinge> hinge = hinges(skeleton);
     const auto add = [&](int bone, int axis, bool moves, double least, double most, double value, double k) {
         unknowns_.push_back({bone, axis, moves});
         lower.push_back(least);
@@ -107,10 +108,11 @@ PoseProblem::PoseProblem(const Skeleton& skeleton, const PoseRequest& request,
     };
     for (int b = 0; b < skeleton.bone_count(); ++b) {
         first_.push_back(size());
+        hinges_.push_back(hinge[b].value_or(Matrix3::Identity()));
         const Joint& joint = skeleton.joint(b);
         const bool locked = !request.locked.empty() && request.locked[b],
                    moves = skeleton.parent(b) < 0 && !request.moving_roots.empty() && request.moving_roots[b];
-        const double k = moves ? 0.0 : options.rest * joint.stiffness;
+        const double k = moves ? 0.0 : joint.stiffness;
         if (moves)
             for (int axis = 0; axis < 3; ++axis)
                 add(b, axis, true, -infinite, infinite, base_.moves(b, axis) / skeleton.size(), 0.0);
@@ -128,7 +130,8 @@ PoseProblem::PoseProblem(const Skeleton& skeleton, const PoseRequest& request,
             if (joint.most > 0 && joint.most < infinite)
                 limits_.balls.push_back({size(), joint.most});
             for (int axis = 0; axis < 3 && joint.most > 0; ++axis)
-                add(b, axis, false, -infinite, infinite, counts_from_base(b) ? 0.0 : turn[axis], k);
+                add(b, axis, false, -infinite, infinite, counts_from_base(b) ? 0.0 : turn[axis],
+                    hinge[b] && axis > 0 ? (1 + options.swing) * k : k);
         }
         base_.turns.row(b) = turn.transpose();
     }
@@ -183,16 +186,31 @@ void PoseProblem::set_up_balance()
 VectorX PoseProblem::start() const
 {
     VectorX x = base_x_;
+    const Poses poses = skeleton_.poses(base_);
+    Vector3 middle = Vector3::Zero(); // of all that may turn
+    int count = 0;
+    for (int b = 0; b < skeleton_.bone_count(); ++b)
+        if (first_[b] < first_[b + 1]) {
+            middle += apply(poses[b], skeleton_.head(b));
+            ++count;
+        }
+    middle /= std::max(count, 1);
     for (int u = 0; u < size(); ++u) {
         const auto [bone, axis, moves] = unknowns_[u];
         if (moves || stiffness_[u] == 0)
             continue;
-        // About the first axis that is free, by which chains in Blender bend, and a little about the others:
-        // a chain that bends in one plane alone would never find a way out of it.
-        const double bend = options_.pole * std::pow(aside, u - first_[bone]);
+        // About the hinge, or the first axis that is free, by which chains in Blender bend; and, so that
+        // limbs find a way out of their plane, a little outward: that is the same for both sides of a figure.
+        double bend = options_.pole;
+        if (u > first_[bone]) {
+            const Vector3 head = apply(poses[bone], skeleton_.head(bone)),
+                          along = apply(poses[bone], skeleton_.tail(bone)) - head,
+                          outward = along.normalized().cross(head - middle) / skeleton_.size();
+            const Vector3 turn = poses[bone].leftCols<3>() * skeleton_.axes(bone) * hinges_[bone].col(axis);
+            bend *= aside * turn.dot(outward);
+        }
         x[u] += x[u] + bend <= limits_.upper[u] ? bend : -bend;
     }
-    const Poses poses = skeleton_.poses(base_);
     std::vector<int> root(skeleton_.bone_count());
     for (int b = 0; b < skeleton_.bone_count(); ++b) {
         root[b] = skeleton_.parent(b) < 0 ? b : root[skeleton_.parent(b)];
@@ -270,7 +288,7 @@ Posture PoseProblem::posture(const VectorX& x) const
                 posture.turns(b, axis) = x[u];
         }
         if (turns && counts_from_base(b))
-            posture.turns.row(b) = vector_of(base_turns_[b] * rotation_of(turn)).transpose();
+            posture.turns.row(b) = vector_of(base_turns_[b] * rotation_of(hinges_[b] * turn)).transpose();
     }
     return posture;
 }
@@ -311,11 +329,11 @@ void PoseProblem::place(const VectorX& x)
         if (parent >= 0)
             before_[b] = poses_[parent].leftCols<3>() * before_[b];
         if (relative)
-            before_[b] = before_[b] * base_turns_[b];
+            before_[b] = before_[b] * base_turns_[b] * hinges_[b];
         const Matrix3 own = joint.kind == Joint::Kind::ball ? rotation_of(turn) : rotation_of(joint, turn);
         const Vector3 head =
             parent < 0 ? Vector3(skeleton_.head(b) + move) : apply(poses_[parent], skeleton_.head(b));
-        poses_[b].leftCols<3>() = before_[b] * own * skeleton_.axes(b).transpose();
+        poses_[b].leftCols<3>() = before_[b] * own * (skeleton_.axes(b) * hinges_[b]).transpose();
         poses_[b].col(3) = head - poses_[b].leftCols<3>() * skeleton_.head(b);
     }
 }
@@ -323,7 +341,7 @@ void PoseProblem::place(const VectorX& x)
 void PoseProblem::evaluate(const VectorX& x, Values& values)
 {
     place(x);
-    values.squares = 0.5 * (stiffness_.array() * (x - base_x_).array().square()).sum();
+    values.squares = 0.5 * rest_ * (stiffness_.array() * (x - base_x_).array().square()).sum();
     values.residuals.resize(static_cast<Eigen::Index>(3 * gaps_.size()));
     for (std::size_t t = 0; t < gaps_.size(); ++t) {
         const BoneTarget& target = request_.targets[t];
@@ -368,7 +386,8 @@ void PoseProblem::linearize(const VectorX& multipliers, Slopes& slopes)
         for (int u = first_[b]; u < first_[b + 1]; ++u)
             axes[u] = all.col(unknowns_[u].axis);
     }
-    slopes.gradient = stiffness_.cwiseProduct(x_ - base_x_);
+    slopes.diagonal = rest_ * stiffness_;
+    slopes.gradient = slopes.diagonal.cwiseProduct(x_ - base_x_);
     const auto count = static_cast<Eigen::Index>(request_.targets.size());
     MatrixX& rows = slopes.rows;
     rows.setZero(3 * count, this->size());
@@ -387,7 +406,6 @@ void PoseProblem::linearize(const VectorX& multipliers, Slopes& slopes)
                 rows.block<3, 1>(3 * t, u) = scale * column(unknowns_[u], axes[u], point);
     }
     slopes.gradient += rows.transpose() * residuals;
-    slopes.diagonal = stiffness_;
 
     slopes.sides.setZero(multipliers.size(), this->size());
     if (support_) {

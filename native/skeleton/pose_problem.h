@@ -12,7 +12,8 @@ namespace sinew {
 
 /// The sum of squares of solve_pose(). Its unknowns are the turns of joints that may turn, and the moves of
 /// roots that may move, as shares of the size of the skeleton. A ball joint without a limit counts from where
-/// it is in `base`, so that rotation vectors stay small; all others count from rest.
+/// it is in `base`, so that rotation vectors stay small, and about the axes of its hinge; all others count
+/// from rest, about the bone's own axes.
 class PoseProblem final : public LeastSquares
 {
 public:
@@ -20,6 +21,8 @@ public:
     PoseProblem(const Skeleton& skeleton, const PoseRequest& request, const PoseSolverOptions& options,
                 Posture base);
 
+    /// Lets the turns of joints count by this weight instead of the `rest` of the options.
+    void set_rest(double rest) { rest_ = rest; }
     int size() const { return static_cast<int>(unknowns_.size()); }
     const VariableLimits& limits() const { return limits_; }
     /// The unknowns of the base posture, moved into the limits.
@@ -63,17 +66,19 @@ private:
     const PoseSolverOptions& options_;
     Posture base_;
     std::vector<Matrix3> base_turns_;
+    std::vector<Matrix3> hinges_; ///< (bones) the axes of the turns, in the bone's own ones
     std::vector<Unknown> unknowns_;
     std::vector<int> first_; ///< (bones + 1) unknowns of each bone
     VariableLimits limits_;
-    VectorX base_x_, stiffness_;
+    VectorX base_x_, stiffness_; ///< the stiffness beside `rest_`
+    double rest_;
     std::optional<Support> support_;
     std::vector<double> masses_; ///< their sum is 1
     Points centres_;
 
     // At the x that was evaluated last:
     VectorX x_;
-    Points turns_; ///< by the unknowns: of balls that count from `base` from there on
+    Points turns_; ///< by the unknowns: of balls that count from `base` from there on, about axes_
     std::vector<Matrix3> before_; ///< the world rotation of each joint's axes before it turns
     Poses poses_;
     std::vector<double> gaps_;

@@ -9,11 +9,20 @@
 
 namespace sinew {
 
+namespace {
+
+constexpr double stiff_first[] = {1e-1, 1e-2,
+                                  1e-3}; ///< the weights of `rest` on the way to the one asked for
+constexpr double roughly = 1e-2;                     ///< the tolerance on the way
+
+} // namespace
+
 PoseReport solve_pose(const Skeleton& skeleton, const PoseRequest& request, Posture& posture,
                       const PoseSolverOptions& options)
 {
     require_at_least(options.rest, 0.0, "rest");
     require_at_least(options.pole, 0.0, "pole");
+    require_at_least(options.swing, 0.0, "swing");
     require_at_least(options.max_iterations, 1, "max_iterations");
     require_at_least(options.tolerance, 0.0, "tolerance");
     PoseProblem problem(skeleton, request, options, request.base ? *request.base : skeleton.rest());
@@ -25,14 +34,22 @@ PoseReport solve_pose(const Skeleton& skeleton, const PoseRequest& request, Post
     report.converged = true;
     if (values.squares > 1e-26 || !balanced) { // else all that is left is rounding
         x = problem.start();
-        do {
-            const GaussNewtonReport steps =
-                minimize(problem, problem.limits(), x,
-                         {.max_iterations = options.max_iterations - report.iterations,
-                          .tolerance = options.tolerance});
+        const auto steps_to = [&](double tolerance) {
+            const GaussNewtonReport steps = minimize(
+                problem, problem.limits(), x,
+                {.max_iterations = options.max_iterations - report.iterations, .tolerance = tolerance});
             report.iterations += steps.iterations;
             report.rejected += steps.rejected;
             report.converged = steps.converged;
+        };
+        for (double rest : stiff_first)
+            if (rest > options.rest && report.iterations < options.max_iterations) {
+                problem.set_rest(rest);
+                steps_to(roughly);
+            }
+        problem.set_rest(options.rest);
+        do {
+            steps_to(options.tolerance);
         } while (problem.unwind(x) && report.iterations < options.max_iterations);
         problem.evaluate(x, values);
     }

@@ -34,8 +34,10 @@ struct PoseSolverOptions
     double rest = 1e-4;
     /// By how much each joint is bent at the start, in radians. A straight chain does not bend by itself.
     double pole = 1e-3;
-    int max_iterations = 60;
+    int max_iterations = 200;
     double tolerance = 1e-6; ///< stop when a step lowers F by at most this share of it
+    /// How much more it counts that a joint turns aside of its hinge than about it.
+    double swing = 1.0;
 };
 
 /// What a pose is solved for.
@@ -68,22 +70,28 @@ struct PoseReport
 ///
 /// Minimises
 ///
-///     F = 1/2 sum_t w_t |p_t - g_t|^2 / size^2 + rest / 2 sum_b k_b |theta_b - base_b|^2
+///     F = 1/2 sum_t w_t |p_t - g_t|^2 / size^2
+///         + rest / 2 sum_b k_b (|theta_b - base_b|^2 + swing |S_b (theta_b - base_b)|^2)
 ///
 /// over the turns theta_b of the joints and the moves of free roots, by damped Gauss-Newton steps with the
 /// curvature of the chains (solvers/dense/gauss_newton.h). Lengths are exact, since only joints turn. Limits
 /// are never exceeded, and balance is an inequality that the steps satisfy: targets come as near as these two
-/// allow. A root that moves freely has no rest term, so that goals which have all moved rigidly are met
-/// exactly.
+/// allow. S_b = I - h_b h_b^T leaves what is at right angles to the hinge h_b of a joint, so that knees and
+/// elbows keep to the plane in which they are bent at rest; it is 0 for joints without a hinge (hinges.h). A
+/// root that moves freely has no rest term, so that goals which have all moved rigidly are met exactly.
 ///
 /// Departs from the paper: the paper solves for the skeleton and the skin in turns; here the skeleton is
 /// solved first, and the skin follows. Joints with limits turn by angles about the bones' own axes or by a
 /// bounded rotation vector instead of the paper's penalties.
 ///
 /// The start depends on the request alone: the base posture, with free roots moved as the goals have moved on
-/// average, and each joint bent by `pole`. A joint that ends up turned by more than half a turn gets there
-/// the other way, and the steps go on. If all targets are met there without any of that, the base posture is
-/// the answer, to the bit.
+/// average, and each joint bent by `pole`: further about its hinge, or else about the first axis that is
+/// free. Bones also lean a little away from the middle of the skeleton, so that both sides of a symmetric one
+/// start alike. F is then minimised with `rest` at .1, .01 and .001, roughly, and at last as asked for. While
+/// joints are stiff they have one posture alone, and the way from there to soft joints changes little where
+/// goals do; steps that begin with soft joints crawl along the ring on which an elbow may be, and end
+/// anywhere on it. A joint that ends up turned by more than half a turn gets there the other way, and the
+/// steps go on. If all targets are met there without any of that, the base posture is the answer, to the bit.
 ///
 /// Cost per iteration: n^2 (targets + n / 3) operations for n unknowns, at most three per bone. Safe from
 /// several threads.

@@ -61,6 +61,37 @@ def test_the_minimum_is_scipys(goal):
     np.testing.assert_allclose(turns.ravel(), theirs.x, atol=5e-4)  # flat along what rest alone decides
 
 
+@pytest.mark.parametrize("goal", [(0.5, 1.0, 1.5), (1.5, -0.5, 1.0), (-0.5, -1.5, -1.0), (2.0, 3.0, 1.0)])
+@pytest.mark.parametrize("swing", [0.0, 1.0, 5.0])
+def test_what_turns_aside_of_a_hinge_counts_more(goal, swing):
+    joints = np.array([(0, 0, 0), (0, 0.3, 1), (0, 0, 2), (0.2, -0.1, 3)], dtype=float)
+    bones, count = np.diff(joints, axis=0), 3
+    skeleton = sn.Skeleton(
+        joints[:-1], joints[1:], np.arange(count) - 1, axes=np.broadcast_to(np.eye(3), (count, 3, 3))
+    )
+    size = np.linalg.norm(np.ptp(joints, axis=0))
+    stiff = [np.eye(3)]
+    for bend in np.cross(bones[:-1], bones[1:]):
+        hinge = np.outer(bend, bend) / (bend @ bend)
+        stiff.append(hinge + np.sqrt(1 + swing) * (np.eye(3) - hinge))
+
+    def residuals(turns):
+        turns, tip, turn = turns.reshape(count, 3), np.zeros(3), Rotation.identity()
+        for own, bone in zip(turns, bones, strict=True):
+            turn = turn * Rotation.from_rotvec(own)
+            tip = tip + turn.apply(bone)
+        kept = [k @ own for k, own in zip(stiff, turns, strict=True)]
+        return np.concatenate([(tip - goal) / size, 1e-2 * np.ravel(kept)])
+
+    turns, _moves, report = skeleton.solve([2], [joints[-1]], [goal], swing=swing, tolerance=1e-13)
+    theirs = least_squares(residuals, turns.ravel(), xtol=1e-15, ftol=1e-15, gtol=1e-12)
+    assert report.converged
+    assert report.energy == pytest.approx(
+        0.5 * residuals(turns.ravel()) @ residuals(turns.ravel()), rel=1e-12
+    )
+    assert report.energy == pytest.approx(theirs.cost, rel=1e-9)
+
+
 @pytest.mark.parametrize("goal", [(1.0, 0.5, 3.0), (3.0, 0.0, 1.0), (-0.4, -2.0, 2.0), (0.0, 0.0, 2.5)])
 def test_the_minimum_within_bounds_is_scipys(goal):
     count, lower, upper = 4, np.array([-0.5, -0.4, -0.1]), np.array([0.7, 0.6, 0.2])

@@ -145,11 +145,77 @@ def test_turned_moved_and_scaled_armatures_are_dragged_in_the_world():
     assert close(end_of(armature, "hand.L"), place + (-0.2, 0.1, -0.2), 4e-3)
 
 
-def test_a_bone_is_turned_about_its_own_place():
+def shown(armature: bpy.types.Object, name: str) -> np.ndarray:
+    """How a bone is shown, (4, 4) in the world."""
+    update()
+    posed = armature.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return np.array(posed.matrix_world @ posed.pose.bones[name].matrix)
+
+
+@pytest.mark.parametrize("name", ["hip", "chest", "hand.L"])
+def test_a_whole_bone_turns_about_its_own_length(name: str):
     armature = standing()
-    pose(armature, "chest", part="WHOLE", mode="ROTATE", angle=0.4, axis=(0.0, 0.0, 1.0))
-    turn = (armature.pose.bones["upper.L"].tail - armature.pose.bones["upper.L"].head).normalized()
-    assert abs(turn.y) < 0.1 or turn.y > 0.0  # the chest is upright, so its ends hardly move
+    before = shown(armature, name)
+    pose(armature, name, part="WHOLE", mode="ROTATE", angle=0.4, axis=tuple(before[:3, 1]))
+    turn = Matrix((shown(armature, name) @ np.linalg.inv(before))[:3, :3]).to_quaternion()
+    assert turn.angle == pytest.approx(0.4, abs=0.02)
+    assert abs(turn.axis.dot(Vector(before[:3, 1]))) > 0.999
+
+
+@pytest.mark.parametrize(
+    ("pinned", "bone", "value"),
+    [
+        (FEET, "hip", (0.05, 0.0, -0.3)),
+        (FEET, "hip", (0.2, -0.15, -0.1)),
+        (FEET, "hand.L", (-0.2, -0.4, -0.5)),
+        (("foot.L", "shin.R"), "hand.L", (0.2, -0.2, 0.3)),
+        (("lower.L", "hip"), "hand.L", (-0.05, 0.05, 0.02)),
+    ],
+)
+def test_pinned_bones_are_held_as_a_whole(pinned, bone: str, value):
+    armature = figure()
+    for name in pinned:
+        armature.pose.bones[name].sinew.pin = True
+    armature.pose.bones["shin.L"].rotation_quaternion = Matrix.Rotation(0.3, 3, "X").to_quaternion()
+    update()
+    before = [shown(armature, name) for name in pinned]
+    pose(armature, bone, value)
+    after = [shown(armature, name) for name in pinned]
+    assert close(np.array(after), np.array(before), 5e-3)  # pins count much, but not infinitely
+
+
+def mirrored(armature: bpy.types.Object) -> float:
+    """By how much the two legs of the figure differ. It has one arm alone."""
+    pairs = [name[:-2] for name in BONES if name.endswith(".R")]
+    return max(
+        np.abs(end_of(armature, f"{name}.L", end) * (-1, 1, 1) - end_of(armature, f"{name}.R", end)).max()
+        for name in pairs
+        for end in ("head", "tail")
+    )
+
+
+@pytest.mark.parametrize(
+    ("bone", "direction"), [("hip", (0.0, 0.0, -0.01)), ("chest", (0.0, -0.008, -0.008))]
+)
+def test_a_symmetric_drag_keeps_a_symmetric_figure_symmetric(bone: str, direction):
+    armature = standing()
+    assert mirrored(armature) < 1e-7
+    knees, last = [], None
+    for step in range(41):
+        pose(armature, bone, tuple(step * np.array(direction)), part="WHOLE", from_rest=True)
+        assert mirrored(armature) < 1e-6
+        ends = np.array([end_of(armature, name) for name in BONES])
+        # The first centimetres bend legs that are almost straight: knees move far, whoever bends them.
+        assert step < 5 or np.linalg.norm(ends - last, axis=1).max() < 0.03
+        last = ends
+        knees.append(end_of(armature, "thigh.L"))
+        for name in BONES:
+            armature.pose.bones[name].matrix_basis = Matrix.Identity(4)
+        update()
+    knees = np.array(knees)
+    assert (knees[:, 0] > 0.1).all()  # on its own side
+    assert (np.diff(knees[:, 1]) < 1e-4).all()  # ever farther ahead
+    assert knees[-1, 1] < -0.2
 
 
 # Limits

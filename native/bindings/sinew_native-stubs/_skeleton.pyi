@@ -57,6 +57,7 @@ class Skeleton:
         centres: ArrayLike | None = None,
         rest: float = 1e-4,
         pole: float = 1e-3,
-        max_iterations: int = 60,
+        max_iterations: int = 200,
         tolerance: float = 1e-6,
+        swing: float = 1.0,
     ) -> tuple[Floats, Floats, PoseReport]: ...

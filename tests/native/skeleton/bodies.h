@@ -22,6 +22,20 @@ inline Skeleton chain(int count, const std::vector<Joint>& joints = {})
     return {heads, tails, parents, {}, joints};
 }
 
+/// The same, each joint a little beside the line, so that those in between have hinges in several planes.
+inline Skeleton zigzag(int count, const std::vector<Joint>& joints = {})
+{
+    const Vector3 beside[] = {{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}};
+    Points heads(count, 3), tails(count, 3);
+    std::vector<int> parents;
+    for (int b = 0; b < count; ++b) {
+        heads.row(b) = (Vector3(0, 0, b) + beside[b % 3]).transpose();
+        tails.row(b) = (Vector3(0, 0, b + 1) + beside[(b + 1) % 3]).transpose();
+        parents.push_back(b - 1);
+    }
+    return {heads, tails, parents, {}, joints};
+}
+
 inline std::vector<Joint> limited(int count, double degrees)
 {
     std::vector<Joint> joints(count);

@@ -82,14 +82,14 @@ void expect_within_limits(const Skeleton& skeleton, const Posture& posture)
 
 TEST(PoseSolver, SlopesAreThoseOfDifferences)
 {
-    std::vector<Joint> joints(5);
+    std::vector<Joint> joints(6);
     joints[1].kind = joints[2].kind = Joint::Kind::angles;
     joints[1].order = {2, 0, 1};
     joints[3].most = 2;
-    const Skeleton skeleton = bodies::chain(5, joints);
+    const Skeleton skeleton = bodies::zigzag(6, joints); // with hinges at the last two joints
     PoseRequest request;
-    request.targets = {{4, {0, 0, 5}, {1, 2, 3}, 1}, {2, {0, 0.1, 2.5}, {0.5, 0.2, 1}, 2}};
-    request.moving_roots = {true, false, false, false, false};
+    request.targets = {{5, {0, 0, 5}, {1, 2, 3}, 1}, {2, {0, 0.1, 2.5}, {0.5, 0.2, 1}, 2}};
+    request.moving_roots = {true, false, false, false, false, false};
     request.balance = Balance{square(1)};
     const PoseSolverOptions options;
     PoseProblem problem(skeleton, request, options, skeleton.rest());
@@ -359,6 +359,109 @@ TEST(PoseSolver, LockedJointsAndStiffOnes)
     EXPECT_LT(first(stiff), 0.1 * first(skeleton));
 }
 
+namespace {
+
+Points tails_of(const Skeleton& skeleton, const Posture& posture)
+{
+    const Poses poses = skeleton.poses(posture);
+    Points tails(skeleton.bone_count(), 3);
+    for (int b = 0; b < skeleton.bone_count(); ++b)
+        tails.row(b) = apply(poses[b], skeleton.tail(b)).transpose();
+    return tails;
+}
+
+/// Takes the tip of a chain along goals, each solve on its own.
+/// \return the longest way of a joint between two of them.
+double longest_step(const Skeleton& skeleton, const std::vector<Vector3>& goals)
+{
+    double longest = 0.0;
+    Points last;
+    for (const Vector3& goal : goals) {
+        const Solved solved = solve(skeleton, tip_to(skeleton, goal));
+        EXPECT_TRUE(solved.report.converged) << goal.transpose();
+        const Points here = tails_of(skeleton, solved.posture);
+        if (last.rows() > 0)
+            longest = std::max(longest, (here - last).rowwise().norm().maxCoeff());
+        last = here;
+    }
+    return longest;
+}
+
+/// A hip with two legs that mirror each other, knees ahead by `knee`, and a spine: the feet are bones 3 and
+/// 6, the chest is bone 8.
+Skeleton legs_and_spine(double knee)
+{
+    std::vector<Vector3> heads{{0, 0, 1}}, tails{{0, 0, 1.2}};
+    std::vector<int> parents{-1};
+    const auto add = [&](const std::vector<Vector3>& joints) {
+        for (std::size_t k = 0; k + 1 < joints.size(); ++k) {
+            parents.push_back(k == 0 ? 0 : static_cast<int>(parents.size()) - 1);
+            heads.push_back(joints[k]);
+            tails.push_back(joints[k + 1]);
+        }
+    };
+    for (double side : {1.0, -1.0})
+        add({{0.1 * side, 0, 1}, {0.12 * side, -knee, 0.55}, {0.12 * side, 0, 0.1}, {0.12 * side, -0.2, 0}});
+    add({{0, 0, 1.2}, {0, 0.02, 1.4}, {0, 0, 1.6}});
+    return {shapes::points_of(heads), shapes::points_of(tails), parents};
+}
+
+} // namespace
+
+TEST(PoseSolver, JointsMoveSmoothlyWithTheHand)
+{
+    const Skeleton arm(shapes::points_of({{0, 0, 0}, {1, 0.1, 0}}),
+                       shapes::points_of({{1, 0.1, 0}, {2, 0, 0}}), {-1, 0});
+    std::vector<Vector3> circle;
+    for (int degrees = 0; degrees <= 360; ++degrees) {
+        const double a = degrees * shapes::pi / 180;
+        circle.emplace_back(1.2 + 0.5 * std::cos(a), 0.5 * std::sin(a), 0.3);
+    }
+    EXPECT_LT(longest_step(arm, circle), 0.02);
+    for (const Skeleton& chain : {bodies::chain(4), bodies::zigzag(4)}) {
+        shapes::Random random(5);
+        for (int k = 0; k < 200; ++k) {
+            const Vector3 goal = 3.5 * random.vector();
+            EXPECT_LT(longest_step(chain, {goal, goal + 0.005 * random.vector().normalized()}), 0.02) << k;
+        }
+    }
+}
+
+TEST(PoseSolver, BothSidesOfAFigureBendAlikeAndForward)
+{
+    for (double knee : {0.02, 0.08})
+        for (int dragged : {0, 8}) {
+            const Skeleton skeleton = legs_and_spine(knee);
+            Points last;
+            for (int k = 0; k <= 60; ++k) {
+                PoseRequest request;
+                for (int bone : {dragged, 3, 6}) // as whole bones
+                    for (const Vector3& from : {skeleton.head(bone), skeleton.tail(bone),
+                                                Vector3(skeleton.head(bone) + 0.1 * Vector3::UnitX()),
+                                                Vector3(skeleton.head(bone) - 0.1 * Vector3::UnitX())}) {
+                        const Vector3 down(0, 0, bone == dragged ? -0.01 * k : 0.0);
+                        request.targets.push_back({bone, from, from + down, bone == dragged ? 1.0 : 1e3});
+                    }
+                request.moving_roots.assign(skeleton.bone_count(), false);
+                request.moving_roots[0] = true;
+                const Solved solved = solve(skeleton, request);
+                EXPECT_TRUE(solved.report.converged) << k;
+                const Points tails = tails_of(skeleton, solved.posture);
+                for (int b = 1; b <= 3; ++b) {
+                    const Vector3 left = tails.row(b).transpose(), right = tails.row(b + 3).transpose();
+                    EXPECT_LT((left - right.cwiseProduct(Vector3(-1, 1, 1))).norm(), 1e-6) << k;
+                }
+                EXPECT_LT(tails(1, 1), -knee + 1e-9) << k; // ahead
+                EXPECT_GT(tails(1, 0), 0.1) << k;          // and on its own side
+                // The first centimetres from an almost straight leg move a knee far, whoever bends it.
+                if (k > 4) {
+                    EXPECT_LT((tails - last).rowwise().norm().maxCoeff(), 0.03) << k;
+                }
+                last = tails;
+            }
+        }
+}
+
 TEST(PoseSolver, NothingToDoIsTheBasePosture)
 {
     const Skeleton skeleton = bodies::chain(3);
@@ -390,6 +493,7 @@ TEST(PoseSolver, Refusals)
     refused([](PoseRequest& request) { request.balance = Balance{square(1), Vector3::UnitZ(), {1, -1, 1}}; });
     refusal<InvalidOption>([&] { solve(skeleton, {}, {.rest = -1.0}); });
     refusal<InvalidOption>([&] { solve(skeleton, {}, {.max_iterations = 0}); });
+    refusal<InvalidOption>([&] { solve(skeleton, {}, {.swing = -1.0}); });
 }
 
 } // namespace sinew

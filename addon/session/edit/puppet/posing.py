@@ -3,6 +3,7 @@
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 import numpy as np
 from bpy.types import Depsgraph, Object, PoseBone
@@ -24,7 +25,7 @@ class Part(Enum):
     AUTO = "AUTO"  # the tail, or the whole bone if it has no parent
     TAIL = "TAIL"
     HEAD = "HEAD"
-    WHOLE = "WHOLE"  # head and tail: the bone keeps its direction
+    WHOLE = "WHOLE"  # the bone as a rigid body: it does not turn about its length either
 
 
 @dataclass(frozen=True)
@@ -34,6 +35,15 @@ class PuppetOptions:
     part: Part = Part.AUTO
     balance: bool = False  # the centre of mass stays over what is pinned
     from_rest: bool = False  # joints stay close to rest, and not to how they are at the start
+
+
+class _Hold(NamedTuple):
+    """A point of a bone that stays."""
+
+    row: int
+    point: np.ndarray  # (3,) at rest
+    goal: np.ndarray  # (3,) in the frame of the armature
+    is_end: bool  # whether it is the head or the tail of the bone
 
 
 class PuppetDrag:
@@ -63,8 +73,9 @@ class PuppetDrag:
         part = options.part
         if part is Part.AUTO:
             part = Part.TAIL if skeleton.bones.parents[row] >= 0 else Part.WHOLE
-        self._dragged = [(row, end) for end in _ENDS[part]]
-        self._held = self._find_held(armature, depsgraph, row)
+        self._row, self._points = row, _points(skeleton, row, part)
+        self._shown = _shown(skeleton)
+        self._held = self._find_held(armature, depsgraph)
         self._choose_moving(armature)
         if options.from_rest:
             self._turns = np.where(self._locked[:, None], self._turns, 0.0)
@@ -83,33 +94,28 @@ class PuppetDrag:
     @property
     def place(self) -> np.ndarray:
         """Where the dragged point was at the start (3,), in the world."""
-        points = [self._place(row, end) for row, end in self._dragged]
-        return frames.transformed(self._world, np.mean(points, axis=0)[None])[0]
+        points = frames.transformed(self._shown[self._row], self._points)
+        return frames.transformed(self._world, points.mean(axis=0)[None])[0]
 
     @property
     def frame(self) -> np.ndarray:
         """The dragged bone at the start, in the world (4, 4)."""
-        row, frame = self._skeleton.row(self.bone), np.eye(4)
-        frame[:3, :3], frame[:3, 3] = self._skeleton.bones.axes[row], self._skeleton.bones.heads[row]
-        return self._world @ self._shown[row] @ frame
+        bones_at_rest, frame = self._skeleton.bones, np.eye(4)
+        frame[:3, :3], frame[:3, 3] = bones_at_rest.axes[self._row], bones_at_rest.heads[self._row]
+        return self._world @ self._shown[self._row] @ frame
 
     def move(self, armature: Object, motion: np.ndarray) -> None:
         """Move the dragged point by a motion (4, 4) of the world, from where it was at the start."""
         if not np.isfinite(motion).all():
             raise ConstraintError("The motion is not a finite number - type another one")
-        inside = self._to_armature @ motion @ self._world
-        rows, points, goals, weights = [], [], [], []
-        for row, end in self._dragged:
-            rows.append(row)
-            points.append(self._ends(end)[row])
-            goals.append(frames.transformed(inside, self._place(row, end)[None])[0])
-            weights.append(1.0)
-        for row, end, goal in self._held:
-            rows.append(row)
-            points.append(self._ends(end)[row])
-            goals.append(goal)
-            weights.append(_PINNED)
-        targets = Targets(np.array(rows), np.array(points), np.array(goals), np.array(weights))
+        moved = self._to_armature @ motion @ self._world @ self._shown[self._row]
+        count = len(self._points)
+        targets = Targets(
+            np.array([self._row] * count + [hold.row for hold in self._held]),
+            np.array([*self._points, *(hold.point for hold in self._held)]),
+            np.array([*frames.transformed(moved, self._points), *(hold.goal for hold in self._held)]),
+            np.array([1.0] * count + [_PINNED] * len(self._held)),
+        )
         found = self._puppet.solve(
             targets,
             self._turns,
@@ -120,7 +126,7 @@ class PuppetDrag:
             up=self._up,
         )
         scale = np.cbrt(abs(np.linalg.det(self._world[:3, :3])))
-        self.gap = float(found.gaps[: len(self._dragged)].max()) * scale
+        self.gap = float(found.gaps[:count].max()) * scale
         self.overhang = found.overhang * scale
         self._write(armature, found)
 
@@ -140,47 +146,45 @@ class PuppetDrag:
             if self._moving_roots[self._skeleton.row(name)]:
                 bone.keyframe_insert("location", group=name)
 
-    def _ends(self, end: int) -> np.ndarray:
-        return self._skeleton.bones.tails if end else self._skeleton.bones.heads
-
-    def _place(self, row: int, end: int) -> np.ndarray:
-        """Where an end of a bone was at the start, in the frame of the armature."""
-        return frames.transformed(self._shown[row], self._ends(end)[row][None])[0]
-
-    def _find_held(self, armature: Object, depsgraph: Depsgraph, dragged: int) -> list:
-        """The ends of bones that stay, and where: pinned bones, and bones with targets."""
-        self._shown = _shown(self._skeleton)
+    def _find_held(self, armature: Object, depsgraph: Depsgraph) -> list[_Hold]:
+        """What stays, and where: pinned bones, and ends of bones with targets."""
+        skeleton = self._skeleton
         held = []
-        for row, name in enumerate(self._skeleton.names):
+        for row, name in enumerate(skeleton.names):
             bone = armature.pose.bones[name]
             constraint = bones.follows_target(bone)
             if constraint is not None:
-                end = 1 if constraint.use_tail else 0
-                held.append((row, end, bones.place_of_target(constraint, armature, depsgraph)))
-            elif bone.sinew.pin and row != dragged:
-                held += [(row, end, self._place(row, end)) for end in (0, 1)]
+                part = Part.TAIL if constraint.use_tail else Part.HEAD
+                place = bones.place_of_target(constraint, armature, depsgraph)
+                held.append(_Hold(row, _points(skeleton, row, part)[0], place, True))
+            elif bone.sinew.pin and row != self._row:
+                points = _points(skeleton, row, Part.WHOLE)
+                goals = frames.transformed(self._shown[row], points)
+                held += [
+                    _Hold(row, point, goal, k < 2)
+                    for k, (point, goal) in enumerate(zip(points, goals, strict=True))
+                ]
         return held
 
     def _choose_moving(self, armature: Object) -> None:
         """Let all bones turn that move something dragged or held, and roots move whose bones are held."""
         skeleton = self._skeleton
         count = len(skeleton.names)
-        chains = [list(skeleton.chain(row)) for row, *_rest in (*self._dragged, *self._held)]
-        active = sorted({row for chain in chains for row in chain})
+        ends = {self._row, *(hold.row for hold in self._held)}
+        active = sorted({row for end in ends for row in skeleton.chain(end)})
         self._locked = np.ones(count, dtype=bool)
         self._locked[active] = False
-        held_roots = {list(skeleton.chain(row))[-1] for row, *_rest in self._held}
-        dragged = self._dragged[0][0]
+        held_roots = {list(skeleton.chain(hold.row))[-1] for hold in self._held}
         self._moving_roots = np.zeros(count, dtype=bool)
         for row in active:
             is_root = skeleton.bones.parents[row] < 0
             free = not any(armature.pose.bones[skeleton.names[row]].lock_location)
-            self._moving_roots[row] = is_root and free and (row in held_roots or row == dragged)
+            self._moving_roots[row] = is_root and free and (row in held_roots or row == self._row)
         bones.require_plain(armature, self.moving)
 
     def _find_support(self) -> np.ndarray:
         """What the figure stands on: the ends of held bones."""
-        points = np.array([goal for _row, _end, goal in self._held]).reshape(-1, 3)
+        points = np.array([hold.goal for hold in self._held if hold.is_end]).reshape(-1, 3)
         if len(points) >= 3:
             across = points - points.mean(axis=0)
             across -= np.outer(across @ self._up, self._up) / (self._up @ self._up)
@@ -205,7 +209,18 @@ class PuppetDrag:
                 bone.location = move
 
 
-_ENDS = {Part.TAIL: (1,), Part.HEAD: (0,), Part.WHOLE: (0, 1)}
+def _points(skeleton: bones.Skeleton, row: int, part: Part) -> np.ndarray:
+    """The points of a bone at rest (m, 3) that hold a part of it, its ends first.
+
+    Two more beside its middle, as far from each other as its ends, hold a whole bone: nothing else would keep
+    it from turning about its length.
+    """
+    data = skeleton.bones
+    head, tail = data.heads[row], data.tails[row]
+    aside = np.linalg.norm(tail - head) / 2.0 * data.axes[row][:, 0]
+    middle = (head + tail) / 2.0
+    whole = np.array((head, tail, middle - aside, middle + aside))
+    return {Part.HEAD: whole[:1], Part.TAIL: whole[1:2], Part.WHOLE: whole}[part]
 
 
 def _shown(skeleton: bones.Skeleton) -> list[np.ndarray]:
