@@ -16,8 +16,10 @@ _SUFFIX = "_properties"
 # The manual page behind the question mark of each panel that has one.
 PAGES = {
     ROOT: "surface",
+    "SINEW_PT_region": "surface",
+    "SINEW_PT_keys": "animate",
+    "SINEW_PT_advanced": "surface",
     "SINEW_PT_bake": "baking",
-    "SINEW_PT_overlay": "overlays",
     "SINEW_PT_overlays": "overlays",
 }
 

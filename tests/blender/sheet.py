@@ -47,11 +47,21 @@ class DrawContext:
 
     def __init__(self, width: int = NARROW, region_type: str = "UI") -> None:
         self.region = SimpleNamespace(width=width, type=region_type)
-        style = SimpleNamespace(widget=SimpleNamespace(points=11.0))
-        self.preferences = SimpleNamespace(system=SimpleNamespace(ui_scale=1.0), ui_styles=[style])
+        self.preferences = DrawPreferences()
 
     def __getattr__(self, name: str):
         return getattr(bpy.context, name)
+
+
+class DrawPreferences:
+    """Blender's, with a font and a scale that do not depend on the screen."""
+
+    def __init__(self) -> None:
+        self.system = SimpleNamespace(ui_scale=1.0)
+        self.ui_styles = [SimpleNamespace(widget=SimpleNamespace(points=11.0))]
+
+    def __getattr__(self, name: str):
+        return getattr(bpy.context.preferences, name)
 
 
 def draw(cls: type, context: DrawContext | None = None) -> Sheet:

@@ -102,6 +102,8 @@ def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
         hint = "Enter Edit Mode and select vertices, or choose a vertex group here"
     draw_text(context, layout, hint, "INFO")
     _draw_add_buttons(context, layout, obj)
+    if obj.mode != "EDIT":
+        _draw_add_points(layout)
 
 
 def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
