@@ -10,6 +10,7 @@ from bpy.types import Context, UILayout
 from .. import compat, session
 from ..backend import availability
 from ..core import status
+from ..core.methods import Control
 from ..core.status import Level, Remedy, Status
 from ..ids import Operators
 from ..preferences import PACKAGE
@@ -106,6 +107,9 @@ def draw_status(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
     if job is not None:
         draw_progress(layout.box().column(), job, "binding")
         return
+    cage = session.cage_work(deformer.id_data.name)
+    if cage is not None and deformer.definition.control is not Control.CAGE:  # else its own button tells
+        draw_progress(layout.box().column(), cage, "making a cage")
     line = headline(deformer)
     problem = int(bool(line.elements))
     lines = [(line, problem - 1)] if line.level is not Level.ERROR else []
