@@ -183,9 +183,7 @@ def press(name: str) -> set[str]:
 
 
 @pytest.mark.parametrize("target", CACHES)
-def test_a_missing_cache_file_is_said_with_a_button_for_each_remedy(
-    saved: Rig, tmp_path: Path, target: str
-):
+def test_a_missing_cache_file_is_said_with_a_button_for_each_remedy(saved: Rig, tmp_path: Path, target: str):
     chosen = range(2, 7, 2)
     live = played(saved.obj, chosen)
     saved.deformer.bake.step = 2

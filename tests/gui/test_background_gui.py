@@ -29,7 +29,7 @@ def seen(tmp_path_factory: pytest.TempPathFactory) -> dict:
 @pytest.mark.parametrize("name", cases())
 def test_an_operator_that_waits_for_threads_ends_once(seen: dict, name: str):
     found = seen[name]
-    assert found["in a thread"]
+    assert found["stays"] == ["RUNNING_MODAL"]
     assert all(found["bound"]), found
     assert found["bound"]
     assert found["level"] == "INFO", found["status"]
