@@ -50,7 +50,7 @@ REMEDIES: dict[Remedy, Button] = {
     Remedy.REPAIR: Button(Operators.REPAIR, "Repair", "TOOL_SETTINGS"),
     Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Part Regions", "NONE"),
     Remedy.NEW_CONTROL: Button(Operators.CONTROL_NEW, "New Control", "EMPTY_AXIS"),
-    Remedy.BAKE: Button(Operators.BAKE, "Bake Again", "RENDER_ANIMATION", (("again", True),)),
+    Remedy.BAKE: Button(Operators.BAKE, "Bake Again", "NONE", (("again", True),)),
     Remedy.UNBAKE: Button(Operators.UNBAKE, "Unbake", "LOOP_BACK"),
     Remedy.CONVERT: Button("object.convert", "Convert to Mesh", "OUTLINER_OB_MESH", (("target", "MESH"),)),
     Remedy.OVERRIDE: Button("object.make_override_library", "Make Library Override", "LIBRARY_DATA_OVERRIDE"),
