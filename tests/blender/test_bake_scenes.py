@@ -221,7 +221,7 @@ def test_while_baked_the_rows_are_greyed_out_and_the_panel_says_why(saved: Rig, 
     assert "sinew.unbake" not in sheet.greyed
     for operator in (bpy.ops.sinew.bind, bpy.ops.sinew.unbind):
         assert not operator.poll()
-    assert {"kind", "control"} <= set(draw(bpy.types.SINEW_PT_region).greyed)
+    assert {"kind", "weight"} <= set(draw(bpy.types.SINEW_PT_region).greyed)
     assert press("sinew.unbake") == {"FINISHED"}
     assert not draw_panel().greyed
     assert bpy.ops.sinew.bind.poll()

@@ -25,6 +25,8 @@ from driving import (
     viewport,
 )
 
+QUICK = 0.1  # the margin of a cage that is made in a moment
+
 
 def binding():
     return sys.modules[f"{MODULE}.session.live.binding"]
@@ -66,7 +68,7 @@ def held() -> None:
 
 def caged(method: str = "harmonic", faces: int = 100) -> None:
     plain()
-    bpy.ops.sinew.cage_add(method=method, faces=faces)
+    bpy.ops.sinew.cage_add(method=method, faces=faces, margin=QUICK)
 
 
 def inside_out() -> None:
@@ -124,8 +126,8 @@ CASES = {
     "handle_mirror": (held, invoked("handle_mirror")),
     "bind": (held, invoked("bind")),
     "watch": (held, another_method),
-    "cage_add": (plain, invoked("cage_add", faces=100)),
-    "cage_add harmonic": (plain, invoked("cage_add", faces=100, method="harmonic")),
+    "cage_add": (plain, invoked("cage_add", faces=100, margin=QUICK)),
+    "cage_add harmonic": (plain, invoked("cage_add", faces=100, margin=QUICK, method="harmonic")),
     "cage_set_rest": (caged, invoked("cage_set_rest")),
     "cage_flip": (inside_out, invoked("cage_flip")),
     "cage_faces": (caged, invoked("cage_faces", faces=60)),
