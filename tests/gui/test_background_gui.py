@@ -23,7 +23,7 @@ def cases() -> list[str]:
 @pytest.fixture(scope="module")
 def seen(tmp_path_factory: pytest.TempPathFactory) -> dict:
     """What the session in ``drive_background.py`` observed."""
-    return drive("drive_background.py", tmp_path_factory.mktemp("background"), TIMEOUT)
+    return drive("drive_background.py", tmp_path_factory.mktemp("background"), TIMEOUT, size=(800, 500))
 
 
 @pytest.mark.parametrize("name", cases())
