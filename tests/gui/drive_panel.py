@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside a Blender with a window: what the panel shows in a sidebar of the width that Blender gives it."""
+"""Runs inside a Blender with a window: what the panel shows in a sidebar as wide as Blender makes it."""
 
 import bpy
 import numpy as np
@@ -50,7 +50,8 @@ def keys():
         place.tag_redraw()
         yield from rest(4)
         after = sidebar(f"2-key-{row.frame}")
-        seen["rows that changed"][row.frame] = int((np.abs(after - before).max(axis=2) > 0.1).any(axis=1).sum())
+        differs = np.abs(after - before).max(axis=2) > 0.1
+        seen["rows that changed"][row.frame] = int(differs.any(axis=1).sum())
         before = after
 
 
