@@ -12,7 +12,7 @@ import numpy as np
 from ..core.elements import Elements, Owner
 from ..core.errors import CageError, ConstraintError
 from ..core.geometry.turns import turned_poses
-from ..core.methods import Method, Posed
+from ..core.methods import MeshShape, Method, Posed
 from ..core.status import Remedy
 
 _PREVIEW_RAYS = 128  # per point: weights in a tenth of the time, with errors of some hundredths
@@ -440,6 +440,12 @@ class Recipe:
     def seconds(self) -> float:
         """About how long the bind takes, by the registry's rows; with that of a base method."""
         return _seconds(self.method, len(self.target.points), self.control.size, self.options)
+
+    @property
+    def moves_every_part(self) -> bool:
+        """Whether parts without a handle move, too: to a target shape."""
+        shapes = [parameter.id for parameter in self.method.parameters if isinstance(parameter, MeshShape)]
+        return any(self.options[name] is not None for name in shapes)
 
     def located(self, row: int) -> tuple[int, int | None]:
         """The handle that a handle of the native method belongs to; and which of its points that is, if they

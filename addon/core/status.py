@@ -5,7 +5,7 @@ Nothing here is saved: the messages are computed again when a file is opened.
 """
 
 from dataclasses import dataclass
-from enum import Enum
+from enum import Enum, Flag, auto
 
 from .elements import NO_ELEMENTS, Elements
 from .memory import remember
@@ -20,25 +20,27 @@ class Level(Enum):
     ERROR = "ERROR"
 
 
-class Remedy(Enum):
-    """What the button beside a line does. ``ui`` maps each remedy to an operator."""
+class Remedy(Flag):
+    """What the buttons beside a line do, such as ``BAKE | UNBAKE``. ``ui`` maps each to an operator."""
 
-    NONE = "NONE"
-    BIND = "BIND"
-    REPAIR = "REPAIR"
-    PART_REGIONS = "PART_REGIONS"
-    OVERRIDE = "OVERRIDE"
-    PREFERENCES = "PREFERENCES"
-    CAGE_REST = "CAGE_REST"
-    FLIP_CAGE = "FLIP_CAGE"
-    LATTICE_REST = "LATTICE_REST"
-    CONVERT = "CONVERT"
-    NEW_CONTROL = "NEW_CONTROL"
+    NONE = 0
+    BIND = auto()
+    REPAIR = auto()
+    PART_REGIONS = auto()
+    OVERRIDE = auto()
+    PREFERENCES = auto()
+    CAGE_REST = auto()
+    FLIP_CAGE = auto()
+    LATTICE_REST = auto()
+    CONVERT = auto()
+    NEW_CONTROL = auto()
+    BAKE = auto()
+    UNBAKE = auto()
 
 
 @dataclass(frozen=True)
 class Status:
-    """One line, the elements that **Select** shows, and the remedy that a button offers.
+    """One line, the elements that **Select** shows, and the remedies that buttons offer.
 
     ``left_out``: it tells what could not be used, so scripts and reports have to tell it, too.
     """

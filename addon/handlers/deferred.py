@@ -10,6 +10,7 @@ import bpy
 from bpy.types import Depsgraph
 
 from .. import session
+from ..operators import redraw_panels
 
 PAUSE = 0.15  # seconds without an edit, after which the final shape replaces a preview
 _POLL = 0.1  # seconds between two looks at threads
@@ -113,7 +114,7 @@ def _tick() -> float | None:
         # While an engine starts in the render thread, Blender refuses all writes for a moment.
         if "not allowed" not in str(refusal) and "blend data" not in str(refusal):
             raise
-    _redraw()
+    redraw_panels()
     if not is_busy:
         return None
     _watch_binds()
@@ -126,11 +127,3 @@ def _watch_binds() -> None:
     for uid in session.unwatched() if windows else ():
         with bpy.context.temp_override(window=windows[0]):
             bpy.ops.sinew.watch("INVOKE_DEFAULT", uid=uid)
-
-
-def _redraw() -> None:
-    """Redraw the panels, which show the progress and the result of a bind."""
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type in ("VIEW_3D", "PROPERTIES"):
-                area.tag_redraw()

@@ -36,6 +36,7 @@ from .target import explain_no_target, target_of
 from .tool_drag import SINEW_OT_tool_drag
 from .tools import SINEW_OT_tool_add, SINEW_OT_tool_stop
 from .transfer import SINEW_OT_transfer_deformation
+from .waiting import redraw_panels
 from .wire_draw import SINEW_OT_wire_draw
 from .wires import SINEW_OT_wire_add
 
@@ -46,6 +47,7 @@ __all__ = (
     "entering",
     "explain_no_target",
     "preset_folder",
+    "redraw_panels",
     "register",
     "ring",
     "surface_under",

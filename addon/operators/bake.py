@@ -64,6 +64,11 @@ class SINEW_OT_bake(FrameByFrame, Operator):
         "last bit",
         options=_SKIP,
     )
+    again: BoolProperty(
+        name="Again",
+        description="Bake what is baked once more: the same frames, to the same target and file",
+        options=_SKIP,
+    )
     choose_path: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default="*.pc2;*.mdd;*.abc", options={"HIDDEN", "SKIP_SAVE"})
     check_existing: BoolProperty(default=True, options={"HIDDEN", "SKIP_SAVE"})
@@ -80,6 +85,7 @@ class SINEW_OT_bake(FrameByFrame, Operator):
     def invoke(self, context: Context, _event: Event) -> set[str]:
         if bpy.app.background:
             return self.execute(context)
+        self._take_last(context)
         return self._browse(context) if self.choose_path else self._begin(context)
 
     def _begin(self, context: Context) -> set[str]:
@@ -88,7 +94,16 @@ class SINEW_OT_bake(FrameByFrame, Operator):
     def execute(self, context: Context) -> set[str]:
         if self.choose_path and not bpy.app.background:  # the file browser calls this when the user confirms
             return self._bake_to_choice()
+        self._take_last(context)
         return self._export(context) if self.target == "ALEMBIC" else self.run(context)
+
+    def _take_last(self, context: Context) -> None:
+        """Where it is to bake again, take the target and the frames of the last bake."""
+        bake = target_of(context).sinew.active.bake
+        if self.again and bake.is_baked:
+            self.target, self.step, self.exact_keys = bake.result, bake.step, bake.exact_keys
+            self.frame_start, self.frame_end = bake.first, bake.last
+            self.again = False  # what is adjusted afterwards counts
 
     def draw(self, _context: Context) -> None:
         layout = self.layout

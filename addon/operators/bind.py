@@ -6,7 +6,7 @@ from bpy.types import Context, Operator
 from .. import session
 from ..ids import Operators
 from .reporting import reports_errors
-from .target import has_deformer, target_of
+from .target import has_live_deformer, target_of
 from .waiting import BindingOperator
 
 
@@ -19,7 +19,7 @@ class SINEW_OT_bind(BindingOperator, Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
+        return has_live_deformer(cls, context)
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -42,7 +42,7 @@ class SINEW_OT_unbind(Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
+        return has_live_deformer(cls, context)
 
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)

@@ -36,6 +36,15 @@ class _MakesCage(BindingOperator):
     _work: session.Work | None = None
     _target = ("", "")  # what the thread works for; another object or deformer may be active by now
 
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_target(cls, context):
+            return False
+        if session.cage_work(target_of(context).name) is not None:
+            cls.poll_message_set(session.BEING_MADE)
+            return False
+        return True
+
     def carry_out(self, context: Context, margin: float) -> set[str]:
         """Make the cage, with this margin, while Blender stays responsive."""
         if not session.may_wait(session.cage_seconds(margin)):
@@ -47,16 +56,14 @@ class _MakesCage(BindingOperator):
         obj = target_of(context)
         active = obj.sinew.active
         self._target = obj.name, "" if active is None else active.uid
-        self._work = session.Work(self.maker(obj, active))
-        self.begin(context)
-        return {"RUNNING_MODAL"}
+        self._work = session.begin_cage(obj, self.maker(obj, active))
+        return self.stay(context)
 
-    def modal(self, context: Context, event: Event) -> set[str]:
+    def look(self, context: Context, is_cancelled: bool) -> set[str]:
         work = self._work
         if work is None:
-            return super().modal(context, event)
-        if event.type == "ESC" and event.value == "PRESS":
-            self.cancel(context)
+            return super().look(context, is_cancelled)
+        if is_cancelled or session.cage_work(self._target[0]) is not work:
             self.report({"WARNING"}, self.CANCELLED)
             return {"CANCELLED"}
         if not work.done:
@@ -64,19 +71,21 @@ class _MakesCage(BindingOperator):
                 f"Sinew is making a cage: {work.fraction:.0%} {work.stage}   (Esc cancels)"
             )
             return {"PASS_THROUGH"}
-        self._work = None
-        self.end(context)
+        self._forget_work()
         if work.error is not None:
             self.report({"ERROR"}, str(work.error))
             return {"CANCELLED"}
         return self.watched(context, self.run(context, wait=False, shape=work.result))
 
-    def cancel(self, context: Context) -> None:
-        """Stop the thread: by Esc, or because Blender ends the operator."""
-        if self._work is not None:
-            self._work.cancel()
-            self._work = None
-            self.end(context)
+    def leave(self, context: Context) -> None:
+        self._forget_work()
+        super().leave(context)
+
+    def _forget_work(self) -> None:
+        """Stop the thread, if it still works, and let another cage be made."""
+        if self._work is not None and session.cage_work(self._target[0]) is self._work:
+            session.drop_cage(self._target[0])
+        self._work = None
 
     def subject(self, context: Context) -> tuple[Object, SinewDeformer | None]:
         """The object that gets the cage, and its deformer that was active when this began."""
@@ -144,10 +153,6 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         description="The name of a mesh object; if empty, the other selected mesh is used",
         options={"SKIP_SAVE"},
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_target(cls, context)
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         return (
@@ -274,7 +279,7 @@ class SINEW_OT_cage_faces(_MakesCage, Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        return _has_cage(cls, context)
+        return super().poll(context) and _has_cage(cls, context)
 
     def invoke(self, context: Context, _event: Event) -> set[str]:
         return self._ask(context)

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Cancel a bind that is running, and watch one that started by itself."""
+"""Cancel what a thread is working on, and watch a bind that started by itself."""
 
 from bpy.props import StringProperty
 from bpy.types import Context, Event, Operator
 
 from .. import session
 from ..ids import Operators
-from .target import has_deformer, target_of
+from .target import has_target, target_of
 from .waiting import WaitsForBind
 
 
 class SINEW_OT_cancel(Operator):
-    """Cancel the bind that is running. The mesh shows its rest shape; Bind starts again"""
+    """Cancel the bind, or the making of a cage, that is running.
+
+    After a bind the mesh shows its rest shape; Bind starts again
+    """
 
     bl_idname = Operators.CANCEL
     bl_label = "Cancel Bind"
@@ -19,15 +22,22 @@ class SINEW_OT_cancel(Operator):
 
     @classmethod
     def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context):
+        if not has_target(cls, context):
             return False
-        if session.job(target_of(context).sinew.active.uid) is None:
-            cls.poll_message_set("Nothing is being bound")
+        obj = target_of(context)
+        active = obj.sinew.active
+        is_bound_now = active is not None and session.job(active.uid) is not None
+        if not is_bound_now and session.cage_work(obj.name) is None:
+            cls.poll_message_set("Nothing is being bound or made")
             return False
         return True
 
     def execute(self, context: Context) -> set[str]:
-        session.cancel(target_of(context).sinew.active.uid)
+        obj = target_of(context)
+        if session.cage_work(obj.name) is not None:
+            session.drop_cage(obj.name)  # whoever began it says so
+            return {"FINISHED"}
+        session.cancel(obj.sinew.active.uid)
         self.report({"WARNING"}, session.CANCELLED)
         return {"FINISHED"}
 

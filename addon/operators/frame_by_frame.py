@@ -10,6 +10,7 @@ from bpy.types import Context, Event
 
 from ..core.errors import SinewError
 from ..properties import MAX_FRAME
+from .modal.staying import StaysInWindow
 from .reporting import reports_errors
 
 _SLICE = 0.1  # seconds for which frames are computed between two redraws
@@ -32,8 +33,10 @@ class Job(Protocol):
     def cancel(self) -> None: ...
 
 
-class FrameByFrame:
+class FrameByFrame(StaysInWindow):
     """Mixed into an operator, which returns its work from ``job``."""
+
+    TICK = 0.01
 
     doing: ClassVar[str]  # what the status bar says: "Sinew is ..."
     did: ClassVar[str]
@@ -99,16 +102,13 @@ class FrameByFrame:
     def begin(self, context: Context) -> set[str]:
         """Begin the work; ``modal`` goes on with it."""
         self._job = self.job(context)
-        manager = context.window_manager
-        manager.progress_begin(0, self._job.total)
-        self._timer = manager.event_timer_add(0.01, window=context.window)
-        manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        context.window_manager.progress_begin(0, self._job.total)
+        return self.stay(context)
 
     def modal(self, context: Context, event: Event) -> set[str]:
         if event.type == "ESC" and event.value == "PRESS":
             self._job.cancel()
-            self._end_modal(context)
+            self.leave(context)
             self.report({"WARNING"}, self.cancelled)
             return {"CANCELLED"}
         if event.type != "TIMER":
@@ -119,17 +119,17 @@ class FrameByFrame:
             self._finish(self._job)
         except SinewError as error:
             self._job.cancel()
-            self._end_modal(context)
+            self.leave(context)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        self._end_modal(context)
+        self.leave(context)
         return {"FINISHED"}
 
     def cancel(self, context: Context) -> None:
         """Blender ends the operator, because another file is opened or the window is closed."""
         if hasattr(self, "_job"):
             self._job.cancel()
-            self._end_modal(context)
+            self.leave(context)
 
     def _some_frames(self, context: Context) -> bool:
         """Compute some frames and show the progress; True while there are more."""
@@ -144,10 +144,9 @@ class FrameByFrame:
         )
         return has_more
 
-    def _end_modal(self, context: Context) -> None:
-        context.window_manager.event_timer_remove(self._timer)
+    def leave(self, context: Context) -> None:
         context.window_manager.progress_end()
-        context.workspace.status_text_set(None)
+        super().leave(context)
 
     def _finish(self, job: Job) -> None:
         warnings = job.finish()

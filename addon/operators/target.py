@@ -88,6 +88,17 @@ def has_deformer(operator: type, context: Context, mesh: bool = False) -> bool:
     return True
 
 
+def has_live_deformer(operator: type, context: Context) -> bool:
+    """For ``poll``: whether the active deformer is not baked, and there is one."""
+    if not has_deformer(operator, context):
+        return False
+    active = target_of(context).sinew.active
+    if active.bake.is_baked:
+        operator.poll_message_set(f"{active.name} is baked - Unbake it first")
+        return False
+    return True
+
+
 def deformer_index(obj: Object, index: int) -> int:
     """The index of a deformer; -1 means the active one."""
     count = len(obj.sinew.deformers)

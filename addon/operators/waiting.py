@@ -1,18 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operators that bind. With a window, a thread binds, Blender stays responsive, and Esc cancels."""
 
+import bpy
 from bpy.types import Context, Event
 
 from .. import session
 from ..core import status
 from ..core.errors import SinewError
 from ..core.status import Level
+from .modal.staying import StaysInWindow
 from .target import target_of
 
+_GOING_ON = {"RUNNING_MODAL", "PASS_THROUGH"}
 
-class WaitsForBind:
+
+class WaitsForBind(StaysInWindow):
     """Mixin for an operator. Its ``invoke`` ends with ``return self.wait_for(...)``."""
 
+    _uid = ""  # the key of the deformer that it waits for
     _reports = False  # whether the bind that a thread computes is to be reported
     _words = ("", "")
 
@@ -27,43 +32,44 @@ class WaitsForBind:
             self.report({level}, ". ".join((text, *left_out)))
 
     def wait_for(self, context: Context, uid: str, result: set[str]) -> set[str]:
-        """Continue as a modal operator while a thread binds the deformer; else return ``result``."""
+        """Stay while a thread binds the deformer; else return ``result``."""
         if session.job(uid) is None:
             return result
         self._uid = uid
         session.watch(uid)
-        self.begin(context)
-        return {"RUNNING_MODAL"}
-
-    def begin(self, context: Context) -> None:
-        """Let Blender call ``modal`` for events, and every tenth of a second."""
-        self._timer = context.window_manager.event_timer_add(0.1, window=context.window)
-        context.window_manager.modal_handler_add(self)
-
-    def end(self, context: Context) -> None:
-        """Stop the calls of ``modal``."""
-        context.window_manager.event_timer_remove(self._timer)
-        context.workspace.status_text_set(None)
+        return self.stay(context)
 
     def modal(self, context: Context, event: Event) -> set[str]:
+        if event.type == "TIMER":
+            redraw_panels()
+        result = self.look(context, event.type == "ESC" and event.value == "PRESS")
+        if result.isdisjoint(_GOING_ON):
+            self.leave(context)
+        return result
+
+    def look(self, context: Context, is_cancelled: bool) -> set[str]:
+        """Look at what the operator waits for. ``is_cancelled``: Esc was pressed."""
         session.collect()
         job = session.job(self._uid)
-        if job is None:
-            return self._finish(context)
-        if event.type == "ESC" and event.value == "PRESS":
+        if job is not None and not is_cancelled:
+            context.workspace.status_text_set(
+                f"Sinew is binding: {job.fraction:.0%} {job.stage}   (Esc cancels)"
+            )
+            return {"PASS_THROUGH"}
+        if job is not None:
             session.cancel(self._uid)
             self.report({"WARNING"}, session.CANCELLED)
-            self._reports = False
-            return self._finish(context)
-        context.workspace.status_text_set(f"Sinew is binding: {job.fraction:.0%} {job.stage}   (Esc cancels)")
-        return {"PASS_THROUGH"}
-
-    def _finish(self, context: Context) -> set[str]:
-        session.watch(self._uid, False)
-        self.end(context)
-        if self._reports:
+        elif self._reports:
             self.report_state(self._uid, *self._words)
         return {"FINISHED"}
+
+    def cancel(self, context: Context) -> None:
+        """Blender ends the operator, because its window is closed or another file is opened."""
+        self.leave(context)
+
+    def leave(self, context: Context) -> None:
+        session.watch(self._uid, False)
+        super().leave(context)
 
 
 class BindingOperator(WaitsForBind):
@@ -79,7 +85,7 @@ class BindingOperator(WaitsForBind):
         return self.watched(context, self.run(context, wait=False))
 
     def watched(self, context: Context, result: set[str]) -> set[str]:
-        """Continue while a thread binds the active deformer; else return ``result``."""
+        """Stay while a thread binds the active deformer; else return ``result``."""
         obj = target_of(context)
         deformer = None if obj is None else obj.sinew.active
         return result if deformer is None else self.wait_for(context, deformer.uid, result)
@@ -90,3 +96,11 @@ class BindingOperator(WaitsForBind):
             self.report({"WARNING"}, str(refusal))
         else:
             self.report_state(uid, subject, more)
+
+
+def redraw_panels() -> None:
+    """Redraw the panels, which show the progress and the result of a thread."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type in ("VIEW_3D", "PROPERTIES"):
+                area.tag_redraw()

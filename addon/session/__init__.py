@@ -35,6 +35,7 @@ from .edit.handles.overlaps import part_regions
 from .edit.handles.points import empties_on, empty_at, with_points
 from .edit.keys import add_key, key_beside, key_notes, move_key, remove_key
 from .edit.lattices import LATTICE_METHODS, LatticeShape, add_lattice_object, set_rest_lattice
+from .edit.making import BEING_MADE, begin_cage, cage_work, drop_cage
 from .edit.order import move_deformer, move_handle
 from .edit.puppet.bones import require_bones
 from .edit.puppet.posing import Part, PuppetDrag, PuppetOptions
@@ -89,6 +90,7 @@ from .tools.grab import NOTHING_FREE, Grab
 from .tools.sketch import TOO_SHORT, Sight, Sketch, keep_stroke, stroke_of
 
 __all__ = (
+    "BEING_MADE",
     "CAGE_METHODS",
     "CANCELLED",
     "LATTICE_METHODS",
@@ -117,11 +119,13 @@ __all__ = (
     "add_to",
     "apply",
     "attribute_names",
+    "begin_cage",
     "begin_evaluation",
     "bind",
     "busy",
     "cage_maker",
     "cage_seconds",
+    "cage_work",
     "can_be_moved",
     "cancel",
     "carry_out_writes",
@@ -133,6 +137,7 @@ __all__ = (
     "control_pairs",
     "copies",
     "curve_node",
+    "drop_cage",
     "duration",
     "edit_curve",
     "empties_on",

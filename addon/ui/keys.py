@@ -7,6 +7,7 @@ from .. import bake, session
 from ..ids import Operators
 from ..operators import target_of
 from ..properties import SinewDeformer, SinewKey
+from .layouts import unless_baked
 from .places import ActiveDeformerPanel, active_deformer
 from .text import draw_text
 
@@ -27,7 +28,9 @@ class SINEW_UL_keys(UIList):
     ) -> None:
         row = layout.row(align=True)
         is_here = key.frame == round(context.scene.frame_current_final)
-        row.prop(key, "frame", text="", emboss=False, icon="KEYTYPE_KEYFRAME_VEC" if is_here else "KEYFRAME")
+        # Within a narrow number field, an icon would take all the room of the number.
+        row.label(text="", icon="KEYTYPE_KEYFRAME_VEC" if is_here else "KEYFRAME")
+        row.prop(key, "frame", text="", emboss=False)
         jump = row.operator(Operators.KEY_JUMP, text="", icon="TIME", emboss=False)
         jump.to, jump.index = "ACTIVE", index
 
@@ -45,7 +48,8 @@ class SINEW_PT_keys(ActiveDeformerPanel, Panel):
         return deformer is not None and deformer.definition.keyed
 
     def draw(self, context: Context) -> None:
-        layout, deformer = self.layout, active_deformer(context)
+        deformer = active_deformer(context)
+        layout = unless_baked(self.layout, deformer)
         layout.operator(Operators.KEY_ADD, icon="KEY_HLT")
         row = layout.row()
         row.template_list("SINEW_UL_keys", "", deformer, "keys", deformer, "active_key", rows=3)

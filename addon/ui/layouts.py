@@ -3,12 +3,21 @@
 
 from bpy.types import UILayout
 
+from ..properties import SinewDeformer
+
 
 def split(layout: UILayout) -> UILayout:
     """Draw labels to the left as in Blender's own panels, without animation dots as in its sidebar."""
     layout.use_property_split = True
     layout.use_property_decorate = False
     return layout
+
+
+def unless_baked(layout: UILayout, deformer: SinewDeformer) -> UILayout:
+    """For settings and rows, which are greyed out while a bake plays in place of the deformer."""
+    column = layout.column()
+    column.enabled = not deformer.bake.is_baked
+    return column
 
 
 def invoking(layout: UILayout) -> UILayout:

@@ -15,7 +15,7 @@ from ..operators import explain_no_target, target_of
 from ..properties import BASE, SinewDeformer
 from . import control, keys
 from .control import draw_start, drawing_of
-from .layouts import draw_move_buttons, split
+from .layouts import draw_move_buttons, split, unless_baked
 from .parameters import draw_parameter
 from .places import ActiveDeformerPanel, SidebarPanel, active_deformer
 from .presets import SINEW_PT_presets
@@ -56,11 +56,12 @@ class SINEW_PT_sinew(SidebarPanel, Panel):
             return
         _draw_deformers(layout, obj)
         draw_error(context, layout, deformer)
-        _draw_method(context, layout, obj, deformer)
+        settings = unless_baked(layout, deformer)
+        _draw_method(context, settings, obj, deformer)
         drawing = drawing_of(deformer.definition)
         if not drawing.ABOVE_PARAMETERS:
-            drawing.draw(context, layout, obj, deformer)
-        _draw_influence(layout, obj, deformer)
+            drawing.draw(context, settings, obj, deformer)
+        _draw_influence(settings, obj, deformer)
         draw_status(context, layout, deformer)
 
 
@@ -72,7 +73,7 @@ class SINEW_PT_advanced(ActiveDeformerPanel, Panel):
 
     def draw(self, context: Context) -> None:
         deformer = active_deformer(context)
-        layout = split(self.layout)
+        layout = split(unless_baked(self.layout, deformer))
         if session.marks_regions(deformer.definition) and not deformer.definition.is_space:
             layout.row().prop(deformer, "loose_parts", expand=True)
         layout.column(heading="Rebind").prop(deformer, "auto_rebind", text="Automatic")
@@ -84,11 +85,10 @@ class SINEW_PT_advanced(ActiveDeformerPanel, Panel):
 
 
 def _parameters(deformer: SinewDeformer, advanced: bool) -> Iterator[tuple[PropertyGroup, Parameter]]:
-    """What the methods use with their present choices. Settings of an iteration count as ``advanced``."""
+    """What the methods use with their present choices, either the ``advanced`` ones or the others."""
     for method, values in deformer.methods:
         for parameter in method.parameters:
-            late = parameter.advanced or (method.iterative and not parameter.rebinds)
-            if advanced == late and parameter.is_used(values):
+            if parameter.advanced == advanced and parameter.is_used(values):
                 yield values, parameter
 
 

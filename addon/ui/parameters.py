@@ -4,7 +4,7 @@
 from bpy.types import PropertyGroup, UILayout
 
 from .. import session
-from ..core.methods import Curve, GridPoints, Parameter, UvMap, group_property
+from ..core.methods import Curve, Float, GridPoints, Parameter, UvMap, group_property
 from ..ids import Operators
 
 
@@ -17,12 +17,17 @@ def draw_parameter(layout: UILayout, values: PropertyGroup, parameter: Parameter
     if isinstance(parameter, UvMap):
         row.prop_search(values, parameter.id, values.id_data.data, "uv_layers", icon="GROUP_UVS")
         return
-    row.prop(values, parameter.id)
+    row.prop(values, parameter.id, slider=_has_ends(parameter))
     if isinstance(parameter, GridPoints):
         row.operator(Operators.GRID_NEW, text="", icon="ADD")
     if parameter.paintable:
         obj = values.id_data
         row.prop_search(values, group_property(parameter), obj, "vertex_groups", text="")
+
+
+def _has_ends(parameter: Parameter) -> bool:
+    """Whether a slider shows all values of a number: it ends where the parameter ends."""
+    return isinstance(parameter, Float) and parameter.soft_maximum >= parameter.maximum
 
 
 def _draw_curve(layout: UILayout, values: PropertyGroup, parameter: Curve) -> None:

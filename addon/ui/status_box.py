@@ -1,13 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The status of a deformer: what it is doing, what is wrong, and the buttons that help."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import reduce
+from operator import or_
 
 from bpy.types import Context, UILayout
 
 from .. import compat, session
 from ..backend import availability
 from ..core import status
+from ..core.methods import Control
 from ..core.status import Level, Remedy, Status
 from ..ids import Operators
 from ..preferences import PACKAGE
@@ -20,6 +23,7 @@ _BUTTON = 72  # pixels at scale 1
 
 
 REFINING = "Refining - the final shape follows"
+BAKED = Status(Level.INFO, "Baked: what is greyed out here counts after Unbake", remedy=Remedy.UNBAKE)
 DRAFT = "Draft - the full shape follows when playback rests"
 NATIVE_MISSING = Status(
     Level.ERROR,
@@ -35,7 +39,7 @@ class Button:
     operator: str
     text: str
     icon: str
-    properties: tuple[tuple[str, str], ...] = ()
+    properties: tuple[tuple[str, str | bool], ...] = ()
 
 
 REMEDIES: dict[Remedy, Button] = {
@@ -46,6 +50,8 @@ REMEDIES: dict[Remedy, Button] = {
     Remedy.REPAIR: Button(Operators.REPAIR, "Repair", "TOOL_SETTINGS"),
     Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Part Regions", "NONE"),
     Remedy.NEW_CONTROL: Button(Operators.CONTROL_NEW, "New Control", "EMPTY_AXIS"),
+    Remedy.BAKE: Button(Operators.BAKE, "Bake Again", "NONE", (("again", True),)),
+    Remedy.UNBAKE: Button(Operators.UNBAKE, "Unbake", "LOOP_BACK"),
     Remedy.CONVERT: Button("object.convert", "Convert to Mesh", "OUTLINER_OB_MESH", (("target", "MESH"),)),
     Remedy.OVERRIDE: Button("object.make_override_library", "Make Library Override", "LIBRARY_DATA_OVERRIDE"),
     Remedy.PREFERENCES: Button(
@@ -54,17 +60,21 @@ REMEDIES: dict[Remedy, Button] = {
 }
 
 
+def _buttons(remedy: Remedy) -> list[Button]:
+    return [button for each, button in REMEDIES.items() if each in remedy]
+
+
 def draw_remedy(layout: UILayout, remedy: Remedy) -> None:
-    """Draw the button of a remedy."""
-    button = REMEDIES[remedy]
-    settings = layout.operator(button.operator, text=button.text, icon=button.icon)
-    for name, value in button.properties:
-        setattr(settings, name, value)
+    """Draw the buttons of a remedy."""
+    for button in _buttons(remedy):
+        settings = layout.operator(button.operator, text=button.text, icon=button.icon)
+        for name, value in button.properties:
+            setattr(settings, name, value)
 
 
 def draw_message(context: Context, layout: UILayout, line: Status, problem: int = -1) -> None:
     """Draw one line with its buttons. ``problem`` is its number among the lines that name elements, or -1."""
-    count = (problem >= 0) + (line.remedy in REMEDIES)
+    count = (problem >= 0) + len(_buttons(line.remedy))
     wide = columns(context) >= _WIDE
     group = layout.row() if wide else layout.column(align=True)
     draw_text(context, group.column(), line.text, _ICONS[line.level], beside=_BUTTON * count if wide else 0)
@@ -76,23 +86,30 @@ def draw_message(context: Context, layout: UILayout, line: Status, problem: int 
     if problem >= 0:
         select = buttons.operator(Operators.SELECT_PROBLEMS, text="Select", icon="RESTRICT_SELECT_OFF")
         select.line = problem
-    if line.remedy in REMEDIES:
-        draw_remedy(buttons, line.remedy)
+    draw_remedy(buttons, line.remedy)
 
 
 def draw_error(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
-    """Draw why the deformer does not work, at the top of the panel, where it is seen without scrolling."""
+    """Draw why the deformer does not work, or why its settings are greyed out, at the top of the panel, where
+    it is seen without scrolling.
+    """
     line = headline(deformer)
-    if line.level is Level.ERROR and session.job(deformer.uid) is None:
-        draw_message(context, layout.box().column(), line, 0 if line.elements else -1)
+    if line.level is not Level.ERROR and deformer.bake.is_baked:
+        line = BAKED
+    elif line.level is not Level.ERROR or session.job(deformer.uid) is not None:
+        return
+    draw_message(context, layout.box().column(), line, 0 if line.elements else -1)
 
 
 def draw_status(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
     """Draw the status at the end of the panel, and Bind below it."""
     job = session.job(deformer.uid)
     if job is not None:
-        _draw_progress(layout.box().column(), job)
+        draw_progress(layout.box().column(), job, "binding")
         return
+    cage = session.cage_work(deformer.id_data.name)
+    if cage is not None and deformer.definition.control is not Control.CAGE:  # else its own button tells
+        draw_progress(layout.box().column(), cage, "making a cage")
     line = headline(deformer)
     problem = int(bool(line.elements))
     lines = [(line, problem - 1)] if line.level is not Level.ERROR else []
@@ -102,8 +119,10 @@ def draw_status(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
     unlocked = deformer.is_bound and not context.scene.render.use_lock_interface
     if lines or unlocked:
         box = layout.box().column()
-        for line, number in lines:
-            draw_message(context, box, line, number)
+        for place, (line, number) in enumerate(lines):
+            # One press of a button mends what all lines with it say, so the last of them has it.
+            later = reduce(or_, (other.remedy for other, _ in lines[place + 1 :]), Remedy.NONE)
+            draw_message(context, box, replace(line, remedy=line.remedy & ~later), number)
         if unlocked:
             draw_text(context, box, "Rendering from this window needs a locked interface", "ERROR")
             box.prop(context.scene.render, "use_lock_interface")
@@ -141,9 +160,10 @@ def _warnings(deformer: SinewDeformer) -> tuple[Status, ...]:
     return tuple(Status(Level.WARNING, text, remedy=remedy) for text, remedy in zip(lines, remedies))
 
 
-def _draw_progress(layout: UILayout, work: object) -> None:
+def draw_progress(layout: UILayout, work: session.Work, doing: str) -> None:
+    """Draw how far a thread is, and the button that cancels it. ``doing`` is said before its first stage."""
     row = layout.row(align=True)
-    compat.draw_progress(row, work.fraction, work.stage or "binding")
+    compat.draw_progress(row, work.fraction, work.stage or doing)
     row.operator(Operators.CANCEL, text="", icon="X")
     hint = layout.row()
     hint.active = False

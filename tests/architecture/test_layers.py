@@ -139,6 +139,12 @@ def test_kinds_of_control_stand_apart(tmp_path: Path, line: str) -> None:
     assert "stand apart" in offence
 
 
+def test_one_place_gives_operators_a_modal_handler() -> None:
+    """Blender frees an operator with its first handler that ends: a second one would call what is freed."""
+    adding = [path for path in files(ROOT, "addon", ".py") if "modal_handler_add" in path.read_text("utf-8")]
+    assert [path.relative_to(ROOT).as_posix() for path in adding] == ["addon/operators/modal/staying.py"]
+
+
 def test_every_room_that_exists_has_a_rank() -> None:
     """Also where a room holds no source yet."""
     sources = [p.relative_to(ROOT / "native").as_posix() for p in files(ROOT, "native", *SUFFIXES)]

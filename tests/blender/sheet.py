@@ -11,16 +11,23 @@ NARROW, WIDE = 229, 450  # pixels: the sidebar as Blender opens it, and as a rig
 
 
 class Sheet:
-    """A layout that records calls, in order, with all its sub-layouts: ``calls`` are (method, arguments)."""
+    """A layout that records calls, in order, with all its sub-layouts: ``calls`` are (method, arguments).
 
-    def __init__(self, calls: list | None = None) -> None:
+    ``greyed`` are the properties, lists and buttons that were drawn while the layout was not enabled.
+    """
+
+    def __init__(self, calls: list | None = None, greyed: list | None = None, enabled: bool = True) -> None:
         self.calls = [] if calls is None else calls
+        self.greyed: list[str] = [] if greyed is None else greyed
+        self.enabled = enabled
 
     def __getattr__(self, name: str):
         def record(*args, **keywords):
             settings = SimpleNamespace()
             self.calls.append((name, args, keywords, settings))
-            return settings if name == "operator" else Sheet(self.calls)
+            if not self.enabled:
+                self.greyed += [arg for arg in args if isinstance(arg, str)]
+            return settings if name == "operator" else Sheet(self.calls, self.greyed, self.enabled)
 
         return record
 

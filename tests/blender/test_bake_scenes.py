@@ -7,9 +7,10 @@ import addon_utils
 import bpy
 import numpy as np
 import pytest
-from baking import FRAMES, TARGETS, animate, assert_same, bake, footprint, played
+from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, footprint, played
 from inside import catch_up
 from rig import Rig, add_group, grid_object, make_active, update
+from sheet import WIDE, draw, draw_panel
 
 # Several
 
@@ -175,20 +176,55 @@ def test_a_baked_file_plays_moved_and_without_the_add_on(
     assert_same(played(saved.obj), live)
 
 
-def test_a_missing_cache_file_is_said(saved: Rig, tmp_path: Path):
+def press(name: str) -> set[str]:
+    """The first button of the panel that calls this operator, with its properties."""
+    settings = next(settings for shown, settings in draw_panel().operators() if shown == name)
+    return getattr(bpy.ops.sinew, name.partition(".")[2])(**vars(settings))
+
+
+@pytest.mark.parametrize("target", CACHES)
+def test_a_missing_cache_file_is_said_with_a_button_for_each_remedy(saved: Rig, tmp_path: Path, target: str):
+    chosen = range(2, 7, 2)
+    live = played(saved.obj, chosen)
+    saved.deformer.bake.step = 2
+    bake(saved, target, frame_start=2, frame_end=6, step=2)
+    for remedy in ("sinew.bake", "sinew.unbake"):
+        (file,) = tmp_path.rglob(f"*.{target.lower()}")
+        file.unlink()
+        bpy.context.scene.frame_set(4)
+        assert saved.deformer.status_level == "ERROR"
+        assert "missing" in saved.deformer.status
+        assert press(remedy) == {"FINISHED"}
+        assert_same(played(saved.obj, chosen), live)
+        assert saved.deformer.status_level == "INFO", saved.deformer.status
+        assert saved.deformer.bake.is_baked == (remedy == "sinew.bake")
+        assert saved.deformer.bake.result == (target if remedy == "sinew.bake" else "NONE")
+
+
+def test_a_lost_cache_modifier_is_said_with_a_button(saved: Rig):
     bake(saved, "PC2")
-    (file,) = tmp_path.rglob("*.pc2")
-    file.unlink()
-    bpy.context.scene.frame_set(4)
-    assert saved.deformer.status_level == "ERROR"
-    assert "missing" in saved.deformer.status
-    bake(saved, "PC2")
-    assert saved.deformer.status == "Baked frames 1-8"
     saved.obj.modifiers.remove(saved.obj.modifiers[1])
     bpy.context.scene.frame_set(5)
     assert "Unbake" in saved.deformer.status
-    bpy.ops.sinew.unbake()
+    assert press("sinew.unbake") == {"FINISHED"}
     assert saved.deformer.status_level == "INFO"
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_while_baked_the_rows_are_greyed_out_and_the_panel_says_why(saved: Rig, target: str):
+    shown = draw_panel()
+    assert not shown.greyed
+    bake(saved, target)
+    sheet = draw_panel(WIDE)
+    assert "greyed out" in sheet.texts()
+    assert {"handles", "method", "factor", "sinew.handle_remove"} <= set(sheet.greyed)
+    assert "sinew.unbake" not in sheet.greyed
+    for operator in (bpy.ops.sinew.bind, bpy.ops.sinew.unbind):
+        assert not operator.poll()
+    assert {"kind", "weight"} <= set(draw(bpy.types.SINEW_PT_region).greyed)
+    assert press("sinew.unbake") == {"FINISHED"}
+    assert not draw_panel().greyed
+    assert bpy.ops.sinew.bind.poll()
 
 
 def test_an_override_is_baked(saved: Rig, tmp_path: Path):

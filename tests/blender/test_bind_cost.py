@@ -35,6 +35,30 @@ def test_adding_a_handle_captures_the_mesh_once(plate: Rig, role: str):
         assert plate.points()[plate.base, 2] == pytest.approx(0.5, abs=1e-6)
 
 
+def evaluations(obj: bpy.types.Object, action: Callable[[], object]) -> int:
+    """How often Blender computes the geometry of an object during the action."""
+    found = []
+
+    def note(_scene, depsgraph) -> None:
+        found.extend(row for row in depsgraph.updates if row.id.original == obj and row.is_updated_geometry)
+
+    bpy.app.handlers.depsgraph_update_post.append(note)
+    try:
+        action()
+    finally:
+        bpy.app.handlers.depsgraph_update_post.remove(note)
+    return len(found)
+
+
+@pytest.mark.parametrize("role", ["HANDLE", "FIXED"])
+def test_adding_a_handle_evaluates_the_mesh_as_seldom_as_can_be(plate: Rig, role: str):
+    """Once beside the copy that is captured, and once for the bind: the window waits for both."""
+    for group in ("Base", "Top"):
+        update()
+        assert evaluations(plate.obj, lambda group=group: add_handle(plate, role, group)) == 2
+        assert plate.deformer.is_bound, plate.deformer.status
+
+
 def test_renders_with_other_vertices_cost_one_capture_more(plate: Rig):
     modifier = plate.obj.modifiers.new("Subdivision", "SUBSURF")
     modifier.levels, modifier.render_levels = 0, 1

@@ -188,6 +188,20 @@ def test_each_line_with_elements_selects_its_own(bound_plate: Rig, room):
     assert ("troubles") in [getattr(s, "page", "") for name, s in sheet.operators() if name == "sinew.help"]
 
 
+def test_what_one_press_mends_has_one_button(bound_plate: Rig, room):
+    core = room("core.status")
+    lines = [
+        core.Status(core.Level.WARNING, text, of_target(room, "vertex", 1), core.Remedy.REPAIR)
+        for text in ("4 coincident vertices", "3 faces without area", "2 loose vertices")
+    ]
+    rebind = core.Status(core.Level.WARNING, "topology changed", remedy=core.Remedy.BIND)
+    core.put_notes(bound_plate.deformer.uid, (*lines, rebind))
+    buttons = draw_panel().operator_names()
+    assert buttons.count("sinew.select_problems") == 3
+    assert buttons.count("sinew.repair") == 1
+    assert buttons.index("sinew.repair") < buttons.index("sinew.bind")
+
+
 def test_every_remedy_has_a_button_that_exists(room, addon_name):
     remedies = room("ui.status_box").REMEDIES
     wanted = room("core.status").Remedy
@@ -243,6 +257,27 @@ def test_a_bind_under_way_shows_progress_and_a_way_out(bound_plate: Rig, room, m
     assert any("42%" in word and "factorising" in word for word in words)
     assert "sinew.cancel" in sheet.operator_names()
     assert "Esc cancels" in sheet.texts()
+
+
+@pytest.mark.parametrize("caged", [None, "cage", "handles"])
+def test_a_cage_being_made_shows_progress_in_place_of_its_button(plate: Rig, room, monkeypatch, caged):
+    """For a first deformer, for one that has a cage, and beside one with handles."""
+    button = "sinew.cage_faces" if caged == "cage" else "sinew.cage_add"
+    if caged == "cage":
+        bpy.ops.sinew.cage_add(faces=40)
+        make_active(plate.obj)
+    elif caged == "handles":
+        plate.bind()
+    assert (button in draw_panel().operator_names()) == (caged != "handles")
+    work = SimpleNamespace(fraction=0.42, stage="flooding")
+    monkeypatch.setattr(room("session"), "cage_work", lambda _name: work)
+    sheet = draw_panel()
+    assert button not in sheet.operator_names()
+    assert sheet.operator_names().count("sinew.cancel") == 1
+    assert any("42% flooding" in str(keywords) for _name, _args, keywords, _settings in sheet.calls)
+    for operator in (bpy.ops.sinew.cage_add, bpy.ops.sinew.cage_faces):
+        assert not operator.poll()
+    assert bpy.ops.sinew.cancel.poll()
 
 
 def test_nothing_to_cancel_is_greyed_out(bound_plate: Rig):

@@ -6,9 +6,11 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
+from inside import notes_of
 from probe import render_points
 from rig import base_points, close, evaluated_points, linked, make_active, push, update
 from rigs import HandleRig
+from sheet import draw, draw_panel
 
 METHOD = "pyramid_coordinates"
 EXACT = 1e-5  # float32, and a solve
@@ -51,6 +53,66 @@ def test_the_operator_makes_a_live_morph_without_handles(rig: HandleRig):
     assert np.abs(half - (base_points(obj) + base_points(other)) / 2).max() < 0.2
     assert np.abs(half - base_points(obj)).max() > 0.2
     assert deformer.status_level == "INFO", deformer.status
+
+
+def test_the_slider_of_the_morph_is_the_first_setting_of_the_panel(rig: HandleRig):
+    obj = reshaped(rig.obj, lambda co: co, "Plain")
+    morph(obj, reshaped(obj, dome))
+    sheet = draw_panel()
+    shown = sheet.properties()
+    assert shown[shown.index("method") + 1] == "morph"
+    (keywords,) = (k for name, args, k, _s in sheet.calls if name == "prop" and args[1] == "morph")
+    assert keywords["slider"]
+    advanced = draw(bpy.types.SINEW_PT_advanced).properties()
+    assert "morph" not in advanced
+    assert {"max_iterations", "tolerance"} <= set(advanced)
+
+
+def three_parts(source: bpy.types.Object) -> bpy.types.Object:
+    """Three copies of a mesh in one, above each other, and with a group of a side of the lowest one."""
+    mesh = source.data
+    points = base_points(source)
+    faces = np.array([list(face.vertices) for face in mesh.polygons])
+    parts = bpy.data.meshes.new("Parts")
+    parts.from_pydata(
+        np.concatenate([points + (0.0, 0.0, 3.0 * k) for k in range(3)]).tolist(),
+        [],
+        np.concatenate([faces + k * len(points) for k in range(3)]).tolist(),
+    )
+    obj = linked(bpy.data.objects.new("Parts", parts))
+    side = np.flatnonzero(points[:, 0] > points[:, 0].max() - 0.1).tolist()
+    obj.vertex_groups.new(name="Side").add(side, 1.0, "REPLACE")
+    return obj
+
+
+@pytest.mark.parametrize("loose", ["STAY", "FOLLOW"])
+@pytest.mark.parametrize("targeted", [False, True])
+@pytest.mark.parametrize("held", [False, True])
+def test_the_panel_says_that_parts_stay_at_rest_only_where_they_do(
+    rig: HandleRig, held: bool, targeted: bool, loose: str
+):
+    obj = three_parts(rig.obj)
+    other = reshaped(obj, dome)
+    make_active(obj)
+    bpy.ops.sinew.deformer_add(method=METHOD)
+    deformer = obj.sinew.active
+    deformer.loose_parts = loose
+    if held:
+        bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Side")
+        make_active(obj)
+    if targeted:
+        assert morph(obj, other) == {"FINISHED"}
+    if not (held or targeted):
+        return  # nothing moves it
+    if held:
+        deformer.handles[0].control.location.x += 0.25
+    shown, base = evaluated_points(obj), base_points(obj)
+    count = len(base) // 3
+    stay = sum(close(shown[k * count :][:count], base[k * count :][:count], EXACT) for k in (1, 2))
+    said = next((text for text in notes_of(deformer) if "at rest" in text), "")
+    assert said == (f"{stay} loose parts stay at rest" if stay else ""), notes_of(deformer)
+    if targeted and not held:
+        assert close(shown, base_points(other), EXACT)
 
 
 def test_undo_takes_the_morph_back_and_redo_brings_it(rig: HandleRig):

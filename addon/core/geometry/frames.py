@@ -75,7 +75,7 @@ def region_frame(
     if len(counts):
         starts = np.concatenate(([0], np.cumsum(counts)[:-1]))
         whole = np.logical_and.reduceat(inside[corners], starts)
-        areas = newell_normals(points, counts, corners)[whole]
+        areas = newell_normals(points, counts[whole], corners[np.repeat(whole, counts)])
         normal = areas.sum(axis=0)
         if np.linalg.norm(normal) <= 1e-3 * np.linalg.norm(areas, axis=1).sum():
             return frame

@@ -101,6 +101,7 @@ ROWS = (
                 minimum=1,
                 soft_maximum=100,
                 unit="iterations",
+                advanced=True,
                 label="Iterations",
                 description="The largest number of steps per frame. "
                 "While you drag, fewer steps are computed; the others follow when you stop",
@@ -112,6 +113,7 @@ ROWS = (
                 soft_maximum=0.001,
                 precision=6,
                 unit="share of the energy",
+                advanced=True,
                 label="Tolerance",
                 description="Stop when two steps in a row lower the energy by less than this share of it",
             ),
@@ -183,6 +185,7 @@ ROWS = (
                 minimum=1,
                 soft_maximum=100,
                 unit="iterations",
+                advanced=True,
                 label="Iterations",
                 description="The largest number of steps per frame. "
                 "While you drag, fewer steps are computed; the others follow when you stop",
@@ -194,6 +197,7 @@ ROWS = (
                 soft_maximum=0.001,
                 precision=6,
                 unit="share of the energy",
+                advanced=True,
                 label="Tolerance",
                 description="Stop when two steps in a row lower the energy by less than this share of it",
             ),
@@ -235,6 +239,7 @@ ROWS = (
                 minimum=1,
                 soft_maximum=100,
                 unit="iterations",
+                advanced=True,
                 label="Iterations",
                 description="The largest number of steps per frame. "
                 "While you drag, fewer steps are computed; the others follow when you stop",
@@ -246,6 +251,7 @@ ROWS = (
                 soft_maximum=0.001,
                 precision=6,
                 unit="share of the energy",
+                advanced=True,
                 label="Tolerance",
                 description="Stop when two steps in a row lower the energy by less than this share of it",
             ),
@@ -267,6 +273,22 @@ ROWS = (
         reproduces=Reproduced.RIGID_MOTIONS,
         parameters=(
             Float(
+                "morph",
+                0.0,
+                maximum=1.0,
+                soft_maximum=1.0,
+                unit="share of the way",
+                label="Morph",
+                description="How far the surface morphs to the target shape. Can be keyed; needs no new bind",
+            ),
+            MeshShape(
+                "target_shape",
+                rebinds=True,
+                label="Target Shape",
+                description="A mesh with the same faces to morph to, without its modifiers and shape keys. "
+                "Bind again after editing it",
+            ),
+            Float(
                 "side",
                 0.05,
                 minimum=0.0001,
@@ -286,28 +308,13 @@ ROWS = (
                 description="Whether regions may grow or shrink, up to twice or half their size, where "
                 "handles pull them apart or are scaled",
             ),
-            MeshShape(
-                "target_shape",
-                rebinds=True,
-                label="Target Shape",
-                description="A mesh with the same faces to morph to, without its modifiers and shape keys. "
-                "Bind again after editing it",
-            ),
-            Float(
-                "morph",
-                0.0,
-                maximum=1.0,
-                soft_maximum=1.0,
-                unit="share of the way",
-                label="Morph",
-                description="How far the surface morphs to the target shape. Can be keyed; needs no new bind",
-            ),
             Int(
                 "max_iterations",
                 40,
                 minimum=1,
                 soft_maximum=100,
                 unit="iterations",
+                advanced=True,
                 label="Iterations",
                 description="The largest number of steps per frame. "
                 "While you drag, fewer steps are computed; the others follow when you stop",
@@ -319,6 +326,7 @@ ROWS = (
                 soft_maximum=0.001,
                 precision=6,
                 unit="share of the energy",
+                advanced=True,
                 label="Tolerance",
                 description="Stop when two steps in a row lower the energy by less than this share of it",
             ),
@@ -446,6 +454,7 @@ ROWS = (
                 minimum=1,
                 soft_maximum=50,
                 unit="iterations",
+                advanced=True,
                 label="Iterations",
                 description="The largest number of steps per frame. "
                 "A few are enough for joints; long free parts take more",
@@ -457,6 +466,7 @@ ROWS = (
                 soft_maximum=0.001,
                 precision=6,
                 unit="share of the energy",
+                advanced=True,
                 label="Tolerance",
                 description="Stop when two steps in a row lower the energy by less than this share of it",
             ),

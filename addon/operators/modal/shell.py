@@ -13,9 +13,8 @@ from ...core.errors import SinewError
 from ...core.transform.typed_motion import View
 from ...session import Work
 from ..reporting import reports_errors
+from .staying import StaysInWindow
 from .view import view_of
-
-_TICK = 0.05  # seconds between two looks at threads and previews
 
 Keys = tuple[tuple[tuple[str, ...], str], ...]  # the icons of keys, and what these keys do
 
@@ -46,12 +45,13 @@ class Tool(Protocol):
         """Put everything back."""
 
 
-class ViewportTool:
+class ViewportTool(StaysInWindow):
     """Mixin for an operator.
 
     Its ``start`` ends with ``return self.begin(...)``; a ``Tool`` gets the events.
     """
 
+    TICK = 0.05
     KEYS: Keys = ()
 
     def invoke(self, context: Context, event: Event) -> set[str]:
@@ -86,14 +86,12 @@ class ViewportTool:
         """Run on ``obj`` until the artist confirms or cancels; ``draw`` is called in each 3D Viewport."""
         self.tool = tool
         self.object_name = obj.name
-        manager = context.window_manager
-        self._timer = manager.event_timer_add(_TICK, window=context.window)
         self._drawing = bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_PIXEL")
-        manager.modal_handler_add(self)
+        result = self.stay(context)
         keys = self.KEYS
         context.workspace.status_text_set(lambda header, _context: _draw_keys(header.layout, keys))
         self._write_header(context)
-        return {"RUNNING_MODAL"}
+        return result
 
     def modal(self, context: Context, event: Event) -> set[str]:
         obj = self.worked_on(context)
@@ -145,10 +143,8 @@ class ViewportTool:
             self.report({"WARNING"}, str(error))
 
     def _leave(self, context: Context, result: set[str]) -> set[str]:
-        context.window_manager.event_timer_remove(self._timer)
+        self.leave(context)
         bpy.types.SpaceView3D.draw_handler_remove(self._drawing, "WINDOW")
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
         if context.area is not None:
             context.area.header_text_set(None)
             context.area.tag_redraw()

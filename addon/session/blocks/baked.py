@@ -10,7 +10,7 @@ import bpy
 from bpy.types import Modifier, Object, ShapeKey
 
 from ...core import status
-from ...core.status import Level, Status
+from ...core.status import Level, Remedy, Status
 from ...properties import SinewDeformer
 from . import shapes
 
@@ -65,8 +65,8 @@ def _status(obj: Object, deformer: SinewDeformer) -> Status:
         return Status(Level.INFO, deformer.bake.summary)
     playing = find_cache(obj, deformer)
     if playing is None:
-        return Status(Level.ERROR, _LOST)
+        return Status(Level.ERROR, _LOST, remedy=Remedy.UNBAKE)
     if not os.path.isfile(bpy.path.abspath(playing.filepath)):
         text = f"The cache file {playing.filepath} is missing - put it there, bake again, or Unbake"
-        return Status(Level.ERROR, text)
+        return Status(Level.ERROR, text, remedy=Remedy.BAKE | Remedy.UNBAKE)
     return Status(Level.INFO, deformer.bake.summary)

@@ -89,7 +89,7 @@ def _stand_ins(objects: Iterable[tuple[Object, int]]) -> Iterator[list[Object]]:
             for copy in copies:
                 bpy.data.objects.remove(copy)
             remove_data(own_data)
-            bpy.context.view_layer.update()
+            sessions.evaluate_at_end()  # it takes long on a heavy mesh, so further changes wait for it
 
 
 def _remove_drivers(copy: Object) -> None:

@@ -21,6 +21,7 @@ from .handles.handles import add_captured_handle
 from .handles.points import add_point
 
 
+@sessions.suspended()
 def rig_region(
     obj: Object,
     role: str,

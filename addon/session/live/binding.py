@@ -24,7 +24,7 @@ from ..blocks.owners import owners
 from ..control import kinds
 from ..control.bind_input import BindInput
 from ..memory import sessions
-from ..memory.background import Work
+from ..memory.background import Work, Works
 from ..memory.sessions import Bound, Session
 from . import mesh_notes
 
@@ -39,17 +39,7 @@ CANCELLED = "Binding was cancelled - press Rebind to start again"
 _ROW = re.compile(r"\bhandle (\d+)\b")  # how the native module names a handle
 
 
-class _Jobs(dict[str, Work]):
-    """Binds under way by deformer key; the subject of each is a ``BindInput``."""
-
-    def clear(self) -> None:
-        """Stop all of them."""
-        for job in self.values():
-            job.cancel()
-        super().clear()
-
-
-_jobs = remember(_Jobs())
+_jobs = remember(Works())  # binds under way by deformer key; the subject of each is a ``BindInput``
 _watched: set[str] = remember(set())
 
 
@@ -261,17 +251,14 @@ def unwatched() -> list[str]:
 
 def abandon(uid: str) -> None:
     """Stop the bind under way, if there is one, and drop its result."""
-    stopped = _jobs.pop(uid, None)
-    if stopped is not None:
-        stopped.cancel()
+    _jobs.drop(uid)
 
 
 def cancel(uid: str) -> None:
     """Stop a bind because the user wants it, and say so in the panel. Bind starts it again."""
-    stopped = _jobs.get(uid)
+    stopped = _jobs.drop(uid)
     if stopped is None:
         return
-    abandon(uid)
     _note_refusal(sessions.open_session(uid), uid, stopped.subject.key)
     status.fail(uid, CancelledError(CANCELLED))
 

@@ -56,3 +56,19 @@ class Work:
     def _progress(self, fraction: float, stage: str) -> bool:
         self.fraction, self.stage = fraction, stage
         return not self._cancelled
+
+
+class Works(dict[str, Work]):
+    """Works under way, each by the key of what it is for."""
+
+    def drop(self, key: str) -> Work | None:
+        """Cancel a work, if there is one, and forget it with its result."""
+        dropped = self.pop(key, None)
+        if dropped is not None:
+            dropped.cancel()
+        return dropped
+
+    def clear(self) -> None:
+        """Cancel all of them."""
+        for key in list(self):
+            self.drop(key)

@@ -121,6 +121,7 @@ _last_updates: dict[str, LastUpdate] = remember({})  # by object
 _edited: set[str] = remember(set())
 _missed: set[str] = remember(set())
 _suspended = 0
+_evaluates = False  # whether the scene is to be evaluated while the handlers still do nothing
 
 
 def open_session(key: str) -> Session:
@@ -235,11 +236,14 @@ def suspended() -> Iterator[None]:
 
     Objects that were evaluated meanwhile are evaluated again afterwards.
     """
-    global _suspended
+    global _suspended, _evaluates
     _suspended += 1
     try:
         yield
     finally:
+        if _suspended == 1 and _evaluates:
+            _evaluates = False
+            bpy.context.view_layer.update()
         _suspended -= 1
         if not _suspended:
             for name in list(_missed):
@@ -248,6 +252,12 @@ def suspended() -> Iterator[None]:
                     obj.update_tag(refresh={"OBJECT"})
                 else:  # nothing would take it
                     _missed.discard(name)
+
+
+def evaluate_at_end() -> None:
+    """Evaluate the scene when the handlers are about to act again, unless that has been done by then."""
+    global _evaluates
+    _evaluates = True
 
 
 def note_missed(name: str) -> None:

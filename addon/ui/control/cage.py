@@ -7,6 +7,7 @@ from ... import session
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
 from ..layouts import invoking, split
+from ..status_box import draw_progress
 from ..text import draw_text
 
 ABOVE_PARAMETERS = True
@@ -37,25 +38,35 @@ def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
     """Draw the buttons that add a cage. An object that is not a mesh can only be moved by a cage."""
     if not session.is_mesh(obj):
         draw_text(context, layout, f"A cage moves this {session.label(obj)} object - add one", "INFO")
-    _draw_add(layout)
+    _draw_add(layout, obj)
 
 
-def draw(_context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
+def draw(_context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
     """Draw the cage, or the buttons that add one."""
     column = split(layout.column())
     row = column.row()
     row.alert = deformer.is_bound and deformer.cage_missing
     row.prop(deformer, "cage")
     if deformer.cage is None:
-        _draw_add(layout)
-    else:
-        column.prop(deformer, "cage_subdivision")
-        if session.is_automatic(deformer.cage):
-            layout.operator(Operators.CAGE_FACES, icon="MOD_DECIM")
-        layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
+        _draw_add(layout, obj)
+        return
+    column.prop(deformer, "cage_subdivision")
+    if not _draw_making(layout, obj) and session.is_automatic(deformer.cage):
+        layout.operator(Operators.CAGE_FACES, icon="MOD_DECIM")
+    layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
 
 
-def _draw_add(layout: UILayout) -> None:
+def _draw_making(layout: UILayout, obj: Object) -> bool:
+    """Draw the progress of a cage that is being made, in place of the buttons; whether there is one."""
+    work = session.cage_work(obj.name)
+    if work is not None:
+        draw_progress(layout.column(), work, "making a cage")
+    return work is not None
+
+
+def _draw_add(layout: UILayout, obj: Object) -> None:
+    if _draw_making(layout, obj):
+        return
     column = layout.column(align=True)
     column.operator(Operators.CAGE_ADD, icon="MESH_CUBE").source = "AUTO"
     column.operator(Operators.CAGE_ADD, text="Use Selected as Cage", icon="MESH_ICOSPHERE").source = "OBJECT"

@@ -7,7 +7,7 @@ from ... import session
 from ...ids import Menus, Operators
 from ...operators import target_of
 from ...properties import SinewDeformer, SinewHandle
-from ..layouts import draw_move_buttons, draw_move_entries, invoking, split
+from ..layouts import draw_move_buttons, draw_move_entries, invoking, split, unless_baked
 from ..places import ActiveDeformerPanel, active_deformer
 from ..text import columns, draw_text
 
@@ -32,7 +32,7 @@ class SINEW_PT_region(ActiveDeformerPanel, Panel):
         obj = target_of(context)
         deformer = obj.sinew.active
         handle = deformer.handles[deformer.active_handle]
-        layout = split(self.layout)
+        layout = split(unless_baked(self.layout, deformer))
         layout.prop(handle, "kind")
         layout.prop_search(handle, "vertex_group", obj, "vertex_groups")
         if handle.kind == "HANDLE":

@@ -70,7 +70,7 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
     if riding:
         text = "1 loose part follows" if riding == 1 else f"{riding:,} loose parts follow"
         lines.append(Status(Level.INFO, f"{text} the surface"))
-    if staying:
+    if staying and not request.recipe.moves_every_part:
         text = "1 loose part stays at rest" if staying == 1 else f"{staying:,} loose parts stay at rest"
         elements = Elements(Owner.TARGET, "vertex", report.free_vertices) if request.on_base else NO_ELEMENTS
         lines.append(Status(Level.WARNING, text, elements))

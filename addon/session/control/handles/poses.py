@@ -211,13 +211,20 @@ def complete_rest_frames(obj: Object, deformer: SinewDeformer) -> None:
 
     Those that have become more or fewer rest as they are now.
     """
+    lacking = [
+        row
+        for row in deformer.handles
+        if row.kind == "HANDLE" and row.control is not None and not row.has_rest
+    ]
+    apart = [row for row in deformer.handles if points.are_apart(deformer, row)]
+    if not lacking and not apart:
+        return  # on a heavy mesh, the evaluation takes as long as all else here
     target = np.array(obj.matrix_world, dtype=np.float64)
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    for handle in deformer.handles:
-        if handle.kind == "HANDLE" and handle.control is not None and not handle.has_rest:
-            matrix = control_matrix(handle, depsgraph)
-            if matrix is not None:
-                capture_rest(handle, target, matrix)
-    for handle in deformer.handles:
+    for handle in lacking:
+        matrix = control_matrix(handle, depsgraph)
+        if matrix is not None:
+            capture_rest(handle, target, matrix)
+    for handle in apart:
         if points.is_stale(deformer, handle, depsgraph):
             points.take_rest(obj, handle)
