@@ -51,6 +51,8 @@ EMPTY = Status()
 _statuses: dict[str, Status] = remember({})
 _notes: dict[str, tuple[Status, ...]] = remember({})
 _incoming: dict[str, Status] = remember({})
+_renders: dict[str, Status] = remember({})
+_unreported: dict[str, str] = remember({})
 
 
 def current(key: str) -> Status:
@@ -60,8 +62,8 @@ def current(key: str) -> Status:
 
 def notes(key: str) -> tuple[Status, ...]:
     """The other lines, which are mostly warnings."""
-    lines, last = _notes.get(key, ()), _incoming.get(key)
-    return lines if last is None else (*lines, last)
+    further = (_incoming.get(key), _renders.get(key))
+    return (*_notes.get(key, ()), *(line for line in further if line is not None))
 
 
 def put(key: str, status: Status) -> None:
@@ -73,6 +75,7 @@ def put_notes(key: str, lines: tuple[Status, ...]) -> None:
     """Replace the other lines."""
     _notes[key] = lines
     _incoming.pop(key, None)
+    _renders.pop(key, None)
 
 
 def put_incoming(key: str, text: str) -> None:
@@ -81,6 +84,24 @@ def put_incoming(key: str, text: str) -> None:
         _incoming[key] = Status(Level.INFO, text)
     else:
         _incoming.pop(key, None)
+
+
+def put_render(key: str, text: str) -> None:
+    """Replace the line that tells why renders show the rest shape; empty for no line.
+
+    Each text is also among those that ``take_unreported`` returns next.
+    """
+    if text:
+        _renders[key], _unreported[key] = Status(Level.WARNING, text), text
+    else:
+        _renders.pop(key, None)
+
+
+def take_unreported() -> dict[str, str]:
+    """Why deformers showed the rest shape in renders since the last call, by their keys."""
+    found = dict(_unreported)
+    _unreported.clear()
+    return found
 
 
 def fail(key: str, error: Exception) -> None:

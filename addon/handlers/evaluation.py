@@ -36,6 +36,21 @@ def listen(wanted: bool) -> None:
         _before_updates.append(before_depsgraph_update)
 
 
+def _update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draft: bool = False) -> None:
+    """Solve. Where other vertices enter in this frame of a render, it is bound for these first.
+
+    So it is with *Automatic Rebind* where they enter the viewport by a change of the frame. All this makes
+    datablocks, which the thread of a render may not do.
+    """
+    in_render = depsgraph.mode == "RENDER"
+    on_main_thread = threading.current_thread() is threading.main_thread()
+    if in_render and on_main_thread:
+        session.look_at_renders()
+    session.update(depsgraph, preview, edit, draft)
+    if on_main_thread and (in_render or not edit) and session.has_counts():
+        deferred.bind_now(depsgraph)
+
+
 @persistent
 def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     """Something was edited.
@@ -46,7 +61,7 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     if bpy.app.background and session.has_copies():
         deferred.separate_copies(depsgraph)
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
-    session.update(depsgraph, preview=interactive, edit=True)
+    _update(depsgraph, preview=interactive, edit=True)
     if bool(session.mirrored_targets) != (before_depsgraph_update in _before_updates):
         listen(bool(session.mirrored_targets))
     if entering.waiting and depsgraph.mode == "VIEWPORT":
@@ -65,7 +80,7 @@ def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
     if bpy.app.background and session.has_copies():
         deferred.separate_copies(depsgraph)
     draft = depsgraph.mode == "VIEWPORT" and deferred.is_playing()
-    session.update(depsgraph, draft=draft)
+    _update(depsgraph, draft=draft)
     if draft:
         deferred.schedule()
     if depsgraph.mode == "VIEWPORT":

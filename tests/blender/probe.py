@@ -19,10 +19,13 @@ class Probe(bpy.types.RenderEngine):
     seen: list[dict[str, np.ndarray]] = []
     frames: list[int] = []
     at_work: Callable[[], None] | None = None  # called in each frame, before the shapes are read
+    noting: Callable[[bpy.types.Depsgraph], None] | None = None  # called with what each frame renders
 
     def render(self, depsgraph: bpy.types.Depsgraph) -> None:
         if Probe.at_work is not None:
             Probe.at_work()
+        if Probe.noting is not None:
+            Probe.noting(depsgraph)
         frame = depsgraph.scene.frame_current
         for subframe in self.subframes:
             if self.subframes != (0.0,):

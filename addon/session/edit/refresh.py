@@ -12,10 +12,12 @@ from bpy.types import Mesh, Object
 
 from ...compat import read_positions, write_positions
 from ...core.errors import SinewError
+from ...ids import Keys
 from ...mesh_io import read_rest, same_topology
 from ...properties import SinewDeformer
-from ..blocks import capture, shapes, vertex_groups
-from ..control import kinds
+from ..blocks import capture, libraries, rest_frame, shapes, targets, vertex_groups
+from ..blocks.owners import owners
+from ..control import kinds, placement
 from ..memory import sessions
 from . import bind
 
@@ -40,6 +42,34 @@ def refresh() -> bool:
     return changed
 
 
+def look_at_renders() -> None:
+    """Note the objects whose settings for renders have changed since they were last looked at.
+
+    Blender calls nobody then, as no viewport changes.
+    """
+    for obj in owners():
+        if obj.library is not None:
+            continue
+        for deformer in obj.sinew.deformers:
+            if not _is_compared(deformer):
+                continue
+            for link in kinds.kind_in_use(deformer).links(deformer):
+                if link.by_shape and not libraries.is_lost(link.object):
+                    placement.look_at_renders(link.object)
+            session, now = sessions.open_session(deformer.uid), capture.render_signature(obj, deformer)
+            last, session.render_settings = session.render_settings, now
+            if last is None:  # since the file was opened
+                changed = deformer.renders_differ or capture.differs_in_renders(obj, deformer)
+            else:
+                changed = last != now
+            if changed:
+                sessions.note_count(obj.name)
+
+
+def _is_compared(deformer: SinewDeformer) -> bool:
+    return deformer.is_bound and not deformer.bake.is_baked and not shapes.is_linked(deformer.proxy)
+
+
 def _is_busy(obj: Object) -> bool:
     rebinding = [deformer for deformer in obj.sinew.deformers if deformer.auto_rebind]
     links = [link for deformer in rebinding for link in kinds.kind_in_use(deformer).links(deformer)]
@@ -53,7 +83,7 @@ def _look_at(edited: list[Object]) -> bool:
     compared, changed = [], False
     for obj in edited:
         for deformer in obj.sinew.deformers:
-            if not deformer.is_bound or deformer.bake.is_baked or shapes.is_linked(deformer.proxy):
+            if not _is_compared(deformer):
                 continue
             kind = kinds.kind_in_use(deformer)
             depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -73,21 +103,31 @@ def _look_at(edited: list[Object]) -> bool:
 def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]) -> bool:
     """Use the painted weights of meshes that enter now, or note their topology, if it is another one.
 
+    Renders are bound for the vertices that enter there, whatever enters in the viewport.
     Returns whether there is anything to solve again. The meshes are used up.
     """
-    held = (deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER") if deformer.renders_differ else None)
-    if not same_topology(held[0], meshes[0]):
+    held, held_in_renders = deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER")
+    shown, rendered = meshes
+    if not same_topology(held, shown):
+        changed = _change_topology(obj, deformer)
+        if deformer.topology_changed:
+            changed |= _hold_rendered(obj, deformer, shown if rendered is None else rendered)
         _discard(meshes)
-        _change_topology(obj, deformer)
-        return True
-    fits = _fits(held[1], meshes[1])
-    same = fits and all(_same_weights(old, new, deformer) for old, new in zip(held, meshes, strict=True))
+        return changed
+    fits = same_topology(held_in_renders, shown if rendered is None else rendered)
+    same = (
+        fits
+        and _same_weights(held, shown, deformer)
+        and (rendered is None or _same_weights(held_in_renders, rendered, deformer))
+    )
     if same and not deformer.topology_changed:
         _discard(meshes)
         return False
-    write_positions(meshes[0], read_positions(held[0]))
-    if fits and held[1] is not None:
-        write_positions(meshes[1], read_positions(held[1]))
+    at_bind = read_positions(held)
+    if rendered is not None:
+        rest = read_positions(held_in_renders) if fits else capture.carried(rendered, shown, at_bind)
+        write_positions(rendered, rest)
+    write_positions(shown, at_bind)
     sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
     shapes.hold_rest(deformer, meshes)
     shapes.ensure(obj, deformer, *sizes)
@@ -96,16 +136,23 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
     return True
 
 
-def _fits(old: Mesh | None, new: Mesh | None) -> bool:
-    """Whether the rest mesh for renders still has the same vertices, or there still is none."""
-    if old is None or new is None:
-        return old is new
-    return same_topology(old, new)
+def _hold_rendered(obj: Object, deformer: SinewDeformer, rendered: Mesh) -> bool:
+    """Bind renders anew if other vertices enter there than at bind, while the viewport waits for a Rebind."""
+    if same_topology(deformer.rest_in("RENDER"), rendered):
+        return False
+    held = deformer.rest_in("VIEWPORT")
+    if targets.is_lattice(obj) or held.get(Keys.REST_POINT_TYPE) != rendered.get(Keys.REST_POINT_TYPE):
+        return False  # what shows the deformer shows such points only
+    mesh = None if same_topology(held, rendered) else rendered.copy()
+    if mesh is not None:
+        rest_frame.put_back(deformer, mesh)
+    shapes.hold_rendered_rest(deformer, mesh)
+    shapes.ensure(obj, deformer, len(held.vertices), len(deformer.rest_in("RENDER").vertices))
+    obj.update_tag(refresh={"OBJECT"})
+    return True
 
 
-def _same_weights(old: Mesh | None, new: Mesh | None, deformer: SinewDeformer) -> bool:
-    if old is None:
-        return True
+def _same_weights(old: Mesh, new: Mesh, deformer: SinewDeformer) -> bool:
     before, after = read_rest(old), read_rest(new)
     vertex_groups.read_weights(before, old, deformer)
     vertex_groups.read_weights(after, new, deformer)
@@ -121,10 +168,14 @@ def _discard(meshes: tuple[Mesh | None, ...]) -> None:
             bpy.data.meshes.remove(mesh)
 
 
-def _change_topology(obj: Object, deformer: SinewDeformer) -> None:
+def _change_topology(obj: Object, deformer: SinewDeformer) -> bool:
+    """Bind anew, or note that other vertices enter; whether there is anything to solve again."""
     if deformer.auto_rebind:
         with suppress(SinewError):  # the panel says why
             bind.bind(obj, deformer, wait=False)
-    elif not deformer.topology_changed:
+        return True
+    changed = not deformer.topology_changed
+    if changed:
         deformer.topology_changed = True
         obj.update_tag(refresh={"OBJECT"})
+    return changed

@@ -1,0 +1,346 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders that get other vertices than the bind saw: each is compared with a solve on Blender's own mesh.
+
+That mesh is what a render shows of a copy without Sinew, with its faces and vertex groups.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from expected import Expected
+from inside import notes_of, settle
+from mathutils import Matrix
+from probe import Probe, render, render_points
+from rig import (
+    Rig,
+    add_armature,
+    close,
+    grid_object,
+    key,
+    make_active,
+    move_world,
+    new_object,
+    save,
+)
+from second_blender import another_blender, is_executable, run_blender
+
+HEIGHT = 0.5
+EXACT = 1e-5
+CARRIED = 2e-3  # a rest shape that follows from another one of a bent surface
+
+
+# --- what happens to what enters: made before the bind, and changed after it
+
+
+def subdivision(obj: bpy.types.Object, levels: int = 2, render_levels: int = 2) -> bpy.types.Modifier:
+    modifier = obj.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels, modifier.render_levels = levels, render_levels
+    return modifier
+
+
+def multires(obj: bpy.types.Object) -> None:
+    obj.modifiers.new("Multires", "MULTIRES")
+    make_active(obj)
+    for _ in range(3):
+        bpy.ops.object.multires_subdivide(modifier="Multires", mode="CATMULL_CLARK")
+    modifier = obj.modifiers["Multires"]
+    modifier.levels = modifier.render_levels = 2
+
+
+def screw(obj: bpy.types.Object) -> None:
+    """A line is drawn out to a sheet."""
+    obj.data.clear_geometry()
+    obj.vertex_groups.clear()
+    places = [(0.0, y, 0.0) for y in np.linspace(-1.0, 1.0, 9)]
+    obj.data.from_pydata(places, [(i, i + 1) for i in range(8)], [])
+    for name, members in (("Top", [8]), ("Base", [0])):
+        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
+    modifier = obj.modifiers.new("Screw", "SCREW")
+    modifier.axis, modifier.angle, modifier.screw_offset = "X", 0.0, 1.0
+    modifier.steps = modifier.render_steps = 4
+
+
+def copies(obj: bpy.types.Object) -> None:
+    modifier = obj.modifiers.new("Array", "ARRAY")
+    modifier.relative_offset_displace = (1.5, 0.0, 0.0)
+
+
+def by_nodes(obj: bpy.types.Object) -> None:
+    """Nodes that subdivide once more in renders, once a switch is on."""
+    tree = bpy.data.node_groups.new("Finer", "GeometryNodeTree")
+    if hasattr(tree, "interface"):
+        for way in ("INPUT", "OUTPUT"):
+            tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    else:
+        tree.inputs.new("NodeSocketGeometry", "Geometry")
+        tree.outputs.new("NodeSocketGeometry", "Geometry")
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    finer = tree.nodes.new("GeometryNodeSubdivideMesh")
+    asks, choice = tree.nodes.new("GeometryNodeIsViewport"), tree.nodes.new("GeometryNodeSwitch")
+    choice.input_type = "INT"
+    levels = [socket for socket in choice.inputs if socket.enabled][1:]
+    levels[0].default_value = levels[1].default_value = 1
+    tree.links.new(asks.outputs[0], next(socket for socket in choice.inputs if socket.enabled))
+    tree.links.new(next(socket for socket in choice.outputs if socket.enabled), finer.inputs["Level"])
+    tree.links.new(start.outputs[0], finer.inputs[0])
+    tree.links.new(finer.outputs[0], end.inputs[0])
+    modifier = obj.modifiers.new("Finer", "NODES")
+    modifier.node_group = tree
+
+
+def finer_by_nodes(obj: bpy.types.Object) -> None:
+    choice = next(node for node in bpy.data.node_groups["Finer"].nodes if node.type == "SWITCH")
+    [socket for socket in choice.inputs if socket.enabled][1].default_value = 2  # where no viewport asks
+
+
+def setting(name: str, value: object) -> Callable[[bpy.types.Object], None]:
+    """A setting of the first modifier."""
+
+    def change(obj: bpy.types.Object) -> None:
+        setattr(obj.modifiers[0], name, value)
+
+    return change
+
+
+def simplify(viewport: int, rendered: int) -> Callable[[bpy.types.Object], None]:
+    def change(_obj: bpy.types.Object) -> None:
+        settings = bpy.context.scene.render
+        settings.use_simplify = True
+        settings.simplify_subdivision, settings.simplify_subdivision_render = viewport, rendered
+
+    return change
+
+
+def several(*changes: Callable[[bpy.types.Object], None]) -> Callable[[bpy.types.Object], None]:
+    def change(obj: bpy.types.Object) -> None:
+        for each in changes:
+            each(obj)
+
+    return change
+
+
+Change = Callable[[bpy.types.Object], None]
+CASES: dict[str, tuple[Change, Change]] = {
+    "a lower level": (subdivision, setting("render_levels", 1)),
+    "a higher level": (subdivision, setting("render_levels", 3)),
+    "no level": (subdivision, setting("render_levels", 0)),
+    "hidden in renders": (subdivision, setting("show_render", False)),
+    "multires": (multires, setting("render_levels", 3)),
+    "screw": (screw, setting("render_steps", 16)),
+    "shown in renders": (
+        several(copies, setting("show_viewport", False), setting("show_render", False)),
+        setting("show_render", True),
+    ),
+    "nodes": (by_nodes, finer_by_nodes),
+    "simplified in the viewport": (subdivision, simplify(0, 6)),
+    "simplified in renders": (subdivision, simplify(6, 1)),
+    "another level in the viewport": (subdivision, setting("levels", 1)),
+    "other levels in both": (subdivision, several(setting("levels", 1), setting("render_levels", 3))),
+    "the same other level in both": (subdivision, several(setting("levels", 1), setting("render_levels", 1))),
+}
+
+
+@pytest.fixture(params=CASES)
+def case(request: pytest.FixtureRequest) -> tuple[Rig, Change]:
+    """A sheet, bound, with a lifted handle; and what changes then."""
+    prepare, change = CASES[request.param]
+    return bound(prepare), change
+
+
+def bound(prepare: Change) -> Rig:
+    rig = Rig.plate(5)
+    prepare(rig.obj)
+    rig.bind()
+    rig.lift(HEIGHT)
+    assert rig.deformer.status_level == "INFO"
+    return rig
+
+
+def plain_of(rig: Rig) -> bpy.types.Object:
+    """What a render shows of a copy without Sinew, as a mesh object with its vertex groups."""
+    copy = rig.obj.copy()
+    copy.sinew.deformers.clear()
+    for modifier in [each for each in copy.modifiers if each.name.startswith("Sinew")]:
+        copy.modifiers.remove(modifier)
+    bpy.context.scene.collection.objects.link(copy)
+    found: dict[str, tuple] = {}
+
+    def note(depsgraph: bpy.types.Depsgraph) -> None:
+        mesh = next(each for each in depsgraph.objects if each.name == copy.name).data
+        groups = [[(each.group, each.weight) for each in vertex.groups] for vertex in mesh.vertices]
+        faces = [tuple(face.vertices) for face in mesh.polygons]
+        found["mesh"] = [tuple(vertex.co) for vertex in mesh.vertices], faces, groups
+
+    Probe.noting = note
+    try:
+        render()
+    finally:
+        Probe.noting = None
+        bpy.data.objects.remove(copy)
+    points, faces, groups = found["mesh"]
+    plain = new_object("Plain", points, faces)
+    for group in rig.obj.vertex_groups:
+        made = plain.vertex_groups.new(name=group.name)
+        for vertex, members in enumerate(groups):
+            for index, weight in members:
+                if index == group.index:
+                    made.add([vertex], weight, "REPLACE")
+    return plain
+
+
+def expected(rig: Rig, height: float = HEIGHT) -> np.ndarray:
+    """What a render is to show: solved on what enters there."""
+    plain = plain_of(rig)
+    poses = Expected(plain, rig.control, method="thin_shell")
+    shape = poses.lifted(height)
+    bpy.data.objects.remove(plain)
+    return shape
+
+
+def off(seen: np.ndarray, wanted: np.ndarray) -> float:
+    """The largest difference; infinite between other numbers of points."""
+    return float(np.abs(seen - wanted).max()) if seen.shape == wanted.shape else np.inf
+
+
+# --- the targets
+
+
+def test_a_render_is_bound_for_its_own_counts(case: tuple[Rig, Change]):
+    rig, change = case
+    change(rig.obj)
+    wanted = expected(rig)
+    assert wanted[:, 2].max() > 0.4
+    assert off(render_points(rig.obj), wanted) < EXACT
+    assert not [line for line in notes_of(rig.deformer) if "render" in line]
+
+
+def test_exporters_write_them_too(case: tuple[Rig, Change], tmp_path: Path):
+    """Nothing tells Sinew before an exporter begins."""
+    rig, change = case
+    change(rig.obj)
+    path = str(tmp_path / "rendered.obj")
+    make_active(rig.obj)
+    bpy.ops.wm.obj_export(
+        filepath=path,
+        export_selected_objects=True,
+        export_eval_mode="DAG_EVAL_RENDER",
+        export_materials=False,
+        forward_axis="Y",
+        up_axis="Z",
+    )
+    lines = Path(path).read_text(encoding="utf-8").splitlines()
+    seen = np.array([[float(word) for word in line.split()[1:4]] for line in lines if line.startswith("v ")])
+    assert off(seen, expected(rig)) < EXACT
+
+
+def test_another_process_renders_them(case: tuple[Rig, Change], tmp_path: Path, addon_name: str):
+    """All frames of ``blender -b FILE -a``, of a file that was saved right after the change."""
+    rig, change = case
+    change(rig.obj)
+    wanted = expected(rig)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, 2
+    scene.render.filepath = str(tmp_path / "picture")
+    path = save(tmp_path / "counts.blend")
+    for shape in frames_of(path, tmp_path, addon_name, rig.name):
+        assert off(shape, wanted) < EXACT
+
+
+def frames_of(path: str, folder: Path, addon_name: str, name: str) -> list[np.ndarray]:
+    """What another Blender shows of an object in an animation: by its command line, if it has one."""
+    if not is_executable():
+        found = another_blender(
+            f"""
+            import probe
+            bpy.ops.wm.open_mainfile(filepath={path!r})
+            seen["shapes"] = [shapes[{name!r}].tolist() for shapes in probe.render(animation=True)]
+            """,
+            folder,
+            addon_name,
+        )
+        return [np.array(shape) for shape in found["shapes"]]
+    set_up, tell, answer = (folder / name for name in ("set_up.py", "tell.py", "answer.json"))
+    here = str(Path(__file__).parent)
+    set_up.write_text(
+        f"import sys, addon_utils, bpy\nsys.path.insert(0, {here!r})\n"
+        f"addon_utils.enable({addon_name!r}, default_set=True)\nimport probe\n"
+        "bpy.context.scene.render.engine = probe.Probe.bl_idname\n",
+        encoding="utf-8",
+    )
+    tell.write_text(
+        f"import json, probe\nfound = [shapes[{name!r}].tolist() for shapes in probe.Probe.seen]\n"
+        f'open({str(answer)!r}, "w", encoding="utf-8").write(json.dumps(found))\n',
+        encoding="utf-8",
+    )
+    said = run_blender([path, "-P", str(set_up), "-a"], tell)
+    assert "Traceback" not in said, said
+    return [np.array(shape) for shape in json.loads(answer.read_text(encoding="utf-8"))]
+
+
+def test_a_level_that_is_keyed_counts_in_each_frame():
+    rig = bound(subdivision)
+    scene = bpy.context.scene
+    for frame, level in ((1, 2), (2, 3), (3, 1)):
+        rig.obj.modifiers[0].render_levels = level
+        rig.obj.modifiers[0].keyframe_insert("render_levels", frame=frame)
+    scene.frame_start, scene.frame_end = 1, 3
+    seen = [shapes[rig.name] for shapes in render(animation=True)]
+    for frame, shape in zip((1, 2, 3), seen, strict=True):
+        scene.frame_set(frame)
+        assert off(shape, expected(rig)) < EXACT, frame
+
+
+def test_the_viewport_goes_on_after_its_level_comes_back():
+    rig = bound(subdivision)
+    shown = rig.points()
+    rig.obj.modifiers[0].levels = 1
+    settle()
+    assert rig.deformer.status == "Topology changed - Rebind"
+    assert off(render_points(rig.obj), shown) < EXACT
+    rig.obj.modifiers[0].levels = 2
+    settle()
+    assert close(rig.points(), shown)
+    assert off(render_points(rig.obj), shown) < EXACT
+
+
+def test_the_rest_for_renders_is_that_of_the_bind():
+    """However an armature before Sinew poses the mesh when the level changes."""
+    shapes = []
+    for late in (False, True):
+        rig = Rig(grid_object(f"Plate {late}", 5))
+        armature = add_armature(rig.obj)
+        modifier = subdivision(rig.obj, 2, 2 if late else 3)
+        rig.bind()
+        bone = armature.pose.bones["high"]
+        key(bone, {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 20: {"rotation_euler": (0.9, 0.0, 0.2)}})
+        rig.lift(HEIGHT)
+        bpy.context.scene.frame_set(20)
+        modifier.render_levels = 3
+        shapes.append([render_points(rig.obj)])
+        bpy.context.scene.frame_set(1)
+        shapes[-1].append(render_points(rig.obj))
+    for one, other in zip(*shapes, strict=True):
+        assert off(one, other) < CARRIED
+
+
+def test_two_deformers_are_bound_for_renders():
+    """The second one gets what the first one makes of the vertices of the render."""
+    shapes = []
+    for late in (False, True):
+        rig = Rig(grid_object(f"Plate {late}", 5))
+        modifier = subdivision(rig.obj, 2, 2 if late else 3)
+        rig.bind()
+        first = rig.control
+        rig.bind("arap")
+        for control, way in ((first, (0.0, 0.0, HEIGHT)), (rig.control, (0.3, 0.0, 0.0))):
+            move_world(control, Matrix.Translation(way))
+        modifier.render_levels = 3
+        shapes.append(render_points(rig.obj))
+    assert shapes[0][:, 2].max() > 0.4
+    assert off(*shapes) < CARRIED
