@@ -53,9 +53,7 @@ def before_render(*_args: object) -> None:
     if threading.current_thread() is not threading.main_thread():
         return
     session.tidy()
-    session.look_at_renders()
-    if session.refresh():
-        bpy.context.view_layer.update()
+    session.bind_renders()
 
 
 @persistent

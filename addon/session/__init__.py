@@ -37,7 +37,7 @@ from .edit.order import move_deformer, move_handle
 from .edit.puppet.bones import require_bones
 from .edit.puppet.posing import Part, PuppetDrag, PuppetOptions
 from .edit.puppet.rigging import rig_puppet
-from .edit.refresh import look_at_renders, refresh
+from .edit.refresh import bind_renders, look_at_renders, refresh
 from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
 from .edit.rigging import (
@@ -107,6 +107,7 @@ __all__ = (
     "attribute_names",
     "begin_evaluation",
     "bind",
+    "bind_renders",
     "busy",
     "cage_maker",
     "cage_seconds",

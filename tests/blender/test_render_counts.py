@@ -6,20 +6,23 @@ That mesh is what a render shows of a copy without Sinew, with its faces and ver
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from pathlib import Path
 
 import bpy
 import numpy as np
+import point_objects
 import pytest
 from expected import Expected
 from inside import notes_of, settle
 from mathutils import Matrix
-from probe import Probe, render, render_points
+from probe import Probe, exported_points, render, render_points
+from registry import WITH_CAGE
 from rig import (
     Rig,
     add_armature,
+    apply_matrix,
+    base_points,
     close,
     grid_object,
     key,
@@ -28,7 +31,8 @@ from rig import (
     new_object,
     save,
 )
-from second_blender import another_blender, is_executable, run_blender
+from rigs import RIGS
+from second_blender import another_blender, by_command_line, is_executable
 
 HEIGHT = 0.5
 EXACT = 1e-5
@@ -224,18 +228,7 @@ def test_exporters_write_them_too(case: tuple[Rig, Change], tmp_path: Path):
     """Nothing tells Sinew before an exporter begins."""
     rig, change = case
     change(rig.obj)
-    path = str(tmp_path / "rendered.obj")
-    make_active(rig.obj)
-    bpy.ops.wm.obj_export(
-        filepath=path,
-        export_selected_objects=True,
-        export_eval_mode="DAG_EVAL_RENDER",
-        export_materials=False,
-        forward_axis="Y",
-        up_axis="Z",
-    )
-    lines = Path(path).read_text(encoding="utf-8").splitlines()
-    seen = np.array([[float(word) for word in line.split()[1:4]] for line in lines if line.startswith("v ")])
+    seen = exported_points(rig.obj, tmp_path)
     assert off(seen, expected(rig)) < EXACT
 
 
@@ -254,33 +247,18 @@ def test_another_process_renders_them(case: tuple[Rig, Change], tmp_path: Path, 
 
 def frames_of(path: str, folder: Path, addon_name: str, name: str) -> list[np.ndarray]:
     """What another Blender shows of an object in an animation: by its command line, if it has one."""
-    if not is_executable():
-        found = another_blender(
-            f"""
-            import probe
-            bpy.ops.wm.open_mainfile(filepath={path!r})
-            seen["shapes"] = [shapes[{name!r}].tolist() for shapes in probe.render(animation=True)]
-            """,
-            folder,
-            addon_name,
-        )
-        return [np.array(shape) for shape in found["shapes"]]
-    set_up, tell, answer = (folder / name for name in ("set_up.py", "tell.py", "answer.json"))
-    here = str(Path(__file__).parent)
-    set_up.write_text(
-        f"import sys, addon_utils, bpy\nsys.path.insert(0, {here!r})\n"
-        f"addon_utils.enable({addon_name!r}, default_set=True)\nimport probe\n"
-        "bpy.context.scene.render.engine = probe.Probe.bl_idname\n",
-        encoding="utf-8",
+    if is_executable():
+        return by_command_line(path, folder, addon_name, name)[1]
+    found = another_blender(
+        f"""
+        import probe
+        bpy.ops.wm.open_mainfile(filepath={path!r})
+        seen["shapes"] = [shapes[{name!r}].tolist() for shapes in probe.render(animation=True)]
+        """,
+        folder,
+        addon_name,
     )
-    tell.write_text(
-        f"import json, probe\nfound = [shapes[{name!r}].tolist() for shapes in probe.Probe.seen]\n"
-        f'open({str(answer)!r}, "w", encoding="utf-8").write(json.dumps(found))\n',
-        encoding="utf-8",
-    )
-    said = run_blender([path, "-P", str(set_up), "-a"], tell)
-    assert "Traceback" not in said, said
-    return [np.array(shape) for shape in json.loads(answer.read_text(encoding="utf-8"))]
+    return [np.array(shape) for shape in found["shapes"]]
 
 
 def test_a_level_that_is_keyed_counts_in_each_frame():
@@ -344,3 +322,119 @@ def test_two_deformers_are_bound_for_renders():
         shapes.append(render_points(rig.obj))
     assert shapes[0][:, 2].max() > 0.4
     assert off(*shapes) < CARRIED
+
+
+def test_other_types_of_targets_too(tmp_path: Path):
+    """Text that renders tessellate otherwise, in a cage that shears it."""
+    obj = point_objects.text()
+    obj.data.resolution_u = 4
+    point_objects.bind(obj, WITH_CAGE[0])
+    shear = Matrix(((1.0, 0.3, 0.0, 0.0), (0.0, 1.0, 0.2, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
+    cage = obj.sinew.active.cage
+    cage.data.transform(shear)
+    cage.data.update()
+    rest = render_points(obj).shape
+    obj.data.render_resolution_u = 9
+    seen, written = render_points(obj), exported_points(obj, tmp_path)
+    obj.data.resolution_u = 9
+    wanted = point_objects.moved_by_hand(obj, lambda points: apply_matrix(shear, points))
+    assert seen.shape != rest
+    assert off(seen, wanted) < EXACT
+    assert off(written, wanted) < EXACT
+
+
+# --- the controls
+
+
+@pytest.mark.parametrize("kind", ["cage", "points of an object"])
+def test_a_control_with_other_points_in_renders_moves_it_alike(kind: str, tmp_path: Path, addon_name: str):
+    """A control is not seen in renders: these show what the viewport shows."""
+    rig = RIGS[kind].new()
+    rig.bind_at_rest(rig.methods[0])
+    modifier = subdivision(rig.control, 1, 1)
+    rig.deformer.auto_rebind = True
+    settle()
+    rig.deformer.auto_rebind = False
+    points = base_points(rig.control)
+    points[:, 2] += 0.3 * points[:, 0] + 0.2 * points[:, 1] ** 2
+    rig.control.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    rig.control.data.update()
+    shown = rig.points()
+    assert off(shown, rig.rest()) > 0.1
+    modifier.render_levels = 2
+    assert off(render_points(rig.obj), shown) < EXACT
+    modifier.render_levels = 0
+    assert off(exported_points(rig.obj, tmp_path), shown) < 0.05  # less is known of the shape of the control
+    modifier.render_levels = 3
+    assert off(exported_points(rig.obj, tmp_path), shown) < EXACT
+    path = save(tmp_path / "control.blend")
+    for shape in frames_of(path, tmp_path, addon_name, rig.name):
+        assert off(shape, shown) < EXACT
+
+
+# --- counts that change by the frame
+
+
+def opened(obj: bpy.types.Object) -> None:
+    """Half of the sheet and its mirror image, which a key takes apart at frame 10."""
+    points = base_points(obj)
+    points[:, 0] = 0.5 * (points[:, 0] + 1.0)
+    obj.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    modifier = obj.modifiers.new("Mirror", "MIRROR")
+    modifier.use_mirror_merge, modifier.merge_threshold = True, 1e-3
+    obj.shape_key_add(name="Basis")
+    wide = obj.shape_key_add(name="Wide")
+    for point in wide.data:
+        point.co.x = 0.1 + 0.9 * point.co.x
+    for frame, value in ((1, 0.0), (10, 1.0)):
+        wide.value = value
+        wide.keyframe_insert("value", frame=frame)
+    bpy.context.scene.frame_set(1)
+
+
+def test_automatic_rebind_where_the_count_changes_by_the_frame():
+    rig = bound(opened)
+    rig.deformer.auto_rebind = True
+    counts = set()
+    for frame in (1, 10, 1, 10):
+        bpy.context.scene.frame_set(frame)
+        wanted = expected(rig)
+        counts.add(len(wanted))
+        assert off(rig.points(), wanted) < EXACT, frame
+        assert off(render_points(rig.obj), wanted) < EXACT, frame
+        assert rig.deformer.status_level == "INFO"
+    assert len(counts) == 2
+
+
+def test_renders_whose_count_changes_by_the_frame():
+    """Also without Automatic Rebind, which is about the viewport."""
+    rig = bound(opened)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end, scene.frame_step = 1, 10, 9
+    seen = [shapes[rig.name] for shapes in render(animation=True)]
+    for frame, shape in zip((1, 10), seen, strict=True):
+        scene.frame_set(frame)
+        assert off(shape, expected(rig)) < EXACT, frame
+
+
+# --- where it cannot be
+
+
+def test_what_a_render_cannot_show_is_said(capfd: pytest.CaptureFixture):
+    """Another object of a Boolean has a level of its own in renders, which no copy of the target knows."""
+    rig = Rig.plate(5)
+    other = grid_object("Other", 3)
+    other.location = (0.0, 0.0, 5.0)
+    level = subdivision(other, 1, 1)
+    modifier = rig.obj.modifiers.new("Boolean", "BOOLEAN")
+    modifier.operation, modifier.object = "UNION", other
+    rig.bind()
+    rig.lift(HEIGHT)
+    level.render_levels = 2
+    capfd.readouterr()
+    render_points(rig.obj)
+    assert any(line.startswith("In the render: Topology changed") for line in notes_of(rig.deformer))
+    assert f"{rig.deformer.name}: In the render: Topology changed" in capfd.readouterr().out
+    level.render_levels = 1
+    render_points(rig.obj)
+    assert not any("render" in line for line in notes_of(rig.deformer))

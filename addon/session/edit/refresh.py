@@ -42,6 +42,13 @@ def refresh() -> bool:
     return changed
 
 
+def bind_renders() -> None:
+    """Do all deferred edits, and bind renders for the vertices that enter in them. Main thread only."""
+    look_at_renders()
+    if refresh():
+        bpy.context.view_layer.update()
+
+
 def look_at_renders() -> None:
     """Note the objects whose settings for renders have changed since they were last looked at.
 
