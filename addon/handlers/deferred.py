@@ -95,8 +95,6 @@ def bind_now(depsgraph: Depsgraph) -> None:
 
     Blender evaluates what was written once more when its handlers have run.
     """
-    if session.is_suspended() or session.is_waiting() or bpy.app.is_job_running("RENDER"):
-        return
     if depsgraph.mode == "VIEWPORT":
         session.begin_evaluation(depsgraph)
     if session.refresh():

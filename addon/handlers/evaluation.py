@@ -43,11 +43,17 @@ def _update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, dra
     datablocks, which the thread of a render may not do.
     """
     in_render = depsgraph.mode == "RENDER"
-    on_main_thread = threading.current_thread() is threading.main_thread()
-    if in_render and on_main_thread:
+    may_bind = (
+        threading.current_thread() is threading.main_thread()
+        and (in_render or not edit)
+        and not session.is_suspended()
+        and not session.is_waiting()
+        and not bpy.app.is_job_running("RENDER")
+    )
+    if in_render and may_bind:
         session.look_at_renders()
     session.update(depsgraph, preview, edit, draft)
-    if on_main_thread and (in_render or not edit) and session.has_counts():
+    if may_bind and session.has_counts():
         deferred.bind_now(depsgraph)
 
 

@@ -75,6 +75,16 @@ def copies(obj: bpy.types.Object) -> None:
     modifier.relative_offset_displace = (1.5, 0.0, 0.0)
 
 
+def boolean(obj: bpy.types.Object) -> bpy.types.Modifier:
+    """The level of another object, which a Boolean joins."""
+    other = grid_object("Other", 3)
+    other.location = (0.0, 0.0, 5.0)
+    modifier = obj.modifiers.new("Boolean", "BOOLEAN")
+    modifier.operation, modifier.object = "UNION", other
+    make_active(obj)
+    return subdivision(other, 1, 1)
+
+
 def by_nodes(obj: bpy.types.Object) -> None:
     """Nodes that subdivide once more in renders, once a switch is on."""
     tree = bpy.data.node_groups.new("Finer", "GeometryNodeTree")
@@ -101,6 +111,10 @@ def by_nodes(obj: bpy.types.Object) -> None:
 def finer_by_nodes(obj: bpy.types.Object) -> None:
     choice = next(node for node in bpy.data.node_groups["Finer"].nodes if node.type == "SWITCH")
     [socket for socket in choice.inputs if socket.enabled][1].default_value = 2  # where no viewport asks
+
+
+def driven(obj: bpy.types.Object) -> None:
+    obj.modifiers[0].driver_add("levels").driver.expression = "2"
 
 
 def setting(name: str, value: object) -> Callable[[bpy.types.Object], None]:
@@ -142,8 +156,13 @@ CASES: dict[str, tuple[Change, Change]] = {
         setting("show_render", True),
     ),
     "nodes": (by_nodes, finer_by_nodes),
+    "another object": (
+        boolean,
+        lambda obj: setattr(obj.modifiers[0].object.modifiers[0], "render_levels", 2),
+    ),
     "simplified in the viewport": (subdivision, simplify(0, 6)),
     "simplified in renders": (subdivision, simplify(6, 1)),
+    "a driven level in the viewport": (several(subdivision, driven), setting("render_levels", 3)),
     "another level in the viewport": (subdivision, setting("levels", 1)),
     "other levels in both": (subdivision, several(setting("levels", 1), setting("render_levels", 3))),
     "the same other level in both": (subdivision, several(setting("levels", 1), setting("render_levels", 1))),
@@ -421,20 +440,18 @@ def test_renders_whose_count_changes_by_the_frame():
 
 
 def test_what_a_render_cannot_show_is_said(capfd: pytest.CaptureFixture):
-    """Another object of a Boolean has a level of its own in renders, which no copy of the target knows."""
+    """The other object of a Boolean is in Edit Mode, where it cannot be looked at."""
     rig = Rig.plate(5)
-    other = grid_object("Other", 3)
-    other.location = (0.0, 0.0, 5.0)
-    level = subdivision(other, 1, 1)
-    modifier = rig.obj.modifiers.new("Boolean", "BOOLEAN")
-    modifier.operation, modifier.object = "UNION", other
+    level = boolean(rig.obj)
     rig.bind()
     rig.lift(HEIGHT)
+    make_active(level.id_data)
+    bpy.ops.object.mode_set(mode="EDIT")
     level.render_levels = 2
     capfd.readouterr()
     render_points(rig.obj)
     assert any(line.startswith("In the render: Topology changed") for line in notes_of(rig.deformer))
     assert f"{rig.deformer.name}: In the render: Topology changed" in capfd.readouterr().out
-    level.render_levels = 1
+    bpy.ops.object.mode_set(mode="OBJECT")
     render_points(rig.obj)
     assert not any("render" in line for line in notes_of(rig.deformer))

@@ -12,10 +12,11 @@ from functools import cache
 from typing import Any
 
 import bpy
-from bpy.types import ID, Modifier, NodeTree, Object
+from bpy.types import ID, Modifier, NodesModifier, NodeTree, Object
 
-from ...compat import remove_data
+from ...compat import action_curves, remove_action_curve, remove_data
 from . import node_group
+from .modifier_objects import objects_of
 
 _SIMPLIFY = "simplify_"
 _ASKS = "GeometryNodeIsViewport"  # a node that tells viewports and renders apart
@@ -41,9 +42,32 @@ def _twins_of(kind: str) -> tuple[tuple[str, str], ...]:
 
 
 def _owners(obj: Object, modifiers: Iterable[Modifier]) -> Iterator[Any]:
+    """What has such settings: an object with these modifiers, and the objects that they ask for."""
+    modifiers = list(modifiers)
+    yield from _own(obj, modifiers)
+    for other in _reached(modifiers):
+        yield from _own(other, other.modifiers)
+
+
+def _own(obj: Object, modifiers: Iterable[Modifier]) -> Iterator[Any]:
     if obj.data is not None:
         yield obj.data
     yield from modifiers
+
+
+def _reached(modifiers: Iterable[Modifier]) -> list[Object]:
+    """The objects that modifiers ask for, and those that the modifiers of these ask for.
+
+    What is linked, or in a mode of its own, stays as viewports have it.
+    """
+    found: dict[Object, None] = {}
+    waiting = [modifier for modifier in modifiers if not node_group.is_ours(modifier)]
+    while waiting:
+        for other in objects_of(waiting.pop()):
+            if other not in found and other.library is None and other.mode == "OBJECT":
+                found[other] = None
+                waiting += [modifier for modifier in other.modifiers if not node_group.is_ours(modifier)]
+    return list(found)
 
 
 def _simplified() -> list[tuple[str, str]]:
@@ -71,29 +95,34 @@ def _values(obj: Object, modifiers: Iterable[Modifier]) -> Iterator[tuple[Any, A
     return ((getattr(owner, shown), getattr(owner, rendered)) for owner, shown, rendered in pairs)
 
 
-def differ(obj: Object, modifiers: Sequence[Modifier]) -> bool:
+def differ(obj: Object, modifiers: Iterable[Modifier]) -> bool:
     """Whether other vertices may come out of these modifiers of an object in renders."""
+    owners = list(_owners(obj, modifiers))
+    limits = _simplified() if any(len(_twins(owner)) > 1 for owner in owners) else []
     render = bpy.context.scene.render
-    pairs = [(render, shown, rendered) for shown, rendered in _simplified()]
-    pairs += [
-        (owner, shown, rendered)
-        for owner in _owners(obj, modifiers)
-        for shown, rendered in _twins(owner)
-        if _counts(owner, shown, getattr(owner, rendered))
-    ]
-    return any(getattr(owner, shown) != getattr(owner, rendered) for owner, shown, rendered in pairs) or any(
-        _asks(modifier.node_group, set()) for modifier in modifiers if _is_foreign(modifier)
+    return (
+        any(_differing(owner) for owner in owners)
+        or any(getattr(render, shown) != getattr(render, rendered) for shown, rendered in limits)
+        or any(_asks(owner.node_group, set()) for owner in owners if _is_foreign(owner))
     )
 
 
-def _counts(owner: Any, shown: str, value: Any) -> bool:
-    """Whether a value for renders is one; 0 for a resolution, for example, means the one for viewports."""
-    limit = getattr(owner.bl_rna.properties[shown], "hard_min", value)
-    return value >= limit
+def _differing(owner: Any) -> list[tuple[str, Any]]:
+    """The settings for viewports that have another value for renders, with that value.
+
+    0 for a resolution, for example, is none: it means the one for viewports.
+    """
+    found = []
+    for shown, rendered in _twins(owner):
+        value = getattr(owner, rendered)
+        least = getattr(owner.bl_rna.properties[shown], "hard_min", value)
+        if value >= least and getattr(owner, shown) != value:
+            found.append((shown, value))
+    return found
 
 
-def _is_foreign(modifier: Modifier) -> bool:
-    return modifier.type == "NODES" and not node_group.is_ours(modifier)
+def _is_foreign(owner: Any) -> bool:
+    return isinstance(owner, NodesModifier) and not node_group.is_ours(owner)
 
 
 def _asks(tree: NodeTree | None, known: set[NodeTree]) -> bool:
@@ -109,38 +138,56 @@ def _asks(tree: NodeTree | None, known: set[NodeTree]) -> bool:
 
 @contextmanager
 def applied(copies: Sequence[Object]) -> Iterator[None]:
-    """For a while, the modifiers of the copies do in viewports what they do in renders."""
-    render = bpy.context.scene.render
-    limits = [(shown, getattr(render, shown), getattr(render, other)) for shown, other in _simplified()]
-    replaced: list[tuple[Object, ID]] = []
+    """For a while, the modifiers of the copies do in viewports what they do in renders.
+
+    So do the objects that they ask for.
+    """
+    changed: list[tuple[Any, str, Any]] = []
     made: list[ID] = []
-    for copy in copies:
-        data = copy.data
-        if differ(copy, ()):
-            copy.data = data.copy()
-            replaced.append((copy, data))
-        for owner in _owners(copy, copy.modifiers):
-            for shown, rendered in _twins(owner):
-                value = getattr(owner, rendered)
-                if _counts(owner, shown, value) and getattr(owner, shown) != value:
-                    setattr(owner, shown, value)
-        for modifier in copy.modifiers:
-            if _is_foreign(modifier) and _asks(modifier.node_group, set()):
-                modifier.node_group = _answered(modifier.node_group, made)
-    for shown, value, rendered in limits:
-        if value != rendered:
-            setattr(render, shown, rendered)
+
+    def put(owner: Any, name: str, value: Any) -> None:
+        changed.append((owner, name, getattr(owner, name)))
+        setattr(owner, name, value)
+
+    render = bpy.context.scene.render
+    others = [other for copy in copies for other in _reached(copy.modifiers)]
     try:
+        for shown, rendered in _simplified():
+            if getattr(render, shown) != getattr(render, rendered):
+                put(render, shown, getattr(render, rendered))
+        for copy in copies:
+            _stop_animation(copy, made)
+        for obj in dict.fromkeys((*copies, *others)):
+            if obj.data is not None and _differing(obj.data):  # it may have other users
+                made.append(obj.data.copy())
+                put(obj, "data", made[-1])
+            for owner in _own(obj, obj.modifiers):
+                for shown, value in _differing(owner):
+                    put(owner, shown, value)
+                if _is_foreign(owner) and _asks(owner.node_group, set()):
+                    put(owner, "node_group", _answered(owner.node_group, made))
         yield
     finally:
-        for shown, value, rendered in limits:
-            if value != rendered:
-                setattr(render, shown, value)
-        for copy, data in replaced:
-            own_data, copy.data = copy.data, data
-            remove_data((own_data,))
-        for tree in made:
-            bpy.data.node_groups.remove(tree)
+        for owner, name, value in reversed(changed):
+            setattr(owner, name, value)
+        remove_data(made)
+
+
+def _stop_animation(copy: Object, made: list[ID]) -> None:
+    """Let no driver and no key set what a copy has for viewports. All others count."""
+    animation = copy.animation_data
+    if animation is None:
+        return
+    ends = tuple(f".{shown}" for modifier in copy.modifiers for shown, _rendered in _twins(modifier))
+    for driver in list(animation.drivers):
+        if driver.data_path.endswith(ends):
+            animation.drivers.remove(driver)
+    if animation.action is not None and any(c.data_path.endswith(ends) for _a, c in action_curves(copy)):
+        made.append(animation.action.copy())
+        animation.action = made[-1]
+        for action, curve in action_curves(copy):
+            if action == made[-1] and curve.data_path.endswith(ends):
+                remove_action_curve(action, curve)
 
 
 def _answered(tree: NodeTree, made: list[ID]) -> NodeTree:

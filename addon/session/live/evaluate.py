@@ -344,10 +344,10 @@ def _refuse(evaluation: Evaluation, error: SinewError) -> Chain:
         status.fail(evaluation.deformer.uid, error)
     if evaluation.in_viewport:
         deformer = evaluation.deformer
-        has_others = isinstance(error, TopologyChangedError) or kinds.kind_in_use(deformer).is_stale(
-            deformer, evaluation.depsgraph
-        )
-        if deformer.auto_rebind and has_others:
+        if deformer.auto_rebind and (
+            isinstance(error, TopologyChangedError)
+            or kinds.kind_in_use(deformer).is_stale(deformer, evaluation.depsgraph)
+        ):
             sessions.note_count(evaluation.obj.name)
     else:
         status.put_render(evaluation.deformer.uid, f"In the render: {error}")
