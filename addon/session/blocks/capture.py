@@ -200,9 +200,11 @@ def _rest_meshes_of(
     """For each what ``rest_meshes`` makes, or its error."""
     with _stand_ins((obj, position(obj, deformer)) for obj, deformer in wanted) as copies:
         shown = [mesh for mesh in entered if mesh is not None] or _rest_meshes(wanted, copies)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        evaluated = [copy.evaluated_get(depsgraph) for copy in copies]
         differing = [
             i
-            for i, copy in enumerate(copies)
+            for i, copy in enumerate(evaluated)
             if isinstance(shown[i], Mesh) and _differs_in_renders(copy, copy.modifiers)
         ]
         rendered: dict[int, Mesh | MeshError] = {}

@@ -63,7 +63,7 @@ def _reached(modifiers: Iterable[Modifier]) -> list[Object]:
     found: dict[Object, None] = {}
     waiting = [modifier for modifier in modifiers if not node_group.is_ours(modifier)]
     while waiting:
-        for other in objects_of(waiting.pop()):
+        for other in (each.original for each in objects_of(waiting.pop())):
             if other not in found and other.library is None and other.mode == "OBJECT":
                 found[other] = None
                 waiting += [modifier for modifier in other.modifiers if not node_group.is_ours(modifier)]
@@ -155,14 +155,17 @@ def applied(copies: Sequence[Object]) -> Iterator[None]:
         for shown, rendered in _simplified():
             if getattr(render, shown) != getattr(render, rendered):
                 put(render, shown, getattr(render, rendered))
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        wanted = {other: _wanted(other) for other in others}
+        wanted |= {copy: _wanted(copy.evaluated_get(depsgraph)) for copy in copies}
         for copy in copies:
             _stop_animation(copy, made)
-        for obj in dict.fromkeys((*copies, *others)):
+        for obj, its in wanted.items():
             if obj.data is not None and _differing(obj.data):  # it may have other users
                 made.append(obj.data.copy())
                 put(obj, "data", made[-1])
-            for owner in _own(obj, obj.modifiers):
-                for shown, value in _differing(owner):
+            for owner, values in zip(_own(obj, obj.modifiers), its, strict=True):
+                for shown, value in values:
                     put(owner, shown, value)
                 if _is_foreign(owner) and _asks(owner.node_group, set()):
                     put(owner, "node_group", _answered(owner.node_group, made))
@@ -171,6 +174,11 @@ def applied(copies: Sequence[Object]) -> Iterator[None]:
         for owner, name, value in reversed(changed):
             setattr(owner, name, value)
         remove_data(made)
+
+
+def _wanted(obj: Object) -> list[list[tuple[str, Any]]]:
+    """What an object and its modifiers are to have for viewports. Evaluated, it has the values of the frame."""
+    return [_differing(owner) for owner in _own(obj, obj.modifiers)]
 
 
 def _stop_animation(copy: Object, made: list[ID]) -> None:

@@ -88,6 +88,8 @@ def _is_busy(obj: Object) -> bool:
 def _look_at(edited: list[Object]) -> bool:
     """Compare what enters the deformers of objects now with what entered at bind."""
     compared, changed = [], False
+    if edited:
+        bpy.context.view_layer.update()  # in a render of another frame, settings that are keyed are behind
     for obj in edited:
         for deformer in obj.sinew.deformers:
             if not _is_compared(deformer):
@@ -102,6 +104,7 @@ def _look_at(edited: list[Object]) -> bool:
                 vertex_groups.follow_renamed_groups(obj, deformer)
                 compared.append((obj, deformer))
     for (obj, deformer), meshes in zip(compared, capture.all_rest_meshes(compared), strict=True):
+        sessions.open_session(deformer.uid).render_settings = capture.render_signature(obj, deformer)
         if not isinstance(meshes, SinewError):  # without vertices: the evaluation shows the error
             changed |= _take(obj, deformer, meshes)
     return changed
