@@ -177,7 +177,7 @@ def applied(copies: Sequence[Object]) -> Iterator[None]:
 
 
 def _wanted(obj: Object) -> list[list[tuple[str, Any]]]:
-    """What an object and its modifiers are to have for viewports. Evaluated, it has the values of the frame."""
+    """What an object and its modifiers are to have for viewports: if evaluated, with animated values."""
     return [_differing(owner) for owner in _own(obj, obj.modifiers)]
 
 
