@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs inside a Blender with a window: F12 after settings that count in renders alone were changed."""
 
+import sys
+
 import bpy
 import numpy as np
-from driving import enable, in_view, play, rest, seen, until
+from driving import MODULE, enable, in_view, play, rest, seen, until
 
 enable()
 
@@ -39,10 +41,6 @@ def off(one: np.ndarray, other: np.ndarray) -> float:
 
 
 def notes(rig: Rig) -> list[str]:
-    import sys
-
-    from driving import MODULE
-
     return [line.text for line in sys.modules[f"{MODULE}.core.status"].notes(rig.deformer.uid)]
 
 
@@ -80,22 +78,9 @@ def journey():
     modifier.render_levels = 1  # and the render begins at once
     seen["at once"] = off((yield from f12(rig)), wanted[1])
     seen["said"] = notes(rig)
-    seen["reports"] = [report for report in reports() if "In the render" in report]
     yield from rest(10)
     seen["the next"] = off((yield from f12(rig)), wanted[1])
     seen["said next"] = notes(rig)
-
-
-def reports() -> list[str]:
-    """What the Info editor lists."""
-    area = max(bpy.context.window_manager.windows[0].screen.areas, key=lambda each: each.height)
-    before, area.type = area.type, "INFO"
-    override = {"window": bpy.context.window_manager.windows[0], "area": area, "region": area.regions[-1]}
-    with bpy.context.temp_override(**override):
-        bpy.ops.info.select_all(action="SELECT")
-        bpy.ops.info.report_copy()
-    area.type = before
-    return bpy.context.window_manager.clipboard.splitlines()
 
 
 play(journey())

@@ -124,22 +124,22 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
             changed |= _hold_rendered(obj, deformer, shown if rendered is None else rendered)
         _discard(meshes)
         return changed
+    same_shown = _same_weights(held, shown, deformer) and not deformer.topology_changed
     fits = same_topology(held_in_renders, shown if rendered is None else rendered)
-    same = (
-        fits
-        and _same_weights(held, shown, deformer)
-        and (rendered is None or _same_weights(held_in_renders, rendered, deformer))
-    )
-    if same and not deformer.topology_changed:
+    if same_shown and fits and (rendered is None or _same_weights(held_in_renders, rendered, deformer)):
         _discard(meshes)
         return False
     at_bind = read_positions(held)
     if rendered is not None:
         rest = read_positions(held_in_renders) if fits else capture.carried(rendered, shown, at_bind)
         write_positions(rendered, rest)
-    write_positions(shown, at_bind)
     sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
-    shapes.hold_rest(deformer, meshes)
+    if same_shown:  # the viewport keeps its factor
+        bpy.data.meshes.remove(shown)
+        shapes.hold_rendered_rest(deformer, rendered)
+    else:
+        write_positions(shown, at_bind)
+        shapes.hold_rest(deformer, meshes)
     shapes.ensure(obj, deformer, *sizes)
     deformer.topology_changed = False
     obj.update_tag(refresh={"OBJECT"})
