@@ -75,7 +75,6 @@ def put_notes(key: str, lines: tuple[Status, ...]) -> None:
     """Replace the other lines."""
     _notes[key] = lines
     _incoming.pop(key, None)
-    _renders.pop(key, None)
 
 
 def put_incoming(key: str, text: str) -> None:
@@ -114,3 +113,4 @@ def clear(key: str) -> None:
     """Remove all lines of a deformer."""
     _statuses.pop(key, None)
     put_notes(key, ())
+    put_render(key, "")

@@ -55,6 +55,7 @@ def bind(
                 shapes.hold_rest(deformer, meshes)
                 deformer.topology_changed = False
                 sessions.open_session(deformer.uid).render_settings = capture.render_signature(obj, deformer)
+                status.put_render(deformer.uid, "")
                 kind.set_rest(obj, deformer, renew)
                 shapes.ensure(obj, deformer, *sizes)
                 kinds.keep_evaluated(obj)

@@ -124,11 +124,14 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
             changed |= _hold_rendered(obj, deformer, shown if rendered is None else rendered)
         _discard(meshes)
         return changed
-    same_shown = _same_weights(held, shown, deformer) and not deformer.topology_changed
+    was_stale, deformer.topology_changed = deformer.topology_changed, False
+    same_shown = _same_weights(held, shown, deformer)
     fits = same_topology(held_in_renders, shown if rendered is None else rendered)
     if same_shown and fits and (rendered is None or _same_weights(held_in_renders, rendered, deformer)):
         _discard(meshes)
-        return False
+        if was_stale:
+            obj.update_tag(refresh={"OBJECT"})
+        return was_stale
     at_bind = read_positions(held)
     if rendered is not None:
         rest = read_positions(held_in_renders) if fits else capture.carried(rendered, shown, at_bind)
@@ -141,7 +144,6 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
         write_positions(shown, at_bind)
         shapes.hold_rest(deformer, meshes)
     shapes.ensure(obj, deformer, *sizes)
-    deformer.topology_changed = False
     obj.update_tag(refresh={"OBJECT"})
     return True
 
