@@ -116,7 +116,8 @@ def _differing(owner: Any) -> list[tuple[str, Any]]:
     for shown, rendered in _twins(owner):
         value = getattr(owner, rendered)
         least = getattr(owner.bl_rna.properties[shown], "hard_min", value)
-        if value >= least and getattr(owner, shown) != value:
+        is_curve = isinstance(owner, ID)  # each of its splines may have another one for viewports
+        if value >= least and (is_curve or getattr(owner, shown) != value):
             found.append((shown, value))
     return found
 
