@@ -56,6 +56,7 @@ class Operators:
     CURVE_EDIT = "sinew.curve_edit"
     GRID_NEW = "sinew.grid_new"
     HELP = "sinew.help"
+    REPORT_RENDERS = "sinew.report_renders"
     CHECK_INSTALLATION = "sinew.check_installation"
     PRESET_ADD = "sinew.preset_add"
     PRESET_APPLY = "sinew.preset_apply"

@@ -70,6 +70,7 @@ class Baking:
         self._parts = [_Part(ShapeReader(obj, uid)) for obj, uid in request.deformers]
         self._opened = False
         self._over = False
+        session.bind_renders()
         for part in self._parts:
             self._check(part, scene)
         try:

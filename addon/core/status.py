@@ -58,6 +58,8 @@ _statuses: dict[str, Status] = remember({})
 _notes: dict[str, tuple[Status, ...]] = remember({})
 _incoming: dict[str, Status] = remember({})
 _masks: dict[str, Status] = remember({})
+_renders: dict[str, Status] = remember({})
+_unreported: dict[str, str] = remember({})
 
 
 def current(key: str) -> Status:
@@ -67,7 +69,7 @@ def current(key: str) -> Status:
 
 def notes(key: str) -> tuple[Status, ...]:
     """The other lines, which are mostly warnings."""
-    live = (_incoming.get(key), _masks.get(key))
+    live = (_incoming.get(key), _masks.get(key), _renders.get(key))
     return (*_notes.get(key, ()), *(line for line in live if line is not None))
 
 
@@ -108,6 +110,24 @@ def put_mask(key: str, text: str) -> None:
         _masks.pop(key, None)
 
 
+def put_render(key: str, text: str) -> None:
+    """Replace the line that tells why renders show the rest shape; empty for no line.
+
+    Each text is also among those that ``take_unreported`` returns next.
+    """
+    if text:
+        _renders[key], _unreported[key] = Status(Level.WARNING, text), text
+    else:
+        _renders.pop(key, None)
+
+
+def take_unreported() -> dict[str, str]:
+    """Why deformers showed the rest shape in renders since the last call, by their keys."""
+    found = dict(_unreported)
+    _unreported.clear()
+    return found
+
+
 def fail(key: str, error: Exception) -> None:
     """Show an error as the main line."""
     elements, remedy = getattr(error, "elements", NO_ELEMENTS), getattr(error, "remedy", Remedy.NONE)
@@ -119,3 +139,4 @@ def clear(key: str) -> None:
     _statuses.pop(key, None)
     put_notes(key, ())
     put_mask(key, "")
+    put_render(key, "")

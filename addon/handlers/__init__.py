@@ -16,6 +16,8 @@ _HANDLERS = (
     ("load_post", history.on_load),
     ("save_pre", history.before_save),
     ("render_init", history.before_render),
+    ("render_complete", history.after_render),
+    ("render_cancel", history.after_render),
 )
 
 

@@ -10,6 +10,7 @@ import bpy
 from bpy.types import Depsgraph
 
 from .. import session
+from ..core import status
 from ..operators import redraw_panels
 
 PAUSE = 0.15  # seconds without an edit, after which the final shape replaces a preview
@@ -41,6 +42,14 @@ def _start() -> None:
         bpy.app.timers.register(_tick, first_interval=PAUSE)
 
 
+def report_renders() -> None:
+    """Report which deformers have shown the rest shape in renders since the last call."""
+    names = {deformer.uid: deformer.name for obj in session.owners() for deformer in obj.sinew.deformers}
+    lines = [f"{names[uid]}: {text}" for uid, text in status.take_unreported().items() if uid in names]
+    if lines:
+        bpy.ops.sinew.report_renders(text="; ".join(lines))
+
+
 def stop() -> None:
     """Stop all timers."""
     for timer in (_tick, _write_for_renders):
@@ -61,6 +70,11 @@ def _write_for_renders() -> float | None:
         return None
     session.carry_out_writes()
     session.show_late()
+    if not bpy.app.is_job_running("RENDER"):
+        session.look_at_renders()
+        if session.has_counts() and not bpy.app.timers.is_registered(_tick):
+            _start()
+        report_renders()
     unlocked = any(session.must_hand_over(scene) for scene in bpy.data.scenes)
     return 0.0 if unlocked and bpy.app.is_job_running("RENDER") else _IDLE_POLL
 
@@ -75,6 +89,17 @@ def separate_copies(depsgraph: Depsgraph) -> None:
     session.begin_evaluation(depsgraph)
     if session.separate_copies() and not session.has_copies():
         depsgraph.update()
+
+
+def bind_now(depsgraph: Depsgraph) -> None:
+    """Bind what has other vertices now than at bind, and let it show in this evaluation.
+
+    Blender evaluates what was written once more when its handlers have run.
+    """
+    if depsgraph.mode == "VIEWPORT":
+        session.begin_evaluation(depsgraph)
+    if session.refresh():
+        session.update(depsgraph)
 
 
 def catch_up() -> bool:

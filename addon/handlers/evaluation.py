@@ -36,6 +36,25 @@ def listen(wanted: bool) -> None:
         _before_updates.append(before_depsgraph_update)
 
 
+def _update(depsgraph: Depsgraph, draft: bool = False) -> None:
+    """Solve a frame, or anything in a render. Where other vertices enter than at bind, bind first.
+
+    So it is in renders, and with *Automatic Rebind* in the viewport. All this makes datablocks, which the
+    thread of a render may not do.
+    """
+    may_bind = (
+        threading.current_thread() is threading.main_thread()
+        and not session.is_suspended()
+        and not session.is_waiting()
+        and not bpy.app.is_job_running("RENDER")
+    )
+    if may_bind and depsgraph.mode == "RENDER":
+        session.look_at_renders()
+    session.update(depsgraph, draft=draft)
+    if may_bind and session.has_counts():
+        deferred.bind_now(depsgraph)
+
+
 @persistent
 def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     """Something was edited.
@@ -46,7 +65,10 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     if bpy.app.background and session.has_copies():
         deferred.separate_copies(depsgraph)
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
-    session.update(depsgraph, preview=interactive, edit=True)
+    if depsgraph.mode == "RENDER":
+        _update(depsgraph)
+    else:
+        session.update(depsgraph, preview=interactive, edit=True)
     if bool(session.mirrored_targets) != (before_depsgraph_update in _before_updates):
         listen(bool(session.mirrored_targets))
     if entering.waiting and depsgraph.mode == "VIEWPORT":
@@ -65,7 +87,7 @@ def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
     if bpy.app.background and session.has_copies():
         deferred.separate_copies(depsgraph)
     draft = depsgraph.mode == "VIEWPORT" and deferred.is_playing()
-    session.update(depsgraph, draft=draft)
+    _update(depsgraph, draft)
     if draft:
         deferred.schedule()
     if depsgraph.mode == "VIEWPORT":

@@ -56,8 +56,14 @@ def before_render(*_args: object) -> None:
     if threading.current_thread() is not threading.main_thread():
         return
     session.tidy()
-    if session.refresh():
-        bpy.context.view_layer.update()
+    session.bind_renders()
+
+
+@persistent
+def after_render(*_args: object) -> None:
+    """Report what the render could not show. In a window a timer does this."""
+    if bpy.app.background:
+        deferred.report_renders()
 
 
 def _evaluate_all() -> None:

@@ -28,6 +28,7 @@ from .point import SINEW_OT_point_add
 from .preset import SINEW_OT_preset_add, SINEW_OT_preset_apply, preset_folder
 from .puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
 from .repair import SINEW_OT_part_regions, SINEW_OT_repair
+from .report_renders import SINEW_OT_report_renders
 from .rows import SINEW_OT_control_remove, SINEW_OT_control_set_rest
 from .select_distorted import SINEW_OT_select_distorted
 from .select_problems import SINEW_OT_select_problems
@@ -58,6 +59,7 @@ __all__ = (
 register, unregister = register_classes_factory(
     (
         SINEW_OT_deformer_add,
+        SINEW_OT_report_renders,
         SINEW_OT_deformer_remove,
         SINEW_OT_deformer_move,
         SINEW_OT_cage_add,

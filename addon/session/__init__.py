@@ -40,7 +40,7 @@ from .edit.order import move_deformer, move_handle
 from .edit.puppet.bones import require_bones
 from .edit.puppet.posing import Part, PuppetDrag, PuppetOptions
 from .edit.puppet.rigging import rig_puppet
-from .edit.refresh import refresh
+from .edit.refresh import bind_renders, look_at_renders, refresh
 from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
 from .edit.rigging import (
@@ -79,6 +79,7 @@ from .memory.render_writes import carry_out_writes, must_hand_over
 from .memory.sessions import (
     find,
     forget_shapes,
+    has_counts,
     is_draft,
     is_refining,
     is_suspended,
@@ -122,6 +123,7 @@ __all__ = (
     "begin_cage",
     "begin_evaluation",
     "bind",
+    "bind_renders",
     "busy",
     "cage_maker",
     "cage_seconds",
@@ -155,6 +157,7 @@ __all__ = (
     "group_from_selection",
     "handles_of_side",
     "has_copies",
+    "has_counts",
     "has_grid",
     "has_pending",
     "is_automatic",
@@ -172,6 +175,7 @@ __all__ = (
     "key_notes",
     "key_partners",
     "label",
+    "look_at_renders",
     "lost_controls",
     "marks_regions",
     "may_wait",

@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 
 import bpy
 import numpy as np
-from rig import coordinates, points_of
+from rig import coordinates, make_active, points_of
 
 
 class Probe(bpy.types.RenderEngine):
@@ -19,10 +20,13 @@ class Probe(bpy.types.RenderEngine):
     seen: list[dict[str, np.ndarray]] = []
     frames: list[int] = []
     at_work: Callable[[], None] | None = None  # called in each frame, before the shapes are read
+    noting: Callable[[bpy.types.Depsgraph], None] | None = None  # called with what each frame renders
 
     def render(self, depsgraph: bpy.types.Depsgraph) -> None:
         if Probe.at_work is not None:
             Probe.at_work()
+        if Probe.noting is not None:
+            Probe.noting(depsgraph)
         frame = depsgraph.scene.frame_current
         for subframe in self.subframes:
             if self.subframes != (0.0,):
@@ -72,6 +76,22 @@ def render(
 def render_points(obj: bpy.types.Object) -> np.ndarray:
     """What a render of this frame shows of the object, object space, (n, 3)."""
     return render()[-1][obj.name]
+
+
+def exported_points(obj: bpy.types.Object, folder: Path) -> np.ndarray:
+    """What an exporter of Blender's own writes of the object as renders show it, world space, (n, 3)."""
+    make_active(obj)
+    path = folder / "rendered.obj"
+    bpy.ops.wm.obj_export(
+        filepath=str(path),
+        export_selected_objects=True,
+        export_eval_mode="DAG_EVAL_RENDER",
+        export_materials=False,
+        forward_axis="Y",
+        up_axis="Z",
+    )
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return np.array([[float(word) for word in line.split()[1:4]] for line in lines if line.startswith("v ")])
 
 
 bpy.utils.register_class(Probe)

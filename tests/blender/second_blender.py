@@ -12,6 +12,7 @@ import textwrap
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 _HERE = Path(__file__).parent
 
@@ -85,3 +86,31 @@ def is_executable() -> bool:
 def is_wine() -> bool:
     """Wine runs this Blender for Windows."""
     return os.name == "nt" and hasattr(ctypes.windll.ntdll, "wine_get_version")
+
+
+_SET_UP = """
+import sys
+sys.path.insert(0, {here!r})
+import addon_utils, bpy
+addon_utils.enable({addon!r}, default_set=True)
+import probe
+bpy.context.scene.render.engine = probe.Probe.bl_idname
+"""
+
+_TELL = """
+import json, probe
+names = [shapes[{name!r}].tolist() for shapes in probe.Probe.seen]
+open({answer!r}, "w", encoding="utf-8").write(json.dumps([probe.Probe.frames, names]))
+"""
+
+
+def by_command_line(path: str, folder: Path, addon_name: str, name: str) -> tuple[list[int], list]:
+    """``blender -b FILE -P set_up -f 11 -a -P tell``: frames, and the points of the object at each."""
+    answer = folder / "answer.json"
+    set_up, tell = folder / "set_up.py", folder / "tell.py"
+    set_up.write_text(_SET_UP.format(here=str(Path(__file__).parent), addon=addon_name), encoding="utf-8")
+    tell.write_text(_TELL.format(name=name, answer=str(answer)), encoding="utf-8")
+    said = run_blender([path, "-P", str(set_up), "-f", "11", "-a"], tell)
+    assert "Traceback" not in said, said
+    frames, shapes = json.loads(answer.read_text(encoding="utf-8"))
+    return frames, [np.array(shape) for shape in shapes]

@@ -7,7 +7,6 @@ A viewport render (``render.opengl``) needs a window: ``tests/gui`` has it. Play
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 
@@ -32,7 +31,7 @@ from rig import (
     update,
 )
 from rigs import RIGS, HandleRig
-from second_blender import another_blender, is_executable, is_wine, run_blender
+from second_blender import another_blender, by_command_line, is_executable, is_wine
 
 LAST = 20
 EVENTS = Table()
@@ -287,33 +286,6 @@ def test_motion_blur_in_a_picture(glowing: Rig):
 
 
 # --- by another Blender
-
-SET_UP = """
-import sys
-sys.path.insert(0, {here!r})
-import addon_utils, bpy
-addon_utils.enable({addon!r}, default_set=True)
-import probe
-bpy.context.scene.render.engine = probe.Probe.bl_idname
-"""
-
-TELL = """
-import json, probe
-names = [shapes[{name!r}].tolist() for shapes in probe.Probe.seen]
-open({answer!r}, "w", encoding="utf-8").write(json.dumps([probe.Probe.frames, names]))
-"""
-
-
-def by_command_line(path: str, folder: Path, addon_name: str, name: str) -> tuple[list[int], list]:
-    """``blender -b FILE -P set_up -f 11 -a -P tell``: frames, and the points of the object at each."""
-    answer = folder / "answer.json"
-    set_up, tell = folder / "set_up.py", folder / "tell.py"
-    set_up.write_text(SET_UP.format(here=str(Path(__file__).parent), addon=addon_name), encoding="utf-8")
-    tell.write_text(TELL.format(name=name, answer=str(answer)), encoding="utf-8")
-    said = run_blender([path, "-P", str(set_up), "-f", "11", "-a"], tell)
-    assert "Traceback" not in said, said
-    frames, shapes = json.loads(answer.read_text(encoding="utf-8"))
-    return frames, [np.array(shape) for shape in shapes]
 
 
 @pytest.fixture

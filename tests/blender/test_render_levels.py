@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from probe import exported_points
 from rig import (
     Rig,
     add_armature,
@@ -13,22 +14,6 @@ from rig import (
     reopen,
     update,
 )
-
-
-def rendered_points(plate: Rig, tmp_path: Path) -> np.ndarray:
-    """What the render shows, by an exporter of Blender's own that takes the render's modifiers."""
-    make_active(plate.obj)
-    path = str(tmp_path / "rendered.obj")
-    bpy.ops.wm.obj_export(
-        filepath=path,
-        export_selected_objects=True,
-        export_eval_mode="DAG_EVAL_RENDER",
-        export_materials=False,
-        forward_axis="Y",
-        up_axis="Z",
-    )
-    lines = Path(path).read_text(encoding="utf-8").splitlines()
-    return np.array([[float(word) for word in line.split()[1:4]] for line in lines if line.startswith("v ")])
 
 
 def subdivided(plate: Rig, levels: int, render_levels: int) -> None:
@@ -43,7 +28,7 @@ def test_a_pose_of_an_armature_above_is_followed_in_renders_too(plate: Rig, tmp_
     plate.bind("arap")
     armature.pose.bones["high"].location = (0.0, 0.0, 0.3)
     plate.lift(0.2)
-    shown, seen = plate.points(), rendered_points(plate, tmp_path)
+    shown, seen = plate.points(), exported_points(plate.obj, tmp_path)
     assert len(seen) == 441
     assert seen[:, 2].max() == pytest.approx(shown[:, 2].max(), abs=1e-5)
     assert seen[:, 2].max() > 0.45
@@ -54,9 +39,9 @@ def test_save_and_load_keep_what_renders_show(plate: Rig, tmp_path: Path):
     subdivided(plate, 1, 2)
     plate.bind("thin_shell")
     plate.lift()
-    before = rendered_points(plate, tmp_path)
+    before = exported_points(plate.obj, tmp_path)
     reopen(tmp_path / "levels.blend")
-    np.testing.assert_allclose(rendered_points(plate, tmp_path), before, atol=1e-6)
+    np.testing.assert_allclose(exported_points(plate.obj, tmp_path), before, atol=1e-6)
     assert before[:, 2].max() == pytest.approx(1.0, abs=1e-3)  # weights fade where groups are subdivided
 
 
@@ -67,7 +52,7 @@ def test_simplify_counts(plate: Rig, tmp_path: Path):
     update()
     plate.bind("thin_shell", fixed=False)
     plate.lift(0.5)
-    seen = rendered_points(plate, tmp_path)
+    seen = exported_points(plate.obj, tmp_path)
     assert (len(plate.points()), len(seen)) == (121, 441)
     np.testing.assert_allclose(seen[:, 2], 0.5, atol=1e-5)
     assert render.use_simplify

@@ -13,14 +13,23 @@ import bpy
 import numpy as np
 from bpy.types import ID, Depsgraph, Mesh, Modifier, Object
 
-from ...compat import read_cloud, read_lattice, read_positions, remove_data
+from ...compat import (
+    read_cloud,
+    read_edges,
+    read_lattice,
+    read_positions,
+    read_triangles,
+    remove_data,
+    write_positions,
+)
 from ...core.errors import MeshError
 from ...core.point_types import LATTICE, MESH, point_type_with_id
 from ...ids import Datablocks, Keys
 from ...mesh_io import same_topology, weights_attribute
 from ...properties import SinewDeformer
 from ..memory import sessions
-from . import control_points, lattice_keys, shapes, targets, vertex_groups
+from . import control_points, lattice_keys, node_group, render_settings, shapes, targets, vertex_groups
+from .carried import Riders, Surface
 
 
 @contextmanager
@@ -163,7 +172,7 @@ def rest_meshes(
     ``entered``: the rest mesh for viewports, if ``rest_mesh`` has just made it. It is returned, and stays
     the caller's if the one for renders is refused.
     """
-    if entered is not None and not _differs_in_renders(obj, list(obj.modifiers)[: position(obj, deformer)]):
+    if entered is not None and not differs_in_renders(obj, deformer):
         return entered, None
     return _made(_rest_meshes_of([(obj, deformer)], [entered])[0])
 
@@ -191,16 +200,17 @@ def _rest_meshes_of(
     """For each what ``rest_meshes`` makes, or its error."""
     with _stand_ins((obj, position(obj, deformer)) for obj, deformer in wanted) as copies:
         shown = [mesh for mesh in entered if mesh is not None] or _rest_meshes(wanted, copies)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        evaluated = [copy.evaluated_get(depsgraph) for copy in copies]
         differing = [
             i
-            for i, copy in enumerate(copies)
+            for i, copy in enumerate(evaluated)
             if isinstance(shown[i], Mesh) and _differs_in_renders(copy, copy.modifiers)
         ]
         rendered: dict[int, Mesh | MeshError] = {}
         if differing:
             others = [copies[i] for i in differing]
-            with _as_rendered(others):
-                made = _rest_meshes([wanted[i] for i in differing], others)
+            made = _rendered_meshes([wanted[i] for i in differing], others, [shown[i] for i in differing])
             rendered = dict(zip(differing, made, strict=True))
     return [_paired(mesh, rendered.get(i), entered[i] is None) for i, mesh in enumerate(shown)]
 
@@ -233,51 +243,89 @@ def _same_point_type(shown: Mesh, rendered: Mesh) -> bool:
     return shown.get(Keys.REST_POINT_TYPE) == rendered.get(Keys.REST_POINT_TYPE)
 
 
-def _with_levels(modifiers: Iterable[Modifier]) -> list[Modifier]:
-    """Those that subdivide, with one level for viewports and another for renders."""
-    return [modifier for modifier in modifiers if hasattr(modifier, "render_levels")]
+def differs_in_renders(obj: Object, deformer: SinewDeformer) -> bool:
+    """Whether other vertices may enter the deformer in renders."""
+    return _differs_in_renders(obj, list(obj.modifiers)[: position(obj, deformer)])
+
+
+def render_signature(obj: Object, deformer: SinewDeformer) -> tuple:
+    """The settings that decide what enters the deformer in renders alone. For comparison."""
+    if targets.is_lattice(obj):
+        return ()
+    return render_settings.signature(obj, list(obj.modifiers)[: position(obj, deformer)])
 
 
 def _differs_in_renders(obj: Object, modifiers: Sequence[Modifier]) -> bool:
     """Whether other vertices may come out of these modifiers of an object in renders."""
     if targets.is_lattice(obj):  # its deformers come before all modifiers
         return False
-    if targets.render_resolution(obj.data):
-        return True
-    render = bpy.context.scene.render
-    simplified = render.use_simplify and render.simplify_subdivision != render.simplify_subdivision_render
-    return any(modifier.show_viewport != modifier.show_render for modifier in modifiers) or any(
-        simplified or modifier.levels != modifier.render_levels for modifier in _with_levels(modifiers)
-    )
+    return render_settings.differ(obj, modifiers)
 
 
-@contextmanager
-def _as_rendered(copies: Sequence[Object]) -> Iterator[None]:
-    """For a while, the modifiers of the copies do in viewports what they do in renders."""
-    render = bpy.context.scene.render
-    simplify = render.use_simplify
-    replaced: list[tuple[Object, ID]] = []
-    for copy in copies:
-        data = copy.data
-        if targets.render_resolution(data):
-            copy.data = data.copy()
-            copy.data.resolution_u = targets.render_resolution(data)
-            replaced.append((copy, data))
+def _rendered_meshes(
+    wanted: Wanted, copies: Sequence[Object], shown: Sequence[Mesh]
+) -> list[Mesh | MeshError]:
+    """The rest meshes for renders of copies, or why there is none.
+
+    Deformers before ours show other vertices in renders, but not here. So they are switched off, and what
+    they have made of the mesh for viewports, which is ``shown``, carries the one for renders along.
+    """
+    ours = [modifier for copy in copies for modifier in copy.modifiers if node_group.is_ours(modifier)]
+    for modifier in ours:
+        modifier.show_viewport = modifier.show_render = False
+    before: Sequence[Mesh | MeshError] = _rest_meshes(wanted, copies) if ours else shown
+    with render_settings.applied(copies):
+        made = _rest_meshes(wanted, copies)
+    for plain, rendered, mesh in zip(before, made, shown, strict=True):
+        if isinstance(plain, Mesh) and isinstance(rendered, Mesh) and plain != mesh:
+            write_positions(rendered, carried(rendered, plain, read_positions(mesh)))
+    if ours:
+        bpy.data.batch_remove([mesh for mesh in before if isinstance(mesh, Mesh)])
+    return made
+
+
+def carried(mesh: Mesh, beside: Mesh, places: np.ndarray) -> np.ndarray:
+    """Where the vertices of a mesh are, float32 (k, 3), if those of the one ``beside`` it are at ``places``.
+
+    ``places`` are (n, 3). Both meshes are of the same shape, such as those for viewports and for renders.
+    """
+    before = read_positions(beside)
+    if before.shape != places.shape or np.array_equal(before, places):
+        return read_positions(mesh)
+    return _riders(mesh, beside).at(places).astype(np.float32)
+
+
+def _riders(mesh: Mesh, beside: Mesh) -> Riders:
+    """The vertices of a mesh on the surface of one ``beside`` it."""
+    places, points = (np.nan_to_num(read_positions(each).astype(np.float64)) for each in (beside, mesh))
+    return Riders(points, Surface(places, read_triangles(beside), read_edges(beside)))
+
+
+def viewport_points(obj: Object) -> Riders | None:
+    """The points that viewports show of an object, on what renders show of it; None if that is the same.
+
+    Deformers are left out: their shapes for viewports do not fit what renders show.
+    """
+    if not render_settings.differ(obj, obj.modifiers):
+        return None
+    with _stand_ins([(obj, len(obj.modifiers))]) as (copy,):
         for modifier in copy.modifiers:
-            modifier.show_viewport = modifier.show_render
-        for modifier in _with_levels(copy.modifiers):
-            most = render.simplify_subdivision_render if simplify else modifier.render_levels
-            modifier.levels = min(modifier.render_levels, most)
-    if simplify:
-        render.use_simplify = False
-    try:
-        yield
-    finally:
-        if simplify:
-            render.use_simplify = True
-        for copy, data in replaced:
-            own_data, copy.data = copy.data, data
-            remove_data((own_data,))
+            if node_group.is_ours(modifier):
+                modifier.show_viewport = modifier.show_render = False
+        shown = _new_mesh(copy)
+        with render_settings.applied([copy]):
+            rendered = _new_mesh(copy)
+    same = same_topology(shown, rendered)
+    found = None if same or not len(rendered.vertices) else _riders(shown, rendered)
+    bpy.data.batch_remove([shown, rendered])
+    return found
+
+
+def _new_mesh(obj: Object) -> Mesh:
+    """What an object is as a mesh now, as ``points_shown`` reads it."""
+    bpy.context.view_layer.update()
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    return bpy.data.meshes.new_from_object(obj.evaluated_get(depsgraph), depsgraph=depsgraph)
 
 
 def position(obj: Object, deformer: SinewDeformer | None) -> int:

@@ -52,6 +52,12 @@ def read(settings: SinewDeformer, mesh: Mesh) -> RestShape:
     return rest.moved(matrix(settings), token(settings, mesh)) if settings.has_applied else rest
 
 
+def put_back(settings: SinewDeformer, mesh: Mesh) -> None:
+    """Take a mesh in the object space of the target to the frame in which the rest shapes are stored."""
+    if settings.has_applied:
+        mesh.transform(Matrix(np.linalg.inv(matrix(settings)).tolist()))
+
+
 def absorb(deformer: SinewDeformer) -> None:
     """Store the rest shapes of controls in the object space of the target; its own must be stored next.
 

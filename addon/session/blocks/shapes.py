@@ -250,7 +250,7 @@ def render_as_shown(deformer: SinewDeformer, scene: Scene | None = None) -> bool
     if shown is None or rendered is None or is_linked(rendered):
         return True
     source, mesh = shown.data, rendered.data
-    if deformer.renders_differ or len(source.vertices) != len(mesh.vertices):
+    if deformer.renders_differ or deformer.topology_changed or len(source.vertices) != len(mesh.vertices):
         return False
     session = sessions.open_session(deformer.uid)
     if scene is None:
@@ -301,6 +301,11 @@ def hold_rest(deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]) -> None
     """
     shown, rendered = meshes
     deformer.rest = put_mesh(deformer.rest, shown)
+    hold_rendered_rest(deformer, rendered)
+
+
+def hold_rendered_rest(deformer: SinewDeformer, rendered: Mesh | None) -> None:
+    """Store the rest mesh for renders, which is used up; None if it is the one for viewports."""
     deformer.rest_render = put_mesh(deformer.rest_render, rendered or bpy.data.meshes.new(Datablocks.REST))
 
 

@@ -9,7 +9,7 @@ lattice has points, which shape keys show (``lattice_keys``).
 from collections.abc import Sequence
 
 import numpy as np
-from bpy.types import ID, Curve, Object, Spline
+from bpy.types import Curve, Object, Spline
 
 from ...compat import read_key, read_lattice, write_lattice, write_positions
 from ...core.errors import OptionError, SinewError
@@ -176,11 +176,6 @@ def structure(obj: Object) -> str:
     if is_lattice(obj):
         return f"{data.points_u} {data.points_v} {data.points_w}"
     return f"{len(getattr(data, 'curves', ()))} {size(obj)}"
-
-
-def render_resolution(data: ID) -> int:
-    """Steps per segment of a curve or text in renders, which may differ from viewports; 0 for other data."""
-    return getattr(data, "render_resolution_u", 0)
 
 
 def require_method(obj: Object, method: Method) -> None:

@@ -106,7 +106,17 @@ class ObjectKind:
         control = self.row(deformer).object
         if control is None or control.type != self.TYPE:
             return None
-        return placement.read_place(control, depsgraph, read_points=self.read_points)
+        return placement.read_place(
+            control, depsgraph, read_points=self.read_points, expected=self.expected(self.row(deformer))
+        )
+
+    def expected(self, row: Row) -> int:
+        """How many points the object of a row had at bind."""
+        return -1 if row.rest is None else self.point_count(row.rest)
+
+    def point_count(self, rest: Mesh) -> int:
+        """How many points an object with this rest mesh had at bind."""
+        return len(rest.vertices)
 
     def pose(self, evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
         """The points (c, 3) in the frame of the target; without the object the last known ones."""

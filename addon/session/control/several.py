@@ -67,10 +67,6 @@ class SeveralKind(ObjectKind):
         """What is wrong with the points (c, 3) of an object at rest; empty if nothing is."""
         return ""
 
-    def point_count(self, rest: Mesh) -> int:
-        """How many points the object of a row had at bind."""
-        return len(rest.vertices)
-
     def is_set(self, settings: SinewDeformer) -> bool:
         return bool(self.used(settings))
 
@@ -135,7 +131,9 @@ class SeveralKind(ObjectKind):
         control = row.object
         if control is None or (self.TYPES and control.type not in self.TYPES):
             return None
-        return placement.read_place(control, depsgraph, read_points=self.read_points)
+        return placement.read_place(
+            control, depsgraph, read_points=self.read_points, expected=self.expected(row)
+        )
 
     def pose(self, evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
         """The points of all rows; of a lost object the last known ones."""

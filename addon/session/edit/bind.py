@@ -54,6 +54,8 @@ def bind(
                 keys.turn_with_rest(deformer, _bound(deformer), read_positions(meshes[0]))
                 shapes.hold_rest(deformer, meshes)
                 deformer.topology_changed = False
+                sessions.open_session(deformer.uid).render_settings = capture.render_signature(obj, deformer)
+                status.put_render(deformer.uid, "")
                 kind.set_rest(obj, deformer, renew)
                 shapes.ensure(obj, deformer, *sizes)
                 kinds.keep_evaluated(obj)

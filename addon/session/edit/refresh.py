@@ -10,12 +10,14 @@ import bpy
 import numpy as np
 from bpy.types import Mesh, Object
 
+from ...compat import read_positions, write_positions
 from ...core.errors import SinewError
 from ...ids import Keys
 from ...mesh_io import group_names, keep_lost_groups, keep_shape, read_rest, same_topology
 from ...properties import SinewDeformer
-from ..blocks import capture, shapes, vertex_groups
-from ..control import kinds
+from ..blocks import capture, libraries, rest_frame, shapes, targets, vertex_groups
+from ..blocks.owners import owners
+from ..control import kinds, placement
 from ..memory import sessions
 from . import bind
 
@@ -40,6 +42,41 @@ def refresh() -> bool:
     return changed
 
 
+def bind_renders() -> None:
+    """Do all deferred edits, and bind renders for the vertices that enter in them. Main thread only."""
+    look_at_renders()
+    if refresh():
+        bpy.context.view_layer.update()
+
+
+def look_at_renders() -> None:
+    """Note the objects whose settings for renders have changed since they were last looked at.
+
+    Blender calls nobody then, as no viewport changes.
+    """
+    for obj in owners():
+        if obj.library is not None:
+            continue
+        for deformer in obj.sinew.deformers:
+            if not _is_compared(deformer):
+                continue
+            for link in kinds.kind_in_use(deformer).links(deformer):
+                if link.by_shape and not libraries.is_lost(link.object):
+                    placement.look_at_renders(link.object)
+            session, now = sessions.open_session(deformer.uid), capture.render_signature(obj, deformer)
+            last, session.render_settings = session.render_settings, now
+            if last is None:  # since the file was opened
+                changed = deformer.renders_differ or capture.differs_in_renders(obj, deformer)
+            else:
+                changed = last != now
+            if changed:
+                sessions.note_count(obj.name)
+
+
+def _is_compared(deformer: SinewDeformer) -> bool:
+    return deformer.is_bound and not deformer.bake.is_baked and not shapes.is_linked(deformer.proxy)
+
+
 def _is_busy(obj: Object) -> bool:
     rebinding = [deformer for deformer in obj.sinew.deformers if deformer.auto_rebind]
     links = [link for deformer in rebinding for link in kinds.kind_in_use(deformer).links(deformer)]
@@ -51,9 +88,11 @@ def _is_busy(obj: Object) -> bool:
 def _look_at(edited: list[Object]) -> bool:
     """Compare what enters the deformers of objects now with what entered at bind."""
     compared, changed = [], False
+    if edited:
+        bpy.context.view_layer.update()  # in a render of another frame, settings that are keyed are behind
     for obj in edited:
         for deformer in obj.sinew.deformers:
-            if not deformer.is_bound or deformer.bake.is_baked or shapes.is_linked(deformer.proxy):
+            if not _is_compared(deformer):
                 continue
             kind = kinds.kind_in_use(deformer)
             depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -65,6 +104,7 @@ def _look_at(edited: list[Object]) -> bool:
                 vertex_groups.follow_renamed_groups(obj, deformer)
                 compared.append((obj, deformer))
     for (obj, deformer), meshes in zip(compared, capture.all_rest_meshes(compared), strict=True):
+        sessions.open_session(deformer.uid).render_settings = capture.render_signature(obj, deformer)
         if not isinstance(meshes, SinewError):  # without vertices: the evaluation shows the error
             changed |= _take(obj, deformer, meshes)
     return changed
@@ -73,42 +113,58 @@ def _look_at(edited: list[Object]) -> bool:
 def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]) -> bool:
     """Use the painted weights of meshes that enter now, or note their topology, if it is another one.
 
-    Vertex groups that were deleted count as they were until the next bind, which leaves them out. Returns
-    whether there is anything to solve again. The meshes are used up.
+    Vertex groups that were deleted count as they were until the next bind, which leaves them out. Renders
+    are bound for the vertices that enter there, whatever enters in the viewport. Returns whether there is
+    anything to solve again. The meshes are used up.
     """
-    held = (deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER") if deformer.renders_differ else None)
-    if not same_topology(held[0], meshes[0]):
+    held, held_in_renders = deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER")
+    shown, rendered = meshes
+    if not same_topology(held, shown):
+        changed = _change_topology(obj, deformer)
+        if deformer.topology_changed:
+            changed |= _hold_rendered(obj, deformer, shown if rendered is None else rendered)
         _discard(meshes)
-        _change_topology(obj, deformer)
-        return True
-    fits = _fits(held[1], meshes[1])
-    pairs = [(old, new) for old, new in zip(held, meshes if fits else meshes[:1]) if old is not None]
+        return changed
+    was_stale, deformer.topology_changed = deformer.topology_changed, False
+    fits = same_topology(held_in_renders, shown if rendered is None else rendered)
+    pairs = [(held, shown)]
+    if rendered is not None and fits:
+        pairs.append((held_in_renders, rendered))
     for old, new in pairs:
         keep_lost_groups(new, old, vertex_groups.groups_in_use(deformer))
-    same = fits and all(_same_weights(old, new, deformer) for old, new in pairs)
-    is_known = all(group_names(old) == group_names(new) for old, new in pairs)
-    changed = not same or deformer.topology_changed
-    if not changed and is_known:
+    same = [_same_weights(old, new, deformer) for old, new in pairs]
+    changed = was_stale or not fits or not all(same)
+    if fits and all(same) and all(group_names(old) == group_names(new) for old, new in pairs):
         _discard(meshes)
-        return False
-    for old, new in pairs:
-        keep_shape(new, old)
-        if same:
-            new[Keys.REST_TOKEN] = old.get(Keys.REST_TOKEN, "")  # no factor depends on what has changed
-    sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
-    shapes.hold_rest(deformer, meshes)
-    shapes.ensure(obj, deformer, *sizes)
-    deformer.topology_changed = False
+    else:
+        if rendered is not None and not fits:
+            write_positions(rendered, capture.carried(rendered, shown, read_positions(held)))
+        for (old, new), is_same in zip(pairs, same, strict=True):
+            keep_shape(new, old)
+            if is_same:
+                new[Keys.REST_TOKEN] = old.get(Keys.REST_TOKEN, "")  # no factor depends on what has changed
+        sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
+        shapes.hold_rest(deformer, meshes)
+        shapes.ensure(obj, deformer, *sizes)
     if changed:
         obj.update_tag(refresh={"OBJECT"})
     return changed
 
 
-def _fits(old: Mesh | None, new: Mesh | None) -> bool:
-    """Whether the rest mesh for renders still has the same vertices, or there still is none."""
-    if old is None or new is None:
-        return old is new
-    return same_topology(old, new)
+def _hold_rendered(obj: Object, deformer: SinewDeformer, rendered: Mesh) -> bool:
+    """Bind renders anew if other vertices enter there than at bind, while the viewport waits for a Rebind."""
+    if same_topology(deformer.rest_in("RENDER"), rendered):
+        return False
+    held = deformer.rest_in("VIEWPORT")
+    if targets.is_lattice(obj) or held.get(Keys.REST_POINT_TYPE) != rendered.get(Keys.REST_POINT_TYPE):
+        return False  # what shows the deformer shows such points only
+    mesh = None if same_topology(held, rendered) else rendered.copy()
+    if mesh is not None:
+        rest_frame.put_back(deformer, mesh)
+    shapes.hold_rendered_rest(deformer, mesh)
+    shapes.ensure(obj, deformer, len(held.vertices), len(deformer.rest_in("RENDER").vertices))
+    obj.update_tag(refresh={"OBJECT"})
+    return True
 
 
 def _same_weights(old: Mesh, new: Mesh, deformer: SinewDeformer) -> bool:
@@ -127,10 +183,14 @@ def _discard(meshes: tuple[Mesh | None, ...]) -> None:
             bpy.data.meshes.remove(mesh)
 
 
-def _change_topology(obj: Object, deformer: SinewDeformer) -> None:
+def _change_topology(obj: Object, deformer: SinewDeformer) -> bool:
+    """Bind anew, or note that other vertices enter; whether there is anything to solve again."""
     if deformer.auto_rebind:
         with suppress(SinewError):  # the panel says why
             bind.bind(obj, deformer, wait=False)
-    elif not deformer.topology_changed:
+        return True
+    changed = not deformer.topology_changed
+    if changed:
         deformer.topology_changed = True
         obj.update_tag(refresh={"OBJECT"})
+    return changed

@@ -59,7 +59,8 @@ def _first_that_differs(obj: Object) -> SinewDeformer | None:
         if modifier is not None and modifier.show_render and deformer.is_bound:
             by_modifier[modifier.name] = deformer
     if not any(
-        _is_ready(deformer) and (deformer.renders_differ or not obj.modifiers[name].show_viewport)
+        _is_ready(deformer)
+        and (deformer.renders_differ or deformer.topology_changed or not obj.modifiers[name].show_viewport)
         for name, deformer in by_modifier.items()
     ):
         return None

@@ -8,16 +8,15 @@ so nothing is kept from one evaluation to the next.
 
 import re
 from collections.abc import Iterable, Iterator
-from functools import cache
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from bpy.types import ID, Collection, Constraint, Driver, Modifier, NodeTree, Object, PoseBone
+from bpy.types import ID, Constraint, Driver, Modifier, Object, PoseBone
 from bpy.utils import unescape_identifier
 
-from ... import compat
 from ...ids import Keys
 from ...properties import deformers_of
 from ..blocks import node_group, references, targets
+from ..blocks.modifier_objects import objects_of
 from ..control import kinds
 
 PLACE = "PLACE"  # where an object is
@@ -169,15 +168,10 @@ class Relations:
                 followed.add((POSE, modifier.object))
             elif modifier.type == "NODES":
                 if not node_group.is_ours(modifier):
-                    followed.update((SHAPE, other) for other in _in_nodes(modifier))
+                    followed.update((SHAPE, other) for other in objects_of(modifier))
             else:
                 what = PLACE if modifier.type in _BY_PLACE else SHAPE
-                for name in _pointers(modifier.__class__):
-                    named = getattr(modifier, name)
-                    if isinstance(named, Collection):
-                        followed.update((what, other) for other in named.all_objects)
-                    else:
-                        followed.add((what, named))
+                followed.update((what, other) for other in objects_of(modifier))
                 bone, owner = getattr(modifier, "subtarget", ""), getattr(modifier, "object", None)
                 if bone and owner is not None and targets.has_bones(owner):
                     yield Part(POSE, owner, bone)
@@ -263,37 +257,6 @@ class _Bones:
         for moved, parts in self._chains:
             if not moved.isdisjoint(upwards):
                 yield from parts
-
-
-@cache
-def _pointers(kind: Any) -> tuple[str, ...]:
-    """The properties of a type of modifier that name an object or a collection."""
-    return tuple(
-        row.identifier
-        for row in kind.bl_rna.properties
-        if row.type == "POINTER" and row.fixed_type.identifier in ("Object", "Collection")
-    )
-
-
-def _in_nodes(modifier: Modifier) -> Iterator[Object]:
-    """The objects that the node group of a modifier uses, named in it or by its inputs."""
-    named = list(compat.modifier_inputs(modifier))
-    waiting, known = [modifier.node_group], set()
-    while waiting:
-        tree = waiting.pop()
-        if not isinstance(tree, NodeTree) or tree in known:
-            continue
-        known.add(tree)
-        for node in tree.nodes:
-            if node.type == "GROUP":
-                waiting.append(node.node_tree)
-            if node.type in ("GROUP", "OBJECT_INFO", "COLLECTION_INFO"):
-                named += [getattr(socket, "default_value", None) for socket in node.inputs]
-    for value in named:
-        if isinstance(value, Collection):
-            yield from value.all_objects
-        elif isinstance(value, Object):
-            yield value
 
 
 def _constraint(constraint: Constraint) -> Iterator[Part]:

@@ -47,7 +47,7 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
     changes, moved = Changes(depsgraph), []
     haste = Haste.DRAFT if draft else Haste.DRAG if preview else Haste.NONE
     for obj in found:
-        if edit and changes.has_edited_mesh(obj):
+        if edit and depsgraph.mode == "VIEWPORT" and changes.has_edited_mesh(obj):
             sessions.note_edit(obj.name)
         if sessions.is_suspended():
             sessions.note_missed(obj.name)
@@ -334,7 +334,7 @@ def _update_deformer(evaluation: Evaluation) -> Chain:
     wait = bpy.app.background or not evaluation.in_viewport
     if deformer.method not in BY_ID:
         raise OptionError("The method is unknown here - choose one in the menu")
-    if deformer.topology_changed:
+    if deformer.topology_changed and evaluation.in_viewport:  # renders are bound for their own vertices
         raise TopologyChangedError(incoming.TOPOLOGY_CHANGED)
     bound = binding.ensure(session, deformer, evaluation.settings, wait, mode=evaluation.mode)
     if bound is None:
@@ -348,6 +348,8 @@ def _update_deformer(evaluation: Evaluation) -> Chain:
         if not bound.handles:
             raise
         raise binding.with_names(error, deformer, bound) from error
+    if not evaluation.in_viewport:
+        status.put_render(deformer.uid, "")
     return incoming.after(evaluation)
 
 
@@ -358,10 +360,15 @@ def _refuse(evaluation: Evaluation, error: SinewError) -> Chain:
         status.fail(evaluation.deformer.uid, error)
     if evaluation.in_viewport:
         deformer = evaluation.deformer
-        if deformer.auto_rebind and kinds.kind_in_use(deformer).is_stale(deformer, evaluation.depsgraph):
-            sessions.note_edit(evaluation.obj.name)
+        if deformer.auto_rebind and (
+            isinstance(error, TopologyChangedError)
+            or kinds.kind_in_use(deformer).is_stale(deformer, evaluation.depsgraph)
+        ):
+            sessions.note_count(evaluation.obj.name)
     else:
-        evaluation.note(f"In the render: {error}")
+        status.put_render(evaluation.deformer.uid, f"In the render: {error}")
+        if isinstance(error, TopologyChangedError):
+            sessions.note_count(evaluation.obj.name)
     if isinstance(error, BackendMissingError):
         renders.show_viewport_shape(evaluation)
         return incoming.after(evaluation)  # the last solution stays

@@ -79,6 +79,7 @@ class Session:
     shown: dict[str, Shown] = field(default_factory=dict)
     poses: dict[str, np.ndarray] = field(default_factory=dict)
     asked: Asked | None = None  # by the last evaluation for viewports
+    render_settings: tuple | None = None  # those that decide what enters in renders, when last looked at
     settle: bool = False  # a preview is shown, and the next evaluation is to solve exactly
     work: Work | None = None  # a solve in a thread; its subject is a ``Question``
     unanswered: Work | None = None  # the last solve in a thread that failed: it is not repeated
@@ -119,6 +120,7 @@ _sessions: dict[str, Session] = remember({})
 _RENDER = " in renders"
 _last_updates: dict[str, LastUpdate] = remember({})  # by object
 _edited: set[str] = remember(set())
+_urgent: set[str] = remember(set())
 _missed: set[str] = remember(set())
 _suspended = 0
 _evaluates = False  # whether the scene is to be evaluated while the handlers still do nothing
@@ -166,6 +168,17 @@ def note_edit(name: str) -> None:
     _edited.add(name)
 
 
+def note_count(name: str) -> None:
+    """Note that other vertices enter an object in this evaluation than at bind, and that this cannot wait."""
+    _edited.add(name)
+    _urgent.add(name)
+
+
+def has_counts() -> bool:
+    """Whether ``note_count`` was called since the edits were taken."""
+    return bool(_urgent)
+
+
 def forget_edit(name: str) -> None:
     """Note that the mesh of an object was compared with its rest mesh just now."""
     _edited.discard(name)
@@ -175,6 +188,7 @@ def take_edited() -> list[str]:
     """The names of the objects that were edited since the last call."""
     names = sorted(_edited)
     _edited.clear()
+    _urgent.clear()
     return names
 
 

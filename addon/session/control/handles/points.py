@@ -53,7 +53,8 @@ def place_of(settings: SinewDeformer, handle: SinewHandle, depsgraph: Depsgraph)
     if control is None or not are_apart(settings, handle):
         return read_place(control, depsgraph, bone)
     if not bone:
-        return read_place(control, depsgraph, read_points=points_shown)
+        expected = -1 if handle.rest is None else len(handle.rest.vertices)
+        return read_place(control, depsgraph, read_points=points_shown, expected=expected)
     posed = None if control.pose is None else control.evaluated_get(depsgraph).pose.bones.get(bone)
     return None if posed is None else read_place(control, depsgraph, read_points=partial(_ends, bone))
 

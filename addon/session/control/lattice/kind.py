@@ -91,7 +91,9 @@ class LatticeKind(ObjectKind):
         control = self.row(deformer).object
         if control is None or control.type not in self.TYPES:
             return None
-        return placement.read_place(control, depsgraph, read_points=self.read_points)
+        return placement.read_place(
+            control, depsgraph, read_points=self.read_points, expected=self.expected(self.row(deformer))
+        )
 
     def read_points(self, control: Object, depsgraph: Depsgraph) -> np.ndarray:
         if control.type == "MESH":
