@@ -138,6 +138,8 @@ def by_stroke() -> Iterator[None]:
     rows = head().sinew.active.controls
     wire = rows[-1].object
     seen["stroke"] = [len(rows) - count, len(wire.data.splines[0].bezier_points)]
+    drawn = np.linalg.norm(np.diff(np.array(BROW), axis=0), axis=1).sum()
+    seen["stroke reaches"] = rows[-1].radius / drawn
     seen["stroke rests"] = apart(shown_points(head()), before)
     yield from rest(2)
     screenshot("wire-5-drawn")
@@ -181,6 +183,7 @@ def by_field() -> Iterator[None]:
     after = shown_points(head())
     row = head().sinew.active.controls[0]
     seen["field"] = [len(row.rest.vertices) // 4 - 1, apart(after, before), head().sinew.active.status]
+    seen["field reaches"] = row.outer / np.ptp(before, axis=0).max()
     yield from rest(2)
     screenshot("field-3-kept")
     row.progress = 0.5

@@ -25,6 +25,7 @@ def test_edges_become_a_wire_that_g_moves_and_undo_puts_back(seen: dict):
 def test_a_stroke_on_the_surface_becomes_a_wire_that_is_posed_in_its_edit_mode(seen: dict):
     rows, points = seen["stroke"]
     assert (rows, points) == (1, 6)
+    assert 0.3 < seen["stroke reaches"] < 0.5  # of its length on the screen; on the surface it is longer
     assert seen["stroke rests"] < FLOAT32
     assert seen["stroke moved"] > 0.05
 
@@ -32,6 +33,7 @@ def test_a_stroke_on_the_surface_becomes_a_wire_that_is_posed_in_its_edit_mode(s
 def test_a_drag_stores_its_path(seen: dict):
     stops, moved, status = seen["field"]
     assert stops >= 3
+    assert seen["field reaches"] == pytest.approx(1.0 / 3.0 / 1.1, rel=0.03)  # a click of the wheel smaller
     assert moved > 0.5
     assert "1 tool" in status
     from_rest, from_end = seen["half way"]
