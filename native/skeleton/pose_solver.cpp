@@ -11,9 +11,9 @@ namespace sinew {
 
 namespace {
 
-constexpr double stiff_first[] = {1e-1, 1e-2,
-                                  1e-3}; ///< the weights of `rest` on the way to the one asked for
-constexpr double roughly = 1e-2;                     ///< the tolerance on the way
+/// The weights of `rest` on the way to the one asked for.
+constexpr double stiff_first[] = {3e-2, 5e-3, 1e-3};
+constexpr double roughly = 1e-2; ///< the tolerance on the way
 
 } // namespace
 
