@@ -48,16 +48,11 @@ class RestShape:
 
     def moved(self, matrix: np.ndarray, token: str) -> "RestShape":
         """The shape moved by an affine ``matrix`` (4, 4). Faces point to the same side after a reflection."""
-        corners = self.corners
-        if np.linalg.det(matrix[:3, :3]) < 0.0:
-            last = np.repeat(np.cumsum(self.counts), self.counts) - 1
-            first = last + 1 - np.repeat(self.counts, self.counts)
-            corners = corners[first + last - np.arange(len(corners))]
         return replace(
             self,
             token=token,
             points=frames.transformed(matrix, self.points),
-            corners=corners,
+            corners=frames.corners_after(matrix, self.counts, self.corners),
             frame=matrix @ self.frame,
         )
 

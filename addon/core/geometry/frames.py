@@ -114,6 +114,17 @@ def transformed(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
     return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
+def corners_after(matrix: np.ndarray, counts: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """The corners of faces whose points an affine ``matrix`` moves; ``counts`` (m,), ``corners`` (sum of
+    counts,). A reflection turns them, so that the faces point to the same side.
+    """
+    if np.linalg.det(matrix[:3, :3]) >= 0.0:
+        return corners
+    last = np.repeat(np.cumsum(counts), counts) - 1
+    first = last + 1 - np.repeat(counts, counts)
+    return corners[first + last - np.arange(len(corners))]
+
+
 def in_world(world: np.ndarray, frame: np.ndarray) -> np.ndarray:
     """A rigid frame of object space as a rigid frame of the world, (4, 4).
 

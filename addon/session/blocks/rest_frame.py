@@ -52,6 +52,13 @@ def read(settings: SinewDeformer, mesh: Mesh) -> RestShape:
     return rest.moved(matrix(settings), token(settings, mesh)) if settings.has_applied else rest
 
 
+def transform(mesh: Mesh, by: np.ndarray) -> None:
+    """Move a rest mesh by an affine map (4, 4). Its faces point to the same side after a reflection."""
+    mesh.transform(Matrix(by.tolist()))
+    if np.linalg.det(by) < 0.0:
+        mesh.flip_normals()
+
+
 def absorb(deformer: SinewDeformer) -> None:
     """Store the rest shapes of controls in the object space of the target; its own must be stored next.
 
@@ -66,9 +73,7 @@ def absorb(deformer: SinewDeformer) -> None:
     for row in (*deformer.all_controls, *deformer.handles):
         if row.rest is not None:
             mesh = row.rest.copy()
-            mesh.transform(Matrix(frame.tolist()))
-            if np.linalg.det(frame) < 0.0:
-                mesh.flip_normals()
+            transform(mesh, frame)
             mesh[Keys.REST_TOKEN] = shapes.new_key()
             row.rest = shapes.put_mesh(row.rest, mesh)
     forget(deformer)
