@@ -12,7 +12,7 @@ from mathutils import Matrix
 
 from ...core.errors import SinewError
 from ..memory import sessions
-from .cages import follow
+from .around import follow
 
 _RESOLUTION = 16  # places per segment of a Bezier curve: a wire is as smooth as these are near
 
