@@ -13,6 +13,8 @@ class Operators:
     CAGE_REST = "sinew.cage_set_rest"
     CAGE_FACES = "sinew.cage_faces"
     CAGE_FLIP = "sinew.cage_flip"
+    CAGE_OUTSIDE = "sinew.cage_outside_follow"
+    SETTINGS_SHARE = "sinew.settings_share"
     LATTICE_ADD = "sinew.lattice_add"
     LATTICE_REST = "sinew.lattice_set_rest"
     WIRE_ADD = "sinew.wire_add"

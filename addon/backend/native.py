@@ -19,6 +19,7 @@ from ..core.errors import (
     MeshError,
     OptionError,
     OutOfMemoryError,
+    OutsideError,
     SinewError,
     SolverError,
 )
@@ -33,6 +34,7 @@ _limits: dict[str, int] = {}  # the limits that are set, by the native function 
 _TRANSLATION = {
     "InvalidMesh": MeshError,
     "InvalidConstraint": ConstraintError,
+    "PointsOutside": OutsideError,
     "InvalidOption": OptionError,
     "FactorizationFailed": SolverError,
     "OutOfMemory": OutOfMemoryError,

@@ -48,6 +48,12 @@ class CageError(SinewError):
     """The cage cannot move the mesh."""
 
 
+class OutsideError(CageError):
+    """Points lie outside the cage, and the method cannot move them there. The elements are these points."""
+
+    remedy = status.Remedy.OUTSIDE
+
+
 class OptionError(SinewError):
     """A parameter is out of its range."""
 

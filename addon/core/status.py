@@ -31,6 +31,7 @@ class Remedy(Flag):
     PREFERENCES = auto()
     CAGE_REST = auto()
     FLIP_CAGE = auto()
+    OUTSIDE = auto()
     LATTICE_REST = auto()
     CONVERT = auto()
     NEW_CONTROL = auto()

@@ -47,20 +47,12 @@ class RestShape:
         return self.points.astype(np.float32)
 
     def moved(self, matrix: np.ndarray, token: str) -> "RestShape":
-        """The shape moved by an affine ``matrix`` (4, 4). Faces point to the same side after a reflection.
-
-        They begin at the same corner, so that polygons are cut into the same triangles.
-        """
-        corners = self.corners
-        if np.linalg.det(matrix[:3, :3]) < 0.0:
-            count = np.repeat(self.counts, self.counts)
-            first = np.repeat(np.cumsum(self.counts), self.counts) - count
-            corners = corners[first + (first - np.arange(len(corners))) % count]
+        """The shape moved by an affine ``matrix`` (4, 4). Faces point to the same side after a reflection."""
         return replace(
             self,
             token=token,
             points=frames.transformed(matrix, self.points),
-            corners=corners,
+            corners=frames.corners_after(matrix, self.counts, self.corners),
             frame=matrix @ self.frame,
         )
 

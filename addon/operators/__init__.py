@@ -7,7 +7,13 @@ from . import entering
 from .apply import SINEW_OT_apply
 from .bake import SINEW_OT_bake, SINEW_OT_unbake
 from .bind import SINEW_OT_bind, SINEW_OT_unbind
-from .cage import SINEW_OT_cage_add, SINEW_OT_cage_faces, SINEW_OT_cage_flip, SINEW_OT_cage_set_rest
+from .cage import (
+    SINEW_OT_cage_add,
+    SINEW_OT_cage_faces,
+    SINEW_OT_cage_flip,
+    SINEW_OT_cage_outside_follow,
+    SINEW_OT_cage_set_rest,
+)
 from .cancel import SINEW_OT_cancel, SINEW_OT_watch
 from .check import SINEW_OT_check_installation
 from .control import SINEW_OT_control_new
@@ -32,6 +38,7 @@ from .report_renders import SINEW_OT_report_renders
 from .rows import SINEW_OT_control_remove, SINEW_OT_control_set_rest
 from .select_distorted import SINEW_OT_select_distorted
 from .select_problems import SINEW_OT_select_problems
+from .sharing import SINEW_OT_settings_share
 from .silhouette_sketch import SINEW_OT_silhouette_sketch
 from .target import explain_no_target, target_of
 from .tool_drag import SINEW_OT_tool_drag
@@ -66,6 +73,8 @@ register, unregister = register_classes_factory(
         SINEW_OT_cage_set_rest,
         SINEW_OT_cage_flip,
         SINEW_OT_cage_faces,
+        SINEW_OT_cage_outside_follow,
+        SINEW_OT_settings_share,
         SINEW_OT_lattice_add,
         SINEW_OT_lattice_set_rest,
         SINEW_OT_wire_add,

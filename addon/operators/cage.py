@@ -12,7 +12,7 @@ from ..core.methods import DEFAULT_CAGE_METHOD
 from ..ids import Operators
 from ..properties import SinewDeformer, deformers_of
 from .reporting import reports_errors
-from .target import has_deformer, has_target, object_mode, show_control, target_of
+from .target import has_deformer, has_target, object_mode, selected_targets, show_control, target_of
 from .waiting import BindingOperator
 
 _FACES = {
@@ -34,7 +34,7 @@ class _MakesCage(BindingOperator):
     CANCELLED = ""  # what is said after Esc
 
     _work: session.Work | None = None
-    _target = ("", "")  # what the thread works for; another object or deformer may be active by now
+    _targets: tuple[tuple[str, str], ...] = ()  # what the thread works for; others may be active by now
 
     @classmethod
     def poll(cls, context: Context) -> bool:
@@ -53,17 +53,16 @@ class _MakesCage(BindingOperator):
 
     @reports_errors
     def _begin(self, context: Context) -> set[str]:
-        obj = target_of(context)
-        active = obj.sinew.active
-        self._target = obj.name, "" if active is None else active.uid
-        self._work = session.begin_cage(obj, self.maker(obj, active))
+        targets = self.targets(context)
+        self._targets = tuple((obj.name, "" if row is None else row.uid) for obj, row in targets)
+        self._work = session.begin_cage(targets[0][0], self.maker(targets))
         return self.stay(context)
 
     def look(self, context: Context, is_cancelled: bool) -> set[str]:
         work = self._work
         if work is None:
             return super().look(context, is_cancelled)
-        if is_cancelled or session.cage_work(self._target[0]) is not work:
+        if is_cancelled or session.cage_work(self._targets[0][0]) is not work:
             self.report({"WARNING"}, self.CANCELLED)
             return {"CANCELLED"}
         if not work.done:
@@ -83,21 +82,23 @@ class _MakesCage(BindingOperator):
 
     def _forget_work(self) -> None:
         """Stop the thread, if it still works, and let another cage be made."""
-        if self._work is not None and session.cage_work(self._target[0]) is self._work:
-            session.drop_cage(self._target[0])
+        if self._work is not None and session.cage_work(self._targets[0][0]) is self._work:
+            session.drop_cage(self._targets[0][0])
         self._work = None
 
-    def subject(self, context: Context) -> tuple[Object, SinewDeformer | None]:
-        """The object that gets the cage, and its deformer that was active when this began."""
-        (name, uid), self._target = self._target, ("", "")
-        if not name:
-            obj = target_of(context)
-            return obj, obj.sinew.active
-        obj = context.scene.objects.get(name)
-        rows = [] if obj is None else [row for row in deformers_of(obj) if row.uid == uid]
-        if obj is None or (uid and not rows):
-            raise SinewError(f"{name} or its deformer is gone - {self.CANCELLED.lower()}")
-        return obj, rows[0] if rows else None
+    def subjects(self, context: Context) -> list[session.Target]:
+        """The objects that get the cage, the active one first, with the deformers when this began."""
+        chosen, self._targets = self._targets, ()
+        if not chosen:
+            return self.targets(context)
+        found: list[session.Target] = []
+        for name, uid in chosen:
+            obj = context.scene.objects.get(name)
+            rows = [] if obj is None else [row for row in deformers_of(obj) if row.uid == uid]
+            if obj is None or (uid and not rows):
+                raise SinewError(f"{name} or its deformer is gone - {self.CANCELLED.lower()}")
+            found.append((obj, rows[0] if rows else None))
+        return found
 
 
 class SINEW_OT_cage_add(_MakesCage, Operator):
@@ -161,28 +162,33 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
 
     @reports_errors
     def run(self, context: Context, wait: bool, shape: tuple | None = None) -> set[str]:
-        obj, active = self.subject(context)
-        more = ""
+        automatic, more = self.source == "AUTO", ""
+        targets = self.subjects(context)
+        obj = targets[0][0]
         with object_mode(context, obj):
-            if self.source == "OBJECT":
-                cage = self._chosen(context, obj)
-            else:
-                shape = shape or self.maker(obj, active)(None)
-                cage = session.add_cage_object(obj, shape)
+            if automatic:
+                shape = shape or self.maker(targets)(None)
+                cage = session.add_cage_object([obj for obj, _row in targets], shape)
                 more = shape[-1] and f", {shape[-1]}"
-            deformer, refusal = session.rig_control(
-                obj, cage, self.method, owned=self.source == "AUTO", wait=wait
+            else:
+                cage = self._chosen(context, obj)
+            bound = session.rig_controls(
+                [obj for obj, _row in targets], cage, self.method, owned=automatic, wait=wait
             )
             if obj == target_of(context):
                 show_only(context, obj, cage)
-        self.report_bind(refusal, deformer.uid, cage.name, more)
+        self.report_shared(bound, cage.name, more)
         return {"FINISHED"}
 
-    def maker(self, obj: Object, _active: SinewDeformer | None) -> Callable:
+    def targets(self, context: Context) -> list[session.Target]:
+        active = target_of(context)
+        objects = selected_targets(context, active) if self.source == "AUTO" else [active]
+        return [(obj, obj.sinew.active) for obj in objects]
+
+    def maker(self, targets: list[session.Target]) -> Callable:
         symmetry = "automatic" if self.symmetric else "none"
         return session.cage_maker(
-            obj,
-            session.waiting_for_control(obj, self.method),
+            [(obj, session.waiting_for_control(obj, self.method)) for obj, _row in targets],
             faces=self.faces,
             margin=self.margin,
             quads=self.quads,
@@ -202,14 +208,14 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         return others[0]
 
 
-def show_only(context: Context, obj: Object, cage: Object) -> None:
-    """Select a control alone, so that Tab edits it and G moves it. The panel still shows the mesh."""
-    if cage.name not in context.view_layer.objects:
+def show_only(context: Context, obj: Object, control: Object) -> None:
+    """Select a control alone, so that Tab edits it and G moves it. The panel still shows the object."""
+    if control.name not in context.view_layer.objects:
         return
     for other in context.selected_objects:
         other.select_set(False)
-    cage.select_set(True)
-    show_control(context, obj, cage)
+    control.select_set(True)
+    show_control(context, obj, control)
 
 
 def _has_cage(operator: type, context: Context) -> bool:
@@ -233,9 +239,10 @@ class _CageOperator(BindingOperator):
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        self.change(obj, deformer)
+        others = self.change(obj, deformer)
         session.bind(obj, deformer, wait)
-        self.report_state(deformer.uid)
+        bound = [(deformer, None), *((row, session.try_bind(other, row, wait)) for other, row in others)]
+        self.report_shared(bound, "")
         return {"FINISHED"}
 
 
@@ -249,8 +256,9 @@ class SINEW_OT_cage_set_rest(_CageOperator, Operator):
     bl_label = "Set Rest Cage"
     bl_options = {"REGISTER", "UNDO"}
 
-    def change(self, obj: Object, deformer: SinewDeformer) -> None:
+    def change(self, obj: Object, deformer: SinewDeformer) -> list[session.Target]:
         session.set_rest_cage(obj, deformer)
+        return []
 
 
 class SINEW_OT_cage_flip(_CageOperator, Operator):
@@ -260,8 +268,37 @@ class SINEW_OT_cage_flip(_CageOperator, Operator):
     bl_label = "Flip Cage"
     bl_options = {"REGISTER", "UNDO"}
 
-    def change(self, _obj: Object, deformer: SinewDeformer) -> None:
-        session.flip_cage(deformer)
+    def change(self, _obj: Object, deformer: SinewDeformer) -> list[session.Target]:
+        return session.flip_cage(deformer)
+
+
+class SINEW_OT_cage_outside_follow(BindingOperator, Operator):
+    """Let what lies outside the cage follow it, too.
+
+    Harmonic and Positive Mean Value set Outside to Mean Value; Green sets it to the nearest face
+    """
+
+    bl_idname = Operators.CAGE_OUTSIDE
+    bl_label = "Let Outside Follow"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not _has_cage(cls, context):
+            return False
+        if not session.refuses_outside(target_of(context).sinew.active):
+            cls.poll_message_set("What lies outside this cage follows already")
+            return False
+        return True
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        obj = target_of(context)
+        deformer = obj.sinew.active
+        session.let_outside_follow(deformer)
+        session.bind(obj, deformer, wait)
+        self.report_state(deformer.uid)
+        return {"FINISHED"}
 
 
 class SINEW_OT_cage_faces(_MakesCage, Operator):
@@ -287,7 +324,7 @@ class SINEW_OT_cage_faces(_MakesCage, Operator):
     @reports_errors
     def _ask(self, context: Context) -> set[str]:
         obj = target_of(context)
-        session.check_cage(obj, obj.sinew.active)
+        session.check_cage(obj.sinew.active)
         if not self.properties.is_property_set("faces"):
             self.faces = session.face_count(obj.sinew.active.cage)
         self._is_confirmed = True
@@ -298,20 +335,25 @@ class SINEW_OT_cage_faces(_MakesCage, Operator):
         if not self._is_confirmed:
             return super().execute(context)
         self._is_confirmed = False
-        obj = target_of(context)
-        return self.carry_out(context, session.check_cage(obj, obj.sinew.active)["margin"])
+        return self.carry_out(context, session.check_cage(target_of(context).sinew.active)["margin"])
 
     @reports_errors
     def run(self, context: Context, wait: bool, shape: tuple | None = None) -> set[str]:
-        obj, deformer = self.subject(context)
-        session.check_cage(obj, deformer)  # it may have been posed or edited meanwhile
-        shape = shape or self.maker(obj, deformer)(None)
+        targets = self.subjects(context)
+        obj, deformer = targets[0]
+        session.check_cage(deformer)  # it may have been posed or edited meanwhile
+        shape = shape or self.maker(targets)(None)
         session.change_cage(obj, deformer, shape)
-        refusal = session.try_bind(obj, deformer, wait)
-        more = f", {shape[-1]}" if shape[-1] else ""
-        self.report_bind(refusal, deformer.uid, deformer.cage.name, more)
+        bound = [(row, session.try_bind(target, row, wait)) for target, row in targets]
+        self.report_shared(bound, deformer.cage.name, shape[-1] and f", {shape[-1]}")
         return {"FINISHED"}
 
-    def maker(self, obj: Object, deformer: SinewDeformer) -> Callable:
-        options = session.check_cage(obj, deformer) | {"faces": self.faces}
-        return session.cage_maker(obj, deformer, **options)
+    def targets(self, context: Context) -> list[session.Target]:
+        obj = target_of(context)
+        deformer = obj.sinew.active
+        others = [pair for pair in session.moved_by(deformer.cage) if pair[1].uid != deformer.uid]
+        return [(obj, deformer), *others]
+
+    def maker(self, targets: list[session.Target]) -> Callable:
+        options = session.check_cage(targets[0][1]) | {"faces": self.faces}
+        return session.cage_maker(targets, **options)

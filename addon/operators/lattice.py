@@ -7,8 +7,9 @@ from bpy.types import Context, Object, Operator
 from .. import session
 from ..core.errors import SinewError
 from ..ids import Operators
+from .cage import show_only
 from .reporting import reports_errors
-from .target import has_deformer, has_target, object_mode, show_control, target_of
+from .target import has_deformer, has_target, object_mode, selected_targets, target_of
 from .waiting import BindingOperator
 
 _LATTICES = ("LATTICE", "MESH")
@@ -88,22 +89,15 @@ class SINEW_OT_lattice_add(BindingOperator, Operator):
             if self.source == "OBJECT":
                 lattice, targets = self._chosen(context, active), [active]
             else:
-                targets = _targets(context, active)
+                targets = selected_targets(context, active)
                 counts = tuple(self.resolution)
                 shape = session.LatticeShape(self.shape, counts, self.orientation, self.margin)
                 lattice = session.add_lattice_object(targets, shape)
-            bound = self._rig(targets, lattice, wait)
-            _show(context, active, lattice)
-        deformer, refusal = bound[0]
-        others = next((error for _deformer, error in bound[1:] if error is not None), None)
-        more = f", moves {len(targets)} objects" if len(targets) > 1 else ""
-        self.report_bind(refusal or others, deformer.uid, lattice.name, more)
+            method, owned = session.LATTICE_METHODS[0].id, self.source == "FIT"
+            bound = session.rig_controls(targets, lattice, method, owned=owned, wait=wait)
+            show_only(context, active, lattice)
+        self.report_shared(bound, lattice.name)
         return {"FINISHED"}
-
-    def _rig(self, targets: list[Object], lattice: Object, wait: bool) -> list:
-        method = session.LATTICE_METHODS[0].id
-        owned = self.source == "FIT"
-        return [session.rig_control(obj, lattice, method, owned=owned, wait=wait) for obj in targets]
 
     def _chosen(self, context: Context, active: Object) -> Object:
         if self.lattice:
@@ -116,29 +110,6 @@ class SINEW_OT_lattice_add(BindingOperator, Operator):
         if len(lattices) != 1 and len(others) != 1:
             raise SinewError("Select the lattice and then the object that it moves, which becomes active")
         return (lattices or others)[0]
-
-
-def _targets(context: Context, active: Object) -> list[Object]:
-    """The active object, then the other selected ones that can be moved and move nothing themselves."""
-    others = [
-        obj
-        for obj in context.selected_objects
-        if obj != active
-        and session.can_be_moved(obj)
-        and obj.library is None
-        and session.posed_by(obj) is None
-    ]
-    return [active, *others]
-
-
-def _show(context: Context, obj: Object, lattice: Object) -> None:
-    """Select the lattice, so that Tab edits it and G moves it. The panel still shows the object."""
-    if lattice.name not in context.view_layer.objects:
-        return
-    for other in context.selected_objects:
-        other.select_set(False)
-    lattice.select_set(True)
-    show_control(context, obj, lattice)
 
 
 class SINEW_OT_lattice_set_rest(BindingOperator, Operator):

@@ -11,9 +11,8 @@ from bpy.props import StringProperty
 from bpy.types import Context, Operator
 
 from ..core.errors import SinewError
-from ..core.methods import BY_ID, Curve, Pointer
+from ..core.methods import BY_ID
 from ..ids import Operators, Panels
-from ..properties import BASE
 from .reporting import reports_errors
 from .target import has_deformer, target_of
 
@@ -47,13 +46,8 @@ class SINEW_OT_preset_add(AddPresetBase, Operator):
     @property
     def preset_values(self) -> list[str]:
         """What the preset stores: all parameters with a plain value, also those of the base method."""
-        found = []
-        for method, _values in bpy.context.object.sinew.active.methods:
-            found += [f"deformer.{method.id}.{BASE}"] * bool(method.wraps)
-            for parameter in method.parameters:
-                if not isinstance(parameter, Curve | Pointer):
-                    found.append(f"deformer.{method.id}.{parameter.id}")
-        return found
+        parameters = bpy.context.object.sinew.active.plain_parameters
+        return [f"deformer.{method}.{name}" for method, name in parameters]
 
     def execute(self, context: Context) -> set[str]:
         with context.temp_override(object=target_of(context)):  # where a control is active

@@ -29,6 +29,19 @@ def target_of(context: Context) -> Object | None:
     return posed or (obj if can_be_moved else _posed_with(context, obj))
 
 
+def selected_targets(context: Context, active: Object) -> list[Object]:
+    """The active object, then the other selected ones that can be moved and move nothing themselves."""
+    others = [
+        obj
+        for obj in context.selected_objects
+        if obj != active
+        and session.can_be_moved(obj)
+        and obj.library is None
+        and session.posed_by(obj) is None
+    ]
+    return [active, *others]
+
+
 def show_control(context: Context, obj: Object, control: Object) -> None:
     """Make the control of an object active. If it moves others too, the panel stays with this object.
 

@@ -8,10 +8,14 @@ from .. import session
 from ..core import status
 from ..core.errors import SinewError
 from ..core.status import Level
+from ..properties import SinewDeformer
 from .modal.staying import StaysInWindow
 from .target import target_of
 
 _GOING_ON = {"RUNNING_MODAL", "PASS_THROUGH"}
+
+# Deformers, each with the reason if its bind was refused.
+Bound = list[tuple[SinewDeformer, SinewError | None]]
 
 
 class WaitsForBind(StaysInWindow):
@@ -96,6 +100,12 @@ class BindingOperator(WaitsForBind):
             self.report({"WARNING"}, str(refusal))
         else:
             self.report_state(uid, subject, more)
+
+    def report_shared(self, bound: Bound, subject: str, more: str = "") -> None:
+        """Report the same for several objects: the state of the first, or the first refusal."""
+        refusal = next((error for _deformer, error in bound if error is not None), None)
+        moves = f", moves {len(bound)} objects" if len(bound) > 1 else ""
+        self.report_bind(refusal, bound[0][0].uid, subject, moves + more)
 
 
 def redraw_panels() -> None:

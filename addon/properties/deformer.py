@@ -15,7 +15,16 @@ from bpy.props import (
 from bpy.types import Context, Mesh, Modifier, Object, PropertyGroup
 
 from ..core import status
-from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Control, Method, group_property
+from ..core.methods import (
+    BY_ID,
+    DEFAULT_METHOD,
+    METHODS,
+    Control,
+    Curve,
+    Method,
+    Pointer,
+    group_property,
+)
 from ..core.names import unique_name, without_number
 from ..ids import Keys
 from .bake import SinewBake
@@ -256,6 +265,17 @@ class SinewDeformer(PropertyGroup):
             return (own,)
         base = BY_ID[getattr(self.parameters, BASE)]
         return own, (base, getattr(self, base.id))
+
+    @property
+    def plain_parameters(self) -> list[tuple[str, str]]:
+        """The parameters in use with a plain value, each by the method and its own name."""
+        found = []
+        for method, _values in self.methods:
+            found += [(method.id, BASE)] * bool(method.wraps)
+            for parameter in method.parameters:
+                if not isinstance(parameter, Curve | Pointer):
+                    found.append((method.id, parameter.id))
+        return found
 
     @property
     def is_iterative(self) -> bool:

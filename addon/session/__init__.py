@@ -14,7 +14,8 @@ from .control.handles.points import takes_segments
 from .control.handles.sides import control_pairs
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
 from .edit.apply import apply
-from .edit.automatic import change_cage, check_cage, face_count, is_automatic
+from .edit.around import Target
+from .edit.automatic import change_cage, check_cage, face_count, is_automatic, moved_by
 from .edit.bind import bind, unbind
 from .edit.cages import (
     CAGE_METHODS,
@@ -45,6 +46,7 @@ from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
 from .edit.rigging import (
     rig_control,
+    rig_controls,
     rig_points,
     rig_region,
     takes_points,
@@ -65,6 +67,7 @@ from .edit.rows import (
 )
 from .edit.saving import store, store_shown
 from .edit.selection import group_from_selection, select_elements, select_group
+from .edit.sharing import let_outside_follow, refuses_outside, share_settings, sharing
 from .edit.upkeep import collect, has_pending, restore_shapes, separate_copies, tidy
 from .edit.wires import fitting_radius, wire_from_edges, wire_radius, wire_through
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
@@ -111,6 +114,7 @@ __all__ = (
     "ShownParts",
     "Sight",
     "Sketch",
+    "Target",
     "Work",
     "add_cage_object",
     "add_deformer",
@@ -175,6 +179,7 @@ __all__ = (
     "key_notes",
     "key_partners",
     "label",
+    "let_outside_follow",
     "look_at_renders",
     "lost_controls",
     "marks_regions",
@@ -185,6 +190,7 @@ __all__ = (
     "move_handle",
     "move_key",
     "move_partners",
+    "moved_by",
     "must_hand_over",
     "nearest_point",
     "new_control",
@@ -198,6 +204,7 @@ __all__ = (
     "points_shown",
     "posed_by",
     "refresh",
+    "refuses_outside",
     "remove_deformer",
     "remove_handle",
     "remove_key",
@@ -209,6 +216,7 @@ __all__ = (
     "reset_curve",
     "restore_shapes",
     "rig_control",
+    "rig_controls",
     "rig_points",
     "rig_puppet",
     "rig_region",
@@ -220,6 +228,8 @@ __all__ = (
     "set_rest_lattice",
     "set_rest_of",
     "settle",
+    "share_settings",
+    "sharing",
     "show_late",
     "shown_by",
     "shown_parts",

@@ -100,6 +100,7 @@ class SINEW_MT_deformer(Menu):
         layout.operator(Operators.APPLY, text="Apply as Shape Key", icon="SHAPEKEY_DATA").as_shape_key = True
         layout.operator(Operators.BAKE, icon="RENDER_ANIMATION")
         layout.operator(Operators.UNBAKE, icon="LOOP_BACK")
+        layout.operator(Operators.SETTINGS_SHARE, icon="DUPLICATE")
         layout.operator(Operators.TRANSFER, icon="MOD_MESHDEFORM")
         layout.operator(Operators.MORPH, icon="MOD_DATA_TRANSFER")
         layout.operator(Operators.GRID_NEW, icon="MESH_GRID")

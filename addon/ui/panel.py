@@ -152,6 +152,8 @@ def _draw_influence(layout: UILayout, obj: Object, deformer: SinewDeformer) -> N
     column.prop(deformer, "factor", slider=True)
     if session.is_mesh(obj) or session.is_lattice(obj):
         column.prop_search(deformer, "mask_group", obj, "vertex_groups")
+    if session.sharing(deformer):
+        layout.operator(Operators.SETTINGS_SHARE, icon="DUPLICATE")
 
 
 PANELS = (SINEW_PT_sinew, *keys.PANELS, *control.PANELS, SINEW_PT_advanced)

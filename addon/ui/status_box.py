@@ -47,6 +47,7 @@ REMEDIES: dict[Remedy, Button] = {
     Remedy.CAGE_REST: Button(Operators.CAGE_REST, "Set Rest Cage", "MESH_CUBE"),
     Remedy.LATTICE_REST: Button(Operators.LATTICE_REST, "Set Rest Lattice", "PIVOT_BOUNDBOX"),
     Remedy.FLIP_CAGE: Button(Operators.CAGE_FLIP, "Flip", "NORMALS_FACE"),
+    Remedy.OUTSIDE: Button(Operators.CAGE_OUTSIDE, "Follow", "MOD_MESHDEFORM"),
     Remedy.REPAIR: Button(Operators.REPAIR, "Repair", "TOOL_SETTINGS"),
     Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Part Regions", "NONE"),
     Remedy.NEW_CONTROL: Button(Operators.CONTROL_NEW, "New Control", "EMPTY_AXIS"),

@@ -6,6 +6,7 @@
 #include "native/core/parallel.h"
 #include "native/core/report.h"
 #include "native/core/simd/kernel_set.h"
+#include "native/space/weights/points_outside.h"
 
 #include <pybind11/stl.h>
 
@@ -75,6 +76,9 @@ void bind_core(py::module_& module)
     add<InvalidConstraint>(
         module, "InvalidConstraint",
         "Raised when handles, weights, poses or incoming points do not fit the mesh or each other.", base);
+    add<PointsOutside>(module, "PointsOutside",
+                       "Raised when points lie outside the control, where the method cannot move them.",
+                       module.attr("InvalidConstraint"));
     add<InvalidOption>(module, "InvalidOption", "Raised when an option is outside its documented range.",
                        base);
     add<FactorizationFailed>(

@@ -95,8 +95,8 @@ for the call that it belongs to, so there such a call raises ObjectInUse.)")
 points    (n, 3) rest points, in the frame of the cage.
 progress  None or callable(fraction, stage); returning False cancels.
 
-Raises InvalidConstraint (a point is not finite, or the method has no weights for it), OutOfMemory, ObjectInUse
-or Cancelled; the object then stays as it was.)")
+Raises InvalidConstraint (a point is not finite, or the method has no weights for it), PointsOutside, OutOfMemory,
+ObjectInUse or Cancelled; the object then stays as it was.)")
         .def("rebind", &rebind_space, py::arg("former"), py::arg("points"), py::arg("progress") = py::none(),
              R"(As bind(), taking over the weights of another object where they are the same -> CageReport.
 

@@ -177,7 +177,7 @@ OUTSIDE = np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 2]])
     ],
 )
 def test_points_outside_are_refused_and_named(coordinates: sn.SpaceMethod) -> None:
-    with pytest.raises(sn.InvalidConstraint, match="outside") as refusal:
+    with pytest.raises(sn.PointsOutside, match="outside") as refusal:
         coordinates.bind(OUTSIDE)
     assert (refusal.value.elements, refusal.value.element_kind) == ([1], "vertex")
 

@@ -27,6 +27,8 @@ from cages import (
 )
 from inside import BINDING
 from mathutils import Matrix
+from point_objects import poly
+from registry import WITH_CAGE
 from rig import (
     CORNERS,
     FLOAT32,
@@ -113,7 +115,7 @@ def test_a_hidden_cage_still_moves_it(caged: Caged):
 def test_a_subdivided_cage_is_a_cage():
     target, cage = ball(), box(size=3.0)
     cage.modifiers.new("Subdivision", "SUBSURF").levels = 1
-    assert "cage of 26" in surround(target, cage).status
+    assert "cage of 24 faces (26 vertices)" in surround(target, cage).status
     transform(cage, SHEAR)
     assert np.abs(evaluated_points(target) - apply_matrix(SHEAR, base_points(target))).max() < FLOAT32
 
@@ -126,7 +128,7 @@ def test_the_subdivision_of_the_panel_is_the_cages_own_modifier(caged: Caged):
     (smoother,) = cage.modifiers
     assert (smoother.type, smoother.levels, smoother.render_levels) == ("SUBSURF", 2, 2)
     set_rest(target)
-    assert "cage of 98" in deformer.status
+    assert "cage of 96 faces (98 vertices)" in deformer.status
     smoother.levels = 1
     assert deformer.cage_subdivision == 1
     deformer.cage_subdivision = 0
@@ -153,7 +155,7 @@ def test_a_cage_with_other_vertices_is_refused_or_taken_for_the_rest(room, caged
         assert deformer.status_level == "ERROR"
         assert "26 vertices, at bind it had 8" in deformer.status
         set_rest(target)
-    assert "cage of 26" in deformer.status
+    assert "cage of 24 faces (26 vertices)" in deformer.status
     assert_goes_on(target, cage)
 
 
@@ -211,18 +213,38 @@ def test_the_armature_before_it_still_counts():
     assert np.abs(posed - rest).max() > 0.1
 
 
-def test_points_outside_are_said_or_refused(room, caged: Caged):
-    target, cage = caged
-    target.data.vertices[3].co.z = 5.0
-    bpy.ops.sinew.bind()
-    deformer = target.sinew.active
-    (note,) = (line for line in room("core.status").notes(deformer.uid) if line.elements)
-    assert note.elements.indices == (3,)
-    deformer.method = "harmonic"
-    update()
-    assert deformer.status_level == "ERROR"
-    assert "3 lie outside" in deformer.status
-    deformer.harmonic.outside = "mean_value"
+@pytest.mark.parametrize("kind", ["mesh", "curve"])
+@pytest.mark.parametrize("method", WITH_CAGE)
+def test_points_outside_are_said_alike_by_all_methods_and_can_follow(room, method: str, kind: str):
+    """Mean Value and Green warn, the others refuse until a button lets them follow."""
+    status = room("core.status")
+    if kind == "mesh":
+        target, cage = ball(), box()
+        for index in (3, 5, 7):
+            target.data.vertices[index].co.z = 5.0
+    else:
+        target, cage = poly(), box(size=3.0)
+        for point in target.data.splines[0].points[1:4]:
+            point.co.z = 5.0
+    deformer = surround(target, cage, method)
+    if method == "green":
+        deformer.green.outside = "error"
+        update()
+    said = [
+        line for line in (status.current(deformer.uid), *status.notes(deformer.uid)) if "outside" in line.text
+    ]
+    points, outside = ("vertices", (3, 5, 7)) if kind == "mesh" else ("points", ())
+    assert len(said) == 1
+    assert said[0].text.startswith(f"3 {points} lie outside the cage")
+    assert said[0].elements.indices == outside
+    make_active(target)
+    if method == "mean_value":
+        assert said[0].level is status.Level.WARNING
+        assert not bpy.ops.sinew.cage_outside_follow.poll()
+    else:
+        assert (said[0].level, said[0].remedy) == (status.Level.ERROR, status.Remedy.OUTSIDE)
+        assert bpy.ops.sinew.cage_outside_follow() == {"FINISHED"}
+        assert [note.text for note in status.notes(deformer.uid)] == [f"3 {points} lie outside the cage"]
     assert_goes_on(target, cage)
 
 
@@ -332,12 +354,6 @@ def shared(cage: bpy.types.Object) -> None:
     linked(bpy.data.objects.new("Twin", cage.data))
 
 
-def of_two(cage: bpy.types.Object) -> None:
-    target = bpy.context.object
-    assert surround(ball("Other"), cage).cage == cage
-    make_active(target)
-
-
 def left_in_edit_mode(cage: bpy.types.Object) -> None:
     make_active(cage)
     bpy.ops.object.mode_set(mode="EDIT")
@@ -350,7 +366,6 @@ def left_in_edit_mode(cage: bpy.types.Object) -> None:
         (edited, "was edited"),
         (keyed, "was edited"),
         (shared, "shares its mesh"),
-        (of_two, "moves Other as well"),
         (left_in_edit_mode, "is in Edit Mode"),
     ],
 )

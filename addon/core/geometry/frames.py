@@ -149,6 +149,18 @@ def transformed(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
     return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
+def corners_after(matrix: np.ndarray, counts: np.ndarray, corners: np.ndarray) -> np.ndarray:
+    """The corners of faces whose points an affine ``matrix`` moves; ``counts`` (m,), ``corners`` (sum of
+    counts,). A reflection turns them, so that the faces point to the same side. They begin at the same
+    corner, so that polygons are cut into the same triangles.
+    """
+    if np.linalg.det(matrix[:3, :3]) >= 0.0:
+        return corners
+    count = np.repeat(counts, counts)
+    first = np.repeat(np.cumsum(counts), counts) - count
+    return corners[first + (first - np.arange(len(corners))) % count]
+
+
 def in_world(world: np.ndarray, frame: np.ndarray) -> np.ndarray:
     """A rigid frame of object space as a rigid frame of the world, (4, 4).
 

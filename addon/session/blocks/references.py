@@ -164,7 +164,8 @@ def value(values: PropertyGroup, parameter: Parameter) -> np.ndarray | Shape | N
         return frame
     mesh = obj.original.data
     points = read_positions(mesh).astype(np.float64) @ frame[:, :3].T + frame[:, 3]
-    return Shape(np.ascontiguousarray(points), read_faces(mesh))
+    counts, corners = read_faces(mesh)
+    return Shape(np.ascontiguousarray(points), (counts, frames.corners_after(frame, counts, corners)))
 
 
 def mesh_shape(values: PropertyGroup, parameter: MeshShape, rest: RestShape) -> Shape | None:

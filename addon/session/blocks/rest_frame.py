@@ -55,7 +55,14 @@ def read(settings: SinewDeformer, mesh: Mesh) -> RestShape:
 def put_back(settings: SinewDeformer, mesh: Mesh) -> None:
     """Take a mesh in the object space of the target to the frame in which the rest shapes are stored."""
     if settings.has_applied:
-        mesh.transform(Matrix(np.linalg.inv(matrix(settings)).tolist()))
+        transform(mesh, np.linalg.inv(matrix(settings)))
+
+
+def transform(mesh: Mesh, by: np.ndarray) -> None:
+    """Move a rest mesh by an affine map (4, 4). Its faces point to the same side after a reflection."""
+    mesh.transform(Matrix(by.tolist()))
+    if np.linalg.det(by) < 0.0:
+        mesh.flip_normals()
 
 
 def absorb(deformer: SinewDeformer) -> None:
@@ -72,9 +79,7 @@ def absorb(deformer: SinewDeformer) -> None:
     for row in (*deformer.all_controls, *deformer.handles):
         if row.rest is not None:
             mesh = row.rest.copy()
-            mesh.transform(Matrix(frame.tolist()))
-            if np.linalg.det(frame) < 0.0:
-                mesh.flip_normals()
+            transform(mesh, frame)
             mesh[Keys.REST_TOKEN] = shapes.new_key()
             row.rest = shapes.put_mesh(row.rest, mesh)
     forget(deformer)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The input of a bind, for every kind of control."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -8,6 +9,7 @@ import numpy as np
 from bpy.types import PropertyGroup
 
 from ...backend import Base, Recipe
+from ...core.elements import NO_ELEMENTS, Elements, Owner
 from ...core.methods import (
     METHODS,
     Box,
@@ -71,6 +73,13 @@ class BindInput:
     unused: tuple[str, ...] = ()
     unpainted: tuple[Status, ...] = ()
     after: "BindInput | None" = None  # if this is a preview: the exact bind that follows
+
+    def outside(self, points: Sequence[int] | np.ndarray, control: str) -> tuple[str, Elements]:
+        """The sentence about points outside the control, and those that Select shows."""
+        one, several = self.rest.point_type.nouns
+        text = f"1 {one} lies" if len(points) == 1 else f"{len(points):,} {several} lie"
+        elements = Elements(Owner.TARGET, "vertex", points) if self.on_base else NO_ELEMENTS
+        return f"{text} outside the {control}", elements
 
 
 def option_values(settings: SinewDeformer, rebinds: bool = True) -> tuple:

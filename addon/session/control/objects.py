@@ -11,7 +11,6 @@ from typing import Any
 import bpy
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
-from mathutils import Matrix
 
 from ...backend import ControlPoints, Recipe, Shape
 from ...compat import remove_data
@@ -88,9 +87,13 @@ class ObjectKind:
             recipe=Recipe(settings.definition, target, given, self.bound_to(found)),
             rest=rest,
             on_base=len(rest.points) == base_count,
-            control=f"a {self.NOUN} of {len(found.points):,}",
+            control=self.in_words(found),
             unpainted=unpainted(settings, rest),
         )
+
+    def in_words(self, rest: RestShape) -> str:
+        """What the panel calls an object that rests so."""
+        return f"a {self.NOUN} of {len(rest.points):,} {self.POINTS}"
 
     def notes(self, _report: Any, _request: BindInput) -> tuple[Status, ...]:
         return ()
@@ -253,7 +256,7 @@ def stored_rest(obj: Object, control: Object, mesh: Mesh, held: Mesh | None) -> 
     depsgraph = bpy.context.evaluated_depsgraph_get()
     relative = frames.inverse(np.array(obj.matrix_world, dtype=np.float64), obj.name)
     world = np.array(control.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
-    mesh.transform(Matrix((relative @ world).tolist()))
+    rest_frame.transform(mesh, relative @ world)
     mesh.name = Datablocks.REST
     mesh.materials.clear()
     mesh[Keys.REST_TOKEN] = shapes.new_key()

@@ -15,6 +15,7 @@ from ...core.geometry import frames
 from ...ids import Keys
 from ...properties import SinewDeformer, deformers_of
 from ..blocks import libraries, rest_frame
+from ..control import kinds
 from ..control.cage.kind import KIND as CAGE
 from ..memory import sessions
 
@@ -24,10 +25,17 @@ Shape = tuple[np.ndarray, np.ndarray, np.ndarray, dict, str]
 _UNPOSED = 1e-5  # of the size of the cage; coordinates are stored in single precision
 
 
-def fill(mesh: Mesh, shape: Shape) -> None:
-    """Give the mesh this shape. It remembers the options."""
+def put(cage: Object, obj: Object, shape: Shape) -> None:
+    """Give the cage this shape in the frame of ``obj``, wherever the cage is. It remembers the options."""
     points, counts, corners, options, _more = shape
+    own, world = (np.array(other.matrix_world, dtype=np.float64) for other in (cage, obj))
+    if not np.array_equal(own, world):
+        relative = frames.inverse(own, cage.name) @ world
+        placed = frames.transformed(relative, points)
+        if not _are_alike(placed, points):  # else the rounding would spoil the symmetry
+            points, corners = placed, frames.corners_after(relative, counts, corners)
     faces = [face.tolist() for face in np.split(corners, np.cumsum(counts)[:-1])]
+    mesh = cage.data
     mesh.clear_geometry()
     mesh.from_pydata(points.tolist(), [], faces)
     mesh[Keys.CAGE_ORIGIN] = {**options, "print": _print(mesh)}
@@ -45,7 +53,17 @@ def face_count(cage: Object) -> int:
     return sum(len(face.vertices) - 2 for face in cage.data.polygons)
 
 
-def check_cage(obj: Object, deformer: SinewDeformer) -> dict:
+def moved_by(cage: Object) -> list[tuple[Object, SinewDeformer]]:
+    """The deformers that this cage moves, with their objects."""
+    return [
+        (obj, row)
+        for obj in bpy.data.objects
+        for row in deformers_of(obj)
+        if row.cage == cage and kinds.kind_in_use(row) is CAGE
+    ]
+
+
+def check_cage(deformer: SinewDeformer) -> dict:
     """The options that the cage was made with. Raises a ``CageError`` if its faces cannot be changed."""
     cage = deformer.cage
     if libraries.is_lost(cage):
@@ -63,30 +81,31 @@ def check_cage(obj: Object, deformer: SinewDeformer) -> dict:
             f"{cage.name} was edited, and that would be lost - its faces can be changed as long as it is "
             "as Add Cage made it"
         )
-    others = [
-        other.name
-        for other in bpy.data.objects
-        for row in deformers_of(other)
-        if row.cage == cage and row.uid != deformer.uid
-    ]
-    if others:
-        raise CageError(f"{cage.name} moves {others[0]} as well - give that another cage first")
-    if deformer.is_bound and not _is_unposed(obj, deformer):
-        raise CageError(f"{cage.name} is posed, and the pose would be lost - move it back, or Set Rest Cage")
+    for obj, row in moved_by(cage):
+        if obj.library is not None or obj.name not in bpy.context.scene.objects:
+            raise CageError(
+                f"{cage.name} moves {obj.name} as well, which is linked or in another scene - give that "
+                "another cage first"
+            )
+        if row.bake.is_baked:
+            raise CageError(f"{row.name} of {obj.name} is baked - Unbake it first")
+        if row.is_bound and not _is_unposed(obj, row):
+            raise CageError(
+                f"{cage.name} is posed, and the pose of {obj.name} would be lost - move it back, or Set Rest "
+                "Cage"
+            )
     return {**options, "quads": bool(options["quads"]), "flat": bool(options.get("flat", False))}
 
 
 @sessions.suspended()
 def change_cage(obj: Object, deformer: SinewDeformer, shape: Shape) -> None:
-    """Give the cage another shape around the mesh. ``bind`` must follow, and takes it as the rest."""
-    cage = deformer.cage
-    inverse = frames.inverse(np.array(cage.matrix_world, dtype=np.float64), cage.name)
-    points = shape[0]
-    placed = frames.transformed(inverse @ np.array(obj.matrix_world, dtype=np.float64), points)
-    if not _are_alike(placed, points):  # else the rounding would spoil the symmetry
-        points = placed
-    fill(cage.data, (points, *shape[1:]))
-    CAGE.forget_rest(deformer)
+    """Give the cage another shape, in the frame of the mesh. ``bind`` must follow, and takes it as the rest.
+
+    So it must for each deformer that has this cage.
+    """
+    put(deformer.cage, obj, shape)
+    for _obj, row in moved_by(deformer.cage):
+        CAGE.forget_rest(row)
     bpy.context.view_layer.update()
 
 

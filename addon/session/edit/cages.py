@@ -1,53 +1,75 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes, chooses and changes cages. Main thread only."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 
 import bmesh
 import bpy
 import numpy as np
 from bpy.types import Object
-from mathutils import Matrix
 
 from ...backend import Progress, automatic_cage
 from ...core.errors import CageError, MeshError
-from ...core.geometry import flat_outline
-from ...mesh_io import read_rest
+from ...core.geometry import flat_outline, frames
+from ...mesh_io import RestShape
 from ...properties import SinewDeformer
-from ..blocks import capture, rest_frame, targets
-from ..blocks.transforms import put
+from ..blocks import rest_frame
 from ..control import kinds
 from ..control.cage.kind import KIND as CAGE
 from ..live import binding
 from ..memory import sessions
 from . import automatic, hull
+from .around import Target, follow, leader, shape_of
 from .automatic import Shape
 
 CAGE_METHODS = kinds.methods_of(CAGE)
 
 
-def cage_maker(obj: Object, deformer: SinewDeformer | None, **options) -> Callable[[Progress | None], Shape]:
-    """A function that makes a cage around what enters the deformer, or would enter a new one.
+def cage_maker(around: Sequence[Target], **options) -> Callable[[Progress | None], Shape]:
+    """A function that makes a cage around what enters deformers, or would enter new ones.
 
-    Any thread may call the function. ``options`` are those of ``backend.automatic_cage``, and ``flat`` if the
-    cage of a flat shape may be flat. The cage of points without faces is made around their convex hull.
+    The cage is in the frame of the first object. Any thread may call the function. ``options`` are those of
+    ``backend.automatic_cage``, and ``flat`` if the cage of a flat shape may be flat. The cage of points
+    without faces is made around their convex hull.
     """
-    mesh = capture.mesh_after(obj, capture.position(obj, deformer))
-    try:
-        rest = read_rest(mesh)
-    finally:
-        bpy.data.meshes.remove(mesh)
-    if not len(rest.points):
-        raise MeshError(f"{obj.name} has no points - add some, or check the modifiers before Sinew")
-    points, faces = rest.points, (rest.counts, rest.corners)
+    shapes = _in_one_frame(around)
+    if not shapes:
+        names = ", ".join(obj.name for obj, _deformer in around)
+        raise MeshError(f"{names} has no points - add some, or check the modifiers before Sinew")
     if options.pop("flat", False):
+        points = np.concatenate([shape.points for shape in shapes])
         corners = flat_outline.around(points, options["margin"], options["faces"])
         if corners is not None:
             return partial(_flat, corners, options)
-    if not len(rest.counts):
-        points, faces = hull.around(points)
-    return partial(_around, points, faces, options)
+    return partial(_around, *_joined(shapes), options)
+
+
+def _in_one_frame(around: Sequence[Target]) -> list[RestShape]:
+    """The shapes that have points, in the frame of the first object."""
+    first, shapes = around[0][0], []
+    for obj, deformer in around:
+        shape = shape_of(obj, deformer)
+        if obj != first:
+            inverse = frames.inverse(np.array(first.matrix_world, dtype=np.float64), first.name)
+            shape = shape.moved(inverse @ np.array(obj.matrix_world, dtype=np.float64), shape.token)
+        if len(shape.points):
+            shapes.append(shape)
+    return shapes
+
+
+def _joined(shapes: Sequence[RestShape]) -> tuple[np.ndarray, tuple[np.ndarray, np.ndarray]]:
+    """Points and faces (counts, corners) of one mesh; of a shape without faces its convex hull."""
+    points, counts, corners, first = [], [], [], 0
+    for shape in shapes:
+        places, faces = shape.points, (shape.counts, shape.corners)
+        if not len(shape.counts):
+            places, faces = hull.around(places)
+        points.append(places)
+        counts.append(faces[0])
+        corners.append(faces[1] + first)
+        first += len(places)
+    return np.concatenate(points), (np.concatenate(counts), np.concatenate(corners))
 
 
 def takes_flat_cage(method: str) -> bool:
@@ -74,45 +96,19 @@ def _flat(corners: np.ndarray, options: dict, _progress: Progress | None) -> Sha
 
 
 @sessions.suspended()
-def add_cage_object(obj: Object, shape: Shape) -> Object:
-    """A new mesh object of this shape in the frame of ``obj``, which it follows."""
+def add_cage_object(objects: Sequence[Object], shape: Shape) -> Object:
+    """A new mesh object of this shape in the frame of the first object. It follows what all follow."""
+    obj = objects[0]
     mesh = bpy.data.meshes.new(f"{obj.name} Cage")
-    automatic.fill(mesh, shape)
     cage = bpy.data.objects.new(mesh.name, mesh)
     for collection in obj.users_collection or (bpy.context.scene.collection,):
         collection.objects.link(cage)
-    follow(cage, obj)
+    follow(cage, leader(objects), obj.matrix_world.copy())
+    bpy.context.view_layer.update()
+    automatic.put(cage, obj, shape)
     cage.show_in_front = True
     bpy.context.view_layer.update()
     return cage
-
-
-def follow(cage: Object, obj: Object, place: Matrix | None = None) -> None:
-    """Make the cage, or another control, follow the object from a ``place`` in the world, as Ctrl P does.
-
-    Without a place it starts where the object is.
-
-    So it stays in its place when it gets another parent, such as an armature. A child of a curve would
-    follow its path, so a constraint makes the cage follow a curve.
-    """
-    follows, place = None, place or obj.matrix_world.copy()
-    if targets.is_path(obj):
-        follows = cage.constraints.new("CHILD_OF")
-        follows.target = obj
-    else:
-        cage.parent = obj
-    world = obj.matrix_world.copy()
-    put(cage, place)
-    sheared = np.abs(np.array(cage.matrix_basis) - np.array(place)).max() > 1e-5 * max(
-        place.median_scale, 1.0
-    )
-    if sheared or world.determinant() == 0.0:
-        put(cage, world.inverted_safe() @ place)
-        return
-    if follows is None:
-        cage.matrix_parent_inverse = world.inverted()
-    else:
-        follows.inverse_matrix = world.inverted()
 
 
 @sessions.suspended()
@@ -124,8 +120,12 @@ def set_rest_cage(obj: Object, deformer: SinewDeformer) -> None:
 
 
 @sessions.suspended()
-def flip_cage(deformer: SinewDeformer) -> None:
-    """Flip the faces of the cage, so that they point outwards. ``bind`` must follow, and takes its rest."""
+def flip_cage(deformer: SinewDeformer) -> list[tuple[Object, SinewDeformer]]:
+    """Flip the faces of the cage, so that they point outwards.
+
+    ``bind`` must follow, and takes the cage as the rest; also for the other deformers, returned with their
+    objects, that were refused as well.
+    """
     cage = deformer.cage
     if cage is None or cage.type != "MESH" or cage.data.library is not None:
         raise CageError("There is no cage here that could be flipped - make it local first")
@@ -138,5 +138,12 @@ def flip_cage(deformer: SinewDeformer) -> None:
     else:
         edit.to_mesh(cage.data)
         edit.free()
-    CAGE.forget_rest(deformer)
+    others = [
+        (obj, row)
+        for obj, row in automatic.moved_by(cage)
+        if row.uid != deformer.uid and obj.library is None and not row.is_bound
+    ]
+    for row in (deformer, *(row for _obj, row in others)):
+        CAGE.forget_rest(row)
     bpy.context.view_layer.update()
+    return others

@@ -11,15 +11,14 @@ from mathutils import Matrix
 
 from ...core.errors import MeshError, OptionError
 from ...core.geometry import hexahedra
-from ...mesh_io import RestShape, read_rest
+from ...mesh_io import RestShape
 from ...properties import SinewDeformer
-from ..blocks import capture, rest_frame
-from ..blocks.transforms import put
+from ..blocks import rest_frame
 from ..control import kinds
 from ..control.lattice.kind import KIND as LATTICE
 from ..live import binding
 from ..memory import sessions
-from . import cages
+from .around import follow, leader, shape_of
 
 LATTICE_METHODS = kinds.methods_of(LATTICE)
 _THINNEST = 0.05  # of the longest side of a box around something flat
@@ -42,11 +41,11 @@ class LatticeShape:
 
 @sessions.suspended()
 def add_lattice_object(objects: Sequence[Object], shape: LatticeShape) -> Object:
-    """A new lattice around what objects show without Sinew, oriented by the first of them, which it follows.
+    """A new lattice around what objects show without Sinew, oriented by the first of them.
 
-    A lattice around several objects follows none. Refuses what has no points.
+    It follows what all of them follow. Refuses what has no points.
     """
-    shown = [_shown(obj) for obj in objects]
+    shown = [shape_of(obj, None) for obj in objects]
     worlds = [np.array(obj.matrix_world, dtype=np.float64) for obj in objects]
     places = [rest.points @ world[:3, :3].T + world[:3, 3] for rest, world in zip(shown, worlds, strict=True)]
     points = np.concatenate(places) if places else np.zeros((0, 3))
@@ -71,22 +70,10 @@ def add_lattice_object(objects: Sequence[Object], shape: LatticeShape) -> Object
         obj = bpy.data.objects.new(name, _mesh(name, shape, inside, shown))
     for collection in objects[0].users_collection or (bpy.context.scene.collection,):
         collection.objects.link(obj)
-    if len(objects) == 1:
-        cages.follow(obj, objects[0], Matrix(frame.tolist()))
-    else:
-        put(obj, Matrix(frame.tolist()))
+    follow(obj, leader(objects), Matrix(frame.tolist()))
     obj.show_in_front = True
     bpy.context.view_layer.update()
     return obj
-
-
-def _shown(obj: Object) -> RestShape:
-    """What enters the first deformer of ours, or would enter a new one at the end."""
-    mesh = capture.mesh_after(obj, capture.position(obj, None))
-    try:
-        return read_rest(mesh)
-    finally:
-        bpy.data.meshes.remove(mesh)
 
 
 def _axes(points: np.ndarray, world: np.ndarray, kind: str) -> np.ndarray:

@@ -19,6 +19,7 @@ from .deformers import add_deformer, remove_deformer
 from .handles.bones import is_moved_by_control
 from .handles.handles import add_captured_handle
 from .handles.points import add_point
+from .sharing import copy_settings
 
 
 @sessions.suspended()
@@ -107,16 +108,19 @@ def rig_control(
     method: str = DEFAULT_CAGE_METHOD,
     *,
     owned: bool = False,
+    like: SinewDeformer | None = None,
     wait: bool = True,
 ) -> tuple[SinewDeformer, SinewError | None]:
     """The deformer that follows an object, a new one unless one needs a control; and the error if not bound.
 
     The object becomes a control of the kind that ``method`` asks for, such as a cage. ``owned``: it was made
-    for the deformer, and is removed with it.
+    for the deformer, and is removed with it. ``like``: a deformer that has the settings for this one.
     """
     deformer = waiting_for_control(obj, method)
     is_new = deformer is None
     deformer = deformer or add_deformer(obj, method)
+    if like is not None:
+        copy_settings(like, deformer)
     try:
         use_control(obj, deformer, control, owned)
     except SinewError:
@@ -124,6 +128,17 @@ def rig_control(
             remove_deformer(obj, len(obj.sinew.deformers) - 1)
         raise
     return deformer, try_bind(obj, deformer, wait)
+
+
+def rig_controls(
+    objects: Sequence[Object], control: Object, method: str, *, owned: bool, wait: bool
+) -> list[tuple[SinewDeformer, SinewError | None]]:
+    """``rig_control`` for several objects. The deformers of the others get the settings of the first."""
+    first = rig_control(objects[0], control, method, owned=owned, wait=wait)
+    return [
+        first,
+        *(rig_control(obj, control, method, owned=owned, like=first[0], wait=wait) for obj in objects[1:]),
+    ]
 
 
 @sessions.suspended()

@@ -19,7 +19,7 @@ from ..control.several import SeveralKind
 from ..control.tools.kind import KIND as TOOLS
 from ..live import binding
 from ..memory import sessions
-from .cages import follow
+from .around import follow
 from .deformers import add_deformer, remove_deformer
 from .rigging import try_bind
 

@@ -18,7 +18,7 @@ from ..blocks import targets
 from ..blocks.capture import evaluated_mesh
 from ..blocks.parts import ShownParts
 from ..memory import sessions
-from .cages import follow
+from .around import follow
 
 _OF_LENGTH, _OF_PART = 0.35, 0.15  # the radius of a new wire, and the most of the part beside it
 _RESOLUTION = 16  # places per segment of a Bezier curve: a wire is as smooth as these are near

@@ -14,7 +14,7 @@ import numpy as np
 from ...backend import Factor, PreparedBind, Progress, Recipe, availability, bind_seconds, build_factor
 from ...core import status
 from ...core.elements import NO_ELEMENTS, Elements, Owner
-from ...core.errors import BackendMissingError, CancelledError, SinewError
+from ...core.errors import BackendMissingError, CancelledError, OutsideError, SinewError
 from ...core.memory import remember
 from ...core.point_types import MESH
 from ...core.status import Level, Remedy, Status
@@ -119,9 +119,13 @@ def _with_selectable(error: SinewError, request: BindInput | None) -> SinewError
     if request.names:
         text = _ROW.sub(lambda row: _name(request.recipe, request.names, int(row[1])), text)
     elements = kinds.kind_of_method(request.recipe.method).selectable(error.elements, request)
+    if isinstance(error, OutsideError):
+        text, elements = request.outside(tuple(elements.indices), "cage")
+        text += " - enlarge it there, or set Outside"
     if request.rest.point_type is not MESH and elements.owner is Owner.TARGET:
         # Nothing of it can be selected, or repaired.
-        return error.with_elements(NO_ELEMENTS, Remedy.NONE, text)
+        remedy = Remedy.NONE if error.remedy is Remedy.REPAIR else error.remedy
+        return error.with_elements(NO_ELEMENTS, remedy, text)
     return error.with_elements(elements, error.remedy, text)
 
 

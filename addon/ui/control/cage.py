@@ -29,6 +29,7 @@ class SINEW_MT_cage(Menu):
         layout.operator(Operators.CAGE_FACES, icon="MOD_DECIM")
         layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
         layout.operator(Operators.CAGE_FLIP, icon="NORMALS_FACE")
+        layout.operator(Operators.CAGE_OUTSIDE, icon="MOD_MESHDEFORM")
 
 
 MENUS = (SINEW_MT_cage,)

@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/finite.h"
 #include "native/core/parallel.h"
+#include "native/space/weights/points_outside.h"
 
 #include <algorithm>
 #include <chrono>
@@ -66,8 +67,8 @@ void LinearSpaceMethod::compute(PointsView given, SpaceReport& report, const Pro
                                     control_name() + " is too thin there",
                                 Error::Element::vertex, without);
     if (!report.outside.empty() && !reaches_outside())
-        throw InvalidConstraint("points " + list_some(report.outside) + " lie outside the " + control_name(),
-                                Error::Element::vertex, report.outside);
+        throw PointsOutside("points " + list_some(report.outside) + " lie outside the " + control_name(),
+                            Error::Element::vertex, report.outside);
     report.dropped = weights.dropped();
     report.weight_bytes = weights.bytes();
     finish(report);

@@ -6,7 +6,7 @@ import numpy as np
 from bpy.types import Mesh, Object
 
 from ....backend import Cage, CageReport
-from ....core.elements import NO_ELEMENTS, Elements, Owner
+from ....core.elements import Elements, Owner
 from ....core.errors import CageError
 from ....core.status import Level, Remedy, Status
 from ....mesh_io import RestShape
@@ -32,14 +32,15 @@ class CageKind(ObjectKind):
     def bound_to(self, rest: RestShape) -> Cage:
         return Cage(rest.points, (rest.counts, rest.corners))
 
+    def in_words(self, rest: RestShape) -> str:
+        faces = "1 face" if len(rest.counts) == 1 else f"{len(rest.counts):,} faces"
+        return f"a {self.NOUN} of {faces} ({len(rest.points):,} {self.POINTS})"
+
     def notes(self, report: CageReport, request: BindInput) -> tuple[Status, ...]:
         """Warnings about points outside the cage, and about faces of the cage that cross each other."""
-        found, count = [], len(report.outside)
-        if count:
-            one, several = request.rest.point_type.nouns
-            text = f"1 {one} lies" if count == 1 else f"{count:,} {several} lie"
-            elements = Elements(Owner.TARGET, "vertex", report.outside) if request.on_base else NO_ELEMENTS
-            found.append(Status(Level.WARNING, f"{text} outside the cage", elements))
+        found = []
+        if len(report.outside):
+            found.append(Status(Level.WARNING, *request.outside(report.outside, self.NOUN)))
         if len(report.crossing):
             text = f"{len(report.crossing):,} faces of the cage cross each other"
             found.append(Status(Level.WARNING, text, Elements(Owner.CONTROL, "face", report.crossing)))

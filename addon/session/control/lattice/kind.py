@@ -10,7 +10,7 @@ from bpy.types import Depsgraph, Lattice, Mesh, Object
 
 from ....backend import ControlPoints, LatticePoints
 from ....compat import read_faces, read_lattice
-from ....core.elements import NO_ELEMENTS, Elements, Owner
+from ....core.elements import Elements
 from ....core.errors import ConstraintError
 from ....core.status import Level, Remedy, Status
 from ....ids import Keys
@@ -152,13 +152,9 @@ class LatticeKind(ObjectKind):
         return replace(found, recipe=replace(found.recipe, control=lattice), control=_in_words(lattice))
 
     def notes(self, report: Any, request: BindInput) -> tuple[Status, ...]:
-        count = len(report.outside)
-        if not count or not len(request.rest.points):
+        if not len(report.outside) or not len(request.rest.points):
             return ()
-        one, several = request.rest.point_type.nouns
-        text = f"1 {one} lies" if count == 1 else f"{count:,} {several} lie"
-        elements = Elements(Owner.TARGET, "vertex", report.outside) if request.on_base else NO_ELEMENTS
-        return (Status(Level.INFO, f"{text} outside the lattice", elements),)
+        return (Status(Level.INFO, *request.outside(report.outside, self.NOUN)),)
 
     def pose(self, evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
         control = self.row(evaluation.deformer).object
@@ -212,7 +208,7 @@ def _by(resolution: tuple[int, int, int]) -> str:
 def _in_words(lattice: LatticePoints) -> str:
     if lattice.faces is None:
         return f"a lattice of {_by(lattice.resolution)}"
-    return f"a lattice of {len(lattice.points):,}"
+    return f"a lattice of {len(lattice.points):,} points"
 
 
 KIND = LatticeKind()

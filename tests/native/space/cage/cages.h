@@ -5,6 +5,7 @@
 #include "native/space/cage/inside/outside_weights.h"
 #include "native/space/cage/mean_value.h"
 #include "native/space/method.h"
+#include "native/space/weights/points_outside.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/space/contract.h"
@@ -76,7 +77,7 @@ template <class Method, class Options>
 void expect_outside(const SurfaceMesh& cage, Options options, const Points& points,
                     const std::vector<int>& outside)
 {
-    expect_elements(refusal<InvalidConstraint>([&] { weights<Method>(cage, points, options); }),
+    expect_elements(refusal<PointsOutside>([&] { weights<Method>(cage, points, options); }),
                     Error::Element::vertex, outside);
     options.outside = CageOutside::mean_value;
     Method both(Cage(cage), options);

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Give all objects that a control moves the same settings."""
+
+from bpy.types import Context, Operator
+
+from .. import session
+from ..ids import Operators
+from .reporting import reports_errors
+from .target import has_deformer, target_of
+from .waiting import BindingOperator
+
+
+class SINEW_OT_settings_share(BindingOperator, Operator):
+    """Give the other objects that the same cage, lattice, wires or tools move these settings: the method with
+    its parameters, and Factor.
+
+    Masks, painted groups and drawn curves stay as they are
+    """
+
+    bl_idname = Operators.SETTINGS_SHARE
+    bl_label = "Copy to All Targets"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_deformer(cls, context):
+            return False
+        if not session.sharing(target_of(context).sinew.active):
+            cls.poll_message_set("The control moves no other object")
+            return False
+        return True
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        others = session.share_settings(target_of(context).sinew.active)
+        refused = [
+            error
+            for obj, deformer in others
+            if not deformer.is_bound and (error := session.try_bind(obj, deformer, wait)) is not None
+        ]
+        if refused:
+            self.report({"WARNING"}, str(refused[0]))
+        else:
+            objects = "1 other object has" if len(others) == 1 else f"{len(others)} other objects have"
+            self.report({"INFO"}, f"{objects} these settings now")
+        return {"FINISHED"}
