@@ -47,6 +47,14 @@ def test_region_without_whole_faces_keeps_the_axes():
     assert np.allclose(frame[:3, :3], np.eye(3))
 
 
+def test_region_frame_looks_at_the_faces_of_the_region_alone():
+    """Beside a triangle that stands upright and a quad of which half belongs to the region."""
+    points = np.vstack((SQUARE, (4.0, 0.0, 0.0), (4.0, 2.0, 3.0), (0.0, 0.0, 5.0)))
+    counts, corners = np.array([3, 4, 4]), np.array([0, 1, 6, *ONE_QUAD[1], 1, 4, 5, 2])
+    alone = frames.region_frame(SQUARE, *ONE_QUAD, np.arange(4))
+    assert np.allclose(frames.region_frame(points, counts, corners, np.arange(4)), alone)
+
+
 def test_region_of_a_mesh_without_faces():
     none = np.zeros(0, dtype=int)
     assert np.allclose(frames.region_frame(SQUARE, none, none, np.array([2])), translation(2.0, 2.0, 0.0))
