@@ -108,7 +108,9 @@ class ObjectKind:
             return None
         return placement.read_place(control, depsgraph, read_points=self.read_points)
 
-    def pose(self, evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
+    def pose(
+        self, evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None
+    ) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
         """The points (c, 3) in the frame of the target; without the object the last known ones."""
         held, (place,) = evaluation.session.poses, evaluation.control
         row = self.row(evaluation.deformer)

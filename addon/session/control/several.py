@@ -137,7 +137,9 @@ class SeveralKind(ObjectKind):
             return None
         return placement.read_place(control, depsgraph, read_points=self.read_points)
 
-    def pose(self, evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
+    def pose(
+        self, evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None
+    ) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
         """The points of all rows; of a lost object the last known ones."""
         held, found = evaluation.session.poses, []
         settings = evaluation.settings.controls

@@ -35,6 +35,8 @@ class Bound:
     control: str  # what moves the mesh, as the panel says it
     milliseconds: float
     is_preview: bool = False  # approximate, until a thread has computed the exact one
+    # By the key of a handle, the vertices whose motion carries it where it stands on the surface.
+    patches: dict[str, np.ndarray] = field(default_factory=dict)
 
 
 @dataclass
@@ -78,6 +80,8 @@ class Session:
     failed: tuple | None = None  # the key of the bind that was refused: it is not tried again
     shown: dict[str, Shown] = field(default_factory=dict)
     poses: dict[str, np.ndarray] = field(default_factory=dict)
+    # How the surface has moved from rest under the handles that stand on it, by their keys, in viewports.
+    surfaces: dict[str, np.ndarray] = field(default_factory=dict)
     asked: Asked | None = None  # by the last evaluation for viewports
     settle: bool = False  # a preview is shown, and the next evaluation is to solve exactly
     work: Work | None = None  # a solve in a thread; its subject is a ``Question``

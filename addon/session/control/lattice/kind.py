@@ -158,7 +158,9 @@ class LatticeKind(ObjectKind):
         elements = Elements(Owner.TARGET, "vertex", report.outside) if request.on_base else NO_ELEMENTS
         return (Status(Level.INFO, f"{text} outside the lattice", elements),)
 
-    def pose(self, evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
+    def pose(
+        self, evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None
+    ) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
         control = self.row(evaluation.deformer).object
         lattice = bound.factor.recipe.control
         if control is not None and control.type == "LATTICE" and lattice.faces is None:
@@ -169,7 +171,7 @@ class LatticeKind(ObjectKind):
                     f"{self.REST_BUTTON} takes it as it is now",
                     remedy=self.REST_REMEDY,
                 )
-        return super().pose(evaluation, bound)
+        return super().pose(evaluation, bound, incoming)
 
     def is_stale(self, deformer: SinewDeformer, depsgraph: Depsgraph) -> bool:
         row = self.row(deformer)

@@ -1,0 +1,270 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Handles that stand on the surface as it enters, which bones and shape keys before Sinew move.
+
+Let M be the rigid motion that fits best how the surface under a handle has moved from rest. What the control
+does beyond it is the pose P, relative to the surface at rest. So the handle moves what enters by M P M^-1,
+and without a correction by nothing. A control that was made for its handle is carried along: it is a child
+of the target, its parent inverse is M S with the frame S that carried it at rest, and its own transform is
+the correction alone. As the pose is computed from what enters and from that transform, the shape is right in
+the very evaluation that carries the control. Other controls go where their own parents and constraints take
+them, and the region goes with them.
+"""
+
+import numpy as np
+from bpy.types import Depsgraph, Object
+from mathutils import Matrix
+
+from ....core.geometry import frames
+from ....mesh_io import RestShape
+from ....properties import SinewDeformer, SinewHandle
+from ...memory import sessions
+from ...memory.evaluation import Evaluation
+from ...memory.sessions import Bound
+from .sides import mirrored
+
+_FLAT = 1e-3  # points on a line, within this share of its length, do not tell how they turn about it
+_MOST_RINGS = 3  # around a region that is too small to tell how it turns
+
+
+def is_riding(handle: SinewHandle) -> bool:
+    """Whether the rest frames of a handle refer to the surface."""
+    return handle.stood_on == "SURFACE"
+
+
+def is_carried(obj: Object, handle: SinewHandle) -> bool:
+    """Whether Sinew carries the control: nothing else does, neither a parent nor a constraint of the user."""
+    control = handle.control
+    return (
+        is_riding(handle)
+        and handle.owns_control
+        and control is not None
+        and control.library is None
+        and not handle.bone
+        and control.parent == obj
+        and control.parent_type == "OBJECT"
+        and not control.constraints
+        and stand_of(handle)[3, 3] == 1.0
+    )
+
+
+def rest_of(handle: SinewHandle) -> np.ndarray:
+    """The rest frame: the control relative to the target at rest, (4, 4)."""
+    return np.array(handle.rest_matrix, dtype=np.float64).reshape(4, 4, order="F")
+
+
+def stand_of(handle: SinewHandle) -> np.ndarray:
+    """The frame that carries the control on the surface at rest, relative to the target, (4, 4)."""
+    return np.array(handle.stand_matrix, dtype=np.float64).reshape(4, 4, order="F")
+
+
+def set_stand(handle: SinewHandle, frame: np.ndarray) -> None:
+    """Store the frame that carries the control on the surface at rest."""
+    handle.stand_matrix = frame.ravel(order="F").tolist()
+
+
+def parent_inverse(control: Object) -> np.ndarray:
+    """What carries a child of the target now, relative to the target, (4, 4)."""
+    return np.array(control.matrix_parent_inverse, dtype=np.float64)
+
+
+# How the surface has moved
+
+
+def ride(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None) -> dict[str, np.ndarray]:
+    """How the surface has moved from rest, (4, 4) by the key of each handle that stands on it.
+
+    In viewports the controls are put there, and the rest frames follow *Stands On*.
+    """
+    asking = [handle for handle in evaluation.deformer.handles if _asks(handle) and handle.uid in bound.handles]
+    if not asking:
+        evaluation.session.surfaces = {}
+        return {}
+    world = np.array(evaluation.evaluated.matrix_world, dtype=np.float64)
+    found = motions(bound, asking, incoming, world)
+    if evaluation.in_viewport:
+        for handle in asking:
+            carry(evaluation.obj, handle, found[handle.uid])
+            if handle.stands_on != handle.stood_on:
+                change_stand(evaluation.obj, handle, found[handle.uid])
+                evaluation.obj.update_tag()  # the evaluated copy still has the former frames
+        evaluation.session.surfaces = found
+    return {handle.uid: found[handle.uid] for handle in asking if is_riding(handle)}
+
+
+def _asks(handle: SinewHandle) -> bool:
+    return handle.kind == "HANDLE" and "SURFACE" in (handle.stands_on, handle.stood_on)
+
+
+def motions(
+    bound: Bound, handles: list[SinewHandle], points: np.ndarray | None, world: np.ndarray
+) -> dict[str, np.ndarray]:
+    """How the surface under handles has moved from rest to ``points`` (n, 3), (4, 4) by their keys.
+
+    The motions are rigid in the world, where ``world`` (4, 4) is the frame of the target.
+    """
+    if points is None:
+        return {handle.uid: np.eye(4) for handle in handles}
+    linear = world[:3, :3]
+    back = frames.inverse(world, "The mesh object")[:3, :3]
+    found = {handle.uid: _motion(bound, _patch(bound, handle), points, linear, back) for handle in handles}
+    if bound.factor.recipe.method.keyed:  # which has frames of its own
+        still = bound.factor.still_poses(incoming=points, from_rest=np.ones(len(bound.handles), dtype=bool))
+        found |= {key: square(pose) for key, pose in zip(bound.handles, still, strict=True) if key in found}
+    return found
+
+
+def _motion(
+    bound: Bound, patch: np.ndarray, points: np.ndarray, linear: np.ndarray, back: np.ndarray
+) -> np.ndarray:
+    now = points[patch].astype(np.float64)
+    if not len(patch) or not frames.are_valid(now).all():
+        return np.eye(4)
+    before, after = bound.rest.points[patch] @ linear.T, now @ linear.T
+    found = np.eye(4)
+    if _is_flat(before):
+        found[:3, 3] = back @ (after - before).mean(axis=0)
+        return found
+    fitted = frames.fit(before, after, rigid=True)
+    found[:3] = np.column_stack((back @ fitted[:, :3] @ linear, back @ fitted[:, 3]))
+    return found
+
+
+def _patch(bound: Bound, handle: SinewHandle) -> np.ndarray:
+    """The vertices whose motion carries a handle: those of its region, or around its place without one.
+
+    What is too small, or too straight, to tell how it turns has the faces around it, too.
+    """
+    found = bound.patches.get(handle.uid)
+    if found is None:
+        found = bound.patches[handle.uid] = _grown(bound.rest, _members(bound.rest, handle))
+    return found
+
+
+def _members(rest: RestShape, handle: SinewHandle) -> np.ndarray:
+    painted = rest.weights.get(handle.vertex_group)
+    if painted is not None:
+        return np.flatnonzero(painted > 0.0)
+    if handle.vertex_group or not len(rest.points):
+        return np.empty(0, dtype=np.intp)
+    place = rest_of(handle)[:3, 3]
+    distances = np.linalg.norm(rest.points - place, axis=1)
+    return np.array([np.argmin(np.where(np.isfinite(distances), distances, np.inf))])
+
+
+def _grown(rest: RestShape, members: np.ndarray) -> np.ndarray:
+    if not len(rest.counts):
+        return members
+    starts = np.concatenate(([0], np.cumsum(rest.counts)[:-1]))
+    for _ring in range(_MOST_RINGS):
+        if not len(members) or not _is_flat(rest.points[members]):
+            break
+        inside = np.zeros(len(rest.points), dtype=bool)
+        inside[members] = True
+        touched = np.repeat(np.logical_or.reduceat(inside[rest.corners], starts), rest.counts)
+        inside[rest.corners[touched]] = True
+        members = np.flatnonzero(inside)
+    return members
+
+
+def _is_flat(points: np.ndarray) -> bool:
+    """Whether points lie on a line, or at one place."""
+    if len(points) < 3:
+        return True
+    values = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(values[1] <= _FLAT * values[0])
+
+
+# Poses
+
+
+def seen_from_surface(
+    obj: Object, handle: SinewHandle, depsgraph: Depsgraph, control: np.ndarray, surface: np.ndarray
+) -> np.ndarray:
+    """A control, (4, 4) in the frame of the target, as if the ``surface`` (4, 4) had not moved from rest."""
+    if is_carried(obj, handle):
+        evaluated = handle.control.evaluated_get(depsgraph)
+        return stand_of(handle) @ np.array(evaluated.matrix_basis, dtype=np.float64)
+    return np.linalg.inv(surface) @ control
+
+
+def on_surface(bound: Bound, surface: np.ndarray, pose: np.ndarray) -> np.ndarray:
+    """A pose (3, 4) relative to the surface at rest as the factor takes it, where the ``surface`` is now."""
+    recipe = bound.factor.recipe
+    posed = surface @ square(pose)
+    if recipe.method.keyed:  # whose pose is that of a control which follows the animation, from rest
+        return posed[:3]
+    if recipe.control.adds_displacement:  # to what has moved by M, after it was moved from rest
+        return (posed - surface + np.eye(4))[:3]
+    return (posed @ np.linalg.inv(surface))[:3]
+
+
+def image_of(leader: SinewHandle, partner: SinewHandle, basis: np.ndarray) -> np.ndarray:
+    """The own transform (4, 4) of the partner's control that is the mirror image of the leader's ``basis``.
+
+    Each is seen in the frame of its own surface, as the two sides may be posed differently.
+    """
+    correction = frames.inverse(rest_of(leader), leader.name) @ stand_of(leader) @ basis
+    placed = rest_of(partner) @ mirrored(correction)
+    return frames.inverse(stand_of(partner), partner.name) @ placed
+
+
+def surface_of(deformer: SinewDeformer, handle: SinewHandle) -> np.ndarray:
+    """How the surface under a handle had moved from rest in the last evaluation; not at all in the world."""
+    session = sessions.find(deformer.uid)
+    found = None if session is None or not is_riding(handle) else session.surfaces.get(handle.uid)
+    return np.eye(4) if found is None else found
+
+
+def square(pose: np.ndarray) -> np.ndarray:
+    """A pose (3, 4) as a matrix (4, 4)."""
+    return np.vstack((pose, (0.0, 0.0, 0.0, 1.0)))
+
+
+# What is written
+
+
+def carry(obj: Object, handle: SinewHandle, surface: np.ndarray) -> None:
+    """Put the control onto the surface. It is drawn there at once: Blender evaluates what handlers write."""
+    if not is_carried(obj, handle):
+        return
+    frame = (surface @ stand_of(handle)).astype(np.float32)
+    if not np.array_equal(frame, parent_inverse(handle.control).astype(np.float32)):
+        handle.control.matrix_parent_inverse = Matrix(frame.tolist())
+
+
+def change_stand(obj: Object, handle: SinewHandle, surface: np.ndarray) -> None:
+    """Let the rest frames refer to what the handle stands on now. The shape of this frame stays."""
+    rest = rest_of(handle)
+    handle.stood_on = handle.stands_on
+    if is_riding(handle):
+        if not handle.from_rest:
+            rest = np.linalg.inv(surface) @ rest
+        if handle.control is not None and handle.control.parent == obj:
+            set_stand(handle, np.linalg.inv(surface) @ parent_inverse(handle.control))
+        handle.from_rest = False
+    else:
+        rest = surface @ rest
+    handle.rest_matrix = rest.ravel(order="F").tolist()
+
+
+def turn_with_rest(obj: Object, deformer: SinewDeformer, bound: Bound | None, points: np.ndarray) -> None:
+    """Let controls do the same when ``points`` (n, 3) become the rest shape.
+
+    ``bound`` is the factor for the rest shape so far. Without one of as many points, the place counts where
+    the controls were put last.
+    """
+    riding = [handle for handle in deformer.handles if is_riding(handle) and handle.has_rest]
+    moved: dict[str, np.ndarray] = {}
+    if bound is not None and not bound.factor.is_released and points.shape == bound.rest.points.shape:
+        known = [handle for handle in riding if handle.uid in bound.handles]
+        moved = motions(bound, known, points, np.array(obj.matrix_world, dtype=np.float64))
+    for handle in riding:
+        surface = moved.get(handle.uid)
+        if surface is None and is_carried(obj, handle):
+            surface = parent_inverse(handle.control) @ np.linalg.inv(stand_of(handle))
+        if surface is not None:
+            handle.rest_matrix = (surface @ rest_of(handle)).ravel(order="F").tolist()
+            set_stand(handle, surface @ stand_of(handle))
+    session = sessions.find(deformer.uid)
+    if session is not None:
+        session.surfaces = {}
