@@ -9,6 +9,7 @@ from .blocks.shapes import attribute_names, find_modifier, shown_by, stray_modif
 from .blocks.surface import Hit, first_hit, nearest_point
 from .blocks.targets import can_be_moved, is_exported, is_lattice, is_mesh, label, require_mesh
 from .control.handles.points import takes_segments
+from .control.handles.riding import carrier_of, standing
 from .control.handles.sides import control_pairs
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
 from .edit.apply import apply
@@ -30,6 +31,7 @@ from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
+from .edit.handles.standing import NOTHING_MOVES, stand_on, why_not_on_surface
 from .edit.handles.points import empties_on, empty_at, with_points
 from .edit.keys import add_key, key_beside, key_notes, move_key, remove_key
 from .edit.lattices import LATTICE_METHODS, LatticeShape, add_lattice_object, set_rest_lattice
@@ -81,6 +83,7 @@ __all__ = (
     "CANCELLED",
     "LATTICE_METHODS",
     "NOTHING_FREE",
+    "NOTHING_MOVES",
     "TOO_SHORT",
     "Brush",
     "Cures",
@@ -111,6 +114,7 @@ __all__ = (
     "cage_seconds",
     "can_be_moved",
     "cancel",
+    "carrier_of",
     "carry_out_writes",
     "change_cage",
     "check_cage",
@@ -198,6 +202,8 @@ __all__ = (
     "settle",
     "show_late",
     "shown_by",
+    "stand_on",
+    "standing",
     "stop_count",
     "stop_here",
     "store",
@@ -218,6 +224,7 @@ __all__ = (
     "use_control",
     "waiting_for_control",
     "watch",
+    "why_not_on_surface",
     "wire_from_edges",
     "wire_through",
     "with_points",

@@ -36,7 +36,7 @@ class Bound:
     milliseconds: float
     is_preview: bool = False  # approximate, until a thread has computed the exact one
     # By the key of a handle, the vertices whose motion carries it where it stands on the surface.
-    patches: dict[str, np.ndarray] = field(default_factory=dict)
+    pieces: dict[str, np.ndarray] = field(default_factory=dict)
 
 
 @dataclass
@@ -82,6 +82,7 @@ class Session:
     poses: dict[str, np.ndarray] = field(default_factory=dict)
     # How the surface has moved from rest under the handles that stand on it, by their keys, in viewports.
     surfaces: dict[str, np.ndarray] = field(default_factory=dict)
+    told: str = ""  # which control has been taken off the surface
     asked: Asked | None = None  # by the last evaluation for viewports
     settle: bool = False  # a preview is shown, and the next evaluation is to solve exactly
     work: Work | None = None  # a solve in a thread; its subject is a ``Question``

@@ -14,16 +14,13 @@ import numpy as np
 from bpy.types import Depsgraph, Object
 from mathutils import Matrix
 
-from ....core.geometry import frames
+from ....core.geometry import carried, frames
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
 from ...memory import sessions
 from ...memory.evaluation import Evaluation
 from ...memory.sessions import Bound
 from .sides import mirrored
-
-_FLAT = 1e-3  # points on a line, within this share of its length, do not tell how they turn about it
-_MOST_RINGS = 3  # around a region that is too small to tell how it turns
 
 
 def is_riding(handle: SinewHandle) -> bool:
@@ -52,6 +49,31 @@ def rest_of(handle: SinewHandle) -> np.ndarray:
     return np.array(handle.rest_matrix, dtype=np.float64).reshape(4, 4, order="F")
 
 
+def standing(handle: SinewHandle) -> str:
+    """What the control of a handle stands on, as an artist reads it; or what carries it instead."""
+    if handle.stands_on != "SURFACE":
+        return f"{handle.name} stays in the world"
+    carrier = carrier_of(handle)
+    if carrier:
+        return f"{handle.name} now follows {carrier}"
+    return f"{handle.name} stands on the surface and moves with it"
+
+
+def carrier_of(handle: SinewHandle) -> str:
+    """The parent or constraint that carries the control in place of the surface; empty if none does."""
+    control = handle.control
+    if control is None or is_carried(handle.id_data, handle):
+        return ""
+    for constraint in control.constraints:
+        target = getattr(constraint, "target", None)
+        return getattr(constraint, "subtarget", "") or (constraint.name if target is None else target.name)
+    if handle.bone:
+        return handle.bone
+    if control.parent is not None:
+        return control.parent_bone if control.parent_type == "BONE" else control.parent.name
+    return control.name
+
+
 def stand_of(handle: SinewHandle) -> np.ndarray:
     """The frame that carries the control on the surface at rest, relative to the target, (4, 4)."""
     return np.array(handle.stand_matrix, dtype=np.float64).reshape(4, 4, order="F")
@@ -76,6 +98,8 @@ def ride(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None) -> d
     In viewports the controls are put there, and the rest frames follow *Stands On*.
     """
     asking = [handle for handle in evaluation.deformer.handles if _asks(handle) and handle.uid in bound.handles]
+    if evaluation.in_viewport:
+        _tell(evaluation)
     if not asking:
         evaluation.session.surfaces = {}
         return {}
@@ -91,6 +115,18 @@ def ride(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None) -> d
     return {handle.uid: found[handle.uid] for handle in asking if is_riding(handle)}
 
 
+def _tell(evaluation: Evaluation) -> None:
+    """Say in the panel which control has been taken off the surface by a parent or a constraint."""
+    told = next((standing(handle) for handle in evaluation.deformer.handles if _is_taken(handle)), "")
+    if told or evaluation.session.told:
+        evaluation.note(told)
+    evaluation.session.told = told
+
+
+def _is_taken(handle: SinewHandle) -> bool:
+    return is_riding(handle) and handle.owns_control and bool(carrier_of(handle))
+
+
 def _asks(handle: SinewHandle) -> bool:
     return handle.kind == "HANDLE" and "SURFACE" in (handle.stands_on, handle.stood_on)
 
@@ -104,39 +140,23 @@ def motions(
     """
     if points is None:
         return {handle.uid: np.eye(4) for handle in handles}
-    linear = world[:3, :3]
-    back = frames.inverse(world, "The mesh object")[:3, :3]
-    found = {handle.uid: _motion(bound, _patch(bound, handle), points, linear, back) for handle in handles}
+    found = {}
+    for handle in handles:
+        piece = _piece(bound, handle)
+        found[handle.uid] = carried.motion(bound.rest.points[piece], points[piece], world[:3, :3])
     if bound.factor.recipe.method.keyed:  # which has frames of its own
         still = bound.factor.still_poses(incoming=points, from_rest=np.ones(len(bound.handles), dtype=bool))
         found |= {key: square(pose) for key, pose in zip(bound.handles, still, strict=True) if key in found}
     return found
 
 
-def _motion(
-    bound: Bound, patch: np.ndarray, points: np.ndarray, linear: np.ndarray, back: np.ndarray
-) -> np.ndarray:
-    now = points[patch].astype(np.float64)
-    if not len(patch) or not frames.are_valid(now).all():
-        return np.eye(4)
-    before, after = bound.rest.points[patch] @ linear.T, now @ linear.T
-    found = np.eye(4)
-    if _is_flat(before):
-        found[:3, 3] = back @ (after - before).mean(axis=0)
-        return found
-    fitted = frames.fit(before, after, rigid=True)
-    found[:3] = np.column_stack((back @ fitted[:, :3] @ linear, back @ fitted[:, 3]))
-    return found
-
-
-def _patch(bound: Bound, handle: SinewHandle) -> np.ndarray:
-    """The vertices whose motion carries a handle: those of its region, or around its place without one.
-
-    What is too small, or too straight, to tell how it turns has the faces around it, too.
-    """
-    found = bound.patches.get(handle.uid)
+def _piece(bound: Bound, handle: SinewHandle) -> np.ndarray:
+    """The vertices whose motion carries a handle: those of its region, or around its place without one."""
+    found = bound.pieces.get(handle.uid)
     if found is None:
-        found = bound.patches[handle.uid] = _grown(bound.rest, _members(bound.rest, handle))
+        rest = bound.rest
+        found = carried.piece(rest.points, rest.counts, rest.corners, _members(rest, handle))
+        bound.pieces[handle.uid] = found
     return found
 
 
@@ -149,29 +169,6 @@ def _members(rest: RestShape, handle: SinewHandle) -> np.ndarray:
     place = rest_of(handle)[:3, 3]
     distances = np.linalg.norm(rest.points - place, axis=1)
     return np.array([np.argmin(np.where(np.isfinite(distances), distances, np.inf))])
-
-
-def _grown(rest: RestShape, members: np.ndarray) -> np.ndarray:
-    if not len(rest.counts):
-        return members
-    starts = np.concatenate(([0], np.cumsum(rest.counts)[:-1]))
-    for _ring in range(_MOST_RINGS):
-        if not len(members) or not _is_flat(rest.points[members]):
-            break
-        inside = np.zeros(len(rest.points), dtype=bool)
-        inside[members] = True
-        touched = np.repeat(np.logical_or.reduceat(inside[rest.corners], starts), rest.counts)
-        inside[rest.corners[touched]] = True
-        members = np.flatnonzero(inside)
-    return members
-
-
-def _is_flat(points: np.ndarray) -> bool:
-    """Whether points lie on a line, or at one place."""
-    if len(points) < 3:
-        return True
-    values = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
-    return bool(values[1] <= _FLAT * values[0])
 
 
 # Poses
