@@ -31,8 +31,8 @@ from .edit.handles.bones import is_moved_by_control
 from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
-from .edit.handles.standing import NOTHING_MOVES, stand_on, why_not_on_surface
 from .edit.handles.points import empties_on, empty_at, with_points
+from .edit.handles.standing import NOTHING_MOVES, stand_on, why_not_on_surface
 from .edit.keys import add_key, key_beside, key_notes, move_key, remove_key
 from .edit.lattices import LATTICE_METHODS, LatticeShape, add_lattice_object, set_rest_lattice
 from .edit.order import move_deformer, move_handle

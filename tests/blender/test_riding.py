@@ -7,26 +7,31 @@ that bone at every other: the oracle is the matrix of the bone.
 
 from __future__ import annotations
 
-import math
+from collections.abc import Callable
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
+from inside import notes_of, settle
+from libraries import add_collection, override, put_into_a_library
 from mathutils import Matrix
 from probe import render_points
 from registry import BY_ID, WITH_HANDLES
 from rig import (
-    FLOAT32,
     MATRIX,
     Rig,
     add_armature,
+    add_group,
     apply_matrix,
+    base_points,
     close,
     evaluated_points,
+    in_mode,
     key,
     make_active,
     move_world,
+    new_empty,
     push,
     reopen,
     update,
@@ -38,58 +43,353 @@ LIFT = Matrix.Translation((0.05, -0.1, 0.2))
 TURN = LIFT @ Matrix.Rotation(0.4, 4, "Z")
 
 
+class Posed(Rig):
+    """A plate whose far part one bone bends and moves over the frames; it is made at the frame MADE."""
+
+    @classmethod
+    def new(cls) -> Posed:
+        plate = cls.plate()
+        bone = add_armature(plate.obj, split=-0.3).pose.bones["high"]
+        turns = {1: (0.0, 0.0, 0.0), MADE: (1.4, 0.3, -0.5), 30: (-0.6, 0.0, 0.8)}
+        key(bone, {frame: {"rotation_euler": turn} for frame, turn in turns.items()})
+        key(bone, {1: {"location": (0.0, 0.0, 0.0)}, 30: {"location": (0.2, 0.1, -0.3)}})
+        go(MADE)
+        return plate
+
+    def correct(self, motion: Matrix = TURN) -> Posed:
+        """Move the control in the world of this frame."""
+        move_world(self.control, motion)
+        self.made, self.motion = bone_now(), np.array(motion)
+        return self
+
+    def far_edge(self, obj: bpy.types.Object | None = None) -> np.ndarray:
+        """What the viewport shows of it in the world."""
+        obj = obj or self.obj
+        return apply_matrix(obj.matrix_world, evaluated_points(obj)[self.top])
+
+    def expected(self) -> np.ndarray:
+        """The far edge now in the world, as ``correct`` moved it when the bone was where it was then."""
+        return apply_matrix(self.carried() @ self.motion @ self.made, self.at_rest())
+
+    def at_rest(self) -> np.ndarray:
+        """Where the far edge is without bones, in the world."""
+        return apply_matrix(self.obj.matrix_world, base_points(self.obj)[self.top])
+
+    def carried(self) -> np.ndarray:
+        """How the bone has moved since ``correct``, (4, 4)."""
+        return bone_now() @ np.linalg.inv(self.made)
+
+    def is_right(self, tolerance: float = MATRIX, obj: bpy.types.Object | None = None) -> bool:
+        """The far edge is right in every frame."""
+        found = []
+        for frame in FRAMES:
+            go(frame)
+            found.append(close(self.far_edge(obj), self.expected(), tolerance))
+        return all(found)
+
+
+@pytest.fixture
+def arm() -> Posed:
+    return Posed.new()
+
+
+@pytest.fixture
+def corrected(arm: Posed) -> Posed:
+    arm.bind("thin_shell")
+    return arm.correct()
+
+
 def go(frame: int) -> None:
     bpy.context.scene.frame_set(frame)
 
 
-def posed(plate: Rig) -> bpy.types.Object:
-    """Two bones carry the plate; the far one bends and moves over the frames. It is at the frame MADE."""
-    armature = add_armature(plate.obj, split=-0.3)
-    bone = armature.pose.bones["high"]
-    poses = {1: (0.0, 0.0, 0.0), MADE: (1.4, 0.3, -0.5), 30: (-0.6, 0.0, 0.8)}
-    key(bone, {frame: {"rotation_euler": turn} for frame, turn in poses.items()})
-    key(bone, {1: {"location": (0.0, 0.0, 0.0)}, 30: {"location": (0.2, 0.1, -0.3)}})
-    go(MADE)
-    return armature
-
-
 def bone_now() -> np.ndarray:
-    """What the far bone does to the mesh in this frame, (4, 4)."""
-    armature = bpy.data.objects["Rig"].evaluated_get(bpy.context.evaluated_depsgraph_get())
+    """What the far bone does to the mesh in this frame, in the world, (4, 4)."""
+    rig = next(obj for obj in bpy.data.objects if obj.type == "ARMATURE" and obj.users_scene)
+    armature = rig.evaluated_get(bpy.context.evaluated_depsgraph_get())
     bone = armature.pose.bones["high"]
     return np.array(bone.matrix @ bone.bone.matrix_local.inverted(), dtype=float)
 
 
-def entering(plate: Rig) -> np.ndarray:
-    """What the bones make of the plate in this frame, by their matrix: the far edge alone is asked for."""
-    return apply_matrix(bone_now(), plate.rest())
-
-
-def corrected(plate: Rig, motion: Matrix) -> None:
-    """Move the control in the world of this frame."""
-    move_world(plate.control, motion)
-
-
-def expected(plate: Rig, made: np.ndarray, motion: Matrix) -> np.ndarray:
-    """The far edge now, if ``motion`` of the world moved it when the bone was at ``made``."""
-    carried = bone_now() @ np.linalg.inv(made)
-    return apply_matrix(carried @ np.array(motion) @ made, plate.rest()[plate.top])
-
-
 @pytest.mark.parametrize("method", WITH_HANDLES)
-def test_a_correction_rides_on_the_surface(plate: Rig, method: str):
-    posed(plate)
-    plate.bind(method)
-    assert plate.deformer.handles[0].stands_on == "SURFACE"
-    made, motion = bone_now(), LIFT if BY_ID[method].is_space else TURN
+def test_a_correction_rides_on_the_surface(arm: Posed, method: str):
+    arm.bind(method)
+    assert arm.deformer.handles[0].stands_on == "SURFACE"
     off = ITERATED if BY_ID[method].iterative else MATRIX
-    for frame in FRAMES:
+    for frame in FRAMES:  # without one, the bones alone count
         go(frame)
-        assert close(plate.points()[plate.top], entering(plate)[plate.top], off), frame
+        shown = arm.points()
+        modifier = arm.obj.modifiers[-1]
+        modifier.show_viewport = False
+        assert close(shown, arm.points(), off), frame
+        modifier.show_viewport = True
     go(MADE)
-    corrected(plate, motion)
+    arm.correct()
+    assert arm.is_right(MATRIX)
     for frame in FRAMES:
         go(frame)
-        wanted = expected(plate, made, motion)
-        assert close(plate.points()[plate.top], wanted, off), frame
-        assert close(render_points(plate.obj)[plate.top], wanted, off), frame
+        rendered = apply_matrix(arm.obj.matrix_world, render_points(arm.obj)[arm.top])
+        assert close(rendered, arm.expected(), MATRIX), frame
+
+
+def test_the_control_stands_on_the_surface_in_every_frame(corrected: Posed):
+    place = np.array(corrected.control.matrix_world)
+    for frame in FRAMES:
+        go(frame)
+        update()
+        wanted = corrected.carried() @ place
+        assert close(np.array(corrected.control.matrix_world), wanted, MATRIX), frame
+        bpy.context.view_layer.objects.active = corrected.control
+    corrected.control.matrix_basis = Matrix()  # Alt G, R, S
+    go(7)
+    assert close(corrected.far_edge(), apply_matrix(bone_now(), corrected.at_rest()), MATRIX)
+
+
+def saved_and_loaded(arm: Posed, folder: Path) -> None:
+    go(7)
+    reopen(folder / "arm.blend")
+
+
+def undone_and_redone(arm: Posed, _folder: Path) -> None:
+    push("corrected")
+    move_world(arm.control, Matrix.Translation((1.0, 0.0, 0.0)))
+    push("moved on")
+    go(1)
+    bpy.ops.ed.undo()
+    assert arm.is_right()
+    bpy.ops.ed.redo()
+    bpy.ops.ed.undo()
+
+
+def bound_again_at_another_frame(arm: Posed, _folder: Path) -> None:
+    go(7)
+    make_active(arm.obj)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+
+
+def given_another_handle_at_another_frame(arm: Posed, _folder: Path) -> None:
+    add_group(arm.obj, "Near", lambda point: -0.75 < point[1] < -0.5)
+    go(30)
+    make_active(arm.obj)
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Near")
+
+
+def given_a_new_control_at_another_frame(arm: Posed, _folder: Path) -> None:
+    bpy.data.objects.remove(arm.control)
+    assert arm.is_right()  # the correction stays on the skin meanwhile
+    go(7)
+    make_active(arm.obj)
+    assert bpy.ops.sinew.control_new() == {"FINISHED"}
+
+
+def moved_turned_and_applied(arm: Posed, _folder: Path) -> None:
+    """The mesh is brought back by its own points, so that the bone still moves the same places."""
+    bend = (
+        Matrix.Translation((0.3, 0.2, 0.1)) @ Matrix.Rotation(0.7, 4, "X") @ Matrix.Diagonal((1, 2, 0.5, 1))
+    )
+    go(7)
+    arm.obj.matrix_world = bend
+    arm.obj.data.transform(bend.inverted())
+    update()
+    make_active(arm.obj)
+    bpy.ops.object.transform_apply(location=True, rotation=True, scale=True)
+
+
+def renamed_with_its_control(arm: Posed, _folder: Path) -> None:
+    arm.control.name = "Elsewhere"
+    arm.obj.name = arm.name = "Renamed"
+    arm.deformer.handles[0].name = "Hand L"
+
+
+def switched_to_the_world_and_back(arm: Posed, _folder: Path) -> None:
+    go(7)
+    shown, place = arm.far_edge(), np.array(arm.control.matrix_world)
+    make_active(arm.obj)
+    for on in ("WORLD", "SURFACE"):
+        assert bpy.ops.sinew.handle_stand(on=on) == {"FINISHED"}
+        assert arm.deformer.handles[0].stands_on == on
+        assert close(arm.far_edge(), shown, MATRIX)
+        assert close(np.array(arm.control.matrix_world), place, MATRIX)
+
+
+def switched_by_a_script(arm: Posed, _folder: Path) -> None:
+    go(30)
+    for on in ("WORLD", "SURFACE"):
+        shown = arm.far_edge()
+        arm.deformer.handles[0].stands_on = on
+        assert close(arm.far_edge(), shown, MATRIX)
+
+
+def moved_by_a_script_in_the_world(arm: Posed, _folder: Path) -> None:
+    """To a place in the world, in another frame: there the surface goes."""
+    go(7)
+    update()
+    place = arm.control.matrix_world.copy()
+    arm.control.matrix_world = LIFT @ place
+    assert close(arm.far_edge(), apply_matrix(np.array(LIFT), arm.expected()), MATRIX)
+    assert close(np.array(arm.control.matrix_world), np.array(LIFT @ place), MATRIX)
+    arm.control.matrix_world = place
+
+
+def bent_in_a_mesh_sequence_of_frames_backwards(arm: Posed, _folder: Path) -> None:
+    for frame in reversed(range(1, 31, 3)):
+        go(frame)
+        assert close(arm.far_edge(), arm.expected(), MATRIX), frame
+
+
+LIVES_THROUGH: list[Callable[[Posed, Path], None]] = [
+    saved_and_loaded,
+    undone_and_redone,
+    bound_again_at_another_frame,
+    given_another_handle_at_another_frame,
+    given_a_new_control_at_another_frame,
+    moved_turned_and_applied,
+    renamed_with_its_control,
+    switched_to_the_world_and_back,
+    switched_by_a_script,
+    moved_by_a_script_in_the_world,
+    bent_in_a_mesh_sequence_of_frames_backwards,
+]
+
+
+@pytest.mark.parametrize("happens", LIVES_THROUGH, ids=lambda row: row.__name__)
+def test_a_correction_lives_through(corrected: Posed, tmp_path: Path, happens):
+    happens(corrected, tmp_path)
+    assert corrected.is_right(2e-5)
+    go(7)
+    rendered = render_points(corrected.obj)[corrected.top]
+    assert close(apply_matrix(corrected.obj.matrix_world, rendered), corrected.expected(), 2e-5)
+
+
+def parented_to_the_bone(control: bpy.types.Object) -> None:
+    armature = bpy.data.objects["Rig"]
+    make_active(armature)
+    armature.data.bones.active = armature.data.bones["high"]
+    control.select_set(True)
+    assert bpy.ops.object.parent_set(type="BONE", keep_transform=True) == {"FINISHED"}
+
+
+def constrained_to_the_bone(control: bpy.types.Object) -> None:
+    constraint = control.constraints.new("CHILD_OF")
+    constraint.target, constraint.subtarget = bpy.data.objects["Rig"], "high"
+    update()
+    armature = bpy.data.objects["Rig"].evaluated_get(bpy.context.evaluated_depsgraph_get())
+    constraint.inverse_matrix = (armature.matrix_world @ armature.pose.bones["high"].matrix).inverted()
+
+
+@pytest.mark.parametrize("take", [parented_to_the_bone, constrained_to_the_bone])
+def test_a_parent_that_moves_the_mesh_already_does_not_count_twice(corrected: Posed, take):
+    take(corrected.control)
+    update()
+    assert "Top now follows high" in notes_of(corrected.deformer)
+    if take is parented_to_the_bone:  # a constraint is not carried by the mesh as well
+        assert corrected.is_right(2e-5)
+    make_active(corrected.control)
+    for constraint in corrected.control.constraints:
+        corrected.control.constraints.remove(constraint)
+    bpy.ops.object.parent_clear(type="CLEAR_KEEP_TRANSFORM")
+    update()
+    assert not any("high" in note for note in notes_of(corrected.deformer))
+
+
+def test_keyframes_are_converted(arm: Posed):
+    """Each keeps the shape of its frame, both ways."""
+    arm.bind("thin_shell")
+    handle = arm.deformer.handles[0]
+    for frame, motion in ((7, LIFT), (30, TURN)):
+        go(frame)
+        arm.control.matrix_basis = motion
+        for channel in ("location", "rotation_euler"):
+            arm.control.keyframe_insert(channel, frame=frame)
+    shown = {}
+    for frame in (7, 30):
+        go(frame)
+        shown[frame] = arm.far_edge()
+    go(MADE)
+    for on in ("WORLD", "SURFACE"):
+        make_active(arm.obj)
+        assert bpy.ops.sinew.handle_stand(on=on) == {"FINISHED"}
+        assert handle.stands_on == on
+        for frame in (7, 30):
+            go(frame)
+            assert close(arm.far_edge(), shown[frame], 1e-4), (on, frame)
+        go(MADE)
+
+
+def test_where_nothing_moves_the_mesh_handles_stand_in_the_world(plate: Rig):
+    plate.bind("thin_shell")
+    assert plate.deformer.handles[0].stands_on == "WORLD"
+    with pytest.raises(RuntimeError, match="Nothing before Sinew moves this mesh"):
+        bpy.ops.sinew.handle_stand(on="SURFACE", index=0)
+
+
+def test_objects_and_bones_of_the_user_stand_in_the_world(arm: Posed):
+    new_empty("Mine")
+    arm.bind("thin_shell", control_object="Mine")
+    assert arm.deformer.handles[0].stands_on == "WORLD"
+
+
+def test_a_bone_as_a_control_does_not_count_twice_on_the_surface(arm: Posed):
+    arm.bind("thin_shell", control_object="Rig", bone="high")
+    arm.deformer.handles[0].stands_on = "SURFACE"
+    arm.made, arm.motion = bone_now(), np.eye(4)
+    assert arm.is_right()
+
+
+def test_copies_and_appended_rigs_ride_by_themselves(corrected: Posed, tmp_path: Path):
+    corrected.obj.select_set(True)
+    corrected.control.select_set(True)
+    bpy.ops.object.duplicate()
+    copy = next(obj for obj in bpy.context.selected_objects if obj.type == "MESH")
+    settle()
+    corrected_copy = copy.sinew.deformers[0].handles[0].control
+    assert corrected_copy not in (None, corrected.control)
+    assert corrected.is_right(obj=copy)
+    corrected_copy.matrix_basis = Matrix()
+    go(7)
+    assert close(corrected.far_edge(copy), apply_matrix(bone_now(), corrected.at_rest()), MATRIX)
+    assert corrected.is_right()
+
+
+@pytest.mark.parametrize("bring", [add_collection, override])
+def test_a_rig_from_a_library_rides(corrected: Posed, tmp_path: Path, bring):
+    path = put_into_a_library(
+        tmp_path / "asset.blend", corrected.obj, corrected.control, bpy.data.objects["Rig"]
+    )
+    bring(path)
+    corrected.name = next(obj.name for obj in bpy.context.scene.objects if obj.sinew.deformers)
+    assert corrected.is_right(2e-5)
+
+
+@pytest.mark.parametrize("method", ["arap", "inverse_ffd"])
+def test_sinew_drag_makes_controls_that_ride(arm: Posed, method: str):
+    place = apply_matrix(bone_now(), np.array(((0.5, 0.9, 0.0),)))[0]
+    normal = bone_now()[:3, 2]
+    bpy.ops.object.select_all(action="DESELECT")
+    bpy.ops.sinew.drag(
+        origin=place + normal, direction=-normal, value=(0.0, 0.0, 0.3), radius=0.15, method=method
+    )
+    handle = arm.deformer.handles[arm.deformer.active_handle]
+    assert handle.stands_on == "SURFACE"
+    members = [
+        vertex.index
+        for vertex in arm.obj.data.vertices
+        if (vertex.co - Matrix(bone_now()).inverted() @ Matrix.Translation(place).translation).length < 0.1
+    ]
+    offset = np.array((0.0, 0.0, 0.3))
+    made = bone_now()
+    for frame in FRAMES:
+        go(frame)
+        turned = (bone_now() @ np.linalg.inv(made))[:3, :3] @ offset
+        wanted = apply_matrix(bone_now(), arm.rest()[members]) + turned
+        assert close(arm.points()[members], wanted, MATRIX if method == "arap" else 0.02), frame
+
+
+def test_grab_region_moves_what_is_seen_as_far_as_the_mouse(arm: Posed):
+    before = arm.points()
+    with in_mode(arm.obj):
+        bpy.ops.mesh.select_all(action="DESELECT")
+        arm.obj.vertex_groups.active = arm.obj.vertex_groups["Top"]
+        bpy.ops.object.vertex_group_select()
+        bpy.ops.sinew.grab_region(value=(0.1, 0.2, 0.3), radius=0.3)
+    assert close(arm.points()[arm.top], before[arm.top] + (0.1, 0.2, 0.3), MATRIX)

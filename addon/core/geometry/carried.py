@@ -9,9 +9,7 @@ _THIN = 1e-3  # points on a line, within this share of its length, do not tell h
 _MOST_RINGS = 3
 
 
-def piece(
-    points: np.ndarray, counts: np.ndarray, corners: np.ndarray, members: np.ndarray
-) -> np.ndarray:
+def piece(points: np.ndarray, counts: np.ndarray, corners: np.ndarray, members: np.ndarray) -> np.ndarray:
     """The vertices that tell how ``members`` move: these, or if they lie on a line with some around them."""
     for _ring in range(_MOST_RINGS):
         if not len(members) or not len(counts) or not is_line(points[members]):

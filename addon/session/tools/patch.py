@@ -127,7 +127,9 @@ class Patch:
 
         It takes ``points`` to where an artist sees them.
         """
-        shown = [modifier for modifier in obj.modifiers if modifier.show_viewport and modifier.show_in_editmode]
+        shown = [
+            modifier for modifier in obj.modifiers if modifier.show_viewport and modifier.show_in_editmode
+        ]
         if not shown:
             return np.eye(4)
         with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:

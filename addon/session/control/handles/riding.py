@@ -97,7 +97,9 @@ def ride(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None) -> d
 
     In viewports the controls are put there, and the rest frames follow *Stands On*.
     """
-    asking = [handle for handle in evaluation.deformer.handles if _asks(handle) and handle.uid in bound.handles]
+    asking = [
+        handle for handle in evaluation.deformer.handles if _asks(handle) and handle.uid in bound.handles
+    ]
     if evaluation.in_viewport:
         _tell(evaluation)
     if not asking:

@@ -72,9 +72,7 @@ def own(
     is_child = control.parent == obj and control.parent_type == "OBJECT"
     if is_child:
         riding.set_stand(handle, riding.parent_inverse(control))
-    handle.stands_on = handle.stood_on = (
-        "SURFACE" if is_child and is_moved_before(obj, deformer) else "WORLD"
-    )
+    handle.stands_on = handle.stood_on = "SURFACE" if is_child and is_moved_before(obj, deformer) else "WORLD"
 
 
 def to_matrix(array: np.ndarray) -> Matrix:

@@ -87,9 +87,7 @@ def _effect(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> np.nda
     return surface @ pose @ np.linalg.inv(surface)
 
 
-def _key(
-    obj: Object, deformer: SinewDeformer, handle: SinewHandle, frame: float, effect: np.ndarray
-) -> None:
+def _key(obj: Object, deformer: SinewDeformer, handle: SinewHandle, frame: float, effect: np.ndarray) -> None:
     """Let the keys of the control at a frame move what enters by ``effect`` (4, 4)."""
     control, surface = handle.control, riding.surface_of(deformer, handle)
     stand = riding.stand_of(handle) if riding.is_riding(handle) else riding.parent_inverse(control)
