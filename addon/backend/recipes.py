@@ -74,7 +74,6 @@ class Handles:
     """
 
     size: ClassVar[int] = 0  # for the registry: a surface method pays for its surface alone
-    adds_displacement: ClassVar[bool] = False  # poses move what enters, and not the rest shape
 
     vertices: Sequence[np.ndarray]
     weights: Sequence[object]
@@ -183,9 +182,6 @@ class HandlePoints(ControlPoints):
     segments. The native class is made of the points and weights alone.
     """
 
-    # Poses move the rest shape, and how far they do is added to what enters.
-    adds_displacement: ClassVar[bool] = True
-
     counts: tuple[int, ...]
     weights: np.ndarray
     apart: tuple[bool, ...]
@@ -252,8 +248,6 @@ class HandlePoints(ControlPoints):
 @dataclass(frozen=True)
 class HandlePoses(HandlePoints):
     """The same for a method that is built around the target, and takes the poses of the handles."""
-
-    adds_displacement: ClassVar[bool] = False
 
     def make(self, native, recipe: "Recipe", mesh: object) -> Any:
         """The native method, still without bound points."""

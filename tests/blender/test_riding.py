@@ -39,6 +39,7 @@ from rig import (
 
 MADE, FRAMES = 20, (1, 7, 20, 30)
 ITERATED = 1e-2  # where handles are not moved, an iteration may stop this far from what enters
+APPROXIMATE = {"inverse_ffd": 1e-3}  # handles are met as well as a lattice can
 LIFT = Matrix.Translation((0.05, -0.1, 0.2))
 TURN = LIFT @ Matrix.Rotation(0.4, 4, "Z")
 
@@ -125,11 +126,12 @@ def test_a_correction_rides_on_the_surface(arm: Posed, method: str):
         modifier.show_viewport = True
     go(MADE)
     arm.correct()
-    assert arm.is_right(MATRIX)
+    off = APPROXIMATE.get(method, MATRIX)
+    assert arm.is_right(off)
     for frame in FRAMES:
         go(frame)
         rendered = apply_matrix(arm.obj.matrix_world, render_points(arm.obj)[arm.top])
-        assert close(rendered, arm.expected(), MATRIX), frame
+        assert close(rendered, arm.expected(), off), frame
 
 
 def test_the_control_stands_on_the_surface_in_every_frame(corrected: Posed):
@@ -206,7 +208,7 @@ def switched_to_the_world_and_back(arm: Posed, _folder: Path) -> None:
     shown, place = arm.far_edge(), np.array(arm.control.matrix_world)
     make_active(arm.obj)
     for on in ("WORLD", "SURFACE"):
-        assert bpy.ops.sinew.handle_stand(on=on) == {"FINISHED"}
+        assert bpy.ops.sinew.handle_stand(on=on, index=0) == {"FINISHED"}
         assert arm.deformer.handles[0].stands_on == on
         assert close(arm.far_edge(), shown, MATRIX)
         assert close(np.array(arm.control.matrix_world), place, MATRIX)
@@ -308,7 +310,7 @@ def test_keyframes_are_converted(arm: Posed):
     go(MADE)
     for on in ("WORLD", "SURFACE"):
         make_active(arm.obj)
-        assert bpy.ops.sinew.handle_stand(on=on) == {"FINISHED"}
+        assert bpy.ops.sinew.handle_stand(on=on, index=0) == {"FINISHED"}
         assert handle.stands_on == on
         for frame in (7, 30):
             go(frame)
@@ -363,33 +365,29 @@ def test_a_rig_from_a_library_rides(corrected: Posed, tmp_path: Path, bring):
 
 @pytest.mark.parametrize("method", ["arap", "inverse_ffd"])
 def test_sinew_drag_makes_controls_that_ride(arm: Posed, method: str):
-    place = apply_matrix(bone_now(), np.array(((0.5, 0.9, 0.0),)))[0]
-    normal = bone_now()[:3, 2]
-    bpy.ops.object.select_all(action="DESELECT")
+    vertex = int(np.argmin(np.linalg.norm(arm.rest() - (0.6, 0.6, 0.0), axis=1)))
+    place, normal = arm.points()[vertex], bone_now()[:3, 2]
     bpy.ops.sinew.drag(
         origin=place + normal, direction=-normal, value=(0.0, 0.0, 0.3), radius=0.15, method=method
     )
-    handle = arm.deformer.handles[arm.deformer.active_handle]
-    assert handle.stands_on == "SURFACE"
-    members = [
-        vertex.index
-        for vertex in arm.obj.data.vertices
-        if (vertex.co - Matrix(bone_now()).inverted() @ Matrix.Translation(place).translation).length < 0.1
-    ]
-    offset = np.array((0.0, 0.0, 0.3))
+    assert arm.deformer.handles[arm.deformer.active_handle].stands_on == "SURFACE"
     made = bone_now()
     for frame in FRAMES:
         go(frame)
-        turned = (bone_now() @ np.linalg.inv(made))[:3, :3] @ offset
-        wanted = apply_matrix(bone_now(), arm.rest()[members]) + turned
-        assert close(arm.points()[members], wanted, MATRIX if method == "arap" else 0.02), frame
+        turned = (bone_now() @ np.linalg.inv(made))[:3, :3] @ (0.0, 0.0, 0.3)
+        wanted = apply_matrix(bone_now(), arm.rest()[[vertex]]) + turned
+        assert close(arm.points()[[vertex]], wanted, MATRIX if method == "arap" else 0.02), frame
 
 
-def test_grab_region_moves_what_is_seen_as_far_as_the_mouse(arm: Posed):
-    before = arm.points()
+@pytest.mark.parametrize("on_cage", [True, False])
+def test_grab_region_moves_what_is_seen_as_far_as_the_mouse(arm: Posed, on_cage: bool):
+    """Without the armature in Edit Mode, the mesh at rest is seen."""
+    before, rest = arm.points(), arm.rest()
+    arm.obj.modifiers[0].show_in_editmode = arm.obj.modifiers[0].show_on_cage = on_cage
     with in_mode(arm.obj):
         bpy.ops.mesh.select_all(action="DESELECT")
         arm.obj.vertex_groups.active = arm.obj.vertex_groups["Top"]
         bpy.ops.object.vertex_group_select()
         bpy.ops.sinew.grab_region(value=(0.1, 0.2, 0.3), radius=0.3)
-    assert close(arm.points()[arm.top], before[arm.top] + (0.1, 0.2, 0.3), MATRIX)
+    seen, was = (arm.points(), before) if on_cage else (arm.rest(), rest)
+    assert close(seen[arm.top], was[arm.top] + (0.1, 0.2, 0.3), MATRIX)

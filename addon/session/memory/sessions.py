@@ -82,6 +82,10 @@ class Session:
     poses: dict[str, np.ndarray] = field(default_factory=dict)
     # How the surface has moved from rest under the handles that stand on it, by their keys, in viewports.
     surfaces: dict[str, np.ndarray] = field(default_factory=dict)
+    carried: dict[str, np.ndarray] = field(
+        default_factory=dict
+    )  # the parent inverse that each control was given
+    foreign: set[tuple] = field(default_factory=set)  # those that Apply has written, with what it wrote
     told: str = ""  # which control has been taken off the surface
     asked: Asked | None = None  # by the last evaluation for viewports
     settle: bool = False  # a preview is shown, and the next evaluation is to solve exactly
@@ -162,6 +166,7 @@ def forget_shapes() -> None:
     _last_updates.clear()
     for session in _sessions.values():
         session.shown.clear()
+        session.carried.clear()
         session.failed = session.unanswered = None
 
 

@@ -118,7 +118,11 @@ def bound_poses(
         if control is not None:
             control = _inverse(world, "The mesh object") @ control
             if surface is not None:
-                control = riding.seen_from_surface(evaluation.obj, handle, depsgraph, control, surface)
+                control = (
+                    frames.inverse(surface.moved, handle.name) @ control
+                    if surface.by_place
+                    else riding.seen_from_surface(evaluation.obj, handle, depsgraph, control, surface.moved)
+                )
         if control is not None and not handle.has_rest and evaluation.in_viewport:
             last = session.poses.get(key)
             last = _last_pose(deformer, bound, row) if last is None else last
@@ -137,7 +141,7 @@ def bound_poses(
             if evaluation.in_viewport:
                 _keep(handle, poses[row])
         if surface is not None:
-            poses[row] = riding.on_surface(bound, surface, poses[row])
+            poses[row] = riding.on_surface(bound, surface.moved, poses[row])
     return poses, from_rest, placed
 
 

@@ -10,6 +10,8 @@ the very evaluation that carries the control. Other controls go where their own 
 them, and the region goes with them.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 from bpy.types import Depsgraph, Object
 from mathutils import Matrix
@@ -19,8 +21,10 @@ from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
 from ...memory import sessions
 from ...memory.evaluation import Evaluation
-from ...memory.sessions import Bound
+from ...memory.sessions import Bound, Session
 from .sides import mirrored
+
+_ROUNDING = 1e-5  # of float32 matrices that were multiplied, as a share of their largest entry
 
 
 def is_riding(handle: SinewHandle) -> bool:
@@ -92,29 +96,44 @@ def parent_inverse(control: Object) -> np.ndarray:
 # How the surface has moved
 
 
-def ride(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None) -> dict[str, np.ndarray]:
-    """How the surface has moved from rest, (4, 4) by the key of each handle that stands on it.
+class Surface(NamedTuple):
+    """How the surface under a handle has ``moved`` from rest, (4, 4).
+
+    ``by_place``: the place of the control counts in this evaluation, even if it is carried.
+    """
+
+    moved: np.ndarray
+    by_place: bool
+
+
+def ride(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None) -> dict[str, Surface]:
+    """What each handle stands on that stands on the surface, by its key.
 
     In viewports the controls are put there, and the rest frames follow *Stands On*.
     """
-    asking = [
-        handle for handle in evaluation.deformer.handles if _asks(handle) and handle.uid in bound.handles
-    ]
+    session, handles = evaluation.session, evaluation.deformer.handles
+    asking = [handle for handle in handles if _asks(handle) and handle.uid in bound.handles]
     if evaluation.in_viewport:
         _tell(evaluation)
     if not asking:
-        evaluation.session.surfaces = {}
+        session.surfaces = {}
         return {}
     world = np.array(evaluation.evaluated.matrix_world, dtype=np.float64)
-    found = motions(bound, asking, incoming, world)
+    moved = motions(bound, asking, incoming, world)
+    displaced: set[str] = set()
     if evaluation.in_viewport:
         for handle in asking:
-            carry(evaluation.obj, handle, found[handle.uid])
+            if not carry(evaluation.obj, session, handle, moved[handle.uid]):
+                displaced.add(handle.uid)
             if handle.stands_on != handle.stood_on:
-                change_stand(evaluation.obj, handle, found[handle.uid])
+                change_stand(evaluation.obj, handle, moved[handle.uid])
                 evaluation.obj.update_tag()  # the evaluated copy still has the former frames
-        evaluation.session.surfaces = found
-    return {handle.uid: found[handle.uid] for handle in asking if is_riding(handle)}
+        session.surfaces = moved
+    return {
+        handle.uid: Surface(moved[handle.uid], handle.uid in displaced)
+        for handle in asking
+        if is_riding(handle)
+    }
 
 
 def _tell(evaluation: Evaluation) -> None:
@@ -179,7 +198,10 @@ def _members(rest: RestShape, handle: SinewHandle) -> np.ndarray:
 def seen_from_surface(
     obj: Object, handle: SinewHandle, depsgraph: Depsgraph, control: np.ndarray, surface: np.ndarray
 ) -> np.ndarray:
-    """A control, (4, 4) in the frame of the target, as if the ``surface`` (4, 4) had not moved from rest."""
+    """A control, (4, 4) in the frame of the target, as if the ``surface`` (4, 4) had not moved from rest.
+
+    One that is carried may still be where it was carried last, so only its own transform counts.
+    """
     if is_carried(obj, handle):
         evaluated = handle.control.evaluated_get(depsgraph)
         return stand_of(handle) @ np.array(evaluated.matrix_basis, dtype=np.float64)
@@ -188,11 +210,11 @@ def seen_from_surface(
 
 def on_surface(bound: Bound, surface: np.ndarray, pose: np.ndarray) -> np.ndarray:
     """A pose (3, 4) relative to the surface at rest as the factor takes it, where the ``surface`` is now."""
-    recipe = bound.factor.recipe
+    method = bound.factor.recipe.method
     posed = surface @ square(pose)
-    if recipe.method.keyed:  # whose pose is that of a control which follows the animation, from rest
+    if method.keyed:  # whose pose is that of a control which follows the animation, from rest
         return posed[:3]
-    if recipe.control.adds_displacement:  # to what has moved by M, after it was moved from rest
+    if method.adds_displacements:  # to what has moved by M, after it was moved from rest
         return (posed - surface + np.eye(4))[:3]
     return (posed @ np.linalg.inv(surface))[:3]
 
@@ -222,13 +244,42 @@ def square(pose: np.ndarray) -> np.ndarray:
 # What is written
 
 
-def carry(obj: Object, handle: SinewHandle, surface: np.ndarray) -> None:
-    """Put the control onto the surface. It is drawn there at once: Blender evaluates what handlers write."""
+def carry(obj: Object, session: Session, handle: SinewHandle, surface: np.ndarray) -> bool:
+    """Put the control onto the surface; False if it was to stay where something else has put it just now.
+
+    It is drawn there at once, as Blender evaluates what handlers write.
+    """
     if not is_carried(obj, handle):
-        return
-    frame = (surface @ stand_of(handle)).astype(np.float32)
-    if not np.array_equal(frame, parent_inverse(handle.control).astype(np.float32)):
-        handle.control.matrix_parent_inverse = Matrix(frame.tolist())
+        return True
+    control, frame = handle.control, surface @ stand_of(handle)
+    now = parent_inverse(control)
+    is_ours = _is_ours(session, handle, now, frame)
+    if not is_ours:
+        basis = np.array(control.matrix_basis, dtype=np.float64)
+        control.matrix_basis = Matrix((frames.inverse(frame, handle.name) @ now @ basis).tolist())
+    if not np.array_equal(frame.astype(np.float32), now.astype(np.float32)):
+        control.matrix_parent_inverse = Matrix(frame.tolist())
+    session.carried[handle.uid] = parent_inverse(control)
+    return is_ours
+
+
+def _is_ours(session: Session, handle: SinewHandle, now: np.ndarray, frame: np.ndarray) -> bool:
+    """Whether Sinew has written what carries the control ``now``.
+
+    Apply writes it, too, with another own transform, so that the control stays where it is. That of an undo
+    step may be of another frame, unless it was found to be such before.
+    """
+    if np.abs(now - frame).max() <= _ROUNDING * np.abs(frame).max():
+        return True
+    last = session.carried.get(handle.uid)
+    basis = np.array(handle.control.matrix_basis, dtype=np.float64)
+    key = (handle.uid, now.tobytes(), basis.tobytes())
+    if last is None:
+        return key not in session.foreign
+    if np.array_equal(last, now):
+        return True
+    session.foreign.add(key)
+    return False
 
 
 def change_stand(obj: Object, handle: SinewHandle, surface: np.ndarray) -> None:

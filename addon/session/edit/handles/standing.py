@@ -21,6 +21,8 @@ _SAME = 1e-6  # of a frame: keys so near each other are at one
 
 def why_not_on_surface(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> str:
     """Why a handle cannot stand on the surface; empty if it can."""
+    if handle.kind != "HANDLE":
+        return "It has no control"
     if are_apart(deformer, handle):
         return "The points of its control count, not its place"
     return "" if is_moved_before(obj, deformer) else NOTHING_MOVES
