@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from math import radians
 
+import bmesh
 import bpy
 import numpy as np
 from mathutils import Matrix, Vector
@@ -15,8 +16,8 @@ from .models import yeti
 SHOWN = (1, 10, 20)
 MADE = SHOWN[-1]
 BENT = 118.0  # degrees
-SPACING = 2.1
-PULL = 0.24
+SPACING = 1.7
+PULL = 0.22
 
 
 def make() -> bpy.types.Scene:
@@ -38,14 +39,14 @@ def make() -> bpy.types.Scene:
     handle = _correct(body)
     posing.check_posed(body, SHOWN[0], MADE)
 
+    studio.add_camera(scene, target=(0.0, 0.0, 1.5), distance=26.0, elevation=10.0, width=5.2)
     for k, frame in enumerate(SHOWN):
         x = (k - 1) * SPACING
-        _show(body, frame, None, x, 1.0, f"Frame {frame}")
+        _show(body, frame, None, x, 1.15, f"Frame {frame}")
         _show(body, frame, handle.control, x, 0.0, "with the correction")
     body.hide_render = bones.hide_render = True
     studio.add_backdrop(scene, behind=14.0)
-    studio.add_camera(scene, target=(0.0, 0.0, 1.2), distance=26.0, elevation=10.0, width=6.6)
-    studio.add_lights(scene, target=(0.0, 0.0, 1.2), size=8.0)
+    studio.add_lights(scene, target=(0.0, 0.0, 1.5), size=8.0)
     studio.set_up_render(scene, samples=64, width=1400, height=760)
     studio.open_at(scene, MADE, body)
     return scene
@@ -55,7 +56,7 @@ def _correct(body: bpy.types.Object) -> bpy.types.PropertyGroup:
     """Press on the outside of the bent elbow, and pull."""
     shown = posing.shape(body)
     rest = posing.vertices(body)
-    at = int(np.argmin(np.linalg.norm(rest - (-0.15, yeti.ELBOW, yeti.ARM_HEIGHT), axis=1)))
+    at = int(np.argmin(np.linalg.norm(rest - (0.0, yeti.ELBOW, yeti.ARM_HEIGHT - 0.2), axis=1)))
     place = np.array(body.matrix_world @ Vector(shown[at]))
     out = np.array(body.matrix_world.to_3x3() @ Vector(_normal(body, at)))
     posing.make_active(body)
@@ -79,9 +80,11 @@ def _show(
     bpy.context.scene.frame_set(frame)
     evaluated = body.evaluated_get(bpy.context.evaluated_depsgraph_get())
     mesh = bpy.data.meshes.new_from_object(evaluated)
-    _keep_arm(mesh, posing.vertices(body)[:, 1] > 0.42)
-    shift = Matrix.Translation((x - 1.0, 0.0, z - 0.4))
+    rest = posing.vertices(body)
+    _keep_arm(mesh, (rest[:, 1] > 0.5) & (rest[:, 2] > 0.95))
+    shift = Matrix.Translation((x - 1.1, 0.0, z - 0.5))
     shown = bpy.data.objects.new(f"Frame {frame} {label}", mesh)
+    shown.color[3] = 0.0
     shown.matrix_world = shift @ body.matrix_world
     bpy.context.scene.collection.objects.link(shown)
     if control is not None:
@@ -92,12 +95,10 @@ def _show(
         markers.add_pin(ball, place + Vector((0.0, -0.3, 0.0)), 0.05, place)
     body.modifiers[-1].show_viewport = True
     if control is None:
-        studio.add_label(bpy.context.scene, label, (x, -0.4, z + 0.2), 0.14)
+        studio.add_label(bpy.context.scene, label, (x - 0.3, -0.4, z + 0.25), 0.13)
 
 
 def _keep_arm(mesh: bpy.types.Mesh, inside: np.ndarray) -> None:
-    import bmesh
-
     edit = bmesh.new()
     edit.from_mesh(mesh)
     edit.verts.ensure_lookup_table()

@@ -158,6 +158,12 @@ def add_cage() -> None:
     target.sinew.active_deformer = 0
 
 
+def put_an_armature_first(plate: Rig) -> None:
+    """Before the deformer. It has no bones."""
+    plate.obj.modifiers.new("Armature", "ARMATURE")
+    bpy.ops.object.modifier_move_to_index(modifier="Armature", index=0)
+
+
 def bake_keys() -> None:
     run("bake", target="SHAPE_KEYS", frame_start=1, frame_end=2)
 
@@ -187,6 +193,9 @@ OPERATORS = {
     ),
     "handle_remove": Case(lambda: run("handle_remove", index=1), everything_moved),
     "handle_move": Case(lambda: run("handle_move", direction="DOWN", index=0), unchanged),
+    "handle_stand": Case(
+        lambda: run("handle_stand", on="SURFACE", index=0), unchanged, put_an_armature_first
+    ),
     "handle_mirror": Case(
         lambda: run("handle_mirror", side="LEFT_TO_RIGHT"), with_both_sides, add_left_side, with_left_side
     ),
