@@ -17,7 +17,7 @@ SHOWN = (1, 10, 20)
 MADE = SHOWN[-1]
 BENT = 118.0  # degrees
 SPACING = 1.7
-PULL = 0.22
+PULL = 0.16
 
 
 def make() -> bpy.types.Scene:

@@ -18,7 +18,12 @@ class SINEW_OT_handle_stand(Operator):
     bl_label = "Stands On"
     bl_options = {"REGISTER", "UNDO"}
 
-    on: EnumProperty(name="Stands On", items=STANDS_ON, options={"SKIP_SAVE"})
+    on: EnumProperty(
+        name="Stands On",
+        items=STANDS_ON,
+        options={"SKIP_SAVE"},
+        description="Whether the control stays in the world, or rides on the surface that enters",
+    )
     convert_keyframes: BoolProperty(
         name="Convert Keyframes",
         default=True,

@@ -103,6 +103,8 @@ class SINEW_MT_handle(Menu):
         layout.operator(Operators.SELECT_HANDLE, icon="RESTRICT_SELECT_OFF")
         layout.operator(Operators.HANDLE_MIRROR, icon="MOD_MIRROR")
         layout.operator(Operators.CONTROL_NEW, icon="EMPTY_AXIS")
+        for on, label, *_rest in STANDS_ON:
+            layout.operator(Operators.HANDLE_STAND, text=f"Stand on {label}").on = on
         draw_move_entries(layout, Operators.HANDLE_MOVE)
         layout.separator()
         layout.operator(Operators.HANDLE_REMOVE, icon="REMOVE")

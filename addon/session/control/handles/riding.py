@@ -19,7 +19,7 @@ from mathutils import Matrix
 from ....core.geometry import carried, frames
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
-from ...memory import sessions
+from ...memory import render_writes, sessions
 from ...memory.evaluation import Evaluation
 from ...memory.sessions import Bound, Session
 from .sides import mirrored
@@ -109,14 +109,14 @@ class Surface(NamedTuple):
 def ride(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None) -> dict[str, Surface]:
     """What each handle stands on that stands on the surface, by its key.
 
-    In viewports the controls are put there, and the rest frames follow *Stands On*.
+    The controls are put there, and in viewports the rest frames follow *Stands On*. A render leaves controls
+    alone while a window shows them.
     """
-    session, handles = evaluation.session, evaluation.deformer.handles
+    session, handles = sessions.open_session(evaluation.deformer.uid), evaluation.deformer.handles
     asking = [handle for handle in handles if _asks(handle) and handle.uid in bound.handles]
     if evaluation.in_viewport:
         _tell(evaluation)
     if not asking:
-        session.surfaces = {}
         return {}
     world = np.array(evaluation.evaluated.matrix_world, dtype=np.float64)
     moved = motions(bound, asking, incoming, world)
@@ -129,6 +129,10 @@ def ride(evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None) -> d
                 change_stand(evaluation.obj, handle, moved[handle.uid])
                 evaluation.obj.update_tag()  # the evaluated copy still has the former frames
         session.surfaces = moved
+    elif not render_writes.must_hand_over(evaluation.depsgraph.scene):
+        for handle in asking:
+            if is_carried(evaluation.obj, handle):
+                _put(session, handle, moved[handle.uid] @ stand_of(handle))
     return {
         handle.uid: Surface(moved[handle.uid], handle.uid in displaced)
         for handle in asking
@@ -257,10 +261,15 @@ def carry(obj: Object, session: Session, handle: SinewHandle, surface: np.ndarra
     if not is_ours:
         basis = np.array(control.matrix_basis, dtype=np.float64)
         control.matrix_basis = Matrix((frames.inverse(frame, handle.name) @ now @ basis).tolist())
-    if not np.array_equal(frame.astype(np.float32), now.astype(np.float32)):
+    _put(session, handle, frame)
+    return is_ours
+
+
+def _put(session: Session, handle: SinewHandle, frame: np.ndarray) -> None:
+    control = handle.control
+    if not np.array_equal(frame.astype(np.float32), parent_inverse(control).astype(np.float32)):
         control.matrix_parent_inverse = Matrix(frame.tolist())
     session.carried[handle.uid] = parent_inverse(control)
-    return is_ours
 
 
 def _is_ours(session: Session, handle: SinewHandle, now: np.ndarray, frame: np.ndarray) -> bool:
