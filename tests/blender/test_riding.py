@@ -36,6 +36,7 @@ from rig import (
     reopen,
     update,
 )
+from sheet import draw
 
 MADE, FRAMES = 20, (1, 7, 20, 30)
 ITERATED = 1e-2  # where handles are not moved, an iteration may stop this far from what enters
@@ -391,3 +392,55 @@ def test_grab_region_moves_what_is_seen_as_far_as_the_mouse(arm: Posed, on_cage:
         bpy.ops.sinew.grab_region(value=(0.1, 0.2, 0.3), radius=0.3)
     seen, was = (arm.points(), before) if on_cage else (arm.rest(), rest)
     assert close(seen[arm.top], was[arm.top] + (0.1, 0.2, 0.3), MATRIX)
+
+
+def test_the_region_panel_has_the_switch(arm: Posed, plate: Rig, room):
+    """*From Rest* is shown for handles that use it alone; where nothing moves the mesh, Surface is grey."""
+    panel = room("ui.control.handles").SINEW_PT_region
+    for rig, on, says in ((arm, "SURFACE", ""), (plate, "WORLD", "Nothing before Sinew moves this mesh")):
+        rig.bind("thin_shell")
+        make_active(rig.obj)
+        rig.deformer.active_handle = 0
+        drawn = draw(panel)
+        switches = [properties.on for name, properties in drawn.operators() if name == "sinew.handle_stand"]
+        assert switches == ["WORLD", "SURFACE"]
+        assert rig.deformer.handles[0].stands_on == on
+        assert says in drawn.texts()
+        assert "from_rest" not in drawn.properties()
+    plate.deformer.handles[0].from_rest = True
+    assert "from_rest" in draw(panel).properties()
+
+
+@pytest.mark.parametrize("live", [True, False])
+def test_the_other_side_follows_in_the_frame_of_its_own_surface(arm: Posed, live: bool):
+    """By X-Axis Mirror while the arm is bent, or by Mirror where both sides are posed alike."""
+    go(1)
+    sides = {side: (lambda point, s=s: s * point[0] > 0.5 and point[1] > 0.75) for side, s in _SIDES.items()}
+    members = {side: add_group(arm.obj, f"Hand.{side}", where) for side, where in sides.items()}
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    for side in "LR" if live else "L":
+        make_active(arm.obj)
+        bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group=f"Hand.{side}")
+    make_active(arm.obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+    arm.deformer.use_mirror_x = live
+    update()
+    go(7)
+    arm.correct(LIFT)
+    at_rest = np.linalg.inv(arm.made) @ arm.motion @ arm.made
+    if not live:
+        go(1)
+        make_active(arm.obj)
+        arm.deformer.active_handle = 0
+        assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    assert [handle.stands_on for handle in arm.deformer.handles if handle.control] == ["SURFACE"] * 2
+    flip = np.diag((-1.0, 1.0, 1.0, 1.0))
+    for frame in FRAMES:
+        go(frame)
+        shown = arm.points()
+        for side, motion in (("L", at_rest), ("R", flip @ at_rest @ flip)):
+            wanted = apply_matrix(bone_now() @ motion, arm.rest()[members[side]])
+            assert close(shown[members[side]], wanted, 2e-5), (frame, side)
+
+
+_SIDES = {"L": 1.0, "R": -1.0}
