@@ -215,6 +215,19 @@ def switched_to_the_world_and_back(arm: Posed, _folder: Path) -> None:
         assert close(np.array(arm.control.matrix_world), place, MATRIX)
 
 
+def switched_undone_redone_and_undone(arm: Posed, _folder: Path) -> None:
+    go(7)
+    make_active(arm.obj)
+    push("corrected")
+    shown = arm.far_edge()
+    assert bpy.ops.sinew.handle_stand(on="WORLD", index=0) == {"FINISHED"}
+    push("in the world")
+    for step, on in ((bpy.ops.ed.undo, "SURFACE"), (bpy.ops.ed.redo, "WORLD"), (bpy.ops.ed.undo, "SURFACE")):
+        step()
+        assert arm.deformer.handles[0].stands_on == on
+        assert close(arm.far_edge(), shown, MATRIX)
+
+
 def switched_by_a_script(arm: Posed, _folder: Path) -> None:
     go(30)
     for on in ("WORLD", "SURFACE"):
@@ -249,6 +262,7 @@ LIVES_THROUGH: list[Callable[[Posed, Path], None]] = [
     moved_turned_and_applied,
     renamed_with_its_control,
     switched_to_the_world_and_back,
+    switched_undone_redone_and_undone,
     switched_by_a_script,
     moved_by_a_script_in_the_world,
     bent_in_a_mesh_sequence_of_frames_backwards,
