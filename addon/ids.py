@@ -39,6 +39,7 @@ class Operators:
     DEFORMER_MOVE = "sinew.deformer_move"
     HANDLE_MOVE = "sinew.handle_move"
     HANDLE_MIRROR = "sinew.handle_mirror"
+    HANDLE_STAND = "sinew.handle_stand"
     KEY_ADD = "sinew.key_add"
     KEY_REMOVE = "sinew.key_remove"
     KEY_MOVE = "sinew.key_move"

@@ -40,6 +40,7 @@ from .select_distorted import SINEW_OT_select_distorted
 from .select_problems import SINEW_OT_select_problems
 from .sharing import SINEW_OT_settings_share
 from .silhouette_sketch import SINEW_OT_silhouette_sketch
+from .stand import SINEW_OT_handle_stand
 from .target import explain_no_target, target_of
 from .tool_drag import SINEW_OT_tool_drag
 from .tools import SINEW_OT_tool_add, SINEW_OT_tool_stop
@@ -89,6 +90,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_handle_remove,
         SINEW_OT_handle_mirror,
         SINEW_OT_handle_move,
+        SINEW_OT_handle_stand,
         SINEW_OT_key_add,
         SINEW_OT_key_remove,
         SINEW_OT_key_move,

@@ -111,7 +111,8 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
             context.view_layer.update()  # the new empty enters the view layer, and the shape is solved
             if handle.kind == "HANDLE" and mode not in ("POSE", "PAINT_WEIGHT"):
                 self._show_control(context, obj, handle)
-        self.report_bind(refusal, obj.sinew.active.uid, handle.name)
+        more = f" - {session.standing(handle)}" if handle.stands_on == "SURFACE" else ""
+        self.report_bind(refusal, obj.sinew.active.uid, handle.name, more)
         return {"FINISHED"}
 
     def _show_control(self, context: Context, obj: Object, handle: SinewHandle) -> None:

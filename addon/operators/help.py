@@ -14,6 +14,7 @@ from .reporting import reports_errors
 # Identifier, label and description; the identifier is the name of the page's file.
 PAGES = (
     ("surface", "Pose a Surface", "From a selection to a pose: handles, fixed regions, support, methods"),
+    ("correct-an-elbow", "Correct an Elbow", "Corrections of a posed figure, which ride on its surface"),
     ("cage", "Pose with a Cage", "Let a coarse closed mesh around yours move it"),
     ("lattice", "Pose with a Lattice", "Let a box of points around one object or several move them"),
     ("wires-and-fields", "Wires and Vector Fields", "Curves and tools that move what is near them"),

@@ -11,7 +11,7 @@ from .bone import SinewBone
 from .control import SinewControl, StoredCage
 from .deformer import SinewDeformer, SinewObject, deformers_of, method_items
 from .handle import ROLES as HANDLE_ROLES
-from .handle import SinewHandle
+from .handle import STANDS_ON, SinewHandle
 from .key import SinewKey
 from .parameters import BASE
 from .scene import SinewScene
@@ -21,6 +21,7 @@ __all__ = (
     "BASE",
     "HANDLE_ROLES",
     "MAX_FRAME",
+    "STANDS_ON",
     "SinewBone",
     "SinewControl",
     "SinewDeformer",

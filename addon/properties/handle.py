@@ -29,6 +29,21 @@ ROLES = (
     ),
 )
 
+STANDS_ON = (
+    (
+        "WORLD",
+        "World",
+        "The control stays where you put it, and what it moves is added to what bones and shape keys do",
+        0,
+    ),
+    (
+        "SURFACE",
+        "Surface",
+        "The control rides on the surface that bones and shape keys move; its pose is kept there",
+        1,
+    ),
+)
+
 ACTS_AS = (
     ("PLACE", "Place", "It moves, turns and scales the space around the place of the object or the bone", 0),
     (
@@ -113,6 +128,14 @@ class SinewHandle(PropertyGroup):
         items=ACTS_AS,
         description="Where a handle without a vertex group takes hold of space",
     )
+    stands_on: setting(
+        EnumProperty,
+        options=set(),  # cannot be animated
+        name="Stands On",
+        items=STANDS_ON,
+        description="Whether the control stays in the world, or rides on the surface that modifiers before "
+        "Sinew move. The shape of this frame stays when it changes",
+    )
     owns_control: record(
         BoolProperty, description="Whether the control was made for this handle, and is removed with it"
     )
@@ -163,6 +186,18 @@ class SinewHandle(PropertyGroup):
         size=16,
         subtype="MATRIX",
         description="The matrix of the control relative to the mesh object, at rest",
+    )
+    stood_on: record(
+        EnumProperty,
+        items=STANDS_ON,
+        description="What the rest matrices refer to: they follow Stands On in the next evaluation",
+    )
+    stand_matrix: record(
+        FloatVectorProperty,
+        name="Stand Matrix",
+        size=16,
+        subtype="MATRIX",
+        description="What carries the control on the surface at rest, relative to the mesh object",
     )
 
     has_last_pose: record(BoolProperty)

@@ -11,6 +11,7 @@ from .blocks.shapes import attribute_names, find_modifier, shown_by, stray_modif
 from .blocks.surface import Hit, first_hit, nearest_point
 from .blocks.targets import can_be_moved, is_exported, is_lattice, is_mesh, label, require_mesh
 from .control.handles.points import takes_segments
+from .control.handles.riding import carrier_of, standing
 from .control.handles.sides import control_pairs
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
 from .edit.apply import apply
@@ -34,6 +35,7 @@ from .edit.handles.handles import add_handle, new_control, remove_handle
 from .edit.handles.mirror import Mirrored, MirrorOptions, handles_of_side, mirror
 from .edit.handles.overlaps import part_regions
 from .edit.handles.points import empties_on, empty_at, with_points
+from .edit.handles.standing import NOTHING_MOVES, stand_on, why_not_on_surface
 from .edit.keys import add_key, key_beside, key_notes, move_key, remove_key
 from .edit.lattices import LATTICE_METHODS, LatticeShape, add_lattice_object, set_rest_lattice
 from .edit.making import BEING_MADE, begin_cage, cage_work, drop_cage
@@ -99,6 +101,7 @@ __all__ = (
     "CANCELLED",
     "LATTICE_METHODS",
     "NOTHING_FREE",
+    "NOTHING_MOVES",
     "TOO_SHORT",
     "Brush",
     "Cures",
@@ -134,6 +137,7 @@ __all__ = (
     "cage_work",
     "can_be_moved",
     "cancel",
+    "carrier_of",
     "carry_out_writes",
     "change_cage",
     "check_cage",
@@ -233,6 +237,8 @@ __all__ = (
     "show_late",
     "shown_by",
     "shown_parts",
+    "stand_on",
+    "standing",
     "stop_count",
     "stop_here",
     "store",
@@ -254,6 +260,7 @@ __all__ = (
     "use_control",
     "waiting_for_control",
     "watch",
+    "why_not_on_surface",
     "wire_from_edges",
     "wire_radius",
     "wire_through",

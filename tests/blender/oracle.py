@@ -119,8 +119,8 @@ class Oracle:
             part = parts(len(rest), faces)
             regions = regions_of(deformer, weights, part)
             options = options_of(deformer, BY_ID[deformer.method], weights)
-            poses, flags = self._poses(obj, deformer, regions, depsgraph)
             before = rest if displaces else incoming.astype(np.float64)
+            poses, flags = self._poses(obj, deformer, regions, depsgraph, rest, before)
             by_native = partial(self._solve_natively, BY_ID[deformer.method], deformer.loose_parts.lower())
             solve = DENSE.get(deformer.method, by_native)
             moved, error = solve(rest, faces, options, regions, poses, flags, before)
@@ -146,8 +146,11 @@ class Oracle:
             answer.tolerance += 1e-4 * size  # from a saved float32 shape, where a file was loaded
         return True
 
-    def _poses(self, obj, deformer, regions, depsgraph) -> tuple[np.ndarray, np.ndarray]:
-        """(k, 3, 4), and (k,) whether each moves the rest shape."""
+    def _poses(self, obj, deformer, regions, depsgraph, rest_points, before) -> tuple[np.ndarray, np.ndarray]:
+        """(k, 3, 4), and (k,) whether each moves the rest shape.
+
+        Where a handle stands on the surface, its region goes to its control from where it has been carried.
+        """
         world = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
         poses, flags = [], []
         for region in regions:
@@ -157,6 +160,9 @@ class Oracle:
                 flags.append(False)
                 continue
             key = (deformer.uid, handle.uid)
+            surface, rides = np.eye(4), handle.stands_on == "SURFACE"
+            if rides:
+                surface = carried(rest_points[region.members], before[region.members], world[:3, :3])
             if is_missing(handle):
                 if key in self.recalled:
                     if not handle.has_last_pose:
@@ -167,10 +173,16 @@ class Oracle:
                 rest = np.array(handle.rest_matrix, dtype=np.float64)
                 rest = rest if rest.shape == (4, 4) else rest.reshape(4, 4).T
                 assert handle.has_rest, f"{handle.name} has a control, and no rest frame"
-                self.last[key] = (np.linalg.solve(world, control) @ np.linalg.inv(rest))[:3]
+                seen = np.linalg.solve(surface, np.linalg.solve(world, control))
+                self.last[key] = (seen @ np.linalg.inv(rest))[:3]
                 self.recalled.discard(key)
-            poses.append(self.last.get(key, IDENTITY))
-            flags.append(handle.from_rest)
+            pose = surface @ np.vstack((self.last.get(key, IDENTITY), (0.0, 0.0, 0.0, 1.0)))
+            if rides and BY_ID[deformer.method].is_space:
+                pose = pose - surface + np.eye(4)
+            elif rides:
+                pose = pose @ np.linalg.inv(surface)
+            poses.append(pose[:3])
+            flags.append(handle.from_rest and not rides)
         return np.array(poses), np.array(flags)
 
     def _solve_natively(
@@ -201,6 +213,22 @@ class Oracle:
         # Where a pose or an incoming shape differs in its last digit, the steps may stop one earlier.
         exact = incoming is None and not any(r.handle is not None and is_missing(r.handle) for r in regions)
         return moved, 0.0 if exact else 3e-3 * np.abs(moved - before).max()
+
+
+def carried(rest: np.ndarray, now: np.ndarray, linear: np.ndarray) -> np.ndarray:
+    """The rigid motion of the world (``linear`` leads there) that fits best, (4, 4) in object space."""
+    if np.array_equal(rest, now):
+        return np.eye(4)
+    rest, now = rest @ linear.T, now @ linear.T
+    a, b = rest - rest.mean(axis=0), now - now.mean(axis=0)
+    if len(a) < 3 or np.linalg.svd(a, compute_uv=False)[1] <= 1e-3 * np.linalg.norm(a):
+        raise Unsure("a region that does not tell how it turns")
+    u, _sizes, v = np.linalg.svd(b.T @ a)
+    turn = u @ np.diag((1.0, 1.0, np.linalg.det(u) * np.linalg.det(v))) @ v
+    found = np.eye(4)
+    found[:3, :3] = np.linalg.solve(linear, turn @ linear)
+    found[:3, 3] = np.linalg.solve(linear, now.mean(axis=0) - turn @ rest.mean(axis=0))
+    return found
 
 
 def is_missing(handle) -> bool:

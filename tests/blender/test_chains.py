@@ -99,6 +99,19 @@ def its_control_on_a_child_of_a_vertex(name: str) -> Chain:
     return Chain(base.control, base.obj, rider.obj)
 
 
+def its_control_is_carried_by_a_control_that_rides(name: str) -> Chain:
+    """On a second deformer of the first rig, whose shape the first one moves."""
+    base, rider = new_base(), new_rider(name).start("thin_shell")
+    add_group(base.obj, "Spot", lambda point: point[1] > 0.75 and abs(point[0]) < 0.5)
+    base.press("deformer_add", method="thin_shell")
+    base.press("handle_add", kind="HANDLE", vertex_group="Spot")
+    control = base.obj.sinew.deformers[1].handles[0].control
+    base.obj.sinew.active_deformer = 0
+    free(rider.control).parent = control
+    update()
+    return Chain(base.control, base.obj, rider.obj)
+
+
 def its_control_copies_a_group(name: str) -> Chain:
     base, rider = new_base(), new_rider(name).start("thin_shell")
     constrain(free(rider.control), "COPY_LOCATION", target=base.obj, subtarget="Top")
@@ -281,6 +294,7 @@ CHAINS: list[Callable[[str], Chain]] = [
     its_control_on_a_vertex,
     its_control_on_three_vertices,
     its_control_on_a_child_of_a_vertex,
+    its_control_is_carried_by_a_control_that_rides,
     its_control_copies_a_group,
     its_control_sticks_to_the_surface,
     its_control_is_armature_constrained_to_a_bone,

@@ -250,6 +250,7 @@ def test_every_operator_has_its_undo_tested():
     elsewhere = {"control_new", "preset_apply", "curve_edit", "transfer_deformation", "silhouette_sketch"}
     elsewhere |= {"key_add", "key_move", "key_remove", "morph", "grid_new", *BUTTONS}
     elsewhere |= {"puppet_pin", "puppet_pose", "puppet_rig", "cage_outside_follow", "settings_share"}
+    elsewhere |= {"handle_stand"}
     assert with_undo == set(OPERATORS) | set(IN_EDIT_MODE) | elsewhere
     assert names - with_undo <= {"cancel", "check_installation", "help", "key_jump", "preset_add", "watch"}
 

@@ -249,7 +249,9 @@ class Method:
     own mirror image gets a shape that is; not where the order of the vertices decides something.
     ``takes_flat``: its cage may be a mesh in a plane, around art in that plane. ``posed``: for each space
     method that handles move, how they do. ``takes_segments``: the native constructor of such a method takes
-    ``segments``, pairs of handle points between which the whole line is the handle.
+    ``segments``, pairs of handle points between which the whole line is the handle. ``moves_incoming``: the
+    poses of such a method move what enters, as those of surface methods do; those of the others move the rest
+    shape, and the displacements are added to what enters.
     """
 
     id: str
@@ -269,6 +271,7 @@ class Method:
     takes_flat: bool = False
     posed: Posed | None = None
     takes_segments: bool = False
+    moves_incoming: bool = False
     wraps: tuple[Family, ...] = ()
     keyed: bool = False
     draft_iterations: int = 1
@@ -280,6 +283,11 @@ class Method:
     def is_space(self) -> bool:
         """It deforms the space around points, and knows of no surface."""
         return not _SPACE.isdisjoint((self.family, *self.wraps))
+
+    @property
+    def adds_displacements(self) -> bool:
+        """Its poses move the rest shape, and the displacements are added to what enters."""
+        return self.is_space and not self.moves_incoming
 
     @cached_property
     def references(self) -> tuple[Parameter, ...]:

@@ -57,6 +57,7 @@ ROWS = (
         iterative=False,
         moves=frozenset(Moved),
         posed=Posed.POSES,
+        moves_incoming=True,
         bind_seconds=_graph_seconds,
         reproduces=Reproduced.RIGID_MOTIONS,
         symmetric=False,

@@ -50,9 +50,12 @@ class ControlKind(Protocol):
     def read_state(self, deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
         """Where the control is. Called once per evaluation: ``pose`` gets it as ``evaluation.control``."""
 
-    def pose(self, evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
+    def pose(
+        self, evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None
+    ) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
         """Where the control is, in the form that ``Factor.solve`` takes, and further keywords for it.
 
+        ``incoming`` float32 (n, 3) is what enters; None if that is the rest shape, or unknown.
         None if the control is lost and its last place is unknown. Then the last shape stays.
         """
 

@@ -121,7 +121,9 @@ class ObjectKind:
         """How many points an object with this rest mesh had at bind."""
         return len(rest.vertices)
 
-    def pose(self, evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
+    def pose(
+        self, evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None
+    ) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
         """The points (c, 3) in the frame of the target; without the object the last known ones."""
         held, (place,) = evaluation.session.poses, evaluation.control
         row = self.row(evaluation.deformer)

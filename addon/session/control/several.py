@@ -135,7 +135,9 @@ class SeveralKind(ObjectKind):
             control, depsgraph, read_points=self.read_points, expected=self.expected(row)
         )
 
-    def pose(self, evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
+    def pose(
+        self, evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None
+    ) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
         """The points of all rows; of a lost object the last known ones."""
         held, found = evaluation.session.poses, []
         settings = evaluation.settings.controls

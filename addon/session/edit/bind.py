@@ -16,7 +16,7 @@ from ...properties import SinewDeformer
 from ..blocks import capture, lattice_keys, rest_frame, shapes, targets, vertex_groups
 from ..blocks.owners import forget_owners
 from ..control import kinds
-from ..control.handles import keys
+from ..control.handles import keys, riding
 from ..control.kinds import ControlKind
 from ..live import binding
 from ..memory import sessions
@@ -51,7 +51,9 @@ def bind(
                 vertex_groups.follow_renamed_groups(obj, deformer)
                 meshes, entered = capture.rest_meshes(obj, deformer, entered), None
                 sizes = [len(mesh.vertices) for mesh in meshes if mesh is not None]
-                keys.turn_with_rest(deformer, _bound(deformer), read_positions(meshes[0]))
+                entering = read_positions(meshes[0])
+                keys.turn_with_rest(deformer, _bound(deformer), entering)
+                riding.turn_with_rest(obj, deformer, _bound(deformer), entering)
                 shapes.hold_rest(deformer, meshes)
                 deformer.topology_changed = False
                 sessions.open_session(deformer.uid).render_settings = capture.render_signature(obj, deformer)

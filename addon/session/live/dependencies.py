@@ -18,10 +18,12 @@ from ...properties import deformers_of
 from ..blocks import node_group, references, targets
 from ..blocks.modifier_objects import objects_of
 from ..control import kinds
+from ..control.handles import riding
 
 PLACE = "PLACE"  # where an object is
 POSE = "POSE"  # where a bone of an armature is, or where all of them are
 SHAPE = "SHAPE"  # what the modifiers of an object make of it
+CARRIED = "CARRIED"  # what a rig carries: controls that ride on the surface that enters
 
 _BY_VERTEX = ("VERTEX", "VERTEX_3")
 _ON_SHAPE = ("CLAMP_TO", "FOLLOW_PATH", "SHRINKWRAP", "SPLINE_IK")  # these constraints need no vertex group
@@ -61,13 +63,14 @@ class Relations:
         self._reads: dict[Object, Reads] = {}
         self._drivers: dict[ID, _Drivers] = {}
         self._bones: dict[Object, _Bones] = {}
+        self._carried: dict[Object, set[Object]] = {}
 
     def reads(self, rig: Object) -> Reads:
         """The rigs that a rig reads by itself."""
         found = self._reads.get(rig)
         if found is None:
-            entering = self._reached(self._entering(rig))
-            found = self._reads[rig] = Reads(entering | self._reached(self._controls(rig)), entering)
+            entering = self._reached(rig, self._entering(rig))
+            found = self._reads[rig] = Reads(entering | self._reached(rig, self._controls(rig)), entering)
         return found
 
     def below(self, rig: Object) -> frozenset[Object]:
@@ -80,13 +83,15 @@ class Relations:
             waiting.extend(new)
         return frozenset(found)
 
-    def _reached(self, parts: Iterable[Part]) -> frozenset[Object]:
-        """The rigs whose shapes these parts depend on."""
+    def _reached(self, rig: Object, parts: Iterable[Part]) -> frozenset[Object]:
+        """The rigs whose shapes these parts of a rig depend on, and the other rigs that carry them."""
         waiting = list(parts)
         known, found = set(waiting), set()
         while waiting:
             part = waiting.pop()
             if part.what == SHAPE and deformers_of(part.object):
+                found.add(part.object)
+            if part.what == CARRIED and part.object != rig:
                 found.add(part.object)
             following = self._next.get(part)
             if following is None:
@@ -100,6 +105,8 @@ class Relations:
         """What a part depends on at once."""
         if part.what == PLACE:
             return self._place(part.object)
+        if part.what == CARRIED:
+            return self._entering(part.object)
         return self._pose(part) if part.what == POSE else self._shape(part.object)
 
     def _controls(self, rig: Object) -> Iterator[Part]:
@@ -129,6 +136,8 @@ class Relations:
         parent = obj.parent
         if parent is not None:
             yield Part(PLACE, parent)
+            if obj in self._carried_by(parent):
+                yield Part(CARRIED, parent)
             kind = obj.parent_type
             if kind in _BY_VERTEX or targets.is_path(parent):
                 yield Part(SHAPE, parent)
@@ -137,6 +146,15 @@ class Relations:
         for constraint in obj.constraints:
             yield from _constraint(constraint)
         yield from self._driven(obj, "", but=("sinew.", "modifiers[", "pose.", _KEEPER))
+
+    def _carried_by(self, rig: Object) -> set[Object]:
+        """The controls that ride on the surface of a rig, which are its children."""
+        found = self._carried.get(rig)
+        if found is None:
+            handles = [handle for deformer in deformers_of(rig) for handle in deformer.handles]
+            found = {handle.control for handle in handles if riding.is_carried(rig, handle)}
+            self._carried[rig] = found
+        return found
 
     def _pose(self, part: Part) -> Iterator[Part]:
         """Of one bone of an armature, or of all of them."""

@@ -8,28 +8,10 @@ import numpy as np
 from ...core.errors import TopologyChangedError
 from ...mesh_io import read_incoming
 from ..blocks import lattice_keys, node_group, shapes, targets
+from ..blocks.movers import DEFORMING
 from ..memory.evaluation import Chain, Evaluation, is_shown
 from ..memory.sessions import Bound
 
-_DEFORMING = {  # modifiers of Blender that neither add nor remove vertices
-    "ARMATURE",
-    "CAST",
-    "CORRECTIVE_SMOOTH",
-    "CURVE",
-    "DISPLACE",
-    "HOOK",
-    "LAPLACIANDEFORM",
-    "LAPLACIANSMOOTH",
-    "LATTICE",
-    "MESH_CACHE",
-    "MESH_DEFORM",
-    "SHRINKWRAP",
-    "SIMPLE_DEFORM",
-    "SMOOTH",
-    "SURFACE_DEFORM",
-    "WARP",
-    "WAVE",
-}
 TOPOLOGY_CHANGED = "Topology changed - Rebind"
 
 
@@ -84,7 +66,7 @@ def _entering(evaluation: Evaluation) -> int | None:
             return len(evaluation.obj.data.vertices)
         if (
             is_shown(modifier, evaluation.mode)
-            and modifier.type not in _DEFORMING
+            and modifier.type not in DEFORMING
             and not node_group.is_ours(modifier)
         ):
             return None

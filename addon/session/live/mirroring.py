@@ -26,7 +26,7 @@ from ...core.memory import remember
 from ...properties import SinewHandle
 from ..blocks.owners import owners
 from ..control import locks
-from ..control.handles import poses
+from ..control.handles import poses, riding
 from ..control.handles.sides import control_pairs, mirrored
 from ..memory import sessions
 from . import schedule
@@ -140,6 +140,11 @@ def _last_operator() -> tuple[int, int]:
 def _mirror(obj: Object, leader: SinewHandle, partner: SinewHandle) -> None:
     """Move the control of ``partner`` to the mirror image of the pose of ``leader``."""
     basis = np.array(leader.control.matrix_basis, dtype=np.float64)
+    if riding.is_carried(obj, leader) and riding.is_carried(obj, partner):
+        moved = riding.image_of(leader, partner, basis)
+        if np.isfinite(moved).all():
+            _set_basis(partner.control, Matrix(moved.tolist()))
+        return
     to_rest = frames.inverse(poses.rest_of(leader), f"The control of {leader.name}")
     image = mirrored(_carrier(obj, leader.control) @ basis @ to_rest) @ poses.rest_of(partner)
     moved = frames.inverse(_carrier(obj, partner.control), partner.control.name) @ image

@@ -89,7 +89,7 @@ def _question(
     evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None, displacement: bool
 ) -> Question | None:
     """None if the control is lost and its last place is unknown."""
-    found = kinds.kind_of_method(bound.factor.recipe.method).pose(evaluation, bound)
+    found = kinds.kind_of_method(bound.factor.recipe.method).pose(evaluation, bound, incoming)
     if found is None:
         return None
     control, further = found

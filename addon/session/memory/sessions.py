@@ -35,6 +35,8 @@ class Bound:
     control: str  # what moves the mesh, as the panel says it
     milliseconds: float
     is_preview: bool = False  # approximate, until a thread has computed the exact one
+    # By the key of a handle, the vertices whose motion carries it where it stands on the surface.
+    pieces: dict[str, np.ndarray] = field(default_factory=dict)
 
 
 @dataclass
@@ -78,6 +80,13 @@ class Session:
     failed: tuple | None = None  # the key of the bind that was refused: it is not tried again
     shown: dict[str, Shown] = field(default_factory=dict)
     poses: dict[str, np.ndarray] = field(default_factory=dict)
+    # How the surface has moved from rest under the handles that stand on it, by their keys, in viewports.
+    surfaces: dict[str, np.ndarray] = field(default_factory=dict)
+    carried: dict[str, np.ndarray] = field(
+        default_factory=dict
+    )  # the parent inverse that each control was given
+    foreign: set[tuple] = field(default_factory=set)  # those that Apply has written, with what it wrote
+    told: str = ""  # which control has been taken off the surface
     asked: Asked | None = None  # by the last evaluation for viewports
     render_settings: tuple | None = None  # those that decide what enters in renders, when last looked at
     settle: bool = False  # a preview is shown, and the next evaluation is to solve exactly
@@ -160,6 +169,7 @@ def forget_shapes() -> None:
     _last_updates.clear()
     for session in _sessions.values():
         session.shown.clear()
+        session.carried.clear()
         session.failed = session.unanswered = None
 
 

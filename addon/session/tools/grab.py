@@ -205,12 +205,16 @@ class Grab:
         return {row.id: row.native_default for row in self._method.parameters if not row.rebinds}
 
     def _pose(self, motion: np.ndarray) -> np.ndarray:
-        """A motion in the world as a pose (3, 4) of the points of the patch, relative to the object."""
+        """A motion in the world as a pose (3, 4) of the points of the patch, relative to the object.
+
+        Where modifiers show the selection elsewhere, it moves there as the motion says.
+        """
         if not np.isfinite(motion).all():
             raise ConstraintError("The motion is not a finite number - type another one")
-        pose = motion[:3].copy()
-        pose[:, 3] += motion[:3, :3] @ self._patch.origin - self._patch.origin
-        return pose
+        pose = motion.copy()
+        pose[:3, 3] += motion[:3, :3] @ self._patch.origin - self._patch.origin
+        surface = self._patch.surface
+        return (np.linalg.inv(surface) @ pose @ surface)[:3]
 
     def _poses(self, region: Region, pose: np.ndarray) -> np.ndarray:
         poses = [pose] if len(region.handle) else []

@@ -13,11 +13,13 @@ from bpy.types import Object
 from mathutils.kdtree import KDTree
 
 from ...backend import connected_parts
+from ...compat import read_positions
 from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, MeshError, TopologyChangedError
-from ...core.geometry import frames, reach
+from ...core.geometry import carried, frames, reach
 from ...core.status import Remedy
 from ...mesh_io import read_rest
+from ..blocks.capture import evaluated_mesh
 from ..blocks.vertex_groups import fixed_vertices
 from ..memory import sessions
 
@@ -87,6 +89,7 @@ class Patch:
         self._triangles = reach.TriangleMesh(len(self._rest), self._counts, self._corners)
         self._lengths: np.ndarray | None = None
         self._loose = self._loose_parts()
+        self.surface = self._surface(obj)
         self._measured = 0.0
         self._written: Region | None = None  # the region whose vertices are not at rest
 
@@ -119,10 +122,27 @@ class Patch:
         self._stays = stays
         self.selected = np.flatnonzero(selected & ~stays)
 
+    def _surface(self, obj: Object) -> np.ndarray:
+        """How modifiers that are shown in Edit Mode have moved what is selected as a whole, (4, 4).
+
+        It takes ``points`` to where an artist sees them.
+        """
+        shown = [
+            modifier for modifier in obj.modifiers if modifier.show_viewport and modifier.show_in_editmode
+        ]
+        if not shown:
+            return np.eye(4)
+        with evaluated_mesh(obj, bpy.context.evaluated_depsgraph_get()) as mesh:
+            if mesh is None or len(mesh.vertices) != len(self.points):
+                return np.eye(4)
+            seen = read_positions(mesh).astype(np.float64) @ self._linear.T
+        piece = carried.piece(self.points, self._counts, self._corners, self.selected)
+        return carried.motion(self.points[piece], seen[piece], np.eye(3))
+
     @property
     def selection(self) -> np.ndarray:
-        """The selected vertices in the world at rest, (s, 3)."""
-        return self.points[self.selected] + self.origin
+        """The selected vertices in the world before they are grabbed, where an artist sees them, (s, 3)."""
+        return frames.transformed(self.surface, self.points[self.selected]) + self.origin
 
     def region(self, radius: float) -> Region:
         """What follows within ``radius``, in world units over the surface; infinite: all connected."""

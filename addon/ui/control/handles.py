@@ -6,7 +6,7 @@ from bpy.types import Context, Menu, Object, Panel, UILayout
 from ... import session
 from ...ids import Menus, Operators
 from ...operators import target_of
-from ...properties import SinewDeformer, SinewHandle
+from ...properties import STANDS_ON, SinewDeformer, SinewHandle
 from ..layouts import draw_move_buttons, draw_move_entries, invoking, split, unless_baked
 from ..places import ActiveDeformerPanel, active_deformer
 from ..text import columns, draw_text
@@ -45,12 +45,34 @@ class SINEW_PT_region(ActiveDeformerPanel, Panel):
                 control.prop_search(handle, "bone", handle.control.data, "bones")
             if not handle.vertex_group and session.takes_points(deformer):
                 _draw_acts_as(context, layout, deformer, handle)
-            layout.prop(handle, "from_rest")
+            _draw_stands_on(context, layout, obj, deformer, handle)
         layout.prop(handle, "weight", slider=True)
         for parameter in deformer.definition.handle_parameters:
             layout.prop(handle, parameter.id, slider=True)
         if handle.kind == "HANDLE":
             layout.prop(handle, "colour")
+
+
+def _draw_stands_on(
+    context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer, handle: SinewHandle
+) -> None:
+    """Draw what the control stands on. *From Rest* is older, and for handles in the world that use it."""
+    halves = layout.split(factor=0.4)
+    label = halves.row()
+    label.alignment = "RIGHT"
+    label.label(text="Stands On")
+    row = halves.row(align=True)
+    why_not = session.why_not_on_surface(obj, deformer, handle)
+    row.enabled = handle.stands_on == "SURFACE" or not why_not
+    for on, text, *_rest in STANDS_ON:
+        button = row.operator(Operators.HANDLE_STAND, text=text, depress=handle.stands_on == on)
+        button.on, button.index = on, deformer.active_handle
+    if handle.stands_on == "SURFACE" and session.carrier_of(handle):
+        draw_text(context, layout, session.standing(handle), "INFO")
+    elif why_not == session.NOTHING_MOVES:
+        draw_text(context, layout, why_not, "INFO")
+    if handle.from_rest:
+        layout.prop(handle, "from_rest")
 
 
 def _draw_acts_as(context: Context, layout: UILayout, deformer: SinewDeformer, handle: SinewHandle) -> None:
@@ -81,6 +103,8 @@ class SINEW_MT_handle(Menu):
         layout.operator(Operators.SELECT_HANDLE, icon="RESTRICT_SELECT_OFF")
         layout.operator(Operators.HANDLE_MIRROR, icon="MOD_MIRROR")
         layout.operator(Operators.CONTROL_NEW, icon="EMPTY_AXIS")
+        for on, label, *_rest in STANDS_ON:
+            layout.operator(Operators.HANDLE_STAND, text=f"Stand on {label}").on = on
         draw_move_entries(layout, Operators.HANDLE_MOVE)
         layout.separator()
         layout.operator(Operators.HANDLE_REMOVE, icon="REMOVE")

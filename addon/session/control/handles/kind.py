@@ -112,11 +112,13 @@ def read_state(deformer: SinewDeformer, depsgraph: Depsgraph) -> ControlState:
     return [points.place_of(deformer, handle, depsgraph) for handle in deformer.handles]
 
 
-def pose(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
+def pose(
+    evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None
+) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
     """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape; perhaps keys, and
     the points of controls whose points count.
     """
-    found = poses.bound_poses(evaluation, bound)
+    found = poses.bound_poses(evaluation, bound, incoming)
     if found is None:
         return None
     affine, from_rest, placed = found

@@ -17,8 +17,9 @@ from ...memory import sessions
 from ...memory.evaluation import Evaluation
 from ...memory.sessions import Bound
 from ..placement import read_place
-from . import points
+from . import points, riding
 from .links import follow_renamed_bones
+from .riding import rest_of
 
 IDENTITY = np.eye(4)[:3]
 
@@ -39,11 +40,6 @@ def _kept_inverse(matrix: Matrix, whose: str) -> np.ndarray:
     return frames.inverse(np.array(matrix.copy(), dtype=np.float64), whose)
 
 
-def rest_of(handle: SinewHandle) -> np.ndarray:
-    """The rest frame: the control relative to the target at rest, (4, 4)."""
-    return np.array(handle.rest_matrix, dtype=np.float64).reshape(4, 4, order="F")
-
-
 def set_rest(handle: SinewHandle, matrix: np.ndarray) -> None:
     """Store the rest frame of the control."""
     handle.rest_matrix = matrix.ravel(order="F").tolist()
@@ -59,7 +55,7 @@ def capture_rest(
     """
     now = frames.inverse(target, "The mesh object") @ control
     if pose is not None:
-        now = frames.inverse(_square(pose), handle.name) @ now
+        now = frames.inverse(riding.square(pose), handle.name) @ now
     set_rest(handle, now)
 
 
@@ -69,26 +65,24 @@ def take_along(deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarr
     for handle in deformer.handles:
         if handle.has_rest:
             set_rest(handle, by @ rest_of(handle))
+            riding.set_stand(handle, by @ riding.stand_of(handle))
         if handle.has_last_pose:
             last = np.array(handle.last_pose, dtype=np.float64).reshape(3, 4)
-            handle.last_pose = (by[:3] @ _square(last) @ inverse).ravel().tolist()
+            handle.last_pose = (by[:3] @ riding.square(last) @ inverse).ravel().tolist()
         points.take_along(handle, by, held)
         if handle.uid in held:
-            held[handle.uid] = by[:3] @ _square(held[handle.uid]) @ inverse
-
-
-def _square(pose: np.ndarray) -> np.ndarray:
-    return np.vstack((pose, (0.0, 0.0, 0.0, 1.0)))
+            held[handle.uid] = by[:3] @ riding.square(held[handle.uid]) @ inverse
 
 
 def bound_poses(
-    evaluation: Evaluation, bound: Bound
+    evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None
 ) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]] | None:
     """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape; and the points
     (c, 3) of each handle whose points count, instead of its pose.
 
     If a control was deleted, its handle stays where it was last. If another control took its place, that one
-    starts from there. None if the last place of points is unknown.
+    starts from there. None if the last place of points is unknown. ``incoming`` is as ``pose`` of a kind
+    takes it.
     """
     deformer, depsgraph, session = evaluation.deformer, evaluation.depsgraph, evaluation.session
     world = evaluation.evaluated.matrix_world
@@ -96,6 +90,7 @@ def bound_poses(
         handle.uid: (handle, place)
         for handle, place in zip(deformer.handles, evaluation.control, strict=True)
     }
+    surfaces = riding.ride(evaluation, bound, incoming)
     counts = points.bound_counts(bound)
     placed: list[np.ndarray] = []
     poses = np.empty((len(bound.handles), 3, 4))
@@ -105,7 +100,8 @@ def bound_poses(
         poses[row] = IDENTITY
         if handle is None or handle.kind != "HANDLE":
             continue
-        from_rest[row] = handle.from_rest
+        surface = surfaces.get(key)
+        from_rest[row] = handle.from_rest if surface is None else bound.factor.recipe.method.keyed
         if row in counts:
             if place is None and handle.bone and evaluation.in_viewport:
                 follow_renamed_bones(evaluation.obj)
@@ -119,14 +115,22 @@ def bound_poses(
         if control is None and handle.bone and evaluation.in_viewport:
             follow_renamed_bones(evaluation.obj)
             control = control_matrix(handle, depsgraph)
+        if control is not None:
+            control = _inverse(world, "The mesh object") @ control
+            if surface is not None:
+                control = (
+                    frames.inverse(surface.moved, handle.name) @ control
+                    if surface.by_place
+                    else riding.seen_from_surface(evaluation.obj, handle, depsgraph, control, surface.moved)
+                )
         if control is not None and not handle.has_rest and evaluation.in_viewport:
             last = session.poses.get(key)
             last = _last_pose(deformer, bound, row) if last is None else last
-            capture_rest(handle, np.array(world, dtype=np.float64), control, last)
+            capture_rest(handle, np.eye(4), control, last)
             session.rewire, handle.has_last_pose = True, False
         if control is not None and handle.has_rest:
             to_rest = _inverse(handle.rest_matrix, f"The control of {handle.name}")
-            poses[row] = (_inverse(world, "The mesh object") @ control @ to_rest)[:3]
+            poses[row] = (control @ to_rest)[:3]
             if not math.isfinite(poses[row].sum()):
                 raise ConstraintError(frames.not_a_number(f"The control of {handle.name}"))
             session.poses[key] = poses[row].copy()
@@ -136,6 +140,8 @@ def bound_poses(
             poses[row] = session.poses[key]
             if evaluation.in_viewport:
                 _keep(handle, poses[row])
+        if surface is not None:
+            poses[row] = riding.on_surface(bound, surface.moved, poses[row])
     return poses, from_rest, placed
 
 
@@ -143,19 +149,38 @@ def rest_here(
     obj: Object, deformer: SinewDeformer, still: dict[str, np.ndarray], depsgraph: Depsgraph
 ) -> None:
     """Let controls that are where they are now mean the poses ``still`` (3, 4), by the key of the handle."""
-    target = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
     session = sessions.find(deformer.uid)
     for handle in deformer.handles:
         if handle.kind != "HANDLE" or handle.uid not in still:
             continue
         pose = still[handle.uid]
-        control = control_matrix(handle, depsgraph)
+        if riding.is_riding(handle):
+            surface = riding.surface_of(deformer, handle)
+            pose = (np.linalg.inv(surface) @ riding.square(pose))[:3]
+        control = present(obj, deformer, handle, depsgraph)
         if control is not None:
-            capture_rest(handle, target, control, pose)
+            capture_rest(handle, np.eye(4), control, pose)
         else:
             _keep(handle, pose)
         if session is not None:
             session.poses[handle.uid] = pose.copy()
+
+
+def present(
+    obj: Object, deformer: SinewDeformer, handle: SinewHandle, depsgraph: Depsgraph
+) -> np.ndarray | None:
+    """The control in the frame of the target, (4, 4); on a surface, as if that had not moved from rest.
+
+    None if it is missing.
+    """
+    control = control_matrix(handle, depsgraph)
+    if control is None:
+        return None
+    target = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+    control = frames.inverse(target, "The mesh object") @ control
+    if not riding.is_riding(handle):
+        return control
+    return riding.seen_from_surface(obj, handle, depsgraph, control, riding.surface_of(deformer, handle))
 
 
 def _keep(handle: SinewHandle, pose: np.ndarray) -> None:
@@ -225,6 +250,8 @@ def complete_rest_frames(obj: Object, deformer: SinewDeformer) -> None:
         matrix = control_matrix(handle, depsgraph)
         if matrix is not None:
             capture_rest(handle, target, matrix)
+            if handle.control.parent == obj:
+                riding.set_stand(handle, riding.parent_inverse(handle.control))
     for handle in apart:
         if points.is_stale(deformer, handle, depsgraph):
             points.take_rest(obj, handle)

@@ -156,7 +156,9 @@ class LatticeKind(ObjectKind):
             return ()
         return (Status(Level.INFO, *request.outside(report.outside, self.NOUN)),)
 
-    def pose(self, evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
+    def pose(
+        self, evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None
+    ) -> tuple[np.ndarray, dict[str, np.ndarray]] | None:
         control = self.row(evaluation.deformer).object
         lattice = bound.factor.recipe.control
         if control is not None and control.type == "LATTICE" and lattice.faces is None:
@@ -167,7 +169,7 @@ class LatticeKind(ObjectKind):
                     f"{self.REST_BUTTON} takes it as it is now",
                     remedy=self.REST_REMEDY,
                 )
-        return super().pose(evaluation, bound)
+        return super().pose(evaluation, bound, incoming)
 
     def is_stale(self, deformer: SinewDeformer, depsgraph: Depsgraph) -> bool:
         row = self.row(deformer)

@@ -11,9 +11,10 @@ from mathutils import Matrix
 from ....core.errors import ConstraintError
 from ....core.geometry import frames
 from ....mesh_io import RestShape
-from ....properties import SinewHandle
+from ....properties import SinewDeformer, SinewHandle
+from ...blocks.movers import is_moved_before
 from ...blocks.transforms import put
-from ...control.handles import poses
+from ...control.handles import poses, riding
 from ...control.placement import read_place
 
 
@@ -58,6 +59,21 @@ def new_empty(obj: Object, frame: np.ndarray, pose: np.ndarray, name: str, size:
     empty.matrix_parent_inverse = to_matrix(frame)
     put(empty, to_matrix(np.linalg.inv(at_rest) @ moved @ at_rest))
     return empty
+
+
+def own(
+    obj: Object, deformer: SinewDeformer, handle: SinewHandle, control: Object, frame: np.ndarray
+) -> None:
+    """Let an empty that was made for a handle move it, from its rest ``frame`` (4, 4) in what enters now.
+
+    Where something before the deformer may move the mesh, it stands on the surface.
+    """
+    handle.control, handle.bone, handle.owns_control = control, "", True
+    poses.set_rest(handle, frame)
+    is_child = control.parent == obj and control.parent_type == "OBJECT"
+    if is_child:
+        riding.set_stand(handle, riding.parent_inverse(control))
+    handle.stands_on = handle.stood_on = "SURFACE" if is_child and is_moved_before(obj, deformer) else "WORLD"
 
 
 def to_matrix(array: np.ndarray) -> Matrix:

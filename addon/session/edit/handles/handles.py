@@ -14,7 +14,7 @@ from ....mesh_io import RestShape, group_names, group_weights, read_rest
 from ....properties import SinewDeformer, SinewHandle
 from ...blocks import animation_paths, capture, shapes
 from ...control import kinds
-from ...control.handles import poses
+from ...control.handles import poses, riding
 from ...control.handles.release import release_control, release_group
 from ...control.objects import forget_row_rest
 from ...memory import sessions
@@ -88,12 +88,11 @@ def _give_control(
         if control is not None:
             empties.assign(obj, handle, control, bone, pose)
             return mesh
-        handle.control, frame = empties.make_empty(obj, rest, members, f"{obj.name} {handle.name}", pose)
+        control, frame = empties.make_empty(obj, rest, members, f"{obj.name} {handle.name}", pose)
     except SinewError:
         bpy.data.meshes.remove(mesh)
         raise
-    handle.owns_control = True
-    poses.set_rest(handle, frame)
+    empties.own(obj, deformer, handle, control, frame)
     return mesh
 
 
@@ -123,21 +122,22 @@ def new_control(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> No
     One without a region acts as a place from now on.
     """
     pose, name = poses.kept_pose(deformer, handle), f"{obj.name} {handle.name}"
+    surface = riding.surface_of(deformer, handle)
+    now = surface @ riding.square(pose) @ np.linalg.inv(surface)
     if handle.vertex_group:
         mesh = capture.rest_mesh(obj, deformer)
         try:
-            empty, _frame = empties.make_empty(obj, read_rest(mesh), _members(mesh, handle), name, pose)
+            empty, _frame = empties.make_empty(obj, read_rest(mesh), _members(mesh, handle), name, now[:3])
         finally:
             bpy.data.meshes.remove(mesh)
     else:
-        square = np.vstack((pose, (0.0, 0.0, 0.0, 1.0)))
         size = 0.05 * (max(obj.dimensions) or 1.0)
-        empty = empties.new_empty(obj, poses.rest_of(handle), square, name, size)
+        empty = empties.new_empty(obj, surface @ riding.rest_of(handle), now, name, size)
         handle.acts_as = "PLACE"
     handle.control, handle.bone, handle.owns_control = empty, "", True
-    world = np.array(obj.matrix_world, dtype=np.float64)
-    relative = empty.matrix_parent_inverse @ empty.matrix_basis
-    poses.capture_rest(handle, world, world @ np.array(relative, dtype=np.float64), pose)
+    stand = np.linalg.inv(surface) @ riding.parent_inverse(empty)
+    riding.set_stand(handle, stand)
+    poses.capture_rest(handle, np.eye(4), stand @ np.array(empty.matrix_basis, dtype=np.float64), pose)
     handle.has_last_pose = False
     kinds.keep_evaluated(obj)
     obj.update_tag()

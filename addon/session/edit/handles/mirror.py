@@ -28,7 +28,7 @@ from . import mirror_controls
 from .mirror_weights import MirrorPlane, images
 from .naming import give_name, name_of_side, side_of_points
 
-_COPIED = ("kind", "weight", "colour", "enabled", "from_rest") + tuple(
+_COPIED = ("kind", "weight", "colour", "enabled", "from_rest", "stands_on", "stood_on") + tuple(
     parameter.id for parameter in HANDLE_PARAMETERS
 )
 

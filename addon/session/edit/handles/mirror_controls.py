@@ -11,7 +11,7 @@ from ....core.sides import flip
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
 from ...blocks.transforms import put
-from ...control.handles import poses
+from ...control.handles import poses, riding
 from ...control.handles.release import release_control
 from ...control.handles.sides import mirrored
 from ...memory import sessions
@@ -35,15 +35,17 @@ def give(
     if target.kind != "HANDLE":
         release_control(target)
         return
-    pose = mirrored(np.vstack((_pose(obj, deformer, source), (0.0, 0.0, 0.0, 1.0))))
-    frame = mirrored(poses.rest_of(source)) if source.has_rest else None
+    surface = riding.surface_of(deformer, source)
+    now = surface @ riding.square(_pose(obj, deformer, source)) @ np.linalg.inv(surface)
+    pose = mirrored(now)
+    frame = mirrored(surface @ poses.rest_of(source)) if source.has_rest else None
     if not target.control_missing:
         if target.owns_control and frame is not None:
-            _place(obj, target, frame, pose)
+            _place(obj, deformer, target, frame, pose)
         return
     control, bone = _other_side(obj, source)
     if control is None:
-        _give_empty(obj, source, target, rest, members, frame, pose)
+        _give_empty(obj, deformer, source, target, rest, members, frame, pose)
     elif bone:
         _give_bone(obj, source, target, control, bone)
     else:
@@ -51,10 +53,10 @@ def give(
 
 
 def _pose(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> np.ndarray:
-    """The pose of a handle now, (3, 4); its last one if its control is gone."""
-    matrix = poses.control_matrix(handle, bpy.context.evaluated_depsgraph_get())
-    if matrix is not None and handle.has_rest:
-        return frames.pose(_world(obj), matrix, poses.rest_of(handle), f"The control of {handle.name}")
+    """The pose of a handle now, (3, 4), relative to its rest; its last one if its control is gone."""
+    control = poses.present(obj, deformer, handle, bpy.context.evaluated_depsgraph_get())
+    if control is not None and handle.has_rest:
+        return (control @ frames.inverse(poses.rest_of(handle), f"The control of {handle.name}"))[:3]
     session = sessions.find(deformer.uid)
     return poses.IDENTITY if session is None else session.poses.get(handle.uid, poses.IDENTITY)
 
@@ -78,6 +80,7 @@ def _other_side(obj: Object, source: SinewHandle) -> tuple[Object | None, str]:
 
 def _give_empty(
     obj: Object,
+    deformer: SinewDeformer,
     source: SinewHandle,
     target: SinewHandle,
     rest: RestShape,
@@ -91,10 +94,12 @@ def _give_empty(
         for name in ("empty_display_type", "empty_display_size", "show_in_front", "rotation_mode"):
             setattr(empty, name, getattr(like, name))
     target.control, target.bone, target.owns_control = empty, "", True
-    _place(obj, target, own_frame if frame is None else frame, pose)
+    _place(obj, deformer, target, own_frame if frame is None else frame, pose)
 
 
-def _place(obj: Object, target: SinewHandle, frame: np.ndarray, pose: np.ndarray) -> None:
+def _place(
+    obj: Object, deformer: SinewDeformer, target: SinewHandle, frame: np.ndarray, pose: np.ndarray
+) -> None:
     """Move the control of a handle to where ``pose`` takes the rest frame ``frame``, and store that frame."""
     control = target.control
     if control.parent == obj and control.parent_type == "OBJECT":
@@ -102,7 +107,9 @@ def _place(obj: Object, target: SinewHandle, frame: np.ndarray, pose: np.ndarray
         put(control, Matrix((frames.inverse(frame, target.name) @ pose @ frame).tolist()))
     else:
         control.matrix_world = Matrix((_world(obj) @ pose @ frame).tolist())
-    poses.set_rest(target, frame)
+    at_rest = np.linalg.inv(riding.surface_of(deformer, target)) @ frame
+    poses.set_rest(target, at_rest)
+    riding.set_stand(target, at_rest)
 
 
 def _give_bone(obj: Object, source: SinewHandle, target: SinewHandle, control: Object, bone: str) -> None:

@@ -13,6 +13,7 @@ from ....properties import SinewDeformer, SinewHandle
 from ...blocks import shapes, targets
 from ...blocks.transforms import put
 from ...control import kinds
+from ...control.handles import riding
 from ...memory import sessions
 from . import empties
 
@@ -47,7 +48,8 @@ def add_point(
         deformer.handles.remove(len(deformer.handles) - 1)
         obj.update_tag()
         raise
-    handle.owns_control = owned
+    if owned:
+        empties.own(obj, deformer, handle, control, riding.rest_of(handle))
     deformer.active_handle = len(deformer.handles) - 1
     kinds.keep_evaluated(obj)
     return handle
@@ -58,7 +60,7 @@ def empty_at(obj: Object, place: Vector, name: str = "Point") -> Object:
     size = max(obj.dimensions) or 1.0
     empty = _new_empty(obj, f"{obj.name} {name}", 0.05 * size)
     empty.parent = obj
-    put(empty, Matrix.Translation(obj.matrix_world.inverted_safe() @ place))
+    empty.matrix_parent_inverse = Matrix.Translation(obj.matrix_world.inverted_safe() @ place)
     return empty
 
 

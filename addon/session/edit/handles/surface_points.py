@@ -22,7 +22,7 @@ from ....mesh_io import RestShape, read_rest
 from ....properties import SinewDeformer, SinewHandle
 from ...blocks import capture, shapes
 from ...control import kinds
-from ...control.handles import poses
+from ...control.handles import poses, riding
 from ...control.handles.sides import counterpart, mirrored
 from ...memory import sessions
 from . import empties
@@ -80,9 +80,8 @@ def _add(obj: Object, deformer: SinewDeformer, name: str, place: _Place, radius:
     handle.named = unique_name(name, taken)  # so that the name below renames nothing
     handle.name = handle.named
     handle.colour = empties.colour(len(deformer.handles) - 1)
-    handle.control = empties.new_empty(obj, frame, pose, f"{obj.name} {handle.name}", 0.5 * radius)
-    handle.owns_control = True
-    poses.set_rest(handle, frame)
+    control = empties.new_empty(obj, frame, pose, f"{obj.name} {handle.name}", 0.5 * radius)
+    empties.own(obj, deformer, handle, control, frame)
     return handle
 
 
@@ -127,6 +126,10 @@ def move_image(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> Non
     if other is None or other.control is None or handle.control is None or handle.bone or other.bone:
         return
     try:
+        if riding.is_carried(obj, handle) and riding.is_carried(obj, other):
+            basis = np.array(handle.control.matrix_basis, dtype=np.float64)
+            other.control.matrix_basis = empties.to_matrix(riding.image_of(handle, other, basis))
+            return
         world = np.array(obj.matrix_world, dtype=np.float64)
         now = np.array(handle.control.matrix_world, dtype=np.float64)
         inverse = frames.inverse(world, obj.name)
