@@ -11,7 +11,6 @@ from ....core.errors import ConstraintError, SinewError
 from ....core.names import unique_name
 from ....properties import SinewDeformer, SinewHandle
 from ...blocks import shapes, targets
-from ...blocks.transforms import put
 from ...control import kinds
 from ...control.handles import riding
 from ...memory import sessions
