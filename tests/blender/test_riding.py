@@ -458,3 +458,16 @@ def test_the_other_side_follows_in_the_frame_of_its_own_surface(arm: Posed, live
 
 
 _SIDES = {"L": 1.0, "R": -1.0}
+
+
+@pytest.mark.parametrize("whose", ["the mesh", "the control"])
+def test_a_scale_of_zero_is_named_and_right_again_afterwards(corrected: Posed, whose: str):
+    scaled = corrected.obj if whose == "the mesh" else corrected.control
+    scale = scaled.scale.copy()
+    go(7)
+    scaled.scale.x = 0.0
+    update()
+    assert whose == "the control" or "scaled to zero" in corrected.deformer.status
+    go(9)
+    scaled.scale = scale
+    assert corrected.is_right()

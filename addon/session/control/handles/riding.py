@@ -165,6 +165,7 @@ def motions(
     """
     if points is None:
         return {handle.uid: np.eye(4) for handle in handles}
+    frames.inverse(world, "The mesh object")  # refuses one that is scaled to zero
     found = {}
     for handle in handles:
         piece = _piece(bound, handle)
