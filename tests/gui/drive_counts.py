@@ -77,10 +77,10 @@ def journey():
     yield from rest(10)
     modifier.render_levels = 1  # and the render begins at once
     seen["at once"] = off((yield from f12(rig)), wanted[1])
-    seen["said"] = notes(rig)
+    seen["noted"] = notes(rig)
     yield from rest(10)
     seen["the next"] = off((yield from f12(rig)), wanted[1])
-    seen["said next"] = notes(rig)
+    seen["noted next"] = notes(rig)
 
 
 play(journey())

@@ -25,6 +25,7 @@ def test_the_viewport_waits_for_rebind_meanwhile(seen: dict):
 
 def test_a_render_that_nothing_was_bound_for_says_so_and_the_next_is_right(seen: dict):
     assert seen["at once"] > 0.1
-    assert any(line.startswith("In the render: Topology changed") for line in seen["said"])
+    assert "In the render: Topology changed - Rebind" in seen["noted"]
+    assert "Warning: Thin Shell: In the render: Topology changed - Rebind" in seen["said"]
     assert seen["the next"] < EXACT
-    assert not any("render" in line for line in seen["said next"])
+    assert not any("render" in line for line in seen["noted next"])
