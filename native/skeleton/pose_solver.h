@@ -88,10 +88,11 @@ struct PoseReport
 /// average, and each joint bent by `pole`: further about its hinge, or else about the first axis that is
 /// free. Bones also lean a little away from the middle of the skeleton, so that both sides of a symmetric one
 /// start alike. F is then minimised with `rest` at .03, .005 and .001, roughly, and at last as asked for.
-/// While joints are stiff they have one posture alone, and the way from there to soft joints changes little
-/// where goals do; steps that begin with soft joints crawl along the ring on which an elbow may be, and end
-/// anywhere on it. A joint that ends up turned by more than half a turn gets there the other way, and the
-/// steps go on. If all targets are met there without any of that, the base posture is the answer, to the bit.
+/// While joints are stiff they hardly have several postures, and the way from there to soft joints changes
+/// little where goals do; steps that begin with soft joints crawl along the ring on which an elbow may be,
+/// and end anywhere on it. A joint that ends up turned by more than half a turn gets there the other way, and
+/// the steps go on. If all targets are met there without any of that, the base posture is the answer, to the
+/// bit.
 ///
 /// Cost per iteration: n^2 (targets + n / 3) operations for n unknowns, at most three per bone. Safe from
 /// several threads.

@@ -433,14 +433,16 @@ TEST(PoseSolver, BothSidesOfAFigureBendAlikeAndForward)
         for (int dragged : {0, 8}) {
             const Skeleton skeleton = legs_and_spine(knee);
             Points last;
-            for (int k = 0; k <= 60; ++k) {
+            for (int k = 0; k <= 40; ++k) {
                 PoseRequest request;
                 for (int bone : {dragged, 3, 6}) // as whole bones
                     for (const Vector3& from : {skeleton.head(bone), skeleton.tail(bone),
                                                 Vector3(skeleton.head(bone) + 0.1 * Vector3::UnitX()),
                                                 Vector3(skeleton.head(bone) - 0.1 * Vector3::UnitX())}) {
-                        const Vector3 down(0, 0, bone == dragged ? -0.01 * k : 0.0);
-                        request.targets.push_back({bone, from, from + down, bone == dragged ? 1.0 : 1e3});
+                        const Vector3 way =
+                                          0.01 * k * Vector3(0, dragged ? -0.8 : 0.0, dragged ? -0.8 : -1.0),
+                                      move = bone == dragged ? way : Vector3(Vector3::Zero());
+                        request.targets.push_back({bone, from, from + move, bone == dragged ? 1.0 : 1e3});
                     }
                 request.moving_roots.assign(skeleton.bone_count(), false);
                 request.moving_roots[0] = true;
