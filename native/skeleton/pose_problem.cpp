@@ -207,7 +207,9 @@ VectorX PoseProblem::start() const
                           along = apply(poses[bone], skeleton_.tail(bone)) - head,
                           outward = along.normalized().cross(head - middle) / skeleton_.size();
             const Vector3 turn = poses[bone].leftCols<3>() * skeleton_.axes(bone) * hinges_[bone].col(axis);
-            bend *= aside * turn.dot(outward);
+            // Limits may close the plane of a chain that stands in the middle: no side is outward there.
+            const bool central = !counts_from_base(bone) && outward.norm() < 1e-6;
+            bend *= central ? std::pow(aside, u - first_[bone]) : aside * turn.dot(outward);
         }
         x[u] += x[u] + bend <= limits_.upper[u] ? bend : -bend;
     }

@@ -12,7 +12,7 @@ namespace sinew {
 namespace {
 
 /// The weights of `rest` on the way to the one asked for.
-constexpr double stiff_first[] = {3e-2, 5e-3, 1e-3};
+constexpr double stiff_first[] = {1e-2, 3e-3, 1e-3};
 constexpr double roughly = 1e-2; ///< the tolerance on the way
 
 } // namespace

@@ -87,7 +87,7 @@ struct PoseReport
 /// The start depends on the request alone: the base posture, with free roots moved as the goals have moved on
 /// average, and each joint bent by `pole`: further about its hinge, or else about the first axis that is
 /// free. Bones also lean a little away from the middle of the skeleton, so that both sides of a symmetric one
-/// start alike. F is then minimised with `rest` at .03, .005 and .001, roughly, and at last as asked for.
+/// start alike. F is then minimised with `rest` at .01, .003 and .001, roughly, and at last as asked for.
 /// While joints are stiff they hardly have several postures, and the way from there to soft joints changes
 /// little where goals do; steps that begin with soft joints crawl along the ring on which an elbow may be,
 /// and end anywhere on it. A joint that ends up turned by more than half a turn gets there the other way, and
