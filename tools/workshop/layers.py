@@ -121,7 +121,7 @@ def blender_3_4(timeout: float) -> Outcome:
 def blender_layer(version: str, tests: tuple[str, ...] = ()) -> Layer:
     """A layer for a release of Blender, named after its series. It runs ``tests``, or all."""
     name = f"blender-{version.rpartition('.')[0]}"
-    return Layer(name, 900, partial(blender_module, name, environments.blender(version), tests), True)
+    return Layer(name, 1200, partial(blender_module, name, environments.blender(version), tests), True)
 
 
 def blender_5(timeout: float) -> Outcome:
@@ -179,10 +179,10 @@ LAYERS = (
     Layer("benchmarks", 600, benchmarks),
     Layer("addon", 120, addon, one_process=True),
     Layer("bindings", 420, bindings, one_process=True),
-    Layer("blender-3.4", 1000, blender_3_4, one_process=True),
+    Layer("blender-3.4", 1800, blender_3_4, one_process=True),
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
-    Layer("blender-5", 1000, blender_5, one_process=True),
-    Layer("gui", 1200, gui, one_process=True),
+    Layer("blender-5", 1800, blender_5, one_process=True),
+    Layer("gui", 1500, gui, one_process=True),
     windows_layer("bindings", windows_tests.bindings, only_by_name=False),
     windows_layer("blender", windows_tests.blender, only_by_name=False),
     windows_layer("bindings-3.13", windows_tests.bindings_313),
