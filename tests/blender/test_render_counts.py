@@ -295,6 +295,13 @@ def test_a_level_that_is_keyed_counts_in_each_frame():
         assert off(shape, expected(rig)) < EXACT, frame
 
 
+def test_a_level_of_renders_comes_back():
+    rig = bound(subdivision)
+    for level in (2, 3, 2, 1, 3, 2):
+        rig.obj.modifiers[0].render_levels = level
+        assert off(render_points(rig.obj), expected(rig)) < EXACT, level
+
+
 def test_the_viewport_goes_on_after_its_level_comes_back():
     rig = bound(subdivision)
     shown = rig.points()
