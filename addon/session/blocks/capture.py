@@ -25,7 +25,7 @@ from ...compat import (
 from ...core.errors import MeshError
 from ...core.point_types import LATTICE, MESH, point_type_with_id
 from ...ids import Datablocks, Keys
-from ...mesh_io import same_topology, weights_attribute
+from ...mesh_io import keep_lost_groups, same_topology, weights_attribute
 from ...properties import SinewDeformer
 from ..memory import sessions
 from . import control_points, lattice_keys, node_group, render_settings, shapes, targets, vertex_groups
@@ -293,6 +293,16 @@ def carried(mesh: Mesh, beside: Mesh, places: np.ndarray) -> np.ndarray:
     if before.shape != places.shape or np.array_equal(before, places):
         return read_positions(mesh)
     return _riders(mesh, beside).at(places).astype(np.float32)
+
+
+def carry_lost_groups(mesh: Mesh, beside: Mesh, wanted: set[str]) -> None:
+    """Let a rest mesh take over the weights of deleted groups from the one ``beside`` it.
+
+    Both are of the same shape, as for ``carried``.
+    """
+    keep_lost_groups(
+        mesh, beside, wanted, lambda weights: _riders(mesh, beside).blended(weights).astype(np.float32)
+    )
 
 
 def _riders(mesh: Mesh, beside: Mesh) -> Riders:
