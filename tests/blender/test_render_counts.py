@@ -24,6 +24,7 @@ from rig import (
     apply_matrix,
     base_points,
     close,
+    evaluated_points,
     grid_object,
     key,
     make_active,
@@ -398,6 +399,21 @@ def test_a_control_with_other_points_in_renders_moves_it_alike(kind: str, tmp_pa
     path = save(tmp_path / "control.blend")
     for shape in frames_of(path, tmp_path, addon_name, rig.name):
         assert off(shape, shown) < EXACT
+
+
+@pytest.mark.parametrize("kind", ["lattice", "hair"])
+def test_a_control_without_faces_may_have_modifiers_in_viewports_alone(kind: str, tmp_path: Path):
+    obj, control = grid_object("Plate", 5), getattr(point_objects, kind)()
+    modifier = control.modifiers.new("Nodes", "NODES" if kind == "hair" else "CAST")
+    modifier.show_render = False
+    make_active(obj)
+    control.select_set(True)
+    assert bpy.ops.sinew.point_add(source="POINTS", method="mls") == {"FINISHED"}
+    move_world(control, Matrix.Translation((0.0, 0.0, HEIGHT)))
+    shown = evaluated_points(obj)
+    assert off(shown, base_points(obj)) > 0.4
+    save(tmp_path / "control.blend")
+    assert off(render_points(obj), shown) < EXACT
 
 
 # --- counts that change by the frame

@@ -257,7 +257,7 @@ def render_signature(obj: Object, deformer: SinewDeformer) -> tuple:
 
 def _differs_in_renders(obj: Object, modifiers: Sequence[Modifier]) -> bool:
     """Whether other vertices may come out of these modifiers of an object in renders."""
-    if targets.is_lattice(obj):  # its deformers come before all modifiers
+    if targets.is_lattice(obj):  # its deformers come before all modifiers, and those keep its points
         return False
     return render_settings.differ(obj, modifiers)
 
@@ -316,7 +316,7 @@ def viewport_points(obj: Object) -> Riders | None:
 
     Deformers are left out: their shapes for viewports do not fit what renders show.
     """
-    if not render_settings.differ(obj, obj.modifiers):
+    if not _differs_in_renders(obj, obj.modifiers):
         return None
     with _stand_ins([(obj, len(obj.modifiers))]) as (copy,):
         for modifier in copy.modifiers:
@@ -333,6 +333,8 @@ def viewport_points(obj: Object) -> Riders | None:
 
 def _new_mesh(obj: Object) -> Mesh:
     """What an object is as a mesh now, as ``points_shown`` reads it."""
+    if targets.is_cloud(obj):
+        return _new_meshes([obj])[0]
     bpy.context.view_layer.update()
     depsgraph = bpy.context.evaluated_depsgraph_get()
     return bpy.data.meshes.new_from_object(obj.evaluated_get(depsgraph), depsgraph=depsgraph)
