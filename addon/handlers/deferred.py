@@ -44,8 +44,9 @@ def _start() -> None:
 
 def report_renders() -> None:
     """Report which deformers have shown the rest shape in renders since the last call."""
-    names = {deformer.uid: deformer.name for obj in session.owners() for deformer in obj.sinew.deformers}
-    lines = [f"{names[uid]}: {text}" for uid, text in status.take_unreported().items() if uid in names]
+    told = status.take_unreported()
+    found = [deformer for obj in session.owners() for deformer in obj.sinew.deformers] if told else []
+    lines = [f"{deformer.name}: {told[deformer.uid]}" for deformer in found if deformer.uid in told]
     if lines:
         bpy.ops.sinew.report_renders(text="; ".join(lines))
 
