@@ -72,7 +72,7 @@ class Riders:
         return not len(self._triangles)
 
     def blended(self, values: np.ndarray) -> np.ndarray:
-        """The values (k,) at the places that they ride on, from those of the vertices of the surface, (n,)."""
+        """The values (k,) at the places where they ride, from those of the vertices of the surface, (n,)."""
         return (self._shares * values[self._corners]).sum(axis=1)
 
     def at(self, points: np.ndarray) -> np.ndarray:
