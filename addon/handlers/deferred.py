@@ -72,7 +72,8 @@ def _write_for_renders() -> float | None:
     session.carry_out_writes()
     session.show_late()
     if not bpy.app.is_job_running("RENDER"):
-        session.look_at_renders()
+        if not is_playing():  # settings may be keyed, and renders look at each frame by themselves
+            session.look_at_renders()
         if session.has_counts() and not bpy.app.timers.is_registered(_tick):
             _start()
         report_renders()
