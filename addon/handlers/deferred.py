@@ -44,8 +44,9 @@ def _start() -> None:
 
 def report_renders() -> None:
     """Report which deformers have shown the rest shape in renders since the last call."""
-    names = {deformer.uid: deformer.name for obj in session.owners() for deformer in obj.sinew.deformers}
-    lines = [f"{names[uid]}: {text}" for uid, text in status.take_unreported().items() if uid in names]
+    told = status.take_unreported()
+    found = [deformer for obj in session.owners() for deformer in obj.sinew.deformers] if told else []
+    lines = [f"{deformer.name}: {told[deformer.uid]}" for deformer in found if deformer.uid in told]
     if lines:
         bpy.ops.sinew.report_renders(text="; ".join(lines))
 
@@ -71,7 +72,8 @@ def _write_for_renders() -> float | None:
     session.carry_out_writes()
     session.show_late()
     if not bpy.app.is_job_running("RENDER"):
-        session.look_at_renders()
+        if not is_playing():  # settings may be keyed, and renders look at each frame by themselves
+            session.look_at_renders()
         if session.has_counts() and not bpy.app.timers.is_registered(_tick):
             _start()
         report_renders()

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Read and replace rest meshes: points, faces, the weights of vertex groups, and UV maps."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -213,16 +214,18 @@ def _names(mesh: Mesh, key: str) -> list[str]:
     return [name if isinstance(name, str) else "" for name in names]
 
 
-def keep_lost_groups(mesh: Mesh, held: Mesh, wanted: set[str]) -> None:
+def keep_lost_groups(
+    mesh: Mesh, held: Mesh, wanted: set[str], carry: Callable[[np.ndarray], np.ndarray] | None = None
+) -> None:
     """Let a new rest mesh take over the weights of the ``wanted`` groups that only ``held`` still has.
 
-    Both have the same vertices.
+    Both have the same vertices, or ``carry`` makes weights of the new vertices from those of the held ones.
     """
     own = group_names(mesh)
     found = group_weights(held, known_groups(held), wanted - set(own))
     for index, name in enumerate(sorted(found), len(own)):
         kept = mesh.attributes.new(weights_attribute(index), "FLOAT", "POINT")
-        kept.data.foreach_set("value", found[name])
+        kept.data.foreach_set("value", found[name] if carry is None else carry(found[name]))
     if found:
         mesh[Keys.REST_LOST] = sorted(found)
 

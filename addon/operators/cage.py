@@ -55,7 +55,7 @@ class _MakesCage(BindingOperator):
     def _begin(self, context: Context) -> set[str]:
         targets = self.targets(context)
         self._targets = tuple((obj.name, "" if row is None else row.uid) for obj, row in targets)
-        self._work = session.begin_cage(targets[0][0], self.maker(targets))
+        self._work = session.begin_cage([obj for obj, _row in targets], self.maker(targets))
         return self.stay(context)
 
     def look(self, context: Context, is_cancelled: bool) -> set[str]:

@@ -96,6 +96,32 @@ def test_what_a_deleted_group_held_is_left_out_by_the_next_bind(
     assert close(render_points(plate.obj), after)
 
 
+@pytest.mark.parametrize("levels", [(2, 3), (2, 1), (1, 3)], ids=["finer", "coarser", "other in both"])
+@pytest.mark.parametrize("what", ["a second handle", "a fixed region"])
+def test_what_a_deleted_group_held_stays_in_renders_of_other_vertices(
+    plate: Rig, what: str, levels: tuple[int, int]
+):
+    """Also while the viewport waits for a Rebind."""
+    modifier = plate.obj.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels = modifier.render_levels = 2
+    plate.bind(LOST[what][0])
+    LOST[what][1](plate)
+    move_world(plate.control, Matrix.Translation((0.0, 0.0, 0.5)))
+
+    def rendered() -> np.ndarray:
+        modifier.levels, modifier.render_levels = levels
+        shape = render_points(plate.obj)
+        modifier.levels = modifier.render_levels = 2
+        settle()
+        return shape
+
+    before = rendered()
+    plate.obj.vertex_groups.remove(plate.obj.vertex_groups["Lost"])
+    plate.obj.update_tag()
+    settle()
+    assert close(rendered(), before, 0.02)  # the border of a region lies between vertices
+
+
 def test_a_mask_whose_group_is_deleted_masks_nothing_anywhere(posed: HandleRig):
     """As in any modifier: at once, in renders, after a pause and in the file; and the status says it."""
     if "Top" not in posed.obj.vertex_groups:

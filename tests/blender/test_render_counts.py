@@ -24,6 +24,7 @@ from rig import (
     apply_matrix,
     base_points,
     close,
+    evaluated_points,
     grid_object,
     key,
     make_active,
@@ -295,6 +296,13 @@ def test_a_level_that_is_keyed_counts_in_each_frame():
         assert off(shape, expected(rig)) < EXACT, frame
 
 
+def test_a_level_of_renders_comes_back():
+    rig = bound(subdivision)
+    for level in (2, 3, 2, 1, 3, 2):
+        rig.obj.modifiers[0].render_levels = level
+        assert off(render_points(rig.obj), expected(rig)) < EXACT, level
+
+
 def test_the_viewport_goes_on_after_its_level_comes_back():
     rig = bound(subdivision)
     shown = rig.points()
@@ -391,6 +399,21 @@ def test_a_control_with_other_points_in_renders_moves_it_alike(kind: str, tmp_pa
     path = save(tmp_path / "control.blend")
     for shape in frames_of(path, tmp_path, addon_name, rig.name):
         assert off(shape, shown) < EXACT
+
+
+@pytest.mark.parametrize("kind", ["lattice", "hair"])
+def test_a_control_without_faces_may_have_modifiers_in_viewports_alone(kind: str, tmp_path: Path):
+    obj, control = grid_object("Plate", 5), getattr(point_objects, kind)()
+    modifier = control.modifiers.new("Nodes", "NODES" if kind == "hair" else "CAST")
+    modifier.show_render = False
+    make_active(obj)
+    control.select_set(True)
+    assert bpy.ops.sinew.point_add(source="POINTS", method="mls") == {"FINISHED"}
+    move_world(control, Matrix.Translation((0.0, 0.0, HEIGHT)))
+    shown = evaluated_points(obj)
+    assert off(shown, base_points(obj)) > 0.4
+    save(tmp_path / "control.blend")
+    assert off(render_points(obj), shown) < EXACT
 
 
 # --- counts that change by the frame

@@ -166,15 +166,22 @@ def run(name: str):
 
 
 def one_cage_at_a_time():
-    """A second click while a cage is being made, the X in the panel, and then another cage."""
+    """A second click while a cage is made for two objects, the X in the panel of the other, another cage."""
     plain(levels=2)
+    bpy.ops.mesh.primitive_cube_add(location=(3.0, 0.0, 0.0))
+    other = bpy.context.object
     yield from rest()
     found = seen["one at a time"] = {}
     for end in ("cancelled", "made"):
-        bpy.context.view_layer.objects.active = head()
+        for obj in (other, head()):
+            obj.select_set(True)
+            bpy.context.view_layer.objects.active = obj
+        offered = found[f"offered while {end}"] = []
         with in_view():
             bpy.ops.sinew.cage_add("INVOKE_DEFAULT", faces=200, method="harmonic")
-            found[f"offered while {end}"] = bpy.ops.sinew.cage_add.poll()
+            for obj in (head(), other):
+                bpy.context.view_layer.objects.active = obj
+                offered.append(bpy.ops.sinew.cage_add.poll())
         yield from rest()
         screenshot(f"1-while-{end}")
         if end == "cancelled":
@@ -183,7 +190,7 @@ def one_cage_at_a_time():
         yield from until(lambda: not works(), 60.0)
         yield from rest(4)
         found[f"cages when {end}"] = sum(obj.name.startswith("Head Cage") for obj in bpy.data.objects)
-        found[f"deformers when {end}"] = len(head().sinew.deformers)
+        found[f"deformers when {end}"] = [len(obj.sinew.deformers) for obj in (head(), other)]
         screenshot(f"2-{end}")
     found["status"] = deformer().status_level
     bpy.context.view_layer.objects.active = head()

@@ -44,6 +44,23 @@ def notes(rig: Rig) -> list[str]:
     return [line.text for line in sys.modules[f"{MODULE}.core.status"].notes(rig.deformer.uid)]
 
 
+def playback(rig: Rig):
+    """Notes how many counts renders are bound for while frames play that have one of two each."""
+    modifier, counts = rig.obj.modifiers[0], set()
+    for frame in range(1, 31):
+        modifier.render_levels = 1 + frame // 6 % 2
+        modifier.keyframe_insert("render_levels", frame=frame)
+    yield from rest(10)
+    with in_view():
+        bpy.ops.screen.animation_play()
+    for _ in range(40):
+        counts.add(len(rig.deformer.rest_in("RENDER").vertices))
+        yield
+    with in_view():
+        bpy.ops.screen.animation_play()
+    seen["counts in playback"] = len(counts)
+
+
 def journey():
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
@@ -81,6 +98,7 @@ def journey():
     yield from rest(10)
     seen["the next"] = off((yield from f12(rig)), wanted[1])
     seen["noted next"] = notes(rig)
+    yield from playback(rig)
 
 
 play(journey())

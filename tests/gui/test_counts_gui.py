@@ -23,6 +23,10 @@ def test_the_viewport_waits_for_rebind_meanwhile(seen: dict):
     assert seen["viewport"] == "Topology changed - Rebind"
 
 
+def test_playback_binds_no_renders(seen: dict):
+    assert seen["counts in playback"] == 1
+
+
 def test_a_render_that_nothing_was_bound_for_says_so_and_the_next_is_right(seen: dict):
     assert seen["at once"] > 0.1
     assert "In the render: Topology changed - Rebind" in seen["noted"]

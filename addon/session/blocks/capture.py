@@ -25,7 +25,7 @@ from ...compat import (
 from ...core.errors import MeshError
 from ...core.point_types import LATTICE, MESH, point_type_with_id
 from ...ids import Datablocks, Keys
-from ...mesh_io import same_topology, weights_attribute
+from ...mesh_io import keep_lost_groups, same_topology, weights_attribute
 from ...properties import SinewDeformer
 from ..memory import sessions
 from . import control_points, lattice_keys, node_group, render_settings, shapes, targets, vertex_groups
@@ -257,7 +257,7 @@ def render_signature(obj: Object, deformer: SinewDeformer) -> tuple:
 
 def _differs_in_renders(obj: Object, modifiers: Sequence[Modifier]) -> bool:
     """Whether other vertices may come out of these modifiers of an object in renders."""
-    if targets.is_lattice(obj):  # its deformers come before all modifiers
+    if targets.is_lattice(obj):  # its deformers come before all modifiers, and those keep its points
         return False
     return render_settings.differ(obj, modifiers)
 
@@ -295,6 +295,16 @@ def carried(mesh: Mesh, beside: Mesh, places: np.ndarray) -> np.ndarray:
     return _riders(mesh, beside).at(places).astype(np.float32)
 
 
+def carry_lost_groups(mesh: Mesh, beside: Mesh, wanted: set[str]) -> None:
+    """Let a rest mesh take over the weights of deleted groups from the one ``beside`` it.
+
+    Both are of the same shape, as for ``carried``.
+    """
+    keep_lost_groups(
+        mesh, beside, wanted, lambda weights: _riders(mesh, beside).blended(weights).astype(np.float32)
+    )
+
+
 def _riders(mesh: Mesh, beside: Mesh) -> Riders:
     """The vertices of a mesh on the surface of one ``beside`` it."""
     places, points = (np.nan_to_num(read_positions(each).astype(np.float64)) for each in (beside, mesh))
@@ -306,7 +316,7 @@ def viewport_points(obj: Object) -> Riders | None:
 
     Deformers are left out: their shapes for viewports do not fit what renders show.
     """
-    if not render_settings.differ(obj, obj.modifiers):
+    if not _differs_in_renders(obj, obj.modifiers):
         return None
     with _stand_ins([(obj, len(obj.modifiers))]) as (copy,):
         for modifier in copy.modifiers:
@@ -323,6 +333,8 @@ def viewport_points(obj: Object) -> Riders | None:
 
 def _new_mesh(obj: Object) -> Mesh:
     """What an object is as a mesh now, as ``points_shown`` reads it."""
+    if targets.is_cloud(obj):
+        return _new_meshes([obj])[0]
     bpy.context.view_layer.update()
     depsgraph = bpy.context.evaluated_depsgraph_get()
     return bpy.data.meshes.new_from_object(obj.evaluated_get(depsgraph), depsgraph=depsgraph)

@@ -71,6 +71,10 @@ class Riders:
         """Whether there are no faces, so that points keep their way to the nearest place of an edge."""
         return not len(self._triangles)
 
+    def blended(self, values: np.ndarray) -> np.ndarray:
+        """The values (k,) at the places where they ride, from those of the vertices of the surface, (n,)."""
+        return (self._shares * values[self._corners]).sum(axis=1)
+
     def at(self, points: np.ndarray) -> np.ndarray:
         """Where they are carried to by the surface with its vertices at ``points`` (n, 3)."""
         surface = Surface(points.astype(np.float64), self._triangles, _NO_EDGES)

@@ -94,8 +94,12 @@ def ensure(obj: Object, deformer: SinewDeformer, vertex_count: int, render_count
     if targets.is_lattice(obj) and deformer.is_bound:
         lattice_keys.ensure(obj, deformer)
     modifier = find_modifier(obj, deformer)
-    deformer.proxy = _shape_object(deformer.shape("VIEWPORT"), Datablocks.PROXY_VIEWPORT, vertex_count)
     render_count = vertex_count if render_count is None else render_count
+    for mode, count in (("VIEWPORT", vertex_count), ("RENDER", render_count)):
+        shape = deformer.shape(mode)
+        if shape is not None and len(shape.data.vertices) != count + 1:
+            sessions.forget_shape(deformer.uid, mode)  # it is about to be emptied
+    deformer.proxy = _shape_object(deformer.shape("VIEWPORT"), Datablocks.PROXY_VIEWPORT, vertex_count)
     deformer.proxy_render = _shape_object(deformer.shape("RENDER"), Datablocks.PROXY_RENDER, render_count)
     mark(deformer)
     if targets.is_lattice(obj):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Automatic cages that threads are making, by the name of the object that gets one. Main thread only."""
+"""Automatic cages that threads are making, by the names of the objects that get one. Main thread only."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 from bpy.types import Object
 
@@ -16,11 +16,13 @@ BEING_MADE = "A cage is being made for this object - wait for it, or cancel it w
 _cages = remember(Works())
 
 
-def begin_cage(obj: Object, make: Callable[[Progress | None], Shape]) -> Work:
-    """Let a thread make a cage for an object, which gets one at a time."""
-    if obj.name in _cages:
+def begin_cage(objects: Sequence[Object], make: Callable[[Progress | None], Shape]) -> Work:
+    """Let a thread make one cage for all these objects. Each gets one at a time."""
+    if any(obj.name in _cages for obj in objects):
         raise CageError(BEING_MADE)
-    return _cages.setdefault(obj.name, Work(make))
+    work = Work(make)
+    _cages.update({obj.name: work for obj in objects})
+    return work
 
 
 def cage_work(name: str) -> Work | None:
@@ -29,5 +31,7 @@ def cage_work(name: str) -> Work | None:
 
 
 def drop_cage(name: str) -> None:
-    """Cancel the making of a cage; or forget it, when it is made and taken."""
-    _cages.drop(name)
+    """Cancel the making of a cage for an object and the others; or forget it, when it is made and taken."""
+    work = _cages.get(name)
+    for other in [key for key, each in _cages.items() if each is work]:
+        _cages.drop(other)

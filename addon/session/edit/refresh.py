@@ -138,6 +138,7 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
         _discard(meshes)
     else:
         if rendered is not None and not fits:
+            capture.carry_lost_groups(rendered, shown, vertex_groups.groups_in_use(deformer))
             write_positions(rendered, capture.carried(rendered, shown, read_positions(held)))
         for (old, new), is_same in zip(pairs, same, strict=True):
             keep_shape(new, old)
@@ -161,6 +162,7 @@ def _hold_rendered(obj: Object, deformer: SinewDeformer, rendered: Mesh) -> bool
     mesh = None if same_topology(held, rendered) else rendered.copy()
     if mesh is not None:
         rest_frame.put_back(deformer, mesh)
+        capture.carry_lost_groups(mesh, held, vertex_groups.groups_in_use(deformer))
     shapes.hold_rendered_rest(deformer, mesh)
     shapes.ensure(obj, deformer, len(held.vertices), len(deformer.rest_in("RENDER").vertices))
     obj.update_tag(refresh={"OBJECT"})

@@ -161,6 +161,16 @@ def drop(key: str) -> None:
     status.clear(key)
 
 
+def forget_shape(key: str, mode: str) -> None:
+    """Call when the shape mesh of a deformer for a mode has lost what it held: the next evaluation writes it.
+
+    In renders, two sessions may have written it.
+    """
+    for session in (_sessions.get(key), _sessions.get(key + _RENDER)):
+        if session is not None:
+            session.shown.pop(mode, None)
+
+
 def forget_shapes() -> None:
     """Call after undo and redo, which may have changed the shape meshes.
 
