@@ -95,7 +95,7 @@ def _show(
         markers.add_pin(ball, place + Vector((0.0, -0.3, 0.0)), 0.05, place)
     body.modifiers[-1].show_viewport = True
     if control is None:
-        studio.add_label(bpy.context.scene, label, (x - 0.62, -0.4, z), 0.13)
+        studio.add_label(bpy.context.scene, label, (x - 0.3, -0.4, 0.18), 0.13)
 
 
 def _keep_arm(mesh: bpy.types.Mesh, inside: np.ndarray) -> None:
