@@ -171,7 +171,7 @@ def test_escape_in_the_middle_leaves_the_disk_and_the_scene_as_they_were(pair, t
     assert 0 < job.done < job.total
     assert list(tmp_path.iterdir())  # a part of the file
     assert send("ESC") == {"CANCELLED"}
-    assert said == ["timer ends", "progress ends", "It was cancelled"]
+    assert said == ["progress ends", "timer ends", "It was cancelled"]
     assert not list(tmp_path.iterdir())
     assert not target.modifiers
     assert bpy.context.scene.frame_current == 3

@@ -193,9 +193,6 @@ def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(
         def report(self, levels: set[str], text: str) -> None:
             said.append((levels, text))
 
-        def end(self, _context: object) -> None:
-            """There is no timer here."""
-
     operator = Operator()
     deformer = session.add_deformer(plate.obj, "thin_shell")
     handle, refusal = session.rig_region(plate.obj, "FIXED", "Base", wait=False)
@@ -205,7 +202,7 @@ def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(
     session.job(deformer.uid).thread.join()
     operator._uid = deformer.uid
     session.collect()
-    assert operator._finish(bpy.context) == {"FINISHED"}
+    assert operator.look(bpy.context, is_cancelled=False) == {"FINISHED"}
     assert said == [({"INFO"}, f"Base: {deformer.status}")]
     assert "1 fixed, bound in" in deformer.status
 
