@@ -167,6 +167,17 @@ def test_the_pose_is_mirrored_with_it(hand: Rig, turned: bool):
     assert np.abs(hand.points() - hand.rest()).max() < 2e-5  # Alt+G, Alt+R bring both back
 
 
+def test_the_support_around_a_dragged_handle_is_mirrored_with_it():
+    plate = Rig(grid_object(cells=20))
+    bpy.ops.sinew.drag(origin=(0.5, 0.1, 5.0), value=(0.1, 0.05, 0.3), radius=0.15, reach=2.5)
+    make_active(plate.obj)
+    assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    update()
+    assert handle_names(plate) == ["Support.L", "Handle.L", "Handle.R", "Support.R"]
+    assert_is_its_own_mirror_image(plate)
+    assert_weights_are_mirrored(plate, "Support.L", "Support.R")
+
+
 def test_the_next_mirror_updates_the_counterpart(hand: Rig):
     bpy.ops.sinew.handle_mirror()
     first = by_name(hand, "Hand.R").control

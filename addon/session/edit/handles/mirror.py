@@ -72,6 +72,8 @@ def mirror(obj: Object, deformer: SinewDeformer, keys: list[str], options: Mirro
     made = _missing_groups(obj, deformer, keys, options)
     try:
         rest, members = _rest(obj, deformer, keys)
+        if options.source is None:
+            members |= _supports(deformer, rest, members, options)
         sides = _sides(deformer, rest, members, options)
         across = {key: images(rest.points, options.tolerance, members[key]) for key in sides}
         names = _names(obj, deformer, rest, sides, across)
@@ -157,17 +159,42 @@ def _rest(obj: Object, deformer: SinewDeformer, keys: list[str]) -> tuple[RestSh
     return rest, found
 
 
+def _supports(
+    deformer: SinewDeformer, rest: RestShape, members: dict[str, np.ndarray], options: MirrorOptions
+) -> dict[str, np.ndarray]:
+    """The supports around handles, on the same side: without them the other side would take another shape."""
+    found = {}
+    for key, vertices in members.items():
+        handle = _by_key(deformer, key)
+        side = _side(handle, rest, vertices, options)
+        if handle.kind != "HANDLE" or side is None:
+            continue
+        for other in deformer.handles:
+            painted = rest.weights.get(other.vertex_group)
+            is_wanted = not options.weights_only or counterpart(deformer, other) is not None
+            if other.kind != "SUPPORT" or painted is None or not is_wanted:
+                continue
+            around = np.flatnonzero(painted > 0.0)
+            if (painted[vertices] > 0.0).all() and _side(other, rest, around, options) is side:
+                found[other.uid] = around
+    return found
+
+
+def _side(handle: SinewHandle, rest: RestShape, vertices: np.ndarray, options: MirrorOptions) -> Side | None:
+    """The side of a handle: by its name, else by its place; None on the centre."""
+    return side_of_handle(handle) or side_of_points(rest.points[vertices], options.tolerance)
+
+
 def _sides(
     deformer: SinewDeformer, rest: RestShape, members: dict[str, np.ndarray], options: MirrorOptions
 ) -> dict[str, Side | None]:
-    """The side of each handle: by its name, else by its place; None on the centre.
+    """The side of each handle.
 
     Handles that lie on the side that receives are left out: their names are theirs to keep.
     """
     found = {}
     for key, vertices in members.items():
-        handle = _by_key(deformer, key)
-        side = side_of_handle(handle) or side_of_points(rest.points[vertices], options.tolerance)
+        side = _side(_by_key(deformer, key), rest, vertices, options)
         if side is None or options.source in (None, side):
             found[key] = side
     if not found:
@@ -213,7 +240,7 @@ def _refuse_lopsided(
 
     ``names`` are those that handles are to get.
     """
-    is_alone = len(across) == 1
+    is_alone = len(across) == 1 or options.source is None
     for key in list(across):
         handle = _by_key(deformer, key)
         other = flip(names.get(key, "")) or flip(sided_name(handle))
