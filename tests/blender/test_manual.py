@@ -306,6 +306,8 @@ NOT_LISTED = {
         "... has no keys - choose Mesh Sequence",
         "... is not bound - press Bind first",
         "... does not follow its controls now - the panel says why",
+        "... stands on the surface and moves with it",
+        "... stays in the world",
     )
 }
 
@@ -351,6 +353,7 @@ ELSEWHERE = {
     "Repair": "test_repair.py",
     "Select": "test_bad_input.py",
     "Silhouette Sketch": "test_silhouette_sketch.py",
+    "Surface": "test_riding.py",
     "Transfer Deformation": "test_transfer.py",
     "Use Selected as Cage": "test_cage.py",
     "Use Selected as Lattice": "test_lattice.py",

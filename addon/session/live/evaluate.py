@@ -226,8 +226,10 @@ def _update_object(
             if shapes.connect_mask(obj, modifier, deformer):
                 obj.update_tag()
             lost = deformer.mask_group and deformer.mask_group not in obj.vertex_groups
-            text = f"The mask is not used: {obj.name} has no vertex group '{deformer.mask_group}'"
-            status.put_mask(deformer.uid, f"{text} - pick another" if lost else "")
+            text = (
+                f"The mask is not used: {obj.name} has no vertex group '{deformer.mask_group}' - pick another"
+            )
+            status.put_mask(deformer.uid, text if lost else "")
         with session.lock:
             try:
                 chain = _update_deformer(evaluation)
