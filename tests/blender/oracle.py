@@ -275,7 +275,7 @@ def painted_on(mesh: bpy.types.Mesh, group: int) -> np.ndarray:
 class Weights:
     """Weights by vertex group as they are painted now, (n,) for the points that enter.
 
-    A group that was removed counts as long as the rest mesh still has it.
+    A group that was removed counts until the next bind: the rest mesh still has it.
     """
 
     def __init__(self, obj: bpy.types.Object, source: np.ndarray, rest: bpy.types.Mesh | None = None) -> None:
@@ -285,8 +285,14 @@ class Weights:
         group = self._obj.vertex_groups.get(name) if name else None
         if group is not None:
             return painted_on(self._obj.data, group.index)[self._source]
-        kept = list(self._rest.get("sinew_groups", ())) if self._rest else []
-        return painted_on(self._rest, kept.index(name)) if name in kept else None
+        lists = ("sinew_groups", "sinew_lost_groups") if self._rest else ()
+        kept = [other for key in lists for other in self._rest.get(key, ())]
+        if name not in kept:
+            return None
+        stored = self._rest.attributes.get(f".sinew_weight_{kept.index(name)}")
+        if stored is None:
+            return painted_on(self._rest, kept.index(name))
+        return np.array([value.value for value in stored.data], dtype=np.float64)
 
 
 def follow(obj: bpy.types.Object, modifier: bpy.types.Modifier, answer: Expected) -> None:
