@@ -307,15 +307,20 @@ def change_stand(obj: Object, handle: SinewHandle, surface: np.ndarray) -> None:
     handle.rest_matrix = rest.ravel(order="F").tolist()
 
 
+def _same_shape(bound: Bound, points: np.ndarray) -> bool:
+    return points.shape == bound.rest.points.shape
+
+
 def turn_with_rest(obj: Object, deformer: SinewDeformer, bound: Bound | None, points: np.ndarray) -> None:
     """Let controls do the same when ``points`` (n, 3) become the rest shape.
 
-    ``bound`` is the factor for the rest shape so far. Without one of as many points, the place counts where
-    the controls were put last.
+    ``bound`` is the factor for the rest shape so far. Without one of as many points, or with points that are
+    not finite, the place counts where the controls were put last.
     """
     riding = [handle for handle in deformer.handles if is_riding(handle) and handle.has_rest]
     moved: dict[str, np.ndarray] = {}
-    if bound is not None and not bound.factor.is_released and points.shape == bound.rest.points.shape:
+    is_finite = bool(np.isfinite(points).all())
+    if is_finite and bound is not None and not bound.factor.is_released and _same_shape(bound, points):
         known = [handle for handle in riding if handle.uid in bound.handles]
         moved = motions(bound, known, points, np.array(obj.matrix_world, dtype=np.float64))
     for handle in riding:
