@@ -54,8 +54,9 @@ def evaluations(obj: bpy.types.Object, action: Callable[[], object]) -> int:
 def test_adding_a_handle_evaluates_the_mesh_as_seldom_as_can_be(
     plate: Rig, role: str, room, monkeypatch: pytest.MonkeyPatch
 ):
-    """Once beside the copy that is captured, and once for the bind: the window waits for both. Once more where
-    a fixed region is added to others.
+    """Once beside the copy that is captured, and once for the bind: the window waits for both.
+
+    Once more where a fixed region is added to others.
 
     Blender evaluates earlier, and tells so again, for handlers of others: what counts here is none of them.
     """
