@@ -199,8 +199,12 @@ def _rest_meshes_of(
 ) -> list[tuple[Mesh, Mesh | None] | MeshError]:
     """For each what ``rest_meshes`` makes, or its error."""
     with _stand_ins((obj, position(obj, deformer)) for obj, deformer in wanted) as copies:
-        shown = [mesh for mesh in entered if mesh is not None] or _rest_meshes(wanted, copies)
-        depsgraph = bpy.context.evaluated_depsgraph_get()
+        shown = [mesh for mesh in entered if mesh is not None]
+        if shown:
+            bpy.context.view_layer.update()
+        else:
+            shown = _rest_meshes(wanted, copies)
+        depsgraph = bpy.context.view_layer.depsgraph  # to ask for another evaluates again
         evaluated = [copy.evaluated_get(depsgraph) for copy in copies]
         differing = [
             i
