@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from .environments import Environment
-from .package import package, validate
+from .package import package, package_for_this_machine, validate
 from .places import BUILD, ROOT
 from .results import Outcome, outcome
 from .shell import must, one_at_a_time, run
@@ -49,12 +49,12 @@ def conditions(name: str) -> dict[str, str]:
 
 
 @one_at_a_time()
-def install_legacy(name: str) -> dict[str, str | Path]:
+def install_legacy(name: str, from_wheel: bool = True) -> dict[str, str | Path]:
     """Installs the legacy zip in Debian's Blender, in a new user folder.
 
-    Returns the environment variables.
+    Returns the environment variables. Without a wheel, the zip has the module of the developer's tree.
     """
-    _, zip_file = package()
+    zip_file = package()[1] if from_wheel else package_for_this_machine()
     user = emptied(BUILD / "blender-users" / name)
     env = {
         "BLENDER_USER_CONFIG": user / "config",
