@@ -57,7 +57,7 @@ class Layer:
 
 
 def lint(timeout: float, quick: bool = False) -> Outcome:
-    """Formats, types, and clang-tidy; if ``quick``, clang-tidy on sources alone that are not committed yet."""
+    """Formats, types, clang-tidy on all sources or, if ``quick``, on those that are not committed yet."""
     total = Outcome()
     formats = checks()
     for name, command in (formats | {"mypy": [environments.dev().bin / "mypy"]}).items():

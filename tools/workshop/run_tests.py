@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs a quick selection of the tests, which takes minutes, or the layers that are named, each with all its tests.
+"""Runs a quick selection of the tests, all layers, or those that are named, and prints a summary.
 
 Layers that use one core run beside each other, and print when they have ended. A layer that fails does not
 stop the next one. The last line counts all tests; the status is 1 if any failed.
