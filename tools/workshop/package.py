@@ -8,6 +8,8 @@
 For Windows they end in ``-windows-x64.zip``, for macOS in ``-macos-arm64.zip``. All hold the pages of
 ``docs/manual/`` as HTML in ``manual/``.
 
+For ``here``, Debian's Blender on this machine alone, there is a legacy zip in ``.build``, without a wheel.
+
 The same tree and wheels give the same bytes, whenever they are packed.
 """
 
@@ -158,15 +160,20 @@ def package_for_this_machine() -> Path:
     """
     build_tree("dev", "sinew_native")
     module = {path.name: path.read_bytes() for path in DEV_MODULE.glob("sinew_native*.so")}
-    return pack(BUILD / "sinew-legacy-dev.zip", legacy_files(module, manual_files()))
+    return pack(BUILD / "sinew-legacy-here.zip", legacy_files(module, manual_files()))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(
         prog="tools/package", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("system", nargs="?", default="linux", choices=BUILDERS, help="without one, linux")
-    package(parser.parse_args().system)
+    systems = (*BUILDERS, "here")
+    parser.add_argument("system", nargs="?", default="linux", choices=systems, help="without one, linux")
+    system = parser.parse_args().system
+    if system == "here":
+        package_for_this_machine()
+    else:
+        package(system)
 
 
 if __name__ == "__main__":
