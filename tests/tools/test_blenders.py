@@ -111,8 +111,8 @@ def test_one_test_by_its_name(started: Callable[..., list[Layer]]) -> None:
 
 
 def test_what_is_chosen_of_the_tests_is_there() -> None:
-    in_blender = layers.CORE_TESTS + windows_tests.CORE_TESTS
-    in_blender += tuple(word for word in layers.QUICK_BLENDER if word.endswith(".py"))
+    chosen = layers.CORE_TESTS + layers.QUICK_BLENDER + windows_tests.CORE_TESTS
+    in_blender = tuple(word for word in chosen if word.endswith(".py"))
     cores = {"blender": in_blender, "bindings": windows_tests.CORE_BINDINGS}
     for folder, names in cores.items():
         assert [name for name in names if not (ROOT / "tests" / folder / name).is_file()] == []

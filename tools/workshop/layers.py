@@ -23,10 +23,16 @@ from .tidy import tidy, uncommitted
 
 PROGRAM = "tests/native/sinew_tests"  # in a tree of CMake
 LEAKS_OF_OTHERS = Path(__file__).with_name("leaks-of-others.txt")
-# The oldest and the newest release run all tests. Those between run the tests that use addon/compat, where
-# releases differ (meshes, modifier inputs, stack, animation, shape keys, bones, drawing, layout, types of
-# objects), the tests with files of other releases, and random sequences.
+# What a method computes does not depend on Blender. So the oldest release runs all tests on all methods, and
+# the newest one test_every_method.py. All other tables over methods run there on one method of each kind, and
+# so do all tables in the releases between.
+EVERY_METHOD = "--all-methods-in=test_every_method"
+METHODS_OF_EACH_KIND = "--all-methods-in=none"
+# Those between run the tests that use addon/compat, where releases differ (meshes, modifier inputs, stack,
+# animation, shape keys, bones, drawing, layout, types of objects), the tests with files of other releases,
+# and random sequences.
 CORE_TESTS = (
+    METHODS_OF_EACH_KIND,
     "test_bake.py",
     "test_cage_kinds.py",
     "test_chains.py",
@@ -146,7 +152,7 @@ def blender_layer(version: str, tests: tuple[str, ...] = ()) -> Layer:
 
 def blender_5(timeout: float) -> Outcome:
     newest = environments.newest_blender()
-    found = blender_module("blender-5", newest, (), timeout)
+    found = blender_module("blender-5", newest, (EVERY_METHOD,), timeout)
     if newest.name != "bpy-5.2.3":
         found += Outcome(note="Blender 5.0.1 ran instead of 5.2, which needs a Python 3.13")
     return found
