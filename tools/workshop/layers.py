@@ -150,6 +150,12 @@ def blender_layer(version: str, tests: tuple[str, ...] = ()) -> Layer:
     return Layer(name, 1200, partial(blender_module, name, environments.blender(version), tests), True)
 
 
+def core_tests(version: str) -> tuple[str, ...]:
+    """What a release between runs. What the same release runs for Windows is not run twice."""
+    elsewhere = windows_tests.CORE_TESTS if version == windows_tests.VERSION else ()
+    return tuple(word for word in CORE_TESTS if word not in elsewhere)
+
+
 def blender_5(timeout: float) -> Outcome:
     newest = environments.newest_blender()
     found = blender_module("blender-5", newest, (EVERY_METHOD,), timeout)
@@ -209,7 +215,7 @@ LAYERS = (
     Layer("addon", 240, addon, one_process=True),
     Layer("bindings", 420, bindings, one_process=True),
     Layer("blender-3.4", 1800, blender_3_4, one_process=True),
-    *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
+    *(blender_layer(version, core_tests(version)) for version in environments.LONG_TERM_BLENDERS),
     Layer("blender-5", 1800, blender_5, one_process=True),
     Layer("gui", 1500, gui, one_process=True),
     windows_layer("bindings", windows_tests.bindings, only_by_name=False),
