@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from . import debian, environments, windows_tests
-from .blenders import RUN_PYTEST, blender_module, conditions, install_legacy
+from .blenders import RUN_PYTEST, blender_module, conditions, install_legacy, layer_of
 from .dev import BENCHMARK_TARGETS, build_tree
 from .format import checks
 from .neon_tests import neon
@@ -54,7 +54,7 @@ CORE_TESTS = (
 @dataclass(frozen=True)
 class Layer:
     name: str
-    timeout: float  # seconds, for the tests without their set-up
+    timeout: float  # seconds, for the tests without their set-up: three times what two cores of ours take
     run: Callable[[float], Outcome]
     one_process: bool = False  # its tests use one core, so that such a layer can run beside another
     only_by_name: bool = False  # tests/run --all leaves it out
@@ -145,9 +145,10 @@ def blender_3_4(timeout: float, from_wheel: bool = True, tests: tuple[str, ...] 
 
 
 def blender_layer(version: str, tests: tuple[str, ...] = ()) -> Layer:
-    """A layer for a release of Blender, named after its series. It runs ``tests``, or all."""
-    name = f"blender-{version.rpartition('.')[0]}"
-    return Layer(name, 1200, partial(blender_module, name, environments.blender(version), tests), True)
+    """A layer for a release of Blender, which runs ``tests``, or all."""
+    name = layer_of(version)
+    run_tests = partial(blender_module, name, environments.blender(version), tests)
+    return Layer(name, 600 if tests else 1200, run_tests, one_process=True)
 
 
 def core_tests(version: str) -> tuple[str, ...]:
@@ -201,23 +202,23 @@ def _other_native_tests(timeout: float) -> Outcome:
 def windows_layer(name: str, tests: Callable[[bool, float], Outcome], only_by_name: bool = True) -> Layer:
     """A layer of a core of these tests; by --whole, of all of them."""
     whole = Layer(f"windows-{name}", 5400, partial(tests, True), True, only_by_name)
-    return Layer(f"windows-{name}", 900, partial(tests, False), True, only_by_name, whole)
+    return Layer(f"windows-{name}", 600, partial(tests, False), True, only_by_name, whole)
 
 
 LAYERS = (
     Layer("lint", 420, lint),
     Layer("native", 300, native),
-    Layer("sanitizers", 1500, sanitizers),
+    Layer("sanitizers", 1200, sanitizers),
     Layer("windows-native", 420, windows_tests.native, only_by_name=True),
     Layer("architecture", 60, architecture, one_process=True),
     Layer("tools", 60, tools, one_process=True),
     Layer("benchmarks", 600, benchmarks, one_process=True),
     Layer("addon", 240, addon, one_process=True),
     Layer("bindings", 420, bindings, one_process=True),
-    Layer("blender-3.4", 1800, blender_3_4, one_process=True),
+    Layer("blender-3.4", 1200, blender_3_4, one_process=True),
     *(blender_layer(version, core_tests(version)) for version in environments.LONG_TERM_BLENDERS),
-    Layer("blender-5", 1800, blender_5, one_process=True),
-    Layer("gui", 1500, gui, one_process=True),
+    Layer("blender-5", 1200, blender_5, one_process=True),
+    Layer("gui", 1200, gui, one_process=True),
     windows_layer("bindings", windows_tests.bindings, only_by_name=False),
     windows_layer("blender", windows_tests.blender, only_by_name=False),
     windows_layer("bindings-3.13", windows_tests.bindings_313),
