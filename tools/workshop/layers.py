@@ -238,7 +238,7 @@ QUICK_BLENDER = (
     "test_event_scene.py",
     "test_event_stack.py",
     "-k",
-    "test_every_method or -handles] or -cage]",
+    "test_every_method or [handles or -handles or [cage or -cage",
 )
 QUICK = (
     Layer("lint", 240, partial(lint, quick=True), without="clang-tidy on committed sources"),
