@@ -13,6 +13,7 @@ import installed
 import pytest
 from baking import animate
 from overlays import OPACITY
+from registry import without_method
 from rig import (
     Rig,
     new_file,
@@ -22,6 +23,27 @@ from rigs import RIGS, HandleRig
 
 # isort: split
 import addon_utils  # comes with bpy, not before it
+
+
+def pytest_addoption(parser: pytest.Parser) -> None:
+    parser.addoption("--all-methods-in", default="test_", metavar="WORD", help="files that begin with it")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """What a method computes does not depend on Blender, where its kind of control may.
+
+    So other files than those that WORD begins take of each of their tables one method of each kind.
+    """
+    seen, kept, left = set(), [], []
+    for item in items:
+        params = item.callspec.params if hasattr(item, "callspec") else {}
+        alike = tuple((name, repr(without_method(value))) for name, value in sorted(params.items()))
+        case = (item.path, item.function.__name__, alike)
+        whole = item.path.name.startswith(config.getoption("--all-methods-in"))
+        (kept if whole or case not in seen else left).append(item)
+        seen.add(case)
+    items[:] = kept
+    config.hook.pytest_deselected(items=left)
 
 
 @pytest.fixture(scope="session")

@@ -41,6 +41,14 @@ def base_of(row: object) -> object | None:
     return _methods.wrapped(row)[0] if row.wraps else None
 
 
+def without_method(value: object) -> object:
+    """A parameter of a test, with the kind of a method in place of the method: control, space, iterations."""
+    if isinstance(value, tuple):
+        return tuple(without_method(part) for part in value)
+    row = BY_ID.get(value) if isinstance(value, str) else value
+    return (row.control, row.is_space, row.iterative) if isinstance(row, _methods.Method) else value
+
+
 def options_of(row: object, others: dict[str, object]) -> tuple[dict[str, object], dict[str, object]]:
     """Keywords of the native constructor and of its ``solve``: defaults of the row, but for ``others``."""
     constructor, solve = {}, {}

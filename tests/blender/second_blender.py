@@ -9,6 +9,7 @@ import os
 import subprocess
 import sys
 import textwrap
+import threading
 from pathlib import Path
 
 import bpy
@@ -37,15 +38,30 @@ finally:
     os._exit(0)
 """
 
-# Fills ``seen`` with what the viewport shows of each object, what a render does, and the viewport once more.
-LOOK = """
+# For each line, a path and a name, it writes into a file what the viewport shows of the object, what a render
+# does, and the viewport once more. It ends with the process that started it.
+_LOOKS = """
+import json, os, sys
+sys.path.insert(0, {here!r})
+{prelude}
+import bpy, addon_utils
 import probe
-bpy.ops.wm.open_mainfile(filepath={path!r})
-for name in {names!r}:
+from rig import evaluated_points
+if {addon!r}:
+    addon_utils.enable({addon!r}, default_set=True)
+for line in sys.stdin:
+    path, name, answer = json.loads(line)
+    bpy.ops.wm.open_mainfile(filepath=path)
     obj = bpy.data.objects[name]
-    seen[name] = [evaluated_points(obj).tolist(), probe.render()[-1][name].tolist()]
-    seen[name].append(evaluated_points(obj).tolist())
+    seen = [evaluated_points(obj).tolist(), probe.render()[-1][name].tolist(), evaluated_points(obj).tolist()]
+    with open(answer, "w", encoding="utf-8") as file:
+        json.dump(seen, file)
+    print({done!r}, flush=True)
+sys.stdout.flush()
+os._exit(0)
 """
+_DONE = "looked at it"
+_lookers: dict[tuple[str, str], subprocess.Popen] = {}
 
 
 def another_blender(script: str, folder: Path, addon_name: str = "", prelude: str = "") -> dict:
@@ -66,16 +82,56 @@ def another_blender(script: str, folder: Path, addon_name: str = "", prelude: st
     return found
 
 
+def look_elsewhere(
+    path: str, name: str, folder: Path, addon_name: str = "", prelude: str = ""
+) -> list[np.ndarray]:
+    """What another Blender shows of an object in the viewport and in a render, with or without the add-on.
+
+    One Blender of each kind opens one file after the other: starting it takes longer than all that it does.
+    """
+    looker = _lookers.get((addon_name, prelude)) or _looker(folder, addon_name, prelude)
+    answer = folder / "looked.json"
+    answer.unlink(missing_ok=True)
+    late = threading.Timer(120.0, looker.kill)
+    late.start()
+    print(json.dumps([path, name, str(answer)]), file=looker.stdin, flush=True)
+    said: list[str] = []
+    for line in looker.stdout:
+        said.append(line)
+        if line.strip() == _DONE:
+            break
+    late.cancel()
+    if not answer.is_file():
+        del _lookers[addon_name, prelude]
+    assert answer.is_file(), "".join(said)
+    assert "Traceback" not in "".join(said), "".join(said)
+    before, rendered, after = map(np.array, json.loads(answer.read_text(encoding="utf-8")))
+    assert np.array_equal(before, after)
+    return [before, rendered]
+
+
+def _looker(folder: Path, addon_name: str, prelude: str) -> subprocess.Popen:
+    program = folder / "looks.py"
+    text = _LOOKS.format(here=str(_HERE), prelude=prelude, addon=addon_name, done=_DONE)
+    program.write_text(text, encoding="utf-8")
+    pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.STDOUT}
+    _lookers[addon_name, prelude] = subprocess.Popen(_command([], program), text=True, **pipes)
+    return _lookers[addon_name, prelude]
+
+
 def run_blender(arguments: list[str], program: Path, timeout: float = 120.0) -> str:
     """A Python file in a new background process of this Blender; what it printed."""
-    if is_executable():
-        command = [bpy.app.binary_path, "-b", "--factory-startup", *arguments]
-        command += ["--python-use-system-env"] if "PYTHONPATH" in os.environ else []
-        command += ["-P", str(program)]
-    else:
-        command = [sys.executable, str(program), *arguments]
+    command = _command(arguments, program)
     ended = subprocess.run(command, timeout=timeout, capture_output=True, text=True, check=False)
     return ended.stdout + ended.stderr
+
+
+def _command(arguments: list[str], program: Path) -> list[str]:
+    if not is_executable():
+        return [sys.executable, str(program), *arguments]
+    command = [bpy.app.binary_path, "-b", "--factory-startup", *arguments]
+    command += ["--python-use-system-env"] if "PYTHONPATH" in os.environ else []
+    return [*command, "-P", str(program)]
 
 
 def is_executable() -> bool:

@@ -240,13 +240,23 @@ def test_undo_and_redo_of_a_move(rig: HandleRig, expected: Poses):
     assert close(rig.points(), expected.lifted(0.5), rig.exactness)
 
 
-def test_switching_to_every_other_method_and_back_keeps_the_control(rig: HandleRig):
+def switched_to(method: object) -> dict[str, object]:
+    """Itself and the three after it, in a circle, of the same kind of control; one of each other kind."""
+    alike = [other for other in METHODS if other.control is method.control]
+    first = alike.index(method)
+    near = [alike[(first + step) % len(alike)] for step in range(4)]
+    other_kinds = {other.control: other for other in METHODS if other.control is not method.control}
+    return {other.id: other for other in (*near, *other_kinds.values())}
+
+
+def test_switching_to_other_methods_and_back_keeps_the_control(rig: HandleRig):
     """To those of the same kind of control their own shape; the others leave the rest until one is back."""
     rig.bind(rig.method.id)
-    alike = {other.id: rig.expected(other.id) for other in METHODS if other.control is rig.method.control}
+    others = switched_to(rig.method).values()
+    alike = {other.id: rig.expected(other.id) for other in others if other.control is rig.method.control}
     move_world(rig.control, TURN)
     shown, control = rig.points(), rig.control.name
-    for other in METHODS:
+    for other in others:
         push("before")
         rig.deformer.method = other.id
         after = rig.points()

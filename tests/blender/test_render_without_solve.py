@@ -29,7 +29,7 @@ from rig import (
     update,
 )
 from rigs import HandleRig
-from second_blender import LOOK, another_blender
+from second_blender import look_elsewhere as elsewhere
 
 NO_MODULE = """
 class Missing:
@@ -38,16 +38,6 @@ class Missing:
             raise ModuleNotFoundError(f"No module named {name!r}", name=name)
 sys.meta_path.insert(0, Missing())
 """
-
-
-def elsewhere(
-    path: str, name: str, folder: Path, addon_name: str = "", prelude: str = ""
-) -> list[np.ndarray]:
-    """What another Blender shows in the viewport and in a render, without the add-on unless it is named."""
-    script = LOOK.format(path=path, names=[name])
-    before, rendered, after = map(np.array, another_blender(script, folder, addon_name, prelude)[name])
-    assert np.array_equal(before, after)
-    return [before, rendered]
 
 
 @contextmanager

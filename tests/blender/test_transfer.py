@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from baking import FRAMES, STRETCHES, animate, played, stretch_time
 from rig import Rig, base_points, linked, make_active, new_object, push, save
-from second_blender import LOOK, another_blender
+from second_blender import look_elsewhere
 
 
 def stout(source: bpy.types.Object, shape) -> bpy.types.Object:
@@ -184,6 +184,5 @@ def test_a_render_without_the_add_on_shows_the_transfer(pair, tmp_path: Path):
     expected = played(target, (6,))[6]
     bpy.context.scene.frame_set(6)
     path = save(tmp_path / "shot.blend")
-    seen = another_blender(LOOK.format(path=path, names=[target.name]), tmp_path)
-    for shape in seen[target.name]:
-        assert np.array_equal(np.array(shape, dtype=np.float32), expected)
+    for shape in look_elsewhere(path, target.name, tmp_path):
+        assert np.array_equal(shape.astype(np.float32), expected)

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import os
 import re
+import shlex
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from workshop import blender_matrix, blenders, environments, layers, run_tests, wheels, windows_tests
 from workshop.environments import REQUIREMENTS, Environment, blender, included
-from workshop.layers import LAYERS, Layer, blender_layer
+from workshop.layers import LAYERS, QUICK, Layer, blender_layer
 from workshop.places import PYTHON311, ROOT
 from workshop.results import Outcome
 from workshop.shell import run, say
@@ -50,23 +53,67 @@ def test_no_two_layers_share_a_user_folder() -> None:
 
 
 def test_layers_are_named_whole_or_by_their_first_word() -> None:
-    plain = [layer.name for layer in run_tests.chosen([])]
+    every = [layer.name for layer in run_tests.chosen([])]
     further = ["windows-bindings-3.13", "windows-processors", "windows-blender-5"]
     by_name = {"windows-native", *further, "neon"}
-    assert plain == [layer.name for layer in LAYERS if layer.name not in by_name]
+    assert every == [layer.name for layer in LAYERS if layer.name not in by_name]
     windows = [layer.name for layer in run_tests.chosen(["windows"])]
     assert windows == ["windows-native", "windows-bindings", "windows-blender", *further]
     assert [layer.name for layer in run_tests.chosen(["windows-native", "gui"])] == ["windows-native", "gui"]
 
 
-def test_all_takes_the_whole_of_each_core() -> None:
+def test_whole_takes_all_tests_of_each_core() -> None:
     core, whole = (run_tests.chosen(["windows"], each) for each in (False, True))
     assert [layer.name for layer in core] == [layer.name for layer in whole]
     assert [a is b for a, b in zip(core, whole, strict=True)] == [True, False, False, False, True, True]
 
 
-def test_what_the_releases_between_run_is_there() -> None:
-    cores = {"blender": layers.CORE_TESTS + windows_tests.CORE_TESTS, "bindings": windows_tests.CORE_BINDINGS}
+def test_what_is_not_quick_is_named_with_the_command_for_it() -> None:
+    said = run_tests.left_out()
+    quick = [layer.name for layer in QUICK]
+    assert set(quick) < {layer.name for layer in run_tests.chosen([])}
+    assert all(layer.name in said for layer in run_tests.chosen([]) if layer.name not in quick)
+    assert all(layer.without in said for layer in QUICK)
+    assert "tests/run --all" in said
+
+
+@pytest.fixture
+def started(monkeypatch: pytest.MonkeyPatch) -> Callable[..., list[Layer]]:
+    """``started("lint")``: the layers that `tests/run lint` runs. None of them runs."""
+
+    def layers_of(*words: str) -> list[Layer]:
+        seen: list[Layer] = []
+        monkeypatch.setattr(run_tests, "run_layers", lambda layers, _remark="": seen.extend(layers))
+        monkeypatch.setattr("sys.argv", ["tests/run", *words])
+        for name in ("PYTEST_ADDOPTS", "GTEST_FILTER"):
+            monkeypatch.setenv(name, "")  # so that what is set now is taken back
+        with pytest.raises(SystemExit) as ended:
+            run_tests.main()
+        assert ended.value.code in (0, 2)
+        return seen
+
+    return layers_of
+
+
+def test_without_a_word_a_quick_selection_runs(started: Callable[..., list[Layer]]) -> None:
+    assert started() == list(QUICK)
+    assert started("--all") == run_tests.chosen([])
+    assert started("blender-3.4") == [layer for layer in LAYERS if layer.name == "blender-3.4"]
+    assert started("windows", "--whole") == run_tests.chosen(["windows"], whole=True)
+    assert started("--all", "lint") == started("-k", "lattice") == []  # refused
+
+
+def test_one_test_by_its_name(started: Callable[..., list[Layer]]) -> None:
+    assert [layer.name for layer in started("blender-5", "-k", "lattice and not cage")] == ["blender-5"]
+    assert shlex.split(os.environ["PYTEST_ADDOPTS"]) == ["-k", "lattice and not cage"]
+    started("native", "-k", "Arap")
+    assert os.environ["GTEST_FILTER"] == "*Arap*"
+
+
+def test_what_is_chosen_of_the_tests_is_there() -> None:
+    chosen = layers.CORE_TESTS + layers.QUICK_BLENDER + windows_tests.CORE_TESTS
+    in_blender = tuple(word for word in chosen if word.endswith(".py"))
+    cores = {"blender": in_blender, "bindings": windows_tests.CORE_BINDINGS}
     for folder, names in cores.items():
         assert [name for name in names if not (ROOT / "tests" / folder / name).is_file()] == []
 
@@ -111,9 +158,10 @@ def test_layers_of_one_process_run_beside_each_other_and_print_one_after_the_oth
 
 
 def test_each_release_plays_random_sequences_of_its_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("SINEW_RANDOM_SEQUENCES", raising=False)
     names = [layer.name for layer in LAYERS if layer.name.startswith("blender-")]
     assert len({blenders.conditions(name)["SINEW_RANDOM_SEED"] for name in names}) == len(names)
-    assert sum(int(blenders.conditions(name)["SINEW_RANDOM_SEQUENCES"]) for name in names) == 200
+    assert sum(int(blenders.conditions(name)["SINEW_RANDOM_SEQUENCES"]) for name in names) == 150
     monkeypatch.setenv("SINEW_RANDOM_SEQUENCES", "3")
     assert blenders.conditions("blender-5")["SINEW_RANDOM_SEQUENCES"] == "3"
 

@@ -78,10 +78,7 @@ def test_legacy_zip_holds_the_unpacked_wheel_inside_the_addon(
 ) -> None:
     for name in ("__init__.py", "blender_manifest.toml"):
         (tmp_path / name).write_text("")
-    wheel = tmp_path / "w.whl"
-    with zipfile.ZipFile(wheel, "w") as archive:
-        archive.writestr("sinew_native.so", b"1")
-        archive.writestr("sinew_native.libs/libx.so", b"2")
+    wheel = {"sinew_native.so": b"1", "sinew_native.libs/libx.so": b"2"}
     monkeypatch.setattr(package, "ADDON", tmp_path)
     files = package.legacy_files(wheel, {"manual/index.html": b"3"})
     assert files["sinew/_native/sinew_native.so"] == b"1"

@@ -58,3 +58,10 @@ def test_sources_that_are_compiled_as_one_are_read_as_one(
     entries = [{"file": str(file), "command": "g++"} for file in (*read, *others)]
     (tree / "compile_commands.json").write_text(json.dumps(entries))
     assert set(tidy.commands()) == set(read)
+
+
+def test_sources_can_be_chosen_also_inside_of_what_is_compiled_as_one(sources: Path) -> None:
+    together = sources / "Unity.cxx"
+    together.write_text(f'#include "{sources / "a.cpp"}"\n')
+    assert tidy.sources_in(together) == {together, sources / "a.cpp"}
+    assert tidy.sources_in(sources / "a.cpp") == {sources / "a.cpp"}

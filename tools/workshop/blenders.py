@@ -6,8 +6,8 @@ import zlib
 from collections.abc import Mapping
 from pathlib import Path
 
-from .environments import Environment
-from .package import package, validate
+from .environments import LONG_TERM_BLENDERS, Environment
+from .package import package, package_for_this_machine, validate
 from .places import BUILD, ROOT
 from .results import Outcome, outcome
 from .shell import must, one_at_a_time, run
@@ -15,7 +15,7 @@ from .suites import OPTIONS, RESULTS, emptied, new_junit
 
 INSIDE = Path(__file__).parent / "inside"
 RUN_PYTEST = ROOT / "tests" / "blender" / "run_pytest.py"
-RANDOM_SEQUENCES = 50  # in each of four releases: 200 per run
+RANDOM_SEQUENCES = 50  # in the oldest and in the newest release, and half as many in those between
 
 
 def blender_module(
@@ -35,26 +35,32 @@ def blender_module(
     return outcome(junit, run(command, env=env | conditions(name), timeout=timeout))
 
 
+def layer_of(version: str) -> str:
+    """The name of the layer of a release, which is that of its series."""
+    return f"blender-{version.rpartition('.')[0]}"
+
+
 def conditions(name: str) -> dict[str, str]:
     """Lets freed memory be overwritten, so that dangling pointers are found, and gives each layer its own
     seed.
     """
     seed = str(zlib.crc32(name.encode()))
+    between = any(name == layer_of(version) for version in LONG_TERM_BLENDERS)
     wanted = {
         "MALLOC_PERTURB_": "165",
-        "SINEW_RANDOM_SEQUENCES": str(RANDOM_SEQUENCES),
+        "SINEW_RANDOM_SEQUENCES": str(RANDOM_SEQUENCES // 2 if between else RANDOM_SEQUENCES),
         "SINEW_RANDOM_SEED": seed,
     }
     return {key: os.environ.get(key, value) for key, value in wanted.items()}
 
 
 @one_at_a_time()
-def install_legacy(name: str) -> dict[str, str | Path]:
+def install_legacy(name: str, from_wheel: bool = True) -> dict[str, str | Path]:
     """Installs the legacy zip in Debian's Blender, in a new user folder.
 
-    Returns the environment variables.
+    Returns the environment variables. Without a wheel, the zip has the module of the developer's tree.
     """
-    _, zip_file = package()
+    zip_file = package()[1] if from_wheel else package_for_this_machine()
     user = emptied(BUILD / "blender-users" / name)
     env = {
         "BLENDER_USER_CONFIG": user / "config",

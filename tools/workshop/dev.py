@@ -22,10 +22,10 @@ def configure_tree(preset: str) -> None:
 
 
 @one_at_a_time()
-def build_tree(preset: str, target: str = "all") -> None:
-    """Configures the tree if needed, and builds what changed."""
+def build_tree(preset: str, *targets: str) -> None:
+    """Configures the tree if needed, and builds what changed of these targets, or of all."""
     configure_tree(preset)
-    must(["cmake", "--build", "--preset", preset, "--target", target, "-j", str(jobs())])
+    must(["cmake", "--build", "--preset", preset, "-j", str(jobs()), "--target", *(targets or ["all"])])
 
 
 def main() -> None:

@@ -8,6 +8,8 @@
 For Windows they end in ``-windows-x64.zip``, for macOS in ``-macos-arm64.zip``. All hold the pages of
 ``docs/manual/`` as HTML in ``manual/``.
 
+For ``here``, Debian's Blender on this machine alone, there is a legacy zip in ``.build``, without a wheel.
+
 The same tree and wheels give the same bytes, whenever they are packed.
 """
 
@@ -20,8 +22,9 @@ from pathlib import Path
 
 from . import environments, wheels
 from .archives import read_zip, write_zip
+from .dev import build_tree
 from .environments import Environment
-from .places import ADDON, DIST, MANUAL, ROOT, version
+from .places import ADDON, BUILD, DEV_MODULE, DIST, MANUAL, ROOT, version
 from .shell import must, one_at_a_time, say
 
 MANIFEST = "blender_manifest.toml"
@@ -71,11 +74,12 @@ def extension_files(wheels: list[Path], manual: dict[str, bytes]) -> dict[str, b
     return files | {f"wheels/{wheel.name}": wheel.read_bytes() for wheel in wheels}
 
 
-def legacy_files(wheel: Path, manual: dict[str, bytes]) -> dict[str, bytes]:
+def legacy_files(native: dict[str, bytes], manual: dict[str, bytes]) -> dict[str, bytes]:
+    """``native`` are the files of an unpacked wheel."""
     files = addon_files() | manual
     note = '# SPDX-License-Identifier: GPL-3.0-or-later\n"""The unpacked wheel of sinew_native."""\n'
     files[f"{NATIVE_FOLDER}/__init__.py"] = note.encode()
-    files |= {f"{NATIVE_FOLDER}/{name}": content for name, content in read_zip(wheel).items()}
+    files |= {f"{NATIVE_FOLDER}/{name}": content for name, content in native.items()}
     return {f"sinew/{name}": content for name, content in files.items()}
 
 
@@ -140,18 +144,36 @@ def zips(wheels: list[Path], manual: dict[str, bytes]) -> tuple[Path, Path]:
     (platform,) = {_platform(wheel.name) for wheel in wheels}
     extension = pack(DIST / f"sinew-{version()}-{platform}.zip", extension_files(wheels, manual))
     oldest = next(wheel for wheel in wheels if "-cp311-" in wheel.name)
-    legacy = pack(DIST / f"sinew-legacy-{version()}-{platform}.zip", legacy_files(oldest, manual))
+    unpacked = legacy_files(read_zip(oldest), manual)
+    legacy = pack(DIST / f"sinew-legacy-{version()}-{platform}.zip", unpacked)
     for old in {*DIST.glob(f"sinew-*-{platform}.zip")} - {extension, legacy}:
         old.unlink()
     return extension, legacy
+
+
+@functools.cache
+@one_at_a_time()
+def package_for_this_machine() -> Path:
+    """Packs the legacy zip with the module of the developer's tree, for Debian's Blender.
+
+    That module uses the libraries of this machine, so it takes no wheel to build, and works nowhere else.
+    """
+    build_tree("dev", "sinew_native")
+    module = {path.name: path.read_bytes() for path in DEV_MODULE.glob("sinew_native*.so")}
+    return pack(BUILD / "sinew-legacy-here.zip", legacy_files(module, manual_files()))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(
         prog="tools/package", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    parser.add_argument("system", nargs="?", default="linux", choices=BUILDERS, help="without one, linux")
-    package(parser.parse_args().system)
+    systems = (*BUILDERS, "here")
+    parser.add_argument("system", nargs="?", default="linux", choices=systems, help="without one, linux")
+    system = parser.parse_args().system
+    if system == "here":
+        package_for_this_machine()
+    else:
+        package(system)
 
 
 if __name__ == "__main__":

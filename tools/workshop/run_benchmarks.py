@@ -16,8 +16,7 @@ def main() -> None:
     words = sys.argv[1:]
     if not ONLY_READS & set(words):
         debian.install(debian.BENCHMARKS)
-        for target in BENCHMARK_TARGETS:
-            build_tree("dev", target)
+        build_tree("dev", *BENCHMARK_TARGETS)
     python = environments.dev().make().python
     sys.exit(run([python, SUITE, *words], env={"PYTHONPATH": DEV_MODULE}))
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs the layers of the tests that are named, or all that do not only run by name, and prints a summary.
+"""Runs a quick selection of the tests, all layers, or those that are named, and prints a summary.
 
 Layers that use one core run beside each other, and print when they have ended. A layer that fails does not
 stop the next one. The last line counts all tests; the status is 1 if any failed.
@@ -14,10 +14,10 @@ from collections.abc import Iterable
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from itertools import groupby
 
-from .layers import LAYERS, Layer
+from .layers import LAYERS, QUICK, Layer
 from .results import Outcome, closing_line
 from .shell import jobs, say
-from .suites import RESULTS
+from .suites import RESULTS, only_named
 
 _beside: list[Layer] = []  # the layers that run beside each other; the processes for them inherit this
 
@@ -59,8 +59,8 @@ def _run_apart(number: int) -> tuple[Outcome, float]:
         return run_layer(layer)
 
 
-def run_layers(layers: Iterable[Layer]) -> int:
-    """Runs the layers in their order and prints a table. Returns how many tests failed."""
+def run_layers(layers: Iterable[Layer], remark: str = "") -> int:
+    """Runs the layers in their order and prints a table, then a remark. Returns how many tests failed."""
     rows = {}
     for one_process, group in groupby(layers, key=lambda layer: layer.one_process):
         chain = list(group)
@@ -75,6 +75,8 @@ def run_layers(layers: Iterable[Layer]) -> int:
         line = f"{name:<18}{found.passed:>8}{found.failed:>8}{found.skipped:>9}{seconds:>9.0f}  {found.note}"
         say(line.rstrip())
     total = sum((found for found, _ in rows.values()), Outcome())
+    if remark:
+        say("\n" + remark)
     say("\n" + closing_line(total))
     return total.failed
 
@@ -94,6 +96,17 @@ def chosen(names: list[str], whole: bool = False) -> list[Layer]:
     return [layer.whole or layer for layer in layers] if whole else layers
 
 
+def left_out() -> str:
+    """What the quick selection leaves out, and the commands for it."""
+    quick = {layer.name for layer in QUICK}
+    absent = [layer.name for layer in chosen([]) if layer.name not in quick]
+    parts = [f"{layer.name} ({layer.without})" for layer in QUICK if layer.without]
+    return (
+        f"Left out: {', '.join(absent)}; of {', of '.join(parts)}.\n"
+        "tests/run --all runs all of this, tests/run LAYER all of one layer."
+    )
+
+
 def first_word(name: str) -> str:
     return name.partition("-")[0]
 
@@ -106,7 +119,13 @@ def main() -> None:
     )
     parser.add_argument("--list", action="store_true", help="name the layers and stop")
     parser.add_argument(
-        "--all", action="store_true", help="all tests also on Windows, which else runs a core"
+        "--all", action="store_true", help="all layers but those that only run where they are named"
+    )
+    parser.add_argument(
+        "--whole", action="store_true", help="all tests also on Windows, whose layers else run a core of them"
+    )
+    parser.add_argument(
+        "-k", dest="tests", metavar="NAME", help="of the named layers only the tests whose names hold this"
     )
     options = parser.parse_args()
     if options.list:
@@ -115,7 +134,17 @@ def main() -> None:
     unknown = sorted(set(options.layers) - {*names, *map(first_word, names)})
     if unknown:
         parser.error(f"no layer {', '.join(unknown)}; the layers are {', '.join(names)}")
-    sys.exit(1 if run_layers(chosen(options.layers, options.all)) else 0)
+    if options.all and options.layers:
+        parser.error("--all names all layers; --whole asks for all tests of those for Windows")
+    if options.tests and not options.layers:
+        parser.error("-k needs the name of a layer")
+    if options.tests:
+        only_named(options.tests)
+    if options.layers or options.all or options.whole:
+        failed = run_layers(chosen(options.layers, options.whole))
+    else:
+        failed = run_layers(QUICK, left_out())
+    sys.exit(1 if failed else 0)
 
 
 if __name__ == "__main__":

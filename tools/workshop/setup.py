@@ -17,7 +17,7 @@ def set_up_build() -> None:
 
 def set_up_samples() -> None:
     debian.install(debian.BUILD, debian.BLENDER)
-    set_up_build()
+    environments.build().make()
 
 
 def set_up_tests() -> None:

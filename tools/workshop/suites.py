@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What several layers of the tests share: where results go, and the processes of GoogleTest."""
 
+import os
+import shlex
 import shutil
 from collections.abc import Mapping
 from pathlib import Path
@@ -18,6 +20,17 @@ IN_SHARDS = """seq 0 $((GTEST_TOTAL_SHARDS - 1)) |
     xargs -P "$1" -I{} env GTEST_SHARD_INDEX={} "${@:3}" --gtest_output="xml:$2-{}.xml" """
 
 
+def only_named(expression: str) -> None:
+    """Lets pytest and GoogleTest, which read these variables, run the tests of this name alone."""
+    os.environ["PYTEST_ADDOPTS"] = shlex.join(["-k", expression])
+    os.environ["GTEST_FILTER"] = f"*{expression}*"
+
+
+def only_some() -> bool:
+    """Whether tests are chosen by their names."""
+    return "GTEST_FILTER" in os.environ
+
+
 def googletest(
     name: str,
     program: list[str | Path],
@@ -25,14 +38,15 @@ def googletest(
     env: Mapping[str, str | Path] | None = None,
     drive: str = "",
 ) -> Outcome:
-    """Runs a program of GoogleTest, or one with a command before it, in several processes.
+    """Runs a program of GoogleTest, or one with a command before it, in several processes; some tests in one.
 
     ``drive`` is that of Windows on which the program finds this machine's files.
     """
-    files = [new_junit(f"{name}-{number}") for number in range(SHARDS)]
+    shards = 1 if only_some() else SHARDS
+    files = [new_junit(f"{name}-{number}") for number in range(shards)]
     status = run(
         ["bash", "-c", IN_SHARDS, "shards", str(jobs()), f"{drive}{RESULTS / name}", *program],
-        env={**(env or {}), "GTEST_TOTAL_SHARDS": str(SHARDS), "GTEST_BRIEF": "1"},
+        env={**(env or {}), "GTEST_TOTAL_SHARDS": str(shards), "GTEST_BRIEF": "1"},
         cwd=Path(program[-1]).parent,
         timeout=timeout,
     )

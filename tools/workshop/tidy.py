@@ -12,6 +12,7 @@ import json
 import re
 import shlex
 import subprocess
+from collections.abc import Set
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
@@ -26,15 +27,18 @@ SETTINGS = (ROOT / ".clang-tidy", environments.REQUIREMENTS / "dev.txt", Path(__
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
-def tidy() -> bool:
-    """Whether all sources of native/ pass. Prints the complaints about those that do not."""
+def tidy(only: Set[Path] | None = None) -> bool:
+    """Whether all sources of native/ pass, or these. Prints the complaints about those that do not."""
     environments.dev().make()
     configure_tree("dev")
     must(
         ["cmake", "--build", "--preset", "dev", "--target", "build.ninja"], quiet=True
     )  # may list new sources
     PASSED.mkdir(parents=True, exist_ok=True)
-    stamps = {file: PASSED / digest(file, command) for file, command in sorted(commands().items())}
+    chosen = sorted(
+        (file, command) for file, command in commands().items() if only is None or sources_in(file) & only
+    )
+    stamps = {file: PASSED / digest(file, command) for file, command in chosen}
     changed = [file for file, stamp in stamps.items() if not stamp.exists()]
     if changed:
         say(f"clang-tidy reads {len(changed)} of {len(stamps)} sources")
@@ -63,6 +67,22 @@ def commands() -> dict[Path, str]:
         or (file.is_relative_to(kernels) and file.stem.endswith("_baseline"))
         or (file.is_relative_to(several) and file.parent.name == "Unity")
     }
+
+
+def uncommitted() -> set[Path]:
+    """The sources that differ from the last commit; none where git cannot tell."""
+    names = ["*.cpp", "*.inl"]
+    asked = (["diff", "--name-only", "HEAD"], ["ls-files", "--others", "--exclude-standard"])
+    answers = [
+        subprocess.run(["git", *words, "--", *names], cwd=ROOT, capture_output=True, text=True).stdout
+        for words in asked
+    ]
+    return {ROOT / name for answer in answers for name in answer.splitlines()}
+
+
+def sources_in(file: Path) -> set[Path]:
+    """A source; of one that CMake made for several sources, or for a set of instructions, those."""
+    return {file, *(path for path in directly_included(file) if path.suffix in (".cpp", ".inl"))}
 
 
 def digest(file: Path, command: str) -> str:

@@ -42,6 +42,7 @@ CORE_BINDINGS = (
 # Every method's bind, pose, frame, undo, save and load; cages; bakes and their paths; modules that do not
 # load, broken installations and known answers; files of earlier versions and of other systems.
 CORE_TESTS = (
+    "--all-methods-in=test_other_systems",  # of other tables over methods, one of each kind of control
     "test_bake.py",
     "test_bake_files.py",
     "test_cage.py",
