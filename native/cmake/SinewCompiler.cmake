@@ -18,6 +18,9 @@ else()
   if(WIN32) # strict C++ hides M_PI there, which OpenSubdiv's headers use
     target_compile_definitions(sinew_compiler INTERFACE _USE_MATH_DEFINES)
   endif()
+  if(CMAKE_CXX_COMPILER_ID STREQUAL GNU) # so that ccache can store what is compiled with precompiled headers
+    target_compile_options(sinew_compiler INTERFACE -fpch-preprocess)
+  endif()
   # A compiler that fuses a * b + c in one place and not in another would make equal poses give unequal shapes.
   target_compile_options(sinew_compiler INTERFACE -ffp-contract=off)
 endif()

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
 import subprocess
+import tempfile
 import time
 from pathlib import Path
 
 import pytest
 from workshop import shell
-from workshop.places import ROOT
+from workshop.places import BUILD, ROOT
 
 
 def test_late_command_is_stopped_with_all_it_started(tmp_path: Path) -> None:
@@ -35,6 +36,26 @@ def test_strays_of_the_callers_environment_stay_out(monkeypatch: pytest.MonkeyPa
     monkeypatch.setenv("LD_LIBRARY_PATH", "/elsewhere")
     assert "LD_LIBRARY_PATH" not in shell.environment()
     assert shell.environment({"PYTHONPATH": "/here"})["PYTHONPATH"] == "/here"
+
+
+def test_what_two_trees_compile_alike_is_compiled_once(tmp_path: Path) -> None:
+    """Also what lies in the trees themselves, as generated sources do, and what uses precompiled headers."""
+    cache = {"CCACHE_DIR": tmp_path / "cache"}
+    compiler = ["ccache", "g++", "-fpch-preprocess", "-MD"]
+    with tempfile.TemporaryDirectory(dir=BUILD) as trees:
+        for name in ("developer", "wheel"):
+            tree = Path(trees) / name
+            tree.mkdir()
+            (tree / "all.h").write_text("#include <vector>\n")
+            (tree / "kernel.cpp").write_text("std::vector<int> kernel() { return {1}; }\n")
+            header = [*compiler, "-x", "c++-header", "-c", tree / "all.h", "-o", "all.h.gch"]
+            source = [*compiler, "-include", tree / "all.h", "-c", tree / "kernel.cpp", "-o", "kernel.o"]
+            assert [shell.run(command, cwd=tree, env=cache) for command in (header, source)] == [0, 0]
+    asked = subprocess.run(
+        ["ccache", "--print-stats"], env=os.environ | cache, capture_output=True, text=True
+    )
+    counts = dict(line.split("\t") for line in asked.stdout.splitlines())
+    assert (counts["cache_miss"], counts["direct_cache_hit"]) == ("2", "2")
 
 
 def test_stamp_is_fresh_until_an_input_changes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,6 +4,7 @@
 import contextlib
 import fcntl
 import hashlib
+import json
 import os
 import signal
 import subprocess
@@ -44,8 +45,15 @@ def environment(extra: Mapping[str, str | Path] | None = None) -> dict[str, str]
     """The environment of this process, without variables that would disturb a build or a Blender."""
     disturbing = ("PYTHONPATH", "PYTHONHOME", "PYTHONSTARTUP", "VIRTUAL_ENV", "LD_LIBRARY_PATH", "LD_PRELOAD")
     kept = {name: value for name, value in os.environ.items() if name not in disturbing}
-    kept |= {"CCACHE_DIR": str(BUILD / "ccache"), "PYTHONDONTWRITEBYTECODE": "1"}
+    kept |= compiler_cache() | {"PYTHONDONTWRITEBYTECODE": "1"}
     return kept | {name: str(value) for name, value in (extra or {}).items()}
+
+
+def compiler_cache() -> dict[str, str]:
+    """The settings of ccache, which CMakePresets.json states for calls of CMake by hand."""
+    presets = json.loads((ROOT / "CMakePresets.json").read_text(encoding="utf-8"))["configurePresets"]
+    settings = next(preset["environment"] for preset in presets if preset["name"] == "base")
+    return {name: value.replace("${sourceDir}", str(ROOT)) for name, value in settings.items()}
 
 
 def run(
