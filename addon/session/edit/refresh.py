@@ -13,7 +13,7 @@ from bpy.types import Mesh, Object
 from ...compat import read_positions, write_positions
 from ...core.errors import SinewError
 from ...ids import Keys
-from ...mesh_io import group_names, keep_lost_groups, keep_shape, read_rest, same_topology
+from ...mesh_io import group_names, keep_lost_groups, keep_shape, read_rest, renumbered, same_topology
 from ...properties import SinewDeformer
 from ..blocks import capture, libraries, rest_frame, shapes, targets, vertex_groups
 from ..blocks.owners import owners
@@ -119,6 +119,9 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
     """
     held, held_in_renders = deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER")
     shown, rendered = meshes
+    is_renumbered = not same_topology(held, shown) and _renumber(obj, deformer, shown, rendered)
+    if is_renumbered:
+        held, held_in_renders = deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER")
     if not same_topology(held, shown):
         changed = _change_topology(obj, deformer)
         if deformer.topology_changed:
@@ -133,7 +136,7 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
     for old, new in pairs:
         keep_lost_groups(new, old, vertex_groups.groups_in_use(deformer))
     same = [_same_weights(old, new, deformer) for old, new in pairs]
-    changed = was_stale or not fits or not all(same)
+    changed = was_stale or is_renumbered or not fits or not all(same)
     if fits and all(same) and all(group_names(old) == group_names(new) for old, new in pairs):
         _discard(meshes)
     else:
@@ -150,6 +153,28 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
     if changed:
         obj.update_tag(refresh={"OBJECT"})
     return changed
+
+
+def _renumber(obj: Object, deformer: SinewDeformer, shown: Mesh, rendered: Mesh | None) -> bool:
+    """Let the rest have its vertices and faces in the order in which they enter; False if they are others.
+
+    The points of the object itself have their order, but modifiers have made theirs anew for turned faces.
+    """
+    if not targets.is_mesh(obj):
+        return False
+    wanted = vertex_groups.groups_in_use(deformer)
+    mesh = renumbered(deformer.rest_in("VIEWPORT"), shown, obj.data, wanted)
+    if mesh is None:
+        return False
+    for mode in ("VIEWPORT", "RENDER"):
+        shapes.show_rest(deformer, mode)
+    in_renders = None
+    if deformer.renders_differ and rendered is not None:
+        in_renders = renumbered(deformer.rest_in("RENDER"), rendered, obj.data, wanted)
+    if in_renders is not None:
+        deformer.rest_render = shapes.put_mesh(deformer.rest_render, in_renders)
+    deformer.rest = shapes.put_mesh(deformer.rest, mesh)
+    return True
 
 
 def _hold_rendered(obj: Object, deformer: SinewDeformer, rendered: Mesh) -> bool:
