@@ -34,7 +34,7 @@ def matched(
     while True:
         orders = [np.argsort(each) for each in found]
         ranked = [each[order] for each, order in zip(found, orders, strict=True)]
-        if not np.array_equal(*ranked):
+        if not np.array_equal(ranked[0], ranked[1]):
             return None
         before, different = different, 1 + np.count_nonzero(np.diff(ranked[0]))
         if different == count:
@@ -47,7 +47,7 @@ def matched(
     if not np.array_equal(places[:kept], np.arange(kept)):
         return None
     same, directed = (
-        [side.of_faces(each, way) for side, each in zip(sides, found, strict=True)] for way in (1, 0)
+        [side.of_faces(each, way) for side, each in zip(sides, found, strict=True)] for way in (True, False)
     )
     by_face = [np.argsort(each) for each in same]
     if not np.array_equal(same[0][by_face[0]], same[1][by_face[1]]):

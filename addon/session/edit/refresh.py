@@ -178,16 +178,24 @@ def _renumber(obj: Object, deformer: SinewDeformer, shown: Mesh, rendered: Mesh 
 
 
 def _hold_rendered(obj: Object, deformer: SinewDeformer, rendered: Mesh) -> bool:
-    """Bind renders anew if other vertices enter there than at bind, while the viewport waits for a Rebind."""
-    if same_topology(deformer.rest_in("RENDER"), rendered):
-        return False
-    held = deformer.rest_in("VIEWPORT")
+    """Bind renders anew, while the viewport waits for a Rebind: to other vertices, or to painted weights."""
+    held, before = deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER")
     if targets.is_lattice(obj) or held.get(Keys.REST_POINT_TYPE) != rendered.get(Keys.REST_POINT_TYPE):
         return False  # what shows the deformer shows such points only
-    mesh = None if same_topology(held, rendered) else rendered.copy()
-    if mesh is not None:
+    mesh: Mesh | None = rendered.copy()
+    wanted = vertex_groups.groups_in_use(deformer)
+    fitting = next((rest for rest in (before, held) if same_topology(rest, rendered)), None)
+    if fitting is None:
         rest_frame.put_back(deformer, mesh)
-        capture.carry_lost_groups(mesh, held, vertex_groups.groups_in_use(deformer))
+        capture.carry_lost_groups(mesh, held, wanted)
+    else:
+        keep_lost_groups(mesh, fitting, wanted)
+        keep_shape(mesh, fitting)
+        if _same_weights(fitting, mesh, deformer):
+            bpy.data.meshes.remove(mesh)
+            if fitting == before:
+                return False
+            mesh = None
     shapes.hold_rendered_rest(deformer, mesh)
     shapes.ensure(obj, deformer, len(held.vertices), len(deformer.rest_in("RENDER").vertices))
     obj.update_tag(refresh={"OBJECT"})
