@@ -36,11 +36,11 @@ def listen(wanted: bool) -> None:
         _before_updates.append(before_depsgraph_update)
 
 
-def _update(depsgraph: Depsgraph, draft: bool = False) -> None:
-    """Solve a frame, or anything in a render. Where other vertices enter than at bind, bind first.
+def _update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draft: bool = False) -> None:
+    """Solve. Where other vertices enter than at bind, and that cannot wait, bind first.
 
-    So it is in renders, and with *Automatic Rebind* in the viewport. All this makes datablocks, which the
-    thread of a render may not do.
+    So it is in renders, with *Automatic Rebind* in the viewport, and where Apply has turned faces. All this
+    makes datablocks, which the thread of a render may not do.
     """
     may_bind = (
         threading.current_thread() is threading.main_thread()
@@ -50,7 +50,7 @@ def _update(depsgraph: Depsgraph, draft: bool = False) -> None:
     )
     if may_bind and depsgraph.mode == "RENDER":
         session.look_at_renders()
-    session.update(depsgraph, draft=draft)
+    session.update(depsgraph, preview, edit, draft)
     if may_bind and session.has_counts():
         deferred.bind_now(depsgraph)
 
@@ -65,10 +65,7 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     if bpy.app.background and session.has_copies():
         deferred.separate_copies(depsgraph)
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
-    if depsgraph.mode == "RENDER":
-        _update(depsgraph)
-    else:
-        session.update(depsgraph, preview=interactive, edit=True)
+    _update(depsgraph, preview=interactive, edit=depsgraph.mode == "VIEWPORT")
     if bool(session.mirrored_targets) != (before_depsgraph_update in _before_updates):
         listen(bool(session.mirrored_targets))
     if entering.waiting and depsgraph.mode == "VIEWPORT":
@@ -87,7 +84,7 @@ def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
     if bpy.app.background and session.has_copies():
         deferred.separate_copies(depsgraph)
     draft = depsgraph.mode == "VIEWPORT" and deferred.is_playing()
-    _update(depsgraph, draft)
+    _update(depsgraph, draft=draft)
     if draft:
         deferred.schedule()
     if depsgraph.mode == "VIEWPORT":

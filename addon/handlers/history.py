@@ -42,9 +42,13 @@ def on_load(*_args: object) -> None:
 
 @persistent
 def before_save(*_args: object) -> None:
-    """Do all deferred edits, and store the last solutions for computers without Sinew."""
-    before_render()
-    session.store()
+    """Do all deferred edits, and store the last solutions for computers without Sinew.
+
+    Beside a render that leaves the window unlocked, nothing of what it reads may change.
+    """
+    if not bpy.app.is_job_running("RENDER"):
+        before_render()
+        session.store()
 
 
 @persistent

@@ -10,7 +10,7 @@ import numpy as np
 from bpy.types import Mesh
 
 from ..compat import read_faces, read_positions, write_positions
-from ..core.geometry import frames
+from ..core.geometry import frames, numbering
 from ..core.point_types import MESH, PointType, point_type_with_id
 from ..ids import Keys
 
@@ -155,24 +155,54 @@ def _turned_faces(a: Mesh, b: Mesh) -> np.ndarray | None:
     """Which faces are turned over in ``b``, bool (m,); None if the meshes have another topology."""
     if len(a.vertices) != len(b.vertices):
         return None
-    if any(a.get(key) != b.get(key) for key in (Keys.REST_POINT_TYPE, Keys.REST_STRUCTURE)):
+    if not _same_structure(a, b):
         return None
     return frames.turned_faces(read_faces(a), read_faces(b))
+
+
+def _same_structure(a: Mesh, b: Mesh) -> bool:
+    return all(a.get(key) == b.get(key) for key in (Keys.REST_POINT_TYPE, Keys.REST_STRUCTURE))
 
 
 def keep_shape(mesh: Mesh, held: Mesh) -> None:
     """Give a mesh the points of another with the same topology, and let its faces point to the same sides."""
     write_positions(mesh, read_positions(held))
     turned = _turned_faces(held, mesh)
-    if turned is None or not turned.any():
-        return
+    if turned is not None and turned.any():
+        _turn(mesh, np.flatnonzero(turned))
+
+
+def _turn(mesh: Mesh, faces: np.ndarray) -> None:
+    """Let these faces (k,) point to their other sides."""
     edit = bmesh.new()
     edit.from_mesh(mesh, face_normals=False)
     edit.faces.ensure_lookup_table()
-    for index in np.flatnonzero(turned):
+    for index in faces:
         edit.faces[index].normal_flip()
     edit.to_mesh(mesh)
     edit.free()
+
+
+def renumbered(held: Mesh, new: Mesh, base: Mesh, wanted: set[str]) -> Mesh | None:
+    """What a rest mesh has ``held``, as another one, in the order in which ``new`` has vertices and faces.
+
+    None if they differ in more than that. Modifiers number their vertices anew where faces of the ``base``
+    were turned. The other mesh has the weights of ``new``, and those of ``wanted`` groups that ``held`` alone
+    has.
+    """
+    count = len(held.vertices)
+    kept, groups = len(base.vertices), len(base.polygons)
+    if count == kept or count != len(new.vertices) or not _same_structure(held, new):
+        return None
+    found = numbering.matched(read_faces(held), read_faces(new), count, kept, groups)
+    if found is None:
+        return None
+    places, turned = found
+    mesh = new.copy()
+    write_positions(mesh, read_positions(held)[places])
+    keep_lost_groups(mesh, held, wanted, lambda weights: weights[places])
+    _turn(mesh, np.flatnonzero(turned))
+    return mesh
 
 
 def _replacement_points(

@@ -12,6 +12,7 @@ from ..core.methods import DEFAULT_CAGE_METHOD
 from ..ids import Operators
 from ..properties import SinewDeformer, deformers_of
 from .reporting import reports_errors
+from .sharing import BindsAll
 from .target import has_deformer, has_target, object_mode, selected_targets, show_control, target_of
 from .waiting import BindingOperator
 
@@ -228,45 +229,31 @@ def _has_cage(operator: type, context: Context) -> bool:
     return True
 
 
-class _CageOperator(BindingOperator):
-    """Base of operators that change the cage of the active deformer and bind again."""
+class SINEW_OT_cage_set_rest(BindsAll, Operator):
+    """Take the current shape of the cage as its rest shape, for all objects that it moves.
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return _has_cage(cls, context)
-
-    @reports_errors
-    def run(self, context: Context, wait: bool) -> set[str]:
-        obj = target_of(context)
-        deformer = obj.sinew.active
-        others = self.change(obj, deformer)
-        session.bind(obj, deformer, wait)
-        bound = [(deformer, None), *((row, session.try_bind(other, row, wait)) for other, row in others)]
-        self.report_shared(bound, "")
-        return {"FINISHED"}
-
-
-class SINEW_OT_cage_set_rest(_CageOperator, Operator):
-    """Take the current shape of the cage as its rest shape.
-
-    The mesh goes back to rest; later edits pose it
+    They go back to rest; later edits pose them
     """
 
     bl_idname = Operators.CAGE_REST
     bl_label = "Set Rest Cage"
     bl_options = {"REGISTER", "UNDO"}
 
-    def change(self, obj: Object, deformer: SinewDeformer) -> list[session.Target]:
-        session.set_rest_cage(obj, deformer)
-        return []
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return _has_cage(cls, context)
 
 
-class SINEW_OT_cage_flip(_CageOperator, Operator):
+class SINEW_OT_cage_flip(BindsAll, Operator):
     """Flip the faces of a cage that is inside out, and bind to its current shape"""
 
     bl_idname = Operators.CAGE_FLIP
     bl_label = "Flip Cage"
     bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return _has_cage(cls, context)
 
     def change(self, _obj: Object, deformer: SinewDeformer) -> list[session.Target]:
         return session.flip_cage(deformer)

@@ -9,6 +9,7 @@ import bpy
 from bpy.types import Object, ViewLayer
 
 from ..core.memory import remember
+from ..properties import deformers_of
 
 waiting: dict[str, str] = remember({})  # the control to make active, by the object in Edit Mode
 _followed: dict[str, str] = remember({})  # the control that was made active, by the object
@@ -45,9 +46,16 @@ def restore(view_layer: ViewLayer) -> None:
 
 
 def _activate(view_layer: ViewLayer, obj: Object, control: Object) -> None:
-    """Make the control active if it is selected and the object, which is active in Object Mode, is not."""
+    """Make the control active if it is selected and the object, which is active in Object Mode, is not.
+
+    So is its row then: a fixed region that was added last would be mirrored in place of the handle.
+    """
     if view_layer.objects.active != obj or obj.mode != "OBJECT" or control.name not in view_layer.objects:
         return
     if control.select_get(view_layer=view_layer) and not obj.select_get(view_layer=view_layer):
         view_layer.objects.active = control
         _followed[obj.name] = control.name
+        for deformer in deformers_of(obj):
+            rows = [index for index, handle in enumerate(deformer.handles) if handle.control == control]
+            if rows:
+                deformer.active_handle = rows[0]

@@ -9,6 +9,7 @@ from ..core.errors import SinewError
 from ..ids import Operators
 from .cage import show_only
 from .reporting import reports_errors
+from .sharing import BindsAll
 from .target import has_deformer, has_target, object_mode, selected_targets, target_of
 from .waiting import BindingOperator
 
@@ -112,10 +113,10 @@ class SINEW_OT_lattice_add(BindingOperator, Operator):
         return (lattices or others)[0]
 
 
-class SINEW_OT_lattice_set_rest(BindingOperator, Operator):
-    """Take the current shape and resolution of the lattice as its rest.
+class SINEW_OT_lattice_set_rest(BindsAll, Operator):
+    """Take the current shape and resolution of the lattice as its rest, for all objects that it moves.
 
-    The object goes back to rest; later edits of the lattice pose it
+    They go back to rest; later edits of the lattice pose them
     """
 
     bl_idname = Operators.LATTICE_REST
@@ -131,12 +132,3 @@ class SINEW_OT_lattice_set_rest(BindingOperator, Operator):
             cls.poll_message_set("Add a lattice first")
             return False
         return True
-
-    @reports_errors
-    def run(self, context: Context, wait: bool) -> set[str]:
-        obj = target_of(context)
-        deformer = obj.sinew.active
-        session.set_rest_lattice(obj, deformer)
-        session.bind(obj, deformer, wait)
-        self.report_state(deformer.uid)
-        return {"FINISHED"}

@@ -141,7 +141,9 @@ class SINEW_OT_puppet_pose(MotionValues, ViewportTool, Operator):
             self.report({"WARNING"}, "The centre of mass cannot reach what is pinned")
         elif drag.gap > _BEHIND * max(length, 1e-9):
             text = length_text(context.scene.unit_settings, drag.gap)
-            self.report({"INFO"}, f"{drag.bone} is as near as its joints allow: {text} away")
+            self.report(
+                {"INFO"}, f"{drag.bone} is {text} behind: its joints, pinned bones or posture hold it"
+            )
 
 
 class SINEW_OT_puppet_pin(Operator):

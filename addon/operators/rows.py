@@ -8,6 +8,7 @@ from .. import session
 from ..core.errors import SinewError
 from ..ids import Operators
 from .reporting import reports_errors
+from .sharing import BindsAll
 from .target import has_deformer, object_mode, target_of
 from .waiting import BindingOperator
 
@@ -60,10 +61,10 @@ class SINEW_OT_control_remove(BindingOperator, Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_control_set_rest(BindingOperator, Operator):
+class SINEW_OT_control_set_rest(BindsAll, Operator):
     """Take the current shape of all wires, or the current place of all tools, as their rest.
 
-    The target goes back to rest; later edits pose it
+    All that the same ones move goes back to rest; later edits pose it
     """
 
     bl_idname = Operators.ROW_REST
@@ -73,12 +74,3 @@ class SINEW_OT_control_set_rest(BindingOperator, Operator):
     @classmethod
     def poll(cls, context: Context) -> bool:
         return has_rows(cls, context)
-
-    @reports_errors
-    def run(self, context: Context, wait: bool) -> set[str]:
-        obj = target_of(context)
-        deformer = obj.sinew.active
-        session.set_rest_of(obj, deformer)
-        session.bind(obj, deformer, wait)
-        self.report_state(deformer.uid)
-        return {"FINISHED"}

@@ -1,13 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Give all objects that a control moves the same settings."""
+"""Give all objects that a control moves the same settings, or another rest of it."""
 
-from bpy.types import Context, Operator
+from bpy.types import Context, Object, Operator
 
 from .. import session
 from ..ids import Operators
+from ..properties import SinewDeformer
 from .reporting import reports_errors
 from .target import has_deformer, target_of
 from .waiting import BindingOperator
+
+
+class BindsAll(BindingOperator):
+    """Base of operators that change the controls of the active deformer, and bind all that they move again.
+
+    By default, the controls rest as they are now.
+    """
+
+    def change(self, obj: Object, deformer: SinewDeformer) -> list[session.Target]:
+        """Change them; the other deformers to bind, with their objects."""
+        return session.set_rest(obj, deformer)
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        obj = target_of(context)
+        deformer = obj.sinew.active
+        others = self.change(obj, deformer)
+        session.bind(obj, deformer, wait)
+        bound = [(deformer, None), *((row, session.try_bind(other, row, wait)) for other, row in others)]
+        self.report_shared(bound, "")
+        return {"FINISHED"}
 
 
 class SINEW_OT_settings_share(BindingOperator, Operator):

@@ -24,7 +24,6 @@ from .edit.cages import (
     cage_maker,
     cage_seconds,
     flip_cage,
-    set_rest_cage,
     takes_flat_cage,
 )
 from .edit.deformers import add_deformer, remove_deformer
@@ -37,7 +36,7 @@ from .edit.handles.overlaps import part_regions
 from .edit.handles.points import empties_on, empty_at, with_points
 from .edit.handles.standing import NOTHING_MOVES, stand_on, why_not_on_surface
 from .edit.keys import add_key, key_beside, key_notes, move_key, remove_key
-from .edit.lattices import LATTICE_METHODS, LatticeShape, add_lattice_object, set_rest_lattice
+from .edit.lattices import LATTICE_METHODS, LatticeShape, add_lattice_object
 from .edit.making import BEING_MADE, begin_cage, cage_work, drop_cage
 from .edit.order import move_deformer, move_handle
 from .edit.puppet.bones import require_bones
@@ -62,14 +61,13 @@ from .edit.rows import (
     new_tool,
     remove_row,
     rows_of,
-    set_rest_of,
     stop_count,
     stop_here,
     tool_reach,
 )
 from .edit.saving import store, store_shown
 from .edit.selection import group_from_selection, select_elements, select_group
-from .edit.sharing import let_outside_follow, refuses_outside, share_settings, sharing
+from .edit.sharing import let_outside_follow, refuses_outside, set_rest, share_settings, sharing
 from .edit.upkeep import collect, has_pending, restore_shapes, separate_copies, tidy
 from .edit.wires import fitting_radius, wire_from_edges, wire_radius, wire_through
 from .live.binding import CANCELLED, busy, cancel, duration, job, may_wait, summary, unwatched, watch
@@ -228,9 +226,7 @@ __all__ = (
     "select_elements",
     "select_group",
     "separate_copies",
-    "set_rest_cage",
-    "set_rest_lattice",
-    "set_rest_of",
+    "set_rest",
     "settle",
     "share_settings",
     "sharing",

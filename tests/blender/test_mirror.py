@@ -552,3 +552,22 @@ def test_all_of_one_side_names_the_handles_of_that_side_alone(hand: Rig):
     bpy.ops.sinew.handle_mirror(side="RIGHT_TO_LEFT")
     assert handle_names(hand) == ["Hand.L", "Spine", "Foot.R", "Hand.R", "Foot.L"]
     assert_weights_are_mirrored(hand, "Foot.R", "Foot.L")
+
+
+def test_the_handle_is_mirrored_and_not_the_fixed_region_that_was_added_last():
+    """As the README has it: the control is active after Edit Mode is left, and so is its row."""
+    obj = grid_object("Plate")
+    make_active(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    for kind, chosen in (("HANDLE", lambda point: point.x > 0.9), ("FIXED", lambda point: point.y < -0.9)):
+        edit = bmesh.from_edit_mesh(obj.data)
+        for vertex in edit.verts:
+            vertex.select_set(chosen(vertex.co))
+        bmesh.update_edit_mesh(obj.data)
+        name = "Hand.L" if kind == "HANDLE" else "Feet"
+        assert bpy.ops.sinew.handle_add(kind=kind, handle_name=name) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    update()
+    assert bpy.context.object == obj.sinew.active.handles["Hand.L"].control
+    assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    assert [handle.name for handle in obj.sinew.active.handles] == ["Hand.L", "Feet", "Hand.R"]

@@ -8,8 +8,11 @@ import math
 import bpy
 import numpy as np
 import pytest
+from inside import calls_of
 from puppets import pose
 from rig import base_points, close, evaluated_points, linked, make_active, new_object, update
+
+LOOKS = ("rest_mesh", "rest_meshes", "_new_meshes", "group_weights")
 
 
 def tube(radius: float = 0.08, rings: int = 40, sides: int = 12) -> bpy.types.Object:
@@ -48,6 +51,21 @@ def rigged(**keywords) -> tuple[bpy.types.Object, bpy.types.Object]:
     assert bpy.ops.sinew.puppet_rig(armature=armature.name, **keywords) == {"FINISHED"}
     update()
     return obj, armature
+
+
+def test_the_mesh_is_looked_at_as_often_for_two_bones_as_for_one():
+    """Each look evaluates the scene, which took most of the time."""
+    counts = []
+    for deforming in ("first", "second"), ("first",):
+        armature, obj = arm(), tube()
+        for bone in armature.data.bones:
+            bone.use_deform = bone.name in deforming
+            obj.vertex_groups.new(name=bone.name).add([0, 1], 1.0, "REPLACE")
+        found = calls_of(lambda name=armature.name: bpy.ops.sinew.puppet_rig(armature=name))
+        assert len(obj.sinew.active.handles) == len(deforming)
+        counts.append([found[name] for name in LOOKS])
+    assert counts[0] == counts[1]
+    assert any(counts[0])
 
 
 def test_bones_become_handles_and_the_skin_follows():

@@ -316,6 +316,21 @@ def test_the_viewport_goes_on_after_its_level_comes_back():
     assert off(render_points(rig.obj), shown) < EXACT
 
 
+@pytest.mark.parametrize("render_levels", [2, 3])
+def test_painted_weights_reach_renders_while_the_viewport_waits(render_levels: int):
+    rig = bound(subdivision)
+    rig.obj.modifiers[0].levels, rig.obj.modifiers[0].render_levels = 1, render_levels
+    settle()
+    assert rig.deformer.status == "Topology changed - Rebind"
+    before = render_points(rig.obj)
+    near = [vertex.index for vertex in rig.obj.data.vertices if vertex.co.y > 0.1]
+    rig.obj.vertex_groups["Top"].add(near, 1.0, "REPLACE")
+    for _ in range(2):
+        seen, wanted = render_points(rig.obj), expected(rig)
+        assert off(seen, before) > 0.01
+        assert off(seen, wanted) < EXACT
+
+
 def test_the_rest_for_renders_is_that_of_the_bind():
     """However an armature before Sinew poses the mesh when the level changes."""
     shapes = []

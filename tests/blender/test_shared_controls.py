@@ -239,9 +239,10 @@ def with_tool(first: bpy.types.Object, second: bpy.types.Object) -> bpy.types.Ob
     return tool
 
 
-@pytest.mark.parametrize(
-    "share", [with_cage, with_lattice, with_wire, with_tool], ids=lambda each: each.__name__
-)
+SHARES = {"cage": with_cage, "lattice": with_lattice, "wire": with_wire, "tool": with_tool}
+
+
+@pytest.mark.parametrize("share", SHARES.values(), ids=SHARES)
 def test_all_targets_of_a_control_can_get_the_same_settings(share: Callable):
     """Twins at one place show the same shape then."""
     twins = ball("First"), ball("Second")
@@ -258,6 +259,32 @@ def test_all_targets_of_a_control_can_get_the_same_settings(share: Callable):
     surround(alone, box("Own"))
     make_active(alone)
     assert not bpy.ops.sinew.settings_share.poll()
+
+
+REST = {
+    "cage": "cage_set_rest",
+    "lattice": "lattice_set_rest",
+    "wire": "control_set_rest",
+    "tool": "control_set_rest",
+}
+
+
+@pytest.mark.parametrize("kind", REST)
+def test_set_rest_is_for_all_targets_of_a_control(kind: str):
+    """Those are at rest, and move on from there."""
+    twins = ball("First"), ball("Second")
+    control = SHARES[kind](*twins)
+    control.rotation_euler.x, control.location.z = 0.5, control.location.z + 0.3
+    for obj in twins:
+        assert np.abs(evaluated_points(obj) - base_points(obj)).max() > 0.02
+    make_active(twins[1])
+    assert getattr(bpy.ops.sinew, REST[kind])() == {"FINISHED"}
+    for obj in twins:
+        assert close(evaluated_points(obj), base_points(obj), MATRIX), obj.name
+        assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    control.location.z += 0.2
+    for obj in twins:
+        assert np.abs(evaluated_points(obj) - base_points(obj)).max() > 0.02, obj.name
 
 
 def test_outside_can_be_set_for_all_targets_of_a_cage():

@@ -14,10 +14,8 @@ from ...core.errors import CageError, MeshError
 from ...core.geometry import flat_outline, frames
 from ...mesh_io import RestShape
 from ...properties import SinewDeformer
-from ..blocks import rest_frame
 from ..control import kinds
 from ..control.cage.kind import KIND as CAGE
-from ..live import binding
 from ..memory import sessions
 from . import automatic, hull
 from .around import Target, follow, leader, shape_of
@@ -109,14 +107,6 @@ def add_cage_object(objects: Sequence[Object], shape: Shape) -> Object:
     cage.show_in_front = True
     bpy.context.view_layer.update()
     return cage
-
-
-@sessions.suspended()
-def set_rest_cage(obj: Object, deformer: SinewDeformer) -> None:
-    """Let the cage rest as it is now, so that the mesh is at rest too. ``bind`` must follow."""
-    rest_frame.absorb(deformer)
-    CAGE.take_rest(obj, deformer)
-    binding.abandon(deformer.uid)
 
 
 @sessions.suspended()

@@ -12,11 +12,8 @@ from mathutils import Matrix
 from ...core.errors import MeshError, OptionError
 from ...core.geometry import hexahedra
 from ...mesh_io import RestShape
-from ...properties import SinewDeformer
-from ..blocks import rest_frame
 from ..control import kinds
 from ..control.lattice.kind import KIND as LATTICE
-from ..live import binding
 from ..memory import sessions
 from .around import follow, leader, shape_of
 
@@ -126,11 +123,3 @@ def _triangles(rest: RestShape) -> np.ndarray:
         if len(face) > 2
     ]
     return np.concatenate(fans) if fans else np.zeros((0, 3), dtype=int)
-
-
-@sessions.suspended()
-def set_rest_lattice(obj: Object, deformer: SinewDeformer) -> None:
-    """Let the lattice rest as it is now, so that the shape is at rest too. ``bind`` must follow."""
-    rest_frame.absorb(deformer)
-    LATTICE.take_rest(obj, deformer)
-    binding.abandon(deformer.uid)

@@ -13,7 +13,7 @@ from bpy.types import Mesh, Object
 from ...compat import read_positions, write_positions
 from ...core.errors import SinewError
 from ...ids import Keys
-from ...mesh_io import group_names, keep_lost_groups, keep_shape, read_rest, same_topology
+from ...mesh_io import group_names, keep_lost_groups, keep_shape, read_rest, renumbered, same_topology
 from ...properties import SinewDeformer
 from ..blocks import capture, libraries, rest_frame, shapes, targets, vertex_groups
 from ..blocks.owners import owners
@@ -119,6 +119,9 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
     """
     held, held_in_renders = deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER")
     shown, rendered = meshes
+    is_renumbered = not same_topology(held, shown) and _renumber(obj, deformer, shown, rendered)
+    if is_renumbered:
+        held, held_in_renders = deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER")
     if not same_topology(held, shown):
         changed = _change_topology(obj, deformer)
         if deformer.topology_changed:
@@ -133,7 +136,7 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
     for old, new in pairs:
         keep_lost_groups(new, old, vertex_groups.groups_in_use(deformer))
     same = [_same_weights(old, new, deformer) for old, new in pairs]
-    changed = was_stale or not fits or not all(same)
+    changed = was_stale or is_renumbered or not fits or not all(same)
     if fits and all(same) and all(group_names(old) == group_names(new) for old, new in pairs):
         _discard(meshes)
     else:
@@ -152,17 +155,47 @@ def _take(obj: Object, deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]
     return changed
 
 
-def _hold_rendered(obj: Object, deformer: SinewDeformer, rendered: Mesh) -> bool:
-    """Bind renders anew if other vertices enter there than at bind, while the viewport waits for a Rebind."""
-    if same_topology(deformer.rest_in("RENDER"), rendered):
+def _renumber(obj: Object, deformer: SinewDeformer, shown: Mesh, rendered: Mesh | None) -> bool:
+    """Let the rest have its vertices and faces in the order in which they enter; False if they are others.
+
+    The points of the object itself have their order, but modifiers have made theirs anew for turned faces.
+    """
+    if not targets.is_mesh(obj):
         return False
-    held = deformer.rest_in("VIEWPORT")
+    wanted = vertex_groups.groups_in_use(deformer)
+    mesh = renumbered(deformer.rest_in("VIEWPORT"), shown, obj.data, wanted)
+    if mesh is None:
+        return False
+    for mode in ("VIEWPORT", "RENDER"):
+        shapes.show_rest(deformer, mode)
+    in_renders = None
+    if deformer.renders_differ and rendered is not None:
+        in_renders = renumbered(deformer.rest_in("RENDER"), rendered, obj.data, wanted)
+    if in_renders is not None:
+        deformer.rest_render = shapes.put_mesh(deformer.rest_render, in_renders)
+    deformer.rest = shapes.put_mesh(deformer.rest, mesh)
+    return True
+
+
+def _hold_rendered(obj: Object, deformer: SinewDeformer, rendered: Mesh) -> bool:
+    """Bind renders anew, while the viewport waits for a Rebind: to other vertices, or to painted weights."""
+    held, before = deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER")
     if targets.is_lattice(obj) or held.get(Keys.REST_POINT_TYPE) != rendered.get(Keys.REST_POINT_TYPE):
         return False  # what shows the deformer shows such points only
-    mesh = None if same_topology(held, rendered) else rendered.copy()
-    if mesh is not None:
+    mesh: Mesh | None = rendered.copy()
+    wanted = vertex_groups.groups_in_use(deformer)
+    fitting = next((rest for rest in (before, held) if same_topology(rest, rendered)), None)
+    if fitting is None:
         rest_frame.put_back(deformer, mesh)
-        capture.carry_lost_groups(mesh, held, vertex_groups.groups_in_use(deformer))
+        capture.carry_lost_groups(mesh, held, wanted)
+    else:
+        keep_lost_groups(mesh, fitting, wanted)
+        keep_shape(mesh, fitting)
+        if _same_weights(fitting, mesh, deformer):
+            bpy.data.meshes.remove(mesh)
+            if fitting == before:
+                return False
+            mesh = None
     shapes.hold_rendered_rest(deformer, mesh)
     shapes.ensure(obj, deformer, len(held.vertices), len(deformer.rest_in("RENDER").vertices))
     obj.update_tag(refresh={"OBJECT"})

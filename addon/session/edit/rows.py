@@ -17,7 +17,6 @@ from ..blocks import rest_frame
 from ..control import kinds, objects
 from ..control.several import SeveralKind
 from ..control.tools.kind import KIND as TOOLS
-from ..live import binding
 from ..memory import sessions
 from .around import follow
 from .deformers import add_deformer, remove_deformer
@@ -75,14 +74,6 @@ def remove_row(obj: Object, deformer: SinewDeformer, index: int) -> None:
     deformer.active_control = max(min(index, len(deformer.controls) - 1), 0)
     kinds.keep_evaluated(obj)
     obj.update_tag()
-
-
-@sessions.suspended()
-def set_rest_of(obj: Object, deformer: SinewDeformer) -> None:
-    """Let all controls rest where they are now, so that the target is at rest too. ``bind`` must follow."""
-    rest_frame.absorb(deformer)
-    kinds.kind_in_use(deformer).take_rest(obj, deformer)
-    binding.abandon(deformer.uid)
 
 
 def tool_reach(size: float) -> float:

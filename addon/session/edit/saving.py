@@ -26,7 +26,7 @@ def store() -> None:
     Where other vertices enter in renders than in the viewport, they are solved for the poses of now.
     """
     found = [obj for obj in owners() if obj.library is None]
-    if not found or bpy.app.is_job_running("RENDER"):
+    if not found:
         return
     bpy.context.view_layer.update()  # a script may save right after it has moved a control
     _solve_those_that_differ(found)

@@ -1,13 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Several objects that one control moves: finds them, and gives them the same settings. Main thread only."""
+"""Several objects that one control moves: finds them, and gives them the same settings, or another rest.
+
+Main thread only.
+"""
 
 from bpy.types import Object
 
 from ...core.errors import CageError
 from ...core.methods import Choice
+from ...core.status import Level
 from ...properties import SinewDeformer
+from ..blocks import rest_frame
 from ..blocks.owners import owners
 from ..control import kinds
+from ..live import binding
+from ..memory import sessions
 
 REFUSE = "error"  # the choice of "Outside" that moves nothing outside the cage
 
@@ -31,6 +38,25 @@ def _controls(deformer: SinewDeformer) -> set[tuple[str, Object]]:
         return set()
     control = deformer.definition.control.name
     return {(control, link.object) for link in kinds.kind_in_use(deformer).links(deformer)}
+
+
+@sessions.suspended()
+def set_rest(obj: Object, deformer: SinewDeformer) -> list[tuple[Object, SinewDeformer]]:
+    """Let the controls of a deformer rest as they are now. So all that they move is at rest, too.
+
+    ``bind`` must follow, also for the others, which are returned with their objects. A baked one stays as it
+    is, and so does one that was never bound.
+    """
+    others = [
+        (other, row)
+        for other, row in sharing(deformer)
+        if not row.bake.is_baked and (row.is_bound or row.status_level == Level.ERROR.value)
+    ]
+    for target, row in ((obj, deformer), *others):
+        rest_frame.absorb(row)
+        kinds.kind_in_use(row).take_rest(target, row)
+        binding.abandon(row.uid)
+    return others
 
 
 def share_settings(deformer: SinewDeformer) -> list[tuple[Object, SinewDeformer]]:

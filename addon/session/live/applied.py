@@ -87,7 +87,9 @@ def follow(obj: Object, evaluated: Object, last: LastUpdate | None) -> Expected:
             moved = by is not None
             if by is not None:
                 shown = _take_along(deformer, by)
-                if shown is not None:
+                if rest is not None and _may_renumber(by, len(rest.vertices), obj):
+                    sessions.note_count(obj.name)
+                elif shown is not None:
                     expected[deformer.uid] = _Followed(shown, _in_words(by))
             elif last is None and not np.array_equal(_frames.get(key, frame), frame):
                 moved = True
@@ -147,6 +149,11 @@ def _refined(by: np.ndarray, before: np.ndarray, after: np.ndarray) -> np.ndarra
     correction[:3, :3] += found[:3].T
     correction[:3, 3] = found[3] - found[:3].T @ centre
     return correction @ by
+
+
+def _may_renumber(by: np.ndarray, entering: int, obj: Object) -> bool:
+    """Whether modifiers may number so many vertices anew: Blender 5.2 turns faces that are mirrored."""
+    return bool(np.linalg.det(by[:3, :3]) < 0.0) and entering != targets.vertex_count(obj)
 
 
 def _in_words(by: np.ndarray) -> str:

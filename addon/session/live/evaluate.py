@@ -366,7 +366,8 @@ def _refuse(evaluation: Evaluation, error: SinewError) -> Chain:
             isinstance(error, TopologyChangedError)
             or kinds.kind_in_use(deformer).is_stale(deformer, evaluation.depsgraph)
         ):
-            sessions.note_count(evaluation.obj.name)
+            note = sessions.note_edit if evaluation.haste is Haste.DRAG else sessions.note_count
+            note(evaluation.obj.name)
     else:
         status.put_render(evaluation.deformer.uid, f"In the render: {error}")
         if isinstance(error, TopologyChangedError):

@@ -16,7 +16,7 @@ from ...backend import connected_parts
 from ...compat import read_positions
 from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, MeshError, TopologyChangedError
-from ...core.geometry import carried, frames, reach
+from ...core.geometry import frames, reach, rigid_motion
 from ...core.status import Remedy
 from ...mesh_io import read_rest
 from ..blocks.capture import evaluated_mesh
@@ -136,8 +136,8 @@ class Patch:
             if mesh is None or len(mesh.vertices) != len(self.points):
                 return np.eye(4)
             seen = read_positions(mesh).astype(np.float64) @ self._linear.T
-        piece = carried.piece(self.points, self._counts, self._corners, self.selected)
-        return carried.motion(self.points[piece], seen[piece], np.eye(3))
+        piece = rigid_motion.piece(self.points, self._counts, self._corners, self.selected)
+        return rigid_motion.motion(self.points[piece], seen[piece], np.eye(3))
 
     @property
     def selection(self) -> np.ndarray:

@@ -16,7 +16,7 @@ import numpy as np
 from bpy.types import Depsgraph, Object
 from mathutils import Matrix
 
-from ....core.geometry import carried, frames
+from ....core.geometry import frames, rigid_motion
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
 from ...memory import render_writes, sessions
@@ -169,7 +169,7 @@ def motions(
     found = {}
     for handle in handles:
         piece = _piece(bound, handle)
-        found[handle.uid] = carried.motion(bound.rest.points[piece], points[piece], world[:3, :3])
+        found[handle.uid] = rigid_motion.motion(bound.rest.points[piece], points[piece], world[:3, :3])
     if bound.factor.recipe.method.keyed:  # which has frames of its own
         still = bound.factor.still_poses(incoming=points, from_rest=np.ones(len(bound.handles), dtype=bool))
         found |= {key: square(pose) for key, pose in zip(bound.handles, still, strict=True) if key in found}
@@ -181,7 +181,7 @@ def _piece(bound: Bound, handle: SinewHandle) -> np.ndarray:
     found = bound.pieces.get(handle.uid)
     if found is None:
         rest = bound.rest
-        found = carried.piece(rest.points, rest.counts, rest.corners, _members(rest, handle))
+        found = rigid_motion.piece(rest.points, rest.counts, rest.corners, _members(rest, handle))
         bound.pieces[handle.uid] = found
     return found
 

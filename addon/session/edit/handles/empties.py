@@ -5,7 +5,7 @@ import colorsys
 
 import bpy
 import numpy as np
-from bpy.types import Object
+from bpy.types import Depsgraph, Object
 from mathutils import Matrix
 
 from ....core.errors import ConstraintError
@@ -82,12 +82,20 @@ def to_matrix(array: np.ndarray) -> Matrix:
 
 
 def assign(
-    obj: Object, handle: SinewHandle, control: Object, bone: str, pose: np.ndarray | None = None
+    obj: Object,
+    handle: SinewHandle,
+    control: Object,
+    bone: str,
+    pose: np.ndarray | None = None,
+    depsgraph: Depsgraph | None = None,
 ) -> None:
-    """Let an object or a bone move a handle. Its place now means ``pose``, so nothing jumps."""
+    """Let an object or a bone move a handle. Its place now means ``pose``, so nothing jumps.
+
+    Without a ``depsgraph`` the scene is evaluated.
+    """
     if control == obj:
         raise ConstraintError(f"{obj.name} cannot control itself - choose another object")
-    place = read_place(control, bpy.context.evaluated_depsgraph_get(), bone)
+    place = read_place(control, depsgraph or bpy.context.evaluated_depsgraph_get(), bone)
     if place is None:
         raise ConstraintError(f"{control.name} has no bone '{bone}' - choose one of its pose bones")
     handle.control, handle.bone = control, bone

@@ -54,6 +54,22 @@ def add_captured_handle(
     owns_group: bool = False,
 ) -> tuple[SinewHandle, Mesh | None]:
     """As ``add_handle``; and what enters the modifier, if it was captured for the control: a new mesh."""
+    handle = add_region(obj, deformer, role, vertex_group, owns_group)
+    if role != "HANDLE":
+        return handle, None
+    try:
+        return handle, _give_control(obj, deformer, handle, control, bone)
+    except SinewError:
+        deformer.handles.remove(len(deformer.handles) - 1)
+        obj.update_tag()  # the evaluated copy still has it
+        raise
+
+
+@sessions.suspended()
+def add_region(
+    obj: Object, deformer: SinewDeformer, role: str, vertex_group: str, owns_group: bool = False
+) -> SinewHandle:
+    """Add a region without a control: the vertices of a vertex group. ``bind`` must follow."""
     if vertex_group not in obj.vertex_groups:
         raise ConstraintError(f"{obj.name} has no vertex group '{vertex_group}' - choose one of its groups")
     handle = deformer.handles.add()
@@ -66,14 +82,7 @@ def add_captured_handle(
     handle.name = handle.named
     handle.colour = empties.colour(len(deformer.handles) - 1)
     deformer.active_handle = len(deformer.handles) - 1
-    if role != "HANDLE":
-        return handle, None
-    try:
-        return handle, _give_control(obj, deformer, handle, control, bone)
-    except SinewError:
-        deformer.handles.remove(len(deformer.handles) - 1)
-        obj.update_tag()  # the evaluated copy still has it
-        raise
+    return handle
 
 
 def _give_control(

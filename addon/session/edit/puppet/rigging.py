@@ -13,8 +13,9 @@ from ....properties import SinewDeformer
 from ...blocks import capture, targets
 from ...memory import sessions
 from ..deformers import add_deformer, remove_deformer
+from ..handles import empties
 from ..handles.bones import is_moved_by_control
-from ..handles.handles import add_handle
+from ..handles.handles import add_region
 from ..rigging import try_bind
 from . import bones
 
@@ -43,8 +44,10 @@ def rig_puppet(
     try:
         painted = _with_vertices(obj, deformer, named)
         groups = {name: name for name in painted} or _make_groups(obj, armature, deformer, margin, made)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
         for name, group in groups.items():
-            handle = add_handle(obj, deformer, "HANDLE", group, armature, name, owns_group=group in made)
+            handle = add_region(obj, deformer, "HANDLE", group, owns_group=group in made)
+            empties.assign(obj, handle, armature, name, depsgraph=depsgraph)
             handle.from_rest = is_moved_by_control(obj, deformer, handle)
     except SinewError:
         remove_deformer(obj, list(obj.sinew.deformers).index(deformer))

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from sinew.core.geometry import carried
+from sinew.core.geometry import rigid_motion
 
 SHEET = np.array([(x, y, 0.1 * x * y) for y in range(4) for x in range(4)], dtype=float)
 COUNTS = np.full(9, 4)
@@ -20,8 +20,8 @@ def turn(degrees: float) -> np.ndarray:
 @pytest.mark.parametrize("degrees", [0.0, 40.0, 100.0, 179.0])
 def test_a_rigid_motion_is_found_however_small_the_region_is(members: list[int], degrees: float):
     moved = SHEET @ turn(degrees).T + (1.0, -2.0, 0.5)
-    piece = carried.piece(SHEET, COUNTS, CORNERS, np.array(members))
-    found = carried.motion(SHEET[piece], moved[piece].astype(np.float32), np.eye(3))
+    piece = rigid_motion.piece(SHEET, COUNTS, CORNERS, np.array(members))
+    found = rigid_motion.motion(SHEET[piece], moved[piece].astype(np.float32), np.eye(3))
     assert np.abs(found[:3, :3] - turn(degrees)).max() < 1e-6
     assert np.abs(found[:3, 3] - (1.0, -2.0, 0.5)).max() < 2e-6  # float32 at coordinates near 4
 
@@ -29,20 +29,20 @@ def test_a_rigid_motion_is_found_however_small_the_region_is(members: list[int],
 def test_it_is_rigid_in_the_world_where_the_object_is_stretched():
     linear = np.diag((1.0, 3.0, 0.5))
     world = SHEET @ linear.T @ turn(70.0).T
-    found = carried.motion(SHEET, world @ np.linalg.inv(linear).T, linear)
+    found = rigid_motion.motion(SHEET, world @ np.linalg.inv(linear).T, linear)
     assert np.allclose(linear @ found[:3, :3] @ np.linalg.inv(linear), turn(70.0))
 
 
 def test_points_on_a_line_or_alone_move_and_do_not_turn():
     line = SHEET[:3] * (1.0, 0.0, 0.0)
     moved = line @ turn(30.0).T + (0.0, 1.0, 0.0)
-    found = carried.motion(line, moved, np.eye(3))
+    found = rigid_motion.motion(line, moved, np.eye(3))
     assert np.array_equal(found[:3, :3], np.eye(3))
     assert np.allclose(found[:3, 3], (moved - line).mean(axis=0))
-    assert np.array_equal(carried.motion(line[:0], line[:0], np.eye(3)), np.eye(4))
+    assert np.array_equal(rigid_motion.motion(line[:0], line[:0], np.eye(3)), np.eye(4))
 
 
 def test_lost_points_move_nothing():
     lost = SHEET.copy()
     lost[3] = np.nan
-    assert np.array_equal(carried.motion(SHEET, lost, np.eye(3)), np.eye(4))
+    assert np.array_equal(rigid_motion.motion(SHEET, lost, np.eye(3)), np.eye(4))
