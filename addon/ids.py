@@ -46,6 +46,7 @@ class Operators:
     KEY_JUMP = "sinew.key_jump"
     REPAIR = "sinew.repair"
     PART_REGIONS = "sinew.part_regions"
+    REFINE = "sinew.refine"
     GRAB_REGION = "sinew.grab_region"
     DRAG = "sinew.drag"
     SILHOUETTE_SKETCH = "sinew.silhouette_sketch"

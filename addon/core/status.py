@@ -37,6 +37,7 @@ class Remedy(Flag):
     NEW_CONTROL = auto()
     BAKE = auto()
     UNBAKE = auto()
+    REFINE = auto()
 
 
 @dataclass(frozen=True)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two remedies: mend the mesh, and separate regions that share vertices."""
+"""Remedies: mend the mesh, separate regions that share vertices, and use more cells."""
 
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Context, Object, Operator
@@ -124,6 +124,34 @@ class SINEW_OT_part_regions(Operator):
             vertices = "1 vertex is" if count == 1 else f"{count:,} vertices are"
             self.report({"INFO"}, f"{vertices} now in {keeper} alone, no longer in {loser}")
         _bind_again(self, context, obj, True)
+        return {"FINISHED"}
+
+
+class SINEW_OT_refine(Operator):
+    """Double the number of cells until each handle has one of its own, and bind.
+
+    Objects that share the handles get the same number
+    """
+
+    bl_idname = Operators.REFINE
+    bl_label = "Refine"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_deformer(cls, context):
+            return False
+        method = target_of(context).sinew.active.definition
+        if not method.finer:
+            cls.poll_message_set(f"{method.label} has nothing that could be finer")
+        return bool(method.finer)
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        with object_mode(context, obj):
+            label, value = session.refine(obj, obj.sinew.active)
+        self.report({"INFO"}, f"{label}: {value:,}")
         return {"FINISHED"}
 
 

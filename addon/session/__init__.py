@@ -44,6 +44,7 @@ from .edit.puppet.bones import require_bones
 from .edit.puppet.posing import Part, PuppetDrag, PuppetOptions
 from .edit.puppet.rigging import rig_puppet
 from .edit.refresh import bind_renders, look_at_renders, refresh
+from .edit.refining import refine
 from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
 from .edit.rigging import (
@@ -213,6 +214,7 @@ __all__ = (
     "remove_handle",
     "remove_key",
     "remove_row",
+    "refine",
     "repair",
     "repair_summary",
     "require_bones",

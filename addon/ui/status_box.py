@@ -50,6 +50,7 @@ REMEDIES: dict[Remedy, Button] = {
     Remedy.OUTSIDE: Button(Operators.CAGE_OUTSIDE, "Follow", "MOD_MESHDEFORM"),
     Remedy.REPAIR: Button(Operators.REPAIR, "Repair", "TOOL_SETTINGS"),
     Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Part Regions", "NONE"),
+    Remedy.REFINE: Button(Operators.REFINE, "Refine", "MESH_GRID"),
     Remedy.NEW_CONTROL: Button(Operators.CONTROL_NEW, "New Control", "EMPTY_AXIS"),
     Remedy.BAKE: Button(Operators.BAKE, "Bake Again", "NONE", (("again", True),)),
     Remedy.UNBAKE: Button(Operators.UNBAKE, "Unbake", "LOOP_BACK"),

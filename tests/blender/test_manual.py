@@ -350,6 +350,7 @@ ELSEWHERE = {
     "New Grid": "test_control_grid.py",
     "Part Regions": "test_repair.py",
     "Puppet Drag": "test_puppet.py",
+    "Refine": "test_space_nonlinear.py",
     "Repair": "test_repair.py",
     "Select": "test_bad_input.py",
     "Silhouette Sketch": "test_silhouette_sketch.py",
