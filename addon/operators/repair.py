@@ -150,7 +150,7 @@ class SINEW_OT_refine(Operator):
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         with object_mode(context, obj):
-            label, value = session.refine(obj, obj.sinew.active)
+            label, value = session.refine(obj.sinew.active)
         self.report({"INFO"}, f"{label}: {value:,}")
         return {"FINISHED"}
 
