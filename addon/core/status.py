@@ -38,6 +38,7 @@ class Remedy(Flag):
     BAKE = auto()
     UNBAKE = auto()
     REFINE = auto()
+    ARMATURE_OFF = auto()
 
 
 @dataclass(frozen=True)

@@ -87,6 +87,8 @@ class SINEW_OT_point_add(BindingOperator, Operator):
             for deformer, count, refusal in rigged:
                 noun = "handle" if points != "PLACE" else "handle point"
                 self.report_bind(refusal, deformer.uid, f"1 {noun}" if count == 1 else f"{count} {noun}s")
+                for text in session.moved_twice(deformer.id_data, deformer):
+                    self.report({"WARNING"}, text)
         return {"FINISHED"}
 
     def _controls(self, context: Context, active: Object) -> tuple[bool, list[tuple[Object, str]]]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Remedies: mend the mesh, separate regions that share vertices, and use more cells."""
+"""Remedies: mend the mesh, separate regions that share vertices, use more cells, and move a mesh once."""
 
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Context, Object, Operator
@@ -152,6 +152,31 @@ class SINEW_OT_refine(Operator):
         with object_mode(context, obj):
             label, value = session.refine(obj.sinew.active)
         self.report({"INFO"}, f"{label}: {value:,}")
+        return {"FINISHED"}
+
+
+class SINEW_OT_armature_off(Operator):
+    """Turn off the Armature modifiers of this mesh whose armature also moves a control of Sinew.
+
+    The control carries the mesh along, so it moved twice as far
+    """
+
+    bl_idname = Operators.ARMATURE_OFF
+    bl_label = "Turn Off Armature"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context, mesh=True)
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        names = session.turn_off_armatures(obj, obj.sinew.active)
+        if not names:
+            self.report({"INFO"}, "Nothing moves this mesh twice")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Turned off {', '.join(names)}")
         return {"FINISHED"}
 
 

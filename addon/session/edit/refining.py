@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes what moves an object finer, until each handle has a place of its own in it. Main thread only."""
+"""Remedies for how controls move an object: finer cells, and an armature that counts once. Main thread only."""
+
+from bpy.types import Object
 
 from ...core.status import Remedy
 from ...properties import SinewDeformer
+from ..control.twice import moved_twice
 from .companions import sharing_handles
 from .rigging import try_bind
 
@@ -25,3 +28,11 @@ def refine(deformer: SinewDeformer) -> tuple[str, int]:
             return finer.label, value
         if value == finer.maximum or any(refusal.remedy is not Remedy.REFINE for refusal in refusals):
             raise refusals[0]
+
+
+def turn_off_armatures(obj: Object, deformer: SinewDeformer) -> list[str]:
+    """Turn off the modifiers whose armature also moves a control; their names."""
+    modifiers = list(dict.fromkeys(modifier for _control, modifier in moved_twice(obj, deformer)))
+    for modifier in modifiers:
+        modifier.show_viewport = modifier.show_render = False
+    return [modifier.name for modifier in modifiers]
