@@ -46,6 +46,8 @@ class Operators:
     KEY_JUMP = "sinew.key_jump"
     REPAIR = "sinew.repair"
     PART_REGIONS = "sinew.part_regions"
+    REFINE = "sinew.refine"
+    ARMATURE_OFF = "sinew.armature_off"
     GRAB_REGION = "sinew.grab_region"
     DRAG = "sinew.drag"
     SILHOUETTE_SKETCH = "sinew.silhouette_sketch"

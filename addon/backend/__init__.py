@@ -20,6 +20,7 @@ from .native import (
 )
 from .puppet import Bones, Puppet, Solution, Targets
 from .recipes import (
+    Around,
     Base,
     Cage,
     CageReport,
@@ -36,6 +37,7 @@ from .recipes import (
 from .self_check import Check, check_installation, last_check
 
 __all__ = (
+    "Around",
     "Availability",
     "Base",
     "Bones",

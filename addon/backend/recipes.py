@@ -11,6 +11,7 @@ import numpy as np
 
 from ..core.elements import Elements, Owner
 from ..core.errors import CageError, ConstraintError
+from ..core.geometry.frames import transformed
 from ..core.geometry.turns import turned_poses
 from ..core.methods import MeshShape, Method, Posed
 from ..core.status import Remedy
@@ -122,17 +123,21 @@ class ControlPoints:
         """The native method, still without bound points."""
         return make(native, recipe.method, self.points, recipe.options)
 
+    def bound_points(self, recipe: "Recipe") -> np.ndarray:
+        """The points of the target, as the native method takes them."""
+        return recipe.target.points
+
     def can_reuse(self, recipe: "Recipe", made: Any, former: object) -> bool:
         """Whether the bound method ``former`` has the weights that the method ``made`` would compute."""
-        return made.can_reuse(former, recipe.target.points)
+        return made.can_reuse(former, self.bound_points(recipe))
 
     def bind(
         self, _native, recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
     ) -> object:
         """Compute the weights of the target's points, or reuse those of ``former``, and return the report."""
         if former is None:
-            return made.bind(recipe.target.points, progress)
-        return made.rebind(former.method, recipe.target.points, progress)
+            return made.bind(self.bound_points(recipe), progress)
+        return made.rebind(former.method, self.bound_points(recipe), progress)
 
     def solve(
         self,
@@ -246,13 +251,51 @@ class HandlePoints(ControlPoints):
 
 
 @dataclass(frozen=True)
+class Around:
+    """The ``shape`` of the target and of all that share handles with it. The ``frame`` (4, 4) leads there from
+    the target, and takes its points to ``points`` (n, 3).
+    """
+
+    shape: Shape
+    frame: np.ndarray
+    points: np.ndarray
+
+    def back(self, points: np.ndarray) -> np.ndarray:
+        """Points (n, 3) in the frame of the target."""
+        return transformed(np.linalg.inv(self.frame), points)
+
+
+@dataclass(frozen=True)
 class HandlePoses(HandlePoints):
-    """The same for a method that is built around the target, and takes the poses of the handles."""
+    """The same for a method that takes the poses of the handles, and is built around a shape: that of the
+    target and of all objects that share handles with it.
+    """
+
+    around: Around | None
 
     def make(self, native, recipe: "Recipe", mesh: object) -> Any:
         """The native method, still without bound points."""
-        own = {"points": self.points, "counts": self.native_counts, "weights": self.native_weights}
+        points = self.points
+        if self.around is not None:
+            mesh = native.SurfaceMesh(self.around.shape.points, self.around.shape.faces)
+            points = transformed(self.around.frame, points)
+        own = {"points": points, "counts": self.native_counts, "weights": self.native_weights}
         return make(native, recipe.method, mesh, own | recipe.options)
+
+    def bound_points(self, recipe: "Recipe") -> np.ndarray:
+        """The points of the target, as the native method takes them."""
+        return recipe.target.points if self.around is None else self.around.points
+
+    def bind(
+        self, native, recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
+    ) -> object:
+        """As above; where handles have no place beside each other, the error has the remedy for that."""
+        try:
+            return super().bind(native, recipe, made, former, progress)
+        except native.InvalidConstraint as error:
+            elements = Elements(Owner.TARGET, error.element_kind, error.elements)
+            has_remedy = recipe.method.finer and elements.element == "handle"
+            raise ConstraintError(str(error), elements, Remedy.REFINE if has_remedy else None) from error
 
     def solve(
         self,
@@ -261,12 +304,19 @@ class HandlePoses(HandlePoints):
         *,
         from_rest: np.ndarray | None = None,
         placed: np.ndarray | None = None,
+        incoming: np.ndarray | None = None,
+        out: np.ndarray | None = None,
         progress: Progress | None = None,
-        **options,
     ) -> tuple[np.ndarray, None]:
         """As above; a point that is placed turns as what is around it does."""
-        rows, flags = self._native_poses(pose, from_rest, placed)
-        return method.warp_poses(rows, from_rest=flags, **options), None
+        given = self._native_poses(pose, from_rest, placed, incoming)
+        if self.around is None:
+            return method.warp_poses(**given, out=out), None
+        solved = self.around.back(method.warp_poses(**given))
+        if out is None:
+            return solved, None
+        np.copyto(out, solved, casting="same_kind")
+        return out, None
 
     def network(
         self,
@@ -275,15 +325,33 @@ class HandlePoses(HandlePoints):
         *,
         from_rest: np.ndarray | None = None,
         placed: np.ndarray | None = None,
-        **options,
+        incoming: np.ndarray | None = None,
     ) -> tuple[np.ndarray, np.ndarray]:
         """What moves the shape between the handles, for a pose as ``solve`` takes it: nodes, and pairs."""
-        rows, flags = self._native_poses(pose, from_rest, placed)
-        return method.network(rows, from_rest=flags, **options)
+        nodes, pairs = method.network(**self._native_poses(pose, from_rest, placed, incoming))
+        return nodes if self.around is None else self.around.back(nodes), pairs
 
     def _native_poses(
+        self,
+        pose: np.ndarray,
+        from_rest: np.ndarray | None,
+        placed: np.ndarray | None,
+        incoming: np.ndarray | None,
+    ) -> dict[str, np.ndarray | None]:
+        """The keywords that the native method takes."""
+        poses, flags = self._own_poses(pose, from_rest, placed)
+        if self.around is not None:
+            frame, whole = self.around.frame, np.broadcast_to(np.eye(4), (len(poses), 4, 4)).copy()
+            whole[:, :3] = poses
+            poses = (frame @ whole @ np.linalg.inv(frame))[:, :3]
+            if incoming is not None:
+                incoming = transformed(frame, incoming.astype(np.float64))
+        return {"poses": poses, "from_rest": flags, "incoming": incoming}
+
+    def _own_poses(
         self, pose: np.ndarray, from_rest: np.ndarray | None, placed: np.ndarray | None
     ) -> tuple[np.ndarray, np.ndarray | None]:
+        """The poses of the handles of the native method, in the frame of the target."""
         if placed is None:
             return pose, from_rest
         rows = np.repeat(pose, self._rows, axis=0)
@@ -352,15 +420,18 @@ def handle_points(
     edges: np.ndarray = _NO_EDGES,
     segments: np.ndarray = _NO_SEGMENTS,
     weights: np.ndarray | None = None,
+    around: Around | None = None,
 ) -> HandlePoints:
     """The control of a space method that handles move: ``counts`` of ``points`` (c, 3) belong to each.
 
-    By default none is ``apart``, and all are held fully.
+    By default none is ``apart``, and all are held fully. ``around``: the shape of several objects that
+    they move, if there are several.
     """
-    kinds: dict[Posed | None, type[HandlePoints]] = {Posed.CONTROL: HandleMaps, Posed.POSES: HandlePoses}
-    kind = kinds.get(method.posed, HandlePoints)
     held = np.ones(len(points)) if weights is None else weights
-    return kind(points, counts, held, apart or (False,) * len(counts), edges, segments)
+    given = points, counts, held, apart or (False,) * len(counts), edges, segments
+    if method.posed is Posed.POSES:
+        return HandlePoses(*given, around)
+    return HandleMaps(*given) if method.posed is Posed.CONTROL else HandlePoints(*given)
 
 
 @dataclass(frozen=True)
@@ -439,7 +510,9 @@ class Recipe:
     @property
     def seconds(self) -> float:
         """About how long the bind takes, by the registry's rows; with that of a base method."""
-        return _seconds(self.method, len(self.target.points), self.control.size, self.options)
+        around = self.control.around if isinstance(self.control, HandlePoses) else None
+        shape = self.target if around is None else around.shape
+        return _seconds(self.method, len(shape.points), self.control.size, self.options)
 
     @property
     def moves_every_part(self) -> bool:

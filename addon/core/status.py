@@ -37,6 +37,8 @@ class Remedy(Flag):
     NEW_CONTROL = auto()
     BAKE = auto()
     UNBAKE = auto()
+    REFINE = auto()
+    ARMATURE_OFF = auto()
 
 
 @dataclass(frozen=True)

@@ -33,7 +33,7 @@ from .move import SINEW_OT_deformer_move, SINEW_OT_handle_move
 from .point import SINEW_OT_point_add
 from .preset import SINEW_OT_preset_add, SINEW_OT_preset_apply, preset_folder
 from .puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
-from .repair import SINEW_OT_part_regions, SINEW_OT_repair
+from .repair import SINEW_OT_armature_off, SINEW_OT_part_regions, SINEW_OT_refine, SINEW_OT_repair
 from .report_renders import SINEW_OT_report_renders
 from .rows import SINEW_OT_control_remove, SINEW_OT_control_set_rest
 from .select_distorted import SINEW_OT_select_distorted
@@ -115,6 +115,8 @@ register, unregister = register_classes_factory(
         SINEW_OT_puppet_rig,
         SINEW_OT_repair,
         SINEW_OT_part_regions,
+        SINEW_OT_refine,
+        SINEW_OT_armature_off,
         SINEW_OT_select_distorted,
         SINEW_OT_curve_edit,
         SINEW_OT_grid_new,

@@ -80,14 +80,15 @@ class SINEW_OT_point_add(BindingOperator, Operator):
             owned, controls = self._controls(context, active)
             points = "SEGMENTS" if self.segments else "POINTS" if self.source == "POINTS" else "PLACE"
             targets = [active, *(other for other in _others(context, active, controls))]
-            for obj in targets:
-                made, refusal = session.rig_points(
-                    obj, controls, self.method, owned=owned and obj == active, acts_as=points, wait=wait
-                )
-                context.view_layer.update()
+            rigged = session.rig_points(
+                targets, controls, self.method, owned=owned, acts_as=points, wait=wait
+            )
+            context.view_layer.update()
+            for deformer, count, refusal in rigged:
                 noun = "handle" if points != "PLACE" else "handle point"
-                label = f"1 {noun}" if len(made) == 1 else f"{len(made)} {noun}s"
-                self.report_bind(refusal, obj.sinew.active.uid, label)
+                self.report_bind(refusal, deformer.uid, f"1 {noun}" if count == 1 else f"{count} {noun}s")
+                for text in session.moved_twice(deformer.id_data, deformer):
+                    self.report({"WARNING"}, text)
         return {"FINISHED"}
 
     def _controls(self, context: Context, active: Object) -> tuple[bool, list[tuple[Object, str]]]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two remedies: mend the mesh, and separate regions that share vertices."""
+"""Remedies: mend the mesh, separate regions that share vertices, use more cells, and move a mesh once."""
 
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Context, Object, Operator
@@ -124,6 +124,59 @@ class SINEW_OT_part_regions(Operator):
             vertices = "1 vertex is" if count == 1 else f"{count:,} vertices are"
             self.report({"INFO"}, f"{vertices} now in {keeper} alone, no longer in {loser}")
         _bind_again(self, context, obj, True)
+        return {"FINISHED"}
+
+
+class SINEW_OT_refine(Operator):
+    """Double the number of cells until each handle has one of its own, and bind.
+
+    Objects that share the handles get the same number
+    """
+
+    bl_idname = Operators.REFINE
+    bl_label = "Refine"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_deformer(cls, context):
+            return False
+        method = target_of(context).sinew.active.definition
+        if not method.finer:
+            cls.poll_message_set(f"{method.label} has nothing that could be finer")
+        return bool(method.finer)
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        with object_mode(context, obj):
+            label, value = session.refine(obj.sinew.active)
+        self.report({"INFO"}, f"{label}: {value:,}")
+        return {"FINISHED"}
+
+
+class SINEW_OT_armature_off(Operator):
+    """Turn off the Armature modifiers of this mesh whose armature also moves a control of Sinew.
+
+    The control carries the mesh along, so it moved twice as far
+    """
+
+    bl_idname = Operators.ARMATURE_OFF
+    bl_label = "Turn Off Armature"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context, mesh=True)
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        names = session.turn_off_armatures(obj, obj.sinew.active)
+        if not names:
+            self.report({"INFO"}, "Nothing moves this mesh twice")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Turned off {', '.join(names)}")
         return {"FINISHED"}
 
 

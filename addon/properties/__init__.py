@@ -4,7 +4,7 @@
 import bpy
 from bpy.props import PointerProperty
 
-from . import bake, bone, control, deformer, handle, key, parameters, scene
+from . import bake, bone, companion, control, deformer, handle, key, parameters, scene
 from .bake import MAX_FRAME
 from .bake import TARGETS as BAKE_TARGETS
 from .bone import SinewBone
@@ -41,6 +41,7 @@ _CLASSES = (
     bake.SinewBakedKey,
     bake.SinewBake,
     control.SinewControl,
+    companion.SinewCompanion,
     handle.SinewHandle,
     key.SinewEdit,
     key.SinewKey,

@@ -5,6 +5,7 @@ from collections.abc import Sequence
 
 from bpy.props import (
     BoolProperty,
+    CollectionProperty,
     EnumProperty,
     FloatProperty,
     FloatVectorProperty,
@@ -28,6 +29,7 @@ from ..core.methods import (
 from ..core.names import unique_name, without_number
 from ..ids import Keys
 from .bake import SinewBake
+from .companion import SinewCompanion
 from .control import SinewControl, StoredCage
 from .handle import SinewHandle
 from .key import SinewKey
@@ -159,6 +161,11 @@ class SinewDeformer(PropertyGroup):
     active_control: record(IntProperty)
     handles: setting_list(type=SinewHandle)
     active_handle: record(IntProperty)
+    companions: record(
+        CollectionProperty,
+        type=SinewCompanion,
+        description="The objects that share handles, at bind, and the target among them; empty if none do",
+    )
     keys: setting_list(type=SinewKey)
     active_key: record(IntProperty)
     use_mirror_x: setting(

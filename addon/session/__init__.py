@@ -14,6 +14,7 @@ from .control.handles.points import takes_segments
 from .control.handles.riding import carrier_of, standing
 from .control.handles.sides import control_pairs
 from .control.kinds import lost_controls, marks_regions, object_with, posed_by
+from .control.twice import explain as moved_twice
 from .edit.apply import apply
 from .edit.around import Target
 from .edit.automatic import change_cage, check_cage, face_count, is_automatic, moved_by
@@ -43,6 +44,7 @@ from .edit.puppet.bones import require_bones
 from .edit.puppet.posing import Part, PuppetDrag, PuppetOptions
 from .edit.puppet.rigging import rig_puppet
 from .edit.refresh import bind_renders, look_at_renders, refresh
+from .edit.refining import refine, turn_off_armatures
 from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
 from .edit.rigging import (
@@ -211,6 +213,9 @@ __all__ = (
     "remove_handle",
     "remove_key",
     "remove_row",
+    "refine",
+    "turn_off_armatures",
+    "moved_twice",
     "repair",
     "repair_summary",
     "require_bones",

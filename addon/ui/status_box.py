@@ -50,6 +50,8 @@ REMEDIES: dict[Remedy, Button] = {
     Remedy.OUTSIDE: Button(Operators.CAGE_OUTSIDE, "Follow", "MOD_MESHDEFORM"),
     Remedy.REPAIR: Button(Operators.REPAIR, "Repair", "TOOL_SETTINGS"),
     Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Part Regions", "NONE"),
+    Remedy.REFINE: Button(Operators.REFINE, "Refine", "MESH_GRID"),
+    Remedy.ARMATURE_OFF: Button(Operators.ARMATURE_OFF, "Turn Off Armature", "MOD_ARMATURE"),
     Remedy.NEW_CONTROL: Button(Operators.CONTROL_NEW, "New Control", "EMPTY_AXIS"),
     Remedy.BAKE: Button(Operators.BAKE, "Bake Again", "NONE", (("again", True),)),
     Remedy.UNBAKE: Button(Operators.UNBAKE, "Unbake", "LOOP_BACK"),
@@ -155,10 +157,16 @@ def headline(deformer: SinewDeformer) -> Status:
 
 
 def _warnings(deformer: SinewDeformer) -> tuple[Status, ...]:
-    """What is seen without an evaluation: lost controls, and rigs that follow each other."""
+    """What is seen without an evaluation: lost controls, rigs that follow each other, and armatures that move
+    the mesh twice.
+    """
     lines = (*session.lost_controls(deformer), *session.circle(deformer.id_data))
     remedies = [Remedy.NEW_CONTROL if "New Control" in text else Remedy.NONE for text in lines]
-    return tuple(Status(Level.WARNING, text, remedy=remedy) for text, remedy in zip(lines, remedies))
+    twice = session.moved_twice(deformer.id_data, deformer)
+    return (
+        *(Status(Level.WARNING, text, remedy=remedy) for text, remedy in zip(lines, remedies)),
+        *(Status(Level.WARNING, text, remedy=Remedy.ARMATURE_OFF) for text in twice),
+    )
 
 
 def draw_progress(layout: UILayout, work: session.Work, doing: str) -> None:

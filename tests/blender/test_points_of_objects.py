@@ -9,9 +9,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import native
+from inside import native, room
 from mathutils import Matrix
-from point_objects import MAKERS, cloud, hair, moved_by_hand
+from point_objects import MAKERS, attach, cage_around, cloud, hair, moved_by_hand
 from probe import render_points
 from registry import BY_ID, RIGID_ON_HANDLE_POINTS
 from rig import (
@@ -508,3 +508,37 @@ def test_points_that_a_deformer_moves_carry_several_objects():
         expected = warped("rbf", rest, in_target(obj, points), base_points(obj))
         assert close(evaluated_points(obj), expected, 1e-5)
         assert close(render_points(obj), expected, 1e-5)
+
+
+@pytest.mark.parametrize("by_parent", [False, True])
+@pytest.mark.parametrize("control", ["points", "cage"])
+def test_what_an_armature_moves_twice_is_said_and_mended(control: str, by_parent: bool):
+    """A garment with an Armature modifier whose body, or cage, the same armature poses: by a button it moves
+    once, and lies on the body."""
+    armature = new_armature(Bone=((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    body = cage_around(grid_object("Inside")) if control == "cage" else grid_object("Body")
+    garment = grid_object("Garment")
+    for obj in (body, garment):
+        obj.vertex_groups.new(name="Bone").add(range(len(obj.data.vertices)), 1.0, "REPLACE")
+    garment.modifiers.new("Skin", "ARMATURE").object = armature
+    if by_parent:
+        body.parent, body.parent_type = armature, "ARMATURE"
+    else:
+        body.modifiers.new("Skin", "ARMATURE").object = armature
+    update()
+    if control == "cage":
+        attach(garment, "mean_value", body)
+    else:
+        add(garment, body, method="mls")
+    rest = evaluated_points(garment)
+    lines = room("ui.status_box")._warnings(garment.sinew.active)
+    assert [line.remedy for line in lines] == [room("core.status").Remedy.ARMATURE_OFF]
+    make_active(garment)
+    assert bpy.ops.sinew.armature_off() == {"FINISHED"}
+    assert not room("ui.status_box")._warnings(garment.sinew.active)
+    bone = armature.pose.bones[0]
+    bone.location = 0.0, 0.3, 0.0
+    update()
+    moved = evaluated_points(garment) - rest
+    np.testing.assert_allclose(moved, np.broadcast_to((0.0, 0.0, 0.3), moved.shape), atol=1e-4)
+    assert bpy.ops.sinew.armature_off() == {"CANCELLED"}

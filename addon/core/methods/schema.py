@@ -251,7 +251,8 @@ class Method:
     method that handles move, how they do. ``takes_segments``: the native constructor of such a method takes
     ``segments``, pairs of handle points between which the whole line is the handle. ``moves_incoming``: the
     poses of such a method move what enters, as those of surface methods do; those of the others move the rest
-    shape, and the displacements are added to what enters.
+    shape, and the displacements are added to what enters. ``finer``: the whole number that is raised where
+    two handles have no place beside each other.
     """
 
     id: str
@@ -272,6 +273,7 @@ class Method:
     posed: Posed | None = None
     takes_segments: bool = False
     moves_incoming: bool = False
+    finer: str = ""
     wraps: tuple[Family, ...] = ()
     keyed: bool = False
     draft_iterations: int = 1

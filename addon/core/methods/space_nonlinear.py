@@ -126,6 +126,7 @@ ROWS = (
         iterative=False,
         moves=frozenset(Moved),
         posed=Posed.POSES,
+        finer="cells",
         bind_seconds=_cells_seconds,
         reproduces=Reproduced.RIGID_MOTIONS,
         symmetric=False,

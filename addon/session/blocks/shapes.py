@@ -304,7 +304,14 @@ def hold_rest(deformer: SinewDeformer, meshes: tuple[Mesh, Mesh | None]) -> None
     new one in between, undo would remove the mesh and leave a pointer to it.
     """
     shown, rendered = meshes
-    deformer.rest = put_mesh(deformer.rest, shown)
+    lent = sum(
+        row.rest == deformer.rest
+        for obj in bpy.data.objects
+        for other in deformers_of(obj)
+        for row in other.companions
+        if deformer.companions
+    )
+    deformer.rest = put_mesh(deformer.rest, shown, lent)
     hold_rendered_rest(deformer, rendered)
 
 
@@ -313,9 +320,12 @@ def hold_rendered_rest(deformer: SinewDeformer, rendered: Mesh | None) -> None:
     deformer.rest_render = put_mesh(deformer.rest_render, rendered or bpy.data.meshes.new(Datablocks.REST))
 
 
-def put_mesh(held: Mesh | None, new: Mesh) -> Mesh:
-    """What to hold from now on: ``held`` with the contents of ``new``, or ``new`` if others use ``held``."""
-    if not isinstance(held, Mesh) or held.library is not None or held.users != 1:
+def put_mesh(held: Mesh | None, new: Mesh, lent: int = 0) -> Mesh:
+    """What to hold from now on: ``held`` with the contents of ``new``, or ``new`` if others use ``held``.
+
+    ``lent``: how many of the users are to have the new contents, too.
+    """
+    if not isinstance(held, Mesh) or held.library is not None or held.users != 1 + lent:
         return new
     replace_rest(held, new)
     bpy.data.meshes.remove(new)
@@ -324,8 +334,10 @@ def put_mesh(held: Mesh | None, new: Mesh) -> Mesh:
 
 def release_rest(deformer: SinewDeformer) -> None:
     """Forget the rest meshes of a deformer. Those that a copy of the target uses stay in the file."""
+    companions = [row.rest for row in deformer.companions]
+    deformer.companions.clear()
     meshes, deformer.rest, deformer.rest_render = (deformer.rest, deformer.rest_render), None, None
-    free_meshes(*meshes)
+    free_meshes(*meshes, *companions)
 
 
 def free_meshes(*meshes: Mesh | None) -> None:

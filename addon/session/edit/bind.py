@@ -21,6 +21,7 @@ from ..control.kinds import ControlKind
 from ..live import binding
 from ..memory import sessions
 from ..memory.sessions import Bound
+from . import companions
 
 
 @sessions.suspended()
@@ -59,6 +60,7 @@ def bind(
                 sessions.open_session(deformer.uid).render_settings = capture.render_signature(obj, deformer)
                 status.put_render(deformer.uid, "")
                 kind.set_rest(obj, deformer, renew)
+                companions.renew(deformer)
                 shapes.ensure(obj, deformer, *sizes)
                 kinds.keep_evaluated(obj)
                 _factorise(deformer, wait, progress)

@@ -58,24 +58,41 @@ def rig_region(
     return handle, try_bind(obj, deformer, wait, entered)
 
 
+@sessions.suspended()
 def rig_points(
-    obj: Object,
+    objects: Sequence[Object],
     controls: Sequence[tuple[Object, str]],
     method: str,
     *,
     owned: bool = False,
     acts_as: str = "PLACE",
     wait: bool = True,
-) -> tuple[list[SinewHandle], SinewError | None]:
-    """Handles of the active deformer that act where their controls, objects or bones, are; or of a new one.
+) -> list[tuple[SinewDeformer, int, SinewError | None]]:
+    """Handles of several objects that act where their controls, objects or bones, are.
 
-    A new one has ``method``; an active one that cannot take points is refused. ``owned``: the controls were
-    made for these handles. ``acts_as``: PLACE, POINTS or SEGMENTS, for bones and for objects that have
-    points. The error is that of the bind. What is refused before it leaves nothing behind.
+    They belong to the active deformer of each object, or to a new one with ``method``; an active one that
+    cannot take points is refused. ``owned``: the controls were made for the handles of the first object.
+    ``acts_as``: PLACE, POINTS or SEGMENTS, for bones and for objects that have points. For each object its
+    deformer, the number of new handles and the error of the bind. What is refused before that leaves nothing
+    of the object behind.
     """
+    rigged = []
+    for obj in objects:
+        count = _add_points(obj, controls, method, owned and obj == objects[0], acts_as)
+        rigged.append((obj.sinew.active, count, try_bind(obj, obj.sinew.active, wait)))
+    # Handles that lack a place on one object may have one on another that was bound later.
+    return [
+        (deformer, count, refusal and try_bind(deformer.id_data, deformer, wait))
+        for deformer, count, refusal in rigged
+    ]
+
+
+def _add_points(
+    obj: Object, controls: Sequence[tuple[Object, str]], method: str, owned: bool, acts_as: str
+) -> int:
+    """Add handles of one object; how many."""
     active = obj.sinew.active
     deformer = active or add_deformer(obj, method)
-    uids: list[str] = []
     try:
         if not takes_points(deformer):
             raise ConstraintError(
@@ -87,13 +104,13 @@ def rig_points(
             raise ConstraintError(
                 f"{deformer.definition.label} has no segments - choose {others} first, or use points"
             )
-        uids += [add_point(obj, deformer, control, bone, owned, acts_as).uid for control, bone in controls]
+        for control, bone in controls:
+            add_point(obj, deformer, control, bone, owned, acts_as)
     except SinewError:
         if active is None:
             remove_deformer(obj, len(obj.sinew.deformers) - 1)
         raise
-    refusal = try_bind(obj, deformer, wait)
-    return [handle for handle in deformer.handles if handle.uid in uids], refusal
+    return len(controls)
 
 
 def takes_points(deformer: SinewDeformer) -> bool:

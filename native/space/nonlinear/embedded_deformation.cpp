@@ -24,22 +24,32 @@ constexpr double side_strength = 0.5;
 struct Pulls
 {
     std::vector<EmbeddedEnergy::Pull> pulls;
-    std::vector<int> points;          ///< of each pull, the point of the handles
+    std::vector<int> points;          ///< of each pull, the point of the handles, or c and the node
     std::vector<Vector3> sides;       ///< and how far beside it
 };
 
-Pulls pulls_of(const HandlePoints& held, const std::vector<HandleReach::Shares>& shares, int nodes)
+/// \param holding  (c) as holds() says it.
+/// \param pieces   (m) that of each node. The nodes of those that no handle pulls become points that are
+///                 numbered from c on, and are pulled by the handle that rests.
+Pulls pulls_of(const HandlePoints& held, const std::vector<HandleReach::Shares>& shares,
+               const std::vector<double>& holding, const std::vector<int>& pieces)
 {
-    std::vector<double> density(static_cast<std::size_t>(nodes), 0.0);
-    for (std::size_t p = 0; p < shares.size(); ++p)
-        for (const auto& share : shares[p])
-            density[share.map] += held.weight(static_cast<int>(p)) * share.weight;
+    const auto weight = [&](int p) { return held.weight(p) * holding[p]; };
+    std::vector<double> density(pieces.size(), 0.0);
+    std::vector<char> is_pulled(pieces.size(), 0);
+    for (int p = 0; p < static_cast<int>(shares.size()); ++p)
+        for (const auto& share : shares[p]) {
+            density[share.map] += weight(p) * share.weight;
+            is_pulled[pieces[share.map]] |= weight(p) > 0.0;
+        }
     Pulls result;
     for (int p = 0; p < static_cast<int>(shares.size()); ++p) {
+        if (weight(p) == 0.0)
+            continue;
         double strength = 0.0;
         for (const auto& share : shares[p])
             strength += share.weight * std::min(1.0, 1.0 / density[share.map]);
-        strength *= held.weight(p);
+        strength *= weight(p);
         const int handle = held.handle_of(p);
         const auto add = [&](const Vector3& side, double share) {
             result.pulls.push_back({handle, share * strength, shares[p]});
@@ -52,6 +62,12 @@ Pulls pulls_of(const HandlePoints& held, const std::vector<HandleReach::Shares>&
                 for (const double side : {1.0, -1.0})
                     add(side * Vector3::Unit(axis), side_strength);
     }
+    for (int j = 0; j < static_cast<int>(pieces.size()); ++j)
+        if (!is_pulled[pieces[j]]) {
+            result.pulls.push_back({held.handle_count(), 1.0, {{j, 1.0}}});
+            result.points.push_back(held.point_count() + j);
+            result.sides.push_back(Vector3::Zero());
+        }
     return result;
 }
 
@@ -106,10 +122,17 @@ void EmbeddedDeformation::build(PointsView points, SpaceReport& report, const Pr
     const double edge = graph.edge_length();
     const Points held = in_unit(view(handles().held().points())), bound = in_unit(points);
     const std::vector<HandleReach::Shares> held_shares = graph.shares(view(held));
-    Pulls pulls = pulls_of(handles().held(), held_shares, graph.size());
+    Points carriers = Points::Zero(held.rows(), 3);
+    for (Eigen::Index p = 0; p < held.rows(); ++p)
+        for (const auto& share : held_shares[p])
+            carriers.row(p) += share.weight * graph.places().row(share.map);
+    Pulls pulls =
+        pulls_of(handles().held(), held_shares, holds(handles().held(), held, carriers, edge), graph.pieces());
+    Points pullable(held.rows() + graph.size(), 3);
+    pullable << held, graph.places();
     Points pulled(static_cast<Eigen::Index>(pulls.points.size()), 3);
     for (Eigen::Index k = 0; k < pulled.rows(); ++k)
-        pulled.row(k) = held.row(pulls.points[k]) / edge + pulls.sides[k].transpose();
+        pulled.row(k) = pullable.row(pulls.points[k]) / edge + pulls.sides[k].transpose();
     std::vector<HandleReach::Shares> shares = graph.shares(view(bound));
     const HandleReach reach(handles(), held, held_shares, edge);
     parallel_for(
@@ -119,11 +142,11 @@ void EmbeddedDeformation::build(PointsView points, SpaceReport& report, const Pr
     for (const HandleReach::Shares& own : shares)
         blended.add(own);
     progress.tick(0.9, "factorising");
-    EmbeddedEnergy energy(graph.edges(), pulls.pulls, handles().count(),
+    EmbeddedEnergy energy(graph.edges(), pulls.pulls, handles().count() + 1,
                           {options_.rotation, options_.regularity, options_.pulls}, graph.places() / edge,
                           pulled);
     std::vector<int> node_carriers = nearest_points(graph.places(), view(bound)),
-                     handle_carriers = nearest_points(held, view(bound));
+                     handle_carriers = nearest_points(pullable, view(bound));
     std::unique_ptr<const Binding> next(
         new Binding{(unit() * graph.places()).rowwise() + centre().transpose(),
                     graph.edges(),
@@ -143,7 +166,7 @@ SolveReport EmbeddedDeformation::solve(const std::vector<HeldMotion>& motions, P
                                        Workspace& work) const
 {
     const Binding& own = *bound_;
-    std::vector<HeldMotion> moves = motions;
+    std::vector<HeldMotion> moves = with_rest(motions);
     for (HeldMotion& motion : moves)
         motion.move /= own.edge;
     work.shape = own.energy.rest();
@@ -233,7 +256,7 @@ EmbeddedDeformation::Answer EmbeddedDeformation::answer(const Poses& poses, Star
 {
     const AccessLock shared = reading();
     const Binding& own = bound();
-    std::vector<HeldMotion> motions = handles().motions(poses);
+    std::vector<HeldMotion> motions = with_rest(handles().motions(poses));
     for (HeldMotion& motion : motions)
         motion.move /= own.edge;
     EmbeddedProblem problem(own.energy, own.energy.rest(), motions);

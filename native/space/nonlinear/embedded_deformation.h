@@ -53,7 +53,9 @@ struct EmbeddedDeformationOptions
 /// the same.
 ///
 /// The points of a handle follow it exactly, and those around it, up to one edge away, partly, see
-/// HandleReach.
+/// HandleReach. A point of a handle that is far outside takes hold of nothing that another handle is close to,
+/// see holds(). Pieces of the shape that are far from each other have nothing to do with each other, and one
+/// that no handle takes hold of stays.
 ///
 /// With an incoming shape, the graph rides on it: nodes and handle points enter where the vertices nearest to
 /// them do, so animations and simulations are edited in each frame's own shape. Where handles rest, the
@@ -81,7 +83,7 @@ public:
         std::vector<std::array<int, 2>> edges; ///< pairs a < b
         double edge_length = 1.0; ///< the mean
         Points pulls; ///< (pulls, 3) p
-        std::vector<int> pull_handles{}; ///< (pulls)
+        std::vector<int> pull_handles{}; ///< (pulls); k where a node stays that no handle is near
         std::vector<double> strengths{}; ///< (pulls) s_p
         RowMatrix pull_weights{}; ///< (pulls, m) w_j(p)
     };

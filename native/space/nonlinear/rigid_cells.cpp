@@ -28,25 +28,35 @@ constexpr int sweeps = 2;
 /// Which handle each cell follows, and how strongly.
 struct Seats
 {
-    std::vector<int> handle;      ///< or -1
+    std::vector<int> handle;      ///< or -1; after the last one, that of cells that stay
     std::vector<double> strength; ///< 1 holds the cell
 };
 
 /// \param held  (c, 3) the points of the handles, in the coordinates of the grid.
 Seats seats_of(const CellGrid& grid, const HandlePoints& handles, const Points& held)
 {
+    std::vector<int> cells;
+    Points carriers(held.rows(), 3);
+    for (int p = 0; p < held.rows(); ++p) {
+        cells.push_back(grid.cell_at(held.row(p).transpose()));
+        carriers.row(p) = grid.cells()[cells[p]].centre.transpose();
+    }
+    const std::vector<double> holding = holds(handles, held, carriers, grid.side());
     struct Sum
     {
         double points = 0.0, strength = 0.0;
     };
     std::vector<std::map<int, Sum>> tallies(static_cast<std::size_t>(grid.size()));
+    std::vector<char> seated(static_cast<std::size_t>(handles.handle_count()), 1);
     for (int p = 0; p < held.rows(); ++p) {
-        Sum& sum = tallies[grid.cell_at(held.row(p).transpose())][handles.handle_of(p)];
+        if (holding[p] == 0.0)
+            continue;
+        Sum& sum = tallies[cells[p]][handles.handle_of(p)];
         sum.points += 1.0;
-        sum.strength += handles.weight(p);
+        sum.strength += handles.weight(p) * holding[p];
+        seated[handles.handle_of(p)] = 0;
     }
     Seats seats;
-    std::vector<char> seated(static_cast<std::size_t>(handles.handle_count()), 0);
     for (const auto& tally : tallies) {
         const auto most =
             std::ranges::max_element(tally, {}, [](const auto& entry) { return entry.second.points; });
@@ -60,8 +70,10 @@ Seats seats_of(const CellGrid& grid, const HandlePoints& handles, const Points& 
         if (!seated[h])
             without.push_back(h);
     if (!without.empty())
-        throw InvalidConstraint("handles " + list_some(without) +
-                                    " hold no cell of their own: other handles have more points in all of "
+        throw InvalidConstraint("handle " + std::to_string(without[0]) +
+                                    (without.size() > 1 ? " and " + std::to_string(without.size() - 1) + " more"
+                                                        : "") +
+                                    ": no cell is left to hold, as other handles have more points in all of "
                                     "theirs; use more cells",
                                 Error::Element::handle, without);
     return seats;
@@ -141,11 +153,14 @@ RigidCells::~RigidCells() = default;
 void RigidCells::build(PointsView points, SpaceReport& report, const Progress& progress)
 {
     CellGrid grid(surface_in_unit(), options_.cells, options_.levels, progress);
-    const Seats seats = seats_of(grid, handles().held(), in_unit(view(handles().held().points())));
+    Seats seats = seats_of(grid, handles().held(), in_unit(view(handles().held().points())));
     std::vector<char> held;
     for (const int handle : seats.handle)
         held.push_back(handle >= 0);
-    grid.join_loose_pieces(held);
+    for (const int cell : grid.join_loose_pieces(held)) {
+        seats.handle[cell] = handles().count();
+        seats.strength[cell] = 1.0;
+    }
     std::vector<BodyJoint> joints;
     for (const CellFace& face : grid.faces()) {
         const double halves = grid.cells()[face.cell[0]].half + grid.cells()[face.cell[1]].half;
@@ -234,7 +249,7 @@ public:
         turn_ = fit_rotation(Matrix3::Identity() + motions[0].turn);
         middle_ = bound.first_middle;
         there_ = middle_ + motions[0](middle_);
-        for (const HeldMotion& motion : motions) {
+        for (const HeldMotion& motion : with_rest(motions)) {
             Pose& pose = poses_.emplace_back();
             pose.leftCols<3>() = turn_.transpose() * (Matrix3::Identity() + motion.turn);
             pose.col(3) = turn_.transpose() * (middle_ + motion(middle_) - there_) + middle_ -
@@ -335,7 +350,8 @@ RigidCells::Cells RigidCells::cells() const
     for (int c = 0; c < own.graph.size(); ++c) {
         result.centres.row(c) = centre().transpose() + unit() * own.rest.row(c);
         result.sides.push_back(2.0 * unit() * own.cells[c].half);
-        result.handles.push_back(own.graph.nodes().hard(c));
+        const int handle = own.graph.nodes().hard(c);
+        result.handles.push_back(handle < handles().count() ? handle : -1);
     }
     for (const CellFace& face : own.faces)
         result.links.push_back({face.cell[0], face.cell[1]});

@@ -10,13 +10,14 @@ from bpy.types import Mesh
 from ....backend import HandlePoints, Handles, Recipe, Shape, connected_parts, handle_points
 from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError
-from ....core.methods import Method, Posed
+from ....core.methods import Posed
 from ....core.status import Remedy
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
 from ...blocks import references
 from ...blocks.vertex_groups import read_weights
 from ..bind_input import BindInput, options, unpainted
+from . import companions
 from . import points as apart_points
 from .poses import rest_of
 
@@ -42,7 +43,7 @@ def key(settings: SinewDeformer) -> tuple:
         for handle in settings.handles
         if handle.enabled
     )
-    return (parts, *regions)
+    return (parts, *companions.key(settings), *regions)
 
 
 def _key_without_region(settings: SinewDeformer, handle: SinewHandle) -> tuple:
@@ -147,7 +148,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
             method,
             Shape(rest.points, (rest.counts, rest.corners)),
             options(settings, rest),
-            _handle_points(method, points, weights, apart)
+            _handle_points(settings, rest, points, weights, apart)
             if method.is_space
             else Handles(
                 tuple(indices),
@@ -170,7 +171,8 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
 
 
 def _handle_points(
-    method: Method,
+    settings: SinewDeformer,
+    rest: RestShape,
     points: list[np.ndarray],
     weights: list[np.ndarray | None],
     apart: dict[int, _Joined],
@@ -181,7 +183,7 @@ def _handle_points(
     edges = [edges + starts[row] for row, (edges, _whole) in apart.items()]
     whole = [np.full(len(edges), whole) for edges, whole in apart.values()]
     return handle_points(
-        method,
+        settings.definition,
         np.concatenate(points),
         counts,
         tuple(row in apart for row in range(len(points))),
@@ -190,6 +192,7 @@ def _handle_points(
         np.concatenate(
             [np.ones(n) if held is None else held for n, held in zip(counts, weights, strict=True)]
         ),
+        companions.around(settings, rest),
     )
 
 

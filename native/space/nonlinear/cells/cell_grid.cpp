@@ -4,6 +4,7 @@
 #include "native/core/parallel.h"
 #include "native/mesh/winding_tree.h"
 #include "native/space/nonlinear/cells/voxels.h"
+#include "native/space/nonlinear/handles/handle_reach.h"
 
 #include <Eigen/Geometry>
 
@@ -155,34 +156,52 @@ std::vector<int> CellGrid::pieces() const
     return piece;
 }
 
-void CellGrid::join_loose_pieces(const std::vector<char>& held)
+std::vector<int> CellGrid::join_loose_pieces(const std::vector<char>& held)
 {
     while (true) {
         const std::vector<int> piece = pieces();
-        std::vector<char> has_handle(piece.size(), 0);
+        std::vector<char> has_handle(piece.size(), 0), tried(piece.size(), 0);
         for (int c = 0; c < size(); ++c)
             has_handle[piece[c]] |= held[c];
-        const auto loose = std::ranges::find_if(piece, [&](int p) { return !has_handle[p]; });
-        if (loose == piece.end())
-            return;
-        int from = -1, to = -1;
-        double least = std::numeric_limits<double>::infinity();
-        for (int a = 0; a < size(); ++a)
-            for (int b = 0; piece[a] == *loose && b < size(); ++b)
-                if (piece[b] != *loose)
-                    if (const double distance = (cells_[a].centre - cells_[b].centre).squaredNorm();
-                        distance < least) {
-                        least = distance;
-                        from = a;
-                        to = b;
-                    }
-        if (from < 0)
-            return;
-        faces_.push_back({{from, to},
-                          std::min(cells_[from].half, cells_[to].half),
-                          0.5 * (cells_[from].centre + cells_[to].centre),
-                          -1});
+        std::vector<int> loose;
+        bool joined = false;
+        for (int c = 0; c < size() && !joined; ++c)
+            if (!has_handle[piece[c]]) {
+                loose.push_back(c);
+                joined = std::exchange(tried[piece[c]], 1) == 0 && join_to_next(piece, piece[c]);
+            }
+        if (!joined)
+            return loose;
     }
+}
+
+bool CellGrid::join_to_next(const std::vector<int>& piece, int loose)
+{
+    int from = -1, to = -1;
+    double least = std::numeric_limits<double>::infinity();
+    for (int a = 0; a < size(); ++a)
+        for (int b = 0; piece[a] == loose && b < size(); ++b)
+            if (piece[b] != loose)
+                if (const double distance = (cells_[a].centre - cells_[b].centre).squaredNorm();
+                    distance < least) {
+                    least = distance;
+                    from = a;
+                    to = b;
+                }
+    if (from < 0)
+        return false;
+    const auto places = [&](int wanted) {
+        Points result(std::ranges::count(piece, wanted), 3);
+        for (int c = 0, row = 0; c < size(); ++c)
+            if (piece[c] == wanted)
+                result.row(row++) = cells_[c].centre.transpose();
+        return result;
+    };
+    const double half = std::min(cells_[from].half, cells_[to].half);
+    if (!are_near(std::sqrt(least) - 2.0 * half, places(loose), places(piece[to])))
+        return false;
+    faces_.push_back({{from, to}, half, 0.5 * (cells_[from].centre + cells_[to].centre), -1});
+    return true;
 }
 
 std::vector<std::vector<BlendedMaps::Share>> CellGrid::shares(PointsView points,

@@ -50,8 +50,9 @@ public:
     /// The cell that has a point, or the nearest one; and whether it has.
     int cell_at(const Vector3& point, bool* inside = nullptr) const;
 
-    /// Links each piece of cells none of which is in `held` to the cell nearest to it in another piece.
-    void join_loose_pieces(const std::vector<char>& held);
+    /// Links each piece of cells none of which is in `held` to the cell nearest to it in another piece, if that
+    /// is near, see are_near(). Returns the cells of pieces that remain without one that is held.
+    std::vector<int> join_loose_pieces(const std::vector<char>& held);
 
     /// The cells that each of some points follows: those whose centres are nearer, along each axis, than
     /// their side, by the product of 1 - 3 r^2 + 2 r^3 over the axes, with r the distance in sides. So what
@@ -65,6 +66,7 @@ private:
     std::array<int, 3> voxel_of(const Vector3& point) const;
     Vector3 nearest_in(int cell, const Vector3& point) const;
     std::vector<int> pieces() const;
+    bool join_to_next(const std::vector<int>& piece, int loose);
 
     Vector3 origin_ = Vector3::Zero();
     double side_ = 1.0; ///< of the finest cells

@@ -3,6 +3,7 @@
 
 #include "native/core/parallel.h"
 #include "native/mesh/triangle_tree.h"
+#include "native/space/nonlinear/handles/handle_reach.h"
 
 #include <Eigen/LU>
 
@@ -23,7 +24,21 @@ constexpr double tie = 1e-5; ///< lengths that differ by this share are equal bu
 
 using Share = BlendedMaps::Share;
 
-struct Pieces
+/// Barycentric coordinates of a point of a triangle.
+Vector3 coordinates(const Corners& corners, const Vector3& at)
+{
+    const Vector3 u = corners[1] - corners[0], v = corners[2] - corners[0], w = at - corners[0];
+    const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), det = uu * vv - uv * uv;
+    if (!(det > 0.0))
+        return {1.0, 0.0, 0.0};
+    const double b = std::clamp((vv * u.dot(w) - uv * v.dot(w)) / det, 0.0, 1.0),
+                 c = std::clamp((uu * v.dot(w) - uv * u.dot(w)) / det, 0.0, 1.0 - b);
+    return {1.0 - b - c, b, c};
+}
+
+} // namespace
+
+struct DeformationGraph::Pieces
 {
     std::vector<int> parent;
     explicit Pieces(int count) : parent(static_cast<std::size_t>(count))
@@ -38,20 +53,6 @@ struct Pieces
     }
     void join(int a, int b) { parent[of(a)] = of(b); }
 };
-
-/// Barycentric coordinates of a point of a triangle.
-Vector3 coordinates(const Corners& corners, const Vector3& at)
-{
-    const Vector3 u = corners[1] - corners[0], v = corners[2] - corners[0], w = at - corners[0];
-    const double uu = u.dot(u), uv = u.dot(v), vv = v.dot(v), det = uu * vv - uv * uv;
-    if (!(det > 0.0))
-        return {1.0, 0.0, 0.0};
-    const double b = std::clamp((vv * u.dot(w) - uv * v.dot(w)) / det, 0.0, 1.0),
-                 c = std::clamp((uu * v.dot(w) - uv * u.dot(w)) / det, 0.0, 1.0 - b);
-    return {1.0 - b - c, b, c};
-}
-
-} // namespace
 
 DeformationGraph::DeformationGraph(const SurfaceMesh& mesh, int wanted, const Progress& progress)
     : mesh_(mesh), near_(mesh, wanted, progress), places_(mesh.points()(near_.nodes(), Eigen::all))
@@ -74,7 +75,8 @@ void DeformationGraph::connect(const Progress& progress)
             own.push_back(std::max(a, b));
     };
     for (const auto& [a, b] : near_.pairs())
-        add(a, b);
+        if ((places_.row(a) - places_.row(b)).norm() <= NearNodes::reach * near_.radius())
+            add(a, b);
     for (int v = 0; v < mesh_.vertex_count(); ++v) {
         const std::vector<Share> own = near_.shares(v);
         for (const Share& a : own)
@@ -102,33 +104,43 @@ void DeformationGraph::join_parts()
     Pieces pieces(size());
     for (const auto& [a, b] : edges_)
         pieces.join(a, b);
-    while (true) {
-        const int first = pieces.of(0);
-        std::vector<int> inside, outside;
-        for (int j = 0; j < size(); ++j)
-            (pieces.of(j) == first ? inside : outside).push_back(j);
-        if (outside.empty())
-            break;
-        std::vector<std::tuple<double, int, int>> ways;
-        for (const int a : inside)
-            for (const int b : outside)
-                ways.emplace_back((places_.row(a) - places_.row(b)).norm(), a, b);
-        const auto take_shortest = [&] { // of those that are as short as any, the first
-            const double least = std::get<0>(*std::ranges::min_element(ways));
-            const auto at = std::ranges::find_if(
-                ways, [&](const auto& way) { return std::get<0>(way) <= least * (1.0 + tie); });
-            const auto [length, a, b] = *at;
-            edges_.push_back({std::min(a, b), std::max(a, b)});
-            ways.erase(at);
-            return pieces.of(b);
-        };
-        const int next = take_shortest();
-        std::erase_if(ways, [&](const auto& way) { return pieces.of(std::get<2>(way)) != next; });
-        for (int k = 1; k < links && !ways.empty(); ++k)
-            take_shortest();
-        pieces.join(first, next);
-    }
+    for (int first = 0; first < size(); ++first)
+        while (join_next(pieces, pieces.of(first)))
+            ;
+    for (int j = 0; j < size(); ++j)
+        pieces_.push_back(pieces.of(j));
     std::ranges::sort(edges_);
+}
+
+bool DeformationGraph::join_next(Pieces& pieces, int first)
+{
+    std::vector<int> inside, outside;
+    for (int j = 0; j < size(); ++j)
+        (pieces.of(j) == first ? inside : outside).push_back(j);
+    std::vector<std::tuple<double, int, int>> ways;
+    for (const int a : inside)
+        for (const int b : outside)
+            ways.emplace_back((places_.row(a) - places_.row(b)).norm(), a, b);
+    const auto shortest = [&] { // of those that are as short as any, the first
+        const double least = std::get<0>(*std::ranges::min_element(ways));
+        return std::ranges::find_if(ways,
+                                    [&](const auto& way) { return std::get<0>(way) <= least * (1.0 + tie); });
+    };
+    if (ways.empty())
+        return false;
+    const int next = pieces.of(std::get<2>(*shortest()));
+    std::erase_if(outside, [&](int b) { return pieces.of(b) != next; });
+    if (!are_near(std::get<0>(*shortest()), places_(inside, Eigen::all), places_(outside, Eigen::all)))
+        return false;
+    std::erase_if(ways, [&](const auto& way) { return pieces.of(std::get<2>(way)) != next; });
+    for (int k = 0; k < links && !ways.empty(); ++k) {
+        const auto at = shortest();
+        const auto [length, a, b] = *at;
+        edges_.push_back({std::min(a, b), std::max(a, b)});
+        ways.erase(at);
+    }
+    pieces.join(first, next);
+    return true;
 }
 
 std::vector<std::vector<Share>> DeformationGraph::shares(PointsView points) const

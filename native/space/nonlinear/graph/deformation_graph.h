@@ -17,7 +17,8 @@ namespace sinew {
 ///
 /// Two nodes agree if a vertex follows both, if one is among the four nearest to the other or as far as the
 /// fourth, or if they are on different large parts of the shape and closer than 1.5 radii. What is not
-/// connected then is joined by the three shortest pairs to the part next to it.
+/// connected then is joined by the three shortest pairs to the part next to it, if that is near, see
+/// are_near(). What is farther away is a piece of its own.
 class DeformationGraph
 {
 public:
@@ -28,6 +29,8 @@ public:
     const Points& places() const { return places_; }
     /// Pairs a < b, ascending.
     const std::vector<std::array<int, 2>>& edges() const { return edges_; }
+    /// (m) the piece of the graph that has each node: nodes of different pieces are not connected.
+    const std::vector<int>& pieces() const { return pieces_; }
     /// The mean length of the edges; 1 without edges.
     double edge_length() const { return edge_length_; }
 
@@ -38,12 +41,16 @@ public:
 
 private:
     void connect(const Progress& progress);
+    struct Pieces;
     void join_parts();
+    /// Joins a piece to the one next to it, if that is near; whether it was.
+    bool join_next(Pieces& pieces, int first);
 
     const SurfaceMesh& mesh_;
     NearNodes near_;
     Points places_;
     std::vector<std::array<int, 2>> edges_;
+    std::vector<int> pieces_;
     double edge_length_ = 1.0;
 };
 

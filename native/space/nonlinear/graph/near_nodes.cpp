@@ -19,8 +19,6 @@ namespace {
 constexpr float infinite = SurfaceFronts::infinite;
 /// A part is measured along its surface if it is farther across than this many spacings of nodes.
 constexpr double large_part = 2.5;
-/// A node farther away than this many radii moves nothing.
-constexpr float reach = 3.0F;
 constexpr int kept = NearNodes::count + 1;
 constexpr int batch = 64; ///< nodes whose fronts run at once
 /// The sum of two distances is at most this much shorter than that of a front over both ways.

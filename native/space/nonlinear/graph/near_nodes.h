@@ -35,6 +35,8 @@ public:
     /// Of a vertex: with d the distance, w = (1 - d / d_max)^2, and d_max that of the fifth node, or three
     /// times the radius where fewer are as near. Weights below 1e-4 are left out.
     static constexpr int count = 4;
+    /// A node farther away than this many radii moves nothing.
+    static constexpr float reach = 3.0F;
 
     /// \param wanted  how many nodes, >= 1; there are more if there are more large parts, and fewer if there
     ///                are fewer places.

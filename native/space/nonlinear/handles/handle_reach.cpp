@@ -1,12 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/nonlinear/handles/handle_reach.h"
 
+#include "native/core/parallel.h"
+
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace sinew {
 
 namespace {
+
+constexpr double near_pieces = 0.25; ///< of the size of the larger one
 
 bool have_common(const HandleReach::Shares& a, const HandleReach::Shares& b)
 {
@@ -62,6 +67,37 @@ void HandleReach::add_to(Shares& shares, const Vector3& point, int first) const
             added.push_back({first + h, whole * f / (1.0 - f)}); // BlendedMaps divides by the sum
     }
     shares.insert(shares.end(), added.begin(), added.end());
+}
+
+std::vector<double> holds(const HandlePoints& handles, const Points& held, const Points& carriers,
+                          double radius)
+{
+    std::vector<double> result(static_cast<std::size_t>(held.rows()), 1.0);
+    parallel_for(static_cast<int>(held.rows()), [&](int p) {
+        const double far = (held.row(p) - carriers.row(p)).norm();
+        if (far <= radius)
+            return;
+        double least = std::numeric_limits<double>::infinity();
+        for (int q = 0; q < held.rows(); ++q)
+            if (handles.handle_of(q) != handles.handle_of(p))
+                least = std::min(least, (held.row(q) - carriers.row(p)).norm());
+        result[p] = std::clamp(2.0 - far / (least + radius), 0.0, 1.0);
+    });
+    return result;
+}
+
+bool are_near(double gap, const Points& one, const Points& other)
+{
+    const auto diagonal = [](const Points& points) {
+        return (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
+    };
+    return gap <= near_pieces * std::max(diagonal(one), diagonal(other));
+}
+
+std::vector<HeldMotion> with_rest(std::vector<HeldMotion> motions)
+{
+    motions.push_back({Matrix3::Zero(), Vector3::Zero()});
+    return motions;
 }
 
 void append_displacements(const std::vector<HeldMotion>& motions, Poses& maps)

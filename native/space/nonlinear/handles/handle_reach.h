@@ -40,6 +40,19 @@ private:
     std::vector<BoxTree> trees_; ///< of the points of each handle
 };
 
+/// (c) how far each point of a handle takes hold of what is nearest to it: fully, unless another handle is
+/// less than half as far from that. With r the distance from the point to its `carriers` row, and s the
+/// distance from there to the nearest point of another handle plus `radius`, it is 2 - r / s, from 0 to 1.
+std::vector<double> holds(const HandlePoints& handles, const Points& held, const Points& carriers,
+                          double radius);
+
+/// `motions`, and after them the one of a handle that rests. What no handle is near follows that one.
+std::vector<HeldMotion> with_rest(std::vector<HeldMotion> motions);
+
+/// Whether two pieces of the shape hold together: the gap between them is at most a quarter of the diagonal of
+/// the box around the larger one. \param one, other  places all over the pieces.
+bool are_near(double gap, const Points& one, const Points& other);
+
 /// The displacements of the handles for BlendedMaps, about the centre of their coordinates.
 void append_displacements(const std::vector<HeldMotion>& motions, Poses& maps);
 
