@@ -125,6 +125,7 @@ def test_a_scan_that_is_no_manifold(method: type, options: dict) -> None:
     check(method, options, mesh, handles, float(n))
 
 
+@pytest.mark.slow
 @EVERY_METHOD
 def test_a_hundred_thousand_vertices(method: type, options: dict) -> None:
     points, faces = tube(400, 250, 5.0)
