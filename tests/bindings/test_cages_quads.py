@@ -44,6 +44,7 @@ def by_scipy(corners: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray
     return np.array(phi), np.array(psi)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("x", [(0.3, -0.2, 0.4), (0.1, 0.2, 0.65)])
 def test_phi_and_psi_are_the_layers_of_greens_identity(x: tuple) -> None:
     cage = twisted()

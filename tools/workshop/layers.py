@@ -109,6 +109,11 @@ def bindings(timeout: float) -> Outcome:
     return _pytest("bindings", timeout, {"PYTHONPATH": DEV_MODULE})
 
 
+def bindings_quick(timeout: float) -> Outcome:
+    build_tree("dev", "sinew_native")
+    return _pytest("bindings", timeout, {"PYTHONPATH": DEV_MODULE}, "-m", "not slow")
+
+
 def addon(timeout: float) -> Outcome:
     debian.install(debian.QEMU)
     build_tree("dev", "sinew_native")
@@ -246,7 +251,7 @@ QUICK = (
     Layer("architecture", 60, architecture, one_process=True),
     Layer("tools", 60, tools, one_process=True),
     Layer("addon", 120, addon_quick, one_process=True, without="emulated processors"),
-    Layer("bindings", 420, bindings, one_process=True),
+    Layer("bindings", 300, bindings_quick, one_process=True, without="those marked slow"),
     Layer(
         "blender-3.4",
         420,
