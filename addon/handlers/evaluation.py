@@ -36,23 +36,31 @@ def listen(wanted: bool) -> None:
         _before_updates.append(before_depsgraph_update)
 
 
-def _update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draft: bool = False) -> None:
-    """Solve. Where other vertices enter than at bind, and that cannot wait, bind first.
+def _update(depsgraph: Depsgraph, draft: bool = False) -> None:
+    """Solve a frame, or anything in a render."""
+    if depsgraph.mode == "RENDER" and _may_bind():
+        session.look_at_renders()
+    if session.update(depsgraph, draft=draft):
+        _bind_counts(depsgraph)
 
-    So it is in renders, with *Automatic Rebind* in the viewport, and where Apply has turned faces. All this
-    makes datablocks, which the thread of a render may not do.
+
+def _bind_counts(depsgraph: Depsgraph) -> None:
+    """Bind what has other vertices now than at bind, where that cannot wait.
+
+    So it is in renders, with *Automatic Rebind* in the viewport, and where Apply has turned faces.
     """
-    may_bind = (
+    if session.has_counts() and _may_bind():
+        deferred.bind_now(depsgraph)
+
+
+def _may_bind() -> bool:
+    """Whether datablocks may be made now, which the thread of a render may not do."""
+    return (
         threading.current_thread() is threading.main_thread()
         and not session.is_suspended()
         and not session.is_waiting()
         and not bpy.app.is_job_running("RENDER")
     )
-    if may_bind and depsgraph.mode == "RENDER":
-        session.look_at_renders()
-    session.update(depsgraph, preview, edit, draft)
-    if may_bind and session.has_counts():
-        deferred.bind_now(depsgraph)
 
 
 @persistent
@@ -65,7 +73,10 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     if bpy.app.background and session.has_copies():
         deferred.separate_copies(depsgraph)
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
-    _update(depsgraph, preview=interactive, edit=depsgraph.mode == "VIEWPORT")
+    if depsgraph.mode == "RENDER":
+        _update(depsgraph)
+    elif session.update(depsgraph, preview=interactive, edit=True):
+        _bind_counts(depsgraph)
     if bool(session.mirrored_targets) != (before_depsgraph_update in _before_updates):
         listen(bool(session.mirrored_targets))
     if entering.waiting and depsgraph.mode == "VIEWPORT":
@@ -84,7 +95,7 @@ def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
     if bpy.app.background and session.has_copies():
         deferred.separate_copies(depsgraph)
     draft = depsgraph.mode == "VIEWPORT" and deferred.is_playing()
-    _update(depsgraph, draft=draft)
+    _update(depsgraph, draft)
     if draft:
         deferred.schedule()
     if depsgraph.mode == "VIEWPORT":

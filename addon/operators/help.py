@@ -16,6 +16,7 @@ PAGES = (
     ("surface", "Pose a Surface", "From a selection to a pose: handles, fixed regions, support, methods"),
     ("correct-an-elbow", "Correct an Elbow", "Corrections of a posed figure, which ride on its surface"),
     ("cage", "Pose with a Cage", "Let a coarse closed mesh around yours move it"),
+    ("clothes", "Clothes", "A dressed figure in one cage, which its bones move"),
     ("lattice", "Pose with a Lattice", "Let a box of points around one object or several move them"),
     ("wires-and-fields", "Wires and Vector Fields", "Curves and tools that move what is near them"),
     ("handle-points", "Pose with Handle Points", "Let empties, bones and points of objects move space"),

@@ -12,6 +12,7 @@ from mathutils import Matrix
 from rig import CORNERS, FLOAT32, SIDES, base_points, evaluated_points, make_active, new_object
 
 SHEAR = Matrix(((1.0, 0.4, 0.0, 0.2), (0.0, 1.2, 0.1, 0.0), (0.0, 0.0, 0.8, -0.3), (0.0, 0.0, 0.0, 1.0)))
+TURN = Matrix.Translation((0.3, 0.1, -0.2)) @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8)) @ Matrix.Scale(1.3, 4)
 
 
 def ball(name: str = "Ball", levels: int = 3) -> bpy.types.Object:

@@ -8,8 +8,7 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 import pytest
-from cages import assert_goes_on, assert_rests, ball, box, place, set_rest, surround
-from mathutils import Matrix
+from cages import TURN, assert_goes_on, assert_rests, ball, box, place, set_rest, surround
 from probe import render_points
 from registry import WITH_CAGE
 from rig import (
@@ -29,7 +28,6 @@ from rigs import HandleRig
 
 MIRROR = (-1.0, 1.0, 1.0)
 UNEVEN = [*CORNERS[:-1], (1.5, 1.2, 1.1)]  # no mirror image of itself
-TURN = Matrix.Translation((0.3, 0.1, -0.2)) @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8)) @ Matrix.Scale(1.3, 4)
 
 
 def cage_scaled(_target: bpy.types.Object, cage: bpy.types.Object) -> None:

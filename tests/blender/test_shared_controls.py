@@ -8,7 +8,7 @@ from collections.abc import Callable
 import bpy
 import numpy as np
 import pytest
-from cages import assert_goes_on, ball, box, set_rest, surround, transform
+from cages import TURN, assert_goes_on, ball, box, set_rest, surround, transform
 from inside import notes_of
 from mathutils import Matrix
 from point_objects import (
@@ -37,7 +37,6 @@ from rig import (
 )
 from rig_of_curves import polyline
 
-TURN = Matrix.Translation((0.3, 0.1, -0.2)) @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8)) @ Matrix.Scale(1.3, 4)
 Placed = Callable[[bpy.types.Object], None]
 
 

@@ -4,17 +4,15 @@
 An operator that Blender calls after its end is freed memory: that ends Blender, some events later.
 """
 
-import sys
-import threading
-
 import bpy
 from driving import (
-    MODULE,
     OUTPUT,
+    binding,
     enable,
     in_view,
     middle,
     move,
+    only_head,
     open_tab,
     play,
     press,
@@ -23,13 +21,10 @@ from driving import (
     seen,
     until,
     viewport,
+    works,
 )
 
 QUICK = 0.1  # the margin of a cage that is made in a moment
-
-
-def binding():
-    return sys.modules[f"{MODULE}.session.live.binding"]
 
 
 def head() -> bpy.types.Object:
@@ -40,18 +35,9 @@ def deformer():
     return head().sinew.active
 
 
-def works() -> bool:
-    """Whether a thread of Sinew is at work, or what it did is not taken in yet."""
-    return any(thread.name == "sinew" for thread in threading.enumerate()) or binding().busy()
-
-
 def plain(levels: int = 0) -> None:
     """A head with a group at each side, alone in the scene."""
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
-    bpy.ops.mesh.primitive_monkey_add()
-    obj = bpy.context.object
-    obj.name = "Head"
+    obj = only_head()
     if levels:
         obj.modifiers.new("Subdivision", "SUBSURF").levels = levels
         bpy.ops.object.modifier_apply(modifier="Subdivision")

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs inside a Blender with a window: an automatic cage, posed in Edit Mode by keys, its weights drawn."""
 
-import threading
-
 import bpy
 import numpy as np
 from driving import (
@@ -12,6 +10,7 @@ from driving import (
     in_view,
     middle,
     move,
+    only_head,
     open_tab,
     play,
     press,
@@ -22,6 +21,7 @@ from driving import (
     shown_points,
     until,
     viewport,
+    works,
     write,
 )
 
@@ -34,11 +34,7 @@ def head() -> bpy.types.Object:
 
 def prepare() -> None:
     enable()
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
-    bpy.ops.mesh.primitive_monkey_add()
-    bpy.context.object.name = "Head"
-    bpy.context.object.modifiers.new("Subdivision", "SUBSURF").levels = 2
+    only_head().modifiers.new("Subdivision", "SUBSURF").levels = 2
     bpy.ops.object.shade_smooth()
     viewport().spaces.active.show_region_ui = True
 
@@ -49,11 +45,6 @@ def is_well() -> bool:
 
 def moved(before: np.ndarray) -> float:
     return apart(shown_points(head()), before)
-
-
-def works() -> bool:
-    """Whether a thread of Sinew is at work."""
-    return any(thread.name == "sinew" for thread in threading.enumerate())
 
 
 def face_count() -> int:

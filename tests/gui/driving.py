@@ -8,6 +8,7 @@ A journey is a generator; each ``yield`` gives Blender the time a person would t
 import json
 import os
 import sys
+import threading
 import time
 import traceback
 from collections.abc import Callable, Iterator
@@ -69,13 +70,27 @@ _KEYS = {" ": "SPACE", ".": "PERIOD", "-": "MINUS", **{str(n): key for n, key in
 _CHARACTERS = {key: character for character, key in _KEYS.items()}
 
 
-def new_head(levels: int, regions: dict) -> None:
-    """A smooth head alone in the scene, subdivided, with ``regions`` by name: kind, and which points."""
+def binding():
+    return sys.modules[f"{MODULE}.session.live.binding"]
+
+
+def works() -> bool:
+    """Whether a thread of Sinew is at work, or what it did is not taken in yet."""
+    return any(thread.name == "sinew" for thread in threading.enumerate()) or binding().busy()
+
+
+def only_head(size: float = 2.0) -> bpy.types.Object:
+    """A head alone in the scene."""
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
-    bpy.ops.mesh.primitive_monkey_add(size=3.0)
-    obj = bpy.context.object
-    obj.name = "Head"
+    bpy.ops.mesh.primitive_monkey_add(size=size)
+    bpy.context.object.name = "Head"
+    return bpy.context.object
+
+
+def new_head(levels: int, regions: dict) -> None:
+    """A smooth head alone in the scene, subdivided, with ``regions`` by name: kind, and which points."""
+    obj = only_head(3.0)
     obj.modifiers.new("Subdivision", "SUBSURF").levels = levels
     bpy.ops.object.modifier_apply(modifier="Subdivision")
     bpy.ops.object.shade_smooth()

@@ -31,8 +31,8 @@ from .schedule import Step
 LINKED = "Linked: shows the last solution - make a library override to pose it here"
 
 
-def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draft: bool = False) -> None:
-    """Solve every deformer whose inputs changed. A ``preview`` may stop early, see ``settle``.
+def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draft: bool = False) -> bool:
+    """Solve every deformer whose inputs changed; whether there was one. A ``preview`` may stop early.
 
     So may the ``draft`` of a frame in playback, where the artist has chosen that. It is the same for a frame
     whatever was shown before.
@@ -43,7 +43,7 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
     """
     found = owners()
     if not found or schedule.is_waiting():
-        return
+        return False
     changes, moved = Changes(depsgraph), []
     haste = Haste.DRAFT if draft else Haste.DRAG if preview else Haste.NONE
     for obj in found:
@@ -72,6 +72,7 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
         if edit:
             mirroring.note_keyed(changes.is_edited)
         mirroring.note_seen(edit)
+    return bool(moved)
 
 
 def _solve_in_order(
