@@ -201,8 +201,8 @@ ROWS = (
                 rebinds=True,
                 label="Falloff",
                 unit="exponent",
-                description="The larger, the more each point follows only the nearest handles. Regions of many "
-                "points need more than 1.5: with less, far points of a region outweigh its border",
+                description="The larger, the more each point follows only the nearest handles. Regions of "
+                "many points need more than 1.5: with less, far points of a region outweigh its border",
             ),
             Choice(
                 "precision",
