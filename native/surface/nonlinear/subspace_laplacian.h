@@ -45,9 +45,10 @@ struct SubspaceLaplacianOptions
 /// iterating, the volume is that of a coarse copy of the surface; then one step along the answer of the cage
 /// to that volume's gradient makes the volume of the surface exact: along that line it is a cubic polynomial.
 /// What a handle holds is put exactly where it belongs, and the gap, which is small, fades over
-/// 4 % of the part's size; at soft vertices, it is put right the more, the nearer their weight is to 1. Negative weights w_ij are made positive. Open borders of less than a tenth of the
-/// area are closed by fans; parts that are more open have no volume to keep. A part that has no more vertices
-/// than its cage would have is its own subspace.
+/// 4 % of the part's size; at soft vertices, it is put right the more, the nearer their weight is to 1.
+/// Negative weights w_ij are made positive. Open borders of less than a tenth of the area are closed by fans;
+/// parts that are more open have no volume to keep. A part that has no more vertices than its cage would have
+/// is its own subspace.
 ///
 /// A shape that enters is split into the part that the cage can show, which is the base shape, and what is
 /// left, which is turned by the rotations of the clusters around it. Where no handle moves, it passes
