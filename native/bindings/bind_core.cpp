@@ -178,7 +178,9 @@ void bind_core(py::module_& module)
         .def_readonly("energy", &SolveReport::energy, "Of the returned shape, as the class defines it.")
         .def_readonly("residual", &SolveReport::residual,
                       "Linear: |A d - b| / |b|. Nonlinear: last relative decrease of the energy.")
-        .def_readonly("converged", &SolveReport::converged, "The tolerance was met. If not, the iterations were used up, or no step lowers the energy any more.")
+        .def_readonly("converged", &SolveReport::converged,
+                      "The tolerance was met. If not, the iterations were used up, or no step lowers the "
+                      "energy any more.")
         .def_readonly(
             "half_turns", &SolveReport::half_turns,
             "Number of vertices between handles that are turned against each other by half a turn,\n"
