@@ -206,12 +206,13 @@ def test_points_and_lines_of_a_lattice_as_its_modifiers_move_them():
     hook.vertex_indices_set([0, 1, 11])
     update()
     deformer = add(plate, lattice, method="mls")
+    deformer.parameters.alpha = 1.0
     at_rest, rest = base_points(plate), in_target(plate, lattice)
     empty.location.z = 0.4
     update()
     posed = in_target(plate, lattice)
     assert (np.abs(posed - rest).max(axis=1) > 0.1).sum() == 3
-    expected = warped("mls", rest, posed, at_rest)
+    expected = warped("mls", rest, posed, at_rest, alpha=1.0)
     assert close(evaluated_points(plate), expected, 1e-5)
     assert close(render_points(plate), expected, 1e-5)
     deformer.handles[0].acts_as = "SEGMENTS"
