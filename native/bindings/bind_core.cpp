@@ -178,7 +178,9 @@ void bind_core(py::module_& module)
         .def_readonly("energy", &SolveReport::energy, "Of the returned shape, as the class defines it.")
         .def_readonly("residual", &SolveReport::residual,
                       "Linear: |A d - b| / |b|. Nonlinear: last relative decrease of the energy.")
-        .def_readonly("converged", &SolveReport::converged, "The tolerance was met within the budget.")
+        .def_readonly("converged", &SolveReport::converged,
+                      "The tolerance was met. If not, the iterations were used up, or no step lowers the "
+                      "energy any more.")
         .def_readonly(
             "half_turns", &SolveReport::half_turns,
             "Number of vertices between handles that are turned against each other by half a turn,\n"
@@ -191,7 +193,7 @@ void bind_core(py::module_& module)
                       "Number of faces that the shape turns over against the prisms of Primo.")
         .def("__repr__", [](const SolveReport& r) {
             return "<SolveReport: " + std::to_string(r.iterations) + " iterations, energy " +
-                   std::to_string(r.energy) + (r.converged ? ", converged>" : ", budget spent>");
+                   std::to_string(r.energy) + (r.converged ? ", converged>" : ", not converged>");
         });
 
     module.def("instructions", &widest_instructions,

@@ -50,7 +50,7 @@ it. bind() computes the weights of all handles at each point; a frame fits one m
                 return std::make_shared<Mls>(std::move(handles), options);
             }),
             py::arg("points"), py::arg("counts") = py::none(), py::kw_only(), py::arg("weights") = py::none(),
-            py::arg("maps") = "rigid", py::arg("alpha") = 1.0, py::arg("segments") = py::none(),
+            py::arg("maps") = "rigid", py::arg("alpha") = 2.0, py::arg("segments") = py::none(),
             py::arg("precision") = "single",
             with_handle_points(
                 R"(maps       that are fitted: 'rigid', 'similarity' (with one scale), or 'affine', which needs four points that lie in no

@@ -7,6 +7,8 @@ from scipy.interpolate import RBFInterpolator
 
 import sinew_native as sn
 
+from .meshes import grid
+
 RANDOM = np.random.default_rng(7)
 HANDLES = RANDOM.uniform(-1.0, 2.0, (60, 3))
 POINTS = RANDOM.uniform(-1.2, 2.2, (150, 3))
@@ -26,7 +28,7 @@ def test_rbf_is_scipys_interpolant(kernel: str, scipy: str, degree: int) -> None
 
 
 def rigid(v: np.ndarray, p: np.ndarray, q: np.ndarray, w: np.ndarray | None = None) -> np.ndarray:
-    w = 1.0 / ((p - v) ** 2).sum(axis=1) if w is None else w
+    w = 1.0 / ((p - v) ** 2).sum(axis=1) ** 2 if w is None else w
     a, b = w @ p / w.sum(), w @ q / w.sum()
     u, _s, vt = np.linalg.svd((q - b).T @ ((p - a) * w[:, None]))
     turn = u @ np.diag((1.0, 1.0, np.sign(np.linalg.det(u @ vt)))) @ vt
@@ -114,7 +116,7 @@ def test_mls_takes_places_that_handles_share_to_the_mean_of_their_targets() -> N
     moved = made.warp(posed)
     assert np.abs(moved[: len(BLEND)] - blended(BLEND)).max() < 1e-12
     for v, place in zip(POINTS[:20], moved[len(BLEND) : len(BLEND) + 20], strict=True):
-        w = weights / ((BLEND - v) ** 2).sum(axis=1) / (weights > 0.0).sum(axis=1)[:, None]
+        w = weights / ((BLEND - v) ** 2).sum(axis=1) ** 2 / (weights > 0.0).sum(axis=1)[:, None]
         p, q = np.tile(BLEND, (2, 1)), np.concatenate((BLEND, BLEND @ TURN.T + 0.5))
         assert np.abs(place - rigid(v, p, q, w.ravel())).max() < 1e-9
 
@@ -176,3 +178,34 @@ def test_refusals_name_handles() -> None:
     with pytest.raises(sn.InvalidConstraint):
         sn.Mls(HANDLES, segments=[[0, 60]])
     assert sn.Mls(HANDLES * (1, 1, 0), maps="affine").maps == "rigid"
+
+
+def about(axis: int, degrees: float, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A turn about an axis through a place."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    turn = np.eye(3)
+    others = [(axis + 1) % 3, (axis + 2) % 3]
+    turn[np.ix_(others, others)] = (c, -s), (s, c)
+    return turn, place - turn @ place
+
+
+@pytest.mark.parametrize("sizes", [(0.45, 0.55), (0.7, 0.8)], ids=["alike", "large and small"])
+def test_mls_does_not_tear_at_the_border_of_large_regions(sizes: tuple[float, float]) -> None:
+    points, faces = grid(60)
+    x = points[:, 0] / 60
+    regions = [np.flatnonzero(x <= sizes[0]), np.flatnonzero(x >= sizes[1])]
+    method = sn.Mls(points[np.concatenate(regions)], [len(region) for region in regions])
+    method.bind(points)
+    middle = points[(x > sizes[0]) & (x < sizes[1])].mean(axis=0)
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    rest = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+    for name, (turn, move) in {
+        "bent": about(1, 60.0, middle),
+        "lifted": (np.eye(3), np.array([0.0, 0.0, 6.0])),
+    }.items():
+        control = method.control.copy()
+        control[4:] = control[4:] @ turn.T + move
+        out = method.warp(control)
+        longest = (np.linalg.norm(out[edges[:, 0]] - out[edges[:, 1]], axis=1) / rest).max()
+        print(f"{name}: an edge {longest:.2f} times as long")
+        assert longest < 2.5, name

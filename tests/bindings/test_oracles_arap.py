@@ -149,3 +149,12 @@ def test_point_handles_round_the_tip() -> None:
         behind.append(3 - q[middle + 1, 2])
     assert behind[1] < 0.6 * behind[0]
     assert behind[2] < behind[1]
+
+
+@pytest.mark.parametrize(("words", "says"), [({"max_iterations": 1}, "not converged"), ({}, "converged")])
+def test_a_report_says_whether_the_solve_converged_and_not_why(words: dict[str, int], says: str) -> None:
+    """Without a step that lowers the energy, a solve ends long before its iterations are used up."""
+    points, faces = grid(12)
+    method = sn.Arap(sn.SurfaceMesh(points, faces))
+    method.set_handles(ends(points))
+    assert repr(method.solve(BENT, **words)[1]).endswith(f", {says}>")

@@ -136,6 +136,7 @@ def add_bones(obj: bpy.types.Object, armature: bpy.types.Object, **words: object
 def test_bones_act_from_head_to_tail():
     plate, armature = grid_object(), skeleton()
     deformer = add_bones(plate, armature, method="mls", segments=True)
+    deformer.parameters.alpha = 1.0
     assert [handle.acts_as for handle in deformer.handles] == ["SEGMENTS"] * 3
     rest, ends = base_points(plate), heads_and_tails(armature)
     assert close(evaluated_points(plate), rest)
@@ -157,7 +158,7 @@ def test_bones_act_from_head_to_tail():
 def test_bones_bend_curves_text_and_hair_along_their_length(kind: str):
     obj, armature = MAKERS[kind](), skeleton()
     before = moved_by_hand(obj, lambda points: points)
-    add_bones(obj, armature, method="mls", segments=True)
+    add_bones(obj, armature, method="mls", segments=True).parameters.alpha = 1.0
     assert close(evaluated_points(obj), before, QUADRATURE)
     ends = heads_and_tails(armature)
     armature.pose.bones["Low"].rotation_euler = (0.4, 0.2, -0.5)
@@ -170,6 +171,7 @@ def test_edges_of_an_object_act_as_segments():
     plate, edges = grid_object(), frame()
     edges.location.z = 0.1
     deformer = add(plate, edges, method="mls", segments=True)
+    deformer.parameters.alpha = 1.0
     pairs = np.array([(0, 1), (1, 2), (2, 3)])
     rest, ends = base_points(plate), in_target(plate, edges)[pairs]
     assert close(evaluated_points(plate), rest)
@@ -180,7 +182,8 @@ def test_edges_of_an_object_act_as_segments():
     deformer.handles[0].acts_as = "POINTS"
     make_active(plate)
     update()
-    by_points = warped("mls", ends[[0, 0, 1, 2], [0, 1, 1, 1]], in_target(plate, edges), rest)
+    places = ends[[0, 0, 1, 2], [0, 1, 1, 1]]
+    by_points = warped("mls", places, in_target(plate, edges), rest, alpha=1.0)
     assert close(evaluated_points(plate), by_points, 1e-5)
 
 
@@ -203,12 +206,13 @@ def test_points_and_lines_of_a_lattice_as_its_modifiers_move_them():
     hook.vertex_indices_set([0, 1, 11])
     update()
     deformer = add(plate, lattice, method="mls")
+    deformer.parameters.alpha = 1.0
     at_rest, rest = base_points(plate), in_target(plate, lattice)
     empty.location.z = 0.4
     update()
     posed = in_target(plate, lattice)
     assert (np.abs(posed - rest).max(axis=1) > 0.1).sum() == 3
-    expected = warped("mls", rest, posed, at_rest)
+    expected = warped("mls", rest, posed, at_rest, alpha=1.0)
     assert close(evaluated_points(plate), expected, 1e-5)
     assert close(render_points(plate), expected, 1e-5)
     deformer.handles[0].acts_as = "SEGMENTS"

@@ -26,10 +26,10 @@ _FITTED = 400  # handle points; with more of them, centres are chosen
 
 
 def _rbf_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
-    """A dense system, or a fit; then the functions of the handles at each point."""
+    """A dense system, or a fit of some points at first; then the functions of the handles at each point."""
     exact = size <= _FITTED or options["tolerance"] == 0.0 or options["kernel"].startswith("wendland")
-    centres = size if exact else min(size, 1000)
-    system = _DENSE * centres**3 if exact else 1e-10 * min(size, 12_000) * centres**2
+    centres = size if exact else min(size, 2500)
+    system = _DENSE * centres**3 if exact else _DENSE * min(size, 8000) * centres**2
     return system + 2e-9 * points * centres
 
 
@@ -192,7 +192,7 @@ ROWS = (
             ),
             Float(
                 "alpha",
-                1.0,
+                2.0,
                 minimum=0.1,
                 maximum=8.0,
                 soft_maximum=4.0,
@@ -201,7 +201,8 @@ ROWS = (
                 rebinds=True,
                 label="Falloff",
                 unit="exponent",
-                description="The larger, the more each point follows only the nearest handles",
+                description="The larger, the more each point follows only the nearest handles. Regions of "
+                "many points need more than 1.5: with less, far points of a region outweigh its border",
             ),
             Choice(
                 "precision",

@@ -35,7 +35,7 @@ class Mls(SpaceMethod):
         *,
         weights: ArrayLike | None = None,
         maps: Literal["affine", "similarity", "rigid"] = "rigid",
-        alpha: float = 1.0,
+        alpha: float = 2.0,
         segments: ArrayLike | None = None,
         precision: Literal["single", "double"] = "single",
     ) -> None: ...

@@ -7,14 +7,33 @@
 #include "native/multiresolution/details/displacement_volumes.h"
 #include "native/multiresolution/details/normal_displacements.h"
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace sinew {
 
 namespace {
 
 constexpr int most_bands = 8;
+/// A base whose faces around a vertex have less of their rest area there is a thread: rounding turns its
+/// frames.
+constexpr double least_area_left = 1e-5;
+
+/// (n) the area of the triangles around each vertex.
+VectorX areas_around(const std::vector<Triangle>& triangles, const Points& points)
+{
+    VectorX areas = VectorX::Zero(points.rows());
+    for (const Triangle& t : triangles) {
+        const Vector3 a = (points.row(t[1]) - points.row(t[0])).transpose(),
+                      b = (points.row(t[2]) - points.row(t[0])).transpose();
+        for (const int v : t)
+            areas[v] += 0.5 * a.cross(b).norm();
+    }
+    return areas;
+}
 
 std::unique_ptr<DetailCoding> coding(DetailKind kind, const SurfaceMesh& rest, const Regions& regions,
                                      const Points& fine, const Points& coarse,
@@ -50,13 +69,19 @@ DetailBands::DetailBands(const SurfaceMesh& rest, const Regions& handles, const 
                          const std::shared_ptr<const RingRotations>& rings, const Progress& progress)
 {
     double wavelength = options.wavelength * mean_edge(rest);
+    levels_ = {rest.points()};
+    const VectorX areas = least_area_left * areas_around(rest.triangles(), rest.points());
     for (int k = 0; k < options.bands; ++k, wavelength *= 2) {
         progress.tick(static_cast<double>(k) / options.bands, "fairing the base");
-        fairings_.push_back(std::make_unique<Fairing>(rest, faired, wavelength, &handles));
+        auto fairing = std::make_unique<Fairing>(rest, faired, wavelength, &handles);
+        Points smoothed;
+        fairing->smooth(view(levels_[k]), smoothed);
+        if ((areas_around(rest.triangles(), smoothed).array() < areas.array()).any())
+            break;
+        fairings_.push_back(std::move(fairing));
+        levels_.push_back(std::move(smoothed));
     }
-    levels_ = {rest.points()};
-    smooth(levels_);
-    for (int k = 0; k < options.bands; ++k) {
+    for (std::size_t k = 0; k < fairings_.size(); ++k) {
         progress.tick(1.0, "coding the details");
         codings_.push_back(coding(options.details, rest, faired, levels_[k], levels_[k + 1], rings, handles));
     }
@@ -80,6 +105,8 @@ void DetailBands::smooth(Points& shape, Points& spare) const
 void DetailBands::put_back(const std::vector<Points>& levels, std::vector<Points>& moved, bool at_rest,
                            Points& detailed, SolveReport& report) const
 {
+    if (codings_.empty())
+        detailed = moved.back();
     for (std::size_t k = codings_.size(); k-- > 0;)
         codings_[k]->apply({view(levels[k]), view(levels[k + 1]), view(moved[k + 1]), at_rest},
                            k == 0 ? detailed : moved[k], report);

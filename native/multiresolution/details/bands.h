@@ -48,7 +48,8 @@ public:
                 const MultiresolutionOptions& options, const std::shared_ptr<const RingRotations>& rings,
                 const Progress& progress);
 
-    /// (bands + 1) the rest shape and what each band left of it.
+    /// (bands + 1) the rest shape and what each band left of it. Bands end before one whose base is so thin
+    /// somewhere that it carries no frames, so there may be fewer than were asked for, or none.
     const std::vector<Points>& levels() const { return levels_; }
     /// Computes the levels below levels[0], the shape that enters.
     void smooth(std::vector<Points>& levels) const;

@@ -17,7 +17,7 @@ namespace sinew {
 struct MlsOptions
 {
     MlsMaps maps = MlsMaps::rigid;
-    double alpha = 1.0; ///< > 0: the larger, the nearer the handles are that count
+    double alpha = 2.0; ///< > 0: the larger, the nearer the handles are that count
     /// Pairs of handle points, each a handle of its own: the segment between them is the handle instead.
     std::vector<std::array<int, 2>> segments{};
     WeightPrecision precision = WeightPrecision::single_precision;
@@ -40,6 +40,8 @@ struct MlsOptions
 /// Beyond the papers: how strongly a point is held multiplies its w_i, and a place that several handles hold
 /// goes to the mean of their targets; a handle of several points moves by an affine map, and its points share
 /// one weight.
+/// Over a surface, the sum of 1 / d^2 hardly grows towards it: with alpha = 1, far points of a region
+/// outweigh those that are near, and its border tears. So alpha is 2 by default, which the papers leave open.
 /// What a frame needs of it are ten numbers: its weight, and the first and second moments of its weighted
 /// points. So do segments, whose moments are integrals; in 3D, these are quadratures, whose weights are
 /// positive, so that all that is said above holds for segments, too.

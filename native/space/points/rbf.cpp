@@ -22,9 +22,6 @@ namespace {
 
 /// Up to so many points, a dense system is solved faster than centres are chosen.
 constexpr int few_points = 400;
-constexpr int most_centres = 2500;
-/// The incremental fit sees so many points, spread evenly; all of them are checked afterwards.
-constexpr int most_fitted = 12000;
 
 /// Rounding of the places of points, with some room.
 constexpr double least_radius = 1e-9;
@@ -227,19 +224,8 @@ double Rbf::prepare(PointsView points, const Progress& progress)
         const RbfSystem system(places, basis_, solved->polynomials, within);
         solved->coefficients = system.solve(values);
     } else {
-        // Every so many points in the order of a curve through space would be better spread, but a region's
-        // vertices are in an order that is almost one.
-        const auto m = static_cast<int>(places.rows());
-        const int fitted = std::min(m, most_fitted);
-        Points some(fitted, 3);
-        RowMatrix of_some(fitted, values.cols());
-        for (int k = 0; k < fitted; ++k) {
-            const auto i = static_cast<Eigen::Index>(static_cast<std::int64_t>(k) * m / fitted);
-            some.row(k) = places.row(i);
-            of_some.row(k) = values.row(i);
-        }
-        RbfFit fit = fit_incrementally(some, of_some, basis_, solved->polynomials, options_.tolerance,
-                                       most_centres, within);
+        RbfFit fit =
+            fit_incrementally(places, values, basis_, solved->polynomials, options_.tolerance, within);
         solved->centres = std::move(fit.centres);
         solved->coefficients = std::move(fit.coefficients);
     }

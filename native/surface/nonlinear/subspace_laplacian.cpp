@@ -26,6 +26,8 @@ namespace {
 
 constexpr double held_stiffness = 1e5; ///< of all held vertices of a handle together
 constexpr double fade = 0.04;          ///< over which the gap at a handle fades, as a share of the size
+/// From this weight on, a vertex turns with its handle, and the gap is put right the more.
+constexpr double firm = 0.9;
 /// An energy below this share of that of all edges is rounding.
 constexpr double rounding_floor = 1e-14;
 
@@ -62,9 +64,17 @@ struct Part
     double unit = 1.0; ///< of the unknowns, whose steps are kept in single precision
 };
 
-/// The vertices within a distance of the hard ones along the edges, and the handle that is nearest.
+/// How far the gap is put right at a vertex of a weight: in [0, 1], smooth, and 1 only where it is held.
+double grip_of(double weight)
+{
+    const double t = std::max(0.0, (weight - firm) / (1.0 - firm));
+    return t * t * (3 - 2 * t);
+}
+
+/// The vertices within a distance of the firm ones along the edges, and the handle that is nearest.
+/// \param grips  grip_of() each.
 std::vector<Part::Near> near_handles(const GraphEdges& edges, const CagedPart& space,
-                                     const std::vector<int>& hard)
+                                     const std::vector<int>& hard, std::vector<double> grips)
 {
     const double width = fade * space.size;
     std::vector<double> distance(hard.size(), std::numeric_limits<double>::infinity());
@@ -83,13 +93,14 @@ std::vector<Part::Near> near_handles(const GraphEdges& edges, const CagedPart& s
         if (d > distance[v])
             continue;
         const double t = width > 0 ? 1.0 - d / width : 1.0;
-        near.push_back({v, handle[v], t * t * (3 - 2 * t)});
+        near.push_back({v, handle[v], grips[v] * t * t * (3 - 2 * t)});
         for (int a = edges.offsets[v]; a < edges.offsets[v + 1]; ++a) {
             const int j = edges.neighbours[a];
             const double further = d + (space.rest.row(v) - space.rest.row(j)).norm();
             if (further < distance[j] && further < width) {
                 distance[j] = further;
                 handle[j] = handle[v];
+                grips[j] = grips[v];
                 front.emplace(further, j);
             }
         }
@@ -228,6 +239,7 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
 
             std::vector<int> hard(count);
             VectorX own_mass(count);
+            std::vector<double> grips(count, 1.0);
             std::vector<int> held(groups.seat_count(), 0);
             for (int k = 0; k < count; ++k) {
                 hard[k] = regions.hard(members[g][k]);
@@ -235,20 +247,29 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
                 if (hard[k] >= 0)
                     ++held[groups.seat({members[g][k], hard[k]})];
             }
+            for (const SoftConstraint& soft : regions.soft())
+                if (groups.group[soft.vertex] == g) {
+                    ++held[groups.seat({soft.vertex, soft.handle})];
+                    if (soft.weight > firm) {
+                        hard[places[soft.vertex]] = soft.handle;
+                        grips[places[soft.vertex]] = grip_of(soft.weight);
+                    }
+                }
             std::vector<SubspaceCells::Pull> pulls;
             const int first = groups.offsets[g];
             for (int k = 0; k < count; ++k)
-                if (hard[k] >= 0) {
-                    const int seat = groups.seat({members[g][k], hard[k]});
+                if (const int handle = regions.hard(members[g][k]); handle >= 0) {
+                    const int seat = groups.seat({members[g][k], handle});
                     pulls.push_back({seat - first, k, held_stiffness / held[seat]});
                 }
             for (const SoftConstraint& soft : regions.soft())
                 if (groups.group[soft.vertex] == g) {
                     const double unit = diagonal[soft.vertex] > 0 ? diagonal[soft.vertex] : 1.0;
-                    pulls.push_back({groups.seat({soft.vertex, soft.handle}) - first, places[soft.vertex],
-                                     soft.stiffness() * unit});
+                    const int seat = groups.seat({soft.vertex, soft.handle});
+                    pulls.push_back({seat - first, places[soft.vertex],
+                                     std::min(soft.stiffness() * unit, held_stiffness / held[seat])});
                 }
-            part.near = near_handles(edges, space, hard);
+            part.near = near_handles(edges, space, hard, std::move(grips));
             const Clusters clusters = clusters_of(edges, space.rest, hard, self.options.clusters);
             const auto cluster_count = static_cast<int>(clusters.seeds.size());
             const int so_far = *std::ranges::max_element(next->clusters) + 1;

@@ -38,16 +38,17 @@ struct SubspaceLaplacianOptions
 /// is least (rotations/subspace_cells.h), subject to volume(x) = volume(x^0). The sums are gathered when
 /// handles are set, so an iteration never touches the surface. Handles lie anywhere on the surface, not on
 /// the cage. A held vertex is pulled with 1e5 / (held vertices of its handle), a soft one of weight w with
-/// w / (1 - w) L_ii.
+/// w / (1 - w) L_ii, at most as a held one. Above a weight of 0.9, it turns with its handle, as held ones do.
 ///
 /// Departs from the paper: it keeps lengths of edges by a term of their own, as Laplacian coordinates are
 /// zero on flat parts; it solves with a constant matrix instead of one that is made in each step. While
 /// iterating, the volume is that of a coarse copy of the surface; then one step along the answer of the cage
 /// to that volume's gradient makes the volume of the surface exact: along that line it is a cubic polynomial.
 /// What a handle holds is put exactly where it belongs, and the gap, which is small, fades over
-/// 4 % of the part's size. Negative weights w_ij are made positive. Open borders of less than a tenth of the
-/// area are closed by fans; parts that are more open have no volume to keep. A part that has no more vertices
-/// than its cage would have is its own subspace.
+/// 4 % of the part's size; at soft vertices, it is put right the more, the nearer their weight is to 1.
+/// Negative weights w_ij are made positive. Open borders of less than a tenth of the area are closed by fans;
+/// parts that are more open have no volume to keep. A part that has no more vertices than its cage would have
+/// is its own subspace.
 ///
 /// A shape that enters is split into the part that the cage can show, which is the base shape, and what is
 /// left, which is turned by the rotations of the clusters around it. Where no handle moves, it passes

@@ -16,25 +16,27 @@ struct RbfFit
     double error = 0.0; ///< the largest residual of a point, as a sum of magnitudes over all columns
 };
 
-/// Fits radial basis functions at few of many points, by incremental least squares:
+/// Fits radial basis functions at few of many points:
 ///
 /// M. Botsch, L. Kobbelt. "Real-Time Shape Editing using Radial Basis Functions." Eurographics 2005,
-/// section 4.
+/// section 4: centres are added where the residuals are largest, weighted by their distance from other
+/// centres, until all points are met.
+/// S. Mueller, R. Schaback. "A Newton basis for kernel spaces." Journal of Approximation Theory 161, 2009.
 ///
-/// The values at all points are approximated, with centres at the points of the largest residuals, weighted
-/// by their distance from other centres. A QR factorisation gains columns until the error is met: each block
-/// of columns is made orthogonal to those before it, twice. A column is phi at a centre less its interpolant
-/// by polynomials at `count` base points, so the weights are orthogonal to the polynomials by themselves, and
-/// with all points as centres the fit is the interpolant.
+/// Departs from the first paper: the values are met at the centres, where the paper takes least squares over
+/// all points. That needs some more centres, and a quarter of the time: the Newton basis of the second paper
+/// is the Cholesky factor of psi (see RbfSystem), of which each new centre adds a column. A point that has
+/// become a centre has no residual any more, so with all points as centres this is the dense system.
 ///
-/// Cost: 4 m n^2 operations for m points and n centres; the dense system takes m^3 / 3.
+/// Of very many points, some are fitted at first, spread evenly in their order; then all are checked, and
+/// those that are missed join them.
+///
+/// Cost: m n^2 - 2/3 n^3 operations for m points and n centres; the dense system takes m^3 / 3.
 /// \param points     (m, 3)
 /// \param values     (m, k)
 /// \param tolerance  > 0, of RbfFit::error.
-/// \param most       centres.
 /// \throw OutOfMemory, Cancelled
 RbfFit fit_incrementally(const Points& points, const RowMatrix& values, const RbfBasis& basis,
-                         const Polynomials& polynomials, double tolerance, int most,
-                         const Progress& progress);
+                         const Polynomials& polynomials, double tolerance, const Progress& progress);
 
 } // namespace sinew
