@@ -20,7 +20,9 @@ from .native import (
 )
 from .puppet import Bones, Puppet, Solution, Targets
 from .recipes import (
+    AxisBox,
     Base,
+    BoxShare,
     Cage,
     CageReport,
     ControlParts,
@@ -37,8 +39,10 @@ from .self_check import Check, check_installation, last_check
 
 __all__ = (
     "Availability",
+    "AxisBox",
     "Base",
     "Bones",
+    "BoxShare",
     "Cage",
     "CageReport",
     "Check",

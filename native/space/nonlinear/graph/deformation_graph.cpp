@@ -76,6 +76,8 @@ void DeformationGraph::connect(const Progress& progress)
     for (const auto& [a, b] : near_.pairs())
         add(a, b);
     for (int v = 0; v < mesh_.vertex_count(); ++v) {
+        if (near_.is_loose(v))
+            continue;
         const std::vector<Share> own = near_.shares(v);
         for (const Share& a : own)
             for (const Share& b : own)
