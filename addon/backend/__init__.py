@@ -21,7 +21,9 @@ from .native import (
 from .puppet import Bones, Puppet, Solution, Targets
 from .recipes import (
     Around,
+    AxisBox,
     Base,
+    BoxShare,
     Cage,
     CageReport,
     ControlParts,
@@ -39,8 +41,10 @@ from .self_check import Check, check_installation, last_check
 __all__ = (
     "Around",
     "Availability",
+    "AxisBox",
     "Base",
     "Bones",
+    "BoxShare",
     "Cage",
     "CageReport",
     "Check",

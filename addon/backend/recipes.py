@@ -13,7 +13,7 @@ from ..core.elements import Elements, Owner
 from ..core.errors import CageError, ConstraintError
 from ..core.geometry.frames import transformed
 from ..core.geometry.turns import turned_poses
-from ..core.methods import MeshShape, Method, Posed
+from ..core.methods import MeshShape, Method, Posed, Size
 from ..core.status import Remedy
 
 _PREVIEW_RAYS = 128  # per point: weights in a tenth of the time, with errors of some hundredths
@@ -37,18 +37,61 @@ class Base:
     options: dict[str, object]
 
 
+@dataclass(frozen=True)
+class BoxShare:
+    """The value of an option that is a share of the box along the axes, which earlier builds took for the
+    ``size``: the diagonal of that around the surface, or the longest side of that around all handles.
+    """
+
+    value: float | np.ndarray
+    size: Size
+
+    def of(self, native, target: Any) -> float | np.ndarray:
+        """The share of the size that the native module measures, of a native mesh or of handle points."""
+        points = target if isinstance(target, np.ndarray) else target.points
+        sides = np.ptp(points, axis=0)
+        if not sides.any():
+            return self.value
+        if self.size is Size.HANDLES:
+            return self.value * sides.max() / native.diameter(points)
+        return self.value * np.linalg.norm(sides) / target.sizes
+
+
+@dataclass(frozen=True)
+class AxisBox:
+    """The value of an option: the box along the axes around ``points`` (n, 3) and the handles, as earlier
+    builds took it. The ``frame`` (4, 4) leads here from the space of these axes.
+    """
+
+    points: np.ndarray
+    frame: np.ndarray
+
+    def around(self, handles: np.ndarray) -> np.ndarray:
+        """The frame (3, 4) of the cube from -1 to 1; a side without length gets that of the longest one."""
+        stored = transformed(np.linalg.inv(self.frame), np.concatenate((self.points, handles)))
+        low, high = stored.min(axis=0), stored.max(axis=0)
+        longest = (high - low).max() or 1.0
+        sides = np.where(high - low > 1e-6 * longest, high - low, longest) + 0.1 * longest
+        cube = np.column_stack((np.diag(0.5 * sides), 0.5 * (low + high)))
+        return (self.frame @ np.vstack((cube, (0.0, 0.0, 0.0, 1.0))))[:3]
+
+
 def make(native, method: Method, target: object, options: dict[str, object]) -> Any:
     """The native object of a method, and of the method that it is put around, for a native mesh."""
     made = {name: _made(native, target, value) for name, value in options.items()}
     return getattr(native, method.native)(target, **made)
 
 
-def _made(native, target: object, value: object) -> object:
+def _made(native, target: Any, value: object) -> object:
     """The value of an option as the native constructor takes it."""
     if isinstance(value, Base):
         return make(native, value.method, target, value.options)
     if isinstance(value, Shape):
         return native.SurfaceMesh(value.points, value.faces)
+    if isinstance(value, BoxShare):
+        return value.of(native, target)
+    if isinstance(value, AxisBox):
+        return value.around(target)
     return value
 
 

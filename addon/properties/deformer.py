@@ -41,6 +41,11 @@ LOOSE_PARTS = (
     ("STAY", "Stay", "They stay where they are", 1),
 )
 
+SIZES = (
+    ("BOX", "Box", "Those of boxes along the axes, as in files of earlier builds", 0),
+    ("SURFACE", "Surface", "Those of each part of the surface, and of a ball around all handles", 1),
+)
+
 PLAYBACK = (
     ("FULL", "Full", "Every frame as it is rendered", 0),
     (
@@ -195,6 +200,12 @@ class SinewDeformer(PropertyGroup):
         name="Loose Parts",
         items=LOOSE_PARTS,
         description="What the parts of the mesh do that no region touches",
+    )
+    sizes: record(
+        EnumProperty,
+        items=SIZES,
+        description="Which sizes the parameters are shares of that are shares of a size. A file that says "
+        "nothing is of an earlier build, and keeps its looks",
     )
     live: setting(
         BoolProperty,

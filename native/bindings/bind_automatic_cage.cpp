@@ -43,7 +43,7 @@ py::tuple make_cage(const SurfaceMesh& mesh, int faces, double margin, const std
 void bind_automatic_cage(py::module_& module)
 {
     py::class_<AutomaticCageReport>(module, "AutomaticCageReport",
-                                    "What automatic_cage() did; lengths are shares of the target's diagonal.")
+                                    "What automatic_cage() did; lengths are shares of the target's size.")
         .def_readonly("wanted", &AutomaticCageReport::wanted, "Number of triangles asked for.")
         .def_readonly("faces", &AutomaticCageReport::faces, "Number of triangles; a quad counts as two.")
         .def_readonly("quads", &AutomaticCageReport::quads, "How many pairs of these triangles are quads.")
@@ -75,13 +75,14 @@ void bind_automatic_cage(py::module_& module)
 Make a coarse cage around any mesh. It is closed, does not cross itself, looks outward, and has the whole mesh
 inside; all this is checked.
 
-mesh      SurfaceMesh, with any parts, holes and crossings; loose vertices are inside the cage, too.
+mesh      SurfaceMesh, with any parts, holes and crossings; loose vertices count nothing beside faces.
 faces     number of triangles wanted, 12 to 100000; a quad counts as two. There may be more: the report says how
           many, and why.
-margin    distance from the mesh at which the cage is begun, as a share of its diagonal; 0.004 to 0.25.
-symmetry  'automatic' (along the axis along which the sides differ least, if by no more than 0.02 of the diagonal),
+margin    distance from the mesh at which the cage is begun, as a share of its size (SurfaceMesh.sizes, of all
+          parts together); 0.004 to 0.25.
+symmetry  'automatic' (along the axis along which the sides differ least, if by no more than 0.02 of the size),
           'none', 'x', 'y' or 'z'. About the object's origin if the target is symmetric about it, else about the
-          middle of its box. Vertices come in pairs, mirrored exactly about the origin, else to rounding.
+          its centroid. Vertices come in pairs, mirrored exactly about the origin, else to rounding.
 quads     join triangles into quads where the cage is good with either diagonal.
 progress  None or callable(fraction, stage); returning False cancels.
 

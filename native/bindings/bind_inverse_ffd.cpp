@@ -21,7 +21,9 @@ std::shared_ptr<InverseFfd> make_inverse_ffd(const py::object& handles, const py
     options.cut_off = cut_off;
     if (!weights.is_none())
         options.weights = numbers(weights, "weights");
-    if (!frame.is_none()) {
+    if (py::isinstance<SurfaceMesh>(frame)) {
+        options.frame = InverseFfd::box_around(frame.cast<const SurfaceMesh&>());
+    } else if (!frame.is_none()) {
         const FloatArray box = floats(frame, "frame");
         if (box.ndim() != 2 || box.shape(0) != 3 || box.shape(1) != 4)
             throw InvalidOption("frame: give the affine map of a cube, (3, 4) numbers");
@@ -63,8 +65,9 @@ resolution  control points of the lattice along each axis, 2 to 16: one number, 
 basis       'bspline' or 'bezier'.
 degree      of B-splines, 1 to 5; axes with fewer points have a lower one.
 cut_off     singular values below this share of the largest count as zero: between 0 and 1.
-frame       None, for a box around the bound points and the constraints; or (3, 4), whose image of the cube from -1 to
-            1 is the box.
+frame       None, for a box around the bound points and the constraints, along the axes in which they are spread most
+            and least; a SurfaceMesh, for such a box around its faces; or (3, 4), whose image of the cube from -1 to 1
+            is the box.
 
 Raises InvalidConstraint if there is no constraint, one is not finite, or the weights do not fit; InvalidOption.)")
         .def_property_readonly(

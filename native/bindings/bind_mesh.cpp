@@ -3,6 +3,8 @@
 #include "native/core/errors.h"
 #include "native/mesh/components.h"
 #include "native/mesh/diagnosis.h"
+#include "native/mesh/enclosing_ball.h"
+#include "native/mesh/surface_frame.h"
 #include "native/mesh/surface_mesh.h"
 
 #include <pybind11/stl.h>
@@ -147,6 +149,13 @@ and indices out of range; `elements` lists the culprits.)")
         .def_property_readonly(
             "components", [](const SurfaceMesh& m) { return to_numpy(connected_components(m).labels); },
             "(n,) the part of each vertex; vertices are connected through faces.")
+        .def_property_readonly(
+            "sizes", [](const SurfaceMesh& m) { return to_numpy(part_sizes(m)); },
+            "(n,) the size of the part that each vertex is in, which lengths are shares of: four times the "
+            "root "
+            "mean\nsquare of the distance of its area from the centroid. Of most shapes, it is the diagonal "
+            "of "
+            "a box around\nthem to some per cent.")
         .def("is_made_of", &is_made_of, py::arg("points"), py::arg("faces"),
              R"(Whether the constructor was given the same points and faces. Cost: O(n).
 
@@ -160,6 +169,20 @@ Raises InvalidMesh for arrays of another shape.)")
             return "<SurfaceMesh: " + std::to_string(m.vertex_count()) + " vertices, " +
                    std::to_string(m.face_count()) + " faces>";
         });
+
+    module.def(
+        "diameter",
+        [](const py::object& object) {
+            const FloatArray array = floats(object, "points");
+            const PointsView view = points<InvalidConstraint>(array, "points");
+            return view.rows() > 0 ? 2.0 * enclosing_ball(Points(view)).radius : 0.0;
+        },
+        py::arg("points"),
+        R"(The diameter of the smallest ball that holds points, which the radius of compact Rbf is a share of.
+
+points  (n, 3); 0 without any.
+
+Raises InvalidConstraint for another shape, or a number that is not finite.)");
 }
 
 } // namespace sinew::bindings

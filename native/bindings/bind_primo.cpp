@@ -29,8 +29,8 @@ those of a hierarchy of coarser graphs. The energy of a report is that of the pr
              py::arg("max_iterations") = PrimoOptions{}.max_iterations,
              py::arg("tolerance") = PrimoOptions{}.tolerance, R"(
 mesh            SurfaceMesh, the rest shape.
-height          how far the prisms reach above and below the surface, as a share of the diagonal of the
-                bounding box: a number > 0, or (n,) painted, >= 0; values below 1e-3 of the largest one are
+height          how far the prisms reach above and below the surface, as a share of the size of their part
+                (SurfaceMesh.sizes): a number > 0, or (n,) painted, >= 0; values below 1e-3 of the largest one are
                 raised to that. Higher prisms resist bending and twisting more.
 max_iterations  largest number of iterations of a solve, >= 1.
 tolerance       >= 0: stop when the relative decrease of the energy is below it twice in succession.

@@ -43,7 +43,7 @@ handles of several points is a product with 4 functions per handle, and that of 
            'wendland_c4'.
 degree     -1 to 2, of the polynomials that are reproduced. The triharmonic kernel uses at least 1, the biharmonic one
            0 or 1, compact ones at most 1. With -1, a compact kernel leaves points beyond its radius at rest.
-radius     >= 1e-9, of a compact kernel, as a share of the longest side of the box around all points.
+radius     >= 1e-9, of a compact kernel, as a share of the diameter() of all points.
 tolerance  >= 0. If there are many points, handles of several are met up to this share of the longest move of the
            control, with as few centres as that takes; 0 meets all exactly.
 precision  of the functions of handles of several points: 'single' or 'double'.

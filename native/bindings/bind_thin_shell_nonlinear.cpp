@@ -40,8 +40,8 @@ factorisation and those of a hierarchy of coarser graphs.)")
              py::arg("max_iterations") = ThinShellNonlinearOptions{}.max_iterations,
              py::arg("tolerance") = ThinShellNonlinearOptions{}.tolerance, R"(
 mesh            SurfaceMesh, the rest shape.
-measure         'share': thickness is a share of the diagonal of the box around the rest shape; 'length': a
-                length; 'stiffness': stretching and bending count instead.
+measure         'share': thickness is a share of the size of its part (SurfaceMesh.sizes); 'length': a length;
+                'stiffness': stretching and bending count instead.
 thickness       a number >= 0, or (n,) painted. k_s is 1 and k_b its square.
 stretching      k_s, a number > 0, or (n,) painted, >= 0; values below 1e-3 of the largest one are raised to
                 that.

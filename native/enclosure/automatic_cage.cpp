@@ -10,6 +10,7 @@
 #include "native/mesh/components.h"
 #include "native/mesh/diagnosis.h"
 #include "native/mesh/normal_frame.h"
+#include "native/mesh/surface_frame.h"
 #include "native/mesh/triangle_tree.h"
 
 #include <Eigen/Geometry>
@@ -34,30 +35,65 @@ constexpr double mirror_tolerance =
     0.02; // as large as the default margin, about: a symmetric cage then costs little space
 constexpr int attempts = 3;        // each with twice the margin of the one before
 
-/// From object space to a box of diagonal 1 around the origin.
+/// A number on a grid, far below all margins: so the last bits of the target, which its unit of length and
+/// its place change, choose nothing. A number and its negative stay a pair, and the grid ends where no
+/// regular shape has its points.
+double on_grid(double x)
+{
+    constexpr double steps = 1 << 16, between_regular = 0.37;
+    return std::copysign(std::floor(std::abs(x) * steps + between_regular) / steps, x);
+}
+
+Vector3 on_grid(const Vector3& p)
+{
+    return p.unaryExpr([](double x) { return on_grid(x); });
+}
+
+/// From object space to a size of 1 around the origin.
 struct Frame
 {
     Vector3 centre;
     double size;
 
-    /// Coordinates too small to be normal, which exact predicates cannot take, become 0.
-    Vector3 in(const Vector3& p) const
-    {
-        return ((p - centre) / size).unaryExpr([](double x) { return std::abs(x) < 1e-150 ? 0.0 : x; });
-    }
+    Vector3 in(const Vector3& p) const { return on_grid(Vector3((p - centre) / size)); }
     Vector3 out(const Vector3& p) const { return centre + size * p; }
 };
 
 Frame frame_of(const SurfaceMesh& target)
 {
-    const Vector3 low = target.points().colwise().minCoeff().transpose();
-    const Vector3 high = target.points().colwise().maxCoeff().transpose();
-    const double size = (high - low).stableNorm();
-    if (!std::isfinite(size))
+    const double extent =
+        (target.points().colwise().maxCoeff() - target.points().colwise().minCoeff()).stableNorm();
+    if (!std::isfinite(extent))
         throw InvalidMesh("points: too far apart to measure");
-    if (size < 1e-100)
+    if (extent < 1e-100)
         throw InvalidMesh("points: all in one place; a cage needs an extent");
-    return {low + 0.5 * (high - low), size};
+    const SurfaceFrame frame = surface_frame(target);
+    return {frame.centre, frame.size};
+}
+
+/// The vertices of faces, if any of these has an area; else the target as it is.
+SurfaceMesh without_loose_vertices(const SurfaceMesh& target)
+{
+    std::vector<int> numbers(target.vertex_count(), -1), vertices, counts, corners;
+    double area = 0.0;
+    for (const auto& [a, b, c] : target.triangles())
+        area += (target.point(b) - target.point(a)).cross(target.point(c) - target.point(a)).norm();
+    if (!(area > 0.0))
+        return target;
+    for (int f = 0; f < target.face_count(); ++f)
+        for (const int v : target.face(f))
+            numbers[v] = 0;
+    for (int v = 0; v < target.vertex_count(); ++v)
+        if (numbers[v] == 0) {
+            numbers[v] = static_cast<int>(vertices.size());
+            vertices.push_back(v);
+        }
+    for (int f = 0; f < target.face_count(); ++f) {
+        counts.push_back(static_cast<int>(target.face(f).size()));
+        for (const int v : target.face(f))
+            corners.push_back(numbers[v]);
+    }
+    return {target.points()(vertices, Eigen::all), std::move(counts), std::move(corners)};
 }
 
 /// The progress of a part of the work, which takes the whole from one fraction to another.
@@ -116,16 +152,6 @@ MirrorPlane mirror_of(const TriangleSoup& soup, int vertices, const TriangleTree
     const Vector3 origin = -frame.centre / frame.size;
     const int forced = is_forced(symmetry) ? static_cast<int>(symmetry) - static_cast<int>(Symmetry::x) : -1;
     return test.best(origin, forced, mirror_tolerance);
-}
-
-/// Puts the mirror at coordinate 0 of the frame. A mirror through the object's origin is there exactly, so
-/// that rounding is the same on both sides.
-void put_on(const MirrorPlane& mirror, Frame& frame, TriangleSoup& soup)
-{
-    double& centre = frame.centre[mirror.axis];
-    centre = mirror.through_origin ? 0.0 : centre;
-    for (Vector3& p : soup.points)
-        p[mirror.axis] -= mirror.offset;
 }
 
 /// Adds the mirror image of the soup to it.
@@ -211,7 +237,10 @@ TriangleTree inner_tree(const TriangleSoup& wrap, const TriangleSoup& soup, cons
     inner.points.resize(first + wrap.points.size());
     parallel_for(
         static_cast<int>(wrap.points.size()),
-        [&](int v) { inner.points[first + v] = 0.5 * (wrap.points[v] + target.closest(wrap.points[v])); },
+        [&](int v) {
+            inner.points[first + v] =
+                on_grid(Vector3(0.5 * (wrap.points[v] + target.closest(wrap.points[v]))));
+        },
         64);
     for (const auto& [a, b, c] : wrap.triangles)
         inner.triangles.push_back({first + a, first + b, first + c});
@@ -313,7 +342,7 @@ SurfaceMesh mesh_of(const std::vector<Vector3>& points, const Polygons& faces, c
 
 } // namespace
 
-AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptions& options,
+AutomaticCage automatic_cage(const SurfaceMesh& whole, const AutomaticCageOptions& options,
                              const Progress& progress)
 {
     const auto begin = std::chrono::steady_clock::now();
@@ -322,6 +351,7 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
     if (!(options.margin >= 0.004 && options.margin <= 0.25))
         throw InvalidOption("margin: " + std::to_string(options.margin) + " is not in 0.004 to 0.25");
 
+    const SurfaceMesh target = without_loose_vertices(whole);
     Frame frame = frame_of(target);
     const double unit = normal_unit(target.points());
     TriangleSoup soup = soup_of(target, frame);
@@ -329,7 +359,10 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
     const MirrorPlane mirror = mirror_of(soup, target.vertex_count(), *tree, frame, options.symmetry);
     const int axis = mirror.deviation <= mirror_tolerance || is_forced(options.symmetry) ? mirror.axis : -1;
     if (axis >= 0) {
-        put_on(mirror, frame, soup);
+        if (mirror.through_origin) { // exactly, so that rounding is the same on both sides
+            frame.centre[axis] = 0.0;
+            soup = soup_of(target, frame);
+        }
         add_image(soup, axis);
         tree.emplace(soup.points, soup.triangles);
     }
@@ -342,6 +375,8 @@ AutomaticCage automatic_cage(const SurfaceMesh& target, const AutomaticCageOptio
             return part_of(progress, start + width * from, start + width * to);
         };
         TriangleSoup wrap = wrapped(soup, margin, margin, stage(0.0, 0.5));
+        for (Vector3& p : wrap.points)
+            p = on_grid(p);
         const int wrap_faces = static_cast<int>(wrap.triangles.size());
         if (axis >= 0)
             wrap = positive_half(wrap, axis);

@@ -10,7 +10,7 @@
 
 namespace sinew {
 
-/// All lengths are shares of the diagonal of the target's bounding box.
+/// All lengths are shares of the size of the target (mesh/surface_frame.h).
 struct AutomaticCageOptions
 {
     enum class Symmetry {
@@ -57,15 +57,16 @@ struct AutomaticCage
 ///
 /// A wrap of the target (wrapped()) is simplified outwards and tightened (ProgressiveHull), down to half of
 /// its distance. A symmetric cage is one half and its mirror image, about the plane through the object's
-/// origin if the target is symmetric about that, else through the middle of its box (MirrorTest): exact to
+/// origin if the target is symmetric about that, else through its centroid (MirrorTest): exact to
 /// the last bit about the origin, else to rounding. The result is checked, not assumed: each edge has two
 /// faces that run along it in opposite directions, no two faces cross, no face of the target meets the cage,
 /// and each part lies inside. Where the check fails, or a wrap with many holes cannot become as coarse as
 /// wanted, wraps with twice and four times the margin are tried, and the result is the coarsest good cage.
 ///
 /// Open borders of the target are closed by fans first, so that the wrap does not grow into an open neck.
-/// Loose vertices are inside, too. Equal input gives equal cages. Cost: grows as (diagonal / margin)^2; 1 s
-/// with the default margin.
+/// Loose vertices count nothing, unless no face has an area: then all points are inside. All is computed on a
+/// grid of 1.5e-5 of the size: so the unit of length, the place and the order of vertices and faces choose
+/// nothing, and neither do last bits. Cost: grows as (size / margin)^2; 1 s with the default margin.
 ///
 /// \throw InvalidOption  `faces` or `margin` is out of range.
 /// \throw InvalidMesh    all points are in one place or too far apart to measure, or no good cage was found.

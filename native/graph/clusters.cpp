@@ -2,7 +2,9 @@
 #include "native/graph/clusters.h"
 
 #include "native/core/parallel.h"
+#include "native/mesh/surface_frame.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <functional>
@@ -35,13 +37,14 @@ double rounded(double length)
 }
 
 /// Visits nodes in the order of their distance from a seed along the edges, in rounded lengths.
+/// \param unit  of the lengths
 /// \param distance  (nodes) the distances that `reaches` has noted.
 /// \param visit     visit(node, distance)
 /// \param reaches   reaches(node, distance) says whether the walk goes on to a node; if so, it has noted the
 ///                  distance.
 template <class Visit, class Reaches>
-void grow(const GraphEdges& edges, const Points& rest, int seed, const std::vector<double>& distance,
-          Visit&& visit, Reaches&& reaches)
+void grow(const GraphEdges& edges, const Points& rest, double unit, int seed,
+          const std::vector<double>& distance, Visit&& visit, Reaches&& reaches)
 {
     Front front;
     front.emplace(0.0, seed);
@@ -53,18 +56,35 @@ void grow(const GraphEdges& edges, const Points& rest, int seed, const std::vect
         visit(i, d);
         for (int a = edges.offsets[i]; a < edges.offsets[i + 1]; ++a) {
             const int j = edges.neighbours[a];
-            const double further = d + rounded((rest.row(i) - rest.row(j)).norm());
+            const double further = d + rounded((rest.row(i) - rest.row(j)).norm() / unit);
             if (reaches(j, further))
                 front.emplace(further, j);
         }
     }
 }
 
+/// The frame of a graph by its edges, so that loose nodes count nothing, and idle parts neither.
+SurfaceFrame frame_of(const HandleGraph& graph, const Points& rest)
+{
+    const GraphEdges& edges = graph.edges();
+    std::vector<Vector3> middles;
+    std::vector<double> lengths;
+    for (int i = 0; i < edges.size(); ++i)
+        for (int a = edges.offsets[i]; a < edges.offsets[i + 1]; ++a)
+            if (const int j = edges.neighbours[a]; i < j && !graph.is_idle(i)) {
+                middles.emplace_back(0.5 * (rest.row(i) + rest.row(j)).transpose());
+                lengths.push_back((rest.row(i) - rest.row(j)).norm());
+            }
+    const bool any = std::ranges::any_of(lengths, [](double length) { return length > 0.0; });
+    return any ? frame_of_points(middles, lengths) : SurfaceFrame{};
+}
+
 } // namespace
 
-Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted, const std::vector<int>& numbers)
-    : label(graph.size(), -1)
+Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted) : label(graph.size(), -1)
 {
+    const SurfaceFrame frame = frame_of(graph, rest);
+    unit = frame.size;
     std::vector<double> distance(graph.size(), infinite);
     const auto add = [&](int seed) {
         const int id = static_cast<int>(seeds.size());
@@ -72,7 +92,7 @@ Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted, con
         distance[seed] = 0.0;
         label[seed] = id;
         grow(
-            graph.edges(), rest, seed, distance, [](int, double) {},
+            graph.edges(), rest, unit, seed, distance, [](int, double) {},
             [&](int j, double further) {
                 if (graph.hard(j) != graph.hard(seed) || !(further < distance[j]))
                     return false;
@@ -81,17 +101,17 @@ Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted, con
                 return true;
             });
     };
-    const std::vector<int> by_number = new_numbers(numbers);
-    for (int i : by_number)
+    const std::vector<int> by_rank = order_by_place(view(rest), frame), ranks = new_numbers(by_rank);
+    for (int i : by_rank)
         if (!graph.is_idle(i) && label[i] < 0)
             add(i); // each part of each region needs a seed
-    std::priority_queue<Entry> farthest; // the second is minus the number, so that the lowest comes first
-    for (int i : by_number)
+    std::priority_queue<Entry> farthest; // the second is minus the rank, so that the lowest comes first
+    for (int i : by_rank)
         if (!graph.is_idle(i))
-            farthest.emplace(distance[i], -numbers[i]);
+            farthest.emplace(distance[i], -ranks[i]);
     while (static_cast<int>(seeds.size()) < wanted && !farthest.empty()) {
         const auto [d, minus] = farthest.top();
-        const int i = by_number[-minus];
+        const int i = by_rank[-minus];
         farthest.pop();
         if (d > distance[i]) {
             farthest.emplace(distance[i], minus); // a seed added since then is nearer
@@ -120,7 +140,7 @@ ClusterMap::ClusterMap(const HandleGraph& graph, const Points& rest, const Clust
         distance[seed] = 0.0;
         touched = {seed};
         grow(
-            graph.edges(), rest, seed, distance,
+            graph.edges(), rest, clusters.unit, seed, distance,
             [&](int i, double d) {
                 const double height = reach > 0 ? 1.0 - d / reach : 1.0;
                 shares[i].emplace_back(s, height * height);

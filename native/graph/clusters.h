@@ -13,20 +13,20 @@ namespace sinew {
 /// over the nodes that are nearer to it than to any other seed. No cluster crosses the border of a handle;
 /// idle nodes are in no cluster.
 ///
-/// Edges are measured in lengths that are rounded up to one of eight numbers per octave, so that sums of them
-/// are exact and equal distances stay equal, and equally far nodes are taken by their numbers. Thus the last
-/// bits of the rest shape do not choose the clusters, except where a length lies just beside a bound.
+/// Edges are measured in shares of the size of the graph that are rounded up to one of eight numbers per
+/// octave, so that sums of them are exact and equal distances stay equal, and equally far nodes are taken by
+/// their places (order_by_place()). Thus neither the unit of length, nor the order of the nodes, nor the last
+/// bits of the rest shape choose the clusters, except where a length lies just beside a bound.
 struct Clusters
 {
     std::vector<int> label; ///< the cluster of each node, -1 for idle nodes
     std::vector<int> seeds; ///< the node from which each cluster grew
+    double unit = 1.0;   ///< the size of the graph, by the moments of its edges
     double radius = 0.0; ///< the largest distance of a node from its seed along the edges, in rounded lengths
 
     /// \param rest     (nodes, 3) where the nodes are.
     /// \param wanted   number of clusters; there may be more, as each part of each region has one at least.
-    /// \param numbers  (nodes) a permutation; of equally far nodes, the one with the lowest number comes
-    ///                 first. It is to depend on more than the last bits of the rest shape.
-    Clusters(const HandleGraph& graph, const Points& rest, int wanted, const std::vector<int>& numbers);
+    Clusters(const HandleGraph& graph, const Points& rest, int wanted);
 };
 
 /// Takes values from the nodes of a graph to its clusters and back.

@@ -45,12 +45,12 @@ Multiresolution::Multiresolution(const SurfaceMesh& rest, std::shared_ptr<Surfac
 {
     if (!base)
         throw InvalidOption("base: there is no method to put this one around");
-    if (!(base->rest() == rest))
+    if (!(base->rest() == SurfaceMethod::rest()))
         throw InvalidOption("base: its rest shape is another one; make both on the same mesh");
     options.check();
     impl_->base = std::move(base);
     impl_->options = options;
-    impl_->rings = std::make_shared<const RingRotations>(rest);
+    impl_->rings = std::make_shared<const RingRotations>(SurfaceMethod::rest());
 }
 
 Multiresolution::~Multiresolution() = default;

@@ -38,9 +38,7 @@ void CascadeStart::build(const HandleGraph& nodes, const GraphCells& cells, cons
 {
     if (nodes.free_count() == 0)
         return;
-    std::vector<int> numbers(vertex_count_);
-    std::iota(numbers.begin(), numbers.end(), 0);
-    level_ = RotationLevel::coarser(nodes, cells, rest, numbers);
+    level_ = RotationLevel::coarser(nodes, cells, rest);
     if (level_) {
         below_ = RotationCascade(level_->graph, level_->rest, progress);
         return;

@@ -58,12 +58,14 @@ RotationLevel::RotationLevel(const HandleGraph& finer, const GraphCells& cells, 
 }
 
 std::optional<RotationLevel> RotationLevel::coarser(const HandleGraph& finer, const GraphCells& cells,
-                                                    const Points& finer_rest, const std::vector<int>& numbers)
+                                                    const Points& finer_rest)
 {
-    if (finer.size() / coarsening < fewest_nodes)
+    int active = 0; // loose vertices and parts without a handle count nothing
+    for (int i = 0; i < finer.size(); ++i)
+        active += finer.is_idle(i) ? 0 : 1;
+    if (active / coarsening < fewest_nodes)
         return {};
-    const Clusters clusters(finer, finer_rest, finer.size() / coarsening, numbers);
-    const auto active = std::ranges::count_if(clusters.label, [](int p) { return p >= 0; });
+    const Clusters clusters(finer, finer_rest, active / coarsening);
     if (clusters.seeds.size() > worthwhile * active)
         return {};
     try {
@@ -95,7 +97,7 @@ RotationCascade::RotationCascade(const RotationGraph& fine, const Points& rest, 
     // Where no node is free, nothing needs a start.
     while (fine.free_count() > 0 && static_cast<int>(levels_.size()) < most_levels) {
         progress.tick(0.6 + 0.4 * levels_.size() / most_levels, "clustering");
-        auto level = RotationLevel::coarser(graph->nodes(), graph->cells(), *points, graph->order());
+        auto level = RotationLevel::coarser(graph->nodes(), graph->cells(), *points);
         if (!level)
             break;
         levels_.push_back(std::move(*level));

@@ -28,9 +28,8 @@ struct RotationLevel
 
     /// The level above a graph with an eighth of its nodes; none if there would be too few, or nearly as
     /// many, or if it cannot be factorised.
-    /// \param numbers  see Clusters.
     static std::optional<RotationLevel> coarser(const HandleGraph& finer, const GraphCells& cells,
-                                                const Points& finer_rest, const std::vector<int>& numbers);
+                                                const Points& finer_rest);
 };
 
 /// Where the handles want the held and the pulled nodes of a graph.

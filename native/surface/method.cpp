@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/finite.h"
+#include "native/mesh/sides.h"
 #include "native/surface/substeps.h"
 
 #include <algorithm>
@@ -27,8 +28,8 @@ void tell(const Riders& riders, BindReport& report)
 } // namespace
 
 SurfaceMethod::SurfaceMethod(const SurfaceMesh& rest)
-    : rest_(std::make_shared<const SurfaceMesh>(rest)), parts_(connected_components(*rest_)),
-      regions_({}, parts_)
+    : rest_(std::make_shared<const SurfaceMesh>(with_sides_of_the_whole(rest))),
+      parts_(connected_components(*rest_)), regions_({}, parts_)
 {
 }
 

@@ -94,6 +94,7 @@ public:
     /// \throw Cancelled          by the request's progress.
     SolveReport solve(const SolveRequest& request, Points& positions) const;
 
+    /// The rest shape, with_sides_of_the_whole().
     const SurfaceMesh& rest() const { return *rest_; }
     /// What the last bind was for; the next one replaces it.
     const Regions& regions() const { return regions_; }

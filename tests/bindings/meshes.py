@@ -41,6 +41,18 @@ def sphere(level: int) -> tuple[np.ndarray, np.ndarray]:
     return np.array(points), np.array(faces)
 
 
+def spread(points: np.ndarray, faces: np.ndarray) -> float:
+    """The size of a surface: four times the root mean square of the distance of its area from its middle."""
+    fans = [np.stack((faces[:, 0], faces[:, k - 1], faces[:, k]), axis=1) for k in range(2, faces.shape[1])]
+    corners = points[np.concatenate(fans)]
+    sides = corners[:, 1:] - corners[:, :1]
+    doubled = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    middles = (corners + np.roll(corners, 1, axis=1)) / 2  # three points with a third of the area: exact
+    weights = np.repeat(doubled[:, None], 3, axis=1) / (3 * doubled.sum())
+    centre = np.einsum("tk,tkx->x", weights, middles)
+    return 4 * np.sqrt(np.einsum("tk,tkx->", weights, (middles - centre) ** 2))
+
+
 def ends(points: np.ndarray, depth: float = 1.6) -> list[np.ndarray]:
     """Vertices near the lowest and the highest x."""
     x = points[:, 0]

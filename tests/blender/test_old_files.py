@@ -52,6 +52,7 @@ def test_it_shows_what_it_showed_with_its_cages_and_goes_on(
         obj = bpy.data.objects[name]
         assert np.abs(evaluated_points(obj) - expected(obj)).max() < FLOAT32
         assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+        assert obj.sinew.active.sizes == "BOX", "shares of a size mean what they meant"
     for name, (cage, owned) in CAGES.items():
         obj = bpy.data.objects[name]
         deformer = obj.sinew.active

@@ -64,6 +64,13 @@ class Reproduced(Enum):
     AFFINE_MAPS = "affine maps"
 
 
+class Size(Enum):
+    """The sizes that parameters are shares of, as the native module measures them."""
+
+    SURFACE = "of the surface"  # of each part of it, ``SurfaceMesh.sizes``
+    HANDLES = "of all handles"  # the ``diameter`` of their points
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A value that the artist may set.
@@ -101,7 +108,8 @@ class Float(Parameter):
     """A real number.
 
     ``step`` is how much one click on an arrow of its field adds. If it is ``paintable``, a vertex group may
-    scale it per vertex.
+    scale it per vertex. ``share_of`` says which size it is a share of, if of any; ``share_with`` a choice of
+    the same method, and its value with which it is one.
     """
 
     minimum: float = 0.0
@@ -110,6 +118,13 @@ class Float(Parameter):
     precision: int = 3
     step: float = 0.01
     paintable: bool = False  # type: ignore[misc]  # rows set it, while all other types share one value
+    share_of: Size | None = None
+    share_with: tuple[str, str] | None = None
+
+    def size_in_use(self, settings: object) -> Size | None:
+        """The size that it is a share of. ``settings`` has the parameters of the method as attributes."""
+        chosen = self.share_with is None or getattr(settings, self.share_with[0]) == self.share_with[1]
+        return self.share_of if chosen else None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -164,8 +179,8 @@ class Pointer(Parameter):
 class Box(Pointer):
     """An object whose cube from -1 to 1 is the box that the method fills, around the shape if none is chosen.
 
-    The native module gets the frame of the cube in the space of the target, (3, 4) float64, or None for a box
-    along the axes of that space. After Apply, that is the box in which the shape rested before.
+    The native module gets the frame of the cube in the space of the target, (3, 4) float64, or the surface of
+    the target, along whose own axes the box is then. See ``SinewDeformer.sizes`` for earlier builds.
     """
 
 

@@ -185,7 +185,7 @@ ROWS = (
                 advanced=True,
                 label="Box",
                 description="An empty whose cube, of size 1, the hidden lattice fills; without one, it fills "
-                "a box around the shape and its handles",
+                "a box around the surface, along the axes of that",
             ),
         ),
     ),

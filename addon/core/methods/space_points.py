@@ -16,6 +16,7 @@ from .schema import (
     Moved,
     Posed,
     Reproduced,
+    Size,
     factorising,
     per_pair,
 )
@@ -72,9 +73,10 @@ ROWS = (
                 rebinds=True,
                 only_with=("kernel", ("wendland_c2", "wendland_c4")),
                 unit="size of all handles",
+                share_of=Size.HANDLES,
                 label="Radius",
-                description="How far a handle point reaches, relative to the longest side of the box around "
-                "all of them",
+                description="How far a handle point reaches, relative to the diameter of a ball around all "
+                "of them",
             ),
             Int(
                 "degree",

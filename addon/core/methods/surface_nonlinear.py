@@ -13,6 +13,7 @@ from .schema import (
     Method,
     Moved,
     Reproduced,
+    Size,
     factorising,
 )
 
@@ -26,7 +27,7 @@ CELLS = (
 )
 
 MEASURES = (
-    ("share", "Share of the Size", "Thickness is a share of the diagonal of the box around the rest shape"),
+    ("share", "Share of the Size", "Thickness is a share of the size of each part of the surface"),
     ("length", "Length", "Thickness is a length"),
     ("stiffness", "Stretching and Bending", "Both stiffnesses are set by themselves"),
 )
@@ -66,6 +67,8 @@ ROWS = (
                 rebinds=True,
                 only_with=("measure", ("share", "length")),
                 unit="share of the size, or a length",
+                share_of=Size.SURFACE,
+                share_with=("measure", "share"),
                 label="Thickness",
                 description="How thick the sheet is: a thin one bends like paper, a thick one stretches. "
                 "Paint a vertex group to let thin parts fold",
@@ -228,9 +231,10 @@ ROWS = (
                 paintable=True,
                 rebinds=True,
                 unit="share of the size",
+                share_of=Size.SURFACE,
                 label="Height",
                 description="How far the prisms on the faces reach above and below the surface, as a share "
-                "of the diagonal of its bounding box. Higher prisms resist bending and twisting more. "
+                "of the size of the part that they are on. Higher prisms resist bending and twisting more. "
                 "Paint a vertex group to let regions bend that are less thick",
             ),
             Int(

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from bpy.types import CurveMapping, NodeTree, Object, PropertyGroup, ShaderNodeFloatCurve
 
-from ...backend import Shape
+from ...backend import AxisBox, Shape
 from ...compat import read_faces, read_positions
 from ...core.errors import OptionError
 from ...core.geometry import frames
@@ -106,19 +106,17 @@ def _referring(settings: SinewDeformer) -> Iterator[tuple[PropertyGroup, Paramet
             yield values, parameter
 
 
-def box(values: PropertyGroup, parameter: Box, rest: RestShape) -> np.ndarray | None:
-    """The frame (3, 4) of a cube from -1 to 1; None for a box along the axes of the target."""
+def box(values: PropertyGroup, parameter: Box, rest: RestShape, of_boxes: bool) -> object:
+    """The frame (3, 4) of a cube from -1 to 1; or what the box is around, None for all points and handles.
+
+    ``of_boxes``: it is one along the axes.
+    """
     chosen = value(values, parameter)
     if isinstance(chosen, np.ndarray):
         return chosen
-    if np.array_equal(rest.frame, np.eye(4)) or not len(rest.points):
-        return None
-    stored = frames.transformed(np.linalg.inv(rest.frame), rest.points)
-    low, high = stored.min(axis=0), stored.max(axis=0)
-    longest = (high - low).max() or 1.0
-    sides = np.where(high - low > 1e-6 * longest, high - low, longest) + 0.1 * longest
-    cube = np.column_stack((np.diag(0.5 * sides), 0.5 * (low + high)))
-    return (rest.frame @ np.vstack((cube, (0.0, 0.0, 0.0, 1.0))))[:3]
+    if of_boxes:
+        return AxisBox(rest.points, rest.frame)
+    return Shape(rest.points, (rest.counts, rest.corners)) if len(rest.counts) else None
 
 
 def compared(values: PropertyGroup, parameter: Parameter) -> object:

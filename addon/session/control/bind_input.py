@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from bpy.types import PropertyGroup
 
-from ...backend import Base, Recipe
+from ...backend import Base, BoxShare, Recipe
 from ...core.elements import NO_ELEMENTS, Elements, Owner
 from ...core.methods import (
     METHODS,
@@ -84,7 +84,7 @@ class BindInput:
 
 def option_values(settings: SinewDeformer, rebinds: bool = True) -> tuple:
     """The settings that a factor depends on, or those that a solve depends on, for comparison."""
-    found: list = []
+    found: list = [("sizes", settings.sizes)]
     for method, values in settings.methods:
         plain, referring = _NAMES[method.id, rebinds]
         found += [(name, getattr(values, name)) for name in plain]
@@ -98,13 +98,14 @@ def options(settings: SinewDeformer, rest: RestShape) -> dict[str, object]:
     A parameter whose vertex group is gone has its plain value; ``unpainted`` says so.
     """
     own, *bases = settings.methods
-    found = _options(*own, rest)
+    of_boxes = settings.sizes == "BOX"
+    found = _options(*own, rest, of_boxes)
     for method, values in bases:
-        found[BASE] = Base(method, _options(method, values, rest))
+        found[BASE] = Base(method, _options(method, values, rest, of_boxes))
     return found
 
 
-def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str, object]:
+def _options(method: Method, values: PropertyGroup, rest: RestShape, of_boxes: bool) -> dict[str, object]:
     found: dict[str, object] = {}
     for parameter in method.parameters:
         if not parameter.rebinds:
@@ -113,7 +114,7 @@ def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str
             found[parameter.id] = rest.uv_maps.get(getattr(values, parameter.id))
             continue
         if isinstance(parameter, Box):
-            found[parameter.id] = references.box(values, parameter, rest)
+            found[parameter.id] = references.box(values, parameter, rest, of_boxes)
             continue
         if isinstance(parameter, MeshShape):
             found[parameter.id] = references.mesh_shape(values, parameter, rest)
@@ -122,6 +123,9 @@ def _options(method: Method, values: PropertyGroup, rest: RestShape) -> dict[str
         painted = rest.weights.get(getattr(values, group_property(parameter), ""))
         if isinstance(parameter, Float) and painted is not None:
             value = np.maximum(value * painted.astype(np.float64), parameter.minimum)
+        size = parameter.size_in_use(values) if of_boxes and isinstance(parameter, Float) else None
+        if size is not None:
+            value = BoxShare(value, size)
         found[parameter.id] = value
     return found
 

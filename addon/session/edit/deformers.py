@@ -28,6 +28,7 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
     deformer = obj.sinew.deformers.add()
     deformer.complete()
     deformer.uid = shapes.new_key()
+    deformer.sizes = "SURFACE"
     taken = [other.name for other in obj.sinew.deformers if other.uid != deformer.uid]
     deformer.method = method
     deformer.name = name or unique_name(BY_ID[method].label, taken)

@@ -37,7 +37,7 @@ class InverseFfd(SpaceMethod):
         basis: Literal["bspline", "bezier"] = "bspline",
         degree: int = 3,
         cut_off: float = 1e-3,
-        frame: ArrayLike | None = None,
+        frame: SurfaceMesh | ArrayLike | None = None,
     ) -> None: ...
     @property
     def lattice(self) -> Floats: ...

@@ -2,6 +2,7 @@
 #include "native/space/handle_points/handle_points.h"
 
 #include "native/core/finite.h"
+#include "native/mesh/enclosing_ball.h"
 
 #include <algorithm>
 #include <cmath>
@@ -66,11 +67,10 @@ HandlePoints::HandlePoints(PointsView points, std::vector<int> counts, std::vect
                                 Error::Element::handle, handles);
     }
     corner_ = points.colwise().minCoeff().transpose();
-    size_ = (points.colwise().maxCoeff().transpose() - corner_).maxCoeff();
-    if (!(size_ > 0.0))
-        size_ = 1.0;
-    if (!std::isfinite(size_))
+    const double longest = (points.colwise().maxCoeff().transpose() - corner_).maxCoeff();
+    if (!std::isfinite(longest))
         throw InvalidConstraint("the handle points lie too far apart");
+    size_ = longest > 0.0 ? 2.0 * longest * enclosing_ball(points / longest).radius : 1.0;
     columns_.push_back(0);
     for (int h = 0; h < handle_count(); ++h)
         columns_.push_back(columns_.back() + (is_single(h) ? 1 : 4));

@@ -52,7 +52,8 @@ public:
     /// The control at rest. Rows [column(h), column(h + 1)) belong to handle h.
     const Points& control() const { return control_; }
     int column(int handle) const { return columns_[handle]; }
-    /// (3) the lowest corner of the box around the points, and its longest side; 1 if all are one point.
+    /// (3) the lowest corner of the box around the points, and the diameter of the smallest ball around them;
+    /// 1 if all are one point.
     const Vector3& corner() const { return corner_; }
     double size() const { return size_; }
 

@@ -3,10 +3,12 @@
 
 #include "native/core/errors.h"
 #include "native/core/memory.h"
+#include "native/mesh/surface_frame.h"
 #include "native/space/handle_points/handle_points.h"
 #include "native/space/lattice/grid/placing.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
@@ -22,23 +24,30 @@ namespace {
 constexpr int most_points = 16; ///< along each axis
 constexpr double margin = 0.05; ///< of the box, on each side, as a share of its longest side
 
-/// A box around points; a side without length gets that of the longest one.
+/// A box around points along the axes of a frame; a side without length gets that of the longest one.
+Pose box_along(const SurfaceFrame& frame, const std::vector<Vector3>& points)
+{
+    Eigen::AlignedBox3d around;
+    for (const Vector3& p : points)
+        around.extend(frame.in(p));
+    const double longest = around.sizes().maxCoeff() > 0.0 ? around.sizes().maxCoeff() : 1.0;
+    Pose box;
+    for (int axis = 0; axis < 3; ++axis) {
+        const double side = around.sizes()[axis] > 1e-6 * longest ? around.sizes()[axis] : longest;
+        box.col(axis) = (0.5 * side + margin * longest) * frame.axes.col(axis);
+    }
+    box.col(3) = frame.out(around.center());
+    return box;
+}
+
 Pose box_around(const PointsView& points, const Points& handles)
 {
-    Vector3 low = handles.colwise().minCoeff().transpose(), high = handles.colwise().maxCoeff().transpose();
-    if (points.rows() > 0) {
-        low = low.cwiseMin(points.colwise().minCoeff().transpose());
-        high = high.cwiseMax(points.colwise().maxCoeff().transpose());
-    }
-    const double longest = (high - low).maxCoeff() > 0.0 ? (high - low).maxCoeff() : 1.0;
-    Pose box = Pose::Zero();
-    for (int axis = 0; axis < 3; ++axis) {
-        const double side = high[axis] - low[axis] > 1e-6 * longest ? high[axis] - low[axis] : longest;
-        const double middle = 0.5 * (low[axis] + high[axis]);
-        box(axis, axis) = 0.5 * side + margin * longest;
-        box(axis, 3) = middle;
-    }
-    return box;
+    std::vector<Vector3> all;
+    for (Eigen::Index i = 0; i < handles.rows(); ++i)
+        all.emplace_back(handles.row(i).transpose());
+    for (Eigen::Index i = 0; i < points.rows(); ++i)
+        all.emplace_back(points.row(i).transpose());
+    return box_along(frame_of_points(all, std::vector<double>(all.size(), 1.0)), all);
 }
 
 /// The points that lie at exactly the place of an earlier one.
@@ -56,6 +65,17 @@ std::vector<int> coinciding(const Points& points)
 }
 
 } // namespace
+
+Pose InverseFfd::box_around(const SurfaceMesh& surface)
+{
+    std::vector<Vector3> corners;
+    for (const Triangle& t : surface.triangles())
+        for (const int v : t)
+            corners.push_back(surface.point(v));
+    for (int v = 0; surface.triangles().empty() && v < surface.vertex_count(); ++v)
+        corners.push_back(surface.point(v));
+    return box_along(surface_frame(surface), corners);
+}
 
 InverseFfd::InverseFfd(PointsView handles, const InverseFfdOptions& options)
     : handles_(handles), options_(options)
@@ -76,7 +96,7 @@ InverseFfd::InverseFfd(PointsView handles, const InverseFfdOptions& options)
 
 void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress& progress)
 {
-    const Pose box = options_.frame ? *options_.frame : box_around(points, handles_);
+    const Pose box = options_.frame ? *options_.frame : sinew::box_around(points, handles_);
     const auto& n = options_.resolution;
     Points rest(n[0] * n[1] * n[2], 3);
     for (int k = 0, row = 0; k < n[2]; ++k)

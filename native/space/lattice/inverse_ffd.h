@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/mesh/surface_mesh.h"
 #include "native/space/lattice/grid/rest_grid.h"
 #include "native/space/method.h"
 
@@ -20,7 +21,7 @@ struct InverseFfdOptions
     /// still.
     double cut_off = 1e-3;
     /// The lattice fills the image of the cube from -1 to 1; without it, a box a tenth longer than that
-    /// around the points and the handles.
+    /// around the points and the handles, along the axes in which these are spread most and least.
     std::optional<Pose> frame;
     /// (c) in (0, 1], how much the squared error at each constraint counts; empty where all are 1.
     std::vector<double> weights{};
@@ -54,6 +55,10 @@ public:
     /// \throw InvalidConstraint  there is none, some are not finite, or there is another number of weights.
     /// \throw InvalidOption      an option is out of range.
     explicit InverseFfd(PointsView handles, const InverseFfdOptions& options = {});
+
+    /// The box around the faces of a surface, along the axes of its frame, for InverseFfdOptions::frame:
+    /// loose vertices count nothing.
+    static Pose box_around(const SurfaceMesh& surface);
 
     /// (l, 3) the control points at rest, once points are bound.
     Points lattice() const;

@@ -5,6 +5,7 @@
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/mesh/normal_frame.h"
+#include "native/mesh/surface_frame.h"
 #include "native/operators/laplacian.h"
 #include "native/operators/painted.h"
 #include "native/operators/rotation_fit.h"
@@ -289,9 +290,9 @@ void Primo::bind(const Regions& regions, BindReport& report, const Progress& pro
     if (self.degenerate_faces < 0)
         self.degenerate_faces = degenerate_face_count(mesh);
     std::vector<double> height = self.height;
-    const double diagonal = (mesh.points().colwise().maxCoeff() - mesh.points().colwise().minCoeff()).norm();
-    for (double& h : height)
-        h *= diagonal;
+    const std::vector<double> sizes = part_sizes(mesh);
+    for (std::size_t v = 0; v < height.size(); ++v)
+        height[v] *= sizes[v];
     Prisms prisms(mesh, regions, height);
     progress.tick(0.2, "factorising");
     auto next =

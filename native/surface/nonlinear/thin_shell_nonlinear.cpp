@@ -5,6 +5,7 @@
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/mesh/normal_frame.h"
+#include "native/mesh/surface_frame.h"
 #include "native/operators/laplacian.h"
 #include "native/operators/painted.h"
 #include "native/operators/rotation_fit.h"
@@ -14,6 +15,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <optional>
@@ -43,15 +45,11 @@ struct Stiffnesses
     std::vector<double> stretching, bending;
 };
 
-double diagonal_of(const Points& points)
-{
-    return (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
-}
-
-/// \param diagonal, unit  in the unit that the method computes in, and that unit.
-Stiffnesses stiffnesses(const ThinShellNonlinearOptions& options, int n, double diagonal, double unit)
+/// \param unit  that the method computes in.
+Stiffnesses stiffnesses(const ThinShellNonlinearOptions& options, const SurfaceMesh& mesh, double unit)
 {
     using Measure = ThinShellNonlinearOptions::Measure;
+    const int n = mesh.vertex_count();
     const auto numbers = [n](const std::vector<double>& values, double least, const char* name) {
         std::vector<double> all = painted(values, n, least, name);
         return all.empty() ? std::vector<double>(n, 0.0) : all; // zero everywhere
@@ -67,9 +65,10 @@ Stiffnesses stiffnesses(const ThinShellNonlinearOptions& options, int n, double 
             b /= unit * unit;
         return k;
     }
-    const double length = options.measure == Measure::share ? diagonal : 1.0 / unit;
-    for (double& t : thickness)
-        t = t * length * t * length;
+    const std::vector<double> lengths =
+        options.measure == Measure::share ? part_sizes(mesh) : std::vector<double>(n, 1.0);
+    for (int v = 0; v < n; ++v)
+        thickness[v] = std::pow(thickness[v] * lengths[v] / unit, 2);
     return {std::vector<double>(n, 1.0), std::move(thickness)};
 }
 
@@ -295,8 +294,7 @@ ThinShellNonlinear::ThinShellNonlinear(const SurfaceMesh& rest, const ThinShellN
     require_at_least(options.max_iterations, 1, "max_iterations");
     impl_->options = options;
     impl_->unit = normal_unit(rest.points());
-    impl_->stiffnesses =
-        stiffnesses(options, rest.vertex_count(), diagonal_of(rest.points()) / impl_->unit, impl_->unit);
+    impl_->stiffnesses = stiffnesses(options, rest, impl_->unit);
 }
 
 ThinShellNonlinear::~ThinShellNonlinear() = default;

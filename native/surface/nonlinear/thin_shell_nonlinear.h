@@ -11,8 +11,9 @@ namespace sinew {
 
 struct ThinShellNonlinearOptions
 {
-    /// What says how stiff the sheet is: a thickness t, as a share of the diagonal of the box around the rest
-    /// shape or as a length, with k_s = 1 and k_b = t^2; or k_s and k_b themselves.
+    /// What says how stiff the sheet is: a thickness t, as a share of the size of the part that a vertex is
+    /// in (part_sizes() in mesh/surface_frame.h) or as a length, with k_s = 1 and k_b = t^2; or k_s and k_b
+    /// themselves.
     enum class Measure { share, length, stiffness } measure = Measure::share;
     /// t, one number >= 0, or one per vertex (painted). Only for a share or a length.
     std::vector<double> thickness{0.02};

@@ -276,8 +276,13 @@ TEST(AutomaticCage, takes_flat_open_and_loose_targets_of_any_scale)
 {
     const SurfaceMesh flat = shapes::grid(6, 6);
     expect_good(automatic_cage(flat, {.faces = 40, .margin = wide}), flat);
-    const SurfaceMesh loose = shapes::mesh({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {3, 3, 3}}, {{0, 1, 2}});
-    expect_good(automatic_cage(loose, {.faces = 80, .margin = wide}), loose);
+    const std::vector<Vector3> corners{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {3, 3, 3}};
+    const SurfaceMesh one = shapes::mesh({corners.begin(), corners.end() - 1}, {{0, 1, 2}});
+    const AutomaticCage cage = automatic_cage(one, {.faces = 80, .margin = wide});
+    expect_good(cage, one);
+    const SurfaceMesh loose = shapes::mesh(corners, {{0, 1, 2}}), cloud = shapes::mesh(corners, {});
+    EXPECT_EQ(automatic_cage(loose, {.faces = 80, .margin = wide}).points, cage.points);
+    expect_good(automatic_cage(cloud, {.faces = 80, .margin = wide}), cloud);
     const SurfaceMesh line = shapes::mesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}});
     expect_good(automatic_cage(line, {.faces = 40, .margin = wide}), line);
     for (double scale : {1e-6, 1e6}) {

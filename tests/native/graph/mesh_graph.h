@@ -7,7 +7,6 @@
 #include "native/operators/laplacian.h"
 #include "tests/native/shapes.h"
 
-#include <numeric>
 #include <vector>
 
 namespace sinew::graphs {
@@ -26,14 +25,6 @@ inline GraphEdges edges_of(const SurfaceMesh& mesh)
         edges.offsets.push_back(static_cast<int>(edges.neighbours.size()));
     }
     return edges;
-}
-
-/// The numbers that nodes have anyway.
-inline std::vector<int> own_numbers(const HandleGraph& graph)
-{
-    std::vector<int> numbers(graph.size());
-    std::iota(numbers.begin(), numbers.end(), 0);
-    return numbers;
 }
 
 /// A bar held at one end and held or pulled at the other, beside a sphere that nothing holds.

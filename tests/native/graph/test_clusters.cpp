@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -22,7 +23,7 @@ struct Level
     Points rest;
 
     Level(const HandleGraph& finer, const Points& finer_rest, int wanted)
-        : map(finer, finer_rest, Clusters(finer, finer_rest, wanted, graphs::own_numbers(finer))),
+        : map(finer, finer_rest, Clusters(finer, finer_rest, wanted)),
           graph(graph_of_clusters(finer, finer_rest, map)), rest(map.restrict(view(finer_rest)))
     {
     }
@@ -49,14 +50,14 @@ struct Setting : graphs::BarAndSphere
 TEST(Clusters, are_as_many_as_wanted_and_reach_as_far_as_they_say)
 {
     const Setting setting;
-    const Clusters clusters(setting.graph, setting.mesh.points(), 50, graphs::own_numbers(setting.graph));
+    const Clusters clusters(setting.graph, setting.mesh.points(), 50);
     EXPECT_EQ(clusters.seeds.size(), 50u);
     for (std::size_t c = 0; c < clusters.seeds.size(); ++c)
         EXPECT_EQ(clusters.label[clusters.seeds[c]], static_cast<int>(c));
     for (int i = 0; i < setting.graph.size(); ++i)
         if (clusters.label[i] >= 0) {
             const Vector3 seed = setting.mesh.point(clusters.seeds[clusters.label[i]]);
-            EXPECT_LE((setting.mesh.point(i) - seed).norm(), clusters.radius * (1 + 1e-12));
+            EXPECT_LE((setting.mesh.point(i) - seed).norm(), clusters.radius * clusters.unit * (1 + 1e-12));
         }
 }
 
@@ -64,22 +65,22 @@ TEST(Clusters, do_not_depend_on_last_bits_of_the_rest_shape_or_on_the_order_of_n
 {
     const Setting setting;
     const Points& rest = setting.mesh.points();
-    const std::vector<int> numbers = graphs::own_numbers(setting.graph);
-    const Clusters clusters(setting.graph, rest, setting.graph.size() / 4, numbers);
+    const Clusters clusters(setting.graph, rest, setting.graph.size() / 4);
 
     shapes::Random random(5);
     Points noisy = rest;
     for (int i = 0; i < noisy.rows(); ++i)
         noisy.row(i) += 1e-6 * random.vector().transpose();
-    const Clusters again(setting.graph, noisy, setting.graph.size() / 4, numbers);
+    const Clusters again(setting.graph, noisy, setting.graph.size() / 4);
     EXPECT_EQ(again.seeds, clusters.seeds);
     EXPECT_EQ(again.label, clusters.label);
 
-    const std::vector<int> reversed(numbers.rbegin(), numbers.rend());
+    std::vector<int> reversed(setting.graph.size());
+    std::iota(reversed.rbegin(), reversed.rend(), 0);
     Points others(rest.rows(), 3);
     for (int i = 0; i < rest.rows(); ++i)
         others.row(i) = rest.row(reversed[i]);
-    const Clusters turned(setting.graph.renumbered(reversed), others, setting.graph.size() / 4, reversed);
+    const Clusters turned(setting.graph.renumbered(reversed), others, setting.graph.size() / 4);
     for (int i = 0; i < rest.rows(); ++i)
         EXPECT_EQ(turned.label[i], clusters.label[reversed[i]]);
 }

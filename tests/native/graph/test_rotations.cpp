@@ -95,8 +95,7 @@ TEST(HandedDownRotations, are_means_of_those_near_whatever_their_signs)
 {
     const Setting setting;
     const ClusterMap map(setting.graph, setting.mesh.points(),
-                         Clusters(setting.graph, setting.mesh.points(), setting.graph.size() / 4,
-                                  graphs::own_numbers(setting.graph)));
+                         Clusters(setting.graph, setting.mesh.points(), setting.graph.size() / 4));
     const Points means = map.restrict(view(setting.mesh.points()));
     std::vector<Eigen::Quaterniond> twist;
     for (int p = 0; p < map.cluster_count(); ++p) {

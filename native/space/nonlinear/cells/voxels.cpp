@@ -58,12 +58,34 @@ bool have_common(const std::vector<int>& a, const std::vector<int>& b)
     return false;
 }
 
+/// The box around all faces; without any, around all points.
+std::pair<Vector3, Vector3> box_of(const SurfaceMesh& mesh)
+{
+    Eigen::AlignedBox3d box;
+    for (const Triangle& t : mesh.triangles())
+        for (const int v : t)
+            box.extend(mesh.point(v));
+    if (box.isEmpty())
+        for (int v = 0; v < mesh.vertex_count(); ++v)
+            box.extend(mesh.point(v));
+    return {box.min(), box.sizes()};
+}
+
+/// Which vertices cells have to hold: those of faces, or all if there is no face.
+std::vector<char> filled_vertices(const SurfaceMesh& mesh)
+{
+    std::vector<char> filled(mesh.vertex_count(), mesh.triangles().empty());
+    for (const Triangle& t : mesh.triangles())
+        for (const int v : t)
+            filled[v] = 1;
+    return filled;
+}
+
 } // namespace
 
 Voxels::Voxels(const SurfaceMesh& mesh, int wanted, int levels, const Progress& progress)
 {
-    const Vector3 extent = (mesh.points().colwise().maxCoeff() - mesh.points().colwise().minCoeff());
-    const double longest = std::max(extent.maxCoeff(), 1e-12);
+    const double longest = std::max(box_of(mesh).second.maxCoeff(), 1e-12);
     double side = longest / std::cbrt(static_cast<double>(wanted)), best = 0.0,
            least = std::numeric_limits<double>::infinity();
     for (int k = 0; k < tries; ++k) {
@@ -86,9 +108,8 @@ Voxels::Voxels(const SurfaceMesh& mesh, int wanted, int levels, const Progress& 
 
 void Voxels::lay_out(const SurfaceMesh& mesh, double side)
 {
-    const Vector3 low = mesh.points().colwise().minCoeff().transpose(),
-                  extent = mesh.points().colwise().maxCoeff().transpose() - low;
-    const auto size = [&](double s) {
+    const auto [low, extent] = box_of(mesh);
+    const auto size = [&, extent = extent](double s) {
         double product = 1.0;
         for (int axis = 0; axis < 3; ++axis)
             product *= std::floor(extent[axis] / s) + 3.0;
@@ -150,9 +171,11 @@ int Voxels::fill(const SurfaceMesh& mesh, int levels)
         touched_by(mesh.point(a), mesh.point(b), mesh.point(c),
                    [&](std::size_t voxel) { put(voxel, t, components.labels[a]); });
     }
+    const std::vector<char> filled = filled_vertices(mesh);
     for (int v = 0; v < mesh.vertex_count(); ++v)
-        touched_by(mesh.point(v), mesh.point(v), mesh.point(v),
-                   [&](std::size_t voxel) { put(voxel, -1, components.labels[v]); });
+        if (filled[v])
+            touched_by(mesh.point(v), mesh.point(v), mesh.point(v),
+                       [&](std::size_t voxel) { put(voxel, -1, components.labels[v]); });
     for (std::vector<int>& parts : parts_) {
         std::ranges::sort(parts);
         parts.erase(std::unique(parts.begin(), parts.end()), parts.end());

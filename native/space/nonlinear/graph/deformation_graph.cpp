@@ -78,6 +78,8 @@ void DeformationGraph::connect(const Progress& progress)
         if ((places_.row(a) - places_.row(b)).norm() <= NearNodes::reach * near_.radius())
             add(a, b);
     for (int v = 0; v < mesh_.vertex_count(); ++v) {
+        if (near_.is_loose(v))
+            continue;
         const std::vector<Share> own = near_.shares(v);
         for (const Share& a : own)
             for (const Share& b : own)

@@ -3,6 +3,7 @@
 
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/mesh/surface_frame.h"
 #include "native/space/nonlinear/graph/surface_fronts.h"
 
 #include <Eigen/Geometry>
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <memory>
 
 namespace sinew {
@@ -37,20 +39,18 @@ double area_of(const SurfaceMesh& mesh)
     return sum;
 }
 
-/// Of the places that are as far as any, the first. So equally far ones are chosen by their numbers, and not
-/// by the last bits of the shape.
-int first_of_farthest(const std::vector<float>& distances, float farthest)
-{
-    const float least = farthest * (1.0F - tie);
-    return static_cast<int>(
-        std::ranges::find_if(distances, [&](float distance) { return distance >= least; }) -
-        distances.begin());
-}
-
 float largest(const std::vector<float>& numbers)
 {
     return Eigen::Map<const Eigen::VectorXf>(numbers.data(), static_cast<Eigen::Index>(numbers.size()))
         .maxCoeff();
+}
+
+/// Of the places that are as far as any, the first in an order. So neither the numbers of equally far ones
+/// choose, nor the last bits of the shape.
+int first_of_farthest(const std::vector<float>& distances, const std::vector<int>& order)
+{
+    const float least = largest(distances) * (1.0F - tie);
+    return *std::ranges::find_if(order, [&](int v) { return distances[v] >= least; });
 }
 
 } // namespace
@@ -70,6 +70,10 @@ NearNodes::NearNodes(const SurfaceMesh& mesh, int wanted, const Progress& progre
             std::max(widths[part(v)], 2.0 * (mesh.point(v) - middles[part(v)] / counts[part(v)]).norm());
     for (const Triangle& triangle : mesh.triangles())
         large_[part(triangle[0])] = widths[part(triangle[0])] > large_part * spacing;
+    loose_.assign(static_cast<std::size_t>(mesh.vertex_count()), std::ranges::count(large_, 1) > 0);
+    for (const Triangle& triangle : mesh.triangles())
+        for (const int v : triangle)
+            loose_[v] = 0;
     const SurfaceFronts fronts(mesh);
     find_near(fronts, choose(fronts, wanted, progress), progress);
 }
@@ -85,15 +89,18 @@ NearNodes::Nearest NearNodes::choose(const SurfaceFronts& fronts, int wanted, co
     std::vector<char> begun(large_.begin(), large_.end()); // 1 for a large part without a node
     auto unreached = std::ranges::count(large_, 1);
     // Begins at the far end of a large part, so that no small one gets a node for nothing.
-    const Vector3 centre = mesh_.points().colwise().mean().transpose();
+    const Vector3 centre = surface_frame(mesh_).centre;
+    const std::vector<int> order = order_by_place(mesh_);
     std::vector<float> from_centre(near.size(), -1.0F);
     for (int v = 0; v < n; ++v) {
-        if (!is_on_surface(v))
+        if (is_loose(v))
+            near[v] = 0.0F; // it has no node, and needs none
+        else if (!is_on_surface(v))
             loose.push_back(v);
         if (is_on_surface(v) || unreached == 0)
             from_centre[v] = static_cast<float>((mesh_.point(v) - centre).norm());
     }
-    int next = first_of_farthest(from_centre, largest(from_centre));
+    int next = first_of_farthest(from_centre, order);
     while (true) {
         if (nodes_.size() % 64 == 0)
             progress.tick(0.4 * std::min(1.0, static_cast<double>(nodes_.size()) / wanted), "placing nodes");
@@ -116,14 +123,17 @@ NearNodes::Nearest NearNodes::choose(const SurfaceFronts& fronts, int wanted, co
             near[loose[k]] =
                 std::min(near[loose[k]], static_cast<float>((mesh_.point(loose[k]) - at).norm()));
         });
-        const float farthest = largest(near);
-        radius_ = farthest;
-        next = first_of_farthest(near, farthest);
+        radius_ = largest(near);
+        next = first_of_farthest(near, order);
         if (!(radius_ > 0.0) || (unreached == 0 && static_cast<int>(nodes_.size()) >= wanted))
             break;
     }
     // Of two nodes far apart, the last bits may say which comes first.
-    std::ranges::sort(nodes_);
+    std::vector<char> chosen(near.size(), 0);
+    for (const int v : nodes_)
+        chosen[v] = 1;
+    nodes_.clear();
+    std::ranges::copy_if(order, std::back_inserter(nodes_), [&](int v) { return chosen[v] != 0; });
     std::vector<int> number(static_cast<std::size_t>(n), -1);
     for (std::size_t j = 0; j < nodes_.size(); ++j)
         number[nodes_[j]] = static_cast<int>(j);

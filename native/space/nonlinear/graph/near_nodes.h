@@ -21,7 +21,8 @@ class SurfaceFronts;
 /// its vertices follow its own nodes only, so that limbs side by side stay apart. All other vertices (small
 /// parts, points of a cloud or of a curve) are measured straight, to nodes anywhere.
 ///
-/// Each node is the vertex farthest from all nodes before it, and of those that are equally far the first.
+/// Each node is the vertex farthest from all nodes before it, and of those that are equally far the first by
+/// order_by_place(). Where there is a large part, no vertex outside of all faces is a node.
 /// Distances along the surface are those of SurfaceFronts, which end where they have met `count` + 1 nearer
 /// nodes; operators/geodesic_distance.h, whose fronts are straight, is off by some percent near single
 /// points.
@@ -43,7 +44,7 @@ public:
     /// \param mesh    has to outlive this object.
     NearNodes(const SurfaceMesh& mesh, int wanted, const Progress& progress);
 
-    /// The vertices at which the nodes are, ascending.
+    /// The vertices at which the nodes are, by order_by_place().
     const std::vector<int>& nodes() const { return nodes_; }
     /// Each node with the four nearest to it, and those as far as the fourth; a < b, in no order, some twice.
     const std::vector<std::array<int, 2>>& pairs() const { return pairs_; }
@@ -55,6 +56,9 @@ public:
     std::vector<BlendedMaps::Share> straight_shares(const Vector3& place) const;
     /// Whether a vertex is measured along its surface.
     bool is_on_surface(int vertex) const { return large_[parts_.labels[vertex]] != 0; }
+    /// Whether a vertex is outside of all faces, while there is a large part: the nodes are those of the
+    /// surface.
+    bool is_loose(int vertex) const { return loose_[vertex] != 0; }
     int part(int vertex) const { return parts_.labels[vertex]; }
 
 private:
@@ -75,6 +79,7 @@ private:
     const SurfaceMesh& mesh_;
     Components parts_;
     std::vector<char> large_; ///< of each part
+    std::vector<char> loose_; ///< (n)
     std::vector<int> nodes_;
     std::vector<std::array<int, 2>> pairs_;
     double radius_ = 0.0;

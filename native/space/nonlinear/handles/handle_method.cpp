@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/finite.h"
 #include "native/core/parallel.h"
+#include "native/mesh/surface_frame.h"
 #include "native/operators/rotation_fit.h"
 
 #include <Eigen/LU>
@@ -18,17 +19,6 @@
 namespace sinew {
 
 namespace {
-
-Vector3 middle(const Points& points)
-{
-    return 0.5 * (points.colwise().minCoeff() + points.colwise().maxCoeff()).transpose();
-}
-
-double diagonal(const Points& points)
-{
-    const double size = (points.colwise().maxCoeff() - points.colwise().minCoeff()).norm();
-    return size > 0.0 ? size : 1.0;
-}
 
 /// The rigid motion that takes points closest to others: three columns and the translation.
 Pose rigid_fit(const Points& from, const Points& to)
@@ -68,8 +58,8 @@ std::vector<int> nearest_points(const Points& places, PointsView points)
 }
 
 HandleMethod::HandleMethod(SurfaceMesh surface, HandlePoints held)
-    : surface_(std::move(surface)), centre_(middle(surface_.points())), unit_(diagonal(surface_.points())),
-      control_(std::move(held), centre_, unit_)
+    : surface_(std::move(surface)), centre_(surface_frame(surface_).centre),
+      unit_(surface_frame(surface_).size), control_(std::move(held), centre_, unit_)
 {
 }
 

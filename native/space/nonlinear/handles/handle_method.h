@@ -53,7 +53,7 @@ protected:
     HandleMethod(SurfaceMesh surface, HandlePoints held);
 
     const Vector3& centre() const { return centre_; }
-    double unit() const { return unit_; } ///< the diagonal of the box around the surface; 1 for a point
+    double unit() const { return unit_; } ///< the size of the surface; 1 for a point
     Points in_unit(PointsView points) const { return (points.rowwise() - centre_.transpose()) / unit_; }
     SurfaceMesh surface_in_unit() const;
 

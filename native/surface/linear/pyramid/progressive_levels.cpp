@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/surface/linear/pyramid/progressive_levels.h"
 
+#include "native/mesh/surface_frame.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -21,7 +23,7 @@ constexpr double least_cosine = 0.25;
 constexpr double least_shape = 0.1;
 
 /// Fans whose shapes differ by less than this share are alike, and so are shortest edges in the same one of
-/// four steps per octave: of those, the numbers of vertices decide, and not rounding errors.
+/// four steps per octave: of those, the places of vertices decide, and neither their numbers nor rounding.
 constexpr double alike = 1e-4;
 constexpr double steps_per_octave = 4;
 
@@ -31,8 +33,10 @@ bool has_corner_twice(const Triangle& t) { return t[0] == t[1] || t[1] == t[2] |
 class Coarsening
 {
 public:
-    Coarsening(const Points& points, const std::vector<Triangle>& triangles)
-        : points_(points), triangles_(triangles), offsets_(points.rows() + 1, 0),
+    /// \param ranks  (n) where the places of two vertices say nothing else, that of the lower rank comes
+    /// first.
+    Coarsening(const Points& points, const std::vector<int>& ranks, const std::vector<Triangle>& triangles)
+        : points_(points), ranks_(ranks), triangles_(triangles), offsets_(points.rows() + 1, 0),
           locked_(points.rows(), false), gone_(triangles.size(), false)
     {
         for (const Triangle& t : triangles)
@@ -60,7 +64,8 @@ public:
                 shortest = length;
         for (auto& [length, v] : order)
             length = length > 0 ? std::round(0.5 * steps_per_octave * std::log2(length / shortest)) : -1.0;
-        std::ranges::sort(order);
+        std::ranges::sort(order, {},
+                          [&](const auto& each) { return std::pair(each.first, ranks_[each.second]); });
         std::vector<int> removed;
         for (const auto& [step, v] : order) {
             if (static_cast<int>(removed.size()) == most)
@@ -113,7 +118,7 @@ private:
         const auto following = [&](int from) {
             return std::ranges::find(sides, from, &std::pair<int, int>::first);
         };
-        int first = sides.front().first;
+        int first = std::ranges::min(sides, {}, [&](const auto& side) { return ranks_[side.first]; }).first;
         for (const auto& [from, to] : sides)
             if (std::ranges::find(sides, from, &std::pair<int, int>::second) == sides.end())
                 first = from; // where half a disc begins
@@ -205,6 +210,7 @@ private:
     }
 
     const Points& points_;
+    const std::vector<int>& ranks_;
     const std::vector<Triangle>& triangles_;
     std::vector<int> offsets_, around_; ///< the triangles at each vertex
     std::vector<bool> locked_, gone_;
@@ -233,11 +239,16 @@ ProgressiveLevels progressive_levels(const SurfaceMesh& mesh, std::vector<bool> 
         }
     const auto there = static_cast<int>(std::ranges::count(removable, true));
     int left = there;
+    const std::vector<int> order = order_by_place(mesh);
+    std::vector<int> ranks(order.size());
+    for (std::size_t k = 0; k < order.size(); ++k)
+        ranks[order[k]] = static_cast<int>(k);
     while (static_cast<int>(found.levels.size()) < most && left > enough) {
         progress.tick(0.5 * (there - left) / there, "coarsening");
         ProgressiveLevel level;
         std::vector<Triangle> coarser;
-        level.inserted = Coarsening(mesh.points(), found.coarsest).run(removable, left - enough, coarser);
+        level.inserted =
+            Coarsening(mesh.points(), ranks, found.coarsest).run(removable, left - enough, coarser);
         if (level.inserted.empty())
             break;
         for (int v : level.inserted)

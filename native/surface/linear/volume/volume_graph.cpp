@@ -3,6 +3,7 @@
 
 #include "native/core/parallel.h"
 #include "native/core/symmetric.h"
+#include "native/mesh/surface_frame.h"
 #include "native/mesh/winding_tree.h"
 #include "native/riders/host_surface.h"
 
@@ -26,18 +27,24 @@ constexpr double inside = 0.5;  ///< winding number
 constexpr int least_triangles = 4; ///< that enclose anything
 constexpr int most_cells = 1 << 20; ///< of a lattice along an axis
 
-/// For each vertex the centre of its cell, at most two edges away: the lowest one next to it, else that of
-/// its lowest neighbour that has one next to it. A vertex is a centre where none lower is within two edges.
-std::vector<int> cells_of_vertices(int n, const std::vector<std::array<int, 2>>& edges)
+/// For each vertex the centre of its cell, at most two edges away: the first one next to it, else that of its
+/// first neighbour that has one next to it. A vertex is a centre where none before it is within two edges.
+/// \param order  (n) all vertices, the first first.
+std::vector<int> cells_of_vertices(const std::vector<int>& order,
+                                   const std::vector<std::array<int, 2>>& edges)
 {
+    const auto n = static_cast<int>(order.size());
+    std::vector<int> ranks(n);
+    for (int k = 0; k < n; ++k)
+        ranks[order[k]] = k;
     std::vector<std::vector<int>> around(n);
     for (const auto& [a, b] : edges) {
         around[a].push_back(b);
         around[b].push_back(a);
     }
     std::vector<int> nearby(n, -1), centre(n);
-    for (int v = 0; v < n; ++v) {
-        std::ranges::sort(around[v]);
+    for (const int v : order) {
+        std::ranges::sort(around[v], {}, [&](int u) { return ranks[u]; });
         if (nearby[v] >= 0 || std::ranges::any_of(around[v], [&](int u) { return nearby[u] >= 0; }))
             continue;
         nearby[v] = v;
@@ -349,7 +356,7 @@ VolumeGraph volume_graph(const SurfaceMesh& mesh, const Components& components, 
 {
     const int n = mesh.vertex_count();
     const std::vector<std::array<int, 2>> edges = mesh.edges();
-    const std::vector<int> centre = cells_of_vertices(n, edges);
+    const std::vector<int> centre = cells_of_vertices(order_by_place(mesh), edges);
     const std::vector<Part> parts = parts_of(mesh, components);
     VolumeGraph graph;
     graph.mean_edges.assign(parts.size(), 0.0);

@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
 #include "native/enclosure/automatic_cage.h"
+#include "native/mesh/surface_frame.h"
 #include "native/surface/substeps.h"
 
 #include <Eigen/Geometry>
@@ -62,20 +63,23 @@ SurfaceMesh box_around(const Points& points)
     return {all, std::vector<int>(faces.size() / 3, 3), faces};
 }
 
-/// A cage around a part. It is made in a box of size 1, on points rounded to 1.5e-5 of it, far less than the
-/// margin of the cage, so that the last bits of a rest shape in single precision do not choose the cage.
-SurfaceMesh cage_around(const SurfaceMesh& part, int faces, const Progress& progress)
+/// A cage around a part, made in the frame of the part and of size 1, so that the axes do not choose it.
+SurfaceMesh cage_around(const SurfaceMesh& part, const SurfaceFrame& frame, int faces,
+                        const Progress& progress)
 {
-    const Eigen::RowVector3d low = part.points().colwise().minCoeff();
-    const double size = (part.points().colwise().maxCoeff() - low).norm();
-    constexpr double steps = 1 << 16;
+    const auto in = [&](const Points& points) -> Points {
+        return ((points.rowwise() - frame.centre.transpose()) / frame.size) * frame.axes;
+    };
+    const auto out = [&](const SurfaceMesh& cage) {
+        return with_points(cage, (frame.size * cage.points() * frame.axes.transpose()).rowwise() +
+                                     frame.centre.transpose());
+    };
+    const SurfaceMesh upright = with_points(part, in(part.points()));
     try {
-        const Points rounded = (((part.points().rowwise() - low) / size) * steps).array().round() / steps;
-        AutomaticCage made =
-            automatic_cage(with_points(part, rounded), {.faces = faces, .margin = cage_margin}, progress);
-        return {(size * made.points).rowwise() + low, std::move(made.counts), std::move(made.corners)};
+        AutomaticCage made = automatic_cage(upright, {.faces = faces, .margin = cage_margin}, progress);
+        return out({std::move(made.points), std::move(made.counts), std::move(made.corners)});
     } catch (const InvalidMesh&) { // no good cage was found
-        return box_around(part.points());
+        return out(box_around(upright.points()));
     }
 }
 
@@ -94,9 +98,7 @@ Clusters clusters_of(const GraphEdges& edges, const Points& rest, std::vector<in
     GraphHandles handles;
     handles.hard = std::move(hard);
     handles.idle.assign(handles.hard.size(), 0);
-    std::vector<int> numbers(handles.hard.size());
-    std::iota(numbers.begin(), numbers.end(), 0);
-    return {HandleGraph(edges, std::move(handles)), rest, wanted, numbers};
+    return {HandleGraph(edges, std::move(handles)), rest, wanted};
 }
 
 RowMatrix CagedPart::exact_weights() const
@@ -130,7 +132,12 @@ CagedPart::CagedPart(const SurfaceMesh& mesh, const std::vector<int>& members, c
             triangles.push_back(own);
         }
     const auto n = static_cast<int>(vertices.size());
-    size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+    std::vector<int> corners;
+    for (const Triangle& t : triangles)
+        corners.insert(corners.end(), t.begin(), t.end());
+    const SurfaceMesh part(rest, std::vector<int>(triangles.size(), 3), std::move(corners));
+    const SurfaceFrame frame = surface_frame(part);
+    size = frame.size;
     if (!given && n <= cage_faces / 2 + 2) {
         y = rest;
         own_weights = PointWeights(n, rest, n, {.precision = WeightPrecision::double_precision});
@@ -141,11 +148,7 @@ CagedPart::CagedPart(const SurfaceMesh& mesh, const std::vector<int>& members, c
         if (given) {
             cage = given;
         } else {
-            std::vector<int> corners;
-            for (const Triangle& t : triangles)
-                corners.insert(corners.end(), t.begin(), t.end());
-            cage = cage_around(SurfaceMesh(rest, std::vector<int>(triangles.size(), 3), std::move(corners)),
-                               cage_faces, part_of(progress, 0.0, 0.5));
+            cage = cage_around(part, frame, cage_faces, part_of(progress, 0.0, 0.5));
         }
         coordinates = std::make_unique<MeanValue>(Cage(*cage));
         coordinates->bind(view(rest), part_of(progress, 0.5, 1.0));

@@ -62,6 +62,7 @@ double phi(RbfFunction function, double r)
 }
 
 /// The saddle point system of the textbooks, solved by LU: shares no code with the method.
+/// \param radius  a length
 Points by_a_dense_system(const Points& centres, const Points& moves, const Points& points,
                          RbfFunction function, int degree, double radius)
 {
@@ -78,7 +79,7 @@ Points by_a_dense_system(const Points& centres, const Points& moves, const Point
     const auto row = [&](const Eigen::RowVector3d& x) {
         Eigen::RowVectorXd values(n + q);
         for (Eigen::Index j = 0; j < n; ++j)
-            values[j] = phi(function, (x - c.row(j)).norm() * (is_compact(function) ? 1 / radius : 1.0));
+            values[j] = phi(function, (x - c.row(j)).norm() * (is_compact(function) ? size / radius : 1.0));
         values.tail(q) = monomials(x);
         return values;
     };
@@ -211,7 +212,8 @@ TEST(Rbf, equals_the_dense_saddle_point_system)
                            Case{RbfFunction::wendland_c0, 1, 1}, Case{RbfFunction::wendland_c2, 0, 0},
                            Case{RbfFunction::wendland_c2, -1, -1}, Case{RbfFunction::wendland_c4, 2, 1}}) {
         Rbf rbf(HandlePoints(view(centres)), {.function = at.function, .degree = at.asked, .radius = 0.7});
-        const Points expected = by_a_dense_system(centres, moves, points, at.function, at.degree, 0.7);
+        const double radius = 0.7 * HandlePoints(view(centres)).size();
+        const Points expected = by_a_dense_system(centres, moves, points, at.function, at.degree, radius);
         EXPECT_LT(shapes::distance(warped(rbf, points, centres + moves), expected), 1e-9) // LU's rounding
             << static_cast<int>(at.function) << " " << at.asked;
     }
@@ -320,7 +322,8 @@ TEST(Rbf, compact_functions_equal_the_sum_over_all_centres)
                            Case{RbfFunction::wendland_c2, 1, 0.9}}) {
         Rbf rbf(HandlePoints(view(centres)),
                 {.function = at.function, .degree = at.degree, .radius = at.radius});
-        const Points expected = by_a_dense_system(centres, moves, points, at.function, at.degree, at.radius);
+        const double radius = at.radius * HandlePoints(view(centres)).size();
+        const Points expected = by_a_dense_system(centres, moves, points, at.function, at.degree, radius);
         // Rounding of the weights: the largest radius makes the system nearly singular.
         EXPECT_LT(shapes::distance(warped(rbf, points, centres + moves), expected),
                   at.radius > 0.5 ? 1e-7 : 1e-12)
@@ -343,7 +346,7 @@ TEST(Rbf, compact_regions_equal_the_sum_over_all_centres)
                 {.function = RbfFunction::wendland_c2, .degree = 1, .radius = radius, .precision = doubles});
         EXPECT_LT(shapes::distance(warped(rbf, points, posed(handles, poses)),
                                    by_a_dense_system(handles.points(), moves, points,
-                                                     RbfFunction::wendland_c2, 1, radius)),
+                                                     RbfFunction::wendland_c2, 1, radius * handles.size())),
                   1e-11); // 4 functions of a region, of which each has a rounding of its own
     }
 }

@@ -74,8 +74,7 @@ auto maker(const PrimoOptions& options)
 
 SurfaceTraits traits()
 {
-    // The height is a share of the box around the whole mesh.
-    const std::vector<SurfaceVariant> all{{"default", maker({}), 2, false},
+    const std::vector<SurfaceVariant> all{{"default", maker({}), 2, false}, // a bind has one mean height
                                           {"low", maker({.height = {0.005}}), 2, false},
                                           {"high", maker({.height = {0.3}}), 2, false}};
     const auto drag = [](double s) {

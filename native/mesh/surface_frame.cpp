@@ -1,0 +1,202 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/mesh/surface_frame.h"
+
+#include "native/mesh/components.h"
+#include "native/mesh/principal_frame.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+constexpr double per_spread = 4.0;       ///< the size by the root mean square of the distance
+constexpr double least_skewness = 1e-3;  ///< below it, a direction has no side that reaches farther
+constexpr double steps = 1 << 16;        ///< of the size
+constexpr double between_regular = 0.37; ///< of a step: where steps end, so that no regular shape is there
+
+/// Points with the weights of the area around them; the moments of three points per triangle are exact.
+struct Masses
+{
+    std::vector<Vector3> points;
+    std::vector<double> weights;
+
+    void add(const Vector3& point, double weight)
+    {
+        points.push_back(point);
+        weights.push_back(weight);
+    }
+    bool weigh() const
+    {
+        return std::ranges::any_of(weights, [](double w) { return w > 0.0; });
+    }
+};
+
+/// The masses of the triangles of a mesh, or of their edges.
+Masses masses_of(const SurfaceMesh& mesh, bool of_area)
+{
+    Masses masses;
+    for (const Triangle& t : mesh.triangles()) {
+        const Vector3 p[3] = {mesh.point(t[0]), mesh.point(t[1]), mesh.point(t[2])};
+        const double area = (p[1] - p[0]).cross(p[2] - p[0]).norm() / 6.0;
+        for (int k = 0; k < 3; ++k)
+            masses.add(0.5 * (p[k] + p[(k + 1) % 3]), of_area ? area : (p[k] - p[(k + 1) % 3]).norm());
+    }
+    return masses;
+}
+
+struct Moments
+{
+    Vector3 centre;
+    double spread; ///< the root mean square of the distance from the centre
+};
+
+Moments moments_of(const std::vector<Vector3>& points, const std::vector<double>& weights)
+{
+    const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+    const Vector3 origin = points.front(); // so that nothing is lost far from the origin
+    Vector3 centre = Vector3::Zero();
+    for (std::size_t k = 0; k < points.size(); ++k)
+        centre += weights[k] / sum * (points[k] - origin);
+    centre += origin;
+    double farthest = 0.0;
+    for (const Vector3& p : points)
+        farthest = std::max(farthest, (p - centre).cwiseAbs().maxCoeff());
+    double square = 0.0;
+    for (std::size_t k = 0; k < points.size() && farthest > 0.0; ++k)
+        square += weights[k] / sum * ((points[k] - centre) / farthest).squaredNorm();
+    return {centre, farthest * std::sqrt(square)};
+}
+
+} // namespace
+
+SurfaceFrame frame_of_points(const std::vector<Vector3>& points, const std::vector<double>& weights)
+{
+    SurfaceFrame frame;
+    const Moments moments = moments_of(points, weights);
+    frame.centre = moments.centre;
+    if (!(moments.spread > 0.0))
+        return frame;
+    frame.size = per_spread * moments.spread;
+    const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+    Matrix3 spread = Matrix3::Zero();
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const Vector3 arm = (points[k] - frame.centre) / frame.size;
+        spread += weights[k] / sum * arm * arm.transpose();
+    }
+    frame.axes = principal_axes(spread);
+    Vector3 skewness = Vector3::Zero();
+    for (std::size_t k = 0; k < points.size(); ++k)
+        skewness += weights[k] / sum * (frame.in(points[k]) / frame.size).array().cube().matrix();
+    const double least = least_skewness * std::pow(spread.trace(), 1.5);
+    for (int axis = 0; axis < 3; ++axis) {
+        Eigen::Index along = 0;
+        frame.axes.col(axis).cwiseAbs().maxCoeff(&along);
+        if (std::abs(skewness[axis]) < least)
+            skewness[axis] = 0.0; // rounding decides nothing
+        if (skewness[axis] != 0.0 ? skewness[axis] < 0.0 : frame.axes(along, axis) < 0.0)
+            frame.axes.col(axis) *= -1;
+    }
+    if (frame.axes.determinant() < 0) {
+        Eigen::Index open = 0;
+        skewness.cwiseAbs().minCoeff(&open);
+        frame.axes.col(open) *= -1;
+    }
+    return frame;
+}
+
+SurfaceFrame surface_frame(const SurfaceMesh& mesh)
+{
+    for (const bool of_area : {true, false})
+        if (const Masses masses = masses_of(mesh, of_area); masses.weigh())
+            return frame_of_points(masses.points, masses.weights);
+    Masses all;
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+        all.add(mesh.point(v), 1.0);
+    return frame_of_points(all.points, all.weights);
+}
+
+namespace {
+
+/// The frames of the parts; those in one place have the size 0.
+std::vector<SurfaceFrame> frames_of_parts(const SurfaceMesh& mesh, const Components& parts)
+{
+    std::vector<Masses> areas(parts.count), edges(parts.count);
+    for (auto [masses, of_area] : {std::pair(&areas, true), std::pair(&edges, false)}) {
+        const Masses all = masses_of(mesh, of_area);
+        for (std::size_t k = 0; k < all.points.size(); ++k)
+            (*masses)[parts.labels[mesh.triangles()[k / 3][0]]].add(all.points[k], all.weights[k]);
+    }
+    std::vector<SurfaceFrame> frames(parts.count);
+    for (int part = 0; part < parts.count; ++part) {
+        const Masses& masses = areas[part].weigh() ? areas[part] : edges[part];
+        if (masses.weigh())
+            frames[part] = frame_of_points(masses.points, masses.weights);
+        else
+            frames[part].size = 0.0;
+    }
+    return frames;
+}
+
+/// Where a point is in a frame: the distance from the centre, and the coordinates, in steps of the size.
+std::array<std::int64_t, 4> place_in(const SurfaceFrame& frame, const Vector3& point)
+{
+    const double unit = frame.size > 0.0 ? frame.size : 1.0;
+    const auto step = [&](double length) {
+        return static_cast<std::int64_t>(
+            std::floor(std::clamp(length / unit, -1e9, 1e9) * steps + between_regular));
+    };
+    const Vector3 p = frame.in(point);
+    return {step(p.norm()), step(p.x()), step(p.y()), step(p.z())};
+}
+
+/// The indices of places, by these and then by themselves.
+std::vector<int> sorted(const std::vector<std::array<std::int64_t, 4>>& places)
+{
+    std::vector<int> order(places.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::ranges::stable_sort(order, {}, [&](int i) { return places[i]; });
+    return order;
+}
+
+} // namespace
+
+std::vector<double> part_sizes(const SurfaceMesh& mesh)
+{
+    const Components parts = connected_components(mesh);
+    const std::vector<SurfaceFrame> frames = frames_of_parts(mesh, parts);
+    const double largest = std::ranges::max(frames, {}, &SurfaceFrame::size).size;
+    std::vector<double> sizes;
+    for (const int part : parts.labels) {
+        const double own = frames[part].size;
+        sizes.push_back(own > 0.0 ? own : largest > 0.0 ? largest : 1.0);
+    }
+    return sizes;
+}
+
+std::vector<int> order_by_place(PointsView points, const SurfaceFrame& frame)
+{
+    std::vector<std::array<std::int64_t, 4>> places;
+    for (Eigen::Index i = 0; i < points.rows(); ++i)
+        places.push_back(place_in(frame, points.row(i).transpose()));
+    return sorted(places);
+}
+
+std::vector<int> order_by_place(const SurfaceMesh& mesh)
+{
+    const Components parts = connected_components(mesh);
+    const std::vector<SurfaceFrame> frames = frames_of_parts(mesh, parts);
+    std::vector<std::array<std::int64_t, 4>> places;
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+        places.push_back(place_in(frames[parts.labels[v]], mesh.point(v)));
+    return sorted(places);
+}
+
+} // namespace sinew
