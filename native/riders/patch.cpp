@@ -175,6 +175,14 @@ Patch patch_beneath(const HostSurface& host, const std::vector<Contact>& contact
     return thinned;
 }
 
+bool reaches_mirror_plane(const Patch& patch, const HostSurface& host)
+{
+    return std::ranges::any_of(patch.triangles, [&](int t) {
+        const Vector3& centre = host.centres()[t];
+        return (host.mirror_image(centre) - centre).norm() <= 2.0 * host.spacing();
+    });
+}
+
 void add_mirror_image(Patch& patch, const HostSurface& host)
 {
     for (std::vector<double>* weights : {&patch.weights, &patch.anchors}) {

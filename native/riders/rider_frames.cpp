@@ -183,15 +183,18 @@ RiderFrames make_frames(const Seat& seat, const Part& part, const HostSurface& h
 {
     std::vector<Footprint> footprints;
     RiderFrames frames;
-    const bool is_mirrored = layout.frame_count() == 1 && host.lies_on_mirror_plane(part);
-    const int most = is_mirrored ? MovingFrames::most_triangles / 2 : MovingFrames::most_triangles;
     for (int k = 0; k < layout.frame_count(); ++k) {
         footprints.push_back(footprint_of(k, seat, part, host, layout, tiny));
         const Footprint& footprint = footprints.back();
-        frames.patches.push_back(
-            patch_beneath(host, footprint.contacts, footprint.best, footprint.radius, most));
-        if (is_mirrored)
+        const auto beneath = [&](int most) {
+            return patch_beneath(host, footprint.contacts, footprint.best, footprint.radius, most);
+        };
+        frames.patches.push_back(beneath(MovingFrames::most_triangles));
+        if (layout.frame_count() == 1 && host.lies_on_mirror_plane(part) &&
+            reaches_mirror_plane(frames.patches.back(), host)) {
+            frames.patches.back() = beneath(MovingFrames::most_triangles / 2);
             add_mirror_image(frames.patches.back(), host);
+        }
         Patch& patch = frames.patches.back();
         for (std::size_t i = 0; i < patch.anchors.size(); ++i)
             patch.anchors[i] += layout.bending * (patch.weights[i] - patch.anchors[i]);
