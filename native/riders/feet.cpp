@@ -72,8 +72,8 @@ std::vector<Foot> feet_of(const Part& part, const HostSurface& host, const Frame
         static_cast<int>(edges.size()),
         [&](int e) {
             const auto& [a, b] = edges[e];
-            const double reach = 2.0 * (part.points[a] - part.points[b]).norm() + gaps[a] + gaps[b] +
-                                 2.0 * host.spacing();
+            const double reach =
+                2.0 * (part.points[a] - part.points[b]).norm() + gaps[a] + gaps[b] + 2.0 * host.spacing();
             torn[e] = shares[a] > 0.0 && shares[b] > 0.0 &&
                       !are_joined(host, beneath[a].triangle, beneath[b].triangle, beneath[a].point, reach);
         },

@@ -42,8 +42,8 @@ void HostSurface::find_mirror_plane()
     for (const Vector3& point : part_->points)
         points.emplace_back((point - middle) / size);
     const TriangleTree tree(points, triangles_);
-    const MirrorPlane plane = MirrorTest(points, static_cast<int>(points.size()), tree)
-                                  .best(-middle / size, -1, tolerance);
+    const MirrorPlane plane =
+        MirrorTest(points, static_cast<int>(points.size()), tree).best(-middle / size, -1, tolerance);
     if (plane.deviation <= tolerance) {
         mirror_axis_ = plane.axis;
         mirror_place_ = middle[plane.axis] + size * plane.offset;

@@ -41,11 +41,12 @@ struct Patch
 Patch patch_beneath(const HostSurface& host, const std::vector<Contact>& contacts, int best, double radius,
                     int most);
 
-/// Whether a patch reaches the host's mirror plane, to an edge: what lies between two limbs follows one of them.
+/// Whether a patch reaches the host's mirror plane, to an edge: what lies between two limbs follows one of
+/// them.
 bool reaches_mirror_plane(const Patch& patch, const HostSurface& host);
 
-/// Joins a patch with its image in the host's mirror plane. The corners of an image are the vertices nearest to
-/// those of the corners, so the diagonals of faces do not count.
+/// Joins a patch with its image in the host's mirror plane. The corners of an image are the vertices nearest
+/// to those of the corners, so the diagonals of faces do not count.
 void add_mirror_image(Patch& patch, const HostSurface& host);
 
 } // namespace sinew

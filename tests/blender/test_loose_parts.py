@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from pathlib import Path
 
@@ -290,9 +291,13 @@ def edited_selection(obj: bpy.types.Object, chosen: np.ndarray, hidden: int = -1
 def joined(name: str, *shapes: tuple[np.ndarray, list]) -> bpy.types.Object:
     """One mesh of several parts; each has a vertex group of its number."""
     starts = np.cumsum([0, *(len(points) for points, _faces in shapes)])
-    faces = [[int(start) + v for v in face] for start, (_, own) in zip(starts, shapes, strict=False) for face in own]
+    faces = [
+        [int(start) + v for v in face]
+        for start, (_, own) in zip(starts, shapes, strict=False)
+        for face in own
+    ]
     obj = new_object(name, np.concatenate([points for points, _faces in shapes]).tolist(), faces)
-    for number, (first, last) in enumerate(zip(starts, starts[1:], strict=False)):
+    for number, (first, last) in enumerate(itertools.pairwise(starts)):
         obj.vertex_groups.new(name=str(number)).add(range(int(first), int(last)), 1.0, "REPLACE")
     return obj
 

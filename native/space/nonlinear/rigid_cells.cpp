@@ -72,12 +72,12 @@ Seats seats_of(const CellGrid& grid, const HandlePoints& handles, const Points& 
         if (!seated[h])
             without.push_back(h);
     if (!without.empty())
-        throw InvalidConstraint("handle " + std::to_string(without[0]) +
-                                    (without.size() > 1 ? " and " + std::to_string(without.size() - 1) + " more"
-                                                        : "") +
-                                    ": no cell is left to hold, as other handles have more points in all of "
-                                    "theirs; use more cells",
-                                Error::Element::handle, without);
+        throw InvalidConstraint(
+            "handle " + std::to_string(without[0]) +
+                (without.size() > 1 ? " and " + std::to_string(without.size() - 1) + " more" : "") +
+                ": no cell is left to hold, as other handles have more points in all of "
+                "theirs; use more cells",
+            Error::Element::handle, without);
     return seats;
 }
 
@@ -128,7 +128,7 @@ struct RigidCells::Binding
 {
     std::vector<Cell> cells; ///< in the coordinates of motions
     std::vector<CellFace> faces;
-    Points rest;         ///< (m, 3) their centres
+    Points rest; ///< (m, 3) their centres
     Vector3 first_middle; ///< of the points of the first handle
     bool has_still_cells; ///< whether a piece is near no handle
     RotationGraph graph;
