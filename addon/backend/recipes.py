@@ -295,8 +295,8 @@ class HandlePoints(ControlPoints):
 
 @dataclass(frozen=True)
 class Around:
-    """The ``shape`` of the target and of all that share handles with it. The ``frame`` (4, 4) leads there from
-    the target, and takes its points to ``points`` (n, 3).
+    """The ``shape`` of the target and of all that share handles with it. The ``frame`` (4, 4) leads there
+    from the target, and takes its points to ``points`` (n, 3).
     """
 
     shape: Shape
@@ -349,7 +349,7 @@ class HandlePoses(HandlePoints):
         placed: np.ndarray | None = None,
         incoming: np.ndarray | None = None,
         out: np.ndarray | None = None,
-        progress: Progress | None = None,
+        **_options,
     ) -> tuple[np.ndarray, None]:
         """As above; a point that is placed turns as what is around it does."""
         given = self._native_poses(pose, from_rest, placed, incoming)

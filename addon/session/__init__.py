@@ -43,8 +43,8 @@ from .edit.order import move_deformer, move_handle
 from .edit.puppet.bones import require_bones
 from .edit.puppet.posing import Part, PuppetDrag, PuppetOptions
 from .edit.puppet.rigging import rig_puppet
-from .edit.refresh import bind_renders, look_at_renders, refresh
 from .edit.refining import refine, turn_off_armatures
+from .edit.refresh import bind_renders, look_at_renders, refresh
 from .edit.repair import Cures, repair
 from .edit.repair import summary as repair_summary
 from .edit.rigging import (
@@ -195,6 +195,7 @@ __all__ = (
     "move_key",
     "move_partners",
     "moved_by",
+    "moved_twice",
     "must_hand_over",
     "nearest_point",
     "new_control",
@@ -207,15 +208,13 @@ __all__ = (
     "part_regions",
     "points_shown",
     "posed_by",
+    "refine",
     "refresh",
     "refuses_outside",
     "remove_deformer",
     "remove_handle",
     "remove_key",
     "remove_row",
-    "refine",
-    "turn_off_armatures",
-    "moved_twice",
     "repair",
     "repair_summary",
     "require_bones",
@@ -254,6 +253,7 @@ __all__ = (
     "tidy",
     "tool_reach",
     "try_bind",
+    "turn_off_armatures",
     "unbind",
     "unsettled",
     "unwatched",

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/riders/host_surface.h"
 
+#include "native/enclosure/mirror_plane.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -29,6 +31,36 @@ HostSurface::HostSurface(const Part& part) : part_(&part), offsets_(part.points.
     for (int t = 0; t < static_cast<int>(triangles_.size()); ++t)
         for (int v : triangles_[t])
             around_[next[v]++] = t;
+}
+
+void HostSurface::find_mirror_plane()
+{
+    constexpr double tolerance = 1e-3;
+    const Vector3 middle = part_->box.center();
+    const double size = part_->extent();
+    std::vector<Vector3> points;
+    for (const Vector3& point : part_->points)
+        points.emplace_back((point - middle) / size);
+    const TriangleTree tree(points, triangles_);
+    const MirrorPlane plane =
+        MirrorTest(points, static_cast<int>(points.size()), tree).best(-middle / size, -1, tolerance);
+    if (plane.deviation <= tolerance) {
+        mirror_axis_ = plane.axis;
+        mirror_place_ = middle[plane.axis] + size * plane.offset;
+    }
+}
+
+bool HostSurface::lies_on_mirror_plane(const Part& part) const
+{
+    constexpr double tolerance = 1e-2;
+    if (mirror_axis_ < 0)
+        return false;
+    double sum = 0.0;
+    for (const Vector3& point : part.points)
+        sum += point[mirror_axis_] - mirror_place_;
+    const double off = std::max(std::abs(sum / static_cast<double>(part.points.size())),
+                                std::abs(part.box.center()[mirror_axis_] - mirror_place_));
+    return off <= tolerance * part.extent();
 }
 
 } // namespace sinew

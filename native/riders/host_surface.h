@@ -38,6 +38,18 @@ public:
         if (!tree_)
             tree_ = std::make_unique<TriangleTree>(part_->points, triangles_);
     }
+    /// Finds out whether the surface is its own mirror image, to 1e-3 of its size, in a plane across an axis:
+    /// through the origin or the middle of its box. Call prepare_tree() first.
+    void find_mirror_plane();
+    /// Whether the middles of a part and of its box are on the mirror plane, to 1e-2 of its size. Call
+    /// find_mirror_plane() first.
+    bool lies_on_mirror_plane(const Part& part) const;
+    Vector3 mirror_image(Vector3 point) const
+    {
+        point[mirror_axis_] = 2.0 * mirror_place_ - point[mirror_axis_];
+        return point;
+    }
+
     /// Call prepare_edges() first.
     const EdgeDistances& edges() const { return *edges_; }
     void prepare_edges()
@@ -54,6 +66,8 @@ private:
     double spacing_ = 0.0;
     std::vector<int> offsets_, around_;
     std::unique_ptr<TriangleTree> tree_;
+    int mirror_axis_ = -1; ///< -1 for none
+    double mirror_place_ = 0.0;
     std::unique_ptr<EdgeDistances> edges_;
 };
 

@@ -22,6 +22,7 @@ struct Patch
     std::vector<int> triangles; ///< of the host's triangles()
     std::vector<double> weights; ///< for the turn
     std::vector<double> anchors; ///< for the place
+    std::vector<Triangle> images; ///< of the host's part: further triangles, whose weights come after these
 };
 
 /// The patch beneath a frame: triangles t whose centre c_t is nearer than r to the contacts y_v, with weights
@@ -39,5 +40,13 @@ struct Patch
 /// \param best  index of the best contact.
 Patch patch_beneath(const HostSurface& host, const std::vector<Contact>& contacts, int best, double radius,
                     int most);
+
+/// Whether a patch reaches the host's mirror plane, to an edge: what lies between two limbs follows one of
+/// them.
+bool reaches_mirror_plane(const Patch& patch, const HostSurface& host);
+
+/// Joins a patch with its image in the host's mirror plane. The corners of an image are the vertices nearest
+/// to those of the corners, so the diagonals of faces do not count.
+void add_mirror_image(Patch& patch, const HostSurface& host);
 
 } // namespace sinew

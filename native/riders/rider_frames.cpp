@@ -141,8 +141,8 @@ std::vector<char> heard_of(const std::vector<Footprint>& footprints, const Frame
     return heard;
 }
 
-MatrixX smoothing_of(const std::vector<Footprint>& footprints, const FrameLayout& layout,
-                     const HostSurface& host)
+/// How much each frame counts, in [0, 1].
+VectorX trust_of(const std::vector<Footprint>& footprints, const FrameLayout& layout, const HostSurface& host)
 {
     const int count = layout.frame_count();
     const std::vector<char> heard = heard_of(footprints, layout, host);
@@ -150,8 +150,15 @@ MatrixX smoothing_of(const std::vector<Footprint>& footprints, const FrameLayout
     VectorX trust(count);
     for (int k = 0; k < count; ++k) {
         const double far = (footprints[k].gap - least) / (least + layout.length / 4);
-        trust[k] = (heard[k] ? 1 / ((1 + far * far) * (1 + far * far)) : 0.0) + 1e-9; // never singular
+        trust[k] = heard[k] ? 1 / ((1 + far * far) * (1 + far * far)) : 0.0;
     }
+    return trust;
+}
+
+MatrixX smoothing_of(VectorX trust, const FrameLayout& layout)
+{
+    const int count = layout.frame_count();
+    trust.array() += 1e-9; // never singular
     MatrixX system = trust.asDiagonal();
     for (int k = 0; k < count; ++k)
         for (int u = 0; u < count; ++u) {
@@ -179,14 +186,25 @@ RiderFrames make_frames(const Seat& seat, const Part& part, const HostSurface& h
     for (int k = 0; k < layout.frame_count(); ++k) {
         footprints.push_back(footprint_of(k, seat, part, host, layout, tiny));
         const Footprint& footprint = footprints.back();
-        frames.patches.push_back(patch_beneath(host, footprint.contacts, footprint.best, footprint.radius,
-                                               MovingFrames::most_triangles));
+        const auto beneath = [&](int most) {
+            return patch_beneath(host, footprint.contacts, footprint.best, footprint.radius, most);
+        };
+        frames.patches.push_back(beneath(MovingFrames::most_triangles));
+        if (layout.frame_count() == 1 && host.lies_on_mirror_plane(part) &&
+            reaches_mirror_plane(frames.patches.back(), host)) {
+            frames.patches.back() = beneath(MovingFrames::most_triangles / 2);
+            add_mirror_image(frames.patches.back(), host);
+        }
         Patch& patch = frames.patches.back();
         for (std::size_t i = 0; i < patch.anchors.size(); ++i)
             patch.anchors[i] += layout.bending * (patch.weights[i] - patch.anchors[i]);
     }
-    frames.smoothing =
-        layout.frame_count() > 1 ? smoothing_of(footprints, layout, host) : MatrixX::Ones(1, 1);
+    frames.smoothing = MatrixX::Ones(1, 1);
+    if (layout.frame_count() > 1) {
+        const VectorX trust = trust_of(footprints, layout, host);
+        frames.smoothing = smoothing_of(trust, layout);
+        frames.feet = feet_of(part, host, layout, trust);
+    }
     return frames;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/riders/feet.h"
 #include "native/riders/frame_layout.h"
 #include "native/riders/patch.h"
 #include "native/riders/seat.h"
@@ -31,8 +32,11 @@ struct RiderFrames
 {
     std::vector<Patch> patches; ///< one per frame
     MatrixX smoothing; ///< (frames, frames), rows sum to 1
+    std::vector<Foot> feet; ///< one per vertex; empty with a single frame
 };
 
+/// A single frame of a part that lies on the mirror plane of its host gets the patch and its mirror image, so
+/// that the part stays on the plane where both sides of the host move alike.
 /// \param layout  its `shares` are not empty.
 /// \param tiny    a length that is nothing beside the mesh.
 RiderFrames make_frames(const Seat& seat, const Part& part, const HostSurface& host,

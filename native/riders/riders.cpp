@@ -5,6 +5,7 @@
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
 #include "native/operators/rotation_fit.h"
+#include "native/riders/feet.h"
 #include "native/riders/loose_vertices.h"
 #include "native/riders/moving_frames.h"
 #include "native/riders/rider_frames.h"
@@ -64,6 +65,8 @@ std::vector<Triangle> corners_of(const Patch& patch, const HostSurface& host)
     std::vector<Triangle> corners;
     for (int t : patch.triangles)
         corners.push_back(of_mesh(host.triangles()[t], host.part()));
+    for (const Triangle& image : patch.images)
+        corners.push_back(of_mesh(image, host.part()));
     return corners;
 }
 
@@ -128,8 +131,12 @@ struct Riders::Level
     // The shares of point p are [offsets[p], offsets[p + 1]).
     std::vector<int> offsets{0}, share_frames;
     std::vector<double> shares;
+    std::vector<Foot> feet; ///< of points that follow one; corners of the mesh
+    std::vector<int> foot_points;
 
     void add(const std::vector<int>& vertices, const MatrixX& vertex_shares, MatrixX frame_smoothing);
+    /// The feet of the part that was added last. \param host  has their corners.
+    void add_feet(const std::vector<Foot>& own, const Part& host);
     /// Where the frames of a part that bends sit.
     void find_origins(std::size_t rider, const PointsView& base, Vector3* origins) const;
     /// Makes the maps of a part that bends.
@@ -137,6 +144,8 @@ struct Riders::Level
                 Scratch& scratch) const;
     /// Writes the points [begin, end).
     void carry(int begin, int end, const PointsView& base, const Scratch& scratch, Points& positions) const;
+    /// Moves a point by what the maps have missed beneath it.
+    void follow_foot(int foot, const PointsView& base, const Scratch& scratch, Points& positions) const;
 
     int end_point(std::size_t rider) const
     {
@@ -165,6 +174,35 @@ void Riders::Level::add(const std::vector<int>& vertices, const MatrixX& vertex_
             }
         offsets.push_back(static_cast<int>(shares.size()));
     }
+}
+
+void Riders::Level::add_feet(const std::vector<Foot>& own, const Part& host)
+{
+    for (std::size_t v = 0; v < own.size(); ++v)
+        if (own[v].share > 0.0) {
+            feet.push_back(own[v]);
+            feet.back().corners = of_mesh(own[v].corners, host);
+            foot_points.push_back(riders.back().first_point + static_cast<int>(v));
+        }
+}
+
+void Riders::Level::follow_foot(int foot, const PointsView& base, const Scratch& scratch,
+                                Points& positions) const
+{
+    const Foot& own = feet[foot];
+    const int point = foot_points[foot];
+    Vector3 from = Vector3::Zero(), missed = Vector3::Zero();
+    for (int k = 0; k < 3; ++k) {
+        from += own.parts[k] * base.row(own.corners[k]).transpose();
+        missed += own.parts[k] * positions.row(own.corners[k]).transpose();
+    }
+    for (int s = offsets[point]; s < offsets[point + 1]; ++s) {
+        const auto& columns = scratch.maps[share_frames[s]].columns;
+        for (int r = 0; r < 3; ++r)
+            missed[r] -= shares[s] * (columns[0][r] * from[0] + columns[1][r] * from[1] +
+                                      columns[2][r] * from[2] + columns[3][r]);
+    }
+    positions.row(points[point]) += own.share * missed.transpose();
 }
 
 void Riders::Level::find_origins(std::size_t rider, const PointsView& base, Vector3* origins) const
@@ -262,7 +300,7 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
 
     progress.tick(0.0, "laying out the frames of free parts");
     const int count = static_cast<int>(seats.size());
-    std::vector<char> bent(all.size(), 0);
+    std::vector<char> bent(all.size(), 0), carries(all.size(), 0); // whether each part has such riders
     std::vector<FrameLayout> layouts(count);
     const auto is_loose = [&](int i) { return all[seats[i].part].points.size() == 1; };
     parallel_for(
@@ -274,11 +312,17 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
                                             mean_stiffness(options_.stiffness, part.vertices));
         },
         8);
-    for (int i = 0; i < count; ++i)
+    for (int i = 0; i < count; ++i) {
         bent[seats[i].host] |= layouts[i].frame_count() > 1;
+        carries[seats[i].host] |= !is_loose(i);
+    }
     parallel_for(
         parts.count,
         [&](int p) {
+            if (!carries[p])
+                return;
+            surfaces[p]->prepare_tree();
+            surfaces[p]->find_mirror_plane();
             if (bent[p])
                 surfaces[p]->prepare_edges();
         },
@@ -311,6 +355,7 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
             for (const Patch& patch : made[i].patches)
                 level.frames.add(corners_of(patch, *surfaces[seat.host]), patch.weights, patch.anchors);
             level.add(part.vertices, layouts[i].shares, std::move(made[i].smoothing));
+            level.add_feet(made[i].feet, host);
         }
         rides_.push_back({seat.part, part.vertices.front(), static_cast<int>(part.vertices.size()), seat.host,
                           is_loose(i) ? 1 : layouts[i].frame_count()});
@@ -358,6 +403,9 @@ void Riders::move(const std::optional<PointsView>& incoming, Points& positions) 
             static_cast<int>(level.bending.size()), [&](int b) { level.smooth(b, base, rests, scratch); }, 4);
         parallel_chunks(static_cast<int>(level.points.size()), 4096,
                         [&](int begin, int end) { level.carry(begin, end, base, scratch, positions); });
+        parallel_for(
+            static_cast<int>(level.feet.size()),
+            [&](int f) { level.follow_foot(f, base, scratch, positions); }, 256);
         level.loose.move(incoming, positions);
     }
     scratch_.give_back(std::move(kept));

@@ -30,7 +30,9 @@ struct FreeParts
 /// smoothed over the part, and its vertices follow with the shares phi_k:
 ///
 ///     R_k = the rotation closest to sum_u S_ku R_u,       ln s_k, x_k, o_k = sums of S_ku times those of u,
-///     v'  = sum_k phi_k(v) (s_k R_k (v - o_k) + x_k).
+///     v'  = sum_k phi_k(v) (s_k R_k (v - o_k) + x_k),
+///
+/// and of parts that bend, also by what this misses of the motion beneath (feet.h).
 ///
 /// Compact parts, and parts below 6 % of the diagonal of the driven ones, have one frame and move rigidly;
 /// longer ones bend. A single vertex needs no frame (loose_vertices.h). Where all driven parts make one

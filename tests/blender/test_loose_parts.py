@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from pathlib import Path
 
@@ -24,6 +25,7 @@ from rig import (
     make_active,
     move_world,
     new_file,
+    new_object,
     push,
     reopen,
     update,
@@ -284,3 +286,83 @@ def edited_selection(obj: bpy.types.Object, chosen: np.ndarray, hidden: int = -1
         edit.verts[hidden].hide_set(True)
     bmesh.update_edit_mesh(obj.data)
     return edited(obj)
+
+
+def joined(name: str, *shapes: tuple[np.ndarray, list]) -> bpy.types.Object:
+    """One mesh of several parts; each has a vertex group of its number."""
+    starts = np.cumsum([0, *(len(points) for points, _faces in shapes)])
+    faces = [
+        [int(start) + v for v in face]
+        for start, (_, own) in zip(starts, shapes, strict=False)
+        for face in own
+    ]
+    obj = new_object(name, np.concatenate([points for points, _faces in shapes]).tolist(), faces)
+    for number, (first, last) in enumerate(itertools.pairwise(starts)):
+        obj.vertex_groups.new(name=str(number)).add(range(int(first), int(last)), 1.0, "REPLACE")
+    return obj
+
+
+def grid(cells: int, size: float, height: float) -> tuple[np.ndarray, list]:
+    along = np.linspace(-0.5 * size, 0.5 * size, cells + 1)
+    points = np.array([(x, y, height) for y in along for x in along])
+    rows = np.arange((cells + 1) ** 2).reshape(cells + 1, cells + 1)
+    corners = np.stack((rows[:-1, :-1], rows[:-1, 1:], rows[1:, 1:], rows[1:, :-1]), -1).reshape(-1, 4)
+    return points, corners.tolist()
+
+
+def sphere(radius: float, place: tuple, rings: int = 16) -> tuple[np.ndarray, list]:
+    """A ball of quads and triangles that is its own mirror image in x."""
+    made = bmesh.new()
+    bmesh.ops.create_uvsphere(made, u_segments=2 * rings, v_segments=rings, radius=radius)
+    points = np.array([tuple(v.co) for v in made.verts]) + place
+    faces = [[v.index for v in face.verts] for face in made.faces]
+    made.free()
+    return points, faces
+
+
+@pytest.mark.parametrize("height", [0.01, 0.03])
+@pytest.mark.parametrize("method", ["arap", "thin_shell"])
+def test_a_sheet_on_another_follows_a_bump_that_is_smaller_than_its_frames(method: str, height: float):
+    """What lies above goes as far as what is beneath, and none of it is poked through."""
+    obj = joined("Sheets", grid(40, 2.0, 0.0), grid(40, 2.0, height))
+    rest = base_points(obj)
+    below, above = np.array_split(np.arange(len(rest)), 2)
+    away = np.linalg.norm(rest[below, :2], axis=1)
+    obj.vertex_groups.new(name="Top").add(below[away < 0.15].tolist(), 1.0, "REPLACE")
+    obj.vertex_groups.new(name="Base").add(below[away > 0.7].tolist(), 1.0, "REPLACE")
+    make_active(obj)
+    bpy.ops.sinew.deformer_add(method=method)
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
+    make_active(obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+    move_world(obj.sinew.active.handles[0].control, Matrix.Translation((0.0, 0.0, 0.2)))
+    update()
+    moved = evaluated_points(obj) - rest
+    assert moved[above, 2].max() > 0.98 * 0.2
+    assert (evaluated_points(obj)[above, 2] > evaluated_points(obj)[below, 2]).all()
+
+
+def test_a_part_on_the_mirror_plane_stays_on_it():
+    """A small ball in a large one whose cheeks are pulled alike."""
+    large = sphere(1.0, (0.0, 0.0, 0.0))
+    obj = joined("Head", large, sphere(0.15, (0.0, -0.4, 0.0), 8))
+    rest = base_points(obj)
+    head, ball = np.split(np.arange(len(rest)), [len(large[0])])
+    groups = {
+        "L": lambda p: np.linalg.norm(p - (0.8, -0.6, 0.0), axis=1) < 0.3,
+        "R": lambda p: np.linalg.norm(p - (-0.8, -0.6, 0.0), axis=1) < 0.3,
+        "Base": lambda p: p[:, 1] > 0.7,
+    }
+    for name, where in groups.items():
+        obj.vertex_groups.new(name=name).add(head[where(rest[head])].tolist(), 1.0, "REPLACE")
+    make_active(obj)
+    bpy.ops.sinew.deformer_add(method="arap")
+    for name, kind in (("L", "HANDLE"), ("R", "HANDLE"), ("Base", "FIXED")):
+        make_active(obj)
+        bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
+    for handle, side in zip(obj.sinew.active.handles, (1.0, -1.0), strict=False):
+        move_world(handle.control, Matrix.Translation((0.3 * side, -0.4, 0.1)))
+    update()
+    moved = evaluated_points(obj) - rest
+    assert np.linalg.norm(moved[ball].mean(axis=0)) > 0.02
+    assert abs(moved[ball].mean(axis=0)[0]) < 1e-3

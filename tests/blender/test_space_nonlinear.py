@@ -144,7 +144,11 @@ def follow(objects: list, empties: list, method: str) -> None:
 @pytest.mark.parametrize("method", METHODS)
 def test_a_handle_takes_hold_of_what_is_nearest_of_all_objects(method: str, scene):
     """A handle far from an object does not move it, and an object that no handle is near stays."""
-    far, near, lost = ball("Far", (2.0, 0.0, 2.0)), ball("Near", (0.0, 0.0, 0.0)), ball("Lost", (-4.0, 0.0, 0.0))
+    far, near, lost = (
+        ball("Far", (2.0, 0.0, 2.0)),
+        ball("Near", (0.0, 0.0, 0.0)),
+        ball("Lost", (-4.0, 0.0, 0.0)),
+    )
     empties = [new_empty(str(place), place) for place in [(0, 0, 0), (2, 0, 2), (1, 0, 1)]]
     objects = [far, near, lost]
     follow(objects, empties, method)
@@ -189,7 +193,7 @@ def test_objects_that_share_handles_move_like_one(method: str, scene):
 
 
 def test_refine_gives_each_handle_a_cell(scene):
-    """The status names the handle that lacks a cell, and has a button, also for all that share the handles."""
+    """The status names the handle that lacks a cell, and has a button for all that share the handles."""
     objects = [ball("One", (0.0, 0.0, 0.0)), ball("Other", (0.7, 0.0, 0.0))]
     empties = [new_empty(f"Pin {number}", (0.07 * number, 0.0, 0.0)) for number in range(3)]
     follow(objects, empties[:1], "rigid_cells")
@@ -214,7 +218,9 @@ def test_objects_that_share_handles_go_on_when_one_of_them_changes(scene, tmp_pa
     objects = [ball("One", (0.0, 0.0, 0.0)), ball("Other", (0.7, 0.0, 0.0))]
     empties = [new_empty("Left", (0.02, 0.03, 0.0)), new_empty("Right", (0.72, 0.01, 0.02))]
     follow(objects, empties, "embedded_deformation")
-    change_in_edit_mode(objects[1], lambda edit: bmesh.ops.delete(edit, geom=list(edit.verts)[:40], context="VERTS"))
+    change_in_edit_mode(
+        objects[1], lambda edit: bmesh.ops.delete(edit, geom=list(edit.verts)[:40], context="VERTS")
+    )
     make_active(objects[1])
     assert bpy.ops.sinew.bind() == {"FINISHED"}
     move_world(empties[1], TURN)
@@ -233,5 +239,7 @@ def test_objects_that_share_handles_go_on_when_one_of_them_changes(scene, tmp_pa
     make_active(objects[0])
     assert bpy.ops.sinew.bind() == {"FINISHED"}
     assert objects[0].sinew.active.status_level == "INFO"
-    meshes = {row.rest for obj in (objects[0], copy) for row in obj.sinew.active.companions if not row.is_target}
+    meshes = {
+        row.rest for obj in (objects[0], copy) for row in obj.sinew.active.companions if not row.is_target
+    }
     assert None not in meshes

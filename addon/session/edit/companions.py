@@ -111,6 +111,5 @@ def _frame(
                 continue
     if not shared:
         return None
-    world = np.array(deformer.id_data.matrix_world, dtype=np.float64)
-    there = np.array(other.id_data.matrix_world, dtype=np.float64)
-    return frames.inverse(world, deformer.id_data.name) @ there
+    placed = [np.array(row.id_data.matrix_world, dtype=np.float64) for row in (deformer, other)]
+    return frames.inverse(placed[0], deformer.id_data.name) @ placed[1]

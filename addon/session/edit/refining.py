@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Remedies for how controls move an object: finer cells, and an armature that counts once. Main thread only."""
+"""Remedies for how controls move an object: finer cells, an armature that counts once. Main thread only."""
 
 from bpy.types import Object
 
+from ...core.methods import Int
 from ...core.status import Remedy
 from ...properties import SinewDeformer
 from ..control.twice import moved_twice
@@ -14,7 +15,8 @@ def refine(deformer: SinewDeformer) -> tuple[str, int]:
     """Double the parameter that ``Method.finer`` names until the bind is accepted, also that of objects that
     share handles; its label and value then. Raises what still refuses a bind.
     """
-    finer = next(p for p in deformer.definition.parameters if p.id == deformer.definition.finer)
+    method = deformer.definition
+    finer = next(row for row in method.parameters if isinstance(row, Int) and row.id == method.finer)
     value = getattr(deformer.parameters, finer.id)
     while True:
         value = min(2 * value, finer.maximum)

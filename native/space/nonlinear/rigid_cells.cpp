@@ -39,7 +39,9 @@ Seats seats_of(const CellGrid& grid, const HandlePoints& handles, const Points& 
     Points carriers(held.rows(), 3);
     for (int p = 0; p < held.rows(); ++p) {
         cells.push_back(grid.cell_at(held.row(p).transpose()));
-        carriers.row(p) = grid.cells()[cells[p]].centre.transpose();
+        const Cell& cell = grid.cells()[cells[p]];
+        const Eigen::Array3d off = held.row(p).transpose() - cell.centre; // to the nearest place in the cell
+        carriers.row(p) = (cell.centre + off.max(-cell.half).min(cell.half).matrix()).transpose();
     }
     const std::vector<double> holding = holds(handles, held, carriers, grid.side());
     struct Sum
@@ -70,12 +72,12 @@ Seats seats_of(const CellGrid& grid, const HandlePoints& handles, const Points& 
         if (!seated[h])
             without.push_back(h);
     if (!without.empty())
-        throw InvalidConstraint("handle " + std::to_string(without[0]) +
-                                    (without.size() > 1 ? " and " + std::to_string(without.size() - 1) + " more"
-                                                        : "") +
-                                    ": no cell is left to hold, as other handles have more points in all of "
-                                    "theirs; use more cells",
-                                Error::Element::handle, without);
+        throw InvalidConstraint(
+            "handle " + std::to_string(without[0]) +
+                (without.size() > 1 ? " and " + std::to_string(without.size() - 1) + " more" : "") +
+                ": no cell is left to hold, as other handles have more points in all of "
+                "theirs; use more cells",
+            Error::Element::handle, without);
     return seats;
 }
 
@@ -126,8 +128,9 @@ struct RigidCells::Binding
 {
     std::vector<Cell> cells; ///< in the coordinates of motions
     std::vector<CellFace> faces;
-    Points rest;         ///< (m, 3) their centres
+    Points rest; ///< (m, 3) their centres
     Vector3 first_middle; ///< of the points of the first handle
+    bool has_still_cells; ///< whether a piece is near no handle
     RotationGraph graph;
     RigidBodies bodies;
     CascadeStart start;
@@ -157,7 +160,8 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
     std::vector<char> held;
     for (const int handle : seats.handle)
         held.push_back(handle >= 0);
-    for (const int cell : grid.join_loose_pieces(held)) {
+    const std::vector<int> still = grid.join_loose_pieces(held);
+    for (const int cell : still) {
         seats.handle[cell] = handles().count();
         seats.strength[cell] = 1.0;
     }
@@ -227,6 +231,7 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
                                                     std::move(faces),
                                                     std::move(rest),
                                                     first,
+                                                    !still.empty(),
                                                     std::move(graph),
                                                     std::move(bodies),
                                                     std::move(start),
@@ -249,7 +254,7 @@ public:
         turn_ = fit_rotation(Matrix3::Identity() + motions[0].turn);
         middle_ = bound.first_middle;
         there_ = middle_ + motions[0](middle_);
-        for (const HeldMotion& motion : with_rest(motions)) {
+        for (const HeldMotion& motion : bound.has_still_cells ? with_rest(motions) : motions) {
             Pose& pose = poses_.emplace_back();
             pose.leftCols<3>() = turn_.transpose() * (Matrix3::Identity() + motion.turn);
             pose.col(3) = turn_.transpose() * (middle_ + motion(middle_) - there_) + middle_ -

@@ -96,20 +96,29 @@ TEST(CellGrid, legs_side_by_side_are_not_linked)
     EXPECT_GT(touching, 20) << "cells of both touch somewhere, so the test says something";
 }
 
-TEST(CellGrid, loose_pieces_are_joined_to_held_ones)
+TEST(CellGrid, loose_pieces_are_joined_to_held_ones_that_are_near)
 {
-    const SurfaceMesh two = shapes::joined(shapes::sphere(3), shapes::sphere(2), {4, 0, 0});
-    CellGrid grid(two, 400, 2, {});
+    const SurfaceMesh near = shapes::joined(shapes::sphere(3), shapes::sphere(2), {2.7, 0, 0});
+    CellGrid grid(near, 400, 2, {});
     const std::size_t before = grid.faces().size();
     std::vector<char> held(grid.size(), 0);
     held[grid.cell_at({-1, 0, 0})] = 1;
-    grid.join_loose_pieces(held);
+    EXPECT_TRUE(grid.join_loose_pieces(held).empty());
     ASSERT_EQ(grid.faces().size(), before + 1);
     EXPECT_EQ(grid.faces().back().axis, -1);
-    held[grid.cell_at({4, 0, 0})] = 1;
-    CellGrid other(two, 400, 2, {});
+    held[grid.cell_at({2.7, 0, 0})] = 1;
+    CellGrid other(near, 400, 2, {});
     other.join_loose_pieces(held);
     EXPECT_EQ(other.faces().size(), before) << "each has a handle of its own";
+
+    const SurfaceMesh far = shapes::joined(shapes::sphere(3), shapes::sphere(2), {4, 0, 0});
+    CellGrid apart(far, 400, 2, {});
+    held.assign(apart.size(), 0);
+    held[apart.cell_at({-1, 0, 0})] = 1;
+    const std::vector<int> loose = apart.join_loose_pieces(held);
+    EXPECT_FALSE(loose.empty());
+    for (const int cell : loose)
+        EXPECT_GT(apart.cells()[cell].centre[0], 2.0);
 }
 
 TEST(CellGrid, weights_are_smooth_and_sum_to_one_after_division)
