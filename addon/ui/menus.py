@@ -181,6 +181,8 @@ def _draw_common(layout: UILayout) -> None:
     layout.operator(Operators.SELECT_DISTORTED, icon="MOD_CLOTH")
     layout.operator(Operators.REPAIR, icon="TOOL_SETTINGS")
     layout.operator(Operators.PART_REGIONS, icon="SELECT_DIFFERENCE")
+    layout.operator(Operators.REFINE, icon="MESH_GRID")
+    layout.operator(Operators.ARMATURE_OFF, icon="MOD_ARMATURE")
     layout.separator()
     for menu in control.MENUS:
         layout.menu(menu.bl_idname, icon=menu.ICON)
