@@ -28,6 +28,7 @@ def on_undo(*_args: object) -> None:
 def on_load(*_args: object) -> None:
     """Another file was opened: forget everything about the previous one."""
     forget_all()
+    session.keep_earlier_defaults()
     for obj in session.owners():
         if any(deformer.topology_changed for deformer in obj.sinew.deformers):
             session.note_edit(obj.name)  # to look once more: Sinew once took turned faces for other ones

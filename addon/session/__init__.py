@@ -27,7 +27,7 @@ from .edit.cages import (
     flip_cage,
     takes_flat_cage,
 )
-from .edit.deformers import add_deformer, remove_deformer
+from .edit.deformers import add_deformer, keep_earlier_defaults, remove_deformer
 from .edit.drag import Brush, Drag
 from .edit.grids import has_grid, new_grid
 from .edit.handles.bones import is_moved_by_control
@@ -179,6 +179,7 @@ __all__ = (
     "is_waiting",
     "job",
     "keep_stroke",
+    "keep_earlier_defaults",
     "key_beside",
     "key_notes",
     "key_partners",

@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 import numpy as np
 import pytest
 from mathutils import Matrix, Vector
-from rig import add_group, apply_matrix, evaluated_points, make_active, move_world, new_object, update
+from rig import add_group, apply_matrix, evaluated_points, make_active, move_world, new_object, reopen, update
 
 TURN = Matrix.Rotation(0.7, 4, (0.3, 0.5, 0.8))
 MOTION = Matrix.Translation((0.2, 0.5, 0.4)) @ Matrix.Rotation(0.6, 4, (0.2, 1.0, 0.3))
@@ -74,3 +76,20 @@ def test_a_file_of_an_earlier_build_keeps_its_looks(scene, change: str) -> None:
     values.thickness, values.measure = values.thickness * float(np.linalg.norm(box)), "length"
     update()
     assert np.abs(evaluated_points(obj) - old).max() < 1e-4
+
+
+def test_a_file_of_an_earlier_build_keeps_the_falloff_that_was_its_default(scene, tmp_path: Path) -> None:
+    rows = {}
+    for name in ("New", "Old"):
+        obj = egg("")
+        obj.name = name
+        rows[name] = posed(obj, "mls", MOTION)
+    bpy.data.objects["Old"].sinew.active.property_unset("sizes")
+    reopen(tmp_path / "old.blend")
+    update()
+    new, old = bpy.data.objects["New"], bpy.data.objects["Old"]
+    assert np.array_equal(evaluated_points(new), rows["New"])
+    new.sinew.active.mls.alpha = 1.0
+    update()
+    assert np.array_equal(evaluated_points(old), evaluated_points(new))
+    assert np.abs(evaluated_points(old) - rows["Old"]).max() > 1e-2

@@ -109,7 +109,8 @@ class Float(Parameter):
 
     ``step`` is how much one click on an arrow of its field adds. If it is ``paintable``, a vertex group may
     scale it per vertex. ``share_of`` says which size it is a share of, if of any; ``share_with`` a choice of
-    the same method, and its value with which it is one.
+    the same method, and its value with which it is one. ``earlier`` is the default of builds that measured
+    sizes by boxes (see ``SinewDeformer.sizes``), if it has changed since.
     """
 
     minimum: float = 0.0
@@ -120,6 +121,7 @@ class Float(Parameter):
     paintable: bool = False  # type: ignore[misc]  # rows set it, while all other types share one value
     share_of: Size | None = None
     share_with: tuple[str, str] | None = None
+    earlier: float | None = None
 
     def size_in_use(self, settings: object) -> Size | None:
         """The size that it is a share of. ``settings`` has the parameters of the method as attributes."""

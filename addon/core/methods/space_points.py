@@ -200,6 +200,7 @@ ROWS = (
                 soft_maximum=4.0,
                 precision=2,
                 step=0.1,
+                earlier=1.0,
                 rebinds=True,
                 label="Falloff",
                 unit="exponent",

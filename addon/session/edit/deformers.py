@@ -12,7 +12,7 @@ from ...core.status import Level, Status
 from ...preferences import preferences
 from ...properties import SinewDeformer
 from ..blocks import animation_paths, shapes, targets
-from ..blocks.owners import forget_owners
+from ..blocks.owners import forget_owners, owners
 from ..control import kinds
 from ..live import binding
 from ..memory import sessions
@@ -38,6 +38,25 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
     forget_owners()
     status.put(deformer.uid, Status(Level.INFO, kinds.kind_in_use(deformer).MISSING))
     return deformer
+
+
+def keep_earlier_defaults() -> None:
+    """Write out the parameters that an earlier build left at a default which has changed since.
+
+    For a file that was just opened.
+    """
+    changed = [
+        (method.id, parameter)
+        for method in BY_ID.values()
+        for parameter in method.parameters
+        if getattr(parameter, "earlier", None) is not None
+    ]
+    for obj in owners():
+        for deformer in obj.sinew.deformers:
+            for method, parameter in changed if deformer.sizes == "BOX" else ():
+                values = getattr(deformer, method)
+                if not values.is_property_set(parameter.id):
+                    setattr(values, parameter.id, parameter.earlier)
 
 
 @sessions.suspended()
