@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/principal_frame.h"
 
-#include <Eigen/Eigenvalues>
+#include "native/core/dense.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -40,13 +41,11 @@ PrincipalFrame principal_frame(const Points& points, const std::vector<int>& ver
         const Vector3 arm = (points.row(v).transpose() - frame.centre) / (size > 0 ? size : 1.0);
         spread += arm * arm.transpose();
     }
-    const Eigen::SelfAdjointEigenSolver<Matrix3> modes(spread); // rising
-    const Vector3& values = modes.eigenvalues();
+    const auto [values, vectors] = eigenvectors(spread); // rising
     const double most = equal * values[2];
     const int flat = values[1] - values[0] > most ? 1 : values[2] - values[0] > most ? 2 : 3;
-    const Vector3 normal = flat == 1 ? Vector3(modes.eigenvectors().col(0))
-                                     : nearest_axis(modes.eigenvectors().leftCols(flat), 2);
-    Vector3 first = modes.eigenvectors().col(2);
+    const Vector3 normal = flat == 1 ? Vector3(vectors.col(0)) : nearest_axis(vectors.leftCols(flat), 2);
+    Vector3 first = vectors.col(2);
     if (values[2] - values[1] <= most) { // any direction in the plane
         Eigen::Matrix<double, 3, Eigen::Dynamic> plane(3, 2);
         plane.col(0) = normal.unitOrthogonal();
