@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/graph/rotations.h"
 
-#include "native/core/symmetric.h"
+#include "native/core/dense.h"
 #include "native/operators/rotation_fit.h"
 
 namespace sinew {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/principal_frame.h"
 
-#include "native/core/symmetric.h"
+#include "native/core/dense.h"
 
 #include <Eigen/Geometry>
 

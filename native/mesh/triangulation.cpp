@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/triangulation.h"
 
+#include "native/core/dense.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -26,9 +28,8 @@ std::vector<Vector2> flatten(const Points& points, std::span<const int> polygon)
     Vector3 normal = Vector3::Zero();
     for (std::size_t k = 0; k < polygon.size(); ++k)
         normal += at(k).cross(at(k + 1));
-    const Eigen::Quaterniond turn = normal.squaredNorm() > 0
-                                        ? Eigen::Quaterniond::FromTwoVectors(normal, Vector3::UnitZ())
-                                        : Eigen::Quaterniond::Identity();
+    const Eigen::Quaterniond turn =
+        normal.squaredNorm() > 0 ? smallest_turn(normal, Vector3::UnitZ()) : Eigen::Quaterniond::Identity();
     std::vector<Vector2> flat(polygon.size());
     for (std::size_t k = 0; k < polygon.size(); ++k)
         flat[k] = (turn * at(k)).head<2>();

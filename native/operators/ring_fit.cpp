@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/operators/ring_fit.h"
 
-#include "native/core/symmetric.h"
+#include "native/core/dense.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

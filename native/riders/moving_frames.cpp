@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/riders/moving_frames.h"
 
+#include "native/core/dense.h"
 #include "native/core/simd/kernel_set.h"
-#include "native/core/symmetric.h"
 #include "native/operators/rotation_fit.h"
 
 #include <array>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/skeleton/skeleton.h"
 
+#include "native/core/dense.h"
 #include "native/core/errors.h"
 #include "native/core/finite.h"
 
@@ -116,7 +117,7 @@ Skeleton::Skeleton(Points heads, Points tails, std::vector<int> parents, std::ve
         if (!(along.norm() > 0))
             throw InvalidConstraint(named(b) + " has no length");
         if (own_axes)
-            axes_[b] = Eigen::Quaterniond::FromTwoVectors(Vector3::UnitY(), along).toRotationMatrix();
+            axes_[b] = smallest_turn(Vector3::UnitY(), along).toRotationMatrix();
         else if (!(axes_[b].transpose() * axes_[b]).isIdentity(not_a_rotation) ||
                  !(axes_[b].determinant() > 0))
             throw InvalidConstraint(named(b) + ": its axes are no rotation");

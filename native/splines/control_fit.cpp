@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/splines/control_fit.h"
 
+#include "native/core/dense.h"
 #include "native/core/memory.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 
 namespace sinew {
 
@@ -32,11 +32,10 @@ ControlFit::ControlFit(const WeightRows& B, const VectorX& weights, const Matrix
         inverse_ = normal.llt().solve(MatrixX::Identity(k, k));
         return;
     }
-    const Eigen::SelfAdjointEigenSolver<MatrixX> modes(normal);
-    const VectorX& values = modes.eigenvalues();
+    const auto [values, vectors] = eigenvectors(normal);
     const double least = least_singular * least_singular * values[k - 1];
     const VectorX inverses = (values.array() > least).select(values.cwiseInverse(), 0.0);
-    inverse_ = modes.eigenvectors() * inverses.asDiagonal() * modes.eigenvectors().transpose();
+    inverse_ = vectors * inverses.asDiagonal() * vectors.transpose();
 }
 
 RowMatrix ControlFit::solve(const RowMatrix& wanted) const

@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/lattice/inverse_ffd.h"
 
+#include "native/core/dense.h"
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/mesh/surface_frame.h"
 #include "native/space/handle_points/handle_points.h"
 #include "native/space/lattice/grid/placing.h"
-
-#include <Eigen/Eigenvalues>
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
@@ -122,13 +120,12 @@ void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress&
     progress.tick(0.0, "inverting the lattice");
     // B^+ = B^T (B B^T)^+ = (B^T B)^+ B^T by the eigenvectors of the smaller product, whose eigenvalues are
     // the squares of the singular values.
-    const Eigen::SelfAdjointEigenSolver<MatrixX> modes(count <= controls ? MatrixX(B * B.transpose())
-                                                                         : MatrixX(B.transpose() * B));
-    const VectorX& values = modes.eigenvalues();
+    const auto [values, vectors] =
+        eigenvectors(count <= controls ? MatrixX(B * B.transpose()) : MatrixX(B.transpose() * B));
     const double least = std::max(options_.cut_off * options_.cut_off, 1e-14) * values[fewer - 1];
     const VectorX inverses = (values.array() > least).select(values.cwiseInverse(), 0.0);
     const int rank = static_cast<int>((values.array() > least).count());
-    const MatrixX inner = modes.eigenvectors() * inverses.asDiagonal() * modes.eigenvectors().transpose();
+    const MatrixX inner = vectors * inverses.asDiagonal() * vectors.transpose();
     MatrixX inverse = count <= controls ? MatrixX(B.transpose() * inner) : MatrixX(inner * B.transpose());
     inverse *= roots.asDiagonal();
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/nonlinear/mls.h"
 
+#include "native/core/dense.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
-#include "native/core/symmetric.h"
 #include "native/operators/rotation_fit.h"
 
 #include <Eigen/Geometry>
@@ -50,9 +50,8 @@ Matrix3 linear_part(MlsMaps kind, const Matrix3& spread, const Matrix3& together
         R = fit_rotation_svd(S);
     } else { // all on a line: the smallest turn that takes it along
         const Vector3 line = eigen.vectors.col(2), turned = S * line;
-        R = turned.norm() > 1e-12 * eigen.values[2]
-                ? Eigen::Quaterniond::FromTwoVectors(line, turned).toRotationMatrix()
-                : Matrix3::Identity();
+        R = turned.norm() > 1e-12 * eigen.values[2] ? smallest_turn(line, turned).toRotationMatrix()
+                                                    : Matrix3::Identity();
     }
     const double scale = kind == MlsMaps::similarity ? R.cwiseProduct(S).sum() / spread.trace() : 1.0;
     return scale * R - Matrix3::Identity();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/nonlinear/vector_field.h"
 
+#include "native/core/dense.h"
 #include "native/core/errors.h"
 #include "native/core/finite.h"
 #include "native/core/memory.h"
@@ -50,7 +51,7 @@ Matrix3 rotation_by(const Vector3& turn)
 /// From one unit vector to another. For opposite ones, any way will do.
 Matrix3 shortest_turn(const Vector3& from, const Vector3& to)
 {
-    return Eigen::Quaterniond::FromTwoVectors(from, to).normalized().toRotationMatrix();
+    return smallest_turn(from, to).normalized().toRotationMatrix();
 }
 
 /// The angle of the part of a rotation that turns about an axis, in (-pi, pi].

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/weights/point_weights.h"
 
+#include "native/core/dense.h"
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
-#include "native/core/symmetric.h"
 #include "native/space/weights/products.h"
 
 #include <algorithm>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/nonlinear/handles/handle_control.h"
 
+#include "native/core/dense.h"
 #include "native/core/errors.h"
-#include "native/core/symmetric.h"
 #include "native/operators/rotation_fit.h"
 
 #include <Eigen/Geometry>
@@ -67,8 +67,7 @@ HeldMotion HandleControl::fit(int handle, PointsView posed) const
         Eigen::Index farthest = 0;
         from.rowwise().squaredNorm().maxCoeff(&farthest);
         const Vector3 line = from.row(farthest).transpose();
-        motion.turn =
-            Eigen::Quaterniond::FromTwoVectors(line, S * line).toRotationMatrix() - Matrix3::Identity();
+        motion.turn = smallest_turn(line, S * line).toRotationMatrix() - Matrix3::Identity();
     }
     motion.move -= motion.turn * extent.middle;
     return motion;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/points/rbf/polynomials.h"
 
-#include "native/core/symmetric.h"
+#include "native/core/dense.h"
 
 #include <Eigen/LU>
 #include <Eigen/QR>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/surface/linear/volume/volume_graph.h"
 
+#include "native/core/dense.h"
 #include "native/core/parallel.h"
-#include "native/core/symmetric.h"
 #include "native/mesh/surface_frame.h"
 #include "native/mesh/winding_tree.h"
 #include "native/riders/host_surface.h"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/surface/nonlinear/pyramids/rings.h"
 
+#include "native/core/dense.h"
 #include "native/core/parallel.h"
 #include "native/operators/rotation_fit.h"
 
@@ -147,7 +148,7 @@ Eigen::Quaterniond Rings::turn(const PointsView& from, const PointsView& to, int
             covariance += edge(to, vertex, neighbours_[a]) * edge(from, vertex, neighbours_[a]).transpose();
         return Eigen::Quaterniond(fit_rotation(covariance));
     }
-    const Eigen::Quaterniond tilt = Eigen::Quaterniond::FromTwoVectors(before, after);
+    const Eigen::Quaterniond tilt = smallest_turn(before, after);
     double cosine = 0.0, sine = 0.0;
     for (int a = offsets_[vertex]; a < offsets_[vertex + 1]; ++a) {
         const Vector3 p = tilt * edge(from, vertex, neighbours_[a]), q = edge(to, vertex, neighbours_[a]);

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/core/symmetric.h"
+#include "native/core/dense.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -19,5 +19,13 @@ Eigenvectors<Matrix::RowsAtCompileTime> found(const Matrix& symmetric)
 Eigenvectors<3> eigenvectors(const Eigen::Matrix3d& symmetric) { return found(symmetric); }
 
 Eigenvectors<4> eigenvectors(const Eigen::Matrix4d& symmetric) { return found(symmetric); }
+
+Eigenvectors<Eigen::Dynamic> eigenvectors(const MatrixX& symmetric) { return found(symmetric); }
+
+Eigen::Quaterniond smallest_turn(const Vector3& from, const Vector3& to)
+{
+    return Eigen::Quaterniond::FromTwoVectors(from,
+                                              to); // opposite directions by a singular value decomposition
+}
 
 } // namespace sinew
