@@ -6,7 +6,7 @@ from bpy.types import Object
 
 from ...core import status
 from ...core.errors import SinewError
-from ...core.methods import BY_ID
+from ...core.methods import BY_ID, Float
 from ...core.names import unique_name
 from ...core.status import Level, Status
 from ...preferences import preferences
@@ -49,7 +49,7 @@ def keep_earlier_defaults() -> None:
         (method.id, parameter)
         for method in BY_ID.values()
         for parameter in method.parameters
-        if getattr(parameter, "earlier", None) is not None
+        if isinstance(parameter, Float) and parameter.earlier is not None
     ]
     for obj in owners():
         for deformer in obj.sinew.deformers:
