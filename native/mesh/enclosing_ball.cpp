@@ -63,7 +63,7 @@ Ball enclosing_ball(const Points& points)
     std::vector<Vector3> order;
     for (Eigen::Index i = 0; i < points.rows(); ++i)
         order.emplace_back(points.row(i).transpose());
-    std::mt19937 random; // NOLINT(cert-msc51-cpp): the same in each call
+    std::mt19937 random{std::mt19937::default_seed}; // the same in each call
     for (std::size_t i = order.size(); i > 1; --i) // std::shuffle differs between libraries
         std::swap(order[i - 1], order[random() % i]);
     return smallest(order, order.size(), {});

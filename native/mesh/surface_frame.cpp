@@ -61,7 +61,7 @@ struct Moments
 Moments moments_of(const std::vector<Vector3>& points, const std::vector<double>& weights)
 {
     const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
-    const Vector3 origin = points.front(); // so that nothing is lost far from the origin
+    const Vector3& origin = points.front(); // so that nothing is lost far from the origin
     Vector3 centre = Vector3::Zero();
     for (std::size_t k = 0; k < points.size(); ++k)
         centre += weights[k] / sum * (points[k] - origin);

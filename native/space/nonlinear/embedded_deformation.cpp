@@ -126,8 +126,8 @@ void EmbeddedDeformation::build(PointsView points, SpaceReport& report, const Pr
     for (Eigen::Index p = 0; p < held.rows(); ++p)
         for (const auto& share : held_shares[p])
             carriers.row(p) += share.weight * graph.places().row(share.map);
-    Pulls pulls =
-        pulls_of(handles().held(), held_shares, holds(handles().held(), held, carriers, edge), graph.pieces());
+    Pulls pulls = pulls_of(handles().held(), held_shares, holds(handles().held(), held, carriers, edge),
+                           graph.pieces());
     Points pullable(held.rows() + graph.size(), 3);
     pullable << held, graph.places();
     Points pulled(static_cast<Eigen::Index>(pulls.points.size()), 3);

@@ -53,9 +53,9 @@ struct EmbeddedDeformationOptions
 /// the same.
 ///
 /// The points of a handle follow it exactly, and those around it, up to one edge away, partly, see
-/// HandleReach. A point of a handle that is far outside takes hold of nothing that another handle is close to,
-/// see holds(). Pieces of the shape that are far from each other have nothing to do with each other, and one
-/// that no handle takes hold of stays.
+/// HandleReach. A point of a handle that is far outside takes hold of nothing that another handle is close
+/// to, see holds(). Pieces of the shape that are far from each other have nothing to do with each other, and
+/// one that no handle takes hold of stays.
 ///
 /// With an incoming shape, the graph rides on it: nodes and handle points enter where the vertices nearest to
 /// them do, so animations and simulations are edited in each frame's own shape. Where handles rest, the

@@ -43,11 +43,11 @@ struct RigidCellsOptions
 /// to a coarse one three times too softly. The weights of points are compact radial ones, so that a frame
 /// solves nothing for them, instead of triharmonic functions. A cell that holds points of a handle follows
 /// it, also where its pose is not rigid; of several handles in one cell, the one with most points. A handle
-/// without a cell of its own is refused, unless it is far outside and another handle is close to what it would
-/// take hold of, see holds(). A piece of the shape without a handle holds on to the piece next to it, if that
-/// is near, see are_near(), and stays if none is. Points that are held by less than 1 pull the centre of their cell.
-/// Centres and rotations move together, by L-BFGS with two constant factors, from the answer of coarser
-/// graphs of cells, which depends on the poses alone.
+/// without a cell of its own is refused, unless it is far outside and another handle is close to what it
+/// would take hold of, see holds(). A piece of the shape without a handle holds on to the piece next to it,
+/// if that is near, see are_near(), and stays if none is. Points that are held by less than 1 pull the centre
+/// of their cell. Centres and rotations move together, by L-BFGS with two constant factors, from the answer
+/// of coarser graphs of cells, which depends on the poses alone.
 ///
 /// With an incoming shape, the displacements of the rest shape are added to it.
 ///
@@ -70,7 +70,7 @@ public:
     {
         Points centres; ///< (m, 3) at rest
         std::vector<double> sides;
-        std::vector<int> handles;             ///< that hold them, or -1
+        std::vector<int> handles; ///< that hold them, or -1
         std::vector<std::array<int, 2>> links; ///< pairs of cells
     };
     /// \throw InvalidConstraint  before a bind

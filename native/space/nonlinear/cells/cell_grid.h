@@ -50,8 +50,8 @@ public:
     /// The cell that has a point, or the nearest one; and whether it has.
     int cell_at(const Vector3& point, bool* inside = nullptr) const;
 
-    /// Links each piece of cells none of which is in `held` to the cell nearest to it in another piece, if that
-    /// is near, see are_near(). Returns the cells of pieces that remain without one that is held.
+    /// Links each piece of cells none of which is in `held` to the cell nearest to it in another piece, if
+    /// that is near, see are_near(). Returns the cells of pieces that remain without one that is held.
     std::vector<int> join_loose_pieces(const std::vector<char>& held);
 
     /// The cells that each of some points follows: those whose centres are nearer, along each axis, than

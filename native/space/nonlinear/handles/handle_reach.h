@@ -49,8 +49,8 @@ std::vector<double> holds(const HandlePoints& handles, const Points& held, const
 /// `motions`, and after them the one of a handle that rests. What no handle is near follows that one.
 std::vector<HeldMotion> with_rest(std::vector<HeldMotion> motions);
 
-/// Whether two pieces of the shape hold together: the gap between them is at most a quarter of the diagonal of
-/// the box around the larger one. \param one, other  places all over the pieces.
+/// Whether two pieces of the shape hold together: the gap between them is at most a quarter of the diagonal
+/// of the box around the larger one. \param one, other  places all over the pieces.
 bool are_near(double gap, const Points& one, const Points& other);
 
 /// The displacements of the handles for BlendedMaps, about the centre of their coordinates.
