@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <iterator>
 #include <memory>
 
 namespace sinew {
@@ -28,6 +27,8 @@ constexpr float detour = 1.05F;
 /// Places are equally far if their distances differ by this share: rounding of the shape in single precision
 /// moves fronts by up to 1e-4 along the lines of a grid.
 constexpr float tie = 1e-3F;
+/// The same for distances from the centre, which are straight.
+constexpr float straight_tie = 1e-5F;
 /// Nodes that are nearer than the fifth by less than this share count as being as far.
 constexpr double least_nearer = 0.01;
 
@@ -45,12 +46,21 @@ float largest(const std::vector<float>& numbers)
         .maxCoeff();
 }
 
-/// Of the places that are as far as any, the first in an order. So neither the numbers of equally far ones
-/// choose, nor the last bits of the shape.
-int first_of_farthest(const std::vector<float>& distances, const std::vector<int>& order)
+/// Of the places that are as far as any, the one farthest from the centre, and of those that are equally far
+/// from that, the first. So lengths decide where they can; neither the axes nor the last bits of the shape
+/// do.
+int first_of_farthest(const std::vector<float>& distances, const std::vector<float>& from_centre)
 {
     const float least = largest(distances) * (1.0F - tie);
-    return *std::ranges::find_if(order, [&](int v) { return distances[v] >= least; });
+    float outermost = 0.0F;
+    for (std::size_t v = 0; v < distances.size(); ++v)
+        if (distances[v] >= least)
+            outermost = std::max(outermost, from_centre[v]);
+    outermost *= 1.0F - straight_tie;
+    int first = 0;
+    while (distances[first] < least || from_centre[first] < outermost)
+        ++first;
+    return first;
 }
 
 } // namespace
@@ -90,17 +100,17 @@ NearNodes::Nearest NearNodes::choose(const SurfaceFronts& fronts, int wanted, co
     auto unreached = std::ranges::count(large_, 1);
     // Begins at the far end of a large part, so that no small one gets a node for nothing.
     const Vector3 centre = surface_frame(mesh_).centre;
-    const std::vector<int> order = order_by_place(mesh_);
-    std::vector<float> from_centre(near.size(), -1.0F);
+    std::vector<float> from_centre, beginnings(near.size(), -1.0F);
     for (int v = 0; v < n; ++v) {
+        from_centre.push_back(static_cast<float>((mesh_.point(v) - centre).norm()));
         if (is_loose(v))
             near[v] = 0.0F; // it has no node, and needs none
         else if (!is_on_surface(v))
             loose.push_back(v);
         if (is_on_surface(v) || unreached == 0)
-            from_centre[v] = static_cast<float>((mesh_.point(v) - centre).norm());
+            beginnings[v] = from_centre[v];
     }
-    int next = first_of_farthest(from_centre, order);
+    int next = first_of_farthest(beginnings, from_centre);
     while (true) {
         if (nodes_.size() % 64 == 0)
             progress.tick(0.4 * std::min(1.0, static_cast<double>(nodes_.size()) / wanted), "placing nodes");
@@ -124,16 +134,12 @@ NearNodes::Nearest NearNodes::choose(const SurfaceFronts& fronts, int wanted, co
                 std::min(near[loose[k]], static_cast<float>((mesh_.point(loose[k]) - at).norm()));
         });
         radius_ = largest(near);
-        next = first_of_farthest(near, order);
+        next = first_of_farthest(near, from_centre);
         if (!(radius_ > 0.0) || (unreached == 0 && static_cast<int>(nodes_.size()) >= wanted))
             break;
     }
     // Of two nodes far apart, the last bits may say which comes first.
-    std::vector<char> chosen(near.size(), 0);
-    for (const int v : nodes_)
-        chosen[v] = 1;
-    nodes_.clear();
-    std::ranges::copy_if(order, std::back_inserter(nodes_), [&](int v) { return chosen[v] != 0; });
+    std::ranges::sort(nodes_);
     std::vector<int> number(static_cast<std::size_t>(n), -1);
     for (std::size_t j = 0; j < nodes_.size(); ++j)
         number[nodes_[j]] = static_cast<int>(j);

@@ -21,8 +21,9 @@ class SurfaceFronts;
 /// its vertices follow its own nodes only, so that limbs side by side stay apart. All other vertices (small
 /// parts, points of a cloud or of a curve) are measured straight, to nodes anywhere.
 ///
-/// Each node is the vertex farthest from all nodes before it, and of those that are equally far the first by
-/// order_by_place(). Where there is a large part, no vertex outside of all faces is a node.
+/// Each node is the vertex farthest from all nodes before it; of those that are equally far the one farthest
+/// from the centre, and of those that a symmetry of the shape makes equal in this too the first. Where there
+/// is a large part, no vertex outside of all faces is a node.
 /// Distances along the surface are those of SurfaceFronts, which end where they have met `count` + 1 nearer
 /// nodes; operators/geodesic_distance.h, whose fronts are straight, is off by some percent near single
 /// points.
@@ -44,7 +45,7 @@ public:
     /// \param mesh    has to outlive this object.
     NearNodes(const SurfaceMesh& mesh, int wanted, const Progress& progress);
 
-    /// The vertices at which the nodes are, by order_by_place().
+    /// The vertices at which the nodes are, ascending.
     const std::vector<int>& nodes() const { return nodes_; }
     /// Each node with the four nearest to it, and those as far as the fourth; a < b, in no order, some twice.
     const std::vector<std::array<int, 2>>& pairs() const { return pairs_; }

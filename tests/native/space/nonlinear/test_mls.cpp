@@ -192,11 +192,12 @@ TEST(Mls, a_segment_weighs_as_the_many_points_on_it)
     constexpr int many = 20000;
     Points p(many + 3, 3), q(many + 3, 3);
     VectorX share = VectorX::Constant(many + 3, 1.0);
+    const double size = HandlePoints(view(ends)).size();
     for (int k = 0; k < many; ++k) {
         const double t = (k + 0.5) / many;
         p.row(k) = ends.row(0) + t * (ends.row(1) - ends.row(0));
         q.row(k) = control.row(0) + t * (control.row(1) - control.row(0));
-        share[k] = 1.0 / many; // a segment of length 1, and all handles have the size 1
+        share[k] = 1.0 / size / many; // the length, 1, as a share of the size of all handles
     }
     p.bottomRows(3) = ends.bottomRows(3);
     q.bottomRows(3) = control.bottomRows(3);

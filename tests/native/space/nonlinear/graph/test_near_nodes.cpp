@@ -151,19 +151,24 @@ TEST(DeformationGraph, does_not_depend_on_the_axes)
     }
 }
 
-TEST(DeformationGraph, is_connected_whatever_the_parts)
+TEST(DeformationGraph, connects_parts_that_are_near_and_no_others)
 {
-    SurfaceMesh mesh = shapes::sphere(3);
-    for (int k = 1; k < 4; ++k)
-        mesh = shapes::joined(mesh, shapes::sphere(3), Vector3(5.0 * k, k, 0));
-    const DeformationGraph graph(mesh, 50, {});
-    std::vector<int> piece(graph.size());
-    for (int j = 0; j < graph.size(); ++j)
-        piece[j] = j;
-    for (int round = 0; round < graph.size(); ++round)
-        for (const auto& [a, b] : graph.edges())
-            piece[a] = piece[b] = std::min(piece[a], piece[b]);
-    EXPECT_EQ(*std::ranges::max_element(piece), 0);
+    for (const auto& [apart, wanted] : {std::pair(2.2, 1), std::pair(5.0, 4)}) { // of balls of diameter 2
+        SurfaceMesh mesh = shapes::sphere(3);
+        for (int k = 1; k < 4; ++k)
+            mesh = shapes::joined(mesh, shapes::sphere(3), k * Vector3(apart, 0.2 * apart, 0));
+        const DeformationGraph graph(mesh, 50, {});
+        std::vector<int> piece(graph.size());
+        for (int j = 0; j < graph.size(); ++j)
+            piece[j] = j;
+        for (int round = 0; round < graph.size(); ++round)
+            for (const auto& [a, b] : graph.edges())
+                piece[a] = piece[b] = std::min(piece[a], piece[b]);
+        EXPECT_EQ(std::set(piece.begin(), piece.end()).size(), wanted);
+        for (int i = 0; i < graph.size(); ++i)
+            for (int j = 0; j < graph.size(); ++j)
+                EXPECT_EQ(graph.pieces()[i] == graph.pieces()[j], piece[i] == piece[j]);
+    }
 }
 
 } // namespace sinew
