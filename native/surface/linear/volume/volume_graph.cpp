@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <queue>
 #include <unordered_map>
 #include <utility>
 
@@ -26,10 +27,13 @@ constexpr double nearest = 0.5; ///< another piece to a point of the shell, in m
 constexpr double inside = 0.5;  ///< winding number
 constexpr int least_triangles = 4; ///< that enclose anything
 constexpr int most_cells = 1 << 20; ///< of a lattice along an axis
+constexpr std::size_t hub = 64; ///< more neighbours than vertices of a mesh have, but for tips of large fans
 
-/// For each vertex the centre of its cell, at most two edges away: the first one next to it, else that of its
-/// first neighbour that has one next to it. A vertex is a centre where none before it is within two edges.
-/// \param order  (n) all vertices, the first first.
+/// For each vertex the centre of its cell, at most two edges away: the one next to it, else that of its first
+/// neighbour that has one next to it. Centres are three edges apart or more, and few: each next one has the
+/// most vertices without a centre within two edges, and the most of those with one at three, so that no gaps
+/// are left between cells.
+/// \param order  (n) all vertices; of equally good ones, the first is taken.
 std::vector<int> cells_of_vertices(const std::vector<int>& order,
                                    const std::vector<std::array<int, 2>>& edges)
 {
@@ -42,19 +46,68 @@ std::vector<int> cells_of_vertices(const std::vector<int>& order,
         around[a].push_back(b);
         around[b].push_back(a);
     }
-    std::vector<int> nearby(n, -1), centre(n);
-    for (const int v : order) {
-        std::ranges::sort(around[v], {}, [&](int u) { return ranks[u]; });
-        if (nearby[v] >= 0 || std::ranges::any_of(around[v], [&](int u) { return nearby[u] >= 0; }))
-            continue;
-        nearby[v] = v;
-        for (int u : around[v])
-            nearby[u] = v;
+    std::vector<int> found, walks(n, 0);
+    int walk = 0;
+    // visit(u, distance in edges) up to three from v, along ways that do not lead through hubs
+    const auto walk_from = [&](int v, auto&& visit) {
+        ++walk;
+        found.clear();
+        const auto reach = [&](int u, int distance) {
+            if (std::exchange(walks[u], walk) == walk)
+                return;
+            found.push_back(u);
+            visit(u, distance);
+        };
+        reach(v, 0);
+        std::size_t next = 0;
+        for (int distance = 1; distance <= 3; ++distance)
+            for (const std::size_t end = found.size(); next < end; ++next)
+                if (const std::vector<int>& beside = around[found[next]]; next == 0 || beside.size() <= hub)
+                    for (const int u : beside)
+                        reach(u, distance);
+    };
+    std::vector<int> gains(n, 0), nearby(n, -1), centre(n);
+    std::priority_queue<std::pair<int, int>> best; // gain and minus the rank, as of when they were put in
+    for (int v = 0; v < n; ++v) {
+        walk_from(v, [&](int, int distance) { gains[v] += distance < 3 ? 1 : 0; });
+        best.emplace(gains[v], -ranks[v]);
     }
-    for (int v = 0; v < n; ++v)
+    std::vector<char> has_centre(n, 0);
+    while (!best.empty()) {
+        const auto [gain, minus] = best.top();
+        const int v = order[-minus];
+        best.pop();
+        if (has_centre[v] || gain != gains[v])
+            continue;
+        std::vector<int> fresh, changed;
+        const auto give = [&](int u) {
+            if (!std::exchange(has_centre[u], 1))
+                fresh.push_back(u);
+        };
+        nearby[v] = v;
+        give(v);
+        for (const int u : around[v]) {
+            nearby[u] = v;
+            give(u);
+            std::ranges::for_each(around[u], give);
+        }
+        for (const int u : fresh)
+            walk_from(u, [&](int w, int distance) {
+                gains[w] += distance < 3 ? -1 : 1;
+                changed.push_back(w);
+            });
+        std::ranges::sort(changed);
+        changed.erase(std::ranges::unique(changed).begin(), changed.end());
+        for (const int w : changed)
+            if (!has_centre[w])
+                best.emplace(gains[w], -ranks[w]);
+    }
+    for (int v = 0; v < n; ++v) {
+        std::ranges::sort(around[v], {}, [&](int u) { return ranks[u]; });
         centre[v] = nearby[v] >= 0
                         ? nearby[v]
                         : nearby[*std::ranges::find_if(around[v], [&](int u) { return nearby[u] >= 0; })];
+    }
     return centre;
 }
 
