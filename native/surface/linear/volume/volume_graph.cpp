@@ -30,9 +30,8 @@ constexpr int most_cells = 1 << 20; ///< of a lattice along an axis
 constexpr std::size_t hub = 64; ///< more neighbours than vertices of a mesh have, but for tips of large fans
 
 /// For each vertex the centre of its cell, at most two edges away: the one next to it, else that of its first
-/// neighbour that has one next to it. Centres are three edges apart or more, and few: each next one has the
-/// most vertices without a centre within two edges, and the most of those with one at three, so that no gaps
-/// are left between cells.
+/// neighbour that has one next to it. Centres are three edges apart or more, and few: each next one is that
+/// around which the most vertices have none yet.
 /// \param order  (n) all vertices; of equally good ones, the first is taken.
 std::vector<int> cells_of_vertices(const std::vector<int>& order,
                                    const std::vector<std::array<int, 2>>& edges)
@@ -46,30 +45,26 @@ std::vector<int> cells_of_vertices(const std::vector<int>& order,
         around[a].push_back(b);
         around[b].push_back(a);
     }
-    std::vector<int> found, walks(n, 0);
+    std::vector<int> walks(n, 0);
+    // Visits what is within two edges of v, but for ways through hubs, which would cost the square of a fan.
     int walk = 0;
-    // visit(u, distance in edges) up to three from v, along ways that do not lead through hubs
-    const auto walk_from = [&](int v, auto&& visit) {
+    const auto visit_near = [&](int v, auto&& visit) {
         ++walk;
-        found.clear();
-        const auto reach = [&](int u, int distance) {
-            if (std::exchange(walks[u], walk) == walk)
-                return;
-            found.push_back(u);
-            visit(u, distance);
+        const auto reach = [&](int u) {
+            if (std::exchange(walks[u], walk) != walk)
+                visit(u);
         };
-        reach(v, 0);
-        std::size_t next = 0;
-        for (int distance = 1; distance <= 3; ++distance)
-            for (const std::size_t end = found.size(); next < end; ++next)
-                if (const std::vector<int>& beside = around[found[next]]; next == 0 || beside.size() <= hub)
-                    for (const int u : beside)
-                        reach(u, distance);
+        reach(v);
+        for (const int u : around[v]) {
+            reach(u);
+            if (around[u].size() <= hub)
+                std::ranges::for_each(around[u], reach);
+        }
     };
     std::vector<int> gains(n, 0), nearby(n, -1), centre(n);
     std::priority_queue<std::pair<int, int>> best; // gain and minus the rank, as of when they were put in
     for (int v = 0; v < n; ++v) {
-        walk_from(v, [&](int, int distance) { gains[v] += distance < 3 ? 1 : 0; });
+        visit_near(v, [&](int) { ++gains[v]; });
         best.emplace(gains[v], -ranks[v]);
     }
     std::vector<char> has_centre(n, 0);
@@ -77,12 +72,15 @@ std::vector<int> cells_of_vertices(const std::vector<int>& order,
         const auto [gain, minus] = best.top();
         const int v = order[-minus];
         best.pop();
-        if (has_centre[v] || gain != gains[v])
+        if (has_centre[v])
             continue;
-        std::vector<int> fresh, changed;
+        if (gain > gains[v]) { // a centre chosen since then is near
+            best.emplace(gains[v], minus);
+            continue;
+        }
         const auto give = [&](int u) {
             if (!std::exchange(has_centre[u], 1))
-                fresh.push_back(u);
+                visit_near(u, [&](int w) { --gains[w]; });
         };
         nearby[v] = v;
         give(v);
@@ -91,16 +89,6 @@ std::vector<int> cells_of_vertices(const std::vector<int>& order,
             give(u);
             std::ranges::for_each(around[u], give);
         }
-        for (const int u : fresh)
-            walk_from(u, [&](int w, int distance) {
-                gains[w] += distance < 3 ? -1 : 1;
-                changed.push_back(w);
-            });
-        std::ranges::sort(changed);
-        changed.erase(std::ranges::unique(changed).begin(), changed.end());
-        for (const int w : changed)
-            if (!has_centre[w])
-                best.emplace(gains[w], -ranks[w]);
     }
     for (int v = 0; v < n; ++v) {
         std::ranges::sort(around[v], {}, [&](int u) { return ranks[u]; });
