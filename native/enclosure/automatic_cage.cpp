@@ -259,18 +259,20 @@ void simplify(ProgressiveHull& hull, const TriangleTree& within, int faces, cons
         return std::max(0.0, 1.0 - std::log(static_cast<double>(left) / faces) / whole);
     };
     bool boldly = false;
+    double from = 0.0; // of the progress
     while (true) {
         const int before = hull.face_count();
         const int next = before > first * faces         ? first * faces
                          : ratio * before < 1.3 * faces ? faces
                                                         : static_cast<int>(ratio * before);
-        const double from = done(before), to = done(next), between = from + 0.7 * (to - from);
+        const double to = done(next), between = from + 0.7 * (to - from);
         hull.collapse(next, boldly, part_of(progress, from, between));
         const bool is_stuck = hull.face_count() == before;
         hull.tighten(within, next == faces ? last_rounds : rounds, part_of(progress, between, to));
         if (hull.face_count() <= faces || (is_stuck && boldly))
             break;
         boldly = is_stuck;
+        from = to;
     }
 }
 

@@ -15,7 +15,7 @@ struct MirrorPlane
     bool through_origin = false;
 };
 
-/// Finds out how symmetric triangles are whose box of diagonal 1 has its middle at 0. The surface counts, not
+/// Finds out how symmetric triangles of size 1 are whose centroid is at 0. The surface counts, not
 /// the vertices, so both sides may be divided differently.
 ///
 /// 100 vertices, evenly spaced in the list, choose the plane, and 2000 measure it. Only where they find the
@@ -28,7 +28,7 @@ public:
     /// \param tree   of the triangles
     MirrorTest(const std::vector<Vector3>& points, int count, const TriangleTree& tree);
 
-    /// The plane through the object's origin or the middle of the box whose sides differ least. Of those
+    /// The plane through the object's origin or the centroid whose sides differ least. Of those
     /// that are equal to 1e-3, the earlier axis, and the origin, is preferred.
     ///
     /// \param origin     of the object, in the coordinates of the triangles

@@ -353,6 +353,7 @@ void ProgressiveHull::collapse(int faces, bool boldly, const Progress& progress)
             if (v < w)
                 propose(v, w);
     const int first = face_count_;
+    progress.tick(0.0, "simplifying");
     // An edge on the mirror takes one face along, another edge two. Where one is too many, the others wait.
     std::vector<Candidate> waiting;
     for (int done = 0; face_count_ > faces && !queue_.empty();) {

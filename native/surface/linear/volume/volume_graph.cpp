@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstdint>
 #include <optional>
+#include <queue>
 #include <unordered_map>
 #include <utility>
 
@@ -26,10 +27,12 @@ constexpr double nearest = 0.5; ///< another piece to a point of the shell, in m
 constexpr double inside = 0.5;  ///< winding number
 constexpr int least_triangles = 4; ///< that enclose anything
 constexpr int most_cells = 1 << 20; ///< of a lattice along an axis
+constexpr std::size_t hub = 64; ///< more neighbours than vertices of a mesh have, but for tips of large fans
 
-/// For each vertex the centre of its cell, at most two edges away: the first one next to it, else that of its
-/// first neighbour that has one next to it. A vertex is a centre where none before it is within two edges.
-/// \param order  (n) all vertices, the first first.
+/// For each vertex the centre of its cell, at most two edges away: the one next to it, else that of its first
+/// neighbour that has one next to it. Centres are three edges apart or more, and few: each next one is that
+/// around which the most vertices have none yet.
+/// \param order  (n) all vertices; of equally good ones, the first is taken.
 std::vector<int> cells_of_vertices(const std::vector<int>& order,
                                    const std::vector<std::array<int, 2>>& edges)
 {
@@ -42,19 +45,57 @@ std::vector<int> cells_of_vertices(const std::vector<int>& order,
         around[a].push_back(b);
         around[b].push_back(a);
     }
-    std::vector<int> nearby(n, -1), centre(n);
-    for (const int v : order) {
-        std::ranges::sort(around[v], {}, [&](int u) { return ranks[u]; });
-        if (nearby[v] >= 0 || std::ranges::any_of(around[v], [&](int u) { return nearby[u] >= 0; }))
-            continue;
-        nearby[v] = v;
-        for (int u : around[v])
-            nearby[u] = v;
+    std::vector<int> walks(n, 0);
+    // Visits what is within two edges of v, but for ways through hubs, which would cost the square of a fan.
+    int walk = 0;
+    const auto visit_near = [&](int v, auto&& visit) {
+        ++walk;
+        const auto reach = [&](int u) {
+            if (std::exchange(walks[u], walk) != walk)
+                visit(u);
+        };
+        reach(v);
+        for (const int u : around[v]) {
+            reach(u);
+            if (around[u].size() <= hub)
+                std::ranges::for_each(around[u], reach);
+        }
+    };
+    std::vector<int> gains(n, 0), nearby(n, -1), centre(n);
+    std::priority_queue<std::pair<int, int>> best; // gain and minus the rank, as of when they were put in
+    for (int v = 0; v < n; ++v) {
+        visit_near(v, [&](int) { ++gains[v]; });
+        best.emplace(gains[v], -ranks[v]);
     }
-    for (int v = 0; v < n; ++v)
+    std::vector<char> has_centre(n, 0);
+    while (!best.empty()) {
+        const auto [gain, minus] = best.top();
+        const int v = order[-minus];
+        best.pop();
+        if (has_centre[v])
+            continue;
+        if (gain > gains[v]) { // a centre chosen since then is near
+            best.emplace(gains[v], minus);
+            continue;
+        }
+        const auto give = [&](int u) {
+            if (!std::exchange(has_centre[u], 1))
+                visit_near(u, [&](int w) { --gains[w]; });
+        };
+        nearby[v] = v;
+        give(v);
+        for (const int u : around[v]) {
+            nearby[u] = v;
+            give(u);
+            std::ranges::for_each(around[u], give);
+        }
+    }
+    for (int v = 0; v < n; ++v) {
+        std::ranges::sort(around[v], {}, [&](int u) { return ranks[u]; });
         centre[v] = nearby[v] >= 0
                         ? nearby[v]
                         : nearby[*std::ranges::find_if(around[v], [&](int u) { return nearby[u] >= 0; })];
+    }
     return centre;
 }
 

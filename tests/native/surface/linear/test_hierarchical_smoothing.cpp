@@ -148,12 +148,14 @@ TEST(HierarchicalSmoothing, without_levels_solves_as_dense_second_differences_do
 TEST(HierarchicalSmoothing, many_sweeps_come_to_the_smoothest_displacement)
 {
     // Details of a plane are zero, so that each level goes on from the one before, to the same minimum.
-    const SurfaceMesh mesh = shapes::grid(14, 10, 1.0, 0.2);
+    // More than a third of the 121 free vertices may go until 64 are left. So the first level takes all that
+    // are no neighbours, and each of the others is near one of them.
+    const SurfaceMesh mesh = shapes::grid(16, 10, 1.0, 0.2);
     const std::vector<Handle> handles = shapes::ends(mesh, 2.5);
     const Poses lift{shapes::still(), shapes::shift(0, 0, 3)};
     const Points smoothest = solved(mesh, handles, {.poses = lift}, {.levels = 0});
     double before = 1.0;
-    for (int sweeps : {0, 4, 64, 4000}) {
+    for (int sweeps : {0, 4, 64, 20000}) {
         const double gap =
             shapes::distance(solved(mesh, handles, {.poses = lift}, {.relaxations = sweeps}), smoothest);
         EXPECT_LT(gap, before) << sweeps;

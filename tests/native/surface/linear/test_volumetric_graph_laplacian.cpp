@@ -219,9 +219,10 @@ TEST(VolumetricGraphLaplacian, keeps_more_of_the_volume_of_a_bent_tube_than_the_
     const double surface = loss(on_the_surface_only(mesh, handles, poses));
     const Points q = solved(mesh, handles, {.poses = poses});
     EXPECT_NEAR(surface, .0429, .0005);
-    EXPECT_LT(loss(q), .75 * surface) << "measured: .029";
+    EXPECT_LT(loss(q), .6 * surface) << "measured: .0225";
     EXPECT_GT(loss(q), 0);
-    EXPECT_NEAR(rms_edge_ratio(mesh, q), .0561, .0005) << "the isometric bend of the axis has .0580";
+    EXPECT_NEAR(rms_edge_ratio(mesh, q), .0556, .0005)
+        << ".0555 to .0563 for other centres of cells; the isometric bend of the axis has .0580";
 }
 
 TEST(VolumetricGraphLaplacian, one_affine_map_of_all_handles_is_exact)
@@ -385,14 +386,14 @@ TEST(VolumetricGraphLaplacian, refuses_a_volume_that_is_no_weight)
 TEST(VolumetricGraphLaplacian, has_factors_of_less_than_four_thin_shells)
 {
     if (smallest_factor() != Ordering::nested_dissection)
-        GTEST_SKIP() << "needs nested dissection; with minimum degree there are 4.15";
+        GTEST_SKIP() << "minimum degree has larger factors than nested dissection";
     const SurfaceMesh mesh = egg(6);
     ThinShell shell(mesh);
     VolumetricGraphLaplacian method(mesh);
     const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
     const auto alone = static_cast<double>(shell.set_handles(handles).factor_bytes),
                together = static_cast<double>(method.set_handles(handles).factor_bytes);
-    EXPECT_LT(together, 4.0 * alone) << "measured: 3.88";
+    EXPECT_LT(together, 4.0 * alone) << "measured: 3.85";
 }
 
 TEST(VolumetricGraphLaplacian, solves_after_the_first_allocate_nothing_in_proportion_to_the_mesh)
