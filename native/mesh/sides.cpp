@@ -74,7 +74,7 @@ std::vector<char> turned_faces(const SurfaceMesh& mesh)
         double areas[2] = {0.0, 0.0};
         for (std::size_t k = 0; k < joined.size(); ++k) {
             const int face = joined[k];
-            areas[turned[face]] += area[face];
+            areas[turned[face] ? 1 : 0] += area[face];
             for (const Neighbour& next : neighbours[face]) {
                 const char side = next.turned ? !turned[face] : turned[face];
                 if (seen[next.face]) {
