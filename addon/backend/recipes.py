@@ -76,18 +76,23 @@ class AxisBox:
         return (self.frame @ np.vstack((cube, (0.0, 0.0, 0.0, 1.0))))[:3]
 
 
-def make(native, method: Method, target: object, options: dict[str, object]) -> Any:
-    """The native object of a method, and of the method that it is put around, for a native mesh."""
-    made = {name: _made(native, target, value) for name, value in options.items()}
+def make(native, method: Method, target: object, options: dict[str, object], mesh: Any = None) -> Any:
+    """The native object of a method, and of the method that it is put around.
+
+    ``target``: what the method is made of, a native mesh or points. ``mesh``: the native mesh that it moves,
+    for options that may be the same one.
+    """
+    made = {name: _made(native, target, value, mesh) for name, value in options.items()}
     return getattr(native, method.native)(target, **made)
 
 
-def _made(native, target: Any, value: object) -> object:
+def _made(native, target: Any, value: object, mesh: Any) -> object:
     """The value of an option as the native constructor takes it."""
     if isinstance(value, Base):
         return make(native, value.method, target, value.options)
     if isinstance(value, Shape):
-        return native.SurfaceMesh(value.points, value.faces)
+        is_same = mesh is not None and mesh.is_made_of(value.points, value.faces)
+        return mesh if is_same else native.SurfaceMesh(value.points, value.faces)
     if isinstance(value, BoxShare):
         return value.of(native, target)
     if isinstance(value, AxisBox):
@@ -236,9 +241,10 @@ class HandlePoints(ControlPoints):
     edges: np.ndarray
     segments: np.ndarray
 
-    def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
+    def make(self, native, recipe: "Recipe", mesh: object) -> Any:
         """The native method, still without bound points."""
-        return make(native, recipe.method, self.points, {"weights": self.native_weights} | recipe.options)
+        options = {"weights": self.native_weights} | recipe.options
+        return make(native, recipe.method, self.points, options, mesh)
 
     @cached_property
     def native_counts(self) -> np.ndarray:

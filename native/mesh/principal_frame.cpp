@@ -27,25 +27,6 @@ Vector3 nearest_axis(const Eigen::Matrix<double, 3, Eigen::Dynamic>& span, int f
 
 } // namespace
 
-Matrix3 principal_axes(const Matrix3& spread, const Vector3& hint, double least_hint)
-{
-    const auto [values, vectors] = eigenvectors(spread); // rising
-    const double most = equal * values[2];
-    const int flat = values[1] - values[0] > most ? 1 : values[2] - values[0] > most ? 2 : 3;
-    const Vector3 normal = flat == 1 ? Vector3(vectors.col(0)) : nearest_axis(vectors.leftCols(flat), 2);
-    Vector3 first = vectors.col(2);
-    if (values[2] - values[1] <= most) { // any direction in the plane
-        Eigen::Matrix<double, 3, Eigen::Dynamic> plane(3, 2);
-        plane.col(0) = normal.unitOrthogonal();
-        plane.col(1) = normal.cross(Vector3(plane.col(0)));
-        const Vector3 inside = plane * (plane.transpose() * hint);
-        first = inside.norm() > least_hint ? inside.normalized() : nearest_axis(plane, 0);
-    }
-    Matrix3 axes;
-    axes << first, normal.cross(first), normal;
-    return axes;
-}
-
 PrincipalFrame principal_frame(const Points& points, const std::vector<int>& vertices, const Vector3& hint)
 {
     PrincipalFrame frame;
@@ -60,7 +41,19 @@ PrincipalFrame principal_frame(const Points& points, const std::vector<int>& ver
         const Vector3 arm = (points.row(v).transpose() - frame.centre) / (size > 0 ? size : 1.0);
         spread += arm * arm.transpose();
     }
-    frame.axes = principal_axes(spread, hint, least_hint * size);
+    const auto [values, vectors] = eigenvectors(spread); // rising
+    const double most = equal * values[2];
+    const int flat = values[1] - values[0] > most ? 1 : values[2] - values[0] > most ? 2 : 3;
+    const Vector3 normal = flat == 1 ? Vector3(vectors.col(0)) : nearest_axis(vectors.leftCols(flat), 2);
+    Vector3 first = vectors.col(2);
+    if (values[2] - values[1] <= most) { // any direction in the plane
+        Eigen::Matrix<double, 3, Eigen::Dynamic> plane(3, 2);
+        plane.col(0) = normal.unitOrthogonal();
+        plane.col(1) = normal.cross(Vector3(plane.col(0)));
+        const Vector3 inside = plane * (plane.transpose() * hint);
+        first = inside.norm() > least_hint * size ? inside.normalized() : nearest_axis(plane, 0);
+    }
+    frame.axes << first, normal.cross(first), normal;
     return frame;
 }
 

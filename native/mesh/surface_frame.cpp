@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/surface_frame.h"
 
+#include "native/core/dense.h"
 #include "native/mesh/components.h"
-#include "native/mesh/principal_frame.h"
 
 #include <Eigen/Geometry>
 
@@ -18,7 +18,9 @@ namespace sinew {
 namespace {
 
 constexpr double per_spread = 4.0;       ///< the size by the root mean square of the distance
+constexpr double equal_spread = 0.02;     ///< of the largest: what differs by less is open
 constexpr double least_skewness = 1e-3;  ///< below it, a direction has no side that reaches farther
+constexpr double rounding = 1e-6;        ///< of the size: what differs by less is equal
 constexpr double steps = 1 << 16;        ///< of the size
 constexpr double between_regular = 0.37; ///< of a step: where steps end, so that no regular shape is there
 
@@ -75,6 +77,41 @@ Moments moments_of(const std::vector<Vector3>& points, const std::vector<double>
     return {centre, farthest * std::sqrt(square)};
 }
 
+/// The first of the arms whose part in a space is the longest one but for rounding: (3) that part.
+Vector3 longest_in(const Matrix3& space, const std::vector<Vector3>& arms)
+{
+    Vector3 longest = Vector3::Zero();
+    for (const Vector3& arm : arms)
+        if (const Vector3 part = space * arm; part.norm() > (1 + rounding) * longest.norm() + rounding)
+            longest = part;
+    return longest;
+}
+
+/// Directions of most, second and least spread, as columns. Among directions of equal spread the first of
+/// the arms that reach farthest in them decides, so that the directions go with a shape that is turned.
+Matrix3 directions_of(const Matrix3& spread, const std::vector<Vector3>& arms)
+{
+    const auto [values, vectors] = eigenvectors(spread); // rising
+    const auto is_same = [&, most = equal_spread * values[2]](int i, int j) {
+        for (int k = std::min(i, j); k < std::max(i, j); ++k)
+            if (values[k + 1] - values[k] > most)
+                return false;
+        return true;
+    };
+    Matrix3 axes = Matrix3::Zero();
+    for (int k = 2; k >= 0; --k) {
+        Matrix3 space = -axes * axes.transpose();
+        for (int j = 0; j < 3; ++j)
+            if (j > k || is_same(j, k)) // those above are taken away again
+                space += vectors.col(j) * vectors.col(j).transpose();
+        Eigen::Index clearest = 0;
+        space.colwise().norm().maxCoeff(&clearest);
+        const Vector3 along = space.trace() > 1.5 ? longest_in(space, arms) : Vector3::Zero();
+        axes.col(2 - k) = (along.norm() > rounding ? along : Vector3(space.col(clearest))).normalized();
+    }
+    return axes;
+}
+
 } // namespace
 
 SurfaceFrame frame_of_points(const std::vector<Vector3>& points, const std::vector<double>& weights)
@@ -87,27 +124,30 @@ SurfaceFrame frame_of_points(const std::vector<Vector3>& points, const std::vect
     frame.size = per_spread * moments.spread;
     const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
     Matrix3 spread = Matrix3::Zero();
+    std::vector<Vector3> arms;
     for (std::size_t k = 0; k < points.size(); ++k) {
-        const Vector3 arm = (points[k] - frame.centre) / frame.size;
-        spread += weights[k] / sum * arm * arm.transpose();
+        arms.emplace_back((points[k] - frame.centre) / frame.size);
+        spread += weights[k] / sum * arms[k] * arms[k].transpose();
     }
-    frame.axes = principal_axes(spread);
+    frame.axes = directions_of(spread, arms);
     Vector3 skewness = Vector3::Zero();
-    for (std::size_t k = 0; k < points.size(); ++k)
-        skewness += weights[k] / sum * (frame.in(points[k]) / frame.size).array().cube().matrix();
+    for (std::size_t k = 0; k < arms.size(); ++k)
+        skewness += weights[k] / sum * (frame.axes.transpose() * arms[k]).array().cube().matrix();
     const double least = least_skewness * std::pow(spread.trace(), 1.5);
     for (int axis = 0; axis < 3; ++axis) {
-        Eigen::Index along = 0;
-        frame.axes.col(axis).cwiseAbs().maxCoeff(&along);
-        if (std::abs(skewness[axis]) < least)
-            skewness[axis] = 0.0; // rounding decides nothing
-        if (skewness[axis] != 0.0 ? skewness[axis] < 0.0 : frame.axes(along, axis) < 0.0)
+        if (std::abs(skewness[axis]) < least) { // rounding decides nothing
+            const auto is_beside = [&](const Vector3& arm) {
+                return std::abs(arm.dot(frame.axes.col(axis))) > rounding;
+            };
+            const auto first = std::ranges::find_if(arms, is_beside);
+            skewness[axis] = first == arms.end() ? 0.0 : std::copysign(0.0, first->dot(frame.axes.col(axis)));
+        }
+        if (std::signbit(skewness[axis]))
             frame.axes.col(axis) *= -1;
     }
     if (frame.axes.determinant() < 0) {
-        Eigen::Index open = 0;
-        skewness.cwiseAbs().minCoeff(&open);
-        frame.axes.col(open) *= -1;
+        skewness.cwiseAbs().minCoeff(&frame.mirrored);
+        frame.axes.col(frame.mirrored) *= -1;
     }
     return frame;
 }
@@ -153,7 +193,9 @@ std::array<std::int64_t, 4> place_in(const SurfaceFrame& frame, const Vector3& p
         return static_cast<std::int64_t>(
             std::floor(std::clamp(length / unit, -1e9, 1e9) * steps + between_regular));
     };
-    const Vector3 p = frame.in(point);
+    Vector3 p = frame.in(point);
+    if (frame.mirrored >= 0)
+        p[frame.mirrored] *= -1;
     return {step(p.norm()), step(p.x()), step(p.y()), step(p.z())};
 }
 

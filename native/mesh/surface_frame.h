@@ -8,15 +8,18 @@
 namespace sinew {
 
 /// Where a surface is, how it lies and how large it is, by the moments of its area: loose vertices count
-/// nothing, and neither the axes of the coordinates, nor how the surface is divided, nor the order of its
-/// vertices matters. Whatever is a share of the size of a surface is a share of this `size`.
+/// nothing, and neither the axes of the coordinates, nor how the surface is divided, nor, unless the surface
+/// is symmetric, the order of its faces matters. Whatever is a share of the size of a surface is a share of
+/// this `size`.
 struct SurfaceFrame
 {
     Vector3 centre = Vector3::Zero(); ///< the centroid of the area
     /// Columns: along which the surface is spread most, second and least; a rotation. Each points to where
-    /// the surface reaches farther; the one of which that is least clear completes the rotation. Directions
-    /// of equal spread, as principal_frame() has them, are as near to x, y and z as can be.
+    /// the surface reaches farther; the one of which that is least clear completes the rotation. What a
+    /// symmetry leaves open, the first point decides that reaches farthest, or that is not on the plane.
     Matrix3 axes = Matrix3::Identity();
+    /// The axis that was turned round to complete the rotation, or -1.
+    Eigen::Index mirrored = -1;
     /// Four times the root mean square of the distance from the centre: of most shapes, the diagonal of a
     /// box around them to some per cent. 1 where all is in one place.
     double size = 1.0;
@@ -39,7 +42,8 @@ SurfaceFrame frame_of_points(const std::vector<Vector3>& points, const std::vect
 std::vector<double> part_sizes(const SurfaceMesh& mesh);
 
 /// (n) the points in an order that depends on where they are in the frame: on their distances from the
-/// centre, then on where they are along the axes, all in steps of 1.5e-5 of the size, and in the end on their
+/// centre, then on where they are along the axes, of which none is turned round to complete a rotation, so
+/// that a mirrored shape has the same order, all in steps of 1.5e-5 of the size, and in the end on their
 /// indices. So geometry decides between points that are equally good for something, and neither their order
 /// nor their last bits do.
 std::vector<int> order_by_place(PointsView points, const SurfaceFrame& frame);

@@ -305,7 +305,7 @@ def test_a_cage_with_more_faces_than_asked_for_says_so(capfd: pytest.CaptureFixt
     edit.free()
     for faces, more in ((12, True), (100, False)):
         make_active(apart)
-        assert bpy.ops.sinew.cage_add(source="AUTO", faces=faces, margin=0.03) == {"FINISHED"}
+        assert bpy.ops.sinew.cage_add(source="AUTO", faces=faces, margin=0.02) == {"FINISHED"}
         told = capfd.readouterr().out
         assert (f"faces instead of {faces}: with fewer" in told) is more, told
 

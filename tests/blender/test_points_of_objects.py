@@ -520,6 +520,7 @@ def test_what_an_armature_moves_twice_is_said_and_mended(control: str, by_parent
     """A garment with an Armature modifier whose body, or cage, the same armature poses: by a button it moves
     once, and lies on the body."""
     armature = new_armature(Bone=((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    armature_name = armature.name
     body = cage_around(grid_object("Inside")) if control == "cage" else grid_object("Body")
     garment = grid_object("Garment")
     for obj in (body, garment):
@@ -538,8 +539,14 @@ def test_what_an_armature_moves_twice_is_said_and_mended(control: str, by_parent
     lines = room("ui.status_box")._warnings(garment.sinew.active)
     assert [line.remedy for line in lines] == [room("core.status").Remedy.ARMATURE_OFF]
     make_active(garment)
+    push("Twice")
     assert bpy.ops.sinew.armature_off() == {"FINISHED"}
     assert not room("ui.status_box")._warnings(garment.sinew.active)
+    push("Once")
+    bpy.ops.ed.undo()
+    assert room("ui.status_box")._warnings(bpy.data.objects["Garment"].sinew.active)
+    bpy.ops.ed.redo()
+    garment, armature = bpy.data.objects["Garment"], bpy.data.objects[armature_name]
     bone = armature.pose.bones[0]
     bone.location = 0.0, 0.3, 0.0
     update()

@@ -20,6 +20,7 @@ from rig import (
     move_world,
     new_empty,
     new_object,
+    push,
     reopen,
     update,
 )
@@ -208,9 +209,14 @@ def test_refine_gives_each_handle_a_cell(scene):
     assert deformer.status.startswith("Pin 1"), deformer.status
     line = room("core.status").current(deformer.uid)
     assert line.remedy is room("core.status").Remedy.REFINE
+    push("Refused")
     assert bpy.ops.sinew.refine() == {"FINISHED"}
     assert deformer.status_level == "INFO", deformer.status
     assert deformer.rigid_cells.cells == objects[1].sinew.active.rigid_cells.cells > 20
+    push("Refined")
+    bpy.ops.ed.undo()
+    for name in ("One", "Other"):
+        assert bpy.data.objects[name].sinew.active.rigid_cells.cells == 20
 
 
 def test_objects_that_share_handles_go_on_when_one_of_them_changes(scene, tmp_path):

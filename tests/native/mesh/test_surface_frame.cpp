@@ -47,6 +47,27 @@ TEST(SurfaceFrame, goes_with_the_surface_alone)
     EXPECT_LT((frame.out(frame.in(hill.point(3))) - hill.point(3)).norm(), 1e-12);
 }
 
+TEST(SurfaceFrame, goes_with_symmetric_surfaces_that_are_turned_or_mirrored)
+{
+    for (const SurfaceMesh& mesh :
+         {shapes::cube(), shapes::quad_grid(4, 4), shapes::quad_grid(6, 2), shapes::sphere(2)}) {
+        const SurfaceFrame frame = surface_frame(mesh);
+        const std::vector<int> order = order_by_place(view(mesh.points()), frame);
+        Pose pose = shapes::turn({1, 2, 3}, 157, {4, 5, 6}, {100, -30, 7});
+        for (const bool mirrored : {false, true}) {
+            if (mirrored)
+                pose.col(0) *= -1;
+            const Points points = shapes::transformed(mesh.points(), pose);
+            const SurfaceFrame there = surface_frame(shapes::moved(mesh, points));
+            EXPECT_EQ(order_by_place(view(points), there), order);
+            EXPECT_NEAR(there.axes.determinant(), 1.0, 1e-12);
+            for (int k = 0; k < 3; ++k) // but for the side of one of them
+                EXPECT_NEAR(std::abs(there.axes.col(k).dot(pose.leftCols<3>() * frame.axes.col(k))), 1.0,
+                            1e-9);
+        }
+    }
+}
+
 TEST(SurfaceFrame, parts_have_sizes_of_their_own)
 {
     const SurfaceMesh hill = hill_with_a_loose_vertex();

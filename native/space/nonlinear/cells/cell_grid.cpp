@@ -36,6 +36,7 @@ CellGrid::CellGrid(const SurfaceMesh& mesh, int wanted, int levels, const Progre
     side_ = voxels.side();
     dims_ = voxels.dims();
     levels_ = levels;
+    has_faces_ = !mesh.triangles().empty();
     make_cells(voxels);
     progress.tick(0.5, "linking cells");
     link(mesh, voxels);
@@ -198,7 +199,7 @@ bool CellGrid::join_to_next(const std::vector<int>& piece, int loose)
         return result;
     };
     const double half = std::min(cells_[from].half, cells_[to].half);
-    if (!are_near(std::sqrt(least) - 2.0 * half, places(loose), places(piece[to])))
+    if (has_faces_ && !are_near(std::sqrt(least) - 2.0 * half, places(loose), places(piece[to])))
         return false;
     faces_.push_back({{from, to}, half, 0.5 * (cells_[from].centre + cells_[to].centre), -1});
     return true;

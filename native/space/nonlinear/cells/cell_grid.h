@@ -51,7 +51,8 @@ public:
     int cell_at(const Vector3& point, bool* inside = nullptr) const;
 
     /// Links each piece of cells none of which is in `held` to the cell nearest to it in another piece, if
-    /// that is near, see are_near(). Returns the cells of pieces that remain without one that is held.
+    /// that is near, see are_near(), or has no faces, as points of curves. Returns the cells of pieces that
+    /// remain without one that is held.
     std::vector<int> join_loose_pieces(const std::vector<char>& held);
 
     /// The cells that each of some points follows: those whose centres are nearer, along each axis, than
@@ -72,6 +73,7 @@ private:
     double side_ = 1.0; ///< of the finest cells
     std::array<int, 3> dims_{};
     int levels_ = 0;
+    bool has_faces_ = true;
     std::vector<int> ids_; ///< the cell of each voxel, or -1
     std::vector<Cell> cells_;
     std::vector<int> level_of_; ///< of each cell

@@ -132,7 +132,8 @@ bool DeformationGraph::join_next(Pieces& pieces, int first)
         return false;
     const int next = pieces.of(std::get<2>(*shortest()));
     std::erase_if(outside, [&](int b) { return pieces.of(b) != next; });
-    if (!are_near(std::get<0>(*shortest()), places_(inside, Eigen::all), places_(outside, Eigen::all)))
+    if (!mesh_.triangles().empty() &&
+        !are_near(std::get<0>(*shortest()), places_(inside, Eigen::all), places_(outside, Eigen::all)))
         return false;
     std::erase_if(ways, [&](const auto& way) { return pieces.of(std::get<2>(way)) != next; });
     for (int k = 0; k < links && !ways.empty(); ++k) {

@@ -18,7 +18,7 @@ namespace sinew {
 /// Two nodes agree if a vertex follows both, if one is among the four nearest to the other or as far as the
 /// fourth, or if they are on different large parts of the shape and closer than 1.5 radii. What is not
 /// connected then is joined by the three shortest pairs to the part next to it, if that is near, see
-/// are_near(). What is farther away is a piece of its own.
+/// are_near(), or without faces, as points of curves. What is farther away is a piece of its own.
 class DeformationGraph
 {
 public:
