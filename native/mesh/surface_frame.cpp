@@ -41,15 +41,25 @@ struct Masses
     }
 };
 
-/// The masses of the triangles of a mesh, or of their edges.
-Masses masses_of(const SurfaceMesh& mesh, bool of_area)
+/// The masses of the triangles of each part of a mesh, or of their edges. The vertices come first, without
+/// any: what a symmetry leaves open they decide, in whatever order a face has its corners.
+std::vector<Masses> masses_of(const SurfaceMesh& mesh, bool of_area, const std::vector<int>& labels,
+                              int count)
 {
-    Masses masses;
+    std::vector<Masses> masses(static_cast<std::size_t>(count));
+    std::vector<char> has_face(labels.size(), 0);
+    for (const Triangle& t : mesh.triangles())
+        for (const int v : t)
+            has_face[v] = 1;
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+        if (has_face[v])
+            masses[labels[v]].add(mesh.point(v), 0.0);
     for (const Triangle& t : mesh.triangles()) {
         const Vector3 p[3] = {mesh.point(t[0]), mesh.point(t[1]), mesh.point(t[2])};
         const double area = (p[1] - p[0]).cross(p[2] - p[0]).norm() / 6.0;
         for (int k = 0; k < 3; ++k)
-            masses.add(0.5 * (p[k] + p[(k + 1) % 3]), of_area ? area : (p[k] - p[(k + 1) % 3]).norm());
+            masses[labels[t[0]]].add(0.5 * (p[k] + p[(k + 1) % 3]),
+                                     of_area ? area : (p[k] - p[(k + 1) % 3]).norm());
     }
     return masses;
 }
@@ -154,8 +164,9 @@ SurfaceFrame frame_of_points(const std::vector<Vector3>& points, const std::vect
 
 SurfaceFrame surface_frame(const SurfaceMesh& mesh)
 {
+    const std::vector<int> one_part(static_cast<std::size_t>(mesh.vertex_count()), 0);
     for (const bool of_area : {true, false})
-        if (const Masses masses = masses_of(mesh, of_area); masses.weigh())
+        if (const Masses masses = masses_of(mesh, of_area, one_part, 1).front(); masses.weigh())
             return frame_of_points(masses.points, masses.weights);
     Masses all;
     for (int v = 0; v < mesh.vertex_count(); ++v)
@@ -168,12 +179,8 @@ namespace {
 /// The frames of the parts; those in one place have the size 0.
 std::vector<SurfaceFrame> frames_of_parts(const SurfaceMesh& mesh, const Components& parts)
 {
-    std::vector<Masses> areas(parts.count), edges(parts.count);
-    for (auto [masses, of_area] : {std::pair(&areas, true), std::pair(&edges, false)}) {
-        const Masses all = masses_of(mesh, of_area);
-        for (std::size_t k = 0; k < all.points.size(); ++k)
-            (*masses)[parts.labels[mesh.triangles()[k / 3][0]]].add(all.points[k], all.weights[k]);
-    }
+    const std::vector<Masses> areas = masses_of(mesh, true, parts.labels, parts.count);
+    const std::vector<Masses> edges = masses_of(mesh, false, parts.labels, parts.count);
     std::vector<SurfaceFrame> frames(parts.count);
     for (int part = 0; part < parts.count; ++part) {
         const Masses& masses = areas[part].weigh() ? areas[part] : edges[part];

@@ -58,7 +58,11 @@ TEST(SurfaceFrame, goes_with_symmetric_surfaces_that_are_turned_or_mirrored)
             if (mirrored)
                 pose.col(0) *= -1;
             const Points points = shapes::transformed(mesh.points(), pose);
-            const SurfaceFrame there = surface_frame(shapes::moved(mesh, points));
+            shapes::Polygons faces = shapes::faces_of(mesh);
+            for (std::vector<int>& face : faces)
+                if (mirrored) // as Apply Scale does
+                    std::ranges::reverse(face);
+            const SurfaceFrame there = surface_frame(shapes::over(points, faces));
             EXPECT_EQ(order_by_place(view(points), there), order);
             EXPECT_NEAR(there.axes.determinant(), 1.0, 1e-12);
             for (int k = 0; k < 3; ++k) // but for the side of one of them

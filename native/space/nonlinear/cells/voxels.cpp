@@ -19,6 +19,8 @@ constexpr int tries = 7;
 constexpr double close_enough = 0.08; ///< of the wanted number
 /// Between a sheet, whose cells are as many as its area asks for, and a solid.
 constexpr double dimension = 2.3;
+/// Of a side: a face so close to a border touches the cells of both sides, so that rounding decides nothing.
+constexpr double border = 1e-6;
 
 /// Whether a triangle touches a box around the origin: there is no axis along which they are apart.
 bool touches_box(const Vector3& a, const Vector3& b, const Vector3& c, double half)
@@ -129,19 +131,20 @@ void Voxels::touched_by(const Vector3& a, const Vector3& b, const Vector3& c, Vi
 {
     std::array<int, 3> low{}, high{};
     for (int axis = 0; axis < 3; ++axis) {
-        low[axis] = std::clamp(
-            static_cast<int>(std::floor((std::min({a[axis], b[axis], c[axis]}) - origin_[axis]) / side_)), 0,
-            dims_[axis] - 1);
-        high[axis] = std::clamp(
-            static_cast<int>(std::floor((std::max({a[axis], b[axis], c[axis]}) - origin_[axis]) / side_)), 0,
-            dims_[axis] - 1);
+        low[axis] = std::clamp(static_cast<int>(std::floor(
+                                   (std::min({a[axis], b[axis], c[axis]}) - origin_[axis]) / side_ - border)),
+                               0, dims_[axis] - 1);
+        high[axis] =
+            std::clamp(static_cast<int>(std::floor(
+                           (std::max({a[axis], b[axis], c[axis]}) - origin_[axis]) / side_ + border)),
+                       0, dims_[axis] - 1);
     }
     const bool single = low == high;
     for (int z = low[2]; z <= high[2]; ++z)
         for (int y = low[1]; y <= high[1]; ++y)
             for (int x = low[0]; x <= high[0]; ++x) {
                 const Vector3 centre = origin_ + side_ * Vector3(x + 0.5, y + 0.5, z + 0.5);
-                if (single || touches_box(a - centre, b - centre, c - centre, 0.5 * side_))
+                if (single || touches_box(a - centre, b - centre, c - centre, (0.5 + border) * side_))
                     visit(index({x, y, z}));
             }
 }

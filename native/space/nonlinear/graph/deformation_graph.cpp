@@ -106,19 +106,24 @@ void DeformationGraph::join_parts()
     Pieces pieces(size());
     for (const auto& [a, b] : edges_)
         pieces.join(a, b);
-    for (int first = 0; first < size(); ++first)
-        while (join_next(pieces, pieces.of(first)))
-            ;
+    for (const bool within_parts : {true, false})
+        for (int first = 0; first < size(); ++first)
+            while (join_next(pieces, pieces.of(first), within_parts))
+                ;
     for (int j = 0; j < size(); ++j)
         pieces_.push_back(pieces.of(j));
     std::ranges::sort(edges_);
 }
 
-bool DeformationGraph::join_next(Pieces& pieces, int first)
+bool DeformationGraph::join_next(Pieces& pieces, int first, bool within_part)
 {
+    const auto part = [&](int j) { return near_.part(near_.nodes()[j]); };
     std::vector<int> inside, outside;
     for (int j = 0; j < size(); ++j)
-        (pieces.of(j) == first ? inside : outside).push_back(j);
+        if (pieces.of(j) == first)
+            inside.push_back(j);
+        else if (!within_part || part(j) == part(first))
+            outside.push_back(j);
     std::vector<std::tuple<double, int, int>> ways;
     for (const int a : inside)
         for (const int b : outside)
@@ -132,7 +137,7 @@ bool DeformationGraph::join_next(Pieces& pieces, int first)
         return false;
     const int next = pieces.of(std::get<2>(*shortest()));
     std::erase_if(outside, [&](int b) { return pieces.of(b) != next; });
-    if (!mesh_.triangles().empty() &&
+    if (!within_part && !mesh_.triangles().empty() &&
         !are_near(std::get<0>(*shortest()), places_(inside, Eigen::all), places_(outside, Eigen::all)))
         return false;
     std::erase_if(ways, [&](const auto& way) { return pieces.of(std::get<2>(way)) != next; });

@@ -17,8 +17,9 @@ namespace sinew {
 ///
 /// Two nodes agree if a vertex follows both, if one is among the four nearest to the other or as far as the
 /// fourth, or if they are on different large parts of the shape and closer than 1.5 radii. What is not
-/// connected then is joined by the three shortest pairs to the part next to it, if that is near, see
-/// are_near(), or without faces, as points of curves. What is farther away is a piece of its own.
+/// connected then is joined by the three shortest pairs to what is next to it: first within each part of the
+/// shape, then to the next part, if that is near, see are_near(), or without faces, as points of curves. What
+/// is farther away is a piece of its own.
 class DeformationGraph
 {
 public:
@@ -43,8 +44,9 @@ private:
     void connect(const Progress& progress);
     struct Pieces;
     void join_parts();
-    /// Joins a piece to the one next to it, if that is near; whether it was.
-    bool join_next(Pieces& pieces, int first);
+    /// Joins the piece of the node `first` to the one next to it, in its part of the surface, or in any if
+    /// that is near; whether it did.
+    bool join_next(Pieces& pieces, int first, bool within_part);
 
     const SurfaceMesh& mesh_;
     NearNodes near_;
