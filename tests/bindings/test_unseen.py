@@ -21,8 +21,13 @@ ELSE_CLOSE = 1e-4
 OF_UNITS = "variation"
 # Their grid lies along the axes. With mirrors, faces end exactly at borders of cells, where rounding decides.
 ALONG_AXES = ("RigidCells",)
-# Numbers say which of the vertices that mirrors make equal are nodes, so that the axes decide nothing.
-BY_NUMBERS = ("EmbeddedDeformation",)
+# Numbers decide between vertices that mirrors make equal, so that the axes decide nothing.
+BY_NUMBERS = (
+    "EmbeddedDeformation",
+    "HierarchicalSmoothing",
+    "SubspaceLaplacian",
+    "VolumetricGraphLaplacian",
+)
 # Their means over the mesh (its area, its mean edge) hold for all parts together; cells are shared by them.
 OF_ALL_PARTS = ("Arap", "MeshPuppetry", "MeshSequence", "Multiresolution", "MultiresolutionSpace")
 SHARED_BY_PARTS = ("EmbeddedDeformation", "RigidCells", "InverseFfd")
