@@ -63,8 +63,7 @@ void grow(const GraphEdges& edges, const Points& rest, double unit, int seed,
     }
 }
 
-/// The frame of a graph by its edges, so that loose nodes count nothing, and idle parts neither. The order of
-/// the nodes never matters.
+/// The frame of a graph by its edges, so that loose nodes count nothing, and idle parts neither.
 SurfaceFrame frame_of(const HandleGraph& graph, const Points& rest)
 {
     const GraphEdges& edges = graph.edges();
@@ -77,7 +76,7 @@ SurfaceFrame frame_of(const HandleGraph& graph, const Points& rest)
                 lengths.push_back((rest.row(i) - rest.row(j)).norm());
             }
     const bool any = std::ranges::any_of(lengths, [](double length) { return length > 0.0; });
-    return any ? frame_of_points(middles, lengths, true) : SurfaceFrame{};
+    return any ? frame_of_points(middles, lengths) : SurfaceFrame{};
 }
 
 } // namespace

@@ -124,8 +124,7 @@ Matrix3 directions_of(const Matrix3& spread, const std::vector<Vector3>& arms)
 
 } // namespace
 
-SurfaceFrame frame_of_points(const std::vector<Vector3>& points, const std::vector<double>& weights,
-                             bool by_axes)
+SurfaceFrame frame_of_points(const std::vector<Vector3>& points, const std::vector<double>& weights)
 {
     SurfaceFrame frame;
     const Moments moments = moments_of(points, weights);
@@ -140,9 +139,7 @@ SurfaceFrame frame_of_points(const std::vector<Vector3>& points, const std::vect
         arms.emplace_back((points[k] - frame.centre) / frame.size);
         spread += weights[k] / sum * arms[k] * arms[k].transpose();
     }
-    const std::vector<Vector3> coordinates = {Vector3::UnitX(), Vector3::UnitY(), Vector3::UnitZ()};
-    const std::vector<Vector3>& deciding = by_axes ? coordinates : arms;
-    frame.axes = directions_of(spread, deciding);
+    frame.axes = directions_of(spread, arms);
     Vector3 skewness = Vector3::Zero();
     for (std::size_t k = 0; k < arms.size(); ++k)
         skewness += weights[k] / sum * (frame.axes.transpose() * arms[k]).array().cube().matrix();
@@ -152,9 +149,8 @@ SurfaceFrame frame_of_points(const std::vector<Vector3>& points, const std::vect
             const auto is_beside = [&](const Vector3& arm) {
                 return std::abs(arm.dot(frame.axes.col(axis))) > rounding;
             };
-            const auto first = std::ranges::find_if(deciding, is_beside);
-            skewness[axis] =
-                first == deciding.end() ? 0.0 : std::copysign(0.0, first->dot(frame.axes.col(axis)));
+            const auto first = std::ranges::find_if(arms, is_beside);
+            skewness[axis] = first == arms.end() ? 0.0 : std::copysign(0.0, first->dot(frame.axes.col(axis)));
         }
         if (std::signbit(skewness[axis]))
             frame.axes.col(axis) *= -1;

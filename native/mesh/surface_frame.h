@@ -35,11 +35,7 @@ struct SurfaceFrame
 SurfaceFrame surface_frame(const SurfaceMesh& mesh);
 
 /// The frame of points that have weights >= 0, some of them > 0.
-/// \param by_axes  What a symmetry leaves open, the axes of the coordinates decide instead of the first
-/// point,
-///                 so that the order of the points never matters.
-SurfaceFrame frame_of_points(const std::vector<Vector3>& points, const std::vector<double>& weights,
-                             bool by_axes = false);
+SurfaceFrame frame_of_points(const std::vector<Vector3>& points, const std::vector<double>& weights);
 
 /// (n) the size of the part that each vertex is in. So a part is as stiff as it is alone. A part in one place
 /// has the size of the largest one.

@@ -372,10 +372,9 @@ TEST(Arap, a_single_vertex_leaves_no_spike_with_point_handles)
             EXPECT_LT(some, 0.6 * (n == 20 ? coarse : fine)) << smoothness << ", " << n;
             EXPECT_LT(most, some) << smoothness << ", " << n;
         }
-        // The tip becomes rounder on a finer mesh.
-        EXPECT_LT(sharpness(40, {.smoothness = smoothness, .point_handles = 0.9}),
-                  sharpness(20, {.smoothness = smoothness, .point_handles = 0.9}));
     }
+    // The tip becomes rounder on a finer mesh. Without smoothness the start decides between several minima.
+    EXPECT_LT(sharpness(40, {.point_handles = 0.9}), sharpness(20, {.point_handles = 0.9}));
 }
 
 TEST(Arap, no_step_with_point_handles_raises_the_energy)
