@@ -119,7 +119,7 @@ CASES = {
     "cage_faces": (caged, invoked("cage_faces", faces=60)),
     "lattice_add": (plain, invoked("lattice_add")),
     "lattice_set_rest": (boxed, invoked("lattice_set_rest")),
-    "point_add": (plain, invoked("point_add", source="CURSOR")),
+    "point_add": (plain, invoked("point_add", source="CURSOR", method="rigid_cells")),
     "wire_add": (with_curve, invoked("wire_add", curve="Wire")),
     "control_set_rest": (wired, invoked("control_set_rest")),
     "tool_add": (plain, invoked("tool_add")),
