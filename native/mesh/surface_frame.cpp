@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -87,18 +88,30 @@ Moments moments_of(const std::vector<Vector3>& points, const std::vector<double>
     return {centre, farthest * std::sqrt(square)};
 }
 
-/// The first of the arms whose part in a space is the longest one but for rounding: (3) that part.
-Vector3 longest_in(const Matrix3& space, const std::vector<Vector3>& arms)
+/// Along a side of a square or a cube: from the first of the arms that reach farthest in a space to the
+/// nearest of those that reach as far, or along itself if there is none; zero if nothing reaches anywhere.
+Vector3 side_in(const Matrix3& space, const std::vector<Vector3>& arms)
 {
-    Vector3 longest = Vector3::Zero();
+    Vector3 first = Vector3::Zero();
     for (const Vector3& arm : arms)
-        if (const Vector3 part = space * arm; part.norm() > (1 + rounding) * longest.norm() + rounding)
-            longest = part;
-    return longest;
+        if (const Vector3 part = space * arm; part.norm() > (1 + rounding) * first.norm() + rounding)
+            first = part;
+    Vector3 side = first;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vector3& arm : arms) {
+        const Vector3 part = space * arm;
+        const double apart = (part - first).norm();
+        if (part.norm() > (1 - 2 * rounding) * first.norm() - rounding && apart > 4 * rounding &&
+            apart < (1 - rounding) * least) {
+            least = apart;
+            side = part - first;
+        }
+    }
+    return side;
 }
 
-/// Directions of most, second and least spread, as columns. Among directions of equal spread the first of
-/// the arms that reach farthest in them decides, so that the directions go with a shape that is turned.
+/// Directions of most, second and least spread, as columns. Among directions of equal spread the arms that
+/// reach farthest in them decide, so that the directions go with a shape that is turned.
 Matrix3 directions_of(const Matrix3& spread, const std::vector<Vector3>& arms)
 {
     const auto [values, vectors] = eigenvectors(spread); // rising
@@ -116,7 +129,7 @@ Matrix3 directions_of(const Matrix3& spread, const std::vector<Vector3>& arms)
                 space += vectors.col(j) * vectors.col(j).transpose();
         Eigen::Index clearest = 0;
         space.colwise().norm().maxCoeff(&clearest);
-        const Vector3 along = space.trace() > 1.5 ? longest_in(space, arms) : Vector3::Zero();
+        const Vector3 along = space.trace() > 1.5 ? side_in(space, arms) : Vector3::Zero();
         axes.col(2 - k) = (along.norm() > rounding ? along : Vector3(space.col(clearest))).normalized();
     }
     return axes;

@@ -75,6 +75,8 @@ def on_handle_points(
             given = {"counts": options["counts"], "weights": weights}
             base = new_native(base[0], places, base[1] | given)
         options |= {"mesh": mesh, "base": base}
+    if any(parameter.id == "frame" for parameter in row.parameters) and options.get("frame") is None:
+        options["frame"] = mesh  # the lattice is along the axes of the surface
     return new_native(row, places, options)
 
 
