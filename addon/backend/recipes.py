@@ -355,10 +355,11 @@ class HandlePoses(HandlePoints):
         placed: np.ndarray | None = None,
         incoming: np.ndarray | None = None,
         out: np.ndarray | None = None,
-        **_options,
+        progress: Progress | None = None,
+        **options,
     ) -> tuple[np.ndarray, None]:
         """As above; a point that is placed turns as what is around it does."""
-        given = self._native_poses(pose, from_rest, placed, incoming)
+        given = self._native_poses(pose, from_rest, placed, incoming) | options
         if self.around is None:
             return method.warp_poses(**given, out=out), None
         solved = self.around.back(method.warp_poses(**given))

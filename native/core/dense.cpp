@@ -24,8 +24,7 @@ Eigenvectors<Eigen::Dynamic> eigenvectors(const MatrixX& symmetric) { return fou
 
 Eigen::Quaterniond smallest_turn(const Vector3& from, const Vector3& to)
 {
-    return Eigen::Quaterniond::FromTwoVectors(from,
-                                              to); // opposite directions by a singular value decomposition
+    return Eigen::Quaterniond::FromTwoVectors(from, to); // for opposite ones by singular values
 }
 
 } // namespace sinew
