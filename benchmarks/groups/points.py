@@ -2,7 +2,8 @@
 """Space methods on handle points next to SciPy's radial basis functions and to the loop of a paper.
 
 The centres and points of ``Rbf`` are random in a cube, whose values SciPy interpolates by the same kernel and
-polynomials. A compact kernel reaches some 20 centres, which SciPy finds by a k-d tree. The incremental fit
+polynomials. A compact kernel reaches some 20 centres, which SciPy finds by a k-d tree; there the corners of
+the cube are centres, too, so that its diagonal is the size that the radius is a share of. The incremental fit
 gets handles on two spheres: 10,000 points, half of which are turned. Its peer solves the dense system of all
 of them.
 """
@@ -106,10 +107,10 @@ def _compact_of(centre_count: int, count: int, threads: list[int]) -> list[Row]:
     """SciPy solves the same sparse system, and finds the centres near each point by its k-d tree."""
     random = np.random.default_rng(5)
     centres, points = random.uniform(0.0, 1.0, (centre_count, 3)), random.uniform(0.0, 1.0, (count, 3))
+    centres[:8] = np.stack(np.meshgrid((0, 1), (0, 1), (0, 1)), -1).reshape(-1, 3)
     moves = random.uniform(-0.1, 0.1, centres.shape)
-    radius = (20 / centre_count / (4 / 3 * np.pi)) ** (1 / 3)
-    reach = radius * np.ptp(centres, axis=0).max()
-    options = {"kernel": "wendland_c2", "degree": -1, "radius": radius}
+    reach = (20 / centre_count / (4 / 3 * np.pi)) ** (1 / 3)
+    options = {"kernel": "wendland_c2", "degree": -1, "radius": reach / 3**0.5}
     near = sinew_native.Rbf(centres, **options)
     near.bind(points)
     everywhere = sinew_native.Rbf(centres, kernel="biharmonic", degree=0)
@@ -265,7 +266,7 @@ def _mls(share: int, threads: list[int]) -> list[Row]:
     count = 100_000 // share
     handles, points = random.uniform(-1, 1, (50, 3)), random.uniform(-1.2, 1.2, (count, 3))
     posed = handles + random.uniform(-0.2, 0.2, handles.shape)
-    mls = sinew_native.Mls(handles)
+    mls = sinew_native.Mls(handles, alpha=1.0)
     mls.bind(points)
     out, peers = np.zeros((count, 3), np.float32), np.zeros((count, 3))
     works = {

@@ -5,13 +5,13 @@ The peers are joint Gauss-Newton steps with six unknowns per face, of which CHOL
 counted alone, and the paper's shape matching for single prisms in NumPy. Both begin at Primo's own start.
 """
 
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import sinew_peers
 from cases import Case, bar
+from meshes import spread
+from prisms import Prisms
 from record import Row
 from scipy import sparse
 from timing import Work, alternate, rounds
@@ -19,9 +19,6 @@ from timing import Work, alternate, rounds
 import sinew_native
 
 from . import Options, Task
-
-sys.path.append(str(Path(__file__).resolve().parents[2] / "tests" / "bindings"))
-from prisms import Prisms
 
 SHORT, LONG = 2, 12  # numbers of iterations; the difference of their times is measured
 DEEP = {"max_iterations": 1000, "tolerance": 1e-12}
@@ -134,7 +131,7 @@ def _peers(size: int, threads: list[int]) -> list[Row]:
     iterations = 10
     primo.solve(case.poses, start=start, max_iterations=iterations, tolerance=0.0)
     ours = (time.perf_counter() - begin) / iterations
-    height = 0.05 * np.linalg.norm(np.ptp(case.points, axis=0))
+    height = 0.05 * spread(case.points, case.faces)
 
     spent: list[float] = []
 

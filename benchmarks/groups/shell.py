@@ -4,6 +4,7 @@
 import numpy as np
 from cases import Case, bar
 from joint_shell import JointShell
+from meshes import spread
 from record import Row
 from scipy import sparse
 from timing import Work, alternate, rounds
@@ -110,8 +111,8 @@ def _joint(case: Case, threads: list[int]) -> list[Row]:
     """From the start of the method to an energy that is the same."""
     shell = bound_shell(case)
     start, _ = shell.solve(case.poses, max_iterations=0)
-    diagonal = np.linalg.norm(np.ptp(case.points, axis=0))
-    joint = JointShell(case.points, case.faces, np.concatenate(case.handles), 1.0, (0.02 * diagonal) ** 2)
+    thickness = 0.02 * spread(case.points, case.faces)
+    joint = JointShell(case.points, case.faces, np.concatenate(case.handles), 1.0, thickness**2)
 
     def by_cholmod(matrix: sparse.csc_matrix):
         factor = cholmod(sparse.tril(matrix, format="csc"))

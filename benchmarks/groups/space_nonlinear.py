@@ -6,11 +6,9 @@ them: from rest, each assembles and factorises the normal equations, until the s
 limit; then SciPy's sparse product moves the points. Rigid cells are measured next to a frame of `Arap`.
 """
 
-import sys
-from pathlib import Path
-
 import numpy as np
 from cases import Case, bar
+from embedded_graph import PaperEnergy
 from record import Row
 from scipy import sparse
 from timing import Work, alternate, rounds
@@ -18,9 +16,6 @@ from timing import Work, alternate, rounds
 import sinew_native
 
 from . import Options, Task
-
-sys.path.append(str(Path(__file__).resolve().parents[2] / "tests" / "bindings"))
-from embedded_graph import PaperEnergy
 
 NODES, CELLS = 500, 2000
 DRAG_SECONDS = 0.020
