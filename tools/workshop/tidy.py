@@ -2,7 +2,8 @@
 """Runs clang-tidy on each source of native/, and again only if the source or what it depends on has changed.
 
 Kernels, which are compiled once for each set of instructions, are read as compiled for the baseline. Sources
-that are compiled as one are also read as one, so that the headers of others are read once.
+that are compiled as one are also read as one, and others that have the same options some at a time, so that
+the headers of others, which take most of the time, are read once.
 
 For each source that passed, an empty file is kept beside the files of ccache. Its name is a digest of the
 compile command, the settings, and the source with all files of this repository that it includes.
@@ -12,18 +13,21 @@ import json
 import re
 import shlex
 import subprocess
-from collections.abc import Set
+from collections.abc import Iterable, Mapping, Set
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from . import environments
 from .dev import configure_tree
 from .places import BUILD, NATIVE_TREE, ROOT
 from .shell import fingerprint, jobs, must, say
 
+AT_A_TIME = 5
 PASSED = BUILD / "ccache" / "tidy"
 SETTINGS = (ROOT / ".clang-tidy", environments.REQUIREMENTS / "dev.txt", Path(__file__))
+Batch = tuple[tuple[str, ...], list[Path]]
 INCLUDE = re.compile(r'^\s*#\s*include\s*"([^"]+)"', re.MULTILINE)
 
 
@@ -35,20 +39,48 @@ def tidy(only: Set[Path] | None = None) -> bool:
         ["cmake", "--build", "--preset", "dev", "--target", "build.ninja"], quiet=True
     )  # may list new sources
     PASSED.mkdir(parents=True, exist_ok=True)
-    chosen = sorted(
-        (file, command) for file, command in commands().items() if only is None or sources_in(file) & only
-    )
-    stamps = {file: PASSED / digest(file, command) for file, command in chosen}
-    changed = [file for file, stamp in stamps.items() if not stamp.exists()]
+    chosen = {
+        file: command
+        for file, command in sorted(commands().items())
+        if only is None or sources_in(file) & only
+    }
+    stamps = {file: PASSED / digest(file, command) for file, command in chosen.items()}
+    changed = {file: chosen[file] for file, stamp in stamps.items() if not stamp.exists()}
     if changed:
         say(f"clang-tidy reads {len(changed)} of {len(stamps)} sources")
     with ThreadPoolExecutor(jobs()) as pool:
-        for file, complaints in zip(changed, pool.map(complaints_about, changed), strict=True):
-            if complaints:
-                say(complaints)
-            else:
-                stamps[file].touch()
+        for found in pool.map(complaints_about, batches(changed)):
+            for file, complaints in found.items():
+                if complaints:
+                    say(complaints)
+                else:
+                    stamps[file].touch()
     return all(stamp.exists() for stamp in stamps.values())
+
+
+def batches(changed: Mapping[Path, str]) -> list[Batch]:
+    """Sources that are read as one, with the options of all. Those of one folder, whose unnamed namespaces
+    are the likeliest to have the same names, are in different batches."""
+    alike: dict[tuple[str, ...], list[Path]] = {}
+    for file, command in changed.items():
+        alike.setdefault(options_in(file, command), []).append(file)
+    found = []
+    for options, files in alike.items():
+        count = -(-len(files) // AT_A_TIME)
+        found += [(options, files[k::count]) for k in range(count)]
+    return found
+
+
+def options_in(file: Path, command: str) -> tuple[str, ...]:
+    """The options of a compiler's command, without its source and what it writes."""
+    words = iter(shlex.split(command))
+    found = []
+    for word in words:
+        if word == "-o":
+            next(words)
+        elif word not in ("-c", str(file)) and (found or word.startswith("-")):
+            found.append(word)
+    return tuple(found)
 
 
 def commands() -> dict[Path, str]:
@@ -108,10 +140,25 @@ def directly_included(file: Path) -> tuple[Path, ...]:
     return tuple(path for path in named if path.is_file())
 
 
-def complaints_about(file: Path) -> str:
-    """What clang-tidy says about one source; empty if it passes."""
+def complaints_about(batch: Batch) -> dict[Path, str]:
+    """What clang-tidy says about each source; empty if it passes.
+
+    A batch with complaints is read again source by source, as they may come from names that are alike.
+    """
+    options, files = batch
+    if len(files) > 1:
+        with TemporaryDirectory(dir=BUILD) as folder:
+            together = Path(folder) / "together.cpp"
+            lines = (f'// NOLINTNEXTLINE(bugprone-suspicious-include)\n#include "{file}"\n' for file in files)
+            together.write_text("".join(lines), encoding="utf-8")
+            if not complaints_by(options, together):
+                return dict.fromkeys(files, "")
+    return {file: complaints_by(options, file) for file in files}
+
+
+def complaints_by(options: Iterable[str], file: Path) -> str:
     clang_tidy = environments.dev().bin / "clang-tidy"
-    command = [clang_tidy, "--quiet", "-p", NATIVE_TREE, *compiler_arguments(), file]
+    command = [clang_tidy, "--quiet", *compiler_arguments(), file, "--", *options]
     done = subprocess.run(command, capture_output=True, text=True, errors="replace")
     lines = done.stdout.replace(f"{ROOT}/", "")
     return "" if done.returncode == 0 else lines or done.stderr

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_access {
 
 namespace {
 
@@ -132,4 +132,4 @@ TEST(Access, two_threads_that_use_an_object_each_do_not_wait_for_each_other)
     EXPECT_EQ(refused, 2);
 }
 
-} // namespace sinew
+} // namespace sinew::test_access

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_errors {
 
 TEST(Errors, carry_the_elements_at_fault)
 {
@@ -29,4 +29,4 @@ TEST(Errors, list_only_some_of_many)
     EXPECT_EQ(list_some({4, 5, 6, 7, 8}, 3), "4, 5, 6 and 2 more");
 }
 
-} // namespace sinew
+} // namespace sinew::test_errors

@@ -11,7 +11,7 @@
 #include <thread>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_jobs {
 
 TEST(Jobs, a_thread_that_waits_within_a_job_begins_no_other)
 {
@@ -39,4 +39,4 @@ TEST(Jobs, errors_reach_the_caller)
     parallel_jobs(0, fail);
 }
 
-} // namespace sinew
+} // namespace sinew::test_jobs

@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace sinew {
+namespace sinew::test_memory {
 
 namespace {
 
@@ -50,4 +50,4 @@ TEST(Memory, sizes_read_as_people_say_them)
     EXPECT_EQ(in_words(120 * 1024 * megabyte), "120 GB");
 }
 
-} // namespace sinew
+} // namespace sinew::test_memory

@@ -10,7 +10,7 @@
 #include <stdexcept>
 #include <utility>
 
-namespace sinew {
+namespace sinew::test_parallel {
 
 namespace {
 
@@ -66,4 +66,4 @@ TEST(Parallel, errors_of_the_body_reach_the_caller)
     EXPECT_THROW(parallel_for(1000, fail, 1000), std::runtime_error);
 }
 
-} // namespace sinew
+} // namespace sinew::test_parallel

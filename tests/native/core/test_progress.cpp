@@ -7,7 +7,7 @@
 
 #include <string>
 
-namespace sinew {
+namespace sinew::test_progress {
 
 TEST(Progress, without_a_callback_never_cancels) { EXPECT_NO_THROW(Progress().tick(0.5, "anything")); }
 
@@ -32,4 +32,4 @@ TEST(Progress, a_false_answer_cancels_and_names_the_stage)
     EXPECT_NE(std::string(error.what()).find("factorising"), std::string::npos);
 }
 
-} // namespace sinew
+} // namespace sinew::test_progress

@@ -13,7 +13,7 @@
 #include <map>
 #include <set>
 
-namespace sinew {
+namespace sinew::test_automatic_cage {
 
 namespace {
 
@@ -361,4 +361,4 @@ TEST(AutomaticCage, refuses_by_name)
     EXPECT_THROW(automatic_cage(shapes::mesh({{-1e308, 0, 0}, {1e308, 0, 0}}, {})), InvalidMesh);
 }
 
-} // namespace sinew
+} // namespace sinew::test_automatic_cage

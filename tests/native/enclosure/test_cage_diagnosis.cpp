@@ -10,7 +10,7 @@
 #include <limits>
 #include <string>
 
-namespace sinew {
+namespace sinew::test_cage_diagnosis {
 
 namespace {
 
@@ -159,4 +159,4 @@ TEST(CageDiagnosis, survives_a_mesh_with_everything_wrong)
     EXPECT_FALSE(found.crossing_faces.empty()); // the doubled face
 }
 
-} // namespace sinew
+} // namespace sinew::test_cage_diagnosis

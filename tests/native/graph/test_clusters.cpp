@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_clusters {
 
 namespace {
 
@@ -203,4 +203,4 @@ TEST(Clusters, are_the_same_by_other_numbers)
             EXPECT_EQ(old[map.shares(i).clusters[k]], setting.middle.map.shares(i).clusters[k]);
 }
 
-} // namespace sinew
+} // namespace sinew::test_clusters

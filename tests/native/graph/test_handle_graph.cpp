@@ -10,7 +10,7 @@
 #include <numeric>
 #include <utility>
 
-namespace sinew {
+namespace sinew::test_handle_graph {
 
 namespace {
 
@@ -78,4 +78,4 @@ TEST(HandleGraph, is_the_same_by_other_numbers)
         EXPECT_EQ(renamed[old[i]], i);
 }
 
-} // namespace sinew
+} // namespace sinew::test_handle_graph

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_rotations {
 
 namespace {
 
@@ -111,4 +111,4 @@ TEST(HandedDownRotations, are_means_of_those_near_whatever_their_signs)
         }
 }
 
-} // namespace sinew
+} // namespace sinew::test_rotations

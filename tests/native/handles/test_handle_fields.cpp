@@ -13,7 +13,7 @@
 #include <limits>
 #include <memory>
 
-namespace sinew {
+namespace sinew::test_handle_fields {
 
 namespace {
 
@@ -249,4 +249,4 @@ TEST(HandleFields, above_the_memory_limit_are_refused)
     EXPECT_THROW(HandleFields(bound.fields.groups(), bound.regions, bound.system), OutOfMemory);
 }
 
-} // namespace sinew
+} // namespace sinew::test_handle_fields

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_handle_groups {
 
 TEST(HandleGroups, have_the_handles_of_each_part)
 {
@@ -27,4 +27,4 @@ TEST(HandleGroups, have_the_handles_of_each_part)
     EXPECT_EQ(HandleGroups(Regions({}, parts), parts).width(), 0);
 }
 
-} // namespace sinew
+} // namespace sinew::test_handle_groups

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_held_system {
 
 namespace {
 
@@ -103,4 +103,4 @@ TEST(HeldSystem, what_comes_after_its_factor_may_fail_and_then_nothing_has_chang
     EXPECT_THROW(HeldSystem().factorize(matrix_of(mesh), Regions(others, parts), fail), Cancelled);
 }
 
-} // namespace sinew
+} // namespace sinew::test_held_system

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_map_blend {
 
 namespace {
 
@@ -127,4 +127,4 @@ TEST(MapBlend, the_map_of_a_handle_that_aims_from_rest_leaves_out_how_its_patch_
     EXPECT_LT((linear_maps(targets, handle_patches(mesh, single))[0] - maps[0]).norm(), 1e-13);
 }
 
-} // namespace sinew
+} // namespace sinew::test_map_blend

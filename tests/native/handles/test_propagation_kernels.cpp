@@ -8,7 +8,7 @@
 
 #include <array>
 
-namespace sinew {
+namespace sinew::test_propagation_kernels {
 
 TEST(PropagationKernels, give_the_same_bits_with_every_set_of_instructions)
 {
@@ -43,4 +43,4 @@ TEST(PropagationKernels, give_the_same_bits_with_every_set_of_instructions)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_propagation_kernels

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <random>
 
-namespace sinew {
+namespace sinew::test_box_tree {
 
 namespace {
 
@@ -78,4 +78,4 @@ TEST(BoxTree, a_search_that_ends_with_the_first_box_looks_at_few)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_box_tree

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_closest_triangle {
 
 namespace {
 
@@ -120,4 +120,4 @@ TEST(ClosestTriangle, the_distance_is_that_to_corners_edges_and_inside)
     EXPECT_DOUBLE_EQ(to(2 + 3, 1.5 + 4, 0), 25); // off the middle of the long side
 }
 
-} // namespace sinew
+} // namespace sinew::test_closest_triangle

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-namespace sinew {
+namespace sinew::test_components {
 
 TEST(Components, a_closed_surface_is_one_part)
 {
@@ -45,4 +45,4 @@ TEST(Components, without_faces_every_vertex_is_a_part)
     EXPECT_EQ(parts.labels, (std::vector{0, 1, 2}));
 }
 
-} // namespace sinew
+} // namespace sinew::test_components

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-namespace sinew {
+namespace sinew::test_diagnosis {
 
 namespace {
 
@@ -128,4 +128,4 @@ TEST(Diagnosis, a_mesh_without_faces_is_all_loose)
     EXPECT_EQ(found.component_count, 2);
 }
 
-} // namespace sinew
+} // namespace sinew::test_diagnosis

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_edge_distances {
 
 namespace {
 
@@ -54,4 +54,4 @@ TEST(EdgeDistances, are_those_of_all_ways)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_edge_distances

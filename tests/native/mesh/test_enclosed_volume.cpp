@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_enclosed_volume {
 
 namespace {
 
@@ -77,4 +77,4 @@ TEST(EnclosedVolume, steps_to_a_volume_or_says_that_it_cannot)
     EXPECT_FALSE(volume.step(view(mesh.points()), view(mesh.points()), -own)) << "that is far away";
 }
 
-} // namespace sinew
+} // namespace sinew::test_enclosed_volume

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_enclosing_ball {
 
 TEST(EnclosingBall, holds_all_points_and_is_the_smallest)
 {
@@ -34,4 +34,4 @@ TEST(EnclosingBall, holds_all_points_and_is_the_smallest)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_enclosing_ball

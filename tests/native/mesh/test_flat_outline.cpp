@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace sinew {
+namespace sinew::test_flat_outline {
 
 TEST(FlatOutline, of_a_grid_is_its_border)
 {
@@ -60,4 +60,4 @@ TEST(FlatOutline, names_what_crosses_touches_or_looks_back)
                     {0, 1, 2, 3, 4});
 }
 
-} // namespace sinew
+} // namespace sinew::test_flat_outline

@@ -8,7 +8,7 @@
 
 #include <numeric>
 
-namespace sinew {
+namespace sinew::test_principal_frame {
 
 namespace {
 
@@ -73,4 +73,4 @@ TEST(PrincipalFrame, takes_the_hint_or_the_axes_of_space_where_the_points_leave_
     expect_rotation(principal_frame(one, {0}).axes);
 }
 
-} // namespace sinew
+} // namespace sinew::test_principal_frame

@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_regions {
 
 namespace {
 
@@ -160,4 +160,4 @@ TEST(Targets, refuse_what_does_not_fit)
     expect_elements(refusal<InvalidConstraint>([&] { check(good, view(incoming)); }), Element::vertex, {1});
 }
 
-} // namespace sinew
+} // namespace sinew::test_regions

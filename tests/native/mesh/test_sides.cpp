@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-namespace sinew {
+namespace sinew::test_sides {
 
 TEST(Sides, are_those_of_the_larger_area)
 {
@@ -42,4 +42,4 @@ TEST(Sides, of_a_surface_with_one_side_stay)
     EXPECT_TRUE(with_sides_of_the_whole(strip) == strip);
 }
 
-} // namespace sinew
+} // namespace sinew::test_sides

@@ -10,7 +10,7 @@
 #include <numeric>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_space_order {
 
 namespace {
 
@@ -55,4 +55,4 @@ TEST(SpaceOrder, names_every_point_once_by_rising_code)
     EXPECT_EQ(space_order(view(Points(Points::Constant(3, 3, 7.0)))), (std::vector<int>{0, 1, 2}));
 }
 
-} // namespace sinew
+} // namespace sinew::test_space_order

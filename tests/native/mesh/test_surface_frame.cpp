@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_surface_frame {
 
 namespace {
 
@@ -102,4 +102,4 @@ TEST(SurfaceFrame, orders_points_by_where_they_are)
         EXPECT_EQ(all[v], v);
 }
 
-} // namespace sinew
+} // namespace sinew::test_surface_frame

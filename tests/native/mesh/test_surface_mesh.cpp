@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_surface_mesh {
 
 namespace {
 
@@ -96,4 +96,4 @@ TEST(SurfaceMesh, refuses_counts_that_do_not_add_up)
         [&] { SurfaceMesh(points, std::vector<int>(3, std::numeric_limits<int>::max()), {0, 1, 2}); });
 }
 
-} // namespace sinew
+} // namespace sinew::test_surface_mesh

@@ -9,7 +9,7 @@
 #include <limits>
 #include <utility>
 
-namespace sinew {
+namespace sinew::test_triangle_tree {
 
 namespace {
 
@@ -136,4 +136,4 @@ TEST(TriangleTree, counts_the_crossings_of_a_ray)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_triangle_tree

@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace sinew {
+namespace sinew::test_triangulation {
 
 namespace {
 
@@ -237,4 +237,4 @@ TEST(Triangulation, does_not_depend_on_the_scale)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_triangulation

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_winding_tree {
 
 namespace {
 
@@ -62,4 +62,4 @@ TEST(WindingTree, winds_around_nothing_without_triangles)
     EXPECT_EQ(WindingTree({{0, 0, 0}}, {}).at({1, 0, 0}), 0.0);
 }
 
-} // namespace sinew
+} // namespace sinew::test_winding_tree

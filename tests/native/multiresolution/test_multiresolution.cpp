@@ -15,7 +15,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_multiresolution {
 
 namespace {
 
@@ -228,4 +228,4 @@ TEST(Multiresolution, solves_after_the_first_allocate_nothing_in_proportion_to_t
     EXPECT_EQ(count.so_far(), first);
 }
 
-} // namespace sinew
+} // namespace sinew::test_multiresolution

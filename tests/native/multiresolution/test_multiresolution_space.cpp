@@ -11,7 +11,7 @@
 
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_multiresolution_space {
 
 namespace {
 
@@ -146,4 +146,4 @@ TEST(MultiresolutionSpace, binds_some_vertices_and_names_points_that_are_none)
     EXPECT_THROW(around(mesh, smooth_base(mesh), {.bands = 9}), InvalidOption);
 }
 
-} // namespace sinew
+} // namespace sinew::test_multiresolution_space

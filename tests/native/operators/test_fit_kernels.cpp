@@ -9,7 +9,7 @@
 
 #include <array>
 
-namespace sinew {
+namespace sinew::test_fit_kernels {
 
 using Rows = Eigen::Matrix<double, 12, 3, Eigen::RowMajor>;
 
@@ -43,4 +43,4 @@ TEST(FitKernels, say_which_fits_are_not_safe)
     EXPECT_LT((R.middleRows<3>(3) - Matrix3::Identity()).norm(), 1e-15);
 }
 
-} // namespace sinew
+} // namespace sinew::test_fit_kernels

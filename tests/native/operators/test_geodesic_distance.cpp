@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstdint>
 
-namespace sinew {
+namespace sinew::test_geodesic_distance {
 
 namespace {
 
@@ -118,4 +118,4 @@ TEST(GeodesicDistance, starts_where_the_sources_say_and_does_not_leave_a_part)
         EXPECT_TRUE(std::isfinite(messy[v])) << v;
 }
 
-} // namespace sinew
+} // namespace sinew::test_geodesic_distance

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_gradient {
 
 namespace {
 
@@ -65,4 +65,4 @@ TEST(Divergence, of_any_field_adds_up_to_zero)
     EXPECT_NEAR((divergence_matrix(mesh) * field).sum(), 0.0, 1e-12); // some hundred terms of size one
 }
 
-} // namespace sinew
+} // namespace sinew::test_gradient

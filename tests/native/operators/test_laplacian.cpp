@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_laplacian {
 
 namespace {
 
@@ -275,4 +275,4 @@ TEST(LaplacianPower, refuses_an_order_below_one)
     EXPECT_THROW(laplacian_power(shapes::cube(), -1, cotan), InvalidOption);
 }
 
-} // namespace sinew
+} // namespace sinew::test_laplacian

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_painted {
 
 namespace {
 
@@ -50,4 +50,4 @@ TEST(Painted, refuses_what_is_no_stiffness_and_names_the_vertices)
     EXPECT_EQ(refused({1.0, -1.0, infinite}), (std::vector<int>{1, 2}));
 }
 
-} // namespace sinew
+} // namespace sinew::test_painted

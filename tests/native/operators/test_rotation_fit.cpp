@@ -10,7 +10,7 @@
 
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_rotation_fit {
 
 namespace {
 
@@ -135,4 +135,4 @@ TEST(RotationFit, of_a_reflection_turns_the_least_stretched_axis_back)
     EXPECT_LT((fit_rotation(Vector3(3, 2, -1).asDiagonal()) - Matrix3::Identity()).norm(), 1e-14);
 }
 
-} // namespace sinew
+} // namespace sinew::test_rotation_fit

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_turned_gradients {
 
 namespace {
 
@@ -75,4 +75,4 @@ TEST(TurnedGradients, are_exactly_zero_where_nothing_turns)
     EXPECT_EQ(sum, 0.0);
 }
 
-} // namespace sinew
+} // namespace sinew::test_turned_gradients

@@ -10,7 +10,7 @@
 #include <array>
 #include <cstring>
 
-namespace sinew {
+namespace sinew::test_frame_kernels {
 
 TEST(FrameKernels, give_the_same_bits_with_every_set_of_instructions)
 {
@@ -70,4 +70,4 @@ TEST(FrameKernels, give_the_same_bits_with_every_set_of_instructions)
         EXPECT_EQ(run(*kernels), expected);
 }
 
-} // namespace sinew
+} // namespace sinew::test_frame_kernels

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_loose_vertices {
 
 namespace {
 
@@ -68,4 +68,4 @@ TEST(LooseVertices, listen_to_a_wide_base_where_they_are_high_above)
     EXPECT_LT(width({5.1, 5.1, 1e6}), 6);
 }
 
-} // namespace sinew
+} // namespace sinew::test_loose_vertices

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_moving_frames {
 
 namespace {
 
@@ -103,4 +103,4 @@ TEST(MovingFrames, take_their_scale_from_what_all_directions_share)
     EXPECT_TRUE(std::isfinite(scale({0, 0, 0})));
 }
 
-} // namespace sinew
+} // namespace sinew::test_moving_frames

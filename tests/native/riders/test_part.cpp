@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_part {
 
 namespace {
 
@@ -61,4 +61,4 @@ TEST(ClosedPart, thickness_of_simple_bodies)
     EXPECT_NEAR(closed.thickness(), 6 * 10 * shapes::pi / (22 * shapes::pi), .01);
 }
 
-} // namespace sinew
+} // namespace sinew::test_part

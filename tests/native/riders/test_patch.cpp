@@ -7,7 +7,7 @@
 
 #include <numeric>
 
-namespace sinew {
+namespace sinew::test_patch {
 
 namespace {
 
@@ -79,4 +79,4 @@ TEST(Patch, on_large_triangles_is_the_one_that_is_touched)
     EXPECT_EQ(patch.anchors, std::vector{1.0});
 }
 
-} // namespace sinew
+} // namespace sinew::test_patch

@@ -11,7 +11,7 @@
 #include <limits>
 #include <numeric>
 
-namespace sinew {
+namespace sinew::test_riders {
 
 namespace {
 
@@ -331,4 +331,4 @@ TEST(Riders, a_frame_allocates_nothing)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_riders

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_sampling {
 
 TEST(FarthestPoints, are_far_from_all_before_and_never_coincide)
 {
@@ -13,4 +13,4 @@ TEST(FarthestPoints, are_far_from_all_before_and_never_coincide)
     EXPECT_EQ(farthest_points(line, 1, 4), (std::vector{4}));
 }
 
-} // namespace sinew
+} // namespace sinew::test_sampling

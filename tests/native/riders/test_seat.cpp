@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <random>
 
-namespace sinew {
+namespace sinew::test_seat {
 
 namespace {
 
@@ -138,4 +138,4 @@ TEST(Seats, of_many_parts_are_found_without_a_look_at_all_pairs)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_seat

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_body_problem {
 
 namespace {
 
@@ -197,4 +197,4 @@ TEST(BodyProblem, a_rejected_step_leaves_the_rotations_that_were_kept)
         EXPECT_EQ(problem.rotation(i), kept[i]);
 }
 
-} // namespace sinew
+} // namespace sinew::test_body_problem

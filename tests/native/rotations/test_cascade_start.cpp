@@ -10,7 +10,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_cascade_start {
 
 namespace {
 
@@ -68,8 +68,9 @@ TEST(CascadeStart, follows_a_rigid_motion)
         for (const auto& shape : {std::optional<PointsView>(), std::optional<PointsView>(view(incoming))}) {
             const auto rotations = setting.rotations({pose, pose}, shape);
             for (int i = 0; i < setting.mesh.vertex_count(); ++i)
-                if (!setting.regions.is_idle(i))
+                if (!setting.regions.is_idle(i)) {
                     EXPECT_LT(rotations[i].angularDistance(expected), 1e-6) << around << " " << i;
+                }
         }
     }
 }
@@ -124,4 +125,4 @@ TEST(Goals, name_where_each_vertex_is_wanted)
     EXPECT_LT((goals.pulls.row(1) - 0.5 * incoming.row(2)).norm(), 1e-15);
 }
 
-} // namespace sinew
+} // namespace sinew::test_cascade_start

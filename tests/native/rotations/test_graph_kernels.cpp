@@ -12,7 +12,7 @@
 
 #include <memory>
 
-namespace sinew {
+namespace sinew::test_graph_kernels {
 
 namespace {
 
@@ -208,4 +208,4 @@ TEST(GraphKernels, torques_are_the_slope_of_the_fit)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_graph_kernels

@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_graph_problem {
 
 namespace {
 
@@ -201,4 +201,4 @@ TEST(GraphProblem, a_rejected_step_brings_the_rotations_back)
     EXPECT_EQ(rotations(problem, setting.graph), before);
 }
 
-} // namespace sinew
+} // namespace sinew::test_graph_problem

@@ -11,7 +11,7 @@
 #include <algorithm>
 #include <numeric>
 
-namespace sinew {
+namespace sinew::test_rotation_cascade {
 
 namespace {
 
@@ -105,4 +105,4 @@ TEST(RotationCascade, can_be_cancelled_while_clustering)
                  Cancelled);
 }
 
-} // namespace sinew
+} // namespace sinew::test_rotation_cascade

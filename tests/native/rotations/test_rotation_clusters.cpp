@@ -9,7 +9,7 @@
 
 #include <memory>
 
-namespace sinew {
+namespace sinew::test_rotation_clusters {
 
 namespace {
 
@@ -142,4 +142,4 @@ TEST(RotationClusters, a_rigid_motion_leaves_nothing_to_turn)
     EXPECT_LT(shapes::distance(bar.points(state), shapes::transformed(bar.mesh.points(), pose)), 1e-13);
 }
 
-} // namespace sinew
+} // namespace sinew::test_rotation_clusters

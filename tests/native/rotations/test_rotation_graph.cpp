@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_rotation_graph {
 
 TEST(RotationGraph, chunks_hold_every_edge_once_within_and_twice_across)
 {
@@ -51,4 +51,4 @@ TEST(RotationGraph, chunks_hold_every_edge_once_within_and_twice_across)
         }
 }
 
-} // namespace sinew
+} // namespace sinew::test_rotation_graph

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_rotation_problem {
 
 namespace {
 
@@ -196,4 +196,4 @@ TEST(RotationProblem, cells_of_four_points_are_their_rows_summed_up)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_rotation_problem

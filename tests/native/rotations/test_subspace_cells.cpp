@@ -9,7 +9,7 @@
 
 #include <memory>
 
-namespace sinew {
+namespace sinew::test_subspace_cells {
 
 namespace {
 
@@ -185,4 +185,4 @@ TEST(SubspaceCells, keeps_a_volume_on_the_way)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_subspace_cells

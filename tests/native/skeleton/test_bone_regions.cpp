@@ -8,7 +8,7 @@
 
 #include <algorithm>
 
-namespace sinew {
+namespace sinew::test_bone_regions {
 
 namespace {
 
@@ -71,4 +71,4 @@ TEST(BoneRegions, RefusesAMarginOutOfRange)
         refusal<InvalidOption>([&] { bone_regions(mesh, in_a_bar(), margin); });
 }
 
-} // namespace sinew
+} // namespace sinew::test_bone_regions

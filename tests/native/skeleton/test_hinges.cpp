@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_hinges {
 
 namespace {
 
@@ -71,4 +71,4 @@ TEST(Hinges, WhoHasNone)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_hinges

@@ -12,7 +12,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_pose_solver {
 
 namespace {
 
@@ -498,4 +498,4 @@ TEST(PoseSolver, Refusals)
     refusal<InvalidOption>([&] { solve(skeleton, {}, {.swing = -1.0}); });
 }
 
-} // namespace sinew
+} // namespace sinew::test_pose_solver

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_skeleton {
 
 namespace {
 
@@ -144,4 +144,4 @@ TEST(Skeleton, Refusals)
     refusal<InvalidConstraint>([&] { skeleton.posture({Matrix3::Zero()}); });
 }
 
-} // namespace sinew
+} // namespace sinew::test_skeleton

@@ -9,7 +9,7 @@
 
 #include <memory>
 
-namespace sinew {
+namespace sinew::test_constrained_quadratic {
 
 namespace {
 
@@ -161,4 +161,4 @@ TEST(ConstrainedQuadratic, ten_solves_take_one_factorisation)
     EXPECT_EQ(system.factor().analyses(), 1);
 }
 
-} // namespace sinew
+} // namespace sinew::test_constrained_quadratic

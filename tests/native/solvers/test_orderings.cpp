@@ -12,7 +12,7 @@
 #include <numeric>
 #include <set>
 
-namespace sinew {
+namespace sinew::test_orderings {
 
 namespace {
 
@@ -139,4 +139,4 @@ TEST(Orderings, nested_dissection_is_refused_where_the_build_has_none)
     EXPECT_THROW(elimination_order(matrices::shuffled_grid(3), Ordering::nested_dissection), InvalidOption);
 }
 
-} // namespace sinew
+} // namespace sinew::test_orderings

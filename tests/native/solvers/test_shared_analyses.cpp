@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_shared_analyses {
 
 namespace {
 
@@ -48,4 +48,4 @@ TEST(SharedAnalyses, serve_the_factors_of_one_pattern_while_they_live_and_change
     EXPECT_LT((second.solve(b) - dense::solution(A, b)).cwiseAbs().maxCoeff(), 1e-10);
 }
 
-} // namespace sinew
+} // namespace sinew::test_shared_analyses

@@ -11,7 +11,7 @@
 #include <numeric>
 #include <thread>
 
-namespace sinew {
+namespace sinew::test_single_factor {
 
 namespace {
 
@@ -139,4 +139,4 @@ TEST(SingleFactor, of_nothing_solves_nothing)
     EXPECT_EQ(none.rows(), 0);
 }
 
-} // namespace sinew
+} // namespace sinew::test_single_factor

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_sparse_columns {
 
 TEST(SparseColumns, product_is_that_of_dense_matrices)
 {
@@ -44,4 +44,4 @@ TEST(SparseColumns, of_nothing_are_an_empty_matrix)
     EXPECT_EQ(sparse_by_columns(5, 5, [](int, SparseColumn&) {}).nonZeros(), 0);
 }
 
-} // namespace sinew
+} // namespace sinew::test_sparse_columns

@@ -12,7 +12,7 @@
 #include <string>
 #include <thread>
 
-namespace sinew {
+namespace sinew::test_spd_factor {
 
 namespace {
 
@@ -241,4 +241,4 @@ TEST(SpdFactor, solves_all_columns_as_it_solves_one)
         EXPECT_LT((together.col(c) - factor.solve(b.col(c))).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-} // namespace sinew
+} // namespace sinew::test_spd_factor

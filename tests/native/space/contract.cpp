@@ -8,7 +8,7 @@
 #include <limits>
 #include <thread>
 
-namespace sinew {
+namespace sinew::space_contract {
 
 namespace {
 
@@ -348,4 +348,4 @@ TEST_P(SpaceContract, rebind_takes_over_what_is_the_same)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::space_contract

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_bspline_basis {
 
 namespace {
 
@@ -126,4 +126,4 @@ TEST(BsplineBasis, refuses_other_degrees_and_too_few_functions)
     EXPECT_THROW(BsplineBasis(3, 3), InvalidOption);
 }
 
-} // namespace sinew
+} // namespace sinew::test_bspline_basis

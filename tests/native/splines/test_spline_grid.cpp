@@ -9,7 +9,7 @@
 
 #include <algorithm>
 
-namespace sinew {
+namespace sinew::test_spline_grid {
 
 namespace {
 
@@ -141,4 +141,4 @@ TEST(ControlFit, takes_no_more_memory_than_is_allowed)
                  OutOfMemory);
 }
 
-} // namespace sinew
+} // namespace sinew::test_spline_grid

@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_limit_masks {
 
 namespace {
 
@@ -85,4 +85,4 @@ TEST(LimitMasks, are_where_many_levels_lead)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_limit_masks

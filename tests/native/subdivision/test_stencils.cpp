@@ -10,7 +10,7 @@
 
 #include <cstring>
 
-namespace sinew {
+namespace sinew::test_stencils {
 
 namespace {
 
@@ -87,4 +87,4 @@ TEST(Stencils, of_no_row_or_no_entry_give_zero)
     Stencils(SparseRows(0, 2)).apply(points.data(), found.data());
 }
 
-} // namespace sinew
+} // namespace sinew::test_stencils

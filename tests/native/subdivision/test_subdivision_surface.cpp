@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_subdivision_surface {
 
 namespace {
 
@@ -263,4 +263,4 @@ TEST(SubdivisionSurface, announces_its_memory)
     EXPECT_THROW(subdivided(sheet, SubdivisionScheme::catmull_clark, 10), OutOfMemory); // 9e8 vertices
 }
 
-} // namespace sinew
+} // namespace sinew::test_subdivision_surface

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace sinew {
+namespace sinew::surface_contract {
 
 namespace {
 
@@ -515,4 +515,4 @@ TEST_P(SurfaceContract, refuses_what_does_not_fit_a_solve)
     expect_elements(refusal<InvalidConstraint>(broken_enters), Error::Element::vertex, {4});
 }
 
-} // namespace sinew
+} // namespace sinew::surface_contract

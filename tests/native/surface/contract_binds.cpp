@@ -4,7 +4,7 @@
 
 #include <thread>
 
-namespace sinew {
+namespace sinew::contract_binds {
 
 namespace {
 
@@ -150,4 +150,4 @@ TEST_P(SurfaceContract, rebind_says_what_differs_and_leaves_alone_what_serves_no
     }
 }
 
-} // namespace sinew
+} // namespace sinew::contract_binds

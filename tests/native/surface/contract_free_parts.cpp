@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::contract_free_parts {
 
 namespace {
 
@@ -172,4 +172,4 @@ TEST_P(SurfaceContract, rebind_takes_over_what_rides_and_keeps_the_factor_where_
     }
 }
 
-} // namespace sinew
+} // namespace sinew::contract_free_parts

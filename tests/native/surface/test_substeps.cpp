@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_substeps {
 
 namespace {
 
@@ -185,4 +185,4 @@ TEST(Substeps, are_refused_below_one_and_through_flat_poses)
     expect_elements(refusal<InvalidConstraint>(flat), Error::Element::handle, {1});
 }
 
-} // namespace sinew
+} // namespace sinew::test_substeps

@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_lane_math {
 
 namespace {
 
@@ -72,4 +72,4 @@ TEST(LaneMath, gives_the_same_bits_on_every_processor)
     EXPECT_EQ(digest(all), 8726351490413920598ULL);
 }
 
-} // namespace sinew
+} // namespace sinew::test_lane_math

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_product_of_eight {
 
 TEST(ProductOfEight, has_the_same_bits_with_wide_instructions)
 {
@@ -22,4 +22,4 @@ TEST(ProductOfEight, has_the_same_bits_with_wide_instructions)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_product_of_eight

@@ -6,7 +6,7 @@
 
 #include <Eigen/LU>
 
-namespace sinew {
+namespace sinew::test_deformation_transfer {
 
 namespace {
 
@@ -83,4 +83,4 @@ TEST(DeformationTransfer, vertices_that_are_pulled_softly_go_where_their_vectors
               1e-11);
 }
 
-} // namespace sinew
+} // namespace sinew::test_deformation_transfer

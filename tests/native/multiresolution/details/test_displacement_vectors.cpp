@@ -3,7 +3,7 @@
 
 #include "tests/native/multiresolution/codings.h"
 
-namespace sinew {
+namespace sinew::test_displacement_vectors {
 
 namespace {
 
@@ -34,4 +34,4 @@ TEST(DisplacementVectors, keep_their_lengths)
                     1e-14);
 }
 
-} // namespace sinew
+} // namespace sinew::test_displacement_vectors

@@ -3,7 +3,7 @@
 
 #include "tests/native/multiresolution/codings.h"
 
-namespace sinew {
+namespace sinew::test_displacement_volumes {
 
 namespace {
 
@@ -127,4 +127,4 @@ TEST(DisplacementVolumes, are_kept_on_a_base_of_another_size)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_displacement_volumes

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_fairing {
 
 namespace {
 
@@ -110,4 +110,4 @@ TEST(Fairing, soft_handles_take_details_away_as_far_as_they_pull)
     EXPECT_EQ(before, 0.0);
 }
 
-} // namespace sinew
+} // namespace sinew::test_fairing

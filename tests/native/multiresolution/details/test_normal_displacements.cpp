@@ -6,7 +6,7 @@
 
 #include <Eigen/Geometry>
 
-namespace sinew {
+namespace sinew::test_normal_displacements {
 
 namespace {
 
@@ -123,4 +123,4 @@ TEST(NormalDisplacements, details_that_stand_on_nothing_are_vectors_and_counted)
               1e-12);
 }
 
-} // namespace sinew
+} // namespace sinew::test_normal_displacements

@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 
-namespace sinew {
+namespace sinew::test_ring_rotations {
 
 namespace {
 
@@ -78,4 +78,4 @@ TEST(RingRotations, of_a_shape_that_stays_are_the_same_to_the_last_bit)
         [&](int v, const Matrix3& R, const Matrix3& /*sum*/) { EXPECT_EQ(R, expected[v]) << v; });
 }
 
-} // namespace sinew
+} // namespace sinew::test_ring_rotations

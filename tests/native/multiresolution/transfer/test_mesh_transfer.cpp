@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_mesh_transfer {
 
 namespace {
 
@@ -98,4 +98,4 @@ TEST(MeshTransfer, refuses_other_faces_and_names_them)
     EXPECT_THROW(transfer.transfer(view(points), found), InvalidConstraint);
 }
 
-} // namespace sinew
+} // namespace sinew::test_mesh_transfer

@@ -7,7 +7,7 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_cholesky {
 
 namespace {
 
@@ -75,4 +75,4 @@ TEST(DenseCholesky, refuses_what_takes_more_memory_than_allowed)
     EXPECT_THROW(DenseCholesky(100), OutOfMemory);
 }
 
-} // namespace sinew
+} // namespace sinew::test_cholesky

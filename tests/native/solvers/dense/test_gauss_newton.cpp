@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_gauss_newton {
 
 namespace {
 
@@ -155,4 +155,4 @@ TEST(GaussNewton, NoUnknownsAreNoProblem)
     EXPECT_EQ(minimize(distance, unlimited(0), x).iterations, 0);
 }
 
-} // namespace sinew
+} // namespace sinew::test_gauss_newton

@@ -11,7 +11,7 @@
 
 #include <cstddef>
 
-namespace sinew {
+namespace sinew::test_system {
 
 namespace {
 
@@ -127,4 +127,4 @@ TEST(DenseKernels, give_the_same_bits_with_wider_instructions)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_system

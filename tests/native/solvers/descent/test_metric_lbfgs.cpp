@@ -13,7 +13,7 @@
 #include <cstring>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_metric_lbfgs {
 
 namespace {
 
@@ -420,4 +420,4 @@ TEST(MetricLbfgs, a_small_step_calls_for_a_correction_before_the_end)
     EXPECT_GE(problem.corrections, 2);
 }
 
-} // namespace sinew
+} // namespace sinew::test_metric_lbfgs

@@ -12,7 +12,7 @@
 #include <numeric>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_factor {
 
 namespace {
 
@@ -164,4 +164,4 @@ TEST_F(SupernodalFactorTest, solves_by_rows_what_it_solves_by_columns)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_factor

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_principal_block {
 
 TEST(PrincipalBlock, is_the_dense_block_with_rows_of_the_identity)
 {
@@ -41,4 +41,4 @@ TEST(PrincipalBlock, has_the_digest_of_its_copy_whatever_is_free)
     EXPECT_EQ(all, digest(PrincipalBlock(A, unknowns, free).copy()));
 }
 
-} // namespace sinew
+} // namespace sinew::test_principal_block

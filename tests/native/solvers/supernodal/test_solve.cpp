@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_solve {
 namespace {
 
 /// A dense random lower triangle cut into supernodes of the given widths; entries below a supernode's own
@@ -228,4 +228,4 @@ TEST(Lanes, substitute_as_dense_triangles_do_and_to_the_same_bits_with_wide_inst
 }
 
 } // namespace
-} // namespace sinew
+} // namespace sinew::test_solve

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_cage {
 
 namespace {
 
@@ -68,4 +68,4 @@ TEST(Cage, names_the_vertices_of_a_pose_that_are_not_finite)
     EXPECT_THROW(cage.check_pose(view(few)), InvalidConstraint);
 }
 
-} // namespace sinew
+} // namespace sinew::test_cage

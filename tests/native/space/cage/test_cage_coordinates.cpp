@@ -8,7 +8,7 @@
 #include <atomic>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_cage_coordinates {
 
 namespace {
 
@@ -92,4 +92,4 @@ TEST(CageCoordinates, a_translation_is_exact_for_any_number_of_points)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_cage_coordinates

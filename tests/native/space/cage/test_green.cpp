@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_green {
 
 namespace {
 
@@ -456,4 +456,4 @@ TEST(GreenQuads, of_triangles_are_the_triangles)
     EXPECT_EQ(warped(cage, x, pose, patches()), warped(cage, x, pose, doubles()));
 }
 
-} // namespace sinew
+} // namespace sinew::test_green

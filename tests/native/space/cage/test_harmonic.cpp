@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_harmonic {
 
 namespace {
 
@@ -226,4 +226,4 @@ TEST(Harmonic, does_not_depend_on_units_or_place)
               1e-6); // rounding of points to 1e-13 of the cage, and a system of condition 1e4
 }
 
-} // namespace sinew
+} // namespace sinew::test_harmonic

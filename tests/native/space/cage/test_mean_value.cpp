@@ -8,7 +8,7 @@
 
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_mean_value {
 
 namespace {
 
@@ -226,4 +226,4 @@ TEST(MeanValue, of_any_scale_and_place_is_the_same)
                   1e-12);
 }
 
-} // namespace sinew
+} // namespace sinew::test_mean_value

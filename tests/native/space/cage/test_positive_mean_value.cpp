@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_positive_mean_value {
 
 namespace {
 
@@ -208,4 +208,4 @@ TEST(PositiveMeanValue, takes_faces_without_area)
     expect_barycentric(weights(flat, x), flat, x);
 }
 
-} // namespace sinew
+} // namespace sinew::test_positive_mean_value

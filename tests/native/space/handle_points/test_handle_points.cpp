@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_handle_points {
 
 namespace {
 
@@ -112,4 +112,4 @@ TEST(HandlePoints, refuses_weights_that_are_not_shares_and_lets_soft_ones_go_apa
     EXPECT_FALSE(weighed(weights) == HandlePoints(view(places()), {3, 1, 4}));
 }
 
-} // namespace sinew
+} // namespace sinew::test_handle_points

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_ffd {
 
 namespace {
 
@@ -370,4 +370,4 @@ TEST(Hexahedra, folded_cells_are_named)
     EXPECT_TRUE(std::find(folded.elements().begin(), folded.elements().end(), 1) != folded.elements().end());
 }
 
-} // namespace sinew
+} // namespace sinew::test_ffd

@@ -8,7 +8,7 @@
 #include <Eigen/SVD>
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_inverse_ffd {
 
 namespace {
 
@@ -153,4 +153,4 @@ TEST(InverseFfd, refusals)
     EXPECT_THROW(InverseFfd(view(one), {}).control_moves(view(one)), InvalidConstraint);
 }
 
-} // namespace sinew
+} // namespace sinew::test_inverse_ffd

@@ -11,7 +11,7 @@
 #include <memory>
 #include <utility>
 
-namespace sinew {
+namespace sinew::test_embedded_deformation {
 
 namespace {
 
@@ -108,4 +108,4 @@ TEST(EmbeddedDeformation, does_not_depend_on_the_axes)
     EXPECT_LT(shapes::apart(found, shapes::transformed(shape, frame)), 1e-5);
 }
 
-} // namespace sinew
+} // namespace sinew::test_embedded_deformation

@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_mls {
 
 namespace {
 
@@ -268,4 +268,4 @@ TEST(Mls, refuses_options_that_make_no_sense)
     EXPECT_THROW(large.bind(view(random_points(100, 1.0, 2))), OutOfMemory);
 }
 
-} // namespace sinew
+} // namespace sinew::test_mls

@@ -11,7 +11,7 @@
 #include <memory>
 #include <utility>
 
-namespace sinew {
+namespace sinew::test_rigid_cells {
 
 namespace {
 
@@ -86,4 +86,4 @@ TEST(RigidCells, one_rigid_motion_is_exact_whatever_the_cells)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_rigid_cells

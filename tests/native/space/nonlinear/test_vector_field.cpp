@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_vector_field {
 
 namespace {
 
@@ -417,4 +417,4 @@ TEST(VectorField, refuses_what_is_no_tool)
     EXPECT_THROW(field.velocities(view(still), 0, 0.5, view(still)), InvalidConstraint);
 }
 
-} // namespace sinew
+} // namespace sinew::test_vector_field

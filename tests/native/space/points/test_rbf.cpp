@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_rbf {
 
 namespace {
 
@@ -501,4 +501,4 @@ TEST(Rbf, refuses_options_and_handles_that_make_no_sense)
     EXPECT_THROW(rbf.bind(view(points)), OutOfMemory);
 }
 
-} // namespace sinew
+} // namespace sinew::test_rbf

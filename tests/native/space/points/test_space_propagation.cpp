@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_space_propagation {
 
 namespace {
 
@@ -155,4 +155,4 @@ TEST(SpacePropagation, refuses_what_makes_no_sense)
     EXPECT_THROW(method.bind(view(random_points(1000, 1.0, 1))), OutOfMemory);
 }
 
-} // namespace sinew
+} // namespace sinew::test_space_propagation

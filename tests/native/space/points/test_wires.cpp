@@ -9,7 +9,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_wires {
 
 namespace {
 
@@ -294,4 +294,4 @@ TEST(Wires, says_what_it_costs)
     EXPECT_EQ(wires.bind(view(points)).weight_bytes, 500 * (46 + 2 * 8) + 1001 * 4 + 8);
 }
 
-} // namespace sinew
+} // namespace sinew::test_wires

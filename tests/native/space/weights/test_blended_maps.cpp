@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_blended_maps {
 
 namespace {
 
@@ -67,4 +67,4 @@ TEST(BlendedMaps, of_one_map_is_that_map_exactly)
     EXPECT_EQ(out, plain);
 }
 
-} // namespace sinew
+} // namespace sinew::test_blended_maps

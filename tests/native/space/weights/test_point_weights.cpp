@@ -10,7 +10,7 @@
 #include <cmath>
 #include <string>
 
-namespace sinew {
+namespace sinew::test_point_weights {
 
 namespace {
 
@@ -157,4 +157,4 @@ TEST(PointWeights, name_both_sizes_where_memory_is_short)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_point_weights

@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_products {
 
 namespace {
 
@@ -65,4 +65,4 @@ TEST(ProductKernels, sparse_products_agree_and_are_right)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_products

@@ -15,7 +15,7 @@
 
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_gradient_editing {
 
 namespace {
 
@@ -275,4 +275,4 @@ TEST(GradientEditing, solves_after_the_first_allocate_nothing_in_proportion_to_t
     EXPECT_EQ(count.so_far(), first);
 }
 
-} // namespace sinew
+} // namespace sinew::test_gradient_editing

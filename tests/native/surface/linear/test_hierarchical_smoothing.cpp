@@ -17,7 +17,7 @@
 #include <cmath>
 #include <map>
 
-namespace sinew {
+namespace sinew::test_hierarchical_smoothing {
 
 namespace {
 
@@ -298,4 +298,4 @@ TEST(HierarchicalSmoothing, solves_after_the_first_allocate_nothing_in_proportio
     EXPECT_EQ(count.so_far(), first);
 }
 
-} // namespace sinew
+} // namespace sinew::test_hierarchical_smoothing

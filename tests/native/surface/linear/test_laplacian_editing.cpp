@@ -17,7 +17,7 @@
 
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_laplacian_editing {
 
 namespace {
 
@@ -481,4 +481,4 @@ TEST(LaplacianEditing, solves_after_the_first_allocate_nothing_in_proportion_to_
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_laplacian_editing

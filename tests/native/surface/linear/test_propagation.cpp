@@ -14,7 +14,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_propagation {
 
 namespace {
 
@@ -195,4 +195,4 @@ TEST(Propagation, allocates_nothing_in_proportion_to_the_mesh_in_a_solve)
     EXPECT_EQ(count.so_far(), 0);
 }
 
-} // namespace sinew
+} // namespace sinew::test_propagation

@@ -15,7 +15,7 @@
 
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_rotation_invariant_coordinates {
 
 namespace {
 
@@ -287,4 +287,4 @@ TEST(RotationInvariantCoordinates, allocate_nothing_in_proportion_to_the_mesh_af
     EXPECT_EQ(count.so_far(), first);
 }
 
-} // namespace sinew
+} // namespace sinew::test_rotation_invariant_coordinates

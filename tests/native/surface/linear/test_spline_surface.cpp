@@ -15,7 +15,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_spline_surface {
 
 namespace {
 
@@ -369,4 +369,4 @@ TEST(SplineSurface, solves_after_the_first_allocate_nothing_in_proportion_to_the
     EXPECT_EQ(count.so_far(), first);
 }
 
-} // namespace sinew
+} // namespace sinew::test_spline_surface

@@ -16,7 +16,7 @@
 #include <cmath>
 #include <numeric>
 
-namespace sinew {
+namespace sinew::test_subdivision_editing {
 
 namespace {
 
@@ -522,4 +522,4 @@ TEST(SubdivisionEditing, solves_after_the_first_allocate_nothing_in_proportion_t
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_subdivision_editing

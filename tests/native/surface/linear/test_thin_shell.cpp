@@ -13,7 +13,7 @@
 #include <memory>
 #include <string>
 
-namespace sinew {
+namespace sinew::test_thin_shell {
 
 namespace {
 
@@ -304,4 +304,4 @@ TEST(ThinShell, refuses_stiffnesses_that_mean_nothing)
     expect_elements(refusal<InvalidOption>(make), Error::Element::vertex, {3, 5});
 }
 
-} // namespace sinew
+} // namespace sinew::test_thin_shell

@@ -11,7 +11,7 @@
 
 // The ring 1 <= r <= 2: lifted by 1 at r = 1, held at r = 2. Eq. 12 has closed solutions there.
 
-namespace sinew {
+namespace sinew::test_thin_shell_annulus {
 
 namespace {
 
@@ -190,4 +190,4 @@ TEST(ThinShellAnnulus, continuity_blends_from_c0_to_c2)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_thin_shell_annulus

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_thin_shell_updates {
 
 namespace {
 
@@ -192,4 +192,4 @@ TEST_P(ThinShellUpdates, equal_dense_matrices_built_from_angles)
 
 INSTANTIATE_TEST_SUITE_P(basis, ThinShellUpdates, testing::Bool());
 
-} // namespace sinew
+} // namespace sinew::test_thin_shell_updates

@@ -20,7 +20,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_volumetric_graph_laplacian {
 
 namespace {
 
@@ -416,4 +416,4 @@ TEST(VolumetricGraphLaplacian, solves_after_the_first_allocate_nothing_in_propor
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_volumetric_graph_laplacian

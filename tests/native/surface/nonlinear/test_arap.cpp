@@ -11,7 +11,7 @@
 #include <limits>
 #include <memory>
 
-namespace sinew {
+namespace sinew::test_arap {
 
 namespace {
 
@@ -490,4 +490,4 @@ TEST(Arap, energy_refuses_points_that_do_not_fit)
     EXPECT_THROW(arap.energy(view(broken)), InvalidConstraint);
 }
 
-} // namespace sinew
+} // namespace sinew::test_arap

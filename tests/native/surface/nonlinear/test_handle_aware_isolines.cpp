@@ -10,7 +10,7 @@
 #include <memory>
 #include <set>
 
-namespace sinew {
+namespace sinew::test_handle_aware_isolines {
 
 namespace {
 
@@ -79,4 +79,4 @@ TEST(HandleAwareIsolines, refuses_options_out_of_range)
     EXPECT_THROW(HandleAwareIsolines(mesh, {.tolerance = -1.0}), InvalidOption);
 }
 
-} // namespace sinew
+} // namespace sinew::test_handle_aware_isolines

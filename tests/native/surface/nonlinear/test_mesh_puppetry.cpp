@@ -15,7 +15,7 @@
 #include <memory>
 #include <numeric>
 
-namespace sinew {
+namespace sinew::test_mesh_puppetry {
 
 namespace {
 
@@ -216,4 +216,4 @@ TEST(MeshPuppetry, RefusesOptionsOutOfRange)
         [&] { MeshPuppetry(mesh, {.tolerance = std::numeric_limits<double>::quiet_NaN()}); });
 }
 
-} // namespace sinew
+} // namespace sinew::test_mesh_puppetry

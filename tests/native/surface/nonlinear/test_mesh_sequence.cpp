@@ -14,7 +14,7 @@
 #include <mutex>
 #include <thread>
 
-namespace sinew {
+namespace sinew::test_mesh_sequence {
 
 namespace {
 
@@ -430,4 +430,4 @@ TEST(MeshSequence, refuses_what_does_not_fit_and_names_it)
     EXPECT_THROW(cancelled(), Cancelled);
 }
 
-} // namespace sinew
+} // namespace sinew::test_mesh_sequence

@@ -10,7 +10,7 @@
 #include <limits>
 #include <memory>
 
-namespace sinew {
+namespace sinew::test_primo {
 
 namespace {
 
@@ -277,4 +277,4 @@ TEST(Primo, refuses_options_that_mean_nothing)
     expect_elements(refusal<InvalidOption>(make), Error::Element::vertex, {2});
 }
 
-} // namespace sinew
+} // namespace sinew::test_primo

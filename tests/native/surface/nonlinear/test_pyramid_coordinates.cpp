@@ -11,7 +11,7 @@
 #include <limits>
 #include <memory>
 
-namespace sinew {
+namespace sinew::test_pyramid_coordinates {
 
 namespace {
 
@@ -353,4 +353,4 @@ TEST(PyramidMorphing, frames_depend_on_the_factor_alone)
     EXPECT_EQ(solve(method, bend(60), {.morph = 0.4}).positions, alone);
 }
 
-} // namespace sinew
+} // namespace sinew::test_pyramid_coordinates

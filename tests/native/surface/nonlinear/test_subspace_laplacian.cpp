@@ -9,7 +9,7 @@
 
 #include <memory>
 
-namespace sinew {
+namespace sinew::test_subspace_laplacian {
 
 namespace {
 
@@ -141,4 +141,4 @@ TEST(SubspaceLaplacian, refuses_options_out_of_range)
     EXPECT_THROW(SubspaceLaplacian(mesh, {}, shapes::grid(2, 2)), InvalidMesh);
 }
 
-} // namespace sinew
+} // namespace sinew::test_subspace_laplacian

@@ -15,7 +15,7 @@
 #include <memory>
 #include <numeric>
 
-namespace sinew {
+namespace sinew::test_thin_shell_nonlinear {
 
 namespace {
 
@@ -427,4 +427,4 @@ TEST(ThinShellNonlinear, energy_refuses_points_that_do_not_fit)
     EXPECT_THROW(shell.energy(view(broken)), InvalidConstraint);
 }
 
-} // namespace sinew
+} // namespace sinew::test_thin_shell_nonlinear

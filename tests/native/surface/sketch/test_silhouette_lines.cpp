@@ -12,7 +12,7 @@
 #include <limits>
 #include <string>
 
-namespace sinew {
+namespace sinew::test_silhouette_lines {
 
 namespace {
 
@@ -285,4 +285,4 @@ TEST(FitStroke, refuses_what_is_no_stroke_and_no_view)
     EXPECT_THROW(silhouette_lines(ball, {2 * Matrix3::Identity(), {}}), InvalidOption);
 }
 
-} // namespace sinew
+} // namespace sinew::test_silhouette_lines

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_silhouette_sketch {
 
 namespace {
 
@@ -245,4 +245,4 @@ TEST(SilhouetteSketch, refuses_what_does_not_fit)
     EXPECT_THROW(sketch.solve(view(targets), found), InvalidConstraint);
 }
 
-} // namespace sinew
+} // namespace sinew::test_silhouette_sketch

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-namespace sinew {
+namespace sinew::test_cage_geometry {
 
 TEST(CageGeometry, is_about_the_middle_in_units_of_the_size)
 {
@@ -50,4 +50,4 @@ TEST(CageGeometry, leaves_out_triangles_without_a_plane)
     EXPECT_EQ(geometry.tables().triangle_count, static_cast<int>(cage.triangles().size()) - 1);
 }
 
-} // namespace sinew
+} // namespace sinew::test_cage_geometry

@@ -13,7 +13,7 @@
 #include <limits>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_cage_kernels {
 
 namespace {
 
@@ -162,4 +162,4 @@ TEST(CageKernels, points_beyond_planes_agree_and_are_sure)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_cage_kernels

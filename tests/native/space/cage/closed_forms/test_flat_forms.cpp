@@ -12,7 +12,7 @@
 #include <cmath>
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_flat_forms {
 
 namespace {
 
@@ -295,4 +295,4 @@ TEST(FlatForms, are_refused_by_methods_that_need_a_volume)
     EXPECT_FALSE(PositiveMeanValue::takes_flat);
 }
 
-} // namespace sinew
+} // namespace sinew::test_flat_forms

@@ -13,7 +13,7 @@
 #include <functional>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_quad_patches {
 
 namespace {
 
@@ -277,4 +277,4 @@ TEST(QuadKernels, agree_to_the_last_bit)
         EXPECT_EQ(of(*kernels), plain);
 }
 
-} // namespace sinew
+} // namespace sinew::test_quad_patches

@@ -7,7 +7,7 @@
 #include <array>
 #include <map>
 
-namespace sinew {
+namespace sinew::test_grid {
 
 namespace {
 
@@ -338,4 +338,4 @@ TEST(HarmonicGrid, lives_with_flat_and_touching_faces)
     EXPECT_LT(largest(w.rightCols(cube.vertex_count())), 1e-3); // what the cycles leave
 }
 
-} // namespace sinew
+} // namespace sinew::test_grid

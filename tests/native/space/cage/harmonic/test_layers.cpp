@@ -8,7 +8,7 @@
 
 #include <array>
 
-namespace sinew {
+namespace sinew::test_layers {
 
 namespace {
 
@@ -203,4 +203,4 @@ TEST(HarmonicLayers, give_the_same_bits_with_wider_instructions)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_layers

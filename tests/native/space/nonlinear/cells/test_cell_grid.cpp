@@ -9,7 +9,7 @@
 #include <cmath>
 #include <map>
 
-namespace sinew {
+namespace sinew::test_cell_grid {
 
 namespace {
 
@@ -179,4 +179,4 @@ TEST(CellGrid, takes_a_point_a_line_and_a_sheet)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_cell_grid

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_embedded_energy {
 
 namespace {
 
@@ -134,4 +134,4 @@ TEST(EmbeddedEnergy, of_one_rigid_motion_is_nothing)
     EXPECT_LT(problem.evaluate(problem.start(), gradient), 1e-24); // squares of rounding
 }
 
-} // namespace sinew
+} // namespace sinew::test_embedded_energy

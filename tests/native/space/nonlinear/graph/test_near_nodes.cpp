@@ -12,7 +12,7 @@
 #include <numbers>
 #include <set>
 
-namespace sinew {
+namespace sinew::test_near_nodes {
 
 namespace {
 
@@ -171,4 +171,4 @@ TEST(DeformationGraph, connects_parts_that_are_near_and_no_others)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_near_nodes

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <vector>
 
-namespace sinew {
+namespace sinew::test_surface_fronts {
 
 namespace {
 
@@ -81,4 +81,4 @@ TEST(SurfaceFronts, take_faces_without_area_and_parts_that_they_do_not_reach)
     EXPECT_EQ(from(two, 0).back(), SurfaceFronts::infinite);
 }
 
-} // namespace sinew
+} // namespace sinew::test_surface_fronts

@@ -8,7 +8,7 @@
 
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_handle_control {
 
 namespace {
 
@@ -98,4 +98,4 @@ TEST(HandleControl, refuses_to_take_one_point_to_two_places)
     EXPECT_NO_THROW(soft.motions(Poses{shapes::still(), shapes::shift(0.1, 0, 0)})) << "one gives way";
 }
 
-} // namespace sinew
+} // namespace sinew::test_handle_control

@@ -9,7 +9,7 @@
 
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_affine_basis {
 
 namespace {
 
@@ -177,4 +177,4 @@ TEST(AffineBasis, refuses_poses_that_do_not_fit)
     EXPECT_THROW(basis.solve(bad, out), InvalidConstraint);
 }
 
-} // namespace sinew
+} // namespace sinew::test_affine_basis

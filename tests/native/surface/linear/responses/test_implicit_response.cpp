@@ -12,7 +12,7 @@
 
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_implicit_response {
 
 namespace {
 
@@ -211,4 +211,4 @@ TEST(ImplicitResponse, substeps_made_anew_mend_the_twist_of_a_bar)
     EXPECT_LT(strain(16), 0.5 * strain(4));
 }
 
-} // namespace sinew
+} // namespace sinew::test_implicit_response

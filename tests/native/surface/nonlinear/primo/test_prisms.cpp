@@ -9,7 +9,7 @@
 
 #include <cmath>
 
-namespace sinew {
+namespace sinew::test_prisms {
 
 namespace {
 
@@ -187,4 +187,4 @@ TEST(Prisms, all_faces_at_an_edge_are_joined)
     EXPECT_EQ(Setting(shapes::mesh(points, faces), {2}).prisms.joints().size(), 7u); // 6, and the vertex
 }
 
-} // namespace sinew
+} // namespace sinew::test_prisms

@@ -11,7 +11,7 @@
 
 #include <memory>
 
-namespace sinew {
+namespace sinew::test_problem {
 
 namespace {
 
@@ -236,4 +236,4 @@ TEST(PyramidMorph, mixes_weights_heights_and_edges)
     }
 }
 
-} // namespace sinew
+} // namespace sinew::test_problem

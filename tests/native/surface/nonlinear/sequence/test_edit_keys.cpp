@@ -10,7 +10,7 @@
 
 #include <limits>
 
-namespace sinew {
+namespace sinew::test_edit_keys {
 
 namespace {
 
@@ -197,4 +197,4 @@ TEST(EditKeys, refuses_keys_that_mean_nothing_and_names_them)
             "handle 2 has two keys at frame 7.5");
 }
 
-} // namespace sinew
+} // namespace sinew::test_edit_keys
