@@ -54,11 +54,10 @@ def test_no_two_layers_share_a_user_folder() -> None:
 
 def test_layers_are_named_whole_or_by_their_first_word() -> None:
     every = [layer.name for layer in run_tests.chosen([])]
-    further = ["windows-bindings-3.13", "windows-processors", "windows-blender-5"]
-    by_name = {"windows-native", *further, "neon"}
-    assert every == [layer.name for layer in LAYERS if layer.name not in by_name]
     windows = [layer.name for layer in run_tests.chosen(["windows"])]
-    assert windows == ["windows-native", "windows-bindings", "windows-blender", *further]
+    kinds = ["native", "bindings", "blender", "bindings-3.13", "processors", "blender-5"]
+    assert windows == [f"windows-{kind}" for kind in kinds]
+    assert every == [layer.name for layer in LAYERS if layer.name not in {*windows, "neon"}]
     assert [layer.name for layer in run_tests.chosen(["windows-native", "gui"])] == ["windows-native", "gui"]
 
 

@@ -156,12 +156,6 @@ def blender_layer(version: str, tests: tuple[str, ...] = ()) -> Layer:
     return Layer(name, 600 if tests else 1200, run_tests, one_process=True)
 
 
-def core_tests(version: str) -> tuple[str, ...]:
-    """What a release between runs. What the same release runs for Windows is not run twice."""
-    elsewhere = windows_tests.CORE_TESTS if version == windows_tests.VERSION else ()
-    return tuple(word for word in CORE_TESTS if word not in elsewhere)
-
-
 def blender_5(timeout: float) -> Outcome:
     newest = environments.newest_blender()
     found = blender_module("blender-5", newest, (EVERY_METHOD,), timeout)
@@ -204,10 +198,11 @@ def _other_native_tests(timeout: float) -> Outcome:
     return Outcome() if none else outcome(junit, status)
 
 
-def windows_layer(name: str, tests: Callable[[bool, float], Outcome], only_by_name: bool = True) -> Layer:
+def windows_layer(name: str, tests: Callable[[bool, float], Outcome]) -> Layer:
     """A layer of a core of these tests; by --whole, of all of them."""
-    whole = Layer(f"windows-{name}", 5400, partial(tests, True), True, only_by_name)
-    return Layer(f"windows-{name}", 600, partial(tests, False), True, only_by_name, whole)
+    whole = Layer(f"windows-{name}", 5400, partial(tests, True), one_process=True, only_by_name=True)
+    core = partial(tests, False)
+    return Layer(f"windows-{name}", 600, core, one_process=True, only_by_name=True, whole=whole)
 
 
 LAYERS = (
@@ -221,11 +216,11 @@ LAYERS = (
     Layer("addon", 240, addon, one_process=True),
     Layer("bindings", 420, bindings, one_process=True),
     Layer("blender-3.4", 1200, blender_3_4, one_process=True),
-    *(blender_layer(version, core_tests(version)) for version in environments.LONG_TERM_BLENDERS),
+    *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
     Layer("blender-5", 1200, blender_5, one_process=True),
     Layer("gui", 1200, gui, one_process=True),
-    windows_layer("bindings", windows_tests.bindings, only_by_name=False),
-    windows_layer("blender", windows_tests.blender, only_by_name=False),
+    windows_layer("bindings", windows_tests.bindings),
+    windows_layer("blender", windows_tests.blender),
     windows_layer("bindings-3.13", windows_tests.bindings_313),
     Layer("windows-processors", 420, windows_tests.old_processors, one_process=True, only_by_name=True),
     Layer("windows-blender-5", 900, windows_tests.blender_5, one_process=True, only_by_name=True),
