@@ -81,7 +81,7 @@ TEST(CascadeStart, does_nothing_where_all_is_held)
     std::vector<int> all(bar.vertex_count());
     for (int i = 0; i < bar.vertex_count(); ++i)
         all[i] = i;
-    const Regions regions({{.vertices = all}}, connected_components(bar));
+    const Regions regions({{.vertices = all, .weights = {}}}, connected_components(bar));
     const CascadeStart start(bar, regions, 0.5);
     EXPECT_EQ(start.factor_bytes(), 0);
     std::vector<Eigen::Quaterniond> rotations;
@@ -95,7 +95,7 @@ TEST(CascadeStart, does_nothing_where_all_is_held)
 TEST(Goals, name_where_each_vertex_is_wanted)
 {
     const SurfaceMesh bar = shapes::bar(4, 1);
-    const Regions regions({{.vertices = {0}}, {.vertices = {1, 2}, .weights = {0.5, 0.75}}},
+    const Regions regions({{.vertices = {0}, .weights = {}}, {.vertices = {1, 2}, .weights = {0.5, 0.75}}},
                           connected_components(bar));
     RotationRows rows(bar.vertex_count(), 1);
     const RotationRows::Term terms[] = {{1, 1.0}, {2, -2.0}};
