@@ -154,6 +154,8 @@ void bind_core(py::module_& module)
         .def_property_readonly(
             "thin_vertices", [](const BindReport& r) { return to_numpy(r.thin_vertices); },
             "(t,) vertices at edges where the sheet of ThinShellNonlinear is thinner than the mesh can show.")
+        .def_readonly("remarks", &BindReport::remarks,
+                      "What the method cannot carry, and what is used instead; a list of texts.")
         .def_readonly("degenerate_faces", &BindReport::degenerate_faces,
                       "Number of faces with a triangle of (nearly) no area, whose area was raised.")
         .def_readonly("factorizations", &BindReport::factorizations,

@@ -66,6 +66,7 @@ struct BindReport
     /// Vertices at edges where a sheet is thinner than the mesh can show, so that it bends less than asked
     /// for.
     std::vector<int> thin_vertices;
+    std::vector<std::string> remarks; ///< what the method cannot carry, and what is used instead
     int degenerate_faces = 0; ///< faces with a triangle of (nearly) no area, whose area was raised
     int factorizations = 0; ///< numeric factorisations so far, with those of earlier objects
     int analyses = 0; ///< symbolic factorisations so far, likewise

@@ -82,6 +82,7 @@ void Multiresolution::bind(const Regions& regions, BindReport& report, const Pro
     next->factorizations += of_bands.factorizations;
     next->analyses += of_bands.analyses;
     report.detail_vectors += of_bands.detail_vectors;
+    report.remarks = of_bands.remarks;
     // Soft handles pull the rest shape and the base from different places.
     if (impl_->base->displaces_all_alike() && regions.soft().empty())
         next->below = next->bands.levels().back() - next->bands.levels().front();

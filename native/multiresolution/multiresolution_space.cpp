@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <map>
 #include <type_traits>
 #include <utility>
@@ -112,9 +113,7 @@ void MultiresolutionSpace::compute(PointsView points, SpaceReport& report, const
     next->bands.report(of_bands);
     report.error = of_base.error;
     report.remarks = of_base.remarks;
-    if (const auto used = next->bands.levels().size() - 1; used < static_cast<std::size_t>(options_.bands))
-        report.remarks.push_back("only " + std::to_string(used) + " of " + std::to_string(options_.bands) +
-                                 " bands are used: more would shrink the base to threads");
+    std::ranges::copy(of_bands.remarks, std::back_inserter(report.remarks));
     if (of_bands.detail_vectors > 0)
         report.remarks.push_back(std::to_string(of_bands.detail_vectors) +
                                  " details are vectors: no normal of the base leads there");

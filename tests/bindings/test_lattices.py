@@ -94,6 +94,18 @@ def test_unsmoothed_hexahedra_are_trilinear_and_their_affine_maps_affine() -> No
         np.testing.assert_allclose(method.warp(points @ SHEAR.T + 3.0), outside @ SHEAR.T + 3.0, atol=1e-9)
 
 
+def test_cells_that_come_apart_at_a_hanging_edge_are_remarked_on() -> None:
+    one, two = cells((1, 1, 1)), cells((1, 2, 1))
+    points = np.concatenate((one[0] - (1, 0, 0), two[0]))
+    points, number = np.unique(points, axis=0, return_inverse=True)
+    quads = number.ravel()[np.concatenate((one[1], two[1] + len(one[0])))]
+    middle = np.flatnonzero((points[:, 0] == 0) & (points[:, 1] == 0.5)).tolist()
+    [remark] = sn.Ffd(sn.SurfaceMesh(points, quads), smooth=0).bind(POINTS).remarks
+    assert remark.startswith(f"control points {middle[0]}, {middle[1]} lie on cells that they are no corners of")
+    whole = sn.Ffd(sn.SurfaceMesh(*cells((2, 2, 1))), smooth=0)
+    assert whole.bind(POINTS).remarks == []
+
+
 def test_smooth_hexahedra_come_close_to_cubic_splines_inside() -> None:
     points, quads = cells((6, 6, 6))
     middle = POINTS * 0.2 + 0.4

@@ -29,7 +29,7 @@ HANDLES = [np.flatnonzero(POINTS[:, 0] > 3.0), np.flatnonzero(POINTS[:, 1] < -3.
 def test_rest_and_rigid_motions_are_kept_with_any_number_of_bands(details: str, bands: int) -> None:
     mesh = sn.SurfaceMesh(POINTS, FACES)
     method = sn.Multiresolution(mesh, sn.Arap(mesh), details=details, bands=bands)
-    method.set_handles(HANDLES)
+    remarks = method.set_handles(HANDLES).remarks
     off = [
         np.linalg.norm(method.solve([pose, pose])[0] - moved(pose, POINTS), axis=1).max()
         for pose in (STILL, TURNED)
@@ -38,3 +38,4 @@ def test_rest_and_rigid_motions_are_kept_with_any_number_of_bands(details: str, 
     print(f"{details}: {used} of {bands} bands, rest off by {off[0]:.1e}, a rigid motion by {off[1]:.1e}")
     assert max(off) < 1e-6
     assert used == bands or bands > 1
+    assert [text.partition(":")[0] for text in remarks] == [f"only {used} of {bands} bands are used"][: used < bands]

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import spsolve
 
 import sinew_native as sn
 
-from .meshes import BENT, grid, sphere
+from .meshes import BENT, STILL, grid, shift, sphere
 from .methods import bound
 
 MESHES = {"hill": grid(12), "sphere": sphere(3)}
@@ -91,3 +91,15 @@ def test_affine_basis_is_a_matrix_that_gives_what_the_shell_gives() -> None:
     np.testing.assert_allclose(basis.solve(BENT)[0], shell.solve(BENT)[0], rtol=0, atol=1e-10)
     stacked = np.concatenate([(pose - np.eye(3, 4)).T for pose in BENT])
     np.testing.assert_allclose(points + basis.matrix @ stacked, basis.solve(BENT)[0], rtol=0, atol=1e-12)
+
+
+def test_on_a_plane_whose_border_is_held_implicit_laplacian_editing_is_the_thin_plate() -> None:
+    points, faces = grid(16)
+    mesh = sn.SurfaceMesh(points * (1, 1, 0), faces)
+    ring = np.abs(points[:, :2] - 8).max(axis=1)
+    shapes = []
+    for transforms in ("none", "implicit"):
+        method = sn.LaplacianEditing(mesh, transforms=transforms)
+        method.set_handles([np.flatnonzero(ring < 2), np.flatnonzero(ring > 6.5)])
+        shapes.append(method.solve([shift(1, 0, 3), STILL])[0])
+    np.testing.assert_allclose(*shapes, atol=1e-12)  # lengths are 16

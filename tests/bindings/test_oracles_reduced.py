@@ -8,7 +8,7 @@ from scipy.sparse.linalg import splu
 
 import sinew_native as sn
 
-from .meshes import STILL, ends, moved, sphere, turn
+from .meshes import STILL, ends, grid, moved, sphere, turn
 
 BALL, FACES = sphere(4)  # 1,026 vertices
 POINTS = BALL * (4.0, 1.0, 1.0) + 0.3 * np.sin(2 * BALL[:, [1, 2, 0]])  # long, and no symmetry
@@ -183,3 +183,10 @@ def test_the_subspace_has_the_minimum_of_its_energy(keep_volume: bool) -> None:
         assert np.abs(found - shape).max() < 0.02 * size
         lost = abs(volume(found)[0] / before - 1)
         assert lost < 1e-9 if keep_volume else lost > 0.01
+
+
+def test_more_bands_than_a_frame_can_turn_are_remarked_on() -> None:
+    points, faces = grid(40)
+    method = sn.HandleAwareIsolines(sn.SurfaceMesh(points, faces), bands=4000)
+    [remark] = method.set_handles([[0], [len(points) - 1]]).remarks
+    assert remark == f"{method.bands().max() + 1} bands take long to bind and to solve: use fewer, or join handles"

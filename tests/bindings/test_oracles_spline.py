@@ -45,6 +45,17 @@ def test_few_handles_move_the_spline_of_scipys_pseudo_inverse(degree: int) -> No
     np.testing.assert_allclose(points + displaced, expected, atol=1e-8)
 
 
+def test_the_grid_of_a_flat_sheet_is_even() -> None:
+    points, faces = grid(20)
+    surface = sn.SplineSurface(sn.SurfaceMesh(points * (1, 1, 0), faces))
+    surface.set_handles([np.flatnonzero(points[:, 0] < 1.5), np.flatnonzero(points[:, 0] > 18.5)])
+    [control] = surface.control_grids([STILL, STILL])
+    control = control.reshape(8, 8, 3)
+    for axis in (0, 1):
+        steps = np.diff(control, axis=axis)
+        assert np.ptp(steps, axis=(0, 1)).max() < 1e-5  # of 4
+
+
 def test_a_map_is_read_from_any_real_array_and_vertices_without_a_place_are_named() -> None:
     points, faces = grid(6)
     mesh, handles = sn.SurfaceMesh(points, faces), [[0, 1], [47, 48]]

@@ -39,3 +39,10 @@ def test_regions_of_thousands_of_points_are_met(case: str, tolerance: float) -> 
     print(f"{case}: {len(method.centres)} of {len(rest)} are centres, missed by {max(missed):.1e}")
     assert max(missed) <= tolerance
     assert report.remarks == [], report.remarks
+
+
+def test_more_single_points_than_a_dense_system_takes_quickly_are_remarked_on() -> None:
+    points = np.random.default_rng(2).uniform(-1, 1, (3001, 3))
+    [remark] = sn.Rbf(points).bind(points[:1]).remarks
+    assert remark.startswith("3001 handle points")
+    assert sn.Rbf(points, kernel="wendland_c2", radius=0.05).bind(points[:1]).remarks == []

@@ -67,6 +67,7 @@ void MultiresolutionOptions::check() const
 DetailBands::DetailBands(const SurfaceMesh& rest, const Regions& handles, const Regions& faired,
                          const MultiresolutionOptions& options,
                          const std::shared_ptr<const RingRotations>& rings, const Progress& progress)
+    : asked_(static_cast<std::size_t>(options.bands))
 {
     double wavelength = options.wavelength * mean_edge(rest);
     levels_ = {rest.points()};
@@ -127,6 +128,9 @@ void DetailBands::report(BindReport& report) const
         count(*each);
         report.detail_vectors += each->vectors();
     }
+    if (codings_.size() < asked_)
+        report.remarks.push_back("only " + std::to_string(codings_.size()) + " of " + std::to_string(asked_) +
+                                 " bands are used: more would shrink the base to threads");
 }
 
 } // namespace sinew

@@ -61,13 +61,15 @@ public:
     void put_back(const std::vector<Points>& levels, std::vector<Points>& moved, bool at_rest,
                   Points& detailed, SolveReport& report) const;
 
-    /// Adds the factors, their memory, and how many details are vectors.
+    /// Adds the factors, their memory, how many details are vectors, and whether there are fewer bands than
+    /// were asked for.
     void report(BindReport& report) const;
 
 private:
     std::vector<std::unique_ptr<Fairing>> fairings_;
     std::vector<std::unique_ptr<DetailCoding>> codings_;
     std::vector<Points> levels_;
+    std::size_t asked_ = 0; ///< the bands of the options
 };
 
 } // namespace sinew

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/space/lattice/ffd.h"
 
+#include "native/core/errors.h"
 #include "native/space/lattice/grid/placing.h"
 
 #include <string>
@@ -21,6 +22,9 @@ void Ffd::compute(PointsView points, SpaceReport& report, const Progress& progre
     PlacedPoints placed = std::visit(
         [&](const auto& lattice) { return placed_in(lattice, points, report, progress); }, lattice_);
     report.weight_bytes = placed.bytes();
+    if (const auto* const cells = std::get_if<Hexahedra>(&lattice_); cells && !cells->hanging().empty())
+        report.remarks.push_back("control points " + list_some(cells->hanging()) +
+                                 " lie on cells that they are no corners of: the cells come apart there");
     placed_ = std::move(placed);
 }
 

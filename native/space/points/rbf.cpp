@@ -22,6 +22,8 @@ namespace {
 
 /// Up to so many points, a dense system is solved faster than centres are chosen.
 constexpr int few_points = 400;
+/// More take many seconds to bind, and each frame some.
+constexpr int many_points = 3000;
 
 /// Rounding of the places of points, with some room.
 constexpr double least_radius = 1e-9;
@@ -337,6 +339,10 @@ void Rbf::finish(SpaceReport& report) const
     if (!near.empty())
         report.remarks.push_back("handle points " + list_some(near) +
                                  " nearly coincide with others: they are met in the mean");
+    if (handles_.all_single() && !is_compact(basis_.function) && handles_.point_count() > many_points)
+        report.remarks.push_back(std::to_string(handles_.point_count()) +
+                                 " handle points: a bind takes as long as their cube; use fewer, or a kernel "
+                                 "with a radius");
     if (solved.system.softness() > 0.0)
         report.remarks.emplace_back("handle points are so close together that some are only nearly met");
 }

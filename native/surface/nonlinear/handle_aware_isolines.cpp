@@ -23,6 +23,7 @@ namespace {
 
 /// Shares that differ by less are equal, so that rounding does not choose the band.
 constexpr double equal = 1e-6;
+constexpr int many_bands = 1000; ///< above, a bind takes many seconds, and each frame tenths of one
 constexpr double energy_factor = 4.0; ///< E for F of rotations/rotation_clusters.h
 
 /// A connected part that handles touch.
@@ -155,7 +156,7 @@ void Elimination::complete(Part& part, const ClusterLoads& loads) const
                        turns = 3 * static_cast<Eigen::Index>(part.band_count()),
                        first = 3 * static_cast<Eigen::Index>(part.first_band);
     MatrixX G = MatrixX::Zero(turns, turns), H = MatrixX::Zero(turns, poses), K = MatrixX::Zero(poses, poses);
-    RowMatrix rows(PointWeights::part, poses + turns);
+    RowMatrix rows(PointWeights::part, poses + turns), forces(PointWeights::part, poses);
     const int count = static_cast<int>(part.vertices.size());
     part.answers = PointWeights(count, Points::Zero(poses + turns, 3), 0, {});
     for (int k = 0; k < count; ++k) {
@@ -163,9 +164,11 @@ void Elimination::complete(Part& part, const ClusterLoads& loads) const
         const auto own = X.row(v).head(poses);
         const auto turned = Z.row(v).head(turns);
         rows.row(at) << own, turned;
-        if (at + 1 == PointWeights::part || k + 1 == count)
+        forces.row(at) = AX.row(v).head(poses);
+        if (at + 1 == PointWeights::part || k + 1 == count) {
             part.answers.set_rows(k - at, rows.topRows(at + 1));
-        K.noalias() += own.transpose() * AX.row(v).head(poses);
+            K.noalias() += rows.topLeftCorner(at + 1, poses).transpose() * forces.topRows(at + 1);
+        }
         for (const auto& [aim, stiffness] : pulls[v])
             K += stiffness * ((aim - own.transpose()) * aim.transpose() - aim * own);
         for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(loads.B, v); it; ++it) {
@@ -267,6 +270,9 @@ void HandleAwareIsolines::bind(const Regions& regions, BindReport& report, const
         parts = parts_of(rest(), regions, fields, bands_per_seat, labels);
         const int bands = parts.empty() ? 0 : parts.back().first_band + parts.back().band_count();
         const ClusterLoads loads(bound.system.matrix(), rest().points() / unit, labels, bands);
+        if (bands > many_bands)
+            report.remarks.push_back(std::to_string(bands) +
+                                     " bands take long to bind and to solve: use fewer, or join handles");
         eliminate(parts, bound.system, fields.groups(), regions, rest(), diagonal, loads, unit, progress);
         progress.tick(1.0, "bound");
     });

@@ -63,9 +63,10 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
     if len(request.unused) > _NAMED:
         unused.append(f"{len(request.unused) - _NAMED:,} more regions are not used")
     lines = [Status(Level.WARNING, text, left_out=True) for text in unused]
+    if report is not None:
+        lines += [Status(Level.WARNING, remark) for remark in report.remarks]
     if request.recipe.method.is_space:
-        remarks = report.remarks if report is not None else ()
-        return (*lines, *(Status(Level.WARNING, remark) for remark in remarks))
+        return tuple(lines)
     riding, staying = len(report.rides), report.free_parts
     if riding:
         text = "1 loose part follows" if riding == 1 else f"{riding:,} loose parts follow"

@@ -18,6 +18,7 @@ namespace {
 /// Shares of the size of the lattice, or of the cube of a cell's size.
 constexpr double flat = 1e-9;
 constexpr double on_border = 1e-9;
+constexpr double touching = 1e-5; ///< more than single precision leaves of one place
 constexpr int most_smooth = 4;
 constexpr int most_steps = 60;
 
@@ -70,6 +71,8 @@ Hexahedra::Hexahedra(const SurfaceMesh& mesh, int smooth) : mesh_(mesh), smooth_
         refuse("the lattice is open: no hexahedron has the corners", loose);
     refined_ = mesh.points();
     refuse_folds(cells_);
+    grow_tree();
+    find_hanging();
     weights_.resize(mesh.vertex_count(), mesh.vertex_count());
     weights_.setIdentity();
     for (int step = 0; step < smooth; ++step) {
@@ -78,6 +81,11 @@ Hexahedra::Hexahedra(const SurfaceMesh& mesh, int smooth) : mesh_(mesh), smooth_
         cells_ = std::move(finer.cells);
     }
     refined_ = weights_ * mesh.points();
+    grow_tree();
+}
+
+void Hexahedra::grow_tree()
+{
     std::vector<BoxTree::Box> boxes;
     for (const Hexahedron& cell : cells_) {
         BoxTree::Box box;
@@ -101,6 +109,28 @@ void Hexahedra::refuse_folds(const std::vector<Hexahedron>& cells) const
         }
     if (!folded.empty())
         refuse("the lattice is folded at rest", std::move(folded));
+}
+
+void Hexahedra::find_hanging()
+{
+    const double near = touching * size_;
+    for (int v = 0; v < mesh_.vertex_count(); ++v) {
+        bool hangs = false;
+        tree_->visit_by_bound(
+            cell_count(), near * near,
+            [&](const BoxTree::Box& box, bool) { return box.squaredExteriorDistance(mesh_.point(v)); },
+            [&](int index) {
+                const Hexahedron& cell = cells_[static_cast<std::size_t>(index)];
+                if (std::find(cell.begin(), cell.end(), v) == cell.end()) {
+                    double distance;
+                    nearest_in(cell, mesh_.point(v), distance);
+                    hangs |= distance < near;
+                }
+                return hangs ? 0.0 : near * near;
+            });
+        if (hangs)
+            hanging_.push_back(v);
+    }
 }
 
 Vector3 Hexahedra::mapped(const Hexahedron& cell, const Vector3& local, Matrix3& jacobian) const

@@ -30,6 +30,8 @@ public:
     int point_count() const { return mesh_.vertex_count(); }
     int cell_count() const { return static_cast<int>(cells_.size()); }
     double size() const { return size_; }
+    /// Vertices that lie on a cell and are no corners of it, where the cells come apart.
+    const std::vector<int>& hanging() const { return hanging_; }
 
     LatticePlace place(const Vector3& point) const;
     /// (cells, 8, 3) the moves of the corners of all cells.
@@ -40,6 +42,8 @@ public:
 
 private:
     void refuse_folds(const std::vector<Hexahedron>& cells) const;
+    void find_hanging();
+    void grow_tree();
     Vector3 corner(const Hexahedron& cell, int k) const { return refined_.row(cell[k]).transpose(); }
     Vector3 mapped(const Hexahedron& cell, const Vector3& local, Matrix3& jacobian) const;
     Vector3 nearest_in(const Hexahedron& cell, const Vector3& point, double& distance) const;
@@ -50,7 +54,8 @@ private:
     Eigen::SparseMatrix<double, Eigen::RowMajor> weights_;
     Points refined_;
     double size_ = 0.0;
-    std::unique_ptr<BoxTree> tree_;
+    std::vector<int> hanging_;
+    std::unique_ptr<BoxTree> tree_; ///< of the cells
 };
 
 } // namespace sinew
