@@ -14,8 +14,7 @@ namespace sinew {
 struct AutomaticCageOptions
 {
     enum class Symmetry {
-        automatic, ///< mirrored along the axis along which the target is best, if its sides differ by 0.02 at
-                   ///< most
+        automatic, ///< mirrored along the axis along which the target is best, if its sides differ by <= 0.02
         none,
         x, ///< mirrored along x, around the target and its mirror image
         y, ///< the same along y
@@ -36,8 +35,9 @@ struct AutomaticCageReport
     bool reached = false; ///< whether there are no more faces than wanted; one more in a symmetric cage
     std::string reason{}; ///< why it has more faces than wanted; empty where they were reached
     int mirror_axis = -1; ///< 0 to 2, or -1 for a cage without symmetry
-    double asymmetry = 0.0; ///< the greatest distance from the mirror image of a vertex to the target, for
-                            ///< the best axis or the one asked for; 0 where no symmetry is wanted
+    /// The greatest distance from the mirror image of a vertex to the target, for the best axis or the one
+    /// asked for; 0 where no symmetry is wanted.
+    double asymmetry = 0.0;
     int wrap_faces = 0; ///< number of triangles of the fine surface that was simplified
     double margin = 0.0; ///< the margin of that surface, more than wanted where the target has many holes
     double clearance = 0.0; ///< distance from the cage to the closest vertex of the target

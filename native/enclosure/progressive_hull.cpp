@@ -17,16 +17,16 @@ namespace sinew {
 namespace {
 
 constexpr double closeness = 0.03; // weight of the distance to the edge's middle, where the planes have 1
-constexpr double least_cosine[] = {0.2, -0.5}; // between the normals before and after a collapse: 78 degrees,
-                                               // or 120 where it is bold
+// Between the normals before and after a collapse: 78 degrees, or 120 where it is bold.
+constexpr double least_cosine[] = {0.2, -0.5};
 constexpr double least_solid_angle = 1.0; // of a vertex after a collapse, unless it is bold: no spikes
 constexpr double least_shape = 0.1; // of a triangle; an equilateral one has 1
 constexpr double good_shape =
     0.3; // below this, a triangle may not become worse while the surface is tightened
 constexpr double springs = 0.05; // weight of the squared lengths, where the volume has 1
 constexpr double fold_cosine = -0.97; // between the normals of neighbours: 14 degrees from a fold
-constexpr double farthest[] = {0.25, 0.45}; // how far from its edge a new vertex may be, as a share of the
-                                            // size; the second where it is bold
+// How far from its edge a new vertex may be, as a share of the size; the second where it is bold.
+constexpr double farthest[] = {0.25, 0.45};
 
 /// The points p with normal.p >= distance.
 struct HalfSpace

@@ -23,9 +23,7 @@ public:
     /// Visits the boxes whose bound is below a limit, by rising bound, and of equal ones by rising index.
     /// Cost: a bound for each box that contains one of these, and for its two halves.
     /// \param end    only boxes of lower indices count.
-    /// \param bound  bound(box, is_single) is a number, at most as high for a box around several as for each
-    /// of
-    ///   these.
+    /// \param bound  bound(box, is_single) must be a lower bound of the value of every box inside.
     /// \param visit  visit(index) returns the limit from then on.
     template <class Bound, class Visit>
     void visit_by_bound(int end, double limit, Bound&& bound, Visit&& visit) const

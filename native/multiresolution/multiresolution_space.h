@@ -31,8 +31,7 @@ namespace sinew {
 ///   call          repeat it when ...       cost
 ///   constructor   the handles changed      nothing
 ///   bind()        the points changed       a bind of the space method, and one factorisation per band;
-///   volumes
-///                                          and transfer take one more per band
+///                                          volumes and transfer take one more per band
 ///   warp()        the handles moved        a frame of the space method, and the details of each band
 class MultiresolutionSpace final : public SpaceMethod
 {

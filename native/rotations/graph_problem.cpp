@@ -13,10 +13,6 @@
 
 namespace sinew {
 
-namespace {
-
-} // namespace
-
 GraphProblem::GraphProblem(const RotationGraph& graph, const PointsView& base, const Points& targets,
                            const Points& pulls, GraphBuffers* buffers)
     : graph_(graph), kernels_(widest_kernels<GraphKernels>()), pulls_(pulls),

@@ -35,6 +35,7 @@ from blend_samples.comparison.numpy_rows import (  # noqa: E402
 from blend_samples.comparison.space_rows import space_rows  # noqa: E402
 
 sn = pytest.importorskip("sinew_native")
+pytestmark = pytest.mark.slow
 
 # Root mean square of edge ratio less 1, over edges with a free end: of the results of implicit Laplacian
 # editing that the authors of the survey publish, on models like ours.

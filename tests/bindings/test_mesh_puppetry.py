@@ -134,6 +134,7 @@ BONES = st.integers(2, 12)
 SEEDS = st.integers(0, 2**32 - 1)
 
 
+@pytest.mark.slow
 @settings(derandomize=True, deadline=None, max_examples=150)
 @given(count=BONES, seed=SEEDS, far=st.sampled_from([0.1, 1.0, 10.0, 1e6]), balance=st.booleans())
 def test_limits_and_lengths_hold_for_random_targets(count, seed, far, balance):

@@ -161,6 +161,7 @@ class Subspace:
         return y
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("keep_volume", [False, True])
 def test_the_subspace_has_the_minimum_of_its_energy(keep_volume: bool) -> None:
     mesh = sn.SurfaceMesh(POINTS, FACES)

@@ -7,6 +7,7 @@ Examples are derived from the test's own code, so every run is the same.
 import contextlib
 
 import numpy as np
+import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -161,6 +162,7 @@ def test_every_other_method_answers_or_refuses(task, method_and_options) -> None
     bind_and_solve(made(method, mesh_of(task), **options), task)
 
 
+@pytest.mark.slow
 @EVERY_RUN
 @given(meshes())
 def test_operators_and_diagnosis_are_finite(mesh_data) -> None:

@@ -99,6 +99,7 @@ def bound(method: type, options: dict, cage: tuple[np.ndarray, np.ndarray], poin
     return coordinates, report.error
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "options"), EVERY_CAGE_METHOD, ids=called)
 def test_cages_give_the_same_weights_in_every_unit_and_place(method, options: dict, ball) -> None:
     cage, faces, points = ball

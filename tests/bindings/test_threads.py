@@ -109,6 +109,7 @@ def output_of(program: str, *arguments: str) -> str:
     return done.stdout
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("method", [*SURFACE_METHODS, *SPACE_METHODS], ids=lambda m: m.__name__)
 def test_threads_that_share_an_object_take_turns(method: type) -> None:
     assert output_of(PROGRAM, method.__name__).startswith("took turns")

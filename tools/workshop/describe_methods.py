@@ -68,13 +68,11 @@ def entries(root: Path) -> list[Entry]:
         Entry(m.id, m.label, m.family.value, m.section, m.paper, m.summary, f"{PAGES}/{m.id}.md")
         for m in rows
     ]
-    known = {entry.id for entry in found}
     for words in tomllib.loads((root / CATALOGUE).read_text(encoding="utf-8"))["method"]:
-        if words["id"] not in known:
-            name = words.pop("header", "")
-            page = f"{PAGES}/{words['id']}.md"
-            header = _header(root, name).relative_to(root).as_posix() if name else ""
-            found.append(Entry(**words, link=page if (root / page).is_file() else header))
+        name = words.pop("header", "")
+        page = f"{PAGES}/{words['id']}.md"
+        header = _header(root, name).relative_to(root).as_posix() if name else ""
+        found.append(Entry(**words, link=page if (root / page).is_file() else header))
     groups = [family.value for family in registry(root).Family]
     groups += [entry.group for entry in found if entry.group not in groups]
     return sorted(found, key=lambda entry: (groups.index(entry.group), entry.section))

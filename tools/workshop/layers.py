@@ -122,9 +122,8 @@ def addon(timeout: float) -> Outcome:
 
 def addon_quick(timeout: float) -> Outcome:
     build_tree("dev", "sinew_native")
-    return _pytest(
-        "addon", timeout, {"PYTHONPATH": DEV_MODULE}, "--ignore=tests/addon/test_old_processors.py"
-    )
+    chosen = ("-m", "not slow", "--ignore=tests/addon/test_old_processors.py")
+    return _pytest("addon", timeout, {"PYTHONPATH": DEV_MODULE}, *chosen)
 
 
 def benchmarks(timeout: float) -> Outcome:
@@ -245,7 +244,13 @@ QUICK = (
     Layer("native", 300, native_quick, without="the count of instructions"),
     Layer("architecture", 60, architecture, one_process=True),
     Layer("tools", 60, tools, one_process=True),
-    Layer("addon", 120, addon_quick, one_process=True, without="emulated processors"),
+    Layer(
+        "addon",
+        120,
+        addon_quick,
+        one_process=True,
+        without="emulated processors and the comparison of methods",
+    ),
     Layer("bindings", 300, bindings_quick, one_process=True, without="those marked slow"),
     Layer(
         "blender-3.4",

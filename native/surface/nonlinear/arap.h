@@ -59,9 +59,8 @@ struct ArapOptions
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   O(n)
 ///   set_handles()  another set of handles        two factorisations (with point_handles, a third one of
-///   twice
-///                                                the order), and those of the cascade; the first call also
-///                                                computes the weights
+///                                                twice the order), and those of the cascade; the first call
+///                                                also computes the weights
 ///   solve()        the handles moved             as much as 3 to 5 iterations for the start, then its
 ///                                                iterations: two solves for x, y and z and n rotation fits
 ///                                                each; every third one is a correction by the coarser

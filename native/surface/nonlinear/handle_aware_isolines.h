@@ -46,8 +46,7 @@ struct HandleAwareIsolinesOptions
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   nothing
 ///   set_handles()  another set of handles        one factorisation; one solve with three columns per band
-///   and
-///                                                four per handle; 4 bytes per vertex for each such column
+///                                                and four per handle; 4 bytes per vertex for each of these
 ///   solve()        the handles moved             some microseconds per turn, then one product of these
 ///                                                columns; one solve for x, y and z more where another shape
 ///                                                than the rest shape enters

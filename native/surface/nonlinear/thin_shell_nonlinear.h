@@ -65,9 +65,8 @@ struct ThinShellNonlinearOptions
 ///   set_handles()  another set of handles        one factorisation with twice the entries of that of ARAP,
 ///                                                and those of the cascade
 ///   solve()        the handles moved             as much as 2 to 4 iterations of ARAP for the start, then
-///   its
-///                                                iterations: one solve for x, y and z and 3 n rotation fits
-///                                                each
+///                                                its iterations: one solve for x, y and z and 3 n rotation
+///                                                fits each
 class ThinShellNonlinear final : public SurfaceMethod
 {
 public:

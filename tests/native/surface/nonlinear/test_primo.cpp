@@ -99,8 +99,9 @@ SurfaceTraits traits()
             .rigid = 1e-11, // rounding of a solve at size 40
             .held = 2e-13,
             .alone = 1e-13,
-            .similar = 0.1, // bodies get other numbers, so that it stops at another iteration, each within 1
-                            // % of how far the surface moves
+            // Bodies get other numbers, so that it stops at another iteration, each within 1 % of how far the
+            // surface moves.
+            .similar = 0.1,
             .scaled = 0.01, // as do the last bits of the rest shape
             .apart = 0.05,
             .messy = 30.0,
