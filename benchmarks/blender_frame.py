@@ -24,10 +24,10 @@ import numpy as np
 from mathutils import Matrix
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "tests" / "blender")]
+sys.path[:0] = [str(HERE), str(HERE.parent / "tests" / "blender" / "support")]
 
 from installed import enable  # noqa: E402
-from rig import make_active, update  # noqa: E402
+from rigs.rig import make_active, update  # noqa: E402
 
 ADDON = enable()
 SMALL = "--small" in sys.argv  # for tests: a small plate and one round, since the times do not matter

@@ -18,12 +18,12 @@ import numpy as np
 import pytest
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "tests" / "blender")]
+sys.path[:0] = [str(HERE), str(HERE.parent / "tests" / "blender" / "support")]
 
 from inside import BINDING, catch_up, dragging, room  # noqa: E402
 from installed import enable  # noqa: E402
 from mathutils import Matrix  # noqa: E402
-from rig import evaluated_points, make_active, new_file, update  # noqa: E402
+from rigs.rig import evaluated_points, make_active, new_file, update  # noqa: E402
 
 STEPS = 12
 ENDS = 0.15  # of the longest side: how deep the handle and the fixed region are

@@ -18,10 +18,10 @@ import bpy
 import numpy as np
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "tests" / "blender")]
+sys.path[:0] = [str(HERE), str(HERE.parent / "tests" / "blender" / "support")]
 
 from installed import enable  # noqa: E402
-from rig import Rig, grid_object, make_active, update  # noqa: E402
+from rigs.rig import Rig, grid_object, make_active, update  # noqa: E402
 
 GOAL = 0.1  # milliseconds per update
 

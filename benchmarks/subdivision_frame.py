@@ -16,7 +16,7 @@ import bpy
 import numpy as np
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE.parent / "tests" / "blender")]
+sys.path[:0] = [str(HERE.parent / "tests" / "blender" / "support")]
 
 from installed import enable  # noqa: E402
 

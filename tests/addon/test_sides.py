@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names of two sides. ``tests/blender/test_mirror.py`` holds them equal to Blender's own answers."""
+"""Names of two sides. ``operators/test_mirror.py`` in Blender holds them equal to Blender's own answers."""
 
 import pytest
 

@@ -17,7 +17,7 @@ from pathlib import Path
 from .native_layers import INCLUDE
 from .tree import ROOT
 
-CODE = {".py", ".pyi", ".cpp", ".h", ".inl", ".cmake", ".sh", ".txt", ".toml", ""}  # a script has no suffix
+CODE = {".py", ".pyi", ".cpp", ".h", ".inl", ".cmake", ".sh", ".toml", ""}  # a script has no suffix
 SOURCES = {".py", ".cpp", ".h", ".inl"}
 YARD = ("tests", "benchmarks", "blend_samples", "tools")  # what is not the product
 RUN = 6  # lines that make a repetition

@@ -14,12 +14,12 @@ import pytest
 from baking import animate
 from overlays import OPACITY
 from registry import without_method
-from rig import (
+from rigs.kinds import RIGS, HandleRig
+from rigs.rig import (
     Rig,
     new_file,
     save,
 )
-from rigs import RIGS, HandleRig
 
 # isort: split
 import addon_utils  # comes with bpy, not before it

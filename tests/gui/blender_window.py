@@ -17,7 +17,7 @@ def blender(script: str, *arguments: object, options: Sequence[str] = ()) -> lis
     command = ["blender", "--factory-startup", "--python-exit-code", "1", *options]
     if "PYTHONPATH" in os.environ:
         command.append("--python-use-system-env")
-    modules = [str(HERE), str(HERE.parent / "blender")]
+    modules = [str(HERE), str(HERE.parent / "blender" / "support")]
     command += ["--python-expr", f"import sys; sys.path[:0] = {modules}", "--python", str(HERE / script)]
     return [*command, "--", *map(str, arguments)]
 

@@ -10,7 +10,7 @@ from driving import MODULE, enable, in_view, play, rest, seen, until
 enable()
 
 from probe import Probe  # noqa: E402 - needs the add-on
-from rig import Rig, evaluated_points  # noqa: E402
+from rigs.rig import Rig, evaluated_points  # noqa: E402
 
 HEIGHT = 0.5
 

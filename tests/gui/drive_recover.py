@@ -15,7 +15,7 @@ AUTOSAVE, ANSWER = sys.argv[sys.argv.index("--") + 1 :]
 addon_utils.enable(os.environ.get("SINEW_ADDON_MODULE", "sinew"), default_set=True)
 
 from expected import Expected  # noqa: E402 - needs the add-on
-from rig import Rig, evaluated_points, grid_object, move_world  # noqa: E402
+from rigs.rig import Rig, evaluated_points, grid_object, move_world  # noqa: E402
 
 bpy.ops.wm.recover_auto_save(filepath=AUTOSAVE)
 plate = bpy.data.objects["Plate"]

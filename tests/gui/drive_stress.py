@@ -18,7 +18,7 @@ enable()
 
 from expected import Expected  # noqa: E402 - needs the add-on
 from probe import Probe  # noqa: E402
-from rig import Rig, grid_object, make_active  # noqa: E402
+from rigs.rig import Rig, grid_object, make_active  # noqa: E402
 
 FRAMES = int(os.environ["SINEW_STRESS_FRAMES"])
 STEP = 1.0 / FRAMES  # what the control rises in one frame

@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders where nothing solves, as on a farm, show what the viewport shows, not rest or an older pose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import addon_utils
+import bpy
+import numpy as np
+import pytest
+from libraries import put_into_a_library, read
+from mathutils import Matrix
+from probe import render, render_points
+from rigs.kinds import HandleRig
+from rigs.rig import (
+    FLOAT32,
+    MATRIX,
+    Rig,
+    add_armature,
+    add_group,
+    close,
+    evaluated_points,
+    load,
+    make_active,
+    new_file,
+    save,
+    update,
+)
+from second_blender import look_elsewhere as elsewhere
+
+NO_MODULE = """
+class Missing:
+    def find_spec(self, name, path=None, target=None):
+        if name.rpartition(".")[2] == "sinew_native":
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+sys.meta_path.insert(0, Missing())
+"""
+
+
+@contextmanager
+def without_our_save_handler() -> Iterator[None]:
+    """As an older version, or Blender's timer, saves."""
+    handlers = list(bpy.app.handlers.save_pre)
+    bpy.app.handlers.save_pre.clear()
+    try:
+        yield
+    finally:
+        bpy.app.handlers.save_pre.extend(handlers)
+
+
+@pytest.fixture
+def rendered(posed: HandleRig) -> HandleRig:
+    """A render came first, so the shape for renders holds an older pose."""
+    assert posed.renders(posed.at(0.5))
+    posed.lift(0.25)
+    return posed
+
+
+def agree(rig: HandleRig, seen: list[np.ndarray], height: float = 0.75) -> None:
+    for shape in seen:
+        assert close(shape, rig.at(height), rig.tolerance)
+
+
+# --- without the add-on
+
+
+def test_a_render_without_the_add_on_shows_the_pose(posed: HandleRig):
+    """That no render has shown before."""
+    path = save(posed.folder / "shot.blend")
+    agree(posed, elsewhere(path, posed.name, posed.folder), 0.5)
+
+
+def test_a_render_without_the_add_on_shows_no_older_pose(rendered: HandleRig):
+    path = save(rendered.folder / "shot.blend")
+    agree(rendered, elsewhere(path, rendered.name, rendered.folder))
+    assert rendered.renders(rendered.at(0.75))
+    rendered.lift(0.25)
+    assert rendered.renders(rendered.at(1.0))
+
+
+def test_a_script_may_save_right_after_it_has_moved_a_control(rendered: HandleRig):
+    rendered.control.location.z += 0.25
+    path = save(rendered.folder / "shot.blend")
+    agree(rendered, elsewhere(path, rendered.name, rendered.folder), 1.0)
+    rendered.height += 0.25
+    assert rendered.is_right()
+
+
+def test_factor_and_mask_are_those_of_the_viewport(posed_plate: HandleRig):
+    plate = posed_plate
+    assert plate.renders(plate.at(0.5))
+    add_group(plate.obj, "Left", lambda point: point[0] < 0.0)
+    plate.deformer.mask_group, plate.deformer.factor = "Left", 0.25
+    shown = plate.points()
+    assert not close(shown, plate.at(0.5), 0.1)
+    for shape in elsewhere(save(plate.folder / "shot.blend"), plate.name, plate.folder):
+        assert close(shape, shown)
+
+
+def disabled_in(addon_name: str, rig: HandleRig) -> np.ndarray:
+    addon_utils.disable(addon_name)
+    try:
+        return render_points(rig.obj)
+    finally:
+        addon_utils.enable(addon_name)
+
+
+def test_a_render_after_the_add_on_was_switched_off(rendered: HandleRig, addon_name: str):
+    agree(rendered, [disabled_in(addon_name, rendered)])
+
+
+@pytest.mark.parametrize("below", ["rest", "armature"])
+def test_other_vertices_in_renders_than_in_the_viewport(plate: Rig, tmp_path: Path, below: str):
+    """They are solved at the save, for what enters then."""
+    bone = add_armature(plate.obj).pose.bones["high"] if below == "armature" else None
+    subdivision = plate.obj.modifiers.new("Subdivision", "SUBSURF")
+    subdivision.levels, subdivision.render_levels = 1, 2
+    plate.bind("thin_shell")
+    render_points(plate.obj)
+    plate.lift(0.5)
+    if bone is not None:
+        bone.rotation_euler.x = 0.5
+        update()
+    path = save(tmp_path / "shot.blend")
+    shown, rendered = plate.points(), render_points(plate.obj)
+    assert len(rendered) > len(shown)
+    seen = elsewhere(path, plate.name, tmp_path)
+    assert close(seen[0], shown)
+    assert close(seen[1], rendered)
+
+
+def test_a_modifier_that_only_renders_show(posed_plate: HandleRig):
+    plate = posed_plate
+    plate.obj.modifiers[0].show_viewport = False
+    plate.lift(0.25)
+    shown, rendered = elsewhere(save(plate.folder / "shot.blend"), plate.name, plate.folder)
+    assert close(shown, plate.rest())
+    assert close(rendered, plate.at(0.75))
+
+
+# --- with the add-on, but without a solve
+
+
+def test_a_render_without_the_native_module(rendered: HandleRig, addon_name: str):
+    """Also of a file that was saved without our handler."""
+    with without_our_save_handler():
+        path = save(rendered.folder / "shot.blend")
+    agree(rendered, elsewhere(path, rendered.name, rendered.folder, addon_name, NO_MODULE))
+
+
+def test_a_linked_rig_without_an_override(rendered: HandleRig):
+    name = rendered.name
+    path = put_into_a_library(rendered.folder / "library.blend", rendered.obj, rendered.control)
+    obj = read(path, True, "objects", name)
+    bpy.context.scene.collection.objects.link(obj)
+    update()
+    agree(rendered, [evaluated_points(obj), render()[-1][name]])
+
+
+def test_a_render_while_live_is_off(rendered: HandleRig):
+    """Whatever the control does; and as before when it is on again."""
+    rendered.deformer.live = False
+    rendered.lift(0.25)
+    agree(rendered, [rendered.points(), render_points(rendered.obj), rendered.points()])
+    rendered.deformer.live = True
+    assert rendered.renders(rendered.at(1.0))
+    assert rendered.is_right()
+
+
+def test_live_is_off_since_the_file_was_opened(rendered: HandleRig):
+    rendered.deformer.live = False
+    rendered.lift(0.25)
+    with without_our_save_handler():
+        path = save(rendered.folder / "shot.blend")
+    load(path)
+    agree(rendered, [rendered.points(), render_points(rendered.obj)])
+
+
+def test_live_is_off_and_renders_have_other_vertices(plate: Rig, tmp_path: Path):
+    """They show the poses that the viewport shows."""
+    subdivision = plate.obj.modifiers.new("Subdivision", "SUBSURF")
+    subdivision.levels, subdivision.render_levels = 1, 2
+    plate.bind("thin_shell").lift(0.25)
+    render_points(plate.obj)
+    plate.lift(0.25)
+    shown, rendered = plate.points(), render_points(plate.obj)
+    plate.lift(-0.5)
+    render_points(plate.obj)
+    plate.lift(0.5)
+    update()
+    plate.deformer.live = False
+    plate.lift(0.25)
+    assert close(plate.points(), shown)
+    assert close(render_points(plate.obj), rendered)
+    load(save(tmp_path / "shot.blend"))
+    assert close(plate.points(), shown)
+    assert close(render_points(plate.obj), rendered, MATRIX)
+
+
+def test_frames_that_switch_live_off_keep_the_shape_of_the_frame_before(posed_plate: HandleRig):
+    """While an animation is rendered the viewport stays at a frame where it is on."""
+    plate, scene = posed_plate, bpy.context.scene
+    for frame, live in ((1, True), (11, False)):
+        plate.deformer.live = live
+        plate.obj.keyframe_insert("sinew.deformers[0].live", frame=frame)
+    height = plate.control.location.z
+    for frame, lift in ((1, 0.0), (10, 0.5), (12, 0.5)):
+        plate.control.location.z = height + lift
+        plate.control.keyframe_insert("location", frame=frame)
+    scene.frame_set(1)
+    scene.frame_start, scene.frame_end = 10, 12
+    for shapes in render(animation=True):
+        assert close(shapes[plate.name], plate.at(1.0), MATRIX)
+
+
+def test_a_control_that_is_lost_since_the_file_was_opened(rendered: HandleRig):
+    shown = rendered.points()
+    bpy.data.objects.remove(rendered.control)
+    assert rendered.shows(shown)
+    with without_our_save_handler():
+        path = save(rendered.folder / "shot.blend")
+    new_file()
+    load(path)
+    assert rendered.shows(shown, tolerance=MATRIX)
+    assert rendered.renders(shown, MATRIX)
+    assert rendered.shows(shown, tolerance=MATRIX)
+
+
+def test_a_second_deformer_above(posed_plate: HandleRig):
+    plate = posed_plate
+    plate.bind("arap")
+    plate.obj.modifiers.new("Cast", "CAST").factor = 0.2
+    plate.obj.modifiers.move(2, 1) if hasattr(plate.obj.modifiers, "move") else None
+    render_points(plate.obj)
+    plate.control.matrix_world = Matrix.Translation((0.1, 0.0, 0.3)) @ plate.control.matrix_world
+    shown = plate.points()
+    make_active(plate.obj)
+    for shape in elsewhere(save(plate.folder / "shot.blend"), plate.name, plate.folder):
+        assert close(shape, shown, FLOAT32)

@@ -1,0 +1,563 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rigs that follow rigs: each is solved after those that it reads, in the same frame, wherever that is shown.
+
+The oracle: whatever is evaluated again changes nothing, and a frame looks the same from wherever it is
+reached. Where a control is followed, a solve by the library for where Blender has put that control.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+import pytest
+from inside import calls_of
+from mathutils import Matrix
+from probe import render
+from rigs.cages import ball, box, fine_box, surround
+from rigs.kinds import HandleRig
+from rigs.rig import (
+    MATRIX,
+    Rig,
+    add_group,
+    close,
+    evaluated_points,
+    key_heights,
+    make_active,
+    move_world,
+    new_armature,
+    new_empty,
+    update,
+)
+from rigs.rig_of_lattice import lattice_object
+from rigs.sheet import draw_panel
+
+EXACT = 1e-6
+MOVES = 0.05  # at least so far from the first frame to the last
+
+
+class Chain(NamedTuple):
+    """The control of one rig moves another one, ``rider``, through the shape of the first."""
+
+    control: bpy.types.Object
+    base: bpy.types.Object
+    rider: bpy.types.Object
+
+
+def new_base() -> HandleRig:
+    return HandleRig.new("Middle").start("thin_shell")
+
+
+def new_rider(name: str) -> HandleRig:
+    return HandleRig.new(name)
+
+
+def on_vertex(obj: bpy.types.Object, base: Rig, *vertices: int) -> None:
+    """A child of one vertex, or of three."""
+    obj.parent, obj.parent_type = base.obj, "VERTEX" if len(vertices) == 1 else "VERTEX_3"
+    obj.parent_vertices = [int(vertex) for vertex in (*vertices, 0, 0)[:3]]
+    update()
+
+
+def constrain(owner: bpy.types.Object | bpy.types.PoseBone, kind: str, **settings: object) -> None:
+    constraint = owner.constraints.new(kind)
+    for name, value in settings.items():
+        setattr(constraint, name, value)
+    update()
+
+
+def free(control: bpy.types.Object) -> bpy.types.Object:
+    """Without a parent, where it is."""
+    place = control.matrix_world.copy()
+    control.parent = None
+    control.matrix_world = place
+    return control
+
+
+# --- what a rider may hang on
+
+
+def its_control_on_a_vertex(name: str) -> Chain:
+    base, rider = new_base(), new_rider(name).start("thin_shell")
+    on_vertex(rider.control, base, base.top[0])
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def its_control_on_three_vertices(name: str) -> Chain:
+    base, rider = new_base(), new_rider(name).start("thin_shell")
+    on_vertex(rider.control, base, 0, 60, 115)
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def its_control_on_a_child_of_a_vertex(name: str) -> Chain:
+    base, rider = new_base(), new_rider(name).start("thin_shell")
+    empty = new_empty("Between")
+    on_vertex(empty, base, base.top[3])
+    free(rider.control).parent = empty
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def its_control_is_carried_by_a_control_that_rides(name: str) -> Chain:
+    """On a second deformer of the first rig, whose shape the first one moves."""
+    base, rider = new_base(), new_rider(name).start("thin_shell")
+    add_group(base.obj, "Spot", lambda point: point[1] > 0.75 and abs(point[0]) < 0.5)
+    base.press("deformer_add", method="thin_shell")
+    base.press("handle_add", kind="HANDLE", vertex_group="Spot")
+    control = base.obj.sinew.deformers[1].handles[0].control
+    base.obj.sinew.active_deformer = 0
+    free(rider.control).parent = control
+    update()
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def its_control_copies_a_group(name: str) -> Chain:
+    base, rider = new_base(), new_rider(name).start("thin_shell")
+    constrain(free(rider.control), "COPY_LOCATION", target=base.obj, subtarget="Top")
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def its_control_sticks_to_the_surface(name: str) -> Chain:
+    base, rider = new_base(), new_rider(name).start("thin_shell")
+    constrain(free(rider.control), "SHRINKWRAP", target=base.obj)
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def its_control_is_armature_constrained_to_a_bone(name: str) -> Chain:
+    """Which sticks to the surface."""
+    base, rider = new_base(), new_rider(name).start("thin_shell")
+    armature = new_armature(button=((0.0, 1.0, 0.0), (0.0, 1.5, 0.0)))
+    constrain(armature.pose.bones["button"], "COPY_LOCATION", target=base.obj, subtarget="Top")
+    control = free(rider.control)
+    constraint = control.constraints.new("ARMATURE")
+    target = constraint.targets.new()
+    target.target, target.subtarget = armature, "button"
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def its_control_is_such_a_bone(name: str) -> Chain:
+    """A child of one that copies a group."""
+    base, rider = new_base(), new_rider(name)
+    armature = new_armature(button=((0.0, 1.0, 0.0), (0.0, 1.5, 0.0)), tip=((0.0, 1.5, 0.0), (0.0, 2.0, 0.0)))
+    make_active(armature)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bones = armature.data.edit_bones
+    bones["tip"].parent = bones["button"]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    rider.bind("thin_shell")
+    rider.deformer.handles[0].control, rider.deformer.handles[0].bone = armature, "tip"
+    make_active(rider.obj)
+    bpy.ops.sinew.bind()
+    constrain(armature.pose.bones["button"], "COPY_LOCATION", target=base.obj, subtarget="Top")
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def its_control_is_driven(name: str) -> Chain:
+    """By where a child of a vertex is."""
+    base, rider = new_base(), new_rider(name).start("thin_shell")
+    empty = new_empty("Between")
+    on_vertex(empty, base, base.top[3])
+    driver = rider.control.driver_add("location", 2).driver
+    driver.type = "SUM"
+    variable = driver.variables.new()
+    variable.type = "TRANSFORMS"
+    variable.targets[0].id, variable.targets[0].transform_type = empty, "LOC_Z"
+    update()
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def it_is_itself_on_a_vertex(name: str) -> Chain:
+    """And its control is not."""
+    base, rider = new_base(), new_rider(name).start("thin_shell")
+    free(rider.control)
+    on_vertex(rider.obj, base, base.top[3])
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def it_is_hooked_to_a_child_of_a_vertex(name: str) -> Chain:
+    """Below us."""
+    base, rider = new_base(), new_rider(name)
+    empty = new_empty("Between")
+    on_vertex(empty, base, base.top[3])
+    add_group(rider.obj, "Hooked", lambda point: abs(point[1]) < 0.5)
+    hook = rider.obj.modifiers.new("Hook", "HOOK")
+    hook.object, hook.vertex_group = empty, "Hooked"
+    rider.bind("thin_shell")
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def it_is_wrapped_onto_the_base(name: str) -> Chain:
+    """Below us."""
+    base, rider = new_base(), new_rider(name)
+    rider.obj.modifiers.new("Shrinkwrap", "SHRINKWRAP").target = base.obj
+    rider.bind("thin_shell")
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def it_takes_weights_from_the_base(name: str) -> Chain:
+    """From what is nearest, for a displacement below us."""
+    base, rider = new_base(), new_rider(name)
+    transfer = rider.obj.modifiers.new("Weights", "DATA_TRANSFER")
+    transfer.object = base.obj
+    transfer.use_vert_data, transfer.data_types_verts = True, {"VGROUP_WEIGHTS"}
+    transfer.vert_mapping, transfer.layers_vgroup_select_src = "NEAREST", "ALL"
+    displace = rider.obj.modifiers.new("Displace", "DISPLACE")
+    displace.vertex_group, displace.mid_level, displace.strength = "Top", 0.0, 0.5
+    rider.bind("thin_shell")
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def it_is_moved_by_nodes_that_ask_for_the_base(name: str) -> Chain:
+    """Below us: by the height of the first vertex of the base."""
+    base, rider = new_base(), new_rider(name)
+    group = bpy.data.node_groups.new("Follow", "GeometryNodeTree")
+    room_for_nodes(group)
+    entry, leave = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    asked, box = group.nodes.new("GeometryNodeObjectInfo"), group.nodes.new("GeometryNodeBoundBox")
+    moved = group.nodes.new("GeometryNodeSetPosition")
+    asked.inputs["Object"].default_value = base.obj
+    for start, end in (
+        (entry.outputs[0], moved.inputs["Geometry"]),
+        (asked.outputs["Geometry"], box.inputs["Geometry"]),
+        (box.outputs["Max"], moved.inputs["Offset"]),
+        (moved.outputs[0], leave.inputs[0]),
+    ):
+        group.links.new(start, end)
+    rider.obj.modifiers.new("Follow", "NODES").node_group = group
+    rider.bind("thin_shell")
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def room_for_nodes(group: bpy.types.NodeTree) -> None:
+    """One geometry in, one out."""
+    if hasattr(group, "interface"):
+        for side in ("INPUT", "OUTPUT"):
+            group.interface.new_socket("Geometry", in_out=side, socket_type="NodeSocketGeometry")
+    else:
+        group.inputs.new("NodeSocketGeometry", "Geometry")
+        group.outputs.new("NodeSocketGeometry", "Geometry")
+
+
+def its_cage_has_a_deformer(name: str) -> Chain:
+    rider, cage = ball(name, 2), fine_box(2)
+    base = Rig(cage).bind("thin_shell")
+    surround(rider, cage)
+    return Chain(base.control, base.obj, rider)
+
+
+def its_cage_is_wrapped_onto_the_base(name: str) -> Chain:
+    base, rider, cage = new_base(), ball(name, 2), fine_box(2)
+    surround(rider, cage)
+    cage.modifiers.new("Shrinkwrap", "SHRINKWRAP").target = base.obj
+    update()
+    return Chain(base.control, base.obj, rider)
+
+
+def it_rides_on_a_rider(name: str) -> Chain:
+    base, between, rider = new_base(), HandleRig.new("Kept between"), new_rider(name)
+    between.start("thin_shell")
+    rider.start("thin_shell")
+    on_vertex(between.control, base, base.top[0])
+    on_vertex(rider.control, between, between.top[3])
+    return Chain(base.control, base.obj, rider.obj)
+
+
+def moved_lattice() -> tuple[bpy.types.Object, bpy.types.Object]:
+    """A lattice with a deformer, around all that it carries, and the cage that moves it."""
+    lattice, cage = lattice_object((3, 3, 3), "Middle"), box("Cage", 3.0)
+    lattice.scale = 1.2, 1.2, 1.2
+    update()
+    surround(lattice, cage)
+    return lattice, cage
+
+
+def it_is_below_a_lattice_that_a_cage_moves(name: str) -> Chain:
+    """By Blender's own modifier, before ours."""
+    base, cage = moved_lattice()
+    rider = new_rider(name)
+    rider.obj.modifiers.new("Lattice", "LATTICE").object = base
+    rider.bind("thin_shell")
+    return Chain(cage, base, rider.obj)
+
+
+def its_lattice_has_a_deformer(name: str) -> Chain:
+    """The lattice of the rider is moved by a cage itself."""
+    base, cage = moved_lattice()
+    rider = ball(name, 2)
+    make_active(rider)
+    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=base.name)
+    return Chain(cage, base, rider)
+
+
+CHAINS: list[Callable[[str], Chain]] = [
+    its_control_on_a_vertex,
+    its_control_on_three_vertices,
+    its_control_on_a_child_of_a_vertex,
+    its_control_is_carried_by_a_control_that_rides,
+    its_control_copies_a_group,
+    its_control_sticks_to_the_surface,
+    its_control_is_armature_constrained_to_a_bone,
+    its_control_is_such_a_bone,
+    its_control_is_driven,
+    it_is_itself_on_a_vertex,
+    it_is_hooked_to_a_child_of_a_vertex,
+    it_is_wrapped_onto_the_base,
+    it_takes_weights_from_the_base,
+    it_is_moved_by_nodes_that_ask_for_the_base,
+    its_cage_has_a_deformer,
+    its_cage_is_wrapped_onto_the_base,
+    it_is_below_a_lattice_that_a_cage_moves,
+    its_lattice_has_a_deformer,
+    it_rides_on_a_rider,
+]
+
+
+def owners() -> list[bpy.types.Object]:
+    return [obj for obj in bpy.context.scene.objects if obj.is_property_set("sinew") and obj.sinew.deformers]
+
+
+def again(obj: bpy.types.Object) -> np.ndarray:
+    """What it shows once everything was evaluated again and again."""
+    for _ in range(4):
+        for other in owners():
+            other.update_tag()
+        update()
+    return evaluated_points(obj)
+
+
+def difference(one: np.ndarray, other: np.ndarray) -> float:
+    return float(np.abs(one - other).max())
+
+
+@pytest.fixture(params=["Before", "Zuletzt"])
+def name(request: pytest.FixtureRequest) -> str:
+    """The rider comes before the base in Blender's lists, or after it."""
+    return request.param
+
+
+@pytest.fixture(params=CHAINS, ids=lambda row: row.__name__)
+def chain(request: pytest.FixtureRequest, name: str) -> Chain:
+    """Its control rises by one from frame 1 to frame 11."""
+    chain = request.param(name)
+    key_heights(chain.control, {1: 0.0, 11: 1.0})
+    return chain
+
+
+def at(frame: float, obj: bpy.types.Object) -> np.ndarray:
+    whole = int(frame)
+    bpy.context.scene.frame_set(whole, subframe=frame - whole)
+    return evaluated_points(obj)
+
+
+def test_a_frame_is_right_from_wherever_it_is_reached(chain: Chain):
+    at(11, chain.rider)
+    shown = at(7, chain.rider)
+    at(6, chain.rider)
+    assert difference(at(7, chain.rider), shown) < EXACT
+    assert difference(again(chain.rider), shown) < EXACT
+    assert difference(at(1, chain.rider), at(11, chain.rider)) > MOVES or is_moved(chain)
+
+
+def is_moved(chain: Chain) -> bool:
+    """In the world, where the object itself goes along."""
+    return difference(np.array(chain.rider.matrix_world), np.eye(4)) > MOVES
+
+
+def test_a_drag_moves_both_at_once(chain: Chain):
+    at(1, chain.rider)
+    seen = [evaluated_points(chain.rider)]
+    for height in (0.9, -0.3):
+        move_world(chain.control, Matrix.Translation((0.0, 0.0, height)))
+        seen.append(evaluated_points(chain.rider))
+        assert difference(again(chain.rider), seen[-1]) < EXACT
+    assert difference(seen[1], seen[0]) > MOVES or is_moved(chain)
+
+
+def test_renders_show_what_the_viewport_shows(chain: Chain):
+    """A picture, an animation, and the frames that motion blur asks for."""
+    scene = bpy.context.scene
+    expected = {frame: at(frame, chain.rider) for frame in (3, 6, 9, 9.25, 9.75)}
+    at(6, chain.rider)
+    assert difference(render()[-1][chain.rider.name], expected[6]) < EXACT
+    scene.frame_start, scene.frame_end, scene.frame_step = 3, 9, 3
+    for frame, seen in zip((3, 6, 9), render(animation=True), strict=True):
+        assert difference(seen[chain.rider.name], expected[frame]) < EXACT
+    at(9, chain.rider)
+    for subframe, seen in zip((0.75, 0.25), render(subframes=(0.75, 0.25)), strict=True):
+        assert difference(seen[chain.rider.name], expected[9 + subframe]) < EXACT
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        its_control_on_a_vertex,
+        its_control_copies_a_group,
+        its_control_sticks_to_the_surface,
+        it_rides_on_a_rider,
+    ],
+    ids=lambda row: row.__name__,
+)
+def test_a_rider_is_solved_for_where_its_control_is(row: Callable[[str], Chain], name: str):
+    """By the library, on Blender's own mesh, vertex groups and matrices."""
+    rider = HandleRig.new("Model").start("thin_shell")
+    poses, obj = rider.poses, rider.obj
+    bpy.data.objects.remove(rider.control)
+    bpy.data.objects.remove(obj)
+    chain = row(name)
+    key_heights(chain.control, {1: 0.0, 11: 1.0})
+    for frame in (11, 7, 2):
+        shown = at(frame, chain.rider)
+        control = HandleRig.control_of(chain.rider)
+        assert close(shown, poses.now(chain.rider, control), MATRIX)
+        assert difference(evaluated_points(chain.rider), shown) == 0.0
+
+
+def test_a_parent_given_by_a_script_counts_in_the_next_frame():
+    """Nothing is evaluated between."""
+    base, rider = new_base(), new_rider("Before").start("thin_shell")
+    key_heights(base.control, {1: 0.0, 11: 1.0})
+    at(11, rider.obj)
+    rider.control.parent, rider.control.parent_type = base.obj, "VERTEX"
+    rider.control.parent_vertices = (int(base.top[0]), 0, 0)
+    shown = at(7, rider.obj)
+    assert difference(again(rider.obj), shown) < EXACT
+    rider.control.parent = None
+    shown = at(5, rider.obj)
+    assert difference(again(rider.obj), shown) < EXACT
+
+
+def test_relations_that_name_nothing_are_followed_nowhere(posed_plate: HandleRig):
+    """Objects, bones, groups and nodes that do not exist, or no longer."""
+    rider = new_rider("Before").start("thin_shell")
+    armature = new_armature(only=((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    make_active(rider.obj)
+    hook = rider.obj.modifiers.new("Hook below", "HOOK")
+    hook.object, hook.subtarget = armature, "gone"
+    bpy.ops.object.modifier_move_to_index(modifier=hook.name, index=0)
+    for kind in ("SHRINKWRAP", "ARMATURE", "NODES", "BOOLEAN"):
+        rider.obj.modifiers.new(kind, kind)
+        bpy.ops.object.modifier_move_to_index(modifier=kind, index=0)
+    for kind in ("COPY_LOCATION", "ARMATURE", "SHRINKWRAP", "CHILD_OF"):
+        rider.control.constraints.new(kind)
+    constrain(rider.control, "COPY_LOCATION", target=armature, subtarget="gone")
+    driver = rider.control.driver_add("scale", 0).driver
+    driver.type = "SUM"
+    driver.variables.new().type = "TRANSFORMS"
+    make_active(rider.obj)
+    posed_plate.lift(0.1)
+    assert posed_plate.is_right()
+    assert "follow" not in draw_panel().texts()
+    hook.object = None
+    posed_plate.lift(0.1)
+    assert posed_plate.is_right()
+
+
+# --- what it costs
+
+
+def frame_cost(chain_or_rigs: object, frame: int) -> dict[str, int]:
+    for warm in (1, 11, 3):
+        bpy.context.scene.frame_set(warm)
+    return calls_of(lambda: bpy.context.scene.frame_set(frame))
+
+
+def test_each_rig_of_a_chain_is_solved_once_per_frame():
+    """Blender evaluates once more in between, and once at the end, as ever."""
+    chain = it_rides_on_a_rider("Before")
+    key_heights(chain.control, {1: 0.0, 11: 1.0})
+    found = frame_cost(chain, 8)
+    assert found["_answer"] == found["write_shape"] == 3, found
+    assert found["evaluate"] == 3, found  # the first one finds nothing to do
+    found = calls_of(lambda: bpy.context.scene.frame_set(8))
+    assert not found["_answer"] + found["write_shape"], found
+    assert found["evaluate"] <= 1, found  # from Blender 4.2 on, the same frame is evaluated anew
+
+
+def test_rigs_that_read_no_other_are_evaluated_as_before():
+    """Each control is read once, and Blender is asked for nothing."""
+    rigs = [HandleRig.new(name).start("thin_shell") for name in ("One", "Two", "Three")]
+    for rig in rigs:
+        key_heights(rig.control, {1: 0.0, 11: 1.0})
+    found = frame_cost(rigs, 8)
+    assert found["write_shape"] == len(rigs), found
+    assert found["read_place"] == len(rigs) * found["on_frame_change"], found
+    assert "evaluate" not in found, found
+    other = new_empty("Other")
+    update()
+
+    def nudge() -> None:
+        other.location.x += 0.1
+        update()
+
+    nudge()
+    assert "reads" not in calls_of(nudge)
+
+
+def test_each_constraint_and_driver_of_an_armature_is_read_once_per_evaluation():
+    """However many handles hang on its bones."""
+    count = 24
+    rigs = [HandleRig.new(name).start("thin_shell") for name in ("One", "Two")]
+    armature = new_armature(**{f"b{i}": ((0.0, i, 0.0), (0.0, i + 1.0, 0.0)) for i in range(count)})
+    for bone in armature.pose.bones:
+        bone.constraints.new("COPY_LOCATION").target = rigs[1].control
+        variable = bone.driver_add("scale", 0).driver.variables.new()
+        variable.type = "TRANSFORMS"
+        variable.targets[0].id = rigs[1].control
+    for number in range(6):
+        handle = rigs[0].deformer.handles.add()
+        handle.control, handle.bone = armature, f"b{number * 3}"
+    update()
+    found = calls_of(lambda: rigs[1].lift(0.1))
+    rounds = found["steps"]
+    assert found["_constraint"] // count == found["_variables"] // count == 2 * rounds, found
+
+
+def test_a_single_rig_follows_no_relations(posed_plate: HandleRig):
+    for action in (lambda: posed_plate.lift(0.1), lambda: bpy.context.scene.frame_set(3)):
+        assert not {"steps", "reads", "evaluate"} & calls_of(action).keys()
+
+
+# --- circles
+
+
+def test_rigs_in_a_circle_are_named_and_end(capfd: pytest.CaptureFixture):
+    """Each follows the other: there is no right shape, and none of them hangs."""
+    one, two = HandleRig.new("One").start("thin_shell"), HandleRig.new("Two").start("thin_shell")
+    on_vertex(two.control, one, one.top[0])
+    make_active(two.obj)
+    assert "follow each other" not in draw_panel().texts()
+    on_vertex(one.control, two, 60)
+    found = calls_of(lambda: bpy.context.scene.frame_set(3))
+    assert found["_answer"] <= 2 * 8, found
+    for rig in (one, two):
+        make_active(rig.obj)
+        assert "One and Two follow each other in a circle" in draw_panel().texts()
+    one.control.parent = None
+    update()
+    make_active(two.obj)
+    assert "follow each other" not in draw_panel().texts()
+    shown = at(4, two.obj)
+    assert difference(again(two.obj), shown) < EXACT
+    capfd.readouterr()  # Blender may name the circle, too
+
+
+def test_a_rig_that_follows_itself_is_named(capfd: pytest.CaptureFixture):
+    plate = HandleRig.new().start("thin_shell")
+    assert "follows its own shape" not in draw_panel().texts()
+    on_vertex(plate.control, plate, 60)
+    make_active(plate.obj)
+    assert "Plate follows its own shape" in draw_panel().texts()
+    capfd.readouterr()
+
+
+def test_a_control_that_rides_along_with_its_own_target_is_no_circle():
+    """Nor are two rigs of which each carries the other's control as an object, not by its shape."""
+    one, two = HandleRig.new("One").start("thin_shell"), HandleRig.new("Two").start("thin_shell")
+    one.control.parent, two.control.parent = two.obj, one.obj
+    update()
+    for rig in (one, two):
+        make_active(rig.obj)
+        assert "follow" not in draw_panel().texts()
+    found = calls_of(lambda: two.lift(0.2))
+    assert "evaluate" not in found

@@ -1,0 +1,580 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Copies, deletions, new names, new orders, orphans, shared meshes."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from events import (
+    ALL,
+    MESHES,
+    REBIND,
+    REGIONS,
+    Event,
+    Table,
+    bind_restores,
+    duplicate,
+    every,
+    is_over,
+    keeps_its_shape,
+    lives_on,
+    says_rebind,
+)
+from expected import Expected
+from inside import OWNERS, catch_up, evaluated_by, room, settle
+from mathutils import Matrix
+from rigs.kinds import HandleRig
+from rigs.rig import (
+    MATRIX,
+    Rig,
+    add_group,
+    change_in_edit_mode,
+    close,
+    evaluated_points,
+    grid_object,
+    key_heights,
+    linked,
+    make_active,
+    move_world,
+    new_armature,
+    reopen,
+    update,
+)
+
+EVENTS = Table()
+EDITS = Table()  # each once with Automatic Rebind and once without
+
+
+# --- copies
+
+
+@EVENTS.on(ALL)
+def duplicated_with_its_control(rig: HandleRig) -> None:
+    """On a mesh of its own and on the same one: each moves by itself, also after another frame."""
+    copies = [duplicate(rig, linked) for linked in (False, True)]
+    rig.lift_of(copies[0], 0.25)
+    rig.lift_of(copies[1], 0.1)
+    rig.lift(-0.25)
+    for frame in (1, 4):
+        bpy.context.scene.frame_set(frame)
+        assert rig.shows(rig.at(0.75), copies[0])
+        assert rig.shows(rig.at(0.6), copies[1])
+        assert rig.is_right()
+
+
+@EVENTS.on(REGIONS)
+def duplicated_alone_and_given_a_control(rig: HandleRig) -> None:
+    """In a window the copy is known as one until the pause. It takes its shape along to the other control."""
+    make_active(rig.obj)
+    with evaluated_by(None):
+        bpy.ops.object.duplicate()
+        copy = bpy.context.object
+        assert room(OWNERS).has_copies()
+        assert catch_up() is False
+        assert not room(OWNERS).has_copies()
+    assert copy.sinew.deformers[0].proxy != rig.deformer.proxy
+    rig.set_control(copy, rig.another_control(copy))
+    assert rig.shows(rig.at(0.5), copy)
+    rig.lift_of(copy, 0.25)
+    assert np.abs(evaluated_points(copy)[rig.top, 2] - 0.75).max() < MATRIX
+
+
+@EVENTS.on(ALL)
+def copied_ten_times(rig: HandleRig) -> None:
+    copies = [rig.obj]
+    for _ in range(10):
+        make_active(copies[-1])
+        rig.control_of(copies[-1]).select_set(True)
+        bpy.ops.object.duplicate()
+        copies.append(bpy.context.object)
+    settle()
+    for number, obj in enumerate(copies):
+        rig.lift_of(obj, 0.01 * number)
+    for number, obj in enumerate(copies):
+        assert rig.shows(rig.at(0.5 + 0.01 * number), obj)
+    assert len({obj.sinew.deformers[0].proxy for obj in copies}) == len(copies)
+
+
+@EVENTS.on(ALL, then=is_over)
+def copied_by_a_script_and_deleted_before_the_copy_has_shapes(rig: HandleRig) -> None:
+    copy = rig.obj.copy()
+    bpy.context.scene.collection.objects.link(copy)
+    bpy.data.objects.remove(rig.obj)  # the parent of the control, which jumps
+    settle()
+    for _ in range(2):
+        assert rig.shows(rig.now(copy), copy)
+        rig.lift_of(copy, 0.25)
+
+
+@EVENTS.on(ALL)
+def copied_and_pasted(rig: HandleRig) -> None:
+    """Through a file of Blender's own."""
+    make_active(rig.obj)
+    rig.control.select_set(True)
+    bpy.ops.view3d.copybuffer()
+    bpy.ops.view3d.pastebuffer(autoselect=True)
+    settle()
+    copy = next(obj for obj in bpy.data.objects if obj.sinew.deformers and obj != rig.obj)
+    rig.lift_of(copy, 0.25)
+    assert rig.shows(rig.at(0.75), copy)
+
+
+@EVENTS.on(ALL)
+def a_copy_deleted(rig: HandleRig) -> None:
+    duplicate(rig, control=False)
+    bpy.ops.object.delete()
+    bpy.ops.outliner.orphans_purge(do_recursive=True)
+
+
+# --- deletions
+
+
+@EVENTS.on(ALL, then=is_over)
+def the_target_deleted(rig: HandleRig) -> None:
+    """It leaves only orphans, which a purge takes."""
+    name = rig.name
+    make_active(rig.obj)
+    rig.control.select_set(True)
+    bpy.ops.object.delete()
+    update()
+    assert name not in bpy.data.objects
+    bpy.ops.outliner.orphans_purge(do_recursive=True)
+    for kind in ("objects", "meshes", "curves", "node_groups"):
+        assert not getattr(bpy.data, kind), kind
+
+
+@EVENTS.on(ALL, then=keeps_its_shape)
+def the_control_deleted(rig: HandleRig) -> None:
+    """By a user; and that of a copy by a script."""
+    copy = duplicate(rig)
+    bpy.data.objects.remove(rig.control_of(copy))
+    make_active(rig.control)
+    bpy.ops.object.delete()
+    make_active(rig.obj)
+    for frame in (1, 4):
+        bpy.context.scene.frame_set(frame)
+        for obj in (rig.obj, copy):
+            assert rig.shows(rig.at(0.5), obj)
+            assert rig.control_is_missing(obj)
+
+
+@EVENTS.on(REGIONS, then=is_over)
+def the_control_deleted_saved_and_replaced(rig: HandleRig) -> None:
+    """The region stays where it was, and the new control moves it from there."""
+    move_world(rig.control, Matrix.Translation((0.1, 0.0, 0.0)) @ Matrix.Rotation(0.3, 4, "X"))
+    before = rig.points()
+    bpy.data.objects.remove(rig.control)
+    assert rig.shows(before)
+    reopen(rig.folder / "rig.blend")
+    assert rig.shows(before, tolerance=MATRIX)
+    assert rig.control_is_missing(rig.obj)
+    control = rig.another_control(rig.obj)
+    control.location = (3.0, 2.0, 1.0)
+    update()
+    rig.set_control(rig.obj, control)
+    assert rig.shows(before, tolerance=MATRIX)
+    assert not rig.control_is_missing(rig.obj)
+    control.location.z += 0.5
+    assert close(rig.points()[rig.top], before[rig.top] + (0.0, 0.0, 0.5), MATRIX)
+
+
+@pytest.mark.parametrize("factor", [1.0, 0.0])
+def test_the_pose_of_a_soft_region_without_control_is_saved(posed_plate: HandleRig, factor: float):
+    """The saved shape does not tell it: soft vertices give way, and Factor 0 shows rest."""
+    plate = posed_plate
+    plate.deformer.handles[0].weight = 0.5
+    before = plate.points()
+    bpy.data.objects.remove(plate.control)
+    assert close(plate.points(), before, 1e-6)
+    plate.deformer.factor = factor
+    update()
+    reopen(plate.folder / "lost.blend")
+    plate.deformer.factor = 1.0
+    assert close(plate.points(), before, 1e-6)
+
+
+@EVENTS.on(ALL, then=is_over)
+def one_of_two_targets_of_a_control_deleted(rig: HandleRig) -> None:
+    copy = duplicate(rig, control=False)
+    bpy.data.objects.remove(rig.obj)
+    for _ in range(2):
+        assert rig.shows(rig.now(copy), copy, MATRIX)
+        rig.lift_of(copy, 0.25)
+
+
+@EVENTS.on(ALL)
+def its_hidden_shapes_deleted(rig: HandleRig) -> None:
+    """By hand in the outliner's Blender File view: rest and an error at worst, and Bind restores them."""
+    for which in ("proxy", "proxy_render"):
+        for remove in (
+            lambda shape: bpy.data.objects.remove(shape),
+            lambda shape: bpy.data.meshes.remove(shape.data),  # removes the object, too
+        ):
+            remove(getattr(rig.deformer, which))
+            rig.obj.update_tag()
+            assert rig.is_right() or (rig.is_at_rest() and rig.deformer.status_level == "ERROR")
+            rig.press("bind")
+            assert len(rig.obj.modifiers) == 1
+            lives_on(rig)
+
+
+@EVENTS.on(ALL, then=is_over)
+def its_deformer_removed(rig: HandleRig) -> None:
+    """Nothing of ours is left behind, and what is the user's stays."""
+    groups, objects = list(rig.obj.vertex_groups.keys()), set(bpy.data.objects.keys())
+    rig.press("deformer_remove")
+    assert not [mesh.name for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew")]
+    gone = {name for name in objects if name.startswith(".Sinew")}
+    if rig.obj.vertex_groups and rig.goes_on:
+        gone.add("Plate Top")  # an empty that was made for the handle
+    assert set(bpy.data.objects.keys()) == objects - gone
+    assert list(rig.obj.vertex_groups.keys()) == groups  # these were the user's
+    assert len(rig.obj.modifiers) == 0
+    assert rig.obj.animation_data is None or len(rig.obj.animation_data.drivers) == 0
+    assert rig.is_at_rest()
+
+
+@EVENTS.on(ALL, then=is_over)
+def unbound_with_its_control_active(rig: HandleRig) -> None:
+    """Operators find the target from there."""
+    make_active(rig.control)
+    assert bpy.ops.sinew.unbind() == {"FINISHED"}
+    assert rig.is_at_rest()
+    assert not rig.deformer.is_bound
+
+
+@EVENTS.on(ALL, then=bind_restores)
+def its_rest_mesh_deleted(rig: HandleRig) -> None:
+    bpy.data.meshes.remove(rig.deformer.rest)
+    rig.obj.update_tag()
+
+
+@EVENTS.on(ALL)
+def its_node_group_deleted(rig: HandleRig) -> None:
+    bpy.data.node_groups.remove(rig.obj.modifiers[0].node_group)
+    rig.obj.update_tag()
+    assert rig.is_at_rest()
+    rig.press("bind")
+    assert len([modifier for modifier in rig.obj.modifiers if modifier.node_group]) == 1
+
+
+@EVENTS.on(REGIONS)
+def a_vertex_group_deleted(rig: HandleRig) -> None:
+    """The bound shape stays. Bind leaves the region out and says which group is gone."""
+    rig.obj.vertex_groups.remove(rig.obj.vertex_groups["Base"])
+    assert rig.is_right()
+    rig.press("bind")
+    assert "1 handle, bound in" in rig.deformer.status
+    assert rig.shows(rig.rest() + (0.0, 0.0, rig.height))
+    add_group(rig.obj, "Base", lambda point: point[1] < -0.75)
+    rig.press("bind")
+
+
+@EVENTS.on(MESHES)
+def the_group_of_its_mask_deleted(rig: HandleRig) -> None:
+    """As in any modifier whose group is gone, all vertices count again."""
+    add_group(rig.obj, "Left", lambda point: point[0] < 0.0)
+    rig.deformer.mask_group = "Left"
+    assert not rig.is_right()
+    rig.obj.vertex_groups.remove(rig.obj.vertex_groups["Left"])
+    rig.obj.update_tag()
+    assert rig.is_right()
+
+
+@EVENTS.on(ALL)
+def its_animation_cleared(rig: HandleRig) -> None:
+    """The driver that keeps hidden controls evaluated lives there; it comes back."""
+    rig.obj.animation_data_clear()
+    settle()
+    moves_though_hidden(rig, rig.control)
+
+
+@EVENTS.on(REGIONS)
+def its_control_exchanged(rig: HandleRig) -> None:
+    """The new one is kept evaluated, too."""
+    rig.lift_to(0.0)
+    control = rig.another_control(rig.obj)
+    rig.set_control(rig.obj, control)
+    settle()
+    moves_though_hidden(rig, control)
+
+
+def moves_though_hidden(rig: HandleRig, control: bpy.types.Object) -> None:
+    key_heights(control, {1: 0.0, 11: 1.0})
+    bpy.context.scene.frame_set(1)
+    settle()
+    control.hide_viewport = True
+    for frame, height in ((11, 1.0), (1, 0.0), (11, 1.0)):
+        bpy.context.scene.frame_set(frame)
+        settle()
+        assert rig.shows(rig.at(height), tolerance=MATRIX)
+    control.animation_data_clear()
+    rig.height = 1.0
+
+
+# --- new names, new orders
+
+
+@EVENTS.on(ALL)
+def everything_renamed(rig: HandleRig) -> None:
+    deformer = rig.deformer
+    renamed = [rig.obj, rig.obj.data, rig.control, deformer.proxy, deformer.proxy.data, deformer.proxy_render]
+    renamed += [deformer.rest, rig.obj.modifiers[0], rig.obj.modifiers[0].node_group, deformer]
+    renamed += [*deformer.handles, bpy.context.scene, bpy.context.view_layer]
+    for number, datablock in enumerate(renamed):
+        datablock.name = f"Anything {number}"
+    rig.name = "Anything 0"
+    rig.lift(0.25)
+    assert rig.is_right()
+    rig.press("bind")
+    assert len(rig.obj.modifiers) == 1
+    assert len([group for group in bpy.data.node_groups if group.users]) == 1
+
+
+@EVENTS.on(ALL)
+def names_exchanged_with_another_rig(rig: HandleRig) -> None:
+    """Names tell nothing."""
+    other = type(rig).new("Other").start()
+    other.lift(0.25)
+    first, second, name = rig.obj, other.obj, rig.name
+    for pair in ((first, second), (first.sinew.deformers[0].proxy, second.sinew.deformers[0].proxy)):
+        one, two = (datablock.name for datablock in pair)
+        pair[0].name = "Between"
+        pair[1].name = one
+        pair[0].name = two
+    assert (first.name, second.name) == ("Other", name)
+    rig.name, other.name = "Other", name
+    rig.lift(0.25)
+    assert rig.is_right()
+    lives_on(other)
+
+
+def masked(rig: HandleRig) -> np.ndarray:
+    """What to see where the mask is the group at the top."""
+    found = rig.rest()
+    found[rig.top] = rig.at(rig.height)[rig.top]
+    return found
+
+
+@EVENTS.on(MESHES)
+def vertex_groups_renamed(rig: HandleRig) -> None:
+    """The mask follows, the regions of handles and painted parameters, and a later bind."""
+    rig.deformer.mask_group = "Top"
+    if rig.deformer.handles:
+        rig.deformer.parameters.bending_group = "Base"
+    before = rig.points()
+    rig.obj.vertex_groups["Top"].name = "Head"
+    rig.obj.vertex_groups["Base"].name = "Feet"
+    for _ in range(2):
+        rig.obj.update_tag()
+        assert rig.shows(before)
+        rig.press("bind")
+    assert rig.deformer.mask_group == "Head"
+    if rig.deformer.handles:
+        assert [handle.vertex_group for handle in rig.deformer.handles] == ["Head", "Feet"]
+        assert rig.deformer.parameters.bending_group == "Feet"
+        rig.deformer.parameters.bending_group = ""
+    assert rig.shows(masked(rig))
+    rig.deformer.mask_group = ""
+
+
+@EVENTS.on(MESHES)
+def vertex_groups_in_another_order(rig: HandleRig) -> None:
+    add_group(rig.obj, "A", lambda point: point[0] > 0.0)
+    make_active(rig.obj)
+    rig.obj.vertex_groups.active_index = 2
+    bpy.ops.object.vertex_group_move(direction="UP")
+    bpy.ops.object.vertex_group_sort(sort_type="NAME")
+    assert [group.name for group in rig.obj.vertex_groups] == ["A", "Base", "Top"]
+    for _ in range(2):
+        rig.lift(0.25)
+        assert rig.is_right()
+        rig.press("bind")
+    rig.deformer.mask_group = "Top"
+    assert rig.shows(masked(rig))
+    rig.deformer.mask_group = ""
+
+
+def test_a_bone_renamed_exchanged_and_deleted(plate: Rig):
+    """Blender renames it in constraints and drivers, too; another goes on from there."""
+    armature = new_armature(
+        **{name: ((0.0, y, 0.0), (0.0, y, 0.5)) for name, y in (("arm", 0.9), ("other", -0.9))}
+    )
+    plate.bind(control_object="Rig", bone="arm")
+    expected = Expected(plate.obj, plate.obj)
+    bones, handle = armature.pose.bones, plate.deformer.handles[0]
+    bones["arm"].location.y = 0.5  # the bones point along z
+    assert close(plate.points(), expected.lifted(0.5))
+    armature.data.bones["arm"].name = "elbow"
+    bones["elbow"].location.y = 0.75
+    assert close(plate.points(), expected.lifted(0.75))
+    assert not handle.control_missing
+    handle.bone = "other"
+    settle()
+    assert close(plate.points(), expected.lifted(0.75))
+    bones["other"].location.y = 0.25
+    assert close(plate.points(), expected.lifted(1.0))
+    make_active(armature)
+    bpy.ops.object.mode_set(mode="EDIT")
+    armature.data.edit_bones.remove(armature.data.edit_bones["other"])
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert close(plate.points(), expected.lifted(1.0), MATRIX)
+    assert plate.deformer.handles[0].control_missing
+
+
+@EVENTS.on(REGIONS, then=is_over)
+def handles_and_deformers_in_another_order(rig: HandleRig) -> None:
+    deformers = rig.obj.sinew.deformers
+    deformers[0].handles.move(0, 1)
+    assert [handle.name for handle in deformers[0].handles] == ["Base", "Top"]
+    assert rig.is_right()
+    control = deformers[0].handles[1].control
+    for height in (0.75, 1.0):
+        move_world(control, Matrix.Translation((0.0, 0.0, 0.25)))
+        assert rig.shows(rig.at(height))
+        if height == 0.75:
+            rig.press("deformer_add", method="thin_shell")
+            deformers.move(0, 1)
+
+
+# --- joined and separated
+
+
+@EDITS.on(MESHES)
+def another_mesh_joined_to_the_target(rig: HandleRig) -> None:
+    count = len(rig.rest())
+    other = grid_object("Other", cells=2)
+    other.location = (0.0, 0.0, 0.1)
+    other.scale = (0.2, 0.2, 0.2)
+    make_active(rig.obj)
+    other.select_set(True)
+    bpy.ops.object.join()
+    assert len(rig.rest()) == count + 9
+
+
+@EVENTS.on(MESHES, then=is_over)
+def the_target_joined_to_another_mesh(rig: HandleRig) -> None:
+    """It is gone, as anything joined; the other one lives on without a deformer."""
+    count = len(rig.rest())
+    other = grid_object("Other", cells=2)
+    rig.obj.select_set(True)
+    bpy.ops.object.join()
+    settle()
+    assert rig.name not in bpy.data.objects
+    assert len(evaluated_points(other)) == count + 9
+    assert room("session").owners() == []
+
+
+@EVENTS.on(MESHES, then=is_over)
+def a_part_separated_from_the_target(rig: HandleRig) -> None:
+    """Blender gives the part the modifiers and our settings as well: two rigs on two meshes."""
+
+    def separate(edit) -> None:
+        for face in edit.faces:
+            face.select_set(face.calc_center_median().x > 0.4)
+        bpy.ops.mesh.separate(type="SELECTED")
+
+    change_in_edit_mode(rig.obj, separate)
+    settle()
+    control = rig.control
+    part = next(obj for obj in bpy.data.objects if obj.sinew.deformers and obj != rig.obj)
+    for obj in (rig.obj, part):
+        assert rig.shows(rig.unmoved(obj), obj)
+        assert obj.sinew.deformers[0].status == REBIND
+        make_active(obj)
+        bpy.ops.sinew.bind()
+    assert rig.deformer.proxy != part.sinew.deformers[0].proxy
+    rig.lift(0.25)
+    for obj in (rig.obj, part):
+        rig.poses.rebind(obj)
+        assert rig.shows(rig.now(obj), obj)
+        assert rig.control_of(obj) == control
+
+
+# --- orphans
+
+
+@EVENTS.on(ALL)
+def orphans_purged(rig: HandleRig) -> None:
+    """Nothing of a living rig goes, nor does a file lack it."""
+    for _ in range(2):
+        bpy.ops.outliner.orphans_purge(do_local_ids=True, do_linked_ids=True, do_recursive=True)
+        rig.lift(0.1)
+        bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
+        assert rig.is_right()
+    reopen(rig.folder / "rig.blend")
+
+
+@EVENTS.on(ALL)
+def orphans_purged_after_a_rebind_of_another_size(rig: HandleRig) -> None:
+    """No shape of the old size is left."""
+    rig.change_topology()
+    settle()
+    says_rebind(rig)
+    bpy.ops.outliner.orphans_purge(do_recursive=True)
+    assert len([mesh for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew")]) == rig.hidden_meshes
+
+
+# --- shared meshes
+
+
+def raise_one_vertex(mesh: bpy.types.Mesh) -> None:
+    """One that no handle holds."""
+    mesh.vertices[len(mesh.vertices) // 2].co.z += 0.1
+    mesh.update()
+
+
+@EVENTS.on(MESHES, then=is_over)
+def its_mesh_shared_with_an_object_without_deformer(rig: HandleRig) -> None:
+    """An edit of the mesh reaches both, on top of the pose."""
+    twin = linked(bpy.data.objects.new("Twin", rig.obj.data))
+    rig.lift(0.25)
+    assert rig.is_right()
+    assert close(evaluated_points(twin), rig.rest())
+    before = rig.rest()
+    raise_one_vertex(twin.data)
+    assert np.abs(rig.rest() - before).max() > 0.09
+    assert rig.shows(rig.at(0.75) + rig.rest() - before)
+    assert close(evaluated_points(twin), rig.rest())
+
+
+@EVENTS.on(ALL)
+def made_single_user(rig: HandleRig) -> None:
+    """Two rigs on one mesh; then each has its own, and the topology of one changes."""
+    copy = duplicate(rig, linked=True)
+    rig.lift_of(copy, 0.25)
+    make_active(copy)
+    bpy.ops.object.make_single_user(type="SELECTED_OBJECTS", object=True, obdata=True)
+    assert copy.data != rig.obj.data
+    assert rig.shows(rig.at(0.75), copy)
+    type(rig).called(copy.name).change_topology()
+    assert rig.shows(rig.unmoved(copy), copy)
+
+
+@EVENTS.on(MESHES)
+def another_mesh_put_in(rig: HandleRig) -> None:
+    """Of the same size: its own shape is followed. Of another size: rest, until it is bound or gone again."""
+    before, old, same = rig.rest(), rig.obj.data, rig.obj.data.copy()
+    raise_one_vertex(same)
+    rig.obj.data = same
+    assert rig.shows(rig.at(0.5) + rig.rest() - before)
+    rig.obj.data = grid_object("Other", cells=5).data
+    assert rig.is_at_rest()
+    assert rig.deformer.status == REBIND
+    rig.obj.data = old
+    assert rig.is_right()
+
+
+# --- each of them
+
+
+@every(EVENTS)
+def test_a_rig_lives_through(posed: HandleRig, event: Event):
+    event.run(posed)
+
+
+@pytest.mark.parametrize("automatic", [False, True])
+@every(EDITS)
+def test_other_vertices_are_noticed(posed: HandleRig, event: Event, automatic: bool):
+    event.edit(posed, automatic)

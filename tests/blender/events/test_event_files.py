@@ -1,0 +1,512 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Save, load, recover, new, append, link, override, make local; the add-on off, on, upgraded, missing."""
+
+from __future__ import annotations
+
+import importlib
+import shutil
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+from events import ALL, REGIONS, Event, Table, every, is_over, lives_on
+from inside import handlers_of_ours, room, settle, without_the_add_on
+from libraries import add_collection, overridden, override, put_into_a_library, read
+from rigs.kinds import RIGS, HandleRig
+from rigs.rig import (
+    MATRIX,
+    add_armature,
+    close,
+    evaluated_points,
+    grid_object,
+    instances_of,
+    key,
+    key_heights,
+    load,
+    make_active,
+    new_empty,
+    new_file,
+    reopen,
+    save,
+    update,
+)
+from second_blender import another_blender
+
+EVENTS = Table()  # to a rig in the file rig.blend
+ASSETS = Table()  # to a file that is empty, beside library.blend with a rig in the collection Asset
+
+
+def goes_on(rig: HandleRig, obj: bpy.types.Object, height: float, tolerance: float = 0.0) -> None:
+    """An object with such a rig shows its control at a height, and follows the next move."""
+    assert rig.shows(rig.at(height), obj, tolerance)
+    rig.lift_of(obj, 0.25)
+    assert rig.shows(rig.at(height + 0.25), obj, tolerance)
+    assert obj.sinew.deformers[0].status_level == "INFO", obj.sinew.deformers[0].status
+
+
+# --- save, load, revert, recover, new
+
+
+@EVENTS.on(ALL)
+def saved_again(rig: HandleRig) -> None:
+    for options in ({}, {"copy": True}, {"compress": True}):
+        save(rig.folder / "again.blend", **options)
+        assert rig.is_right()
+    bpy.ops.wm.save_mainfile(filepath=str(rig.folder / "rig.blend"))
+
+
+@EVENTS.on(ALL)
+def loaded(rig: HandleRig) -> None:
+    load(rig.folder / "rig.blend")
+
+
+@EVENTS.on(ALL)
+def reverted(rig: HandleRig) -> None:
+    """What was not saved is taken back."""
+    before = rig.points()
+    rig.lift(0.4)
+    rig.deformer.method = rig.methods[-1]
+    assert not close(rig.points(), before)
+    bpy.ops.wm.revert_mainfile()
+    assert rig.deformer.method == rig.methods[0]
+    rig.height = 0.5
+
+
+@EVENTS.on(ALL)
+def recovered_from_an_autosave(rig: HandleRig) -> None:
+    """Blender writes an autosave by a timer, which needs a window: a copy saved here stands for it."""
+    autosave = save(rig.folder / "1234_autosave.blend", copy=True)
+    rig.lift(1.0)
+    bpy.ops.wm.recover_auto_save(filepath=autosave)
+    rig.height = 0.5
+
+
+@EVENTS.on(ALL)
+def recovered_from_an_autosave_without_our_save_handler(rig: HandleRig) -> None:
+    """An autosave runs no handler, so copies in it still share their shapes, and their control."""
+    make_active(rig.obj)
+    bpy.ops.object.duplicate()
+    copy, handlers = bpy.context.object.name, list(bpy.app.handlers.save_pre)
+    bpy.app.handlers.save_pre.clear()
+    try:
+        autosave = save(rig.folder / "1234_autosave.blend", copy=True)
+    finally:
+        bpy.app.handlers.save_pre.extend(handlers)
+    bpy.ops.wm.recover_auto_save(filepath=autosave)
+    settle()
+    rig.lift(0.25)
+    assert rig.shows(rig.at(0.75), bpy.data.objects[copy])
+
+
+@EVENTS.on(ALL)
+def its_copy_saved_before_a_pause(rig: HandleRig) -> None:
+    """Our save handler tells them apart."""
+    make_active(rig.obj)
+    bpy.ops.object.duplicate()
+    save(rig.folder / "copy.blend")
+    assert bpy.context.object.sinew.deformers[0].proxy != rig.deformer.proxy
+
+
+@EVENTS.on(ALL)
+def recovered_from_the_last_session(rig: HandleRig) -> None:
+    """``quit.blend`` lies in the folder for temporary files, and opens with its own path forgotten."""
+    paths = bpy.context.preferences.filepaths
+    before, paths.temporary_directory = paths.temporary_directory, str(rig.folder)
+    try:
+        save(rig.folder / "quit.blend", copy=True)
+        rig.lift(1.0)
+        bpy.ops.wm.recover_last_session()
+    finally:
+        bpy.context.preferences.filepaths.temporary_directory = before
+    rig.height = 0.5
+
+
+@EVENTS.on(ALL)
+def loaded_after_another_file(rig: HandleRig) -> None:
+    """Both files know the deformer by the same key, and hold different poses of different shapes."""
+    rig.change_topology()
+    rig.press("bind")
+    fine = rig.points()
+    other = save(rig.folder / "other.blend")
+    for _ in range(2):
+        load(rig.folder / "rig.blend")
+        assert rig.is_right()
+        load(other)
+        assert rig.shows(fine)
+    load(rig.folder / "rig.blend")
+
+
+@EVENTS.on(REGIONS, then=is_over)
+def loaded_on_a_posed_frame(rig: HandleRig) -> None:
+    """Rest is what entered at bind, not what enters when the file is opened: the same bits at each frame."""
+    rig.press("deformer_remove")
+    armature = add_armature(rig.obj)
+    rig.bind("arap")
+    key(
+        armature.pose.bones["high"],
+        {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 20: {"rotation_euler": (0.9, 0.0, 0.0)}},
+    )
+    key_heights(rig.control, {1: 0.0, 20: 0.9})
+
+    def look(frame: int) -> np.ndarray:
+        bpy.context.scene.frame_set(frame)
+        return rig.points()
+
+    frames = {frame: look(frame) for frame in (1, 12, 20)}
+    reopen(rig.folder / "posed.blend")
+    for frame in (20, 1, 12):
+        assert np.array_equal(look(frame), frames[frame])
+
+
+@EVENTS.on(ALL, then=is_over)
+def replaced_by_a_new_file(rig: HandleRig) -> None:
+    """Nothing is left: an object of the same name is another one."""
+    uid = rig.deformer.uid
+    new_file()
+    assert room("session").find(uid) is None
+    assert room("session").owners() == []
+    lives_on(type(rig).new().start())
+
+
+# --- the add-on off, on, upgraded
+
+
+@EVENTS.on(ALL)
+def loaded_without_the_add_on_and_enabled(rig: HandleRig) -> None:
+    control = rig.control.name
+    with without_the_add_on():
+        load(rig.folder / "rig.blend")
+        bpy.data.objects[control].location.z += 0.25
+        update()
+    rig.height += 0.25
+    rig.lift(0.25)
+
+
+@EVENTS.on(ALL)
+def disabled_and_enabled(rig: HandleRig) -> None:
+    """The last shape meanwhile, whatever moves."""
+    control = rig.control
+    with without_the_add_on():
+        control.location.z += 0.25
+        bpy.context.scene.frame_set(3)
+        assert rig.is_right()
+        bpy.data.objects.remove(grid_object("Other"))
+    rig.height += 0.25
+    rig.obj.update_tag()
+
+
+@EVENTS.on(ALL)
+def upgraded(rig: HandleRig) -> None:
+    """The old code is unloaded and read again; the native module stays until Blender ends."""
+    name, count = room("ids").__package__, handlers_of_ours()
+    old = {
+        key: module
+        for key, module in sys.modules.items()
+        if (key == name or key.startswith(name + ".")) and "_native" not in key
+    }
+    sys.modules[name].unregister()
+    for module in old:
+        del sys.modules[module]
+    new = importlib.import_module(name)
+    try:
+        new.register()
+        assert handlers_of_ours() == count
+        lives_on(rig)
+        rig.press("bind")
+        lives_on(rig)
+    finally:
+        new.unregister()
+        sys.modules.update(old)
+        sys.modules[name].register()
+
+
+# --- append, link, override, make local
+
+
+def library(rig: HandleRig) -> str:
+    return str(rig.folder / "library.blend")
+
+
+def owners() -> list[bpy.types.Object]:
+    return [obj for obj in bpy.context.scene.objects if obj.sinew.deformers]
+
+
+def follows_its_control(rig: HandleRig, obj: bpy.types.Object) -> None:
+    """Wherever the library left the control of an override."""
+    for _ in range(2):
+        assert rig.shows(rig.now(obj), obj, MATRIX)
+        rig.lift_of(obj, 0.25)
+
+
+@ASSETS.on(ALL)
+def appended(rig: HandleRig) -> None:
+    add_collection(library(rig))
+
+
+@ASSETS.on(ALL)
+def appended_twice(rig: HandleRig) -> None:
+    """Two rigs."""
+    for _ in range(2):
+        add_collection(library(rig))
+    settle()
+    first, second = owners()
+    goes_on(rig, first, 0.5)
+    rig.height = 0.75
+    rig.lift_of(second, -0.5)
+    goes_on(rig, second, 0.0)
+    assert first.sinew.deformers[0].proxy != second.sinew.deformers[0].proxy
+
+
+@ASSETS.on(ALL)
+def appended_into_a_file_that_has_the_rig_itself(rig: HandleRig) -> None:
+    """The same keys come in once more."""
+    load(library(rig))
+    save(rig.folder / "other.blend")  # no file appends from itself
+    copy = read(library(rig), False, "objects", rig.name)
+    bpy.context.scene.collection.objects.link(copy)
+    settle()
+    assert copy.name != rig.name
+    rig.lift(0.25)
+    assert rig.shows(rig.now(copy), copy)
+
+
+@ASSETS.on(ALL)
+def appended_by_the_file_browsers_operator(rig: HandleRig) -> None:
+    bpy.ops.wm.append(directory=f"{library(rig)}/Object/", filename=rig.name)
+
+
+@ASSETS.on(ALL, then=is_over)
+def linked(rig: HandleRig) -> None:
+    """The last solution, by itself and through an instance; the status says how to pose it."""
+    collection = read(library(rig), True)
+    instance = new_empty("Instance")
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
+    obj = collection.objects[rig.name]
+    bpy.context.scene.collection.objects.link(obj)
+    settle()
+    for frame in (1, 7):
+        bpy.context.scene.frame_set(frame)
+        ((_matrix, points),) = instances_of(rig.name)
+        assert close(points, rig.at(0.5), rig.tolerance)
+        assert rig.shows(rig.at(0.5), obj)
+    assert "library override" in obj.sinew.deformers[0].status
+
+
+@ASSETS.on(ALL, then=is_over)
+def overridden_posed_and_saved(rig: HandleRig) -> None:
+    """With a shape of its own, which the library does not have."""
+    obj = override(library(rig))
+    assert obj.sinew.deformers[0].proxy.library is None
+    assert rig.control_of(obj).library is None
+    goes_on(rig, obj, 0.5, MATRIX)
+    reopen(rig.folder / "shot.blend")
+    goes_on(rig, overridden(), 0.75, MATRIX)
+
+
+@ASSETS.on(ALL, then=is_over)
+def overridden_with_its_hidden_shapes(rig: HandleRig) -> None:
+    """Blender 3.4 does that by itself; an override of a shape object still shows the library's mesh."""
+    obj = override(library(rig))
+    for name in ("proxy", "proxy_render"):
+        shape = getattr(obj.sinew.deformers[0], name)
+        if shape is not None and shape.library is not None:
+            shape.override_create(remap_local_usages=True)
+    settle()
+    goes_on(rig, obj, 0.5, MATRIX)
+    reopen(rig.folder / "shot.blend")
+    settle()
+    goes_on(rig, overridden(), 0.75, MATRIX)
+
+
+@ASSETS.on(ALL, then=is_over)
+def overridden_and_the_library_changed(rig: HandleRig) -> None:
+    rig.lift_of(override(library(rig)), 0.25)
+    shot = save(rig.folder / "shot.blend")
+    load(library(rig))
+    rig.lift(0.1)
+    rig.points()
+    bpy.ops.wm.save_mainfile()
+    load(shot)
+    settle()
+    follows_its_control(rig, overridden())
+
+
+@ASSETS.on(ALL, then=is_over)
+def overridden_and_reset_to_its_library(rig: HandleRig) -> None:
+    """All of its own values go, the shapes of its own included; it can be posed again at once."""
+    obj = override(library(rig))
+    goes_on(rig, obj, 0.5, MATRIX)
+    control = rig.control_of(obj)
+    obj.override_library.reset()
+    control.override_library.reset()
+    settle()
+    follows_its_control(rig, overridden())
+
+
+def made_local(rig: HandleRig) -> None:
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.object.make_local(type="ALL")
+    settle()
+    obj = owners()[0]
+    assert obj.library is None
+    goes_on(rig, obj, 0.5, MATRIX)
+    make_active(obj)
+    bpy.ops.sinew.bind()
+    goes_on(rig, obj, 0.75, MATRIX)
+
+
+@ASSETS.on(ALL, then=is_over)
+def linked_and_made_local(rig: HandleRig) -> None:
+    add_collection(library(rig), link=True)
+    made_local(rig)
+
+
+@ASSETS.on(ALL, then=is_over)
+def overridden_and_made_local(rig: HandleRig) -> None:
+    override(library(rig))
+    made_local(rig)
+
+
+@ASSETS.on(ALL, then=is_over)
+def its_target_alone_made_local(rig: HandleRig) -> None:
+    """Its control stays in the library, where nobody moves it; another handle goes on, another cage rests."""
+    obj = read(library(rig), True, "objects", rig.name)
+    bpy.context.scene.collection.objects.link(obj)
+    update()
+    local = obj.make_local()
+    settle()
+    assert rig.shows(rig.at(0.5), local, MATRIX)
+    rig.set_control(local, rig.another_control(local))
+    settle()
+    if not rig.goes_on:
+        make_active(local)
+        assert bpy.ops.sinew.bind() == {"FINISHED"}
+    before = evaluated_points(local)
+    assert close(before, rig.at(0.5) if rig.goes_on else rig.unmoved(local), MATRIX)
+    rig.lift_of(local, 0.25)
+    assert close(evaluated_points(local)[rig.held], before[rig.held] + (0.0, 0.0, 0.25), MATRIX)
+
+
+@ASSETS.on(ALL, then=is_over)
+def linked_and_overridden_and_the_library_reloaded(rig: HandleRig) -> None:
+    """As Reload in the outliner: a linked rig shows the new solution, an override its own pose."""
+    load(library(rig))
+    rig.lift(0.1)
+    rig.points()
+    changed = save(rig.folder / "changed.blend")
+    new_file()
+    rig.lift_of(override(library(rig)), 0.25)
+    plain = next(obj for obj in bpy.data.objects if obj.library and obj.sinew.deformers)
+    bpy.context.scene.collection.objects.link(plain)
+    assert rig.shows(rig.at(0.5), plain)
+    shutil.copyfile(changed, library(rig))
+    bpy.data.libraries[0].reload()
+    settle()
+    plain = next(obj for obj in bpy.data.objects if obj.library and obj.sinew.deformers)
+    assert rig.shows(rig.at(0.6), plain, MATRIX)
+    follows_its_control(rig, overridden())
+
+
+# --- each of them
+
+
+@every(EVENTS)
+def test_a_rig_is(posed: HandleRig, event: Event):
+    save(posed.folder / "rig.blend")
+    event.run(posed)
+
+
+@every(ASSETS)
+def test_a_rig_in_a_library_is(posed: HandleRig, event: Event):
+    put_into_a_library(posed.folder / "library.blend", posed.obj, posed.control)
+    event.run(posed)
+
+
+# --- another Blender
+
+ELSEWHERE = """
+import importlib.machinery
+
+class Instead:
+    def __init__(self, fault):
+        self.fault = fault
+
+    def find_spec(self, name, path=None, target=None):
+        if name.rpartition(".")[2] != "sinew_native":
+            return None
+        if self.fault == "is missing":
+            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+        loader = importlib.machinery.ExtensionFileLoader(name, foreign)
+        return importlib.machinery.ModuleSpec(name, loader, origin=foreign)
+
+def pose(fault, status):
+    bpy.ops.wm.open_mainfile(filepath=f"{folder}/rig.blend")
+    seen[fault] = {}
+    for kind, (name, control) in rigs.items():
+        obj, said = bpy.data.objects[name], {"points": []}
+        said["points"].append(evaluated_points(obj).tolist())
+        bpy.data.objects[control].location.z += 0.25
+        bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
+        said["points"].append(evaluated_points(obj).tolist())
+        if status:
+            from rigs.kinds import RIGS  # it knows the add-on
+            deformer = RIGS[kind].called(name).deformer
+            said["status"], said["level"] = deformer.status, deformer.status_level
+            make_active(obj)
+            try:
+                bpy.ops.sinew.bind()
+            except RuntimeError as refusal:
+                said["refusal"] = str(refusal)
+            said["points"].append(evaluated_points(obj).tolist())
+            said["bound"] = deformer.is_bound
+        seen[fault][kind] = said
+    bpy.ops.wm.save_as_mainfile(filepath=f"{folder}/{fault}.blend")
+
+seen["has_sinew"] = hasattr(bpy.types.Object, "sinew")
+pose("no add-on", status=False)
+for fault in ("is missing", "does not load"):
+    sys.meta_path.insert(0, Instead(fault))
+    addon_utils.enable(addon, default_set=True)
+    pose(fault, status=True)
+    addon_utils.disable(addon)
+    sys.meta_path.pop(0)
+    for name in [name for name in sys.modules if name.startswith(addon)]:
+        del sys.modules[name]
+"""
+
+
+def test_a_blender_without_the_add_on_or_its_native_module(scene, tmp_path: Path, addon_name: str):
+    """It shows the last solution, whatever moves, and saves; here all live on with their settings.
+
+    Without its native module the add-on registers and says what is wrong. A module built for another Python
+    does not load: here a library that is no Python module at all.
+    """
+    rigs = {kind: new.new().start() for kind, new in RIGS.items()}
+    for rig in rigs.values():
+        rig.lift(0.5)
+        rig.deformer.factor = 0.5
+        rig.shown = rig.points()
+    regions = [handle.vertex_group for handle in rigs["handles"].deformer.handles]
+    foreign = tmp_path / "sinew_native.cpython-399-x86_64-linux-gnu.so"
+    foreign.write_bytes(b"\x7fELF" + bytes(60))
+    save(tmp_path / "rig.blend")
+    names = {kind: (rig.name, rig.control.name) for kind, rig in rigs.items()}
+    given = f"addon, rigs, folder, foreign = {addon_name!r}, {names}, {str(tmp_path)!r}, {str(foreign)!r}"
+    found = another_blender(f"{given}\n{ELSEWHERE}", tmp_path)
+    assert not found["has_sinew"]
+    for fault in ("no add-on", "is missing", "does not load"):
+        load(tmp_path / f"{fault}.blend")
+        assert [handle.vertex_group for handle in rigs["handles"].deformer.handles] == regions
+        for kind, rig in rigs.items():
+            said = found[fault][kind]
+            for points in said["points"]:
+                assert close(np.array(points), rig.shown, rig.tolerance)
+            for text in (said["status"], said["refusal"]) if "status" in said else ():
+                assert fault in text
+                assert f"cp{sys.version_info.major}{sys.version_info.minor}" in text
+                assert said["level"] == "ERROR"
+                assert said["bound"]
+            rig.deformer.factor = 1.0
+            rig.height = 0.75
+            lives_on(rig)

@@ -1,0 +1,599 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Undo and redo of every operator, of settings and of control moves, also across binds and topology edits."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from events import ALL, MESHES, REGIONS, Event, Table, every
+from expected import Expected
+from inside import bind_in_thread, evaluated_by, finish, room
+from mathutils import Matrix
+from registry import BY_ID
+from rigs.kinds import HandleRig
+from rigs.rig import (
+    Rig,
+    add_group,
+    close,
+    make_active,
+    move_world,
+    new_file,
+    push,
+    reopen,
+    update,
+)
+from test_undo_of_controls import BUTTONS
+
+LIFT = Matrix.Translation((0.0, 0.0, 0.5))
+
+
+def run(operator: str, **keywords: object) -> None:
+    """As a button does: with its own undo step."""
+    assert getattr(bpy.ops.sinew, operator)("EXEC_DEFAULT", True, **keywords) == {"FINISHED"}
+
+
+def structure(plate: Rig) -> str:
+    """Everything that undo has to bring back, but the shape; as text, for undo makes new Python objects."""
+    obj = plate.obj
+    found = {
+        "objects": sorted(other.name for other in bpy.data.objects),
+        "meshes": sorted((mesh.name, len(mesh.polygons)) for mesh in bpy.data.meshes),
+        "modifiers": [modifier.name for modifier in obj.modifiers],
+        "groups": [group.name for group in obj.vertex_groups],
+        "drivers": len(obj.animation_data.drivers) if obj.animation_data else 0,
+        "mode": obj.mode,
+        "base": plate.rest().tolist(),
+        "deformers": [
+            (
+                deformer.uid,
+                deformer.name,
+                deformer.method,
+                deformer.is_bound,
+                deformer.factor,
+                [
+                    (handle.uid, handle.name, handle.kind, handle.vertex_group, handle.weight, handle.control)
+                    for handle in deformer.handles
+                ],
+            )
+            for deformer in obj.sinew.deformers
+        ],
+    }
+    return repr(found)
+
+
+def everything_moved(plate: Rig, _expected: Expected) -> np.ndarray:
+    return plate.rest() + (0.0, 0.0, 0.5)
+
+
+def at_rest(plate: Rig, _expected: Expected) -> np.ndarray:
+    return plate.rest()
+
+
+def unchanged(_plate: Rig, expected: Expected) -> np.ndarray:
+    return expected.shape(LIFT)
+
+
+def bound_anew(plate: Rig, *fixed: str) -> np.ndarray:
+    """A fresh solve on the mesh and the groups of now, lifted by a half."""
+    at_rest = plate.control.copy()  # an object in no scene keeps the matrix it is given
+    at_rest.parent = None
+    at_rest.matrix_world = LIFT.inverted() @ plate.control.matrix_world
+    expected = Expected(plate.obj, at_rest, fixed=("Base", *fixed))
+    bpy.data.objects.remove(at_rest)
+    return expected.shape(LIFT)
+
+
+def with_a_fixed_middle(plate: Rig, _expected: Expected) -> np.ndarray:
+    return bound_anew(plate, "Middle")
+
+
+def with_both_sides(plate: Rig, _expected: Expected) -> np.ndarray:
+    return bound_anew(plate, "Side.L", "Side.R")
+
+
+def with_left_side(plate: Rig, _expected: Expected) -> np.ndarray:
+    return bound_anew(plate, "Side.L")
+
+
+def anew(plate: Rig, _expected: Expected) -> np.ndarray:
+    return bound_anew(plate)
+
+
+def add_middle(plate: Rig) -> None:
+    add_group(plate.obj, "Middle", lambda point: abs(point[1]) < 0.15)
+
+
+def add_left_side(plate: Rig) -> None:
+    add_group(plate.obj, "Side.L", lambda point: point[0] > 0.75 and abs(point[1]) < 0.3)
+    run("handle_add", kind="FIXED", vertex_group="Side.L")
+
+
+def add_empty_deformer(plate: Rig) -> None:
+    run("deformer_add", method="thin_shell")
+    plate.obj.sinew.active_deformer = 0
+
+
+def add_loose_vertex(plate: Rig) -> None:
+    plate.obj.data.vertices.add(1)
+    run("bind")
+
+
+def let_regions_overlap(plate: Rig) -> None:
+    """Base takes a vertex of Top, which refuses the bind."""
+    plate.obj.vertex_groups["Base"].add([int(plate.top[0])], 1.0, "REPLACE")
+    with pytest.raises(RuntimeError, match="share 1 vertex"):
+        bpy.ops.sinew.bind()
+
+
+def add_box(plate: Rig, inside_out: bool = False) -> None:
+    """A cube around the plate, wherever the pose takes that."""
+    bpy.ops.mesh.primitive_cube_add(size=6.0)
+    bpy.context.object.name = "Cage"
+    if inside_out:
+        bpy.context.object.data.flip_normals()
+    make_active(plate.obj)
+
+
+def cage_it(plate: Rig, inside_out: bool = False, **automatic: float) -> None:
+    """Behind the deformer with handles, which stays the active one."""
+    add_box(plate, inside_out)
+    bpy.ops.sinew.cage_add(**(automatic or {"source": "OBJECT", "cage": "Cage"}))
+    make_active(plate.obj)
+    plate.obj.sinew.active_deformer = 0
+
+
+def on_cage(operator: str, **keywords) -> None:
+    bpy.context.object.sinew.active_deformer = 1
+    run(operator, **keywords)
+    bpy.context.object.sinew.active_deformer = 0
+
+
+def add_cage() -> None:
+    target = bpy.context.object
+    run("cage_add", source="OBJECT", cage="Cage")
+    target.sinew.active_deformer = 0
+
+
+def bake_keys() -> None:
+    run("bake", target="SHAPE_KEYS", frame_start=1, frame_end=2)
+
+
+@dataclass(frozen=True)
+class Case:
+    """What a user presses on a posed plate, and what is seen before and then."""
+
+    press: Callable[[], None]
+    shape: Callable[[Rig, Expected], np.ndarray]
+    prepare: Callable[[Rig], object] = lambda _plate: None
+    before: Callable[[Rig, Expected], np.ndarray] = unchanged
+
+
+OPERATORS = {
+    "deformer_add": Case(lambda: run("deformer_add", method="thin_shell"), unchanged),
+    "deformer_remove": Case(lambda: run("deformer_remove"), at_rest),
+    "deformer_move": Case(
+        lambda: run("deformer_move", direction="DOWN", index=0), unchanged, add_empty_deformer
+    ),
+    "cage_add": Case(add_cage, unchanged, add_box),
+    "cage_set_rest": Case(lambda: on_cage("cage_set_rest"), unchanged, cage_it),
+    "cage_flip": Case(lambda: on_cage("cage_flip"), unchanged, lambda plate: cage_it(plate, True)),
+    "cage_faces": Case(lambda: on_cage("cage_faces", faces=30), unchanged, lambda of: cage_it(of, faces=60)),
+    "handle_add": Case(
+        lambda: run("handle_add", kind="FIXED", vertex_group="Middle"), with_a_fixed_middle, add_middle
+    ),
+    "handle_remove": Case(lambda: run("handle_remove", index=1), everything_moved),
+    "handle_move": Case(lambda: run("handle_move", direction="DOWN", index=0), unchanged),
+    "handle_mirror": Case(
+        lambda: run("handle_mirror", side="LEFT_TO_RIGHT"), with_both_sides, add_left_side, with_left_side
+    ),
+    "bind": Case(lambda: run("bind"), unchanged),
+    "unbind": Case(lambda: run("unbind"), at_rest),
+    "apply": Case(lambda: run("apply"), unchanged),
+    "bake": Case(bake_keys, unchanged),
+    "unbake": Case(lambda: run("unbake"), unchanged),
+    "repair": Case(lambda: run("repair"), anew, add_loose_vertex),
+    "part_regions": Case(lambda: run("part_regions"), anew, let_regions_overlap, at_rest),
+    "select_handle": Case(lambda: run("select_handle", index=0), unchanged),
+    "drag": Case(lambda: run("drag", origin=(0.0, 0.9, 5.0), value=(0.0, 0.0, -0.5)), at_rest),
+}
+BEFORE_THE_PRESS = {"unbake": bake_keys}  # of the pose, not of the rest shape
+
+
+def pose(plate: Rig, name: str = "", loose_parts: str = "FOLLOW") -> Expected:
+    """Bound and lifted by a half, with an undo step of its own."""
+    plate.bind()
+    plate.deformer.loose_parts = loose_parts
+    expected = Expected.of_rig(plate, free_parts=loose_parts.lower())
+    if name:
+        OPERATORS[name].prepare(plate)
+    if name == "repair":
+        expected.rebind(plate.obj)
+    push("bound")
+    plate.lift(0.5)
+    make_active(plate.obj)
+    BEFORE_THE_PRESS.get(name, lambda: None)()
+    push("posed")
+    return expected
+
+
+@pytest.mark.parametrize("name", OPERATORS)
+def test_undo_and_redo_of(plate: Rig, name: str):
+    case = OPERATORS[name]
+    expected = pose(plate, name)
+    before, shape_before = structure(plate), case.before(plate, expected)
+    assert close(plate.points(), shape_before)
+    case.press()
+    after, shape = structure(plate), case.shape(plate, expected)
+    assert close(plate.points(), shape)
+    for _ in range(2):
+        bpy.ops.ed.undo()
+        assert structure(plate) == before
+        assert close(plate.points(), shape_before)
+        bpy.ops.ed.redo()
+        assert structure(plate) == after
+        assert close(plate.points(), shape)
+    bpy.ops.ed.undo()
+    if case.before is unchanged and name not in BEFORE_THE_PRESS:
+        plate.lift(0.25)  # and it lives on
+        assert close(plate.points(), expected.shape(Matrix.Translation((0.0, 0.0, 0.75))))
+
+
+def test_every_operator_has_its_undo_tested():
+    """Those that change nothing leave no step. Some are tested where the operator is."""
+    names = set(dir(bpy.ops.sinew))
+    with_undo = {n for n in names if "UNDO" in getattr(getattr(bpy.types, f"SINEW_OT_{n}"), "bl_options", ())}
+    elsewhere = {"control_new", "preset_apply", "curve_edit", "transfer_deformation", "silhouette_sketch"}
+    elsewhere |= {"key_add", "key_move", "key_remove", "morph", "grid_new", "handle_stand", "settings_share"}
+    elsewhere |= {"puppet_pin", "puppet_pose", "puppet_rig", "cage_outside_follow", "armature_off", "refine"}
+    assert with_undo == {*OPERATORS, *IN_EDIT_MODE, *elsewhere, *BUTTONS}
+    without = {"cancel", "check_installation", "help", "key_jump", "preset_add", "report_renders", "watch"}
+    assert names - with_undo <= without
+
+
+IN_EDIT_MODE = {
+    "select_problems": lambda: run("select_problems"),
+    "select_distorted": lambda: run("select_distorted"),
+    "grab_region": lambda: run("grab_region", value=(0.0, 0.0, 0.2), radius=0.4),
+}
+
+
+@pytest.mark.parametrize("name", ["select_problems", "select_distorted"])
+def test_undo_and_redo_of_what_enters_edit_mode(plate: Rig, name: str):
+    """It selects there; undo leaves Edit Mode again."""
+    make_active(plate.obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
+    bpy.ops.object.mode_set(mode="OBJECT")
+    expected = pose(plate, loose_parts="STAY")
+    IN_EDIT_MODE[name]()
+    assert plate.obj.mode == "EDIT"
+    bpy.ops.ed.undo()
+    assert plate.obj.mode == "OBJECT"
+    assert close(plate.points(), expected.shape(LIFT))
+    bpy.ops.ed.redo()
+    if plate.obj.mode == "EDIT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    assert close(plate.points(), expected.shape(LIFT))
+
+
+def test_undo_and_redo_of_grab_region_on_a_target(plate: Rig):
+    """It edits the mesh itself, which the deformer follows as it follows any edit."""
+    expected, at_rest = pose(plate), plate.rest()
+    bpy.ops.object.mode_set(mode="EDIT")
+    edit = bmesh.from_edit_mesh(plate.obj.data)
+    for vertex in edit.verts:
+        vertex.select = abs(vertex.co.x) < 0.1 and abs(vertex.co.y) < 0.1
+    edit.select_flush_mode()
+    bmesh.update_edit_mesh(plate.obj.data)
+    push("selected")
+    IN_EDIT_MODE["grab_region"]()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    grabbed = plate.rest()
+    assert np.linalg.norm(grabbed - at_rest, axis=1).max() == pytest.approx(0.2, abs=1e-6)
+    assert close(plate.points(), expected.now(plate.obj, plate.control, incoming=grabbed))
+    bpy.ops.object.mode_set(mode="EDIT")
+    push("Edit Mode")
+    bpy.ops.ed.undo()
+    bpy.ops.ed.undo()
+    if plate.obj.mode == "EDIT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    assert close(plate.rest(), at_rest)
+    assert close(plate.points(), expected.shape(LIFT))
+
+
+def set_factor(rig: HandleRig) -> np.ndarray:
+    rig.deformer.factor = 0.5
+    return 0.5 * rig.rest() + 0.5 * rig.at(0.5)
+
+
+def stop_live(rig: HandleRig) -> np.ndarray:
+    rig.deformer.live = False
+    return rig.at(0.5)
+
+
+def set_mask(rig: HandleRig) -> np.ndarray:
+    rig.deformer.mask_group = "Top"
+    shown = rig.rest()
+    shown[rig.top] = rig.at(0.5)[rig.top]
+    return shown
+
+
+def switch_off_its_handle(rig: HandleRig) -> np.ndarray:
+    rig.deformer.handles[0].enabled = False
+    return rig.rest()
+
+
+def press_bind(rig: HandleRig) -> np.ndarray:
+    rig.press("bind")
+    return rig.at(0.5)
+
+
+def press_unbind(rig: HandleRig) -> np.ndarray:
+    rig.press("unbind")
+    return rig.rest()
+
+
+def remove_deformer(rig: HandleRig) -> np.ndarray:
+    rig.press("deformer_remove")
+    return rig.rest()
+
+
+def move_on(rig: HandleRig) -> np.ndarray:
+    move_world(rig.control, Matrix.Translation((0.0, 0.0, 0.25)))
+    return rig.at(0.75)
+
+
+def change_topology(rig: HandleRig) -> np.ndarray:
+    rig.change_topology()
+    return rig.rest()
+
+
+CHANGES = Table()
+CHANGES.on(MESHES)(set_mask)
+CHANGES.on(REGIONS)(switch_off_its_handle)
+for changed in (set_factor, stop_live, press_bind, press_unbind, remove_deformer, move_on, change_topology):
+    CHANGES.on(ALL)(changed)
+
+
+@every(CHANGES)
+def test_undo_and_redo_on_every_rig(posed: HandleRig, event: Event):
+    make_active(posed.obj)
+    push("posed")
+    shape, whole = event.happen(posed), posed.at(0.5)
+    push("changed")
+    assert posed.shows(shape)
+    for _ in range(2):
+        go(bpy.ops.ed.undo, posed, len(whole))
+        assert posed.is_right()
+        go(bpy.ops.ed.redo, posed, len(shape))
+        assert posed.shows(shape)
+    go(bpy.ops.ed.undo, posed, len(whole))
+    assert posed.is_right()
+    posed.lift(0.25)  # and it lives on
+    assert posed.is_right()
+
+
+def go(way: Callable, rig: HandleRig, count: int) -> None:
+    """Undo or redo, across the steps in Edit Mode, to so many points."""
+    way()
+    for _ in range(5):
+        if rig.obj.mode != "OBJECT" or len(rig.rest()) != count:
+            way()
+
+
+def test_undo_and_redo_of_weights(plate: Rig):
+    """A soft handle gives way: the library solves with the weight itself."""
+    expected = pose(plate)
+    plate.deformer.handles[0].weight = 0.25
+    push("weight")
+    plate.obj.vertex_groups["Top"].add([int(index) for index in plate.top], 0.25, "REPLACE")
+    control = plate.control.copy()
+    control.parent = None
+    control.matrix_world = LIFT.inverted() @ plate.control.matrix_world
+    soft = Expected(plate.obj, control).shape(LIFT)
+    bpy.data.objects.remove(control)
+    assert np.abs(soft - expected.shape(LIFT)).max() > 1e-3
+    assert close(plate.points(), soft)
+    bpy.ops.ed.undo()
+    assert close(plate.points(), expected.shape(LIFT))
+    bpy.ops.ed.redo()
+    assert close(plate.points(), soft)
+
+
+class Story:
+    """Undo steps with what each must show. A check is None where the mesh is in Edit Mode."""
+
+    def __init__(self, plate: Rig) -> None:
+        self.plate = plate
+        self.steps: list[tuple[str, np.ndarray | None]] = []
+
+    def tell(self, name: str, shape: np.ndarray | None) -> None:
+        push(name)
+        self.steps.append((name, shape))
+        self.check(len(self.steps) - 1)
+
+    def check(self, number: int) -> None:
+        name, shape = self.steps[number]
+        if shape is not None:
+            assert self.plate.obj.mode == "OBJECT", name
+            assert close(self.plate.points(), shape), name
+
+    def walk(self, start: int, end: int) -> None:
+        """Undo or redo one step at a time, looking at each."""
+        direction = 1 if end > start else -1
+        for number in range(start + direction, end + direction, direction):
+            (bpy.ops.ed.redo if direction > 0 else bpy.ops.ed.undo)()
+            self.check(number)
+
+
+def test_undo_to_a_step_that_was_saved_before_it_was_solved(plate: Rig):
+    """Blender then brings back a shape mesh that is older than the pose."""
+    plate.bind()
+    push("bound")
+    with evaluated_by(None):
+        plate.lift(0.5)
+        push("moved, not solved")
+    plate.obj.update_tag()
+    moved = plate.points()
+    assert close(moved[plate.top], plate.rest()[plate.top] + (0.0, 0.0, 0.5))
+    plate.obj.location.x += 1.0
+    push("later")
+    bpy.ops.ed.undo()
+    assert np.array_equal(plate.points(), moved)
+
+
+def test_history_across_binds_and_topology_edits(plate: Rig):
+    story = Story(plate)
+    make_active(plate.obj)
+    story.tell("start", plate.rest())
+    plate.bind()
+    expected = Expected.of_rig(plate)
+    story.tell("bound", plate.rest())
+    plate.lift(0.5)
+    story.tell("moved", expected.lifted(0.5))
+    make_active(plate.obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    story.tell("Edit Mode", None)
+    bpy.ops.mesh.select_all(action="SELECT")
+    story.tell("selected", None)
+    bpy.ops.mesh.subdivide()
+    story.tell("subdivided", None)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    story.tell("topology changed", plate.rest())
+    move_world(plate.control, LIFT.inverted())
+    fine = Expected.of_rig(plate)
+    move_world(plate.control, LIFT)
+    bpy.ops.sinew.bind()
+    story.tell("rebound", fine.lifted(0.5))
+    plate.lift(-0.2)
+    story.tell("moved again", fine.lifted(0.3))
+    bpy.ops.sinew.unbind()
+    story.tell("unbound", plate.rest())
+    bpy.ops.sinew.bind()
+    story.tell("bound where it stood", plate.rest())
+    plate.lift(0.4)
+    story.tell("moved at last", fine.lifted(0.4))
+
+    last = len(story.steps) - 1
+    story.walk(last, 0)
+    assert len(plate.obj.sinew.deformers) == len(plate.obj.modifiers) == 0
+    for start, end in ((0, last), (last, 2), (2, 7), (7, 5), (5, last)):
+        story.walk(start, end)
+
+
+def test_history_of_a_drag_and_of_what_drives_it(plate: Rig):
+    """Moves, a turn, a constraint, a parent: whatever moves a control is taken back with it."""
+    plate.bind()
+    expected = Expected.of_rig(plate)
+    story = Story(plate)
+    story.tell("bound", plate.rest())
+    for height in (0.1, 0.2, 0.3):
+        plate.lift(0.1)
+        story.tell("moved", expected.lifted(height))
+    turn = Matrix.Rotation(0.4, 4, "X")
+    move_world(plate.control, turn)
+    story.tell("turned", expected.now(plate.obj, plate.control))
+    parent = bpy.data.objects.new("Parent", None)
+    bpy.context.scene.collection.objects.link(parent)
+    plate.control.constraints.new("CHILD_OF").target = parent
+    story.tell("constrained", expected.now(plate.obj, plate.control))
+    parent.location.x = 0.3
+    update()
+    story.tell("parent moved", expected.now(plate.obj, plate.control))
+    last = len(story.steps) - 1
+    story.walk(last, 0)
+    story.walk(0, last)
+
+
+def test_undo_of_deleting_a_vertex_and_redo_after_the_rebind(plate: Rig):
+    plate.bind()
+    expected = Expected.of_rig(plate)
+    plate.lift(0.5)
+    make_active(plate.obj)
+    story = Story(plate)
+    story.tell("posed", expected.lifted(0.5))
+    bpy.ops.object.mode_set(mode="EDIT")
+    edit = bmesh.from_edit_mesh(plate.obj.data)
+    for vertex in edit.verts:
+        vertex.select = abs(vertex.co.x) < 0.1 and abs(vertex.co.y) < 0.5
+    edit.select_flush_mode()
+    bmesh.update_edit_mesh(plate.obj.data)
+    bpy.ops.mesh.delete(type="VERT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    story.tell("hole", plate.rest())
+    move_world(plate.control, LIFT.inverted())
+    holed = Expected.of_rig(plate)
+    move_world(plate.control, LIFT)
+    bpy.ops.sinew.bind()
+    story.tell("rebound", holed.lifted(0.5))
+    for start, end in ((2, 0), (0, 2), (2, 1), (1, 2)):
+        story.walk(start, end)
+
+
+# --- while a thread binds: what the user does meanwhile, and what is seen then
+
+
+def undone(rig: HandleRig) -> np.ndarray:
+    bpy.ops.ed.undo()
+    return rig.at(0.0)
+
+
+def saved_and_loaded(rig: HandleRig) -> np.ndarray:
+    reopen(rig.folder / "rig.blend")
+    return rig.at(0.5)
+
+
+def rendered(rig: HandleRig) -> np.ndarray:
+    assert rig.renders(rig.at(0.5))
+    return rig.at(0.5)
+
+
+def frame_changed(rig: HandleRig) -> np.ndarray:
+    bpy.context.scene.frame_set(5)
+    return rig.at(0.5)
+
+
+def switched_forth_and_back(rig: HandleRig) -> np.ndarray:
+    method = rig.deformer.method
+    rig.deformer.method = next(other for other in (*rig.methods, *BY_ID) if other != method)
+    update()
+    rig.deformer.method = method
+    return rig.at(0.5)
+
+
+def deleted(rig: HandleRig) -> None:
+    make_active(rig.obj)
+    bpy.ops.object.delete()
+
+
+def replaced_by_a_new_file(_rig: HandleRig) -> None:
+    new_file()
+
+
+MEANWHILE = (undone, saved_and_loaded, rendered, frame_changed, set_factor, switched_forth_and_back)
+MEANWHILE += (press_unbind, deleted, replaced_by_a_new_file)
+
+
+@pytest.mark.parametrize("event", MEANWHILE, ids=lambda event: event.__name__)
+def test_while_a_thread_binds_a_rig_is(rig: HandleRig, monkeypatch, tmp_path: Path, event: Callable):
+    """What the thread was asked for is no longer wanted, or comes later: the shape is that of now."""
+    rig.folder = tmp_path
+    rig.start()
+    push("bound")
+    rig.lift(0.5)
+    push("posed")
+    bind_in_thread(rig.obj, rig.deformer, monkeypatch)
+    shape = event(rig)
+    assert finish()
+    if shape is None:
+        assert room("session").owners() == []
+        fresh = type(rig).new("Fresh").start()
+        fresh.lift(0.25)
+        assert fresh.is_right()
+    else:
+        assert rig.shows(shape)
+    assert not room("session").busy()

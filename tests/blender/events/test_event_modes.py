@@ -1,0 +1,480 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Edit, Sculpt, Weight Paint Mode on the target; its topology and its weights changed there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from events import ALL, MESHES, REBIND, REGIONS, Event, Table, every, is_bound_again, is_over, lives_on
+from inside import catch_up, room, settle
+from rigs.kinds import HandleRig
+from rigs.rig import (
+    Rig,
+    add_armature,
+    change_in_edit_mode,
+    close,
+    key_heights,
+    make_active,
+    push,
+    reopen,
+    select,
+    update,
+)
+
+EDITS = Table()
+EVENTS = Table()
+
+
+def enter(rig: Rig, mode: str) -> None:
+    make_active(rig.obj)
+    bpy.ops.object.mode_set(mode=mode)
+
+
+def leave() -> None:
+    """Back to Object Mode, and the pause after it in which a window's timer works."""
+    bpy.ops.object.mode_set(mode="OBJECT")
+    settle()
+
+
+# --- in every mode
+
+MODES = [("handles", mode) for mode in ("EDIT", "SCULPT", "WEIGHT_PAINT", "VERTEX_PAINT", "TEXTURE_PAINT")]
+MODES += [("cage", "EDIT"), ("cage", "SCULPT"), ("curve in a cage", "EDIT")]
+
+
+@pytest.mark.parametrize(("rig", "mode"), MODES, ids=" ".join, indirect=["rig"])
+def test_in_every_mode_controls_move_frames_change_and_files_are_saved(posed: HandleRig, mode: str):
+    """During the mode where Blender evaluates modifiers in it, and afterwards."""
+    enter(posed, mode)
+    assert posed.obj.mode == mode
+    posed.lift(0.25)
+    assert mode == "EDIT" or posed.is_right()
+    catch_up()
+    leave()
+    assert posed.is_right()
+    assert posed.deformer.status_level == "INFO"
+    key_heights(posed.control, {1: 0.0, 11: 1.0})
+    enter(posed, mode)
+    for frame in (11, 1, 11):
+        bpy.context.scene.frame_set(frame)
+    leave()
+    assert posed.shows(posed.at(1.0))
+    enter(posed, mode)
+    reopen(posed.folder / "rig.blend")
+    if posed.obj.mode != "OBJECT":
+        make_active(posed.obj)
+        leave()
+    assert posed.shows(posed.at(1.0))
+    posed.control.animation_data_clear()
+    posed.lift(-0.25)
+    assert posed.shows(posed.at(0.75))
+
+
+# --- other vertices, other faces
+
+
+@EDITS.on(ALL)
+def subdivided(rig: HandleRig) -> None:
+    rig.change_topology()
+
+
+@EDITS.on(REGIONS)
+def extruded(rig: HandleRig) -> None:
+    """The far edge grows; new vertices inherit the groups."""
+
+    def extrude(edit: bmesh.types.BMesh) -> None:
+        select(edit, lambda point: point.y > 0.95)
+        bmesh.update_edit_mesh(rig.obj.data)
+        bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0.0, 0.2, 0.0)})
+
+    change_in_edit_mode(rig.obj, extrude)
+
+
+@EDITS.on(MESHES)
+def cut(rig: HandleRig) -> None:
+    """A hole."""
+
+    def cut_a_hole(edit: bmesh.types.BMesh) -> None:
+        select(edit, lambda point: abs(point.x) < 0.1 and abs(point.y) < 0.5)
+        bmesh.update_edit_mesh(rig.obj.data)
+        bpy.ops.mesh.delete(type="VERT")
+
+    change_in_edit_mode(rig.obj, cut_a_hole)
+
+
+def operate(rig: HandleRig, operator, **keywords: object) -> None:
+    """On the whole mesh."""
+    enter(rig, "EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    operator(**keywords)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+@EDITS.on(MESHES)
+def reversed_in_order(rig: HandleRig) -> None:
+    """The same number of vertices."""
+    operate(rig, bpy.ops.mesh.sort_elements, type="REVERSE", elements={"VERT"})
+
+
+@EDITS.on(REGIONS)
+def triangulated(rig: HandleRig) -> None:
+    """The same vertices, other faces. A ball has triangles already."""
+    operate(rig, bpy.ops.mesh.quads_convert_to_tris)
+
+
+@EDITS.on(MESHES)
+def given_another_part(rig: HandleRig) -> None:
+    operate(rig, bpy.ops.mesh.primitive_cube_add, size=0.1, location=(0.0, 0.0, 0.3))
+
+
+@EDITS.on(MESHES)
+def given_a_vertex_for_another(rig: HandleRig) -> None:
+    def exchange(edit: bmesh.types.BMesh) -> None:
+        bmesh.ops.delete(edit, geom=[edit.verts[len(edit.verts) // 2]], context="VERTS")
+        edit.verts.new((0.0, 0.0, 0.4))
+
+    change_in_edit_mode(rig.obj, exchange)
+
+
+@pytest.mark.parametrize("automatic", [False, True])
+@pytest.mark.parametrize("rig", MESHES, indirect=True)
+def test_saving_right_after_a_topology_edit_stores_no_wrong_shape(posed: HandleRig, automatic: bool):
+    """No timer had time to look: Blender in the background never has one."""
+    posed.deformer.auto_rebind = automatic
+    reversed_in_order(posed)
+    reopen(posed.folder / "rig.blend")
+    posed.poses.rebind(posed.obj)
+    assert posed.is_right() if automatic else posed.is_at_rest()
+
+
+@EVENTS.on(ALL)
+def its_topology_changed_and_changed_back(rig: HandleRig) -> None:
+    """By undo of the edit, Blender's own way back; no rebind is needed."""
+    count = len(rig.rest())
+    push("posed")
+    rig.change_topology()
+    settle()
+    push("changed")
+    assert rig.deformer.status == REBIND
+    for _ in range(5):  # steps in Edit Mode
+        if len(rig.rest()) != count or rig.obj.mode != "OBJECT":
+            bpy.ops.ed.undo()
+    catch_up()
+
+
+# --- Edit and Sculpt Mode
+
+
+def turn_faces(obj: bpy.types.Object, where: Callable[[np.ndarray], bool]) -> None:
+    """Flip Normals on the faces whose centres are there."""
+
+    def flip(edit: bmesh.types.BMesh) -> None:
+        for face in edit.faces:
+            face.select_set(bool(where(face.calc_center_median())))
+        bmesh.update_edit_mesh(obj.data)
+        assert bpy.ops.mesh.flip_normals() == {"FINISHED"}
+
+    change_in_edit_mode(obj, flip)
+
+
+@EVENTS.on([kind for kind in ALL if kind != "curve in a cage"], then=is_bound_again)
+def its_faces_turned(rig: HandleRig) -> None:
+    """Some of them, all, and in the file: they are the same faces. Rebind takes them as they are then."""
+    for where in (lambda point: point.x > 0.1, lambda _point: True):
+        turn_faces(rig.obj, where)
+        settle()
+        lives_on(rig)
+    reopen(rig.folder / "turned.blend")
+    lives_on(rig)
+
+
+def test_turned_faces_count_from_the_next_bind_on(plate: Rig):
+    """Weights are painted in between. Most methods give the same shape in any case; this one does not."""
+    for vertex in plate.obj.data.vertices:
+        vertex.co.z = 0.3 * np.sin(3.0 * vertex.co.x)
+    plate.bind("subspace_laplacian")
+    plate.lift(0.5)
+    before = plate.points()
+    turn_faces(plate.obj, lambda _point: True)
+    settle()
+    assert close(plate.points(), before)
+    for weight in (0.5, 1.0):
+        plate.obj.vertex_groups["Base"].add(plate.base.tolist(), weight, "REPLACE")
+        plate.obj.data.update_tag()
+        settle()
+        assert close(plate.points(), before) == (weight == 1.0)
+    make_active(plate.obj)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    assert not close(plate.points(), before, 0.01)
+
+
+@EVENTS.on(["cage", "curve in a cage"])
+def the_faces_of_its_control_turned(rig: HandleRig) -> None:
+    for where in (lambda point: point.z > 0.1, lambda _point: True):
+        turn_faces(rig.control, where)
+        settle()
+        lives_on(rig)
+
+
+@EVENTS.on(ALL)
+def taken_for_another_topology_in_an_older_file(rig: HandleRig) -> None:
+    """As files were saved after faces were turned, before these counted as the same ones."""
+    rig.deformer.topology_changed = True
+    reopen(rig.folder / "turned.blend")
+
+
+@EVENTS.on(MESHES, then=is_bound_again)
+def its_vertices_moved_in_edit_mode(rig: HandleRig) -> None:
+    """On top of the pose: the rest shape stays that of the bind until the next, what enters is followed."""
+    rest = rig.rest()
+
+    def raise_some(edit: bmesh.types.BMesh) -> None:
+        for vertex in edit.verts[len(rest) // 2 : len(rest) // 2 + 4]:
+            vertex.co.z += 0.1
+
+    change_in_edit_mode(rig.obj, raise_some)
+    settle()
+    bump = rig.rest() - rest
+    assert np.abs(bump).max() > 0.09
+    for _ in range(2):
+        assert rig.shows(rig.at(rig.height) + bump)
+        rig.lift(0.25)
+
+
+@EVENTS.on(MESHES, then=is_bound_again)
+def its_vertices_moved_in_sculpt_mode(rig: HandleRig) -> None:
+    """A stroke needs a window; it ends as this edit does, in the mesh."""
+    bump = np.zeros_like(rig.rest())
+    bump[len(bump) // 2 :][:4, 2] = 0.1
+    enter(rig, "SCULPT")
+    rig.obj.data.vertices.foreach_set("co", (rig.rest() + bump).astype(np.float32).ravel())
+    rig.obj.data.update()
+    update()
+    leave()
+    assert rig.shows(rig.at(0.5) + bump)
+
+
+@EVENTS.on(MESHES)
+def edited_beside_its_copy(rig: HandleRig) -> None:
+    """Both in Edit Mode at once."""
+    make_active(rig.obj)
+    rig.control.select_set(True)
+    bpy.ops.object.duplicate()
+    copy = bpy.context.object
+    catch_up()
+    make_active(rig.obj)
+    copy.select_set(True)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert rig.obj.mode == copy.mode == "EDIT"
+    rig.lift(0.25)
+    leave()
+    assert rig.shows(rig.at(0.5), copy)
+
+
+@EVENTS.on(MESHES)
+def sculpted_with_deforming_modifiers_only(rig: HandleRig) -> None:
+    """Blender then leaves modifiers of nodes out: the pose comes back with Object Mode."""
+    enter(rig, "SCULPT")
+    bpy.context.scene.tool_settings.sculpt.use_deform_only = True
+    rig.obj.update_tag()
+    update()
+    rig.lift(0.25)
+    catch_up()
+    leave()
+
+
+@EVENTS.on(MESHES)
+def sculpted_with_dynamic_topology(rig: HandleRig) -> None:
+    """Blender switches modifiers off; what comes back is another mesh, or the old one."""
+    enter(rig, "SCULPT")
+    if "FINISHED" not in bpy.ops.sculpt.dynamic_topology_toggle():
+        pytest.skip("this Blender asks before it starts dynamic topology")
+    update()
+    rig.lift(0.25)
+    catch_up()
+    bpy.ops.sculpt.dynamic_topology_toggle()
+    leave()
+    if rig.is_at_rest():  # its vertices are in another order
+        assert rig.deformer.status == REBIND
+        rig.press("bind")
+        rig.poses.rebind(rig.obj)
+
+
+@EVENTS.on(REGIONS, then=is_over)
+def given_levels_of_multires_above(rig: HandleRig) -> None:
+    """They smooth its result."""
+    rig.obj.modifiers.new("Multires", "MULTIRES")
+    assert rig.is_right()
+    enter(rig, "SCULPT")
+    rig.lift(0.0)
+    leave()
+    assert rig.is_right()
+
+
+def test_multires_below(plate: Rig):
+    """The deformer works on the fine mesh."""
+    make_active(plate.obj)
+    plate.obj.modifiers.new("Multires", "MULTIRES")
+    bpy.ops.object.multires_subdivide(modifier="Multires", mode="SIMPLE")
+    plate.bind()
+    points = plate.points()
+    plate.lift(0.5)
+    lifted = plate.points()
+    assert len(lifted) > len(plate.rest())
+    far = points[:, 1] > 0.85
+    assert close(lifted[far], points[far] + (0.0, 0.0, 0.5), 1e-5)
+    enter(plate, "SCULPT")
+    plate.lift(0.0)
+    leave()
+    assert close(plate.points(), lifted)
+
+
+# --- weights, painted in Object or in Weight Paint Mode
+
+
+def paint(rig: Rig, group: str, weight: float, members: list[int] | None = None) -> None:
+    """As one stroke; all vertices of the group where none are named."""
+    index = rig.obj.vertex_groups[group].index
+    found = [vertex.index for vertex in rig.obj.data.vertices if index in {g.group for g in vertex.groups}]
+    rig.obj.vertex_groups[group].add(members or found, weight, "REPLACE")
+    rig.obj.data.update()
+    rig.obj.data.update_tag()
+    settle()
+
+
+@EVENTS.on(REGIONS)
+def its_weights_painted(rig: HandleRig) -> None:
+    """Each stroke takes effect when it ends; the mode need not be left."""
+    hard = rig.points()
+    for mode in ("OBJECT", "WEIGHT_PAINT"):
+        enter(rig, mode)
+        for weight in (0.5, 0.1, 1.0):
+            paint(rig, "Top", weight)
+            rig.poses.rebind(rig.obj)
+            assert rig.is_right()
+            assert weight == 1.0 or np.abs(rig.points() - hard).max() > 1e-3
+        leave()
+
+
+@EVENTS.on(REGIONS, then=is_over)
+def its_weights_changed_by_operators(rig: HandleRig) -> None:
+    rig.obj.vertex_groups.active = rig.obj.vertex_groups["Top"]
+    enter(rig, "WEIGHT_PAINT")
+    hard = rig.points()
+    for operator, keywords in (
+        (bpy.ops.object.vertex_group_levels, {"gain": 0.3}),
+        (bpy.ops.object.vertex_group_invert, {}),
+        (bpy.ops.object.vertex_group_invert, {}),
+        (bpy.ops.object.vertex_group_smooth, {"factor": 0.5, "repeat": 2}),
+    ):
+        operator(group_select_mode="ACTIVE", **keywords)
+        settle()
+        if rig.deformer.status_level == "INFO":
+            rig.poses.rebind(rig.obj)
+            assert rig.is_right()
+        else:
+            assert "share 22 vertices" in rig.deformer.status
+            assert rig.is_at_rest()
+    assert np.abs(rig.points() - hard).max() > 1e-3
+    leave()
+
+
+@EVENTS.on(REGIONS)
+def its_region_painted_wider_and_emptied(rig: HandleRig) -> None:
+    for mode in ("EDIT", "WEIGHT_PAINT"):
+        enter(rig, mode)
+        bpy.ops.object.mode_set(mode="OBJECT" if mode == "EDIT" else mode)
+        paint(rig, "Top", 1.0, [60, 61])
+        rig.poses.rebind(rig.obj)
+        assert rig.points()[[60, 61], 2] == pytest.approx(0.5, abs=1e-6)
+        assert rig.is_right()
+        rig.obj.vertex_groups["Top"].remove(list(range(121)))
+        rig.obj.data.update()
+        settle()
+        assert rig.is_at_rest()
+        assert "1 fixed, bound in" in rig.deformer.status
+        paint(rig, "Top", 1.0, rig.top.tolist())
+        rig.poses.rebind(rig.obj)
+        assert rig.is_right()
+    leave()
+
+
+@EVENTS.on(REGIONS)
+def a_group_of_no_region_painted(rig: HandleRig) -> None:
+    """It binds nothing."""
+    rig.obj.vertex_groups.new(name="Other")
+    settle()
+    session = room("session").find(rig.deformer.uid)
+    bound = session.bound
+    paint(rig, "Other", 1.0, [0, 1])
+    assert session.bound is bound
+
+
+def test_weights_painted_on_a_mesh_that_an_armature_poses_keep_the_rest_shape(plate: Rig):
+    armature = add_armature(plate.obj)
+    plate.bind("thin_shell")
+    armature.pose.bones["high"].location = (0.0, 0.0, 0.4)
+    update()
+    rest, key = plate.deformer.rest, room("ids").Keys.REST_TOKEN
+    token, held = rest[key], [vertex.co[:] for vertex in rest.vertices]
+    paint(plate, "Top", 0.5)
+    assert rest[key] != token
+    assert [vertex.co[:] for vertex in rest.vertices] == held
+
+
+def datablocks_of(deformer) -> list[int]:
+    """Which ones a deformer points to."""
+    shapes = [deformer.proxy, deformer.proxy_render]
+    kept = [*shapes, *(shape.data for shape in shapes), deformer.rest, deformer.rest_render]
+    return [datablock.as_pointer() for datablock in kept]
+
+
+@pytest.mark.parametrize("change", ["weights", "topology", "renders"])
+def test_what_a_pause_renews_keeps_its_datablocks(plate: Rig, change: str):
+    """Undo leaves an object alone where its steps agree, also one that a pause has changed since."""
+    if change == "renders":
+        modifier = plate.obj.modifiers.new("Subdivision", "SUBSURF")
+        modifier.levels = modifier.render_levels = 1
+    plate.bind("thin_shell")
+    plate.lift()
+    plate.deformer.auto_rebind = True
+    push("bound")
+    before, size = datablocks_of(plate.deformer), len(plate.deformer.rest_in("RENDER").vertices)
+    if change == "weights":
+        plate.obj.vertex_groups["Top"].add(plate.top.tolist(), 0.3, "REPLACE")
+    elif change == "topology":
+        subdivide = bmesh.ops.subdivide_edges
+        change_in_edit_mode(plate.obj, lambda edit: subdivide(edit, edges=edit.edges, cuts=1))
+    else:
+        modifier.render_levels = 2
+    plate.obj.data.update_tag()
+    bpy.ops.ed.undo_push(message="changed")
+    settle()
+    after = len(plate.deformer.rest_in("RENDER").vertices)
+    assert after == size if change == "weights" else after > size
+    assert datablocks_of(plate.deformer) == before
+    shown = plate.points()
+    bpy.ops.ed.undo()
+    settle()
+    assert len(plate.deformer.rest_in("RENDER").vertices) == size
+    bpy.ops.ed.redo()
+    settle()
+    assert close(plate.points(), shown, 1e-6)
+
+
+# --- each of them
+
+
+@every(EVENTS)
+def test_a_rig_lives_through(posed: HandleRig, event: Event):
+    event.run(posed)
+
+
+@pytest.mark.parametrize("automatic", [False, True])
+@every(EDITS)
+def test_other_vertices_are_noticed(posed: HandleRig, event: Event, automatic: bool):
+    event.edit(posed, automatic)

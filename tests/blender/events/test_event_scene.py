@@ -1,0 +1,313 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scenes, view layers, exclusions, instances; controls hidden in every way, in viewport and render."""
+
+import bpy
+import pytest
+from events import ALL, REGIONS, Event, Table, every, is_over
+from expected import Expected
+from inside import catch_up
+from mathutils import Matrix
+from probe import render
+from rigs.kinds import HandleRig
+from rigs.rig import (
+    MATRIX,
+    Rig,
+    close,
+    grid_object,
+    instances_of,
+    key_heights,
+    new_armature,
+    new_empty,
+    update,
+)
+
+INSTANCES = Table()
+
+
+def own_collection(*objects: bpy.types.Object) -> bpy.types.Collection:
+    collection = bpy.data.collections.new("Hidden")
+    bpy.context.scene.collection.children.link(collection)
+    for obj in objects:
+        for other in obj.users_collection:
+            other.objects.unlink(obj)
+        collection.objects.link(obj)
+    update()
+    return collection
+
+
+def layer_collection(layer: bpy.types.ViewLayer | None = None) -> bpy.types.LayerCollection:
+    return (layer or bpy.context.view_layer).layer_collection.children["Hidden"]
+
+
+def hide(obj: bpy.types.Object, way: str) -> None:
+    """Each way a user has."""
+    if way in ("hide_viewport", "hide_render"):
+        setattr(obj, way, True)
+    elif way == "eye":
+        obj.hide_set(True)
+    elif way == "excluded":
+        own_collection(obj)
+        layer_collection().exclude = True
+    elif way == "collection eye":
+        own_collection(obj)
+        layer_collection().hide_viewport = True
+    elif way in ("collection hide_viewport", "collection hide_render"):
+        setattr(own_collection(obj), way.split()[1], True)
+    elif way == "unlinked":
+        for collection in obj.users_collection:
+            collection.objects.unlink(obj)
+
+
+WAYS = (
+    "hide_viewport",
+    "eye",
+    "excluded",
+    "collection hide_viewport",
+    "hide_render",
+    "collection eye",
+    "collection hide_render",
+    "unlinked",
+)
+
+
+@pytest.fixture
+def animated(rig: HandleRig) -> HandleRig:
+    """Bound; its control is at height 0 at frame 1, which is now, and at 1 at frame 11."""
+    rig.start()
+    key_heights(rig.control, {1: 0.0, 11: 1.0})
+    bpy.context.scene.frame_set(1)
+    return rig
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_hidden_control_still_moves_the_shape(rig: HandleRig, way: str):
+    """Animated, in the viewport and in renders; and by hand."""
+    rig.start()
+    moves_though_hidden(rig, rig.control, rig.control, way)
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_hidden_armature_still_moves_its_region(plate: Rig, way: str):
+    rig = HandleRig.called(plate.name)
+    armature = new_armature(high=((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    rig.bind(control_object="Rig", bone="high")
+    rig.poses = Expected(rig.obj, rig.obj)
+    moves_though_hidden(rig, armature, armature.pose.bones["high"], way)
+
+
+def moves_though_hidden(rig: HandleRig, control: bpy.types.Object, mover, way: str) -> None:
+    key_heights(mover, {1: 0.0, 11: 1.0})
+    hide(control, way)
+    if way == "unlinked" and not rig.counts_in_no_scene:
+        assert rig.shows(rig.at(0.0))
+        assert rig.control_is_missing(rig.obj)
+        return
+    for frame, height in ((11, 1.0), (1, 0.0), (11, 1.0)):
+        bpy.context.scene.frame_set(frame)
+        assert rig.shows(rig.at(height), tolerance=MATRIX)
+        assert rig.renders(rig.at(height), MATRIX)
+        assert rig.shows(rig.at(height), tolerance=MATRIX)
+    control.animation_data_clear()
+    mover.location = (0.0, 0.0, 0.25)
+    assert rig.shows(rig.at(0.25), tolerance=MATRIX)
+    assert rig.renders(rig.at(0.25), MATRIX)
+
+
+def test_a_target_hidden_from_renders_is_right_in_the_viewport(animated: HandleRig):
+    animated.obj.hide_render = True
+    bpy.context.scene.frame_set(11)
+    assert animated.name not in render()[-1]
+    assert animated.shows(animated.at(1.0))
+
+
+@pytest.mark.parametrize("way", [way for way in WAYS if "render" not in way])
+def test_a_target_hidden_in_the_viewport_is_right_in_renders_and_when_shown_again(
+    animated: HandleRig, way: str
+):
+    """But an excluded or unlinked one is in no render either, as any object."""
+    obj = animated.obj
+    hide(obj, way)
+    bpy.context.scene.frame_set(11)
+    seen = render()[-1]
+    if way in ("excluded", "unlinked"):
+        assert animated.name not in seen
+    else:
+        assert close(seen[animated.name], animated.at(1.0), animated.tolerance)
+    obj.hide_viewport = False
+    if way == "eye":
+        obj.hide_set(False)
+    elif way == "unlinked":
+        bpy.context.scene.collection.objects.link(obj)
+    elif way != "hide_viewport":
+        layer_collection().exclude = layer_collection().hide_viewport = False
+        bpy.data.collections["Hidden"].hide_viewport = False
+    assert animated.shows(animated.at(1.0))
+    animated.control.animation_data_clear()
+    animated.lift(-0.5)
+    assert animated.shows(animated.at(0.5))
+
+
+def test_view_layers_with_exclusions(animated: HandleRig):
+    """The control is excluded from one layer, the target from the other; both are rendered."""
+    scene, obj = bpy.context.scene, animated.obj
+    own_collection(animated.control)
+    targets = bpy.data.collections.new("Targets")
+    scene.collection.children.link(targets)
+    scene.collection.objects.unlink(obj)
+    targets.objects.link(obj)
+    first, second = bpy.context.view_layer, scene.view_layers.new("Second")
+    layer_collection(first).exclude = True
+    second.layer_collection.children["Targets"].exclude = True
+    third = scene.view_layers.new("Third")
+    scene.frame_set(11)
+    seen = render(layer="")
+    assert [obj.name in layer for layer in seen] == [True, False, True]
+    for layer in (seen[0], seen[2]):
+        assert close(layer[obj.name], animated.at(1.0), animated.tolerance)
+    for layer in (first, third):
+        layer.update()
+        assert animated.shows_in(layer, animated.at(1.0))
+
+
+def test_a_control_moved_in_a_layer_without_the_target(rig: HandleRig):
+    rig.start()
+    own_collection(rig.obj)
+    first, second = bpy.context.view_layer, bpy.context.scene.view_layers.new("Second")
+    layer_collection(second).exclude = True
+    rig.control.matrix_basis = Matrix.Translation((0.0, 0.0, 0.5))
+    second.update()
+    first.update()
+    assert rig.shows(rig.at(0.5))
+
+
+# --- several scenes
+
+
+def second_scene(*objects: bpy.types.Object) -> bpy.types.Scene:
+    """With these objects of the first."""
+    second = bpy.data.scenes.new("Second")
+    second.world = bpy.context.scene.world
+    for obj in objects:
+        second.collection.objects.link(obj)
+    return second
+
+
+def test_scenes_at_different_frames_share_a_target(animated: HandleRig):
+    """Blender has one animated state of an object: what counts is the scene that is looked at, when it is."""
+    first, second = bpy.context.scene, second_scene(animated.obj, animated.control)
+    first.frame_set(1)
+    for frame, height in ((1, 0.0), (11, 1.0)):
+        second.frame_set(11)
+        assert animated.shows_in(second, animated.at(1.0))
+        first.frame_set(frame)
+        assert animated.shows(animated.at(height))
+
+
+def test_rendering_another_scene_leaves_this_one_alone(animated: HandleRig):
+    first, second = bpy.context.scene, second_scene(animated.obj, animated.control)
+    second.frame_start = second.frame_end = 11
+    first.frame_set(1)
+    seen = render(second, animation=True)[-1]
+    assert close(seen[animated.name], animated.at(1.0), animated.tolerance)
+    assert animated.shows(animated.at(0.0))
+    assert close(render(first)[-1][animated.name], animated.at(0.0), animated.tolerance)
+
+
+def test_a_scene_without_the_control(animated: HandleRig):
+    """The target is linked into another scene alone, its control follows by the driver."""
+    second = second_scene(animated.obj)
+    second.frame_set(11)
+    assert animated.shows_in(second, animated.at(1.0), tolerance=MATRIX)
+    second.frame_start = second.frame_end = 11
+    assert close(render(second, animation=True)[-1][animated.name], animated.at(1.0), MATRIX)
+
+
+@pytest.mark.parametrize("kind", ["LINK_COPY", "FULL_COPY"])
+def test_a_copied_scene(posed: HandleRig, kind: str):
+    """A linked copy shows the same rig, a full copy has one of its own."""
+    first = bpy.context.scene
+    bpy.ops.scene.new(type=kind)
+    second = next(scene for scene in bpy.data.scenes if scene != first)
+    copy = next(obj for obj in second.objects if obj.sinew.deformers)
+    assert (copy == posed.obj) == (kind == "LINK_COPY")
+    for scene in (first, second):
+        scene.view_layers[0].update()
+    catch_up()
+    posed.control_of(copy).location.z += 0.25
+    for scene in (second, first):
+        scene.view_layers[0].update()
+    assert posed.shows_in(second, posed.at(0.75), copy)
+    assert posed.shows_in(first, posed.at(0.75 if kind == "LINK_COPY" else 0.5))
+
+
+def test_the_scene_deleted_that_the_rig_was_made_in(rig: HandleRig):
+    rig.start()
+    first, second = bpy.context.scene, second_scene(rig.obj, rig.control)
+    bpy.data.scenes.remove(first)
+    update()
+    rig.control.location.z += 0.5
+    second.view_layers[0].update()
+    assert rig.shows_in(second, rig.at(0.5))
+    if bpy.context.scene == second:
+        assert rig.shows(rig.at(0.5))
+
+
+# --- instances
+
+
+def collection_of(*objects: bpy.types.Object) -> bpy.types.Collection:
+    """In no scene."""
+    collection = bpy.data.collections.new("Asset")
+    for obj in objects:
+        collection.objects.link(obj)
+    return collection
+
+
+def add_instance(collection: bpy.types.Collection, x: float = 0.0) -> None:
+    instance = new_empty("Instance")
+    instance.instance_type, instance.instance_collection = "COLLECTION", collection
+    instance.location.x = x
+
+
+@INSTANCES.on(ALL)
+def put_into_a_collection_with_instances(rig: HandleRig) -> None:
+    collection = collection_of(rig.obj)
+    for x in (3.0, 6.0):
+        add_instance(collection, x)
+    rig.lift(0.25)
+    found = instances_of(rig.name)
+    assert sorted(matrix[0, 3] for matrix, _points in found) == [3.0, 6.0]
+    for _matrix, points in found:
+        assert close(points, rig.at(0.75), rig.tolerance)
+
+
+@INSTANCES.on(ALL, then=is_over)
+def instanced_on_vertices(rig: HandleRig) -> None:
+    parent = grid_object("Field", cells=1)
+    parent.instance_type = "VERTS"
+    rig.obj.parent = parent
+    update()
+    rig.lift(0.25)
+    found = instances_of(rig.name)
+    assert len(found) == 4
+    for _matrix, points in found:
+        assert close(points, rig.at(0.75), rig.tolerance)
+
+
+@INSTANCES.on(REGIONS, then=is_over)
+def shown_by_an_instance_alone(rig: HandleRig) -> None:
+    """Target and control are in no scene but the one that the instance gives them."""
+    control = rig.control
+    collection = collection_of(rig.obj, control)
+    for obj in (rig.obj, control):
+        bpy.context.scene.collection.objects.unlink(obj)
+    add_instance(collection)
+    update()
+    control.matrix_basis = Matrix.Translation((0.0, 0.0, 0.75))
+    ((_matrix, points),) = instances_of(rig.name)
+    assert close(points, rig.at(0.75))
+
+
+@every(INSTANCES)
+def test_instances_show_the_pose(posed: HandleRig, event: Event):
+    event.run(posed)

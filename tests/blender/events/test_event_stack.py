@@ -1,0 +1,546 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Modifiers added, removed, applied, muted, moved, copied; ours too, by the buttons that Blender has."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+import pytest
+from events import (
+    ALL,
+    MESHES,
+    REBIND,
+    REGIONS,
+    Event,
+    Table,
+    bind_restores,
+    every,
+    is_over,
+    rebinds_by_itself,
+    says_rebind,
+)
+from expected import Expected
+from inside import room, settle
+from mathutils import Matrix
+from probe import render_points
+from registry import BY_ID, WITH_HANDLES
+from rigs.kinds import RIGS, HandleRig
+from rigs.rig import (
+    FLOAT32,
+    Rig,
+    add_armature,
+    add_group,
+    apply_matrix,
+    close,
+    evaluated_points,
+    grid_object,
+    key_heights,
+    make_active,
+    move_world,
+    update,
+)
+
+EVENTS = Table()
+Add = Callable[[bpy.types.Object], bpy.types.Modifier]
+
+
+def twist(obj: bpy.types.Object) -> bpy.types.Modifier:
+    """It moves all vertices, and adds none."""
+    modifier = obj.modifiers.new("Twist", "SIMPLE_DEFORM")
+    modifier.deform_method, modifier.deform_axis, modifier.angle = "TWIST", "Y", 0.7
+    return modifier
+
+
+def subdivision(obj: bpy.types.Object, levels: int = 1, render_levels: int = 1) -> bpy.types.Modifier:
+    modifier = obj.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels, modifier.render_levels = levels, render_levels
+    return modifier
+
+
+def array(obj: bpy.types.Object) -> bpy.types.Modifier:
+    modifier = obj.modifiers.new("Array", "ARRAY")
+    modifier.relative_offset_displace = (0.0, 0.0, 0.0)
+    modifier.use_constant_offset, modifier.constant_offset_displace = True, (0.0, 0.0, 3.0)
+    return modifier
+
+
+def solidify(obj: bpy.types.Object) -> bpy.types.Modifier:
+    modifier = obj.modifiers.new("Solidify", "SOLIDIFY")
+    modifier.thickness = 0.1
+    return modifier
+
+
+def by_blender(rig: Rig, points: np.ndarray, *modifiers: Add) -> np.ndarray:
+    """What Blender's modifiers make of the rig's mesh with these points."""
+    mesh = rig.obj.data.copy()
+    mesh.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    mesh.update()
+    plain = bpy.data.objects.new("Plain", mesh)
+    bpy.context.scene.collection.objects.link(plain)
+    for add in modifiers:
+        add(plain)
+    found = evaluated_points(plain)
+    bpy.data.objects.remove(plain)
+    bpy.data.meshes.remove(mesh)
+    return found
+
+
+def move_to(rig: Rig, name: str, index: int) -> None:
+    """A modifier, in the stack."""
+    make_active(rig.obj)
+    bpy.ops.object.modifier_move_to_index(modifier=name, index=index)
+
+
+def apply(rig: Rig, name: str) -> None:
+    """By Blender's own button."""
+    make_active(rig.obj)
+    bpy.ops.object.modifier_apply(modifier=name)
+    settle()
+
+
+# --- Blender's modifiers
+
+
+@EVENTS.on(MESHES)
+def a_deforming_modifier_added_moved_muted_and_removed(rig: HandleRig) -> None:
+    """Before ours in the stack its result is what we deform; after ours it works on our result."""
+    twist(rig.obj)
+    after = by_blender(rig, rig.at(0.5), twist)
+    assert rig.shows(after)
+    move_to(rig, "Twist", 0)
+    before = rig.now(incoming=by_blender(rig, rig.rest(), twist))
+    assert np.abs(before - after).max() > 1e-3
+    assert rig.shows(before)
+    move_to(rig, "Twist", 1)
+    assert rig.shows(after)
+    rig.obj.modifiers["Twist"].show_viewport = False
+    assert rig.is_right()
+    assert rig.renders(after)
+    rig.obj.modifiers["Twist"].show_viewport = True
+    rig.obj.modifiers.remove(rig.obj.modifiers["Twist"])
+    assert rig.is_right()
+
+
+@EVENTS.on(REGIONS)
+def a_deforming_modifier_before_ours_applied(rig: HandleRig) -> None:
+    """The mesh takes its shape; what enters ours stays the same, and so does what is seen."""
+    rig.press("unbind")
+    rig.relax()
+    rig.lift_to(0.0)
+    twist(rig.obj)
+    move_to(rig, "Twist", 0)
+    rig.press("bind")
+    twisted = by_blender(rig, rig.rest(), twist)
+    rig.poses.rebind(rig.obj, twisted)
+    rig.lift(0.5)
+    assert rig.is_right()
+    apply(rig, "Twist")
+    assert close(rig.rest(), twisted)
+
+
+@EVENTS.on(MESHES)
+def a_constructive_modifier_added_after_ours_and_removed(rig: HandleRig) -> None:
+    for add in (subdivision, array, solidify):
+        modifier = add(rig.obj)
+        for _ in range(2):
+            shown = by_blender(rig, rig.at(rig.height), add)
+            assert rig.shows(shown, tolerance=1e-5)
+            assert rig.renders(shown, 1e-5)
+            rig.lift(0.1)
+        rig.obj.modifiers.remove(modifier)
+        settle()
+        assert rig.is_right()
+
+
+@pytest.mark.parametrize("automatic", [False, True])
+@pytest.mark.parametrize("rig", MESHES, indirect=True)
+@pytest.mark.parametrize("add", [subdivision, array], ids=lambda add: add.__name__)
+def test_a_constructive_modifier_put_before_ours(posed: HandleRig, add: Add, automatic: bool):
+    """Other vertices enter: rest and a word about it, right after Rebind or by itself; so when it goes."""
+    posed.deformer.auto_rebind = automatic
+    rest = posed.rest()
+    modifier = add(posed.obj)
+    move_to(posed, modifier.name, 0)
+    settle()
+    entering = by_blender(posed, rest, add)
+    if not automatic:
+        assert posed.shows(entering)
+        assert posed.deformer.status == REBIND
+        posed.press("bind")
+    shown = posed.points()
+    assert np.abs(shown - entering).max() > 0.4
+    if posed.deformer.handles:
+        fresh = HandleRig(grid_object("Fresh"))
+        add(fresh.obj)
+        fresh.bind()
+        fresh.lift(0.5)
+        assert posed.shows(fresh.points())
+    posed.obj.modifiers.remove(posed.obj.modifiers[0])
+    settle()
+    (rebinds_by_itself if automatic else says_rebind)(posed)
+
+
+@pytest.mark.parametrize("automatic", [False, True])
+def test_a_constructive_modifier_after_ours_applied(posed_plate: HandleRig, automatic: bool):
+    """Blender applies it to the mesh, without the pose: the deformer has another mesh before it then."""
+    posed_plate.deformer.auto_rebind = automatic
+    subdivision(posed_plate.obj)
+    posed_plate.points()
+    apply(posed_plate, "Subdivision")
+    assert len(posed_plate.rest()) > 400
+    if not automatic:
+        assert posed_plate.is_at_rest()
+        assert posed_plate.deformer.status == REBIND
+        posed_plate.press("bind")
+    rebinds_by_itself(posed_plate)
+
+
+@EVENTS.on(REGIONS)
+def shape_keys_added_blended_and_removed(rig: HandleRig) -> None:
+    obj, entering = rig.obj, rig.rest()
+    obj.shape_key_add(name="Basis")
+    wave = obj.shape_key_add(name="Wave")
+    for point in wave.data:
+        point.co.z = 0.2 * point.co.x
+    settle()
+    for value in (0.0, 1.0, 0.5):
+        wave.value = value
+        entering[:, 2] = value * 0.2 * entering[:, 0]
+        assert rig.shows(rig.now(incoming=entering))
+    obj.shape_key_clear()
+
+
+@EVENTS.on(REGIONS, then=is_over)
+def an_armature_added_before_it(rig: HandleRig) -> None:
+    """The skin comes after the pose: the deformer then works on what the bones give it."""
+    armature = add_armature(rig.obj)
+    move_to(rig, "Armature", 0)
+    bone = armature.pose.bones["high"]
+    bone.rotation_euler = (0.0, 0.0, 0.4)
+    update()
+    turned = rig.rest()
+    high = turned[:, 1] > 0.0
+    turned[high] = apply_matrix(bone.matrix @ bone.bone.matrix_local.inverted(), turned[high])
+    assert rig.shows(rig.now(incoming=turned), tolerance=1e-5)
+
+
+@pytest.mark.parametrize("method", WITH_HANDLES)
+def test_an_armature_before_ours_is_followed_and_corrected(plate: Rig, method: str):
+    armature = add_armature(plate.obj)
+    plate.bind(method)
+    bone = armature.pose.bones["high"]
+    bone.rotation_euler = (0.0, 0.0, 0.6)
+    update()
+    posed = plate.rest()
+    high = posed[:, 1] > 0.0
+    posed[high] = apply_matrix(bone.matrix @ bone.bone.matrix_local.inverted(), posed[high])
+    # unmoved handles change nothing: exactly for displacements, within its tolerance for an iteration
+    assert close(plate.points(), posed, 1e-2 if BY_ID[method].iterative else FLOAT32)
+    plate.lift(0.4)
+    assert close(plate.points()[plate.top], posed[plate.top] + (0.0, 0.0, 0.4))
+
+
+def test_a_handle_from_rest_on_the_bone_that_moved_the_mesh(plate: Rig):
+    armature = add_armature(plate.obj)
+    plate.bind(control_object="Rig", bone="high")
+    bone = armature.pose.bones["high"]
+    bone.location = (0.1, 0.2, 0.3)
+    update()
+    posed = apply_matrix(bone.matrix @ bone.bone.matrix_local.inverted(), plate.rest()[plate.top])
+    assert np.abs(plate.points()[plate.top] - posed).max() > 0.1  # twice
+    plate.deformer.handles[0].from_rest = True
+    assert close(plate.points()[plate.top], posed)
+
+
+def test_a_modifier_that_makes_other_vertices_gets_displacements(plate: Rig):
+    armature = add_armature(plate.obj)
+    plate.bind()
+    plate.obj.modifiers.new("Remesh", "REMESH").voxel_size = 0.1
+    plate.lift(0.5)
+    armature.pose.bones["high"].location = (0.0, 0.0, 0.2)
+    assert plate.points()[:, 2].max() > 0.3
+    plate.obj.modifiers.remove(plate.obj.modifiers["Remesh"])
+    update()
+
+
+def test_vertices_in_another_order_keep_their_own_displacement(plate: Rig):
+    """Build can shuffle the vertices of a complete mesh: the set of points must stay what it was."""
+    plate.bind().lift(0.5)
+    ordered = plate.points()
+    build = plate.obj.modifiers.new("Build", "BUILD")
+    build.frame_start, build.frame_duration = -100.0, 1.0
+    build.use_random_order, build.seed = True, 3
+    plate.lift(0.0)
+    shuffled = plate.points()
+    assert not np.array_equal(shuffled, ordered)
+    same_order = [points[np.lexsort(np.round(points, 4).T)] for points in (ordered, shuffled)]
+    assert close(*same_order)
+    notes = [line.text for line in room("core.status").notes(plate.deformer.uid)]
+    assert any("displacement" in text for text in notes)
+
+
+@pytest.mark.parametrize("levels", [(1, 2), (2, 1), (0, 1), (0, 2)])
+def test_other_subdivision_levels_in_renders_before_ours(plate: Rig, levels: tuple[int, int]):
+    """Each as a rig of its own that has these levels in the viewport."""
+    subdivision(plate.obj, *levels)
+    plate.bind()
+    plate.lift(0.5)
+    expected = []
+    for level in levels:
+        fresh = Rig(grid_object(f"Level {level}"))
+        subdivision(fresh.obj, level, level)
+        fresh.bind().lift(0.5)
+        expected.append(fresh.points())
+    for _ in range(2):
+        assert close(plate.points(), expected[0])
+        assert close(render_points(plate.obj), expected[1])
+    assert plate.deformer.status_level == "INFO"
+
+
+@pytest.mark.parametrize("shown_in", ["viewport", "render"])
+def test_a_modifier_before_ours_that_is_shown_in_one_place_only(plate: Rig, shown_in: str):
+    modifier, flat = twist(plate.obj), plate.rest()
+    modifier.show_viewport, modifier.show_render = shown_in == "viewport", shown_in == "render"
+    twisted = by_blender(plate, flat, twist)
+    in_viewport, in_render = (twisted, flat) if shown_in == "viewport" else (flat, twisted)
+    plate.bind()
+    plate.deformer.handles[0].stands_on = "WORLD"  # as its pose is read there
+    expected = Expected(plate.obj, plate.control, points=in_viewport)
+    plate.lift(0.5)
+    assert close(plate.points(), expected.now(plate.obj, plate.control, incoming=in_viewport))
+    assert close(render_points(plate.obj), expected.now(plate.obj, plate.control, incoming=in_render))
+
+
+# --- ours, by Blender's own buttons
+
+
+@EVENTS.on(ALL)
+def ours_muted_and_shown(rig: HandleRig) -> None:
+    modifier = rig.obj.modifiers[0]
+    modifier.show_viewport = False
+    assert rig.is_at_rest()
+    rig.lift(0.25)
+    assert rig.is_at_rest()
+    assert rig.renders(rig.at(0.75))
+    modifier.show_viewport = True
+    assert rig.is_right()
+    modifier.show_render = False
+    assert rig.renders(rig.rest())
+    assert rig.is_right()
+    modifier.show_render = True
+
+
+@EVENTS.on(MESHES, then=is_over)
+def ours_applied(rig: HandleRig) -> None:
+    """The mesh takes the shape once; the deformer left behind deforms nothing, and says what to do."""
+    apply(rig, rig.obj.modifiers[0].name)
+    shape = rig.at(0.5)
+    assert close(rig.rest(), shape)
+    assert rig.shows(shape)
+    rig.lift(0.25)
+    assert rig.shows(shape)
+    assert rig.deformer.status_level in ("ERROR", "WARNING")
+    rig.press("deformer_remove")
+    assert rig.shows(shape)
+
+
+@EVENTS.on(ALL, then=bind_restores)
+def ours_removed(rig: HandleRig) -> None:
+    make_active(rig.obj)
+    bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
+
+
+@EVENTS.on(MESHES)
+def ours_copied(rig: HandleRig) -> None:
+    """Two modifiers show one shape: the pose is seen once, not twice."""
+    make_active(rig.obj)
+    bpy.ops.object.modifier_copy(modifier=rig.obj.modifiers[0].name)
+    for _ in range(3):
+        settle()
+        assert rig.is_right()
+        rig.lift(0.25)
+    bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
+
+
+@EVENTS.on(MESHES)
+def ours_copied_to_another_object(rig: HandleRig) -> None:
+    """It shows the shape as a mirror does; the rig stays one."""
+    other = bpy.data.objects.new("Other", rig.obj.data.copy())
+    bpy.context.scene.collection.objects.link(other)
+    make_active(rig.obj)
+    other.select_set(True)
+    bpy.ops.object.make_links_data(type="MODIFIERS")
+    settle()
+    rig.lift(0.25)
+    assert rig.is_right()
+    assert rig.shows(rig.at(0.75), other)
+    bpy.data.objects.remove(other)
+
+
+@EVENTS.on(MESHES, then=is_over)
+def converted_to_a_mesh(rig: HandleRig) -> None:
+    subdivision(rig.obj)
+    smooth = by_blender(rig, rig.at(0.5), subdivision)
+    make_active(rig.obj)
+    bpy.ops.object.convert(target="MESH")
+    for _ in range(2):
+        settle()
+        assert rig.shows(smooth, tolerance=1e-5)
+        rig.obj.update_tag()
+
+
+# --- several deformers
+
+LIFT, SHIFT = Matrix.Translation((0.0, 0.0, 0.5)), Matrix.Translation((0.2, 0.0, 0.0))
+
+
+class Two:
+    """A rig with a deformer behind, which moves a corner by itself; what to see of each by what enters it."""
+
+    def __init__(self, rig: HandleRig, method: str = "thin_shell") -> None:
+        self.rig, obj = rig.start(), rig.obj
+        self.first = rig.control
+        extent = np.abs(rig.rest()).max()
+        self.corner = add_group(obj, "Corner", lambda p: p[0] > 0.6 * extent and p[1] > 0.3 * extent)
+        add_group(obj, "Rest", lambda p: p[0] < 0.3 * extent or p[1] < 0.1 * extent)
+        rig.press("deformer_add", method=method)
+        rig.press("handle_add", kind="HANDLE", vertex_group="Corner")
+        rig.press("handle_add", kind="FIXED", vertex_group="Rest")
+        obj.sinew.deformers[1].handles[0].stands_on = "WORLD"  # as its pose is read there
+        self.second = obj.sinew.deformers[1].handles[0].control
+        entering, regions = rig.points(), {"handle": "Corner", "fixed": ("Rest",)}
+        self.poses = Expected(obj, self.second, **regions, method=method, points=entering)
+
+    def after_first(self, incoming: np.ndarray | None = None) -> np.ndarray:
+        return self.rig.poses.now(self.rig.obj, self.first, incoming).astype(np.float32)
+
+    def after_second(self, incoming: np.ndarray | None = None) -> np.ndarray:
+        incoming = self.rig.rest() if incoming is None else incoming
+        return self.poses.now(self.rig.obj, self.second, incoming).astype(np.float32)
+
+    def shows(self, shape: np.ndarray) -> bool:
+        settle()
+        return self.rig.shows(shape, tolerance=1e-5)
+
+
+@pytest.fixture(params=MESHES)
+def two(request: pytest.FixtureRequest) -> Two:
+    """Both controls moved."""
+    two = Two(RIGS[request.param].new())
+    move_world(two.first, LIFT)
+    move_world(two.second, SHIFT)
+    return two
+
+
+def test_two_deformers_add_up_in_any_order_with_others_between(two: Two):
+    rig, obj = two.rig, two.rig.obj
+    assert two.shows(two.after_second(two.after_first()))
+    names = [modifier.name for modifier in obj.modifiers]
+    twist(obj)
+    move_to(rig, "Twist", 1)
+    assert two.shows(two.after_second(by_blender(rig, two.after_first(), twist)))
+    obj.modifiers.remove(obj.modifiers["Twist"])
+    assert two.shows(two.after_second(two.after_first()))
+    move_to(rig, names[0], 1)
+    assert [modifier.name for modifier in obj.modifiers] == names[::-1]
+    assert two.shows(two.after_first(two.after_second()))
+    obj.modifiers[0].show_viewport = False
+    assert two.shows(two.after_first())
+    obj.modifiers[0].show_viewport = True
+    rig.press("deformer_remove", index=0)
+    assert two.shows(two.after_second())
+
+
+def test_the_factor_of_the_first_of_two_deformers_counts(two: Two):
+    before = two.rig.points()[two.corner]
+    two.rig.obj.sinew.deformers[0].factor = 0.5
+    rest = two.rig.rest()
+    half = 0.5 * (rest + two.after_first())
+    assert two.shows(two.after_second(half))
+    assert np.abs(two.rig.points()[two.corner] - before).max() > 0.1
+
+
+def test_the_second_of_two_deformers_is_right_at_once_in_a_jump(plate: Rig):
+    """No frame of delay: the answer after one jump is the answer after many evaluations."""
+    two = Two(HandleRig.new(), "arap")
+    key_heights(two.first, {1: 0.0, 10: 0.8})
+    two.second.rotation_euler.x = 0.4
+    bpy.context.scene.frame_set(1)
+    bpy.context.scene.frame_set(10)
+    once = two.rig.points()
+    for _ in range(3):
+        two.rig.obj.update_tag()
+        update()
+    assert np.array_equal(once, two.rig.points())
+
+
+@pytest.mark.parametrize("moved", [True, False])
+def test_the_second_follows_at_once_where_the_first_lets_go(plate: Rig, moved: bool):
+    """What enters it in that evaluation is still what the first one showed before."""
+    plate.bind()
+    control = plate.control
+    bpy.ops.sinew.deformer_add(method="arap")
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Top")
+    if moved:
+        move_world(control, LIFT)
+    assert (np.abs(plate.points() - plate.rest()).max() > 0.4) == moved
+    handle = plate.obj.sinew.deformers[0].handles[1]
+    handle.vertex_group = "Top"  # refused, since the other region has these vertices
+    assert close(plate.points(), plate.rest())
+    handle.vertex_group = "Base"
+    assert (np.abs(plate.points() - plate.rest()).max() > 0.4) == moved
+
+
+@EVENTS.on(MESHES)
+def given_deformers_without_regions_between(rig: HandleRig) -> None:
+    """What they let through reaches the next at once."""
+    for _ in range(2):
+        rig.press("deformer_add", method="thin_shell")
+    extent = np.abs(rig.rest()).max()
+    add_group(rig.obj, "Corner", lambda p: p[0] < -0.75 * extent and p[1] < 0.5 * extent)
+    rig.press("handle_add", kind="HANDLE", vertex_group="Corner")
+    rig.obj.sinew.active_deformer = 0
+    rig.lift(0.4)
+    once = rig.points()
+    rig.obj.update_tag()
+    assert np.array_equal(rig.points(), once)
+    rig.press("deformer_remove", index=2)
+    rig.press("deformer_remove", index=1)
+    rig.obj.sinew.active_deformer = 0
+
+
+@EVENTS.on(ALL)
+def its_factor_and_its_mask_set(rig: HandleRig) -> None:
+    """A part of the way; and the masked vertices alone, which are whole or at rest to the last bit."""
+    whole = rig.points()
+    rig.deformer.factor = 0.25
+    assert rig.shows(rig.rest() * 0.75 + whole * 0.25)
+    rig.deformer.factor = 1.0
+    if rig.obj.type == "MESH":
+        rig.deformer.mask_group = "Top"
+        shown = rig.rest()
+        shown[rig.top] = whole[rig.top]
+        assert np.array_equal(rig.points(), shown)
+        rig.deformer.mask_group = ""
+    assert np.array_equal(rig.points(), whole)
+
+
+@EVENTS.on(ALL)
+def live_off_and_on(rig: HandleRig) -> None:
+    """It keeps the last shape."""
+    before = rig.points()
+    rig.deformer.live = False
+    rig.lift(0.25)
+    assert np.array_equal(rig.points(), before)
+    rig.deformer.live = True
+    assert rig.is_right()
+
+
+# --- each of them
+
+
+@every(EVENTS)
+def test_a_rig_lives_through(posed: HandleRig, event: Event):
+    event.run(posed)

@@ -1,0 +1,473 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Corrections of a shape that bones, shape keys or another rig pose: they ride on the surface that enters.
+
+The far edge of a plate is carried by one bone alone, so a correction that was made at one frame must follow
+that bone at every other: the oracle is the matrix of the bone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from inside import notes_of, settle
+from libraries import add_collection, override, put_into_a_library
+from mathutils import Matrix
+from probe import render_points
+from registry import BY_ID, WITH_HANDLES
+from rigs.rig import (
+    MATRIX,
+    Rig,
+    add_armature,
+    add_group,
+    apply_matrix,
+    base_points,
+    close,
+    evaluated_points,
+    in_mode,
+    key,
+    make_active,
+    move_world,
+    new_empty,
+    push,
+    reopen,
+    update,
+)
+from rigs.sheet import draw
+
+MADE, FRAMES = 20, (1, 7, 20, 30)
+ITERATED = 1e-2  # where handles are not moved, an iteration may stop this far from what enters
+APPROXIMATE = {"inverse_ffd": 1e-3}  # handles are met as well as a lattice can
+LIFT = Matrix.Translation((0.05, -0.1, 0.2))
+TURN = LIFT @ Matrix.Rotation(0.4, 4, "Z")
+
+
+class Posed(Rig):
+    """A plate whose far part one bone bends and moves over the frames; it is made at the frame MADE."""
+
+    @classmethod
+    def new(cls) -> Posed:
+        plate = cls.plate()
+        bone = add_armature(plate.obj, split=-0.3).pose.bones["high"]
+        turns = {1: (0.0, 0.0, 0.0), MADE: (1.4, 0.3, -0.5), 30: (-0.6, 0.0, 0.8)}
+        key(bone, {frame: {"rotation_euler": turn} for frame, turn in turns.items()})
+        key(bone, {1: {"location": (0.0, 0.0, 0.0)}, 30: {"location": (0.2, 0.1, -0.3)}})
+        go(MADE)
+        return plate
+
+    def correct(self, motion: Matrix = TURN) -> Posed:
+        """Move the control in the world of this frame."""
+        move_world(self.control, motion)
+        self.made, self.motion = bone_now(), np.array(motion)
+        return self
+
+    def far_edge(self, obj: bpy.types.Object | None = None) -> np.ndarray:
+        """What the viewport shows of it in the world."""
+        obj = obj or self.obj
+        return apply_matrix(obj.matrix_world, evaluated_points(obj)[self.top])
+
+    def expected(self) -> np.ndarray:
+        """The far edge now in the world, as ``correct`` moved it when the bone was where it was then."""
+        return apply_matrix(self.carried() @ self.motion @ self.made, self.at_rest())
+
+    def at_rest(self) -> np.ndarray:
+        """Where the far edge is without bones, in the world."""
+        return apply_matrix(self.obj.matrix_world, base_points(self.obj)[self.top])
+
+    def carried(self) -> np.ndarray:
+        """How the bone has moved since ``correct``, (4, 4)."""
+        return bone_now() @ np.linalg.inv(self.made)
+
+    def is_right(self, tolerance: float = MATRIX, obj: bpy.types.Object | None = None) -> bool:
+        """The far edge is right in every frame."""
+        found = []
+        for frame in FRAMES:
+            go(frame)
+            found.append(close(self.far_edge(obj), self.expected(), tolerance))
+        return all(found)
+
+
+@pytest.fixture
+def arm() -> Posed:
+    return Posed.new()
+
+
+@pytest.fixture
+def corrected(arm: Posed) -> Posed:
+    arm.bind("thin_shell")
+    return arm.correct()
+
+
+def go(frame: int) -> None:
+    bpy.context.scene.frame_set(frame)
+
+
+def bone_now() -> np.ndarray:
+    """What the far bone does to the mesh in this frame, in the world, (4, 4)."""
+    rig = next(obj for obj in bpy.data.objects if obj.type == "ARMATURE" and obj.users_scene)
+    armature = rig.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    bone = armature.pose.bones["high"]
+    return np.array(bone.matrix @ bone.bone.matrix_local.inverted(), dtype=float)
+
+
+@pytest.mark.parametrize("method", WITH_HANDLES)
+def test_a_correction_rides_on_the_surface(arm: Posed, method: str):
+    arm.bind(method)
+    assert arm.deformer.handles[0].stands_on == "SURFACE"
+    off = ITERATED if BY_ID[method].iterative else MATRIX
+    for frame in FRAMES:  # without one, the bones alone count
+        go(frame)
+        shown = arm.points()
+        modifier = arm.obj.modifiers[-1]
+        modifier.show_viewport = False
+        assert close(shown, arm.points(), off), frame
+        modifier.show_viewport = True
+    go(MADE)
+    arm.correct()
+    off = APPROXIMATE.get(method, MATRIX)
+    assert arm.is_right(off)
+    for frame in FRAMES:
+        go(frame)
+        rendered = apply_matrix(arm.obj.matrix_world, render_points(arm.obj)[arm.top])
+        assert close(rendered, arm.expected(), off), frame
+
+
+def test_the_control_stands_on_the_surface_in_every_frame(corrected: Posed):
+    place = np.array(corrected.control.matrix_world)
+    for frame in FRAMES:
+        go(frame)
+        update()
+        wanted = corrected.carried() @ place
+        assert close(np.array(corrected.control.matrix_world), wanted, MATRIX), frame
+        bpy.context.view_layer.objects.active = corrected.control
+    corrected.control.matrix_basis = Matrix()  # Alt G, R, S
+    go(7)
+    assert close(corrected.far_edge(), apply_matrix(bone_now(), corrected.at_rest()), MATRIX)
+
+
+def saved_and_loaded(arm: Posed, folder: Path) -> None:
+    go(7)
+    reopen(folder / "arm.blend")
+
+
+def undone_and_redone(arm: Posed, _folder: Path) -> None:
+    push("corrected")
+    move_world(arm.control, Matrix.Translation((1.0, 0.0, 0.0)))
+    push("moved on")
+    go(1)
+    bpy.ops.ed.undo()
+    assert arm.is_right()
+    bpy.ops.ed.redo()
+    bpy.ops.ed.undo()
+
+
+def bound_again_at_another_frame(arm: Posed, _folder: Path) -> None:
+    go(7)
+    make_active(arm.obj)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+
+
+def given_another_handle_at_another_frame(arm: Posed, _folder: Path) -> None:
+    add_group(arm.obj, "Near", lambda point: -0.75 < point[1] < -0.5)
+    go(30)
+    make_active(arm.obj)
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Near")
+
+
+def given_a_new_control_at_another_frame(arm: Posed, _folder: Path) -> None:
+    bpy.data.objects.remove(arm.control)
+    assert arm.is_right()  # the correction stays on the skin meanwhile
+    go(7)
+    make_active(arm.obj)
+    assert bpy.ops.sinew.control_new() == {"FINISHED"}
+
+
+def moved_turned_and_applied(arm: Posed, _folder: Path) -> None:
+    """The mesh is brought back by its own points, so that the bone still moves the same places."""
+    bend = (
+        Matrix.Translation((0.3, 0.2, 0.1)) @ Matrix.Rotation(0.7, 4, "X") @ Matrix.Diagonal((1, 2, 0.5, 1))
+    )
+    go(7)
+    arm.obj.matrix_world = bend
+    arm.obj.data.transform(bend.inverted())
+    update()
+    make_active(arm.obj)
+    bpy.ops.object.transform_apply(location=True, rotation=True, scale=True)
+
+
+def renamed_with_its_control(arm: Posed, _folder: Path) -> None:
+    arm.control.name = "Elsewhere"
+    arm.obj.name = arm.name = "Renamed"
+    arm.deformer.handles[0].name = "Hand L"
+
+
+def switched_to_the_world_and_back(arm: Posed, _folder: Path) -> None:
+    go(7)
+    shown, place = arm.far_edge(), np.array(arm.control.matrix_world)
+    make_active(arm.obj)
+    for on in ("WORLD", "SURFACE"):
+        assert bpy.ops.sinew.handle_stand(on=on, index=0) == {"FINISHED"}
+        assert arm.deformer.handles[0].stands_on == on
+        assert close(arm.far_edge(), shown, MATRIX)
+        assert close(np.array(arm.control.matrix_world), place, MATRIX)
+
+
+def switched_undone_redone_and_undone(arm: Posed, _folder: Path) -> None:
+    go(7)
+    make_active(arm.obj)
+    push("corrected")
+    shown = arm.far_edge()
+    assert bpy.ops.sinew.handle_stand(on="WORLD", index=0) == {"FINISHED"}
+    push("in the world")
+    for step, on in ((bpy.ops.ed.undo, "SURFACE"), (bpy.ops.ed.redo, "WORLD"), (bpy.ops.ed.undo, "SURFACE")):
+        step()
+        assert arm.deformer.handles[0].stands_on == on
+        assert close(arm.far_edge(), shown, MATRIX)
+
+
+def switched_by_a_script(arm: Posed, _folder: Path) -> None:
+    go(30)
+    for on in ("WORLD", "SURFACE"):
+        shown = arm.far_edge()
+        arm.deformer.handles[0].stands_on = on
+        assert close(arm.far_edge(), shown, MATRIX)
+
+
+def moved_by_a_script_in_the_world(arm: Posed, _folder: Path) -> None:
+    """To a place in the world, in another frame: there the surface goes."""
+    go(7)
+    update()
+    place = arm.control.matrix_world.copy()
+    arm.control.matrix_world = LIFT @ place
+    assert close(arm.far_edge(), apply_matrix(np.array(LIFT), arm.expected()), MATRIX)
+    assert close(np.array(arm.control.matrix_world), np.array(LIFT @ place), MATRIX)
+    arm.control.matrix_world = place
+
+
+def bent_in_a_mesh_sequence_of_frames_backwards(arm: Posed, _folder: Path) -> None:
+    for frame in reversed(range(1, 31, 3)):
+        go(frame)
+        assert close(arm.far_edge(), arm.expected(), MATRIX), frame
+
+
+LIVES_THROUGH: list[Callable[[Posed, Path], None]] = [
+    saved_and_loaded,
+    undone_and_redone,
+    bound_again_at_another_frame,
+    given_another_handle_at_another_frame,
+    given_a_new_control_at_another_frame,
+    moved_turned_and_applied,
+    renamed_with_its_control,
+    switched_to_the_world_and_back,
+    switched_undone_redone_and_undone,
+    switched_by_a_script,
+    moved_by_a_script_in_the_world,
+    bent_in_a_mesh_sequence_of_frames_backwards,
+]
+
+
+@pytest.mark.parametrize("happens", LIVES_THROUGH, ids=lambda row: row.__name__)
+def test_a_correction_lives_through(corrected: Posed, tmp_path: Path, happens):
+    happens(corrected, tmp_path)
+    assert corrected.is_right(2e-5)
+    go(7)
+    rendered = render_points(corrected.obj)[corrected.top]
+    assert close(apply_matrix(corrected.obj.matrix_world, rendered), corrected.expected(), 2e-5)
+
+
+def parented_to_the_bone(control: bpy.types.Object) -> None:
+    armature = bpy.data.objects["Rig"]
+    make_active(armature)
+    armature.data.bones.active = armature.data.bones["high"]
+    control.select_set(True)
+    assert bpy.ops.object.parent_set(type="BONE", keep_transform=True) == {"FINISHED"}
+
+
+def constrained_to_the_bone(control: bpy.types.Object) -> None:
+    constraint = control.constraints.new("CHILD_OF")
+    constraint.target, constraint.subtarget = bpy.data.objects["Rig"], "high"
+    update()
+    armature = bpy.data.objects["Rig"].evaluated_get(bpy.context.evaluated_depsgraph_get())
+    constraint.inverse_matrix = (armature.matrix_world @ armature.pose.bones["high"].matrix).inverted()
+
+
+@pytest.mark.parametrize("take", [parented_to_the_bone, constrained_to_the_bone])
+def test_a_parent_that_moves_the_mesh_already_does_not_count_twice(corrected: Posed, take):
+    take(corrected.control)
+    update()
+    assert "Top now follows high" in notes_of(corrected.deformer)
+    if take is parented_to_the_bone:  # a constraint is not carried by the mesh as well
+        assert corrected.is_right(2e-5)
+    make_active(corrected.control)
+    for constraint in corrected.control.constraints:
+        corrected.control.constraints.remove(constraint)
+    bpy.ops.object.parent_clear(type="CLEAR_KEEP_TRANSFORM")
+    update()
+    assert not any("high" in note for note in notes_of(corrected.deformer))
+
+
+def test_keyframes_are_converted(arm: Posed):
+    """Each keeps the shape of its frame, both ways."""
+    arm.bind("thin_shell")
+    handle = arm.deformer.handles[0]
+    for frame, motion in ((7, LIFT), (30, TURN)):
+        go(frame)
+        arm.control.matrix_basis = motion
+        for channel in ("location", "rotation_euler"):
+            arm.control.keyframe_insert(channel, frame=frame)
+    shown = {}
+    for frame in (7, 30):
+        go(frame)
+        shown[frame] = arm.far_edge()
+    go(MADE)
+    for on in ("WORLD", "SURFACE"):
+        make_active(arm.obj)
+        assert bpy.ops.sinew.handle_stand(on=on, index=0) == {"FINISHED"}
+        assert handle.stands_on == on
+        for frame in (7, 30):
+            go(frame)
+            assert close(arm.far_edge(), shown[frame], 1e-4), (on, frame)
+        go(MADE)
+
+
+def test_where_nothing_moves_the_mesh_handles_stand_in_the_world(plate: Rig):
+    plate.bind("thin_shell")
+    assert plate.deformer.handles[0].stands_on == "WORLD"
+    with pytest.raises(RuntimeError, match="Nothing before Sinew moves this mesh"):
+        bpy.ops.sinew.handle_stand(on="SURFACE", index=0)
+
+
+def test_objects_and_bones_of_the_user_stand_in_the_world(arm: Posed):
+    new_empty("Mine")
+    arm.bind("thin_shell", control_object="Mine")
+    assert arm.deformer.handles[0].stands_on == "WORLD"
+
+
+def test_a_bone_as_a_control_does_not_count_twice_on_the_surface(arm: Posed):
+    arm.bind("thin_shell", control_object="Rig", bone="high")
+    arm.deformer.handles[0].stands_on = "SURFACE"
+    arm.made, arm.motion = bone_now(), np.eye(4)
+    assert arm.is_right()
+
+
+def test_copies_and_appended_rigs_ride_by_themselves(corrected: Posed, tmp_path: Path):
+    corrected.obj.select_set(True)
+    corrected.control.select_set(True)
+    bpy.ops.object.duplicate()
+    copy = next(obj for obj in bpy.context.selected_objects if obj.type == "MESH")
+    settle()
+    corrected_copy = copy.sinew.deformers[0].handles[0].control
+    assert corrected_copy not in (None, corrected.control)
+    assert corrected.is_right(obj=copy)
+    corrected_copy.matrix_basis = Matrix()
+    go(7)
+    assert close(corrected.far_edge(copy), apply_matrix(bone_now(), corrected.at_rest()), MATRIX)
+    assert corrected.is_right()
+
+
+@pytest.mark.parametrize("bring", [add_collection, override])
+def test_a_rig_from_a_library_rides(corrected: Posed, tmp_path: Path, bring):
+    path = put_into_a_library(
+        tmp_path / "asset.blend", corrected.obj, corrected.control, bpy.data.objects["Rig"]
+    )
+    bring(path)
+    corrected.name = next(obj.name for obj in bpy.context.scene.objects if obj.sinew.deformers)
+    assert corrected.is_right(2e-5)
+
+
+@pytest.mark.parametrize("method", ["arap", "inverse_ffd"])
+def test_sinew_drag_makes_controls_that_ride(arm: Posed, method: str):
+    vertex = int(np.argmin(np.linalg.norm(arm.rest() - (0.6, 0.6, 0.0), axis=1)))
+    place, normal = arm.points()[vertex], bone_now()[:3, 2]
+    bpy.ops.sinew.drag(
+        origin=place + normal, direction=-normal, value=(0.0, 0.0, 0.3), radius=0.15, method=method
+    )
+    assert arm.deformer.handles[arm.deformer.active_handle].stands_on == "SURFACE"
+    made = bone_now()
+    for frame in FRAMES:
+        go(frame)
+        turned = (bone_now() @ np.linalg.inv(made))[:3, :3] @ (0.0, 0.0, 0.3)
+        wanted = apply_matrix(bone_now(), arm.rest()[[vertex]]) + turned
+        assert close(arm.points()[[vertex]], wanted, MATRIX if method == "arap" else 0.02), frame
+
+
+@pytest.mark.parametrize("on_cage", [True, False])
+def test_grab_region_moves_what_is_seen_as_far_as_the_mouse(arm: Posed, on_cage: bool):
+    """Without the armature in Edit Mode, the mesh at rest is seen."""
+    before, rest = arm.points(), arm.rest()
+    arm.obj.modifiers[0].show_in_editmode = arm.obj.modifiers[0].show_on_cage = on_cage
+    with in_mode(arm.obj):
+        bpy.ops.mesh.select_all(action="DESELECT")
+        arm.obj.vertex_groups.active = arm.obj.vertex_groups["Top"]
+        bpy.ops.object.vertex_group_select()
+        bpy.ops.sinew.grab_region(value=(0.1, 0.2, 0.3), radius=0.3)
+    seen, was = (arm.points(), before) if on_cage else (arm.rest(), rest)
+    assert close(seen[arm.top], was[arm.top] + (0.1, 0.2, 0.3), MATRIX)
+
+
+def test_the_region_panel_has_the_switch(arm: Posed, plate: Rig, room):
+    """*From Rest* is shown for handles that use it alone; where nothing moves the mesh, Surface is grey."""
+    panel = room("ui.control.handles").SINEW_PT_region
+    for rig, on, says in ((arm, "SURFACE", ""), (plate, "WORLD", "Nothing before Sinew moves this mesh")):
+        rig.bind("thin_shell")
+        make_active(rig.obj)
+        rig.deformer.active_handle = 0
+        drawn = draw(panel)
+        switches = [properties.on for name, properties in drawn.operators() if name == "sinew.handle_stand"]
+        assert switches == ["WORLD", "SURFACE"]
+        assert rig.deformer.handles[0].stands_on == on
+        assert says in drawn.texts()
+        assert "from_rest" not in drawn.properties()
+    plate.deformer.handles[0].from_rest = True
+    assert "from_rest" in draw(panel).properties()
+
+
+@pytest.mark.parametrize("live", [True, False])
+def test_the_other_side_follows_in_the_frame_of_its_own_surface(arm: Posed, live: bool):
+    """By X-Axis Mirror while the arm is bent, or by Mirror where both sides are posed alike."""
+    go(1)
+    sides = {side: (lambda point, s=s: s * point[0] > 0.5 and point[1] > 0.75) for side, s in _SIDES.items()}
+    members = {side: add_group(arm.obj, f"Hand.{side}", where) for side, where in sides.items()}
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    for side in "LR" if live else "L":
+        make_active(arm.obj)
+        bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group=f"Hand.{side}")
+    make_active(arm.obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+    arm.deformer.use_mirror_x = live
+    update()
+    go(7)
+    arm.correct(LIFT)
+    at_rest = np.linalg.inv(arm.made) @ arm.motion @ arm.made
+    if not live:
+        go(1)
+        make_active(arm.obj)
+        arm.deformer.active_handle = 0
+        assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    assert [handle.stands_on for handle in arm.deformer.handles if handle.control] == ["SURFACE"] * 2
+    flip = np.diag((-1.0, 1.0, 1.0, 1.0))
+    for frame in FRAMES:
+        go(frame)
+        shown = arm.points()
+        for side, motion in (("L", at_rest), ("R", flip @ at_rest @ flip)):
+            wanted = apply_matrix(bone_now() @ motion, arm.rest()[members[side]])
+            assert close(shown[members[side]], wanted, 2e-5), (frame, side)
+
+
+_SIDES = {"L": 1.0, "R": -1.0}
+
+
+@pytest.mark.parametrize("whose", ["the mesh", "the control"])
+def test_a_scale_of_zero_is_named_and_right_again_afterwards(corrected: Posed, whose: str):
+    scaled = corrected.obj if whose == "the mesh" else corrected.control
+    scale = scaled.scale.copy()
+    go(7)
+    scaled.scale.x = 0.0
+    update()
+    assert whose == "the control" or "scaled to zero" in corrected.deformer.status
+    go(9)
+    scaled.scale = scale
+    assert corrected.is_right()

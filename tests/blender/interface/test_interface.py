@@ -1,0 +1,471 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an artist sees and reads: panels, lists, menus, tooltips."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+import pytest
+from rigs.point_objects import bind, lattice
+from rigs.rig import Rig, in_mode, linked, make_active, update
+from rigs.sheet import NARROW, WIDE, DrawContext, Sheet, draw, draw_panel
+
+TIME = r"(less than )?[\d.]+ m?s"
+
+
+def operator_types(room) -> dict[str, bpy.types.Struct]:
+    ids = room("ids").Operators
+    names = [name for key, name in vars(ids).items() if key.isupper()]
+    return {name: getattr(bpy.ops.sinew, name.partition(".")[2]).get_rna_type() for name in names}
+
+
+def ours_of(place: str, addon_name: str) -> list:
+    """The functions we appended to one of Blender's menus."""
+    functions = getattr(bpy.types, place)._dyn_ui_initialize()
+    return [function for function in functions if function.__module__.startswith(addon_name)]
+
+
+def reachable(place: str, addon_name: str) -> tuple[set[str], set[str]]:
+    """Operators and menus a search finds from one of Blender's menus, by our entries in it."""
+    context, operators, seen = DrawContext(), set(), set()
+    sheet = Sheet()
+    for function in ours_of(place, addon_name):
+        function(SimpleNamespace(layout=sheet), context)
+    waiting = [sheet]
+    while waiting:
+        sheet = waiting.pop()
+        operators.update(sheet.operator_names())
+        for name in sheet.menus():
+            if name not in seen:
+                seen.add(name)
+                waiting.append(draw(getattr(bpy.types, name), context))
+    return operators, seen
+
+
+@pytest.mark.parametrize(
+    ("mode", "place"),
+    [
+        ("OBJECT", "VIEW3D_MT_object"),
+        ("EDIT", "VIEW3D_MT_editor_menus"),
+        ("EDIT", "VIEW3D_MT_edit_mesh_context_menu"),
+        ("WEIGHT_PAINT", "VIEW3D_MT_paint_weight"),
+    ],
+)
+def test_search_finds_every_operator_by_the_menus_of_each_mode(
+    bound_plate: Rig, room, addon_name, mode, place
+):
+    bpy.ops.object.mode_set(mode=mode)
+    found, _menus = reachable(place, addon_name)
+    shown = {name for name in operator_types(room) if not is_internal(name)}
+    assert shown == found
+
+
+def is_internal(name: str) -> bool:
+    """Only the add-on itself calls it."""
+    room_name, verb = name.split(".")
+    operator = getattr(bpy.types, f"{room_name.upper()}_OT_{verb}")
+    return "INTERNAL" in getattr(operator, "bl_options", ())
+
+
+def test_object_mode_offers_each_vertex_group_as_a_region(plate: Rig, room):
+    for role, name in room("ids").Menus.FOR_GROUPS.items():
+        offered = [
+            (settings.kind, settings.vertex_group)
+            for operator, settings in draw(getattr(bpy.types, name)).operators()
+            if operator == "sinew.handle_add"
+        ]
+        assert offered == [(role, "Top"), (role, "Base")]
+
+
+def test_add_buttons_take_the_selection_in_edit_mode(bound_plate: Rig):
+    bpy.ops.object.mode_set(mode="EDIT")
+    kinds = [settings.kind for name, settings in draw_panel().operators() if name == "sinew.handle_add"]
+    assert kinds == ["HANDLE", "FIXED", "SUPPORT"]
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_the_pie_has_eight_pieces_in_each_mode(bound_plate: Rig, mode):
+    bpy.ops.object.mode_set(mode=mode)
+    sheet = draw(bpy.types.SINEW_MT_pie)
+    names = sheet.operator_names()
+    assert len(names) + len(sheet.menus()) == 8
+    assert {"sinew.bind", "sinew.select_problems"} <= set(names)
+    assert ("sinew.grab_region" in names) == (mode == "EDIT")
+
+
+def test_without_a_mesh_the_tab_says_what_to_select():
+    sheet = draw_panel()
+    assert "Select a mesh object" in sheet.texts()
+    assert not sheet.operator_names()
+
+
+@pytest.mark.parametrize("kind", ["SURFACE", "META"])
+def test_an_object_that_is_no_mesh_yet_says_how_it_becomes_one(kind, scene):
+    data = {
+        "META": lambda: bpy.data.metaballs.new("Thing"),
+        "SURFACE": lambda: bpy.data.curves.new("Thing", kind),
+    }[kind]()
+    if kind == "META":
+        data.elements.new()
+    make_active(linked(bpy.data.objects.new("Thing", data)))
+    sheet = draw_panel(WIDE)
+    assert "Thing is a" in sheet.texts()
+    assert "which Sinew cannot move" in sheet.texts()
+    assert "object.convert" in sheet.operator_names()
+    with pytest.raises(RuntimeError, match="Thing is a"):
+        bpy.ops.sinew.cage_add()
+    bpy.ops.object.convert(target="MESH")
+    assert "sinew.cage_add" in draw_panel().operator_names()
+
+
+def test_a_mesh_without_a_deformer_offers_the_first_step(plate: Rig, room):
+    sheet = draw_panel()
+    assert set(room("ids").Menus.FOR_GROUPS.values()) <= set(sheet.menus())
+    assert "sinew.deformer_add" in sheet.operator_names()
+
+
+def test_the_panel_tells_vertices_regions_and_times(bound_plate: Rig):
+    bound_plate.lift()
+    said = draw_panel(WIDE).texts()
+    assert re.search(rf"121 vertices, 1 handle, 1 fixed, bound in {TIME}, solve {TIME}", said), said
+
+
+@pytest.mark.parametrize("width", [NARROW, WIDE])
+def test_a_sentence_is_wrapped_whole_into_lines_that_fit(room, width):
+    said = "This object is linked from another file - make a library override to pose it here"
+    sheet, context = Sheet(), DrawContext(width)
+    room("ui.text").draw_text(context, sheet, said, "INFO")
+    lines = [keywords["text"] for name, _args, keywords, _settings in sheet.calls if name == "label"]
+    assert " ".join(lines) == said
+    assert max(len(line) for line in lines) * 4 < width  # no letter of the font is narrower on average
+    assert len(lines) in ((3, 4) if width == NARROW else (1, 2))
+
+
+def test_a_changed_topology_offers_rebind_above_everything_else(bound_plate: Rig):
+    with in_mode(bound_plate.obj):
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.mesh.subdivide()
+    bound_plate.deformer.auto_rebind = False
+    update()
+    sheet = draw_panel()
+    words = [keywords.get("text") for name, _a, keywords, _s in sheet.calls if name in ("label", "operator")]
+    assert "Rebind" in words[: words.index("Handles")]
+
+
+def of_target(room, element: str, *indices: int):
+    elements = room("core.elements")
+    return elements.Elements(elements.Owner.TARGET, element, indices)
+
+
+def test_a_refusal_is_shown_before_the_settings(bound_plate: Rig, room):
+    """Also where the panel is longer than the window."""
+    core = room("core.status")
+    said = core.Status(core.Level.ERROR, "Two regions share 4 vertices", of_target(room, "vertex", 1, 2))
+    core.put(bound_plate.deformer.uid, said)
+    sheet = draw_panel(WIDE)
+    assert sheet.texts().index("share") < sheet.texts().index("Handles")
+    select = [settings.line for name, settings in sheet.operators() if name == "sinew.select_problems"]
+    assert select == [0]
+
+
+def test_each_line_with_elements_selects_its_own(bound_plate: Rig, room):
+    core = room("core.status")
+    faces = of_target(room, "face", 4)
+    lines = (
+        core.Status(core.Level.WARNING, "2 free parts stay at rest", of_target(room, "vertex", 1, 2)),
+        core.Status(core.Level.WARNING, "nothing to select"),
+        core.Status(core.Level.WARNING, "3 faces without area", faces, core.Remedy.REPAIR),
+    )
+    core.put_notes(bound_plate.deformer.uid, lines)
+    sheet = draw_panel()
+    assert [s.line for name, s in sheet.operators() if name == "sinew.select_problems"] == [0, 1]
+    assert "sinew.repair" in sheet.operator_names()
+    assert ("troubles") in [getattr(s, "page", "") for name, s in sheet.operators() if name == "sinew.help"]
+
+
+def test_what_one_press_mends_has_one_button(bound_plate: Rig, room):
+    core = room("core.status")
+    lines = [
+        core.Status(core.Level.WARNING, text, of_target(room, "vertex", 1), core.Remedy.REPAIR)
+        for text in ("4 coincident vertices", "3 faces without area", "2 loose vertices")
+    ]
+    rebind = core.Status(core.Level.WARNING, "topology changed", remedy=core.Remedy.BIND)
+    core.put_notes(bound_plate.deformer.uid, (*lines, rebind))
+    buttons = draw_panel().operator_names()
+    assert buttons.count("sinew.select_problems") == 3
+    assert buttons.count("sinew.repair") == 1
+    assert buttons.index("sinew.repair") < buttons.index("sinew.bind")
+
+
+def test_every_remedy_has_a_button_that_exists(room, addon_name):
+    remedies = room("ui.status_box").REMEDIES
+    wanted = room("core.status").Remedy
+    assert set(remedies) == set(wanted) - {wanted.NONE}
+    for button in remedies.values():
+        group, _dot, name = button.operator.partition(".")
+        properties = getattr(getattr(bpy.ops, group), name).get_rna_type().properties
+        assert all(key in properties for key, _value in button.properties)
+    assert dict(remedies[wanted.PREFERENCES].properties)["module"] == addon_name
+
+
+def test_a_linked_object_offers_an_override(bound_plate: Rig, tmp_path):
+    path = str(tmp_path / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(path, link=True) as (_source, wanted):
+        wanted.objects = ["Plate"]
+    bpy.context.scene.collection.objects.link(wanted.objects[0])
+    make_active(wanted.objects[0])
+    sheet = draw_panel()
+    assert sheet.operator_names() == ["object.make_override_library"]
+    assert "linked" in sheet.texts()
+
+
+@pytest.mark.parametrize("bound", [False, True])
+def test_without_the_native_module_the_panel_leads_to_the_preferences(plate: Rig, room, monkeypatch, bound):
+    if bound:
+        plate.bind()
+    missing = room("backend").Availability(None, "Install a wheel")
+    for name in ("ui.panel", "ui.status_box"):
+        monkeypatch.setattr(room(name), "availability", lambda: missing)
+    sheet = draw_panel()
+    assert "preferences.addon_show" in sheet.operator_names()
+    assert "native module" in sheet.texts()
+
+
+def test_the_panel_shows_what_the_method_uses(plate: Rig):
+    plate.bind("laplacian_editing")
+    shown = {}
+    for name in ("explicit", "estimated"):
+        plate.deformer.parameters.transforms = name
+        sheets = draw_panel(), draw(bpy.types.SINEW_PT_advanced)
+        shown[name] = {name for sheet in sheets for name in sheet.properties()}
+    assert shown["explicit"] - shown["estimated"] == {"field"}
+    assert shown["estimated"] - shown["explicit"] == {"refits", "mean_frame", "substeps"}
+
+
+def test_a_bind_under_way_shows_progress_and_a_way_out(bound_plate: Rig, room, monkeypatch):
+    work = SimpleNamespace(fraction=0.42, stage="factorising")
+    monkeypatch.setattr(room("session"), "job", lambda _uid: work)
+    sheet = draw_panel()
+    words = [str(keywords) for _name, _args, keywords, _settings in sheet.calls]
+    assert any("42%" in word and "factorising" in word for word in words)
+    assert "sinew.cancel" in sheet.operator_names()
+    assert "Esc cancels" in sheet.texts()
+
+
+@pytest.mark.parametrize("caged", [None, "cage", "handles"])
+def test_a_cage_being_made_shows_progress_in_place_of_its_button(plate: Rig, room, monkeypatch, caged):
+    """For a first deformer, for one that has a cage, and beside one with handles."""
+    button = "sinew.cage_faces" if caged == "cage" else "sinew.cage_add"
+    if caged == "cage":
+        bpy.ops.sinew.cage_add(faces=40)
+        make_active(plate.obj)
+    elif caged == "handles":
+        plate.bind()
+    assert (button in draw_panel().operator_names()) == (caged != "handles")
+    work = SimpleNamespace(fraction=0.42, stage="flooding")
+    monkeypatch.setattr(room("session"), "cage_work", lambda _name: work)
+    sheet = draw_panel()
+    assert button not in sheet.operator_names()
+    assert sheet.operator_names().count("sinew.cancel") == 1
+    assert any("42% flooding" in str(keywords) for _name, _args, keywords, _settings in sheet.calls)
+    for operator in (bpy.ops.sinew.cage_add, bpy.ops.sinew.cage_faces):
+        assert not operator.poll()
+    assert bpy.ops.sinew.cancel.poll()
+
+
+def test_nothing_to_cancel_is_greyed_out(bound_plate: Rig):
+    assert not bpy.ops.sinew.cancel.poll()
+
+
+def draw_row(cls: type, owner, item, width: int) -> Sheet:
+    sheet = Sheet()
+    arguments = (DrawContext(width), sheet, owner, item, 0, owner, "")
+    cls.draw_item(SimpleNamespace(), *arguments, *((0,) if cls.__name__.endswith("handles") else ()))
+    return sheet
+
+
+@pytest.mark.parametrize(
+    ("width", "shown"),
+    [(NARROW, ["colour", "name", "enabled"]), (WIDE, ["colour", "name", "weight", "enabled"])],
+)
+def test_a_handle_row_shows_what_fits(bound_plate: Rig, width, shown):
+    deformer = bound_plate.deformer
+    sheet = draw_row(bpy.types.SINEW_UL_handles, deformer, deformer.handles[0], width)
+    assert sheet.properties() == shown
+    assert sheet.operator_names() == ["sinew.select_handle"]
+    assert (deformer.handles[0].control.name in sheet.texts()) == (width == WIDE)
+
+
+@pytest.mark.parametrize("width", [NARROW, WIDE])
+def test_a_lost_control_has_its_picker_in_the_row(bound_plate: Rig, width):
+    bpy.data.objects.remove(bound_plate.control)
+    deformer = bound_plate.deformer
+    sheet = draw_row(bpy.types.SINEW_UL_handles, deformer, deformer.handles[0], width)
+    assert "control" in sheet.properties()
+    assert "lost its control" in draw_panel().texts()
+
+
+def test_a_deformer_row_mutes_its_modifier_in_viewport_and_render(bound_plate: Rig):
+    obj = bound_plate.obj
+    obj.modifiers.new("Other", "SUBSURF")
+    bpy.ops.object.modifier_move_to_index(modifier="Other", index=0)
+    sheet = draw_row(bpy.types.SINEW_UL_deformers, obj.sinew, obj.sinew.deformers[0], WIDE)
+    toggles = [(args[0], args[1]) for name, args, *_rest in sheet.calls if name == "prop"][-2:]
+    assert [(modifier.name, name) for modifier, name in toggles] == [
+        ("Sinew", "show_viewport"),
+        ("Sinew", "show_render"),
+    ]
+
+
+def test_the_row_of_a_lattice_mutes_its_key():
+    obj, _cage = bind(lattice())
+    sheet = draw_row(bpy.types.SINEW_UL_deformers, obj.sinew, obj.sinew.deformers[0], WIDE)
+    toggled, name = [(args[0], args[1]) for name, args, *_rest in sheet.calls if name == "prop"][-1]
+    assert (toggled, name) == (obj.data.shape_keys.key_blocks["Sinew"], "mute")
+
+
+def panels(space: str) -> dict[str, type]:
+    """Those that are registered now: classes of an add-on that was reloaded may still be in memory."""
+    found = {cls.__name__: cls for cls in bpy.types.Panel.__subclasses__() if _is_ours(cls)}
+    found = {name: cls for name, cls in found.items() if cls.bl_region_type != "HEADER"}  # popovers
+    return {name: cls for name, cls in found.items() if cls.bl_space_type == space}
+
+
+def _is_ours(cls: type) -> bool:
+    return cls.__name__.startswith("SINEW_PT") and getattr(bpy.types, cls.__name__, None) is cls
+
+
+def test_the_modifiers_tab_has_every_panel_of_the_sidebar(bound_plate: Rig):
+    sidebar, tab = panels("VIEW_3D"), panels("PROPERTIES")
+    assert {name + "_properties" for name in sidebar} == set(tab)
+    assert len(sidebar) > 2
+    for name, cls in sidebar.items():
+        twin = tab[name + "_properties"]
+        assert twin.bl_context == "modifier"
+        assert (
+            getattr(twin, "bl_parent_id", "_properties") == getattr(cls, "bl_parent_id", "") + "_properties"
+        )
+        calls = [
+            [(method, repr(args[1:]), keywords) for method, args, keywords, _s in draw(one).calls]
+            for one in (cls, twin)
+        ]
+        assert calls[0] == calls[1]
+
+
+def test_only_the_sidebar_speaks_where_there_is_no_mesh():
+    assert bpy.types.SINEW_PT_sinew.poll(bpy.context)
+    assert not bpy.types.SINEW_PT_sinew_properties.poll(bpy.context)
+
+
+# Texts
+
+
+def struct_properties(room) -> Iterator[tuple[str, bpy.types.Property]]:
+    """Every property of ours that an artist may meet."""
+    for name, struct in operator_types(room).items():
+        yield from ((f"{name}.{p.identifier}", p) for p in struct.properties if p.identifier != "rna_type")
+    classes = [bpy.types.Object.bl_rna.properties["sinew"].fixed_type]
+    if "sinew" in bpy.types.Scene.bl_rna.properties:
+        classes.append(bpy.types.Scene.bl_rna.properties["sinew"].fixed_type)
+    classes.append(room("preferences").SinewPreferences.bl_rna)
+    inherited = {p.identifier for p in bpy.types.AddonPreferences.bl_rna.properties}
+    inherited |= {p.identifier for p in bpy.types.PropertyGroup.bl_rna.properties} - {"name"}
+    while classes:
+        struct = classes.pop()
+        for prop in struct.properties:
+            if prop.identifier in inherited:
+                continue
+            yield f"{struct.identifier}.{prop.identifier}", prop
+            if prop.type in {"POINTER", "COLLECTION"} and prop.fixed_type.identifier.lower().startswith(
+                "sinew"
+            ):
+                classes.append(prop.fixed_type)
+
+
+def flaws(where: str, label: str, text: str) -> list[str]:
+    if not text.strip():
+        return [f"{where}: no description"]
+    found = []
+    if len(text) <= len(label):
+        found.append(f"{where}: '{text}' says no more than '{label}'")
+    if text.rstrip().endswith("."):
+        found.append(f"{where}: Blender adds the full stop to '{text}'")
+    if AMERICAN.search(f"{label} {text}"):
+        found.append(f"{where}: not in British spelling: '{text}'")
+    return found
+
+
+AMERICAN = re.compile(
+    r"\b(colou?rize|color|center|behavior|neighbor|gray|favorite|meter|canceled|\w+yze)\b", re.I
+)
+
+
+def test_every_property_and_operator_says_what_it_does(room):
+    found = []
+    for name, struct in operator_types(room).items():
+        found += flaws(name, struct.name, struct.description)
+    for where, prop in struct_properties(room):
+        if prop.is_hidden or prop.type in {"POINTER", "COLLECTION"}:
+            continue
+        found += flaws(where, prop.name, prop.description)
+        if prop.type == "ENUM":
+            for item in prop.enum_items_static if hasattr(prop, "enum_items_static") else prop.enum_items:
+                found += flaws(f"{where} {item.identifier}", "", item.description)
+    assert not found, "\n".join(found)
+
+
+def test_labels_are_in_title_case(room):
+    small = {"a", "and", "as", "at", "by", "for", "from", "in", "of", "on", "or", "the", "to", "with"}
+    labels = [struct.name for struct in operator_types(room).values()]
+    shown = [prop for _where, prop in struct_properties(room) if not prop.is_hidden]
+    labels += [prop.name for prop in shown if prop.type not in {"POINTER", "COLLECTION"}]
+    words = [(word, label) for label in labels for word in re.findall(r"[A-Za-z]+", label)]
+    assert not [label for word, label in words if word[0].islower() and word not in small]
+
+
+def test_each_question_mark_leads_to_a_page(room):
+    pages = {page for page, *_rest in room("operators").PAGES}
+    assert set(room("ui.places").PAGES.values()) <= pages
+    for cls in panels("VIEW_3D").values():
+        sheet = Sheet()
+        stand_in = type(cls.__name__, (), {"layout": sheet})()
+        cls.draw_header_preset(stand_in, DrawContext())
+        ((name, settings),) = sheet.operators()
+        assert name == "sinew.help"
+        assert settings.page in pages
+
+
+def test_drawing_never_writes(room):
+    """Panels, lists and menus assign to layouts and to what an operator button carries, to nothing else."""
+    folder = Path(room("ui").__file__).parent
+    for name in ("panel", "lists", "menus", "pie", "status_box", "places"):
+        for node in ast.walk(ast.parse((folder / f"{name}.py").read_text(encoding="utf-8"))):
+            for target in getattr(node, "targets", ()):
+                for part in getattr(target, "elts", (target,)):
+                    assert not isinstance(part, ast.Attribute) or part.attr in DRAWN, f"{name}: {part.attr}"
+
+
+DRAWN = {
+    *("active", "alert", "alignment", "emboss", "enabled", "operator_context", "ui_units_x"),
+    *("use_property_split", "use_property_decorate"),
+    *(
+        "kind",
+        "vertex_group",
+        "control",
+        "source",
+        "index",
+        "line",
+        "page",
+        "direction",
+        "as_shape_key",
+        "target",
+    ),
+    *("bl_space_type", "bl_region_type", "bl_context", "bl_category", "bl_options", "bl_parent_id"),
+}

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whose overlay a 3D Viewport shows, and which: viewports exist without a window, too, undrawn."""
+
+from __future__ import annotations
+
+import itertools
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+from rigs.rig import Rig, add_group, make_active, move_world, update
+
+LOOKS = {
+    "regions": {"overlay": "REGIONS"},
+    "weight": {"overlay": "WEIGHT"},
+    "parameter": {"overlay": "PARAMETER", "parameter": "rigidity"},
+    "mask": {"overlay": "MASK"},
+    "stretch": {"overlay": "DISTORTION", "measure": "STRETCH"},
+    "area": {"overlay": "DISTORTION", "measure": "AREA"},
+    "angle": {"overlay": "DISTORTION", "measure": "ANGLE"},
+    "dirichlet": {"overlay": "DISTORTION", "measure": "DIRICHLET"},
+}
+
+
+@pytest.fixture
+def viewport(scene):
+    """The context of a 3D Viewport."""
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=window, screen=window.screen, area=area, region=region):
+        yield bpy.context
+
+
+@pytest.fixture
+def shown(room, viewport):
+    """The objects whose overlay the viewport shows."""
+    viewport.scene.sinew.show_overlay = viewport.scene.sinew.all_viewports = True
+    overlay = room("ui.overlay")
+    yield lambda: [obj for obj, _deformer in overlay.shown(viewport)]
+    viewport.scene.sinew.show_overlay = False
+
+
+def test_blenders_overlay_switch_hides_ours_too(shown, viewport, bound_plate: Rig):
+    assert shown() == [bound_plate.obj]
+    viewport.space_data.overlay.show_overlays = False
+    assert shown() == []
+    viewport.space_data.overlay.show_overlays = True
+    viewport.scene.sinew.show_overlay = False
+    assert shown() == []
+
+
+def test_hidden_objects_and_local_views_have_no_overlay(shown, viewport, bound_plate: Rig):
+    bound_plate.obj.hide_set(True)
+    assert shown() == []
+    bound_plate.obj.hide_set(False)
+    lone = bpy.data.objects.new("Lone", None)
+    viewport.scene.collection.objects.link(lone)
+    make_active(lone)
+    bpy.ops.view3d.localview(frame_selected=False)
+    assert shown() == []
+    bpy.ops.view3d.localview(frame_selected=False)
+    assert shown() == [bound_plate.obj]
+
+
+def test_no_two_overlays_are_alike(room, viewport, plate: Rig):
+    add_group(plate.obj, "Firm", lambda point: point[0] < 0.0)
+    add_group(plate.obj, "Front", lambda point: point[1] < 0.5)
+    plate.bind("arap")
+    move_world(plate.control, Matrix.Translation((0.2, 0.5, 0.4)) @ Matrix.Rotation(0.6, 4, "Z"))
+    plate.deformer.arap.rigidity_group = "Firm"
+    cache, painted = room("ui.overlay").cache, {}
+    for name, look in LOOKS.items():
+        plate.deformer.mask_group = "Front" if name == "mask" else ""
+        update()
+        for key, value in look.items():
+            setattr(viewport.scene.sinew, key, value)
+        wanted = room("ui.overlay_mesh").overlay_settings(viewport)
+        cache.clear()
+        picture = cache.overlay_mesh(plate.obj, plate.deformer, wanted, bpy.context.evaluated_depsgraph_get())
+        painted[name] = picture.colours
+        assert picture.colours[:, 3].any(), name
+    cache.clear()
+    for (one, colours), (other, others) in itertools.combinations(painted.items(), 2):
+        assert np.abs(colours - others).max() > 0.01, (one, other)
+
+
+def test_the_scale_of_weights_is_yellow_above_and_violet_below(room):
+    low, high = room("ui.overlay_colours").scale(np.array((0.0, 1.0)))
+    assert high[0] - high[2] > 0.3
+    assert low[0] - low[2] < 0.0
+    assert high.sum() > 2.0 * low.sum()

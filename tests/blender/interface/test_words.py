@@ -1,0 +1,578 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Words and buttons as artists meet them: what is called how, and what a message tells them to press."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from inside import notes_of, use_threads
+from mathutils import Matrix
+from registry import METHODS, other_values
+from rigs.cages import ball, box, surround
+from rigs.rig import (
+    Rig,
+    add_armature,
+    add_group,
+    grid_object,
+    linked,
+    make_active,
+    move_world,
+    push,
+    reopen,
+    update,
+)
+from rigs.sheet import WIDE, draw, draw_panel
+
+# The menu of methods, and the names of the rows
+
+
+def test_the_menu_of_methods_is_headed_by_what_artists_move(room):
+    items = room("properties").method_items()
+    headings = [item[1] for item in items if not item[0]]
+    assert headings[:2] == ["Handles", "Cages"]
+    heading, found = "", {}
+    for item in items:
+        heading = item[1] if not item[0] else heading
+        if item[0]:
+            found[item[0]] = heading
+    assert found == {method.id: method.control.value for method in METHODS}
+
+
+def test_a_row_is_called_after_its_method_and_follows_it(plate: Rig):
+    plate.bind("thin_shell")
+    assert plate.deformer.name == "Thin Shell"
+    plate.deformer.method = "arap"
+    assert plate.deformer.name == "As-Rigid-As-Possible"
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    names = [deformer.name for deformer in plate.obj.sinew.deformers]
+    assert names == ["As-Rigid-As-Possible", "Thin Shell", "Thin Shell.001"]
+    plate.obj.sinew.deformers[2].method = "arap"
+    assert plate.obj.sinew.deformers[2].name == "As-Rigid-As-Possible.001"
+
+
+def test_a_row_that_was_renamed_keeps_its_name(plate: Rig, tmp_path: Path):
+    plate.bind("thin_shell")
+    plate.deformer.name = "Face"
+    plate.deformer.method = "arap"
+    assert plate.deformer.name == "Face"
+    reopen(tmp_path / "named.blend")
+    plate.deformer.method = "thin_shell"
+    assert plate.deformer.name == "Face"
+
+
+@pytest.mark.parametrize("given", ["Cage", "Sinew", "Cage.002"])
+def test_a_row_that_an_earlier_build_named_follows_its_method(given: str):
+    deformer = surround(ball(), box())
+    assert deformer.name == "Mean Value Cage"
+    deformer.name = given
+    deformer.method = "green"
+    assert deformer.name == "Green Cage"
+
+
+# Lost controls
+
+
+@pytest.mark.parametrize("index", [-1, 0])
+@pytest.mark.parametrize("saved", [False, True])
+def test_new_control_takes_over_where_one_was_lost(plate: Rig, tmp_path: Path, index: int, saved: bool):
+    plate.bind()
+    turned = Matrix.Translation((0.1, 0.2, 0.5)) @ Matrix.Rotation(0.4, 4, "X") @ Matrix.Scale(1.2, 4)
+    move_world(plate.control, turned)
+    before = plate.points()
+    assert not bpy.ops.sinew.control_new.poll()
+    bpy.data.objects.remove(plate.control)
+    update()
+    if saved:
+        reopen(tmp_path / "lost.blend")
+    make_active(plate.obj)
+    assert "sinew.control_new" in draw_panel().operator_names()
+    assert bpy.ops.sinew.control_new(index=index) == {"FINISHED"}
+    assert plate.control.name == "Plate Top"
+    assert plate.deformer.handles[0].owns_control
+    assert not plate.deformer.handles[0].control_missing
+    assert bpy.context.selected_objects == [plate.control]
+    assert np.abs(plate.points() - before).max() < 1e-5
+    plate.lift(0.25)
+    assert np.abs(plate.points()[plate.top] - before[plate.top] - (0.0, 0.0, 0.25)).max() < 1e-5
+    plate.control.matrix_basis = Matrix.Identity(4)
+    assert np.abs(plate.points() - plate.rest()).max() < 1e-5, "Alt G brings it to rest"
+
+
+def test_a_lost_bone_gets_an_empty_too(plate: Rig):
+    armature = add_armature(plate.obj)
+    plate.obj.modifiers.remove(plate.obj.modifiers["Armature"])
+    plate.bind(control_object="Rig", bone="high")
+    make_active(armature)
+    bpy.ops.object.mode_set(mode="EDIT")
+    armature.data.edit_bones.remove(armature.data.edit_bones["high"])
+    bpy.ops.object.mode_set(mode="OBJECT")
+    make_active(plate.obj)
+    assert bpy.ops.sinew.control_new() == {"FINISHED"}
+    handle = plate.deformer.handles[0]
+    assert (handle.control.type, handle.bone, handle.control_missing) == ("EMPTY", "", False)
+    assert armature.name in bpy.data.objects
+
+
+# The pie
+
+
+def test_the_pie_of_object_mode_adds_and_applies(bound_plate: Rig, room):
+    sheet = draw(bpy.types.SINEW_MT_pie)
+    assert "sinew.apply" in sheet.operator_names()
+    menus = room("ids").Menus
+    assert sheet.menus() == [menus.ADD]
+    added = draw(bpy.types.SINEW_MT_add)
+    assert set(menus.FOR_GROUPS.values()) <= set(added.menus())
+    assert {"sinew.cage_add", "sinew.deformer_add"} <= set(added.operator_names())
+
+
+# Regions without vertices
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (
+            lambda obj: obj.vertex_groups.remove(obj.vertex_groups["Side"]),
+            "is not on the mesh - pick another",
+        ),
+        (lambda obj: obj.vertex_groups["Side"].remove(range(121)), "has no vertices - assign some"),
+    ],
+)
+def test_a_region_without_vertices_is_left_out_and_the_others_go_on(plate: Rig, room, spoil, said: str):
+    add_group(plate.obj, "Side", lambda point: point[0] > 0.75 and abs(point[1]) < 0.3)
+    plate.bind()
+    make_active(plate.obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Side")
+    plate.lift(0.5)
+    held = plate.points()
+    spoil(plate.obj)
+    make_active(plate.obj)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    assert plate.deformer.status_level == "INFO"
+    assert notes_of(plate.deformer) == [f"Side is not used: its vertex group 'Side' {said}"]
+    assert "1 handle, 1 fixed" in plate.deformer.status
+    shown = plate.points()
+    assert np.abs(shown[plate.top] - plate.rest()[plate.top] - (0.0, 0.0, 0.5)).max() < 1e-5
+    assert np.abs(shown - held).max() > 0.01, "the side is free now"
+
+
+def test_without_any_region_that_has_vertices_the_panel_names_one(plate: Rig):
+    plate.bind(fixed=False)
+    plate.obj.vertex_groups.remove(plate.obj.vertex_groups["Top"])
+    make_active(plate.obj)
+    with pytest.raises(RuntimeError, match="'Top' is not on the mesh"):
+        bpy.ops.sinew.bind()
+
+
+# What is reported
+
+
+def test_the_report_after_add_handle_is_the_state_after_it(plate: Rig, capfd: pytest.CaptureFixture):
+    make_active(plate.obj)
+    for kind, group in (("HANDLE", "Top"), ("FIXED", "Base")):
+        capfd.readouterr()
+        bpy.ops.sinew.handle_add(kind=kind, vertex_group=group)
+        assert f"Info: {group}: {plate.deformer.status}" in capfd.readouterr().out
+    assert "1 handle, 1 fixed" in plate.deformer.status
+
+
+def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(
+    plate: Rig, room, monkeypatch: pytest.MonkeyPatch
+):
+    """The report comes when the thread has ended, and tells the state then."""
+    use_threads(monkeypatch)
+    waiting, session, said = room("operators.waiting"), room("session"), []
+
+    class Operator(waiting.BindingOperator):
+        def report(self, levels: set[str], text: str) -> None:
+            said.append((levels, text))
+
+    operator = Operator()
+    deformer = session.add_deformer(plate.obj, "thin_shell")
+    handle, refusal = session.rig_region(plate.obj, "FIXED", "Base", wait=False)
+    operator.report_bind(refusal, deformer.uid, handle.name)
+    assert session.job(deformer.uid) is not None
+    assert not said
+    session.job(deformer.uid).thread.join()
+    operator._uid = deformer.uid
+    session.collect()
+    assert operator.look(bpy.context, is_cancelled=False) == {"FINISHED"}
+    assert said == [({"INFO"}, f"Base: {deformer.status}")]
+    assert "1 fixed, bound in" in deformer.status
+
+
+@pytest.mark.parametrize(
+    ("kinds", "said"),
+    [
+        (("HANDLE",), "1 handle"),
+        (("HANDLE", "HANDLE"), "2 handles"),
+        (("FIXED",), "1 fixed"),
+        (("HANDLE", "FIXED"), "1 handle, 1 fixed"),
+        (("HANDLE", "SUPPORT"), "1 handle, 1 support"),
+    ],
+)
+def test_the_status_counts_regions_by_their_role(plate: Rig, kinds, said: str):
+    for kind, group in zip(kinds, ("Top", "Base"), strict=False):
+        make_active(plate.obj)
+        bpy.ops.sinew.handle_add(kind=kind, vertex_group=group)
+    assert re.match(rf"121 vertices, {said}, bound in", plate.deformer.status), plate.deformer.status
+
+
+@pytest.mark.parametrize(
+    ("milliseconds", "said"),
+    [
+        (0.0, "less than 0.1 ms"),
+        (0.04, "less than 0.1 ms"),
+        (0.4, "0.4 ms"),
+        (41.0, "41 ms"),
+        (2100.0, "2.1 s"),
+    ],
+)
+def test_a_time_is_never_nothing(room, milliseconds: float, said: str):
+    assert room("session").duration(milliseconds) == said
+
+
+# What a message tells to press
+
+
+def cancelled(plate: Rig, room, monkeypatch) -> str:
+    use_threads(monkeypatch)
+    room("session").bind(plate.obj, plate.deformer, wait=False)
+    room("session").cancel(plate.deformer.uid)
+    return plate.deformer.status
+
+
+def applied_without_modifier(plate: Rig, _room, _monkeypatch) -> str:
+    plate.obj.modifiers.clear()
+    with pytest.raises(RuntimeError) as refused:
+        bpy.ops.sinew.apply()
+    return str(refused.value)
+
+
+def baked_without_modifier(plate: Rig, _room, _monkeypatch) -> str:
+    plate.obj.modifiers.clear()
+    with pytest.raises(RuntimeError) as refused:
+        bpy.ops.sinew.bake(target="SHAPE_KEYS")
+    return str(refused.value)
+
+
+def unbound(plate: Rig, _room, _monkeypatch) -> str:
+    bpy.ops.sinew.unbind()
+    return plate.deformer.status
+
+
+def baked_unbound(plate: Rig, _room, _monkeypatch) -> str:
+    bpy.ops.sinew.unbind()
+    with pytest.raises(RuntimeError) as refused:
+        bpy.ops.sinew.bake(target="SHAPE_KEYS")
+    return str(refused.value)
+
+
+@pytest.mark.parametrize(
+    "spoil", [cancelled, applied_without_modifier, baked_without_modifier, unbound, baked_unbound]
+)
+def test_a_message_names_the_button_as_it_reads(bound_plate: Rig, room, monkeypatch, spoil):
+    make_active(bound_plate.obj)
+    said = re.search(r"press (Rebind|Bind)\b", spoil(bound_plate, room, monkeypatch))
+    buttons = [
+        keywords["text"]
+        for name, args, keywords, _settings in draw_panel(WIDE).calls
+        if name == "operator" and args == ("sinew.bind",)
+    ]
+    assert said[1] == buttons[-1]
+
+
+def test_a_place_that_is_not_a_number_is_not_called_a_scale_of_zero(bound_plate: Rig):
+    bound_plate.control.location.x = float("nan")
+    update()
+    assert bound_plate.deformer.status_level == "ERROR"
+    assert bound_plate.deformer.status.startswith("The control of Top has a location, rotation or scale")
+    bound_plate.control.location.x = 0.0
+    update()
+    assert bound_plate.deformer.status_level == "INFO"
+    bound_plate.obj.location.y = float("nan")
+    update()
+    assert "not a number" in bound_plate.deformer.status
+    bound_plate.obj.location.y = 0.0
+    bound_plate.control.scale = (0.0, 1.0, 1.0)
+    update()
+    assert "scaled to zero" not in bound_plate.deformer.status, "a region may be made flat"
+
+
+def test_an_error_of_the_library_names_the_handle(plate: Rig, room):
+    """A file may hold a weight that Blender's own interface refuses."""
+    plate.bind()
+    binding, errors = room("session.live.binding"), room("core.errors")
+    request = room("session.control.handles.kind").request(
+        plate.deformer,
+        plate.deformer.rest,
+        room("mesh_io").read_rest(plate.deformer.rest),
+        (),
+        121,
+    )
+    refused = errors.ConstraintError("handle 1: weights outside [0, 1] at vertices 3, 4; see handle 0")
+    text = str(binding._with_selectable(refused, request))
+    assert text == "Base: weights outside [0, 1] at vertices 3, 4; see Top"
+
+
+# Rows of the list
+
+
+def test_the_arrow_of_a_row_makes_the_row_active(bound_plate: Rig):
+    make_active(bound_plate.obj)
+    for mode in ("WEIGHT_PAINT", "EDIT", "OBJECT"):
+        bpy.ops.object.mode_set(mode=mode)
+        bound_plate.deformer.active_handle = 1
+        bpy.ops.sinew.select_handle(index=0)
+        assert bound_plate.deformer.active_handle == 0, mode
+        assert bound_plate.obj.vertex_groups.active.name == "Top"
+
+
+def from_selection(plate: Rig, name: str = "") -> None:
+    """A handle, as Edit Mode makes it: its group and its empty are made for it."""
+    make_active(plate.obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    plate.obj.vertex_groups.active = plate.obj.vertex_groups["Top"]
+    bpy.ops.object.vertex_group_select()
+    bpy.ops.sinew.handle_add(kind="HANDLE", handle_name=name)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    update()
+
+
+def test_renaming_a_row_renames_what_was_made_for_it(plate: Rig, tmp_path: Path):
+    from_selection(plate)
+    plate.lift(0.5)
+    before, handle = plate.points(), plate.deformer.handles[0]
+    plate.deformer.mask_group = "Handle"
+    plate.deformer.mask_group = ""
+    for name in ("Head", "Ear.L"):
+        plate.deformer.handles[0].name = name
+        handle = plate.deformer.handles[0]
+        assert (handle.name, handle.vertex_group, handle.control.name) == (name, name, f"Plate {name}")
+        assert name in plate.obj.vertex_groups
+        assert np.array_equal(plate.points(), before)
+        assert plate.deformer.status_level == "INFO", plate.deformer.status
+    assert [group.name for group in plate.obj.vertex_groups] == ["Top", "Base", "Ear.L"]
+    reopen(tmp_path / "renamed.blend")
+    assert np.abs(plate.points() - before).max() < 1e-6
+    plate.deformer.handles[0].name = "Nose"
+    assert plate.deformer.handles[0].vertex_group == "Nose"
+    make_active(plate.obj)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+
+
+def test_what_has_a_name_of_its_own_keeps_it(plate: Rig):
+    from_selection(plate)
+    handle = plate.deformer.handles[0]
+    handle.control.name = "Mine"
+    handle.vertex_group = "Top"
+    handle.name = "Head"
+    assert (handle.vertex_group, handle.control.name) == ("Top", "Mine")
+    assert "Handle" in plate.obj.vertex_groups
+
+
+def test_a_group_that_was_not_made_for_the_region_keeps_its_name(plate: Rig):
+    """An armature may go by it."""
+    plate.bind()
+    plate.deformer.handles[0].name = "Head"
+    assert plate.deformer.handles[0].vertex_group == "Top"
+    assert plate.control.name == "Plate Head"
+
+
+def test_a_copy_keeps_the_names_of_its_groups(plate: Rig, room):
+    from_selection(plate)
+    copy = linked(plate.obj.copy())
+    copy.data = plate.obj.data.copy()
+    update()
+    room("handlers.deferred").catch_up()
+    plate.deformer.handles[0].name = "Head"
+    make_active(copy)
+    assert copy.sinew.active.handles[0].vertex_group == "Handle"
+    copy.sinew.active.method = "thin_shell"
+    update()
+    assert not notes_of(copy.sinew.active)
+    assert copy.sinew.active.status_level == "INFO", copy.sinew.active.status
+
+
+# Presets of parameters
+
+
+@pytest.mark.parametrize("method", [method.id for method in METHODS])
+def test_a_preset_brings_the_parameters_back(plate: Rig, room, method: str):
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_add(method=method)
+    values, definition = plate.deformer.parameters, plate.deformer.definition
+    defaults = {row.id: getattr(values, row.id) for row in definition.parameters}
+    assert bpy.ops.sinew.preset_add(name="First") == {"FINISHED"}
+    (folder,) = bpy.utils.preset_paths(f"sinew/{method}")
+    path = Path(folder) / "First.py"
+    others = {row.id: other_values(row) for row in definition.parameters}
+    for name, different in others.items():
+        for value in different:
+            if value != defaults[name]:
+                setattr(values, name, value)
+    changed = {name for name in others if getattr(values, name) != defaults[name]}
+    assert changed == {name for name in others if others[name]}
+    assert bpy.ops.sinew.preset_apply(filepath=str(path)) == {"FINISHED"}
+    assert defaults == {row.id: getattr(values, row.id) for row in definition.parameters}
+    assert bpy.ops.sinew.preset_add(name="First", remove_name=True) == {"FINISHED"}
+    assert not path.exists()
+
+
+def test_a_preset_is_applied_where_a_control_is_active(plate: Rig):
+    plate.bind("thin_shell")
+    make_active(plate.control)
+    plate.deformer.parameters.bending = 0.5
+    bpy.ops.sinew.preset_add(name="Half")
+    plate.deformer.parameters.bending = 1.0
+    path = Path(bpy.utils.preset_paths("sinew/thin_shell")[0]) / "Half.py"
+    bpy.ops.sinew.preset_apply(filepath=str(path))
+    assert plate.deformer.parameters.bending == 0.5
+    path.unlink()
+
+
+def test_undo_takes_a_preset_and_a_new_control_back(plate: Rig):
+    plate.bind("thin_shell").lift(0.5)
+    held = plate.points()
+    make_active(plate.obj)
+    bpy.ops.sinew.preset_add(name="Undo")
+    plate.deformer.parameters.stretching = 0.5
+    bpy.data.objects.remove(plate.control)
+    push("before")
+    path = f"{bpy.utils.preset_paths('sinew/thin_shell')[0]}/Undo.py"
+    bpy.ops.sinew.preset_apply("EXEC_DEFAULT", True, filepath=path)
+    bpy.ops.sinew.control_new("EXEC_DEFAULT", True)
+    for _ in range(2):
+        assert plate.deformer.parameters.stretching == 0.0
+        assert plate.control.name == "Plate Top"
+        assert np.abs(plate.points() - held).max() < 1e-5
+        bpy.ops.ed.undo()
+        bpy.ops.ed.undo()
+        assert plate.deformer.parameters.stretching == 0.5
+        assert plate.control is None
+        bpy.ops.ed.redo()
+        bpy.ops.ed.redo()
+
+
+def test_the_panel_offers_presets(bound_plate: Rig, room):
+    found = [keywords for name, _args, keywords, _settings in draw_panel().calls if name == "popover"]
+    assert [keywords["panel"] for keywords in found] == [room("ids").Panels.PRESETS]
+
+
+# Copied modifiers
+
+
+def test_a_copied_modifier_says_what_to_do(bound_plate: Rig):
+    other = grid_object("Other")
+    make_active(bound_plate.obj)
+    other.select_set(True)
+    bpy.ops.object.make_links_data(type="MODIFIERS")
+    make_active(other)
+    assert [modifier.type for modifier in other.modifiers] == ["NODES"]
+    said = draw_panel(WIDE).texts()
+    assert "was copied from another object" in said
+    assert "remove it" in said
+    bpy.ops.object.modifier_remove(modifier=other.modifiers[0].name)
+    assert "copied" not in draw_panel(WIDE).texts()
+    make_active(bound_plate.obj)
+    assert "copied" not in draw_panel(WIDE).texts()
+
+
+# Objects that a script deletes
+
+
+@pytest.mark.parametrize("kind", ["handles", "cage"])
+def test_nothing_is_printed_when_a_script_deletes_what_is_deformed(
+    kind: str, capfd: pytest.CaptureFixture, tmp_path: Path
+):
+    if kind == "cage":
+        target, controls = ball(), [box()]
+        surround(target, controls[0])
+    else:
+        plate = Rig.plate().bind()
+        target, controls = plate.obj, [plate.control]
+    update()
+    capfd.readouterr()
+    bpy.data.objects.remove(target)
+    update()
+    for control in controls:
+        bpy.data.objects.remove(control)
+    update()
+    bpy.context.scene.frame_set(3)
+    reopen(tmp_path / "deleted.blend")
+    said = "".join(capfd.readouterr()).splitlines()
+    assert not [line for line in said if line and not re.search("Info: (Total|Saved)|Read b", line)], said
+
+
+# Which object is active
+
+
+def test_after_tab_the_control_is_active_and_the_panel_stays(plate: Rig, room):
+    from_selection(plate)
+    assert bpy.context.mode == "OBJECT"
+    assert bpy.context.view_layer.objects.active == plate.control
+    assert bpy.context.selected_objects == [plate.control]
+    assert room("operators").target_of(bpy.context) == plate.obj
+    bpy.context.object.location.z += 0.5  # as a number typed into the Item tab
+    assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=1e-5)
+    assert plate.obj.location.z == 0.0
+
+
+def test_the_arrow_in_object_mode_makes_the_control_active(bound_plate: Rig, room):
+    make_active(bound_plate.obj)
+    bpy.ops.sinew.select_handle(index=0)
+    assert bpy.context.view_layer.objects.active == bound_plate.control
+    assert room("operators").target_of(bpy.context) == bound_plate.obj
+    assert "Handles" in draw_panel().texts()
+
+
+def test_the_arrow_in_the_modifiers_tab_leaves_the_tab_where_it_is(bound_plate: Rig):
+    make_active(bound_plate.obj)
+    window = bpy.context.window_manager.windows[0]
+    area = window.screen.areas[0]
+    area.type = "PROPERTIES"
+    with bpy.context.temp_override(window=window, area=area):
+        bpy.ops.sinew.select_handle(index=0)
+    assert bpy.context.view_layer.objects.active == bound_plate.obj
+    assert bpy.context.selected_objects == [bound_plate.control]
+
+
+def test_the_mesh_stays_active_where_the_artist_selects_it_again(plate: Rig):
+    make_active(plate.obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.sinew.handle_add(kind="FIXED")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    update()
+    assert bpy.context.view_layer.objects.active == plate.obj
+
+
+def test_the_panel_stays_with_its_mesh_where_a_control_moves_two(room):
+    first, second = Rig.plate(), Rig(grid_object("Second"))
+    first.bind()
+    make_active(second.obj)
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top", control_object=first.control.name)
+    assert bpy.context.view_layer.objects.active == first.control
+    assert room("operators").target_of(bpy.context) == second.obj
+    make_active(first.obj)
+    bpy.ops.sinew.select_handle(index=0)
+    assert room("operators").target_of(bpy.context) == first.obj
+
+
+def test_undo_after_tab_leaves_the_control_active(plate: Rig):
+    make_active(plate.obj)
+    bpy.ops.ed.undo_push(message="start")
+    from_selection(plate)
+    bpy.ops.ed.undo_push(message="Tab")
+    plate.lift(0.5)
+    bpy.ops.ed.undo_push(message="Move")
+    bpy.ops.ed.undo()
+    update()
+    assert bpy.context.view_layer.objects.active == plate.control

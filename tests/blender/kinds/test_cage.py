@@ -1,0 +1,468 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A cage moves the mesh: by object, by its vertices, by shape keys and bones; its rest, its subdivision."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from inside import BINDING
+from mathutils import Matrix
+from registry import WITH_CAGE
+from rigs.cages import (
+    SHEAR,
+    add_raising_key,
+    assert_goes_on,
+    assert_rests,
+    ball,
+    box,
+    cross,
+    mean_value,
+    motion_of,
+    selected,
+    set_rest,
+    surround,
+    transform,
+)
+from rigs.point_objects import poly
+from rigs.rig import (
+    CORNERS,
+    FLOAT32,
+    SIDES,
+    add_armature,
+    apply_matrix,
+    base_points,
+    evaluated_points,
+    in_mode,
+    linked,
+    make_active,
+    move_world,
+    new_empty,
+    new_object,
+    update,
+)
+
+Caged = tuple[bpy.types.Object, bpy.types.Object]
+
+
+@pytest.fixture
+def caged() -> Caged:
+    """A ball and its cage, bound by mean value coordinates."""
+    target, cage = ball(), box()
+    surround(target, cage)
+    return target, cage
+
+
+def raise_top(mesh: bmesh.types.BMesh) -> None:
+    for vertex in mesh.verts:
+        if vertex.co.z > 0.0:
+            vertex.co.z += 0.5
+
+
+def in_edit_mode(_target, cage: bpy.types.Object) -> None:
+    make_active(cage)
+    bpy.ops.object.mode_set(mode="EDIT")
+    raise_top(bmesh.from_edit_mesh(cage.data))
+    bmesh.update_edit_mesh(cage.data)
+
+
+def after_edit_mode(target: bpy.types.Object, cage: bpy.types.Object) -> None:
+    in_edit_mode(target, cage)
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def by_a_shape_key(_target, cage: bpy.types.Object) -> None:
+    add_raising_key(cage, 0.5).value = 1.0
+
+
+def by_a_bone(_target, cage: bpy.types.Object) -> None:
+    add_armature(cage).pose.bones["high"].location.x = 0.7
+
+
+def by_its_object(target: bpy.types.Object, cage: bpy.types.Object) -> None:
+    """The target is elsewhere, too."""
+    target.location, target.rotation_euler.z, target.scale.x = (0.3, 0.0, 0.1), 0.4, 1.5
+    move_world(cage, Matrix.Translation((0.2, 0.5, -0.1)) @ Matrix.Rotation(0.6, 4, (0.0, 0.6, 0.8)))
+
+
+POSES = (in_edit_mode, after_edit_mode, by_a_shape_key, by_a_bone, by_its_object)
+
+
+@pytest.mark.parametrize("pose", POSES, ids=lambda pose: pose.__name__)
+def test_whatever_poses_the_cage_moves_the_mesh(caged: Caged, pose: Callable):
+    """To where coordinates of the rest take what Blender shows of the cage."""
+    target, cage = caged
+    coordinates = mean_value(cage, base_points(target))
+    pose(target, cage)
+    update()
+    relative = target.matrix_world.inverted() @ cage.matrix_world
+    expected = coordinates.warp(apply_matrix(relative, evaluated_points(cage)))
+    assert np.abs(evaluated_points(target) - expected).max() < 2 * FLOAT32
+    assert np.abs(motion_of(target)).max() > 0.1
+
+
+def test_a_hidden_cage_still_moves_it(caged: Caged):
+    target, cage = caged
+    cage.hide_viewport = True
+    add_raising_key(cage, 0.5).value = 1.0
+    assert np.abs(motion_of(target) - (0.0, 0.0, 0.5)).max() < FLOAT32
+
+
+def test_a_subdivided_cage_is_a_cage():
+    target, cage = ball(), box(size=3.0)
+    cage.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    assert "cage of 24 faces (26 vertices)" in surround(target, cage).status
+    transform(cage, SHEAR)
+    assert np.abs(evaluated_points(target) - apply_matrix(SHEAR, base_points(target))).max() < FLOAT32
+
+
+def test_the_subdivision_of_the_panel_is_the_cages_own_modifier(caged: Caged):
+    target, cage = caged
+    deformer = target.sinew.active
+    assert deformer.cage_subdivision == 0
+    deformer.cage_subdivision = 2
+    (smoother,) = cage.modifiers
+    assert (smoother.type, smoother.levels, smoother.render_levels) == ("SUBSURF", 2, 2)
+    set_rest(target)
+    assert "cage of 96 faces (98 vertices)" in deformer.status
+    smoother.levels = 1
+    assert deformer.cage_subdivision == 1
+    deformer.cage_subdivision = 0
+    assert not cage.modifiers
+    cage.modifiers.new("Subdivision", "SUBSURF")
+    deformer.cage = None
+    deformer.cage_subdivision = 3
+    assert deformer.cage_subdivision == 0
+
+
+@pytest.mark.parametrize("automatic", [False, True])
+def test_a_cage_with_other_vertices_is_refused_or_taken_for_the_rest(room, caged: Caged, automatic: bool):
+    target, cage = caged
+    deformer = target.sinew.active
+    deformer.auto_rebind = automatic
+    with in_mode(cage):
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.mesh.subdivide()
+    update()
+    room("session").refresh()
+    update()
+    if not automatic:
+        assert_rests(target)
+        assert deformer.status_level == "ERROR"
+        assert "26 vertices, at bind it had 8" in deformer.status
+        set_rest(target)
+    assert "cage of 24 faces (26 vertices)" in deformer.status
+    assert_goes_on(target, cage)
+
+
+def test_faces_of_a_cage_that_cross_are_named_and_can_be_selected(room):
+    """A face that a modifier of the cage made is none of the cage's own: then Select says so."""
+    target, cage = ball(), box()
+    cross(cage)
+    cage.modifiers.new("Subdivision", "SUBSURF").subdivision_type = "SIMPLE"
+    deformer = surround(target, cage)
+
+    def crossing() -> tuple[int, object]:
+        notes = [note for note in room("core.status").notes(deformer.uid) if note.elements]
+        (line,) = (i for i, note in enumerate(notes) if note.elements.owner.name == "CONTROL")
+        assert "faces of the cage cross" in notes[line].text
+        assert notes[line].elements.element == "face"
+        return line, notes[line].elements
+
+    make_active(target)
+    with pytest.raises(RuntimeError, match="turn off its modifiers"):
+        bpy.ops.sinew.select_problems(line=crossing()[0])
+    cage.modifiers.clear()
+    set_rest(target)
+    line, elements = crossing()
+    shown, faces = selected(target, "face", line)
+    assert shown == cage
+    assert set(elements.indices) <= faces
+
+
+def test_a_cage_inside_out_can_be_flipped():
+    target, cage = ball(), box()
+    cage.data.flip_normals()
+    deformer = surround(target, cage)
+    assert deformer.status_level == "ERROR"
+    assert "inside out" in deformer.status
+    assert_rests(target)
+    make_active(target)
+    assert bpy.ops.sinew.select_problems() == {"FINISHED"}
+    assert bpy.context.object == cage
+    assert cage.mode == "EDIT"
+    assert all(face.select for face in bmesh.from_edit_mesh(cage.data).faces)
+    assert bpy.ops.sinew.cage_flip() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert_goes_on(target, cage)
+
+
+def test_the_armature_before_it_still_counts():
+    target, cage = ball(), box()
+    armature = add_armature(target)
+    surround(target, cage)
+    rest = evaluated_points(target)
+    armature.pose.bones["high"].location.x = 0.7
+    posed = evaluated_points(target)
+    cage.location.z = 0.5
+    assert np.abs(evaluated_points(target) - posed - (0.0, 0.0, 0.5)).max() < FLOAT32
+    assert np.abs(posed - rest).max() > 0.1
+
+
+@pytest.mark.parametrize("kind", ["mesh", "curve"])
+@pytest.mark.parametrize("method", WITH_CAGE)
+def test_points_outside_are_said_alike_by_all_methods_and_can_follow(room, method: str, kind: str):
+    """Mean Value and Green warn, the others refuse until a button lets them follow."""
+    status = room("core.status")
+    if kind == "mesh":
+        target, cage = ball(), box()
+        for index in (3, 5, 7):
+            target.data.vertices[index].co.z = 5.0
+    else:
+        target, cage = poly(), box(size=3.0)
+        for point in target.data.splines[0].points[1:4]:
+            point.co.z = 5.0
+    deformer = surround(target, cage, method)
+    if method == "green":
+        deformer.green.outside = "error"
+        update()
+    said = [
+        line for line in (status.current(deformer.uid), *status.notes(deformer.uid)) if "outside" in line.text
+    ]
+    points, outside = ("vertices", (3, 5, 7)) if kind == "mesh" else ("points", ())
+    assert len(said) == 1
+    assert said[0].text.startswith(f"3 {points} lie outside the cage")
+    assert said[0].elements.indices == outside
+    make_active(target)
+    if method == "mean_value":
+        assert said[0].level is status.Level.WARNING
+        assert not bpy.ops.sinew.cage_outside_follow.poll()
+    else:
+        assert (said[0].level, said[0].remedy) == (status.Level.ERROR, status.Remedy.OUTSIDE)
+        assert bpy.ops.sinew.cage_outside_follow() == {"FINISHED"}
+        assert [note.text for note in status.notes(deformer.uid)] == [f"3 {points} lie outside the cage"]
+    assert_goes_on(target, cage)
+
+
+def test_harmonic_errs_a_tenth_of_mesh_deform():
+    """In a cube, where both should be trilinear: each corner moved by 1, Mesh Deform at precision 5."""
+    corners = 0.5 * (np.array(CORNERS) + 1.0)
+    points = np.random.default_rng(0).uniform(0.02, 0.98, (1000, 3))
+    cage = new_object("Cage", corners, SIDES)
+    ours, theirs = (new_object(name, points, [(0, 1, 2)]) for name in ("Ours", "Theirs"))
+    modifier = theirs.modifiers.new("Mesh Deform", "MESH_DEFORM")
+    modifier.object, modifier.precision = cage, 5
+    with bpy.context.temp_override(object=theirs, active_object=theirs):
+        bpy.ops.object.meshdeform_bind(modifier=modifier.name)
+    surround(ours, cage, "harmonic")
+
+    exact = np.prod(np.where(corners > 0.5, points[:, None], 1.0 - points[:, None]), axis=2)
+    worst = {obj.name: 0.0 for obj in (ours, theirs)}
+    for corner, place in enumerate(corners):
+        cage.data.vertices[corner].co.z = place[2] + 1.0
+        cage.data.update()
+        for obj in (ours, theirs):
+            found = evaluated_points(obj)[:, 2] - points[:, 2]
+            worst[obj.name] = max(worst[obj.name], np.abs(found - exact[:, corner]).max())
+        cage.data.vertices[corner].co.z = place[2]
+    assert 1e-4 < worst["Theirs"] < 0.1
+    assert worst["Ours"] <= 0.1 * worst["Theirs"], worst
+
+
+@pytest.mark.parametrize("first", ["Sinew", "Subdivision"])
+def test_before_and_after_a_subdivision_of_the_mesh(caged: Caged, first: str):
+    """Warped at control level and then subdivided, or subdivided and then warped: as the stack says."""
+    target, cage = caged
+    smoother = target.modifiers.new("Subdivision", "SUBSURF")
+    smoother.levels = smoother.render_levels = 1
+    smooth = evaluated_points(target)
+    if first == "Subdivision":
+        make_active(target)
+        bpy.ops.object.modifier_move_to_index(modifier="Subdivision", index=0)
+        bpy.ops.sinew.bind()
+    coordinates = mean_value(cage, smooth if first == "Subdivision" else base_points(target))
+    cage.data.vertices[0].co = (-1.6, -0.7, -1.3)
+    cage.data.update()
+    expected = coordinates.warp(base_points(cage))
+    if first == "Sinew":
+        plain = linked(bpy.data.objects.new("Plain", target.data.copy()))
+        plain.data.vertices.foreach_set("co", expected.astype(np.float32).ravel())
+        plain.modifiers.new("Subdivision", "SUBSURF").levels = 1
+        expected = evaluated_points(plain)
+    assert np.abs(evaluated_points(target) - expected).max() < FLOAT32
+    assert len(expected) > 500
+
+
+def test_a_cage_with_more_faces_than_asked_for_says_so(capfd: pytest.CaptureFixture):
+    apart, edit = ball(), bmesh.new()
+    for place in ((3.0, 3.0, 3.0), (3.0, -3.0, -3.0), (-3.0, 3.0, -3.0), (-3.0, -3.0, 3.0)):  # four each
+        bmesh.ops.create_icosphere(edit, subdivisions=2, radius=1.0, matrix=Matrix.Translation(place))
+    edit.to_mesh(apart.data)
+    edit.free()
+    for faces, more in ((12, True), (100, False)):
+        make_active(apart)
+        assert bpy.ops.sinew.cage_add(source="AUTO", faces=faces, margin=0.02) == {"FINISHED"}
+        told = capfd.readouterr().out
+        assert (f"faces instead of {faces}: with fewer" in told) is more, told
+
+
+def spotted() -> bpy.types.Object:
+    """A ball with an automatic cage of 80 faces, symmetric and turned; the ball is active."""
+    target = ball()
+    target.location, target.rotation_euler = (3.0, -1.0, 0.5), (0.4, 0.2, 1.1)
+    make_active(target)
+    assert bpy.ops.sinew.cage_add(faces=80, margin=0.06) == {"FINISHED"}
+    make_active(target)
+    return target
+
+
+def test_faces_of_an_automatic_cage_can_be_changed_as_long_as_it_is_as_made():
+    target = spotted()
+    cage, rest = target.sinew.active.cage, evaluated_points(target)
+    for faces in (30, 160):
+        assert bpy.ops.sinew.cage_faces(faces=faces) == {"FINISHED"}
+        assert faces - 2 <= len(cage.data.polygons) <= faces + 1
+        assert target.sinew.active.cage == cage
+        assert np.abs(evaluated_points(target) - rest).max() < 4 * FLOAT32
+        low, high = base_points(cage).min(axis=0), base_points(cage).max(axis=0)
+        assert (low == -high).any()  # about a plane of the ball, which is turned
+    cage.location.x += 0.5
+    update()
+    moved = np.linalg.norm(evaluated_points(target) - rest, axis=1)
+    assert np.abs(moved - 0.5).max() < 1e-4  # it is bound, and takes the ball along
+
+
+def posed(cage: bpy.types.Object) -> None:
+    cage.location.x += 0.5
+
+
+def edited(cage: bpy.types.Object) -> None:
+    cage.data.vertices[0].co.x += 0.1
+    cage.data.update()
+    assert bpy.ops.sinew.cage_set_rest() == {"FINISHED"}
+
+
+def keyed(cage: bpy.types.Object) -> None:
+    cage.shape_key_add()
+
+
+def shared(cage: bpy.types.Object) -> None:
+    linked(bpy.data.objects.new("Twin", cage.data))
+
+
+def left_in_edit_mode(cage: bpy.types.Object) -> None:
+    make_active(cage)
+    bpy.ops.object.mode_set(mode="EDIT")
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"),
+    [
+        (posed, "is posed"),
+        (edited, "was edited"),
+        (keyed, "was edited"),
+        (shared, "shares its mesh"),
+        (left_in_edit_mode, "is in Edit Mode"),
+    ],
+)
+def test_faces_of_a_cage_with_work_in_it_are_not_changed(spoil: Callable, said: str):
+    target = spotted()
+    cage = target.sinew.active.cage
+    spoil(cage)
+    update()
+    with pytest.raises(RuntimeError, match=said):
+        bpy.ops.sinew.cage_faces(faces=30)
+    if bpy.context.mode == "EDIT_MESH":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(cage.data.polygons) == 80
+
+
+def test_faces_of_a_mesh_that_was_chosen_as_cage_are_not_changed(caged: Caged):
+    make_active(caged[0])
+    with pytest.raises(RuntimeError, match="was not made by Add Cage"):
+        bpy.ops.sinew.cage_faces(faces=30)
+
+
+def test_an_automatic_cage_of_a_mesh_without_symmetry_says_by_how_much(capfd: pytest.CaptureFixture):
+    target = ball()
+    for vertex in target.data.vertices:  # a horn to each side, and no two are alike
+        for axis, sign, length in ((0, 1, 2.0), (1, 1, 3.0), (2, -1, 2.5)):
+            if sign * vertex.co[axis] > 0.58:
+                vertex.co[axis] *= length
+    for symmetric, told in ((True, True), (False, False)):
+        make_active(target)
+        assert bpy.ops.sinew.cage_add(faces=60, margin=0.06, symmetric=symmetric) == {"FINISHED"}
+        assert ("not symmetric: the sides differ by" in capfd.readouterr().out) is told
+
+
+@pytest.mark.parametrize("sheared", [False, True])
+def test_an_automatic_cage_rides_along_and_stays_where_it_is_under_another_parent(sheared: bool):
+    target = ball()
+    target.location, target.rotation_euler, target.scale = (3.0, -1.0, 0.5), (0.4, 0.2, 1.1), (1.5, 0.7, 1.0)
+    if sheared:
+        target.parent = new_empty("Above")
+        target.parent.scale.x = 3.0
+    make_active(target)
+    assert bpy.ops.sinew.cage_add(source="AUTO", faces=60) == {"FINISHED"}
+    cage = target.sinew.active.cage
+    target.location.x += 2.0
+    assert np.abs(motion_of(target)).max() < 4 * FLOAT32
+    if sheared:
+        return  # no location, rotation and scale of its own stand for where it is
+    target.location.x -= 2.0
+    update()
+    place = np.array(cage.matrix_world)
+    rig = new_empty("Rig", (5.0, 6.0, 7.0))
+    make_active(rig)
+    cage.select_set(True)
+    assert bpy.ops.object.parent_set(type="OBJECT") == {"FINISHED"}
+    update()
+    assert cage.parent == rig
+    assert np.abs(np.array(cage.matrix_world) - place).max() < 1e-5
+
+
+def test_rays_are_shown_until_the_exact_weights_are_there(
+    room, caged: Caged, monkeypatch: pytest.MonkeyPatch
+):
+    """As in a window, where heavy meshes bind in a thread."""
+    target, cage = caged
+    binding, deformer = room(BINDING), target.sinew.active
+    monkeypatch.setattr(binding, "may_wait", lambda _count: True)
+    may_begin, build = threading.Event(), binding.build_factor
+    monkeypatch.setattr(binding, "build_factor", lambda *found: may_begin.wait(20.0) and build(*found))
+    may_begin.set()
+    cage.data.vertices[0].co = (-1.6, -0.7, -1.3)
+    with room("session").suspended():
+        deformer.method = "positive_mean_value"
+    session = room("session").find(deformer.uid)
+    assert binding.ensure(session, deformer, deformer, wait=False) is None
+    shapes = []
+    for is_preview in (True, False):
+        binding.job(deformer.uid).thread.join(timeout=20.0)
+        may_begin.clear()  # so that the exact weights are still under way below
+        assert binding.collect() == [deformer.uid]
+        assert session.bound.is_preview is is_preview
+        target.update_tag(refresh={"OBJECT"})
+        if is_preview:  # what came in between stopped the exact weights: they are asked for anew
+            assert binding.ensure(session, deformer, deformer, wait=False) is session.bound
+            binding.abandon(deformer.uid)
+            may_begin.set()
+            assert binding.ensure(session, deformer, deformer, wait=False) is None
+            binding.job(deformer.uid).thread.join(timeout=20.0)
+            assert binding.collect() == [deformer.uid]
+        shapes.append(evaluated_points(target) if not is_preview else _shown_by(session, cage, target))
+    assert binding.job(deformer.uid) is None
+    monkeypatch.undo()
+    assert 1e-6 < np.abs(shapes[0] - shapes[1]).max() < 0.1
+    bpy.ops.sinew.bind()
+    assert np.abs(evaluated_points(target) - shapes[1]).max() < FLOAT32
+
+
+def _shown_by(session, cage: bpy.types.Object, target: bpy.types.Object) -> np.ndarray:
+    """By the factor that is bound; in background an evaluation would wait for the exact one."""
+    relative = target.matrix_world.inverted() @ cage.matrix_world
+    return session.bound.factor.solve(apply_matrix(relative, base_points(cage)))[0]

@@ -1,0 +1,273 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bad cages, and bad meshes in good ones: a status with its elements, no jump, and a way on."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+from registry import WITH_CAGE
+from rigs.cages import (
+    SHEAR,
+    assert_goes_on,
+    assert_rests,
+    ball,
+    box,
+    fine_box,
+    motion_of,
+    place,
+    selected,
+    set_rest,
+    surround,
+    transform,
+)
+from rigs.rig import (
+    CORNERS,
+    FLOAT32,
+    SIDES,
+    apply_matrix,
+    base_points,
+    evaluated_points,
+    make_active,
+    new_object,
+    push,
+    update,
+)
+
+NOWHERE = (float("nan"), float("inf"), -float("inf"))
+
+
+@pytest.mark.parametrize("value", NOWHERE)
+def test_a_cage_that_is_nowhere_at_bind_or_later_leaves_the_rest_and_comes_back(room, value: float) -> None:
+    status = room("core.status")
+    target, cage = ball(), box()
+    cage.data.vertices[3].co.x = value
+    deformer = surround(target, cage)
+    assert status.current(deformer.uid).remedy is status.Remedy.CAGE_REST
+    for posed in (None, 0.5):
+        if posed:
+            cage.location.z = posed
+            shown = evaluated_points(target)
+            cage.data.vertices[3].co.x = value
+            cage.data.update()
+        assert_rests(target)
+        said = status.current(deformer.uid)
+        assert said.level is status.Level.ERROR
+        assert "invalid coordinates" in said.text
+        assert said.elements.indices == (3,)
+        assert selected(target, "vertex") == (cage, {3})
+        cage.data.vertices[3].co.x = CORNERS[3][0]
+        cage.data.update()
+        if posed:
+            assert np.abs(evaluated_points(target) - shown).max() < FLOAT32
+        else:
+            set_rest(target)
+        assert_goes_on(target, cage)
+
+
+def test_a_cage_object_that_is_nowhere_is_the_cages_fault(room) -> None:
+    target, cage = ball(), box()
+    deformer = surround(target, cage)
+    cage.location.y = 0.5
+    posed = evaluated_points(target)
+    cage.delta_location.y = float("nan")
+    assert_rests(target)
+    assert "invalid coordinates" in deformer.status
+    elements = room("core.status").current(deformer.uid).elements
+    assert (elements.owner.name, elements.element) == ("CONTROL", "vertex")
+    cage.delta_location.y = 0.0
+    assert np.abs(evaluated_points(target) - posed).max() < FLOAT32
+    assert_goes_on(target, cage)
+
+
+def test_undo_of_what_sent_a_cage_nowhere_brings_the_pose_back() -> None:
+    target, cage = ball(), box()
+    surround(target, cage)
+    cage.location.z = 0.5
+    posed = evaluated_points(target)
+    push("Posed")
+    place(cage, [(float("nan"),) * 3] * 8)
+    assert_rests(target)
+    push("Lost")
+    bpy.ops.ed.undo()
+    target, cage = bpy.data.objects["Ball"], bpy.data.objects["Cage"]
+    assert np.abs(evaluated_points(target) - posed).max() < FLOAT32
+    assert_goes_on(target, cage)
+
+
+@pytest.mark.parametrize("method", WITH_CAGE)
+def test_a_mesh_without_vertices_is_said_and_waits_for_some(method: str) -> None:
+    target, cage = new_object("Ball", []), box()
+    make_active(target)
+    with pytest.raises(RuntimeError, match=r"has no (vertices|points)"):
+        bpy.ops.sinew.cage_add(source="AUTO", method=method)
+    assert target.sinew.active is None
+    deformer = surround(target, cage, method)
+    assert deformer.status_level == "ERROR"
+    assert "The mesh has no vertices" in deformer.status
+    update()
+    target.data.from_pydata(base_points(ball()).tolist(), [], [])
+    target.data.update()
+    make_active(target)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    assert_goes_on(target, cage)
+
+
+@pytest.mark.parametrize("after_bind", [False, True])
+def test_a_mesh_that_a_modifier_empties_comes_back(after_bind: bool) -> None:
+    """Before it is bound, Bind takes the vertices; afterwards they are still bound."""
+    target, cage = ball(), box()
+    target.vertex_groups.new(name="Nobody")
+    if after_bind:
+        surround(target, cage)
+    mask = target.modifiers.new("Mask", "MASK")
+    mask.vertex_group = "Nobody"
+    make_active(target)
+    bpy.ops.object.modifier_move_to_index(modifier="Mask", index=0)
+    if not after_bind:
+        deformer = surround(target, cage)
+        assert deformer.status_level == "ERROR"
+        assert "check the modifiers before Sinew" in deformer.status
+    for height in (0.0, 0.5):
+        cage.location.z = height
+        assert len(evaluated_points(target)) == 0
+    mask.show_viewport = mask.show_render = False
+    cage.location.z = 0.0
+    assert_rests(target)
+    if not after_bind:
+        make_active(target)
+        assert bpy.ops.sinew.bind() == {"FINISHED"}
+    assert_goes_on(target, cage)
+
+
+FIN = (CORNERS + [(-2.0, -2.0, 0.0)], SIDES + [(0, 1, 8)])
+DOUBLED = (CORNERS + [CORNERS[0]], [(8, 1, 3, 2), *SIDES[1:]])
+
+
+@pytest.mark.parametrize(
+    ("points", "faces", "said", "bad"),
+    [
+        ([], [], "The cage has no vertices", None),
+        (CORNERS, [], "the cage has no faces", None),
+        (CORNERS[:4], [(0, 1, 3, 2), (2, 3, 1, 0)], "encloses no volume", ("face", {0, 1})),
+        ([CORNERS[0]] * 8, SIDES, "encloses no volume", ("face", {0, 1, 2, 3, 4, 5})),
+        (CORNERS, SIDES[1:], "open", ("vertex", {0, 1, 2, 3})),
+        (*FIN, "open", ("vertex", {0, 1, 8})),
+        (*DOUBLED, "open", ("vertex", {0, 1, 2, 8})),
+    ],
+    ids=["empty", "loose", "flat", "point", "hole", "fin", "doubled vertex"],
+)
+def test_a_cage_that_holds_nothing_is_refused_until_it_does(room, points, faces, said: str, bad) -> None:
+    target, cage = ball(), new_object("Cage", points, faces)
+    deformer = surround(target, cage)
+    found = room("core.status").current(deformer.uid)
+    assert found.level.name == "ERROR"
+    assert said in found.text
+    assert said == "open" or found.remedy.name == "CAGE_REST", "no other button helps"
+    assert_rests(target)
+    assert bool(found.elements) == bool(bad)
+    if bad:
+        kind, indices = bad
+        assert selected(target, kind) == (cage, indices)
+    cage.data = box().data
+    set_rest(target)
+    assert_goes_on(target, cage)
+
+
+@pytest.mark.parametrize("method", WITH_CAGE)
+def test_a_cage_in_one_place_takes_the_mesh_there_and_gives_it_back(method: str) -> None:
+    target, cage = ball(), box()
+    deformer = surround(target, cage, method)
+    spot = (0.1, 0.2, -0.3)
+    place(cage, [spot] * 8)
+    assert np.abs(evaluated_points(target) - spot).max() < FLOAT32
+    place(cage, CORNERS)
+    cage.scale, cage.location = (0.0, 0.0, 0.0), spot
+    assert np.abs(evaluated_points(target) - spot).max() < FLOAT32
+    assert deformer.status_level == "INFO", deformer.status
+    cage.scale, cage.location = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
+    assert np.abs(motion_of(target)).max() < FLOAT32
+    assert_goes_on(target, cage)
+
+
+def test_a_cage_of_zero_scale_is_no_rest(room) -> None:
+    target, cage = ball(), box()
+    deformer = surround(target, cage)
+    cage.scale = (0.0, 1.0, 1.0)
+    make_active(target)
+    with pytest.raises(RuntimeError, match="encloses no volume"):
+        bpy.ops.sinew.cage_set_rest()
+    assert room("core.status").current(deformer.uid).remedy.name == "CAGE_REST"
+    assert_rests(target)
+    cage.scale = (1.0, 1.0, 1.0)
+    set_rest(target)
+    assert_goes_on(target, cage)
+
+
+LOOSE = (CORNERS + [(9.0, 9.0, 9.0), (8.0, 8.0, 8.0), (7.0, 7.0, 7.0)], SIDES, [(8, 9)])
+ELSEWHERE = [(x - 2.0, y - 2.0, z) for x, y, z in CORNERS]  # corners 6 and 7 are 0 and 1 of the other cube
+SHARED = {6: 0, 7: 1}
+TWO_CUBES = (
+    CORNERS + ELSEWHERE,
+    SIDES + [tuple(SHARED.get(corner, corner + 8) for corner in side) for side in SIDES],
+)
+
+
+@pytest.mark.parametrize("method", WITH_CAGE)
+@pytest.mark.parametrize("cage", [LOOSE, TWO_CUBES], ids=["loose", "edge of four faces"])
+def test_a_closed_cage_may_have_loose_vertices_and_edges_of_four_faces(cage, method: str) -> None:
+    target, cage = ball(), new_object("Cage", *cage)
+    surround(target, cage, method)
+    assert np.abs(motion_of(target)).max() < FLOAT32
+    if len(cage.data.polygons) == len(SIDES):
+        place(cage, CORNERS + [(50.0, 0.0, 0.0)] * 3)  # loose vertices carry nothing
+        assert np.abs(motion_of(target)).max() < FLOAT32
+    assert_goes_on(target, cage)
+
+
+FLAT = (CORNERS + [(-1.0, -1.0, 0.0)], SIDES + [(0, 1, 8), (8, 1, 0)])  # along an edge, there and back
+
+
+@pytest.mark.parametrize("method", WITH_CAGE)
+def test_faces_without_area_do_no_harm_or_are_shown(room, method: str) -> None:
+    target, cage = ball(), new_object("Cage", *FLAT)
+    deformer = surround(target, cage, method)
+    if method == "harmonic":  # an equation a face
+        said = room("core.status").current(deformer.uid)
+        assert "no area" in said.text
+        assert said.remedy.name == "CAGE_REST", "Repair mends the mesh, which is well"
+        assert_rests(target)
+        shown, faces = selected(target, "face")
+        assert shown == cage
+        assert faces >= {6, 7}
+        deformer.method = "mean_value"
+        make_active(target)
+        assert bpy.ops.sinew.bind() == {"FINISHED"}
+    assert np.abs(motion_of(target)).max() < FLOAT32
+    assert_goes_on(target, cage)
+
+
+@pytest.mark.parametrize("method", WITH_CAGE)
+def test_vertices_on_those_of_the_cage_go_with_them(method: str) -> None:
+    """The mesh is a copy of its cage."""
+    target, cage = ball(), ball()
+    cage.data = cage.data.copy()
+    surround(target, cage, method)
+    assert np.abs(motion_of(target)).max() < FLOAT32
+    transform(cage, SHEAR)
+    if method != "green":  # its normals keep shapes
+        assert np.abs(evaluated_points(target) - apply_matrix(SHEAR, base_points(target))).max() < FLOAT32
+    assert np.isfinite(evaluated_points(target)).all()
+    assert_goes_on(target, cage)
+
+
+@pytest.mark.parametrize("method", WITH_CAGE)
+def test_vertices_on_edges_and_faces_of_the_cage_go_with_them(method: str) -> None:
+    target, cage = fine_box(3), box()
+    surround(target, cage, method)
+    assert np.abs(motion_of(target)).max() < FLOAT32
+    turn = Matrix.Translation((0.3, 0.0, 0.1)) @ Matrix.Rotation(0.7, 4, (0.0, 0.6, 0.8))
+    transform(cage, turn)
+    assert np.abs(evaluated_points(target) - apply_matrix(turn, base_points(target))).max() < FLOAT32
+    assert_goes_on(target, cage)

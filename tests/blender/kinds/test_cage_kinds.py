@@ -1,0 +1,559 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A cage moves meshes, curves, text, hair and point clouds: the surface where there is one, or points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from inside import catch_up
+from mathutils import Matrix, Vector
+from mathutils.kdtree import KDTree
+from probe import render_points
+from registry import WITH_CAGE
+from rigs.cages import SHEAR, add_raising_key, ball, transform
+from rigs.point_objects import (
+    CURVES,
+    MAKERS,
+    TESSELLATED,
+    add_bezier,
+    bend,
+    bezier,
+    bind,
+    cage_around,
+    controls_of,
+    curve_object,
+    hair,
+    has_surface,
+    inside,
+    moved_by_hand,
+    outline,
+    shown,
+    text,
+    unmoved,
+)
+from rigs.rig import FLOAT32, apply_matrix, in_mode, make_active, push, reopen, update
+from rigs.sheet import WIDE, draw_panel
+
+Caged = tuple[bpy.types.Object, bpy.types.Object]
+WITH_MESH = {"mesh": ball, **MAKERS}
+REFUSED = "Topology changed - Rebind"
+
+
+@pytest.fixture(params=MAKERS)
+def caged(request: pytest.FixtureRequest) -> Caged:
+    """An object of each kind and the cage that moves it; a test may ask for a mesh, too."""
+    return bind(WITH_MESH[request.param]())
+
+
+def size(points: np.ndarray) -> float:
+    return max(1.0, float(np.abs(points).max()))
+
+
+def at_rest(obj: bpy.types.Object) -> np.ndarray:
+    """What Blender shows of its points as they are, taken apart as Sinew does it."""
+    return moved_by_hand(obj, lambda points: points)
+
+
+def assert_shows(obj: bpy.types.Object, expected: np.ndarray, tolerance: float = FLOAT32) -> None:
+    """That, to a share of its size, and nothing complains."""
+    found = shown(obj)
+    assert found.shape == expected.shape
+    assert np.abs(found - expected).max() < tolerance * size(expected)
+
+
+def assert_lifted(obj: bpy.types.Object, rest: np.ndarray, height: float = 1.0) -> None:
+    """By the cage, which rose so far."""
+    assert np.abs(shown(obj) - rest - (0.0, 0.0, height)).max() < FLOAT32 * size(rest)
+
+
+def assert_well(obj: bpy.types.Object) -> None:
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+
+
+def rebind(obj: bpy.types.Object) -> None:
+    make_active(obj)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+
+
+def test_each_point_and_each_handle_goes_where_the_cage_takes_it(caged: Caged):
+    obj, cage = caged
+    rest = at_rest(obj)
+    assert_shows(obj, rest)
+    warp = bend(cage)
+    expected = moved_by_hand(obj, warp)
+    assert_shows(obj, expected, TESSELLATED)
+    assert np.abs(expected - rest).max() > 0.05
+    assert_well(obj)
+    obj.sinew.active.factor = 0.25
+    blended = moved_by_hand(obj, lambda points: 0.75 * points + 0.25 * warp(points))
+    assert_shows(obj, blended, TESSELLATED)
+    obj.sinew.active.factor = 0.0
+    assert_shows(obj, rest)
+
+
+@pytest.mark.parametrize("method", WITH_CAGE)
+@pytest.mark.parametrize("kind", ["bezier", "text"])
+def test_each_method_follows_a_similarity(kind: str, method: str):
+    obj, cage = bind(MAKERS[kind](), method)
+    turn = (
+        Matrix.Translation((0.3, 0.1, -0.2)) @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8)) @ Matrix.Scale(1.3, 4)
+    )
+    cage.matrix_world = turn
+    expected = moved_by_hand(obj, lambda points: apply_matrix(turn, points))
+    assert np.abs(shown(obj) - expected).max() < TESSELLATED
+
+
+def test_it_lives_through_undo_save_and_the_loss_of_its_cage(caged: Caged, tmp_path: Path):
+    obj, cage = caged
+    name, cage_name = obj.name, cage.name
+    tolerance = FLOAT32 * size(shown(obj))
+    bend(cage)
+    before = shown(obj)
+    push("Bound")
+    cage.location.z = 1.0
+    push("Moved")
+    for step, height in ((bpy.ops.ed.undo, 0.0), (bpy.ops.ed.redo, 1.0)):
+        step()
+        assert np.abs(shown(bpy.data.objects[name]) - before - (0.0, 0.0, height)).max() < 2 * tolerance
+        assert bpy.data.objects[cage_name].location.z == height
+    reopen(tmp_path / "caged.blend")
+    obj, cage = bpy.data.objects[name], bpy.data.objects[cage_name]
+    for aside in (0.0, 1.0):
+        cage.location.x = aside
+        assert np.abs(shown(obj) - before - (aside, 0.0, 1.0)).max() < 2 * tolerance
+    bpy.data.objects.remove(cage)
+    assert np.abs(shown(obj) - before - (1.0, 0.0, 1.0)).max() < 2 * tolerance
+    assert obj.sinew.active.cage_missing
+
+
+@pytest.mark.parametrize("caged", WITH_MESH, indirect=True)
+def test_renders_and_frames_show_an_animated_cage(caged: Caged):
+    """By a shape key and by its object; the cage itself is hidden in renders."""
+    obj, cage = caged
+    assert cage.hide_render
+    rest = shown(obj)
+    key = add_raising_key(cage, 1.0)
+    for frame, value in ((1, 0.0), (11, 1.0)):
+        key.value = cage.location.x = value
+        key.keyframe_insert("value", frame=frame)
+        cage.keyframe_insert("location", frame=frame)
+    for frame in (11, 1, 6):
+        bpy.context.scene.frame_set(frame)
+        found = shown(obj)
+        assert np.array_equal(render_points(obj), found)
+        share = (found - rest)[:, 2].mean()
+        assert np.abs(found - rest - (share, 0.0, share)).max() < 2 * FLOAT32 * size(rest)
+        assert {1: abs(share) < 1e-5, 6: 0.3 < share < 0.7, 11: share > 0.999}[frame]
+
+
+@pytest.mark.parametrize("kind", ["bevelled", "text"])
+def test_renders_may_tessellate_otherwise(kind: str):
+    obj = MAKERS[kind]()
+    obj.data.resolution_u, obj.data.render_resolution_u = 4, 9
+    if obj.type == "CURVE":
+        obj.data.resolution_u = 9
+        for spline in obj.data.splines:  # a change of the curve's own would be one of all of them
+            spline.resolution_u = 4
+    obj, cage = bind(obj)
+    transform(cage, SHEAR)
+    expected = moved_by_hand(obj, lambda points: apply_matrix(SHEAR, points))
+    assert np.abs(shown(obj) - expected).max() < FLOAT32
+    rendered = render_points(obj)
+    assert len(rendered) > len(expected)
+    obj.data.resolution_u = 9  # the shape for viewports does not fit any more
+    expected = moved_by_hand(obj, lambda points: apply_matrix(SHEAR, points))
+    assert np.abs(rendered - expected).max() < FLOAT32
+
+
+def add_a_point(obj: bpy.types.Object) -> None:
+    if obj.type == "FONT":
+        obj.data.body += "ew"
+    elif obj.type == "CURVE":
+        spline = obj.data.splines[0]
+        points = spline.bezier_points if spline.type == "BEZIER" else spline.points
+        points.add(1)
+        points[-1].co = (0.1, 0.2, 0.1, 1.0)[: len(points[-1].co)]
+        if spline.type == "BEZIER":
+            points[-1].handle_left, points[-1].handle_right = (0.0, 0.2, 0.1), (0.2, 0.2, 0.1)
+    else:
+        pytest.skip("points are added to these by brushes and nodes")
+
+
+@pytest.mark.parametrize("automatic", [False, True])
+def test_points_added_after_bind_ask_for_a_rebind(caged: Caged, automatic: bool):
+    obj, cage = caged
+    cage.location.z = 1.0
+    obj.sinew.active.auto_rebind = automatic
+    update()
+    add_a_point(obj)
+    update()
+    catch_up()
+    rest = at_rest(obj)
+    if not automatic:
+        assert np.abs(shown(obj) - unmoved(obj)).max() < FLOAT32
+        assert obj.sinew.active.status == REFUSED
+        rebind(obj)
+    assert_well(obj)
+    assert_lifted(obj, rest)
+
+
+def exchange_letters(obj: bpy.types.Object) -> None:
+    obj.data.body = obj.data.body[::-1]
+
+
+def change_type(obj: bpy.types.Object) -> None:
+    spline = obj.data.splines[0]
+    spline.type = "NURBS" if spline.type == "POLY" else "POLY"
+
+
+def change_bevel(obj: bpy.types.Object) -> None:
+    obj.data.bevel_depth = 0.0 if obj.data.bevel_depth else 0.03
+
+
+@pytest.mark.parametrize(
+    ("kind", "change"),
+    [
+        ("text", exchange_letters),
+        ("outline", exchange_letters),
+        ("poly", change_type),
+        ("bezier", change_bevel),
+        ("bevelled", change_bevel),
+    ],
+)
+def test_as_many_points_of_another_curve_are_noticed(kind: str, change: Callable):
+    """Other letters, points of another type, a surface gained or lost: at rest until it is mended."""
+    obj = MAKERS[kind]()
+    if obj.type == "FONT":
+        obj.data.body = "db"
+    obj, cage = bind(obj)
+    cage.location.z = 1.0
+
+    def assert_refused() -> None:
+        assert_shows(obj, at_rest(obj))
+        assert obj.sinew.active.status == REFUSED
+
+    update()
+    if change is not change_bevel:  # a surface makes another kind of target, for which it has to be bound
+        change(obj)
+        assert_refused()
+        change(obj)
+        update()
+        catch_up()
+        assert_well(obj)
+        assert_lifted(obj, at_rest(obj))
+    change(obj)
+    update()
+    catch_up()
+    assert_refused()
+    rebind(obj)
+    assert_well(obj)
+    assert_lifted(obj, at_rest(obj))
+
+
+@pytest.mark.parametrize("kind", ["bezier", "nurbs", "mixed"])
+def test_points_moved_in_edit_mode_take_the_cages_motion_along(kind: str):
+    obj, cage = bind(MAKERS[kind]())
+    cage.location.z = 1.0
+    update()
+    with in_mode(obj):
+        bpy.ops.curve.select_all(action="SELECT")
+        bpy.ops.transform.translate(value=(0.25, 0.0, 0.0))
+        assert_lifted(obj, at_rest(obj))
+    assert_lifted(obj, at_rest(obj))
+    assert_well(obj)
+
+
+def test_text_is_typed_at_rest_and_bound_anew():
+    obj, cage = bind(outline())
+    obj.sinew.active.auto_rebind = True
+    cage.location.z = 1.0
+    with in_mode(obj):
+        assert np.abs(shown(obj)[:, 2] - 1.0).max() < FLOAT32
+        bpy.ops.font.text_insert(text="ew")
+        assert np.abs(shown(obj)[:, 2]).max() < FLOAT32
+    catch_up()
+    assert_well(obj)
+    assert np.abs(shown(obj)[:, 2] - 1.0).max() < FLOAT32
+
+
+def test_hair_follows_while_it_is_sculpted():
+    obj, cage = bind(hair())
+    rest = shown(obj)
+    with in_mode(obj, "SCULPT_CURVES"):
+        cage.location.z = 1.0
+        assert_lifted(obj, rest)
+        catch_up()
+    catch_up()
+    assert_lifted(obj, rest)
+    assert_well(obj)
+
+
+def test_a_shape_key_of_the_curve_still_counts():
+    obj, cage = bind(bezier())
+    obj.shape_key_add(name="Basis")
+    key = obj.shape_key_add(name="Aside")
+    for point in key.data:
+        for name in ("co", "handle_left", "handle_right"):
+            setattr(point, name, getattr(point, name) + Vector((0.3, 0.0, 0.0)))
+    key.value = 0.0  # new keys are on from Blender 5.0
+    rest = shown(obj)
+    key.value = 1.0
+    cage.location.z = 0.5
+    assert np.abs(shown(obj) - rest - (0.3, 0.0, 0.5)).max() < FLOAT32
+
+
+def test_what_a_modifier_adds_to_a_curve_stays_where_it_is():
+    """A point cloud, whose points would else be moved by the numbers of the curve's."""
+    obj = bezier()
+    group = bpy.data.node_groups.new("Adds", "GeometryNodeTree")
+    if hasattr(group, "interface"):
+        for in_out in ("INPUT", "OUTPUT"):
+            group.interface.new_socket("Geometry", in_out=in_out, socket_type="NodeSocketGeometry")
+    else:
+        for sockets in (group.inputs, group.outputs):
+            sockets.new("NodeSocketGeometry", "Geometry")
+    entry, leave = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    points, join = group.nodes.new("GeometryNodePoints"), group.nodes.new("GeometryNodeJoinGeometry")
+    points.inputs["Count"].default_value, points.inputs["Position"].default_value = 5, (3.0, 2.0, 1.0)
+    for given in (entry.outputs[0], points.outputs[0]):
+        group.links.new(given, join.inputs[0])
+    group.links.new(join.outputs[0], leave.inputs[0])
+    obj.modifiers.new("Adds", "NODES").node_group = group
+    obj, cage = bind(obj)
+    expected = moved_by_hand(obj, bend(cage))
+    assert np.abs(shown(obj) - expected).max() < TESSELLATED
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    clouds = [  # what is found lives no longer than its turn
+        np.array([point.co for point in found.object.data.points])
+        for found in depsgraph.object_instances
+        if found.object.type == "POINTCLOUD"
+    ]
+    assert len(clouds) == 1
+    assert np.array_equal(clouds[0], np.tile((3.0, 2.0, 1.0), (5, 1)))
+
+
+def test_one_cage_moves_several_objects_and_several_cages_move_one():
+    letters, cage = bind(text())
+    mesh, _ = bind(ball(levels=2), cage=cage)
+    twice = [bind(maker(), cage=cage)[0] for maker in (bezier, ball)]
+    other = cage_around(twice[1], 0.4)
+    for obj in twice:
+        bind(obj, cage=other)
+        obj.sinew.active.factor = 0.5
+    motions = {letters: (0.4, 0.0, 0.0), mesh: (0.4, 0.0, 0.0), **dict.fromkeys(twice, (0.4, 0.0, 0.5))}
+    rests = {obj: shown(obj) for obj in motions}
+    cage.location.x, other.location.z = 0.4, 1.0
+    for obj, motion in motions.items():
+        assert np.abs(shown(obj) - rests[obj] - motion).max() < FLOAT32, obj.name
+
+
+@pytest.mark.parametrize("kind", ["mixed", "text", "hair"])
+def test_a_duplicate_gets_shapes_of_its_own(kind: str):
+    obj, cage = bind(MAKERS[kind]())
+    make_active(obj)
+    bpy.ops.object.duplicate()
+    copy = bpy.context.object
+    catch_up()
+    assert copy.sinew.active.proxy != obj.sinew.active.proxy
+    rest = shown(obj)
+    copy.sinew.active.factor = 0.5
+    cage.location.z = 1.0
+    assert_lifted(obj, rest)
+    assert_lifted(copy, rest, 0.5)
+
+
+def test_nothing_is_left_when_a_deformer_is_removed(caged: Caged):
+    obj, cage = caged
+    meshes = {mesh.name for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew")}
+    assert len(meshes) == 5  # a rest shape, that of the cage, an empty one for renders, two shapes
+    bend(cage)
+    rest = unmoved(obj)
+    make_active(obj)
+    assert bpy.ops.sinew.deformer_remove() == {"FINISHED"}
+    assert np.array_equal(shown(obj), rest)
+    assert not obj.modifiers
+    assert not [mesh for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew")]
+    assert cage.name in bpy.data.objects
+
+
+@pytest.mark.parametrize("kind", WITH_MESH)
+def test_an_automatic_cage_holds_points_and_handles_and_moves_them(room, kind: str):
+    obj = WITH_MESH[kind]()
+    obj.location.x, obj.rotation_euler.z = 2.0, 0.3
+    rest = at_rest(obj)
+    make_active(obj)
+    assert bpy.ops.sinew.cage_add(faces=100) == {"FINISHED"}
+    assert_well(obj)
+    assert room("core.status").notes(obj.sinew.active.uid) == ()
+    cage = obj.sinew.active.cage
+    assert bpy.context.object == cage
+    assert cage.parent == obj or kind in CURVES or kind == "bevelled"
+    assert len(cage.data.polygons) <= 100
+    assert inside(controls_of(obj) if kind in CURVES else rest, cage).all()
+    for y in (0.0, 1.0):
+        obj.location.y = y
+        update()
+        assert np.abs(np.array(cage.matrix_world) - np.array(obj.matrix_world)).max() < 1e-6
+        assert_shows(obj, rest)
+    transform(cage, Matrix.Translation((0.0, 0.0, 0.5)))
+    assert_lifted(obj, rest, 0.5)
+    name = cage.name
+    make_active(obj)
+    bpy.ops.sinew.deformer_remove()
+    assert name not in bpy.data.objects
+
+
+@pytest.mark.parametrize("shape", ["straight", "planar", "point", "spike"])
+def test_an_automatic_cage_fits_around_thin_curves(shape: str):
+    obj = curve_object()
+    add_bezier(obj, 4)
+    for index, point in enumerate(obj.data.splines[0].bezier_points):
+        point.handle_left_type = point.handle_right_type = "FREE"
+        along = {"straight": (index, 0, 0), "planar": (index, index % 2, 0)}.get(shape, (0, 0, 0))
+        point.co = point.handle_left = point.handle_right = along
+        if shape == "spike":  # one handle sticks out of everything that is seen
+            point.handle_right = (0.0, 0.0, 8.0 if index == 3 else 0.01 * index)
+    make_active(obj)
+    assert bpy.ops.sinew.cage_add() == {"FINISHED"}
+    assert inside(controls_of(obj), obj.sinew.active.cage).all()
+
+
+def test_an_object_without_points_says_so():
+    for obj in (curve_object(), text()):
+        if obj.type == "FONT":
+            obj.data.body = ""
+        make_active(obj)
+        with pytest.raises(RuntimeError, match="has no points"):
+            bpy.ops.sinew.cage_add()
+        assert not obj.sinew.deformers
+
+
+def test_surface_methods_are_refused_with_a_way_out(room, caged: Caged):
+    obj, cage = caged
+    make_active(obj)
+    with pytest.raises(RuntimeError, match="needs the surface of a mesh"):
+        bpy.ops.sinew.deformer_add(method="arap")
+    operators, is_lattice = bpy.ops.sinew, obj.type == "LATTICE"
+    for operator, keywords in (
+        (operators.handle_add, {}),
+        (operators.repair, {}),
+        (operators.part_regions, {}),
+        (operators.bake, {}),
+        *([] if is_lattice else [(operators.apply, {"as_shape_key": True})]),
+    ):
+        with pytest.raises(RuntimeError, match="is a lattice" if is_lattice else "convert it to a mesh"):
+            operator(**keywords)
+    cage.location.z = 0.5
+    update()
+    deformer = obj.sinew.active
+    deformer.method = "arap"
+    assert_shows(obj, at_rest(obj))
+    assert "needs the surface of a mesh" in deformer.status
+    remedies = room("core.status").Remedy
+    found = room("core.status").current(deformer.uid).remedy
+    assert found is (remedies.NONE if is_lattice else remedies.CONVERT)
+    with pytest.raises(RuntimeError, match="needs the surface of a mesh"):
+        bpy.ops.sinew.bind()
+    deformer.method = "mean_value"
+    rebind(obj)
+    assert_well(obj)
+
+
+def test_points_outside_are_said_or_refused(room):
+    obj, _cage = bind(bezier())
+    obj.data.splines[0].bezier_points[3].handle_right = (0.0, 0.0, 9.0)
+    bpy.ops.sinew.bind()
+    deformer = obj.sinew.active
+    (note,) = room("core.status").notes(deformer.uid)
+    assert note.text == "1 point or handle lies outside the cage"
+    deformer.method = "harmonic"
+    update()
+    assert deformer.status_level == "ERROR"
+    make_active(obj)
+    assert bpy.ops.sinew.select_problems() == {"CANCELLED"}
+    assert obj.mode == "OBJECT"
+
+
+def test_apply_writes_points_and_handles_where_there_are_any(caged: Caged):
+    obj, cage = caged
+    bend(cage)
+    before, kind = shown(obj), obj.type
+    obj.modifiers.new("Later", "CURVE" if kind == "LATTICE" else "NODES")
+    make_active(obj)
+    if kind == "FONT" or (kind == "CURVE" and has_surface(obj)):
+        with pytest.raises(RuntimeError, match="convert it to a mesh"):
+            bpy.ops.sinew.apply()
+        assert np.array_equal(shown(obj), before)
+        return
+    assert bpy.ops.sinew.apply() == {"FINISHED"}
+    assert obj.type == kind
+    assert not obj.sinew.deformers
+    assert [modifier.name for modifier in obj.modifiers] == ["Later"]
+    assert_shows(obj, before)
+    assert np.abs(unmoved(obj) - before).max() < FLOAT32 * size(before)
+
+
+def test_convert_to_mesh_keeps_the_shape_shown(caged: Caged):
+    obj, cage = caged
+    bend(cage)
+    before, name = shown(obj), obj.name
+    make_active(obj)
+    bpy.ops.object.convert(target="MESH")
+    obj = bpy.data.objects[name]
+    if obj.type != "MESH":
+        pytest.skip("this Blender makes no meshes of these")
+    update()
+    catch_up()
+    found = shown(obj)
+    if name == "Hair":  # strands become lines through their points, with steps between
+        tree = KDTree(len(found))
+        for index, place in enumerate(found):
+            tree.insert(place, index)
+        tree.balance()
+        found = np.array([tree.find(place)[0] for place in before])
+    assert np.abs(found - before).max() < FLOAT32 * size(before)
+    assert not obj.sinew.deformers
+    assert cage.name in bpy.data.objects
+
+
+def test_panels_draw_what_works_and_overlays_colour_surfaces_alone(room, caged: Caged):
+    obj, cage = caged
+    make_active(obj)
+    names = set(draw_panel(WIDE).operator_names())
+    assert {"sinew.bind", "sinew.cage_set_rest", "sinew.cage_add"} <= names
+    assert not {"sinew.handle_add", "sinew.deformer_add"} & names
+    for vertex in cage.data.vertices:
+        vertex.select = vertex.index == 0
+    picture, settings = room("ui.overlay_mesh"), bpy.context.scene.sinew
+    settings.show_overlay = True
+    for overlay in ("CAGE", "DISTORTION", "MASK", "REGIONS"):
+        settings.overlay = overlay
+        update()
+        depsgraph, look = bpy.context.evaluated_depsgraph_get(), picture.overlay_settings(bpy.context)
+        painted = picture.OverlayCache().overlay_mesh(obj, obj.sinew.active, look, depsgraph)
+        assert (painted is not None) == (obj.type in ("CURVE", "FONT") and has_surface(obj)), overlay
+    settings.show_overlay = False
+
+
+def test_hair_goes_into_alembic_files_and_curves_and_text_do_not(tmp_path: Path):
+    if not bpy.app.build_options.alembic:
+        pytest.skip("this Blender was built without Alembic")
+    path = str(tmp_path / "hair.abc")
+    for maker in (bezier, text):
+        obj, _cage = bind(maker())
+        make_active(obj)
+        with pytest.raises(RuntimeError, match="without its modifiers - convert"):
+            bpy.ops.sinew.bake(target="ALEMBIC", filepath=path, frame_start=1, frame_end=1)
+    obj, cage = bind(hair())
+    cage.location.z = 0.5
+    posed = shown(obj)
+    make_active(obj)
+    assert bpy.ops.sinew.bake(target="ALEMBIC", filepath=path, frame_start=1, frame_end=1) == {"FINISHED"}
+    before = set(bpy.data.objects)
+    bpy.ops.wm.alembic_import(filepath=path, as_background_job=False)
+    (read,) = (other for other in bpy.data.objects if other not in before and other.type == "CURVES")
+    assert np.abs(shown(read) - posed).max() < 1e-5

@@ -1,0 +1,343 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lattices: fitted, posed in every way that Blender has, refused where they cannot work."""
+
+from __future__ import annotations
+
+import itertools
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Euler, Matrix
+from rigs.cages import ball
+from rigs.rig import (
+    MATRIX,
+    base_points,
+    close,
+    evaluated_points,
+    grid_object,
+    in_mode,
+    make_active,
+    new_object,
+    push,
+    update,
+)
+from rigs.rig_of_lattice import bent, lattice_object, lattice_points, place, resolution, small_ball
+
+BLENDER = {"KEY_LINEAR", "KEY_CARDINAL", "KEY_CATMULL_ROM", "KEY_BSPLINE"}
+# Per axis, with those of one and two points, and those of fewer points than a cubic has.
+COUNTS = ((4, 4, 4), (2, 2, 2), (1, 3, 2), (5, 1, 1), (3, 6, 4), (1, 1, 1))
+
+
+def cloud() -> bpy.types.Object:
+    """Points inside, on and far outside a lattice of size 1."""
+    random = np.random.default_rng(3)
+    corners = 0.5 * np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=3)))
+    spread = random.uniform(-0.5, 0.5, (300, 3)) * random.choice((1.0, 1.5, 4.0, 20.0), (300, 1))
+    return new_object("Cloud", np.concatenate((spread, corners)))
+
+
+def add(obj: bpy.types.Object, *others: bpy.types.Object, **options: object) -> bpy.types.Object:
+    """Fit a lattice to objects; the lattice."""
+    make_active(obj)
+    for other in others:
+        other.select_set(True)
+    assert bpy.ops.sinew.lattice_add(**options) == {"FINISHED"}
+    deformer = obj.sinew.active
+    assert deformer.status_level == "INFO", deformer.status
+    return deformer.controls[0].object
+
+
+def use(obj: bpy.types.Object, lattice: bpy.types.Object, **parameters: object) -> None:
+    make_active(obj)
+    assert bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name) == {"FINISHED"}
+    for name, value in parameters.items():
+        setattr(obj.sinew.active.parameters, name, value)
+    update()
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+
+
+def lift(lattice: bpy.types.Object, height: float = 0.4) -> np.ndarray:
+    """Move the upper half of the points up, and return where they were."""
+    before = lattice_points(lattice)
+    place(lattice, before + np.outer(before[:, 2] > 0.0, (0.0, 0.0, height)))
+    return before
+
+
+@pytest.mark.parametrize("counts", COUNTS, ids=str)
+@pytest.mark.parametrize("kind", sorted(BLENDER))
+def test_interpolation_as_in_blender_gives_the_numbers_of_blenders_modifier(counts: tuple, kind: str):
+    obj, lattice = cloud(), lattice_object(counts)
+    for axis in "uvw":
+        setattr(lattice.data, f"interpolation_type_{axis}", kind)
+    lattice.matrix_world = Matrix.LocRotScale((0.1, -0.2, 0.3), Euler((0.3, 0.5, -0.2)), (1.0, 1.4, 0.8))
+    obj.matrix_world = Matrix.LocRotScale((0.3, 0.1, 0.0), Euler((0.1, 0.0, 0.4)), (1.2, 0.9, 1.0))
+    update()
+    twin = new_object("Twin", base_points(obj))
+    twin.matrix_world = obj.matrix_world.copy()
+    twin.modifiers.new("Lattice", "LATTICE").object = lattice
+    use(obj, lattice, basis="blender")
+    place(lattice, bent(lattice_points(lattice), by=0.8))
+    shown, expected = evaluated_points(obj), evaluated_points(twin)
+    assert len(lattice.data.points) == 1 or not close(expected, base_points(obj), 1e-3)
+    assert close(shown, expected, 1e-5)  # of the box, whose sides are about 1
+
+
+def test_mixed_interpolation_and_a_change_of_it_bind_by_themselves():
+    obj, lattice = cloud(), lattice_object((4, 3, 5))
+    twin = new_object("Twin", base_points(obj))
+    twin.modifiers.new("Lattice", "LATTICE").object = lattice
+    use(obj, lattice, basis="blender")
+    place(lattice, bent(lattice_points(lattice)))
+    for kinds in (
+        ("KEY_LINEAR", "KEY_BSPLINE", "KEY_CARDINAL"),
+        ("KEY_CATMULL_ROM", "KEY_LINEAR", "KEY_LINEAR"),
+    ):
+        for axis, kind in zip("uvw", kinds):
+            setattr(lattice.data, f"interpolation_type_{axis}", kind)
+        obj.update_tag()
+        assert close(evaluated_points(obj), evaluated_points(twin), 1e-5), kinds
+
+
+@pytest.mark.parametrize("counts", [(2, 3, 4), (7, 1, 2), (4, 4, 4)], ids=str)
+def test_a_fitted_lattice_has_its_resolution_and_holds_the_object(counts: tuple):
+    obj = ball()
+    obj.matrix_world = Matrix.LocRotScale((3.0, 1.0, -2.0), Euler((0.4, 0.2, 1.0)), (1.0, 2.0, 0.5))
+    update()
+    lattice = add(obj, resolution=counts, margin=0.1)
+    assert lattice.type == "LATTICE"
+    assert resolution(lattice) == counts
+    world = np.array([lattice.matrix_world.inverted() @ obj.matrix_world @ v.co for v in obj.data.vertices])
+    shares = np.abs(world).max(axis=0) / np.maximum(np.array(counts) - 1, 1)  # of the box
+    assert (shares < 0.5).all()
+    assert (shares > 0.25).all()  # the margin is a share of the longest side
+    assert close(evaluated_points(obj), base_points(obj))
+    assert lattice.parent == obj
+    assert bpy.context.object == lattice
+    at = lattice_points(lattice)
+    place(lattice, at + (0.0, 0.0, 0.5))  # all: a translation, which B-splines reproduce
+    shift = obj.matrix_world.inverted().to_3x3() @ lattice.matrix_world.to_3x3().col[2] * 0.5
+    assert close(evaluated_points(obj), base_points(obj) + np.array(shift), MATRIX)
+
+
+def test_a_flat_object_gets_a_lattice_with_room():
+    obj = grid_object()
+    lattice = add(obj)
+    assert min(lattice.scale) > 0.05
+    lift(lattice)
+    assert np.ptp(evaluated_points(obj)[:, 2]) < 1e-5 < evaluated_points(obj)[:, 2].max()
+
+
+def test_one_lattice_moves_several_objects_of_several_types():
+    first, second = ball("First", 2), ball("Second", 2)
+    second.location = (2.0, 0.0, 0.0)
+    curve = bpy.data.objects.new("Curve", bpy.data.curves.new("Curve", "CURVE"))
+    curve.data.dimensions = "3D"
+    spline = curve.data.splines.new("POLY")
+    spline.points.add(3)
+    for index, point in enumerate(spline.points):
+        point.co = (0.5 * index, 0.2, 0.3, 1.0)
+    bpy.context.scene.collection.objects.link(curve)
+    update()
+    lattice = add(first, second, curve, resolution=(3, 3, 3))
+    before = {obj.name: evaluated_points(obj) for obj in (first, second, curve)}
+    assert all(obj.sinew.deformers[0].controls[0].object == lattice for obj in (first, second, curve))
+    lift(lattice)
+    assert all(
+        not close(evaluated_points(bpy.data.objects[name]), shape, 0.05) for name, shape in before.items()
+    )
+    for name in before:
+        make_active(bpy.data.objects[name])
+        assert lattice.name in bpy.data.objects
+        assert bpy.ops.sinew.deformer_remove() == {"FINISHED"}
+    assert "First Lattice" not in bpy.data.objects, "the last one takes it away"
+
+
+def test_principal_axes_fit_a_leaning_shape_more_closely():
+    obj = ball()
+    obj.data.transform(Euler((0.0, 0.7, 0.4)).to_matrix().to_4x4() @ Matrix.Diagonal((3.0, 0.4, 0.6, 1.0)))
+    volumes = {}
+    for kind in ("OBJECT", "PRINCIPAL", "WORLD"):
+        lattice = add(obj, orientation=kind)
+        volumes[kind] = abs(lattice.matrix_world.determinant())
+        assert bpy.ops.sinew.deformer_remove.poll()
+        make_active(obj)
+        bpy.ops.sinew.deformer_remove()
+    assert volumes["PRINCIPAL"] < 0.5 * volumes["OBJECT"]
+    assert volumes["OBJECT"] == pytest.approx(volumes["WORLD"], rel=1e-4)
+
+
+def test_add_lattice_undoes_and_redoes_in_one_step():
+    obj = ball(levels=2)
+    push("ball")
+    lattice = add(obj).name
+    push("lattice")
+    bpy.ops.ed.undo()
+    assert lattice not in bpy.data.objects
+    assert not bpy.data.objects["Ball"].sinew.deformers
+    bpy.ops.ed.redo()
+    lift(bpy.data.objects[lattice])
+    assert not close(evaluated_points(bpy.data.objects["Ball"]), base_points(bpy.data.objects["Ball"]), 0.05)
+
+
+def test_objects_without_points_are_refused_with_a_report():
+    obj = new_object("Nothing", [])
+    make_active(obj)
+    with pytest.raises(RuntimeError, match="has no points"):
+        bpy.ops.sinew.lattice_add()
+    assert not obj.sinew.deformers
+    assert not bpy.data.lattices
+
+
+def test_shape_keys_modifiers_and_edits_of_the_lattice_pose_the_object(scene: bpy.types.Scene):
+    obj = small_ball(levels=2)
+    lattice = lattice_object((3, 3, 3))
+    use(obj, lattice)
+    rest = evaluated_points(obj)
+    lattice.shape_key_add(name="Basis")
+    key = lattice.shape_key_add(name="Up")
+    for point in key.data:
+        point.co.z += 0.25
+    key.value = 1.0
+    assert close(evaluated_points(obj), rest + (0.0, 0.0, 0.25), MATRIX)
+    key.value = 0.0
+    key.keyframe_insert("value", frame=1)
+    key.value = 1.0
+    key.keyframe_insert("value", frame=11)
+    scene.frame_set(11)
+    assert close(evaluated_points(obj), rest + (0.0, 0.0, 0.25), MATRIX)
+    scene.frame_set(1)
+    assert close(evaluated_points(obj), rest, MATRIX)
+    hook = lattice.modifiers.new("Hook", "HOOK")
+    hook.object = bpy.data.objects.new("Hook", None)
+    scene.collection.objects.link(hook.object)
+    hook.vertex_indices_set(range(27))
+    hook.object.location.x = 0.5
+    assert close(evaluated_points(obj), rest + (0.5, 0.0, 0.0), MATRIX)
+    lattice.modifiers.clear()
+    with in_mode(lattice):
+        bpy.ops.lattice.select_all(action="SELECT")
+        bpy.ops.transform.translate(value=(0.0, 0.3, 0.0))
+    assert close(evaluated_points(obj), rest + (0.0, 0.3, 0.0), MATRIX)
+
+
+def test_another_resolution_says_so_and_set_rest_takes_it():
+    obj = small_ball(levels=2)
+    lattice = lattice_object((3, 3, 3))
+    use(obj, lattice)
+    lift(lattice)
+    evaluated_points(obj)
+    lattice.data.points_u = 5
+    update()
+    assert obj.sinew.active.status_level == "ERROR"
+    assert "5 x 3 x 3" in obj.sinew.active.status
+    make_active(obj)
+    assert bpy.ops.sinew.lattice_set_rest() == {"FINISHED"}
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    assert close(evaluated_points(obj), base_points(obj), MATRIX)
+    lift(lattice)
+    assert not close(evaluated_points(obj), base_points(obj), 0.02)
+
+
+def test_a_folded_lattice_names_its_points_and_select_shows_them(room):
+    obj = small_ball(levels=2)
+    lattice = lattice_object((3, 3, 3))
+    points = lattice_points(lattice)
+    points[13] = (1.5, 0.0, 0.0)
+    place(lattice, points)
+    make_active(obj)
+    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name)
+    deformer = obj.sinew.active
+    assert deformer.status_level == "ERROR"
+    assert "folded" in deformer.status
+    line = room("core.status").current(deformer.uid)
+    assert 13 in line.elements.indices
+    make_active(obj)
+    assert bpy.ops.sinew.select_problems() == {"FINISHED"}
+    assert (bpy.context.object, lattice.mode) == (lattice, "EDIT")
+    assert lattice.data.points[13].select
+    assert not lattice.data.points[0].select
+    bpy.ops.object.mode_set(mode="OBJECT")
+    place(lattice, lattice_points(lattice_object((3, 3, 3), "Straight")))
+    make_active(obj)
+    assert bpy.ops.sinew.lattice_set_rest() == {"FINISHED"}
+    assert deformer.status_level == "INFO", deformer.status
+
+
+def test_outside_may_stay_where_the_border_ends_smoothly():
+    obj, lattice = cloud(), lattice_object((7, 7, 7))
+    use(obj, lattice, outside="freeze", continuity=2)
+    place(lattice, bent(lattice_points(lattice)))
+    shown, rest = evaluated_points(obj), base_points(obj)
+    outside = (np.abs(rest) >= 3.0).any(axis=1)
+    assert close(shown[outside], rest[outside], 1e-6)
+    assert outside.sum() > 20
+    assert np.abs(shown - rest)[~outside].max() > 0.01
+
+
+@pytest.mark.parametrize("shape", ["CYLINDER", "FITTED"])
+def test_meshes_of_hexahedra_hold_the_object_and_carry_affine_maps(shape: str):
+    obj = ball(levels=3)
+    lattice = add(obj, shape=shape, resolution=(4, 2, 3))
+    assert lattice.type == "MESH"
+    assert lattice.display_type == "WIRE"
+    assert "outside" not in " ".join(_notes(obj)), "all points lie inside"
+    assert close(evaluated_points(obj), base_points(obj), 1e-5)
+    world = obj.matrix_world.inverted() @ lattice.matrix_world
+    shear = Matrix(((1.0, 0.4, 0.0, 0.2), (0.0, 1.2, 0.1, 0.0), (0.0, 0.0, 0.8, -0.3), (0.0, 0.0, 0.0, 1.0)))
+    lattice.data.transform(world.inverted() @ shear @ world)
+    lattice.data.update()
+    expected = base_points(obj) @ np.array(shear.to_3x3()).T + np.array(shear.translation)
+    assert close(evaluated_points(obj), expected, 1e-4)
+
+
+def test_fitted_boxes_are_only_where_the_object_is_and_inside_it():
+    left, right = ball("Left", 2), ball("Right", 2)
+    right.location.x = 6.0
+    update()
+    lattice = add(left, right, shape="FITTED", resolution=(12, 3, 3), margin=0.01)
+    middles = np.array([polygon.center for polygon in lattice.data.polygons])
+    world = np.array([lattice.matrix_world @ vertex.co for vertex in lattice.data.vertices])
+    assert len(middles)
+    assert not ((world[:, 0] > 1.5) & (world[:, 0] < 4.5)).any(), "nothing between the two balls"
+
+
+def test_hexahedra_that_come_apart_are_named():
+    """One cell beside two that halve its side."""
+    numbers: dict[tuple[float, ...], int] = {}
+    faces = {}
+    for x, y in (((-2, 0), (-2, 2)), ((0, 2), (-2, 0)), ((0, 2), (0, 2))):
+        box = [numbers.setdefault(corner, len(numbers)) for corner in itertools.product(x, y, (-2, 2))]
+        for side in ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)):
+            face = [box[k] for k in side]
+            faces[frozenset(face)] = face
+    obj, lattice = ball(levels=2), new_object("Cells", list(numbers), list(faces.values()))
+    make_active(obj)
+    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name)
+    hanging = f"{numbers[0, 0, -2]}, {numbers[0, 0, 2]}"
+    assert f"control points {hanging} lie on cells that they are no corners of" in " ".join(_notes(obj))
+
+
+def test_a_mesh_without_hexahedra_is_refused():
+    obj = small_ball(levels=2)
+    plane = grid_object("Plane", 2)
+    make_active(obj)
+    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=plane.name)
+    assert obj.sinew.active.status_level == "ERROR"
+    assert "hexahedra" in obj.sinew.active.status
+
+
+def test_a_lattice_of_another_type_is_refused_and_leaves_nothing(room):
+    obj = small_ball(levels=2)
+    empty = bpy.data.objects.new("Empty", None)
+    bpy.context.scene.collection.objects.link(empty)
+    make_active(obj)
+    with pytest.raises(RuntimeError, match="is no lattice"):
+        bpy.ops.sinew.lattice_add(source="OBJECT", lattice="Empty")
+    assert not obj.sinew.deformers
+
+
+def _notes(obj: bpy.types.Object) -> list[str]:
+    from inside import notes_of
+
+    return notes_of(obj.sinew.active)

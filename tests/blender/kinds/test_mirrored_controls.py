@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Controls whose objects are mirrored by a negative scale, and targets that are: Blender shows both well."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+import pytest
+from probe import render_points
+from registry import WITH_CAGE
+from rigs.cages import TURN, assert_goes_on, assert_rests, ball, box, place, set_rest, surround
+from rigs.kinds import HandleRig
+from rigs.rig import (
+    CORNERS,
+    FLOAT32,
+    MATRIX,
+    apply_matrix,
+    base_points,
+    close,
+    evaluated_points,
+    make_active,
+    move_world,
+    new_empty,
+    update,
+)
+
+MIRROR = (-1.0, 1.0, 1.0)
+UNEVEN = [*CORNERS[:-1], (1.5, 1.2, 1.1)]  # no mirror image of itself
+
+
+def cage_scaled(_target: bpy.types.Object, cage: bpy.types.Object) -> None:
+    cage.scale = MIRROR
+
+
+def cage_turned_inside_out_by_its_scale(_target: bpy.types.Object, cage: bpy.types.Object) -> None:
+    cage.scale, cage.rotation_euler = (-1.1, -1.2, -1.0), (0.2, 0.1, 0.3)
+
+
+def cage_by_its_parent(_target: bpy.types.Object, cage: bpy.types.Object) -> None:
+    cage.parent = new_empty("Parent")
+    cage.parent.scale = MIRROR
+
+
+def cage_by_delta_scale(_target: bpy.types.Object, cage: bpy.types.Object) -> None:
+    cage.delta_scale = MIRROR
+
+
+def target_scaled(target: bpy.types.Object, _cage: bpy.types.Object) -> None:
+    target.scale, target.rotation_euler = (0.9, -0.9, 0.9), (0.2, 0.1, 0.3)
+
+
+def both_scaled(target: bpy.types.Object, cage: bpy.types.Object) -> None:
+    target.scale = cage.scale = MIRROR
+
+
+MIRRORED = (
+    cage_scaled,
+    cage_turned_inside_out_by_its_scale,
+    cage_by_its_parent,
+    cage_by_delta_scale,
+    target_scaled,
+    both_scaled,
+)
+
+
+def in_world(obj: bpy.types.Object, points: np.ndarray) -> np.ndarray:
+    return apply_matrix(obj.matrix_world, points)
+
+
+@pytest.mark.parametrize("mirror", MIRRORED, ids=lambda mirror: mirror.__name__)
+@pytest.mark.parametrize("method", WITH_CAGE)
+def test_a_mirrored_cage_or_target_is_as_good_as_one_whose_scale_is_applied(method: str, mirror: Callable):
+    """Bound, posed, rendered and set to rest; and truly inside out it is refused, until it is flipped."""
+    target, cage = ball(), box()
+    place(cage, UNEVEN)
+    mirror(target, cage)
+    update()
+    deformer = surround(target, cage, method)
+    assert deformer.status_level == "INFO", deformer.status
+    rest = base_points(target)
+    assert close(evaluated_points(target), rest, MATRIX)
+
+    twin, applied = ball("Twin"), box("Applied")
+    place(applied, in_world(cage, base_points(cage)).tolist())
+    if cage.matrix_world.determinant() < 0.0:
+        applied.data.flip_normals()
+    twin.data.transform(target.matrix_world)
+    if target.matrix_world.determinant() < 0.0:
+        twin.data.flip_normals()
+    surround(twin, applied, method)
+    place(cage, [*UNEVEN[:-1], (1.1, 0.7, 1.9)])
+    place(applied, in_world(cage, base_points(cage)).tolist())
+    posed = in_world(target, evaluated_points(target))
+    assert np.abs(posed - in_world(target, rest)).max() > 0.02
+    assert close(posed, evaluated_points(twin), MATRIX)
+    assert close(in_world(target, render_points(target)), posed, MATRIX)
+
+    place(cage, UNEVEN)
+    move_world(cage, TURN)
+    assert close(in_world(target, evaluated_points(target)), apply_matrix(TURN, in_world(target, rest)), 2e-5)
+    set_rest(target)
+    assert deformer.status_level == "INFO", deformer.status
+    assert close(evaluated_points(target), rest, MATRIX)
+
+    cage.data.flip_normals()
+    make_active(target)
+    with pytest.raises(RuntimeError, match="inside out"):
+        bpy.ops.sinew.cage_set_rest()
+    assert_rests(target)
+    assert bpy.ops.sinew.cage_flip() == {"FINISHED"}
+    assert close(evaluated_points(target), rest, MATRIX)
+
+
+@pytest.mark.parametrize("shape", ["BOX", "CYLINDER", "FITTED"])
+def test_a_mirrored_lattice_is_a_lattice(shape: str):
+    target = ball()
+    make_active(target)
+    assert bpy.ops.sinew.lattice_add(shape=shape, resolution=(4, 2, 3)) == {"FINISHED"}
+    deformer, rest = target.sinew.active, base_points(target)
+    lattice = deformer.controls[0].object
+    lattice.scale.x *= -1.0
+    make_active(target)
+    assert bpy.ops.sinew.lattice_set_rest() == {"FINISHED"}
+    assert deformer.status_level == "INFO", deformer.status
+    assert close(evaluated_points(target), rest, MATRIX)
+    move_world(lattice, TURN)
+    assert close(evaluated_points(target), apply_matrix(TURN, rest), 2e-5)
+
+
+def test_a_mirrored_mesh_is_a_cage_of_the_subspace_laplacian():
+    rig = HandleRig.new()
+    rig.bind("subspace_laplacian")
+    rig.lift(1.0)
+    cage = box(size=4.0)
+    rig.deformer.parameters.cage = cage
+    shown = rig.points()
+    assert rig.deformer.status_level == "INFO", rig.deformer.status
+    cage.scale = MIRROR
+    mirrored = rig.points()
+    assert rig.deformer.status_level == "INFO", rig.deformer.status
+    assert np.abs(mirrored - rig.rest()).max() > 0.1
+    assert np.abs(mirrored - shown).max() < 0.1  # the cage is cut along other diagonals
+
+
+def test_faces_of_an_automatic_cage_that_was_mirrored_can_be_changed():
+    target = ball()
+    make_active(target)
+    assert bpy.ops.sinew.cage_add(faces=80, margin=0.06) == {"FINISHED"}
+    cage = target.sinew.active.cage
+    cage.scale = MIRROR
+    set_rest(target)
+    assert bpy.ops.sinew.cage_faces(faces=40) == {"FINISHED"}
+    assert target.sinew.active.status_level == "INFO", target.sinew.active.status
+    assert np.abs(evaluated_points(target) - base_points(target)).max() < 4 * FLOAT32
+    assert_goes_on(target, cage)

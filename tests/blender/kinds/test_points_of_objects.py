@@ -1,0 +1,555 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Handles that act as all points of an object, as the edges between them, or as a bone from head to tail."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from inside import native, room
+from mathutils import Matrix
+from probe import render_points
+from registry import BY_ID, RIGID_ON_HANDLE_POINTS
+from rigs.point_objects import MAKERS, attach, cage_around, cloud, hair, moved_by_hand
+from rigs.rig import (
+    FLOAT32,
+    MATRIX,
+    add_armature,
+    apply_matrix,
+    base_points,
+    change_in_edit_mode,
+    close,
+    coordinates,
+    evaluated_points,
+    grid_object,
+    in_mode,
+    make_active,
+    move_world,
+    new_armature,
+    new_empty,
+    new_object,
+    push,
+    reopen,
+    some_motion,
+    update,
+)
+from rigs.rig_of_lattice import lattice_object
+from rigs.sheet import draw
+
+# The weights are kept in single precision, and a segment is a quadrature of eight places on either side.
+QUADRATURE = 1e-4
+MOVES_ONLY = ("space_propagation",)  # it fits nothing to points, and a single one has no turn to spread
+CORNERS = [(-1.0, -1.0, 0.2), (1.0, -1.0, 0.0), (1.0, 1.0, -0.3), (-1.0, 1.0, 0.4)]
+
+
+def add(obj: bpy.types.Object, *others: bpy.types.Object, source: str = "POINTS", **words: object):
+    """Press the button with these objects selected; the deformer."""
+    make_active(obj)
+    for other in others:
+        other.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    assert bpy.ops.sinew.point_add(source=source, **words) == {"FINISHED"}
+    make_active(obj)
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    return obj.sinew.active
+
+
+def in_target(obj: bpy.types.Object, other: bpy.types.Object) -> np.ndarray:
+    """The points that Blender shows of another object, in the space of the target."""
+    shown = evaluated_points(other)
+    return apply_matrix(np.linalg.inv(np.array(obj.matrix_world)) @ np.array(other.matrix_world), shown)
+
+
+def warped(method: str, rest: np.ndarray, posed: np.ndarray, points: np.ndarray, **options) -> np.ndarray:
+    made = getattr(native(), BY_ID[method].native)(rest, **options)
+    made.bind(points)
+    return made.warp(posed)
+
+
+def frame(name: str = "Frame") -> bpy.types.Object:
+    """Four vertices and three edges, which can bend as no affine map does."""
+    return new_object(name, CORNERS, edges=[(0, 1), (1, 2), (2, 3)])
+
+
+def by_closed_form(ends: np.ndarray, posed: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Rigid moving least squares of segments (s, 2, 3), with the weight 1 / d^2 integrated in closed form.
+
+    With u along a segment from the foot of a point at the distance D, the moments of t = t0 + u / L are
+    integrals of 1, u and u^2 over D^2 + u^2: an arc tangent, a logarithm, and what is left.
+    """
+    found = np.empty_like(points)
+    for row, v in enumerate(points):
+        total, p, q, qp = 0.0, np.zeros(3), np.zeros(3), np.zeros((3, 3))
+        for (a, b), (a_posed, b_posed) in zip(ends, posed):
+            d, e = b - a, b_posed - a_posed
+            length = np.linalg.norm(d)
+            t0 = (v - a) @ d / length**2
+            distance = np.linalg.norm(a + t0 * d - v)
+            u = np.array((-t0, 1.0 - t0)) * length
+            arc = np.diff(np.arctan(u / distance))[0]
+            half_log = 0.5 * np.diff(np.log(distance**2 + u**2))[0]
+            m0 = arc / distance
+            m1 = t0 * m0 + half_log / length
+            m2 = t0**2 * m0 + 2.0 * t0 * half_log / length + (length - distance * arc) / length**2
+            total += m0
+            p += m0 * a + m1 * d
+            q += m0 * a_posed + m1 * e
+            qp += (
+                m0 * np.outer(a_posed, a) + m1 * (np.outer(a_posed, d) + np.outer(e, a)) + m2 * np.outer(e, d)
+            )
+        p, q = p / total, q / total
+        left, _values, right = np.linalg.svd(qp / total - np.outer(q, p))
+        turn = left @ np.diag((1.0, 1.0, np.linalg.det(left @ right))) @ right
+        found[row] = turn @ (v - p) + q
+    return found
+
+
+def heads_and_tails(armature: bpy.types.Object) -> np.ndarray:
+    update()
+    posed = armature.evaluated_get(bpy.context.evaluated_depsgraph_get()).pose.bones
+    world = np.array(armature.matrix_world)
+    return np.array([apply_matrix(world, np.array((bone.head, bone.tail))) for bone in posed])
+
+
+def skeleton() -> bpy.types.Object:
+    """Two bones in a row and one aside; none of them lies in the plate."""
+    return new_armature(
+        Low=((-0.8, -0.9, 0.3), (-0.2, 0.0, 0.3)),
+        High=((-0.2, 0.0, 0.3), (0.1, 0.9, 0.4)),
+        Aside=((0.8, -0.5, -0.3), (0.8, 0.5, -0.3)),
+    )
+
+
+def add_bones(obj: bpy.types.Object, armature: bpy.types.Object, **words: object):
+    with in_mode(armature, "POSE"):
+        bpy.ops.pose.select_all(action="SELECT")
+        obj.select_set(True)
+        assert bpy.ops.sinew.point_add(source="SELECTED", **words) == {"FINISHED"}
+    make_active(obj)
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    return obj.sinew.active
+
+
+def test_bones_act_from_head_to_tail():
+    plate, armature = grid_object(), skeleton()
+    deformer = add_bones(plate, armature, method="mls", segments=True)
+    deformer.parameters.alpha = 1.0
+    assert [handle.acts_as for handle in deformer.handles] == ["SEGMENTS"] * 3
+    rest, ends = base_points(plate), heads_and_tails(armature)
+    assert close(evaluated_points(plate), rest)
+    low, high, _aside = armature.pose.bones
+    low.rotation_euler, high.rotation_euler = (0.4, 0.2, -0.5), (-0.7, 0.0, 0.3)
+    high.scale = 1.0, 1.3, 1.0
+    posed = heads_and_tails(armature)
+    assert np.abs(posed - ends).max() > 0.3
+    expected = by_closed_form(ends, posed, rest)
+    assert close(evaluated_points(plate), expected, QUADRATURE)
+    assert close(render_points(plate), expected, QUADRATURE)
+    for handle in deformer.handles:  # a switch of each handle
+        handle.acts_as = "PLACE"
+    update()
+    assert np.abs(evaluated_points(plate) - expected).max() > 0.02, "bones turn the space at their heads"
+
+
+@pytest.mark.parametrize("kind", ["bezier", "text", "hair"])
+def test_bones_bend_curves_text_and_hair_along_their_length(kind: str):
+    obj, armature = MAKERS[kind](), skeleton()
+    before = moved_by_hand(obj, lambda points: points)
+    add_bones(obj, armature, method="mls", segments=True).parameters.alpha = 1.0
+    assert close(evaluated_points(obj), before, QUADRATURE)
+    ends = heads_and_tails(armature)
+    armature.pose.bones["Low"].rotation_euler = (0.4, 0.2, -0.5)
+    posed = heads_and_tails(armature)
+    expected = moved_by_hand(obj, lambda points: by_closed_form(ends, posed, points))
+    assert close(evaluated_points(obj), expected, QUADRATURE)
+
+
+def test_edges_of_an_object_act_as_segments():
+    plate, edges = grid_object(), frame()
+    edges.location.z = 0.1
+    deformer = add(plate, edges, method="mls", segments=True)
+    deformer.parameters.alpha = 1.0
+    pairs = np.array([(0, 1), (1, 2), (2, 3)])
+    rest, ends = base_points(plate), in_target(plate, edges)[pairs]
+    assert close(evaluated_points(plate), rest)
+    edges.data.vertices[2].co = 1.4, 0.8, 0.6
+    edges.rotation_euler.x = 0.3
+    expected = by_closed_form(ends, in_target(plate, edges)[pairs], rest)
+    assert close(evaluated_points(plate), expected, QUADRATURE)
+    deformer.handles[0].acts_as = "POINTS"
+    make_active(plate)
+    update()
+    places = ends[[0, 0, 1, 2], [0, 1, 1, 1]]
+    by_points = warped("mls", places, in_target(plate, edges), rest, alpha=1.0)
+    assert close(evaluated_points(plate), by_points, 1e-5)
+
+
+def test_points_that_no_edge_joins_stay_points_among_segments():
+    plate = grid_object()
+    mixed = new_object("Mixed", [*CORNERS, (0.0, 0.0, 0.5)], edges=[(0, 1), (2, 3)])
+    add(plate, mixed, method="mls", segments=True)
+    rest = in_target(plate, mixed)
+    mixed.data.vertices[4].co.z = 1.0
+    mixed.data.vertices[2].co.y = 1.3
+    expected = warped("mls", rest, in_target(plate, mixed), base_points(plate), segments=[(0, 1), (2, 3)])
+    assert close(evaluated_points(plate), expected, 1e-5)
+
+
+def test_points_and_lines_of_a_lattice_as_its_modifiers_move_them():
+    plate, lattice, empty = grid_object(), lattice_object((3, 2, 2), "Points"), new_empty("Hook")
+    lattice.location = 0.05, 0.03, 0.17
+    hook = lattice.modifiers.new("Hook", "HOOK")
+    hook.object = empty
+    hook.vertex_indices_set([0, 1, 11])
+    update()
+    deformer = add(plate, lattice, method="mls")
+    deformer.parameters.alpha = 1.0
+    at_rest, rest = base_points(plate), in_target(plate, lattice)
+    empty.location.z = 0.4
+    update()
+    posed = in_target(plate, lattice)
+    assert (np.abs(posed - rest).max(axis=1) > 0.1).sum() == 3
+    expected = warped("mls", rest, posed, at_rest, alpha=1.0)
+    assert close(evaluated_points(plate), expected, 1e-5)
+    assert close(render_points(plate), expected, 1e-5)
+    deformer.handles[0].acts_as = "SEGMENTS"
+    empty.location.z = 0.0
+    make_active(plate)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    empty.location.z = 0.4
+    update()
+    grid = coordinates(lattice.data.points, "co_deform")  # a unit apart
+    pairs = np.argwhere(np.triu(np.abs(np.linalg.norm(grid[:, None] - grid, axis=2) - 1.0) < 1e-5))
+    assert len(pairs) == 20
+    assert close(evaluated_points(plate), by_closed_form(rest[pairs], posed[pairs], at_rest), QUADRATURE)
+
+
+def key_shape(points: bpy.types.Object) -> None:
+    points.shape_key_add(name="Basis")
+    key = points.shape_key_add(name="Up")
+    for index, point in enumerate(key.data):
+        point.co.z += 0.2 * index
+    key.value = 0.8
+
+
+def deform(points: bpy.types.Object) -> None:
+    modifier = points.modifiers.new("Bend", "SIMPLE_DEFORM")
+    modifier.deform_method, modifier.deform_axis, modifier.angle = "BEND", "Z", 0.8
+
+
+def pose_armature(points: bpy.types.Object) -> None:
+    armature = add_armature(points)
+    armature.pose.bones["high"].rotation_euler.x = 0.7
+
+
+def edit(points: bpy.types.Object) -> None:
+    def lift(mesh) -> None:
+        mesh.verts[1].co.z += 0.6
+
+    change_in_edit_mode(points, lift)
+
+
+def simulate(points: bpy.types.Object) -> None:
+    points.modifiers.new("Cloth", "CLOTH")
+    for frame_number in range(1, 6):
+        bpy.context.scene.frame_set(frame_number)
+
+
+@pytest.mark.parametrize("pose", [key_shape, deform, pose_armature, edit, simulate])
+@pytest.mark.parametrize("method", ["rbf", "mls", "space_propagation"])
+def test_points_go_where_edits_keys_and_modifiers_take_them(method: str, pose: Callable):
+    plate = grid_object()
+    points = new_object("Points", CORNERS, [(0, 1, 2, 3)])
+    add(plate, points, method=method)
+    rest = in_target(plate, points)
+    pose(points)
+    posed = in_target(plate, points)
+    assert np.abs(posed - rest).max() > 0.01
+    assert close(evaluated_points(plate), warped(method, rest, posed, base_points(plate)), 1e-5)
+    assert close(render_points(plate), warped(method, rest, posed, base_points(plate)), 1e-5)
+
+
+def test_points_move_the_shape_while_they_are_edited():
+    plate, points = grid_object(), frame()
+    add(plate, points)
+    rest = in_target(plate, points)
+    with in_mode(points):
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.transform.translate(value=(0.0, 0.0, 0.4))
+        assert close(evaluated_points(plate), base_points(plate) + (0.0, 0.0, 0.4), 1e-5)
+    assert close(in_target(plate, points), rest + (0.0, 0.0, 0.4))
+
+
+@pytest.mark.parametrize("method", RIGID_ON_HANDLE_POINTS)
+@pytest.mark.parametrize("segments", [False, True])
+def test_points_together_carry_a_plate_rigidly(method: str, segments: bool):
+    """Whatever the method fits to them; some give single points the turn of the edges at them."""
+    if segments and not BY_ID[method].takes_segments:
+        pytest.skip("it takes no segments")
+    plate, points = grid_object(), frame()
+    make_active(plate)
+    bpy.ops.sinew.deformer_add(method=method)
+    add(plate, points, segments=segments)
+    before = base_points(plate)
+    assert close(evaluated_points(plate), before, 1e-6)
+    motion = Matrix.Translation((0.4, -0.2, 0.7)) if method in MOVES_ONLY else some_motion()
+    move_world(points, motion)
+    assert close(evaluated_points(plate), apply_matrix(motion, before), 2e-5)
+
+
+@pytest.mark.parametrize("method", ["embedded_deformation", "rigid_cells"])
+def test_single_points_turn_with_the_edges_at_them(method: str):
+    """Half of a ladder of points turns: so does what is around its end, also off the ladder."""
+    plate = grid_object(cells=20)
+    places = [(x, y, 0.0) for x in np.linspace(-1.0, 1.0, 11) for y in (-0.1, 0.1)]
+    edges = [(i, i + 2) for i in range(20)] + [(i, i + 1) for i in range(0, 22, 2)]
+    ladder = new_object("Ladder", places, edges=edges)
+    add(plate, ladder, method=method)
+    turn = Matrix.Rotation(0.8, 4, "Y")
+    for vertex in ladder.data.vertices:
+        if vertex.co.x > 0.3:
+            vertex.co = turn @ vertex.co
+    ladder.data.update()
+    rest, shown = base_points(plate), evaluated_points(plate)
+    end = (rest[:, 0] > 0.85) & (np.abs(rest[:, 1]) < 0.35)
+    assert close(shown[end], apply_matrix(turn, rest[end]), 0.03)
+
+
+def test_a_point_cloud_moves_a_mesh():
+    points, plate = cloud(), grid_object()
+    add(plate, points, method="mls")
+    move_world(points, some_motion())
+    assert close(evaluated_points(plate), apply_matrix(some_motion(), base_points(plate)), 2e-5)
+
+
+def test_points_of_hair_move_a_mesh():
+    plate, points = grid_object(), hair()
+    add(plate, points, method="mls")
+    assert "points" in plate.sinew.active.status
+    move_world(points, some_motion())
+    assert close(evaluated_points(plate), apply_matrix(some_motion(), base_points(plate)), 2e-5)
+
+
+def test_an_object_may_have_more_points_than_empties_are_made_for():
+    plate, points = grid_object(), grid_object("Points", cells=40)
+    points.location.z = 0.5
+    deformer = add(plate, points, method="mls")
+    assert len(deformer.handles) == 1
+    assert "1,681 points" in deformer.status
+    rest = in_target(plate, points)
+    for vertex in points.data.vertices:
+        vertex.co.z = 0.3 * np.sin(3.0 * vertex.co.x)
+    points.data.update()
+    assert close(
+        evaluated_points(plate), warped("mls", rest, in_target(plate, points), base_points(plate)), 1e-5
+    )
+
+
+def test_undo_and_files_keep_the_points(tmp_path: Path):
+    plate, points = grid_object(), frame()
+    add(plate, points, method="mls", segments=True)
+    push("Bound")
+    points.data.vertices[0].co.z += 0.7
+    push("Moved")
+    moved = evaluated_points(plate)
+    bpy.ops.ed.undo()
+    assert close(evaluated_points(bpy.data.objects["Plate"]), base_points(bpy.data.objects["Plate"]), 1e-6)
+    bpy.ops.ed.redo()
+    assert close(evaluated_points(bpy.data.objects["Plate"]), moved, 1e-6)
+    reopen(tmp_path / "points.blend")
+    plate = bpy.data.objects["Plate"]
+    assert plate.sinew.active.handles[0].acts_as == "SEGMENTS"
+    assert close(evaluated_points(plate), moved, 1e-6)
+    bpy.data.objects["Frame"].data.vertices[0].co.z -= 0.7
+    bpy.data.objects["Frame"].data.update()
+    assert close(evaluated_points(plate), base_points(plate), 1e-6)
+
+
+def test_more_points_ask_for_a_rebind_and_then_go_on():
+    plate, points = grid_object(), frame()
+    deformer = add(plate, points)
+
+    def extend(mesh) -> None:
+        mesh.verts.new((0.0, 0.0, 1.0))
+
+    change_in_edit_mode(points, extend)
+    update()
+    assert deformer.status == "Frame has 5 points, at bind it had 4 - Rebind takes it as it is now"
+    assert close(evaluated_points(plate), base_points(plate))
+    make_active(plate)
+    bpy.ops.sinew.bind()
+    assert deformer.status_level == "INFO", deformer.status
+    move_world(points, some_motion())
+    assert close(evaluated_points(plate), apply_matrix(some_motion(), base_points(plate)), 2e-5)
+
+
+def test_apply_takes_the_points_at_rest_along():
+    plate, points = grid_object(), frame()
+    add(plate, points, method="mls")
+    points.data.vertices[0].co.z += 0.7
+    plate.rotation_euler.z, plate.scale = 0.6, (1.5, 1.5, 1.5)
+    update()
+    before = apply_matrix(plate.matrix_world, evaluated_points(plate))
+    make_active(plate)
+    bpy.ops.object.transform_apply()
+    assert close(apply_matrix(plate.matrix_world, evaluated_points(plate)), before, MATRIX)
+    points.data.vertices[0].co.z -= 0.7
+    points.data.update()
+    assert np.abs(evaluated_points(plate) - before).max() > 0.3
+
+
+def test_what_cannot_be_had_is_said():
+    plate, points, empty = grid_object(), frame(), new_empty("Empty")
+    make_active(plate)
+    points.select_set(True)
+    with pytest.raises(RuntimeError, match="no segments - choose Moving Least Squares first"):
+        bpy.ops.sinew.point_add(source="POINTS", method="rbf", segments=True)
+    assert not plate.sinew.deformers
+    make_active(plate)
+    empty.select_set(True)
+    with pytest.raises(RuntimeError, match="those whose points are handles"):
+        bpy.ops.sinew.point_add(source="POINTS")
+    deformer = add(plate, empty, source="SELECTED")
+    deformer.handles[0].acts_as = "POINTS"
+    with pytest.raises(RuntimeError, match="Empty has no points - let Empty act as a place"):
+        bpy.ops.sinew.bind()
+    deformer.handles[0].acts_as = "PLACE"
+    bpy.ops.sinew.bind()
+    assert deformer.status_level == "INFO", deformer.status
+
+
+def test_segments_without_length_and_points_that_part_are_named():
+    plate = grid_object()
+    points = new_object("Points", [*CORNERS, CORNERS[0]], edges=[(0, 4)])
+    make_active(plate)
+    points.select_set(True)
+    bpy.ops.sinew.point_add(source="POINTS", method="mls", segments=True)
+    deformer = plate.sinew.active
+    assert deformer.status_level == "ERROR"
+    assert "between point 0 of Points and point 4 of Points has no length" in deformer.status
+    deformer.handles[0].acts_as = "POINTS"
+    make_active(plate)
+    bpy.ops.sinew.bind()
+    assert deformer.status_level == "INFO", deformer.status
+    points.data.vertices[4].co.z += 0.5
+    points.data.update()
+    update()
+    assert "point 0 of Points and point 4 of Points hold the same place" in deformer.status
+
+
+def test_a_method_without_segments_takes_their_ends_as_points():
+    plate, armature = grid_object(), skeleton()
+    deformer = add_bones(plate, armature, method="mls", segments=True)
+    deformer.method = "rbf"
+    ends = heads_and_tails(armature).reshape(-1, 3)
+    armature.pose.bones["Low"].rotation_euler.x = 0.5
+    # The tail of the lower bone is the head of the upper one; both points move alike.
+    expected = warped("rbf", ends, heads_and_tails(armature).reshape(-1, 3), base_points(plate))
+    assert close(evaluated_points(plate), expected, 1e-4)
+
+
+def test_not_a_number_among_points_is_refused():
+    plate, points = grid_object(), frame()
+    deformer = add(plate, points)
+    points.data.vertices[1].co.x = np.nan
+    points.data.update()
+    update()
+    assert deformer.status_level == "ERROR"
+    assert "Frame has points with invalid coordinates" in deformer.status
+    assert close(evaluated_points(plate), base_points(plate), FLOAT32)
+
+
+def test_the_panel_offers_segments_where_the_method_has_them(room):
+    plate, points = grid_object(), frame()
+    deformer = add(plate, points, method="mls")
+    region = room("ui.control.handles").SINEW_PT_region
+
+    def offered() -> list[str]:
+        return [args[2] for name, args, *_rest in draw(region).calls if name == "prop_enum"]
+
+    assert offered() == ["PLACE", "POINTS", "SEGMENTS"]
+    deformer.method = "rbf"
+    assert offered() == ["PLACE", "POINTS"]
+    deformer.handles[0].acts_as = "SEGMENTS"
+    assert "This method has no segments" in draw(region).texts()
+    deformer.method = "arap"
+    assert not offered()
+
+
+def test_lost_points_keep_the_last_shape_and_a_new_control_is_a_place():
+    plate, points = grid_object(), frame()
+    deformer = add(plate, points, method="mls", segments=True)
+    points.data.vertices[0].co.z += 0.6
+    points.data.update()
+    before = evaluated_points(plate)
+    bpy.data.objects.remove(points)
+    update()
+    assert close(evaluated_points(plate), before)
+    make_active(plate)
+    assert bpy.ops.sinew.control_new() == {"FINISHED"}
+    assert deformer.handles[0].acts_as == "PLACE"
+    move_world(deformer.handles[0].control, some_motion())
+    assert close(evaluated_points(plate), apply_matrix(some_motion(), base_points(plate)), 2e-5)
+
+
+def test_points_that_a_deformer_moves_carry_several_objects():
+    """In one evaluation, and in renders."""
+    plate, other, points = grid_object(), grid_object("Other", cells=7), frame()
+    other.location = 0.2, 0.0, 0.3
+    empties = [new_empty(f"Empty {number}", corner) for number, corner in enumerate(CORNERS)]
+    add(points, *empties, source="SELECTED", method="mls")
+    for obj in (plate, other):
+        make_active(obj)
+        bpy.ops.sinew.deformer_add(method="rbf")
+        add(obj, points)
+    rests = [in_target(obj, points) for obj in (plate, other)]
+    empties[2].location.z += 0.8
+    assert np.abs(in_target(plate, points) - rests[0]).max() > 0.5
+    for obj, rest in zip((plate, other), rests):
+        expected = warped("rbf", rest, in_target(obj, points), base_points(obj))
+        assert close(evaluated_points(obj), expected, 1e-5)
+        assert close(render_points(obj), expected, 1e-5)
+
+
+@pytest.mark.parametrize("by_parent", [False, True])
+@pytest.mark.parametrize("control", ["points", "cage"])
+def test_what_an_armature_moves_twice_is_said_and_mended(control: str, by_parent: bool):
+    """A garment with an Armature modifier whose body, or cage, the same armature poses: by a button it moves
+    once, and lies on the body."""
+    armature = new_armature(Bone=((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
+    armature_name = armature.name
+    body = cage_around(grid_object("Inside")) if control == "cage" else grid_object("Body")
+    garment = grid_object("Garment")
+    for obj in (body, garment):
+        obj.vertex_groups.new(name="Bone").add(range(len(obj.data.vertices)), 1.0, "REPLACE")
+    garment.modifiers.new("Skin", "ARMATURE").object = armature
+    if by_parent:
+        body.parent, body.parent_type = armature, "ARMATURE"
+    else:
+        body.modifiers.new("Skin", "ARMATURE").object = armature
+    update()
+    if control == "cage":
+        attach(garment, "mean_value", body)
+    else:
+        add(garment, body, method="mls")
+    rest = evaluated_points(garment)
+    lines = room("ui.status_box")._warnings(garment.sinew.active)
+    assert [line.remedy for line in lines] == [room("core.status").Remedy.ARMATURE_OFF]
+    make_active(garment)
+    push("Twice")
+    assert bpy.ops.sinew.armature_off() == {"FINISHED"}
+    assert not room("ui.status_box")._warnings(garment.sinew.active)
+    push("Once")
+    bpy.ops.ed.undo()
+    assert room("ui.status_box")._warnings(bpy.data.objects["Garment"].sinew.active)
+    bpy.ops.ed.redo()
+    garment, armature = bpy.data.objects["Garment"], bpy.data.objects[armature_name]
+    bone = armature.pose.bones[0]
+    bone.location = 0.0, 0.3, 0.0
+    update()
+    moved = evaluated_points(garment) - rest
+    np.testing.assert_allclose(moved, np.broadcast_to((0.0, 0.0, 0.3), moved.shape), atol=1e-4)
+    assert bpy.ops.sinew.armature_off() == {"CANCELLED"}

@@ -1,0 +1,342 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One control moves several objects: a cage around all that are selected, its faces, and common settings."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+import pytest
+from inside import notes_of
+from mathutils import Matrix
+from registry import WITH_CAGE
+from rigs.cages import TURN, assert_goes_on, ball, box, set_rest, surround, transform
+from rigs.point_objects import (
+    MAKERS,
+    TESSELLATED,
+    controls_of,
+    has_surface,
+    inside,
+    moved_by_hand,
+    shown,
+)
+from rigs.rig import (
+    FLOAT32,
+    MATRIX,
+    apply_matrix,
+    base_points,
+    close,
+    evaluated_points,
+    make_active,
+    move_world,
+    new_empty,
+    new_object,
+    push,
+    update,
+)
+from rigs.rig_of_curves import polyline
+
+Placed = Callable[[bpy.types.Object], None]
+
+
+def select(active: bpy.types.Object, *others: bpy.types.Object) -> None:
+    make_active(active)
+    for other in others:
+        other.select_set(True)
+
+
+def scaled_ball(name: str, size: float, at: tuple = (0.0, 0.0, 0.0)) -> bpy.types.Object:
+    obj = ball(name)
+    obj.data.transform(Matrix.Translation(at) @ Matrix.Scale(size, 4))
+    return obj
+
+
+def clothed() -> list[bpy.types.Object]:
+    """A body, a suit that stands off from it with loose buttons, and a hat; moved, turned, mirrored."""
+    body, suit, hat = (
+        scaled_ball("Body", 1.0),
+        scaled_ball("Suit", 1.25),
+        scaled_ball("Hat", 0.3, (0, 0, 1.3)),
+    )
+    buttons = [scaled_ball("Button", 0.03, (0.85 * x, 0.1, 0.1)) for x in (-1, 1)]
+    select(suit, *buttons)
+    assert bpy.ops.object.join() == {"FINISHED"}
+    suit.scale = (-1.0, 1.0, 1.0)
+    hat.location.y, hat.rotation_euler.x = 0.1, 0.2
+    body.rotation_euler.z, body.scale = 0.3, (1.1, 1.1, 1.1)
+    return [body, suit, hat]
+
+
+def of_all_types() -> list[bpy.types.Object]:
+    found = [ball("Body")]
+    for index, maker in enumerate(MAKERS.values()):
+        try:
+            obj = maker()
+        except pytest.skip.Exception:
+            continue  # this Blender has no point clouds
+        obj.location, obj.rotation_euler.z = (1.3 * (index % 4), 1.3 * (index // 4), 0.2), 0.1 * index
+        found.append(obj)
+    return found
+
+
+def points_in(cage: bpy.types.Object, obj: bpy.types.Object) -> np.ndarray:
+    points = controls_of(obj) if obj.type == "CURVE" and not has_surface(obj) else shown(obj)
+    return apply_matrix(cage.matrix_world.inverted() @ obj.matrix_world, points)
+
+
+@pytest.mark.parametrize(
+    ("make", "method"), [*((clothed, method) for method in WITH_CAGE), (of_all_types, "positive_mean_value")]
+)
+def test_one_cage_holds_and_moves_all_that_is_selected(method: str, make: Callable):
+    """Also with the methods that move nothing outside: with the default margin, nothing is."""
+    objects = make()
+    others, beside = box("Another Cage", 9.0), ball("Caged")
+    surround(beside, others)
+    rest = {obj.name: moved_by_hand(obj, lambda points: points) for obj in objects}
+    select(objects[0], *objects[1:], others)
+    assert bpy.ops.sinew.cage_add(method=method) == {"FINISHED"}
+    assert not others.sinew.deformers, "what is a control itself is no target"
+    cage = objects[0].sinew.active.cage
+    assert bpy.context.object == cage
+    for obj in objects:
+        deformer = obj.sinew.active
+        assert (deformer.cage, deformer.method, deformer.status_level) == (cage, method, "INFO"), (
+            deformer.status
+        )
+        assert not [note for note in notes_of(deformer) if "outside" in note]
+        assert inside(points_in(cage, obj), cage).all(), obj.name
+        assert np.abs(shown(obj) - rest[obj.name]).max() < TESSELLATED
+    move_world(cage, TURN)
+    for obj in objects:
+        motion = obj.matrix_world.inverted() @ TURN @ obj.matrix_world
+        expected = moved_by_hand(obj, lambda points, motion=motion: apply_matrix(motion, points))
+        assert np.abs(shown(obj) - expected).max() < 2 * TESSELLATED, obj.name
+    for obj in objects:
+        assert cage.name in bpy.data.objects
+        name = cage.name
+        make_active(obj)
+        assert bpy.ops.sinew.deformer_remove() == {"FINISHED"}
+    assert name not in bpy.data.objects, "the last one takes it away"
+
+
+@pytest.mark.parametrize("add", ["cage_add", "lattice_add"])
+@pytest.mark.parametrize("led_by", ["nothing", "a parent", "the active one"])
+def test_a_control_around_several_follows_what_all_of_them_follow(add: str, led_by: str):
+    body, hat = scaled_ball("Body", 1.0), scaled_ball("Hat", 0.3, (0, 0, 1.3))
+    leader = {"nothing": None, "a parent": new_empty("Root", (1.0, 0.0, 0.0)), "the active one": body}[led_by]
+    between = new_empty("Between")
+    if leader is not None:
+        leader.rotation_euler.x = 0.4
+        hat.parent, between.parent = between, leader
+        body.parent = None if leader == body else leader
+    update()
+    select(body, hat)
+    assert getattr(bpy.ops.sinew, add)() == {"FINISHED"}
+    rest = [base_points(obj) for obj in (body, hat)]
+    control = bpy.context.object
+    assert control.parent == leader
+    if leader is not None:
+        leader.location, leader.rotation_euler.y = (1.0, 2.0, 3.0), 0.7
+    for obj, points in zip((body, hat), rest):
+        assert np.abs(evaluated_points(obj) - points).max() < 2e-5
+    before = evaluated_points(hat)
+    move_world(control, Matrix.Translation((0.0, 0.0, 0.5)))
+    assert np.abs(np.linalg.norm(evaluated_points(hat) - before, axis=1) - 0.5).max() < MATRIX
+
+
+def in_one_cage() -> tuple[bpy.types.Object, bpy.types.Object, bpy.types.Object]:
+    body, suit = ball("Body"), scaled_ball("Suit", 1.25)
+    body.location.x, suit.location.x = 0.1, -0.2
+    select(body, suit)
+    assert bpy.ops.sinew.cage_add(method="harmonic", faces=80, margin=0.05) == {"FINISHED"}
+    return body, suit, body.sinew.active.cage
+
+
+@pytest.mark.parametrize("active", [0, 1])
+def test_faces_of_a_shared_cage_can_be_changed(active: int):
+    *objects, cage = in_one_cage()
+    grown = objects[1 - active]
+    grown.data.transform(Matrix.Scale(1.4, 4))  # it no longer fits: the new cage goes around it again
+    make_active(objects[active])
+    assert bpy.ops.sinew.cage_faces(faces=40) == {"FINISHED"}
+    assert len(cage.data.polygons) <= 41
+    for obj in objects:
+        assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+        assert inside(points_in(cage, obj), cage).all()
+        assert close(evaluated_points(obj), base_points(obj), MATRIX)
+        make_active(obj)
+    before = [evaluated_points(obj) for obj in objects]
+    transform(cage, Matrix.Translation((0.0, 0.0, 0.3)))
+    for obj, points in zip(objects, before):
+        assert close(evaluated_points(obj), points + (0.0, 0.0, 0.3), MATRIX)
+
+
+def other_posed(suit: bpy.types.Object, _cage: bpy.types.Object) -> None:
+    suit.location.z += 0.5
+
+
+def other_gone(suit: bpy.types.Object, _cage: bpy.types.Object) -> None:
+    bpy.context.scene.collection.objects.unlink(suit)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "said"), [(other_posed, "pose of Suit"), (other_gone, "moves Suit as well")]
+)
+def test_faces_of_a_shared_cage_with_work_in_it_are_not_changed(spoil: Callable, said: str):
+    body, suit, cage = in_one_cage()
+    spoil(suit, cage)
+    make_active(body)
+    with pytest.raises(RuntimeError, match=said):
+        bpy.ops.sinew.cage_faces(faces=30)
+    assert len(cage.data.polygons) > 60
+
+
+def test_a_flip_turns_a_shared_cage_once():
+    objects, cage = (ball("Body"), ball("Suit")), box()
+    cage.data.flip_normals()
+    for obj in objects:
+        assert "inside out" in surround(obj, cage).status
+    make_active(objects[0])
+    assert bpy.ops.sinew.cage_flip() == {"FINISHED"}
+    for obj in objects:
+        assert_goes_on(obj, cage)
+
+
+def with_cage(first: bpy.types.Object, second: bpy.types.Object) -> bpy.types.Object:
+    cage = box()
+    for obj in (first, second):
+        surround(obj, cage)
+    deformer = first.sinew.active
+    deformer.method = "green"
+    deformer.green.faces = "quads"
+    return cage
+
+
+def with_lattice(first: bpy.types.Object, second: bpy.types.Object) -> bpy.types.Object:
+    select(first, second)
+    assert bpy.ops.sinew.lattice_add() == {"FINISHED"}
+    first.sinew.active.parameters.basis = "bezier"
+    return first.sinew.active.controls[0].object
+
+
+def with_wire(first: bpy.types.Object, second: bpy.types.Object) -> bpy.types.Object:
+    wire = polyline(np.array([(-0.6, 0.0, 0.5), (0.0, 0.0, 0.6), (0.6, 0.0, 0.5)]), "Wire")
+    for obj in (first, second):
+        make_active(obj)
+        assert bpy.ops.sinew.wire_add(curve=wire.name, radius=0.4) == {"FINISHED"}
+    first.sinew.active.controls[0].radius = 0.9
+    return wire
+
+
+def with_tool(first: bpy.types.Object, second: bpy.types.Object) -> bpy.types.Object:
+    tool = new_empty("Tool", (0.0, 0.0, 0.6))
+    for obj in (first, second):
+        make_active(obj)
+        assert bpy.ops.sinew.tool_add(control=tool.name, outer=0.5) == {"FINISHED"}
+    first.sinew.active.controls[0].outer = 1.0
+    return tool
+
+
+SHARES = {"cage": with_cage, "lattice": with_lattice, "wire": with_wire, "tool": with_tool}
+
+
+@pytest.mark.parametrize("share", SHARES.values(), ids=SHARES)
+def test_all_targets_of_a_control_can_get_the_same_settings(share: Callable):
+    """Twins at one place show the same shape then."""
+    twins = ball("First"), ball("Second")
+    control = share(*twins)
+    twins[0].sinew.active.factor = 0.5
+    update()
+    control.rotation_euler.x, control.location.z = 0.5, control.location.z + 0.3
+    assert not close(evaluated_points(twins[0]), evaluated_points(twins[1]), 0.02)
+    make_active(twins[0])
+    assert bpy.ops.sinew.settings_share() == {"FINISHED"}
+    assert np.abs(evaluated_points(twins[1]) - base_points(twins[1])).max() > 0.02
+    assert close(evaluated_points(twins[0]), evaluated_points(twins[1]))
+    alone = ball("Alone")
+    surround(alone, box("Own"))
+    make_active(alone)
+    assert not bpy.ops.sinew.settings_share.poll()
+
+
+REST = {
+    "cage": "cage_set_rest",
+    "lattice": "lattice_set_rest",
+    "wire": "control_set_rest",
+    "tool": "control_set_rest",
+}
+
+
+@pytest.mark.parametrize("kind", REST)
+def test_set_rest_is_for_all_targets_of_a_control(kind: str):
+    """Those are at rest, and move on from there."""
+    twins = ball("First"), ball("Second")
+    control = SHARES[kind](*twins)
+    control.rotation_euler.x, control.location.z = 0.5, control.location.z + 0.3
+    for obj in twins:
+        assert np.abs(evaluated_points(obj) - base_points(obj)).max() > 0.02
+    make_active(twins[1])
+    assert getattr(bpy.ops.sinew, REST[kind])() == {"FINISHED"}
+    for obj in twins:
+        assert close(evaluated_points(obj), base_points(obj), MATRIX), obj.name
+        assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    control.location.z += 0.2
+    for obj in twins:
+        assert np.abs(evaluated_points(obj) - base_points(obj)).max() > 0.02, obj.name
+
+
+def test_outside_can_be_set_for_all_targets_of_a_cage():
+    """Those that are refused are bound by it."""
+    objects, cage = (ball("Body"), ball("Suit")), box()
+    for obj in objects:
+        obj.data.vertices[3].co.z = 5.0
+        assert surround(obj, cage, "harmonic").status_level == "ERROR"
+    make_active(objects[0])
+    assert bpy.ops.sinew.cage_outside_follow() == {"FINISHED"}
+    assert bpy.ops.sinew.settings_share() == {"FINISHED"}
+    for obj in objects:
+        assert_goes_on(obj, cage)
+
+
+def test_undo_and_redo_of_outside_and_of_common_settings():
+    body, suit, cage = ball("Body"), ball("Suit"), box()
+    for obj in (body, suit):
+        obj.data.vertices[3].co.z = 5.0
+        surround(obj, cage, "harmonic")
+    cage.location.z = 0.5
+    rest = [base_points(obj) for obj in (body, suit)]
+    make_active(body)
+    push("refused")
+    for name in ("cage_outside_follow", "settings_share"):
+        assert getattr(bpy.ops.sinew, name)() == {"FINISHED"}
+        push(name)
+    for step, expected in (("", 2), ("undo", 1), ("undo", 0), ("redo", 1), ("redo", 2)):
+        if step:
+            getattr(bpy.ops.ed, step)()
+        shapes = [evaluated_points(bpy.data.objects[name]) for name in ("Body", "Suit")]
+        assert sum(points[0, 2] > base[0, 2] + 0.4 for points, base in zip(shapes, rest)) == expected
+
+
+def test_clothes_that_are_put_into_a_cage_later_get_room_by_change_faces():
+    body, suit = ball("Body"), scaled_ball("Suit", 1.25)
+    make_active(body)
+    assert bpy.ops.sinew.cage_add(method="positive_mean_value", faces=80) == {"FINISHED"}
+    cage = body.sinew.active.cage
+    assert "lie outside the cage" in surround(suit, cage, "positive_mean_value").status
+    assert bpy.ops.sinew.cage_faces(faces=80) == {"FINISHED"}
+    for obj in (body, suit):
+        assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    set_rest(suit)
+    assert_goes_on(suit, cage)
+
+
+def test_an_object_without_points_gets_no_cage_and_says_so():
+    body, nothing = ball("Body"), new_object("Nothing", [])
+    select(body, nothing)
+    assert bpy.ops.sinew.cage_add(faces=80) == {"FINISHED"}
+    cage = body.sinew.active.cage
+    assert "no vertices" in nothing.sinew.active.status
+    before = evaluated_points(body)
+    transform(cage, Matrix.Translation((0.0, 0.0, 0.3)))
+    assert close(evaluated_points(body), before + (0.0, 0.0, 0.3), 2 * FLOAT32)

@@ -1,0 +1,256 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tools of vector fields: twist, bend and drag, their stored paths, and their animation."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from inside import native
+from mathutils import Matrix
+from rigs.rig import (
+    FLOAT32,
+    apply_matrix,
+    base_points,
+    close,
+    evaluated_points,
+    grid_object,
+    key,
+    linked,
+    make_active,
+    reopen,
+    update,
+)
+from rigs.rig_of_curves import stroke_through
+from rigs.rig_of_tools import FRAME
+
+INTEGRATED = 3e-5  # the tolerance of the flow, on each piece of a path
+
+
+def bar(levels: int = 5) -> bpy.types.Object:
+    """A closed bar along z of height 4."""
+    mesh = bpy.data.meshes.new("Bar")
+    shape = bmesh.new()
+    bmesh.ops.create_cube(shape, size=1.0)
+    bmesh.ops.subdivide_edges(shape, edges=shape.edges[:], cuts=2**levels - 1, use_grid_fill=True)
+    for vertex in shape.verts:
+        vertex.co.z *= 4.0
+    shape.to_mesh(mesh)
+    shape.free()
+    obj = linked(bpy.data.objects.new("Bar", mesh))
+    make_active(obj)
+    return obj
+
+
+def volume(obj: bpy.types.Object) -> float:
+    shape = bmesh.new()
+    shape.from_object(obj, bpy.context.evaluated_depsgraph_get())
+    found = shape.calc_volume()
+    shape.free()
+    return found
+
+
+def add(obj: bpy.types.Object, tool: str, **reach: float) -> bpy.types.PropertyGroup:
+    """A tool in the middle of the object; its row in the list."""
+    make_active(obj)
+    assert bpy.ops.sinew.tool_add(tool=tool, location=obj.location) == {"FINISHED"}
+    make_active(obj)
+    row = obj.sinew.active.controls[-1]
+    for name, value in reach.items():
+        setattr(row, name, value)
+    update()
+    return row
+
+
+def straight(points: np.ndarray, frames: np.ndarray, **options: object) -> np.ndarray:
+    """What a tool at the origin makes of points on its path through frames (4 f, 3)."""
+    field = native().VectorField(np.tile(FRAME, (len(frames) // 4, 1)), **options)
+    field.bind(points)
+    return field.warp(frames)
+
+
+def test_a_twist_is_that_of_the_library_and_keeps_the_volume() -> None:
+    obj = bar()
+    reach = {"inner": -1.0, "outer": 1.0, "width": 1.0}
+    row = add(obj, "twist", **reach)
+    before = volume(obj)
+    turn = Matrix.Rotation(1.2, 4, "Z")
+    row.object.matrix_world = turn
+    posed = apply_matrix(turn, FRAME)
+    expected = straight(base_points(obj), posed, tools="twist", **reach)
+    assert close(evaluated_points(obj), expected)
+    top = base_points(obj)[:, 2] > 1.0
+    assert close(evaluated_points(obj)[top], apply_matrix(turn, base_points(obj))[top])
+    assert abs(volume(obj) / before - 1.0) < 2e-3  # of faces of 1/8: the surface itself keeps all
+
+
+@pytest.mark.parametrize("tool", ["bend", "drag"])
+def test_bend_and_drag_are_those_of_the_library(tool: str) -> None:
+    obj = bar(4)
+    reach = {"inner": 0.0 if tool == "drag" else -1.2, "outer": 1.2, "width": 0.9}
+    row = add(obj, tool, **reach)
+    pose = Matrix.Translation((0.3, 0.0, 0.2)) @ Matrix.Rotation(0.8, 4, "X")
+    row.object.matrix_world = pose
+    posed = apply_matrix(pose, FRAME)
+    expected = straight(base_points(obj), posed, tools=tool, **reach)
+    assert close(evaluated_points(obj), expected, INTEGRATED)
+    assert np.abs(expected - base_points(obj)).max() > 0.3
+
+
+def walk(row, *places: tuple[float, float, float]) -> None:
+    """Move the tool from stop to stop."""
+    for place in places:
+        row.object.location = place
+        update()
+        make_active(row.id_data)
+        assert bpy.ops.sinew.tool_stop() == {"FINISHED"}
+
+
+STOPS = ((0.5, 0.0, 0.0), (0.5, 0.5, 0.2))
+END = (0.0, 0.6, 0.4)
+
+
+def on_path(obj: bpy.types.Object, places=(*STOPS, END), **options: object) -> np.ndarray:
+    frames = np.concatenate([FRAME + place for place in places])
+    return straight(base_points(obj), frames, inner=0.3, outer=0.9, **options)
+
+
+def test_the_path_is_stored_and_a_frame_depends_on_it_alone(tmp_path: Path) -> None:
+    obj = grid_object(cells=20)
+    row = add(obj, "drag", inner=0.3, outer=0.9)
+    walk(row, *STOPS)
+    row.object.location = END
+    shape = evaluated_points(obj)
+    assert close(shape, on_path(obj), INTEGRATED)
+    assert not close(shape, on_path(obj, (END,)), 0.02), "the way counts"
+    reopen(tmp_path / "path.blend")
+    obj = bpy.data.objects["Plate"]
+    assert close(evaluated_points(obj), shape)
+    tool = obj.sinew.active.controls[0].object
+    tool.location = (0.0, 0.0, 3.0)  # another way to the same place changes nothing
+    update()
+    tool.location = END
+    assert close(evaluated_points(obj), shape)
+    make_active(obj)
+    assert bpy.ops.sinew.tool_stop(clear=True) == {"FINISHED"}
+    assert close(evaluated_points(obj), on_path(obj, (END,)), INTEGRATED)
+
+
+def test_progress_goes_along_the_path() -> None:
+    obj = grid_object(cells=20)
+    row = add(obj, "drag", inner=0.3, outer=0.9)
+    walk(row, *STOPS)
+    row.object.location = END
+    whole = evaluated_points(obj)
+    row.progress = 0.0
+    assert close(evaluated_points(obj), base_points(obj))
+    ways = [
+        np.linalg.norm(np.subtract(b, a)) for a, b in zip(((0, 0, 0), *STOPS), (*STOPS, END), strict=True)
+    ]
+    row.progress = ways[0] / sum(ways)
+    assert close(evaluated_points(obj), on_path(obj, STOPS[:1]), INTEGRATED)
+    row.progress = (ways[0] + 0.5 * ways[1]) / sum(ways)
+    middle = tuple(0.5 * (np.array(STOPS[0]) + STOPS[1]))
+    assert close(evaluated_points(obj), on_path(obj, (STOPS[0], middle)), INTEGRATED)
+    row.progress = 1.0
+    assert close(evaluated_points(obj), whole)
+
+
+def test_progress_and_tools_can_be_keyed() -> None:
+    obj = grid_object(cells=20)
+    row = add(obj, "drag", inner=0.3, outer=0.9)
+    row.object.location = (0.6, 0.0, 0.0)
+    for frame, value in ((1, 0.0), (11, 1.0)):
+        row.progress = value
+        row.keyframe_insert("progress", frame=frame)
+    key(row.object, {1: {"location": (0.6, 0.0, 0.0)}, 21: {"location": (0.6, 0.0, 0.5)}})
+    for frame, place in ((1, None), (11, (0.6, 0.0, row.object.location.z)), (21, (0.6, 0.0, 0.5))):
+        bpy.context.scene.frame_set(frame)
+        place = place and tuple(row.object.evaluated_get(bpy.context.evaluated_depsgraph_get()).location)
+        expected = base_points(obj) if place is None else on_path(obj, (place,))
+        assert close(evaluated_points(obj), expected, INTEGRATED), frame
+
+
+def test_a_twist_by_stops_turns_more_than_once() -> None:
+    obj = bar(4)
+    row = add(obj, "twist", inner=-1.0, outer=1.0, width=1.0)
+    for degrees in (150.0, 300.0):
+        row.object.matrix_world = Matrix.Rotation(np.radians(degrees), 4, "Z")
+        update()
+        make_active(obj)
+        bpy.ops.sinew.tool_stop()
+    row.object.matrix_world = Matrix.Rotation(np.radians(450.0), 4, "Z")
+    shape = evaluated_points(obj)
+    level = np.isclose(base_points(obj)[:, 2], 0.0)
+    share = 5.0 / 16.0  # of the turn, in the middle
+    turned = apply_matrix(Matrix.Rotation(np.radians(450.0 * share), 4, "Z"), base_points(obj))
+    assert close(shape[level], turned[level], 1e-5)
+
+
+def test_a_drag_from_a_script_leaves_a_path() -> None:
+    obj = grid_object(cells=20)
+    make_active(obj)
+    way = stroke_through([(0.0, 0.0, 0.1 * k) for k in range(9)])
+    assert bpy.ops.sinew.tool_drag(path=way, radius=0.8) == {"FINISHED"}
+    row = obj.sinew.active.controls[0]
+    assert row.outer == pytest.approx(0.8)
+    assert len(row.rest.vertices) > 8, "stops"
+    middle = np.linalg.norm(base_points(obj), axis=1) < 0.2
+    assert np.allclose(evaluated_points(obj)[middle, 2], 0.8, atol=1e-4)
+    assert len(obj.sinew.deformers) == 1
+    assert bpy.ops.sinew.tool_drag(path=way[::-1], radius=0.8) == {"FINISHED"}
+    assert len(obj.sinew.active.controls) == 2, "a second drag is another tool of the same deformer"
+
+
+def test_wrong_reaches_are_refused_by_name() -> None:
+    obj = grid_object()
+    row = add(obj, "drag")
+    name = row.object.name
+    row.inner = row.outer + 1.0
+    update()
+    assert f"{name}: Outer must be larger than Inner" in obj.sinew.active.status
+    row.inner = -0.5
+    update()
+    assert f"{name}: Inner must not be negative for a Drag" in obj.sinew.active.status
+    row.tools = "bend"
+    update()
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+
+
+def test_a_tool_of_no_size_is_refused_by_name_and_one_scaled_to_nothing_later_is_not_a_crash() -> None:
+    obj = grid_object()
+    tool = linked(bpy.data.objects.new("Flat", None))
+    tool.scale = (1.0, 1.0, 0.0)
+    update()
+    make_active(obj)
+    bpy.ops.sinew.tool_add(control="Flat")
+    assert "Flat is flat" in obj.sinew.active.status
+    tool.scale = (1.0, 1.0, 1.0)
+    update()
+    make_active(obj)
+    bpy.ops.sinew.unbind()
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    tool.scale = (0.0, 0.0, 0.0)
+    tool.location.z = 0.3
+    assert np.isfinite(evaluated_points(obj)).all()
+
+
+def test_lengths_are_those_of_the_tool() -> None:
+    """A larger tool reaches farther, wherever the target is."""
+    obj = grid_object(cells=20)
+    obj.scale = (2.0, 2.0, 2.0)
+    tool = linked(bpy.data.objects.new("Tool", None))
+    tool.scale = (3.0, 3.0, 3.0)
+    update()
+    make_active(obj)
+    bpy.ops.sinew.tool_add(control="Tool", outer=0.5)
+    row = obj.sinew.active.controls[0]
+    row.inner = 0.1
+    tool.location.z = 0.4
+    made = native().VectorField(1.5 * FRAME, inner=0.15, outer=0.75)
+    made.bind(base_points(obj))
+    shape = made.warp(1.5 * FRAME + (0.0, 0.0, 0.2))
+    assert close(evaluated_points(obj), shape, INTEGRATED + FLOAT32)

@@ -1,0 +1,356 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Wires: where they come from, every type of curve, everything that poses a curve, and what is no wire."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from inside import native
+from mathutils import Matrix
+from probe import render_points
+from rigs.rig import (
+    FLOAT32,
+    base_points,
+    close,
+    evaluated_points,
+    grid_object,
+    in_mode,
+    linked,
+    make_active,
+    new_empty,
+    points_of,
+    reopen,
+    update,
+)
+from rigs.rig_of_curves import places_of, polyline, stroke_through
+
+RADIUS = 0.6
+DRAWN = 2e-5  # Blender sums its curves up in float32, a dozen steps per segment
+
+
+def line(y: float = 0.0, z: float = 0.0, count: int = 6) -> np.ndarray:
+    """Places across the plate."""
+    x = np.linspace(-1.0, 1.0, count)
+    return np.column_stack((x, np.full(count, y), np.full(count, z)))
+
+
+def curve(kind: str, name: str = "Wire") -> bpy.types.Object:
+    """A wire of any type across the plate, not straight."""
+    data = bpy.data.curves.new(name, "CURVE")
+    data.dimensions = "3D"
+    spline = data.splines.new(kind)
+    places = line(0.1)
+    places[:, 1] += 0.2 * np.sin(3.0 * places[:, 0])
+    if kind == "BEZIER":
+        spline.bezier_points.add(len(places) - 1)
+        for point, place in zip(spline.bezier_points, places, strict=True):
+            point.co = place
+            point.handle_left_type = point.handle_right_type = "AUTO"
+    else:
+        spline.points.add(len(places) - 1)
+        for point, place in zip(spline.points, places, strict=True):
+            point.co = (*place, 1.0)
+        spline.use_endpoint_u = True
+    return linked(bpy.data.objects.new(name, data))
+
+
+def drawn(wire: bpy.types.Object) -> np.ndarray:
+    """What Blender draws of a curve, in the world, (c, 3)."""
+    update()
+    evaluated = wire.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return points_of(evaluated) @ np.array(wire.matrix_world)[:3, :3].T + np.array(wire.matrix_world)[:3, 3]
+
+
+def wired(*wires: bpy.types.Object, radius: float = RADIUS, target: bpy.types.Object | None = None):
+    """The plate, which these curves move."""
+    plate = target or grid_object()
+    for wire in wires:
+        make_active(plate)
+        assert bpy.ops.sinew.wire_add(curve=wire.name, radius=radius) == {"FINISHED"}
+    make_active(plate)
+    return plate
+
+
+def expected(
+    points: np.ndarray, *curves: tuple[np.ndarray, np.ndarray], radius: float = RADIUS
+) -> np.ndarray:
+    """What wires at rest and now make of points."""
+    rest, posed = zip(*curves, strict=True)
+    wires = native().Wires(np.concatenate(rest), [len(one) for one in rest], radius=radius)
+    wires.bind(points)
+    return wires.warp(np.concatenate(posed))
+
+
+def key_shape(wire: bpy.types.Object) -> None:
+    wire.shape_key_add(name="Basis")
+    key = wire.shape_key_add(name="Up")
+    for index, point in enumerate(key.data):
+        moved = np.array(point.co) + (0.0, 0.1, 0.3 + 0.05 * index)
+        if hasattr(point, "handle_left"):
+            shift = moved - np.array(point.co)
+            point.handle_left = np.array(point.handle_left) + shift
+            point.handle_right = np.array(point.handle_right) + shift
+        point.co = moved
+    key.value = 0.8
+
+
+def hook(wire: bpy.types.Object) -> None:
+    hooked = new_empty("Hook")
+    modifier = wire.modifiers.new("Hook", "HOOK")
+    modifier.object = hooked
+    modifier.falloff_type = "NONE"
+    modifier.vertex_indices_set([0, 1, 2, 3])
+    hooked.location.z = 0.5
+
+
+def move(wire: bpy.types.Object) -> None:
+    wire.matrix_world = Matrix.Translation((0.1, 0.0, 0.4)) @ Matrix.Rotation(0.4, 4, "X")
+
+
+def edit(wire: bpy.types.Object) -> None:
+    with in_mode(wire):
+        bpy.ops.curve.select_all(action="SELECT")
+        bpy.ops.transform.translate(value=(0.0, 0.0, 0.3))
+
+
+@pytest.mark.parametrize("pose", [key_shape, hook, move, edit], ids=lambda pose: pose.__name__)
+@pytest.mark.parametrize("kind", ["BEZIER", "NURBS", "POLY"])
+def test_every_type_of_curve_follows_everything_that_poses_it(kind: str, pose) -> None:
+    wire = curve(kind)
+    rest = drawn(wire)
+    plate = wired(wire)
+    assert close(evaluated_points(plate), base_points(plate))
+    pose(wire)
+    posed = drawn(wire)
+    assert np.abs(posed - rest).max() > 0.05
+    assert close(evaluated_points(plate), expected(base_points(plate), (rest, posed)), DRAWN)
+
+
+def test_a_wire_follows_shape_keys_through_frames_and_files(tmp_path: Path) -> None:
+    wire = curve("BEZIER")
+    rest = drawn(wire)
+    plate = wired(wire)
+    key_shape(wire)
+    up = wire.data.shape_keys.key_blocks["Up"]
+    for frame, value in ((1, 0.0), (11, 1.0)):
+        up.value = value
+        up.keyframe_insert("value", frame=frame)
+    shapes = {}
+    for frame in (1, 6, 11):
+        bpy.context.scene.frame_set(frame)
+        shapes[frame] = expected(base_points(plate), (rest, drawn(wire)))
+        assert close(evaluated_points(plate), shapes[frame], DRAWN)
+        assert close(render_points(plate), shapes[frame], DRAWN)
+    reopen(tmp_path / "wire.blend")
+    plate = bpy.data.objects["Plate"]
+    for frame in (11, 1, 6):
+        bpy.context.scene.frame_set(frame)
+        assert close(evaluated_points(plate), shapes[frame], DRAWN)
+
+
+def test_several_wires_share_a_deformer_and_one_wire_steers_several_targets() -> None:
+    wires = [polyline(line(y), f"Wire {y}") for y in (-0.4, 0.4)]
+    plate = wired(*wires)
+    other = wired(wires[0], target=grid_object("Other"))
+    assert len(plate.sinew.deformers) == 1
+    assert [row.object for row in plate.sinew.active.controls] == wires
+    rests = [places_of(wire) for wire in wires]
+    for wire, height in zip(wires, (0.3, 0.9), strict=True):
+        wire.location.z = height
+    posed = [rest + (0.0, 0.0, height) for rest, height in zip(rests, (0.3, 0.9), strict=True)]
+    both = expected(base_points(plate), *zip(rests, posed, strict=True))
+    assert close(evaluated_points(plate), both)
+    assert close(evaluated_points(other), expected(base_points(other), (rests[0], posed[0])))
+
+
+def test_each_wire_has_its_own_settings() -> None:
+    wires = [polyline(line(y), f"Wire {y}") for y in (-0.5, 0.5)]
+    plate = wired(*wires)
+    first, second = plate.sinew.active.controls
+    first.radius, second.radius, second.scale, first.rotation = 0.3, 0.4, 1.5, 0.0
+    for wire in wires:
+        wire.rotation_euler.x = 0.5
+    update()
+    rests = [places_of(wire) for wire in wires]
+    posed = [rest @ np.array(wire.matrix_world)[:3, :3].T for rest, wire in zip(rests, wires, strict=True)]
+    made = native().Wires(
+        np.concatenate(rests), [6, 6], radius=[0.3, 0.4], scale=[1.0, 1.5], rotation=[0.0, 1.0]
+    )
+    made.bind(base_points(plate))
+    assert close(evaluated_points(plate), made.warp(np.concatenate(posed)))
+    second.enabled = False
+    alone = expected(base_points(plate), (rests[0], posed[0]), radius=0.3)
+    assert not close(evaluated_points(plate), made.warp(np.concatenate(posed)))
+    assert (
+        np.abs(
+            evaluated_points(plate)[base_points(plate)[:, 1] > 0.3]
+            - base_points(plate)[base_points(plate)[:, 1] > 0.3]
+        ).max()
+        == 0.0
+    )
+    assert alone.shape == base_points(plate).shape
+
+
+def test_a_wire_along_selected_edges_follows_and_goes_with_the_deformer() -> None:
+    plate = grid_object()
+    with in_mode(plate):
+        bpy.ops.mesh.select_all(action="DESELECT")
+    for edge in plate.data.edges:
+        edge.select = all(abs(plate.data.vertices[v].co.y - 0.2) < 1e-4 for v in edge.vertices)
+    for vertex in plate.data.vertices:
+        vertex.select = abs(vertex.co.y - 0.2) < 1e-4
+    make_active(plate)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert bpy.ops.sinew.wire_add(points=0, radius=RADIUS) == {"FINISHED"}
+    assert plate.mode == "EDIT"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    wire = plate.sinew.active.controls[0].object
+    assert wire.parent == plate
+    assert close(drawn(wire)[np.argsort(drawn(wire)[:, 0])], line(0.2, count=11))
+    wire.location.z = 0.5
+    row = np.abs(base_points(plate)[:, 1] - 0.2) < 1e-4
+    assert np.allclose(evaluated_points(plate)[row, 2], 0.5, atol=FLOAT32)
+    name = wire.name
+    make_active(plate)
+    bpy.ops.sinew.deformer_remove()
+    assert name not in bpy.data.objects
+
+
+def test_a_ring_of_edges_becomes_a_closed_curve_with_few_points() -> None:
+    bpy.ops.mesh.primitive_cylinder_add(vertices=24, depth=2.0, radius=1.0)
+    can = bpy.context.object
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for edge in can.data.edges:
+        edge.select = all(can.data.vertices[v].co.z > 0.9 for v in edge.vertices)
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert bpy.ops.sinew.wire_add(points=6) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    (spline,) = can.sinew.active.controls[0].object.data.splines
+    assert spline.use_cyclic_u
+    assert len(spline.bezier_points) == 6
+    assert np.allclose([np.hypot(*point.co[:2]) for point in spline.bezier_points], 1.0, atol=1e-5)
+
+
+def test_a_stroke_becomes_a_wire() -> None:
+    plate = grid_object()
+    plate.location = (3.0, 0.0, 1.0)
+    update()
+    make_active(plate)
+    stroke = stroke_through([(3.0 + x, 0.3, 1.0) for x in np.linspace(-0.8, 0.8, 40)])
+    assert bpy.ops.sinew.wire_draw(stroke=stroke, points=5, radius=RADIUS) == {"FINISHED"}
+    wire = plate.sinew.active.controls[0].object
+    assert len(wire.data.splines[0].bezier_points) == 5
+    assert np.allclose(drawn(wire)[:, 1:], (0.3, 1.0), atol=1e-5)
+    wire.location.z += 0.4
+    assert evaluated_points(plate)[:, 2].max() > 0.2
+
+
+def test_a_domain_curve_limits_its_wire() -> None:
+    wire, domain = polyline(line(0.0)), polyline(line(0.3), "Domain")
+    plate = wired(wire)
+    row = plate.sinew.active.controls[0]
+    row.domain = domain
+    assert "Rebind" in plate.sinew.active.status or plate.sinew.active.status_level != "ERROR"
+    make_active(plate)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    domain.location.y = 5.0  # where it is later does not count
+    wire.location.z = 0.5
+    shape = evaluated_points(plate)
+    far = base_points(plate)[:, 1] > 0.3 - 1e-4
+    assert np.abs(shape[far, 2]).max() == 0.0
+    made = native().Wires(line(), radius=RADIUS, domain=line(0.3))
+    made.bind(base_points(plate))
+    assert close(shape, made.warp(line(z=0.5)))
+
+
+def test_curves_without_length_are_refused_by_name() -> None:
+    plate = grid_object()
+    dot = polyline(np.zeros((3, 3)), "Dot")
+    make_active(plate)
+    bpy.ops.sinew.wire_add(curve=dot.name)
+    assert plate.sinew.active.status_level == "ERROR"
+    assert "Dot has no length" in plate.sinew.active.status
+    assert close(evaluated_points(plate), base_points(plate))
+
+
+@pytest.mark.parametrize("what", ["bevel_depth", "extrude"])
+def test_a_curve_that_shows_faces_is_refused_by_name(what: str) -> None:
+    plate = grid_object()
+    wire = curve("BEZIER", "Thick")
+    setattr(wire.data, what, 0.1)
+    make_active(plate)
+    bpy.ops.sinew.wire_add(curve=wire.name)
+    assert "Thick shows faces" in plate.sinew.active.status
+    setattr(wire.data, what, 0.0)
+    make_active(plate)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    assert plate.sinew.active.is_bound
+
+
+def test_the_target_itself_and_other_objects_are_no_wires() -> None:
+    plate, empty = grid_object(), new_empty("Empty")
+    make_active(plate)
+    for name in (empty.name, plate.name, "Nothing"):
+        with pytest.raises(RuntimeError):
+            bpy.ops.sinew.wire_add(curve=name)
+        assert not plate.sinew.deformers
+    with pytest.raises(RuntimeError, match="Select the curves"):
+        bpy.ops.sinew.wire_add()
+
+
+def test_a_curve_with_more_points_asks_for_a_rebind_and_then_goes_on() -> None:
+    wire = polyline(line())
+    plate = wired(wire)
+    with in_mode(wire):
+        bpy.ops.curve.select_all(action="SELECT")
+        bpy.ops.curve.subdivide()
+    update()
+    assert "at bind it had 6" in plate.sinew.active.status
+    make_active(plate)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    wire.location.z = 0.5
+    assert evaluated_points(plate)[:, 2].max() == pytest.approx(0.5, abs=FLOAT32)
+
+
+def test_renders_with_another_resolution_show_the_same() -> None:
+    wire = curve("BEZIER")
+    wire.data.render_resolution_u = 36
+    plate = wired(wire)
+    wire.location.z = 0.5
+    shown = evaluated_points(plate)
+    assert np.abs(render_points(plate) - shown).max() < 1e-4  # places between samples are on their sides
+    assert shown[:, 2].max() > 0.4
+
+
+def test_set_rest_and_remove() -> None:
+    wires = [polyline(line(y), f"Wire {y}") for y in (-0.4, 0.4)]
+    plate = wired(*wires)
+    for wire in wires:
+        wire.location.z = 0.5
+    assert evaluated_points(plate)[:, 2].max() > 0.4
+    make_active(plate)
+    assert bpy.ops.sinew.control_set_rest() == {"FINISHED"}
+    assert close(evaluated_points(plate), base_points(plate))
+    wires[0].location.z = 0.7
+    assert evaluated_points(plate)[:, 2].max() > 0.01
+    assert bpy.ops.sinew.control_remove(index=0) == {"FINISHED"}
+    assert close(evaluated_points(plate), base_points(plate))
+    assert [row.object for row in plate.sinew.active.controls] == wires[1:]
+    assert bpy.ops.sinew.control_remove() == {"FINISHED"}
+    assert not plate.sinew.active.controls
+    assert not plate.sinew.active.is_bound
+    assert wires[0].name in bpy.data.objects, "an artist's own curve stays"
+
+
+def test_radius_is_a_length_of_the_curve_object() -> None:
+    wire = polyline(0.5 * line())
+    wire.scale = (2.0, 2.0, 2.0)
+    plate = wired(wire, radius=0.5 * RADIUS)
+    plate.scale = (1.0, 1.0, 1.0)
+    wire.location.z = 0.5
+    assert close(evaluated_points(plate), expected(base_points(plate), (line(), line(z=0.5))), 1e-5)

@@ -1,0 +1,551 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Keys that edit an animation: added, moved and removed, and what each frame shows in every place."""
+
+import math
+import struct
+from collections.abc import Iterator
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from baking import assert_same, bake, played, stretch_time
+from inside import dragging, native
+from mathutils import Matrix
+from rigs.rig import (
+    Rig,
+    add_armature,
+    add_group,
+    close,
+    evaluated_points,
+    make_active,
+    move_world,
+    push,
+    reopen,
+    update,
+)
+from rigs.sheet import WIDE, DrawContext, draw, draw_panel
+from second_blender import another_blender
+
+FRAMES = range(1, 21)
+SINGLE = 2e-5  # an edit and its map, both stored in single precision, at coordinates near 1
+ITERATED = 1e-3  # where an edit differs in its last digit, the method may stop a step earlier
+
+
+@pytest.fixture
+def swaying(plate: Rig) -> Rig:
+    """A plate that a shape key bends over the frames 1 to 20, with the method that has keys."""
+    sway(plate.obj)
+    return plate.bind("mesh_sequence")
+
+
+def sway(obj: bpy.types.Object) -> None:
+    obj.shape_key_add(name="Basis")
+    block = obj.shape_key_add(name="Sway")
+    for point in block.data:
+        x, y, _z = point.co
+        point.co = (x + 0.1 * y, y * 0.9 + 0.1 * x, 0.4 * y * y + 0.3 * y + 0.05 * math.sin(5.0 * x))
+    for frame, value in ((1, 0.0), (20, 1.0)):
+        block.value = value
+        block.keyframe_insert("value", frame=frame)
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = FRAMES[0], FRAMES[-1]
+    go(1)
+
+
+def go(frame: int) -> None:
+    bpy.context.scene.frame_set(frame)
+
+
+def entering(rig: Rig, frames=FRAMES) -> dict[int, np.ndarray]:
+    """What enters the modifier, by frame."""
+    modifier = rig.obj.modifiers[-1]
+    modifier.show_viewport = False
+    found = played(rig.obj, frames)
+    modifier.show_viewport = True
+    return found
+
+
+def key(rig: Rig, frame: int, motion: Matrix | None = None, **keywords) -> np.ndarray:
+    """Edit a frame and key that; what it shows then."""
+    go(frame)
+    if motion is not None:
+        move_world(rig.control, motion)
+    make_active(rig.obj)
+    assert bpy.ops.sinew.key_add(**keywords) == {"FINISHED"}
+    return rig.points()
+
+
+def rise(height: float, degrees: float = 0.0) -> Matrix:
+    return Matrix.Translation((0.1 * height, 0.0, height)) @ Matrix.Rotation(math.radians(degrees), 4, "X")
+
+
+def keyed(rig: Rig) -> Rig:
+    """An edit at frame 10 that fades to both ends."""
+    key(rig, 1, blank=True)
+    key(rig, 10, rise(0.5, 20.0))
+    key(rig, 20, blank=True)
+    return rig
+
+
+def key_panel() -> str:
+    """All words in the panel of the keys."""
+    return draw(bpy.types.SINEW_PT_keys, DrawContext(WIDE)).texts()
+
+
+def alike(rig: Rig, seen: np.ndarray, expected: np.ndarray) -> bool:
+    """The same shape for edits that differ in their last digits; the handle is where it belongs."""
+    return close(seen, expected, ITERATED) and close(seen[rig.top], expected[rig.top], SINGLE)
+
+
+def frames_of(rig: Rig) -> list[int]:
+    return [each.frame for each in rig.deformer.keys]
+
+
+def expected(rig: Rig, shapes: dict[int, np.ndarray], rows: np.ndarray) -> dict[int, np.ndarray]:
+    """What the library says for these keys, on Blender's own mesh and groups."""
+    mesh = rig.obj.data
+    faces = [tuple(polygon.vertices) for polygon in mesh.polygons]
+    method = native().MeshSequence(native().SurfaceMesh(rig.rest(), faces))
+    method.set_handles([rig.top, rig.base])
+    found, _reports = method.solve_frames(list(shapes), np.array(list(shapes.values())), keys=rows)
+    return dict(zip(shapes, found, strict=True))
+
+
+def test_without_edits_the_animation_is_reproduced(swaying: Rig):
+    for frame, points in entering(swaying).items():
+        go(frame)
+        assert close(swaying.points(), points), frame
+    key(swaying, 7)
+    for frame, points in entering(swaying).items():
+        go(frame)
+        assert close(swaying.points(), points), frame
+
+
+def test_a_key_keeps_the_edit_and_the_control_rests(swaying: Rig):
+    go(10)
+    before = entering(swaying, [10])[10]
+    move_world(swaying.control, rise(0.5, 20.0))
+    edited, place = swaying.points(), swaying.control.matrix_world.copy()
+    assert np.abs(edited - before)[swaying.top].max() > 0.3
+    assert "Top: moved in all frames" in key_panel()
+    assert alike(swaying, key(swaying, 10), edited)
+    assert swaying.control.matrix_world == place
+    assert "moved in all frames" not in key_panel()
+    go(15)  # one key is held in all frames
+    assert np.abs(swaying.points() - entering(swaying, [15])[15])[swaying.top].max() > 0.3
+    # From here the control edits further.
+    go(10)
+    move_world(swaying.control, Matrix.Translation((0.0, 0.0, 0.25)))
+    more = swaying.points()
+    assert close(more[swaying.top], edited[swaying.top] + (0.0, 0.0, 0.25), SINGLE)
+    assert alike(swaying, key(swaying, 10), more)
+    assert frames_of(swaying) == [10]
+
+
+def test_frames_between_keys_are_those_of_the_library(swaying: Rig):
+    keyed(swaying)
+    shapes = entering(swaying)
+    edits = [[*each.edits[0].edit] for each in swaying.deformer.keys]
+    rows = np.array([(frame, 0, *edit) for frame, edit in zip((1, 10, 20), edits, strict=True)])
+    found = played(swaying.obj, FRAMES)
+    for frame, points in expected(swaying, shapes, rows).items():
+        assert alike(swaying, found[frame], points), frame
+    for frame in (1, 20):
+        assert close(found[frame], shapes[frame])
+    assert np.abs(found[10] - shapes[10]).max() > 0.3
+    rate = [np.abs(found[f + 1] - found[f] - shapes[f + 1] + shapes[f]).max() for f in range(1, 20)]
+    assert max(rate) < 0.2  # smooth: no frame jumps
+
+
+def test_frames_do_not_depend_on_the_way_there(swaying: Rig):
+    keyed(swaying)
+    straight = played(swaying.obj, FRAMES)
+    assert_same(played(swaying.obj, [13, 2, 20, 7, 1, 10]), {f: straight[f] for f in (13, 2, 20, 7, 1, 10)})
+
+
+def test_without_an_animation_keys_play_by_themselves(plate: Rig):
+    """Nothing that Blender evaluates changes from frame to frame then, but the edit does."""
+    plate.bind("mesh_sequence")
+    keyed(plate)
+    found = played(plate.obj, (1, 4, 7, 10))
+    heights = [found[frame][plate.top, 2].max() for frame in (1, 4, 7, 10)]
+    assert heights == sorted(heights)
+    assert abs(heights[0]) < SINGLE
+    assert heights[3] > 0.4
+    bpy.context.scene.frame_set(4, subframe=0.5)
+    assert heights[1] < plate.points()[plate.top, 2].max() < heights[2]
+
+
+def test_keys_move_and_go_like_keyframes(swaying: Rig):
+    keyed(swaying)
+    before = played(swaying.obj, FRAMES)
+    make_active(swaying.obj)
+    bpy.ops.sinew.key_move(index=1, frame=14)
+    assert frames_of(swaying) == [1, 14, 20]
+    assert swaying.deformer.active_key == 1
+    go(14)
+    lifted = swaying.points() - entering(swaying, [14])[14]
+    go(14)
+    assert np.abs(lifted[swaying.top]).max() > 0.3
+    bpy.ops.sinew.key_move(index=1, frame=30)
+    assert frames_of(swaying) == [1, 20, 30]
+    assert swaying.deformer.active_key == 2
+    bpy.ops.sinew.key_move(index=2, frame=1)  # on another one, which it replaces
+    assert frames_of(swaying) == [1, 20]
+    bpy.ops.sinew.key_move(index=0, frame=10)
+    key(swaying, 1, blank=True)
+    assert_same(played(swaying.obj, FRAMES), before)
+    swaying.deformer.active_key = 1
+    bpy.ops.sinew.key_remove()
+    assert frames_of(swaying) == [1, 20]
+    for frame, points in entering(swaying).items():
+        go(frame)
+        assert close(swaying.points(), points)
+    with pytest.raises(RuntimeError, match="has 2 keys, counted from 0 - there is no number 5"):
+        bpy.ops.sinew.key_remove(index=5)
+
+
+def test_the_list_jumps_from_key_to_key(swaying: Rig):
+    keyed(swaying)
+    go(12)
+    make_active(swaying.obj)
+    seen = []
+    for to in ("NEXT", "PREVIOUS", "PREVIOUS"):
+        bpy.ops.sinew.key_jump(to=to)
+        seen.append((bpy.context.scene.frame_current, swaying.deformer.active_key))
+    assert seen == [(20, 2), (10, 1), (1, 0)]
+    with pytest.raises(RuntimeError, match="no key before this frame"):
+        bpy.ops.sinew.key_jump(to="PREVIOUS")
+    bpy.ops.sinew.key_jump(index=1)
+    assert bpy.context.scene.frame_current == 10
+    assert "sinew.key_jump" in draw(bpy.types.SINEW_PT_keys).operator_names()
+
+
+def test_the_list_jumps_to_the_frame_that_plays_a_key_in_stretched_time(swaying: Rig):
+    keyed(swaying)
+    stretch_time(100, 50)
+    go(6)
+    make_active(swaying.obj)
+    for to, frame, key in (("NEXT", 10, 20), ("PREVIOUS", 5, 10)):
+        bpy.ops.sinew.key_jump(to=to)
+        assert bpy.context.scene.frame_current == frame
+        assert bpy.context.scene.frame_current_final == key
+
+
+def test_a_frame_changed_in_the_list_moves_the_key(swaying: Rig):
+    """Two keys may meet on the way: the lower one counts, and the panel says so."""
+    keyed(swaying)
+    go(20)
+    swaying.deformer.keys[1].frame = 20
+    assert "Two keys are at frame 20: the lower one counts" in key_panel()
+    assert close(swaying.points(), entering(swaying, [20])[20])
+    swaying.deformer.keys[1].frame = 5
+    go(5)
+    assert np.abs(swaying.points() - entering(swaying, [5])[5]).max() > 0.3
+
+
+@pytest.mark.parametrize("press", ["key_add", "key_move", "key_remove"])
+def test_undo_and_redo_of(swaying: Rig, press: str):
+    keyed(swaying)
+    go(10)
+    if press == "key_add":
+        move_world(swaying.control, rise(0.3))
+    make_active(swaying.obj)
+    push("before")
+    shape, keys = swaying.points(), frames_of(swaying)
+    words = {"key_add": {}, "key_move": {"index": 1, "frame": 5}, "key_remove": {"index": 1}}[press]
+    assert getattr(bpy.ops.sinew, press)("EXEC_DEFAULT", True, **words) == {"FINISHED"}
+    after, keys_after = swaying.points(), frames_of(swaying)
+    for _ in range(2):
+        bpy.ops.ed.undo()
+        assert (frames_of(swaying), alike(swaying, swaying.points(), shape)) == (keys, True)
+        bpy.ops.ed.redo()
+        assert (frames_of(swaying), alike(swaying, swaying.points(), after)) == (keys_after, True)
+    bpy.ops.ed.undo()
+    move_world(swaying.control, rise(0.1))  # and it lives on
+    assert np.abs(swaying.points() - shape).max() > 0.05
+
+
+def test_keys_are_saved_and_a_farm_sees_the_same_bits(swaying: Rig, addon_name: str, tmp_path: Path):
+    keyed(swaying)
+    before = played(swaying.obj, FRAMES)
+    go(3)
+    reopen(tmp_path / "shot.blend")
+    assert_same(played(swaying.obj, FRAMES), before)
+    script = """
+    bpy.ops.wm.open_mainfile(filepath={path!r})
+    for frame in {frames!r}:
+        bpy.context.scene.frame_set(frame)
+        seen[str(frame)] = evaluated_points(bpy.data.objects["Plate"]).tolist()
+    """.format(path=str(tmp_path / "shot.blend"), frames=[14, 10, 6])
+    seen = another_blender(script, tmp_path, addon_name)
+    assert not seen["error"], seen["error"]
+    for frame in (14, 10, 6):
+        assert np.array_equal(np.array(seen[str(frame)]), before[frame])
+
+
+def test_a_copy_has_keys_of_its_own(swaying: Rig):
+    keyed(swaying)
+    before = played(swaying.obj, FRAMES)
+    make_active(swaying.obj)
+    bpy.ops.object.duplicate()
+    copy = bpy.context.object
+    update()
+    assert [each.frame for each in copy.sinew.active.keys] == [1, 10, 20]
+    make_active(copy)
+    bpy.ops.sinew.key_remove(index=1)
+    assert_same(played(swaying.obj, FRAMES), before)
+    go(10)
+    assert close(evaluated_points(copy), entering(swaying, [10])[10])
+
+
+@pytest.mark.parametrize("target", ["PC2", "SHAPE_KEYS"])
+def test_a_bake_of_some_frames_has_the_same_bits(plate: Rig, tmp_path: Path, target: str):
+    if target == "PC2":
+        sway(plate.obj)
+    plate.bind("mesh_sequence")
+    keyed(plate)
+    live = played(plate.obj, FRAMES)
+    bake(plate, target, tmp_path / "part", frame_start=8, frame_end=12)
+    assert_same(played(plate.obj, range(8, 13)), {frame: live[frame] for frame in range(8, 13)})
+    bpy.ops.sinew.unbake()
+    assert_same(played(plate.obj, FRAMES), live)
+
+
+def test_an_edit_turns_with_a_bone(plate: Rig):
+    """The armature turns the far half of the plate by 90 degrees: what was up at the key is sideways then."""
+    armature = add_armature(plate.obj)
+    bone = armature.pose.bones["high"]
+    for frame, angle in ((1, 0.0), (20, math.radians(90.0))):
+        bone.rotation_euler = (0.0, angle, 0.0)  # about the bone, that is about y of the plate
+        bone.keyframe_insert("rotation_euler", frame=frame)
+    plate.bind("mesh_sequence")
+    key(plate, 1, Matrix.Translation((0.0, 0.0, 0.2)))
+    shapes = entering(plate, [1, 20])
+    found = played(plate.obj, [1, 20])
+    assert close(found[1][plate.top], shapes[1][plate.top] + (0.0, 0.0, 0.2), SINGLE)
+    moved = found[20][plate.top] - shapes[20][plate.top]
+    assert close(np.abs(moved), np.broadcast_to((0.2, 0.0, 0.0), moved.shape), SINGLE)
+
+
+def test_a_bone_that_moves_the_mesh_edits_by_what_it_does_beyond(plate: Rig):
+    """From Rest: the control follows the animation, and only its own move counts."""
+    armature = add_armature(plate.obj)
+    bone = armature.pose.bones["high"]
+    for frame, angle in ((1, 0.0), (20, math.radians(60.0))):
+        bone.rotation_euler = (angle, 0.0, 0.0)
+        bone.keyframe_insert("rotation_euler", frame=frame)
+    go(1)
+    follower = bpy.data.objects.new("Follower", None)
+    bpy.context.scene.collection.objects.link(follower)
+    follower.parent, follower.parent_type, follower.parent_bone = armature, "BONE", "high"
+    update()
+    plate.bind("mesh_sequence", control_object="Follower")
+    plate.deformer.handles[0].from_rest = True
+    shapes = entering(plate, [1, 12, 20])
+    for frame in (1, 12, 20):
+        go(frame)
+        assert alike(plate, plate.points(), shapes[frame])
+    go(12)
+    move_world(follower, Matrix.Translation((0.0, 0.0, 0.3)))
+    edited = plate.points()
+    assert close(edited[plate.top], shapes[12][plate.top] + (0.0, 0.0, 0.3), SINGLE)
+    assert alike(plate, key(plate, 12), edited)
+    go(20)
+    away = plate.points()[plate.top] - shapes[20][plate.top]
+    assert close(np.linalg.norm(away, axis=1), np.full(len(away), 0.3), SINGLE)
+    assert np.abs(away - (0.0, 0.0, 0.3)).max() > 0.05  # it turned with the bone
+
+
+def test_applied_transforms_take_the_keys_along(plate: Rig):
+    plate.bind("mesh_sequence")
+    keyed(plate)
+    world = [plate.obj.matrix_world @ Matrix.Identity(4)]
+    before = played(plate.obj, (5, 10))
+    plate.obj.rotation_euler = (0.3, 0.2, 0.9)
+    plate.obj.scale = (2.0, 2.0, 2.0)
+    update()
+    turned = {
+        f: np.array(plate.obj.matrix_world)[:3, :3] @ p.T for f, p in played(plate.obj, (5, 10)).items()
+    }
+    assert world
+    assert not np.allclose(turned[10].T, before[10])
+    make_active(plate.obj)
+    go(10)
+    bpy.ops.object.transform_apply(location=False, rotation=True, scale=True)
+    for frame in (5, 10):
+        go(frame)
+        assert close(plate.points(), turned[frame].T, 1e-3), frame
+
+
+def test_a_handle_that_comes_later_is_edited_by_its_own_keys(swaying: Rig):
+    keyed(swaying)
+    before = played(swaying.obj, FRAMES)
+    go(1)
+    add_group(swaying.obj, "Middle", lambda point: abs(point[0]) < 0.15 and abs(point[1]) < 0.15)
+    make_active(swaying.obj)
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Middle")
+    for frame in (1, 20):
+        go(frame)
+        assert close(swaying.points(), before[frame], ITERATED)
+    go(10)
+    assert close(swaying.points()[swaying.top], before[10][swaying.top], SINGLE)
+    make_active(swaying.obj)
+    bpy.ops.sinew.handle_remove(index=2)
+    for frame in (1, 10, 20):
+        go(frame)
+        # That bind took the shape of frame 10 as its rest shape, so the faces between have other weights.
+        assert close(swaying.points(), before[frame], 0.02)
+        assert close(swaying.points()[swaying.top], before[frame][swaying.top], SINGLE)
+
+
+def test_renders_show_the_keyed_frame(swaying: Rig):
+    import probe
+
+    keyed(swaying)
+    for frame in (10, 6):
+        go(frame)
+        assert np.array_equal(probe.render()[-1]["Plate"], swaying.points())
+
+
+def test_keys_are_refused_where_they_mean_nothing(swaying: Rig):
+    make_active(swaying.obj)
+    bpy.ops.sinew.unbind()
+    with pytest.raises(RuntimeError, match="is not bound - press Bind first"):
+        bpy.ops.sinew.key_add()
+    bpy.ops.sinew.bind()
+    swaying.deformer.live = False
+    with pytest.raises(RuntimeError, match="is not live"):
+        bpy.ops.sinew.key_add()
+    swaying.deformer.live = True
+    swaying.deformer.method = "arap"
+    update()
+    assert not bpy.ops.sinew.key_add.poll()
+    with pytest.raises(RuntimeError):
+        bpy.ops.sinew.key_add()
+
+
+def test_a_key_that_is_no_number_is_named(swaying: Rig):
+    keyed(swaying)
+    go(10)
+    before = swaying.points()
+    swaying.deformer.keys[1].edits[0].edit[3] = math.nan
+    swaying.obj.update_tag()
+    update()
+    assert "not finite" in swaying.deformer.status
+    assert close(swaying.points(), entering(swaying, [10])[10], 1.0)
+    swaying.deformer.keys[1].edits[0].edit[3] = 0.0
+    swaying.obj.update_tag()
+    update()
+    assert "not finite" not in swaying.deformer.status
+    assert np.isfinite(before).all()
+
+
+def point_cache(path: Path, shapes: list[np.ndarray], start: float = 0.0) -> None:
+    count = len(shapes[0])
+    head = struct.pack("<12siiffi", b"POINTCACHE2\0", 1, count, start, 1.0, len(shapes))
+    path.write_bytes(head + np.array(shapes, dtype="<f4").tobytes())
+
+
+def test_an_animation_from_a_file_is_edited_and_missing_frames_are_named(plate: Rig, tmp_path: Path):
+    rest = plate.rest()
+    shapes = [rest + (0.0, 0.0, 0.1 * k) + 0.1 * k * rest[:, [1, 0, 2]] for k in range(10)]
+    point_cache(tmp_path / "run.pc2", shapes)
+    cache = plate.obj.modifiers.new("Take 1", "MESH_CACHE")
+    cache.cache_format, cache.filepath, cache.frame_start = "PC2", str(tmp_path / "run.pc2"), 1.0
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 10
+    go(1)
+    plate.bind("mesh_sequence")
+    key(plate, 1, blank=True)
+    key(plate, 5, rise(0.4))
+    go(5)
+    assert close(plate.points()[plate.top], (shapes[4] + (0.04, 0.0, 0.4))[plate.top], SINGLE)
+    assert close(plate.points()[plate.base], shapes[4][plate.base], SINGLE)
+    assert "run.pc2" not in key_panel()
+    bpy.context.scene.frame_end = 14
+    said = "Take 1: run.pc2 has no frames 11 to 14 - its nearest frame is edited there"
+    assert said in key_panel()
+    stretch_time(100, 50)
+    assert "run.pc2 has no frames 6 to 14" in key_panel()
+    stretch_time(100, 100)
+    make_active(plate.obj)
+    assert bpy.ops.sinew.bake(
+        target="PC2", filepath=str(tmp_path / "out.pc2"), frame_start=9, frame_end=12
+    ) == {"FINISHED"}
+    bpy.ops.sinew.unbake()
+    cache.filepath = str(tmp_path / "gone.pc2")
+    update()
+    assert "the file gone.pc2 is missing" in key_panel()
+    (tmp_path / "torn.pc2").write_bytes(b"POINT")
+    cache.filepath = str(tmp_path / "torn.pc2")
+    update()
+    assert "torn.pc2 is no PC2 or MDD file" in key_panel()
+
+
+class Test_drafts:
+    """Playback: Draft shows frames after few iterations, the same for each frame, until playback rests."""
+
+    @pytest.fixture
+    def bent(self, plate: Rig, room, monkeypatch) -> Iterator[Rig]:
+        """Plays: the plate bends by 110 degrees in the frames 1 to 20."""
+        plate.bind("arap")
+        control = plate.control
+        for frame, part in ((1, 0.0), (20, 1.0)):
+            control.rotation_mode = "XYZ"
+            control.location = (0.0, 0.875 - 0.9 * part, 0.8 * part)
+            control.rotation_euler = (math.radians(110.0) * part, 0.0, 0.0)
+            control.keyframe_insert("location", frame=frame)
+            control.keyframe_insert("rotation_euler", frame=frame)
+        plate.deformer.playback = "DRAFT"
+        monkeypatch.setattr(room("handlers.deferred"), "is_playing", lambda: True)
+        with dragging():  # what a window does when Blender evaluates what was written
+            yield plate
+
+    def test_frames_are_drafts_until_playback_rests(self, bent: Rig, room, monkeypatch):
+        session = room("session")
+        drafts = played(bent.obj, (1, 8, 15, 20))
+        assert session.is_draft(bent.deformer.uid)
+        assert "Draft - the full shape follows when playback rests" in draw_panel().texts()
+        assert room("ui.refining").marks() == ["Draft of Plate"]
+        assert_same(played(bent.obj, (15, 1, 20, 8)), drafts)  # whatever was shown before
+        monkeypatch.undo()
+        assert session.settle()
+        update()
+        assert not session.is_draft(bent.deformer.uid)
+        assert not session.unsettled()
+        full = bent.points()
+        assert not np.array_equal(full, drafts[8])
+        assert np.abs(full - drafts[8]).max() < 0.05
+        go(1)
+        go(8)
+        assert np.array_equal(bent.points(), full)
+
+    def test_full_playback_and_renders_are_never_drafts(self, bent: Rig, room):
+        import probe
+
+        session = room("session")
+        go(15)
+        draft = bent.points()
+        rendered = probe.render()[-1]["Plate"]
+        assert not np.array_equal(rendered, draft)
+        bent.deformer.playback = "FULL"
+        go(14)
+        go(15)
+        assert not session.unsettled()
+        assert np.array_equal(bent.points(), rendered)
+
+    def test_a_bake_is_never_a_draft(self, bent: Rig, tmp_path: Path, monkeypatch):
+        bent.deformer.playback = "FULL"
+        full = played(bent.obj, range(5, 9))
+        bent.deformer.playback = "DRAFT"
+        bake(bent, "PC2", tmp_path / "plate", frame_start=5, frame_end=8)
+        monkeypatch.undo()
+        assert_same(played(bent.obj, range(5, 9)), full)
+
+    def test_a_method_without_iterations_has_none(self, plate: Rig, room, monkeypatch):
+        plate.bind("thin_shell")
+        plate.deformer.playback = "DRAFT"
+        monkeypatch.setattr(room("handlers.deferred"), "is_playing", lambda: True)
+        go(5)
+        plate.lift(0.5)
+        assert not room("session").unsettled()

@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scripts and operators give the same; the add-on comes and goes without a trace."""
+
+import bpy
+import numpy as np
+import pytest
+from inside import notes_of
+from rigs.rig import Rig, make_active, push, update
+
+
+def test_operators_and_session_functions_give_the_same(room, plate: Rig):
+    plate.bind("arap").lift(0.3)
+    by_operator = plate.points()
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_remove()
+    session, obj = room("session"), plate.obj
+    deformer = session.add_deformer(obj, "arap")
+    session.add_handle(obj, deformer, "HANDLE", "Top")
+    session.add_handle(obj, deformer, "FIXED", "Base")
+    session.bind(obj, deformer)
+    plate.lift(0.3)
+    assert np.array_equal(plate.points(), by_operator)
+
+
+def test_one_call_rigs_a_region_and_binds_it(room, plate: Rig):
+    """As Add Handle does. A refused bind leaves the region, an unknown group leaves nothing."""
+    session, errors, obj = room("session"), room("core.errors"), plate.obj
+    with pytest.raises(errors.SinewError):
+        session.rig_region(obj, "HANDLE", "Nowhere", "arap")
+    assert obj.sinew.active is None
+    plate.bind("arap").lift(0.3)
+    by_operator = plate.points()
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_remove()
+    for kind, group in (("HANDLE", "Top"), ("FIXED", "Base")):
+        handle, refusal = session.rig_region(obj, kind, group, "arap")
+        assert handle.kind == kind
+        assert refusal is None
+    plate.lift(0.3)
+    assert np.array_equal(plate.points(), by_operator)
+    _handle, refusal = session.rig_region(obj, "FIXED", "Top")
+    assert isinstance(refusal, errors.ConstraintError)
+    assert len(plate.deformer.handles) == 3
+    assert plate.deformer.status_level == "ERROR"
+
+
+def test_register_and_unregister_leave_no_trace(addon):
+    handlers = {
+        event: len(getattr(bpy.app.handlers, event))
+        for event in ("depsgraph_update_post", "frame_change_post", "load_post")
+    }
+    addon.unregister()
+    assert not hasattr(bpy.types.Object, "sinew")
+    assert not any("sinew" in handler.__module__ for handler in bpy.app.handlers.load_post)
+    addon.register()
+    assert {event: len(getattr(bpy.app.handlers, event)) for event in handlers} == handlers
+
+
+def test_the_panel_counts_details_without_a_height():
+    """Noise of three edges, as the base below it is not flat either."""
+    plate, random = Rig.plate(cells=20), np.random.default_rng(1)
+    for vertex in plate.obj.data.vertices:
+        vertex.co = np.add(vertex.co, random.uniform(-0.3, 0.3, 3))
+    plate.bind("multiresolution")
+    told = "no normal of the base leads there"
+    assert not any(told in line for line in notes_of(plate.deformer))
+    plate.deformer.parameters.details = "normal_displacements"
+    update()
+    assert sum(told in line for line in notes_of(plate.deformer)) == 1
+
+
+def test_the_falloff_curve_that_the_artist_draws_is_how_the_motion_of_a_handle_fades(plate: Rig):
+    """Each point goes its share of the way; the share is the curve at that of the straight line."""
+    plate.bind("propagation").lift(1.0)
+    shares = (plate.points() - plate.rest())[:, 2]
+    assert 0.0 < np.median(shares) < 1.0
+    bpy.ops.sinew.curve_edit(parameter="transfer")
+    tree = plate.deformer.parameters.transfer
+    mapping = tree.nodes[0].mapping
+    for point in mapping.curves[0].points:
+        point.handle_type = "VECTOR"
+    mapping.curves[0].points.new(0.5, 0.125).handle_type = "VECTOR"
+    mapping.update()
+    tree.update_tag()
+    update()
+    faded = (plate.points() - plate.rest())[:, 2]
+    np.testing.assert_allclose(faded, np.interp(shares, [0.0, 0.5, 1.0], [0.0, 0.125, 1.0]), atol=1e-3)
+
+
+def test_undo_and_redo_of_a_curve_that_is_drawn(plate: Rig):
+    plate.bind("propagation").lift(0.5)
+    make_active(plate.obj)
+    push("posed")
+    before = plate.points()
+    bpy.ops.sinew.curve_edit("EXEC_DEFAULT", True, parameter="transfer")
+    update()
+    assert plate.deformer.parameters.transfer is not None
+    for step, drawn in ((bpy.ops.ed.undo, False), (bpy.ops.ed.redo, True)):
+        step()
+        update()
+        assert (plate.deformer.parameters.transfer is not None) == drawn
+        np.testing.assert_allclose(plate.points(), before, atol=1e-6)

@@ -1,0 +1,251 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What only nonlinear space methods do: controls without a region, animations, graphs as overlays."""
+
+from __future__ import annotations
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from inside import room
+from mathutils import Matrix
+from rigs.rig import (
+    Rig,
+    add_armature,
+    apply_matrix,
+    base_points,
+    change_in_edit_mode,
+    evaluated_points,
+    make_active,
+    move_world,
+    new_empty,
+    new_object,
+    push,
+    reopen,
+    update,
+)
+
+METHODS = ("embedded_deformation", "rigid_cells")
+TURN = Matrix.Rotation(np.radians(40.0), 4, "Z")
+
+
+def carried(obj: bpy.types.Object, method: str, places: list[tuple]) -> list[bpy.types.Object]:
+    """A deformer of handles that have no region, each with an empty at its place."""
+    make_active(obj)
+    assert bpy.ops.sinew.deformer_add(method=method) == {"FINISHED"}
+    deformer = obj.sinew.active
+    empties = []
+    for place in places:
+        empties.append(new_empty(f"Control {len(empties)}", place))
+        handle = deformer.handles.add()
+        handle.name, handle.kind, handle.control = empties[-1].name, "HANDLE", empties[-1]
+    update()
+    make_active(obj)
+    assert bpy.ops.sinew.bind() == {"FINISHED"}, deformer.status
+    return empties
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_controls_without_a_region_turn_a_mesh(method: str, plate: Rig):
+    empties = carried(plate.obj, method, [(-0.8, 0.0, 0.0), (0.8, 0.0, 0.0)])
+    rest = base_points(plate.obj)
+    assert np.abs(evaluated_points(plate.obj) - rest).max() < 1e-6
+    for empty in empties:
+        move_world(empty, TURN)
+    update()
+    turned = rest @ np.array(TURN)[:3, :3].T
+    np.testing.assert_allclose(evaluated_points(plate.obj), turned, atol=1e-5)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_curve_follows_controls_rigidly(method: str, scene):
+    curve = bpy.data.curves.new("Curve", "CURVE")
+    curve.dimensions = "3D"
+    spline = curve.splines.new("POLY")
+    spline.points.add(39)
+    for index, point in enumerate(spline.points):
+        point.co = np.cos(0.2 * index), np.sin(0.2 * index), 0.05 * index, 1.0
+    obj = bpy.data.objects.new("Curve", curve)
+    bpy.context.scene.collection.objects.link(obj)
+    empties = carried(obj, method, [(1.0, 0.0, 0.0), (0.0, 0.0, 2.0)])
+    rest = evaluated_points(obj)
+    for empty in empties:
+        move_world(empty, TURN)
+    update()
+    np.testing.assert_allclose(evaluated_points(obj), rest @ np.array(TURN)[:3, :3].T, atol=1e-5)
+
+
+def test_embedded_deformation_edits_what_an_armature_has_posed(plate: Rig):
+    """A handle at rest changes nothing; all handles turned rigidly turn the posed shape."""
+    rig = add_armature(plate.obj)
+    plate.bind("embedded_deformation")
+    bone = rig.pose.bones[0]
+    bone.rotation_mode = "XYZ"
+    bone.rotation_euler = 0.6, 0.0, 0.3
+    update()
+    posed = evaluated_points(plate.obj)
+    assert np.abs(posed - base_points(plate.obj)).max() > 0.05, "the armature moves the plate"
+    plate.deformer.factor = 0.0
+    update()
+    np.testing.assert_allclose(posed, evaluated_points(plate.obj), atol=1e-6)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_graph_moves_with_the_handles(paint, plate: Rig, method: str):
+    plate.bind(method)
+
+    def points() -> np.ndarray:
+        """The middle of the bead of each node; beads come after the bars."""
+        picture = paint(plate.obj, overlay="GRAPH")
+        count = int(picture.legend.note.split()[0].replace(",", ""))
+        assert np.isfinite(picture.points).all()
+        assert picture.triangles.max() == len(picture.points) - 1
+        return picture.points[-6 * count :].reshape(count, 6, 3).mean(axis=1)
+
+    at_rest = points()
+    assert len(at_rest) > 20
+    assert np.abs(at_rest[:, 2]).max() < 0.2  # the plate is flat, and cells are cubes
+    plate.lift(1.0)
+    lifted = points() - at_rest
+    assert lifted[:, 2].max() > 0.9
+    assert lifted[:, 2].min() < 0.1
+    plate.deformer.method = "thin_shell"
+    assert paint(plate.obj, overlay="GRAPH").legend.note == "Thin Shell has no graph"
+
+
+def ball(name: str, place: tuple, radius: float = 0.3) -> bpy.types.Object:
+    """An ellipsoid whose own frame is turned and scaled, so that frames count."""
+    obj = new_object(name, [])
+    edit = bmesh.new()
+    bmesh.ops.create_icosphere(edit, subdivisions=3, radius=2.0 * radius)
+    edit.to_mesh(obj.data)
+    edit.free()
+    obj.location, obj.rotation_euler, obj.scale = place, (0.3, 0.0, 0.1 + radius), (0.5, 0.4, 0.6)
+    return obj
+
+
+def in_world(obj: bpy.types.Object) -> np.ndarray:
+    return apply_matrix(obj.matrix_world, evaluated_points(obj))
+
+
+def follow(objects: list, empties: list, method: str) -> None:
+    """Let objects follow the same empties, by the button."""
+    update()
+    make_active(objects[0])
+    for obj in (*objects, *empties):
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = objects[0]
+    assert bpy.ops.sinew.point_add(source="SELECTED", method=method) == {"FINISHED"}
+    for obj in objects:
+        assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    make_active(objects[0])
+    update()
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_handle_takes_hold_of_what_is_nearest_of_all_objects(method: str, scene):
+    """A handle far from an object does not move it, and an object that no handle is near stays."""
+    far, near, lost = (
+        ball("Far", (2.0, 0.0, 2.0)),
+        ball("Near", (0.0, 0.0, 0.0)),
+        ball("Lost", (-4.0, 0.0, 0.0)),
+    )
+    empties = [new_empty(str(place), place) for place in [(0, 0, 0), (2, 0, 2), (1, 0, 1)]]
+    objects = [far, near, lost]
+    follow(objects, empties, method)
+    rest = [in_world(obj) for obj in objects]
+    move_world(empties[0], Matrix.Translation((1.0, 0.0, 0.0)))
+    update()
+    moves = [in_world(obj) - at for obj, at in zip(objects, rest, strict=True)]
+    assert np.abs(moves[0]).max() < 1e-6
+    assert np.abs(moves[1] - (1.0, 0.0, 0.0)).max() < 0.02
+    assert np.abs(moves[2]).max() < 1e-6
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_objects_that_share_handles_move_like_one(method: str, scene):
+    """The oracle is one object of all points: objects of their own are moved as it is."""
+    places = [(0.4 * number, 0.0, 0.1 * number) for number in range(4)]
+    objects = [ball(f"Ball {number}", place, 0.25 + 0.02 * number) for number, place in enumerate(places)]
+    objects[0].rotation_euler = 0.0, 0.0, 0.0  # cells lie along the axes of the first object
+    update()
+    points = np.concatenate([in_world(obj) for obj in objects])
+    starts = np.cumsum([0, *(len(obj.data.vertices) for obj in objects)])
+    faces = [
+        [vertex + start for vertex in face.vertices]
+        for obj, start in zip(objects, starts, strict=False)
+        for face in obj.data.polygons
+    ]
+    whole = new_object("Whole", points.tolist(), faces)
+    inside = (0.02, 0.03, 0.01)  # not on a side of a cell, where rounding would decide
+    empties = [new_empty(str(place), np.add(place, inside)) for place in (places[0], places[-1])]
+    follow([whole], empties, method)
+    move_world(empties[1], Matrix.Translation((0.0, 0.3, 0.3)) @ TURN)
+    update()
+    expected = np.split(evaluated_points(whole), starts[1:-1])
+    assert np.abs(np.concatenate(expected) - points).max() > 0.3
+    bpy.data.objects.remove(whole)
+    move_world(empties[1], (Matrix.Translation((0.0, 0.3, 0.3)) @ TURN).inverted())
+    follow(objects, empties, method)
+    move_world(empties[1], Matrix.Translation((0.0, 0.3, 0.3)) @ TURN)
+    update()
+    for obj, points in zip(objects, expected, strict=True):
+        np.testing.assert_allclose(in_world(obj), points, atol=1e-3)
+
+
+def test_refine_gives_each_handle_a_cell(scene):
+    """The status names the handle that lacks a cell, and has a button for all that share the handles."""
+    objects = [ball("One", (0.0, 0.0, 0.0)), ball("Other", (0.7, 0.0, 0.0))]
+    empties = [new_empty(f"Pin {number}", (0.07 * number, 0.0, 0.0)) for number in range(3)]
+    follow(objects, empties[:1], "rigid_cells")
+    for obj in objects:
+        obj.sinew.active.rigid_cells.cells = 20
+    for empty in empties[1:]:
+        empty.select_set(True)
+    for obj in objects:
+        obj.select_set(True)
+    bpy.ops.sinew.point_add(source="SELECTED")
+    deformer = objects[0].sinew.active
+    assert deformer.status.startswith("Pin 1"), deformer.status
+    line = room("core.status").current(deformer.uid)
+    assert line.remedy is room("core.status").Remedy.REFINE
+    push("Refused")
+    assert bpy.ops.sinew.refine() == {"FINISHED"}
+    assert deformer.status_level == "INFO", deformer.status
+    assert deformer.rigid_cells.cells == objects[1].sinew.active.rigid_cells.cells > 20
+    push("Refined")
+    bpy.ops.ed.undo()
+    for name in ("One", "Other"):
+        assert bpy.data.objects[name].sinew.active.rigid_cells.cells == 20
+
+
+def test_objects_that_share_handles_go_on_when_one_of_them_changes(scene, tmp_path):
+    """One of two is bound again with other vertices, copied, saved, and removed."""
+    objects = [ball("One", (0.0, 0.0, 0.0)), ball("Other", (0.7, 0.0, 0.0))]
+    empties = [new_empty("Left", (0.02, 0.03, 0.0)), new_empty("Right", (0.72, 0.01, 0.02))]
+    follow(objects, empties, "embedded_deformation")
+    change_in_edit_mode(
+        objects[1], lambda edit: bmesh.ops.delete(edit, geom=list(edit.verts)[:40], context="VERTS")
+    )
+    make_active(objects[1])
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    move_world(empties[1], TURN)
+    update()
+    seen = [evaluated_points(obj) for obj in objects]
+    reopen(tmp_path / "shared.blend")
+    objects = [bpy.data.objects[name] for name in ("One", "Other")]
+    for obj, points in zip(objects, seen, strict=True):
+        np.testing.assert_allclose(evaluated_points(obj), points, atol=1e-5)
+    make_active(objects[0])
+    bpy.ops.object.duplicate()
+    copy = bpy.context.object
+    update()
+    np.testing.assert_allclose(evaluated_points(copy), seen[0], atol=1e-5)
+    bpy.data.objects.remove(objects[1])
+    make_active(objects[0])
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    assert objects[0].sinew.active.status_level == "INFO"
+    meshes = {
+        row.rest for obj in (objects[0], copy) for row in obj.sinew.active.companions if not row.is_target
+    }
+    assert None not in meshes

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What nobody sees changes no shape: a loose vertex, an applied rotation. Files keep their sizes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix, Vector
+from rigs.rig import (
+    add_group,
+    apply_matrix,
+    evaluated_points,
+    make_active,
+    move_world,
+    new_object,
+    reopen,
+    update,
+)
+
+TURN = Matrix.Rotation(0.7, 4, (0.3, 0.5, 0.8))
+MOTION = Matrix.Translation((0.2, 0.5, 0.4)) @ Matrix.Rotation(0.6, 4, (0.2, 1.0, 0.3))
+METHODS = ("primo", "thin_shell_nonlinear", "hierarchical_smoothing", "inverse_ffd")
+CLOSE = 2e-4  # Blender stores coordinates in single precision; some thousandths and more before
+
+
+def egg(change: str) -> bpy.types.Object:
+    """An uneven body, with a loose vertex far away or turned in the world by an applied rotation."""
+    u, v = np.meshgrid(np.linspace(0, 2 * np.pi, 17)[:-1], np.linspace(0.05, np.pi - 0.05, 9))
+    radius = 1 + 0.2 * np.sin(3 * v) * np.cos(u + 0.4)
+    points = np.stack(
+        (3 * np.cos(v), radius * np.sin(v) * np.cos(u), 0.7 * radius * np.sin(v) * np.sin(u)), -1
+    )
+    index = np.arange(points[..., 0].size).reshape(points.shape[:2])
+    right = np.roll(index, -1, axis=1)
+    faces = np.stack((index[:-1], right[:-1], right[1:], index[1:]), -1).reshape(-1, 4)
+    rows = points.reshape(-1, 3).tolist() + [(9.0, 40.0, -7.0)] * (change == "loose")
+    obj = new_object("Egg", [tuple(row) for row in rows], [tuple(map(int, face)) for face in faces])
+    for name, side in (("Fixed", -1), ("Moved", 1)):
+        add_group(obj, name, lambda point, side=side: point[0] * side > 2.2 and abs(point[1]) < 5)
+    if change == "turned":
+        obj.matrix_world = TURN
+        update()
+        make_active(obj)
+        assert bpy.ops.object.transform_apply(location=False, rotation=True, scale=False) == {"FINISHED"}
+    return obj
+
+
+def posed(obj: bpy.types.Object, method: str, motion: Matrix) -> np.ndarray:
+    make_active(obj)
+    assert bpy.ops.sinew.deformer_add(method=method) == {"FINISHED"}
+    for name, kind in (("Fixed", "FIXED"), ("Moved", "HANDLE")):
+        assert bpy.ops.sinew.handle_add(kind=kind, vertex_group=name) == {"FINISHED"}
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    move_world(obj.sinew.active.handles[1].control, motion)
+    return evaluated_points(obj)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_what_nobody_sees_changes_nothing(scene, method: str) -> None:
+    shape = posed(egg(""), method, MOTION)
+    assert np.ptp(shape, axis=0).max() > 5
+    loose = posed(egg("loose"), method, MOTION)[:-1]
+    assert np.abs(loose - shape).max() < CLOSE
+    turned = posed(egg("turned"), method, TURN @ MOTION @ TURN.inverted())
+    assert np.abs(apply_matrix(TURN.inverted(), turned) - shape).max() < CLOSE
+
+
+@pytest.mark.parametrize("change", ["", "loose"])
+def test_a_file_of_an_earlier_build_keeps_its_looks(scene, change: str) -> None:
+    """Its thickness is a share of the diagonal of the box; a file that says nothing is one of those."""
+    obj = egg(change)
+    new = posed(obj, "thin_shell_nonlinear", MOTION)
+    deformer = obj.sinew.active
+    values = deformer.thin_shell_nonlinear
+    values.tolerance, values.max_iterations = 1e-9, 1000
+    deformer.property_unset("sizes")
+    update()
+    old = evaluated_points(obj)
+    assert np.abs(old - new).max() > 1e-3
+    corners = [Vector(vertex.co) for vertex in obj.data.vertices]
+    box = np.ptp(np.array(corners), axis=0)
+    values.thickness, values.measure = values.thickness * float(np.linalg.norm(box)), "length"
+    update()
+    assert np.abs(evaluated_points(obj) - old).max() < 1e-4
+
+
+def test_a_file_of_an_earlier_build_keeps_the_falloff_that_was_its_default(scene, tmp_path: Path) -> None:
+    rows = {}
+    for name in ("New", "Old"):
+        obj = egg("")
+        obj.name = name
+        rows[name] = posed(obj, "mls", MOTION)
+    bpy.data.objects["Old"].sinew.active.property_unset("sizes")
+    reopen(tmp_path / "old.blend")
+    update()
+    new, old = bpy.data.objects["New"], bpy.data.objects["Old"]
+    assert np.array_equal(evaluated_points(new), rows["New"])
+    new.sinew.active.mls.alpha = 1.0
+    update()
+    assert np.array_equal(evaluated_points(old), evaluated_points(new))
+    assert np.abs(evaluated_points(old) - rows["Old"]).max() > 1e-2

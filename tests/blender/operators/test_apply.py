@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Apply makes the shape permanent, the way Blender applies its own modifiers."""
+
+import bpy
+import numpy as np
+import pytest
+from registry import WITH_HANDLES
+from rigs.rig import FLOAT32, Rig, add_armature, add_group, evaluated_points, grid_object, make_active
+
+
+def key_points(key) -> np.ndarray:
+    flat = np.empty(len(key.data) * 3, dtype=np.float32)
+    key.data.foreach_get("co", flat)
+    return flat.reshape(-1, 3).astype(float)
+
+
+@pytest.fixture
+def posed(plate: Rig) -> Rig:
+    plate.bind("arap").lift(0.7)
+    make_active(plate.obj)
+    return plate
+
+
+def test_apply_keeps_what_is_shown_with_factor_and_mask(posed: Rig):
+    add_group(posed.obj, "Right", lambda point: point[0] > 0.1)
+    posed.deformer.mask_group, posed.deformer.factor = "Right", 0.4
+    shown = posed.points()
+    bpy.ops.sinew.apply()
+    assert np.array_equal(posed.rest(), shown)
+    assert not posed.obj.sinew.deformers
+    assert not posed.obj.modifiers
+    assert [obj.name for obj in bpy.data.objects] == ["Plate"]
+
+
+def test_later_modifiers_stay_and_show_the_same(posed: Rig):
+    posed.obj.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    shown = posed.points()
+    bpy.ops.sinew.apply()
+    assert [modifier.name for modifier in posed.obj.modifiers] == ["Subdivision"]
+    assert np.array_equal(posed.points(), shown)
+
+
+@pytest.mark.parametrize("method", WITH_HANDLES)
+def test_below_an_armature_the_mesh_itself_is_deformed(plate: Rig, method: str):
+    """As Blender applies a modifier that is not first: to the mesh alone."""
+    armature = add_armature(plate.obj)
+    plate.bind(method).lift(0.5)
+    alone = Rig(grid_object("Alone")).bind(method)
+    alone.lift(0.5)
+    bone = armature.pose.bones["high"]
+    bone.location = (0.0, 0.2, 0.1)
+    make_active(plate.obj)
+    bpy.ops.sinew.apply()
+    assert np.abs(plate.rest() - alone.points()).max() < FLOAT32
+    assert [modifier.type for modifier in plate.obj.modifiers] == ["ARMATURE"]
+    assert plate.obj.modifiers[0].show_viewport
+    assert np.abs(plate.points() - plate.rest()).max() > 0.1  # the armature goes on
+
+
+def test_as_shape_key_adds_a_key_and_leaves_the_mesh(posed: Rig):
+    shown, rest = posed.points(), posed.rest()
+    bpy.ops.sinew.apply(as_shape_key=True)
+    keys = posed.obj.data.shape_keys.key_blocks
+    assert [key.name for key in keys] == ["Basis", "Sinew"]
+    assert keys[1].value == 0.0
+    assert np.array_equal(key_points(keys[1]), shown)
+    assert np.array_equal(posed.points(), rest)
+    assert not posed.obj.modifiers
+    keys[1].value = 1.0
+    assert np.abs(posed.points() - shown).max() < FLOAT32
+
+
+def test_as_shape_key_beside_keys_of_the_user(plate: Rig):
+    obj = plate.obj
+    obj.shape_key_add(name="Basis")
+    wave = obj.shape_key_add(name="Wave")
+    for point in wave.data:
+        point.co.z = 0.2 * point.co.x
+    wave.value = 0.5
+    plate.bind().lift(0.7)
+    shown = plate.points()
+    make_active(obj)
+    with pytest.raises(RuntimeError, match="Apply as Shape Key"):
+        bpy.ops.sinew.apply()
+    bpy.ops.sinew.apply(as_shape_key=True)
+    keys = obj.data.shape_keys.key_blocks
+    assert [key.name for key in keys] == ["Basis", "Wave", "Sinew"]
+    keys["Sinew"].value = 1.0
+    assert np.abs(plate.points() - shown).max() < FLOAT32
+    wave.value = 0.0
+    assert np.abs(plate.points() - shown - (plate.rest() - evaluated_wave(obj, wave))).max() < FLOAT32
+
+
+def evaluated_wave(obj: bpy.types.Object, wave) -> np.ndarray:
+    """The mesh with half of the key ``Wave`` alone."""
+    wave.value, obj.data.shape_keys.key_blocks["Sinew"].value = 0.5, 0.0
+    points = evaluated_points(obj)
+    wave.value, obj.data.shape_keys.key_blocks["Sinew"].value = 0.0, 1.0
+    return points
+
+
+def test_shape_keys_are_made_one_after_another_with_the_deformer_kept(posed: Rig):
+    shapes = []
+    for _ in range(2):
+        shapes.append(posed.points())
+        bpy.ops.sinew.apply(as_shape_key=True, keep_deformer=True)
+        posed.lift(0.2)
+    keys = posed.obj.data.shape_keys.key_blocks
+    assert [np.array_equal(key_points(key), shape) for key, shape in zip(keys[1:], shapes, strict=True)] == [
+        True
+    ] * 2
+    assert posed.points()[posed.top, 2].max() == pytest.approx(1.1, abs=1e-5)
+
+
+def test_a_shared_mesh_is_refused(posed: Rig):
+    bpy.data.objects.new("Other", posed.obj.data)
+    for keywords in ({}, {"as_shape_key": True}):
+        with pytest.raises(RuntimeError, match="single-user"):
+            bpy.ops.sinew.apply(**keywords)
+    assert len(posed.obj.sinew.deformers) == 1
+
+
+@pytest.mark.parametrize("as_shape_key", [False, True])
+def test_vertices_that_earlier_modifiers_made_cannot_be_applied(plate: Rig, as_shape_key: bool):
+    subdivision = plate.obj.modifiers.new("Fine", "SUBSURF")
+    subdivision.levels = subdivision.render_levels = 1
+    plate.bind().lift(0.5)
+    shown = plate.points()
+    make_active(plate.obj)
+    with pytest.raises(RuntimeError, match="Fine made - apply those first"):
+        bpy.ops.sinew.apply(as_shape_key=as_shape_key)
+    assert subdivision.show_viewport
+    assert np.array_equal(plate.points(), shown)
+
+
+def test_a_baked_or_switched_off_deformer_is_refused(posed: Rig, tmp_path):
+    bpy.ops.sinew.bake(target="PC2", filepath=str(tmp_path / "x"), frame_start=1, frame_end=2)
+    with pytest.raises(RuntimeError, match="Unbake"):
+        bpy.ops.sinew.apply()
+    bpy.ops.sinew.unbake()
+    posed.obj.modifiers[0].show_viewport = False
+    with pytest.raises(RuntimeError, match="switched off"):
+        bpy.ops.sinew.apply()
+
+
+def test_apply_in_edit_mode_comes_back_to_edit_mode(posed: Rig):
+    shown = posed.points()
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.sinew.apply()
+    assert posed.obj.mode == "EDIT"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert np.array_equal(posed.rest(), shown)

@@ -1,0 +1,376 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baked shapes equal the live ones to the last bit, and go without a trace."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from baking import (
+    CACHES,
+    FRAMES,
+    STRETCHES,
+    TARGETS,
+    animate,
+    assert_same,
+    bake,
+    footprint,
+    played,
+    stretch_time,
+)
+from inside import SOLVING
+from mathutils import Matrix
+from registry import WITH_HANDLES
+from rigs.rig import Rig, add_armature, add_group, make_active, move_world
+
+
+@pytest.mark.parametrize("method", WITH_HANDLES)
+@pytest.mark.parametrize("target", TARGETS)
+def test_baked_frames_equal_live_ones_to_the_last_bit(plate: Rig, tmp_path: Path, target: str, method: str):
+    plate.bind(method)
+    animate(plate.control)
+    before, live = footprint(plate), played(plate.obj)
+    bake(plate, target, tmp_path / "plate")
+    assert "Baked frames 1-8" in plate.deformer.status
+    assert_same(played(plate.obj), live)
+    bpy.ops.sinew.unbake()
+    assert_same(played(plate.obj), live)
+    bpy.context.scene.frame_set(before["frame"])
+    assert footprint(plate) == before
+    assert "bound in" in plate.deformer.status
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_controls_have_no_effect_while_baked_and_nothing_is_solved(
+    moving: Rig, tmp_path: Path, target: str, room, monkeypatch: pytest.MonkeyPatch
+):
+    live = played(moving.obj)
+    bake(moving, target, tmp_path / "plate")
+    calls = []
+    monkeypatch.setattr(room(SOLVING), "solve", lambda *_: calls.append(1))
+    control = moving.control
+    control.animation_data_clear()
+    move_world(control, Matrix.Translation((0.0, 0.0, 3.0)))
+    assert_same(played(moving.obj), live)
+    assert not calls
+
+
+def test_without_a_window_an_invoked_bake_runs_to_its_end(moving: Rig, tmp_path: Path):
+    live = played(moving.obj)
+    make_active(moving.obj)
+    path = str(tmp_path / "plate.pc2")
+    assert bpy.ops.sinew.bake("INVOKE_DEFAULT", target="PC2", filepath=path) == {"FINISHED"}
+    assert_same(played(moving.obj), live)
+
+
+def test_a_pc2_file_holds_what_its_format_says(moving: Rig, tmp_path: Path):
+    live = played(moving.obj)
+    bake(moving, "PC2", tmp_path / "plate.pc2")
+    content = (tmp_path / "plate.pc2").read_bytes()
+    head = np.frombuffer(content, dtype="S12,<i4,<i4,<f4,<f4,<i4", count=1)[0]
+    assert head.tolist() == (b"POINTCACHE2", 1, len(moving.rest()), 1.0, 1.0, 8)
+    samples = np.frombuffer(content, dtype="<f4", offset=32).reshape(8, -1, 3)
+    assert np.array_equal(samples, np.array([live[frame] for frame in FRAMES]))
+
+
+def test_an_mdd_file_holds_what_its_format_says(moving: Rig, tmp_path: Path):
+    bpy.context.scene.render.fps = 24
+    live = played(moving.obj)
+    bake(moving, "MDD", tmp_path / "plate.mdd")
+    content = (tmp_path / "plate.mdd").read_bytes()
+    assert np.frombuffer(content, dtype=">i4", count=2).tolist() == [8, len(moving.rest())]
+    times = np.frombuffer(content, dtype=">f4", offset=8, count=8)
+    assert np.abs(times - np.arange(1, 9) / 24.0).max() < 1e-7
+    samples = np.frombuffer(content, dtype=">f4", offset=8 + 32).reshape(8, -1, 3)
+    assert np.array_equal(samples, np.array([live[frame] for frame in FRAMES]))
+
+
+@pytest.mark.parametrize("target", CACHES)
+def test_armature_before_factor_and_mask_are_in_the_cache(plate: Rig, tmp_path: Path, target: str):
+    armature = add_armature(plate.obj)
+    plate.bind("arap")
+    animate(plate.control)
+    bone = armature.pose.bones["high"]
+    for frame, height in ((1, 0.0), (8, 0.3)):
+        bone.location = (0.1 * height, 0.0, height)
+        bone.keyframe_insert("location", frame=frame)
+    add_group(plate.obj, "Right", lambda point: point[0] > 0.1)
+    plate.deformer.mask_group, plate.deformer.factor = "Right", 0.6
+    live = played(plate.obj)
+    assert np.abs(live[8] - plate.rest()).max() > 0.3
+    bake(plate, target, tmp_path / "plate")
+    assert_same(played(plate.obj), live)
+    plate.deformer.factor = 0.1
+    armature.pose.bones["high"].location = (5.0, 5.0, 5.0)
+    armature.animation_data_clear()
+    assert_same(played(plate.obj), live)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_later_modifiers_act_on_the_baked_shape(plate: Rig, tmp_path: Path, target: str):
+    plate.bind("thin_shell")
+    animate(plate.control)
+    armature = add_armature(plate.obj)
+    armature.pose.bones["high"].location = (0.0, 0.1, 0.4)
+    plate.obj.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    live, objects = played(plate.obj), len(bpy.data.objects)
+    assert len(live[1]) > len(plate.rest())
+    bake(plate, target, tmp_path / "plate")
+    assert len(bpy.data.objects) == objects
+    assert_same(played(plate.obj), live)
+    if target == "PC2":
+        assert (tmp_path / "plate.pc2").stat().st_size == 32 + 8 * len(plate.rest()) * 12
+    armature.pose.bones["high"].location = (0.0, 0.0, 0.0)
+    assert not np.array_equal(played(plate.obj, [8])[8], live[8])
+
+
+def test_a_cache_after_subdivision_holds_the_fine_mesh(plate: Rig, tmp_path: Path):
+    subdivision = plate.obj.modifiers.new("Subdivision", "SUBSURF")
+    subdivision.levels = subdivision.render_levels = 1
+    plate.bind("thin_shell")
+    animate(plate.control)
+    live = played(plate.obj)
+    bake(plate, "PC2", tmp_path / "plate")
+    assert_same(played(plate.obj), live)
+    bpy.ops.sinew.unbake()
+    with pytest.raises(RuntimeError, match=r"Subdivision.*PC2"):
+        bpy.ops.sinew.bake(target="SHAPE_KEYS")
+
+
+def test_renders_show_the_baked_shape(moving: Rig, tmp_path: Path):
+    live, seen = played(moving.obj), {}
+    bake(moving, "PC2", tmp_path / "plate")
+    name = moving.name
+
+    def remember(scene, depsgraph) -> None:
+        if depsgraph.mode == "RENDER":
+            mesh = bpy.data.objects[name].evaluated_get(depsgraph).data
+            flat = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+            mesh.vertices.foreach_get("co", flat)
+            seen[scene.frame_current] = flat.reshape(-1, 3)
+
+    scene = bpy.context.scene
+    scene.render.engine, scene.cycles.samples = "CYCLES", 1
+    scene.cycles.use_denoising = False
+    scene.render.resolution_x = scene.render.resolution_y = 4
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+    scene.frame_set(5)
+    bpy.app.handlers.frame_change_post.append(remember)
+    try:
+        bpy.ops.render.render()
+    finally:
+        bpy.app.handlers.frame_change_post.remove(remember)
+    assert np.array_equal(seen[5], live[5])
+
+
+def test_shape_keys_are_what_an_artist_expects(moving: Rig):
+    live = played(moving.obj)
+    bake(moving, "SHAPE_KEYS", exact_keys=False)
+    keys = moving.obj.data.shape_keys
+    assert [key.name for key in keys.key_blocks] == ["Basis", *(f"Thin Shell {frame}" for frame in FRAMES)]
+    bpy.context.scene.frame_set(3)
+    assert [key.value for key in keys.key_blocks][1:] == [0, 0, 1, 0, 0, 0, 0, 0]
+    flat = np.empty(len(moving.rest()) * 3, dtype=np.float32)
+    keys.key_blocks["Thin Shell 5"].data.foreach_get("co", flat)
+    assert np.array_equal(flat.reshape(-1, 3), live[5])
+    now = played(moving.obj)
+    assert max(np.abs(now[frame] - live[frame]).max() for frame in FRAMES) < 2e-7  # Blender's float32 sum
+
+
+def test_shape_keys_of_the_user_stay_as_they_are(plate: Rig):
+    obj = plate.obj
+    obj.shape_key_add(name="Basis")
+    wave = obj.shape_key_add(name="Wave")
+    for point in wave.data:
+        point.co.z = 0.2 * point.co.x
+    for frame, value in ((1, 0.0), (8, 1.0)):
+        wave.value = value
+        wave.keyframe_insert("value", frame=frame)
+    obj.active_shape_key_index = 1
+    plate.bind("thin_shell")
+    animate(plate.control)
+    live = played(obj)
+    bpy.context.scene.frame_set(1)
+    before = footprint(plate)
+    curves = [tuple(point.co) for point in wave_curve(obj).keyframe_points]
+    bake(plate, "SHAPE_KEYS")
+    now = played(obj)
+    assert (
+        max(np.abs(now[frame] - live[frame]).max() for frame in FRAMES) < 5e-7
+    )  # the sum of two keys in float32
+    assert obj.active_shape_key.name == "Wave"
+    bpy.ops.sinew.unbake()
+    bpy.context.scene.frame_set(before["frame"])
+    assert footprint(plate) == before
+    assert [tuple(point.co) for point in wave_curve(obj).keyframe_points] == curves
+    assert obj.active_shape_key.name == "Wave"
+    assert_same(played(obj), live)
+
+
+def wave_curve(obj: bpy.types.Object):
+    """The F-curve of the key ``Wave``, in any version."""
+    action = obj.data.shape_keys.animation_data.action
+    curves = (
+        action.fcurves if hasattr(action, "fcurves") else action.layers[0].strips[0].channelbags[0].fcurves
+    )
+    return next(curve for curve in curves if "Wave" in curve.data_path)
+
+
+def test_shape_keys_below_an_armature_are_refused(plate: Rig):
+    add_armature(plate.obj)
+    plate.bind()
+    animate(plate.control)
+    before = footprint(plate)
+    with pytest.raises(RuntimeError, match=r"Armature comes before .* bake to PC2"):
+        bake(plate, "SHAPE_KEYS")
+    assert footprint(plate) == before
+
+
+def test_meshes_that_cannot_take_keys_are_refused(moving: Rig):
+    obj = moving.obj
+    other = bpy.data.objects.new("Other", obj.data)
+    with pytest.raises(RuntimeError, match="single-user"):
+        bake(moving, "SHAPE_KEYS")
+    bpy.data.objects.remove(other)
+    obj.shape_key_add(name="Basis")
+    obj.show_only_shape_key = True
+    with pytest.raises(RuntimeError, match="Solo"):
+        bake(moving, "SHAPE_KEYS")
+    obj.show_only_shape_key = False
+    obj.data.shape_keys.use_relative = False
+    with pytest.raises(RuntimeError, match="absolute"):
+        bake(moving, "SHAPE_KEYS")
+
+
+@pytest.mark.parametrize("step", [2, 3, 7])
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_step_keeps_its_frames_exact_and_blends_between(
+    moving: Rig, tmp_path: Path, target: str, step: int
+):
+    live = played(moving.obj, range(1, 9, step))
+    bake(moving, target, tmp_path / "plate", step=step)
+    assert_same(played(moving.obj, range(1, 9, step)), live)
+    between = played(moving.obj, [2])[2]
+    expected = live[1] * (1.0 - 1.0 / step) + live[1 + step] * (1.0 / step)
+    assert np.abs(between - expected).max() < 1e-5
+    assert moving.deformer.bake.last == max(range(1, 9, step))
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_between_frames_the_shape_is_blended_and_outside_it_holds(moving: Rig, tmp_path: Path, target: str):
+    live = played(moving.obj)
+    bake(moving, target, tmp_path / "plate")
+    found = played(moving.obj, [3.25, -4, 20])
+    assert np.abs(found[3.25] - (live[3] * 0.75 + live[4] * 0.25)).max() < 1e-6
+    assert np.array_equal(found[-4], live[1])
+    assert np.array_equal(found[20], live[8])
+
+
+@pytest.mark.parametrize(("start", "step"), [(1001, 3), (9000, 7), (-50, 5), (30000, 1)])
+def test_late_and_negative_frames_play_exactly_or_are_refused(
+    moving: Rig, tmp_path: Path, start: int, step: int
+):
+    moving.control.animation_data_clear()
+    frames = range(start, start + 40 * step + 1, step)
+    try:
+        bake(moving, "PC2", tmp_path / "plate", frame_start=start, frame_end=frames[-1], step=step)
+    except RuntimeError as error:
+        assert "step of 1, 2 or 4" in str(error)  # noqa: PT017
+        assert (start, step) == (9000, 7)
+        return
+    samples = np.memmap(tmp_path / "plate.pc2", dtype="<f4", offset=32, mode="r+").reshape(len(frames), -1, 3)
+    samples[:] = np.random.default_rng(1).normal(size=samples.shape)  # neighbours differ in every bit
+    samples.flush()
+    for frame, points in played(moving.obj, frames).items():
+        assert np.array_equal(points, samples[frames.index(frame)])
+
+
+@pytest.mark.parametrize("stretch", STRETCHES)
+@pytest.mark.parametrize("target", TARGETS)
+def test_time_stretching_plays_the_frames_of_the_scene(
+    moving: Rig, tmp_path: Path, target: str, stretch: tuple[int, int]
+):
+    stretch_time(*stretch)
+    live = played(moving.obj)
+    assert np.abs(live[8] - live[1]).max() > 0.3
+    bake(moving, target, tmp_path / "plate")
+    assert_same(played(moving.obj), live)
+    bpy.ops.sinew.unbake()
+    assert_same(played(moving.obj), live)
+
+
+@pytest.mark.parametrize("frames", [range(1, 251), range(1001, 1100, 2), range(-50, 60, 5)])
+@pytest.mark.parametrize("stretch", STRETCHES)
+def test_caches_of_long_shots_play_stretched_or_are_refused(
+    moving: Rig, tmp_path: Path, stretch: tuple[int, int], frames: range
+):
+    stretch_time(*stretch)
+    moving.control.animation_data_clear()
+    ends = {"frame_start": frames[0], "frame_end": frames[-1], "step": frames.step}
+    try:
+        bake(moving, "PC2", tmp_path / "plate", **ends)
+    except RuntimeError as error:
+        assert "Time Stretching" in str(error)  # noqa: PT017
+        assert frames[0] == 1001
+        assert not moving.deformer.bake.is_baked
+        return
+    samples = np.memmap(tmp_path / "plate.pc2", dtype="<f4", offset=32, mode="r+").reshape(len(frames), -1, 3)
+    samples[:] = np.random.default_rng(1).normal(size=samples.shape)  # neighbours differ in every bit
+    samples.flush()
+    for frame, points in played(moving.obj, frames).items():
+        assert np.array_equal(points, samples[frames.index(frame)])
+
+
+def test_keyframes_that_time_stretching_would_merge_are_refused(moving: Rig):
+    stretch_time(1, 200)
+    with pytest.raises(RuntimeError, match="no room between keyframes"):
+        bake(moving, "SHAPE_KEYS")
+    assert moving.obj.data.shape_keys is None
+
+
+def test_custom_frames_are_baked_and_the_current_frame_comes_back(moving: Rig, tmp_path: Path):
+    scene = bpy.context.scene
+    live = played(moving.obj, range(3, 6))
+    scene.frame_set(2, subframe=0.25)
+    bake(moving, "PC2", tmp_path / "plate", frame_start=3, frame_end=5)
+    assert (scene.frame_current, scene.frame_subframe) == (2, 0.25)
+    assert_same(played(moving.obj, range(3, 6)), live)
+    bpy.ops.sinew.unbake()
+    with pytest.raises(RuntimeError, match="empty"):
+        bake(moving, "PC2", tmp_path / "plate", frame_start=5, frame_end=3)
+
+
+# Alembic
+
+
+def test_alembic_holds_the_result_or_says_why_not(saved: Rig, tmp_path: Path):
+    make_active(saved.obj)
+    saved.obj.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    saved.obj.modifiers["Subdivision"].render_levels = 1
+    if not bpy.app.build_options.alembic:
+        with pytest.raises(RuntimeError, match="without Alembic"):
+            bpy.ops.sinew.bake(target="ALEMBIC")
+        return
+    live = played(saved.obj)
+    bpy.context.scene.frame_set(3)
+    before = footprint(saved)
+    assert bpy.ops.sinew.bake(target="ALEMBIC") == {"FINISHED"}
+    assert footprint(saved) == before
+    assert saved.obj.select_get()
+    (file,) = tmp_path.rglob("*.abc")
+    assert [path for path in tmp_path.rglob("*") if "part" in path.name] == []
+    bpy.ops.wm.alembic_import(filepath=str(file), as_background_job=False)
+    imported = next(
+        obj for obj in bpy.data.objects if any(m.type == "MESH_SEQUENCE_CACHE" for m in obj.modifiers)
+    )
+    for frame, points in played(imported).items():
+        assert np.array_equal(points, live[frame])
+    make_active(saved.obj)
+    saved.obj.hide_render = True
+    with pytest.raises(RuntimeError, match="hidden in renders"):
+        bpy.ops.sinew.bake(target="ALEMBIC")
+    saved.obj.hide_render = False
+    with pytest.raises(RuntimeError, match="Step"):
+        bpy.ops.sinew.bake(target="ALEMBIC", step=2)

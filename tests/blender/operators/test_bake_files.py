@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a bake writes, and that whatever goes wrong leaves everything as it was."""
+
+import os
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from baking import FRAMES, TARGETS, animate, assert_same, bake, footprint, played
+from rigs.rig import Rig, grid_object, make_active
+
+# Paths
+
+
+def test_a_file_never_saved_needs_a_path(moving: Rig):
+    before = footprint(moving)
+    for keywords in ({}, {"filepath": "//cache/plate.pc2"}):
+        with pytest.raises(RuntimeError, match="Save the file first"):
+            bake(moving, "PC2", **keywords)
+    assert footprint(moving) == before
+
+
+def test_the_default_path_is_beside_the_file_under_safe_names(saved: Rig, tmp_path: Path):
+    saved.obj.name = saved.name = "../../../evil:\\*?"
+    saved.deformer.name = "..\\..\\x/y"
+    bake(saved, "PC2")
+    home = tmp_path / "shot"
+    (file,) = [path for path in tmp_path.rglob("*") if path.suffix == ".pc2"]
+    assert file.parent == home / "sinew_cache" / "scene"
+    assert saved.obj.modifiers[1].filepath.startswith("//sinew_cache/scene/")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["shot"]
+    assert file.stat().st_mode & 0o777 == 0o666 & ~current_umask()  # a farm reads it under another name
+
+
+def current_umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask
+
+
+def test_a_path_that_a_file_brings_along_is_used_only_beside_it(saved: Rig, tmp_path: Path):
+    for hostile in ("//../victim.pc2", str(tmp_path / "victim.pc2"), "//sub/../../victim.pc2"):
+        saved.deformer.bake.filepath = hostile
+        with pytest.raises(RuntimeError, match="outside"):
+            bake(saved, "PC2")
+    assert not list(tmp_path.rglob("*.pc2"))
+    bake(saved, "PC2", tmp_path / "victim.pc2")  # the user's own word
+    assert (tmp_path / "victim.pc2").is_file()
+
+
+def test_a_link_does_not_lead_a_bake_away_from_the_file(saved: Rig, tmp_path: Path):
+    link = tmp_path / "shot" / "sinew_cache"
+    (tmp_path / "elsewhere").mkdir()
+    link.symlink_to(tmp_path / "elsewhere")
+    if not link.is_symlink():
+        pytest.skip("Wine shows its links to nobody")
+    with pytest.raises(RuntimeError, match="outside"):
+        bake(saved, "PC2")
+    assert not list(tmp_path.rglob("*.pc2"))
+
+
+def test_a_bake_never_replaces_a_file_of_another_kind(saved: Rig, tmp_path: Path):
+    bake(saved, "PC2", tmp_path / "shot" / "scene.blend")
+    assert (tmp_path / "shot" / "scene.blend").read_bytes()[:3] != b"POI"
+    assert (tmp_path / "shot" / "scene.blend.pc2").is_file()
+
+
+@pytest.mark.parametrize("at_once", [False, True])
+@pytest.mark.parametrize("names", [("a:b", "a*b"), ("漢" * 84 + "a", "漢" * 84 + "b")], ids=["alike", "long"])
+def test_objects_whose_names_look_alike_get_files_of_their_own(saved: Rig, names: tuple, at_once: bool):
+    other = Rig(grid_object("Other")).bind()
+    animate(other.control, angle=20.0)
+    for rig, name in zip((saved, other), names):  # Blender before 5.0 keeps 63 bytes of a name
+        obj = rig.obj
+        obj.name = name
+        rig.name = obj.name
+    live = {rig.name: played(rig.obj) for rig in (saved, other)}
+    if at_once:
+        make_active(other.obj)
+        saved.obj.select_set(True)
+        assert bpy.ops.sinew.bake(target="PC2", all_deformers=True) == {"FINISHED"}
+    else:
+        bake(saved, "PC2")
+        bake(other, "PC2")
+    for rig in (saved, other):
+        assert rig.deformer.bake.is_baked
+        assert_same(played(rig.obj), live[rig.name])
+
+
+def test_unbake_deletes_only_its_own_file_and_only_when_told(saved: Rig, tmp_path: Path):
+    bake(saved, "PC2")
+    (file,) = tmp_path.rglob("*.pc2")
+    bpy.ops.sinew.unbake()
+    assert file.is_file()
+    bake(saved, "PC2")
+    bpy.ops.sinew.unbake(delete_file=True)
+    assert not file.exists()
+    victim = tmp_path / "victim.pc2"
+    victim.write_text("mine")
+    bake(saved, "PC2")
+    saved.deformer.bake.filepath = str(victim)
+    bpy.ops.sinew.unbake(delete_file=True)
+    assert victim.read_text() == "mine"
+
+
+# What goes wrong
+
+
+def test_a_refused_frame_is_named_and_leaves_all_as_it_was(saved: Rig, tmp_path: Path):
+    control = saved.control
+    for frame, size in ((1, 1.0), (4, 1.0), (5, 0.0)):
+        control.scale = (size, size, size)
+        control.keyframe_insert("scale", frame=frame)
+    control.parent.scale = (1.0, 1.0, 1.0)
+    for frame, size in ((4, 1.0), (5, 0.0)):
+        saved.obj.scale = (size, size, size)
+        saved.obj.keyframe_insert("scale", frame=frame)
+    bpy.context.scene.frame_set(2)
+    before = footprint(saved)
+    for target in TARGETS:
+        with pytest.raises(RuntimeError, match=r"Frame 5: .*scale"):
+            bake(saved, target)
+        assert footprint(saved) == before
+    assert sorted(path.name for path in (tmp_path / "shot").iterdir()) == ["scene.blend"]
+
+
+def test_an_unwritable_folder_is_reported(saved: Rig, tmp_path: Path):
+    before = footprint(saved)
+    (tmp_path / "file").write_text("no folder")
+    with pytest.raises(RuntimeError, match=r"Cannot write .*plate"):
+        bake(saved, "PC2", tmp_path / "file" / "plate.pc2")
+    assert footprint(saved) == before
+
+
+@pytest.mark.parametrize("room_left", [0, 3000])
+def test_a_full_disk_is_reported_and_keeps_the_older_file(saved: Rig, tmp_path: Path, room_left: int):
+    resource = pytest.importorskip("resource", reason="limits the size of files as Unix does")
+    path = tmp_path / "plate.pc2"
+    path.write_text("older")
+    before = footprint(saved)
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room_left, limits[1]))
+    try:
+        with pytest.raises(RuntimeError, match=r"Cannot write .*free some disk space"):
+            bake(saved, "PC2", path)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert path.read_text() == "older"
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["plate.pc2", "shot"]
+    assert footprint(saved) == before
+
+
+def test_hidden_switched_off_and_unbound_deformers_are_refused(moving: Rig, tmp_path: Path):
+    moving.obj.hide_viewport = True
+    with pytest.raises(RuntimeError, match="hidden"):
+        bpy.ops.sinew.bake(target="PC2", filepath=str(tmp_path / "x"))
+    moving.obj.hide_viewport = False
+    moving.obj.modifiers[0].show_viewport = False
+    with pytest.raises(RuntimeError, match="off in the viewport"):
+        bake(moving, "PC2", tmp_path / "x")
+    moving.obj.modifiers[0].show_viewport = True
+    bpy.ops.sinew.unbind()
+    with pytest.raises(RuntimeError, match="press Bind"):
+        bake(moving, "PC2", tmp_path / "x")
+    assert not list(tmp_path.iterdir())
+
+
+def test_vertices_that_come_and_go_are_refused(plate: Rig, tmp_path: Path):
+    plate.bind()
+    build = plate.obj.modifiers.new("Build", "BUILD")
+    build.frame_start, build.frame_duration = 1.0, 6.0
+    plate.obj.modifiers.move(1, 0) if hasattr(plate.obj.modifiers, "move") else move_up(plate.obj)
+    animate(plate.control)
+    with pytest.raises(RuntimeError, match="Frame"):
+        bake(plate, "PC2", tmp_path / "x")
+    assert not list(tmp_path.iterdir())
+
+
+def move_up(obj: bpy.types.Object) -> None:
+    bpy.ops.object.modifier_move_to_index(modifier=obj.modifiers[-1].name, index=0)
+
+
+def test_a_cancelled_bake_leaves_all_as_it_was(saved: Rig, tmp_path: Path, room):
+    saved.obj.modifiers.new("Subdivision", "SUBSURF")
+    bpy.context.scene.frame_set(3)
+    before = footprint(saved)
+    module = room("bake")
+    for target in TARGETS:
+        request = module.Request(((saved.name, saved.deformer.uid),), target, FRAMES)
+        baking = module.Baking(request, bpy.context.scene)
+        assert baking.step()
+        assert baking.step()
+        assert list(tmp_path.rglob("*.part*")) or target == "SHAPE_KEYS"
+        baking.cancel()
+        baking.cancel()
+        assert footprint(saved) == before
+        assert sorted(path.name for path in (tmp_path / "shot").iterdir()) == ["scene.blend"]
+
+
+@pytest.mark.parametrize("second", TARGETS)
+@pytest.mark.parametrize("first", TARGETS)
+def test_baking_again_takes_the_new_motion_and_cancel_keeps_the_old(
+    saved: Rig, room, tmp_path: Path, first: str, second: str
+):
+    bake(saved, first)
+    old, before = played(saved.obj), footprint(saved)
+    bpy.context.scene.frame_set(before["frame"])
+    animate(saved.control, angle=30.0)
+    module = room("bake")
+    request = module.Request(((saved.name, saved.deformer.uid),), second, FRAMES)
+    baking = module.Baking(request, bpy.context.scene)
+    baking.step()
+    baking.step()
+    baking.cancel()
+    assert footprint(saved) == before
+    assert_same(played(saved.obj), old)
+    bake(saved, second)
+    new = played(saved.obj)
+    assert not np.array_equal(new[8], old[8])
+    bpy.ops.sinew.unbake()
+    assert_same(played(saved.obj), new)
+    assert [modifier.type for modifier in saved.obj.modifiers] == ["NODES"]
+    assert saved.obj.data.shape_keys is None
+
+
+def test_settings_that_no_panel_could_make_do_no_harm(saved: Rig, tmp_path: Path):
+    stored = saved.obj.sinew.deformers[0].bake
+    try:
+        group = saved.obj["sinew"]["deformers"][0]["bake"]
+    except (KeyError, TypeError):  # Blender 5.0 keeps them out of reach
+        return
+    for name, value in (("result", 77), ("target", -3), ("step", 0), ("frame_end", 2**31 - 1)):
+        group[name] = value
+    group["filepath"] = "x" * 5000
+    assert not stored.is_baked
+    assert stored.wanted == "PC2"
+    live = played(saved.obj)
+    bake(saved, "PC2", tmp_path / "plate")
+    assert_same(played(saved.obj), live)

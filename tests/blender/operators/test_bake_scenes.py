@@ -1,0 +1,261 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes of several deformers, and through renames, copies, undo, saves and overrides."""
+
+from pathlib import Path
+
+import addon_utils
+import bpy
+import numpy as np
+import pytest
+from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, footprint, played
+from inside import catch_up
+from rigs.rig import Rig, add_group, grid_object, make_active, update
+from rigs.sheet import WIDE, draw, draw_panel
+
+# Several
+
+
+def two_deformers(plate: Rig) -> Rig:
+    obj = plate.obj
+    add_group(obj, "Corner", lambda point: point[0] > 0.75 and point[1] > 0.75)
+    add_group(obj, "Rest", lambda point: point[0] < 0.3 or point[1] < 0.3)
+    make_active(obj)
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Corner")
+    make_active(obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Rest")
+    animate(obj.sinew.deformers[1].handles[0].control, angle=20.0)
+    return plate
+
+
+@pytest.mark.parametrize("baked", [0, 1])
+def test_deformers_of_one_stack_are_baked_one_by_one(moving: Rig, tmp_path: Path, baked: int):
+    obj = two_deformers(moving).obj
+    live = played(obj)
+    obj.sinew.active_deformer = baked
+    bake(moving, "PC2", tmp_path / "one")
+    assert [deformer.bake.is_baked for deformer in obj.sinew.deformers] == [baked == 0, baked == 1]
+    assert_same(played(obj), live)
+    obj.sinew.active_deformer = 1 - baked
+    bake(moving, "MDD", tmp_path / "other")
+    assert_same(played(obj), live)
+    bpy.ops.sinew.unbake()
+    assert_same(played(obj), live)
+    bpy.ops.sinew.unbake(all_deformers=True)
+    assert_same(played(obj), live)
+    assert [modifier.type for modifier in obj.modifiers] == ["NODES", "NODES"]
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_all_deformers_of_all_selected_meshes_are_baked_at_once(saved: Rig, target: str):
+    two_deformers(saved)
+    other = Rig(grid_object("Second")).bind("arap")
+    animate(other.control, angle=40.0)
+    live = {rig.name: played(rig.obj) for rig in (saved, other)}
+    make_active(saved.obj)
+    other.obj.select_set(True)
+    assert bpy.ops.sinew.bake(target=target, all_deformers=True) == {"FINISHED"}
+    for rig in (saved, other):
+        assert all(deformer.bake.is_baked for deformer in rig.obj.sinew.deformers)
+        now = played(rig.obj)
+        error = max(np.abs(now[frame] - live[rig.name][frame]).max() for frame in FRAMES)
+        # keys of two deformers are summed in float32
+        assert error <= (5e-7 if target == "SHAPE_KEYS" and rig is saved else 0.0)
+    assert bpy.ops.sinew.unbake(all_deformers=True) == {"FINISHED"}
+    for rig in (saved, other):
+        assert_same(played(rig.obj), live[rig.name])
+
+
+def test_one_path_for_several_deformers_is_refused(saved: Rig, tmp_path: Path):
+    two_deformers(saved)
+    with pytest.raises(RuntimeError, match="One file"):
+        bake(saved, "PC2", tmp_path / "x", all_deformers=True)
+
+
+# Renames, copies, files
+
+
+def test_unbake_finds_its_modifier_after_renames_and_leaves_others(saved: Rig, tmp_path: Path):
+    obj = saved.obj
+    live = played(obj)
+    bake(saved, "PC2")
+    mine = obj.modifiers.new("Mine", "MESH_CACHE")
+    mine.cache_format, mine.filepath = "PC2", "//other.pc2"
+    mine.show_viewport = False
+    obj.modifiers[1].name = "Played"
+    mine.name = "Thin Shell Cache"
+    saved.deformer.name = "Renamed"
+    saved.obj.modifiers[0].name = "Ours"
+    make_active(obj)
+    bpy.ops.sinew.unbake()
+    assert [modifier.name for modifier in obj.modifiers] == ["Ours", "Thin Shell Cache"]
+    assert_same(played(obj), live)
+
+
+def test_shape_keys_that_the_user_renamed_stay(moving: Rig):
+    bake(moving, "SHAPE_KEYS")
+    keys = moving.obj.data.shape_keys.key_blocks
+    keys["Thin Shell 3"].name = "Smile"
+    bpy.ops.sinew.unbake()
+    assert [key.name for key in moving.obj.data.shape_keys.key_blocks] == ["Basis", "Smile"]
+
+
+def test_a_copy_plays_and_unbakes_by_itself(saved: Rig):
+    live = played(saved.obj)
+    bake(saved, "PC2")
+    make_active(saved.obj)
+    bpy.ops.object.duplicate()
+    copy = bpy.context.object
+    update()
+    catch_up()
+    assert_same(played(copy), live)
+    make_active(copy)
+    bpy.ops.sinew.unbake(delete_file=True)  # the original still plays it
+    assert not copy.sinew.deformers[0].bake.is_baked
+    assert saved.deformer.bake.is_baked
+    assert_same(played(saved.obj), live)
+
+
+def test_unbake_of_keys_on_a_shared_mesh_is_refused(moving: Rig):
+    bake(moving, "SHAPE_KEYS")
+    bpy.data.objects.new("Other", moving.obj.data)
+    with pytest.raises(RuntimeError, match="single-user"):
+        bpy.ops.sinew.unbake()
+    assert moving.deformer.bake.is_baked
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_undo_and_redo_of_bake_and_unbake(saved: Rig, target: str):
+    bpy.context.preferences.edit.use_global_undo = True
+    bpy.ops.ed.undo_push(message="Before")
+    live, before = played(saved.obj), footprint(saved)
+    bake(saved, target)
+    bpy.ops.ed.undo_push(message="Bake")
+    baked = footprint(saved)
+    make_active(saved.obj)
+    bpy.ops.sinew.unbake()
+    bpy.ops.ed.undo_push(message="Unbake")
+    bpy.ops.ed.undo()
+    assert footprint(saved) == {**baked, "frame": bpy.context.scene.frame_current}
+    assert_same(played(saved.obj), live)
+    bpy.ops.ed.undo()
+    assert footprint(saved) == {**before, "frame": bpy.context.scene.frame_current}
+    assert_same(played(saved.obj), live)
+    bpy.ops.ed.redo()
+    assert saved.deformer.bake.is_baked
+    assert_same(played(saved.obj), live)
+    bpy.ops.ed.redo()
+    assert not saved.deformer.bake.is_baked
+    assert_same(played(saved.obj), live)
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_a_baked_file_plays_moved_and_without_the_add_on(
+    saved: Rig, tmp_path: Path, target: str, addon_name: str
+):
+    live = played(saved.obj)
+    bake(saved, target)
+    bpy.ops.wm.save_mainfile()
+    moved = (tmp_path / "shot").rename(tmp_path / "farm")
+    addon_utils.disable(addon_name)
+    try:
+        bpy.ops.wm.open_mainfile(filepath=str(moved / "scene.blend"))
+        assert_same(played(bpy.data.objects["Plate"]), live)
+    finally:
+        addon_utils.enable(addon_name, default_set=True)
+    bpy.ops.wm.open_mainfile(filepath=str(moved / "scene.blend"))
+    update()
+    assert saved.deformer.status == "Baked frames 1-8"
+    assert_same(played(saved.obj), live)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "other.blend"))
+    update()
+    assert saved.deformer.status == "Baked frames 1-8"
+    make_active(saved.obj)
+    bpy.ops.sinew.unbake()
+    assert [modifier.type for modifier in saved.obj.modifiers] == ["NODES"]
+    assert_same(played(saved.obj), live)
+
+
+def press(name: str) -> set[str]:
+    """The first button of the panel that calls this operator, with its properties."""
+    settings = next(settings for shown, settings in draw_panel().operators() if shown == name)
+    return getattr(bpy.ops.sinew, name.partition(".")[2])(**vars(settings))
+
+
+@pytest.mark.parametrize("target", CACHES)
+def test_a_missing_cache_file_is_said_with_a_button_for_each_remedy(saved: Rig, tmp_path: Path, target: str):
+    chosen = range(2, 7, 2)
+    live = played(saved.obj, chosen)
+    saved.deformer.bake.step = 2
+    bake(saved, target, frame_start=2, frame_end=6, step=2)
+    for remedy in ("sinew.bake", "sinew.unbake"):
+        (file,) = tmp_path.rglob(f"*.{target.lower()}")
+        file.unlink()
+        bpy.context.scene.frame_set(4)
+        assert saved.deformer.status_level == "ERROR"
+        assert "missing" in saved.deformer.status
+        assert press(remedy) == {"FINISHED"}
+        assert_same(played(saved.obj, chosen), live)
+        assert saved.deformer.status_level == "INFO", saved.deformer.status
+        assert saved.deformer.bake.is_baked == (remedy == "sinew.bake")
+        assert saved.deformer.bake.result == (target if remedy == "sinew.bake" else "NONE")
+
+
+def test_a_lost_cache_modifier_is_said_with_a_button(saved: Rig):
+    bake(saved, "PC2")
+    saved.obj.modifiers.remove(saved.obj.modifiers[1])
+    bpy.context.scene.frame_set(5)
+    assert "Unbake" in saved.deformer.status
+    assert press("sinew.unbake") == {"FINISHED"}
+    assert saved.deformer.status_level == "INFO"
+
+
+@pytest.mark.parametrize("target", TARGETS)
+def test_while_baked_the_rows_are_greyed_out_and_the_panel_says_why(saved: Rig, target: str):
+    shown = draw_panel()
+    assert not shown.greyed
+    bake(saved, target)
+    sheet = draw_panel(WIDE)
+    assert "greyed out" in sheet.texts()
+    assert {"handles", "method", "factor", "sinew.handle_remove"} <= set(sheet.greyed)
+    assert "sinew.unbake" not in sheet.greyed
+    for operator in (bpy.ops.sinew.bind, bpy.ops.sinew.unbind):
+        assert not operator.poll()
+    assert {"kind", "weight"} <= set(draw(bpy.types.SINEW_PT_region).greyed)
+    assert press("sinew.unbake") == {"FINISHED"}
+    assert not draw_panel().greyed
+    assert bpy.ops.sinew.bind.poll()
+
+
+def test_an_override_is_baked(saved: Rig, tmp_path: Path):
+    collection = bpy.data.collections.new("Asset")
+    bpy.context.scene.collection.children.link(collection)
+    for obj in (saved.obj, saved.control):
+        collection.objects.link(obj)
+    live = played(saved.obj)
+    bpy.ops.wm.save_mainfile()
+    path = bpy.data.filepath
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(path, link=True) as (_there, here):
+        here.collections = ["Asset"]
+    scene = bpy.context.scene
+    scene.collection.children.link(here.collections[0])
+    update()
+    here.collections[0].override_hierarchy_create(scene, bpy.context.view_layer)
+    update()
+    catch_up()
+    obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot" / "over.blend"))
+    obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
+    shown = played(obj)
+    assert max(np.abs(shown[frame] - live[frame]).max() for frame in FRAMES) < 1e-5
+    make_active(obj)
+    assert bpy.ops.sinew.bake(target="PC2", frame_start=1, frame_end=8) == {"FINISHED"}
+    assert_same(played(obj), shown)
+    bpy.ops.wm.save_mainfile()
+    bpy.ops.wm.open_mainfile(filepath=bpy.data.filepath)
+    obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
+    assert_same(played(obj), shown)
+    make_active(obj)
+    bpy.ops.sinew.unbake()
+    assert_same(played(obj), shown)

@@ -1,0 +1,546 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Drag Surface by its properties, as scripts and Adjust Last Operation call it, and by events of a mouse."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+from editing import placed_object
+from inside import finish, use_threads
+from libraries import override, put_into_a_library
+from mathutils import Matrix, Vector
+from rigs.rig import (
+    add_group,
+    apply_matrix,
+    base_points,
+    close,
+    curves_of,
+    evaluated_points,
+    grid_object,
+    make_active,
+    new_armature,
+    new_file,
+    new_object,
+    push,
+    reopen,
+    update,
+)
+
+LIFT = (0.0, 0.0, 0.5)
+BLOCKS = ("objects", "meshes", "actions", "collections", "curves")  # and one node group, which all share
+
+
+def drag(x: float = 0.0, y: float = 0.0, z: float = 5.0, **keywords) -> bpy.types.Object:
+    """Press on what is below a point, drag and release; the control."""
+    keywords = {"value": LIFT, "radius": 0.25, "reach": 2.0, **keywords}
+    assert bpy.ops.sinew.drag(origin=(x, y, z), **keywords) == {"FINISHED"}
+    update()
+    return bpy.context.object
+
+
+def refused(match: str, **keywords) -> None:
+    """Sinew says why, and the file has all that it had before."""
+    before = everything()
+    with pytest.raises(RuntimeError, match=match):
+        bpy.ops.sinew.drag(**{"origin": (0.0, 0.0, 5.0), "value": LIFT, "radius": 0.25, **keywords})
+    assert everything() == before
+
+
+def everything() -> dict:
+    """All that a drag could leave behind."""
+    scene, layer = bpy.context.scene, bpy.context.view_layer
+    found = {kind: sorted(_kind_of(block.name) for block in getattr(bpy.data, kind)) for kind in BLOCKS}
+    found["locks"] = scene.render.use_lock_interface
+    found["active"] = layer.objects.active.name if layer.objects.active else ""
+    found["selected"] = sorted(obj.name for obj in bpy.context.selected_objects)
+    for obj in bpy.data.objects:
+        if obj.type == "MESH":
+            found[obj.name] = (
+                [group.name for group in obj.vertex_groups],
+                obj.vertex_groups.active_index,
+                [modifier.name for modifier in obj.modifiers],
+                [(row.name, row.uid, row.is_bound, len(row.handles)) for row in obj.sinew.deformers],
+                len(obj.animation_data.drivers) if obj.animation_data else 0,
+            )
+        found[f"{obj.name} is"] = [tuple(row) for row in obj.matrix_basis]
+    return found
+
+
+def _kind_of(name: str) -> str:
+    """Hidden datablocks get other numbers each time."""
+    return name.split(".0")[0] if name.startswith(".") else name
+
+
+def members(obj: bpy.types.Object, name: str) -> np.ndarray:
+    group = obj.vertex_groups[name].index
+    return np.array(
+        [vertex.index for vertex in obj.data.vertices if any(g.group == group for g in vertex.groups)]
+    )
+
+
+def test_a_handle_is_made_where_one_presses_and_the_rest_stays():
+    obj = grid_object(cells=20)
+    rest = base_points(obj)
+    control = drag()
+    deformer = obj.sinew.active
+    assert [(row.kind, row.name) for row in deformer.handles] == [
+        ("SUPPORT", "Support"),
+        ("HANDLE", "Handle"),
+    ]
+    assert deformer.handles[1].control == control
+    distance = np.linalg.norm(rest[:, :2], axis=1)
+    assert set(members(obj, "Handle")) == set(np.flatnonzero(distance <= 0.25 + 1e-6))
+    shown = evaluated_points(obj)
+    assert close(shown[distance <= 0.25], rest[distance <= 0.25] + LIFT)
+    assert close(shown[distance > 0.5], rest[distance > 0.5])
+    between = (distance > 0.27) & (distance < 0.45)
+    assert (shown[between, 2] > 1e-3).all()
+    assert (shown[between, 2] < 0.5).all()
+    assert close(base_points(obj), rest)
+
+
+def test_the_same_place_is_dragged_on_and_another_place_gets_another_handle():
+    obj = grid_object(cells=20)
+    rest = base_points(obj)
+    first = drag(-0.5)
+    assert drag(-0.5, value=(0.1, 0.0, 0.0)) == first
+    second = drag(0.5, value=(0.0, 0.0, -0.3))
+    assert second != first
+    rows = [(row.kind, row.name) for row in obj.sinew.active.handles]
+    assert [name for kind, name in rows if kind == "HANDLE"] == ["Handle", "Handle.001"]
+    shown, one, other = evaluated_points(obj), members(obj, "Handle"), members(obj, "Handle.001")
+    assert close(shown[one], rest[one] + (0.1, 0.0, 0.5))
+    assert close(shown[other], rest[other] + (0.0, 0.0, -0.3))
+    assert len(obj.sinew.deformers) == 1
+
+
+def test_neighbouring_handles_share_no_vertex():
+    obj = grid_object(cells=20)
+    drag(0.0)
+    drag(0.3, value=(0.0, 0.0, 0.2))
+    assert not set(members(obj, "Handle")) & set(members(obj, "Handle.001"))
+    assert obj.sinew.active.is_bound
+
+
+def test_a_click_makes_a_handle_that_stays_and_holds_the_rest():
+    obj = grid_object(cells=20)
+    rest = base_points(obj)
+    drag(-0.8, value=(0.0, 0.0, 0.0), unlimited=True)
+    assert close(evaluated_points(obj), rest)
+    drag(0.8, unlimited=True)
+    shown, pin = evaluated_points(obj), members(obj, "Handle")
+    assert close(shown[pin], rest[pin])
+    assert close(shown[members(obj, "Handle.001")], rest[members(obj, "Handle.001")] + LIFT)
+    assert {row.kind for row in obj.sinew.active.handles} == {"HANDLE"}
+
+
+def test_the_whole_surface_without_anything_that_holds_it_moves_in_one_piece():
+    obj = grid_object(cells=8)
+    rest = base_points(obj)
+    drag(unlimited=True)
+    assert close(evaluated_points(obj), rest + LIFT)
+
+
+def test_regions_of_the_artist_hold_the_rest_and_fixed_ones_are_not_dragged():
+    obj = grid_object(cells=20)
+    add_group(obj, "Base", lambda point: point[0] < -0.7)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+    make_active(obj)
+    drag(0.8)
+    assert [row.kind for row in obj.sinew.active.handles] == ["FIXED", "HANDLE"]
+    refused("belongs to Base, which stays", origin=(-0.9, 0.0, 5.0))
+
+
+def test_the_region_goes_along_the_surface_and_not_through_a_thin_limb():
+    """A thin plate: its lower side is nearer than the radius, but not over the surface."""
+    bpy.ops.mesh.primitive_cube_add(size=2.0)
+    obj = bpy.context.object
+    obj.data.transform(Matrix.Diagonal((1.0, 1.0, 0.02, 1.0)))
+    modifier = obj.modifiers.new("Subdivision", "SUBSURF")
+    modifier.subdivision_type, modifier.levels = "SIMPLE", 5
+    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    drag(0.1, 0.1)
+    assert (base_points(obj)[members(obj, "Handle"), 2] > 0.0).all()
+    drag(0.1, 0.1, -5.0, direction=(0.0, 0.0, 1.0), value=(0.0, 0.0, -0.2))
+    assert (base_points(obj)[members(obj, "Handle.001"), 2] < 0.0).all()
+
+
+def test_the_side_that_is_seen_is_taken_also_where_a_vertex_of_the_other_one_is_nearer():
+    corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
+    below = [(x, y, -0.02) for x, y in (*corners, (0.0, 0.0))]
+    faces = [(0, 1, 2, 3), (8, 5, 4), (8, 6, 5), (8, 7, 6), (8, 4, 7)]
+    obj = new_object("Sheet", [(x, y, 0.0) for x, y in corners] + below, faces)
+    drag(0.1, 0.1)
+    assert set(members(obj, "Handle")) == {2}
+
+
+def test_a_placed_object_moves_by_the_numbers_of_the_world():
+    """Turned, scaled without proportion, and with a parent."""
+    obj = placed_object(cells=16)
+    world = apply_matrix(obj.matrix_world, base_points(obj))
+    place, normal = world[8 * 17 + 8], obj.matrix_world.inverted().transposed().to_3x3() @ Vector((0, 0, 1))
+    drag(*(place + np.array(normal)), direction=-normal, value=(0.1, 0.2, 0.3), reach=1.5)
+    chosen = members(obj, "Handle")
+    assert set(chosen) == set(np.flatnonzero(np.linalg.norm(world - place, axis=1) <= 0.25))
+    shown = apply_matrix(obj.matrix_world, evaluated_points(obj))
+    assert close(shown[chosen], world[chosen] + (0.1, 0.2, 0.3), 2e-5)
+
+
+def test_rotation_and_scale_about_the_place_that_was_pressed():
+    obj = grid_object(cells=20)
+    rest = base_points(obj)
+    drag(0.1, mode="ROTATE", angle=0.6, axis=(0.0, 0.0, 1.0))
+    chosen = members(obj, "Handle")
+    around = Matrix.Translation((0.1, 0.0, 0.0)) @ Matrix.Rotation(0.6, 4, "Z")
+    around = around @ Matrix.Translation((-0.1, 0.0, 0.0))
+    assert close(evaluated_points(obj)[chosen], apply_matrix(around, rest[chosen]), 1e-5)
+
+
+@pytest.mark.parametrize("kind", ["SUBSURF", "MIRROR", "SOLIDIFY"])
+def test_on_the_surface_that_modifiers_make(kind: str):
+    """The place pressed is found on the mesh itself, wherever the modifiers show it."""
+    obj = grid_object(cells=20)
+    show_beside_the_mesh(obj)
+    obj.modifiers.new("Made", kind)
+    drag(1.5, 0.5)
+    chosen = members(obj, "Handle")
+    assert np.abs(base_points(obj)[chosen, :2].mean(axis=0) - 0.5).max() < 0.06
+    assert obj.sinew.active.is_bound
+
+
+def show_beside_the_mesh(obj: bpy.types.Object) -> None:
+    """A shape key takes the plate aside."""
+    obj.shape_key_add(name="Basis")
+    aside = obj.shape_key_add(name="Aside")
+    for point in aside.data:
+        point.co.x += 1.0
+    aside.value = 1.0
+
+
+def test_vertices_that_a_modifier_makes_anew_belong_to_no_region():
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.context.object.modifiers.new("Remesh", "REMESH").mode = "BLOCKS"
+    refused("The modifiers of .* make a new mesh")
+
+
+def plate_with_button() -> bpy.types.Object:
+    obj = grid_object(cells=20)
+    bpy.ops.mesh.primitive_cube_add(size=0.05, location=(0.0, 0.0, 0.03))
+    button = bpy.context.object
+    make_active(obj)
+    button.select_set(True)
+    bpy.ops.object.join()
+    return obj
+
+
+def test_loose_parts_follow_what_they_lie_on():
+    obj = plate_with_button()
+    rest = base_points(obj)
+    drag(0.1)
+    assert np.abs(evaluated_points(obj)[-8:] - rest[-8:] - LIFT).max() < 0.05
+
+
+def test_a_loose_part_that_is_pressed_moves_alone():
+    obj = plate_with_button()
+    rest = base_points(obj)
+    drag(0.0)
+    moved = evaluated_points(obj) - rest
+    assert close(moved[-8:], np.tile(LIFT, (8, 1)))
+    assert close(moved[:-8], np.zeros((len(rest) - 8, 3)))
+
+
+def test_a_bone_that_moves_the_region_is_dragged():
+    obj = grid_object(cells=20)
+    tip_of(obj)
+    make_active(obj)
+    rest = base_points(obj)
+    drag(0.9)
+    tip = members(obj, "Tip")
+    assert close(evaluated_points(obj)[tip], rest[tip] + LIFT, 1e-5)
+
+
+CHANNELS = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
+MOTIONS = {
+    "location": {"value": (0.1, 0.2, 0.3)},
+    "rotation": {"mode": "ROTATE", "angle": 0.7, "axis": (1.0, 2.0, 3.0)},
+    "scale": {"mode": "RESIZE", "scale": (1.2, 1.3, 1.4)},
+}
+
+
+def channels_of(mover, kind: str) -> np.ndarray:
+    """The numbers of which some are locked: those of the mode of rotation, or angles in their place."""
+    if kind != "rotation":
+        return np.array(getattr(mover, kind))
+    if mover.rotation_mode in ("QUATERNION", "AXIS_ANGLE") and not mover.lock_rotations_4d:
+        return np.array(mover.matrix_basis.to_euler())
+    names = {"QUATERNION": "rotation_quaternion", "AXIS_ANGLE": "rotation_axis_angle"}
+    return np.array(getattr(mover, names.get(mover.rotation_mode, "rotation_euler")))
+
+
+def dragged_on(obj: bpy.types.Object, mover, kind: str) -> np.ndarray:
+    """The channels after one more drag at the right end, which is then taken back."""
+    before = {name: tuple(getattr(mover, name)) for name in CHANNELS}
+    make_active(obj)
+    drag(0.9, **MOTIONS[kind])
+    found = channels_of(mover, kind)
+    for name, values in before.items():
+        setattr(mover, name, values)
+    update()
+    return found
+
+
+@pytest.mark.parametrize("of_bone", [False, True])
+@pytest.mark.parametrize(
+    ("kind", "mode", "by_number"),
+    [
+        ("location", "XYZ", False),
+        ("rotation", "ZXY", False),
+        ("rotation", "QUATERNION", False),
+        ("rotation", "AXIS_ANGLE", False),
+        ("rotation", "QUATERNION", True),
+        ("rotation", "AXIS_ANGLE", True),
+        ("scale", "XYZ", False),
+    ],
+)
+def test_locked_channels_of_a_control_stay(of_bone: bool, kind: str, mode: str, by_number: bool):
+    obj = grid_object(cells=8)
+    mover = tip_of(obj) if of_bone else drag(0.9, value=(0.0, 0.0, 0.0))
+    mover.rotation_mode, mover.lock_rotations_4d = mode, by_number
+    update()
+    was, free = channels_of(mover, kind), dragged_on(obj, mover, kind)
+    for axis in (0, 2):
+        getattr(mover, f"lock_{kind}")[axis] = True
+    held = dragged_on(obj, mover, kind)
+    locked = np.array((False, True, False, True) if by_number else (True, False, True))
+    assert (np.abs(free - was) > 1e-3).all()
+    assert close(held[locked], was[locked], 1e-6)
+    assert close(held[~locked], free[~locked], 1e-6)
+
+
+def tip_of(obj: bpy.types.Object) -> bpy.types.PoseBone:
+    """A bone that moves the right end, while the left one stays."""
+    add_group(obj, "Tip", lambda point: point[0] > 0.7)
+    add_group(obj, "Base", lambda point: point[0] < -0.7)
+    armature = new_armature(Bone=((0.8, 0.0, 0.0), (1.0, 0.1, 0.2)))
+    make_active(obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+    make_active(obj)
+    bpy.ops.sinew.handle_add(vertex_group="Tip", control_object=armature.name, bone="Bone")
+    return armature.pose.bones["Bone"]
+
+
+def test_undo_takes_back_a_drag_in_one_step_and_redo_makes_it_again():
+    obj = grid_object(cells=12)
+    push("made")
+    before = everything()
+    bpy.ops.sinew.drag("EXEC_DEFAULT", True, origin=(0.0, 0.0, 5.0), value=LIFT)
+    shape = evaluated_points(bpy.data.objects[obj.name])
+    bpy.ops.ed.undo()
+    assert everything() == before
+    bpy.ops.ed.redo()
+    obj = next(other for other in bpy.data.objects if other.type == "MESH" and other.sinew.deformers)
+    assert close(evaluated_points(obj), shape)
+
+
+def test_a_drag_is_saved(tmp_path: Path):
+    obj = grid_object(cells=12)
+    drag()
+    name, shape = obj.name, evaluated_points(obj)
+    reopen(tmp_path / "dragged.blend")
+    obj = bpy.data.objects[name]
+    assert close(evaluated_points(obj), shape)
+    make_active(obj)
+    drag(z=6.0, value=(0.0, 0.0, 0.25))
+    assert len([row for row in obj.sinew.active.handles if row.kind == "HANDLE"]) == 1
+    assert evaluated_points(obj)[:, 2].max() == pytest.approx(0.75, abs=1e-5)
+
+
+def test_automatic_keyframes_are_inserted():
+    obj = grid_object(cells=12)
+    bpy.context.scene.tool_settings.use_keyframe_insert_auto = True
+    control = drag(value=(0.0, 0.0, 0.0))
+    assert control.animation_data is None
+    drag()
+    shape = evaluated_points(obj)
+    assert {curve.data_path for curve in curves_of(control)} == {"location"}
+    bpy.context.scene.frame_set(7)
+    assert close(evaluated_points(obj), shape)
+    bpy.context.scene.tool_settings.use_keyframe_insert_auto = False
+
+
+# What is refused
+
+
+def test_nothing_there():
+    grid_object()
+    refused("There is nothing to drag at this place", origin=(5.0, 5.0, 5.0))
+    refused("no direction", direction=(0.0, 0.0, 0.0))
+
+
+def test_no_finite_motion():
+    grid_object()
+    refused("not a finite number", value=(float("nan"), 0.0, 0.0))
+
+
+def test_what_is_no_mesh():
+    bpy.ops.surface.primitive_nurbs_surface_sphere_add()
+    refused("convert it to a mesh|There is nothing to drag", origin=(0.0, 0.0, 9.0))
+
+
+def test_what_is_linked(tmp_path: Path):
+    path = put_into_a_library(tmp_path / "library.blend", grid_object())
+    new_file()
+    with bpy.data.libraries.load(path, link=True) as (_inside, wanted):
+        wanted.objects = ["Plate"]
+    bpy.context.scene.collection.objects.link(wanted.objects[0])
+    update()
+    refused("linked - make a library override")
+
+
+def test_an_override_has_handles_that_can_be_dragged_and_takes_no_others(tmp_path: Path):
+    obj = grid_object(cells=12)
+    control = drag(0.5, value=(0.0, 0.0, 0.0))
+    obj = override(put_into_a_library(tmp_path / "library.blend", obj, control))
+    for collection in [each for each in bpy.context.scene.collection.children if each.library]:
+        bpy.context.scene.collection.children.unlink(collection)
+    update()
+    drag(0.5)
+    assert evaluated_points(obj)[:, 2].max() == pytest.approx(0.5, abs=1e-5)
+    refused("The mesh of Plate is linked", origin=(-0.5, 0.0, 5.0))
+
+
+def test_other_modes():
+    obj = grid_object()
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(RuntimeError, match="Go to Object Mode"):
+        bpy.ops.sinew.drag(origin=(0.0, 0.0, 5.0))
+    other = new_object("Other", [(9.0, 9.0, 9.0)], [])
+    bpy.context.view_layer.objects.active = other
+    if bpy.context.mode == "OBJECT":
+        refused("is in Edit Mode")
+    make_active(obj)
+
+
+@pytest.mark.parametrize("state", ["hidden", "not live", "no control", "unbound", "error"])
+def test_a_deformer_that_would_not_show_it(state: str):
+    obj = grid_object(cells=12)
+    control = drag(value=(0.0, 0.0, 0.0))
+    make_active(obj)
+    if state == "hidden":
+        obj.modifiers[-1].show_viewport = False
+        words = "is hidden - show it"
+    elif state == "not live":
+        obj.sinew.active.live = False
+        words = "switch Live on"
+    elif state == "no control":
+        bpy.data.objects.remove(control)
+        words = "New Control"
+    elif state == "unbound":
+        bpy.ops.sinew.unbind()
+        words = "press Bind first"
+    else:
+        obj.sinew.active.auto_rebind = False
+        obj.data.vertices.add(1)
+        obj.data.update()
+        words = "shows an error"
+    update()
+    refused(words)
+
+
+def test_what_is_displayed_as_wire_is_seen_through():
+    obj = grid_object(cells=12)
+    bpy.ops.mesh.primitive_cube_add(size=4.0)
+    bpy.context.object.display_type = "WIRE"
+    drag()
+    assert len(obj.sinew.deformers) == 1
+
+
+# By events
+
+
+class Finger:
+    """A press on the middle of a plate that is seen from above, where a pixel is a centimetre."""
+
+    def __init__(self, room, obj: bpy.types.Object, place=(0.0, 0.0, 0.0), wait: bool = True) -> None:
+        session, dragging = room("session"), room("operators.dragging")
+        typed = room("core.transform.typed_motion")
+        self.obj, self.outcomes = obj, dragging.Outcome
+        self.x, self.y = 500.0, 300.0
+        self.view = typed.View(*np.eye(3), pixel=0.01, centre=(500.0, 300.0))
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        hit = session.Hit(obj, np.array(place), np.array((0.0, 0.0, 1.0)))
+        self.drag = session.Drag(hit, depsgraph, session.Brush("arap", 0.25, 0.5), wait)
+        motion = typed.TypedMotion(typed.Mode.TRANSLATE, self.view, np.eye(3), (self.x, self.y))
+        self.tool = dragging.Dragging(self.drag, motion, np.array(place), np.eye(3))
+
+    def send(self, kind: str, value: str = "PRESS"):
+        event = SimpleNamespace(type=kind, value=value, mouse_x=self.x, mouse_y=self.y, unicode="")
+        event.shift = event.ctrl = event.is_repeat = False
+        return self.tool.process(self.obj, event, self.view)
+
+    def move(self, x: float, y: float):
+        self.x, self.y = self.x + x, self.y + y
+        return self.send("MOUSEMOVE", "NOTHING")
+
+
+def test_the_mouse_drags_and_release_keeps(room):
+    obj = grid_object(cells=20)
+    rest = base_points(obj)
+    finger = Finger(room, obj)
+    finger.move(20, 10)
+    chosen = members(obj, "Handle")
+    assert close(evaluated_points(obj)[chosen], rest[chosen] + (0.2, 0.1, 0.0))
+    finger.send("X")
+    assert close(evaluated_points(obj)[chosen], rest[chosen] + (0.2, 0.0, 0.0))
+    assert finger.send("LEFTMOUSE", "PRESS") is finger.outcomes.GO_ON
+    assert finger.send("LEFTMOUSE", "RELEASE") is finger.outcomes.CONFIRMED
+    assert close(evaluated_points(obj)[chosen], rest[chosen] + (0.2, 0.0, 0.0))
+
+
+@pytest.mark.parametrize("key", ["ESC", "RIGHTMOUSE"])
+@pytest.mark.parametrize("before", ["nothing", "another deformer", "the handle"])
+def test_cancel_leaves_nothing_behind(room, key: str, before: str):
+    obj = grid_object(cells=16)
+    if before == "another deformer":
+        add_group(obj, "Base", lambda point: point[0] < -0.7)
+        bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+    elif before == "the handle":
+        drag(value=(0.1, 0.0, 0.2))
+    make_active(obj)
+    update()
+    was, shape = everything(), evaluated_points(obj)
+    status = [room("core.status").current(row.uid).text for row in obj.sinew.deformers]
+    finger = Finger(room, obj, (0.1, 0.0, 0.2) if before == "the handle" else (0.0, 0.0, 0.0))
+    assert finger.drag.is_new == (before != "the handle")
+    finger.move(20, 40)
+    finger.send("R")
+    finger.move(5, 5)
+    assert not close(evaluated_points(obj), shape)
+    assert finger.send(key) is finger.outcomes.CANCELLED
+    assert everything() == was
+    assert close(evaluated_points(obj), shape)
+    texts = [room("core.status").current(row.uid).text for row in obj.sinew.deformers]
+    assert [text.split(", bound")[0] for text in texts] == [text.split(", bound")[0] for text in status]
+
+
+@pytest.mark.parametrize("key", ["LEFTMOUSE", "ESC"])
+def test_a_heavy_mesh_is_bound_by_a_thread(room, monkeypatch: pytest.MonkeyPatch, key: str):
+    use_threads(monkeypatch)
+    obj = grid_object(cells=30)
+    update()
+    rest, was = base_points(obj), everything()
+    finger = Finger(room, obj, wait=False)
+    assert finger.tool.job is not None
+    finger.move(20, 10)
+    finger.send(key, "RELEASE" if key == "LEFTMOUSE" else "PRESS")
+    if key == "ESC":
+        assert finger.tool.job is None
+        assert everything() == was
+        return
+    assert finish()
+    chosen = members(obj, "Handle")
+    assert close(evaluated_points(obj)[chosen], rest[chosen] + (0.2, 0.1, 0.0))

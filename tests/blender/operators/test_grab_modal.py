@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Grab Region by events, as a window would send them."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from editing import centre, edit, edited, grab, placed_object, selection
+from inside import use_threads
+from registry import GRABBING
+from rigs.rig import grid_object
+
+
+class Hand:
+    """A person at the mouse and keyboard, before a front view where a pixel is a centimetre."""
+
+    def __init__(self, room, obj: bpy.types.Object, method: str = "thin_shell", **keywords) -> None:
+        session, grabbing = room("session"), room("operators.grabbing")
+        typed = room("core.transform.typed_motion")
+        self.obj, self.x, self.y = obj, 500.0, 300.0
+        self.outcomes = grabbing.Outcome
+        self.view = typed.View(
+            right=np.array((1.0, 0.0, 0.0)),
+            up=np.array((0.0, 0.0, 1.0)),
+            toward=np.array((0.0, -1.0, 0.0)),
+            pixel=0.01,
+            centre=(400.0, 300.0),
+        )
+        grab = session.Grab(obj, room("core.methods").BY_ID[method])
+        pivot = grab.selection.mean(axis=0)
+        mode = typed.Mode(keywords.pop("mode", "TRANSLATE"))
+        motion = typed.TypedMotion(mode, self.view, np.eye(3), (self.x, self.y))
+        self.tool = grabbing.Grabbing(grab, motion, pivot, np.eye(3), keywords.pop("radius", 0.4))
+
+    def send(self, kind: str, value: str = "PRESS", **modifiers: bool):
+        event = SimpleNamespace(type=kind, value=value, mouse_x=self.x, mouse_y=self.y)
+        event.unicode = {"PERIOD": ".", "MINUS": "-", "ZERO": "0", "TWO": "2", "FIVE": "5"}.get(kind, "")
+        for name in ("shift", "ctrl", "is_repeat"):
+            setattr(event, name, modifiers.get(name, False))
+        return self.tool.process(self.obj, event, self.view)
+
+    def move(self, x: float, y: float, **modifiers: bool):
+        self.x, self.y = self.x + x, self.y + y
+        return self.send("MOUSEMOVE", "NOTHING", **modifiers)
+
+    def type(self, *keys: str) -> None:
+        for key in keys:
+            assert self.send(key) is self.outcomes.GO_ON
+
+
+@pytest.fixture
+def hand(room) -> Hand:
+    obj = grid_object(cells=20)
+    edit(obj, centre)
+    return Hand(room, obj)
+
+
+def lifted(hand: Hand) -> np.ndarray:
+    """How the selection moved, (3,)."""
+    obj = hand.obj
+    chosen = [vertex.index for vertex in bmesh.from_edit_mesh(obj.data).verts if vertex.select]
+    obj.update_from_editmode()
+    return (edited(obj)[chosen] - hand.before[chosen]).mean(axis=0)
+
+
+@pytest.fixture
+def before(hand: Hand) -> np.ndarray:
+    hand.before = edited(hand.obj)
+    return hand.before
+
+
+def test_the_mouse_moves_in_the_plane_of_the_view(hand: Hand, before: np.ndarray):
+    hand.move(30, 50)
+    assert np.allclose(lifted(hand), (0.3, 0.0, 0.5), atol=1e-6)
+    hand.move(10, 0, shift=True)
+    assert np.allclose(lifted(hand), (0.31, 0.0, 0.5), atol=1e-6)
+
+
+def test_axis_and_number_by_keys(hand: Hand, before: np.ndarray):
+    hand.move(30, 50)
+    hand.type("Z", "ZERO", "PERIOD", "FIVE", "MINUS")
+    assert np.allclose(lifted(hand), (0.0, 0.0, -0.5), atol=1e-6)
+    assert hand.send("RET") is hand.outcomes.CONFIRMED
+    assert np.allclose(lifted(hand), (0.0, 0.0, -0.5), atol=1e-6)
+
+
+@pytest.mark.parametrize("method", GRABBING)
+@pytest.mark.parametrize("key", ["ESC", "RIGHTMOUSE"])
+def test_cancel_restores_every_bit_and_the_selection(room, key: str, method: str):
+    obj = placed_object()
+    random = np.random.default_rng(5)
+    for vertex, z in zip(obj.data.vertices, random.normal(0.0, 0.05, len(obj.data.vertices))):
+        vertex.co.z = z
+    edit(obj, centre)
+    before, chosen = edited(obj), selection(obj)
+    hand = Hand(room, obj, method, radius=1.0)
+    hand.move(30, 50)
+    hand.type("R")
+    hand.move(-80, 120)
+    for _ in range(4):
+        hand.send("WHEELDOWNMOUSE")
+    hand.send("A")
+    hand.move(7, 3)
+    hand.send("TIMER", "NOTHING")
+    assert not np.array_equal(edited(obj), before)
+    assert hand.send(key) is hand.outcomes.CANCELLED
+    assert edited(obj).tobytes() == before.tobytes()
+    assert selection(obj) == chosen
+
+
+@pytest.mark.parametrize("method", GRABBING)
+def test_what_was_confirmed_is_what_the_properties_repeat(room, method: str):
+    obj = grid_object(cells=20)
+    edit(obj, centre)
+    before = edited(obj)
+    hand = Hand(room, obj, method)
+    hand.move(33, 47)
+    hand.type("R", "Y")
+    hand.move(-11, 90)
+    hand.send("WHEELDOWNMOUSE")
+    assert hand.send("LEFTMOUSE") is hand.outcomes.CONFIRMED
+    after, motion = edited(obj), hand.tool.typed.motion
+    hand.tool.grab.restore(obj)
+    assert np.array_equal(edited(obj), before)
+    grab(mode="ROTATE", angle=motion.angle, axis=motion.axis, radius=hand.tool.radius, method=method)
+    assert np.array_equal(edited(obj), after)
+
+
+def test_the_wheel_changes_how_much_follows(hand: Hand, before: np.ndarray):
+    hand.move(0, 50)
+    narrow = (edited(hand.obj) != before).any(axis=1).sum()
+    for _ in range(5):
+        hand.send("PAGE_UP")
+    wide = (edited(hand.obj) != before).any(axis=1).sum()
+    assert wide > 1.5 * narrow
+    for _ in range(5):
+        hand.send("WHEELUPMOUSE")
+    assert (edited(hand.obj) != before).any(axis=1).sum() == narrow
+    assert hand.tool.radius == pytest.approx(0.4)
+    hand.send("A")
+    assert (edited(hand.obj) != before).any(axis=1).all()
+
+
+def test_navigation_passes_through_and_other_keys_do_not(hand: Hand, before: np.ndarray):
+    assert hand.send("MIDDLEMOUSE") is hand.outcomes.PASS
+    assert hand.send("WHEELUPMOUSE", ctrl=True) is hand.outcomes.PASS
+    assert hand.send("NDOF_MOTION", "NOTHING") is hand.outcomes.PASS
+    assert hand.send("DEL") is hand.outcomes.GO_ON
+    assert hand.send("NONE", "NOTHING") is hand.outcomes.GO_ON
+    assert np.array_equal(edited(hand.obj), before)
+
+
+def test_a_key_that_is_held_counts_once(hand: Hand, before: np.ndarray):
+    hand.send("Z")
+    hand.send("Z", is_repeat=True)
+    hand.move(30, 50)
+    assert not hand.tool.typed.motion.local
+    assert np.allclose(lifted(hand), (0.0, 0.0, 0.5), atol=1e-6)
+
+
+def test_a_turned_view_keeps_the_motion_and_goes_on_from_there(hand: Hand, before: np.ndarray):
+    hand.move(30, 50)
+    side = hand.view.__class__(
+        right=np.array((0.0, 1.0, 0.0)),
+        up=np.array((0.0, 0.0, 1.0)),
+        toward=np.array((1.0, 0.0, 0.0)),
+        pixel=0.02,
+        centre=(410.0, 300.0),
+    )
+    hand.view = side
+    hand.move(200, -100)
+    assert np.allclose(lifted(hand), (0.3, 0.0, 0.5), atol=1e-6)
+    hand.move(10, 5)
+    assert np.allclose(lifted(hand), (0.3, 0.2, 0.6), atol=1e-6)
+
+
+def test_a_preview_goes_on_while_the_mouse_rests(room):
+    obj = grid_object(cells=40)
+    edit(obj, centre)
+    hand = Hand(room, obj, "arap", radius=0.7)
+    hand.move(10, 80)
+    ticks = 0
+    while not hand.tool.grab.settled and ticks < 100:
+        hand.send("TIMER", "NOTHING")
+        ticks += 1
+    assert ticks < 100
+    rested = edited(obj)
+    assert hand.send("RET") is hand.outcomes.CONFIRMED
+    assert np.abs(edited(obj) - rested).max() < 0.02
+
+
+def test_a_mesh_that_changed_under_the_tool_is_left_alone(hand: Hand, room):
+    hand.move(0, 50)
+    bmesh.from_edit_mesh(hand.obj.data).verts.new((9.0, 9.0, 9.0))
+    with pytest.raises(room("core.errors").TopologyChangedError, match="edited meanwhile"):
+        hand.move(0, 10)
+
+
+def test_a_heavy_region_binds_in_a_thread_and_is_confirmed_when_ready(room, monkeypatch: pytest.MonkeyPatch):
+    use_threads(monkeypatch)
+    obj = grid_object(cells=30)
+    edit(obj, centre)
+    before = edited(obj)
+    hand = Hand(room, obj, "arap")
+    assert hand.tool.grab.job is not None
+    hand.move(0, 50)
+    assert np.array_equal(edited(obj), before)
+    outcome = hand.send("RET")
+    for _ in range(10_000):
+        if outcome is not hand.outcomes.GO_ON:
+            break
+        outcome = hand.send("TIMER", "NOTHING")
+        hand.tool.grab.job and hand.tool.grab.job.thread.join()
+    assert outcome is hand.outcomes.CONFIRMED
+    after = edited(obj)
+    hand.tool.grab.restore(obj)
+    grab(value=hand.tool.typed.motion.move, radius=0.4, method="arap")
+    assert np.array_equal(edited(obj), after)
+
+
+def test_scaling_all_that_is_connected_binds_when_it_is_asked_for(room, monkeypatch: pytest.MonkeyPatch):
+    """Moved and turned, a surface that nothing holds goes as one piece, without a bind."""
+    use_threads(monkeypatch)
+    obj = grid_object(cells=20)
+    chosen = edit(obj, centre)
+    before = edited(obj)
+    hand = Hand(room, obj, radius=np.inf)
+    assert hand.tool.grab.job is None
+    hand.move(0, 50)
+    assert np.allclose(edited(obj), before + (0.0, 0.0, 0.5), atol=1e-6)
+    hand.type("S", "TWO")
+    hand.tool.grab.job.thread.join()
+    hand.send("TIMER", "NOTHING")
+    assert np.allclose(edited(obj)[chosen], before[chosen] * 2.0, atol=1e-6)
+    assert hand.send("RET") is hand.outcomes.CONFIRMED
+    after = edited(obj)
+    hand.tool.grab.restore(obj)
+    grab(mode="RESIZE", scale=(2.0, 2.0, 2.0), unlimited=True, method="thin_shell")
+    assert np.array_equal(edited(obj), after)
+
+
+def test_cancel_while_a_thread_binds(room, monkeypatch: pytest.MonkeyPatch):
+    use_threads(monkeypatch)
+    obj = grid_object(cells=30)
+    edit(obj, centre)
+    before = edited(obj)
+    hand = Hand(room, obj)
+    assert hand.send("ESC") is hand.outcomes.CANCELLED
+    assert hand.tool.grab.job is None
+    assert np.array_equal(edited(obj), before)

@@ -1,0 +1,394 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Grab Region by its properties, as scripts and Adjust Last Operation call it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from editing import centre, edit, edited, grab, placed_object, select
+from mathutils import Matrix
+from registry import GRABBING
+from rigs.rig import add_group, apply_matrix, grid_object, make_active, new_object, push
+
+
+def in_world(obj: bpy.types.Object) -> np.ndarray:
+    """What Edit Mode shows, (n, 3), in the world."""
+    return apply_matrix(obj.matrix_world, edited(obj).astype(float))
+
+
+def test_the_surface_methods_that_work_alone_are_offered():
+    offered = bpy.ops.sinew.grab_region.get_rna_type().properties["method"].enum_items
+    assert {item.identifier for item in offered} == set(GRABBING)
+
+
+@pytest.mark.parametrize("method", GRABBING)
+def test_the_selection_moves_exactly_and_the_rest_stays(method: str):
+    obj = grid_object(cells=20)
+    chosen = edit(obj, centre)
+    before = edited(obj)
+    grab(mode="TRANSLATE", value=(0.0, 0.0, 1.0), radius=0.5, method=method)
+    after = edited(obj)
+    assert np.array_equal(after[chosen], before[chosen] + np.float32((0.0, 0.0, 1.0)))
+    far = np.linalg.norm(before[:, :2], axis=1) > 0.15 + 0.5
+    assert np.array_equal(after[far], before[far])
+    moved = np.flatnonzero((after != before).any(axis=1))
+    near = set(moved) - set(chosen)
+    assert len(near) > 50
+    assert 0.0 < after[list(near), 2].mean() < 1.0
+
+
+@pytest.mark.parametrize("method", GRABBING)
+@pytest.mark.parametrize("make", [grid_object, placed_object], ids=["at the origin", "placed and scaled"])
+@pytest.mark.parametrize(
+    "motion",
+    [
+        {"mode": "TRANSLATE", "value": (0.3, -0.2, 0.7)},
+        {"mode": "ROTATE", "angle": math.radians(50.0), "axis": (0.3, 0.9, -0.2)},
+    ],
+    ids=("move", "turn"),
+)
+def test_nothing_fixed_means_one_rigid_motion_of_the_world(method: str, make: Callable, motion: dict):
+    obj = make(cells=12)
+    chosen = edit(obj, lambda point: point.y > 0.75)
+    before = in_world(obj)
+    grab(unlimited=True, method=method, **motion)
+    if motion["mode"] == "TRANSLATE":
+        matrix = Matrix.Translation(motion["value"])
+    else:
+        pivot = Matrix.Translation(before[chosen].mean(axis=0))
+        matrix = pivot @ Matrix.Rotation(motion["angle"], 4, motion["axis"]) @ pivot.inverted()
+    tolerance = 2e-6 if make is grid_object else 1e-5  # float32 at a size of 2, and a matrix
+    assert np.abs(in_world(obj) - apply_matrix(matrix, before)).max() < tolerance
+
+
+def test_thin_shell_solves_the_clamped_plate_equation():
+    """A dense bi-Laplacian of a regular grid, built here with the five-point stencil: K = L M^-1 L."""
+    cells = 16
+    obj = grid_object(cells=cells)
+    chosen = edit(obj, lambda point: max(abs(point.x), abs(point.y)) < 0.3)
+    before = edited(obj).astype(float)
+    grab(mode="TRANSLATE", value=(0.0, 0.0, 0.5), radius=0.45, method="thin_shell")
+    after = edited(obj).astype(float)
+
+    row, h = cells + 1, 2.0 / cells
+    free = np.setdiff1d(np.flatnonzero(after[:, 2] != 0.0), chosen)
+    assert np.abs(before[free]).max() < 1.0 - 2.5 * h  # the stencil of the free ones stays inside
+    interior = [i for i in range(row * row) if np.abs(before[i]).max() < 1.0 - 0.5 * h]
+    L = np.zeros((row * row, row * row))
+    for i in interior:
+        L[i, i] = 4.0
+        L[i, [i - 1, i + 1, i - row, i + row]] = -1.0
+    K = L.T @ L
+    known = np.setdiff1d(np.arange(row * row), free)
+    z = np.zeros(row * row)
+    z[chosen] = 0.5
+    z[free] = -np.linalg.solve(K[np.ix_(free, free)], K[np.ix_(free, known)] @ z[known])
+    assert np.abs(after[:, 2] - z).max() < 2e-5
+    assert np.abs(after[:, :2] - before[:, :2]).max() < 1e-6
+
+
+@pytest.mark.parametrize("method", GRABBING)
+def test_only_the_part_within_reach_changes_the_answer(method: str):
+    """Far from the radius there may be anything: the same shape with and without another 5,000 vertices."""
+    results = []
+    for cells, size in ((20, 1.0), (60, 3.0)):
+        obj = grid_object(f"Plate {cells}", cells)
+        obj.data.transform(Matrix.Scale(size, 4))
+        edit(obj, centre)
+        before = edited(obj)
+        grab(mode="TRANSLATE", value=(0.1, 0.0, 0.4), radius=0.5, method=method)
+        near = np.abs(before[:, :2]).max(axis=1) < 0.95
+        order = np.lexsort(np.round(before[near].T, 4))
+        results.append(edited(obj)[near][order])
+        bpy.ops.object.mode_set(mode="OBJECT")
+    assert np.abs(results[0] - results[1]).max() < 2e-4  # the roots of the two grids differ by rounding
+
+
+def test_rotation_and_scale_about_the_centre():
+    obj = grid_object()
+    chosen = edit(obj, lambda point: point.x > 0.75)
+    before = edited(obj).astype(float)
+    pivot = before[chosen].mean(axis=0)
+    grab(mode="ROTATE", angle=math.radians(90.0), axis=(1.0, 0.0, 0.0), radius=0.3)
+    turned = pivot + (before[chosen] - pivot) @ np.array(((1, 0, 0), (0, 0, -1), (0, 1, 0))).T
+    assert np.abs(edited(obj)[chosen] - turned).max() < 1e-6
+    bpy.ops.ed.undo_push(message="turned")
+    now = edited(obj).astype(float)[chosen]
+    grab(mode="RESIZE", scale=(1.0, 0.5, 2.0), radius=0.3)
+    centre_now = now.mean(axis=0)
+    assert np.abs(edited(obj)[chosen] - (centre_now + (now - centre_now) * (1.0, 0.5, 2.0))).max() < 1e-6
+
+
+@pytest.mark.parametrize("orientation", ["GLOBAL", "LOCAL"])
+def test_motion_is_of_the_world_whatever_the_object_is(orientation: str):
+    obj = placed_object()
+    chosen = edit(obj, lambda point: point.y > 0.75)
+    before = in_world(obj)[chosen]
+    grab(mode="TRANSLATE", value=(0.5, 0.25, -1.0), orientation=orientation, radius=0.4)
+    axes = np.eye(3) if orientation == "GLOBAL" else np.array(obj.matrix_world.to_3x3().normalized())
+    assert np.abs(in_world(obj)[chosen] - before - axes @ (0.5, 0.25, -1.0)).max() < 2e-6
+
+
+def test_the_radius_is_measured_in_the_world_and_over_the_surface():
+    """Two sheets a hair apart, joined at the far edge: the other sheet is near, but far to walk."""
+    line = np.linspace(0.0, 1.0, 11)
+    there_and_back = [(x, 0.0) for x in line] + [(x, -0.02) for x in line[::-1]]
+    points = [(x, y, z) for y in (0.0, 0.1) for x, z in there_and_back]
+    obj = new_object("Fold", points, [(i, i + 1, i + 23, i + 22) for i in range(21)])
+    obj.scale = (2.0, 2.0, 2.0)
+    edit(obj, lambda point: point.x < 0.05 and point.z > -0.01)
+    before = edited(obj)
+    grab(mode="TRANSLATE", value=(0.0, 0.0, 0.5), radius=1.1)
+    moved = (edited(obj) != before).any(axis=1)
+    assert not moved[before[:, 2] < -0.01].any()
+    assert moved[(before[:, 0] < 0.54) & (before[:, 2] > -0.01)].all()  # 1.1 in the world is 0.55 here
+    assert not moved[before[:, 0] > 0.56].any()
+
+
+def test_other_parts_hidden_vertices_and_fixed_regions_stay():
+    obj = grid_object(cells=20)
+    held = add_group(obj, "Anchor", lambda point: point[0] > 0.25)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Anchor")
+    make_active(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.primitive_cube_add(size=0.1, location=(0.0, 0.0, 0.1))
+    other = select(obj, lambda point: point.z > 0.01)
+    mesh = bmesh.from_edit_mesh(obj.data)
+    mesh.verts.ensure_lookup_table()
+    hidden = [vertex.index for vertex in mesh.verts if vertex.co.x < -0.35]
+    for index in hidden:
+        mesh.verts[index].hide_set(True)
+    bmesh.update_edit_mesh(obj.data)
+    chosen = select(obj, lambda point: centre(point) and point.z < 0.01)
+    before = edited(obj)
+    grab(mode="TRANSLATE", value=(0.0, 0.0, -0.4), unlimited=True)
+    moved = (edited(obj) != before).any(axis=1)
+    assert moved[chosen].all()
+    assert not moved[held].any()
+    assert not moved[hidden].any()
+    assert not moved[other].any()
+    assert moved.sum() > len(chosen) + 100
+
+
+def test_a_selected_vertex_of_a_fixed_region_stays():
+    obj = grid_object()
+    members = add_group(obj, "Anchor", lambda point: point[0] < 0.0)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Anchor")
+    make_active(obj)
+    edit(obj, lambda point: abs(point.y) < 0.1)
+    before = edited(obj)
+    grab(mode="TRANSLATE", value=(0.0, 0.0, 0.4), radius=0.3)
+    assert np.array_equal(edited(obj)[members], before[members])
+    select(obj, lambda point: point.x < -0.5)
+    with pytest.raises(RuntimeError, match="belong to Fixed regions"):
+        bpy.ops.sinew.grab_region(value=(0.0, 0.0, 1.0))
+
+
+def loose_object() -> bpy.types.Object:
+    """A square with a wire at its corner, and a vertex on its own."""
+    points = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2, 1, 0), (5, 5, 5)]
+    return new_object("Loose", points, [(0, 1, 2, 3)], [(2, 4)])
+
+
+@pytest.mark.parametrize("chosen", [(5,), (4, 5), (2, 5), (0, 1, 2, 3, 4, 5)])
+def test_loose_vertices_just_move(chosen: tuple[int, ...], capfd: pytest.CaptureFixture):
+    obj = loose_object()
+    make_active(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    mesh = bmesh.from_edit_mesh(obj.data)
+    for vertex in mesh.verts:
+        vertex.select = vertex.index in chosen
+    bmesh.update_edit_mesh(obj.data)
+    before = edited(obj)
+    grab(value=(0.0, 0.0, 1.0), radius=0.5)
+    expected = before.copy()
+    expected[list(chosen), 2] += 1.0
+    assert np.array_equal(edited(obj), expected)
+    assert "only the selection moves" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("method", GRABBING)
+@pytest.mark.parametrize(
+    "hostile",
+    [
+        {"value": (math.nan, 0.0, 0.0)},
+        {"value": (3e38, 3e38, 3e38)},
+        {"mode": "ROTATE", "angle": 1.0, "axis": (math.nan, 0.0, 0.0)},
+        {"mode": "RESIZE", "scale": (math.nan, 1.0, 1.0)},
+    ],
+)
+def test_motions_beyond_numbers_are_refused_and_change_nothing(method: str, hostile: dict):
+    obj = grid_object()
+    obj.scale = (1e-3, 1e-3, 1e-3)
+    edit(obj, centre)
+    before = edited(obj)
+    with pytest.raises(RuntimeError, match="finite"):
+        bpy.ops.sinew.grab_region(radius=0.4, method=method, **hostile)
+    assert np.array_equal(edited(obj), before)
+
+
+@pytest.mark.parametrize("method", GRABBING)
+@pytest.mark.parametrize(
+    "odd",
+    [
+        {"mode": "RESIZE", "scale": (0.0, 0.0, 0.0)},
+        {"mode": "RESIZE", "scale": (-1.0, 1.0, 1.0)},
+        {"mode": "ROTATE", "angle": 1.0, "axis": (0.0, 0.0, 0.0)},
+        {"mode": "ROTATE", "angle": math.inf},
+        {"radius": math.nan},
+        {"radius": 1e30, "value": (0.0, 0.0, 1.0)},
+    ],
+)
+def test_odd_motions_work(method: str, odd: dict):
+    obj = grid_object()
+    edit(obj, centre)
+    grab(**{"radius": 0.4, "method": method, **odd})
+    assert np.isfinite(edited(obj)).all()
+
+
+def test_mirror_is_said_not_to_be_followed(capfd: pytest.CaptureFixture):
+    obj = grid_object()
+    obj.data.use_mirror_x = True
+    edit(obj, lambda point: point.x > 0.75)
+    before = edited(obj)
+    grab(value=(0.0, 0.0, 0.5), radius=0.4)
+    assert np.array_equal(edited(obj)[before[:, 0] < 0.0], before[before[:, 0] < 0.0])
+    assert "Grab Region ignores the Mirror option" in capfd.readouterr().out
+
+
+def test_object_mode_is_refused_with_what_to_do():
+    make_active(grid_object())
+    with pytest.raises(RuntimeError, match="Go to Edit Mode"):
+        bpy.ops.sinew.grab_region()
+
+
+def test_an_object_without_volume_is_refused():
+    obj = grid_object()
+    obj.scale = (1.0, 1.0, 0.0)
+    edit(obj, centre)
+    with pytest.raises(RuntimeError, match="scaled to zero"):
+        bpy.ops.sinew.grab_region(value=(0.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize("method", GRABBING)
+def test_vertices_without_a_place_stay_and_are_counted(method: str, capfd: pytest.CaptureFixture):
+    obj = grid_object(cells=20)
+    wrong = 10 * 21 + 14  # within the radius
+    obj.data.vertices[wrong].co = (math.nan, 0.0, 0.0)
+    chosen = edit(obj, lambda point: math.isfinite(point.x) and centre(point))
+    before = edited(obj)
+    grab(value=(0.0, 0.0, 0.5), radius=0.6, method=method)
+    after = edited(obj)
+    assert after[wrong].tobytes() == before[wrong].tobytes()
+    assert np.isfinite(np.delete(after, wrong, axis=0)).all()
+    assert np.array_equal(after[chosen], before[chosen] + np.float32((0.0, 0.0, 0.5)))
+    assert "1 vertex has invalid coordinates (NaN or infinite) and will not move" in capfd.readouterr().out
+    select(obj, lambda point: not math.isfinite(point.x))
+    with pytest.raises(RuntimeError, match="The selected vertices have invalid coordinates"):
+        bpy.ops.sinew.grab_region(value=(0.0, 0.0, 0.5))
+
+
+@pytest.mark.parametrize("method", GRABBING)
+def test_messy_meshes_still_work(method: str):
+    """N-gons, a face of no area, an edge of three faces, a wire, all within reach."""
+    bm = bmesh.new()
+    bmesh.ops.create_grid(bm, x_segments=8, y_segments=8, size=1.0)
+    bm.verts.ensure_lookup_table()
+    bmesh.ops.dissolve_faces(bm, faces=[face for face in bm.faces if face.calc_center_median().x > 0.5])
+    bm.verts.ensure_lookup_table()
+    edge = next(edge for edge in bm.edges if len(edge.link_faces) == 2)
+    fin = bm.verts.new((edge.verts[0].co.x, edge.verts[0].co.y, 0.5))
+    bm.faces.new((*edge.verts, fin))
+    first, second, *_rest = bm.verts
+    bm.faces.new((first, second, bm.verts.new(first.co)))
+    bm.edges.new((first, bm.verts.new((-2.0, -2.0, 0.0))))
+    obj = new_object("Messy", [])
+    bm.to_mesh(obj.data)
+    bm.free()
+    chosen = edit(obj, lambda point: point.x < -0.9)
+    before = edited(obj)
+    grab(value=(0.0, 0.0, 0.5), radius=3.0, method=method)
+    after = edited(obj)
+    assert np.isfinite(after).all()
+    assert np.array_equal(after[chosen], before[chosen] + np.float32((0.0, 0.0, 0.5)))
+
+
+def test_the_active_shape_key_is_what_moves():
+    obj = grid_object()
+    obj.shape_key_add(name="Basis")
+    obj.shape_key_add(name="Pose")
+    obj.data.shape_keys.key_blocks["Pose"].data[0].co.z = -0.25
+    obj.active_shape_key_index = 1
+    keys = {key.name: np.array([point.co[:] for point in key.data]) for key in obj.data.shape_keys.key_blocks}
+    chosen = edit(obj, centre)
+    grab(value=(0.0, 0.0, 0.5), radius=0.4)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    blocks = obj.data.shape_keys.key_blocks
+    assert np.array_equal(np.array([point.co[:] for point in blocks["Basis"].data]), keys["Basis"])
+    posed = np.array([point.co[:] for point in blocks["Pose"].data])
+    assert np.abs(posed[chosen] - keys["Pose"][chosen] - (0.0, 0.0, 0.5)).max() < 1e-6
+    assert np.array_equal(posed[0], keys["Pose"][0])
+
+
+def test_shape_keys_of_a_mesh_that_grew_in_edit_mode_survive():
+    """The same edit with and without a grab that does nothing leaves the same keys."""
+    left = []
+    for grabs in (False, True):
+        obj = grid_object(f"Keys {grabs}", 4)
+        obj.shape_key_add(name="Basis")
+        obj.shape_key_add(name="Pose")
+        for index, point in enumerate(obj.data.shape_keys.key_blocks["Pose"].data):
+            point.co.z = 0.01 * index
+        obj.active_shape_key_index = 0
+        edit(obj, lambda point: True)
+        bpy.ops.mesh.subdivide()
+        select(obj, centre)
+        if grabs:
+            grab(value=(0.0, 0.0, 0.0), radius=0.4)
+        bpy.ops.object.mode_set(mode="OBJECT")
+        blocks = obj.data.shape_keys.key_blocks
+        left.append(np.array([[point.co[:] for point in key.data] for key in blocks]))
+    assert np.array_equal(left[0], left[1])
+
+
+def test_undo_and_redo():
+    obj = grid_object()
+    edit(obj, centre)
+    push("selected")
+    before = edited(obj)
+    grab(value=(0.0, 0.0, 0.5), radius=0.4)
+    after = edited(obj)
+    push("grabbed")
+    bpy.ops.ed.undo()
+    assert np.array_equal(edited(bpy.data.objects["Plate"]), before)
+    bpy.ops.ed.redo()
+    assert np.array_equal(edited(bpy.data.objects["Plate"]), after)
+
+
+def test_other_objects_in_edit_mode_stay():
+    first, second = grid_object("First"), grid_object("Second")
+    make_active(first)
+    second.select_set(True)
+    bpy.ops.object.mode_set(mode="EDIT")
+    select(first, centre)
+    select(second, centre)
+    before = edited(second)
+    grab(value=(0.0, 0.0, 0.5), radius=0.4)
+    assert np.array_equal(edited(second), before)
+    assert edited(first)[:, 2].max() == 0.5
+
+
+def test_no_mesh_is_left_behind_even_by_a_refusal():
+    obj = grid_object()
+    edit(obj, centre)
+    count = len(bpy.data.meshes)
+    grab(value=(0.0, 0.0, 0.5), radius=0.4)
+    select(obj, lambda point: False)
+    with pytest.raises(RuntimeError, match="Nothing is selected - select the vertices to grab"):
+        bpy.ops.sinew.grab_region(value=(0.0, 0.0, 1.0))
+    assert len(bpy.data.meshes) == count

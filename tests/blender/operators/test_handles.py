@@ -1,0 +1,387 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Add Handle, Remove and Select in the modes a rigger works in, from a selection in Edit Mode on."""
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from editing import edit, select
+from mathutils import Matrix
+from rigs.rig import (
+    FLOAT32,
+    Rig,
+    add_armature,
+    add_group,
+    apply_matrix,
+    close,
+    grid_object,
+    make_active,
+    move_world,
+    new_armature,
+    push,
+    update,
+)
+
+# --- from a selection
+
+
+def test_from_selection_to_pose():
+    obj = grid_object()
+    top = edit(obj, lambda point: point.y > 0.75)
+    assert bpy.ops.sinew.handle_add(kind="HANDLE") == {"FINISHED"}
+    assert obj.mode == "EDIT"
+    base = select(obj, lambda point: point.y < -0.75)
+    assert bpy.ops.sinew.handle_add(kind="FIXED") == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+    deformer = obj.sinew.active
+    assert [handle.vertex_group for handle in deformer.handles] == ["Handle", "Fixed"]
+    assert len(obj.modifiers) == 1
+    control = deformer.handles[0].control
+    assert control.select_get()
+    assert not obj.select_get()
+    assert np.allclose(control.matrix_world.translation, (0.0, 0.9, 0.0), atol=1e-6)
+    assert np.allclose(np.array(control.matrix_world)[:3, 2], (0.0, 0.0, 1.0), atol=1e-6)  # the mean normal
+    move_world(control, Matrix.Translation((0.0, 0.0, 0.5)))
+    rig = Rig.called(obj.name)
+    assert np.abs(rig.points()[top, 2] - 0.5).max() < 4e-6
+    assert np.array_equal(rig.points()[base], rig.rest()[base])
+
+
+def test_support_from_the_selection():
+    obj = grid_object()
+    top = edit(obj, lambda point: point.y > 0.75)
+    bpy.ops.sinew.handle_add(kind="HANDLE")
+    soft = select(obj, lambda point: point.y > -0.1)
+    bpy.ops.sinew.handle_add(kind="SUPPORT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    move_world(obj.sinew.active.handles[0].control, Matrix.Translation((0.0, 0.0, 0.5)))
+    rig = Rig.called(obj.name)
+    moved = np.abs(rig.points() - rig.rest()).max(axis=1) > 1e-6
+    assert set(np.flatnonzero(moved)) <= set(soft)
+    assert set(top) <= set(np.flatnonzero(moved))
+
+
+def test_nothing_selected_is_refused():
+    obj = grid_object()
+    edit(obj, lambda point: False)
+    with pytest.raises(RuntimeError, match="Nothing is selected"):
+        bpy.ops.sinew.handle_add(kind="HANDLE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(obj.vertex_groups) == 0
+    assert len(obj.sinew.deformers) == 0
+
+
+def test_undo_in_edit_mode_takes_the_handle_back():
+    obj = grid_object()
+    edit(obj, lambda point: point.y > 0.75)
+    push("selected")
+    bpy.ops.sinew.handle_add(kind="HANDLE")
+    bpy.ops.ed.undo_push(message="handle")
+    bpy.ops.ed.undo()
+    obj = bpy.data.objects["Plate"]
+    assert len(obj.sinew.deformers) == 0
+    assert "Plate Handle" not in bpy.data.objects
+    bpy.ops.ed.redo()
+    obj = bpy.data.objects["Plate"]
+    assert len(obj.sinew.deformers[0].handles) == 1
+    assert obj.sinew.deformers[0].handles[0].control is not None
+    if obj.mode == "EDIT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_control_of_a_selected_bone_or_object():
+    obj = grid_object()
+    upright = ((0.0, 0.0, 0.0), (0.0, 0.0, 1.0))
+    armature = new_armature(other=upright, wanted=upright)
+    armature.data.bones.active = armature.data.bones["wanted"]
+    edit(obj, lambda point: point.y > 0.75)
+    armature.select_set(True)
+    bpy.ops.sinew.handle_add(kind="HANDLE", control="SELECTED")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    handle = obj.sinew.active.handles[0]
+    assert (handle.control, handle.bone) == (armature, "wanted")
+
+
+def test_select_shows_free_parts(plate: Rig, room):
+    make_active(plate.obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
+    bpy.ops.object.mode_set(mode="OBJECT")
+    plate.bind()
+    plate.deformer.loose_parts = "STAY"
+    update()
+    lines = [line.text for line in room("core.status").notes(plate.deformer.uid)]
+    assert "1 loose part stays at rest" in lines
+    make_active(plate.obj)
+    bpy.ops.sinew.select_problems()
+    edit = bmesh.from_edit_mesh(plate.obj.data)
+    chosen = [vertex.co.z for vertex in edit.verts if vertex.select]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(chosen) == 8
+    assert min(chosen) > 1.5
+
+
+def test_removing_a_handle_frees_its_region(plate: Rig):
+    plate.bind().lift(0.5)
+    make_active(plate.obj)
+    with pytest.raises(RuntimeError, match="there is no number 7"):
+        bpy.ops.sinew.handle_remove(index=7)
+    assert len(plate.deformer.handles) == 2
+    bpy.ops.sinew.handle_remove(index=1)
+    assert len(plate.deformer.handles) == 1
+    assert close(plate.points(), plate.rest() + (0.0, 0.0, 0.5))
+    bpy.ops.sinew.handle_remove(index=0)
+    assert np.array_equal(plate.points(), plate.rest())
+
+
+# --- of groups and bones
+
+
+def activate(obj: bpy.types.Object, group: str) -> None:
+    obj.vertex_groups.active = obj.vertex_groups[group]
+
+
+def in_pose_mode(armature: bpy.types.Object, bone: str, mesh: bpy.types.Object | None = None) -> None:
+    """The armature active in Pose Mode with one bone selected, and the mesh selected with it."""
+    make_active(armature)
+    if mesh is not None:
+        mesh.select_set(True)
+    bpy.ops.object.mode_set(mode="POSE")
+    bpy.ops.pose.select_all(action="DESELECT")
+    select_bone(armature, bone)
+
+
+def select_bone(armature: bpy.types.Object, bone: str) -> None:
+    armature.data.bones.active = armature.data.bones[bone]
+    posed = armature.pose.bones[bone]
+    (posed if hasattr(posed, "select") else posed.bone).select = True
+
+
+def is_selected(armature: bpy.types.Object, bone: str) -> bool:
+    posed = armature.pose.bones[bone]
+    return (posed if hasattr(posed, "select") else posed.bone).select
+
+
+@pytest.mark.parametrize("mode", ["OBJECT", "WEIGHT_PAINT"])
+def test_the_active_group_becomes_the_region(plate: Rig, mode: str):
+    make_active(plate.obj)
+    activate(plate.obj, "Top")
+    bpy.ops.object.mode_set(mode=mode)
+    assert bpy.ops.sinew.handle_add(kind="HANDLE") == {"FINISHED"}
+    assert plate.obj.mode == mode
+    (handle,) = plate.deformer.handles
+    assert handle.vertex_group == "Top"
+    assert not handle.owns_group
+    assert handle.control.type == "EMPTY"
+    with pytest.raises(RuntimeError, match="'Top' is a region of this deformer already"):
+        bpy.ops.sinew.handle_add(kind="FIXED")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.ops.sinew.handle_remove(index=0)
+    assert "Top" in plate.obj.vertex_groups  # it was the user's
+
+
+def test_a_mesh_without_groups_says_what_is_needed(plate: Rig):
+    plate.obj.vertex_groups.clear()
+    make_active(plate.obj)
+    with pytest.raises(RuntimeError, match="select vertices in Edit Mode"):
+        bpy.ops.sinew.handle_add(kind="HANDLE")
+    assert len(plate.obj.sinew.deformers) == 0
+
+
+def test_name_and_weight(plate: Rig):
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top", handle_name="Lip", weight=0.25)
+    make_active(plate.obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+    lip = plate.deformer.handles[0]
+    assert (lip.name, lip.weight) == ("Lip", 0.25)
+    plate.lift(0.5)
+    soft = plate.points()[plate.top, 2]
+    assert 1e-3 < np.abs(soft - 0.5).max() < 0.1  # it gives way
+    lip.weight = 1.0
+    assert np.abs(plate.points()[plate.top, 2] - 0.5).max() < FLOAT32
+
+
+def test_a_selected_bone_controls_its_own_group(plate: Rig):
+    """The bone carries the mesh already, so the region does not move twice."""
+    armature = add_armature(plate.obj)
+    in_pose_mode(armature, "high", plate.obj)
+    assert bpy.ops.sinew.handle_add(kind="HANDLE") == {"FINISHED"}
+    assert bpy.context.mode == "POSE"
+    (handle,) = plate.deformer.handles
+    assert (handle.control, handle.bone, handle.vertex_group) == (armature, "high", "high")
+    assert handle.from_rest
+    assert is_selected(armature, "high")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    make_active(plate.obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+    armature.pose.bones["high"].location = (0.1, 0.2, 0.3)
+    high = [index for index, point in enumerate(plate.rest()) if point[1] > 0.0]
+    bpy.context.view_layer.update()
+    motion = armature.pose.bones["high"].matrix @ armature.data.bones["high"].matrix_local.inverted()
+    expected = apply_matrix(motion, plate.rest()[high])
+    assert np.abs(expected - plate.rest()[high]).max() > 0.1
+    assert np.abs(plate.points()[high] - expected).max() < 1e-5
+
+
+def test_a_bone_without_a_group_takes_the_active_one(plate: Rig):
+    armature = add_armature(plate.obj)
+    plate.obj.vertex_groups.remove(plate.obj.vertex_groups["high"])
+    activate(plate.obj, "Top")
+    in_pose_mode(armature, "high", plate.obj)
+    bpy.ops.sinew.handle_add(kind="HANDLE")
+    (handle,) = plate.deformer.handles
+    assert (handle.vertex_group, handle.bone, handle.from_rest) == ("Top", "high", False)
+
+
+def test_pose_mode_without_the_mesh_selected_is_refused(plate: Rig):
+    armature = add_armature(plate.obj)
+    in_pose_mode(armature, "high")
+    assert not bpy.ops.sinew.handle_add.poll()
+
+
+def test_weight_painting_with_an_armature_in_pose_mode(plate: Rig):
+    armature = add_armature(plate.obj)
+    in_pose_mode(armature, "high")
+    bpy.context.view_layer.objects.active = plate.obj
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    activate(plate.obj, "Top")
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
+    (handle,) = plate.deformer.handles
+    assert (handle.control, handle.bone) == (armature, "high")
+    assert plate.obj.mode == "WEIGHT_PAINT"
+
+
+def test_a_fixed_region_takes_no_bone(plate: Rig):
+    armature = add_armature(plate.obj)
+    in_pose_mode(armature, "low", plate.obj)
+    bpy.ops.sinew.handle_add(kind="FIXED")
+    (handle,) = plate.deformer.handles
+    assert handle.control is None
+
+
+def two_handles(plate: Rig) -> list[bpy.types.Object]:
+    plate.bind(fixed=False)
+    make_active(plate.obj)
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Base")
+    make_active(plate.obj)
+    return [handle.control for handle in plate.deformer.handles]
+
+
+def test_select_and_extend_in_object_mode(plate: Rig):
+    first, second = two_handles(plate)
+    bpy.ops.sinew.select_handle(index=0)
+    assert set(bpy.context.selected_objects) == {first}
+    bpy.ops.sinew.select_handle(index=1, extend=True)
+    assert set(bpy.context.selected_objects) == {first, second}
+    bpy.ops.sinew.select_handle(index=1)
+    assert set(bpy.context.selected_objects) == {second}
+    assert plate.obj.vertex_groups.active.name == "Base"  # ready for Weight Paint
+
+
+def test_select_and_extend_in_edit_mode(plate: Rig):
+    two_handles(plate)
+    bpy.ops.object.mode_set(mode="EDIT")
+
+    def selected() -> set[int]:
+        return {vertex.index for vertex in bmesh.from_edit_mesh(plate.obj.data).verts if vertex.select}
+
+    bpy.ops.sinew.select_handle(index=0)
+    assert selected() == set(plate.top)
+    bpy.ops.sinew.select_handle(index=1, extend=True)
+    assert selected() == set(plate.top) | set(plate.base)
+    bpy.ops.sinew.select_handle(index=1)
+    assert selected() == set(plate.base)
+
+
+def test_select_in_weight_paint_takes_the_group(plate: Rig):
+    two_handles(plate)
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    for index, name in ((1, "Base"), (0, "Top")):
+        bpy.ops.sinew.select_handle(index=index)
+        assert plate.obj.vertex_groups.active.name == name
+    assert plate.obj.mode == "WEIGHT_PAINT"
+
+
+def test_select_of_a_bone_leads_to_pose_mode(plate: Rig):
+    armature = add_armature(plate.obj)
+    plate.bind(control_object="Rig", bone="high")
+    make_active(plate.obj)
+    for bone in armature.pose.bones:
+        select_bone(armature, bone.name)
+    bpy.ops.sinew.select_handle(index=0)
+    assert bpy.context.mode == "POSE"
+    assert bpy.context.object == armature
+    assert armature.data.bones.active.name == "high"
+    assert is_selected(armature, "high")
+    assert not is_selected(armature, "low")
+
+
+def test_the_same_group_by_name_may_be_used_twice(plate: Rig):
+    """A script that names the group means it: one soft, one hard region of the same vertices."""
+    plate.bind()
+    add_group(plate.obj, "Other", lambda point: point[0] > 0.8 and abs(point[1]) < 0.3)
+    make_active(plate.obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Top", weight=0.5)
+    assert [handle.name for handle in plate.deformer.handles] == ["Top", "Base", "Top.001"]
+    assert plate.deformer.status_level == "INFO"
+
+
+def test_a_bone_on_something_without_bones_is_refused(plate: Rig):
+    plate.bind()
+    plate.deformer.handles[0].bone = "hand"
+    make_active(plate.obj)
+    with pytest.raises(RuntimeError, match="no bone 'hand'"):
+        bpy.ops.sinew.select_handle(index=0)
+    assert plate.deformer.handles[0].control.mode == "OBJECT"
+
+
+@pytest.mark.parametrize("target", ["SHAPE_KEYS", "PC2"])
+def test_a_baked_deformer_is_unbaked_before_it_is_removed(plate: Rig, tmp_path, target: str):
+    """And stays where it is in the stack while it is baked."""
+    plate.bind().lift(0.5)
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
+    plate.obj.sinew.active_deformer = 0
+    bpy.context.scene.frame_end = 2
+    bpy.ops.sinew.bake(target=target)
+    assert plate.obj.sinew.deformers[0].bake.is_baked
+    with pytest.raises(RuntimeError, match="Unbake it first"):
+        bpy.ops.sinew.deformer_move(direction="DOWN", index=0)
+    bpy.ops.sinew.deformer_remove(index=0)
+    assert [modifier.type for modifier in plate.obj.modifiers] == ["NODES"]
+    assert len(plate.obj.sinew.deformers) == 1
+    assert np.abs(plate.points() - plate.rest()).max() < FLOAT32
+
+
+def test_a_refused_region_leaves_nothing_behind(plate: Rig):
+    """Neither a deformer nor a vertex group nor a modifier."""
+    groups = [group.name for group in plate.obj.vertex_groups]
+    with pytest.raises(RuntimeError, match="no vertex group 'Nothing'"):
+        bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Nothing")
+    assert len(plate.obj.sinew.deformers) == len(plate.obj.modifiers) == 0
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    with pytest.raises(RuntimeError, match="cannot control itself"):
+        bpy.ops.sinew.handle_add(kind="HANDLE", control_object=plate.obj.name)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert len(plate.obj.sinew.deformers) == len(plate.obj.modifiers) == 0
+    assert [group.name for group in plate.obj.vertex_groups] == groups
+
+
+def test_a_control_outside_the_view_layer_moves_its_region_all_the_same(plate: Rig):
+    """It cannot be selected there, which is no reason to refuse: the region is made and follows."""
+    away = bpy.data.collections.new("Away")
+    bpy.context.scene.collection.children.link(away)
+    control = bpy.data.objects.new("Far", None)
+    away.objects.link(control)
+    bpy.context.view_layer.layer_collection.children["Away"].exclude = True
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    found = bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top", control_object="Far")
+    assert found == {"FINISHED"}
+    control.location.z += 0.5
+    assert np.abs(plate.points()[plate.top, 2] - 0.5).max() < 1e-5

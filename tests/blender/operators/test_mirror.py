@@ -1,0 +1,573 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mirror of handles: names by Blender's rules, weights by place, controls and poses by reflection."""
+
+import math
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from mathutils import Euler, Matrix
+from rigs.rig import (
+    FLOAT32,
+    Rig,
+    apply_matrix,
+    evaluated_points,
+    grid_object,
+    in_mode,
+    linked,
+    make_active,
+    move_world,
+    new_armature,
+    new_empty,
+    push,
+    reopen,
+    select,
+    some_motion,
+    update,
+)
+
+FLIP = np.array((-1.0, 1.0, 1.0))
+
+
+def painted(obj: bpy.types.Object, name: str, weight) -> None:
+    """A vertex group with ``weight(point)`` where that is above 0."""
+    group = obj.vertex_groups.new(name=name)
+    for vertex in obj.data.vertices:
+        value = weight(vertex.co)
+        if value > 0.0:
+            group.add([vertex.index], value, "REPLACE")
+
+
+def weights(obj: bpy.types.Object, name: str) -> dict[tuple[float, ...], float]:
+    """Weight by place, of the vertices in a group."""
+    index = obj.vertex_groups[name].index
+    return {
+        tuple(np.round(vertex.co, 4) + 0.0): element.weight
+        for vertex in obj.data.vertices
+        for element in vertex.groups
+        if element.group == index
+    }
+
+
+def reflected(found: dict[tuple[float, ...], float]) -> dict[tuple[float, ...], float]:
+    return {(-x + 0.0, y, z): weight for (x, y, z), weight in found.items()}
+
+
+def soft_left(point) -> float:
+    """1 near the left edge, falling off towards the centre, uneven along y."""
+    return min(1.0, max(0.0, (point[0] - 0.35) * 2.5)) if point[1] > -0.5 else 0.0
+
+
+@pytest.fixture
+def hand() -> Rig:
+    """A plate, posed: soft Hand.L on the left, the centre column fixed. The deformer is bound."""
+    plate = Rig(grid_object())
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    add_region(plate, "Hand.L", soft_left, "HANDLE")
+    add_region(plate, "Spine", lambda point: abs(point[0]) < 0.1)
+    plate.deformer.active_handle = 0
+    return plate
+
+
+def by_name(plate: Rig, name: str):
+    return next(handle for handle in plate.deformer.handles if handle.name == name)
+
+
+def handle_names(plate: Rig) -> list[str]:
+    return [handle.name for handle in plate.deformer.handles]
+
+
+def add_region(plate: Rig, name: str, where, kind: str = "FIXED") -> None:
+    """A vertex group of the vertices for which ``where(point)``, and its region, active."""
+    painted(plate.obj, name, lambda point: float(where(point)))
+    make_active(plate.obj)
+    bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
+    make_active(plate.obj)
+
+
+def assert_weights_are_mirrored(plate: Rig, left: str = "Hand.L", right: str = "Hand.R") -> None:
+    assert weights(plate.obj, right) == pytest.approx(reflected(weights(plate.obj, left)))
+
+
+def assert_is_its_own_mirror_image(plate: Rig) -> None:
+    points = plate.points()
+    assert np.abs(points - mirror_image(plate.obj, points)).max() < 2e-5
+
+
+def low_corner(sign: float):
+    """Where the left (1.0) or right (-1.0) corner nearest to the viewer is."""
+    return lambda point: point[0] * sign > 0.7 and point[1] < -0.7
+
+
+def on_the_right(plate: Rig) -> list[int]:
+    """The hard vertices of what mirrors Hand.L."""
+    return [i for i, p in enumerate(plate.rest()) if p[0] < -0.76 and p[1] > -0.5]
+
+
+def mirror_image(obj: bpy.types.Object, points: np.ndarray) -> np.ndarray:
+    """What a symmetrical grid would show if its left were its right."""
+    rest = np.round([vertex.co for vertex in obj.data.vertices], 4) + 0.0
+    where = {tuple(place): index for index, place in enumerate(rest)}
+    return points[[where[tuple(place * FLIP + 0.0)] for place in rest]] * FLIP
+
+
+NAMES = (
+    *("Hand.L", "hand_r.003", "L Hand", "r-x", "LeftHand", "HandRIGHT.001", "leftover", "xleft", "Bright"),
+    *("RIGHT", "Head", "", "L", ".L", "L.", "L.001", "left", "Hand.Lx", "rightleft", "xleftleft", "LEft_x"),
+    *("a.L.b.R", "Hand.L.1a", "Hand.L.a1", "Größe.r", "ö.L", "éleft", "LEFTright", "riGHTy", "Hand.L."),
+    *("L.1", "Left"),
+)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_flip_as_blender_flips_them(room, name: str):
+    theirs = bpy.utils.flip_name(name)
+    assert room("core.sides").flip(name) == ("" if theirs == name else theirs)
+
+
+def test_a_handle_is_made_for_the_other_side(hand: Rig):
+    source = by_name(hand, "Hand.L")
+    source.weight, source.continuity, source.colour = 0.9, 1.0, (0.1, 0.2, 0.3)
+    assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    assert handle_names(hand) == ["Hand.L", "Spine", "Hand.R"]
+    source, target = by_name(hand, "Hand.L"), by_name(hand, "Hand.R")
+    assert_weights_are_mirrored(hand)
+    assert len({round(weight, 3) for weight in weights(hand.obj, "Hand.R").values()}) > 2  # soft ones too
+    assert target.vertex_group == "Hand.R"
+    for name in ("kind", "weight", "continuity"):
+        assert getattr(target, name) == getattr(source, name)
+    assert tuple(target.colour) == tuple(source.colour)
+    assert target.control not in (None, source.control)
+    places = [np.array(handle.control.matrix_world.translation) for handle in (source, target)]
+    assert np.allclose(places[0] * FLIP, places[1], atol=1e-6)
+    assert hand.deformer.status_level == "INFO"
+    assert np.abs(hand.points() - hand.rest()).max() < FLOAT32  # nothing moved
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_the_pose_is_mirrored_with_it(hand: Rig, turned: bool):
+    """The posed shape becomes its own mirror image, wherever the mesh object stands."""
+    if turned:
+        hand.obj.matrix_world = some_motion() @ Matrix.Diagonal((1.0, 2.0, 0.5, 1.0))
+        bpy.ops.sinew.unbind()
+        bpy.ops.sinew.bind()
+    control = hand.control
+    control.location = (0.1, 0.2, 0.4)
+    control.rotation_euler = (0.3, 0.5, -0.2)
+    before = hand.points()
+    assert np.abs(before - hand.rest()).max() > 0.3
+    make_active(hand.obj)
+    bpy.ops.sinew.handle_mirror()
+    assert_is_its_own_mirror_image(hand)
+    assert np.abs(hand.points() - hand.rest()).max() > 0.3
+    other = by_name(hand, "Hand.R").control
+    other.matrix_basis = Matrix.Identity(4)
+    control.matrix_basis = Matrix.Identity(4)
+    assert np.abs(hand.points() - hand.rest()).max() < 2e-5  # Alt+G, Alt+R bring both back
+
+
+def test_the_support_around_a_dragged_handle_is_mirrored_with_it():
+    plate = Rig(grid_object(cells=20))
+    bpy.ops.sinew.drag(origin=(0.5, 0.1, 5.0), value=(0.1, 0.05, 0.3), radius=0.15, reach=2.5)
+    make_active(plate.obj)
+    assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    update()
+    assert handle_names(plate) == ["Support.L", "Handle.L", "Handle.R", "Support.R"]
+    assert_is_its_own_mirror_image(plate)
+    assert_weights_are_mirrored(plate, "Support.L", "Support.R")
+
+
+def test_the_next_mirror_updates_the_counterpart(hand: Rig):
+    bpy.ops.sinew.handle_mirror()
+    first = by_name(hand, "Hand.R").control
+    by_name(hand, "Hand.L").control.location.z = 0.5
+    by_name(hand, "Hand.L").weight = 0.5
+    hand.obj.vertex_groups["Hand.L"].add([60], 0.25, "REPLACE")
+    bpy.ops.sinew.handle_mirror()
+    assert len(hand.deformer.handles) == 3
+    target = by_name(hand, "Hand.R")
+    assert target.control == first
+    assert target.weight == 0.5
+    assert_weights_are_mirrored(hand)
+    assert_is_its_own_mirror_image(hand)
+
+
+def test_weights_only_leaves_settings_and_pose(hand: Rig):
+    with pytest.raises(RuntimeError, match="no counterpart"):
+        bpy.ops.sinew.handle_mirror(weights_only=True)
+    assert "Hand.R" not in hand.obj.vertex_groups
+    bpy.ops.sinew.handle_mirror()
+    target = by_name(hand, "Hand.R")
+    target.weight = 0.75
+    by_name(hand, "Hand.L").control.location.z = 0.5
+    hand.obj.vertex_groups["Hand.L"].add([30], 0.5, "REPLACE")
+    bpy.ops.sinew.handle_mirror(weights_only=True)
+    target = by_name(hand, "Hand.R")
+    assert target.weight == 0.75
+    assert np.allclose(target.control.matrix_basis, Matrix.Identity(4))
+    assert_weights_are_mirrored(hand)
+
+
+def test_all_of_one_side(hand: Rig):
+    add_region(hand, "Foot.R", lambda point: point[0] < -0.7 and point[1] < -0.7, "HANDLE")
+    bpy.ops.sinew.handle_mirror(side="LEFT_TO_RIGHT")
+    assert set(handle_names(hand)) == {"Hand.L", "Spine", "Hand.R", "Foot.R"}
+    bpy.ops.sinew.handle_mirror(side="RIGHT_TO_LEFT")
+    assert sorted(handle_names(hand)) == ["Foot.L", "Foot.R", "Hand.L", "Hand.R", "Spine"]
+    assert_weights_are_mirrored(hand, "Foot.R", "Foot.L")
+
+
+def test_vertices_on_the_centre_stay_with_the_source(capfd):
+    """Both sides would hold them exactly, which no vertex can obey."""
+    plate = Rig(grid_object())
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    add_region(plate, "Half.L", lambda point: point[0] > -0.01, "HANDLE")
+    capfd.readouterr()
+    bpy.ops.sinew.handle_mirror()
+    assert "11 vertices on the centre line belong" in capfd.readouterr().out
+    assert plate.deformer.status_level == "INFO"
+    left, right = weights(plate.obj, "Half.L"), weights(plate.obj, "Half.R")
+    assert len(left) == 66
+    assert right == {place: weight for place, weight in reflected(left).items() if place[0] < 0.0}
+
+
+def test_an_even_handle_takes_one_half_from_the_other(hand: Rig):
+    add_region(hand, "Head", lambda point: (0.8 if point[0] > 0.0 else 0.3) * (abs(point[0]) < 0.5))
+    centre = {place: weight for place, weight in weights(hand.obj, "Head").items() if place[0] == 0.0}
+    bpy.ops.sinew.handle_mirror()  # the active one
+    head = weights(hand.obj, "Head")
+    assert head == pytest.approx(reflected(head))
+    assert {weight for place, weight in head.items() if place[0]} == {np.float32(0.8)}
+    assert {place: weight for place, weight in head.items() if place[0] == 0.0} == centre
+    assert len(hand.deformer.handles) == 3
+    hand.obj.vertex_groups["Head"].add(
+        [i for i, p in enumerate(hand.rest()) if -0.5 < p[0] < -0.1], 0.4, "REPLACE"
+    )
+    bpy.ops.sinew.handle_mirror(side="RIGHT_TO_LEFT")
+    assert {weight for place, weight in weights(hand.obj, "Head").items() if place[0]} == {np.float32(0.4)}
+
+
+def test_painted_parameters_are_evened_out_on_request(hand: Rig):
+    painted(hand.obj, "Stiff", lambda point: 0.5 + 0.4 * point[0])
+    hand.deformer.method = "arap"
+    hand.deformer.arap.rigidity_group = "Stiff"
+    before = weights(hand.obj, "Stiff")
+    bpy.ops.sinew.handle_mirror()
+    assert weights(hand.obj, "Stiff") == before
+    bpy.ops.sinew.handle_mirror(painted_groups=True)
+    after = weights(hand.obj, "Stiff")
+    assert after == pytest.approx(reflected(after))
+    assert {place: weight for place, weight in after.items() if place[0] >= 0.0} == {
+        place: weight for place, weight in before.items() if place[0] >= 0.0
+    }
+
+
+def test_the_bone_of_the_other_side_becomes_the_control(hand: Rig):
+    data = bpy.data.armatures.new("Rig")
+    armature = linked(bpy.data.objects.new("Rig", data))
+    armature.location = (0.0, 0.3, 0.1)
+    with in_mode(armature):
+        for name, x, roll in (("arm.L", 1.0, 0.3), ("arm.R", -1.0, 1.1)):  # rolls that do not match
+            bone = data.edit_bones.new(name)
+            bone.head, bone.tail = (0.5 * x, 0.0, 0.0), (x, 0.2, 0.3)
+            bone.roll = roll
+    make_active(hand.obj)
+    handle = by_name(hand, "Hand.L")
+    handle.control, handle.bone = armature, "arm.L"
+    bpy.ops.sinew.bind()
+    bones = armature.pose.bones
+    bones["arm.R"].location = (0.0, 0.0, 0.2)  # posed before it becomes a control
+    bpy.ops.sinew.handle_mirror()
+    target = by_name(hand, "Hand.R")
+    assert (target.control, target.bone) == (armature, "arm.R")
+    assert not target.owns_control
+    moved = armature.matrix_world @ bones["arm.R"].matrix @ data.bones["arm.R"].matrix_local.inverted()
+    moved = moved @ armature.matrix_world.inverted()
+    hard = on_the_right(hand)
+    update()
+    expected = apply_matrix(moved, hand.rest()[hard])
+    assert np.abs(expected - hand.rest()[hard]).max() > 0.1
+    assert np.abs(hand.points()[hard] - expected).max() < 1e-5
+
+
+def test_the_object_of_the_other_side_becomes_the_control(hand: Rig):
+    left, right = new_empty("Ctrl.L", (0.9, 0.1, 0.0)), new_empty("Ctrl.R", (-0.9, 0.1, 0.0))
+    by_name(hand, "Hand.L").control = left
+    make_active(hand.obj)
+    bpy.ops.sinew.bind()
+    left.location.z = 0.4  # posed, while the other one rests
+    update()
+    bpy.ops.sinew.handle_mirror()
+    assert by_name(hand, "Hand.R").control == right
+    assert np.abs(hand.points()[on_the_right(hand), 2]).max() < FLOAT32
+    right.location.z = 0.4
+    assert_is_its_own_mirror_image(hand)
+
+
+def test_a_fixed_region_has_no_control(hand: Rig):
+    add_region(hand, "Pin.L", lambda point: point[0] > 0.9 and point[1] < -0.7)
+    bpy.ops.sinew.handle_mirror()
+    assert by_name(hand, "Pin.R").kind == "FIXED"
+    assert by_name(hand, "Pin.R").control is None
+
+
+def test_a_mirror_modifier_fills_the_other_side():
+    """The base mesh is one half: the modifier hands the weights on to the flipped group."""
+    obj = grid_object()
+    mesh = obj.data
+    edit = bmesh.new()
+    edit.from_mesh(mesh)
+    bmesh.ops.delete(edit, geom=[vertex for vertex in edit.verts if vertex.co.x < -0.01], context="VERTS")
+    edit.to_mesh(mesh)
+    edit.free()
+    obj.modifiers.new("Mirror", "MIRROR").use_clip = True
+    plate = Rig(obj)
+    painted(obj, "Hand.R", lambda point: 0.0)
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    add_region(plate, "Hand.L", soft_left, "HANDLE")
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+    plate.deformer.active_handle = 0
+    rest = evaluated_points(obj)
+    plate.control.location.z = 0.5
+    bpy.ops.sinew.handle_mirror()
+    assert plate.deformer.status_level == "INFO"
+    points = plate.points()
+    ends = {sign: np.flatnonzero((rest[:, 0] * sign > 0.9) & (rest[:, 1] > 0.0)) for sign in (1, -1)}
+    for members in ends.values():
+        assert np.abs(points[members, 2] - 0.5).max() < FLOAT32
+
+
+def test_vertices_without_an_image_are_counted(hand: Rig, capfd):
+    lifted = [i for i, p in enumerate(hand.rest()) if p[0] < -0.95 and p[1] > 0.3]
+    for index in lifted:
+        hand.obj.data.vertices[index].co.z = 0.02
+    hand.obj.data.update()
+    make_active(hand.obj)
+    capfd.readouterr()
+    bpy.ops.sinew.handle_mirror()
+    assert f"{len(lifted)} vertices have no mirror image" in capfd.readouterr().out
+    assert len(weights(hand.obj, "Hand.R")) == len(weights(hand.obj, "Hand.L")) - len(lifted)
+    bpy.ops.sinew.handle_mirror(tolerance=0.05)
+    assert "no mirror image" not in capfd.readouterr().out
+    assert len(weights(hand.obj, "Hand.R")) == len(weights(hand.obj, "Hand.L"))
+
+
+def test_refusals_change_nothing(hand: Rig):
+    add_region(hand, "Blob", low_corner(1.0))
+    for vertex in hand.obj.data.vertices:
+        if vertex.co.x < -0.1:
+            vertex.co.z = 3.0
+    for active in (0, 2):
+        hand.deformer.active_handle = active
+        with pytest.raises(RuntimeError, match="not symmetrical"):
+            bpy.ops.sinew.handle_mirror()
+    assert {group.name for group in hand.obj.vertex_groups} == {"Top", "Base", "Hand.L", "Spine", "Blob"}
+    assert handle_names(hand) == ["Hand.L", "Spine", "Blob"]
+
+
+def test_mirror_in_edit_and_weight_paint_mode(hand: Rig):
+    for mode in ("EDIT", "WEIGHT_PAINT"):
+        hand.deformer.active_handle = 0
+        with in_mode(hand.obj, mode):
+            assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+            assert hand.obj.mode == mode
+    assert_weights_are_mirrored(hand)
+
+
+def test_a_turned_empty_mirrors_as_a_flipped_pose(hand: Rig):
+    """The same numbers with x, and the turns about y and z, reversed: what Paste Pose Flipped does."""
+    control = hand.control
+    control.rotation_mode = "XYZ"
+    control.location, control.rotation_euler = (0.1, 0.2, 0.3), Euler((0.2, 0.0, 0.0))
+    bpy.ops.sinew.handle_mirror()
+    other = by_name(hand, "Hand.R").control
+    assert np.allclose(other.location, (-0.1, 0.2, 0.3), atol=1e-6)
+    assert np.allclose(other.rotation_euler, (0.2, 0.0, 0.0), atol=1e-6)
+    control.rotation_euler = (0.0, 0.0, math.radians(30.0))
+    update()
+    bpy.ops.sinew.handle_mirror()
+    assert np.allclose(other.rotation_euler, (0.0, 0.0, math.radians(-30.0)), atol=1e-6)
+    move_world(control, Matrix.Translation((0.0, 0.0, 0.1)))
+
+
+@pytest.mark.parametrize(("sign", "ending", "other"), [(1.0, ".L", ".R"), (-1.0, ".R", ".L")])
+def test_a_handle_is_named_by_the_side_that_it_lies_on(hand: Rig, capfd, sign, ending, other):
+    """With the group and the control that carried its name, and is mirrored with its pose."""
+    add_region(hand, "Foot", low_corner(sign), "HANDLE")
+    control = by_name(hand, "Foot").control
+    assert control.name == "Plate Foot"
+    control.location.z = 0.4
+    control.rotation_euler.y = 0.3
+    before = hand.points()
+    make_active(hand.obj)
+    capfd.readouterr()
+    assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    said = capfd.readouterr().out
+    assert f"Foot is now Foot{ending}, after the side that it lies on" in said
+    assert f"Mirrored Foot{ending} to Foot{other}" in said
+    assert handle_names(hand) == ["Hand.L", "Spine", f"Foot{ending}", f"Foot{other}"]
+    for end in (ending, other):
+        handle = by_name(hand, f"Foot{end}")
+        assert (handle.vertex_group, handle.control.name) == (f"Foot{end}", f"Plate Foot{end}")
+    assert by_name(hand, f"Foot{ending}").control == control
+    assert "Foot" not in hand.obj.vertex_groups
+    assert_weights_are_mirrored(hand, f"Foot{ending}", f"Foot{other}")
+    corner = [i for i, p in enumerate(hand.rest()) if low_corner(sign)(p)]
+    after = hand.points()
+    assert np.abs(after - before)[corner].max() < FLOAT32
+    assert np.abs(after - mirror_image(hand.obj, after))[corner].max() < 2e-5
+    assert hand.deformer.status_level == "INFO"
+
+
+def test_a_selection_that_became_a_handle_gets_the_names_of_both_sides(hand: Rig):
+    make_active(hand.obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    change_selection(hand.obj, low_corner(1.0))
+    bpy.ops.sinew.handle_add(kind="HANDLE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    make_active(hand.obj)
+    assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    assert handle_names(hand) == ["Hand.L", "Spine", "Handle.L", "Handle.R"]
+    bpy.ops.sinew.handle_remove(index=3)
+    bpy.ops.sinew.handle_remove(index=2)
+    assert {group.name for group in hand.obj.vertex_groups} == {"Top", "Base", "Hand.L", "Spine"}
+
+
+def change_selection(obj: bpy.types.Object, where) -> None:
+    """In Edit Mode."""
+    edit = bmesh.from_edit_mesh(obj.data)
+    select(edit, where)
+    bmesh.update_edit_mesh(obj.data)
+
+
+def test_what_names_the_group_of_a_handle_follows_its_new_name(hand: Rig, tmp_path):
+    """Shape keys, masks, modifiers, constraints, painted parameters, and the regions of other deformers."""
+    add_region(hand, "Foot", low_corner(1.0), "HANDLE")
+    obj = hand.obj
+    bpy.ops.object.shape_key_add(from_mix=False)
+    bpy.ops.object.shape_key_add(from_mix=False)
+    key = obj.data.shape_keys.key_blocks[1]
+    key.data[0].co.z, key.value, key.vertex_group = 1.0, 0.5, "Foot"
+    obj.modifiers.new("Smooth", "SMOOTH").vertex_group = "Foot"
+    cloth = obj.modifiers.new("Cloth", "CLOTH")
+    cloth.show_viewport = cloth.show_render = False
+    cloth.settings.vertex_group_mass = "Foot"
+    rider = new_empty("Rider")
+    constraint = rider.constraints.new("COPY_LOCATION")
+    constraint.target, constraint.subtarget = obj, "Foot"
+    first = hand.deformer
+    first.mask_group = "Foot"
+    make_active(obj)
+    bpy.ops.sinew.deformer_add(method="arap")
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Foot", handle_name="Other")
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Spine")
+    second = hand.deformer
+    second.arap.rigidity_group = "Foot"
+    second.handles[0].control.location.z = 0.3
+    update()
+    before, carried = hand.points(), np.array(rider.matrix_world.translation)
+    obj.sinew.active_deformer, obj.sinew.deformers[0].active_handle = 0, 2
+    bpy.ops.sinew.handle_mirror()
+    first, second = obj.sinew.deformers
+    assert handle_names(hand) == ["Hand.L", "Spine", "Foot.L", "Foot.R"]
+    assert second.handles[0].vertex_group == second.arap.rigidity_group == first.mask_group == "Foot.L"
+    assert key.vertex_group == obj.modifiers["Smooth"].vertex_group == constraint.subtarget == "Foot.L"
+    assert cloth.settings.vertex_group_mass == "Foot.L"
+    assert [deformer.status_level for deformer in (first, second)] == ["INFO", "INFO"]
+    assert np.abs(hand.points() - before).max() < 2e-5
+    assert np.allclose(rider.matrix_world.translation, carried, atol=1e-5)
+    reopen(tmp_path / "renamed.blend")
+    assert np.abs(hand.points() - before).max() < 2e-5
+    assert {deformer.status_level for deformer in hand.obj.sinew.deformers} == {"INFO"}
+
+
+def test_a_group_that_a_bone_needs_keeps_its_name(hand: Rig):
+    armature = new_armature(Foot=((0.8, -0.8, 0.0), (0.8, -0.8, 0.5)))
+    add_region(hand, "Foot", low_corner(1.0), "HANDLE")
+    hand.obj.modifiers.new("Armature", "ARMATURE").object = armature
+    make_active(hand.obj)
+    bpy.ops.sinew.handle_mirror()
+    assert handle_names(hand)[2:] == ["Foot.L", "Foot.R"]
+    assert by_name(hand, "Foot.L").vertex_group == "Foot"
+    assert by_name(hand, "Foot.R").vertex_group == "Foot.R"
+
+
+def test_naming_the_sides_is_one_step_of_undo(hand: Rig):
+    add_region(hand, "Foot", low_corner(1.0), "HANDLE")
+
+    def names() -> tuple:
+        groups = [group.name for group in hand.obj.vertex_groups]
+        return handle_names(hand), groups, sorted(obj.name for obj in bpy.data.objects if obj.type == "EMPTY")
+
+    push("Add Handle")
+    before, shape = names(), hand.points()
+    bpy.ops.sinew.handle_mirror()
+    push("Mirror Handle")
+    after = names()
+    assert before != after
+    bpy.ops.ed.undo()
+    assert names() == before
+    assert np.abs(hand.points() - shape).max() < FLOAT32
+    bpy.ops.ed.redo()
+    assert names() == after
+    assert hand.deformer.status_level == "INFO"
+
+
+def test_a_region_on_the_centre_line_stays_one_handle_and_is_said_to(hand: Rig, capfd):
+    hand.deformer.active_handle = 1
+    capfd.readouterr()
+    bpy.ops.sinew.handle_mirror()
+    assert "Spine lies on the centre line: it stays one handle, made symmetric" in capfd.readouterr().out
+    assert handle_names(hand) == ["Hand.L", "Spine"]
+
+
+def test_two_nameless_handles_that_mirror_each_other_become_a_pair(hand: Rig):
+    add_region(hand, "Foot", low_corner(-1.0), "HANDLE")
+    add_region(hand, "Toes", low_corner(1.0), "HANDLE")
+    controls = [by_name(hand, name).control for name in ("Foot", "Toes")]
+    controls[1].location.z = 0.4
+    make_active(hand.obj)
+    bpy.ops.sinew.handle_mirror()
+    assert handle_names(hand)[2:] == ["Toes.R", "Toes.L"]
+    assert [by_name(hand, name).control for name in ("Toes.R", "Toes.L")] == controls
+    assert controls[0].name == "Plate Toes.R"
+    assert controls[0].location.z == pytest.approx(0.4, abs=1e-6)
+    assert hand.deformer.status_level == "INFO"
+
+
+def test_a_name_that_is_taken_gets_a_number(hand: Rig):
+    hand.obj.vertex_groups.new(name="Foot.R")
+    add_region(hand, "Foot", low_corner(1.0), "HANDLE")
+    bpy.ops.sinew.handle_mirror()
+    assert handle_names(hand)[2:] == ["Foot.001.L", "Foot.001.R"]
+    assert hand.obj.vertex_groups.get("Foot.001.L") is not None
+    assert not weights(hand.obj, "Foot.R")
+
+
+def test_all_of_one_side_names_the_handles_of_that_side_alone(hand: Rig):
+    add_region(hand, "Foot", low_corner(-1.0), "HANDLE")
+    bpy.ops.sinew.handle_mirror(side="LEFT_TO_RIGHT")
+    assert handle_names(hand) == ["Hand.L", "Spine", "Foot", "Hand.R"]
+    bpy.ops.sinew.handle_mirror(side="RIGHT_TO_LEFT")
+    assert handle_names(hand) == ["Hand.L", "Spine", "Foot.R", "Hand.R", "Foot.L"]
+    assert_weights_are_mirrored(hand, "Foot.R", "Foot.L")
+
+
+def test_the_handle_is_mirrored_and_not_the_fixed_region_that_was_added_last():
+    """As the README has it: the control is active after Edit Mode is left, and so is its row."""
+    obj = grid_object("Plate")
+    make_active(obj)
+    bpy.ops.object.mode_set(mode="EDIT")
+    for kind, chosen in (("HANDLE", lambda point: point.x > 0.9), ("FIXED", lambda point: point.y < -0.9)):
+        edit = bmesh.from_edit_mesh(obj.data)
+        for vertex in edit.verts:
+            vertex.select_set(chosen(vertex.co))
+        bmesh.update_edit_mesh(obj.data)
+        name = "Hand.L" if kind == "HANDLE" else "Feet"
+        assert bpy.ops.sinew.handle_add(kind=kind, handle_name=name) == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    update()
+    assert bpy.context.object == obj.sinew.active.handles["Hand.L"].control
+    assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    assert [handle.name for handle in obj.sinew.active.handles] == ["Hand.L", "Feet", "Hand.R"]

@@ -1,0 +1,593 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mirrored posing: what is moved on one side moves the control of the other, live, and nothing else does."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+from inside import calls_of, evaluated_by, settle
+from mathutils import Euler, Matrix, Quaternion, Vector
+from rigs.rig import (
+    FLOAT32,
+    Rig,
+    add_group,
+    curves_of,
+    grid_object,
+    key,
+    linked,
+    make_active,
+    move_world,
+    new_armature,
+    new_empty,
+    push,
+    reopen,
+    some_motion,
+    update,
+)
+from rigs.sheet import WIDE, draw_panel
+from test_mirror import assert_is_its_own_mirror_image, by_name
+
+EDGE = 0.7
+POSED = {"location": (0.1, 0.2, 0.4), "rotation_euler": (0.3, 0.5, -0.2), "scale": (1.0, 1.2, 0.9)}
+MIRRORED = {"location": (-0.1, 0.2, 0.4), "rotation_euler": (0.3, -0.5, 0.2), "scale": (1.0, 1.2, 0.9)}
+REST = {"location": (0.0, 0.0, 0.0), "rotation_euler": (0.0, 0.0, 0.0), "scale": (1.0, 1.0, 1.0)}
+
+
+def add_handle(plate: Rig, name: str, where, kind: str = "HANDLE", **keywords) -> None:
+    add_group(plate.obj, name, where)
+    make_active(plate.obj)
+    bpy.ops.sinew.handle_add(kind=kind, vertex_group=name, **keywords)
+    make_active(plate.obj)
+
+
+@pytest.fixture
+def hands() -> Rig:
+    """A plate with Hand.L and its mirror image, a head without a side, a fixed spine; the switch is on."""
+    plate = Rig(grid_object())
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    add_handle(plate, "Hand.L", lambda point: point[0] > EDGE)
+    bpy.ops.sinew.handle_mirror()
+    add_handle(plate, "Head", lambda point: abs(point[0]) < 0.3 and point[1] > EDGE)
+    add_handle(plate, "Spine", lambda point: abs(point[0]) < 0.1 and point[1] < 0.3, "FIXED")
+    plate.deformer.use_mirror_x = True
+    update()
+    return plate
+
+
+def control(plate: Rig, name: str) -> bpy.types.Object:
+    return by_name(plate, name).control
+
+
+def left(plate: Rig) -> bpy.types.Object:
+    return control(plate, "Hand.L")
+
+
+def right(plate: Rig) -> bpy.types.Object:
+    return control(plate, "Hand.R")
+
+
+def pose(obj: bpy.types.Object, **values) -> None:
+    for name, value in values.items():
+        setattr(obj, name, value)
+    update()
+
+
+def is_at(obj: bpy.types.Object, values: dict, tolerance: float = 2e-6) -> bool:
+    return all(np.allclose(getattr(obj, name), value, atol=tolerance) for name, value in values.items())
+
+
+def select(*objects: bpy.types.Object) -> None:
+    make_active(objects[0])
+    for obj in objects:
+        obj.select_set(True)
+
+
+@pytest.mark.parametrize(("one", "other"), [("Hand.L", "Hand.R"), ("Hand.R", "Hand.L")])
+def test_the_other_side_follows(hands: Rig, one, other):
+    """In the same evaluation: after it the shape is its own mirror image."""
+    leader, partner = control(hands, one), control(hands, other)
+    pose(leader, **POSED)
+    assert is_at(partner, MIRRORED)
+    assert is_at(leader, POSED, 0.0 + 1e-7)
+    assert_is_its_own_mirror_image(hands)
+    assert np.abs(hands.points() - hands.rest()).max() > 0.3
+    pose(leader, **REST)
+    assert is_at(partner, REST)
+
+
+def test_it_is_off_until_it_is_switched_on(hands: Rig):
+    hands.deformer.use_mirror_x = False
+    update()
+    pose(left(hands), **POSED)
+    assert is_at(right(hands), REST)
+    hands.deformer.use_mirror_x = True  # what was moved before is not mirrored now
+    for _ in range(2):
+        update()
+    assert is_at(right(hands), REST)
+    other = Rig(grid_object("Other"))
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    assert not other.deformer.use_mirror_x
+
+
+def test_it_is_saved(hands: Rig, tmp_path):
+    pose(left(hands), location=(0.1, 0.0, 0.0))
+    reopen(tmp_path / "mirrored.blend")
+    assert hands.deformer.use_mirror_x
+    assert is_at(right(hands), {"location": (-0.1, 0.0, 0.0)})
+    pose(left(hands), **POSED)
+    assert is_at(right(hands), MIRRORED)
+
+
+@pytest.mark.parametrize(
+    ("act", "expected"),
+    [
+        (
+            lambda: bpy.ops.transform.translate(value=(0.1, 0.2, 0.3)),
+            lambda there: Matrix.Translation((-0.1, 0.2, 0.3)) @ there,
+        ),
+        (
+            lambda: bpy.ops.transform.rotate(value=0.4, orient_axis="X"),
+            lambda there: Matrix.Translation(there.translation) @ turn_like_x() @ unmoved(there),
+        ),
+        (
+            lambda: bpy.ops.transform.resize(value=(2.0, 2.0, 2.0)),
+            lambda there: there @ Matrix.Scale(2.0, 4),
+        ),
+    ],
+    ids=["move", "rotate", "scale"],
+)
+def test_blenders_transforms_are_followed(hands: Rig, act, expected):
+    select(left(hands))
+    before = right(hands).matrix_world.copy()
+    act()
+    update()
+    assert np.allclose(right(hands).matrix_world, expected(before), atol=1e-5)
+    assert_is_its_own_mirror_image(hands)
+
+
+def turn_like_x() -> Matrix:
+    """The turn that the operator gave the left control: about x it is its own mirror image."""
+    return bpy.data.objects["Plate Hand.L"].rotation_euler.to_matrix().to_4x4()
+
+
+def unmoved(matrix: Matrix) -> Matrix:
+    return Matrix.Translation(-matrix.translation) @ matrix
+
+
+def test_clearing_a_transform_clears_the_other(hands: Rig):
+    pose(left(hands), **POSED)
+    select(left(hands))
+    bpy.ops.object.location_clear()
+    bpy.ops.object.rotation_clear()
+    bpy.ops.object.scale_clear()
+    update()
+    assert is_at(right(hands), REST)
+    assert np.abs(hands.points() - hands.rest()).max() < 2e-5
+
+
+def test_a_turn_of_more_than_half_a_circle_goes_on(hands: Rig):
+    for degrees in range(0, 400, 40):
+        pose(left(hands), rotation_euler=(0.0, 0.0, math.radians(degrees)))
+        assert np.allclose(right(hands).rotation_euler, (0.0, 0.0, -math.radians(degrees)), atol=1e-5)
+
+
+@pytest.mark.parametrize("mode", ["QUATERNION", "AXIS_ANGLE", "ZYX"])
+def test_the_other_control_may_turn_in_another_mode(hands: Rig, mode):
+    right(hands).rotation_mode = mode
+    update()
+    assert is_at(left(hands), REST)  # choosing a mode moves nothing
+    pose(left(hands), **POSED)
+    assert_is_its_own_mirror_image(hands)
+    right(hands).rotation_mode = "XYZ"
+    update()
+    assert is_at(left(hands), POSED, 1e-7)
+    right(hands).rotation_mode = mode
+    update()
+    if mode == "QUATERNION":
+        pose(right(hands), rotation_quaternion=Quaternion((0.0, 0.0, 1.0), 0.5))
+        turned = left(hands).rotation_euler.to_quaternion()
+        assert turned.rotation_difference(Quaternion((0.0, 0.0, 1.0), -0.5)).angle < 1e-3
+
+
+def test_both_moved_at_once_keep_what_the_transform_gave_them(hands: Rig):
+    select(left(hands), right(hands))
+    bpy.ops.transform.translate(value=(0.1, 0.2, 0.3))
+    update()
+    assert is_at(left(hands), {"location": (0.1, 0.2, 0.3)})
+    assert is_at(right(hands), {"location": (0.1, 0.2, 0.3)})
+
+
+def test_moving_the_partner_moves_the_first_no_further(hands: Rig):
+    """Bit for bit: nothing comes back."""
+    pose(left(hands), **POSED)
+    given = [np.array(getattr(left(hands), name)) for name in POSED]
+    for _ in range(3):
+        bpy.context.view_layer.objects.active = hands.obj
+        hands.obj.update_tag()
+        update()
+    assert all(
+        np.array_equal(value, getattr(left(hands), name)) for name, value in zip(POSED, given, strict=True)
+    )
+
+
+def test_a_control_without_a_side_moves_nothing(hands: Rig):
+    control(hands, "Head").location.z = 0.3
+    update()
+    assert is_at(left(hands), REST)
+    assert is_at(right(hands), REST)
+
+
+def test_animation_is_not_mirrored(hands: Rig):
+    """Neither by playback nor by scrubbing, nor by an edit of something else on a frame that it posed."""
+    key(left(hands), {1: {"location": (0.0, 0.0, 0.0)}, 11: {"location": (0.0, 0.0, 0.5)}})
+    scene = bpy.context.scene
+    scene.frame_set(1)
+    pose(right(hands), location=(0.0, 0.0, 0.0))
+    for frame in (11, 6, 1, 7):
+        scene.frame_set(frame)
+        assert is_at(right(hands), REST)
+    control(hands, "Head").location.z += 0.1
+    update()
+    assert is_at(right(hands), REST)
+    assert left(hands).location.z > 0.1
+    point = curves_of(left(hands))[2].keyframe_points[0]
+    point.co.y = -0.5  # the curve is edited, not the control
+    left(hands).animation_data.action.update_tag()
+    update()
+    assert is_at(right(hands), REST)
+    pose(left(hands), location=(0.0, 0.2, 0.0))  # and what is moved on such a frame is mirrored
+    assert is_at(right(hands), {"location": (0.0, 0.2, 0.0)})
+
+
+def test_drivers_constraints_and_parents_are_not_mirrored(hands: Rig):
+    master = new_empty("Master")
+    driver = left(hands).driver_add("location", 2).driver
+    driver.type = "SUM"
+    variable = driver.variables.new()
+    variable.targets[0].id, variable.targets[0].data_path = master, "location[0]"
+    update()
+    pose(master, location=(0.4, 0.0, 0.0))
+    assert left(hands).location.z == pytest.approx(0.4)
+    assert is_at(right(hands), REST)
+    left(hands).driver_remove("location", 2)
+    pose(left(hands), location=(0.0, 0.0, 0.0))
+    constraint = left(hands).constraints.new("COPY_LOCATION")
+    constraint.target, constraint.use_offset = master, True
+    update()
+    pose(master, location=(0.0, 0.4, 0.0))
+    assert is_at(right(hands), REST)
+    pose(hands.obj, location=(1.0, 2.0, 3.0))
+    assert is_at(right(hands), REST)
+
+
+def test_renders_and_other_updates_are_not_mirrored(hands: Rig):
+    key(left(hands), {1: {"location": (0.0, 0.0, 0.0)}, 3: {"location": (0.0, 0.0, 0.5)}})
+    bpy.context.scene.frame_set(1)
+    pose(right(hands), location=(0.0, 0.0, 0.0))
+    scene = bpy.context.scene
+    scene.camera = linked(bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera")))
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 1, False
+    for frame in (2, 3):
+        scene.frame_set(frame)
+        bpy.ops.render.render(animation=False)
+        assert is_at(right(hands), REST)
+    other = new_empty("Other")
+    other.location.x = 1.0
+    hands.obj.data.update_tag()
+    update()
+    assert is_at(right(hands), REST)
+
+
+def test_undo_takes_back_both_in_one_step(hands: Rig):
+    push("Before")
+    pose(left(hands), **POSED)
+    push("Move")
+    shape = hands.points()
+    bpy.ops.ed.undo()
+    update()
+    assert is_at(left(hands), REST)
+    assert is_at(right(hands), REST)
+    assert np.abs(hands.points() - hands.rest()).max() < 2e-5
+    bpy.ops.ed.redo()
+    update()
+    assert is_at(left(hands), POSED)
+    assert is_at(right(hands), MIRRORED)
+    assert np.abs(hands.points() - shape).max() < FLOAT32
+
+
+def push_before_the_partner_follows(message: str) -> None:
+    """As an operator of a window ends: Blender takes the step, and evaluates afterwards."""
+    before = bpy.app.handlers.depsgraph_update_pre
+    ours = list(before)
+    before.clear()
+    with evaluated_by(None):
+        bpy.ops.ed.undo_push(message=message)
+    before.extend(ours)
+
+
+def test_steps_of_undo_that_lack_the_partner_are_completed(hands: Rig):
+    """In both directions, and beside steps that have both."""
+    push("Before")
+    pose(left(hands), **POSED)
+    push("Move")
+    for name, value in REST.items():
+        setattr(left(hands), name, value)
+    push_before_the_partner_follows("Clear")
+    assert is_at(right(hands), MIRRORED)
+    left(hands).update_tag()
+    update()
+    assert is_at(right(hands), REST)
+    pose(control(hands, "Head"), location=(0.0, 0.0, 0.2))
+    push("Another Move")
+    ways = [(bpy.ops.ed.undo, "RMR"), (bpy.ops.ed.redo, "MR")]
+    for step, states in ways:
+        for state in states:
+            step()
+            update()
+            assert is_at(left(hands), POSED if state == "M" else REST)
+            assert is_at(right(hands), MIRRORED if state == "M" else REST)
+            assert_is_its_own_mirror_image(hands)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_controls_that_rest_otherwise_follow_as_mirror_does(hands: Rig, turned):
+    """Objects of the user in any place and turn at rest; the mesh moved, turned and scaled."""
+    ours = [new_empty("Grip.L", (0.9, 0.1, 0.0)), new_empty("Grip.R", (-0.7, 0.3, 0.2))]
+    ours[0].rotation_euler, ours[1].rotation_euler = (0.1, 0.2, 0.3), (1.0, -0.4, 2.0)
+    ours[1].rotation_mode = "QUATERNION"
+    if turned:
+        hands.obj.matrix_world = some_motion() @ Matrix.Diagonal((1.5, 1.5, 1.5, 1.0))
+    update()
+    for name, empty in zip(("Hand.L", "Hand.R"), ours, strict=True):
+        by_name(hands, name).control = empty
+    make_active(hands.obj)
+    bpy.ops.sinew.bind()
+    assert np.abs(hands.points() - hands.rest()).max() < 2e-5
+    for leader in ours:
+        turn = Matrix.Translation((0.1, 0.2, 0.3)) @ Euler((0.3, -0.2, 0.4)).to_matrix().to_4x4()
+        move_world(leader, turn)
+        assert_is_its_own_mirror_image(hands)
+    assert np.abs(hands.points() - hands.rest()).max() > 0.1
+
+
+def test_controls_on_bones_and_with_child_of_follow(hands: Rig):
+    """A pose is relative to the mesh, whatever carries the controls."""
+    armature = new_armature(
+        **{"Arm.L": ((0.9, 0.0, 0.0), (0.9, 0.0, 0.5)), "Arm.R": ((-0.9, 0.0, 0.0), (-0.9, 0.3, 0.4))}
+    )
+    ours = [new_empty("Grip.L", (0.9, 0.1, 0.0)), new_empty("Grip.R", (-0.9, 0.1, 0.0))]
+    ours[0].parent, ours[0].parent_type, ours[0].parent_bone = armature, "BONE", "Arm.L"
+    child_of = ours[1].constraints.new("CHILD_OF")
+    child_of.target, child_of.subtarget = armature, "Arm.R"
+    update()
+    for name, empty in zip(("Hand.L", "Hand.R"), ours, strict=True):
+        by_name(hands, name).control = empty
+    make_active(hands.obj)
+    bpy.ops.sinew.bind()
+    for leader in ours:
+        leader.location.z += 0.2
+        leader.rotation_euler.x += 0.3
+        update()
+        assert_is_its_own_mirror_image(hands)
+
+
+def test_locked_channels_stay(hands: Rig):
+    right(hands).lock_location = (False, False, True)
+    right(hands).lock_rotation = (True, False, False)
+    pose(left(hands), **POSED)
+    assert is_at(right(hands), {"location": (-0.1, 0.2, 0.0), "rotation_euler": (0.0, -0.5, 0.2)})
+
+
+@pytest.mark.parametrize("mode", ["QUATERNION", "AXIS_ANGLE"])
+def test_a_locked_rotation_stays_in_other_modes_of_rotation(hands: Rig, mode: str):
+    right(hands).rotation_mode, right(hands).lock_rotation = mode, (True, True, True)
+    right(hands).lock_rotation_w = True
+    before = tuple(getattr(right(hands), f"rotation_{mode.lower()}"))
+    pose(left(hands), **POSED)
+    assert tuple(getattr(right(hands), f"rotation_{mode.lower()}")) == before
+    assert is_at(right(hands), {"location": (-0.1, 0.2, POSED["location"][2])})
+
+
+def test_what_cannot_be_mirrored_stays_quietly(hands: Rig):
+    """Scaled to zero, not a number, deleted, given to another object, renamed: no traceback."""
+    pose(left(hands), **POSED)
+    pose(hands.obj, scale=(0.0, 1.0, 1.0))
+    pose(left(hands), location=(0.0, 0.0, 0.1))
+    pose(hands.obj, scale=(1.0, 1.0, 1.0))
+    pose(left(hands), location=(0.0, 0.0, float("nan")))
+    assert np.isfinite(right(hands).location).all()
+    pose(left(hands), **POSED)
+    hands.obj.name = hands.name = "Renamed"
+    update()
+    pose(left(hands), location=(0.1, 0.0, 0.0))
+    assert is_at(right(hands), {"location": (-0.1, 0.0, 0.0)})
+    other = new_empty("Elsewhere", (-2.0, 0.0, 0.0))
+    by_name(hands, "Hand.R").control = other
+    update()
+    pose(left(hands), location=(0.2, 0.0, 0.0))
+    assert np.allclose(other.location, (-2.1, 0.0, 0.0), atol=1e-5)
+    bpy.data.objects.remove(other)
+    pose(left(hands), **REST)
+    bpy.data.objects.remove(hands.obj)
+    update()
+
+
+def test_the_mirror_operator_moves_the_first_control_no_further(hands: Rig):
+    pose(left(hands), **POSED)
+    given = [np.array(getattr(left(hands), name)) for name in POSED]
+    hands.deformer.active_handle = 0
+    make_active(hands.obj)
+    bpy.ops.sinew.handle_mirror()
+    update()
+    assert all(
+        np.array_equal(value, getattr(left(hands), name)) for name, value in zip(POSED, given, strict=True)
+    )
+    pose(left(hands), **REST)
+    assert is_at(right(hands), REST)
+
+
+def test_names_of_groups_and_of_controls_tell_the_side_too(hands: Rig):
+    for name, new in (("Hand.L", "One"), ("Hand.R", "Two")):
+        by_name(hands, name).name = new
+    hands.obj.vertex_groups["Hand.L"].name = "Group One"
+    control(hands, "One").name, control(hands, "Two").name = "Grip_l", "Grip_r"
+    update()
+    pose(bpy.data.objects["Grip_l"], **POSED)
+    assert is_at(bpy.data.objects["Grip_r"], MIRRORED)
+
+
+def test_automatic_keyframes_key_the_partner_too(hands: Rig, monkeypatch):
+    """When the artist pauses: Blender keys the control that was moved, and Sinew the same channels."""
+    scene = bpy.context.scene
+    scene.tool_settings.use_keyframe_insert_auto = True
+    monkeypatch.setattr(bpy.context.preferences.edit, "use_keyframe_insert_available", False)
+    scene.frame_set(1)
+    select(left(hands))
+    bpy.ops.transform.translate(value=(0.1, 0.2, 0.3))
+    settle()
+    assert left(hands).animation_data is not None
+    keyed = {(curve.data_path, curve.array_index) for curve in curves_of(left(hands))}
+    assert {(curve.data_path, curve.array_index) for curve in curves_of(right(hands))} == keyed
+    scene.frame_set(11)
+    bpy.ops.transform.translate(value=(0.0, 0.0, 0.5))
+    settle()
+    for frame, height in ((1, 0.3), (11, 0.8)):
+        scene.frame_set(frame)
+        assert is_at(right(hands), {"location": (-0.1, 0.2, height)}, 1e-5)
+    scene.tool_settings.use_keyframe_insert_auto = False
+    scene.frame_set(5)
+    bpy.ops.transform.translate(value=(0.0, 0.1, 0.0))
+    settle()
+    assert all(len(curve.keyframe_points) <= 2 for curve in curves_of(right(hands)))
+
+
+def insert_keyframes(kind: str = "LocRotScale") -> None:
+    """As the key I does, for what is selected; then the artist pauses."""
+    window = bpy.context.window_manager.windows[0]
+    with bpy.context.temp_override(window=window, area=window.screen.areas[0]):
+        assert bpy.ops.anim.keyframe_insert_by_name(type=kind) == {"FINISHED"}
+    settle()
+
+
+def keys_of(obj: bpy.types.Object) -> dict[tuple[str, int], list[float]]:
+    """The frames of its keyframes, by channel."""
+    curves = [] if obj.animation_data is None else curves_of(obj)
+    return {(c.data_path, c.array_index): [point.co.x for point in c.keyframe_points] for c in curves}
+
+
+@pytest.mark.parametrize(("one", "other"), [(left, right), (right, left)])
+def test_inserting_keyframes_keys_the_partner_too(hands: Rig, one, other):
+    """At rest, moved, moved once more; and one channel alone."""
+    scene = bpy.context.scene
+    select(one(hands))
+    scene.frame_set(1)
+    insert_keyframes()
+    assert set(map(tuple, keys_of(one(hands)).values())) == {(1.0,)}
+    assert keys_of(other(hands)) == keys_of(one(hands))
+    scene.frame_set(11)
+    for height in (0.4, 0.7):
+        pose(one(hands), **POSED | {"location": (0.1, 0.2, height)})
+        insert_keyframes()
+        assert keys_of(other(hands)) == keys_of(one(hands))
+    scene.frame_set(21)
+    pose(one(hands), location=(0.0, 0.5, 0.0))
+    insert_keyframes("Location")
+    assert keys_of(one(hands))["location", 0] == [1.0, 11.0, 21.0]
+    assert keys_of(one(hands))["scale", 0] == [1.0, 11.0]
+    assert keys_of(other(hands)) == keys_of(one(hands))
+    for frame, values in (
+        (1, REST),
+        (11, MIRRORED | {"location": (-0.1, 0.2, 0.7)}),
+        (21, {"location": (0.0, 0.5, 0.0)}),
+    ):
+        scene.frame_set(frame)
+        assert is_at(other(hands), values, 1e-5)
+
+
+def test_only_what_is_keyed_by_hand_is_keyed_on_the_other_side(hands: Rig):
+    """Not what a script names, nor what is keyed while both are selected or while the switch is off."""
+    select(control(hands, "Head"))
+    left(hands).keyframe_insert("location", frame=1)
+    update()
+    settle()
+    assert not keys_of(right(hands))
+    select(left(hands), right(hands))
+    insert_keyframes("Location")
+    assert set(keys_of(right(hands))) == {("location", axis) for axis in range(3)}
+    select(left(hands))
+    pose(left(hands), **POSED)
+    bpy.context.scene.frame_set(5)  # what was not keyed is gone
+    insert_keyframes("Scaling")
+    assert {path for path, _axis in keys_of(right(hands))} == {"location", "scale"}
+    hands.deformer.use_mirror_x = False
+    update()
+    insert_keyframes("Rotation")
+    assert ("rotation_euler", 0) not in keys_of(right(hands))
+
+
+def test_without_it_an_update_and_a_frame_call_nothing_for_it(hands: Rig, room):
+    inside = room("session.live.mirroring")
+    ours = {
+        name for name, value in vars(inside).items() if getattr(value, "__module__", "") == inside.__name__
+    }
+    ours |= {"before_depsgraph_update", "listen", "control_pairs"}
+    assert {"move_partners", "note_seen", "note_target", "_mirror"} <= ours
+    pose(left(hands), location=(0.0, 0.0, 0.2))
+    found = calls_of(lambda: pose(left(hands), location=(0.0, 0.0, 0.1)))
+    assert {"before_depsgraph_update", "move_partners", "note_seen", "_mirror"} <= found.keys()
+    hands.deformer.use_mirror_x = False
+    update()
+    for _ in range(2):
+        control(hands, "Head").location.z += 0.01
+        update()
+    found = calls_of(lambda: pose(left(hands), location=(0.0, 0.0, 0.3)))
+    assert found["write_shape"] == 1, found
+    assert not ours & found.keys(), found
+    bpy.context.scene.frame_set(2)
+    found = calls_of(lambda: bpy.context.scene.frame_set(3))
+    assert found["on_frame_change"] == 1, found
+    assert not ours & found.keys(), found
+
+
+def test_with_it_both_sides_are_one_solve(hands: Rig):
+    for height in (0.1, 0.2):
+        pose(left(hands), location=(0.0, 0.0, height))
+    found = calls_of(lambda: pose(left(hands), location=(0.0, 0.0, 0.3)))
+    assert found["write_shape"] == 1, found
+    assert found["_mirror"] == 1, found
+    other = new_empty("Other")
+    update()
+    found = calls_of(lambda: pose(other, location=(0.0, 0.0, 0.3)))
+    assert not {"write_shape", "_mirror", "solve"} & found.keys(), found
+
+
+def test_bones_are_left_to_blender_and_the_panel_shows_its_switch(hands: Rig):
+    armature = new_armature(
+        **{"Arm.L": ((0.9, 0.0, 0.0), (0.9, 0.0, 0.5)), "Arm.R": ((-0.9, 0.0, 0.0), (-0.9, 0.0, 0.5))}
+    )
+    make_active(hands.obj)
+    assert "Bones of" not in str(draw_panel(WIDE).calls)
+    for name, bone in (("Hand.L", "Arm.L"), ("Hand.R", "Arm.R")):
+        handle = by_name(hands, name)
+        handle.control, handle.bone = armature, bone
+    bpy.ops.sinew.bind()
+    armature.pose.bones["Arm.L"].location = (0.0, 0.2, 0.0)
+    update()
+    assert armature.pose.bones["Arm.R"].location == Vector((0.0, 0.0, 0.0))
+    assert "Bones of Rig" in str(draw_panel(WIDE).calls)
+
+
+def test_the_panel_has_the_switch_beside_the_handles(hands: Rig):
+    sheet = draw_panel(WIDE)
+    drawn = [
+        (arguments[1], keywords.get("icon"))
+        for name, arguments, keywords, _settings in sheet.calls
+        if name == "prop" and len(arguments) > 1
+    ]
+    assert ("use_mirror_x", "MOD_MIRROR") in drawn
+    assert "Mirror makes it" not in sheet.texts()
+    for _ in range(2):
+        bpy.ops.sinew.handle_remove(index=0)
+    assert "Mirror makes it" in draw_panel(WIDE).texts()

@@ -1,0 +1,242 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The order of deformers and handles: list, modifier stack and animation move together."""
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix
+from rigs.rig import (
+    FLOAT32,
+    Rig,
+    add_group,
+    curves_of,
+    key,
+    linked,
+    make_active,
+    move_world,
+    new_empty,
+    update,
+)
+
+
+def three_deformers(plate: Rig) -> bpy.types.Object:
+    """Deformers A, B, C with a handle each, an Armature on top and a Smooth between A and B."""
+    obj = plate.obj
+    obj.modifiers.new("First", "ARMATURE")
+    plate.bind()
+    obj.modifiers.new("Between", "SMOOTH").factor = 0.0
+    for name, where in (("Left", lambda p: p[0] < -0.75), ("Right", lambda p: p[0] > 0.75)):
+        add_group(obj, name, where)
+        make_active(obj)
+        bpy.ops.sinew.deformer_add(method="thin_shell")
+        bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group=name)
+    for deformer, name in zip(obj.sinew.deformers, "ABC", strict=True):
+        deformer.name = name
+    make_active(obj)
+    return obj
+
+
+def names(obj: bpy.types.Object) -> str:
+    return "".join(deformer.name for deformer in obj.sinew.deformers)
+
+
+def stack(obj: bpy.types.Object, room) -> list[str]:
+    """Names of the modifiers; those of deformers by the deformer they show."""
+    find = room("session").find_modifier
+    labels = {find(obj, deformer).name: deformer.name for deformer in obj.sinew.deformers}
+    return [labels.get(modifier.name, modifier.name) for modifier in obj.modifiers]
+
+
+def test_modifiers_follow_the_list_and_others_keep_their_place(plate: Rig, room):
+    obj = three_deformers(plate)
+    assert stack(obj, room) == ["First", "A", "Between", "B", "C"]
+    assert bpy.ops.sinew.deformer_move(direction="UP", index=2) == {"FINISHED"}
+    assert names(obj) == "ACB"
+    assert stack(obj, room) == ["First", "A", "Between", "C", "B"]
+    obj.sinew.active_deformer = 0
+    bpy.ops.sinew.deformer_move(direction="DOWN")
+    assert names(obj) == "CAB"
+    assert obj.sinew.active.name == "A"
+    assert stack(obj, room) == ["First", "C", "Between", "A", "B"]
+
+
+def test_a_move_past_the_end_does_nothing(plate: Rig):
+    obj = three_deformers(plate)
+    assert bpy.ops.sinew.deformer_move(direction="UP", index=0) == {"CANCELLED"}
+    assert bpy.ops.sinew.deformer_move(direction="DOWN", index=2) == {"CANCELLED"}
+    assert bpy.ops.sinew.handle_move(direction="UP", index=0) == {"CANCELLED"}
+    assert names(obj) == "ABC"
+    with pytest.raises(RuntimeError, match="3 deformers"):
+        bpy.ops.sinew.deformer_move(direction="UP", index=3)
+
+
+def test_a_modifier_dragged_by_the_user_falls_in_line_with_the_list(plate: Rig, room):
+    obj = three_deformers(plate)
+    last = obj.modifiers[-1].name
+    bpy.ops.object.modifier_move_to_index(modifier=last, index=0)
+    assert stack(obj, room) == ["C", "First", "A", "Between", "B"]
+    controls = {deformer.name: deformer.handles[0].control for deformer in obj.sinew.deformers}
+    move_world(controls["C"], Matrix.Translation((0.0, 0.0, 0.5)))
+    right = [index for index, point in enumerate(plate.rest()) if point[0] > 0.75]
+    assert np.abs(plate.points()[right, 2]).max() == pytest.approx(0.5, abs=0.05)
+    assert all(deformer.status_level == "INFO" for deformer in obj.sinew.deformers)
+    bpy.ops.sinew.deformer_move(direction="DOWN", index=0)
+    assert names(obj) == "BAC"
+    assert stack(obj, room) == ["B", "First", "A", "Between", "C"]
+
+
+def test_the_order_decides_what_the_next_deformer_corrects(plate: Rig):
+    """A hard region shows its own pose on top of the pose that entered: first in the stack, it is overridden
+    by nothing; the shape after two moves is the shape of before."""
+    obj = three_deformers(plate)
+    for deformer, height in zip(obj.sinew.deformers, (0.3, 0.5, 0.7), strict=True):
+        move_world(deformer.handles[0].control, Matrix.Translation((0.0, 0.0, height)))
+    before = plate.points()
+    bpy.ops.sinew.deformer_move(direction="UP", index=1)
+    plate.points()
+    bpy.ops.sinew.deformer_move(direction="DOWN", index=0)
+    assert np.abs(plate.points() - before).max() < FLOAT32
+
+
+def keyed(obj: bpy.types.Object) -> None:
+    """Factor of B and weight of C's handle, each from 0 at frame 1 to 1 at frame 11."""
+    second, third = obj.sinew.deformers[1:]
+    key(second, {1: {"factor": 0.0}, 11: {"factor": 1.0}})
+    key(third.handles[0], {1: {"weight": 0.0}, 11: {"weight": 1.0}})
+
+
+def values(obj: bpy.types.Object, frame: int) -> dict[str, tuple[float, float]]:
+    """Factor and first weight by name of deformer, at a frame."""
+    bpy.context.scene.frame_set(frame)
+    return {
+        deformer.name: (round(deformer.factor, 4), round(deformer.handles[0].weight, 4))
+        for deformer in obj.sinew.deformers
+    }
+
+
+def test_keyframes_stay_with_their_deformer(plate: Rig):
+    obj = three_deformers(plate)
+    keyed(obj)
+    before = [values(obj, frame) for frame in (1, 6, 11)]
+    assert before[1]["B"][0] == pytest.approx(0.5, abs=0.01)
+    bpy.ops.sinew.deformer_move(direction="UP", index=1)
+    bpy.ops.sinew.deformer_move(direction="UP", index=2)
+    assert names(obj) == "BCA"
+    assert [values(obj, frame) for frame in (1, 6, 11)] == before
+
+
+def test_keyframes_of_a_removed_deformer_go_and_the_others_stay(plate: Rig):
+    obj = three_deformers(plate)
+    keyed(obj)
+    before = [values(obj, frame) for frame in (1, 6, 11)]
+    bpy.ops.sinew.deformer_remove(index=0)
+    kept = [{name: pair for name, pair in row.items() if name != "A"} for row in before]
+    assert [values(obj, frame) for frame in (1, 6, 11)] == kept
+    bpy.ops.sinew.deformer_remove(index=0)
+    assert names(obj) == "C"
+    assert [values(obj, frame) for frame in (1, 6, 11)] == [{"C": row["C"]} for row in before]
+    assert values(obj, 1)["C"][0] == 1.0  # B's keyframes of Factor went with B
+
+
+def two_handles_with_animation(plate: Rig) -> bpy.types.Object:
+    """Top's weight is keyed and drives Reader's x, Base's weight is driven by Source's x."""
+    obj = plate.bind().obj
+    handles = obj.sinew.deformers[0].handles
+    key(handles[0], {1: {"weight": 0.2}, 11: {"weight": 0.8}})
+    reader, source = new_empty("Reader"), new_empty("Source")
+    source.location.x = 0.5
+    drive(reader.driver_add("location", 0).driver, obj, "sinew.deformers[0].handles[0].weight")
+    drive(handles[1].driver_add("weight").driver, source, "location.x")
+    return obj
+
+
+def drive(driver: bpy.types.Driver, source: bpy.types.Object, path: str) -> None:
+    """The value at ``path``, and nothing else."""
+    driver.type = "SUM"
+    variable = driver.variables.new()
+    variable.targets[0].id = source
+    variable.targets[0].data_path = path
+
+
+def weights(obj: bpy.types.Object, frame: int) -> dict[str, float]:
+    """Evaluated weights by name of handle, and what Reader reads, at a frame."""
+    bpy.context.scene.frame_set(frame)
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    found = {handle.name: round(handle.weight, 4) for handle in evaluated.sinew.deformers[0].handles}
+    return {**found, "Reader": round(bpy.data.objects["Reader"].location.x, 4)}
+
+
+def test_keyframes_and_drivers_stay_with_their_handle(plate: Rig):
+    obj = two_handles_with_animation(plate)
+    assert weights(obj, 1) == {"Top": 0.2, "Base": 0.5, "Reader": 0.2}
+    bpy.ops.sinew.handle_move(direction="DOWN", index=0)
+    assert [handle.name for handle in obj.sinew.active.handles] == ["Base", "Top"]
+    assert weights(obj, 11) == {"Top": 0.8, "Base": 0.5, "Reader": 0.8}
+    bpy.data.objects["Source"].location.x = 0.25
+    assert weights(obj, 1) == {"Top": 0.2, "Base": 0.25, "Reader": 0.2}
+
+
+def test_drivers_that_read_a_control_follow_its_row(plate: Rig, room):
+    """Whichever kind of control a list of them belongs to; rows of other deformers, and handles, stay."""
+    obj, paths = plate.obj, room("session.blocks.animation_paths")
+    for name in ("First", "Second"):
+        obj.sinew.deformers.add().uid = name
+    rows = (
+        "[0].controls[1].owned",
+        "[1].controls[1].owned",
+        "[0].handles[1].weight",
+        "[0].controls[0].owned",
+    )
+    obj["read"] = [0.0] * len(rows)
+    for index, row in enumerate(rows):
+        drive(obj.driver_add('["read"]', index).driver, obj, f"sinew.deformers{row}")
+    paths.rows_reordered(obj, obj.sinew.deformers[0], "controls", paths.moved(2, 0, 1))
+    read = [curve.driver.variables[0].targets[0].data_path for curve in obj.animation_data.drivers]
+    assert read == [
+        f"sinew.deformers{row}"
+        for row in ("[0].controls[0].owned", rows[1], rows[2], "[0].controls[1].owned")
+    ]
+
+
+def test_keyframes_of_a_removed_handle_go(plate: Rig):
+    obj = two_handles_with_animation(plate)
+    bpy.ops.sinew.handle_remove(index=0)
+    (base,) = obj.sinew.active.handles
+    assert base.name == "Base"
+    assert {curve.data_path for curve in obj.animation_data.drivers if "handles" in curve.data_path} == {
+        "sinew.deformers[0].handles[0].weight"
+    }
+    assert not [curve for curve in curves_of(obj) if "handles" in curve.data_path]
+    bpy.context.scene.frame_set(6)
+    assert base.weight == pytest.approx(0.5, abs=1e-6)  # Source drives it, and Top's keyframes do not
+
+
+def test_the_order_of_handles_changes_no_shape(plate: Rig):
+    obj = plate.bind().obj
+    plate.lift(0.5)
+    before = plate.points()
+    control = plate.control
+    make_active(obj)
+    bpy.ops.sinew.handle_move(direction="DOWN", index=0)
+    assert obj.sinew.active.active_handle == 0
+    assert np.abs(plate.points() - before).max() < FLOAT32
+    move_world(control, Matrix.Translation((0.0, 0.0, 0.25)))
+    assert plate.points()[plate.top, 2] == pytest.approx(0.75, abs=FLOAT32)
+
+
+def test_a_shared_action_slot_of_another_object_is_left_alone(plate: Rig):
+    """From Blender 4.4 an action animates several objects, each by a slot of its own."""
+    obj = three_deformers(plate)
+    keyed(obj)
+    action = obj.animation_data.action
+    if not hasattr(action, "slots"):
+        pytest.skip("actions have no slots here")
+    other = linked(obj.copy())
+    other.animation_data.action_slot = action.slots.new("OBJECT", "Other")
+    update()
+    other.sinew.deformers[1].factor = 0.25
+    other.sinew.deformers[1].keyframe_insert("factor", frame=1)
+    make_active(obj)
+    bpy.ops.sinew.deformer_move(direction="UP", index=1)
+    bag = action.layers[0].strips[0].channelbag(other.animation_data.action_slot)
+    assert [curve.data_path for curve in bag.fcurves] == ["sinew.deformers[1].factor"]

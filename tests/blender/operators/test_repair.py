@@ -1,0 +1,322 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The remedies: broken meshes mended with counts, shared vertices parted, everything bound again."""
+
+from collections import Counter
+
+import bmesh
+import bpy
+import numpy as np
+import pytest
+from rigs.rig import (
+    CORNERS,
+    FLOAT32,
+    SIDES,
+    Rig,
+    add_group,
+    base_points,
+    grid_object,
+    in_mode,
+    make_active,
+    new_object,
+    update,
+)
+
+NAN = float("nan")
+
+
+def mesh_object(points, faces, name: str = "Mesh") -> bpy.types.Object:
+    obj = new_object(name, points, faces)
+    make_active(obj)
+    return obj
+
+
+def faces_of(obj: bpy.types.Object) -> list[tuple[int, ...]]:
+    return [tuple(sorted(face.vertices)) for face in obj.data.polygons]
+
+
+def faults(obj: bpy.types.Object) -> dict[str, int]:
+    """An independent count, by loops over Blender's mesh."""
+    mesh, points = obj.data, base_points(obj)
+    uses = Counter(edge for face in mesh.polygons for edge in face.edge_keys)
+    used = {vertex for face in mesh.polygons for vertex in face.vertices}
+    areas = [face.area for face in mesh.polygons]
+    places = Counter(map(tuple, np.round(points, 7)[sorted(used)]))
+    return {
+        "not_finite": int((~np.isfinite(points).all(axis=1)).sum()),
+        "coincident": sum(count - 1 for count in places.values()),
+        "degenerate": sum(area < 1e-9 for area in areas),
+        "duplicate": len(areas) - len(set(faces_of(obj))),
+        "non_manifold": sum(count > 2 for count in uses.values()),
+        "loose": len(points) - len(used),
+    }
+
+
+def broken_plate() -> Rig:
+    """Every fault once: a NaN inside, an infinite corner of its own, a sliver, a duplicate face, a fin, a
+    loose vertex, and the far row of quads cut off along a seam."""
+    obj = grid_object()
+    points = [tuple(vertex.co) for vertex in obj.data.vertices]
+    faces = [tuple(face.vertices) for face in obj.data.polygons]
+    bpy.data.objects.remove(obj)
+    points[60] = (NAN, 0.0, 0.0)
+    seam = range(99, 110)
+    copies = {vertex: len(points) + row for row, vertex in enumerate(seam)}
+    points += [points[vertex] for vertex in seam]
+    faces = [tuple(copies.get(v, v) for v in face) if max(face) >= 110 else face for face in faces]
+    loose, lost, tip = len(points), len(points) + 1, len(points) + 2
+    points += [(5.0, 0.0, 0.0), (float("inf"), 0.0, 0.0), (0.1, 0.1, 0.5)]
+    middle = len(points)
+    points += [(0.0, -0.9, 0.0)]
+    faces += [faces[7], (36, 37, tip), (4, 5, middle)]
+    points[middle] = tuple((np.array(points[4]) + points[5]) / 2.0)
+    assert (loose, lost) == (len(points) - 4, len(points) - 3)
+    return Rig(mesh_object(points, faces, "Plate"))
+
+
+def test_every_fault_is_mended_and_counted(room):
+    plate = broken_plate()
+    obj = plate.obj
+    before = faults(obj)
+    assert (before["not_finite"], before["coincident"]) == (2, 11)
+    assert all(before.values()), before
+    mended, left = room("session").repair(obj, room("session").Cures())
+    expected = {"not_finite": 2, "coincident": 11, "duplicate": 1, "degenerate": 1}
+    assert {fault: mended[fault] for fault in expected} == expected
+    assert mended["loose"] >= 1
+    assert not any(left.values()), left
+    assert not any(faults(obj).values()), faults(obj)
+    neighbours = np.mean([base_points(obj)[index] for index in (49, 59, 61, 71)], axis=0)
+    assert np.abs(base_points(obj)[60] - neighbours).max() < FLOAT32
+
+
+def test_the_operator_says_what_it_did_and_binds_again(capfd):
+    plate = broken_plate()
+    obj = plate.obj
+    make_active(obj)
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
+    capfd.readouterr()
+    assert bpy.ops.sinew.repair() == {"FINISHED"}
+    said = capfd.readouterr().out
+    assert "Mended 2 vertices without a finite position, 11 coincident vertices" in said
+    assert obj.sinew.active.status_level == "INFO"
+    handle = next(handle for handle in obj.sinew.active.handles if handle.kind == "HANDLE")
+    handle.control.location.z += 0.5
+    top = [v.index for v in obj.data.vertices if v.co.y > 0.75]
+    assert np.abs(plate.points()[top, 2] - 0.5).max() < FLOAT32
+    middle = [v.index for v in obj.data.vertices if abs(v.co.y) < 0.3]
+    assert np.abs(plate.points()[middle, 2]).min() > 1e-3  # the seam passes the motion on
+
+
+def test_a_mesh_that_is_well_is_left_alone(plate: Rig, capfd):
+    plate.bind().lift(0.5)
+    before, faces = plate.points(), faces_of(plate.obj)
+    make_active(plate.obj)
+    capfd.readouterr()
+    bpy.ops.sinew.repair()
+    assert "Nothing to mend" in capfd.readouterr().out
+    assert faces_of(plate.obj) == faces
+    assert np.array_equal(plate.points(), before)
+
+
+def test_switched_off_cures_do_nothing():
+    plate = broken_plate()
+    before = faults(plate.obj)
+    make_active(plate.obj)
+    off = dict.fromkeys(("coincident", "degenerate", "duplicate", "non_manifold", "loose"), False)
+    bpy.ops.sinew.repair(**off)
+    after = faults(plate.obj)
+    assert after.pop("not_finite") == 0
+    before.pop("not_finite")
+    assert after == {**before, "loose": before["loose"] - 1}  # the infinite one is gone
+
+
+def test_groups_shape_keys_and_uvs_stay():
+    plate = broken_plate()
+    obj = plate.obj
+    mesh = obj.data
+    layer = mesh.uv_layers.new(name="Map")
+    for loop, corner in zip(layer.data, mesh.loops, strict=True):
+        place = mesh.vertices[corner.vertex_index].co
+        loop.uv = (place.x, place.y)
+    obj.shape_key_add(name="Basis")
+    wave = obj.shape_key_add(name="Wave")
+    for vertex, point in zip(mesh.vertices, wave.data, strict=True):
+        point.co = (vertex.co.x, vertex.co.y, vertex.co.z + 0.25)
+    wave.data[30].co.x = NAN
+    make_active(obj)
+    bpy.ops.sinew.repair()
+    mesh = obj.data
+    assert {group.name for group in obj.vertex_groups} == {"Top", "Base"}
+    top = {v.index for v in mesh.vertices if any(g.group == 0 and g.weight == 1.0 for g in v.groups)}
+    assert top == {v.index for v in mesh.vertices if v.co.y > 0.75}
+    for vertex in mesh.vertices:
+        basis = np.array(mesh.shape_keys.key_blocks["Basis"].data[vertex.index].co)
+        raised = np.array(mesh.shape_keys.key_blocks["Wave"].data[vertex.index].co)
+        assert np.abs(basis - vertex.co).max() < FLOAT32
+        lift = raised - basis
+        assert np.isfinite(raised).all()
+        assert abs(lift[2] - 0.25) < FLOAT32 or np.abs(lift).max() < FLOAT32, vertex.index
+    layer = mesh.uv_layers["Map"]
+    off = [
+        abs(loop.uv[0] - mesh.vertices[corner.vertex_index].co.x)
+        for loop, corner in zip(layer.data, mesh.loops, strict=True)
+        if np.isfinite(loop.uv[0])
+    ]
+    assert sum(distance > 1e-5 for distance in off) == 0
+
+
+def test_repair_in_edit_mode_stays_there():
+    obj = broken_plate().obj
+    with in_mode(obj):
+        bpy.ops.sinew.repair()
+        assert obj.mode == "EDIT"
+        assert not [face for face in bmesh.from_edit_mesh(obj.data).faces if face.calc_area() < 1e-9]
+    assert not any(faults(obj).values())
+
+
+def test_each_shape_key_is_filled_from_its_own_neighbours():
+    """In Edit Mode with another key than the first one active, the mesh shows that key."""
+    obj = grid_object()
+    obj.shape_key_add(name="Basis")
+    wave = obj.shape_key_add(name="Wave")
+    for point in wave.data:
+        point.co.z += 1.0
+    for key in obj.data.shape_keys.key_blocks:
+        key.data[60].co.y = NAN
+    obj.data.vertices[60].co.y = NAN
+    obj.active_shape_key_index = 1
+    make_active(obj)
+    for mode in ("EDIT", "OBJECT"):
+        bpy.ops.object.mode_set(mode=mode)
+        bpy.ops.sinew.repair()
+    keys = obj.data.shape_keys.key_blocks
+    for name, height in (("Basis", 0.0), ("Wave", 1.0)):
+        assert np.abs(np.array(keys[name].data[60].co) - (0.0, 0.0, height)).max() < FLOAT32, name
+    assert np.abs(np.array(obj.data.vertices[60].co)).max() < FLOAT32
+
+
+def box_of_two_rooms() -> tuple[list, list]:
+    """The last face is the wall between them."""
+    points = [(x, y, z) for x in (0.0, 1.0, 2.0) for y in (0.0, 1.0) for z in (0.0, 1.0)]
+    faces = [(0, 1, 3, 2), (8, 10, 11, 9)]
+    for k in (0, 4):
+        faces += [(k, k + 4, k + 5, k + 1), (k + 2, k + 3, k + 7, k + 6), (k, k + 2, k + 6, k + 4)]
+        faces += [(k + 1, k + 5, k + 7, k + 3)]
+    return points, [*faces, (4, 5, 7, 6)]
+
+
+CUBE = 0.5 * (np.array(CORNERS) + 1.0)
+TOUCHING = (  # merging the four places in common would change what they are
+    np.vstack((CUBE, CUBE + (1.0, 0.0, 0.0))),
+    SIDES + [tuple(v + 8 for v in side) for side in SIDES],
+)
+ENDS = ((0.0, 0.0), (1.0, 0.0), (-1.0, 1.0), (-1.0, -1.0))
+SHEETS = ([(x, y, z) for x, y in ENDS for z in (0.0, 1.0)], [(0, 1, 3, 2), (0, 1, 5, 4), (0, 1, 7, 6)])
+WIRE = ([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)], [])
+
+
+@pytest.mark.parametrize(
+    ("shape", "left"),
+    [(TOUCHING, (16, 12)), (WIRE, (2, 0)), (SHEETS, (8, 3)), (box_of_two_rooms(), (12, 10))],
+    ids=["closed parts that touch", "a wire", "a junction of sheets", "all but an inner wall"],
+)
+def test_what_is_meant_stays(shape: tuple, left: tuple[int, int]):
+    """Vertices and faces; of a box with a wall inside, the wall goes."""
+    obj = mesh_object(*shape)
+    bpy.ops.sinew.repair()
+    assert (len(obj.data.vertices), len(obj.data.polygons)) == left
+    assert faults(obj)["non_manifold"] == (left == (8, 3))
+
+
+def test_notes_name_each_fault_with_elements_and_remedy(room):
+    plate = broken_plate()
+    session, Remedy = room("session"), room("core.status").Remedy
+    points, mesh = base_points(plate.obj), plate.obj.data
+    counts = np.array([len(face.vertices) for face in mesh.polygons], dtype=np.int32)
+    corners = np.array([v for face in mesh.polygons for v in face.vertices], dtype=np.int32)
+    lines = session.notes(room("backend").diagnose(points, (counts, corners)))
+    assert all(line.remedy is Remedy.REPAIR and line.elements for line in lines)
+    by_text = {line.text: line for line in lines}
+    assert set(by_text) >= {
+        "2 vertices without a finite position",
+        "11 coincident vertices",
+        "1 face without area",
+        "1 duplicate face",
+    }
+    assert any("edges of three or more faces" in text for text in by_text)
+    assert any("loose vert" in text for text in by_text)
+    lost = np.flatnonzero(~np.isfinite(points).all(axis=1))
+    assert set(by_text["2 vertices without a finite position"].elements.indices) == set(lost)
+    assert by_text["1 duplicate face"].elements.element == "face"
+    hidden = session.notes(room("backend").diagnose(points, (counts, corners)), selectable=False)
+    assert [line.text for line in hidden] == [line.text for line in lines]
+    assert not any(line.elements for line in hidden)
+
+
+def test_not_finite_points_offer_repair(room):
+    plate = Rig.plate()
+    plate.obj.data.vertices[60].co.x = NAN
+    update()
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
+    status = room("core.status")
+    lines = [line for line in status.notes(plate.deformer.uid) if "finite" in line.text]
+    assert [(line.remedy, line.elements.indices) for line in lines] == [(status.Remedy.REPAIR, (60,))]
+    bpy.ops.sinew.repair()
+    assert not any("finite" in line.text for line in status.notes(plate.deformer.uid))
+
+
+def members(obj: bpy.types.Object, name: str) -> set[int]:
+    index = obj.vertex_groups[name].index
+    return {v.index for v in obj.data.vertices if any(g.group == index and g.weight > 0.0 for g in v.groups)}
+
+
+def overlapping(plate: Rig, name: str, where, weight: float = 1.0, bind: bool = True) -> set[int]:
+    """A fixed region besides those of the plate; its vertices."""
+    if bind:
+        plate.bind()
+    group = add_group(plate.obj, name, where)
+    plate.obj.vertex_groups[name].add(group.tolist(), weight, "REPLACE")
+    make_active(plate.obj)
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group=name)
+    return set(group)
+
+
+def test_shared_vertices_stay_in_the_first_region(plate: Rig, room, capfd):
+    shared = overlapping(plate, "Overlap", lambda point: point[1] > 0.55)
+    line = room("core.status").current(plate.deformer.uid)
+    assert line.remedy is room("core.status").Remedy.PART_REGIONS
+    capfd.readouterr()
+    assert bpy.ops.sinew.part_regions() == {"FINISHED"}
+    assert "22 vertices are now in Top alone, no longer in Overlap" in capfd.readouterr().out
+    assert members(plate.obj, "Top") == set(plate.top)
+    assert members(plate.obj, "Overlap") == shared - set(plate.top)
+    assert plate.deformer.status_level == "INFO"
+    plate.lift(0.5)
+    assert np.abs(plate.points()[plate.top, 2] - 0.5).max() < FLOAT32
+    assert bpy.ops.sinew.part_regions() == {"CANCELLED"}  # nothing is shared now
+
+
+def test_a_handle_inside_a_fixed_part_keeps_its_vertices(plate: Rig):
+    make_active(plate.obj)
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    everything = overlapping(plate, "All", lambda point: True, bind=False)
+    make_active(plate.obj)
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
+    bpy.ops.sinew.part_regions()
+    assert members(plate.obj, "Top") == set(plate.top)
+    assert members(plate.obj, "All") == everything - set(plate.top)
+    assert plate.deformer.status_level == "INFO"
+
+
+def test_two_regions_of_the_same_vertices_are_refused_unless_one_is_soft(plate: Rig):
+    overlapping(plate, "Soft", lambda point: point[1] > 0.75, weight=0.5)
+    assert bpy.ops.sinew.part_regions() == {"CANCELLED"}
+    assert plate.deformer.status_level == "INFO"
+    overlapping(plate, "Twin", lambda point: point[1] > 0.75, bind=False)
+    with pytest.raises(RuntimeError, match="Top and Twin are the same vertices"):
+        bpy.ops.sinew.part_regions()
+    assert members(plate.obj, "Twin") == set(plate.top)

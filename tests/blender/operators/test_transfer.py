@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Deformation transfer from one mesh to another with the same faces."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+from baking import FRAMES, STRETCHES, animate, played, stretch_time
+from rigs.rig import Rig, base_points, linked, make_active, new_object, push, save
+from second_blender import look_elsewhere
+
+
+def stout(source: bpy.types.Object, shape) -> bpy.types.Object:
+    """A copy of the mesh, reshaped, without deformers and modifiers."""
+    mesh = source.data.copy()
+    for vertex in mesh.vertices:
+        vertex.co = shape(np.array(vertex.co))
+    return linked(bpy.data.objects.new("Stout", mesh))
+
+
+def transfer(
+    source: bpy.types.Object, target: bpy.types.Object, path: Path | None, /, **keywords
+) -> set[str]:
+    make_active(target)
+    source.select_set(True)
+    if path is not None:
+        keywords["filepath"] = str(path)
+    return bpy.ops.sinew.transfer_deformation(**keywords)
+
+
+@pytest.fixture
+def pair(plate: Rig) -> tuple[Rig, bpy.types.Object]:
+    """A plate that Sinew moves through the frames, and one of twice the size."""
+    plate.bind("arap")
+    animate(plate.control)
+    return plate, stout(plate.obj, lambda co: 2.0 * co)
+
+
+def test_a_target_of_twice_the_size_moves_as_the_source_at_every_frame(pair, tmp_path: Path):
+    plate, target = pair
+    bpy.context.scene.frame_set(3)
+    assert transfer(plate.obj, target, tmp_path / "stout") == {"FINISHED"}
+    assert bpy.context.scene.frame_current == 3
+    assert [modifier.type for modifier in target.modifiers] == ["MESH_CACHE"]
+    moved = played(target)
+    for frame, points in played(plate.obj).items():
+        assert np.abs(moved[frame] - 2.0 * points).max() < 1e-5, frame  # float32
+    assert np.abs(moved[FRAMES[-1]] - moved[FRAMES[0]]).max() > 1.0
+
+
+def test_faces_of_the_target_may_be_turned(pair, tmp_path: Path):
+    plate, target = pair
+    target.data.flip_normals()
+    assert transfer(plate.obj, target, tmp_path / "stout") == {"FINISHED"}
+    moved = played(target)
+    for frame, points in played(plate.obj).items():
+        assert np.abs(moved[frame] - 2.0 * points).max() < 1e-5, frame
+
+
+@pytest.mark.parametrize("stretch", STRETCHES)
+def test_time_stretching_plays_a_transfer_at_the_frames_of_the_scene(pair, tmp_path: Path, stretch):
+    plate, target = pair
+    stretch_time(*stretch)
+    transfer(plate.obj, target, tmp_path / "stout")
+    moved = played(target)
+    for frame, points in played(plate.obj).items():
+        assert np.abs(moved[frame] - 2.0 * points).max() < 1e-5, frame
+
+
+def test_another_transfer_replaces_the_first_and_the_other_modifiers_stay(pair, tmp_path: Path):
+    plate, target = pair
+    target.modifiers.new("Later", "SMOOTH").factor = 0.0
+    for frames in ({}, {"frame_start": 2, "frame_end": 6, "step": 2}):
+        transfer(plate.obj, target, tmp_path / "stout.pc2", source=plate.obj.name, **frames)
+    assert [modifier.name for modifier in target.modifiers] == [f"{plate.obj.name} Transfer", "Later"]
+    content = (tmp_path / "stout.pc2").read_bytes()
+    assert len(content) == 32 + 3 * 12 * len(target.data.vertices)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["stout.pc2"]
+    for frame, points in played(plate.obj, (2, 4, 6)).items():
+        assert np.abs(played(target, (frame,))[frame] - 2.0 * points).max() < 1e-5
+
+
+def test_undo_takes_the_modifier_away(pair, tmp_path: Path):
+    plate, target = pair
+    push("before")
+    transfer(plate.obj, target, tmp_path / "stout")
+    push("after")
+    bpy.ops.ed.undo()
+    assert not bpy.data.objects["Stout"].modifiers
+    bpy.ops.ed.redo()
+    assert len(bpy.data.objects["Stout"].modifiers) == 1
+
+
+def test_what_cannot_be_transferred_is_said_and_changes_nothing(pair, tmp_path: Path):
+    plate, target = pair
+    path, before = tmp_path / "stout.pc2", bpy.context.scene.frame_current
+
+    def refused(match: str, source: bpy.types.Object = plate.obj, to=target, **keywords) -> None:
+        with pytest.raises(RuntimeError, match=match):
+            transfer(source, to, path, **keywords)
+        assert not path.exists()
+        assert not target.modifiers
+        assert bpy.context.scene.frame_current == before
+
+    refused("empty", frame_start=5, frame_end=4)
+    corners = [tuple(face.vertices) for face in target.data.polygons]
+    crossed = new_object("Crossed", base_points(target), [(a, c, b, d) for a, b, c, d in corners])
+    refused("faces of the target have other vertices", to=crossed)
+    subdivided = plate.obj.modifiers.new("More", "SUBSURF")
+    refused("make .* vertices of its .* - switch those off")
+    plate.obj.modifiers.remove(subdivided)
+    plate.obj.hide_set(True)
+    with pytest.raises(RuntimeError, match="is hidden"):
+        transfer(plate.obj, target, path, source=plate.obj.name)
+    plate.obj.hide_set(False)
+    empty = linked(bpy.data.objects.new("Empty", None))
+    refused("convert it to a mesh", source=empty)
+    bare = linked(bpy.data.objects.new("Bare", bpy.data.meshes.new("Bare")))
+    refused("no vertices", source=bare)
+    with pytest.raises(RuntimeError, match="There is no object Nobody"):
+        transfer(plate.obj, target, path, source="Nobody")
+    with pytest.raises(RuntimeError, match="Save the file first"):
+        transfer(plate.obj, target, None)
+
+
+def test_a_source_that_is_not_finite_in_a_frame_is_refused_and_no_file_stays(pair, tmp_path: Path):
+    plate, target = pair
+    keys = plate.obj.shape_key_add(name="Basis"), plate.obj.shape_key_add(name="Broken")
+    keys[1].data[3].co.z = float("nan")
+    for frame, value in ((3, 0.0), (4, 1.0)):
+        keys[1].value = value
+        keys[1].keyframe_insert("value", frame=frame)
+    plate.obj.modifiers.clear()
+    with pytest.raises(RuntimeError, match="NaN or infinite"):
+        transfer(plate.obj, target, tmp_path / "stout")
+    assert not list(tmp_path.iterdir())
+    assert not target.modifiers
+
+
+def test_escape_in_the_middle_leaves_the_disk_and_the_scene_as_they_were(pair, tmp_path: Path, room):
+    """What a window does: some frames at each tick of a timer, until Esc is pressed."""
+    plate, target = pair
+    bpy.context.scene.frame_set(3)
+    said: list[str] = []
+
+    class Operator(room("operators.frame_by_frame").FrameByFrame):
+        doing, did, cancelled = "transferring", "Transferred", "It was cancelled"
+
+        def report(self, _kind: set[str], text: str) -> None:
+            said.append(text)
+
+    job = room("bake").Transferring(
+        plate.obj, target, bpy.context.scene, range(1, 50_000), str(tmp_path / "stout")
+    )
+    operator = Operator()
+    operator._job, operator._timer = job, object()
+    context = SimpleNamespace(
+        window_manager=SimpleNamespace(
+            progress_update=lambda done: None,
+            progress_end=lambda: said.append("progress ends"),
+            event_timer_remove=lambda timer: said.append("timer ends"),
+        ),
+        workspace=SimpleNamespace(status_text_set=lambda text: None),
+    )
+    send = lambda kind, value="PRESS": operator.modal(context, SimpleNamespace(type=kind, value=value))  # noqa: E731
+    assert send("TIMER") == send("MOUSEMOVE") == send("ESC", "RELEASE") == {"RUNNING_MODAL"}
+    assert 0 < job.done < job.total
+    assert list(tmp_path.iterdir())  # a part of the file
+    assert send("ESC") == {"CANCELLED"}
+    assert said == ["progress ends", "timer ends", "It was cancelled"]
+    assert not list(tmp_path.iterdir())
+    assert not target.modifiers
+    assert bpy.context.scene.frame_current == 3
+    assert transfer(plate.obj, target, tmp_path / "stout") == {"FINISHED"}
+
+
+def test_a_render_without_the_add_on_shows_the_transfer(pair, tmp_path: Path):
+    plate, target = pair
+    transfer(plate.obj, target, tmp_path / "stout")
+    expected = played(target, (6,))[6]
+    bpy.context.scene.frame_set(6)
+    path = save(tmp_path / "shot.blend")
+    for shape in look_elsewhere(path, target.name, tmp_path):
+        assert np.array_equal(shape.astype(np.float32), expected)

@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The expected shape, computed from Blender's data (mesh, vertex groups, matrices) by a new native object.
+
+It uses neither the session nor anything that Sinew stores.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+
+import bpy
+import numpy as np
+from inside import native
+from mathutils import Matrix
+from registry import BY_ID, Posed, base_of, options_of
+from rigs.rig import Rig, apply_matrix, base_points, update
+
+Warp = Callable[[np.ndarray], np.ndarray]
+_warped: dict[tuple, np.ndarray] = {}
+
+
+def faces_of(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Corners per face (m,), and vertex indices face after face."""
+    counts = np.empty(len(mesh.polygons), dtype=np.int32)
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_total", counts)
+    mesh.loops.foreach_get("vertex_index", corners)
+    return counts, corners
+
+
+def members_of(obj: bpy.types.Object, group: str) -> tuple[np.ndarray, np.ndarray]:
+    """Indices and weights of a vertex group."""
+    index = obj.vertex_groups[group].index
+    found = [
+        (vertex.index, element.weight)
+        for vertex in obj.data.vertices
+        for element in vertex.groups
+        if element.group == index and element.weight > 0.0
+    ]
+    return np.array([vertex for vertex, _ in found]), np.array([weight for _, weight in found])
+
+
+def in_frame(obj: bpy.types.Object, control: bpy.types.Object) -> np.ndarray:
+    """The control's matrix in the space of the object, (4, 4)."""
+    update()
+    return np.linalg.inv(np.array(obj.matrix_world)) @ np.array(control.matrix_world, dtype=np.float64)
+
+
+def new_native(row: object, target: object, options: dict[str, object]) -> object:
+    """The native object of a row; one around another gets its first base, unless the options have one."""
+    base = base_of(row)
+    if base is not None and "base" not in options:
+        options = options | {"base": new_native(base, target, options_of(base, {})[0])}
+    return getattr(native(), row.native)(target, **options)
+
+
+def on_handle_points(
+    row: object,
+    parts: list[np.ndarray],
+    options: dict[str, object],
+    mesh: object,
+    weights: np.ndarray | None = None,
+) -> object:
+    """The native object of a space method, with the points (c, 3) of each handle, held by weights (c,).
+
+    The base of one around another is its native object, or its row with options; else the first one.
+    """
+    places, options = np.concatenate(parts), options | {"weights": weights}
+    if row.posed is Posed.CONTROL:
+        options["counts"] = [len(points) for points in parts]
+    if row.wraps:
+        base = options.get("base") or (base_of(row), options_of(base_of(row), {})[0])
+        if isinstance(base, tuple):
+            given = {"counts": options["counts"], "weights": weights}
+            base = new_native(base[0], places, base[1] | given)
+        options |= {"mesh": mesh, "base": base}
+    if any(parameter.id == "frame" for parameter in row.parameters) and options.get("frame") is None:
+        options["frame"] = mesh  # the lattice is along the axes of the surface
+    return new_native(row, places, options)
+
+
+def control_points(row: object, solver: object, parts: list[np.ndarray], poses: list) -> np.ndarray:
+    """What ``warp`` of a space method takes for the poses of its handles."""
+    if row.posed is Posed.CONTROL:
+        ends = np.cumsum([4 if len(points) > 1 else 1 for points in parts])[:-1]
+        parts = np.split(solver.control, ends)
+    return np.concatenate([apply_matrix(pose, points) for pose, points in zip(poses, parts, strict=True)])
+
+
+def space_warp(
+    row: object,
+    rest: np.ndarray,
+    faces: tuple,
+    members: list[np.ndarray],
+    options: dict[str, object],
+    strengths: list[np.ndarray],
+) -> Callable[[np.ndarray, np.ndarray | None], np.ndarray]:
+    """A warp of ``rest`` (n, 3) by a new native object whose handles hold points: takes poses (k, 3, 4).
+
+    Each of the ``members`` is held by its strength.
+    """
+    mesh, weights = native().SurfaceMesh(rest, faces), np.concatenate(strengths)
+    if row.posed is Posed.POSES:
+        made = getattr(native(), row.native)
+        counts = [len(own) for own in members]
+        solver = made(mesh, np.concatenate(members), counts, weights=weights, **options)
+        solver.bind(rest)
+        return lambda poses, incoming: solver.warp_poses(poses, incoming=incoming)
+    solver = on_handle_points(row, members, options, mesh, weights)
+    solver.bind(rest)
+    return lambda poses, incoming: solver.warp(
+        control_points(row, solver, members, list(poses)), incoming=incoming
+    )
+
+
+class Poses(ABC):
+    """What a control at rest, moved by a motion of its object, makes of a shape. Made while it is at rest."""
+
+    def __init__(self, obj: bpy.types.Object, control: bpy.types.Object) -> None:
+        self._at_rest = in_frame(obj, control)
+
+    @abstractmethod
+    def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
+        """With the control moved by ``pose`` (4x4, object space) from rest, (n, 3)."""
+
+    def now(
+        self, obj: bpy.types.Object, control: bpy.types.Object, incoming: np.ndarray | None = None
+    ) -> np.ndarray:
+        """With the control where it is."""
+        return self.shape(in_frame(obj, control) @ np.linalg.inv(self._at_rest), incoming)
+
+    def lifted(self, height: float) -> np.ndarray:
+        """With the control moved along z."""
+        return self.shape(Matrix.Translation((0.0, 0.0, height)))
+
+
+class Expected(Poses):
+    """What a mesh with one handle and fixed regions must show.
+
+    ``points`` (n, 3) is the rest shape where it is not the mesh itself.
+    """
+
+    def __init__(
+        self,
+        obj: bpy.types.Object,
+        control: bpy.types.Object,
+        handle: str = "Top",
+        fixed: tuple[str, ...] = ("Base",),
+        method: str = "thin_shell",
+        points: np.ndarray | None = None,
+        free_parts: str = "follow",
+        **options: object,
+    ) -> None:
+        super().__init__(obj, control)
+        self._regions, self._solver, self._row = (handle, *fixed), None, BY_ID[method]
+        self._free_parts = free_parts
+        self._options, self._steps = options_of(self._row, options)
+        self.rebind(obj, points)
+
+    def rebind(self, obj: bpy.types.Object, points: np.ndarray | None = None) -> None:
+        """Take the mesh and its vertex groups as they are now."""
+        rest = base_points(obj) if points is None else points
+        groups = [members_of(obj, name) for name in self._regions]
+        self._still = [np.eye(4)[:3]] * (len(groups) - 1)
+        self._members = [rest[group[0]] for group in groups]
+        if self._row.is_space:
+            strengths = [weights for _members, weights in groups]
+            faces = faces_of(obj.data)
+            self._solver = space_warp(self._row, rest, faces, self._members, self._options, strengths)
+            return
+        mesh = native().SurfaceMesh(rest, faces_of(obj.data))
+        self._solver = new_native(self._row, mesh, self._options)
+        members, weights = zip(*groups, strict=True)
+        self._solver.set_handles(members, weights=weights, free_parts=self._free_parts)
+
+    @classmethod
+    def of_rig(cls, plate: Rig, method: str = "thin_shell", **options: object) -> Expected:
+        """Of the plate and its control, after ``plate.bind``."""
+        return cls(plate.obj, plate.control, method=method, **options)
+
+    def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
+        rows = np.array([np.array(pose)[:3], *self._still])
+        if self._row.is_space:
+            return self._solver(rows, incoming)
+        return self._solver.solve(rows, incoming=incoming, **self._steps)[0]
+
+
+class ExpectedInCage(Poses):
+    """What a cage makes of the points of an object, by coordinates that are bound anew to its rest (c, 3).
+
+    ``by_hand(obj, warp)`` moves what the object is made of. Cages carry similarities over as they are, so a
+    motion of the cage object is one of the shape. Made while the cage object is at rest, its vertices posed.
+    """
+
+    def __init__(
+        self,
+        obj: bpy.types.Object,
+        cage: bpy.types.Object,
+        cage_rest: np.ndarray,
+        method: str,
+        by_hand: Callable[[bpy.types.Object, Warp], np.ndarray],
+        **options: object,
+    ) -> None:
+        super().__init__(obj, cage)
+        self._row, self._by_hand = BY_ID[method], by_hand
+        self._options, _none = options_of(self._row, options)
+        self._cage_rest, self._posed = (
+            apply_matrix(self._at_rest, points) for points in (cage_rest, base_points(cage))
+        )
+        self._cage_faces = faces_of(cage.data)
+        self.rebind(obj)
+
+    def warp(self, points: np.ndarray) -> np.ndarray:
+        """Where the vertices of the cage take points, (n, 3); the same question is computed once."""
+        points = np.ascontiguousarray(points, dtype=np.float64)
+        options = repr(sorted(self._options.items()))
+        key = (self._row.id, options, *(array.tobytes() for array in (self._cage_rest, self._posed, points)))
+        if key not in _warped:
+            mesh = native().SurfaceMesh(self._cage_rest, self._cage_faces)
+            coordinates = new_native(self._row, mesh, self._options)
+            coordinates.bind(points)
+            _warped[key] = coordinates.warp(self._posed)
+        return _warped[key]
+
+    def rebind(self, obj: bpy.types.Object) -> None:
+        """Take the points as they are now."""
+        self._rest, self._warped = (self._by_hand(obj, warp) for warp in (lambda points: points, self.warp))
+
+    def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
+        moved = apply_matrix(pose, self._warped)
+        return moved if incoming is None else incoming + moved - self._rest

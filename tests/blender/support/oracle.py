@@ -1,0 +1,518 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shape that the properties of a scene describe, computed by mathematics of its own.
+
+It reads settings, rest meshes, vertex groups and Blender's evaluated matrices, and follows the modifier stack
+in NumPy. The thin shell is a dense solve of the published formulas (``DENSE``). Methods with many minima stop
+by a tolerance, so there, and for every row without a formula here, a new native object is asked: its contract
+is that equal poses give equal shapes, whatever came before.
+
+Triangles only, so that no choice of diagonals comes in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import partial
+
+import bpy
+import numpy as np
+from expected import new_native, space_warp
+from registry import BY_ID
+from rigs.rig import base_points, coordinates
+
+IDENTITY = np.eye(4)[:3]
+EPSILON32 = 2.0**-23
+Key = tuple[str, str]  # of a deformer and its handle
+
+
+class Refusal(Exception):
+    """These settings have no shape: rest is expected, and a status that says why."""
+
+
+class Unsure(Exception):
+    """Too close to singular for an answer to compare with."""
+
+
+@dataclass
+class Region:
+    """Vertices that follow one pose. ``strength`` (k,) is 1 for a hard constraint."""
+
+    members: np.ndarray
+    strength: np.ndarray
+    continuity: float
+    handle: object = None  # None: the fixed surroundings of a support
+
+
+@dataclass
+class Expected:
+    """``points`` float32 (n, 3), None where nothing can be said; ``tolerance`` in object units."""
+
+    points: np.ndarray | None
+    faces: np.ndarray  # (m, 3)
+    source: np.ndarray  # (n,) the mesh vertex behind each point
+    tolerance: float = 0.0
+    refused: dict[str, str] = field(default_factory=dict)  # by deformer key: why it shows rest
+    shown: set[str] = field(default_factory=set)  # keys of the deformers that show a solution
+
+
+class Oracle:
+    """``last`` holds the pose that each handle showed last: a handle without control stays there.
+
+    ``recalled`` names handles of a file or a copy, which have only the property ``last_pose`` to go by.
+    """
+
+    def __init__(self, native) -> None:
+        self.native = native
+        self.last: dict[Key, np.ndarray] = {}
+        self.recalled: set[Key] = set()
+
+    def forget_missing(self, objects: Iterable[bpy.types.Object]) -> bool:
+        """These were loaded, or copied; True where a handle of theirs has no control."""
+        missing = {
+            (deformer.uid, handle.uid)
+            for obj in objects
+            for deformer in obj.sinew.deformers
+            for handle in deformer.handles
+            if handle.kind == "HANDLE" and is_missing(handle)
+        }
+        self.recalled |= missing
+        return bool(missing)
+
+    def skip_poses(self, obj: bpy.types.Object) -> None:
+        """Forget the poses of an object that is not compared now, since only the add-on has followed its
+        controls.
+        """
+        for deformer in obj.sinew.deformers:
+            self.recalled |= {(deformer.uid, handle.uid) for handle in deformer.handles}
+
+    def expected(self, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Expected:
+        """What ``obj`` shows in the viewport; notes the poses on the way."""
+        points = base_points(obj).astype(np.float32)
+        answer = Expected(points, triangles(obj.data), np.arange(len(points)))
+        answer.tolerance = EPSILON32 * max(np.abs(answer.points).max(initial=0.0), 1e-3)
+        by_shape = {deformer.proxy: deformer for deformer in obj.sinew.deformers if deformer.proxy}
+        after_sinew = broken = False
+        for modifier in obj.modifiers:
+            if not modifier.show_viewport:
+                continue
+            deformer = by_shape.get(shape_of(modifier)) if modifier.type == "NODES" else None
+            if deformer is None:
+                broken = broken or after_sinew
+                follow(obj, modifier, answer)
+                continue
+            # A deformer behind another, with something in between, adds its displacement: its note says so.
+            if self._take(obj, deformer, depsgraph, answer, broken):
+                after_sinew, broken = True, broken or bool(deformer.mask_group)
+        return answer
+
+    def _take(self, obj, deformer, depsgraph, answer: Expected, displaces: bool) -> bool:
+        if deformer.rest is None or not any(handle.enabled for handle in deformer.handles):
+            return False
+        rest = coordinates(deformer.rest.vertices)
+        incoming = answer.points
+        weights = Weights(obj, answer.source, deformer.rest)
+        try:
+            if len(incoming) != len(rest) or not np.array_equal(answer.faces, triangles(deformer.rest)):
+                raise Refusal("Topology changed")
+            faces = triangles(deformer.rest)
+            part = parts(len(rest), faces)
+            regions = regions_of(deformer, weights, part)
+            options = options_of(deformer, BY_ID[deformer.method], weights)
+            before = rest if displaces else incoming.astype(np.float64)
+            poses, flags = self._poses(obj, deformer, regions, depsgraph, rest, before)
+            by_native = partial(self._solve_natively, BY_ID[deformer.method], deformer.loose_parts.lower())
+            solve = DENSE.get(deformer.method, by_native)
+            moved, error = solve(rest, faces, options, regions, poses, flags, before)
+            loose = ~np.isin(part, part[np.concatenate([region.members for region in regions])])
+            if solve is not by_native and loose.any():
+                moved[loose] = by_native(rest, faces, options, regions, poses, flags, before)[0][loose]
+        except Refusal as refusal:
+            answer.refused[deformer.uid] = str(refusal)
+            return False
+        answer.shown.add(deformer.uid)
+        if displaces:
+            moved = incoming + (moved - rest).astype(np.float32)
+        moved = moved.astype(np.float32)
+        mask = Weights(obj, answer.source)(deformer.mask_group)
+        share = np.float32(deformer.factor) * (np.ones(len(moved)) if mask is None else mask).astype(
+            np.float32
+        )
+        answer.points = incoming * (1 - share)[:, None] + moved * share[:, None]
+        # float32 shapes: a rounding for the shape, the mix and the stack below; and the solve's own error.
+        size = max(np.abs(incoming).max(), np.abs(moved).max(), np.abs(rest).max(), 1e-3)
+        answer.tolerance += 8 * EPSILON32 * size + error
+        if any(region.handle is not None and is_missing(region.handle) for region in regions):
+            answer.tolerance += 1e-4 * size  # from a saved float32 shape, where a file was loaded
+        return True
+
+    def _poses(self, obj, deformer, regions, depsgraph, rest_points, before) -> tuple[np.ndarray, np.ndarray]:
+        """(k, 3, 4), and (k,) whether each moves the rest shape.
+
+        Where a handle stands on the surface, its region goes to its control from where it has been carried.
+        """
+        world = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+        poses, flags = [], []
+        for region in regions:
+            handle = region.handle
+            if handle is None or handle.kind == "FIXED":
+                poses.append(IDENTITY)
+                flags.append(False)
+                continue
+            key = (deformer.uid, handle.uid)
+            surface, rides = np.eye(4), handle.stands_on == "SURFACE"
+            if rides:
+                surface = carried(rest_points[region.members], before[region.members], world[:3, :3])
+            if is_missing(handle):
+                if key in self.recalled:
+                    if not handle.has_last_pose:
+                        raise Unsure("its control was gone before anything was evaluated")
+                    self.last[key] = np.array(handle.last_pose, dtype=np.float64).reshape(3, 4)
+            else:
+                control = np.array(handle.control.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+                rest = np.array(handle.rest_matrix, dtype=np.float64)
+                rest = rest if rest.shape == (4, 4) else rest.reshape(4, 4).T
+                assert handle.has_rest, f"{handle.name} has a control, and no rest frame"
+                seen = np.linalg.solve(surface, np.linalg.solve(world, control))
+                self.last[key] = (seen @ np.linalg.inv(rest))[:3]
+                self.recalled.discard(key)
+            pose = surface @ np.vstack((self.last.get(key, IDENTITY), (0.0, 0.0, 0.0, 1.0)))
+            if rides and BY_ID[deformer.method].is_space:
+                pose = pose - surface + np.eye(4)
+            elif rides:
+                pose = pose @ np.linalg.inv(surface)
+            poses.append(pose[:3])
+            flags.append(handle.from_rest and not rides)
+        return np.array(poses), np.array(flags)
+
+    def _solve_natively(
+        self, row, free_parts, rest, faces, options, regions, poses, flags, before
+    ) -> tuple[np.ndarray, float]:
+        """Solve with a new native object, which has no history."""
+        incoming = None if np.array_equal(before, rest) else before
+        members, strengths = zip(*((region.members, region.strength) for region in regions), strict=True)
+        if row.is_space:
+            warp = space_warp(row, rest, faces, [rest[rows] for rows in members], options, strengths)
+            try:
+                return warp(poses, incoming), 0.0
+            except self.native.InvalidConstraint as error:  # as of one place that two handles pull apart
+                raise Refusal(str(error)) from error
+        mesh = self.native.SurfaceMesh(rest, faces)
+        steps = steps_of(row, options)
+        try:
+            if row.wraps:
+                base, given = options["base"]
+                steps = steps_of(base, given) | steps
+                options["base"] = new_native(base, mesh, given)
+            solver = new_native(row, mesh, options)
+        except self.native.InvalidOption as error:  # as of a base without any stiffness
+            raise Refusal(str(error)) from error
+        by_handle = {"continuity": [region.continuity for region in regions]} if row.handle_parameters else {}
+        solver.set_handles(members, weights=strengths, free_parts=free_parts, **by_handle)
+        moved, _report = solver.solve(poses, incoming=incoming, from_rest=flags, **steps)
+        # Where a pose or an incoming shape differs in its last digit, the steps may stop one earlier.
+        exact = incoming is None and not any(r.handle is not None and is_missing(r.handle) for r in regions)
+        return moved, 0.0 if exact else 3e-3 * np.abs(moved - before).max()
+
+
+def carried(rest: np.ndarray, now: np.ndarray, linear: np.ndarray) -> np.ndarray:
+    """The rigid motion of the world (``linear`` leads there) that fits best, (4, 4) in object space."""
+    if np.array_equal(rest, now):
+        return np.eye(4)
+    rest, now = rest @ linear.T, now @ linear.T
+    a, b = rest - rest.mean(axis=0), now - now.mean(axis=0)
+    if len(a) < 3 or np.linalg.svd(a, compute_uv=False)[1] <= 1e-3 * np.linalg.norm(a):
+        raise Unsure("a region that does not tell how it turns")
+    u, _sizes, v = np.linalg.svd(b.T @ a)
+    turn = u @ np.diag((1.0, 1.0, np.linalg.det(u) * np.linalg.det(v))) @ v
+    found = np.eye(4)
+    found[:3, :3] = np.linalg.solve(linear, turn @ linear)
+    found[:3, 3] = np.linalg.solve(linear, now.mean(axis=0) - turn @ rest.mean(axis=0))
+    return found
+
+
+def is_missing(handle) -> bool:
+    """No datablock stands behind the handle's control. An object taken out of the scene still does."""
+    return handle.control is None
+
+
+def triangles(mesh: bpy.types.Mesh) -> np.ndarray:
+    """(m, 3)."""
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    if len(corners) != 3 * len(mesh.polygons):
+        raise Unsure("not all faces are triangles")
+    return corners.reshape(-1, 3)
+
+
+def shape_of(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
+    """The object in the input named Viewport Shape."""
+    group = modifier.node_group
+    if group is None:
+        return None
+    if hasattr(group, "interface"):
+        sockets = [item for item in group.interface.items_tree if getattr(item, "in_out", "") == "INPUT"]
+    else:
+        sockets = list(group.inputs)
+    for socket in sockets:
+        if socket.name == "Viewport Shape":
+            if hasattr(modifier, "properties"):
+                return getattr(modifier.properties.inputs, socket.identifier).value
+            return modifier.get(socket.identifier)
+    return None
+
+
+def painted_on(mesh: bpy.types.Mesh, group: int) -> np.ndarray:
+    """(n,) weights of the ``group``-th vertex group."""
+    weights = np.zeros(len(mesh.vertices))
+    for vertex in mesh.vertices:
+        for element in vertex.groups:
+            if element.group == group:
+                weights[vertex.index] = element.weight
+    return weights
+
+
+class Weights:
+    """Weights by vertex group as they are painted now, (n,) for the points that enter.
+
+    A group that was removed counts until the next bind: the rest mesh still has it.
+    """
+
+    def __init__(self, obj: bpy.types.Object, source: np.ndarray, rest: bpy.types.Mesh | None = None) -> None:
+        self._obj, self._source, self._rest = obj, source, rest
+
+    def __call__(self, name: str) -> np.ndarray | None:
+        group = self._obj.vertex_groups.get(name) if name else None
+        if group is not None:
+            return painted_on(self._obj.data, group.index)[self._source]
+        lists = ("sinew_groups", "sinew_lost_groups") if self._rest else ()
+        kept = [other for key in lists for other in self._rest.get(key, ())]
+        if name not in kept:
+            return None
+        stored = self._rest.attributes.get(f".sinew_weight_{kept.index(name)}")
+        if stored is None:
+            return painted_on(self._rest, kept.index(name))
+        return np.array([value.value for value in stored.data], dtype=np.float64)
+
+
+def follow(obj: bpy.types.Object, modifier: bpy.types.Modifier, answer: Expected) -> None:
+    """Blender's own modifiers, as far as the tests use them."""
+    points = answer.points
+    if modifier.type == "DISPLACE":
+        axis = "XYZ".index(modifier.direction)
+        weights = Weights(obj, answer.source)(modifier.vertex_group)
+        distance = modifier.strength * (1.0 - modifier.mid_level)
+        answer.points = points.copy()
+        answer.points[:, axis] += np.float32(distance) * (
+            1.0 if weights is None else weights.astype(np.float32)
+        )
+    elif modifier.type == "ARRAY":
+        step = np.array(modifier.constant_offset_displace, dtype=np.float32)
+        answer.points = np.concatenate([points + k * step for k in range(modifier.count)])
+        answer.faces = np.concatenate([answer.faces + k * len(points) for k in range(modifier.count)])
+        answer.source = np.tile(answer.source, modifier.count)
+    else:
+        raise Unsure(f"no formula for {modifier.type}")
+
+
+def regions_of(deformer, weights: Weights, part: np.ndarray) -> list[Region]:
+    """The regions in use, read off a table of who paints which vertex; ``part`` (n,) labels the parts.
+
+    A vertex obeys one hard handle at most. Where there is a support, what nobody paints is fixed, but for the
+    parts that nobody paints anywhere, if these follow. A region whose vertex group is empty or gone is none.
+    """
+    count = len(part)
+    enabled = [handle for handle in deformer.handles if handle.enabled]
+    painted = {handle.uid: weights(handle.vertex_group) for handle in enabled}
+    handles = [h for h in enabled if painted[h.uid] is not None and painted[h.uid].any()]
+    if not handles:
+        raise Refusal("nothing holds the mesh")
+    supports = [handle for handle in handles if handle.kind == "SUPPORT"]
+    movers = [handle for handle in handles if handle.kind != "SUPPORT"]
+    strengths = np.array([painted[handle.uid] * handle.weight for handle in movers]).reshape(-1, count)
+    if ((strengths >= 1.0).sum(axis=0) > 1).any():
+        raise Refusal("a vertex in two hard handles")
+    is_space = BY_ID[deformer.method].is_space  # where what holds nothing is no handle
+    found = [
+        Region(members, strength[members], handle.continuity, handle)
+        for handle, strength in zip(movers, strengths, strict=True)
+        for members in [np.flatnonzero(strength if is_space else painted[handle.uid])]
+        if len(members)
+    ]
+    free = ~np.any([painted[handle.uid] > 0.0 for handle in handles], axis=0)
+    if deformer.loose_parts == "FOLLOW" and not is_space:
+        free &= np.isin(part, part[~free])
+    if supports and free.any():
+        border = min(handle.continuity for handle in supports)
+        found.append(Region(np.flatnonzero(free), np.ones(free.sum()), border))
+    if not found:
+        raise Refusal("nothing holds the mesh")
+    return found
+
+
+def steps_of(row, options: dict[str, object]) -> dict[str, object]:
+    """The keywords of ``solve``, which it takes out of the options."""
+    return {parameter.id: options.pop(parameter.id) for parameter in row.parameters if not parameter.rebinds}
+
+
+def options_of(deformer, row, weights: Weights) -> dict[str, object]:
+    """The parameters of the row; one with a vertex group is an array (n,), not below its minimum.
+
+    Of a row around another, ``base`` is that row with its parameters.
+    """
+    values = getattr(deformer, row.id)
+    options = {parameter.id: getattr(values, parameter.id) for parameter in row.parameters}
+    options = {name: None if value == "" else value for name, value in options.items()}  # no map is chosen
+    if row.wraps:
+        base = BY_ID[values.base]
+        options["base"] = base, options_of(deformer, base, weights)
+    for parameter in row.paintable:
+        group = getattr(values, f"{parameter.id}_group")
+        share = weights(group) if group else None
+        if share is not None:  # without its group, a parameter is not painted
+            options[parameter.id] = np.maximum(options[parameter.id] * share, parameter.minimum)
+    return options
+
+
+def elements_of(faces: np.ndarray, kind: str) -> np.ndarray:
+    """What a Laplacian sums over: (m, 3) triangles, or (m, 2) edges."""
+    if kind != "uniform":
+        return faces
+    pairs = np.concatenate((faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]))
+    return np.unique(np.sort(pairs, axis=1), axis=0)
+
+
+def corner_dots(points: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(m, 3) inner products of the two edges at each corner, and twice the areas (m,)."""
+    p = points[faces]
+    ahead, back = np.roll(p, -1, axis=1) - p, np.roll(p, 1, axis=1) - p
+    return (ahead * back).sum(axis=2), np.linalg.norm(np.cross(ahead[:, 0], back[:, 0]), axis=1)
+
+
+def laplacian(points, faces, kind: str, scale: np.ndarray) -> np.ndarray:
+    """(n, n), weak and semi-definite; ``scale`` one factor an element."""
+    L = np.zeros((len(points), len(points)))
+    if kind == "uniform":
+        pairs, weights = elements_of(faces, kind), scale
+    else:
+        dots, areas = corner_dots(points, faces)
+        pairs = np.concatenate([faces[:, [(k + 1) % 3, (k + 2) % 3]] for k in range(3)])
+        weights = np.concatenate([scale * 0.5 * dots[:, k] / areas for k in range(3)])
+    np.add.at(L, (pairs[:, 0], pairs[:, 1]), -weights)
+    np.add.at(L, (pairs[:, 1], pairs[:, 0]), -weights)
+    return L - np.diag(L.sum(axis=1))
+
+
+def masses(points, faces, kind: str) -> np.ndarray:
+    """(n,) neighbours, ones, or mixed Voronoi areas."""
+    n = len(points)
+    if kind == "cotan":
+        return np.ones(n)
+    mass = np.zeros(n)
+    if kind == "uniform":
+        np.add.at(mass, elements_of(faces, kind).ravel(), 1.0)
+        return mass
+    dots, areas = corner_dots(points, faces)
+    p = points[faces]
+    opposite = ((np.roll(p, -1, axis=1) - np.roll(p, 1, axis=1)) ** 2).sum(axis=2)
+    parts_of = opposite * dots / (8.0 * areas[:, None])
+    voronoi = np.roll(parts_of, -1, axis=1) + np.roll(parts_of, 1, axis=1)
+    obtuse = (dots < 0.0).any(axis=1)
+    shares = np.where(dots < 0.0, 0.5, 0.25) * 0.5 * areas[:, None]
+    np.add.at(mass, faces, np.where(obtuse[:, None], shares, voronoi))
+    return mass
+
+
+def parts(count: int, faces: np.ndarray) -> np.ndarray:
+    """(n,) the least vertex of each vertex's connected part."""
+    label = np.arange(count)
+    while True:
+        least = label[faces].min(axis=1)
+        after = label.copy()
+        for k in range(3):
+            np.minimum.at(after, faces[:, k], least)
+        if np.array_equal(after, label):
+            return label
+        label = after
+
+
+def stiffness(values: object, n: int) -> np.ndarray | None:
+    """(n,), None where it is zero everywhere; black paint counts a millionth of the largest."""
+    values = np.broadcast_to(np.asarray(values, dtype=np.float64), (n,))
+    return np.maximum(values, 1e-6 * values.max()) if values.max() > 0.0 else None
+
+
+def thin_shell(rest, faces, options, regions, poses, flags, before) -> tuple[np.ndarray, float]:
+    """Botsch & Kobbelt 2004: k_s L + L (k_b C/M) L + L (C/M) L_kv (C/M) L, zero on free vertices.
+
+    Also the error to expect of either solve, from the condition of the system.
+    """
+    n, kind = len(rest), options["laplacian"]
+    k_s, k_b, k_v = (stiffness(options[name], n) for name in ("stretching", "bending", "variation"))
+    if k_s is k_b is k_v is None:
+        raise Refusal("all stiffnesses are zero")
+    _refuse_slivers(rest, faces)
+    hard = np.full(n, -1)
+    for row, region in enumerate(regions):
+        hard[region.members[region.strength >= 1.0]] = row
+    continuity = np.array([region.continuity for region in regions])
+
+    elements = elements_of(faces, kind)
+    L = laplacian(rest, faces, kind, np.ones(len(elements)))
+    A = np.zeros((n, n)) if k_s is None else laplacian(rest, faces, kind, k_s[elements].mean(axis=1))
+    mass = masses(rest, faces, kind)
+    mass = np.maximum(mass, 1e-6 * mass.mean() if mass.any() else 1.0)  # loose vertices
+    CM = np.where(hard < 0, 1.0, np.minimum(continuity[hard], 1.0)) / mass
+    if k_b is not None:
+        A += L @ np.diag(CM * k_b) @ L
+    if k_v is not None:
+        kept = np.where(hard[elements] < 0, 2.0, continuity[hard[elements]]) - 1.0
+        kept = np.where((hard[elements] < 0).any(axis=1), 1.0, np.clip(kept, 0.0, 1.0).min(axis=1))
+        U = np.diag(CM) @ L
+        A += U.T @ laplacian(rest, faces, kind, k_v[elements].mean(axis=1) * kept) @ U
+    return _solve(A, parts(n, faces), hard, regions, poses, flags, rest, before)
+
+
+def _refuse_slivers(points, faces) -> None:
+    """The product floors triangles without area; nothing is claimed about those."""
+    p = points[faces]
+    edges = np.stack((p[:, 1] - p[:, 0], p[:, 2] - p[:, 1], p[:, 0] - p[:, 2]), axis=1)
+    area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
+    if len(faces) and (area <= 0.012 * (edges**2).sum(axis=2).max(axis=1)).any():
+        raise Unsure("a triangle almost without area")
+
+
+def _solve(A, part, hard, regions, poses, flags, rest, before) -> tuple[np.ndarray, float]:
+    n = len(rest)
+    held, pull, springs = np.zeros(n, dtype=bool), np.zeros((n, 3)), np.zeros(n)
+    d = np.zeros((n, 3))
+    diagonal = A.diagonal()
+    unit = np.where(diagonal > 0.0, diagonal, diagonal.mean() if diagonal.mean() > 0.0 else 1.0)
+    for row, region in enumerate(regions):
+        start = rest if flags[row] else before
+        goal = start @ poses[row, :, :3].T + poses[row, :, 3] - before
+        for vertex, strength in zip(region.members, region.strength):
+            if strength <= 0.0:
+                continue
+            held |= part == part[vertex]
+            if hard[vertex] == row:
+                d[vertex] = goal[vertex]
+            elif hard[vertex] < 0:
+                spring = strength / (1.0 - strength) * unit[vertex]
+                springs[vertex] += spring
+                pull[vertex] += spring * goal[vertex]
+    free = np.flatnonzero((hard < 0) & held)
+    fixed = np.flatnonzero(hard >= 0)
+    error = 0.0
+    if len(free):
+        inner = A[np.ix_(free, free)] + np.diag(springs[free])
+        inverse = np.linalg.inv(inner)
+        condition = np.linalg.norm(inner, 1) * np.linalg.norm(inverse, 1)
+        if not condition < 1e10:
+            raise Unsure("the system is close to singular")
+        d[free] = np.linalg.solve(inner, pull[free] - A[np.ix_(free, fixed)] @ d[fixed])
+        error = 4.0 * condition * 2.0**-52 * np.abs(d).max()
+    return before + d, error
+
+
+DENSE = {"thin_shell": thin_shell}

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A plate with a wire along its far edge, which carries half of it."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from expected import Poses
+from inside import native
+from mathutils import Matrix
+from registry import BY_ID, Control, options_of, with_control
+
+from rigs.object_rigs import object_class
+from rigs.rig import apply_matrix, base_points, grid_object, linked, make_active
+
+RADIUS = 1.1  # of the wire, in its own space
+
+
+def polyline(places: np.ndarray, name: str = "Wire") -> bpy.types.Object:
+    """A curve object of straight lines: Blender draws it at its points alone."""
+    data = bpy.data.curves.new(name, "CURVE")
+    data.dimensions = "3D"
+    spline = data.splines.new("POLY")
+    spline.points.add(len(places) - 1)
+    for point, place in zip(spline.points, places, strict=True):
+        point.co = (*place, 1.0)
+    return linked(bpy.data.objects.new(name, data))
+
+
+def places_of(wire: bpy.types.Object) -> np.ndarray:
+    """Its points, in its own space, (c, 3)."""
+    return np.array([point.co[:3] for spline in wire.data.splines for point in spline.points], dtype=float)
+
+
+def stroke_through(places: np.ndarray) -> list[dict[str, object]]:
+    """A stroke for an operator: which members its elements have differs between releases."""
+    members = bpy.types.OperatorStrokeElement.bl_rna.properties
+    element = {
+        member.identifier: tuple(member.default_array)
+        if getattr(member, "is_array", False)
+        else member.default
+        for member in members
+        if member.identifier != "rna_type"
+    }
+    return [{**element, "location": tuple(place)} for place in np.asarray(places, dtype=float).tolist()]
+
+
+class ByWires(Poses):
+    """What a wire makes of the vertices of an object. Made while the wire is at rest."""
+
+    def __init__(self, obj, wire, method: str, radius: float = RADIUS, **options: object) -> None:
+        super().__init__(obj, wire)
+        self._wire = apply_matrix(self._at_rest, places_of(wire))
+        self._row, self._radius = BY_ID[method], radius
+        self._options, _none = options_of(self._row, options)
+        self.rebind(obj)
+
+    def rebind(self, obj, points: np.ndarray | None = None) -> None:
+        """Take the points as they are now."""
+        scale = np.cbrt(abs(np.linalg.det(self._at_rest[:3, :3])))
+        self._solver = getattr(native(), self._row.native)(
+            self._wire, radius=self._radius * scale, **self._options
+        )
+        self._solver.bind(base_points(obj) if points is None else points)
+
+    def shape(self, pose, incoming: np.ndarray | None = None) -> np.ndarray:
+        return self._solver.warp(apply_matrix(pose, self._wire), incoming=incoming)
+
+
+def new_class(base: type) -> type:
+    """The rig of wires, by that of handles."""
+
+    class CurvesRig(object_class(base)):
+        methods = with_control(Control.CURVES)
+        point_arrays = 1
+
+        @classmethod
+        def large(cls):
+            return cls(grid_object(cells=60))
+
+        @property
+        def control_size(self) -> int:
+            return len(places_of(self.control))
+
+        @classmethod
+        def another_control(cls, obj: bpy.types.Object) -> bpy.types.Object:
+            control = super().another_control(obj)
+            control.matrix_basis = Matrix.Identity(4)  # on the edge of the plate again
+            return control
+
+        @property
+        def held(self) -> np.ndarray:
+            """The vertices on the wire."""
+            return np.flatnonzero(base_points(self.obj)[:, 1] > 0.99)
+
+        def attach(self, method: str) -> None:
+            edge = base_points(self.obj)
+            wire = polyline(edge[edge[:, 1] > 0.99], f"{self.name} Wire")
+            make_active(self.obj)
+            bpy.ops.sinew.wire_add(curve=wire.name, radius=RADIUS)
+            make_active(self.obj)
+            self.choose(method)
+
+        def bind_alone(self, method: str) -> None:
+            """The wire reaches so far that it carries everything."""
+            self.bind(method)
+            self.deformer.controls[0].radius = 1e5
+
+        def relax(self) -> None:
+            self.control.matrix_basis = Matrix.Identity(4)
+
+        def expected(self, method: str | None = None, **options: object) -> Poses:
+            return ByWires(self.obj, self.control, method or self.methods[0], **options)
+
+    return CurvesRig

@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The rig of lattices: a ball in a lattice object that is bent as no affine map does it."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from expected import Poses, new_native
+from mathutils import Matrix
+from registry import BY_ID, Control, options_of, with_control
+
+from rigs.cages import ball
+from rigs.object_rigs import object_class
+from rigs.rig import add_group, apply_matrix, base_points, linked, make_active, update
+
+WITH_LATTICE = with_control(Control.LATTICE)
+TYPES = {
+    "KEY_LINEAR": "linear",
+    "KEY_CARDINAL": "cardinal",
+    "KEY_CATMULL_ROM": "catmull_rom",
+    "KEY_BSPLINE": "bspline",
+}
+
+
+def lattice_points(lattice: bpy.types.Object) -> np.ndarray:
+    """The points of a lattice as they are edited, in its own frame, (c, 3)."""
+    return np.array([point.co_deform for point in lattice.data.points], dtype=float)
+
+
+def resolution(lattice: bpy.types.Object) -> tuple[int, int, int]:
+    return lattice.data.points_u, lattice.data.points_v, lattice.data.points_w
+
+
+def place(lattice: bpy.types.Object, points: np.ndarray) -> None:
+    """Put the points there."""
+    lattice.data.points.foreach_set("co_deform", np.asarray(points, dtype=np.float32).ravel())
+    lattice.data.update_tag()
+
+
+def lattice_object(counts: tuple[int, int, int] = (5, 5, 5), name: str = "Lattice") -> bpy.types.Object:
+    """A lattice around the origin whose points are a unit apart, made without Sinew."""
+    data = bpy.data.lattices.new(name)
+    data.points_u, data.points_v, data.points_w = counts
+    obj = linked(bpy.data.objects.new(name, data))
+    update()
+    return obj
+
+
+def small_ball(name: str = "Ball", levels: int = 3) -> bpy.types.Object:
+    """A ball that fits into it, with some room."""
+    obj = ball(name, levels)
+    obj.data.transform(Matrix.Scale(0.6, 4))
+    return obj
+
+
+def bent(points: np.ndarray, seed: int = 5, by: float = 0.1) -> np.ndarray:
+    """Points moved at random, by a share of their size; by a tenth, a lattice of five does not fold."""
+    spread = by * np.ptp(points, axis=0).max()
+    return points + spread * np.random.default_rng(seed).uniform(-0.5, 0.5, points.shape)
+
+
+class ExpectedInLattice(Poses):
+    """What a lattice makes of the vertices of a mesh, by a native object that is bound anew to its rest.
+
+    Made while the lattice object is at rest, its points posed.
+    """
+
+    def __init__(
+        self,
+        obj: bpy.types.Object,
+        lattice: bpy.types.Object,
+        rest: np.ndarray,
+        method: str,
+        **options: object,
+    ) -> None:
+        super().__init__(obj, lattice)
+        row = BY_ID[method]
+        chosen, _none = options_of(row, options)
+        data = lattice.data
+        types = [data.interpolation_type_u, data.interpolation_type_v, data.interpolation_type_w]
+        words = {"resolution": resolution(lattice), "interpolation": [TYPES[name] for name in types]}
+        self._posed = apply_matrix(self._at_rest, lattice_points(lattice))
+        self._native = new_native(row, apply_matrix(self._at_rest, rest), chosen | words)
+        self.rebind(obj)
+
+    def rebind(self, obj: bpy.types.Object) -> None:
+        """Take the vertices as they are now."""
+        self._native.bind(base_points(obj))
+
+    def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
+        return self._native.warp(apply_matrix(pose, self._posed), incoming=incoming)
+
+
+def new_class(base: type) -> type:
+    """The class of the rig, derived from that of handles."""
+
+    class LatticeRig(object_class(base)):
+        methods = WITH_LATTICE
+        point_arrays = 1
+        carries = (
+            Matrix.Translation((0.3, 0.1, -0.2))
+            @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8))
+            @ Matrix.Diagonal((1.3, 0.8, 1.1, 1.0))
+        )
+
+        def __init__(self, obj: bpy.types.Object) -> None:
+            self.name = obj.name
+            self.top = add_group(obj, "Top", lambda point: point[1] > 0.2)
+            self.base = add_group(obj, "Base", lambda point: point[1] < -0.2)
+
+        @classmethod
+        def new(cls, name: str = "Marble") -> LatticeRig:
+            return cls(small_ball(name, 2))
+
+        @classmethod
+        def large(cls) -> LatticeRig:
+            return cls(small_ball(levels=6))
+
+        @property
+        def control_size(self) -> int:
+            return len(self.control.data.points)
+
+        @property
+        def held(self) -> slice:
+            return slice(None)
+
+        def bind(self, method: str = WITH_LATTICE[0]) -> LatticeRig:
+            self.bind_at_rest(method)
+            self._lattice_rest = lattice_points(self.control)
+            place(self.control, bent(self._lattice_rest))
+            return self
+
+        def attach(self, method: str) -> None:
+            lattice = lattice_object()
+            make_active(self.obj)
+            assert bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name) == {"FINISHED"}
+
+        def bind_alone(self, method: str) -> None:
+            self.bind(method)
+
+        def relax(self) -> None:
+            self.control.matrix_basis = Matrix.Identity(4)
+            place(self.control, self._lattice_rest)
+
+        def rest(self) -> np.ndarray:
+            return self.unmoved(self.obj)
+
+        def expected(self, method: str | None = None, **options: object) -> Poses:
+            return ExpectedInLattice(
+                self.obj, self.control, self._lattice_rest, method or self.methods[0], **options
+            )
+
+    return LatticeRig

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What random sequences have in common: an empty file, a folder, a log of errors, and how many there are.
+
+``SINEW_RANDOM_SEED=7`` takes other sequences, ``SINEW_RANDOM_SEQUENCES=20`` fewer;
+``SINEW_RANDOM_SHRINK=0`` reports the first failure as it is.
+"""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+import bpy
+from error_log import ErrorLog
+from hypothesis import HealthCheck, Phase, seed, settings
+from hypothesis.stateful import RuleBasedStateMachine, run_state_machine_as_test
+from inside import settle
+from rigs.rig import new_file
+
+SEED = os.environ.get("SINEW_RANDOM_SEED")
+SEQUENCES = int(os.environ.get("SINEW_RANDOM_SEQUENCES", "200"))
+SHRINK = os.environ.get("SINEW_RANDOM_SHRINK", "1") == "1"  # minutes of it, where a sequence is long
+MOST_UNDO = 25  # steps we go back; Blender keeps 32
+
+
+class Sequence(RuleBasedStateMachine):
+    """One sequence of what an artist does."""
+
+    checked = 0  # shapes compared
+
+    def __init__(self) -> None:
+        super().__init__()
+        new_file()
+        self.error_log = ErrorLog()
+        self._folder = tempfile.TemporaryDirectory()
+        self.folder = Path(self._folder.name)
+
+    def teardown(self) -> None:
+        self.error_log.close()
+        self._folder.cleanup()
+
+    @property
+    def in_object_mode(self) -> bool:
+        return bpy.context.mode == "OBJECT"
+
+    def pause(self) -> None:
+        """A quiet moment, in which nothing may be said."""
+        settle()
+        self.error_log.check()
+
+
+def run_sequences(machine: type[Sequence], sequences: int, steps: int) -> None:
+    """The same ones in each run, unless a seed is given."""
+    machine.checked = 0
+    run_state_machine_as_test(
+        machine if SEED is None else seed(int(SEED))(machine),
+        settings=settings(
+            max_examples=sequences,
+            stateful_step_count=steps,
+            derandomize=SEED is None,
+            database=None,
+            deadline=None,
+            phases=(Phase.generate, Phase.shrink) if SHRINK else (Phase.generate,),
+            suppress_health_check=list(HealthCheck),
+            report_multiple_bugs=False,
+        ),
+    )
