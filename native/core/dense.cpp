@@ -22,6 +22,40 @@ Eigenvectors<4> eigenvectors(const Eigen::Matrix4d& symmetric) { return found(sy
 
 Eigenvectors<Eigen::Dynamic> eigenvectors(const MatrixX& symmetric) { return found(symmetric); }
 
+Vector3 solve_symmetric(const Matrix3& A, const Vector3& b) { return A.ldlt().solve(b); }
+
+Eigen::Vector2d solve_symmetric(const Eigen::Matrix2d& A, const Eigen::Vector2d& b)
+{
+    return A.ldlt().solve(b);
+}
+
+bool DenseCholesky::factorize(const MatrixX& A)
+{
+    factor_.compute(A);
+    return factor_.info() == Eigen::Success;
+}
+
+VectorX DenseCholesky::solve(const VectorX& b) const { return factor_.solve(b); }
+
+MatrixX DenseCholesky::solve(const MatrixX& B) const { return factor_.solve(B); }
+
+void LeastNorm::factorize(const MatrixX& A, double threshold)
+{
+    if (threshold > 0)
+        factor_.setThreshold(threshold);
+    factor_.compute(A);
+}
+
+VectorX LeastNorm::solve(const VectorX& b) const { return factor_.solve(b); }
+
+VectorX product(const MatrixX& A, const VectorX& x) { return A * x; }
+
+MatrixX product(const MatrixX& A, const MatrixX& B) { return A * B; }
+
+VectorX transposed_product(const MatrixX& A, const VectorX& x) { return A.transpose() * x; }
+
+MatrixX transposed_product(const MatrixX& A, const MatrixX& B) { return A.transpose() * B; }
+
 Eigen::Quaterniond smallest_turn(const Vector3& from, const Vector3& to)
 {
     return Eigen::Quaterniond::FromTwoVectors(from, to); // for opposite ones by singular values

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/enclosure/progressive_hull.h"
 
-#include <Eigen/Cholesky>
+#include "native/core/dense.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -49,7 +50,11 @@ bool minimum(const Matrix3& H, const Vector3& centre, std::span<const HalfSpace>
                                    [&](const HalfSpace& h) { return h.normal.dot(p) >= h.distance - slack; });
     } else {
         const Eigen::Matrix<double, Dim, Dim> A = span.transpose() * H * span;
-        p = origin + span * A.ldlt().solve(span.transpose() * (H * (centre - origin)));
+        const Eigen::Matrix<double, Dim, 1> b = span.transpose() * (H * (centre - origin));
+        if constexpr (Dim == 1)
+            p = origin + span * (b / A(0, 0));
+        else
+            p = origin + span * solve_symmetric(A, b);
         for (std::size_t i = 0; i < spaces.size(); ++i) {
             const HalfSpace& h = spaces[i];
             if (h.normal.dot(p) >= h.distance - slack)
@@ -181,7 +186,7 @@ void ProgressiveHull::propose(int a, int b)
         total += weight;
     }
     H += closeness * total * Matrix3::Identity();
-    const Vector3 centre = H.ldlt().solve(h);
+    const Vector3 centre = solve_symmetric(H, h);
     const double slack = 1e-10 * size_;
     Vector3 p;
     if (mirror) {

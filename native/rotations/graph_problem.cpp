@@ -144,7 +144,7 @@ void GraphProblem::turn_rotation_field()
     current_ = turned;
 }
 
-void GraphProblem::fit_rotations(const Points& x)
+void GraphProblem::local_step(const Points& x)
 {
     move_to(x);
     fit_fixed_cells();
@@ -198,7 +198,7 @@ double GraphProblem::evaluate(const Points& x, Points& gradient)
         });
         current_ = next;
     } else {
-        fit_rotations(x);
+        local_step(x);
     }
     return energy_and_gradient(gradient);
 }
@@ -234,7 +234,7 @@ void GraphProblem::relax(Points& x, const Points& tilt)
     x -= gradient;
 }
 
-void GraphProblem::positions_for_rotations(Points& x)
+void GraphProblem::global_step(Points& x)
 {
     x = PointsView(buffers_.points.data(), graph_.free_count(), 3);
     for (int k = 0; k < 2; ++k) // the factor is in single precision, so each solve leaves a millionth

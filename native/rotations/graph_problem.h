@@ -43,17 +43,17 @@ public:
     /// and for all.
     void set_rotation(int i, const Matrix3& R);
 
-    /// The free positions that minimise E for the current rotations: a linear solve, and a second one for the
-    /// residual of the first.
-    void positions_for_rotations(Points& x);
-    Points positions_for_rotations()
+    /// Finds the free positions that minimise E for the current rotations: a linear solve, and a second one
+    /// for the residual of the first.
+    void global_step(Points& x);
+    Points global_step()
     {
         Points x;
-        positions_for_rotations(x);
+        global_step(x);
         return x;
     }
     /// Fits the rotation of each cell to the positions alone, without smoothing.
-    void fit_rotations(const Points& x);
+    void local_step(const Points& x);
 
     /// Turns the rotation of each node by what the clusters near it turn.
     void turn(const ClusterMap& map, const std::vector<Eigen::Quaterniond>& turns);
@@ -79,7 +79,7 @@ public:
     void refresh(const Points& x)
     {
         if (stale_)
-            fit_rotations(x);
+            local_step(x);
     }
 
     /// The positions of all nodes, with the free ones at x.

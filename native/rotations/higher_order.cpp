@@ -90,7 +90,7 @@ double HigherOrderProblem::evaluate(const Points& x, Points& gradient)
     return (1 - order_.lambda()) * stretching + bend(x, gradient);
 }
 
-void HigherOrderProblem::positions_for_rotations(Points& x)
+void HigherOrderProblem::global_step(Points& x)
 {
     Points gradient;
     for (int k = 0; k < 3; ++k) { // the factor is in single precision, and its condition that of a square

@@ -56,7 +56,7 @@ public:
 
     /// The free positions for the present rotations.
     /// \param[in,out] x  any positions at first
-    void positions_for_rotations(Points& x);
+    void global_step(Points& x);
 
     double evaluate(const Points& x, Points& gradient) override;
     void precondition(const Points& gradient, Points& z) const override

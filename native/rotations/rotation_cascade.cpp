@@ -159,7 +159,7 @@ const std::vector<Eigen::Quaterniond>& CascadeSolve::descend(int level, GraphPro
                                                              GraphWorkspace& work, double floor)
 {
     const bool coarsest = level == static_cast<int>(cascade_.levels().size());
-    problem.positions_for_rotations(work.x);
+    problem.global_step(work.x);
     minimize(corrected_[level], work.x,
              {.max_iterations = coarsest ? coarsest_iterations : level_iterations,
               .tolerance = 1e-4,

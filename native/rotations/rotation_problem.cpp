@@ -212,7 +212,7 @@ void RotationProblem::precondition(const Points& gradient, Points& z) const
     cells_.position_factor().solve(gradient, z);
 }
 
-void RotationProblem::positions_for_rotations(Points& x, int solves)
+void RotationProblem::global_step(Points& x, int solves)
 {
     Points& gradient = buffers_.gradient;
     x = PointsView(buffers_.points.data(), cells_.free_count(), 3);

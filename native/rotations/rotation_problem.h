@@ -43,7 +43,7 @@ public:
 
     /// (free, 3) the positions that minimise E for the present rotations: a linear solve, and further ones
     /// for the residual of the one before.
-    void positions_for_rotations(Points& x, int solves = 2);
+    void global_step(Points& x, int solves = 2);
 
     double evaluate(const Points& x, Points& gradient) override;
     void precondition(const Points& gradient, Points& z) const override;

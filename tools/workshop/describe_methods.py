@@ -22,6 +22,7 @@ CATALOGUE = f"{PAGES}/catalogue.toml"
 BEGIN = "<!-- methods: written by tools/describe_methods -->"
 END = "<!-- end of methods -->"
 COST = "repeat it when"  # the second heading of a cost table in a header
+INCLUDED = re.compile(r'#include "(native/[^"]+)"')
 CONTROLS = {
     "HANDLES": "handles",
     "CAGE": "a cage",
@@ -127,7 +128,9 @@ def head(root: Path, row) -> str:
     )
     facts = [
         ("id", f"`{row.id}`, in Python `sinew_native.{row.native}`"),
-        ("library", f"[{header.relative_to(root)}](../../{header.relative_to(root)})"),
+        ("library", _links(root, [header, header.with_suffix(".cpp")])),
+        *([("kernels", _links(root, kernels))] if (kernels := nearest_kernels(root, header)) else []),
+        ("tests", _links(root, sorted((root / "tests/native").rglob(f"test_{row.id}.cpp")))),
         ("tutorial", f"section {row.section}"),
         ("paper", row.paper),
         ("moved by", CONTROLS[row.control.name]),
@@ -148,6 +151,25 @@ def head(root: Path, row) -> str:
     return "\n".join(
         [*lines, "", "What a call costs:", "", "```text", *_costs(root, header, row.native), "```"]
     )
+
+
+def nearest_kernels(root: Path, header: Path) -> list[Path]:
+    """The vectorised code nearest to a method: what it includes, or what that includes, or a step further."""
+    seen = level = {header, header.with_suffix(".cpp")}
+    for _step in range(3):
+        included = {root / name for path in level for name in INCLUDED.findall(path.read_text("utf-8"))}
+        found = sorted(file for path in included if (file := path.with_suffix(".inl")).is_file())
+        if found:
+            return found
+        level = {
+            file for path in included for file in (path, path.with_suffix(".cpp")) if file.is_file()
+        } - seen
+        seen = seen | level
+    return []
+
+
+def _links(root: Path, files: Iterable[Path]) -> str:
+    return ", ".join(f"[{file.relative_to(root)}](../../{file.relative_to(root)})" for file in files)
 
 
 def _parameter(parameter) -> str:

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/solvers/dense/gauss_newton.h"
 
-#include <Eigen/Cholesky>
-#include <Eigen/QR>
+#include "native/core/dense.h"
 
 #include <algorithm>
 #include <cmath>
@@ -37,7 +36,7 @@ public:
     const VectorX& step() const { return d_; }
     const VectorX& multipliers() const { return multipliers_; } ///< of the sides
     /// By how much the model says that the step lowers F.
-    double predicted() const { return -(slopes_.gradient.dot(d_) + 0.5 * d_.dot(undamped_ * d_)); }
+    double predicted() const { return -(slopes_.gradient.dot(d_) + 0.5 * d_.dot(product(undamped_, d_))); }
 
 private:
     bool factorize(double damping);
@@ -69,23 +68,24 @@ private:
     std::vector<char> first_fixed_, first_active_; ///< as each solve() begins
     std::vector<Border> first_borders_;
     std::vector<char> left_; ///< (balls) whether each border would hold the step back from going inward
-    Eigen::LLT<MatrixX> factor_;
+    DenseCholesky factor_;
     MatrixX rows_; ///< of the equalities, for the free unknowns
     MatrixX answers_; ///< of the factor to these rows
     std::vector<Eigen::Index> equal_; ///< the sides that are equalities: the first of the rows
-    Eigen::CompleteOrthogonalDecomposition<MatrixX> schur_;
+    LeastNorm schur_;
     VectorX d_, multipliers_;
 };
 
 Model::Model(const LeastSquares::Values& values, const LeastSquares::Slopes& slopes,
              const VariableLimits& limits, const VectorX& x, const VectorX& multipliers)
     : values_(values), slopes_(slopes), limits_(limits), x_(x),
-      normal_(slopes.rows.transpose() * slopes.rows), fixed_(x.size(), 0), active_(values.sides.size(), 0),
-      dropped_(values.sides.size(), 0), multipliers_(VectorX::Zero(values.sides.size()))
+      normal_(transposed_product(slopes.rows, slopes.rows)), fixed_(x.size(), 0),
+      active_(values.sides.size(), 0), dropped_(values.sides.size(), 0),
+      multipliers_(VectorX::Zero(values.sides.size()))
 {
     VectorX pull = slopes.gradient; // what pushes x out, with the sides' own forces
     if (multipliers.size() > 0)
-        pull += slopes.sides.transpose() * multipliers;
+        pull += transposed_product(slopes.sides, multipliers);
     normal_.diagonal() += slopes.diagonal;
     undamped_ = normal_ + slopes.curvature;
     for (std::size_t k = 0; k < limits.balls.size(); ++k) {
@@ -116,8 +116,7 @@ bool Model::factorize(double damping)
 {
     MatrixX reduced = undamped_(free_, free_);
     reduced.diagonal().array() += damping;
-    factor_.compute(reduced);
-    return factor_.info() == Eigen::Success;
+    return factor_.factorize(reduced);
 }
 
 /// The step whose entries at `fixed_` unknowns are given.
@@ -157,9 +156,9 @@ void Model::solve_equalities(double& damping, bool without_curvature)
             borders_[k].out.transpose();
     }
     if (rows_.rows() > 0) {
-        answers_ = factor_.solve(rows_.transpose());
-        schur_.setThreshold(1e-12); // rows that depend on each other, or on fixed unknowns alone, count once
-        schur_.compute(rows_ * answers_);
+        answers_ = factor_.solve(MatrixX(rows_.transpose()));
+        // Rows that depend on each other, or on fixed unknowns alone, count once.
+        schur_.factorize(product(rows_, answers_), 1e-12);
     }
     const VectorX part = free_part(slopes_.gradient, values_.sides, damping);
     for (std::size_t k = 0; k < free_.size(); ++k)
@@ -172,7 +171,7 @@ VectorX Model::free_part(const VectorX& gradient, const VectorX& sides, double d
     VectorX fixed = d_;
     for (int i : free_)
         fixed[i] = 0.0;
-    VectorX part = -factor_.solve(VectorX((gradient + undamped_ * fixed)(free_)));
+    VectorX part = -factor_.solve(VectorX((gradient + product(undamped_, fixed))(free_)));
     if (rows_.rows() == 0)
         return part;
     const double shorter = 1.0 / (1.0 + damping); // much damping makes that part of a step shorter, too
@@ -183,24 +182,24 @@ VectorX Model::free_part(const VectorX& gradient, const VectorX& sides, double d
     const auto sides_count = static_cast<Eigen::Index>(equal_.size());
     for (std::size_t k = 0; k < borders_.size(); ++k)
         goal[sides_count + static_cast<Eigen::Index>(k)] = borders_[k].room;
-    const VectorX forces = schur_.solve(rows_ * part - goal);
+    const VectorX forces = schur_.solve(product(rows_, part) - goal);
     for (std::size_t k = 0; k < equal_.size(); ++k)
         multipliers_[equal_[k]] = forces[static_cast<Eigen::Index>(k)];
     for (std::size_t k = 0; k < borders_.size(); ++k)
         borders_[k].force = forces[sides_count + static_cast<Eigen::Index>(k)];
-    return part - answers_ * forces;
+    return part - product(answers_, forces);
 }
 
 VectorX Model::bent_step(const LeastSquares::Values& there, double damping)
 {
     if (free_.empty())
         return d_;
-    const VectorX bent = there.residuals - values_.residuals - slopes_.rows * d_;
+    const VectorX bent = there.residuals - values_.residuals - product(slopes_.rows, d_);
     VectorX sides = there.sides, whole = d_;
     if (sides.size() > 0)
-        sides -= slopes_.sides * d_;
+        sides -= product(slopes_.sides, d_);
     const VectorX kept = multipliers_;
-    const VectorX part = free_part(slopes_.gradient + slopes_.rows.transpose() * bent, sides, damping);
+    const VectorX part = free_part(slopes_.gradient + transposed_product(slopes_.rows, bent), sides, damping);
     multipliers_ = kept;
     for (std::size_t k = 0; k < free_.size(); ++k)
         whole[free_[k]] = part[static_cast<Eigen::Index>(k)];
@@ -303,7 +302,9 @@ void move_inside(LeastSquares& problem, const VariableLimits& limits, VectorX& x
             if (const double push = rows.col(i).sum();
                 (push > 0 && x[i] <= limits.lower[i]) || (push < 0 && x[i] >= limits.upper[i]))
                 rows.col(i).setZero();
-        VectorX nearer = x - rows.completeOrthogonalDecomposition().solve(goal);
+        LeastNorm shortest;
+        shortest.factorize(rows);
+        VectorX nearer = x - shortest.solve(goal);
         limits.clamp(nearer);
         LeastSquares::Values there;
         problem.evaluate(nearer, there);

@@ -266,16 +266,16 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
     if (request.start) {
         bound.to_nodes(*request.start, graph.free_count(), fine.x);
         if (graph.is_smooth()) // without smoothing, the first evaluation fits them
-            problem.fit_rotations(fine.x);
+            problem.local_step(fine.x);
     } else {
         cascade.start();
-        problem.positions_for_rotations(fine.x);
+        problem.global_step(fine.x);
     }
     SolveReport report;
     if (bound.higher) {
         HigherOrderProblem higher(graph, *bound.higher, problem, targets.base(), fine.goals.pulls);
         if (!request.start)
-            higher.positions_for_rotations(fine.x);
+            higher.global_step(fine.x);
         options.correction_period = 0; // coarser graphs know nothing of the second part of the energy
         options.plain_steps = 4;
         report = minimize(higher, fine.x, options, request.progress, &fine.descent);
@@ -304,7 +304,7 @@ double Arap::energy(const PointsView& positions) const
     GraphProblem problem(graph, view(bound.node_rest), all, pulls);
     const Points x = problem.free_rows(view(all));
     Points gradient;
-    problem.fit_rotations(x);
+    problem.local_step(x);
     double energy = problem.evaluate(x, gradient);
     for (int k = 0; graph.is_smooth() && k < 500; ++k) {
         const double next = problem.evaluate(x, gradient);

@@ -223,7 +223,7 @@ SolveReport MeshPuppetry::deform(const SolveRequest& request, const Targets& tar
         work->base = scale * *request.start;
         work->x = cells.free_rows(view(work->base));
     } else {
-        problem.positions_for_rotations(work->x);
+        problem.global_step(work->x);
     }
     LbfgsOptions options{.max_iterations = request.max_iterations.value_or(impl_->options.max_iterations),
                          .tolerance = request.tolerance.value_or(impl_->options.tolerance),

@@ -290,7 +290,7 @@ SolveReport PyramidCoordinates::deform(const SolveRequest& request, const Target
                 R = R * work->turns[c];
             problem.set_rotation(c, scale * R.toRotationMatrix());
         });
-        problem.positions_for_rotations(work->x);
+        problem.global_step(work->x);
     }
     SolveReport report =
         minimize(problem, work->x,

@@ -377,7 +377,7 @@ SolveReport ThinShellNonlinear::deform(const SolveRequest& request, const Target
     } else {
         bound.start.rotations(targets, work->start, work->rotations);
         self.start_from(work->rotations, problem);
-        problem.positions_for_rotations(work->x, start_solves);
+        problem.global_step(work->x, start_solves);
     }
     SolveReport report = minimize(problem, work->x, options, request.progress, &work->descent);
     report.energy *= self.unit * self.unit;

@@ -115,7 +115,7 @@ TEST(BodyProblem, energy_and_gradient_are_those_of_a_table_of_rows)
     all.topRows(gradient.rows()) = gradient;
     EXPECT_LT(shapes::distance(setting.table.free_rows(view(all)), expected), 1e-12);
     problem.centres_for_rotations(solved);
-    oracle.positions_for_rotations(solved_by_oracle);
+    oracle.global_step(solved_by_oracle);
     oracle.place(solved_by_oracle, all);
     EXPECT_LT(shapes::distance(solved, all.topRows(setting.graph.free_count())), 1e-11);
 

@@ -132,7 +132,7 @@ TEST(GraphProblem, the_plain_step_in_the_metric_never_raises_it)
     }
 }
 
-TEST(GraphProblem, positions_for_rotations_are_stationary)
+TEST(GraphProblem, the_global_step_is_stationary)
 {
     for (const Variant& variant : variants) {
         if (variant.smoothness > 0)
@@ -143,9 +143,9 @@ TEST(GraphProblem, positions_for_rotations_are_stationary)
         for (int i = 0; i < setting.graph.size(); ++i)
             problem.set_rotation(i, random.rotation());
         const Matrix3 given = problem.rotation(5);
-        const Points x = problem.positions_for_rotations();
+        const Points x = problem.global_step();
         // The solution solves: asking again from there changes nothing.
-        EXPECT_LT(shapes::distance(problem.positions_for_rotations(), x), 1e-11);
+        EXPECT_LT(shapes::distance(problem.global_step(), x), 1e-11);
         EXPECT_EQ(problem.rotation(5), given);
     }
 }

@@ -96,8 +96,8 @@ TEST(RotationProblem, a_table_of_arap_agrees_with_its_own_kernels)
         EXPECT_NEAR(F, oracle.evaluate(oracle.free_rows(view(at)), expected), 1e-12 * F);
     }
     EXPECT_LT(shapes::distance(gradient, setting.reordered(expected)), 1e-12);
-    problem.positions_for_rotations(x);
-    oracle.positions_for_rotations(x_expected);
+    problem.global_step(x);
+    oracle.global_step(x_expected);
     EXPECT_LT(shapes::distance(x, setting.reordered(x_expected)), 1e-11); // two solves in single precision
 }
 
@@ -142,7 +142,7 @@ TEST(RotationProblem, a_rigid_motion_costs_nothing_and_its_start_is_exact)
         for (int i = 0; i < setting.graph.size(); ++i)
             problem.set_rotation(i, pose.leftCols<3>());
         Points x, gradient, all;
-        problem.positions_for_rotations(x);
+        problem.global_step(x);
         EXPECT_LT(problem.evaluate(x, gradient), 1e-20); // squares of what two solves leave
         problem.place(x, all);
         EXPECT_LT(shapes::distance(all, moved), 1e-10);

@@ -113,7 +113,7 @@ void PyramidProblem::precondition(const Points& gradient, Points& z) const
     cells_.factor().solve(gradient, z);
 }
 
-void PyramidProblem::positions_for_rotations(Points& x)
+void PyramidProblem::global_step(Points& x)
 {
     x = PointsView(buffers_.points.data(), cells_.moving_count(), 3);
     // The factor is in single precision, so each solve leaves a share of the error. That counts where hardly

@@ -34,7 +34,7 @@ public:
     void set_rotation(int cell, const Matrix3& R);
 
     /// (moving, 3) the points that minimise F for the present rotations.
-    void positions_for_rotations(Points& x);
+    void global_step(Points& x);
     /// Twice the energy of the shape if all points were in one place: its rounding is in proportion to it.
     double scale() const { return scale_; }
 
