@@ -101,7 +101,7 @@ def _made(native, target: Any, value: object, mesh: Any) -> object:
 
 
 class SolveReport(Protocol):
-    """What a solve by handles tells: how many iterations it took, and whether more would change the shape."""
+    """Result of a solve: iterations and convergence."""
 
     iterations: int
     converged: bool
@@ -430,7 +430,7 @@ class ControlParts(ControlPoints):
 
 @dataclass(frozen=True)
 class HandleMaps(HandlePoints):
-    """The same for a method that knows which points each handle has, so that a frame costs as many maps."""
+    """Handle points for methods that take one affine map per handle."""
 
     def make(self, native, recipe: "Recipe", mesh: object) -> Any:
         """The native method, still without bound points; one around another gets the mesh, too."""
@@ -443,7 +443,7 @@ class HandleMaps(HandlePoints):
 
     @property
     def size(self) -> int:
-        """How many points there are. At what the registry takes for a point, a segment counts as a dozen."""
+        """How many points there are. For `bind_seconds`, a segment costs as much as 12 points."""
         return len(self.points) + 12 * int(self.segments.sum())
 
     def _given(self, method: Method, options: Mapping[str, object]) -> dict[str, object]:

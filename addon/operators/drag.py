@@ -50,7 +50,7 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
         name="Method",
         items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
         default=DEFAULT_METHOD,
-        description="How the surface follows; of a deformer that is there, its own method counts",
+        description="Method of a new deformer; an existing deformer keeps its own",
         options={"SKIP_SAVE"},
     )
     origin: FloatVectorProperty(

@@ -31,7 +31,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
         name="Role",
         items=HANDLE_ROLES,
         default="HANDLE",
-        description="Whether the vertices follow a control, stay, or are the only ones that may move",
+        description="Handle follows a control. Fixed stays. Support: only these vertices may move",
     )
     vertex_group: StringProperty(
         name="Vertex Group",

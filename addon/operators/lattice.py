@@ -49,8 +49,8 @@ class SINEW_OT_lattice_add(BindingOperator, Operator):
         min=1,
         max=64,
         soft_max=16,
-        description="Points of a box along each axis. Cells of fitted boxes along each axis; those of a "
-        "cylinder across its core, from the core to its border, and along it",
+        description="Box: points along each axis. Fitted Boxes: cells along each axis. Cylinder: cells "
+        "across the core, from the core to the border, and along the axis",
     )
     orientation: EnumProperty(
         name="Orientation",

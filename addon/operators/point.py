@@ -65,8 +65,7 @@ class SINEW_OT_point_add(BindingOperator, Operator):
     segments: BoolProperty(
         name="Segments",
         default=False,
-        description="Bones act along their length, and edges between points along theirs, with a method that "
-        "has segments",
+        description="Use bones and edges as line handles, if the method supports them",
     )
 
     @classmethod

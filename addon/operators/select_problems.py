@@ -23,7 +23,7 @@ class SINEW_OT_select_problems(Operator):
         name="Line",
         default=-1,
         min=-1,
-        description="Which of the status lines that name elements; -1 is the first that warns, if one does",
+        description="Index of the status line; -1 for the first warning",
     )
 
     @classmethod

@@ -106,7 +106,7 @@ class SINEW_OT_tool_add(BindingOperator, Operator):
 
 
 class SINEW_OT_tool_stop(BindingOperator, Operator):
-    """Let the path of the active tool lead through where it is now, or go straight again"""
+    """Add a way point to the path of the active tool at its current place, or remove all of them"""
 
     bl_idname = Operators.TOOL_STOP
     bl_label = "Add Stop"

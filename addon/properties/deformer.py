@@ -248,8 +248,7 @@ class SinewDeformer(PropertyGroup):
         name="Applied",
         size=16,
         subtype="MATRIX",
-        description="What Apply and Set Origin did to the object space of the target since the rest shapes "
-        "were stored",
+        description="Transform from rest to current object space, after Apply or Set Origin",
     )
     bake: setting(PointerProperty, update=None, type=SinewBake)
     status: StringProperty(

@@ -100,7 +100,7 @@ class SinewHandle(PropertyGroup):
         name="Role",
         items=ROLES,
         default="HANDLE",
-        description="Whether the vertices follow a control, stay, or are the only ones that may move",
+        description="Handle follows a control. Fixed stays. Support: only these vertices may move",
     )
     vertex_group: setting(
         StringProperty,

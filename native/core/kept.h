@@ -6,9 +6,8 @@
 
 namespace sinew {
 
-/// An object that calls use one after the other, so that its memory stays mapped. Any number of threads may
-/// take one at a time: the first gets the object that waits, the others new ones, of which the last one that
-/// is given back waits.
+/// A workspace cached between calls, so that its memory stays mapped. Any number of threads may take one at a
+/// time: the first gets the cached object, the others new ones; the one that is given back last is cached.
 ///
 /// It stands for a `thread_local` object: with mingw-w64, the storage of those is freed before their
 /// destructors run, so that threads and programs crash or hang as they end.

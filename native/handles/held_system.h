@@ -24,7 +24,7 @@ struct LinearResponse
     MatrixX load;           ///< (m, m) inner products of b, the right-hand side
 };
 
-/// Linear equations for the displacements d of a surface, some of whose vertices handles hold or pull:
+/// A linear system for the displacements d of a surface with hard and soft position constraints:
 ///
 ///     E(d) = 1/2 d^T A d - b^T d + c / 2 + 1/2 sum_i s_i |d_i - t_i|^2,    s_i = w / (1 - w) A_ii
 ///

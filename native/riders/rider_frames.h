@@ -24,9 +24,9 @@ namespace sinew {
 /// the host's spacing.
 ///
 /// A cloth over two limbs must not tear: frames are visited along the part, from the one with the least gap
-/// g. A frame is heard if the way over the host between it and every heard frame u is at most twice that over
+/// g. A frame is trusted if its geodesic distance on the host to every trusted frame u is at most twice that on
 /// the part, plus g_k + g_u + 2 h. The frames are smoothed by S = (diag(a) + mu L)^-1 diag(a) with L the
-/// Laplacian of the frames of the part, a_k = 0 where a frame is not heard, and otherwise
+/// Laplacian of the frames of the part, a_k = 0 where a frame is not trusted, and otherwise
 /// a_k = 1 / (1 + ((g_k - g_least) / (g_least + length / 4))^2)^2.
 struct RiderFrames
 {

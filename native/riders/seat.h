@@ -23,7 +23,8 @@ struct Seat
 /// One for each part that may carry others, else null.
 using HostSurfaces = std::vector<std::unique_ptr<HostSurface>>;
 
-/// Seats all parts that are not driven, hosts before their riders. A part rides on the driven part that one
+/// Finds, for each component without handles, the component that it is attached to; hosts come before what is
+/// attached to them. A part rides on the driven part that one
 /// of its samples is nearest to, unless the median distance of its samples from a larger part is below half
 /// that from the driven ones: then on the nearest such part. So an iris rides on the eye, not on the lid it
 /// touches. Empty where no driven part has an area. Cost: up to 400 closest points per part, 96 for each

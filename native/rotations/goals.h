@@ -11,8 +11,7 @@ namespace sinew {
 
 // For tables whose points are the vertices of a mesh.
 
-/// Whether each vertex stays where a solve puts it: because a handle holds it, or because no handle touches
-/// its part.
+/// True for vertices that are not unknowns: constrained, or in a component without handles.
 std::vector<bool> held_vertices(const Regions& regions);
 
 /// Adds the soft pulls of the handles, in units of each vertex's own diagonal entry of the table's Hessian.

@@ -72,7 +72,7 @@ public:
     /// \param control   (c, 3) the posed control.
     /// \param incoming  (n, 3) the shape to deform in this frame; without one, the bound points.
     /// \param out       (n, 3)
-    /// \param room      n, as far as the caller knows; without it, the caller knows for sure.
+    /// \param room      expected number of rows of `out`: checked against n if given.
     /// \throw InvalidConstraint  no points are bound, `control`, `incoming` or `out` has another size, or a
     ///   number is not finite.
     void warp(PointsView control, const std::optional<PointsView>& incoming, PositionsOut out,

@@ -112,8 +112,8 @@ public:
     };
     virtual Stepping stepping() const { return Stepping::none; }
 
-    /// Whether the displacements depend on those of the handles alone: then one answer serves for all shapes
-    /// that enter and have the same handles.
+    /// True if the result does not depend on the incoming shape, so that one solve can be used again for every
+    /// shape that enters under the same poses.
     virtual bool displaces_all_alike() const { return false; }
 
 protected:

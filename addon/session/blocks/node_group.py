@@ -26,7 +26,7 @@ _COMPONENTS = {"MESH": "Mesh", "CURVE": "Curve", "POINTCLOUD": "Point Cloud"}  #
 
 
 def ensure(point_type: PointType) -> GeometryNodeTree:
-    """The file's group for a point type, made if it is missing. Custom properties tell it, never its name."""
+    """The file's group for a point type, made if missing. Identified by a custom property, not by name."""
     for group in bpy.data.node_groups:
         is_current = group.get(Keys.GROUP_VERSION) == _VERSION and group.library is None
         if is_current and _fits(group, point_type) and _is_whole(group):
@@ -168,7 +168,7 @@ def _nodes(group: GeometryNodeTree, point_type: PointType) -> None:
 def _apart(
     build: Builder, geometry: NodeSocket, component: str
 ) -> tuple[NodeSocket, Callable[[NodeSocket], NodeSocket]]:
-    """One component alone, and a function that joins the others to it again. Only the one is moved.
+    """Separate one geometry component; returns it and a function that joins the others back.
 
     If there are no others, nothing is taken apart, because sculpting needs the geometry as it is. Meshes are
     never taken apart, as that may cost a copy.

@@ -139,9 +139,9 @@ def _asks(tree: NodeTree | None, known: set[NodeTree]) -> bool:
 
 @contextmanager
 def applied(copies: Sequence[Object]) -> Iterator[None]:
-    """For a while, the modifiers of the copies do in viewports what they do in renders.
+    """Context manager: use render settings of the modifiers in the viewport.
 
-    So do the objects that they ask for.
+    Objects that the modifiers name use theirs, too.
     """
     changed: list[tuple[Any, str, Any]] = []
     made: list[ID] = []

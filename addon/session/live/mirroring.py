@@ -43,7 +43,7 @@ Pair = tuple[SinewHandle, SinewHandle]
 
 @dataclass
 class _Edit:
-    """Where two controls were before an edit that may still be cancelled, and the last operator by then."""
+    """State of both controls before the running operator, to restore on cancel."""
 
     leader: Channels
     partner: Channels
@@ -264,7 +264,7 @@ def _is_selected(control: Object) -> bool:
 
 
 def complete_undo() -> None:
-    """After undo and redo: move the partners of which the step holds another place than beside the leader."""
+    """After undo or redo, move partners that no longer mirror their leader."""
     _note_targets()
     for noted in (_edits, _followed, _key_counts, _unkeyed):
         noted.clear()

@@ -60,7 +60,7 @@ class Shown:
 
 
 class Asked(NamedTuple):
-    """What an evaluation asked of a factor: where the control was, the keywords with it, and what entered."""
+    """Inputs of the last solve: the control, the keywords with it, and the incoming shape."""
 
     bound: Bound
     control: np.ndarray

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mesh that a window shows after all modifiers, and which of its vertices come from which of a deformer.
+"""The mesh after all modifiers, with a map from its vertices to those of the deformer.
 
 Later modifiers may add vertices: copies (Mirror, Array, Solidify), or new ones in between (Subdivision).
 """

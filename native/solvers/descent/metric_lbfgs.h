@@ -26,10 +26,9 @@ public:
     virtual void keep_state() = 0;
     virtual void restore_state() = 0;
 
-    /// Computes a point that may be better than x in another way than by a step in the metric; may change the
-    /// state.
+    /// Optional coarse correction: proposes a better point than x. May change the state.
     /// \param gradient  at x.
-    /// \return whether there is such a way.
+    /// \return whether a point was proposed.
     virtual bool correct(const Points& x, const Points& gradient, Points& better);
 
     /// Moves a trial point onto the constraints of the problem, for example to a given volume. Such a problem
