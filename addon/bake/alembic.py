@@ -7,8 +7,8 @@ from collections.abc import Iterator
 import bpy
 from bpy.types import Context, Object
 
-from .. import session
 from ..core.errors import SinewError
+from ..session.blocks import targets
 from . import files, paths
 
 
@@ -24,9 +24,9 @@ def export(context: Context, objects: list[Object], frames: range, chosen: str) 
     if frames.step != 1:
         raise SinewError("Alembic files hold every frame - set Step to 1")
     for obj in objects:
-        if not session.is_exported(obj):
+        if not targets.is_exported(obj):
             raise SinewError(
-                f"Blender exports a {session.label(obj)} object without its modifiers - convert {obj.name} "
+                f"Blender exports a {targets.label(obj)} object without its modifiers - convert {obj.name} "
                 "to a mesh"
             )
         if not obj.visible_get():

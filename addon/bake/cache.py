@@ -6,9 +6,10 @@ from typing import NamedTuple
 import numpy as np
 from bpy.types import Modifier, Object, Scene
 
-from .. import compat, session
+from .. import compat
 from ..core.errors import SinewError
 from ..properties import SinewDeformer
+from ..session.blocks import baked, shapes
 from .stretching import stretch, times
 
 _SNAP = 1e-4  # in samples: if a frame is at most this far after a sample, Blender does not interpolate
@@ -56,7 +57,7 @@ def insert(obj: Object, deformer: SinewDeformer) -> str:
     """Add a modifier right after the deformer's, which does nothing yet, and return its name."""
     modifier = obj.modifiers.new(f"{deformer.name} Cache", "MESH_CACHE")
     modifier.show_viewport = modifier.show_render = False
-    place = list(obj.modifiers).index(session.find_modifier(obj, deformer)) + 1
+    place = list(obj.modifiers).index(shapes.find_modifier(obj, deformer)) + 1
     if not compat.move_modifier(obj, modifier.name, place):
         obj.modifiers.remove(modifier)
         raise SinewError(
@@ -71,7 +72,7 @@ def play(
 ) -> None:
     """Let the modifier play a file wherever the deformer's modifier was shown."""
     play_file(modifier, target, filepath, timed)
-    replaced = session.find_modifier(obj, deformer)
+    replaced = shapes.find_modifier(obj, deformer)
     for flag in ("show_viewport", "show_render", "show_in_editmode", "show_on_cage"):
         setattr(modifier, flag, getattr(replaced, flag))
     deformer.bake.modifier = modifier.name
@@ -89,7 +90,7 @@ def play_file(modifier: Modifier, target: str, filepath: str, timed: Timing) -> 
 
 def remove(obj: Object, deformer: SinewDeformer) -> None:
     """Remove the modifier."""
-    modifier = session.find_cache(obj, deformer)
+    modifier = baked.find_cache(obj, deformer)
     if modifier is not None:
         obj.modifiers.remove(modifier)
     deformer.bake.modifier = ""

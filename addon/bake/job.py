@@ -12,10 +12,14 @@ import bpy
 import numpy as np
 from bpy.types import Depsgraph, Object, Scene
 
-from .. import session
 from ..core.errors import SinewError
 from ..core.status import Level
 from ..properties import SinewDeformer
+from ..session.blocks import baked, targets
+from ..session.blocks import shapes as blocks_shapes
+from ..session.edit import refresh, upkeep
+from ..session.live import binding, evaluate
+from ..session.memory import sessions
 from . import cache, paths, record, sequences, shape_keys
 from .files import CacheFile
 from .reader import ShapeReader, changes_count, labels
@@ -70,7 +74,7 @@ class Baking:
         self._parts = [_Part(ShapeReader(obj, uid)) for obj, uid in request.deformers]
         self._opened = False
         self._over = False
-        session.bind_renders()
+        refresh.bind_renders()
         for part in self._parts:
             self._check(part, scene)
         try:
@@ -106,7 +110,7 @@ class Baking:
         """Show the baked shapes instead of the deformers. Returns warnings for the user."""
         warnings = []
         self._close_readers()
-        with session.suspended():
+        with sessions.suspended():
             for part in self._parts:
                 self._complete(part)
             for part in self._parts:
@@ -125,7 +129,7 @@ class Baking:
             return
         part.file.close()
         obj, deformer = part.reader.owner(), part.reader.deformer()
-        if session.find_cache(obj, deformer) is None:
+        if baked.find_cache(obj, deformer) is None:
             part.made = cache.insert(obj, deformer)
 
     def _show(self, part: _Part) -> list[str]:
@@ -137,7 +141,7 @@ class Baking:
             warnings += record.remove(obj, deformer)
             shape_keys.install(scene, obj, deformer, frames, part.shapes, request.exact_keys)
         else:
-            playing = obj.modifiers[part.made] if part.made else session.find_cache(obj, deformer)
+            playing = obj.modifiers[part.made] if part.made else baked.find_cache(obj, deformer)
             warnings += record.remove_keys(obj, deformer)
             timed = cache.timing(scene, frames)
             cache.play(obj, deformer, playing, request.target, part.filepath, timed)
@@ -153,7 +157,7 @@ class Baking:
             if part.file is not None:
                 part.file.discard()
         self._close_readers()
-        with session.suspended():
+        with sessions.suspended():
             for part in self._parts if self._opened else ():
                 obj = part.reader.owner()
                 if part.made:
@@ -164,7 +168,7 @@ class Baking:
     def _check(self, part: _Part, scene: Scene) -> None:
         """Raise an error if this deformer cannot be baked, before anything is changed."""
         obj, deformer = part.reader.owner(), part.reader.deformer()
-        session.require_mesh(obj, "Shape keys, PC2 and MDD hold")
+        targets.require_mesh(obj, "Shape keys, PC2 and MDD hold")
         if not deformer.is_bound:
             raise SinewError(f"{deformer.name} is not bound - press Bind first")
         modifier = part.reader.modifier()
@@ -194,7 +198,7 @@ class Baking:
         """Blender adds shape keys before all modifiers, so no other modifier may come before the deformer."""
         here = {uid for name, uid in self.request.deformers if name == obj.name}
         ours = [other for other in obj.sinew.deformers if other.uid in here or other.bake.is_baked]
-        replaced = {session.find_modifier(obj, other) for other in ours}
+        replaced = {blocks_shapes.find_modifier(obj, other) for other in ours}
         earlier = [other for other in reader.earlier() if other not in replaced]
         if changes_count(obj, deformer):
             raise SinewError(
@@ -212,7 +216,7 @@ class Baking:
         scene = bpy.data.scenes[self._scene]
         rate = scene.render.fps / scene.render.fps_base
         self._opened = True
-        with session.suspended():
+        with sessions.suspended():
             for part in self._parts:
                 record.suspend(part.reader.owner(), part.reader.deformer())
         for part in self._parts:
@@ -224,10 +228,10 @@ class Baking:
     def _is_waiting(self) -> bool:
         """Whether a thread binds or solves, which happens only with a window."""
         uids = [part.reader.uid for part in self._parts]
-        session.collect()
-        is_waiting = any(uid in session.unsettled() or _has_thread(uid) for uid in uids)
+        upkeep.collect()
+        is_waiting = any(uid in sessions.unsettled() or _has_thread(uid) for uid in uids)
         if is_waiting:
-            session.settle()
+            evaluate.settle()
             for part in self._parts:
                 part.reader.owner().update_tag(refresh={"OBJECT"})
             bpy.context.view_layer.update()
@@ -268,8 +272,8 @@ class Baking:
 
 def _has_thread(uid: str) -> bool:
     """Whether a thread binds or solves this deformer."""
-    known = session.find(uid)
-    return session.job(uid) is not None or (known is not None and known.work is not None)
+    known = sessions.find(uid)
+    return binding.job(uid) is not None or (known is not None and known.work is not None)
 
 
 @contextmanager

@@ -12,11 +12,12 @@ import bpy
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Modifier, Object
 
-from .. import session
 from ..compat import read_positions
 from ..core.errors import SinewError
 from ..mesh_io import read_incoming
 from ..properties import SinewDeformer
+from ..session.blocks import owners, shapes
+from ..session.memory import sessions
 
 
 @dataclass
@@ -43,7 +44,7 @@ class ShapeReader:
 
     def modifier(self) -> Modifier:
         """The modifier that shows the deformer."""
-        found = session.find_modifier(self.owner(), self.deformer())
+        found = shapes.find_modifier(self.owner(), self.deformer())
         if found is None:
             raise SinewError(
                 f"The modifier of {self.deformer().name} was removed - press Rebind, then bake again"
@@ -61,7 +62,7 @@ class ShapeReader:
         position = list(obj.modifiers).index(self.modifier())
         if not any(other.show_viewport for other in list(obj.modifiers)[position + 1 :]):
             return
-        with session.suspended():
+        with sessions.suspended():
             copy = obj.copy()
             self.copy_name = copy.name
             copy.sinew.deformers.clear()
@@ -70,16 +71,16 @@ class ShapeReader:
             _remove_our_drivers(copy)
             copy.hide_render = True
             bpy.context.scene.collection.objects.link(copy)
-        session.forget_owners()
+        owners.forget_owners()
 
     def close(self) -> None:
         """Remove the copy."""
         copy = bpy.data.objects.get((self.copy_name, None)) if self.copy_name else None
         self.copy_name = ""
         if copy is not None:
-            with session.suspended():
+            with sessions.suspended():
                 bpy.data.objects.remove(copy)
-            session.forget_owners()
+            owners.forget_owners()
 
     def positions(self, depsgraph: Depsgraph) -> np.ndarray:
         """The positions after the deformer, float32 (n, 3), in object space."""
@@ -88,7 +89,7 @@ class ShapeReader:
     def incoming(self, depsgraph: Depsgraph) -> np.ndarray:
         """The positions before the deformer, float32 (n, 3)."""
         mesh = self._evaluated(depsgraph)
-        found = read_incoming(mesh, *session.attribute_names(self.uid), len(mesh.vertices))
+        found = read_incoming(mesh, *shapes.attribute_names(self.uid), len(mesh.vertices))
         if found.points is None:
             raise SinewError(
                 f"The shape before {self.deformer().name} is not known - press Rebind, then bake again"

@@ -3,16 +3,18 @@
 
 from bpy.types import Object
 
-from .. import session
 from ..core import status
 from ..core.status import Level, Status
 from ..properties import SinewDeformer
+from ..session.blocks import baked, shapes
+from ..session.live import binding
+from ..session.memory import sessions
 from . import cache, shape_keys
 
 
 def mark_baked(obj: Object, deformer: SinewDeformer, target: str, frames: range, filepath: str) -> None:
     """Record that a deformer is baked: switch its modifier off, and remember where it was shown."""
-    bake, modifier = deformer.bake, session.find_modifier(obj, deformer)
+    bake, modifier = deformer.bake, shapes.find_modifier(obj, deformer)
     bake.result, bake.first, bake.last = target, frames[0], frames[-1]
     bake.filepath = filepath or bake.filepath
     bake.show_viewport, bake.show_render = modifier.show_viewport, modifier.show_render
@@ -34,9 +36,9 @@ def remove(obj: Object, deformer: SinewDeformer) -> list[str]:
         cache.remove(obj, deformer)
     _show(obj, deformer)
     bake.result = "NONE"
-    known = session.find(deformer.uid)
+    known = sessions.find(deformer.uid)
     bound = known.bound if known is not None else None
-    status.put(deformer.uid, Status(Level.INFO, session.summary(bound)) if bound else status.EMPTY)
+    status.put(deformer.uid, Status(Level.INFO, binding.summary(bound)) if bound else status.EMPTY)
     obj.update_tag()
     return warnings
 
@@ -56,14 +58,14 @@ def suspend(obj: Object, deformer: SinewDeformer) -> None:
 
 def resume(obj: Object, deformer: SinewDeformer) -> None:
     """Undo ``suspend``."""
-    modifier = session.find_modifier(obj, deformer)
+    modifier = shapes.find_modifier(obj, deformer)
     if deformer.bake.is_baked and modifier is not None:
         modifier.show_viewport = modifier.show_render = False
         _hide_baked(obj, deformer, False)
 
 
 def _show(obj: Object, deformer: SinewDeformer) -> None:
-    modifier = session.find_modifier(obj, deformer)
+    modifier = shapes.find_modifier(obj, deformer)
     if modifier is not None:
         modifier.show_viewport, modifier.show_render = deformer.bake.show_viewport, deformer.bake.show_render
 
@@ -72,7 +74,7 @@ def _hide_baked(obj: Object, deformer: SinewDeformer, hidden: bool) -> None:
     if deformer.bake.result == "SHAPE_KEYS":
         shape_keys.mute(obj, deformer, hidden)
         return
-    playing = session.find_cache(obj, deformer)
+    playing = baked.find_cache(obj, deformer)
     if playing is not None:
         playing.show_viewport = deformer.bake.show_viewport and not hidden
         playing.show_render = deformer.bake.show_render and not hidden

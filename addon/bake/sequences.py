@@ -12,8 +12,8 @@ from collections.abc import Iterable, Iterator
 import bpy
 from bpy.types import Modifier, Object, Scene
 
-from .. import session
 from ..properties import SinewDeformer
+from ..session.blocks import shapes
 from .stretching import times
 
 _MAGIC = b"POINTCACHE2\0"
@@ -29,7 +29,7 @@ def missing_frames(
     """
     if not deformer.definition.keyed:
         return ()
-    ours = session.find_modifier(obj, deformer)
+    ours = shapes.find_modifier(obj, deformer)
     lines: list[str] = []
     timed = dict(zip(frames, times(scene, frames).tolist(), strict=True))
     for modifier in obj.modifiers:

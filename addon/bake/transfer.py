@@ -11,11 +11,12 @@ import bpy
 import numpy as np
 from bpy.types import Modifier, Object, Scene
 
-from .. import backend, session
+from .. import backend
 from ..compat import move_modifier, read_positions
 from ..core.errors import MeshError, SinewError
 from ..core.geometry.frames import turned_faces
 from ..mesh_io import read_rest
+from ..session.blocks import targets
 from . import cache, paths
 from .files import CacheFile
 
@@ -93,8 +94,8 @@ class Transferring:
 def _check(source: Object, target: Object) -> None:
     """Raise an error that says what to do if the target cannot play a cache, or the source cannot be read."""
     for obj in (source, target):
-        if not session.is_mesh(obj):
-            raise SinewError(f"{obj.name} is a {session.label(obj)} object - convert it to a mesh")
+        if not targets.is_mesh(obj):
+            raise SinewError(f"{obj.name} is a {targets.label(obj)} object - convert it to a mesh")
     if source == target:
         raise SinewError(f"{source.name} cannot take its own deformation - select another mesh, too")
     if not source.visible_get():

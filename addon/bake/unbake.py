@@ -3,14 +3,14 @@
 
 from bpy.types import Object
 
-from .. import session
 from ..core.errors import SinewError
 from ..properties import SinewDeformer
+from ..session.memory import sessions
 from . import paths, record
 from .files import SUFFIXES
 
 
-@session.suspended()
+@sessions.suspended()
 def unbake(obj: Object, deformer: SinewDeformer, delete_file: bool = False) -> list[str]:
     """Make the deformer live again and remove what the bake added. Returns warnings for the user.
 

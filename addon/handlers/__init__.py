@@ -3,7 +3,7 @@
 
 import bpy
 
-from .. import session
+from ..session.edit import saving
 from . import deferred, evaluation, history
 
 # Those of evaluations come first, so that the handlers of other add-ons find the shapes of the frame.
@@ -30,7 +30,7 @@ def register() -> None:
 def unregister() -> None:
     deferred.stop()
     evaluation.listen(False)
-    session.store_shown()  # renders without Sinew show it
+    saving.store_shown()  # renders without Sinew show it
     for event, handler in _HANDLERS:
         handlers = getattr(bpy.app.handlers, event)
         if handler in handlers:

@@ -9,9 +9,13 @@ import time
 import bpy
 from bpy.types import Depsgraph
 
-from .. import session
 from ..core import status
 from ..operators import redraw_panels
+from ..session.blocks import lattice_keys, owners
+from ..session.edit import refresh, upkeep
+from ..session.live import binding, evaluate, mirroring
+from ..session.live import schedule as live_schedule
+from ..session.memory import render_writes, sessions
 
 PAUSE = 0.15  # seconds without an edit, after which the final shape replaces a preview
 _POLL = 0.1  # seconds between two looks at threads
@@ -33,7 +37,7 @@ def schedule() -> None:
 
 def follow_threads() -> None:
     """Start the timer if a thread is working."""
-    if session.busy() and not bpy.app.timers.is_registered(_tick):
+    if binding.busy() and not bpy.app.timers.is_registered(_tick):
         _start()
 
 
@@ -45,7 +49,7 @@ def _start() -> None:
 def report_renders() -> None:
     """Report which deformers have shown the rest shape in renders since the last call."""
     told = status.take_unreported()
-    found = [deformer for obj in session.owners() for deformer in obj.sinew.deformers] if told else []
+    found = [deformer for obj in owners.owners() for deformer in obj.sinew.deformers] if told else []
     lines = [f"{deformer.name}: {told[deformer.uid]}" for deformer in found if deformer.uid in told]
     if lines:
         bpy.ops.sinew.report_renders(text="; ".join(lines))
@@ -59,7 +63,7 @@ def stop() -> None:
 
 
 def _has_rigs_in_windows() -> bool:
-    return not bpy.app.background and bool(session.owners())
+    return not bpy.app.background and bool(owners.owners())
 
 
 def _write_for_renders() -> float | None:
@@ -69,15 +73,15 @@ def _write_for_renders() -> float | None:
     """
     if not _has_rigs_in_windows():
         return None
-    session.carry_out_writes()
-    session.show_late()
+    render_writes.carry_out_writes()
+    lattice_keys.show_late()
     if not bpy.app.is_job_running("RENDER"):
         if not is_playing():  # settings may be keyed, and renders look at each frame by themselves
-            session.look_at_renders()
-        if session.has_counts() and not bpy.app.timers.is_registered(_tick):
+            refresh.look_at_renders()
+        if sessions.has_counts() and not bpy.app.timers.is_registered(_tick):
             _start()
         report_renders()
-    unlocked = any(session.must_hand_over(scene) for scene in bpy.data.scenes)
+    unlocked = any(render_writes.must_hand_over(scene) for scene in bpy.data.scenes)
     return 0.0 if unlocked and bpy.app.is_job_running("RENDER") else _IDLE_POLL
 
 
@@ -86,10 +90,10 @@ def separate_copies(depsgraph: Depsgraph) -> None:
 
     Blender then evaluates them, which calls the handlers once more.
     """
-    if depsgraph.mode != "VIEWPORT" or session.is_suspended() or session.is_waiting():
+    if depsgraph.mode != "VIEWPORT" or sessions.is_suspended() or live_schedule.is_waiting():
         return
-    session.begin_evaluation(depsgraph)
-    if session.separate_copies() and not session.has_copies():
+    live_schedule.begin(depsgraph)
+    if upkeep.separate_copies() and not owners.has_copies():
         depsgraph.update()
 
 
@@ -99,9 +103,9 @@ def bind_now(depsgraph: Depsgraph) -> None:
     Blender evaluates what was written once more when its handlers have run.
     """
     if depsgraph.mode == "VIEWPORT":
-        session.begin_evaluation(depsgraph)
-    if session.refresh():
-        session.update(depsgraph)
+        live_schedule.begin(depsgraph)
+    if refresh.refresh():
+        evaluate.update(depsgraph)
 
 
 def catch_up() -> bool:
@@ -110,12 +114,12 @@ def catch_up() -> bool:
     Collects the results of threads, gives copied objects shapes of their own, reacts to edits of meshes,
     gives keyframes to controls that followed others, and replaces previews by final shapes.
     """
-    session.collect()
-    session.tidy()
-    session.refresh()
-    session.key_partners()
-    session.settle()
-    return session.busy()
+    upkeep.collect()
+    upkeep.tidy()
+    refresh.refresh()
+    mirroring.key_partners()
+    evaluate.settle()
+    return binding.busy()
 
 
 def is_playing() -> bool:
@@ -125,15 +129,15 @@ def is_playing() -> bool:
 
 
 def _is_pending() -> bool:
-    return session.busy() or session.has_pending()
+    return binding.busy() or upkeep.has_pending()
 
 
 def _tick() -> float | None:
     if bpy.app.is_job_running("RENDER"):
         return _POLL
     if is_playing() or time.monotonic() - _last_edit < PAUSE:
-        session.collect()
-        return _DRAG_POLL if session.busy() else _POLL
+        upkeep.collect()
+        return _DRAG_POLL if binding.busy() else _POLL
     is_busy = True
     try:
         is_busy = catch_up()
@@ -151,6 +155,6 @@ def _tick() -> float | None:
 def _watch_binds() -> None:
     """Show the progress of binds that started by themselves in the status bar, and let Esc cancel them."""
     windows = bpy.context.window_manager.windows
-    for uid in session.unwatched() if windows else ():
+    for uid in binding.unwatched() if windows else ():
         with bpy.context.temp_override(window=windows[0]):
             bpy.ops.sinew.watch("INVOKE_DEFAULT", uid=uid)

@@ -10,8 +10,11 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.types import Depsgraph, Scene
 
-from .. import session
 from ..operators import entering
+from ..session.blocks import owners
+from ..session.edit import refresh
+from ..session.live import evaluate, mirroring, schedule
+from ..session.memory import sessions
 from . import deferred
 
 
@@ -22,7 +25,7 @@ def before_depsgraph_update(*_args: object) -> None:
     Blender calls it only while posing is mirrored for some object.
     """
     if threading.current_thread() is threading.main_thread():
-        session.move_partners()
+        mirroring.move_partners()
 
 
 _before_updates = bpy.app.handlers.depsgraph_update_pre
@@ -39,8 +42,8 @@ def listen(wanted: bool) -> None:
 def _update(depsgraph: Depsgraph, draft: bool = False) -> None:
     """Solve a frame, or anything in a render."""
     if depsgraph.mode == "RENDER" and _may_bind():
-        session.look_at_renders()
-    if session.update(depsgraph, draft=draft):
+        refresh.look_at_renders()
+    if evaluate.update(depsgraph, draft=draft):
         _bind_counts(depsgraph)
 
 
@@ -49,7 +52,7 @@ def _bind_counts(depsgraph: Depsgraph) -> None:
 
     So it is in renders, with *Automatic Rebind* in the viewport, and where Apply has turned faces.
     """
-    if session.has_counts() and _may_bind():
+    if sessions.has_counts() and _may_bind():
         deferred.bind_now(depsgraph)
 
 
@@ -57,8 +60,8 @@ def _may_bind() -> bool:
     """Whether datablocks may be made now, which the thread of a render may not do."""
     return (
         threading.current_thread() is threading.main_thread()
-        and not session.is_suspended()
-        and not session.is_waiting()
+        and not sessions.is_suspended()
+        and not schedule.is_waiting()
         and not bpy.app.is_job_running("RENDER")
     )
 
@@ -70,15 +73,15 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
     With a window, a drag shows previews, and the final shape follows after a pause. Without one there is no
     pause: copies and library overrides get shapes of their own at once.
     """
-    if bpy.app.background and session.has_copies():
+    if bpy.app.background and owners.has_copies():
         deferred.separate_copies(depsgraph)
     interactive = depsgraph.mode == "VIEWPORT" and not bpy.app.background
     if depsgraph.mode == "RENDER":
         _update(depsgraph)
-    elif session.update(depsgraph, preview=interactive, edit=True):
+    elif evaluate.update(depsgraph, preview=interactive, edit=True):
         _bind_counts(depsgraph)
-    if bool(session.mirrored_targets) != (before_depsgraph_update in _before_updates):
-        listen(bool(session.mirrored_targets))
+    if bool(mirroring.mirrored_targets) != (before_depsgraph_update in _before_updates):
+        listen(bool(mirroring.mirrored_targets))
     if entering.waiting and depsgraph.mode == "VIEWPORT":
         entering.follow(depsgraph.view_layer)
     if interactive:
@@ -92,13 +95,13 @@ def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
     It computes the final shape, but where the artist wants drafts in playback, those; the final shape follows
     when playback rests.
     """
-    if bpy.app.background and session.has_copies():
+    if bpy.app.background and owners.has_copies():
         deferred.separate_copies(depsgraph)
     draft = depsgraph.mode == "VIEWPORT" and deferred.is_playing()
     _update(depsgraph, draft)
     if draft:
         deferred.schedule()
     if depsgraph.mode == "VIEWPORT":
-        if session.mirrored_targets and before_depsgraph_update not in _before_updates:
+        if mirroring.mirrored_targets and before_depsgraph_update not in _before_updates:
             listen(True)
         deferred.follow_threads()  # an animated setting may have started a bind

@@ -6,20 +6,23 @@ import threading
 import bpy
 from bpy.app.handlers import persistent
 
-from .. import session
 from ..core.memory import forget_all
 from ..operators import entering
+from ..session.blocks import owners
+from ..session.edit import deformers, refresh, saving, upkeep
+from ..session.live import evaluate, mirroring
+from ..session.memory import sessions
 from . import deferred, evaluation
 
 
 @persistent
 def on_undo(*_args: object) -> None:
     """Undo or redo may have changed the shape meshes, so the next evaluation writes them again."""
-    session.forget_owners()
-    session.forget_shapes()
-    session.restore_shapes()
-    session.complete_undo()
-    evaluation.listen(bool(session.mirrored_targets))
+    owners.forget_owners()
+    sessions.forget_shapes()
+    upkeep.restore_shapes()
+    mirroring.complete_undo()
+    evaluation.listen(bool(mirroring.mirrored_targets))
     _evaluate_all()
     entering.restore(bpy.context.view_layer)
 
@@ -28,17 +31,17 @@ def on_undo(*_args: object) -> None:
 def on_load(*_args: object) -> None:
     """Another file was opened: forget everything about the previous one."""
     forget_all()
-    session.keep_earlier_defaults()
-    for obj in session.owners():
+    deformers.keep_earlier_defaults()
+    for obj in owners.owners():
         if any(deformer.topology_changed for deformer in obj.sinew.deformers):
-            session.note_edit(obj.name)  # to look once more: Sinew once took turned faces for other ones
-    if session.owners():  # the first evaluation after a load calls no handlers
+            sessions.note_edit(obj.name)  # to look once more: Sinew once took turned faces for other ones
+    if owners.owners():  # the first evaluation after a load calls no handlers
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        if bpy.app.background and session.has_copies():
+        if bpy.app.background and owners.has_copies():
             deferred.separate_copies(depsgraph)
-        session.update(depsgraph)
+        evaluate.update(depsgraph)
         deferred.schedule()
-    evaluation.listen(bool(session.mirrored_targets))
+    evaluation.listen(bool(mirroring.mirrored_targets))
 
 
 @persistent
@@ -49,7 +52,7 @@ def before_save(*_args: object) -> None:
     """
     if not bpy.app.is_job_running("RENDER"):
         before_render()
-        session.store()
+        saving.store()
 
 
 @persistent
@@ -60,8 +63,8 @@ def before_render(*_args: object) -> None:
     """
     if threading.current_thread() is not threading.main_thread():
         return
-    session.tidy()
-    session.bind_renders()
+    upkeep.tidy()
+    refresh.bind_renders()
 
 
 @persistent
@@ -72,8 +75,8 @@ def after_render(*_args: object) -> None:
 
 
 def _evaluate_all() -> None:
-    for obj in session.owners():
+    for obj in owners.owners():
         if obj.library is None:
-            session.note_edit(obj.name)  # undo may have restored another mesh
+            sessions.note_edit(obj.name)  # undo may have restored another mesh
             obj.update_tag()
     deferred.schedule()

@@ -4,8 +4,8 @@
 from bpy.props import BoolProperty
 from bpy.types import Context, Operator
 
-from .. import session
 from ..ids import Operators
+from ..session.edit import apply
 from .reporting import reports_errors
 from .target import deformer_index, has_deformer, object_mode, target_of
 
@@ -37,7 +37,7 @@ class SINEW_OT_apply(Operator):
         obj = target_of(context)
         keep = self.keep_deformer and self.as_shape_key
         with object_mode(context, obj):
-            before = session.apply(obj, deformer_index(obj, -1), self.as_shape_key, keep)
+            before = apply.apply(obj, deformer_index(obj, -1), self.as_shape_key, keep)
         if before:
             names = ", ".join(before)
             self.report(

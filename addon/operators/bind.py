@@ -3,8 +3,8 @@
 
 from bpy.types import Context, Operator
 
-from .. import session
 from ..ids import Operators
+from ..session.edit import bind
 from .reporting import reports_errors
 from .target import has_live_deformer, target_of
 from .waiting import BindingOperator
@@ -25,7 +25,7 @@ class SINEW_OT_bind(BindingOperator, Operator):
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        session.bind(obj, deformer, wait)
+        bind.bind(obj, deformer, wait)
         self.report_state(deformer.uid)
         return {"FINISHED"}
 
@@ -46,5 +46,5 @@ class SINEW_OT_unbind(Operator):
 
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
-        session.unbind(obj, obj.sinew.active)
+        bind.unbind(obj, obj.sinew.active)
         return {"FINISHED"}

@@ -6,11 +6,17 @@ from collections.abc import Callable
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Object, Operator
 
-from .. import session
 from ..core.errors import SinewError
 from ..core.methods import DEFAULT_CAGE_METHOD
 from ..ids import Operators
 from ..properties import SinewDeformer, deformers_of
+from ..session.edit import automatic as edit_automatic
+from ..session.edit import bind, cages, making, rigging, sharing
+from ..session.edit.around import Target
+from ..session.edit.cages import CAGE_METHODS
+from ..session.edit.making import BEING_MADE
+from ..session.live import binding
+from ..session.memory.background import Work
 from .reporting import reports_errors
 from .sharing import BindsAll
 from .target import has_deformer, has_target, object_mode, selected_targets, show_control, target_of
@@ -34,21 +40,21 @@ class _MakesCage(BindingOperator):
 
     CANCELLED = ""  # what is said after Esc
 
-    _work: session.Work | None = None
+    _work: Work | None = None
     _targets: tuple[tuple[str, str], ...] = ()  # what the thread works for; others may be active by now
 
     @classmethod
     def poll(cls, context: Context) -> bool:
         if not has_target(cls, context):
             return False
-        if session.cage_work(target_of(context).name) is not None:
-            cls.poll_message_set(session.BEING_MADE)
+        if making.cage_work(target_of(context).name) is not None:
+            cls.poll_message_set(BEING_MADE)
             return False
         return True
 
     def carry_out(self, context: Context, margin: float) -> set[str]:
         """Make the cage, with this margin, while Blender stays responsive."""
-        if not session.may_wait(session.cage_seconds(margin)):
+        if not binding.may_wait(cages.cage_seconds(margin)):
             return self.watched(context, self.run(context, wait=False))
         return self._begin(context)
 
@@ -56,14 +62,14 @@ class _MakesCage(BindingOperator):
     def _begin(self, context: Context) -> set[str]:
         targets = self.targets(context)
         self._targets = tuple((obj.name, "" if row is None else row.uid) for obj, row in targets)
-        self._work = session.begin_cage([obj for obj, _row in targets], self.maker(targets))
+        self._work = making.begin_cage([obj for obj, _row in targets], self.maker(targets))
         return self.stay(context)
 
     def look(self, context: Context, is_cancelled: bool) -> set[str]:
         work = self._work
         if work is None:
             return super().look(context, is_cancelled)
-        if is_cancelled or session.cage_work(self._targets[0][0]) is not work:
+        if is_cancelled or making.cage_work(self._targets[0][0]) is not work:
             self.report({"WARNING"}, self.CANCELLED)
             return {"CANCELLED"}
         if not work.done:
@@ -83,16 +89,16 @@ class _MakesCage(BindingOperator):
 
     def _forget_work(self) -> None:
         """Stop the thread, if it still works, and let another cage be made."""
-        if self._work is not None and session.cage_work(self._targets[0][0]) is self._work:
-            session.drop_cage(self._targets[0][0])
+        if self._work is not None and making.cage_work(self._targets[0][0]) is self._work:
+            making.drop_cage(self._targets[0][0])
         self._work = None
 
-    def subjects(self, context: Context) -> list[session.Target]:
+    def subjects(self, context: Context) -> list[Target]:
         """The objects that get the cage, the active one first, with the deformers when this began."""
         chosen, self._targets = self._targets, ()
         if not chosen:
             return self.targets(context)
-        found: list[session.Target] = []
+        found: list[Target] = []
         for name, uid in chosen:
             obj = context.scene.objects.get(name)
             rows = [] if obj is None else [row for row in deformers_of(obj) if row.uid == uid]
@@ -127,7 +133,7 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
     )
     method: EnumProperty(
         name="Coordinates",
-        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in session.CAGE_METHODS),
+        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in CAGE_METHODS),
         default=DEFAULT_CAGE_METHOD,
         description="How points follow the cage. It can be changed later, and the cage stays",
     )
@@ -169,11 +175,11 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         with object_mode(context, obj):
             if automatic:
                 shape = shape or self.maker(targets)(None)
-                cage = session.add_cage_object([obj for obj, _row in targets], shape)
+                cage = cages.add_cage_object([obj for obj, _row in targets], shape)
                 more = shape[-1] and f", {shape[-1]}"
             else:
                 cage = self._chosen(context, obj)
-            bound = session.rig_controls(
+            bound = rigging.rig_controls(
                 [obj for obj, _row in targets], cage, self.method, owned=automatic, wait=wait
             )
             if obj == target_of(context):
@@ -181,20 +187,20 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         self.report_shared(bound, cage.name, more)
         return {"FINISHED"}
 
-    def targets(self, context: Context) -> list[session.Target]:
+    def targets(self, context: Context) -> list[Target]:
         active = target_of(context)
         objects = selected_targets(context, active) if self.source == "AUTO" else [active]
         return [(obj, obj.sinew.active) for obj in objects]
 
-    def maker(self, targets: list[session.Target]) -> Callable:
+    def maker(self, targets: list[Target]) -> Callable:
         symmetry = "automatic" if self.symmetric else "none"
-        return session.cage_maker(
-            [(obj, session.waiting_for_control(obj, self.method)) for obj, _row in targets],
+        return cages.cage_maker(
+            [(obj, rigging.waiting_for_control(obj, self.method)) for obj, _row in targets],
             faces=self.faces,
             margin=self.margin,
             quads=self.quads,
             symmetry=symmetry,
-            flat=session.takes_flat_cage(self.method),
+            flat=cages.takes_flat_cage(self.method),
         )
 
     def _chosen(self, context: Context, obj: Object) -> Object:
@@ -255,8 +261,8 @@ class SINEW_OT_cage_flip(BindsAll, Operator):
     def poll(cls, context: Context) -> bool:
         return _has_cage(cls, context)
 
-    def change(self, _obj: Object, deformer: SinewDeformer) -> list[session.Target]:
-        return session.flip_cage(deformer)
+    def change(self, _obj: Object, deformer: SinewDeformer) -> list[Target]:
+        return cages.flip_cage(deformer)
 
 
 class SINEW_OT_cage_outside_follow(BindingOperator, Operator):
@@ -273,7 +279,7 @@ class SINEW_OT_cage_outside_follow(BindingOperator, Operator):
     def poll(cls, context: Context) -> bool:
         if not _has_cage(cls, context):
             return False
-        if not session.refuses_outside(target_of(context).sinew.active):
+        if not sharing.refuses_outside(target_of(context).sinew.active):
             cls.poll_message_set("What lies outside this cage follows already")
             return False
         return True
@@ -282,8 +288,8 @@ class SINEW_OT_cage_outside_follow(BindingOperator, Operator):
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        session.let_outside_follow(deformer)
-        session.bind(obj, deformer, wait)
+        sharing.let_outside_follow(deformer)
+        bind.bind(obj, deformer, wait)
         self.report_state(deformer.uid)
         return {"FINISHED"}
 
@@ -311,9 +317,9 @@ class SINEW_OT_cage_faces(_MakesCage, Operator):
     @reports_errors
     def _ask(self, context: Context) -> set[str]:
         obj = target_of(context)
-        session.check_cage(obj.sinew.active)
+        edit_automatic.check_cage(obj.sinew.active)
         if not self.properties.is_property_set("faces"):
-            self.faces = session.face_count(obj.sinew.active.cage)
+            self.faces = edit_automatic.face_count(obj.sinew.active.cage)
         self._is_confirmed = True
         return context.window_manager.invoke_props_dialog(self)
 
@@ -322,25 +328,25 @@ class SINEW_OT_cage_faces(_MakesCage, Operator):
         if not self._is_confirmed:
             return super().execute(context)
         self._is_confirmed = False
-        return self.carry_out(context, session.check_cage(target_of(context).sinew.active)["margin"])
+        return self.carry_out(context, edit_automatic.check_cage(target_of(context).sinew.active)["margin"])
 
     @reports_errors
     def run(self, context: Context, wait: bool, shape: tuple | None = None) -> set[str]:
         targets = self.subjects(context)
         obj, deformer = targets[0]
-        session.check_cage(deformer)  # it may have been posed or edited meanwhile
+        edit_automatic.check_cage(deformer)  # it may have been posed or edited meanwhile
         shape = shape or self.maker(targets)(None)
-        session.change_cage(obj, deformer, shape)
-        bound = [(row, session.try_bind(target, row, wait)) for target, row in targets]
+        edit_automatic.change_cage(obj, deformer, shape)
+        bound = [(row, rigging.try_bind(target, row, wait)) for target, row in targets]
         self.report_shared(bound, deformer.cage.name, shape[-1] and f", {shape[-1]}")
         return {"FINISHED"}
 
-    def targets(self, context: Context) -> list[session.Target]:
+    def targets(self, context: Context) -> list[Target]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        others = [pair for pair in session.moved_by(deformer.cage) if pair[1].uid != deformer.uid]
+        others = [pair for pair in edit_automatic.moved_by(deformer.cage) if pair[1].uid != deformer.uid]
         return [(obj, deformer), *others]
 
-    def maker(self, targets: list[session.Target]) -> Callable:
-        options = session.check_cage(targets[0][1]) | {"faces": self.faces}
-        return session.cage_maker(targets, **options)
+    def maker(self, targets: list[Target]) -> Callable:
+        options = edit_automatic.check_cage(targets[0][1]) | {"faces": self.faces}
+        return cages.cage_maker(targets, **options)

@@ -4,8 +4,10 @@
 from bpy.props import StringProperty
 from bpy.types import Context, Event, Operator
 
-from .. import session
 from ..ids import Operators
+from ..session.edit import making
+from ..session.live import binding
+from ..session.live.binding import CANCELLED
 from .target import has_target, target_of
 from .waiting import WaitsForBind
 
@@ -26,19 +28,19 @@ class SINEW_OT_cancel(Operator):
             return False
         obj = target_of(context)
         active = obj.sinew.active
-        is_bound_now = active is not None and session.job(active.uid) is not None
-        if not is_bound_now and session.cage_work(obj.name) is None:
+        is_bound_now = active is not None and binding.job(active.uid) is not None
+        if not is_bound_now and making.cage_work(obj.name) is None:
             cls.poll_message_set("Nothing is being bound or made")
             return False
         return True
 
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
-        if session.cage_work(obj.name) is not None:
-            session.drop_cage(obj.name)  # whoever began it says so
+        if making.cage_work(obj.name) is not None:
+            making.drop_cage(obj.name)  # whoever began it says so
             return {"FINISHED"}
-        session.cancel(obj.sinew.active.uid)
-        self.report({"WARNING"}, session.CANCELLED)
+        binding.cancel(obj.sinew.active.uid)
+        self.report({"WARNING"}, CANCELLED)
         return {"FINISHED"}
 
 

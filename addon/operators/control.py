@@ -4,8 +4,8 @@
 from bpy.props import IntProperty
 from bpy.types import Context, Operator
 
-from .. import session
 from ..ids import Operators
+from ..session.edit.handles import handles
 from .handle import select_control
 from .reporting import reports_errors
 from .target import handle_index, has_deformer, object_mode, target_of
@@ -43,7 +43,7 @@ class SINEW_OT_control_new(Operator):
         lost = [index for index in wanted if deformer.handles[index].control_missing]
         with object_mode(context, obj):
             for index in lost:
-                session.new_control(obj, deformer, deformer.handles[index])
+                handles.new_control(obj, deformer, deformer.handles[index])
             context.view_layer.update()  # the new empties enter the view layer
             for index in lost:
                 select_control(context, obj, deformer.handles[index], extend=index != lost[0])

@@ -4,10 +4,10 @@
 from bpy.props import BoolProperty, StringProperty
 from bpy.types import Context, Operator
 
-from .. import session
 from ..core.errors import OptionError
 from ..core.methods import Curve
 from ..ids import Operators
+from ..session.blocks import references
 from .reporting import reports_errors
 from .target import has_deformer, target_of
 
@@ -49,7 +49,7 @@ class SINEW_OT_curve_edit(Operator):
             )
         values, curve = curves[self.parameter]
         if self.reset:
-            session.reset_curve(values, curve.id)
+            references.reset_curve(values, curve.id)
         else:
-            session.edit_curve(values, curve)
+            references.edit_curve(values, curve)
         return {"FINISHED"}

@@ -4,11 +4,12 @@
 from bpy.props import EnumProperty, IntProperty
 from bpy.types import Context, Operator
 
-from .. import bake, session
+from .. import bake
 from ..core.methods import DEFAULT_METHOD
 from ..ids import Operators
 from ..preferences import preferences
 from ..properties import method_items
+from ..session.edit import deformers
 from .reporting import reports_errors
 from .target import deformer_index, has_deformer, has_target, object_mode, target_of
 
@@ -38,7 +39,7 @@ class SINEW_OT_deformer_add(Operator):
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
-        session.add_deformer(target_of(context), self.method)
+        deformers.add_deformer(target_of(context), self.method)
         return {"FINISHED"}
 
 
@@ -64,5 +65,5 @@ class SINEW_OT_deformer_remove(Operator):
             if deformer.bake.is_baked:
                 for line in bake.unbake(obj, deformer):
                     self.report({"WARNING"}, line)
-            session.remove_deformer(obj, index)
+            deformers.remove_deformer(obj, index)
         return {"FINISHED"}

@@ -11,11 +11,15 @@ from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty, IntPrope
 from bpy.types import Context, Event, Object, Operator, SpaceView3D
 from bpy_extras import view3d_utils
 
-from .. import session
 from ..core.errors import SinewError
 from ..core.geometry import frames
 from ..core.methods import DEFAULT_GRIP_METHOD, DEFAULT_METHOD, METHODS
 from ..ids import Operators
+from ..session.blocks import parts, surface, targets
+from ..session.blocks.surface import Hit
+from ..session.control import kinds
+from ..session.edit.drag import Brush, Drag
+from ..session.live import binding
 from .dragging import Dragging
 from .handle import select_control
 from .modal.motion_properties import MOTION_KEYS, MotionProperties
@@ -24,7 +28,7 @@ from .modal.shell import Keys, ViewportTool
 from .modal.view import axes_of, length_text, view_of
 from .reporting import reports_errors
 
-_METHODS = tuple(method for method in METHODS if session.marks_regions(method) and not method.wraps)
+_METHODS = tuple(method for method in METHODS if kinds.marks_regions(method) and not method.wraps)
 _KEYS: Keys = ((("MOUSE_LMB",), "Release to Keep"), (("MOUSE_RMB",), "Cancel"), *MOTION_KEYS)
 _OF_PART = 0.25  # the most of its part that a new handle takes
 HANDLE, REACH = (1.0, 1.0, 1.0, 0.9), (1.0, 1.0, 1.0, 0.3)  # the colours of the two rings
@@ -101,7 +105,7 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
-        hit = session.first_hit(
+        hit = surface.first_hit(
             context.evaluated_depsgraph_get(), np.array(self.origin), np.array(self.direction), _is_shown
         )
         if hit is None:
@@ -133,7 +137,7 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
         axes = axes_of(drag.frame)
         typed = self.typed_motion(context, event, view, axes)
         tool = Dragging(drag, typed, hit.place, axes)
-        session.watch(drag.uid)
+        binding.watch(drag.uid)
         SINEW_OT_drag.running = True
         rings = []
         if drag.is_new:
@@ -156,21 +160,21 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
         return f"{motion}   {self.tool.drag.name}"
 
     def _leave(self, context: Context, result: set[str]) -> set[str]:
-        session.watch(self.tool.drag.uid, False)
+        binding.watch(self.tool.drag.uid, False)
         SINEW_OT_drag.running = False
         return super()._leave(context, result)
 
-    def _drag(self, context: Context, hit: session.Hit, wait: bool) -> session.Drag:
+    def _drag(self, context: Context, hit: Hit, wait: bool) -> Drag:
         reach = math.inf if self.unlimited else self.reach * self.radius
-        if not (session.is_mesh(hit.obj) or self.properties.is_property_set("method")):
+        if not (targets.is_mesh(hit.obj) or self.properties.is_property_set("method")):
             self.method = DEFAULT_GRIP_METHOD
-        brush = session.Brush(self.choose_method(context).id, self.radius, reach)
-        drag = session.Drag(hit, context.evaluated_depsgraph_get(), brush, wait)
+        brush = Brush(self.choose_method(context).id, self.radius, reach)
+        drag = Drag(hit, context.evaluated_depsgraph_get(), brush, wait)
         if not drag.is_held:
             self.report({"INFO"}, _NOT_HELD)
         return drag
 
-    def _keep(self, context: Context, obj: Object, drag: session.Drag) -> None:
+    def _keep(self, context: Context, obj: Object, drag: Drag) -> None:
         """Select the control. The handle is kept even if its control cannot be selected."""
         if context.scene.tool_settings.use_keyframe_insert_auto:
             drag.key(obj)
@@ -180,22 +184,20 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
             self.report({"WARNING"}, str(error))
 
 
-def handle_radius(context: Context, hit: session.Hit, pixels: int) -> float:
+def handle_radius(context: Context, hit: Hit, pixels: int) -> float:
     """How large a new handle is: so many pixels, and at most a share of the loose part that it is on."""
-    size = session.shown_parts(hit.obj, context.evaluated_depsgraph_get()).size_at(hit.place)
+    size = parts.shown_parts(hit.obj, context.evaluated_depsgraph_get()).size_at(hit.place)
     return min(pixels * view_of(context, hit.place).pixel, _OF_PART * size)
 
 
-def surface_under(context: Context, x: float, y: float) -> session.Hit | None:
+def surface_under(context: Context, x: float, y: float) -> Hit | None:
     """The surface that a 3D Viewport shows at a pixel of the window; None if there is none."""
     origin, direction = _sight(context, x, y)
     shows = partial(_is_shown_in, context.space_data)
-    return session.first_hit(context.evaluated_depsgraph_get(), np.array(origin), np.array(direction), shows)
+    return surface.first_hit(context.evaluated_depsgraph_get(), np.array(origin), np.array(direction), shows)
 
 
-def _beside_ray(
-    context: Context, origin: np.ndarray, direction: np.ndarray, radius: float
-) -> session.Hit | None:
+def _beside_ray(context: Context, origin: np.ndarray, direction: np.ndarray, radius: float) -> Hit | None:
     """The point of a curve, text, hair or cloud that is nearest to a line of sight, within a radius."""
     along = direction / np.linalg.norm(direction)
 
@@ -207,7 +209,7 @@ def _beside_ray(
     return _nearest(context, along, _is_shown, apart, radius)
 
 
-def _beside_mouse(context: Context, x: float, y: float, direction: tuple, pixels: int) -> session.Hit | None:
+def _beside_mouse(context: Context, x: float, y: float, direction: tuple, pixels: int) -> Hit | None:
     """The point of a curve, text, hair or cloud that the viewport shows nearest to a pixel of the window."""
     region, matrix = context.region, np.array(context.region_data.perspective_matrix)
 
@@ -229,12 +231,12 @@ def _nearest(
     shows: Callable[[Object], bool],
     apart: Callable[[np.ndarray], np.ndarray],
     limit: float,
-) -> session.Hit | None:
+) -> Hit | None:
     """As ``session.nearest_point``; what controls a deformer, such as a wire, is no target."""
-    return session.nearest_point(
+    return surface.nearest_point(
         context.evaluated_depsgraph_get(),
         direction,
-        lambda obj: shows(obj) and session.posed_by(obj) is None,
+        lambda obj: shows(obj) and kinds.posed_by(obj) is None,
         apart,
         limit,
     )

@@ -4,8 +4,9 @@
 import numpy as np
 from bpy.types import Object
 
-from .. import session
 from ..core.transform.typed_motion import TypedMotion
+from ..session.edit.drag import Drag
+from ..session.memory.background import Work
 from .modal.moving import Moving
 from .modal.shell import Outcome
 
@@ -15,13 +16,13 @@ class Dragging(Moving):
 
     CONFIRM = (("LEFTMOUSE", "RELEASE"), ("RET", "PRESS"), ("NUMPAD_ENTER", "PRESS"))
 
-    def __init__(self, drag: session.Drag, typed: TypedMotion, pivot: np.ndarray, axes: np.ndarray) -> None:
+    def __init__(self, drag: Drag, typed: TypedMotion, pivot: np.ndarray, axes: np.ndarray) -> None:
         """``pivot`` (3,) in the world, ``axes`` (3, 3) local axes as columns."""
         super().__init__(typed, pivot, axes)
         self.drag = drag
 
     @property
-    def job(self) -> session.Work | None:
+    def job(self) -> Work | None:
         """The bind that runs in a thread, if any."""
         return self.drag.job
 

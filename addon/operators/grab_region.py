@@ -9,9 +9,9 @@ from bpy.props import FloatProperty
 from bpy.types import Context, Event, Object, Operator
 from gpu_extras.presets import draw_circle_2d
 
-from .. import session
 from ..core.methods import BY_ID
 from ..ids import Operators
+from ..session.tools.grab import NOTHING_FREE, Grab
 from .grabbing import Grabbing
 from .modal.motion_properties import MOTION_KEYS, MotionProperties
 from .modal.shell import Keys, ViewportTool
@@ -75,8 +75,8 @@ class SINEW_OT_grab_region(MotionProperties, ViewportTool, Operator):
         self._report_limits(obj, grab)
         return self.begin(context, tool, obj, partial(_draw_circle, tool))
 
-    def _grab(self, context: Context, obj: Object) -> session.Grab:
-        return session.Grab(obj, self.choose_method(context))
+    def _grab(self, context: Context, obj: Object) -> Grab:
+        return Grab(obj, self.choose_method(context))
 
     def store_result(self, _context: Context) -> None:
         tool = self.tool
@@ -85,7 +85,7 @@ class SINEW_OT_grab_region(MotionProperties, ViewportTool, Operator):
         if not self.unlimited:
             self.radius = tool.radius
 
-    def _report_limits(self, obj: Object, grab: session.Grab) -> None:
+    def _report_limits(self, obj: Object, grab: Grab) -> None:
         """Report what an artist may not expect."""
         if obj.data.use_mirror_x or obj.data.use_mirror_y or obj.data.use_mirror_z:
             self.report(
@@ -97,7 +97,7 @@ class SINEW_OT_grab_region(MotionProperties, ViewportTool, Operator):
                 {"WARNING"}, f"{count} invalid coordinates (NaN or infinite) and will not move - use Repair"
             )
         if grab.moves_alone:
-            self.report({"WARNING"}, session.NOTHING_FREE)
+            self.report({"WARNING"}, NOTHING_FREE)
 
     def header(self, context: Context) -> str:
         tool, settings = self.tool, context.scene.unit_settings

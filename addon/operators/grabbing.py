@@ -6,9 +6,10 @@ import math
 import numpy as np
 from bpy.types import Event, Object
 
-from .. import session
 from ..core.errors import SinewError
 from ..core.transform.typed_motion import TypedMotion
+from ..session.memory.background import Work
+from ..session.tools.grab import Grab
 from .modal.moving import Moving
 from .modal.shell import Outcome
 
@@ -27,7 +28,7 @@ class Grabbing(Moving):
     REPEATS = (*RESIZE, *Moving.REPEATS)
 
     def __init__(
-        self, grab: session.Grab, typed: TypedMotion, pivot: np.ndarray, axes: np.ndarray, radius: float
+        self, grab: Grab, typed: TypedMotion, pivot: np.ndarray, axes: np.ndarray, radius: float
     ) -> None:
         """``pivot`` (3,) in the world, ``axes`` (3, 3) local axes as columns; ``radius`` may be infinite."""
         super().__init__(typed, pivot, axes)
@@ -42,7 +43,7 @@ class Grabbing(Moving):
         self.grab.restore(obj)
 
     @property
-    def job(self) -> session.Work | None:
+    def job(self) -> Work | None:
         """The bind or the final solve that runs in a thread, if any."""
         return self.grab.job
 

@@ -3,8 +3,8 @@
 
 from bpy.types import Context, Operator
 
-from .. import session
 from ..ids import Operators
+from ..session.edit import grids
 from .reporting import reports_errors
 from .target import has_deformer, object_mode, show_control, target_of
 
@@ -23,7 +23,7 @@ class SINEW_OT_grid_new(Operator):
     def poll(cls, context: Context) -> bool:
         if not has_deformer(cls, context, mesh=True):
             return False
-        if not session.has_grid(target_of(context).sinew.active):
+        if not grids.has_grid(target_of(context).sinew.active):
             cls.poll_message_set("Choose Spline Surface: other methods have no control grid")
             return False
         return True
@@ -32,7 +32,7 @@ class SINEW_OT_grid_new(Operator):
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         with object_mode(context, obj):
-            grid = session.new_grid(obj, obj.sinew.active)
+            grid = grids.new_grid(obj, obj.sinew.active)
             for other in context.selected_objects:
                 other.select_set(False)
             if grid.name in context.view_layer.objects:

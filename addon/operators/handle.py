@@ -5,11 +5,14 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Object, Operator
 
-from .. import compat, session
+from .. import compat
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..preferences import preferences
 from ..properties import HANDLE_ROLES, SinewHandle
+from ..session.control.handles import riding
+from ..session.edit import bind, rigging, selection
+from ..session.edit.handles import handles
 from .reporting import reports_errors
 from .target import handle_index, has_deformer, has_target, object_mode, show_control, target_of
 from .waiting import BindingOperator
@@ -93,9 +96,9 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
         if not group:
             if obj.mode != "EDIT":
                 raise SinewError("Choose a vertex group, or select vertices in Edit Mode")
-            group = session.group_from_selection(obj, self.handle_name or _LABELS[self.kind])
+            group = selection.group_from_selection(obj, self.handle_name or _LABELS[self.kind])
         with object_mode(context, obj):
-            handle, refusal = session.rig_region(
+            handle, refusal = rigging.rig_region(
                 obj,
                 self.kind,
                 group,
@@ -111,7 +114,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
             context.view_layer.update()  # the new empty enters the view layer, and the shape is solved
             if handle.kind == "HANDLE" and mode not in ("POSE", "PAINT_WEIGHT"):
                 self._show_control(context, obj, handle)
-        more = f" - {session.standing(handle)}" if handle.stands_on == "SURFACE" else ""
+        more = f" - {riding.standing(handle)}" if handle.stands_on == "SURFACE" else ""
         self.report_bind(refusal, obj.sinew.active.uid, handle.name, more)
         return {"FINISHED"}
 
@@ -162,9 +165,9 @@ class SINEW_OT_handle_remove(Operator):
         index = handle_index(deformer, self.index)
         try:
             with object_mode(context, obj):
-                session.remove_handle(obj, deformer, index)
+                handles.remove_handle(obj, deformer, index)
                 if deformer.handles:
-                    session.bind(obj, deformer)
+                    bind.bind(obj, deformer)
         except SinewError as error:  # the region is removed all the same
             self.report({"WARNING"}, str(error))
         return {"FINISHED"}
@@ -239,7 +242,7 @@ def _select_vertices(obj: Object, handle: SinewHandle, extend: bool) -> None:
     if extend and handle.vertex_group in obj.vertex_groups:
         bpy.ops.object.vertex_group_select()
     else:
-        session.select_group(obj, handle.vertex_group)
+        selection.select_group(obj, handle.vertex_group)
 
 
 def select_control(context: Context, obj: Object, handle: SinewHandle, extend: bool = False) -> None:

@@ -4,10 +4,11 @@
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 from bpy.types import Context, Operator
 
-from .. import bake, session
+from .. import bake
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..properties import MAX_FRAME, SinewDeformer
+from ..session.edit import keys
 from .reporting import reports_errors
 from .target import has_deformer, object_mode, target_of
 
@@ -55,7 +56,7 @@ class SINEW_OT_key_add(Operator):
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         with object_mode(context, obj):
-            session.add_key(obj, obj.sinew.active, self.blank)
+            keys.add_key(obj, obj.sinew.active, self.blank)
         return {"FINISHED"}
 
 
@@ -76,7 +77,7 @@ class SINEW_OT_key_remove(Operator):
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        session.remove_key(obj, deformer, _key_index(deformer, self.index))
+        keys.remove_key(obj, deformer, _key_index(deformer, self.index))
         return {"FINISHED"}
 
 
@@ -98,7 +99,7 @@ class SINEW_OT_key_move(Operator):
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        session.move_key(obj, deformer, _key_index(deformer, self.index), self.frame)
+        keys.move_key(obj, deformer, _key_index(deformer, self.index), self.frame)
         return {"FINISHED"}
 
 
@@ -130,7 +131,7 @@ class SINEW_OT_key_jump(Operator):
         if self.to == "ACTIVE":
             index = _key_index(deformer, self.index)
         else:
-            index = session.key_beside(deformer, scene.frame_current_final, 1 if self.to == "NEXT" else -1)
+            index = keys.key_beside(deformer, scene.frame_current_final, 1 if self.to == "NEXT" else -1)
         if index < 0:
             raise SinewError(
                 "There is no key " + ("after" if self.to == "NEXT" else "before") + " this frame"

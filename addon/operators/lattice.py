@@ -4,9 +4,11 @@
 from bpy.props import EnumProperty, FloatProperty, IntVectorProperty, StringProperty
 from bpy.types import Context, Object, Operator
 
-from .. import session
 from ..core.errors import SinewError
 from ..ids import Operators
+from ..session.edit import lattices as edit_lattices
+from ..session.edit import rigging
+from ..session.edit.lattices import LATTICE_METHODS, LatticeShape
 from .cage import show_only
 from .reporting import reports_errors
 from .sharing import BindsAll
@@ -92,10 +94,10 @@ class SINEW_OT_lattice_add(BindingOperator, Operator):
             else:
                 targets = selected_targets(context, active)
                 counts = tuple(self.resolution)
-                shape = session.LatticeShape(self.shape, counts, self.orientation, self.margin)
-                lattice = session.add_lattice_object(targets, shape)
-            method, owned = session.LATTICE_METHODS[0].id, self.source == "FIT"
-            bound = session.rig_controls(targets, lattice, method, owned=owned, wait=wait)
+                shape = LatticeShape(self.shape, counts, self.orientation, self.margin)
+                lattice = edit_lattices.add_lattice_object(targets, shape)
+            method, owned = LATTICE_METHODS[0].id, self.source == "FIT"
+            bound = rigging.rig_controls(targets, lattice, method, owned=owned, wait=wait)
             show_only(context, active, lattice)
         self.report_shared(bound, lattice.name)
         return {"FINISHED"}

@@ -4,9 +4,11 @@
 from bpy.props import BoolProperty, EnumProperty, FloatProperty
 from bpy.types import Context, Operator
 
-from .. import session
 from ..core.sides import Side
 from ..ids import Operators
+from ..session.edit import rigging
+from ..session.edit.handles import mirror
+from ..session.edit.handles.mirror import Mirrored, MirrorOptions
 from .reporting import reports_errors
 from .target import handle_index, has_deformer, object_mode, target_of
 from .waiting import BindingOperator
@@ -77,18 +79,18 @@ class SINEW_OT_handle_mirror(BindingOperator, Operator):
             keys, source = [active.uid], None
         else:
             source = Side.LEFT if self.side == "LEFT_TO_RIGHT" else Side.RIGHT
-            keys = session.handles_of_side(deformer, source)
-        options = session.MirrorOptions(source, self.tolerance, self.weights_only, self.painted_groups)
+            keys = mirror.handles_of_side(deformer, source)
+        options = MirrorOptions(source, self.tolerance, self.weights_only, self.painted_groups)
         with object_mode(context, obj):
-            done = session.mirror(obj, deformer, keys, options)
+            done = mirror.mirror(obj, deformer, keys, options)
             context.view_layer.update()  # new empties enter the view layer
-            refusal = session.try_bind(obj, deformer, wait)
+            refusal = rigging.try_bind(obj, deformer, wait)
             if refusal is not None:
                 self.report({"WARNING"}, str(refusal))
         self._report_result(done)
         return {"FINISHED"}
 
-    def _report_result(self, done: session.Mirrored) -> None:
+    def _report_result(self, done: Mirrored) -> None:
         for old, new in done.named:
             self.report({"INFO"}, f"{old} is now {new}, after the side that it lies on")
         pairs = [f"{source} to {target}" for source, target in done.pairs]

@@ -5,10 +5,10 @@ import bpy
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 from bpy.types import Context, Object, Operator
 
-from .. import session
 from ..core.errors import SinewError
 from ..core.methods import METHODS, MeshShape
 from ..ids import Operators
+from ..session.edit import bind, deformers
 from .reporting import reports_errors
 from .waiting import BindingOperator
 
@@ -70,18 +70,18 @@ class SINEW_OT_morph(BindingOperator, Operator):
         deformer = obj.sinew.active
         is_new = deformer is None or deformer.method != _METHOD
         if is_new:
-            deformer = session.add_deformer(obj, _METHOD)
+            deformer = deformers.add_deformer(obj, _METHOD)
         settings = getattr(deformer, _METHOD)
         before = getattr(settings, _SHAPE), settings.morph
         setattr(settings, _SHAPE, other)
         settings.morph = self.morph
         try:
-            session.bind(obj, deformer, wait)
+            bind.bind(obj, deformer, wait)
         except SinewError:
             setattr(settings, _SHAPE, before[0])
             settings.morph = before[1]
             if is_new:
-                session.remove_deformer(obj, len(obj.sinew.deformers) - 1)
+                deformers.remove_deformer(obj, len(obj.sinew.deformers) - 1)
             raise
         if self.key:
             for frame, value in ((context.scene.frame_start, 0.0), (context.scene.frame_end, self.morph)):

@@ -4,8 +4,8 @@
 from bpy.props import EnumProperty, IntProperty
 from bpy.types import Context, Operator
 
-from .. import session
 from ..ids import Operators
+from ..session.edit import order
 from .reporting import reports_errors
 from .target import deformer_index, handle_index, has_deformer, target_of
 
@@ -47,7 +47,7 @@ class SINEW_OT_deformer_move(Operator):
         target = _neighbour(index, self.direction, len(obj.sinew.deformers))
         if target < 0:
             return {"CANCELLED"}
-        session.move_deformer(obj, index, target)
+        order.move_deformer(obj, index, target)
         return {"FINISHED"}
 
 
@@ -75,5 +75,5 @@ class SINEW_OT_handle_move(Operator):
         target = _neighbour(index, self.direction, len(deformer.handles))
         if target < 0:
             return {"CANCELLED"}
-        session.move_handle(obj, deformer, index, target)
+        order.move_handle(obj, deformer, index, target)
         return {"FINISHED"}

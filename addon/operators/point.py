@@ -4,10 +4,13 @@
 from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Object, Operator
 
-from .. import session
 from ..core.errors import SinewError
 from ..core.methods import DEFAULT_POINT_METHOD, METHODS, Control
 from ..ids import Operators
+from ..session.blocks.targets import can_be_moved
+from ..session.control import twice
+from ..session.edit import rigging
+from ..session.edit.handles import points as edit_handles_points
 from .reporting import reports_errors
 from .target import has_target, object_mode, target_of
 from .waiting import BindingOperator
@@ -79,21 +82,21 @@ class SINEW_OT_point_add(BindingOperator, Operator):
             owned, controls = self._controls(context, active)
             points = "SEGMENTS" if self.segments else "POINTS" if self.source == "POINTS" else "PLACE"
             targets = [active, *(other for other in _others(context, active, controls))]
-            rigged = session.rig_points(
+            rigged = rigging.rig_points(
                 targets, controls, self.method, owned=owned, acts_as=points, wait=wait
             )
             context.view_layer.update()
             for deformer, count, refusal in rigged:
                 noun = "handle" if points != "PLACE" else "handle point"
                 self.report_bind(refusal, deformer.uid, f"1 {noun}" if count == 1 else f"{count} {noun}s")
-                for text in session.moved_twice(deformer.id_data, deformer):
+                for text in twice.explain(deformer.id_data, deformer):
                     self.report({"WARNING"}, text)
         return {"FINISHED"}
 
     def _controls(self, context: Context, active: Object) -> tuple[bool, list[tuple[Object, str]]]:
         """Whether they are new, and objects with the names of their bones."""
         if self.source == "CURSOR":
-            empty = session.empty_at(active, context.scene.cursor.location)
+            empty = edit_handles_points.empty_at(active, context.scene.cursor.location)
             context.view_layer.update()
             return True, [(empty, "")]
         if self.source == "SELECTED":
@@ -107,7 +110,7 @@ class SINEW_OT_point_add(BindingOperator, Operator):
             obj for obj in context.selected_objects if obj not in (active, None) and obj.type != "EMPTY"
         ]
         if self.source == "POINTS":
-            found = [(obj, "") for obj in session.with_points(others)]
+            found = [(obj, "") for obj in edit_handles_points.with_points(others)]
             if not found:
                 raise SinewError(
                     "Select the object to move last, and before it those whose points are handles: meshes, "
@@ -116,7 +119,7 @@ class SINEW_OT_point_add(BindingOperator, Operator):
             return False, found
         if len(others) != 1:
             raise SinewError("Select the object to move last, and one other object, whose points are handles")
-        return True, [(empty, "") for empty in session.empties_on(active, others[0])]
+        return True, [(empty, "") for empty in edit_handles_points.empties_on(active, others[0])]
 
 
 def _others(context: Context, active: Object, controls: list[tuple[Object, str]]) -> list[Object]:
@@ -126,5 +129,5 @@ def _others(context: Context, active: Object, controls: list[tuple[Object, str]]
     return [
         obj
         for obj in context.selected_objects
-        if obj not in taken and obj not in parents and session.can_be_moved(obj) and obj.library is None
+        if obj not in taken and obj not in parents and can_be_moved(obj) and obj.library is None
     ]

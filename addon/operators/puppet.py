@@ -5,10 +5,13 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy.types import Context, Event, Object, Operator
 
-from .. import compat, session
+from .. import compat
 from ..core.errors import SinewError
 from ..core.methods import DEFAULT_PUPPET_METHOD, METHODS
 from ..ids import Operators
+from ..session.control import kinds
+from ..session.edit.puppet import bones, rigging
+from ..session.edit.puppet.posing import Part, PuppetDrag, PuppetOptions
 from .modal.motion_properties import MOTION_KEYS, MotionValues
 from .modal.shell import Keys, ViewportTool
 from .modal.view import axes_of, length_text, view_of
@@ -24,7 +27,7 @@ _PARTS = (
     ("HEAD", "Head", "The head of the bone", "NONE", 2),
     ("WHOLE", "Whole Bone", "Head, tail and roll, so that the bone turns only if you turn it", "NONE", 3),
 )
-_METHODS = tuple(method for method in METHODS if session.marks_regions(method) and not method.wraps)
+_METHODS = tuple(method for method in METHODS if kinds.marks_regions(method) and not method.wraps)
 _BEHIND = 1e-2  # a gap of this share of the motion is worth a word
 
 
@@ -112,27 +115,27 @@ class SINEW_OT_puppet_pose(MotionValues, ViewportTool, Operator):
         for name in ("bone", "part", "balance", "from_rest", "key"):
             self.layout.prop(self, name)
 
-    def _begin(self, context: Context) -> tuple[Object, session.PuppetDrag]:
+    def _begin(self, context: Context) -> tuple[Object, PuppetDrag]:
         armature = context.object
         if self.armature:
             armature = context.scene.objects.get(self.armature)
             if armature is None:
                 raise SinewError(f"There is no object '{self.armature}' in the scene")
-        session.require_bones(armature)
+        bones.require_bones(armature)
         if not self.bone:
             active = armature.data.bones.active
             if active is None:
                 raise SinewError("Select the bone to drag in Pose Mode")
             self.bone = active.name
-        options = session.PuppetOptions(session.Part(self.part), self.balance, self.from_rest)
-        drag = session.PuppetDrag(armature, self.bone, context.evaluated_depsgraph_get(), options)
+        options = PuppetOptions(Part(self.part), self.balance, self.from_rest)
+        drag = PuppetDrag(armature, self.bone, context.evaluated_depsgraph_get(), options)
         if drag.ignored:
             self.report(
                 {"WARNING"}, f"Constraints of {drag.ignored[0]} move it further - mute them to drag it"
             )
         return armature, drag
 
-    def _finish(self, context: Context, armature: Object, drag: session.PuppetDrag) -> None:
+    def _finish(self, context: Context, armature: Object, drag: PuppetDrag) -> None:
         context.view_layer.update()
         if self.key or context.scene.tool_settings.use_keyframe_insert_auto:
             drag.key(armature)
@@ -174,7 +177,7 @@ class SINEW_OT_puppet_pin(Operator):
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
-        armature = session.require_bones(context.object)
+        armature = bones.require_bones(context.object)
         chosen = [bone for bone in armature.pose.bones if compat.is_bone_selected(armature, bone.name)]
         if not chosen:
             raise SinewError("Select the bones to pin")
@@ -238,7 +241,7 @@ class SINEW_OT_puppet_rig(BindingOperator, Operator):
         if len(others) != 1 or obj is None:
             raise SinewError("Select the mesh and one armature")
         with object_mode(context, obj):
-            deformer, left_out, refusal = session.rig_puppet(
+            deformer, left_out, refusal = rigging.rig_puppet(
                 obj, others[0], self.method, self.margin, self.automatic, wait
             )
         if obj != context.object:

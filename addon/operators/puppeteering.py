@@ -4,8 +4,8 @@
 import numpy as np
 from bpy.types import Object
 
-from .. import session
 from ..core.transform.typed_motion import TypedMotion
+from ..session.edit.puppet.posing import PuppetDrag
 from .modal.moving import Moving
 from .modal.shell import Outcome
 
@@ -15,9 +15,7 @@ class Puppeteering(Moving):
 
     CONFIRM = (*Moving.CONFIRM, ("LEFTMOUSE", "RELEASE"))
 
-    def __init__(
-        self, drag: session.PuppetDrag, typed: TypedMotion, pivot: np.ndarray, axes: np.ndarray
-    ) -> None:
+    def __init__(self, drag: PuppetDrag, typed: TypedMotion, pivot: np.ndarray, axes: np.ndarray) -> None:
         """``pivot`` (3,) in the world, ``axes`` (3, 3) local axes as columns."""
         super().__init__(typed, pivot, axes)
         self.drag = drag

@@ -4,9 +4,11 @@
 from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Context, Object, Operator
 
-from .. import session
 from ..core.errors import SinewError
 from ..ids import Operators
+from ..session.edit import bind, refining, repair
+from ..session.edit.handles import overlaps
+from ..session.edit.repair import Cures
 from .reporting import reports_errors
 from .target import has_deformer, has_target, object_mode, target_of
 
@@ -73,7 +75,7 @@ class SINEW_OT_repair(Operator):
     @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
-        cures = session.Cures(
+        cures = Cures(
             not_finite=self.not_finite,
             coincident=self.coincident,
             degenerate=self.degenerate,
@@ -82,8 +84,8 @@ class SINEW_OT_repair(Operator):
             loose=self.loose,
             distance=self.distance,
         )
-        mended, left = session.repair(obj, cures)
-        self.report({"INFO"}, session.repair_summary(mended, left))
+        mended, left = repair.repair(obj, cures)
+        self.report({"INFO"}, repair.summary(mended, left))
         _bind_again(self, context, obj, any(mended.values()))
         return {"FINISHED"}
 
@@ -116,7 +118,7 @@ class SINEW_OT_part_regions(Operator):
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         with object_mode(context, obj):
-            parted = session.part_regions(obj, obj.sinew.active)
+            parted = overlaps.part_regions(obj, obj.sinew.active)
         if not parted:
             self.report({"INFO"}, "No vertex is in two regions")
             return {"CANCELLED"}
@@ -150,7 +152,7 @@ class SINEW_OT_refine(Operator):
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         with object_mode(context, obj):
-            label, value = session.refine(obj.sinew.active)
+            label, value = refining.refine(obj.sinew.active)
         self.report({"INFO"}, f"{label}: {value:,}")
         return {"FINISHED"}
 
@@ -172,7 +174,7 @@ class SINEW_OT_armature_off(Operator):
     @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
-        names = session.turn_off_armatures(obj, obj.sinew.active)
+        names = refining.turn_off_armatures(obj, obj.sinew.active)
         if not names:
             self.report({"INFO"}, "Nothing moves this mesh twice")
             return {"CANCELLED"}
@@ -193,6 +195,6 @@ def _bind_again(operator: Operator, context: Context, obj: Object, changed: bool
             continue
         try:
             with object_mode(context, obj):
-                session.bind(obj, deformer)
+                bind.bind(obj, deformer)
         except SinewError as error:
             operator.report({"WARNING"}, f"{deformer.name}: {error}")

@@ -4,9 +4,9 @@
 from bpy.props import IntProperty
 from bpy.types import Context, Operator
 
-from .. import session
 from ..core.errors import SinewError
 from ..ids import Operators
+from ..session.edit import bind, rigging, rows
 from .reporting import reports_errors
 from .sharing import BindsAll
 from .target import has_deformer, object_mode, target_of
@@ -17,7 +17,7 @@ def has_rows(operator: type, context: Context) -> bool:
     """For ``poll``: whether the active deformer has wires or tools."""
     if not has_deformer(operator, context):
         return False
-    if not session.rows_of(target_of(context).sinew.active):
+    if not rows.rows_of(target_of(context).sinew.active):
         operator.poll_message_set("Add a wire or a tool first")
         return False
     return True
@@ -53,11 +53,11 @@ class SINEW_OT_control_remove(BindingOperator, Operator):
                 f"{deformer.name} has {count} controls, counted from 0 - there is no number {index}"
             )
         with object_mode(context, obj):
-            session.remove_row(obj, deformer, index)
-            if session.rows_of(deformer):
-                session.try_bind(obj, deformer, wait)
+            rows.remove_row(obj, deformer, index)
+            if rows.rows_of(deformer):
+                rigging.try_bind(obj, deformer, wait)
             else:
-                session.unbind(obj, deformer)
+                bind.unbind(obj, deformer)
         return {"FINISHED"}
 
 

@@ -5,11 +5,11 @@ import bpy
 from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
-from .. import session
 from ..core.elements import Elements, Owner
 from ..core.geometry.distortion import Measure
 from ..ids import Operators
 from ..properties.scene import MEASURES
+from ..session.edit import selection
 from ..session.shown import result
 from .target import has_deformer, target_of
 
@@ -53,7 +53,7 @@ class SINEW_OT_select_distorted(Operator):
         if obj.mode != "EDIT":
             context.view_layer.objects.active = obj
             bpy.ops.object.mode_set(mode="EDIT")
-        session.select_elements(obj, Elements(Owner.TARGET, "vertex", (found.worst,)))
+        selection.select_elements(obj, Elements(Owner.TARGET, "vertex", (found.worst,)))
         label = next(label for identifier, label, *_rest in MEASURES if identifier == self.measure)
         self.report({"INFO"}, f"{label} {found.largest:.3g} at vertex {found.worst}")
         return {"FINISHED"}

@@ -5,9 +5,11 @@ import bpy
 from bpy.props import IntProperty
 from bpy.types import Context, Operator
 
-from .. import session
 from ..core import status
 from ..ids import Operators
+from ..session.blocks import targets
+from ..session.control import kinds
+from ..session.edit import selection
 from .reporting import reports_errors
 from .target import has_deformer, target_of
 
@@ -42,14 +44,14 @@ class SINEW_OT_select_problems(Operator):
         if not lines:
             self.report({"INFO"}, "The status names no vertices or faces")
             return {"CANCELLED"}
-        shown = session.object_with(obj.sinew.active, lines[0].elements)
+        shown = kinds.object_with(obj.sinew.active, lines[0].elements)
         if shown.name not in context.view_layer.objects:
             self.report(
                 {"ERROR"},
                 f"{shown.name} is not in this view layer - add its collection to the view layer first",
             )
             return {"CANCELLED"}
-        if not session.is_mesh(shown) and shown.type != "LATTICE":
+        if not targets.is_mesh(shown) and shown.type != "LATTICE":
             self.report({"ERROR"}, f"{shown.name} is not a mesh, so its points cannot be selected here")
             return {"CANCELLED"}
         if shown.mode != "EDIT":
@@ -58,6 +60,6 @@ class SINEW_OT_select_problems(Operator):
             shown.hide_set(False)
             context.view_layer.objects.active = shown
             bpy.ops.object.mode_set(mode="EDIT")
-        count = session.select_elements(shown, lines[0].elements)
+        count = selection.select_elements(shown, lines[0].elements)
         self.report({"INFO"}, f"{lines[0].text}: {count} selected")
         return {"FINISHED"}

@@ -3,9 +3,10 @@
 
 from bpy.types import Context, Object, Operator
 
-from .. import session
 from ..ids import Operators
 from ..properties import SinewDeformer
+from ..session.edit import bind, rigging, sharing
+from ..session.edit.around import Target
 from .reporting import reports_errors
 from .target import has_deformer, target_of
 from .waiting import BindingOperator
@@ -17,17 +18,17 @@ class BindsAll(BindingOperator):
     By default, the controls rest as they are now.
     """
 
-    def change(self, obj: Object, deformer: SinewDeformer) -> list[session.Target]:
+    def change(self, obj: Object, deformer: SinewDeformer) -> list[Target]:
         """Change them; the other deformers to bind, with their objects."""
-        return session.set_rest(obj, deformer)
+        return sharing.set_rest(obj, deformer)
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
         others = self.change(obj, deformer)
-        session.bind(obj, deformer, wait)
-        bound = [(deformer, None), *((row, session.try_bind(other, row, wait)) for other, row in others)]
+        bind.bind(obj, deformer, wait)
+        bound = [(deformer, None), *((row, rigging.try_bind(other, row, wait)) for other, row in others)]
         self.report_shared(bound, "")
         return {"FINISHED"}
 
@@ -47,18 +48,18 @@ class SINEW_OT_settings_share(BindingOperator, Operator):
     def poll(cls, context: Context) -> bool:
         if not has_deformer(cls, context):
             return False
-        if not session.sharing(target_of(context).sinew.active):
+        if not sharing.sharing(target_of(context).sinew.active):
             cls.poll_message_set("The control moves no other object")
             return False
         return True
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
-        others = session.share_settings(target_of(context).sinew.active)
+        others = sharing.share_settings(target_of(context).sinew.active)
         refused = [
             error
             for obj, deformer in others
-            if not deformer.is_bound and (error := session.try_bind(obj, deformer, wait)) is not None
+            if not deformer.is_bound and (error := rigging.try_bind(obj, deformer, wait)) is not None
         ]
         if refused:
             self.report({"WARNING"}, str(refused[0]))

@@ -17,10 +17,11 @@ from bpy.props import (
 from bpy.types import Context, Event, Object, Operator, OperatorStrokeElement
 from mathutils import Vector
 
-from .. import session
 from ..core.errors import SinewError
 from ..core.geometry import frames
 from ..ids import Operators
+from ..session.tools import sketch as tools_sketch
+from ..session.tools.sketch import Sight, Sketch
 from .modal.ring import draw_line
 from .modal.shell import Keys, ViewportTool
 from .modal.view import axes_of, length_text
@@ -129,7 +130,7 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
     def execute(self, context: Context) -> set[str]:
         obj = context.object
         stroke, sight = self._stroke(context), self._sight(context)
-        sketch = session.Sketch(obj, self.line == "EDGES", self.shape_key, self.use_hidden)
+        sketch = Sketch(obj, self.line == "EDGES", self.shape_key, self.use_hidden)
         radius = sketch.draw(stroke, sight)
         if not self.properties.is_property_set("reach"):
             self.reach = radius
@@ -146,7 +147,7 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
 
     def start(self, context: Context, _event: Event) -> set[str]:
         obj = context.object
-        sketch = session.Sketch(obj, self.line == "EDGES", self.shape_key, self.use_hidden)
+        sketch = Sketch(obj, self.line == "EDGES", self.shape_key, self.use_hidden)
         tool = Sketching(sketch, _pivot(context, obj), self.sharpness)
         return self.begin(context, tool, obj, partial(_draw, tool))
 
@@ -202,9 +203,9 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
         curve = bpy.data.objects.get(self.stroke)
         if curve is None:
             raise SinewError(f"There is no object {self.stroke}")
-        return session.stroke_of(curve, context.evaluated_depsgraph_get())
+        return tools_sketch.stroke_of(curve, context.evaluated_depsgraph_get())
 
-    def _sight(self, context: Context) -> session.Sight:
+    def _sight(self, context: Context) -> Sight:
         if self.properties.is_property_set("view"):
             found, perspective, name = self.view, self.perspective, "The view"
         else:
@@ -216,11 +217,11 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
             found, perspective, name = camera.matrix_world, camera.data.type == "PERSP", camera.name
         matrix = np.array(found, dtype=np.float64)
         frames.inverse(matrix, name)  # refused if it has none
-        return session.Sight(axes_of(matrix).T, matrix[:3, 3] if perspective else None)
+        return Sight(axes_of(matrix).T, matrix[:3, 3] if perspective else None)
 
     def _keep(self, context: Context, stroke: np.ndarray) -> None:
         if self.keep_stroke and not self.stroke:
-            session.keep_stroke(_NAME, stroke, context.collection)
+            tools_sketch.keep_stroke(_NAME, stroke, context.collection)
 
 
 def _pivot(context: Context, obj: Object) -> np.ndarray:

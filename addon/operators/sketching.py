@@ -7,9 +7,9 @@ from enum import Enum
 import numpy as np
 from bpy.types import Event, Object
 
-from .. import session
 from ..core.errors import SinewError
 from ..core.transform.typed_motion import View
+from ..session.tools.sketch import TOO_SHORT, Sight, Sketch
 from .grabbing import RESIZE
 from .modal.moving import CANCEL, NAVIGATE, WHEEL
 from .modal.shell import Outcome
@@ -36,13 +36,13 @@ class Sketching:
 
     job = None  # no thread works
 
-    def __init__(self, sketch: session.Sketch, pivot: np.ndarray, sharpness: float) -> None:
+    def __init__(self, sketch: Sketch, pivot: np.ndarray, sharpness: float) -> None:
         """``pivot`` (3,) in the world: the stroke lies at its depth."""
         self.sketch, self.pivot, self.sharpness = sketch, pivot, sharpness
         self.notice = ""  # an error that does not end the tool
         self.stage = Stage.WAITING
         self.stroke: list[np.ndarray] = []  # points (3,) in the world
-        self.sight: session.Sight | None = None  # of the stroke
+        self.sight: Sight | None = None  # of the stroke
         self.radius = 0.0
         self.unlimited = False
         self._last = (0.0, 0.0)
@@ -81,7 +81,7 @@ class Sketching:
     def _begin(self, event: Event, view: View) -> None:
         self.stage, self.stroke, self._length = Stage.DRAWING, [], 0.0
         eye = None if view.eye is None else self.pivot + view.eye
-        self.sight = session.Sight(np.array((view.right, view.up, view.toward)), eye)
+        self.sight = Sight(np.array((view.right, view.up, view.toward)), eye)
         self._add(event, view)
 
     def _add(self, event: Event, view: View) -> None:
@@ -104,7 +104,7 @@ class Sketching:
         """Let the surface follow. A stroke that nothing can follow is forgotten, and another may be drawn."""
         self.stage = Stage.WAITING
         if self._length < _SHORTEST:
-            self.notice = session.TOO_SHORT
+            self.notice = TOO_SHORT
             return
         try:
             self.radius = self.sketch.draw(np.array(self.stroke), self.sight)

@@ -4,9 +4,10 @@
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 from bpy.types import Context, Operator
 
-from .. import session
 from ..ids import Operators
 from ..properties import STANDS_ON
+from ..session.control.handles import riding
+from ..session.edit.handles import standing
 from .reporting import reports_errors
 from .target import handle_index, has_deformer, target_of
 
@@ -51,8 +52,8 @@ class SINEW_OT_handle_stand(Operator):
         obj = target_of(context)
         deformer = obj.sinew.active
         handle = deformer.handles[handle_index(deformer, self.index)]
-        count = session.stand_on(obj, deformer, handle, self.on, self.convert_keyframes)
-        told = session.standing(handle)
+        count = standing.stand_on(obj, deformer, handle, self.on, self.convert_keyframes)
+        told = riding.standing(handle)
         if count:
             frames = "1 frame was" if count == 1 else f"{count} frames were"
             told += f"; the keys of {frames} converted, and frames between them may differ"

@@ -7,10 +7,11 @@ from contextlib import contextmanager
 import bpy
 from bpy.types import Context, Object
 
-from .. import session
 from ..core.errors import SinewError
 from ..core.memory import remember
 from ..properties import SinewDeformer, deformers_of
+from ..session.blocks import targets
+from ..session.control import kinds
 from . import entering
 
 _CONVERTIBLE = ("SURFACE", "META")
@@ -22,10 +23,10 @@ def target_of(context: Context) -> Object | None:
     obj = context.object
     if obj is None:
         return None
-    can_be_moved = session.can_be_moved(obj)
+    can_be_moved = targets.can_be_moved(obj)
     if can_be_moved and deformers_of(obj):
         return obj
-    posed = session.posed_by(obj, preferred=_came_from.get(obj.name, ""))
+    posed = kinds.posed_by(obj, preferred=_came_from.get(obj.name, ""))
     return posed or (obj if can_be_moved else _posed_with(context, obj))
 
 
@@ -34,10 +35,7 @@ def selected_targets(context: Context, active: Object) -> list[Object]:
     others = [
         obj
         for obj in context.selected_objects
-        if obj != active
-        and session.can_be_moved(obj)
-        and obj.library is None
-        and session.posed_by(obj) is None
+        if obj != active and targets.can_be_moved(obj) and obj.library is None and kinds.posed_by(obj) is None
     ]
     return [active, *others]
 
@@ -56,7 +54,7 @@ def _posed_with(context: Context, armature: Object) -> Object | None:
     """The only object to move that is selected together with an armature in Pose Mode."""
     if armature.mode != "POSE":
         return None
-    movable = [other for other in context.selected_objects if session.can_be_moved(other)]
+    movable = [other for other in context.selected_objects if targets.can_be_moved(other)]
     return movable[0] if len(movable) == 1 else None
 
 
@@ -66,7 +64,7 @@ def explain_no_target(context: Context) -> tuple[str, bool]:
     if obj is None or obj.type not in _CONVERTIBLE:
         return "Select a mesh object, or a control of one", False
     return (
-        f"{obj.name} is a {session.label(obj)} object, which Sinew cannot move - convert it to a mesh",
+        f"{obj.name} is a {targets.label(obj)} object, which Sinew cannot move - convert it to a mesh",
         True,
     )
 
@@ -80,8 +78,8 @@ def has_target(operator: type, context: Context, mesh: bool = False) -> bool:
     if obj.library is not None:
         operator.poll_message_set("This object is linked - make a library override first")
         return False
-    if mesh and not session.is_mesh(obj):
-        label = session.label(obj)
+    if mesh and not targets.is_mesh(obj):
+        label = targets.label(obj)
         remedy = "" if obj.type == "LATTICE" else ", or convert it to a mesh"
         operator.poll_message_set(
             f"{obj.name} is a {label} object without regions - add a cage, a lattice, wires or handle "

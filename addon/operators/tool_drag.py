@@ -10,12 +10,14 @@ from bpy.props import CollectionProperty, FloatProperty
 from bpy.types import Context, Event, Object, Operator, OperatorStrokeElement
 from mathutils import Vector
 
-from .. import session
 from ..core.errors import SinewError
 from ..core.methods import DEFAULT_TOOL_METHOD
 from ..core.transform.typed_motion import View
 from ..ids import Operators
 from ..properties import SinewControl, SinewDeformer
+from ..session.blocks.parts import ShownParts
+from ..session.blocks.surface import Hit
+from ..session.edit import deformers, rigging, rows
 from .drag import surface_under
 from .grabbing import RESIZE
 from .modal.moving import CANCEL, NAVIGATE
@@ -49,16 +51,16 @@ class FieldDragging:
     job = None  # no thread works
 
     def __init__(
-        self, context: Context, name: str, pivot: np.ndarray, radius: float, parts: session.ShownParts
+        self, context: Context, name: str, pivot: np.ndarray, radius: float, parts: ShownParts
     ) -> None:
         """``name`` of the object to drag, ``radius`` in the world; 0 for one that fits the part there."""
         self._context, self._name, self.pivot, self._parts = context, name, pivot, parts
         self._fits = radius == 0.0
-        self.radius = radius or session.tool_reach(parts.size_at(pivot))
+        self.radius = radius or rows.tool_reach(parts.size_at(pivot))
         self.notice = ""  # an error that does not end the tool
         self.stage = Stage.WAITING
         self.path: list[np.ndarray] = []  # places (3,) in the world, from where it was pressed on
-        self.hit: session.Hit | None = None
+        self.hit: Hit | None = None
         self.place = pivot  # (3,) in the world: where the tool is now
         self.uid = ""
         self._was_new = False
@@ -95,22 +97,22 @@ class FieldDragging:
             return
         deformer = self.deformer(obj)
         if self._was_new:
-            session.remove_deformer(obj, list(obj.sinew.deformers).index(deformer))
+            deformers.remove_deformer(obj, list(obj.sinew.deformers).index(deformer))
         else:
-            session.remove_row(obj, deformer, len(deformer.controls) - 1)
-            session.try_bind(obj, deformer)
+            rows.remove_row(obj, deformer, len(deformer.controls) - 1)
+            rigging.try_bind(obj, deformer)
         self.uid = ""
 
     def deformer(self, obj: Object) -> SinewDeformer:
         """The deformer that has the tool; looked up each time, as lists move in memory."""
         return next(deformer for deformer in obj.sinew.deformers if deformer.uid == self.uid)
 
-    def _under(self, event: Event) -> session.Hit | None:
+    def _under(self, event: Event) -> Hit | None:
         hit = surface_under(self._context, event.mouse_x, event.mouse_y)
         if hit is None or hit.obj.name != self._name:
             return None
         if self._fits:
-            self.radius = session.tool_reach(self._parts.size_at(hit.place))
+            self.radius = rows.tool_reach(self._parts.size_at(hit.place))
         return hit
 
     def _press(self, obj: Object, event: Event) -> None:
@@ -141,9 +143,9 @@ def begin(
     """A new tool that drags ``obj`` at a ``place`` (3,) of the world; and the error if it is not bound."""
     scale = max(obj.matrix_world.median_scale, 1e-12)
     outer = radius / scale
-    tool = session.new_tool(obj, place, normal, outer, "Drag")
+    tool = rows.new_tool(obj, place, normal, outer, "Drag")
     values = {"tools": "drag", "outer": outer, "inner": _INNER * outer}
-    return session.add_to(obj, {tool: values}, DEFAULT_TOOL_METHOD, True)
+    return rows.add_to(obj, {tool: values}, DEFAULT_TOOL_METHOD, True)
 
 
 def lead(
@@ -161,7 +163,7 @@ def lead(
     bpy.context.view_layer.update()
     if np.linalg.norm(place - last) < _STOPS * radius:
         return False
-    session.stop_here(obj, deformer, row)
+    rows.stop_here(obj, deformer, row)
     return True
 
 
@@ -197,7 +199,7 @@ class SINEW_OT_tool_drag(ViewportTool, Operator):
         if len(self.path) < 2:
             raise SinewError("There is no path - drag in a 3D Viewport")
         obj, places = target_of(context), [np.array(point.location, dtype=float) for point in self.path]
-        radius = self.radius or session.tool_reach(_parts(context, obj).size_at(places[0]))
+        radius = self.radius or rows.tool_reach(_parts(context, obj).size_at(places[0]))
         deformer, refusal = begin(obj, places[0], np.array((0.0, 0.0, 1.0)), radius)
         if refusal is not None:
             raise refusal
@@ -229,8 +231,8 @@ class SINEW_OT_tool_drag(ViewportTool, Operator):
         return f"{self.bl_label}: {self.tool.stage.value}, radius {length}"
 
 
-def _parts(context: Context, obj: Object) -> session.ShownParts:
-    return session.ShownParts(obj, context.evaluated_depsgraph_get())
+def _parts(context: Context, obj: Object) -> ShownParts:
+    return ShownParts(obj, context.evaluated_depsgraph_get())
 
 
 def _draw(tool: FieldDragging) -> None:

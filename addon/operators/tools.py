@@ -7,10 +7,11 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProp
 from bpy.types import Context, Object, Operator
 from mathutils import Vector
 
-from .. import session
 from ..core.errors import SinewError
 from ..core.methods import BY_ID, DEFAULT_TOOL_METHOD
 from ..ids import Operators
+from ..session.blocks.parts import ShownParts
+from ..session.edit import rows
 from .cage import show_only
 from .reporting import reports_errors
 from .rows import has_rows
@@ -58,10 +59,10 @@ class SINEW_OT_tool_add(BindingOperator, Operator):
         obj = target_of(context)
         with object_mode(context, obj):
             control, place = self._chosen(context), self._place(context, obj)
-            outer = self.outer or session.tool_reach(self._size(obj, place))
+            outer = self.outer or rows.tool_reach(self._size(obj, place))
             if control is None:
                 label = next(item[1] for item in _TOOL.items if item[0] == self.tool)
-                control = session.new_tool(obj, place, np.array((0.0, 0.0, 1.0)), outer, label)
+                control = rows.new_tool(obj, place, np.array((0.0, 0.0, 1.0)), outer, label)
             widths = sorted(obj.dimensions)
             values = {
                 "tools": self.tool,
@@ -69,7 +70,7 @@ class SINEW_OT_tool_add(BindingOperator, Operator):
                 "inner": outer / 4.0 if self.tool == "drag" else -outer,
                 "width": 0.75 * widths[1] or outer,
             }
-            deformer, refusal = session.add_to(
+            deformer, refusal = rows.add_to(
                 obj, {control: values}, DEFAULT_TOOL_METHOD, owned=not self.control, wait=wait
             )
             if obj == target_of(context):
@@ -102,7 +103,7 @@ class SINEW_OT_tool_add(BindingOperator, Operator):
         """Of what the tool moves: a Drag takes the part beside it, the others the whole object."""
         if self.tool != "drag":
             return max(obj.dimensions) or 1.0
-        return session.ShownParts(obj, bpy.context.evaluated_depsgraph_get()).size_at(place)
+        return ShownParts(obj, bpy.context.evaluated_depsgraph_get()).size_at(place)
 
 
 class SINEW_OT_tool_stop(BindingOperator, Operator):
@@ -133,9 +134,9 @@ class SINEW_OT_tool_stop(BindingOperator, Operator):
         deformer = obj.sinew.active
         row = deformer.controls[min(deformer.active_control, len(deformer.controls) - 1)]
         if self.clear:
-            session.forget_stops(obj, row)
+            rows.forget_stops(obj, row)
         else:
-            session.stop_here(obj, deformer, row)
+            rows.stop_here(obj, deformer, row)
         context.view_layer.update()
-        self.report({"INFO"}, f"{row.name} has {session.stop_count(row)} stops on its path")
+        self.report({"INFO"}, f"{row.name} has {rows.stop_count(row)} stops on its path")
         return {"FINISHED"}

@@ -4,11 +4,13 @@
 import bpy
 from bpy.types import Context, Event
 
-from .. import session
 from ..core import status
 from ..core.errors import SinewError
 from ..core.status import Level
 from ..properties import SinewDeformer
+from ..session.edit import upkeep
+from ..session.live import binding
+from ..session.live.binding import CANCELLED
 from .modal.staying import StaysInWindow
 from .target import target_of
 
@@ -27,7 +29,7 @@ class WaitsForBind(StaysInWindow):
 
     def report_state(self, uid: str, subject: str = "", more: str = "") -> None:
         """Report the state of a deformer between ``subject`` and ``more``, as soon as no thread binds it."""
-        self._reports, self._words = session.job(uid) is not None, (subject, more)
+        self._reports, self._words = binding.job(uid) is not None, (subject, more)
         line = status.current(uid)
         if not self._reports and line.text:
             left_out = status.left_out(uid)
@@ -37,10 +39,10 @@ class WaitsForBind(StaysInWindow):
 
     def wait_for(self, context: Context, uid: str, result: set[str]) -> set[str]:
         """Stay while a thread binds the deformer; else return ``result``."""
-        if session.job(uid) is None:
+        if binding.job(uid) is None:
             return result
         self._uid = uid
-        session.watch(uid)
+        binding.watch(uid)
         return self.stay(context)
 
     def modal(self, context: Context, event: Event) -> set[str]:
@@ -53,16 +55,16 @@ class WaitsForBind(StaysInWindow):
 
     def look(self, context: Context, is_cancelled: bool) -> set[str]:
         """Look at what the operator waits for. ``is_cancelled``: Esc was pressed."""
-        session.collect()
-        job = session.job(self._uid)
+        upkeep.collect()
+        job = binding.job(self._uid)
         if job is not None and not is_cancelled:
             context.workspace.status_text_set(
                 f"Sinew is binding: {job.fraction:.0%} {job.stage}   (Esc cancels)"
             )
             return {"PASS_THROUGH"}
         if job is not None:
-            session.cancel(self._uid)
-            self.report({"WARNING"}, session.CANCELLED)
+            binding.cancel(self._uid)
+            self.report({"WARNING"}, CANCELLED)
         elif self._reports:
             self.report_state(self._uid, *self._words)
         return {"FINISHED"}
@@ -72,7 +74,7 @@ class WaitsForBind(StaysInWindow):
         self.leave(context)
 
     def leave(self, context: Context) -> None:
-        session.watch(self._uid, False)
+        binding.watch(self._uid, False)
         super().leave(context)
 
 

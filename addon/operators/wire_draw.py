@@ -9,10 +9,11 @@ import numpy as np
 from bpy.props import CollectionProperty, FloatProperty, IntProperty
 from bpy.types import Context, Event, Object, Operator, OperatorStrokeElement
 
-from .. import session
 from ..core.errors import SinewError
 from ..core.transform.typed_motion import View
 from ..ids import Operators
+from ..session.blocks.parts import ShownParts
+from ..session.edit import wires
 from .drag import surface_under
 from .modal.moving import CANCEL, NAVIGATE, WHEEL
 from .modal.ring import draw_line, ring
@@ -43,7 +44,7 @@ class Drawing:
     job = None  # no thread works
 
     def __init__(
-        self, context: Context, name: str, pivot: np.ndarray, radius: float, parts: session.ShownParts
+        self, context: Context, name: str, pivot: np.ndarray, radius: float, parts: ShownParts
     ) -> None:
         """``name`` of the object to draw on; other surfaces are no part of the stroke.
 
@@ -77,7 +78,7 @@ class Drawing:
         if self._radius or len(self.stroke) < 2:
             return self._radius
         length = float(np.linalg.norm(np.diff(self.stroke, axis=0), axis=1).sum())
-        return session.wire_radius(length, self._parts.size_at(self.stroke[len(self.stroke) // 2]))
+        return wires.wire_radius(length, self._parts.size_at(self.stroke[len(self.stroke) // 2]))
 
     def restore(self, _obj: Object) -> None:
         """Nothing: the stroke changes the scene at its end."""
@@ -134,7 +135,7 @@ class SINEW_OT_wire_draw(ViewportTool, BindingOperator, Operator):
     def start(self, context: Context, _event: Event) -> set[str]:
         obj = target_of(context)
         pivot = np.array(obj.matrix_world.translation, dtype=np.float64)
-        parts = session.ShownParts(obj, context.evaluated_depsgraph_get())
+        parts = ShownParts(obj, context.evaluated_depsgraph_get())
         tool = Drawing(context, obj.name, pivot, self.radius, parts)
         return self.begin(context, tool, obj, partial(_draw, tool))
 
@@ -157,7 +158,7 @@ class SINEW_OT_wire_draw(ViewportTool, BindingOperator, Operator):
 
     def _make(self, context: Context, obj: Object) -> None:
         places = np.array([point.location[:] for point in self.stroke], dtype=np.float64)
-        wire = session.wire_through(obj, [(places, False)], self.points, in_world=True)
+        wire = wires.wire_through(obj, [(places, False)], self.points, in_world=True)
         add_wires(self, context, obj, [wire], self.radius, owned=True, wait=True)
 
 

@@ -4,10 +4,12 @@
 from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Object, Operator
 
-from .. import session
 from ..core.errors import SinewError
 from ..core.methods import DEFAULT_WIRE_METHOD
 from ..ids import Operators
+from ..session.blocks import targets
+from ..session.edit import rows
+from ..session.edit import wires as edit_wires
 from .cage import show_only
 from .reporting import reports_errors
 from .target import has_target, object_mode, target_of
@@ -68,9 +70,9 @@ class SINEW_OT_wire_add(BindingOperator, Operator):
         from_edges = self.source == "EDGES" or (
             self.source == "AUTO" and obj.mode == "EDIT" and obj.type == "MESH" and not self.curve
         )
-        if from_edges and not session.is_mesh(obj):
+        if from_edges and not targets.is_mesh(obj):
             raise SinewError(f"{obj.name} has no edges - select a curve and then {obj.name}")
-        wires = [session.wire_from_edges(obj, self.points)] if from_edges else self._chosen(context, obj)
+        wires = [edit_wires.wire_from_edges(obj, self.points)] if from_edges else self._chosen(context, obj)
         with object_mode(context, obj):
             add_wires(self, context, obj, wires, self.radius, owned=from_edges, wait=wait)
         return {"FINISHED"}
@@ -97,9 +99,9 @@ def add_wires(
     wait: bool,
 ) -> None:
     """Let curves be wires of an object, select the last one, and report."""
-    radii = {wire: radius or session.fitting_radius(obj, wire) for wire in wires}
+    radii = {wire: radius or edit_wires.fitting_radius(obj, wire) for wire in wires}
     values = {wire: {"radius": own} if own > 0.0 else {} for wire, own in radii.items()}
-    deformer, refusal = session.add_to(obj, values, DEFAULT_WIRE_METHOD, owned, wait)
+    deformer, refusal = rows.add_to(obj, values, DEFAULT_WIRE_METHOD, owned, wait)
     if obj == target_of(context):
         show_only(context, obj, wires[-1])
     operator.report_bind(refusal, deformer.uid, wires[-1].name)

@@ -5,10 +5,11 @@ import bpy
 from bpy.types import Context, Object, Panel, UILayout
 from bpy.utils import register_classes_factory
 
-from .. import bake, session
+from .. import bake
 from ..ids import Operators
 from ..operators import target_of
 from ..properties import BAKE_TARGETS, SinewDeformer
+from ..session.blocks.targets import is_exported, is_lattice, is_mesh, label
 from .places import ROOT, SidebarPanel
 from .text import draw_text
 
@@ -35,7 +36,7 @@ class SINEW_PT_bake(SidebarPanel, Panel):
         layout = self.layout
         layout.use_property_split = True
         layout.use_property_decorate = False
-        if not session.is_mesh(obj):
+        if not is_mesh(obj):
             _draw_export(context, layout, obj, deformer)
             return
         if deformer.bake.is_baked:
@@ -58,11 +59,11 @@ def _draw_baked(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
 
 def _draw_export(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
     """Draw the panel for an object that is not a mesh, which can be baked to Alembic at most."""
-    text = f"Only meshes can be baked, and this is a {session.label(obj)} object - convert it to a mesh first"
-    if session.is_lattice(obj):
+    text = f"Only meshes can be baked, and this is a {label(obj)} object - convert it to a mesh first"
+    if is_lattice(obj):
         text = "Only meshes can be baked - export what the lattice moves, or apply shapes as shape keys"
-    if session.is_exported(obj) and bake.can_write_alembic():
-        text = f"A {session.label(obj)} object can be baked to Alembic only"
+    if is_exported(obj) and bake.can_write_alembic():
+        text = f"A {label(obj)} object can be baked to Alembic only"
         _bake(context, layout, deformer, "Bake to Alembic", "RENDER_ANIMATION").target = "ALEMBIC"
     draw_text(context, layout, text, "INFO")
 

@@ -3,10 +3,11 @@
 
 from bpy.types import Context, Panel, UILayout, UIList
 
-from .. import bake, session
+from .. import bake
 from ..ids import Operators
 from ..operators import target_of
 from ..properties import SinewDeformer, SinewKey
+from ..session.edit import keys
 from .layouts import unless_baked
 from .places import ActiveDeformerPanel, active_deformer
 from .text import draw_text
@@ -62,7 +63,7 @@ class SINEW_PT_keys(ActiveDeformerPanel, Panel):
         layout.operator(Operators.KEY_ADD, text="Key without an Edit", icon="KEYFRAME").blank = True
         frames = range(context.scene.frame_start, context.scene.frame_end + 1)
         missing = bake.missing_frames(context.scene, target_of(context), deformer, frames)
-        for text in (*session.key_notes(deformer), *missing):
+        for text in (*keys.key_notes(deformer), *missing):
             draw_text(context, layout, text, "INFO")
 
 

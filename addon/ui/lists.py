@@ -4,11 +4,12 @@
 from bpy.types import Context, ShapeKey, UILayout, UIList
 from bpy.utils import register_classes_factory
 
-from .. import session
 from ..core import status
 from ..core.status import Level
 from ..ids import Operators
 from ..properties import HANDLE_ROLES, SinewControl, SinewDeformer, SinewHandle, SinewObject
+from ..session.blocks import shapes
+from ..session.edit import rows
 from .keys import SINEW_UL_keys
 from .text import columns
 
@@ -36,7 +37,7 @@ class SINEW_UL_deformers(UIList):
         layout.prop(deformer, "name", text="", emboss=False, icon="ERROR" if failing else "NONE")
         row = layout.row(align=True)
         row.prop(deformer, "live", text="", emboss=False, icon="PLAY" if deformer.live else "FREEZE")
-        modifier = session.shown_by(owner.id_data, deformer)
+        modifier = shapes.shown_by(owner.id_data, deformer)
         if isinstance(modifier, ShapeKey):
             icon = "HIDE_ON" if modifier.mute else "HIDE_OFF"
             row.prop(modifier, "mute", text="", emboss=False, icon=icon)
@@ -113,7 +114,7 @@ class SINEW_UL_controls(UIList):
         self, _context: Context, deformer: SinewDeformer, _property: str
     ) -> tuple[list[int], list[int]]:
         """Only the rows of the kind that the method in use asks for."""
-        shown = {row.as_pointer() for row in session.rows_of(deformer)}
+        shown = {row.as_pointer() for row in rows.rows_of(deformer)}
         return [self.bitflag_filter_item if row.as_pointer() in shown else 0 for row in deformer.controls], []
 
 

@@ -11,12 +11,12 @@ from bpy.app.handlers import persistent
 from bpy.types import Context, Depsgraph, Mesh, Object, Panel, SpaceView3D, UILayout
 from bpy.utils import register_classes_factory
 
-from .. import session
 from ..core.geometry.distortion import Measure
 from ..ids import Operators
 from ..operators import target_of
 from ..properties import SinewDeformer
 from ..properties import scene as settings
+from ..session.blocks import owners
 from ..session.shown import result
 from . import overlay_draw
 from .overlay_colours import number
@@ -91,7 +91,7 @@ def on_update(_scene: object, depsgraph: Depsgraph) -> None:
 
 
 def _repainted(mesh: Mesh) -> None:
-    for obj in session.owners():
+    for obj in owners.owners():
         if obj.data == mesh:
             cache.mark_changed(obj)
             for deformer in obj.sinew.deformers:
@@ -101,7 +101,7 @@ def _repainted(mesh: Mesh) -> None:
 @persistent
 def on_frame(_scene: object, depsgraph: Depsgraph) -> None:
     if depsgraph.mode == "VIEWPORT":
-        for obj in session.owners():
+        for obj in owners.owners():
             cache.mark_changed(obj)
 
 
@@ -124,7 +124,7 @@ def shown(context: Context) -> Iterator[tuple[Object, SinewDeformer]]:
         return
     if not wanted.all_viewports and not _is_last_viewport(space):
         return
-    for obj in session.owners():
+    for obj in owners.owners():
         if obj.mode in _PAINT_MODES or obj.name not in context.view_layer.objects:
             continue
         if obj.visible_get(viewport=space):

@@ -6,13 +6,15 @@ from collections.abc import Iterator
 from bpy.types import Context, Object, Panel, PropertyGroup, UILayout
 from bpy.utils import register_classes_factory
 
-from .. import session
 from ..backend import availability
 from ..core.methods import METHODS, Moved, Parameter
 from ..core.status import Level, Remedy, Status
 from ..ids import Menus, Operators
 from ..operators import explain_no_target, target_of
 from ..properties import BASE, SinewDeformer
+from ..session.blocks import shapes, targets
+from ..session.control import kinds
+from ..session.edit import sharing
 from . import control, keys
 from .control import draw_start, drawing_of
 from .layouts import draw_move_buttons, split, unless_baked
@@ -48,7 +50,7 @@ class SINEW_PT_sinew(SidebarPanel, Panel):
         if obj.library is not None:
             draw_message(context, layout, Status(Level.INFO, LINKED, remedy=Remedy.OVERRIDE))
             return
-        for name in session.stray_modifiers(obj):
+        for name in shapes.stray_modifiers(obj):
             draw_message(context, layout, Status(Level.WARNING, COPIED.format(name)))
         deformer = obj.sinew.active
         if deformer is None:
@@ -74,7 +76,7 @@ class SINEW_PT_advanced(ActiveDeformerPanel, Panel):
     def draw(self, context: Context) -> None:
         deformer = active_deformer(context)
         layout = split(unless_baked(self.layout, deformer))
-        if session.marks_regions(deformer.definition) and not deformer.definition.is_space:
+        if kinds.marks_regions(deformer.definition) and not deformer.definition.is_space:
             layout.row().prop(deformer, "loose_parts", expand=True)
         layout.column(heading="Rebind").prop(deformer, "auto_rebind", text="Automatic")
         if deformer.is_iterative:
@@ -104,7 +106,7 @@ def _draw_first_step(context: Context, layout: UILayout, obj: Object) -> None:
     if availability().module is None:
         draw_message(context, layout, NATIVE_MISSING)
     draw_start(context, layout, obj)
-    if session.is_mesh(obj):
+    if targets.is_mesh(obj):
         layout.operator_menu_enum(
             Operators.DEFORMER_ADD, "method", text="Add Deformer", icon="MOD_MESHDEFORM"
         )
@@ -118,7 +120,7 @@ def _draw_deformers(layout: UILayout, obj: Object) -> None:
         "SINEW_UL_deformers", "", obj.sinew, "deformers", obj.sinew, "active_deformer", rows=rows
     )
     side = row.column(align=True)
-    adding = Operators.DEFORMER_ADD if session.is_mesh(obj) else Operators.CAGE_ADD
+    adding = Operators.DEFORMER_ADD if targets.is_mesh(obj) else Operators.CAGE_ADD
     side.operator_menu_enum(adding, "method", text="", icon="ADD")
     side.operator(Operators.DEFORMER_REMOVE, text="", icon="REMOVE")
     side.separator()
@@ -129,7 +131,7 @@ def _draw_deformers(layout: UILayout, obj: Object) -> None:
 
 def _draw_method(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
     row = layout.row(align=True)
-    if session.is_mesh(obj):
+    if targets.is_mesh(obj):
         row.prop(deformer, "method", text="")
     else:
         choices = row.column(align=True)
@@ -150,9 +152,9 @@ def _draw_method(context: Context, layout: UILayout, obj: Object, deformer: Sine
 def _draw_influence(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
     column = split(layout.column())
     column.prop(deformer, "factor", slider=True)
-    if session.is_mesh(obj) or session.is_lattice(obj):
+    if targets.is_mesh(obj) or targets.is_lattice(obj):
         column.prop_search(deformer, "mask_group", obj, "vertex_groups")
-    if session.sharing(deformer):
+    if sharing.sharing(deformer):
         layout.operator(Operators.SETTINGS_SHARE, icon="DUPLICATE")
 
 

@@ -3,9 +3,9 @@
 
 from bpy.types import PropertyGroup, UILayout
 
-from .. import session
 from ..core.methods import Curve, Float, GridPoints, Parameter, UvMap, group_property
 from ..ids import Operators
+from ..session.blocks import references
 
 
 def draw_parameter(layout: UILayout, values: PropertyGroup, parameter: Parameter) -> None:
@@ -33,7 +33,7 @@ def _has_ends(parameter: Parameter) -> bool:
 def _draw_curve(layout: UILayout, values: PropertyGroup, parameter: Curve) -> None:
     """Draw a button while the curve is the default one, and its points once it is drawn."""
     row = layout.row(align=True)
-    node = session.curve_node(values, parameter)
+    node = references.curve_node(values, parameter)
     if node is None:
         row.operator(Operators.CURVE_EDIT, text=parameter.label, icon="FCURVE").parameter = parameter.id
         return

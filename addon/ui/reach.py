@@ -8,10 +8,10 @@ from bpy.types import Context, Depsgraph, Gizmo, GizmoGroup
 from bpy.utils import register_classes_factory
 from mathutils import Matrix
 
-from .. import session
 from ..core.geometry import frames
 from ..operators import ring
 from ..properties import SinewControl
+from ..session.blocks import capture
 from .control.curves import active_row
 from .places import active_deformer
 
@@ -25,7 +25,7 @@ def rings(row: SinewControl, depsgraph: Depsgraph) -> list[np.ndarray]:
         return []
     world = np.array(row.object.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
     if row.object.type == "CURVE":
-        found = _around(session.points_shown(row.object, depsgraph).astype(np.float64), row.radius)
+        found = _around(capture.points_shown(row.object, depsgraph).astype(np.float64), row.radius)
     elif row.tools == "drag":
         found = [ring(np.zeros(3), axis, size) for size in (row.inner, row.outer) for axis in _AXES]
     else:

@@ -4,7 +4,8 @@
 import bpy
 from bpy.types import SpaceView3D
 
-from .. import session
+from ..session.blocks import owners
+from ..session.memory import sessions
 from . import overlay_draw
 
 _callbacks: list = []  # the drawing callback, as Blender identifies it
@@ -13,11 +14,11 @@ _callbacks: list = []  # the drawing callback, as Blender identifies it
 def marks() -> list[str]:
     """The lines of the mark: one per object whose shape is not final yet."""
     lines = []
-    for obj in session.owners():
+    for obj in owners.owners():
         keys = [deformer.uid for deformer in obj.sinew.deformers]
-        if any(map(session.is_draft, keys)):
+        if any(map(sessions.is_draft, keys)):
             lines.append(f"Draft of {obj.name}")
-        elif any(map(session.is_refining, keys)):
+        elif any(map(sessions.is_refining, keys)):
             lines.append(f"Refining {obj.name}")
     return lines
 

@@ -7,7 +7,7 @@ from operator import or_
 
 from bpy.types import Context, UILayout
 
-from .. import compat, session
+from .. import compat
 from ..backend import availability
 from ..core import status
 from ..core.methods import Control
@@ -15,6 +15,12 @@ from ..core.status import Level, Remedy, Status
 from ..ids import Operators
 from ..preferences import PACKAGE
 from ..properties import SinewDeformer
+from ..session.control import kinds
+from ..session.control import twice as control_twice
+from ..session.edit import making
+from ..session.live import binding, dependencies
+from ..session.memory import sessions
+from ..session.memory.background import Work
 from .text import columns, draw_text
 
 _ICONS = {Level.NONE: "BLANK1", Level.INFO: "INFO", Level.WARNING: "ERROR", Level.ERROR: "CANCEL"}
@@ -99,18 +105,18 @@ def draw_error(context: Context, layout: UILayout, deformer: SinewDeformer) -> N
     line = headline(deformer)
     if line.level is not Level.ERROR and deformer.bake.is_baked:
         line = BAKED
-    elif line.level is not Level.ERROR or session.job(deformer.uid) is not None:
+    elif line.level is not Level.ERROR or binding.job(deformer.uid) is not None:
         return
     draw_message(context, layout.box().column(), line, 0 if line.elements else -1)
 
 
 def draw_status(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
     """Draw the status at the end of the panel, and Bind below it."""
-    job = session.job(deformer.uid)
+    job = binding.job(deformer.uid)
     if job is not None:
         draw_progress(layout.box().column(), job, "binding")
         return
-    cage = session.cage_work(deformer.id_data.name)
+    cage = making.cage_work(deformer.id_data.name)
     if cage is not None and deformer.definition.control is not Control.CAGE:  # else its own button tells
         draw_progress(layout.box().column(), cage, "making a cage")
     line = headline(deformer)
@@ -143,15 +149,15 @@ def headline(deformer: SinewDeformer) -> Status:
     main = status.current(deformer.uid)
     if not main.text:
         return Status(Level.INFO, "Bound" if deformer.is_bound else "Not bound - press Bind")
-    known = session.find(deformer.uid)
+    known = sessions.find(deformer.uid)
     if deformer.bake.is_baked:
         return main
-    if main.level is Level.INFO and session.is_draft(deformer.uid):
+    if main.level is Level.INFO and sessions.is_draft(deformer.uid):
         return Status(Level.INFO, DRAFT)
-    if main.level is Level.INFO and session.is_refining(deformer.uid):
+    if main.level is Level.INFO and sessions.is_refining(deformer.uid):
         return Status(Level.INFO, REFINING)
     if main.level is Level.INFO and deformer.is_bound and known is not None and known.solve_milliseconds:
-        text = f"{main.text}, solve {session.duration(known.solve_milliseconds)}"
+        text = f"{main.text}, solve {binding.duration(known.solve_milliseconds)}"
         return Status(main.level, text, main.elements, main.remedy)
     return main
 
@@ -160,16 +166,16 @@ def _warnings(deformer: SinewDeformer) -> tuple[Status, ...]:
     """What is seen without an evaluation: lost controls, rigs that follow each other, and armatures that move
     the mesh twice.
     """
-    lines = (*session.lost_controls(deformer), *session.circle(deformer.id_data))
+    lines = (*kinds.lost_controls(deformer), *dependencies.circle(deformer.id_data))
     remedies = [Remedy.NEW_CONTROL if "New Control" in text else Remedy.NONE for text in lines]
-    twice = session.moved_twice(deformer.id_data, deformer)
+    twice = control_twice.explain(deformer.id_data, deformer)
     return (
         *(Status(Level.WARNING, text, remedy=remedy) for text, remedy in zip(lines, remedies)),
         *(Status(Level.WARNING, text, remedy=Remedy.ARMATURE_OFF) for text in twice),
     )
 
 
-def draw_progress(layout: UILayout, work: session.Work, doing: str) -> None:
+def draw_progress(layout: UILayout, work: Work, doing: str) -> None:
     """Draw how far a thread is, and the button that cancels it. ``doing`` is said before its first stage."""
     row = layout.row(align=True)
     compat.draw_progress(row, work.fraction, work.stage or doing)

@@ -60,7 +60,7 @@ def addon(addon_name: str) -> ModuleType:
 
 @pytest.fixture(scope="session")
 def room(addon_name: str) -> Callable[[str], ModuleType]:
-    """A room of the add-on by name, as ``room("session")``."""
+    """A room of the add-on by name, as ``room("core.status")``."""
     return inside.room
 
 

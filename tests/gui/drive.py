@@ -12,6 +12,7 @@ from driving import (
     MODELS,
     OUTPUT,
     apart,
+    binding,
     choose,
     click,
     differing,
@@ -27,7 +28,7 @@ from driving import (
     screenshot,
     seen,
     select,
-    session,
+    sessions,
     shown_points,
     until,
     viewport,
@@ -153,11 +154,11 @@ def pose():
     seen["during"] = apart(shown(), ready)
     press("LEFTMOUSE")
     yield from rest()
-    yield from until(lambda: not session().unsettled())
+    yield from until(lambda: not sessions().unsettled())
     moved = shown()
     seen["moved"] = apart(moved, ready)
     seen["hooves_moved"] = apart(hooves(moved), hooves(ready))
-    seen["settled"] = not session().unsettled()
+    seen["settled"] = not sessions().unsettled()
     screenshot("4-moved")
     yield
     move(600, 420)
@@ -169,12 +170,12 @@ def pose():
     yield
     press("LEFTMOUSE")
     yield from rest()
-    yield from until(lambda: not session().unsettled())
+    yield from until(lambda: not sessions().unsettled())
     turned = shown()
     seen["turned"] = apart(turned, moved)
     press("Z", ctrl=True)
     yield from rest(3)
-    yield from until(lambda: not session().unsettled())
+    yield from until(lambda: not sessions().unsettled())
     seen["first_undo"] = apart(shown(), moved)
     press("Z", ctrl=True)
     yield from rest(3)
@@ -183,7 +184,7 @@ def pose():
     for _ in range(2):
         press("Z", ctrl=True, shift=True)
         yield from rest(3)
-    yield from until(lambda: not session().unsettled())
+    yield from until(lambda: not sessions().unsettled())
     seen["redone"] = apart(shown(), turned)
     move(*middle())
     press("S")
@@ -192,7 +193,7 @@ def pose():
     yield
     press("RET")
     yield from rest()
-    yield from until(lambda: not session().unsettled())
+    yield from until(lambda: not sessions().unsettled())
     seen["scaled"] = apart(shown(), turned)
     seen["control_scale"] = list(control().scale)
     screenshot("6-posed")
@@ -217,7 +218,7 @@ def settings():
     for _ in range(2):
         press("Z", ctrl=True)
         yield from rest(3)
-    yield from until(lambda: not session().unsettled())
+    yield from until(lambda: not sessions().unsettled())
     seen["settings_undone"] = [deformer().method, deformer().factor, apart(shown(), arap)]
 
 
@@ -241,7 +242,7 @@ def animate():
         move(*middle())
         press(reset, alt=True)
         yield from rest()
-    yield from until(lambda: not session().unsettled())
+    yield from until(lambda: not sessions().unsettled())
     base = np.array([vertex.co for vertex in cow().data.vertices])
     seen["home"] = apart(shown(), base)
     yield from key(5)
@@ -410,10 +411,10 @@ def heavy_bind():
         bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Right")
         bpy.ops.sinew.handle_add("INVOKE_DEFAULT", kind="HANDLE", vertex_group="Left")
     heavy = obj.sinew.active
-    seen["heavy_in_thread"] = session().job(heavy.uid) is not None
+    seen["heavy_in_thread"] = binding().job(heavy.uid) is not None
     yield
     screenshot("10-binding")
-    yield from until(lambda: session().job(heavy.uid) is None)
+    yield from until(lambda: binding().job(heavy.uid) is None)
     seen["heavy_status"] = heavy.status
     yield
     bpy.context.view_layer.objects.active = obj
@@ -426,7 +427,7 @@ def heavy_bind():
     screenshot("11-cancelled")
     with in_view():
         bpy.ops.sinew.bind("INVOKE_DEFAULT")
-    yield from until(lambda: session().job(heavy.uid) is None)
+    yield from until(lambda: binding().job(heavy.uid) is None)
     yield
     seen["bound_again"] = heavy.status
 

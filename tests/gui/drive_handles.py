@@ -13,6 +13,7 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 from driving import (
     MODULE,
     apart,
+    binding,
     click,
     differing,
     drag,
@@ -28,7 +29,7 @@ from driving import (
     screenshot,
     seen,
     select,
-    session,
+    sessions,
     shown_points,
     until,
     view_pixels,
@@ -81,7 +82,7 @@ def shown() -> np.ndarray:
 
 def settled():
     yield from rest()
-    yield from until(lambda: not session().unsettled() and not session().busy())
+    yield from until(lambda: not sessions().unsettled() and not binding().busy())
     yield from rest()
 
 
@@ -398,16 +399,16 @@ def heavy_drag():
         move(here[0], here[1] + 8 * step)
         yield
         lifts.append(float((shown() - before)[:, 2].max()))
-        seen["in_thread"] |= session().busy()
-        seen["unsettled"] |= deformer().uid in session().unsettled()
+        seen["in_thread"] |= binding().busy()
+        seen["unsettled"] |= deformer().uid in sessions().unsettled()
     press("LEFTMOUSE")
     seen["lifts"] = lifts
     yield from rest()
-    seen["marked"] = session().is_refining(deformer().uid)
+    seen["marked"] = sessions().is_refining(deformer().uid)
     screenshot("6-refining")
-    yield from until(lambda: not session().unsettled() and not session().busy(), 120.0)
+    yield from until(lambda: not sessions().unsettled() and not binding().busy(), 120.0)
     yield from rest()
-    seen["heavy_settled"] = not session().unsettled()
+    seen["heavy_settled"] = not sessions().unsettled()
     handle = deformer().handles[1].control.matrix_world.translation.z
     seen["heavy_lift"] = [handle, float((shown() - before)[:, 2].max())]
     screenshot("6-heavy")
@@ -416,7 +417,7 @@ def heavy_drag():
 
 def undo_heavy(before: np.ndarray):
     """Undo of the drag: which shapes are shown on the way, and whether the mesh was bound again for it."""
-    factor, dragged, off = session().find(deformer().uid).bound.factor, shown(), []
+    factor, dragged, off = sessions().find(deformer().uid).bound.factor, shown(), []
     press("Z", ctrl=True)
     yield from until(lambda: apart(shown(), dragged) > 0.1)
     seen["undo_binds"] = 0
@@ -424,11 +425,11 @@ def undo_heavy(before: np.ndarray):
     quiet = 0
     while quiet < 5 and time.monotonic() < end:
         off.append(apart(shown(), before))
-        seen["undo_binds"] += session().job(deformer().uid) is not None
-        quiet = 0 if session().is_refining(deformer().uid) else quiet + 1
+        seen["undo_binds"] += binding().job(deformer().uid) is not None
+        quiet = 0 if sessions().is_refining(deformer().uid) else quiet + 1
         yield
     seen["undo_off"] = max(off)
-    seen["undo_keeps_factor"] = session().find(deformer().uid).bound.factor is factor
+    seen["undo_keeps_factor"] = sessions().find(deformer().uid).bound.factor is factor
 
 
 def journey():

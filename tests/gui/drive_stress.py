@@ -11,7 +11,7 @@ from collections.abc import Callable
 
 import bpy
 import numpy as np
-from driving import MODULE, OUTPUT, enable, in_view, play, seen, session, until, viewport, window
+from driving import MODULE, OUTPUT, binding, enable, in_view, play, seen, sessions, until, viewport, window
 from mathutils import Matrix
 
 enable()
@@ -282,7 +282,7 @@ def stress(stage: Stage, engine: str, last: int, writers: list[bool]):
     seen[f"{engine}_frames"] = len(done)
     seen[f"{engine}_moves"] = moves
     seen[f"{engine}_writes"], seen[f"{engine}_writes_elsewhere"] = len(writers), writers.count(False)
-    yield from until(lambda: not session().unsettled() and not session().busy(), 10.0)
+    yield from until(lambda: not sessions().unsettled() and not binding().busy(), 10.0)
     yield
     seen[f"{engine}_dragged_error"] = stage.dragged_error()
     seen[f"{engine}_viewport_error"] = stage.error(STEP * scene.frame_current)

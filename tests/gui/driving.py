@@ -35,8 +35,8 @@ def enable() -> None:
         raise RuntimeError("Sinew is not installed")
 
 
-def session():
-    return sys.modules[f"{MODULE}.session"]
+def sessions():
+    return sys.modules[f"{MODULE}.session.memory.sessions"]
 
 
 def window() -> bpy.types.Window:

@@ -5,16 +5,16 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 from bpy.types import Context, Event
 
-from ... import session
 from ...core.methods import BY_ID, DEFAULT_METHOD, METHODS, Method
 from ...core.transform.motion import Mode, Motion
 from ...core.transform.typed_motion import TypedMotion, View
 from ...preferences import preferences
+from ...session.control import kinds
 from .shell import Keys
 from .view import typed_units
 
 _METHODS = tuple(
-    method for method in METHODS if session.marks_regions(method) and not method.is_space and not method.wraps
+    method for method in METHODS if kinds.marks_regions(method) and not method.is_space and not method.wraps
 )
 _MODES = (
     ("TRANSLATE", "Move", "Move what was grabbed", "NONE", 0),

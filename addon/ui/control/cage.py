@@ -3,9 +3,10 @@
 
 from bpy.types import Context, Menu, Object, UILayout
 
-from ... import session
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
+from ...session.blocks import targets
+from ...session.edit import automatic, making
 from ..layouts import invoking, split
 from ..status_box import draw_progress
 from ..text import draw_text
@@ -37,8 +38,8 @@ MENUS = (SINEW_MT_cage,)
 
 def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
     """Draw the buttons that add a cage. An object that is not a mesh can only be moved by a cage."""
-    if not session.is_mesh(obj):
-        draw_text(context, layout, f"A cage moves this {session.label(obj)} object - add one", "INFO")
+    if not targets.is_mesh(obj):
+        draw_text(context, layout, f"A cage moves this {targets.label(obj)} object - add one", "INFO")
     _draw_add(layout, obj)
 
 
@@ -52,14 +53,14 @@ def draw(_context: Context, layout: UILayout, obj: Object, deformer: SinewDeform
         _draw_add(layout, obj)
         return
     column.prop(deformer, "cage_subdivision")
-    if not _draw_making(layout, obj) and session.is_automatic(deformer.cage):
+    if not _draw_making(layout, obj) and automatic.is_automatic(deformer.cage):
         layout.operator(Operators.CAGE_FACES, icon="MOD_DECIM")
     layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
 
 
 def _draw_making(layout: UILayout, obj: Object) -> bool:
     """Draw the progress of a cage that is being made, in place of the buttons; whether there is one."""
-    work = session.cage_work(obj.name)
+    work = making.cage_work(obj.name)
     if work is not None:
         draw_progress(layout.column(), work, "making a cage")
     return work is not None

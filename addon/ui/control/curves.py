@@ -3,9 +3,10 @@
 
 from bpy.types import Context, Menu, Object, UILayout
 
-from ... import session
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
+from ...session.blocks import targets
+from ...session.edit import rows as edit_rows
 from ..layouts import invoking, split
 
 ABOVE_PARAMETERS = True
@@ -54,17 +55,17 @@ def draw(_context: Context, layout: UILayout, obj: Object, deformer: SinewDeform
 
 def _draw_add(layout: UILayout, obj: Object) -> None:
     column = layout.column(align=True)
-    along = obj.mode == "EDIT" and session.is_mesh(obj)
+    along = obj.mode == "EDIT" and targets.is_mesh(obj)
     text = "Add Wire along Edges" if along else "Use Selected as Wires"
     column.operator(Operators.WIRE_ADD, text=text, icon="CURVE_DATA").source = "AUTO"
-    if session.is_mesh(obj):
+    if targets.is_mesh(obj):
         column.operator(Operators.WIRE_DRAW, icon="GREASEPENCIL")
 
 
 def draw_rows(layout: UILayout, deformer: SinewDeformer, menu: str) -> None:
     """Draw the list of the objects that control a deformer together."""
     row = layout.row()
-    several = len(session.rows_of(deformer)) > 1
+    several = len(edit_rows.rows_of(deformer)) > 1
     row.template_list(
         "SINEW_UL_controls",
         "",
@@ -81,7 +82,7 @@ def draw_rows(layout: UILayout, deformer: SinewDeformer, menu: str) -> None:
 
 def active_row(deformer: SinewDeformer):
     """The active row of the list; None if it is of another kind of control."""
-    rows = session.rows_of(deformer)
+    rows = edit_rows.rows_of(deformer)
     if not rows:
         return None
     index = min(deformer.active_control, len(deformer.controls) - 1)

@@ -3,10 +3,15 @@
 
 from bpy.types import Context, Menu, Object, Panel, UILayout
 
-from ... import session
 from ...ids import Menus, Operators
 from ...operators import target_of
 from ...properties import STANDS_ON, SinewDeformer, SinewHandle
+from ...session.blocks import targets
+from ...session.control import kinds
+from ...session.control.handles import points, riding, sides
+from ...session.edit import rigging
+from ...session.edit.handles import standing
+from ...session.edit.handles.standing import NOTHING_MOVES
 from ..layouts import draw_move_buttons, draw_move_entries, invoking, split, unless_baked
 from ..places import ActiveDeformerPanel, active_deformer
 from ..text import columns, draw_text
@@ -24,7 +29,7 @@ class SINEW_PT_region(ActiveDeformerPanel, Panel):
     @classmethod
     def poll(cls, context: Context) -> bool:
         deformer = active_deformer(context)
-        if deformer is None or not session.marks_regions(deformer.definition):
+        if deformer is None or not kinds.marks_regions(deformer.definition):
             return False
         return 0 <= deformer.active_handle < len(deformer.handles)
 
@@ -43,7 +48,7 @@ class SINEW_PT_region(ActiveDeformerPanel, Panel):
                 layout.operator(Operators.CONTROL_NEW, icon="EMPTY_AXIS").index = deformer.active_handle
             if handle.control is not None and handle.control.type == "ARMATURE":
                 control.prop_search(handle, "bone", handle.control.data, "bones")
-            if not handle.vertex_group and session.takes_points(deformer):
+            if not handle.vertex_group and rigging.takes_points(deformer):
                 _draw_acts_as(context, layout, deformer, handle)
             _draw_stands_on(context, layout, obj, deformer, handle)
         layout.prop(handle, "weight", slider=True)
@@ -62,14 +67,14 @@ def _draw_stands_on(
     label.alignment = "RIGHT"
     label.label(text="Stands On")
     row = halves.row(align=True)
-    why_not = session.why_not_on_surface(obj, deformer, handle)
+    why_not = standing.why_not_on_surface(obj, deformer, handle)
     row.enabled = handle.stands_on == "SURFACE" or not why_not
     for on, text, *_rest in STANDS_ON:
         button = row.operator(Operators.HANDLE_STAND, text=text, depress=handle.stands_on == on)
         button.on, button.index = on, deformer.active_handle
-    if handle.stands_on == "SURFACE" and session.carrier_of(handle):
-        draw_text(context, layout, session.standing(handle), "INFO")
-    elif why_not == session.NOTHING_MOVES:
+    if handle.stands_on == "SURFACE" and riding.carrier_of(handle):
+        draw_text(context, layout, riding.standing(handle), "INFO")
+    elif why_not == NOTHING_MOVES:
         draw_text(context, layout, why_not, "INFO")
     if handle.from_rest:
         layout.prop(handle, "from_rest")
@@ -85,7 +90,7 @@ def _draw_acts_as(context: Context, layout: UILayout, deformer: SinewDeformer, h
     column.use_property_split = False  # which would give each button a label
     column.prop_enum(handle, "acts_as", "PLACE")
     column.prop_enum(handle, "acts_as", "POINTS")
-    if session.takes_segments(deformer):
+    if points.takes_segments(deformer):
         column.prop_enum(handle, "acts_as", "SEGMENTS")
     elif handle.acts_as == "SEGMENTS":
         draw_text(context, layout, "This method has no segments: their ends act as points", "INFO")
@@ -116,7 +121,7 @@ PANELS = (SINEW_PT_region,)
 
 def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
     """Draw how to make the first region."""
-    if not session.is_mesh(obj):
+    if not targets.is_mesh(obj):
         draw_text(context, layout, "Empties and bones can move the space around them", "INFO")
         _draw_add_points(layout)
         return
@@ -146,9 +151,9 @@ def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeforme
         draw_move_buttons(side, Operators.HANDLE_MOVE)
     if several:
         _draw_mirror(context, layout, deformer)
-    if session.is_mesh(obj):
+    if targets.is_mesh(obj):
         _draw_add_buttons(context, layout, obj)
-    if session.takes_points(deformer):
+    if rigging.takes_points(deformer):
         _draw_add_points(layout)
 
 
@@ -165,7 +170,7 @@ def _draw_mirror(context: Context, layout: UILayout, deformer: SinewDeformer) ->
     for armature in sorted(armatures, key=lambda armature: armature.name):
         if armature.pose is not None:
             layout.prop(armature.pose, "use_mirror_x", text=f"Bones of {armature.name}", icon="MOD_MIRROR")
-    if not armatures and not session.control_pairs(deformer):
+    if not armatures and not sides.control_pairs(deformer):
         draw_text(context, layout, "No control has one on the other side yet - Mirror makes it", "INFO")
 
 

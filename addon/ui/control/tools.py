@@ -3,9 +3,9 @@
 
 from bpy.types import Context, Menu, Object, UILayout
 
-from ... import session
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
+from ...session.edit import rows
 from ..layouts import invoking, split
 from ..text import draw_text
 from .curves import active_row, draw_rows
@@ -54,7 +54,7 @@ def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeform
     for parameter in deformer.definition.control_parameters:
         if parameter.id != "width" or row.tools != "drag":
             column.prop(row, parameter.id)
-    count = session.stop_count(row)
+    count = rows.stop_count(row)
     if count:
         draw_text(context, layout, f"Its path has {count} stops", "CURVE_PATH")
     stops = layout.row(align=True)

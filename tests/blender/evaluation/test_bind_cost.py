@@ -9,7 +9,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from inside import BINDING, ask_for_factor, calls_of, catch_up, finish, room, use_threads
+from inside import ask_for_factor, calls_of, catch_up, finish, inner, use_threads
 from registry import BY_ID, ON_SURFACE, base_of, options_of
 from rigs.kinds import HandleRig, rig_for
 from rigs.rig import Rig, make_active, update
@@ -52,13 +52,13 @@ def evaluations(obj: bpy.types.Object, action: Callable[[], object]) -> int:
 
 @pytest.mark.parametrize("role", ["HANDLE", "FIXED"])
 def test_adding_a_handle_evaluates_the_mesh_as_seldom_as_can_be(
-    plate: Rig, role: str, room, monkeypatch: pytest.MonkeyPatch
+    plate: Rig, role: str, monkeypatch: pytest.MonkeyPatch
 ):
     """Once beside the copy that is captured, and once for the bind: the window waits for both.
 
     Blender evaluates earlier, and tells so again, for handlers of others: what counts here is none of them.
     """
-    monkeypatch.setattr(room("session.live.schedule"), "others_listen", lambda edit: False)
+    monkeypatch.setattr(inner.schedule, "others_listen", lambda edit: False)
     for group in ("Base", "Top"):
         update()
         assert evaluations(plate.obj, lambda group=group: add_handle(plate, role, group)) == 2
@@ -94,14 +94,14 @@ def by_an_evaluation(plate: Rig) -> None:
 def by_a_thread(plate: Rig) -> None:
     plate.deformer.method = "arap"
     ask_for_factor(plate.deformer)
-    room("session").job(plate.deformer.uid).thread.join()
+    inner.binding.job(plate.deformer.uid).thread.join()
     catch_up()
 
 
 def by_the_user(plate: Rig) -> None:
     plate.deformer.method = "arap"
     ask_for_factor(plate.deformer)
-    room("session").cancel(plate.deformer.uid)
+    inner.binding.cancel(plate.deformer.uid)
 
 
 @pytest.mark.parametrize("refused", [by_an_operator, by_an_evaluation, by_a_thread, by_the_user])
@@ -111,7 +111,7 @@ def test_a_refusal_is_shown_by_one_call(
     plate.bind("thin_shell").lift(0.1)
     if refused in (by_a_thread, by_the_user):
         use_threads(monkeypatch)
-        monkeypatch.setattr(room(BINDING), "build_factor", refuse)
+        monkeypatch.setattr(inner.binding, "build_factor", refuse)
     found = calls_of(lambda: refused(plate))
     assert found["fail"] == 1, found
     assert plate.deformer.status_level == "ERROR"
@@ -119,7 +119,7 @@ def test_a_refusal_is_shown_by_one_call(
 
 def refuse(*_arguments: object, **_options: object) -> None:
     """Stands in for a native call."""
-    raise room("core.errors").SinewError("Refused")
+    raise inner.errors.SinewError("Refused")
 
 
 def estimate(rig: HandleRig) -> float:
@@ -147,9 +147,9 @@ def light(method: str) -> bpy.types.Object:
 def littered(method: str) -> bpy.types.Object:
     """A small mesh under many loose shells that follow."""
     rig = rig_for(method)
-    data, following = rig.obj.data, room("core.methods").following
+    data, following = rig.obj.data, inner.methods.following
     count = next(
-        count for count in range(500, 99_999, 500) if following(count, 0) > 1.2 * room(BINDING).HEAVY
+        count for count in range(500, 99_999, 500) if following(count, 0) > 1.2 * inner.binding.HEAVY
     )
     places = np.random.default_rng(0).uniform((-1, -1, 0.1), (1, 1, 0.2), (count, 3)).tolist()
     mesh = bmesh.new()
@@ -174,7 +174,7 @@ def test_the_cost_of_a_bind_decides_whether_a_thread_computes_it(
     """What counts as heavy lies just above the estimate, or just below it."""
     rig = rig_for(method)
     rig.bind(method)
-    monkeypatch.setattr(room(BINDING), "HEAVY", heavy_from * estimate(rig))
+    monkeypatch.setattr(inner.binding, "HEAVY", heavy_from * estimate(rig))
     decides_by_cost(rig.obj, in_thread, monkeypatch)
 
 
@@ -189,11 +189,11 @@ def test_the_cost_of_a_bind_counts_the_loose_parts_that_follow(method: str, monk
 
 def decides_by_cost(obj: bpy.types.Object, in_thread: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     """As in a window, by the estimate of the row alone: the time that it takes here counts for nothing."""
-    binding, session = room(BINDING), room("session")
+    binding = inner.binding
     deformer = obj.sinew.active
     monkeypatch.setattr(binding, "may_wait", lambda seconds: seconds >= binding.HEAVY)
-    session.find(deformer.uid).bound = None
-    session.bind(obj, deformer, wait=False)
-    assert (session.job(deformer.uid) is not None) is in_thread
+    inner.sessions.find(deformer.uid).bound = None
+    inner.bind.bind(obj, deformer, wait=False)
+    assert (inner.binding.job(deformer.uid) is not None) is in_thread
     assert finish()
     assert deformer.status_level == "INFO", deformer.status

@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 import bpy
 import pytest
-from inside import LOOKS, READS, calls_of
+from inside import LOOKS, READS, calls_of, inner
 from registry import BY_ID, WITH_HANDLES, Posed
 from rigs.kinds import HandleRig
 from rigs.rig import Rig, add_armature, update
@@ -19,9 +19,9 @@ SHAPE = 12  # bytes a vertex, of a shape array
 
 
 @pytest.fixture
-def native(room, count_native) -> Counter:
+def native(count_native) -> Counter:
     """How often the native module was asked for something."""
-    module = room("backend").availability().module
+    module = inner.backend.availability().module
     return count_native(
         module,
         "SurfaceMesh",
@@ -84,10 +84,10 @@ def test_a_moved_control_needs_one_new_array(method: str):
     assert SHAPE < of_one_vertex(plate, peak_of(lambda: plate.lift(0.1))) < 1.5 * SHAPE
 
 
-def test_a_drag_widens_the_shape_that_it_starts_from(room):
+def test_a_drag_widens_the_shape_that_it_starts_from():
     """And holds no other array as large as the mesh."""
     plate = Rig.plate(CELLS).bind("arap")
-    handlers = room("handlers.evaluation")
+    handlers = inner.evaluation
     for _ in range(3):
         plate.lift(0.1)
 
@@ -100,7 +100,7 @@ def test_a_drag_widens_the_shape_that_it_starts_from(room):
             plate.lift(0.1)
 
     assert 3.0 * SHAPE < of_one_vertex(plate, peak_of(drag)) < 3.5 * SHAPE
-    assert room("session").unsettled()
+    assert inner.sessions.unsettled()
 
 
 def test_an_animated_pose_below_costs_one_read(native: Counter):

@@ -6,7 +6,7 @@ import math
 import bpy
 import numpy as np
 import pytest
-from inside import DRAG, catch_up, dragging, evaluated_by, factor_of, use_threads
+from inside import catch_up, dragging, evaluated_by, factor_of, inner, use_threads
 from mathutils import Matrix
 from registry import WITH_HANDLES
 from rigs.rig import Rig, evaluated_points, move_world, push, update
@@ -14,13 +14,13 @@ from rigs.sheet import draw_panel
 
 
 @pytest.fixture
-def dragged(plate: Rig, room):
+def dragged(plate: Rig):
     """A plate in the middle of a drag: what a window's handler shows before the pause."""
     plate.bind("arap")
     with evaluated_by(None):
         turn = Matrix.Rotation(math.radians(110.0), 4, "X")
         move_world(plate.control, Matrix.Translation((0.0, -0.6, 0.9)) @ turn)
-        room("session").update(bpy.context.evaluated_depsgraph_get(), preview=True)
+        inner.evaluate.update(bpy.context.evaluated_depsgraph_get(), preview=True)
         update()
     return plate
 
@@ -34,58 +34,55 @@ def final_points(plate: Rig) -> np.ndarray:
     return plate.points()
 
 
-def test_a_drag_shows_a_preview_and_settles_to_the_final_answer(dragged: Rig, room):
+def test_a_drag_shows_a_preview_and_settles_to_the_final_answer(dragged: Rig):
     plate = dragged
-    session = room("session")
-    assert session.unsettled() == [plate.deformer.uid]
+    assert inner.sessions.unsettled() == [plate.deformer.uid]
     preview = evaluated_points(plate.obj)
     assert np.abs(preview[plate.top] - plate.rest()[plate.top]).max() > 0.5  # handles follow at once
-    assert session.settle()
+    assert inner.evaluate.settle()
     settled = plate.points()
-    assert not session.unsettled()
+    assert not inner.sessions.unsettled()
     assert np.array_equal(settled, final_points(plate))
 
 
-def test_a_heavy_mesh_settles_in_a_thread(dragged: Rig, room, monkeypatch: pytest.MonkeyPatch):
+def test_a_heavy_mesh_settles_in_a_thread(dragged: Rig, monkeypatch: pytest.MonkeyPatch):
     plate = dragged
     use_threads(monkeypatch)
-    session = room("session")
-    session.settle()
+    inner.evaluate.settle()
     update()
-    work = session.find(plate.deformer.uid).work
+    work = inner.sessions.find(plate.deformer.uid).work
     assert work is not None
     work.thread.join(timeout=20.0)
     catch_up()
     settled = plate.points()
-    assert not session.busy()
-    assert not session.unsettled()
+    assert not inner.binding.busy()
+    assert not inner.sessions.unsettled()
     monkeypatch.undo()
     assert np.array_equal(settled, final_points(plate))
 
 
-def test_a_newer_pose_drops_the_final_answer_under_way(dragged: Rig, room, monkeypatch: pytest.MonkeyPatch):
+def test_a_newer_pose_drops_the_final_answer_under_way(dragged: Rig, monkeypatch: pytest.MonkeyPatch):
     plate = dragged
     use_threads(monkeypatch)
-    session = room("session")
-    session.settle()
+    inner.evaluate.settle()
     update()
     plate.lift(0.1)
-    assert session.find(plate.deformer.uid).work is None
-    assert not session.unsettled()  # without a window the newer pose is solved to the end
+    assert inner.sessions.find(plate.deformer.uid).work is None
+    assert not inner.sessions.unsettled()  # without a window the newer pose is solved to the end
     monkeypatch.undo()
     assert np.array_equal(plate.points(), final_points(plate))
 
 
-def watched_until_final(plate: Rig, session) -> list[np.ndarray]:
+def watched_until_final(plate: Rig) -> list[np.ndarray]:
     """What is shown after each pause, until the shape is final."""
     shapes = [evaluated_points(plate.obj)]
-    while catch_up() or session.unsettled():
+    while catch_up() or inner.sessions.unsettled():
         update()
         shapes.append(evaluated_points(plate.obj))
     return shapes
 
 
-def test_undo_on_a_heavy_mesh_binds_nothing_and_creeps_nowhere(plate: Rig, room, monkeypatch):
+def test_undo_on_a_heavy_mesh_binds_nothing_and_creeps_nowhere(plate: Rig, monkeypatch):
     """The shape that undo restores stays in view until the final one is there, which is the same."""
     plate.bind("arap")
     plate.lift(0.5)
@@ -94,15 +91,14 @@ def test_undo_on_a_heavy_mesh_binds_nothing_and_creeps_nowhere(plate: Rig, room,
     plate.lift(0.5)
     push("second")
     use_threads(monkeypatch)
-    session = room("session")
     factor = factor_of(plate.deformer)
     with dragging():
         bpy.ops.ed.undo()
         update()
-        assert session.is_refining(plate.deformer.uid)
+        assert inner.sessions.is_refining(plate.deformer.uid)
         assert "Refining" in draw_panel().texts()
-        shapes = watched_until_final(plate, session)
-        assert not session.is_refining(plate.deformer.uid)
+        shapes = watched_until_final(plate)
+        assert not inner.sessions.is_refining(plate.deformer.uid)
         assert "Refining" not in draw_panel().texts()
     assert factor_of(plate.deformer) is factor
     for shape in shapes:
@@ -110,7 +106,7 @@ def test_undo_on_a_heavy_mesh_binds_nothing_and_creeps_nowhere(plate: Rig, room,
 
 
 @pytest.mark.parametrize("price", [0.0, 1e9])
-def test_a_drag_right_after_undo_shows_previews_again(plate: Rig, room, monkeypatch, price: float):
+def test_a_drag_right_after_undo_shows_previews_again(plate: Rig, monkeypatch, price: float):
     """Each move asks for something else, so waiting for final shapes would show none of them."""
     plate.bind("arap")
     plate.lift(0.5)
@@ -122,59 +118,59 @@ def test_a_drag_right_after_undo_shows_previews_again(plate: Rig, room, monkeypa
         bpy.ops.ed.undo()
         update()
         for height in (0.75, 1.0):
-            session = room("session").find(plate.deformer.uid)
+            session = inner.sessions.find(plate.deformer.uid)
             session.step_milliseconds = price
             plate.lift(0.25)
             if price:
                 session.work.thread.join(timeout=20.0)
-                room("session").collect()
+                inner.upkeep.collect()
             assert plate.points()[plate.top, 2] == pytest.approx(height, abs=1e-6)
-            assert room("session").unsettled() == [plate.deformer.uid]
+            assert inner.sessions.unsettled() == [plate.deformer.uid]
 
 
-def test_after_release_the_final_shape_is_the_first_to_be_shown(heavy_drag, room):
+def test_after_release_the_final_shape_is_the_first_to_be_shown(heavy_drag):
     """A preview that a thread still computes then is dropped."""
-    plate, session = heavy_drag("arap"), room("session")
+    plate = heavy_drag("arap")
     with dragging():
         plate.lift(0.5)
-        held = session.find(plate.deformer.uid)
+        held = inner.sessions.find(plate.deformer.uid)
         held.work.thread.join(timeout=20.0)
         held.step_milliseconds = 1e9
         plate.lift(0.5)
         before = evaluated_points(plate.obj)
-        shapes = watched_until_final(plate, session)
+        shapes = watched_until_final(plate)
     final = final_points(plate)
     for shape in shapes:
         assert np.array_equal(shape, before) or np.array_equal(shape, final)
 
 
 @pytest.fixture
-def heavy_drag(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
+def heavy_drag(plate: Rig, monkeypatch: pytest.MonkeyPatch):
     """A drag of a mesh whose every step costs more than the drag budget."""
 
     def begin(method: str) -> Rig:
         plate.bind(method)
         use_threads(monkeypatch)
-        room("session").find(plate.deformer.uid).step_milliseconds = 1e9
+        inner.sessions.find(plate.deformer.uid).step_milliseconds = 1e9
         return plate
 
     return begin
 
 
-def test_a_preview_by_a_thread_is_near_the_final_shape(room, monkeypatch: pytest.MonkeyPatch):
+def test_a_preview_by_a_thread_is_near_the_final_shape(monkeypatch: pytest.MonkeyPatch):
     """However far the control has gone since the last one, and with a single iteration."""
     plate = Rig.plate(40).bind("arap")
     use_threads(monkeypatch)
-    session = room("session").find(plate.deformer.uid)
+    session = inner.sessions.find(plate.deformer.uid)
     session.step_milliseconds, session.steps = 1e9, 1
     before = plate.points()
     with dragging():
         turn = Matrix.Rotation(math.radians(80.0), 4, "X")
         move_world(plate.control, Matrix.Translation((0.0, -0.4, 0.6)) @ turn)
         session.work.thread.join(timeout=20.0)
-        room("session").collect()
+        inner.upkeep.collect()
         preview = plate.points()
-        assert room("session").unsettled()
+        assert inner.sessions.unsettled()
     monkeypatch.undo()
     final, size = final_points(plate), np.ptp(before, axis=0).max()
     assert np.linalg.norm(final - before, axis=1).max() > 0.5 * size
@@ -182,15 +178,15 @@ def test_a_preview_by_a_thread_is_near_the_final_shape(room, monkeypatch: pytest
 
 
 @pytest.mark.parametrize("method", WITH_HANDLES)
-def test_a_drag_over_the_budget_never_waits_and_the_shape_follows(heavy_drag, room, method: str):
+def test_a_drag_over_the_budget_never_waits_and_the_shape_follows(heavy_drag, method: str):
     plate = heavy_drag(method)
-    session = room("session").find(plate.deformer.uid)
+    session = inner.sessions.find(plate.deformer.uid)
     with dragging():
-        settled = drag_twice(plate, room, session)
+        settled = drag_twice(plate, session)
     assert np.array_equal(settled, final_points(plate))
 
 
-def drag_twice(plate: Rig, room, session) -> np.ndarray:
+def drag_twice(plate: Rig, session) -> np.ndarray:
     """What is shown at last."""
     rest = plate.points()
     plate.lift(0.5)
@@ -205,18 +201,18 @@ def drag_twice(plate: Rig, room, session) -> np.ndarray:
     assert second not in (None, first)
     second.thread.join(timeout=20.0)
     session.step_milliseconds = 1e9
-    room("session").collect()
+    inner.upkeep.collect()
     assert plate.points()[plate.top, 2] == pytest.approx(1.0, abs=1e-6)
-    while catch_up() or room("session").unsettled():
+    while catch_up() or inner.sessions.unsettled():
         update()
         if session.work is not None:
             session.work.thread.join(timeout=20.0)
     return plate.points()
 
 
-def test_the_drag_budget_sets_how_many_steps_a_preview_takes(heavy_drag, room, monkeypatch):
+def test_the_drag_budget_sets_how_many_steps_a_preview_takes(heavy_drag, monkeypatch):
     plate = heavy_drag("arap")
-    session = room("session").find(plate.deformer.uid)
+    session = inner.sessions.find(plate.deformer.uid)
     taken = []
     solve = session.bound.factor.solve
 
@@ -228,7 +224,7 @@ def test_the_drag_budget_sets_how_many_steps_a_preview_takes(heavy_drag, room, m
     session.bound.factor.solve = count
     session.step_milliseconds = 0.0
     for budget, steps in ((1.0e4, 10), (1.0e-4, 1)):
-        monkeypatch.setattr(room(DRAG), "budget", lambda budget=budget: budget)
+        monkeypatch.setattr(inner.live_drag, "budget", lambda budget=budget: budget)
         with dragging():
             for _ in range(3):
                 plate.lift(0.1)

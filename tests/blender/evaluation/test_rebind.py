@@ -9,24 +9,24 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from inside import ask_for_factor, calls_of, catch_up, settle, use_threads
+from inside import ask_for_factor, calls_of, catch_up, inner, settle, use_threads
 from registry import ON_SURFACE, WITH_HANDLES
 from rigs.rig import Rig, add_group, make_active, update
 
 
 @pytest.fixture
-def native(room, count_native) -> Counter:
+def native(count_native) -> Counter:
     """How often the native module was asked to build or bind something."""
-    return count_native(room("backend").availability().module)
+    return count_native(inner.backend.availability().module)
 
 
-def bound(plate: Rig, room):
-    return room("session").find(plate.deformer.uid).bound
+def bound(plate: Rig):
+    return inner.sessions.find(plate.deformer.uid).bound
 
 
-def reused(plate: Rig, room) -> tuple[str, str]:
+def reused(plate: Rig) -> tuple[str, str]:
     """What the last bind took over, and what differed."""
-    report = bound(plate, room).factor.report
+    report = bound(plate).factor.report
     return report.reuse, report.changed
 
 
@@ -48,10 +48,10 @@ def paint(plate: Rig, value: float) -> None:
     plate.obj.data.update_tag()
 
 
-def same_as_anew(plate: Rig, room) -> None:
+def same_as_anew(plate: Rig) -> None:
     """A bind that starts with nothing gives the same shape, to rounding."""
     shown = plate.points()
-    room("core.memory").forget_all()
+    inner.memory.forget_all()
     bind(plate)
     np.testing.assert_allclose(plate.points(), shown, atol=1e-5)
 
@@ -60,17 +60,17 @@ NEW = {"SurfaceMesh": 1, "diagnose": 1, "set_handles": 1}
 
 
 @pytest.mark.parametrize("method", ON_SURFACE)
-def test_another_region_is_one_native_call(plate: Rig, room, native: Counter, method: str):
+def test_another_region_is_one_native_call(plate: Rig, native: Counter, method: str):
     plate.bind(method)
     plate.lift(0.5)
     native.clear()
     add_middle(plate)
     assert native == {"rebind": 1}
-    assert reused(plate, room) == ("updated", "handles")
-    same_as_anew(plate, room)
+    assert reused(plate) == ("updated", "handles")
+    same_as_anew(plate)
 
 
-def test_painting_a_stiffness_is_one_native_call(plate: Rig, room, native: Counter):
+def test_painting_a_stiffness_is_one_native_call(plate: Rig, native: Counter):
     plate.obj.vertex_groups.new(name="Soft").add(list(range(len(plate.rest()))), 1.0, "REPLACE")
     plate.bind("thin_shell")
     plate.deformer.thin_shell.bending_group = "Soft"
@@ -80,38 +80,38 @@ def test_painting_a_stiffness_is_one_native_call(plate: Rig, room, native: Count
     paint(plate, 0.1)
     settle()
     assert native == {"rebind": 1}
-    assert reused(plate, room) == ("updated", "bending")
-    same_as_anew(plate, room)
+    assert reused(plate) == ("updated", "bending")
+    same_as_anew(plate)
 
 
 @pytest.mark.parametrize("method", WITH_HANDLES)
-def test_binding_again_costs_the_native_module_nothing(plate: Rig, room, native: Counter, method: str):
+def test_binding_again_costs_the_native_module_nothing(plate: Rig, native: Counter, method: str):
     plate.bind(method)
     plate.lift(0.5)
     shown = plate.points()
     native.clear()
     bind(plate)
     assert native == {"rebind": 1}
-    assert reused(plate, room) == ("kept", "")
+    assert reused(plate) == ("kept", "")
     np.testing.assert_array_equal(plate.points(), shown)
 
 
-def test_another_rest_shape_needs_a_new_solver(plate: Rig, room, native: Counter):
+def test_another_rest_shape_needs_a_new_solver(plate: Rig, native: Counter):
     plate.bind("thin_shell")
-    old = bound(plate, room)
+    old = bound(plate)
     plate.obj.data.vertices[60].co.z += 0.1
     plate.obj.data.update_tag()
     native.clear()
     bind(plate)
     assert native == NEW
     assert not old.factor.is_released
-    assert bound(plate, room) is not old
+    assert bound(plate) is not old
 
 
-def test_a_refused_rebind_keeps_nothing(plate: Rig, room, native: Counter, monkeypatch: pytest.MonkeyPatch):
+def test_a_refused_rebind_keeps_nothing(plate: Rig, native: Counter, monkeypatch: pytest.MonkeyPatch):
     plate.bind("thin_shell")
     plate.lift(0.5)
-    module = room("backend").availability().module
+    module = inner.backend.availability().module
     shell = type(module.ThinShell(module.SurfaceMesh(np.eye(3), np.array([[0, 1, 2]]))))
 
     def refuse(*_arguments, **_keywords):
@@ -121,7 +121,7 @@ def test_a_refused_rebind_keeps_nothing(plate: Rig, room, native: Counter, monke
         patch.setattr(shell, "rebind", refuse)
         add_middle(plate)
     assert plate.deformer.status == "refused here"
-    assert bound(plate, room) is None
+    assert bound(plate) is None
     np.testing.assert_allclose(plate.points(), plate.rest(), atol=1e-6)
     native.clear()
     bind(plate)
@@ -134,48 +134,48 @@ def heavy(monkeypatch: pytest.MonkeyPatch) -> None:
     use_threads(monkeypatch)
 
 
-def rebind_in_thread(plate: Rig, room) -> None:
+def rebind_in_thread(plate: Rig) -> None:
     """A region is switched off; a thread binds what is left."""
-    session, deformer = room("session"), plate.deformer
+    deformer = plate.deformer
     deformer.handles[1].enabled = False
     ask_for_factor(deformer)
-    assert session.job(deformer.uid) is not None
+    assert inner.binding.job(deformer.uid) is not None
 
 
-def test_while_a_thread_binds_the_last_shape_stays(plate: Rig, room, heavy, native: Counter):
+def test_while_a_thread_binds_the_last_shape_stays(plate: Rig, heavy, native: Counter):
     plate.bind("thin_shell")
     add_middle(plate)
     plate.lift(0.5)
     shown = plate.points()
-    old = bound(plate, room)
+    old = bound(plate)
     native.clear()
-    rebind_in_thread(plate, room)
+    rebind_in_thread(plate)
     assert old.factor.is_released
-    assert room("session").find(plate.deformer.uid).bound is old
-    room("session").job(plate.deformer.uid).thread.join()
+    assert inner.sessions.find(plate.deformer.uid).bound is old
+    inner.binding.job(plate.deformer.uid).thread.join()
     np.testing.assert_array_equal(
-        room("session").find(plate.deformer.uid).view("VIEWPORT").positions, shown.astype(np.float32)
+        inner.sessions.find(plate.deformer.uid).view("VIEWPORT").positions, shown.astype(np.float32)
     )
     catch_up()
     assert native == {"rebind": 1}
     plate.lift(0.1)
     assert plate.points()[plate.top, 2] == pytest.approx(0.6, abs=1e-6)
-    same_as_anew(plate, room)
+    same_as_anew(plate)
 
 
-def test_a_region_that_returns_while_a_thread_binds_is_bound_again(plate: Rig, room, heavy):
+def test_a_region_that_returns_while_a_thread_binds_is_bound_again(plate: Rig, heavy):
     """Its factor was handed over, and the thread's result is of no use."""
     plate.bind("thin_shell")
     add_middle(plate)
     plate.lift(0.5)
     shown = plate.points()
-    rebind_in_thread(plate, room)
+    rebind_in_thread(plate)
     plate.deformer.handles[1].enabled = True
     update()
     while catch_up():
         pass
     update()
-    assert not bound(plate, room).factor.is_released
+    assert not bound(plate).factor.is_released
     np.testing.assert_allclose(plate.points(), shown, atol=1e-6)
 
 
@@ -203,9 +203,9 @@ def test_a_bind_captures_and_reads_the_mesh_once(plate: Rig):
 
 
 @pytest.fixture
-def copies(room, monkeypatch: pytest.MonkeyPatch) -> list[int]:
+def copies(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """How often a rest mesh was copied as a whole."""
-    rest, made = room("mesh_io.rest"), []
+    rest, made = inner.rest, []
 
     class Counting:
         @staticmethod
@@ -223,7 +223,7 @@ def add_groups(plate: Rig, count: int) -> None:
 
 
 @pytest.mark.parametrize("others", [0, 20])
-def test_a_bind_of_the_same_shape_takes_over_the_weights(plate: Rig, room, copies: list[int], others: int):
+def test_a_bind_of_the_same_shape_takes_over_the_weights(plate: Rig, copies: list[int], others: int):
     """Those in use, and those that come into use without a bind; where there are many, the whole mesh."""
     add_groups(plate, others)
     add_group(plate.obj, "Late", lambda point: abs(point[1]) < 0.2)
@@ -236,12 +236,12 @@ def test_a_bind_of_the_same_shape_takes_over_the_weights(plate: Rig, room, copie
     assert len(copies) == (1 if others else 0)
     plate.deformer.handles[0].vertex_group = "Late"
     plate.lift(0.5)
-    assert bound(plate, room).indices[0].tolist() == [60, 61]
-    same_as_anew(plate, room)
+    assert bound(plate).indices[0].tolist() == [60, 61]
+    same_as_anew(plate)
 
 
 @pytest.mark.parametrize("change", ["shape", "faces", "groups"])
-def test_a_bind_of_another_shape_takes_over_all_of_it(plate: Rig, room, copies: list[int], change: str):
+def test_a_bind_of_another_shape_takes_over_all_of_it(plate: Rig, copies: list[int], change: str):
     plate.bind("thin_shell")
     plate.lift(0.5)
     copies.clear()
@@ -260,9 +260,9 @@ def test_a_bind_of_another_shape_takes_over_all_of_it(plate: Rig, room, copies: 
         plate.deformer.handles[1].vertex_group = "Base"
     bind(plate)
     assert len(copies) == (0 if change == "groups" else 1)
-    np.testing.assert_array_equal(bound(plate, room).rest.points, plate.rest())
-    assert len(bound(plate, room).rest.counts) == len(plate.obj.data.polygons)
+    np.testing.assert_array_equal(bound(plate).rest.points, plate.rest())
+    assert len(bound(plate).rest.counts) == len(plate.obj.data.polygons)
     if change == "groups":
-        held = bound(plate, room).indices[1]
+        held = bound(plate).indices[1]
         np.testing.assert_array_equal(held, np.flatnonzero(plate.rest()[:, 1] < -0.5))
-    same_as_anew(plate, room)
+    same_as_anew(plate)

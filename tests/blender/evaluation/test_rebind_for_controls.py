@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import catch_up, settle
+from inside import catch_up, inner, settle
 from registry import RIGID_ON_HANDLE_POINTS
 from rigs.cages import ball, box
 from rigs.rig import (
@@ -286,7 +286,7 @@ def test_all_objects_that_the_points_move_are_bound_again():
     assert close(evaluated_points(other), before + LIFT, FITS)
 
 
-def test_what_cannot_be_bound_says_so_once(room):
+def test_what_cannot_be_bound_says_so_once():
     """It is unbound then, so that no pause tries again."""
     posed(by_a_wire)
     control().data.bevel_depth = 0.1
@@ -297,7 +297,7 @@ def test_what_cannot_be_bound_says_so_once(room):
     assert not deformer.is_bound
     assert not catch_up()
     update()
-    assert not room("session").has_pending()
+    assert not inner.upkeep.has_pending()
     control().data.bevel_depth = 0.0
     make_active(target())
     bpy.ops.sinew.bind()

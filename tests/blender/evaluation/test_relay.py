@@ -6,13 +6,13 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
-from inside import RENDER_WRITES
+from inside import inner
 
 
 @pytest.fixture
-def relay(room, monkeypatch: pytest.MonkeyPatch):
+def relay(monkeypatch: pytest.MonkeyPatch):
     """As in a window whose interface is not locked."""
-    found = room(RENDER_WRITES)
+    found = inner.render_writes
     monkeypatch.setattr(found, "must_hand_over", lambda _scene: True)
     return found
 
@@ -74,7 +74,7 @@ def test_what_blender_forbids_the_main_thread_for_a_moment_is_tried_again(relay)
     assert render.result is True
 
 
-def test_locked_interfaces_and_background_renders_need_no_relay(room):
-    relay = room(RENDER_WRITES)
+def test_locked_interfaces_and_background_renders_need_no_relay():
+    relay = inner.render_writes
     assert not relay.must_hand_over(bpy.context.scene)
     assert relay.write(bpy.context.scene, lambda: True, threading.RLock()) is True

@@ -6,7 +6,7 @@
 
 import bpy
 import pytest
-from inside import CONTROL_READS, LOOKS, READS, WORK, calls_of, catch_up, functions
+from inside import CONTROL_READS, LOOKS, READS, WORK, calls_of, catch_up, functions, inner
 from rigs.rig import Rig, make_active, update
 
 UNRELATED = 1000
@@ -104,16 +104,16 @@ def test_objects_that_are_not_ours_get_no_settings(crowded):
     assert not any(obj.is_property_set("sinew") for obj in (*others, plate.control))
 
 
-def test_a_deformer_has_all_its_settings_before_a_render_reads_them(crowded, room):
+def test_a_deformer_has_all_its_settings_before_a_render_reads_them(crowded):
     plate, _others = crowded
-    assert all(plate.deformer.is_property_set(name) for name in ("bake", *room("core.methods").BY_ID))
+    assert all(plate.deformer.is_property_set(name) for name in ("bake", *inner.methods.BY_ID))
 
 
 def test_the_functions_that_are_counted_exist():
     assert (WORK | READS | CONTROL_READS | LOOKS) - functions() == set()
 
 
-def test_looking_at_edited_meshes_evaluates_the_scene_as_often_for_many_rigs_as_for_one(plate: Rig, room):
+def test_looking_at_edited_meshes_evaluates_the_scene_as_often_for_many_rigs_as_for_one(plate: Rig):
     plate.bind().lift(0.5)
     found = []
     for copies in (0, 9):
@@ -123,5 +123,5 @@ def test_looking_at_edited_meshes_evaluates_the_scene_as_often_for_many_rigs_as_
         for obj in [obj for obj in bpy.data.objects if obj.sinew.deformers]:
             obj.data.update_tag()
         update()
-        found.append(calls_of(room("session").refresh)["on_depsgraph_update"])
+        found.append(calls_of(inner.refresh.refresh)["on_depsgraph_update"])
     assert found[0] == found[1] > 0, found

@@ -22,7 +22,7 @@ from events import (
     says_rebind,
 )
 from expected import Expected
-from inside import OWNERS, catch_up, evaluated_by, room, settle
+from inside import catch_up, evaluated_by, inner, settle
 from mathutils import Matrix
 from rigs.kinds import HandleRig
 from rigs.rig import (
@@ -70,9 +70,9 @@ def duplicated_alone_and_given_a_control(rig: HandleRig) -> None:
     with evaluated_by(None):
         bpy.ops.object.duplicate()
         copy = bpy.context.object
-        assert room(OWNERS).has_copies()
+        assert inner.owners.has_copies()
         assert catch_up() is False
-        assert not room(OWNERS).has_copies()
+        assert not inner.owners.has_copies()
     assert copy.sinew.deformers[0].proxy != rig.deformer.proxy
     rig.set_control(copy, rig.another_control(copy))
     assert rig.shows(rig.at(0.5), copy)
@@ -463,7 +463,7 @@ def the_target_joined_to_another_mesh(rig: HandleRig) -> None:
     settle()
     assert rig.name not in bpy.data.objects
     assert len(evaluated_points(other)) == count + 9
-    assert room("session").owners() == []
+    assert inner.owners.owners() == []
 
 
 @EVENTS.on(MESHES, then=is_over)

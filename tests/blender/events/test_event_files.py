@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 from events import ALL, REGIONS, Event, Table, every, is_over, lives_on
-from inside import handlers_of_ours, room, settle, without_the_add_on
+from inside import handlers_of_ours, inner, settle, without_the_add_on
 from libraries import add_collection, overridden, override, put_into_a_library, read
 from rigs.kinds import RIGS, HandleRig
 from rigs.rig import (
@@ -164,8 +164,8 @@ def replaced_by_a_new_file(rig: HandleRig) -> None:
     """Nothing is left: an object of the same name is another one."""
     uid = rig.deformer.uid
     new_file()
-    assert room("session").find(uid) is None
-    assert room("session").owners() == []
+    assert inner.sessions.find(uid) is None
+    assert inner.owners.owners() == []
     lives_on(type(rig).new().start())
 
 
@@ -199,7 +199,7 @@ def disabled_and_enabled(rig: HandleRig) -> None:
 @EVENTS.on(ALL)
 def upgraded(rig: HandleRig) -> None:
     """The old code is unloaded and read again; the native module stays until Blender ends."""
-    name, count = room("ids").__package__, handlers_of_ours()
+    name, count = inner.ids.__package__, handlers_of_ours()
     old = {
         key: module
         for key, module in sys.modules.items()

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from events import ALL, MESHES, REGIONS, Event, Table, every
 from expected import Expected
-from inside import bind_in_thread, evaluated_by, finish, room
+from inside import bind_in_thread, evaluated_by, finish, inner
 from mathutils import Matrix
 from registry import BY_ID
 from rigs.kinds import HandleRig
@@ -590,10 +590,10 @@ def test_while_a_thread_binds_a_rig_is(rig: HandleRig, monkeypatch, tmp_path: Pa
     shape = event(rig)
     assert finish()
     if shape is None:
-        assert room("session").owners() == []
+        assert inner.owners.owners() == []
         fresh = type(rig).new("Fresh").start()
         fresh.lift(0.25)
         assert fresh.is_right()
     else:
         assert rig.shows(shape)
-    assert not room("session").busy()
+    assert not inner.binding.busy()

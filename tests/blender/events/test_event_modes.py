@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from events import ALL, MESHES, REBIND, REGIONS, Event, Table, every, is_bound_again, is_over, lives_on
-from inside import catch_up, room, settle
+from inside import catch_up, inner, settle
 from rigs.kinds import HandleRig
 from rigs.rig import (
     Rig,
@@ -408,7 +408,7 @@ def a_group_of_no_region_painted(rig: HandleRig) -> None:
     """It binds nothing."""
     rig.obj.vertex_groups.new(name="Other")
     settle()
-    session = room("session").find(rig.deformer.uid)
+    session = inner.sessions.find(rig.deformer.uid)
     bound = session.bound
     paint(rig, "Other", 1.0, [0, 1])
     assert session.bound is bound
@@ -419,7 +419,7 @@ def test_weights_painted_on_a_mesh_that_an_armature_poses_keep_the_rest_shape(pl
     plate.bind("thin_shell")
     armature.pose.bones["high"].location = (0.0, 0.0, 0.4)
     update()
-    rest, key = plate.deformer.rest, room("ids").Keys.REST_TOKEN
+    rest, key = plate.deformer.rest, inner.ids.Keys.REST_TOKEN
     token, held = rest[key], [vertex.co[:] for vertex in rest.vertices]
     paint(plate, "Top", 0.5)
     assert rest[key] != token

@@ -22,7 +22,7 @@ from events import (
     says_rebind,
 )
 from expected import Expected
-from inside import room, settle
+from inside import inner, settle
 from mathutils import Matrix
 from probe import render_points
 from registry import BY_ID, WITH_HANDLES
@@ -277,7 +277,7 @@ def test_vertices_in_another_order_keep_their_own_displacement(plate: Rig):
     assert not np.array_equal(shuffled, ordered)
     same_order = [points[np.lexsort(np.round(points, 4).T)] for points in (ordered, shuffled)]
     assert close(*same_order)
-    notes = [line.text for line in room("core.status").notes(plate.deformer.uid)]
+    notes = [line.text for line in inner.status.notes(plate.deformer.uid)]
     assert any("displacement" in text for text in notes)
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import notes_of, settle
+from inside import inner, notes_of, settle
 from libraries import add_collection, override, put_into_a_library
 from mathutils import Matrix
 from probe import render_points
@@ -408,9 +408,9 @@ def test_grab_region_moves_what_is_seen_as_far_as_the_mouse(arm: Posed, on_cage:
     assert close(seen[arm.top], was[arm.top] + (0.1, 0.2, 0.3), MATRIX)
 
 
-def test_the_region_panel_has_the_switch(arm: Posed, plate: Rig, room):
+def test_the_region_panel_has_the_switch(arm: Posed, plate: Rig):
     """*From Rest* is shown for handles that use it alone; where nothing moves the mesh, Surface is grey."""
-    panel = room("ui.control.handles").SINEW_PT_region
+    panel = inner.ui_control_handles.SINEW_PT_region
     for rig, on, says in ((arm, "SURFACE", ""), (plate, "WORLD", "Nothing before Sinew moves this mesh")):
         rig.bind("thin_shell")
         make_active(rig.obj)

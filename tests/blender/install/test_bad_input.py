@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import BINDING, settle
+from inside import inner, settle
 from probe import render_points
 from registry import WITH_HANDLES
 from rigs.rig import Rig, add_group, close, grid_object, make_active, new_empty, new_object, reopen
@@ -59,20 +59,20 @@ def test_empty_group(plate: Rig):
     assert_lifted(plate)
 
 
-def test_group_emptied_after_bind(plate: Rig, room):
+def test_group_emptied_after_bind(plate: Rig):
     plate.bind().lift(0.5)
     plate.obj.vertex_groups["Top"].remove([int(index) for index in plate.top])
     make_active(plate.obj)
     bpy.ops.sinew.bind()
     assert_at_rest(plate)
-    (note,) = room("core.status").notes(plate.deformer.uid)
+    (note,) = inner.status.notes(plate.deformer.uid)
     assert "'Top' has no vertices" in note.text
     plate.obj.vertex_groups["Top"].add([int(index) for index in plate.top], 1.0, "REPLACE")
     bpy.ops.sinew.bind()
     assert_lifted(plate)
 
 
-def test_group_deleted_after_bind(plate: Rig, room):
+def test_group_deleted_after_bind(plate: Rig):
     plate.bind().lift(0.5)
     before = plate.points()
     plate.obj.vertex_groups.remove(plate.obj.vertex_groups["Top"])
@@ -80,7 +80,7 @@ def test_group_deleted_after_bind(plate: Rig, room):
     make_active(plate.obj)
     bpy.ops.sinew.bind()
     assert_at_rest(plate)
-    (note,) = room("core.status").notes(plate.deformer.uid)
+    (note,) = inner.status.notes(plate.deformer.uid)
     assert "vertex group 'Top' is not on the mesh" in note.text
 
 
@@ -161,12 +161,12 @@ def test_vertex_in_two_hard_handles(plate: Rig):
     assert plate.deformer.status_level == "INFO"
 
 
-def test_zero_area_mesh(plate: Rig, room):
+def test_zero_area_mesh(plate: Rig):
     for vertex in plate.obj.data.vertices:
         vertex.co = (vertex.co.y, 0.0, 0.0)
     plate.bind()
     assert plate.deformer.status_level == "INFO"
-    notes = room("core.status").notes(plate.deformer.uid)
+    notes = inner.status.notes(plate.deformer.uid)
     assert any(line.text.endswith("faces without area") for line in notes)
     plate.lift(0.5)
     assert np.isfinite(plate.points()).all()
@@ -267,7 +267,7 @@ def test_apply_below_another_modifier_is_refused(plate: Rig):
     assert len(plate.obj.sinew.deformers) == 1
 
 
-def test_cancel_in_the_middle_of_a_bind(plate: Rig, room):
+def test_cancel_in_the_middle_of_a_bind(plate: Rig):
     plate.bind().lift(0.5)
     stages = []
 
@@ -275,8 +275,8 @@ def test_cancel_in_the_middle_of_a_bind(plate: Rig, room):
         stages.append((fraction, stage))
         return False
 
-    with pytest.raises(room("core.errors").CancelledError):
-        room("session").bind(plate.obj, plate.deformer, progress=cancel)
+    with pytest.raises(inner.errors.CancelledError):
+        inner.bind.bind(plate.obj, plate.deformer, progress=cancel)
     assert stages
     assert_at_rest(plate)
     assert plate.deformer.status_level == "ERROR"
@@ -286,24 +286,23 @@ def test_cancel_in_the_middle_of_a_bind(plate: Rig, room):
     assert_lifted(plate)
 
 
-def test_cancel_of_a_bind_in_a_thread(plate: Rig, room, monkeypatch: pytest.MonkeyPatch):
-    binding = room(BINDING)
+def test_cancel_of_a_bind_in_a_thread(plate: Rig, monkeypatch: pytest.MonkeyPatch):
+    binding = inner.binding
     plate.bind()
     monkeypatch.setattr(binding, "may_wait", lambda _count: True)
-    session = room("session")
-    session.bind(plate.obj, plate.deformer, wait=False)
-    session.cancel(plate.deformer.uid)
-    assert session.job(plate.deformer.uid) is None
-    assert plate.deformer.status == session.CANCELLED
+    inner.bind.bind(plate.obj, plate.deformer, wait=False)
+    inner.binding.cancel(plate.deformer.uid)
+    assert inner.binding.job(plate.deformer.uid) is None
+    assert plate.deformer.status == inner.binding.CANCELLED
     assert_at_rest(plate)
 
 
-def test_native_module_missing(plate: Rig, room, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_native_module_missing(plate: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """The last solution stays, the panel says which wheel is needed, and what the artist does is kept."""
     plate.bind().lift(0.5)
     before = plate.points()
-    missing = room("backend").Availability(None, "The native module is missing. Install the Sinew zip")
-    monkeypatch.setattr(room(BINDING), "availability", lambda: missing)
+    missing = inner.backend.Availability(None, "The native module is missing. Install the Sinew zip")
+    monkeypatch.setattr(inner.binding, "availability", lambda: missing)
     reopen(tmp_path / "rig.blend")
     assert np.array_equal(plate.points(), before)
     assert "native module is missing" in plate.deformer.status
@@ -321,8 +320,8 @@ def test_native_module_missing(plate: Rig, room, tmp_path: Path, monkeypatch: py
     assert_lifted(plate, 0.75)
 
 
-def test_the_wheel_is_named_when_the_module_does_not_load(room, monkeypatch: pytest.MonkeyPatch):
-    loader = room("backend.loader")
+def test_the_wheel_is_named_when_the_module_does_not_load(monkeypatch: pytest.MonkeyPatch):
+    loader = inner.loader
 
     def nowhere(name: str):
         raise ModuleNotFoundError(name)
@@ -334,7 +333,7 @@ def test_the_wheel_is_named_when_the_module_does_not_load(room, monkeypatch: pyt
     assert "cp3" in found.remedy
 
 
-def test_another_version_of_the_module_asks_for_a_restart(room, monkeypatch: pytest.MonkeyPatch):
-    loader = room("backend.loader")
+def test_another_version_of_the_module_asks_for_a_restart(monkeypatch: pytest.MonkeyPatch):
+    loader = inner.loader
     monkeypatch.setattr(loader, "VERSION", "99.0.0")
     assert "Restart Blender" in loader.load().remedy

@@ -15,7 +15,7 @@ from types import ModuleType
 
 import installed
 import pytest
-from inside import native
+from inside import inner, native
 
 OTHER_NAMES = {b"msvcrt.dll": b"nodll!.dll", b"libm.so.6": b"lib0.so.6"}  # of libraries, as long as before
 
@@ -62,9 +62,9 @@ def of_another_python(folder: Path) -> Path:
     ids=lambda fault: fault.__name__,
 )
 def test_a_module_that_does_not_load_is_told_with_the_wheel_that_fits(
-    fault, room, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    fault, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    file, loader = fault(tmp_path), room("backend.loader")
+    file, loader = fault(tmp_path), inner.loader
 
     def foreign(_name: str) -> ModuleType:
         finder = ExtensionFileLoader("sinew_native", str(file))

@@ -18,7 +18,7 @@ import pytest
 from error_log import ErrorLog
 from hypothesis import HealthCheck, Phase, given, note, seed, settings
 from hypothesis import strategies as st
-from inside import catch_up
+from inside import catch_up, inner
 from rigs.kinds import HandleRig
 from rigs.rig import Rig, add_group, make_active, new_object, reopen, update
 
@@ -65,7 +65,7 @@ def press(operator, **keywords) -> None:
     assert "Traceback" not in words, words
 
 
-def live_with_it(plate: Rig, room, folder: Path) -> None:
+def live_with_it(plate: Rig, folder: Path) -> None:
     """Evaluate, move, animate, press every button that fits, save and load."""
     make_active(plate.obj)
     assert_sound(plate)
@@ -333,7 +333,7 @@ def wounded(plate: Rig, wound) -> bool:
 
 
 @pytest.mark.parametrize("name", WOUNDS)
-def test_a_hostile_value_gives_a_status_and_nothing_worse(posed: Rig, room, tmp_path: Path, name: str):
+def test_a_hostile_value_gives_a_status_and_nothing_worse(posed: Rig, tmp_path: Path, name: str):
     """A mesh of the user's is neither written nor removed, even in place of a shape."""
     bystander = other_mesh("Bystander")
     before = [tuple(vertex.co) for vertex in bystander.data.vertices]
@@ -342,14 +342,14 @@ def test_a_hostile_value_gives_a_status_and_nothing_worse(posed: Rig, room, tmp_
     if name.startswith(("proxy_render", "one_shape")):
         posed.before = None  # the viewport goes on beside the complaint
     meshes = {obj.name: obj.data.name for obj in bpy.data.objects if obj.name in ("Mine", "Bystander")}
-    live_with_it(posed, room, tmp_path)
+    live_with_it(posed, tmp_path)
     assert len(meshes) == 1 + name.endswith("_mine")
     for obj, mesh in meshes.items():
         assert bpy.data.objects[obj].data.name == mesh
         assert [tuple(vertex.co) for vertex in bpy.data.meshes[mesh].vertices] == before
 
 
-def test_a_hundred_thousand_handles_stay_responsive(posed_plate: HandleRig, room):
+def test_a_hundred_thousand_handles_stay_responsive(posed_plate: HandleRig):
     posed = posed_plate
     handles = posed.deformer.handles
     for _ in range(100_000):
@@ -363,7 +363,7 @@ def test_a_hundred_thousand_handles_stay_responsive(posed_plate: HandleRig, room
         update()
     assert time.process_time() - start < 6.0  # seconds of one core; two on an idle one
     assert posed.shows(posed.at(0.2))
-    notes = room("core.status").notes(posed.deformer.uid)
+    notes = inner.status.notes(posed.deformer.uid)
     assert [line.text for line in notes][3:] == ["99,997 more regions are not used"]
 
 
@@ -461,17 +461,17 @@ def keys_of(owner: object, below: bool) -> list[str]:
 @given(
     wounds=st.lists(st.tuples(PLACES, st.booleans(), st.integers(0, 40), ANYTHING), min_size=1, max_size=6)
 )
-def fuzz(room, folder: Path, wounds: list) -> None:
+def fuzz(folder: Path, wounds: list) -> None:
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
     error_log = ErrorLog()
     try:
-        _inflict(room, folder, wounds)
+        _inflict(folder, wounds)
         error_log.check()
     finally:
         error_log.close()
 
 
-def _inflict(room, folder: Path, wounds: list) -> None:
+def _inflict(folder: Path, wounds: list) -> None:
     plate = Rig.plate(cells=10)
     other_mesh()
     plate.bind("thin_shell")
@@ -493,9 +493,9 @@ def _inflict(room, folder: Path, wounds: list) -> None:
             plate.name = owner.name
         plate.obj.update_tag()
         update()
-    live_with_it(plate, room, folder)
+    live_with_it(plate, folder)
 
 
-def test_random_values_of_any_kind_in_any_property(room, tmp_path: Path):
+def test_random_values_of_any_kind_in_any_property(tmp_path: Path):
     target = fuzz if SEED is None else seed(int(SEED))(fuzz)
-    target(room, tmp_path)
+    target(tmp_path)

@@ -7,6 +7,7 @@ import re
 
 import bpy
 import pytest
+from inside import inner
 from registry import METHODS, Control
 from rigs.cages import assert_goes_on, assert_rests, ball, box, motion_of, set_rest, surround
 from rigs.kinds import BY_CONTROL
@@ -17,9 +18,9 @@ OVERSHOT = 0.02  # surfaces that resist bending rise a little above the handle t
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
-def test_a_bind_above_the_limit_names_both_sizes_and_waits_for_a_higher_one(preferences, room, method):
+def test_a_bind_above_the_limit_names_both_sizes_and_waits_for_a_higher_one(preferences, method):
     """A limit that is lowered afterwards leaves what is bound alone."""
-    status = room("core.status")
+    status = inner.status
     preferences.memory_limit = LIMIT
     kind = BY_CONTROL[method.control]
     # On handle points, a method may need no more than 4 bytes per vertex.
@@ -44,7 +45,7 @@ def test_a_bind_above_the_limit_names_both_sizes_and_waits_for_a_higher_one(pref
     assert motion_of(obj)[:, 2].max() == pytest.approx(1.0, abs=2 * OVERSHOT)
 
 
-def test_a_finer_cage_above_the_limit_is_refused_until_it_is_coarse_again(preferences, room):
+def test_a_finer_cage_above_the_limit_is_refused_until_it_is_coarse_again(preferences):
     target, cage = ball(), box()
     deformer = surround(target, cage)
     preferences.memory_limit = LIMIT / 2
@@ -55,7 +56,7 @@ def test_a_finer_cage_above_the_limit_is_refused_until_it_is_coarse_again(prefer
     with pytest.raises(RuntimeError, match="memory limit"):
         bpy.ops.sinew.cage_set_rest()
     assert_rests(target)
-    assert room("core.status").current(deformer.uid).remedy.name == "PREFERENCES"
+    assert inner.status.current(deformer.uid).remedy.name == "PREFERENCES"
     cage.modifiers.clear()
     set_rest(target)
     assert_goes_on(target, cage)

@@ -14,7 +14,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import catch_up
+from inside import catch_up, inner
 from rigs.rig import evaluated_points, linked, make_active, reopen, update
 
 FILE = Path(__file__).parent / "before_controls.blend"
@@ -43,7 +43,7 @@ def opened(old: str) -> None:
 
 @pytest.mark.parametrize("saved_again", [False, True])
 def test_it_shows_what_it_showed_with_its_cages_and_goes_on(
-    opened, room, tmp_path: Path, saved_again: bool
+    opened, tmp_path: Path, saved_again: bool
 ) -> None:
     if saved_again:
         reopen(tmp_path / "new.blend")
@@ -60,7 +60,7 @@ def test_it_shows_what_it_showed_with_its_cages_and_goes_on(
         assert control.object == deformer.cage == bpy.data.objects[cage]
         assert control.rest == deformer.cage_rest
         assert len(control.rest.vertices) == len(deformer.cage.data.vertices)
-        assert room("ids").Keys.REST_TOKEN in control.rest
+        assert inner.ids.Keys.REST_TOKEN in control.rest
         assert control.owned == deformer.owns_cage == owned
         deformer.cage.location.z += 0.25
         assert np.abs(evaluated_points(obj) - expected(obj) - (0.0, 0.0, 0.25)).max() < FLOAT32

@@ -11,6 +11,7 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
+from inside import inner
 from rigs.point_objects import bind, lattice
 from rigs.rig import Rig, in_mode, linked, make_active, update
 from rigs.sheet import NARROW, WIDE, DrawContext, Sheet, draw, draw_panel
@@ -18,8 +19,8 @@ from rigs.sheet import NARROW, WIDE, DrawContext, Sheet, draw, draw_panel
 TIME = r"(less than )?[\d.]+ m?s"
 
 
-def operator_types(room) -> dict[str, bpy.types.Struct]:
-    ids = room("ids").Operators
+def operator_types() -> dict[str, bpy.types.Struct]:
+    ids = inner.ids.Operators
     names = [name for key, name in vars(ids).items() if key.isupper()]
     return {name: getattr(bpy.ops.sinew, name.partition(".")[2]).get_rna_type() for name in names}
 
@@ -56,12 +57,10 @@ def reachable(place: str, addon_name: str) -> tuple[set[str], set[str]]:
         ("WEIGHT_PAINT", "VIEW3D_MT_paint_weight"),
     ],
 )
-def test_search_finds_every_operator_by_the_menus_of_each_mode(
-    bound_plate: Rig, room, addon_name, mode, place
-):
+def test_search_finds_every_operator_by_the_menus_of_each_mode(bound_plate: Rig, addon_name, mode, place):
     bpy.ops.object.mode_set(mode=mode)
     found, _menus = reachable(place, addon_name)
-    shown = {name for name in operator_types(room) if not is_internal(name)}
+    shown = {name for name in operator_types() if not is_internal(name)}
     assert shown == found
 
 
@@ -72,8 +71,8 @@ def is_internal(name: str) -> bool:
     return "INTERNAL" in getattr(operator, "bl_options", ())
 
 
-def test_object_mode_offers_each_vertex_group_as_a_region(plate: Rig, room):
-    for role, name in room("ids").Menus.FOR_GROUPS.items():
+def test_object_mode_offers_each_vertex_group_as_a_region(plate: Rig):
+    for role, name in inner.ids.Menus.FOR_GROUPS.items():
         offered = [
             (settings.kind, settings.vertex_group)
             for operator, settings in draw(getattr(bpy.types, name)).operators()
@@ -123,9 +122,9 @@ def test_an_object_that_is_no_mesh_yet_says_how_it_becomes_one(kind, scene):
     assert "sinew.cage_add" in draw_panel().operator_names()
 
 
-def test_a_mesh_without_a_deformer_offers_the_first_step(plate: Rig, room):
+def test_a_mesh_without_a_deformer_offers_the_first_step(plate: Rig):
     sheet = draw_panel()
-    assert set(room("ids").Menus.FOR_GROUPS.values()) <= set(sheet.menus())
+    assert set(inner.ids.Menus.FOR_GROUPS.values()) <= set(sheet.menus())
     assert "sinew.deformer_add" in sheet.operator_names()
 
 
@@ -136,10 +135,10 @@ def test_the_panel_tells_vertices_regions_and_times(bound_plate: Rig):
 
 
 @pytest.mark.parametrize("width", [NARROW, WIDE])
-def test_a_sentence_is_wrapped_whole_into_lines_that_fit(room, width):
+def test_a_sentence_is_wrapped_whole_into_lines_that_fit(width):
     said = "This object is linked from another file - make a library override to pose it here"
     sheet, context = Sheet(), DrawContext(width)
-    room("ui.text").draw_text(context, sheet, said, "INFO")
+    inner.text.draw_text(context, sheet, said, "INFO")
     lines = [keywords["text"] for name, _args, keywords, _settings in sheet.calls if name == "label"]
     assert " ".join(lines) == said
     assert max(len(line) for line in lines) * 4 < width  # no letter of the font is narrower on average
@@ -157,15 +156,15 @@ def test_a_changed_topology_offers_rebind_above_everything_else(bound_plate: Rig
     assert "Rebind" in words[: words.index("Handles")]
 
 
-def of_target(room, element: str, *indices: int):
-    elements = room("core.elements")
+def of_target(element: str, *indices: int):
+    elements = inner.elements
     return elements.Elements(elements.Owner.TARGET, element, indices)
 
 
-def test_a_refusal_is_shown_before_the_settings(bound_plate: Rig, room):
+def test_a_refusal_is_shown_before_the_settings(bound_plate: Rig):
     """Also where the panel is longer than the window."""
-    core = room("core.status")
-    said = core.Status(core.Level.ERROR, "Two regions share 4 vertices", of_target(room, "vertex", 1, 2))
+    core = inner.status
+    said = core.Status(core.Level.ERROR, "Two regions share 4 vertices", of_target("vertex", 1, 2))
     core.put(bound_plate.deformer.uid, said)
     sheet = draw_panel(WIDE)
     assert sheet.texts().index("share") < sheet.texts().index("Handles")
@@ -173,11 +172,11 @@ def test_a_refusal_is_shown_before_the_settings(bound_plate: Rig, room):
     assert select == [0]
 
 
-def test_each_line_with_elements_selects_its_own(bound_plate: Rig, room):
-    core = room("core.status")
-    faces = of_target(room, "face", 4)
+def test_each_line_with_elements_selects_its_own(bound_plate: Rig):
+    core = inner.status
+    faces = of_target("face", 4)
     lines = (
-        core.Status(core.Level.WARNING, "2 free parts stay at rest", of_target(room, "vertex", 1, 2)),
+        core.Status(core.Level.WARNING, "2 free parts stay at rest", of_target("vertex", 1, 2)),
         core.Status(core.Level.WARNING, "nothing to select"),
         core.Status(core.Level.WARNING, "3 faces without area", faces, core.Remedy.REPAIR),
     )
@@ -188,10 +187,10 @@ def test_each_line_with_elements_selects_its_own(bound_plate: Rig, room):
     assert ("troubles") in [getattr(s, "page", "") for name, s in sheet.operators() if name == "sinew.help"]
 
 
-def test_what_one_press_mends_has_one_button(bound_plate: Rig, room):
-    core = room("core.status")
+def test_what_one_press_mends_has_one_button(bound_plate: Rig):
+    core = inner.status
     lines = [
-        core.Status(core.Level.WARNING, text, of_target(room, "vertex", 1), core.Remedy.REPAIR)
+        core.Status(core.Level.WARNING, text, of_target("vertex", 1), core.Remedy.REPAIR)
         for text in ("4 coincident vertices", "3 faces without area", "2 loose vertices")
     ]
     rebind = core.Status(core.Level.WARNING, "topology changed", remedy=core.Remedy.BIND)
@@ -202,9 +201,9 @@ def test_what_one_press_mends_has_one_button(bound_plate: Rig, room):
     assert buttons.index("sinew.repair") < buttons.index("sinew.bind")
 
 
-def test_every_remedy_has_a_button_that_exists(room, addon_name):
-    remedies = room("ui.status_box").REMEDIES
-    wanted = room("core.status").Remedy
+def test_every_remedy_has_a_button_that_exists(addon_name):
+    remedies = inner.status_box.REMEDIES
+    wanted = inner.status.Remedy
     assert set(remedies) == set(wanted) - {wanted.NONE}
     for button in remedies.values():
         group, _dot, name = button.operator.partition(".")
@@ -230,7 +229,7 @@ def test_a_linked_object_offers_an_override(bound_plate: Rig, tmp_path):
 def test_without_the_native_module_the_panel_leads_to_the_preferences(plate: Rig, room, monkeypatch, bound):
     if bound:
         plate.bind()
-    missing = room("backend").Availability(None, "Install a wheel")
+    missing = inner.backend.Availability(None, "Install a wheel")
     for name in ("ui.panel", "ui.status_box"):
         monkeypatch.setattr(room(name), "availability", lambda: missing)
     sheet = draw_panel()
@@ -249,9 +248,9 @@ def test_the_panel_shows_what_the_method_uses(plate: Rig):
     assert shown["estimated"] - shown["explicit"] == {"refits", "mean_frame", "substeps"}
 
 
-def test_a_bind_under_way_shows_progress_and_a_way_out(bound_plate: Rig, room, monkeypatch):
+def test_a_bind_under_way_shows_progress_and_a_way_out(bound_plate: Rig, monkeypatch):
     work = SimpleNamespace(fraction=0.42, stage="factorising")
-    monkeypatch.setattr(room("session"), "job", lambda _uid: work)
+    monkeypatch.setattr(inner.binding, "job", lambda _uid: work)
     sheet = draw_panel()
     words = [str(keywords) for _name, _args, keywords, _settings in sheet.calls]
     assert any("42%" in word and "factorising" in word for word in words)
@@ -260,7 +259,7 @@ def test_a_bind_under_way_shows_progress_and_a_way_out(bound_plate: Rig, room, m
 
 
 @pytest.mark.parametrize("caged", [None, "cage", "handles"])
-def test_a_cage_being_made_shows_progress_in_place_of_its_button(plate: Rig, room, monkeypatch, caged):
+def test_a_cage_being_made_shows_progress_in_place_of_its_button(plate: Rig, monkeypatch, caged):
     """For a first deformer, for one that has a cage, and beside one with handles."""
     button = "sinew.cage_faces" if caged == "cage" else "sinew.cage_add"
     if caged == "cage":
@@ -270,7 +269,7 @@ def test_a_cage_being_made_shows_progress_in_place_of_its_button(plate: Rig, roo
         plate.bind()
     assert (button in draw_panel().operator_names()) == (caged != "handles")
     work = SimpleNamespace(fraction=0.42, stage="flooding")
-    monkeypatch.setattr(room("session"), "cage_work", lambda _name: work)
+    monkeypatch.setattr(inner.making, "cage_work", lambda _name: work)
     sheet = draw_panel()
     assert button not in sheet.operator_names()
     assert sheet.operator_names().count("sinew.cancel") == 1
@@ -367,14 +366,14 @@ def test_only_the_sidebar_speaks_where_there_is_no_mesh():
 # Texts
 
 
-def struct_properties(room) -> Iterator[tuple[str, bpy.types.Property]]:
+def struct_properties() -> Iterator[tuple[str, bpy.types.Property]]:
     """Every property of ours that an artist may meet."""
-    for name, struct in operator_types(room).items():
+    for name, struct in operator_types().items():
         yield from ((f"{name}.{p.identifier}", p) for p in struct.properties if p.identifier != "rna_type")
     classes = [bpy.types.Object.bl_rna.properties["sinew"].fixed_type]
     if "sinew" in bpy.types.Scene.bl_rna.properties:
         classes.append(bpy.types.Scene.bl_rna.properties["sinew"].fixed_type)
-    classes.append(room("preferences").SinewPreferences.bl_rna)
+    classes.append(inner.preferences.SinewPreferences.bl_rna)
     inherited = {p.identifier for p in bpy.types.AddonPreferences.bl_rna.properties}
     inherited |= {p.identifier for p in bpy.types.PropertyGroup.bl_rna.properties} - {"name"}
     while classes:
@@ -407,11 +406,11 @@ AMERICAN = re.compile(
 )
 
 
-def test_every_property_and_operator_says_what_it_does(room):
+def test_every_property_and_operator_says_what_it_does():
     found = []
-    for name, struct in operator_types(room).items():
+    for name, struct in operator_types().items():
         found += flaws(name, struct.name, struct.description)
-    for where, prop in struct_properties(room):
+    for where, prop in struct_properties():
         if prop.is_hidden or prop.type in {"POINTER", "COLLECTION"}:
             continue
         found += flaws(where, prop.name, prop.description)
@@ -421,18 +420,18 @@ def test_every_property_and_operator_says_what_it_does(room):
     assert not found, "\n".join(found)
 
 
-def test_labels_are_in_title_case(room):
+def test_labels_are_in_title_case():
     small = {"a", "and", "as", "at", "by", "for", "from", "in", "of", "on", "or", "the", "to", "with"}
-    labels = [struct.name for struct in operator_types(room).values()]
-    shown = [prop for _where, prop in struct_properties(room) if not prop.is_hidden]
+    labels = [struct.name for struct in operator_types().values()]
+    shown = [prop for _where, prop in struct_properties() if not prop.is_hidden]
     labels += [prop.name for prop in shown if prop.type not in {"POINTER", "COLLECTION"}]
     words = [(word, label) for label in labels for word in re.findall(r"[A-Za-z]+", label)]
     assert not [label for word, label in words if word[0].islower() and word not in small]
 
 
-def test_each_question_mark_leads_to_a_page(room):
-    pages = {page for page, *_rest in room("operators").PAGES}
-    assert set(room("ui.places").PAGES.values()) <= pages
+def test_each_question_mark_leads_to_a_page():
+    pages = {page for page, *_rest in inner.operators.PAGES}
+    assert set(inner.places.PAGES.values()) <= pages
     for cls in panels("VIEW_3D").values():
         sheet = Sheet()
         stand_in = type(cls.__name__, (), {"layout": sheet})()
@@ -442,9 +441,9 @@ def test_each_question_mark_leads_to_a_page(room):
         assert settings.page in pages
 
 
-def test_drawing_never_writes(room):
+def test_drawing_never_writes():
     """Panels, lists and menus assign to layouts and to what an operator button carries, to nothing else."""
-    folder = Path(room("ui").__file__).parent
+    folder = Path(inner.ui.__file__).parent
     for name in ("panel", "lists", "menus", "pie", "status_box", "places"):
         for node in ast.walk(ast.parse((folder / f"{name}.py").read_text(encoding="utf-8"))):
             for target in getattr(node, "targets", ()):

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 
 import bpy
 import pytest
+from inside import inner
 from rigs.rig import Rig
 from rigs.sheet import Sheet
 
@@ -27,12 +28,12 @@ def default_keymaps() -> list[tuple[str, dict, dict]]:
 MODIFIERS = ("shift", "ctrl", "alt", "oskey")
 
 
-def test_our_keys_are_free_in_every_keymap_of_the_3d_viewport(room):
+def test_our_keys_are_free_in_every_keymap_of_the_3d_viewport():
     wanted = {
         (shortcut.key, *(bool(getattr(shortcut, name, False)) for name in MODIFIERS)): shortcut.operator
-        for shortcut in room("preferences").SHORTCUTS
+        for shortcut in inner.preferences.SHORTCUTS
     }
-    assert len(wanted) == len(room("preferences").SHORTCUTS)
+    assert len(wanted) == len(inner.preferences.SHORTCUTS)
     taken, keys = [], 0
     for name, place, content in default_keymaps():
         if place["space_type"] not in {"EMPTY", "VIEW_3D"} or place.get("modal"):
@@ -60,7 +61,7 @@ class KeyMaps(dict):
 
 
 @pytest.fixture
-def keyconfig(room, monkeypatch):
+def keyconfig(monkeypatch):
     """A keyconfig as a window has it, with a key of someone else."""
     made = SimpleNamespace(keymaps=KeyMaps())
     made.keymaps.new("3D View", "VIEW_3D").keymap_items.new(
@@ -68,30 +69,30 @@ def keyconfig(room, monkeypatch):
     ).properties.name = "X"
     manager = SimpleNamespace(keyconfigs=SimpleNamespace(addon=made))
     fake = SimpleNamespace(context=SimpleNamespace(window_manager=manager))
-    monkeypatch.setattr(room("ui.keymap"), "bpy", fake)
+    monkeypatch.setattr(inner.keymap, "bpy", fake)
     return made
 
 
-def test_keys_come_and_go_with_the_add_on(room, keyconfig):
+def test_keys_come_and_go_with_the_add_on(keyconfig):
     items = keyconfig.keymaps["3D View"].keymap_items
-    room("ui.keymap").register()
-    assert [item.idname for item in items[1:]] == [s.operator for s in room("preferences").SHORTCUTS]
-    assert [item.type for item in items[1:]] == [s.key for s in room("preferences").SHORTCUTS]
+    inner.keymap.register()
+    assert [item.idname for item in items[1:]] == [s.operator for s in inner.preferences.SHORTCUTS]
+    assert [item.type for item in items[1:]] == [s.key for s in inner.preferences.SHORTCUTS]
     items[1].type = "F5"  # the user's choice
-    room("ui.keymap").unregister()
+    inner.keymap.unregister()
     assert [item.type for item in items] == ["Q"]
 
 
-def test_without_a_keyconfig_there_are_no_keys_and_no_error(room, monkeypatch):
+def test_without_a_keyconfig_there_are_no_keys_and_no_error(monkeypatch):
     manager = SimpleNamespace(keyconfigs=SimpleNamespace(addon=None))
     fake = SimpleNamespace(context=SimpleNamespace(window_manager=manager))
-    monkeypatch.setattr(room("ui.keymap"), "bpy", fake)
-    room("ui.keymap").register()
-    room("ui.keymap").unregister()
+    monkeypatch.setattr(inner.keymap, "bpy", fake)
+    inner.keymap.register()
+    inner.keymap.unregister()
 
 
-def test_every_key_calls_something_that_exists(room):
-    for shortcut in room("preferences").SHORTCUTS:
+def test_every_key_calls_something_that_exists():
+    for shortcut in inner.preferences.SHORTCUTS:
         group, _dot, name = shortcut.operator.partition(".")
         properties = getattr(getattr(bpy.ops, group), name).get_rna_type().properties
         for key, value in shortcut.properties:
@@ -126,11 +127,11 @@ def test_the_preferences_page_shows_module_and_section(values, room, section):
     assert wanted[section] in sheet.properties()
 
 
-def test_defaults_stand_in_where_blender_has_no_entry(values, room):
-    defaults = room("preferences").DEFAULTS
+def test_defaults_stand_in_where_blender_has_no_entry(values):
+    defaults = inner.preferences.DEFAULTS
     nowhere = SimpleNamespace(preferences=SimpleNamespace(addons={}))
-    assert room("preferences").preferences(nowhere) is defaults
-    assert room("preferences").preferences(bpy.context).drag_budget == 40.0
+    assert inner.preferences.preferences(nowhere) is defaults
+    assert inner.preferences.preferences(bpy.context).drag_budget == 40.0
     for name, value in vars(defaults).items():
         shown = getattr(values, name)
         assert (
@@ -145,8 +146,8 @@ def test_defaults_stand_in_where_blender_has_no_entry(values, room):
     }
 
 
-def test_limits_reach_the_native_module_on_change_and_on_load(values, room, monkeypatch):
-    module = room("backend").availability().module
+def test_limits_reach_the_native_module_on_change_and_on_load(values, monkeypatch):
+    module = inner.backend.availability().module
     told = {"limit_threads": [], "limit_memory": []}
     for name, calls in told.items():
         monkeypatch.setattr(module, name, calls.append)
@@ -156,8 +157,8 @@ def test_limits_reach_the_native_module_on_change_and_on_load(values, room, monk
     assert told["limit_memory"][-1] == 3 * 2**29
     for calls in told.values():
         calls.clear()
-    room("backend.native").availability.cache_clear()  # as in a new process
-    room("backend").availability()
+    inner.native.availability.cache_clear()  # as in a new process
+    inner.backend.availability()
     assert [calls[-1] for calls in told.values()] == [3, 3 * 2**29]
 
 
@@ -170,8 +171,8 @@ def test_new_deformers_start_with_the_preferred_method(values, plate: Rig):
 # The manual
 
 
-def test_a_packaged_page_comes_first_then_the_one_of_a_checkout(room, monkeypatch, tmp_path):
-    help_room = room("operators.help")
+def test_a_packaged_page_comes_first_then_the_one_of_a_checkout(monkeypatch, tmp_path):
+    help_room = inner.help
     monkeypatch.setattr(help_room, "_ADDON", tmp_path / "addon")
     for path in ("addon/manual/surface.html", "docs/manual/surface.md", "docs/manual/baking.md"):
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
@@ -182,15 +183,15 @@ def test_a_packaged_page_comes_first_then_the_one_of_a_checkout(room, monkeypatc
         bpy.ops.sinew.help(page="overlays")
 
 
-def test_help_tells_the_path_where_there_is_no_window(room, monkeypatch, tmp_path, capfd):
+def test_help_tells_the_path_where_there_is_no_window(monkeypatch, tmp_path, capfd):
     (tmp_path / "manual").mkdir()
     page = tmp_path / "manual/troubles.html"
     page.write_text("page", encoding="utf-8")
-    monkeypatch.setattr(room("operators.help"), "_ADDON", tmp_path)
+    monkeypatch.setattr(inner.help, "_ADDON", tmp_path)
     assert bpy.ops.sinew.help(page="troubles") == {"FINISHED"}
     assert str(page) in "".join(capfd.readouterr())
 
 
-def test_every_page_came_with_the_add_on(room):
-    for page, *_rest in room("operators").PAGES:
-        assert room("operators.help").manual_page(page).is_file()
+def test_every_page_came_with_the_add_on():
+    for page, *_rest in inner.operators.PAGES:
+        assert inner.help.manual_page(page).is_file()

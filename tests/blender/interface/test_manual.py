@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import bpy
 import messages
-from inside import room
+from inside import inner
 from pages import MANUAL, PAGES, ROOT, Name, blocks, keys, names
 from registry import METHODS
 from rigs.rig import new_file, save
@@ -155,7 +155,7 @@ def words_of(structs: Iterable[bpy.types.Struct]) -> set[str]:
 def our_structs() -> list[bpy.types.Struct]:
     """Operators, groups of properties and preferences."""
     found = [operator_rna(f"sinew.{name}") for name in dir(bpy.ops.sinew)]
-    found.append(room("preferences").SinewPreferences.bl_rna)
+    found.append(inner.preferences.SinewPreferences.bl_rna)
     waiting = [
         owner.bl_rna.properties["sinew"] for owner in (bpy.types.Object, bpy.types.Scene, bpy.types.PoseBone)
     ]
@@ -169,11 +169,11 @@ def our_structs() -> list[bpy.types.Struct]:
 
 @functools.cache
 def shown_by_sinew() -> frozenset[str]:
-    tool = room("ui.drag_tool").SINEW_WT_drag.bl_label
-    remedies = {button.text for button in room("ui.status_box").REMEDIES.values()}
+    tool = inner.drag_tool.SINEW_WT_drag.bl_label
+    remedies = {button.text for button in inner.status_box.REMEDIES.values()}
     kinds = {method.control.value for method in METHODS}
     methods = {method.label for method in METHODS}
-    own = {bpy.types.SINEW_PT_sinew.bl_label, tool, room("ui.status_box").REFINING.partition(" - ")[0]}
+    own = {bpy.types.SINEW_PT_sinew.bl_label, tool, inner.status_box.REFINING.partition(" - ")[0]}
     preferences = set(messages.sentences(messages.ADDON / "preferences" / "page.py"))
     return frozenset().union(
         tour().labels, words_of(our_structs()), remedies, kinds, methods, own, preferences
@@ -255,7 +255,7 @@ def _sentences() -> tuple[list[str], list[str]]:
 
 def test_each_key_with_a_modifier_does_something():
     """It is ours, or one of Blender's."""
-    known = {" ".join(sorted([*_modifiers(vars(key)), key.key])) for key in room("preferences").SHORTCUTS}
+    known = {" ".join(sorted([*_modifiers(vars(key)), key.key])) for key in inner.preferences.SHORTCUTS}
     for _name, place, content in default_keymaps():
         if place["space_type"] in {"EMPTY", "VIEW_3D"}:
             known |= {" ".join(sorted([*_modifiers(item[1]), item[1]["type"]])) for item in content["items"]}
@@ -269,12 +269,12 @@ def _modifiers(event: dict) -> list[str]:
 
 def test_our_keys_are_on_the_pages():
     told = {key for page in PAGES for key in keys(page)}
-    for shortcut in room("preferences").SHORTCUTS:
+    for shortcut in inner.preferences.SHORTCUTS:
         assert " ".join(sorted([*_modifiers(vars(shortcut)), shortcut.key])) in told, shortcut
 
 
 def test_each_page_of_the_manual_can_be_opened_from_blender():
-    opened = {page for page, *_rest in room("operators").PAGES}
+    opened = {page for page, *_rest in inner.operators.PAGES}
     assert opened == {page.stem for page in MANUAL} - {"README"}
 
 

@@ -12,7 +12,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from inside import RESULT
+from inside import inner
 from mathutils import Color, Matrix
 from overlays import OPACITY
 from rigs.cages import ball, box, mean_value, set_rest, surround
@@ -23,15 +23,15 @@ KINDS = ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "GRID", "BANDS", "GRA
 
 
 @pytest.fixture
-def scale(room) -> Callable[[float], np.ndarray]:
+def scale() -> Callable[[float], np.ndarray]:
     """The colour of a value between 0 and 1."""
-    return lambda value: np.array(room("ui.overlay_colours").scale(np.full(1, value))[0])
+    return lambda value: np.array(inner.overlay_colours.scale(np.full(1, value))[0])
 
 
 @pytest.fixture
-def chosen(room) -> Callable[[str], np.ndarray]:
+def chosen() -> Callable[[str], np.ndarray]:
     """The colour that the preferences give something, as it is on the screen."""
-    return lambda name: on_screen(getattr(room("preferences").preferences(bpy.context), name))
+    return lambda name: on_screen(getattr(inner.preferences.preferences(bpy.context), name))
 
 
 def covered(picture) -> np.ndarray:
@@ -149,12 +149,12 @@ def test_around_a_support_is_fixed(paint, chosen, plate: Rig):
     assert not covered(picture)[np.setdiff1d(soft, plate.top)].any()
 
 
-def test_what_the_mask_hides_is_dark(paint, room, bound_plate: Rig):
+def test_what_the_mask_hides_is_dark(paint, bound_plate: Rig):
     left = add_group(bound_plate.obj, "Left", lambda point: point[0] < 0.0)
     bound_plate.deformer.mask_group = "Left"
     update()
     picture = paint(bound_plate.obj, overlay="REGIONS")
-    dark = np.array(room("ui.overlay_colours").HIDDEN)
+    dark = np.array(inner.overlay_colours.HIDDEN)
     assert_covers(picture, others(left), dark)
     assert_covers(picture, np.intersect1d(left, bound_plate.top), colour_of(bound_plate))
     assert dict(picture.legend.rows)["Masked out"] == pytest.approx(tuple(dark))
@@ -236,22 +236,22 @@ def test_distortion_has_full_colour_at_the_range(paint, chosen, plate: Rig, meas
     assert ticks(picture)[0] == ("0.5" if measure in ("STRETCH", "AREA") else "1")
 
 
-def test_without_distortion_all_is_neutral(paint, room, plate: Rig):
+def test_without_distortion_all_is_neutral(paint, plate: Rig):
     obj = stretched_plate(plate, 1.0, 1.0, 1.0)
     move_world(plate.control, Matrix.Translation((1.0, 2.0, 3.0)) @ Matrix.Rotation(0.7, 4, "X"))
-    neutral = np.array(room("ui.overlay_colours").NEUTRAL)
+    neutral = np.array(inner.overlay_colours.NEUTRAL)
     for measure in ("STRETCH", "AREA", "ANGLE", "DIRICHLET"):
         picture = paint(obj, overlay="DISTORTION", measure=measure)
         assert np.abs(picture.colours[:, :3] - neutral).max() < 0.01
 
 
-def test_factor_and_mask_lessen_the_distortion(paint, room, plate: Rig):
+def test_factor_and_mask_lessen_the_distortion(paint, plate: Rig):
     obj = stretched_plate(plate, 3.0, 1.0, 1.0)
     plate.deformer.factor = 0.5
     update()
     paint(obj, overlay="DISTORTION", measure="STRETCH")
-    measure = room("core.geometry.distortion").Measure.STRETCH
-    found = room(RESULT).measured(obj, plate.deformer, measure)
+    measure = inner.distortion.Measure.STRETCH
+    found = inner.result.measured(obj, plate.deformer, measure)
     assert np.allclose(found.values, 2.0, atol=1e-5)
 
 
@@ -365,9 +365,9 @@ def test_a_picture_is_made_anew_exactly_when_something_changed(paint, overlay, b
     assert cache.computed == before
 
 
-def test_colours_of_handles_do_not_repaint_other_overlays(paint, room, bound_plate: Rig):
+def test_colours_of_handles_do_not_repaint_other_overlays(paint, bound_plate: Rig):
     paint(bound_plate.obj, overlay="DISTORTION")
-    source, same = room(RESULT).source, room(RESULT).same
+    source, same = inner.result.source, inner.result.same
     was = source(bound_plate.obj, bound_plate.deformer)
     assert same(was, source(bound_plate.obj, bound_plate.deformer))
     bound_plate.lift(0.1)
@@ -422,17 +422,17 @@ def followers(overlay) -> int:
     )
 
 
-def test_nothing_is_registered_in_background(room, scene):
-    overlay = room("ui.overlay")
+def test_nothing_is_registered_in_background(scene):
+    overlay = inner.overlay
     scene.sinew.show_overlay = True
     assert not overlay.is_drawing()
     assert followers(overlay) == 0
 
 
 @pytest.fixture
-def windowed(room, monkeypatch):
+def windowed(monkeypatch):
     """As if there was a window; nothing is drawn without one, whatever is registered."""
-    overlay = room("ui.overlay")
+    overlay = inner.overlay
     monkeypatch.setattr(overlay, "has_window", lambda: True)
     yield overlay
     overlay.stop()
@@ -487,9 +487,9 @@ def test_disabling_the_add_on_stops_it(windowed, addon_name, scene):
         addon_utils.enable(addon_name, default_set=True)
 
 
-def test_the_depth_offset_moves_towards_the_viewer_only(room):
+def test_the_depth_offset_moves_towards_the_viewer_only():
     """A point drawn a share nearer has the depth that the point at that share of its distance has."""
-    nearer, share = room("ui.overlay_draw").nearer, 0.01
+    nearer, share = inner.overlay_draw.nearer, 0.01
     near, far, point = 0.1, 100.0, np.array((0.3, -0.2, -7.0, 1.0))
     perspective = np.diag((2.0, 3.0, -(far + near) / (far - near), 0.0))
     perspective[2, 3], perspective[3, 2] = -2.0 * far * near / (far - near), -1.0
@@ -550,11 +550,11 @@ def test_vertices_outside_the_cage_and_negative_weights_stand_out(paint, chosen,
     assert f"{outside.sum():,} outside the cage" in picture.legend.note
 
 
-def test_no_cage_weights_without_a_cage_or_while_another_method_is_bound(paint, room, bound_plate: Rig):
+def test_no_cage_weights_without_a_cage_or_while_another_method_is_bound(paint, bound_plate: Rig):
     """The latter as in a window, where a thread binds the method just chosen."""
     picture = paint(bound_plate.obj, overlay="CAGE")
     assert not picture.colours[:, 3].any()
     assert picture.legend.note == "Thin Shell has no cage"
-    with room("session").suspended():
+    with inner.sessions.suspended():
         bound_plate.deformer.method = "green"
-    assert room(RESULT).influence(bound_plate.deformer) is None
+    assert inner.result.influence(bound_plate.deformer) is None

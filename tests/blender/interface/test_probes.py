@@ -2,7 +2,7 @@
 """What ``inside.assert_at_rest`` looks for after every test, it finds in an add-on broken on purpose."""
 
 import pytest
-from inside import assert_at_rest, bind_in_thread, dragging, room
+from inside import assert_at_rest, bind_in_thread, dragging, inner
 from mathutils import Matrix
 from registry import BY_ID, WITH_HANDLES
 from rigs.rig import Rig, move_world
@@ -15,14 +15,14 @@ def test_a_bind_that_nobody_collects_is_found(plate: Rig, monkeypatch: pytest.Mo
     plate.deformer.live = False  # else the next evaluation would ask for another bind
     bind_in_thread(plate.obj, plate.deformer, monkeypatch)
     with monkeypatch.context() as patch:
-        patch.setattr(room("session"), "collect", lambda: None)
+        patch.setattr(inner.upkeep, "collect", lambda: None)
         with pytest.raises(AssertionError, match=plate.deformer.uid):
             assert_at_rest(seconds=0.5)
 
 
 def test_evaluations_that_cause_each_other_are_found(bound_plate: Rig, monkeypatch: pytest.MonkeyPatch):
     with monkeypatch.context() as patch:
-        patch.setattr(room("session"), "refresh", bound_plate.obj.update_tag)
+        patch.setattr(inner.refresh, "refresh", bound_plate.obj.update_tag)
         with pytest.raises(AssertionError, match="pause after pause"):
             assert_at_rest()
 
@@ -32,6 +32,6 @@ def test_a_preview_that_stays_is_found(plate: Rig, monkeypatch: pytest.MonkeyPat
     with dragging():
         move_world(plate.control, TURN)
     with monkeypatch.context() as patch:
-        patch.setattr(room("session"), "settle", lambda: False)
+        patch.setattr(inner.evaluate, "settle", lambda: False)
         with pytest.raises(AssertionError, match="never becomes final"):
             assert_at_rest()

@@ -8,6 +8,7 @@ import itertools
 import bpy
 import numpy as np
 import pytest
+from inside import inner
 from mathutils import Matrix
 from rigs.rig import Rig, add_group, make_active, move_world, update
 
@@ -34,10 +35,10 @@ def viewport(scene):
 
 
 @pytest.fixture
-def shown(room, viewport):
+def shown(viewport):
     """The objects whose overlay the viewport shows."""
     viewport.scene.sinew.show_overlay = viewport.scene.sinew.all_viewports = True
-    overlay = room("ui.overlay")
+    overlay = inner.overlay
     yield lambda: [obj for obj, _deformer in overlay.shown(viewport)]
     viewport.scene.sinew.show_overlay = False
 
@@ -64,19 +65,19 @@ def test_hidden_objects_and_local_views_have_no_overlay(shown, viewport, bound_p
     assert shown() == [bound_plate.obj]
 
 
-def test_no_two_overlays_are_alike(room, viewport, plate: Rig):
+def test_no_two_overlays_are_alike(viewport, plate: Rig):
     add_group(plate.obj, "Firm", lambda point: point[0] < 0.0)
     add_group(plate.obj, "Front", lambda point: point[1] < 0.5)
     plate.bind("arap")
     move_world(plate.control, Matrix.Translation((0.2, 0.5, 0.4)) @ Matrix.Rotation(0.6, 4, "Z"))
     plate.deformer.arap.rigidity_group = "Firm"
-    cache, painted = room("ui.overlay").cache, {}
+    cache, painted = inner.overlay.cache, {}
     for name, look in LOOKS.items():
         plate.deformer.mask_group = "Front" if name == "mask" else ""
         update()
         for key, value in look.items():
             setattr(viewport.scene.sinew, key, value)
-        wanted = room("ui.overlay_mesh").overlay_settings(viewport)
+        wanted = inner.overlay_mesh.overlay_settings(viewport)
         cache.clear()
         picture = cache.overlay_mesh(plate.obj, plate.deformer, wanted, bpy.context.evaluated_depsgraph_get())
         painted[name] = picture.colours
@@ -86,8 +87,8 @@ def test_no_two_overlays_are_alike(room, viewport, plate: Rig):
         assert np.abs(colours - others).max() > 0.01, (one, other)
 
 
-def test_the_scale_of_weights_is_yellow_above_and_violet_below(room):
-    low, high = room("ui.overlay_colours").scale(np.array((0.0, 1.0)))
+def test_the_scale_of_weights_is_yellow_above_and_violet_below():
+    low, high = inner.overlay_colours.scale(np.array((0.0, 1.0)))
     assert high[0] - high[2] > 0.3
     assert low[0] - low[2] < 0.0
     assert high.sum() > 2.0 * low.sum()

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import notes_of, use_threads
+from inside import inner, notes_of, use_threads
 from mathutils import Matrix
 from registry import METHODS, other_values
 from rigs.cages import ball, box, surround
@@ -30,8 +30,8 @@ from rigs.sheet import WIDE, draw, draw_panel
 # The menu of methods, and the names of the rows
 
 
-def test_the_menu_of_methods_is_headed_by_what_artists_move(room):
-    items = room("properties").method_items()
+def test_the_menu_of_methods_is_headed_by_what_artists_move():
+    items = inner.properties.method_items()
     headings = [item[1] for item in items if not item[0]]
     assert headings[:2] == ["Handles", "Cages"]
     heading, found = "", {}
@@ -121,10 +121,10 @@ def test_a_lost_bone_gets_an_empty_too(plate: Rig):
 # The pie
 
 
-def test_the_pie_of_object_mode_adds_and_applies(bound_plate: Rig, room):
+def test_the_pie_of_object_mode_adds_and_applies(bound_plate: Rig):
     sheet = draw(bpy.types.SINEW_MT_pie)
     assert "sinew.apply" in sheet.operator_names()
-    menus = room("ids").Menus
+    menus = inner.ids.Menus
     assert sheet.menus() == [menus.ADD]
     added = draw(bpy.types.SINEW_MT_add)
     assert set(menus.FOR_GROUPS.values()) <= set(added.menus())
@@ -144,7 +144,7 @@ def test_the_pie_of_object_mode_adds_and_applies(bound_plate: Rig, room):
         (lambda obj: obj.vertex_groups["Side"].remove(range(121)), "has no vertices - assign some"),
     ],
 )
-def test_a_region_without_vertices_is_left_out_and_the_others_go_on(plate: Rig, room, spoil, said: str):
+def test_a_region_without_vertices_is_left_out_and_the_others_go_on(plate: Rig, spoil, said: str):
     add_group(plate.obj, "Side", lambda point: point[0] > 0.75 and abs(point[1]) < 0.3)
     plate.bind()
     make_active(plate.obj)
@@ -183,25 +183,25 @@ def test_the_report_after_add_handle_is_the_state_after_it(plate: Rig, capfd: py
 
 
 def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(
-    plate: Rig, room, monkeypatch: pytest.MonkeyPatch
+    plate: Rig, monkeypatch: pytest.MonkeyPatch
 ):
     """The report comes when the thread has ended, and tells the state then."""
     use_threads(monkeypatch)
-    waiting, session, said = room("operators.waiting"), room("session"), []
+    waiting, said = inner.waiting, []
 
     class Operator(waiting.BindingOperator):
         def report(self, levels: set[str], text: str) -> None:
             said.append((levels, text))
 
     operator = Operator()
-    deformer = session.add_deformer(plate.obj, "thin_shell")
-    handle, refusal = session.rig_region(plate.obj, "FIXED", "Base", wait=False)
+    deformer = inner.deformers.add_deformer(plate.obj, "thin_shell")
+    handle, refusal = inner.rigging.rig_region(plate.obj, "FIXED", "Base", wait=False)
     operator.report_bind(refusal, deformer.uid, handle.name)
-    assert session.job(deformer.uid) is not None
+    assert inner.binding.job(deformer.uid) is not None
     assert not said
-    session.job(deformer.uid).thread.join()
+    inner.binding.job(deformer.uid).thread.join()
     operator._uid = deformer.uid
-    session.collect()
+    inner.upkeep.collect()
     assert operator.look(bpy.context, is_cancelled=False) == {"FINISHED"}
     assert said == [({"INFO"}, f"Base: {deformer.status}")]
     assert "1 fixed, bound in" in deformer.status
@@ -234,40 +234,40 @@ def test_the_status_counts_regions_by_their_role(plate: Rig, kinds, said: str):
         (2100.0, "2.1 s"),
     ],
 )
-def test_a_time_is_never_nothing(room, milliseconds: float, said: str):
-    assert room("session").duration(milliseconds) == said
+def test_a_time_is_never_nothing(milliseconds: float, said: str):
+    assert inner.binding.duration(milliseconds) == said
 
 
 # What a message tells to press
 
 
-def cancelled(plate: Rig, room, monkeypatch) -> str:
+def cancelled(plate: Rig, monkeypatch) -> str:
     use_threads(monkeypatch)
-    room("session").bind(plate.obj, plate.deformer, wait=False)
-    room("session").cancel(plate.deformer.uid)
+    inner.bind.bind(plate.obj, plate.deformer, wait=False)
+    inner.binding.cancel(plate.deformer.uid)
     return plate.deformer.status
 
 
-def applied_without_modifier(plate: Rig, _room, _monkeypatch) -> str:
+def applied_without_modifier(plate: Rig, _monkeypatch) -> str:
     plate.obj.modifiers.clear()
     with pytest.raises(RuntimeError) as refused:
         bpy.ops.sinew.apply()
     return str(refused.value)
 
 
-def baked_without_modifier(plate: Rig, _room, _monkeypatch) -> str:
+def baked_without_modifier(plate: Rig, _monkeypatch) -> str:
     plate.obj.modifiers.clear()
     with pytest.raises(RuntimeError) as refused:
         bpy.ops.sinew.bake(target="SHAPE_KEYS")
     return str(refused.value)
 
 
-def unbound(plate: Rig, _room, _monkeypatch) -> str:
+def unbound(plate: Rig, _monkeypatch) -> str:
     bpy.ops.sinew.unbind()
     return plate.deformer.status
 
 
-def baked_unbound(plate: Rig, _room, _monkeypatch) -> str:
+def baked_unbound(plate: Rig, _monkeypatch) -> str:
     bpy.ops.sinew.unbind()
     with pytest.raises(RuntimeError) as refused:
         bpy.ops.sinew.bake(target="SHAPE_KEYS")
@@ -277,9 +277,9 @@ def baked_unbound(plate: Rig, _room, _monkeypatch) -> str:
 @pytest.mark.parametrize(
     "spoil", [cancelled, applied_without_modifier, baked_without_modifier, unbound, baked_unbound]
 )
-def test_a_message_names_the_button_as_it_reads(bound_plate: Rig, room, monkeypatch, spoil):
+def test_a_message_names_the_button_as_it_reads(bound_plate: Rig, monkeypatch, spoil):
     make_active(bound_plate.obj)
-    said = re.search(r"press (Rebind|Bind)\b", spoil(bound_plate, room, monkeypatch))
+    said = re.search(r"press (Rebind|Bind)\b", spoil(bound_plate, monkeypatch))
     buttons = [
         keywords["text"]
         for name, args, keywords, _settings in draw_panel(WIDE).calls
@@ -305,14 +305,14 @@ def test_a_place_that_is_not_a_number_is_not_called_a_scale_of_zero(bound_plate:
     assert "scaled to zero" not in bound_plate.deformer.status, "a region may be made flat"
 
 
-def test_an_error_of_the_library_names_the_handle(plate: Rig, room):
+def test_an_error_of_the_library_names_the_handle(plate: Rig):
     """A file may hold a weight that Blender's own interface refuses."""
     plate.bind()
-    binding, errors = room("session.live.binding"), room("core.errors")
-    request = room("session.control.handles.kind").request(
+    binding, errors = inner.binding, inner.errors
+    request = inner.kind.request(
         plate.deformer,
         plate.deformer.rest,
-        room("mesh_io").read_rest(plate.deformer.rest),
+        inner.mesh_io.read_rest(plate.deformer.rest),
         (),
         121,
     )
@@ -386,12 +386,12 @@ def test_a_group_that_was_not_made_for_the_region_keeps_its_name(plate: Rig):
     assert plate.control.name == "Plate Head"
 
 
-def test_a_copy_keeps_the_names_of_its_groups(plate: Rig, room):
+def test_a_copy_keeps_the_names_of_its_groups(plate: Rig):
     from_selection(plate)
     copy = linked(plate.obj.copy())
     copy.data = plate.obj.data.copy()
     update()
-    room("handlers.deferred").catch_up()
+    inner.deferred.catch_up()
     plate.deformer.handles[0].name = "Head"
     make_active(copy)
     assert copy.sinew.active.handles[0].vertex_group == "Handle"
@@ -405,7 +405,7 @@ def test_a_copy_keeps_the_names_of_its_groups(plate: Rig, room):
 
 
 @pytest.mark.parametrize("method", [method.id for method in METHODS])
-def test_a_preset_brings_the_parameters_back(plate: Rig, room, method: str):
+def test_a_preset_brings_the_parameters_back(plate: Rig, method: str):
     make_active(plate.obj)
     bpy.ops.sinew.deformer_add(method=method)
     values, definition = plate.deformer.parameters, plate.deformer.definition
@@ -461,9 +461,9 @@ def test_undo_takes_a_preset_and_a_new_control_back(plate: Rig):
         bpy.ops.ed.redo()
 
 
-def test_the_panel_offers_presets(bound_plate: Rig, room):
+def test_the_panel_offers_presets(bound_plate: Rig):
     found = [keywords for name, _args, keywords, _settings in draw_panel().calls if name == "popover"]
-    assert [keywords["panel"] for keywords in found] == [room("ids").Panels.PRESETS]
+    assert [keywords["panel"] for keywords in found] == [inner.ids.Panels.PRESETS]
 
 
 # Copied modifiers
@@ -514,22 +514,22 @@ def test_nothing_is_printed_when_a_script_deletes_what_is_deformed(
 # Which object is active
 
 
-def test_after_tab_the_control_is_active_and_the_panel_stays(plate: Rig, room):
+def test_after_tab_the_control_is_active_and_the_panel_stays(plate: Rig):
     from_selection(plate)
     assert bpy.context.mode == "OBJECT"
     assert bpy.context.view_layer.objects.active == plate.control
     assert bpy.context.selected_objects == [plate.control]
-    assert room("operators").target_of(bpy.context) == plate.obj
+    assert inner.operators.target_of(bpy.context) == plate.obj
     bpy.context.object.location.z += 0.5  # as a number typed into the Item tab
     assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=1e-5)
     assert plate.obj.location.z == 0.0
 
 
-def test_the_arrow_in_object_mode_makes_the_control_active(bound_plate: Rig, room):
+def test_the_arrow_in_object_mode_makes_the_control_active(bound_plate: Rig):
     make_active(bound_plate.obj)
     bpy.ops.sinew.select_handle(index=0)
     assert bpy.context.view_layer.objects.active == bound_plate.control
-    assert room("operators").target_of(bpy.context) == bound_plate.obj
+    assert inner.operators.target_of(bpy.context) == bound_plate.obj
     assert "Handles" in draw_panel().texts()
 
 
@@ -554,16 +554,16 @@ def test_the_mesh_stays_active_where_the_artist_selects_it_again(plate: Rig):
     assert bpy.context.view_layer.objects.active == plate.obj
 
 
-def test_the_panel_stays_with_its_mesh_where_a_control_moves_two(room):
+def test_the_panel_stays_with_its_mesh_where_a_control_moves_two():
     first, second = Rig.plate(), Rig(grid_object("Second"))
     first.bind()
     make_active(second.obj)
     bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top", control_object=first.control.name)
     assert bpy.context.view_layer.objects.active == first.control
-    assert room("operators").target_of(bpy.context) == second.obj
+    assert inner.operators.target_of(bpy.context) == second.obj
     make_active(first.obj)
     bpy.ops.sinew.select_handle(index=0)
-    assert room("operators").target_of(bpy.context) == first.obj
+    assert inner.operators.target_of(bpy.context) == first.obj
 
 
 def test_undo_after_tab_leaves_the_control_active(plate: Rig):

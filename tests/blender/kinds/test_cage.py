@@ -10,7 +10,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from inside import BINDING
+from inside import inner
 from mathutils import Matrix
 from registry import WITH_CAGE
 from rigs.cages import (
@@ -140,7 +140,7 @@ def test_the_subdivision_of_the_panel_is_the_cages_own_modifier(caged: Caged):
 
 
 @pytest.mark.parametrize("automatic", [False, True])
-def test_a_cage_with_other_vertices_is_refused_or_taken_for_the_rest(room, caged: Caged, automatic: bool):
+def test_a_cage_with_other_vertices_is_refused_or_taken_for_the_rest(caged: Caged, automatic: bool):
     target, cage = caged
     deformer = target.sinew.active
     deformer.auto_rebind = automatic
@@ -148,7 +148,7 @@ def test_a_cage_with_other_vertices_is_refused_or_taken_for_the_rest(room, caged
         bpy.ops.mesh.select_all(action="SELECT")
         bpy.ops.mesh.subdivide()
     update()
-    room("session").refresh()
+    inner.refresh.refresh()
     update()
     if not automatic:
         assert_rests(target)
@@ -159,7 +159,7 @@ def test_a_cage_with_other_vertices_is_refused_or_taken_for_the_rest(room, caged
     assert_goes_on(target, cage)
 
 
-def test_faces_of_a_cage_that_cross_are_named_and_can_be_selected(room):
+def test_faces_of_a_cage_that_cross_are_named_and_can_be_selected():
     """A face that a modifier of the cage made is none of the cage's own: then Select says so."""
     target, cage = ball(), box()
     cross(cage)
@@ -167,7 +167,7 @@ def test_faces_of_a_cage_that_cross_are_named_and_can_be_selected(room):
     deformer = surround(target, cage)
 
     def crossing() -> tuple[int, object]:
-        notes = [note for note in room("core.status").notes(deformer.uid) if note.elements]
+        notes = [note for note in inner.status.notes(deformer.uid) if note.elements]
         (line,) = (i for i, note in enumerate(notes) if note.elements.owner.name == "CONTROL")
         assert "faces of the cage cross" in notes[line].text
         assert notes[line].elements.element == "face"
@@ -215,9 +215,9 @@ def test_the_armature_before_it_still_counts():
 
 @pytest.mark.parametrize("kind", ["mesh", "curve"])
 @pytest.mark.parametrize("method", WITH_CAGE)
-def test_points_outside_are_said_alike_by_all_methods_and_can_follow(room, method: str, kind: str):
+def test_points_outside_are_said_alike_by_all_methods_and_can_follow(method: str, kind: str):
     """Mean Value and Green warn, the others refuse until a button lets them follow."""
-    status = room("core.status")
+    status = inner.status
     if kind == "mesh":
         target, cage = ball(), box()
         for index in (3, 5, 7):
@@ -425,20 +425,18 @@ def test_an_automatic_cage_rides_along_and_stays_where_it_is_under_another_paren
     assert np.abs(np.array(cage.matrix_world) - place).max() < 1e-5
 
 
-def test_rays_are_shown_until_the_exact_weights_are_there(
-    room, caged: Caged, monkeypatch: pytest.MonkeyPatch
-):
+def test_rays_are_shown_until_the_exact_weights_are_there(caged: Caged, monkeypatch: pytest.MonkeyPatch):
     """As in a window, where heavy meshes bind in a thread."""
     target, cage = caged
-    binding, deformer = room(BINDING), target.sinew.active
+    binding, deformer = inner.binding, target.sinew.active
     monkeypatch.setattr(binding, "may_wait", lambda _count: True)
     may_begin, build = threading.Event(), binding.build_factor
     monkeypatch.setattr(binding, "build_factor", lambda *found: may_begin.wait(20.0) and build(*found))
     may_begin.set()
     cage.data.vertices[0].co = (-1.6, -0.7, -1.3)
-    with room("session").suspended():
+    with inner.sessions.suspended():
         deformer.method = "positive_mean_value"
-    session = room("session").find(deformer.uid)
+    session = inner.sessions.find(deformer.uid)
     assert binding.ensure(session, deformer, deformer, wait=False) is None
     shapes = []
     for is_preview in (True, False):

@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
+from inside import inner
 from mathutils import Matrix
 from registry import WITH_CAGE
 from rigs.cages import (
@@ -39,8 +40,8 @@ NOWHERE = (float("nan"), float("inf"), -float("inf"))
 
 
 @pytest.mark.parametrize("value", NOWHERE)
-def test_a_cage_that_is_nowhere_at_bind_or_later_leaves_the_rest_and_comes_back(room, value: float) -> None:
-    status = room("core.status")
+def test_a_cage_that_is_nowhere_at_bind_or_later_leaves_the_rest_and_comes_back(value: float) -> None:
+    status = inner.status
     target, cage = ball(), box()
     cage.data.vertices[3].co.x = value
     deformer = surround(target, cage)
@@ -66,7 +67,7 @@ def test_a_cage_that_is_nowhere_at_bind_or_later_leaves_the_rest_and_comes_back(
         assert_goes_on(target, cage)
 
 
-def test_a_cage_object_that_is_nowhere_is_the_cages_fault(room) -> None:
+def test_a_cage_object_that_is_nowhere_is_the_cages_fault() -> None:
     target, cage = ball(), box()
     deformer = surround(target, cage)
     cage.location.y = 0.5
@@ -74,7 +75,7 @@ def test_a_cage_object_that_is_nowhere_is_the_cages_fault(room) -> None:
     cage.delta_location.y = float("nan")
     assert_rests(target)
     assert "invalid coordinates" in deformer.status
-    elements = room("core.status").current(deformer.uid).elements
+    elements = inner.status.current(deformer.uid).elements
     assert (elements.owner.name, elements.element) == ("CONTROL", "vertex")
     cage.delta_location.y = 0.0
     assert np.abs(evaluated_points(target) - posed).max() < FLOAT32
@@ -158,10 +159,10 @@ DOUBLED = (CORNERS + [CORNERS[0]], [(8, 1, 3, 2), *SIDES[1:]])
     ],
     ids=["empty", "loose", "flat", "point", "hole", "fin", "doubled vertex"],
 )
-def test_a_cage_that_holds_nothing_is_refused_until_it_does(room, points, faces, said: str, bad) -> None:
+def test_a_cage_that_holds_nothing_is_refused_until_it_does(points, faces, said: str, bad) -> None:
     target, cage = ball(), new_object("Cage", points, faces)
     deformer = surround(target, cage)
-    found = room("core.status").current(deformer.uid)
+    found = inner.status.current(deformer.uid)
     assert found.level.name == "ERROR"
     assert said in found.text
     assert said == "open" or found.remedy.name == "CAGE_REST", "no other button helps"
@@ -191,14 +192,14 @@ def test_a_cage_in_one_place_takes_the_mesh_there_and_gives_it_back(method: str)
     assert_goes_on(target, cage)
 
 
-def test_a_cage_of_zero_scale_is_no_rest(room) -> None:
+def test_a_cage_of_zero_scale_is_no_rest() -> None:
     target, cage = ball(), box()
     deformer = surround(target, cage)
     cage.scale = (0.0, 1.0, 1.0)
     make_active(target)
     with pytest.raises(RuntimeError, match="encloses no volume"):
         bpy.ops.sinew.cage_set_rest()
-    assert room("core.status").current(deformer.uid).remedy.name == "CAGE_REST"
+    assert inner.status.current(deformer.uid).remedy.name == "CAGE_REST"
     assert_rests(target)
     cage.scale = (1.0, 1.0, 1.0)
     set_rest(target)
@@ -230,11 +231,11 @@ FLAT = (CORNERS + [(-1.0, -1.0, 0.0)], SIDES + [(0, 1, 8), (8, 1, 0)])  # along 
 
 
 @pytest.mark.parametrize("method", WITH_CAGE)
-def test_faces_without_area_do_no_harm_or_are_shown(room, method: str) -> None:
+def test_faces_without_area_do_no_harm_or_are_shown(method: str) -> None:
     target, cage = ball(), new_object("Cage", *FLAT)
     deformer = surround(target, cage, method)
     if method == "harmonic":  # an equation a face
-        said = room("core.status").current(deformer.uid)
+        said = inner.status.current(deformer.uid)
         assert "no area" in said.text
         assert said.remedy.name == "CAGE_REST", "Repair mends the mesh, which is well"
         assert_rests(target)

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import catch_up
+from inside import catch_up, inner
 from mathutils import Matrix, Vector
 from mathutils.kdtree import KDTree
 from probe import render_points
@@ -381,14 +381,14 @@ def test_nothing_is_left_when_a_deformer_is_removed(caged: Caged):
 
 
 @pytest.mark.parametrize("kind", WITH_MESH)
-def test_an_automatic_cage_holds_points_and_handles_and_moves_them(room, kind: str):
+def test_an_automatic_cage_holds_points_and_handles_and_moves_them(kind: str):
     obj = WITH_MESH[kind]()
     obj.location.x, obj.rotation_euler.z = 2.0, 0.3
     rest = at_rest(obj)
     make_active(obj)
     assert bpy.ops.sinew.cage_add(faces=100) == {"FINISHED"}
     assert_well(obj)
-    assert room("core.status").notes(obj.sinew.active.uid) == ()
+    assert inner.status.notes(obj.sinew.active.uid) == ()
     cage = obj.sinew.active.cage
     assert bpy.context.object == cage
     assert cage.parent == obj or kind in CURVES or kind == "bevelled"
@@ -432,7 +432,7 @@ def test_an_object_without_points_says_so():
         assert not obj.sinew.deformers
 
 
-def test_surface_methods_are_refused_with_a_way_out(room, caged: Caged):
+def test_surface_methods_are_refused_with_a_way_out(caged: Caged):
     obj, cage = caged
     make_active(obj)
     with pytest.raises(RuntimeError, match="needs the surface of a mesh"):
@@ -453,8 +453,8 @@ def test_surface_methods_are_refused_with_a_way_out(room, caged: Caged):
     deformer.method = "arap"
     assert_shows(obj, at_rest(obj))
     assert "needs the surface of a mesh" in deformer.status
-    remedies = room("core.status").Remedy
-    found = room("core.status").current(deformer.uid).remedy
+    remedies = inner.status.Remedy
+    found = inner.status.current(deformer.uid).remedy
     assert found is (remedies.NONE if is_lattice else remedies.CONVERT)
     with pytest.raises(RuntimeError, match="needs the surface of a mesh"):
         bpy.ops.sinew.bind()
@@ -463,12 +463,12 @@ def test_surface_methods_are_refused_with_a_way_out(room, caged: Caged):
     assert_well(obj)
 
 
-def test_points_outside_are_said_or_refused(room):
+def test_points_outside_are_said_or_refused():
     obj, _cage = bind(bezier())
     obj.data.splines[0].bezier_points[3].handle_right = (0.0, 0.0, 9.0)
     bpy.ops.sinew.bind()
     deformer = obj.sinew.active
-    (note,) = room("core.status").notes(deformer.uid)
+    (note,) = inner.status.notes(deformer.uid)
     assert note.text == "1 point or handle lies outside the cage"
     deformer.method = "harmonic"
     update()
@@ -520,7 +520,7 @@ def test_convert_to_mesh_keeps_the_shape_shown(caged: Caged):
     assert cage.name in bpy.data.objects
 
 
-def test_panels_draw_what_works_and_overlays_colour_surfaces_alone(room, caged: Caged):
+def test_panels_draw_what_works_and_overlays_colour_surfaces_alone(caged: Caged):
     obj, cage = caged
     make_active(obj)
     names = set(draw_panel(WIDE).operator_names())
@@ -528,7 +528,7 @@ def test_panels_draw_what_works_and_overlays_colour_surfaces_alone(room, caged: 
     assert not {"sinew.handle_add", "sinew.deformer_add"} & names
     for vertex in cage.data.vertices:
         vertex.select = vertex.index == 0
-    picture, settings = room("ui.overlay_mesh"), bpy.context.scene.sinew
+    picture, settings = inner.overlay_mesh, bpy.context.scene.sinew
     settings.show_overlay = True
     for overlay in ("CAGE", "DISTORTION", "MASK", "REGIONS"):
         settings.overlay = overlay

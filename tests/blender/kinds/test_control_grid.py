@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from expected import Expected
+from inside import inner
 from mathutils import Matrix, Vector
 from probe import render_points
 from rigs.rig import (
@@ -207,7 +208,7 @@ def test_apply_of_the_target_keeps_the_shape_in_the_world(sheet: Rig):
     assert close(sheet.points(), before, 1e-4)
 
 
-def test_a_copy_shares_the_grid_unless_it_is_copied_too(sheet: Rig, room):
+def test_a_copy_shares_the_grid_unless_it_is_copied_too(sheet: Rig):
     new_grid(sheet)
     drag(sheet, at_middle())
     before = sheet.points()
@@ -216,7 +217,7 @@ def test_a_copy_shares_the_grid_unless_it_is_copied_too(sheet: Rig, room):
         grid_of(sheet).select_set(together)
         bpy.ops.object.duplicate()
         copy = Rig.called(next(obj.name for obj in bpy.context.selected_objects if obj.sinew.deformers))
-        room("session").separate_copies()
+        inner.upkeep.separate_copies()
         assert close(copy.points(), before)
         assert (grid_of(copy) != grid_of(sheet)) == together
         drag(copy, {SIDE * 5 + 2: (0.0, 0.0, -0.4)})

@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import bpy
 import pytest
+from inside import inner
 from registry import WITH_CAGE, WITH_HANDLES
 from rigs.cages import ball, box
 
@@ -15,8 +16,8 @@ def members(protocol: type) -> Iterator[str]:
     yield from (name for name in vars(protocol) if not name.startswith("_"))
 
 
-def test_every_kind_answers_every_question(room) -> None:
-    kinds = room("session.control.kinds")
+def test_every_kind_answers_every_question() -> None:
+    kinds = inner.kinds
     questions = set(members(kinds.ControlKind))
     assert len(questions) > 15
     for kind in kinds.every_kind():
@@ -24,46 +25,46 @@ def test_every_kind_answers_every_question(room) -> None:
         assert not missing, (kind, missing)
 
 
-def test_every_kind_draws_itself(room) -> None:
-    drawing = room("ui.control")
+def test_every_kind_draws_itself() -> None:
+    drawing = inner.control
     wanted = set(members(drawing.ControlDrawing))
-    for method in room("core.methods").METHODS:
+    for method in inner.methods.METHODS:
         found = drawing.drawing_of(method)
         assert wanted <= set(dir(found)), found.__name__
 
 
-def test_every_method_has_a_kind_and_belongs_to_it_alone(room) -> None:
-    kinds = room("session.control.kinds")
+def test_every_method_has_a_kind_and_belongs_to_it_alone() -> None:
+    kinds = inner.kinds
     listed = [method for kind in kinds.every_kind() for method in kinds.methods_of(kind)]
-    assert sorted(method.id for method in listed) == sorted(m.id for m in room("core.methods").METHODS)
+    assert sorted(method.id for method in listed) == sorted(m.id for m in inner.methods.METHODS)
     for kind in kinds.every_kind():
         assert all(kinds.kind_of_method(method) is kind for method in kinds.methods_of(kind))
 
 
-def test_one_call_lets_an_object_control_a_deformer_of_its_kind(room) -> None:
+def test_one_call_lets_an_object_control_a_deformer_of_its_kind() -> None:
     """As Add Cage does; a kind that needs more than an object refuses, and leaves nothing behind."""
-    session, errors = room("session"), room("core.errors")
+    errors = inner.errors
     target, cage, other = ball(), box(), box("Other")
     for owned, method in enumerate(WITH_CAGE[:2]):
-        deformer, refusal = session.rig_control(target, cage, method, owned=bool(owned))
+        deformer, refusal = inner.rigging.rig_control(target, cage, method, owned=bool(owned))
         assert refusal is None
         assert (deformer.cage, deformer.owns_cage, deformer.is_bound) == (cage, bool(owned), True)
         assert not any(d.cage is None for d in target.sinew.deformers)
     deformer.cage = None
-    assert session.waiting_for_control(target, WITH_CAGE[0]) == deformer
-    assert session.waiting_for_control(target, WITH_HANDLES[0]) is None
-    assert session.rig_control(target, other, WITH_CAGE[0])[0] == deformer
+    assert inner.rigging.waiting_for_control(target, WITH_CAGE[0]) == deformer
+    assert inner.rigging.waiting_for_control(target, WITH_HANDLES[0]) is None
+    assert inner.rigging.rig_control(target, other, WITH_CAGE[0])[0] == deformer
     assert len(target.sinew.deformers) == 2
     for method, control in ((WITH_HANDLES[0], cage), (WITH_CAGE[0], target)):
         with pytest.raises(errors.SinewError):
-            session.rig_control(target, control, method)
+            inner.rigging.rig_control(target, control, method)
         assert len(target.sinew.deformers) == 2
 
 
 @pytest.mark.parametrize("owned", [True, False])
-def test_an_object_made_for_a_deformer_goes_unless_another_uses_it(scene, room, owned: bool) -> None:
+def test_an_object_made_for_a_deformer_goes_unless_another_uses_it(scene, owned: bool) -> None:
     """Whatever kind of control it is, and whichever deformer lets it go first."""
-    objects, deformers = room("session.control.objects"), []
+    objects, deformers = inner.objects, []
     control = bpy.data.objects.new("Control", bpy.data.meshes.new("Control"))
     for name in ("One", "Two"):
         target = bpy.data.objects.new(name, bpy.data.meshes.new(name))

@@ -8,6 +8,7 @@ import itertools
 import bpy
 import numpy as np
 import pytest
+from inside import inner
 from mathutils import Euler, Matrix
 from rigs.cages import ball
 from rigs.rig import (
@@ -239,7 +240,7 @@ def test_another_resolution_says_so_and_set_rest_takes_it():
     assert not close(evaluated_points(obj), base_points(obj), 0.02)
 
 
-def test_a_folded_lattice_names_its_points_and_select_shows_them(room):
+def test_a_folded_lattice_names_its_points_and_select_shows_them():
     obj = small_ball(levels=2)
     lattice = lattice_object((3, 3, 3))
     points = lattice_points(lattice)
@@ -250,7 +251,7 @@ def test_a_folded_lattice_names_its_points_and_select_shows_them(room):
     deformer = obj.sinew.active
     assert deformer.status_level == "ERROR"
     assert "folded" in deformer.status
-    line = room("core.status").current(deformer.uid)
+    line = inner.status.current(deformer.uid)
     assert 13 in line.elements.indices
     make_active(obj)
     assert bpy.ops.sinew.select_problems() == {"FINISHED"}
@@ -327,7 +328,7 @@ def test_a_mesh_without_hexahedra_is_refused():
     assert "hexahedra" in obj.sinew.active.status
 
 
-def test_a_lattice_of_another_type_is_refused_and_leaves_nothing(room):
+def test_a_lattice_of_another_type_is_refused_and_leaves_nothing():
     obj = small_ball(levels=2)
     empty = bpy.data.objects.new("Empty", None)
     bpy.context.scene.collection.objects.link(empty)

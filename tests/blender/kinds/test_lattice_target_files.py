@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import catch_up
+from inside import catch_up, inner
 from libraries import add_collection, override, put_into_a_library
 from rigs.lattice_objects import FLOAT32, UP, follower, moved_up, points_of, refused
 from rigs.point_objects import attach, bend, bind, lattice
@@ -109,7 +109,7 @@ def test_files_show_the_last_shape_without_sinew_and_go_on_with_it(tmp_path: Pat
     assert np.abs(evaluated_points(obj) - shown - UP).max() < 4 * FLOAT32
 
 
-def test_what_sinew_writes_is_no_edit_of_the_artist(room):
+def test_what_sinew_writes_is_no_edit_of_the_artist():
     """Else each pose would be followed by a comparison of the rest shapes, and that by another."""
     obj = lattice()
     _, cage = bind(obj)
@@ -118,17 +118,17 @@ def test_what_sinew_writes_is_no_edit_of_the_artist(room):
     cage.location.z = 1.0
     update()
     update()
-    assert not room("session.memory.sessions").has_edited()
+    assert not inner.sessions.has_edited()
     bpy.context.scene.frame_set(3)
-    assert not room("session.memory.sessions").has_edited()
+    assert not inner.sessions.has_edited()
     obj.data.shape_keys.reference_key.data[0].co.x += 0.1
     obj.data.update_tag()
     update()
-    assert room("session.memory.sessions").has_edited()
+    assert inner.sessions.has_edited()
     for _ in range(3):
         catch_up()
         update()
-    assert not room("session.memory.sessions").has_edited()
+    assert not inner.sessions.has_edited()
 
 
 def test_links_show_the_last_shape_and_overrides_are_posed(tmp_path: Path):

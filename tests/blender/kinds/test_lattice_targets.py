@@ -404,7 +404,7 @@ def test_apply_moves_the_points_or_makes_a_key():
     assert np.abs(evaluated_points(obj) - shown).max() < FLOAT32
 
 
-def test_the_panel_draws_a_lattice(room):
+def test_the_panel_draws_a_lattice():
     obj = lattice()
     make_active(obj)
     assert {"sinew.cage_add", "sinew.lattice_add"} <= set(draw_panel().operator_names())

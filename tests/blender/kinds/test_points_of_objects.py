@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import native, room
+from inside import inner, native
 from mathutils import Matrix
 from probe import render_points
 from registry import BY_ID, RIGID_ON_HANDLE_POINTS
@@ -462,10 +462,10 @@ def test_not_a_number_among_points_is_refused():
     assert close(evaluated_points(plate), base_points(plate), FLOAT32)
 
 
-def test_the_panel_offers_segments_where_the_method_has_them(room):
+def test_the_panel_offers_segments_where_the_method_has_them():
     plate, points = grid_object(), frame()
     deformer = add(plate, points, method="mls")
-    region = room("ui.control.handles").SINEW_PT_region
+    region = inner.ui_control_handles.SINEW_PT_region
 
     def offered() -> list[str]:
         return [args[2] for name, args, *_rest in draw(region).calls if name == "prop_enum"]
@@ -536,15 +536,15 @@ def test_what_an_armature_moves_twice_is_said_and_mended(control: str, by_parent
     else:
         add(garment, body, method="mls")
     rest = evaluated_points(garment)
-    lines = room("ui.status_box")._warnings(garment.sinew.active)
-    assert [line.remedy for line in lines] == [room("core.status").Remedy.ARMATURE_OFF]
+    lines = inner.status_box._warnings(garment.sinew.active)
+    assert [line.remedy for line in lines] == [inner.status.Remedy.ARMATURE_OFF]
     make_active(garment)
     push("Twice")
     assert bpy.ops.sinew.armature_off() == {"FINISHED"}
-    assert not room("ui.status_box")._warnings(garment.sinew.active)
+    assert not inner.status_box._warnings(garment.sinew.active)
     push("Once")
     bpy.ops.ed.undo()
-    assert room("ui.status_box")._warnings(bpy.data.objects["Garment"].sinew.active)
+    assert inner.status_box._warnings(bpy.data.objects["Garment"].sinew.active)
     bpy.ops.ed.redo()
     garment, armature = bpy.data.objects["Garment"], bpy.data.objects[armature_name]
     bone = armature.pose.bones[0]

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from baking import assert_same, bake, played, stretch_time
-from inside import dragging, native
+from inside import dragging, inner, native
 from mathutils import Matrix
 from rigs.rig import (
     Rig,
@@ -486,7 +486,7 @@ class Test_drafts:
     """Playback: Draft shows frames after few iterations, the same for each frame, until playback rests."""
 
     @pytest.fixture
-    def bent(self, plate: Rig, room, monkeypatch) -> Iterator[Rig]:
+    def bent(self, plate: Rig, monkeypatch) -> Iterator[Rig]:
         """Plays: the plate bends by 110 degrees in the frames 1 to 20."""
         plate.bind("arap")
         control = plate.control
@@ -497,22 +497,21 @@ class Test_drafts:
             control.keyframe_insert("location", frame=frame)
             control.keyframe_insert("rotation_euler", frame=frame)
         plate.deformer.playback = "DRAFT"
-        monkeypatch.setattr(room("handlers.deferred"), "is_playing", lambda: True)
+        monkeypatch.setattr(inner.deferred, "is_playing", lambda: True)
         with dragging():  # what a window does when Blender evaluates what was written
             yield plate
 
-    def test_frames_are_drafts_until_playback_rests(self, bent: Rig, room, monkeypatch):
-        session = room("session")
+    def test_frames_are_drafts_until_playback_rests(self, bent: Rig, monkeypatch):
         drafts = played(bent.obj, (1, 8, 15, 20))
-        assert session.is_draft(bent.deformer.uid)
+        assert inner.sessions.is_draft(bent.deformer.uid)
         assert "Draft - the full shape follows when playback rests" in draw_panel().texts()
-        assert room("ui.refining").marks() == ["Draft of Plate"]
+        assert inner.refining.marks() == ["Draft of Plate"]
         assert_same(played(bent.obj, (15, 1, 20, 8)), drafts)  # whatever was shown before
         monkeypatch.undo()
-        assert session.settle()
+        assert inner.evaluate.settle()
         update()
-        assert not session.is_draft(bent.deformer.uid)
-        assert not session.unsettled()
+        assert not inner.sessions.is_draft(bent.deformer.uid)
+        assert not inner.sessions.unsettled()
         full = bent.points()
         assert not np.array_equal(full, drafts[8])
         assert np.abs(full - drafts[8]).max() < 0.05
@@ -520,10 +519,9 @@ class Test_drafts:
         go(8)
         assert np.array_equal(bent.points(), full)
 
-    def test_full_playback_and_renders_are_never_drafts(self, bent: Rig, room):
+    def test_full_playback_and_renders_are_never_drafts(self, bent: Rig):
         import probe
 
-        session = room("session")
         go(15)
         draft = bent.points()
         rendered = probe.render()[-1]["Plate"]
@@ -531,7 +529,7 @@ class Test_drafts:
         bent.deformer.playback = "FULL"
         go(14)
         go(15)
-        assert not session.unsettled()
+        assert not inner.sessions.unsettled()
         assert np.array_equal(bent.points(), rendered)
 
     def test_a_bake_is_never_a_draft(self, bent: Rig, tmp_path: Path, monkeypatch):
@@ -542,10 +540,10 @@ class Test_drafts:
         monkeypatch.undo()
         assert_same(played(bent.obj, range(5, 9)), full)
 
-    def test_a_method_without_iterations_has_none(self, plate: Rig, room, monkeypatch):
+    def test_a_method_without_iterations_has_none(self, plate: Rig, monkeypatch):
         plate.bind("thin_shell")
         plate.deformer.playback = "DRAFT"
-        monkeypatch.setattr(room("handlers.deferred"), "is_playing", lambda: True)
+        monkeypatch.setattr(inner.deferred, "is_playing", lambda: True)
         go(5)
         plate.lift(0.5)
-        assert not room("session").unsettled()
+        assert not inner.sessions.unsettled()

@@ -12,6 +12,7 @@ import bpy
 import numpy as np
 import pytest
 from editing import edited, grab
+from inside import inner
 from mathutils import Matrix
 from registry import ON_HANDLE_POINTS, ON_SURFACE
 from rigs.rig import (
@@ -91,15 +92,15 @@ def suzanne() -> Suzanne:
     return Suzanne()
 
 
-def notes(plate: Rig, room) -> list[str]:
-    return [line.text for line in room("core.status").notes(plate.deformer.uid)]
+def notes(plate: Rig) -> list[str]:
+    return [line.text for line in inner.status.notes(plate.deformer.uid)]
 
 
 @pytest.mark.parametrize("method", ON_SURFACE)
-def test_eyes_follow_the_head(suzanne: Suzanne, room, method: str):
+def test_eyes_follow_the_head(suzanne: Suzanne, method: str):
     rest = suzanne.rest()
     suzanne.bind(method)
-    assert "2 loose parts follow the surface" in notes(suzanne, room)
+    assert "2 loose parts follow the surface" in notes(suzanne)
     assert close(suzanne.points(), rest)
     move_world(suzanne.control, BEND)
     shape = suzanne.points()
@@ -110,14 +111,14 @@ def test_eyes_follow_the_head(suzanne: Suzanne, room, method: str):
 
 
 @pytest.mark.parametrize("method", ON_SURFACE)
-def test_with_stay_they_stay(suzanne: Suzanne, room, method: str):
+def test_with_stay_they_stay(suzanne: Suzanne, method: str):
     rest = suzanne.rest()
     suzanne.bind(method)
     move_world(suzanne.control, BEND)
     followed = suzanne.points()
     suzanne.deformer.loose_parts = "STAY"
     stayed = suzanne.points()
-    assert "2 loose parts stay at rest" in notes(suzanne, room)
+    assert "2 loose parts stay at rest" in notes(suzanne)
     assert close(stayed[suzanne.head], followed[suzanne.head], 1e-4)
     assert all(close(stayed[eye], rest[eye]) for eye in suzanne.eyes)
     suzanne.deformer.loose_parts = "FOLLOW"
@@ -135,7 +136,7 @@ def test_a_motion_of_the_whole_head_carries_them_exactly(suzanne: Suzanne):
     assert suzanne.control.matrix_world != control
 
 
-def test_a_region_on_an_eye_takes_it_out(suzanne: Suzanne, room):
+def test_a_region_on_an_eye_takes_it_out(suzanne: Suzanne):
     suzanne.bind()
     left, right = suzanne.eyes
     suzanne.obj.vertex_groups.new(name="Eye").add(left.tolist(), 1.0, "REPLACE")
@@ -143,12 +144,12 @@ def test_a_region_on_an_eye_takes_it_out(suzanne: Suzanne, room):
     bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Eye")
     move_world(suzanne.control, BEND)
     rest, shape = suzanne.rest(), suzanne.points()
-    assert "1 loose part follows the surface" in notes(suzanne, room)
+    assert "1 loose part follows the surface" in notes(suzanne)
     assert close(shape[left], rest[left])
     assert np.abs(shape[right] - rest[right]).max() > 0.1
 
 
-def test_the_border_of_a_support_does_not_hold_them(suzanne: Suzanne, room):
+def test_the_border_of_a_support_does_not_hold_them(suzanne: Suzanne):
     """What lies outside a support is fixed, but not the parts that it does not touch at all."""
     muzzle = [i for i in suzanne.head if suzanne.rest()[i, 2] > -0.5]
     suzanne.obj.vertex_groups.new(name="Support").add([int(i) for i in muzzle], 1.0, "REPLACE")
@@ -218,11 +219,11 @@ def test_letters_follow_the_letter_that_a_handle_moves():
     assert close(plate.points(), apply_matrix(BEND, rest), 1e-5)
 
 
-def test_a_space_method_moves_all_parts_anyway(suzanne: Suzanne, room):
+def test_a_space_method_moves_all_parts_anyway(suzanne: Suzanne):
     if not ON_HANDLE_POINTS:
         pytest.skip("no method of this kind yet")
     suzanne.bind(ON_HANDLE_POINTS[0])
-    assert not any("loose" in line for line in notes(suzanne, room))
+    assert not any("loose" in line for line in notes(suzanne))
 
 
 def test_a_mesh_that_only_has_loose_parts_left_shows_them_where_they_enter(suzanne: Suzanne):

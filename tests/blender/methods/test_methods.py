@@ -4,41 +4,41 @@
 import bpy
 import numpy as np
 import pytest
-from inside import notes_of
+from inside import inner, notes_of
 from rigs.rig import Rig, make_active, push, update
 
 
-def test_operators_and_session_functions_give_the_same(room, plate: Rig):
+def test_operators_and_session_functions_give_the_same(plate: Rig):
     plate.bind("arap").lift(0.3)
     by_operator = plate.points()
     make_active(plate.obj)
     bpy.ops.sinew.deformer_remove()
-    session, obj = room("session"), plate.obj
-    deformer = session.add_deformer(obj, "arap")
-    session.add_handle(obj, deformer, "HANDLE", "Top")
-    session.add_handle(obj, deformer, "FIXED", "Base")
-    session.bind(obj, deformer)
+    obj = plate.obj
+    deformer = inner.deformers.add_deformer(obj, "arap")
+    inner.handles.add_handle(obj, deformer, "HANDLE", "Top")
+    inner.handles.add_handle(obj, deformer, "FIXED", "Base")
+    inner.bind.bind(obj, deformer)
     plate.lift(0.3)
     assert np.array_equal(plate.points(), by_operator)
 
 
-def test_one_call_rigs_a_region_and_binds_it(room, plate: Rig):
+def test_one_call_rigs_a_region_and_binds_it(plate: Rig):
     """As Add Handle does. A refused bind leaves the region, an unknown group leaves nothing."""
-    session, errors, obj = room("session"), room("core.errors"), plate.obj
+    errors, obj = inner.errors, plate.obj
     with pytest.raises(errors.SinewError):
-        session.rig_region(obj, "HANDLE", "Nowhere", "arap")
+        inner.rigging.rig_region(obj, "HANDLE", "Nowhere", "arap")
     assert obj.sinew.active is None
     plate.bind("arap").lift(0.3)
     by_operator = plate.points()
     make_active(plate.obj)
     bpy.ops.sinew.deformer_remove()
     for kind, group in (("HANDLE", "Top"), ("FIXED", "Base")):
-        handle, refusal = session.rig_region(obj, kind, group, "arap")
+        handle, refusal = inner.rigging.rig_region(obj, kind, group, "arap")
         assert handle.kind == kind
         assert refusal is None
     plate.lift(0.3)
     assert np.array_equal(plate.points(), by_operator)
-    _handle, refusal = session.rig_region(obj, "FIXED", "Top")
+    _handle, refusal = inner.rigging.rig_region(obj, "FIXED", "Top")
     assert isinstance(refusal, errors.ConstraintError)
     assert len(plate.deformer.handles) == 3
     assert plate.deformer.status_level == "ERROR"

@@ -10,6 +10,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
+from inside import inner
 from libraries import put_into_a_library
 from mathutils import Matrix, Vector
 from rigs.puppets import BONES, FEET, end_of, figure, pose, standing
@@ -100,11 +101,10 @@ def test_what_is_out_of_reach_is_approached():
     assert np.linalg.norm(goal - hand) < np.linalg.norm(goal - root) - 1.2
 
 
-def test_the_same_place_gives_the_same_pose_to_the_bit(room):
+def test_the_same_place_gives_the_same_pose_to_the_bit():
     armature = standing()
-    session = room("session")
-    drag = session.PuppetDrag(
-        armature, "hand.L", bpy.context.evaluated_depsgraph_get(), session.PuppetOptions()
+    drag = inner.posing.PuppetDrag(
+        armature, "hand.L", bpy.context.evaluated_depsgraph_get(), inner.posing.PuppetOptions()
     )
     shift = lambda x, z: np.array(Matrix.Translation((x, 0.0, z)))  # noqa: E731
     drag.move(armature, shift(0.1, 0.2))
@@ -346,8 +346,8 @@ def test_balance_without_feet_is_refused():
     refused(figure(), "Balance needs something to stand on", balance=True)
 
 
-def test_bones_are_pinned_and_released(room):
-    compat = room("compat")
+def test_bones_are_pinned_and_released():
+    compat = inner.compat
     armature = figure()
     bpy.ops.object.mode_set(mode="POSE")
     for bone in armature.pose.bones:
@@ -461,9 +461,8 @@ def test_something_else_is_no_puppet():
 class Mouse:
     """The tool itself, with events like Blender's: there is no window here."""
 
-    def __init__(self, room, armature: bpy.types.Object, bone: str) -> None:
-        session = room("session")
-        typed, tool = room("core.transform.typed_motion"), room("operators.puppeteering")
+    def __init__(self, armature: bpy.types.Object, bone: str) -> None:
+        typed, tool = inner.typed_motion, inner.puppeteering
         self.armature, self.x, self.y = armature, 0.0, 0.0
         self.view = typed.View(
             np.array((1.0, 0.0, 0.0)),
@@ -473,10 +472,10 @@ class Mouse:
             centre=(0.0, 0.0),
             eye=None,
         )
-        drag = session.PuppetDrag(
-            armature, bone, bpy.context.evaluated_depsgraph_get(), session.PuppetOptions()
+        drag = inner.posing.PuppetDrag(
+            armature, bone, bpy.context.evaluated_depsgraph_get(), inner.posing.PuppetOptions()
         )
-        motion = room("core.transform.motion")
+        motion = inner.motion
         axes = np.eye(3)
         self.tool = tool.Puppeteering(
             drag,
@@ -495,31 +494,31 @@ class Mouse:
         return self.send("MOUSEMOVE", "NOTHING")
 
 
-def test_the_mouse_drags_and_a_click_keeps(room):
+def test_the_mouse_drags_and_a_click_keeps():
     armature = standing()
     place = end_of(armature, "hand.L")
-    mouse = Mouse(room, armature, "hand.L")
+    mouse = Mouse(armature, "hand.L")
     assert mouse.move(-20.0, 10.0) == "GO_ON"
     assert close(end_of(armature, "hand.L"), place + (-0.2, 0.0, 0.1), 3e-3)
     assert mouse.send("LEFTMOUSE") == "CONFIRMED"
     assert close(end_of(armature, "hand.L"), place + (-0.2, 0.0, 0.1), 3e-3)
 
 
-def test_escape_puts_everything_back_to_the_bit(room):
+def test_escape_puts_everything_back_to_the_bit():
     armature = standing("XYZ")
     pose(armature, "hand.L", (-0.1, -0.1, 0.0))
     before = channels(armature)
-    mouse = Mouse(room, armature, "hip")
+    mouse = Mouse(armature, "hip")
     mouse.move(10.0, -30.0)
     assert not (channels(armature) == before).all()
     assert mouse.send("ESC") == "CANCELLED"
     assert (channels(armature) == before).all()
 
 
-def test_axes_and_numbers_are_typed(room):
+def test_axes_and_numbers_are_typed():
     armature = standing()
     hip = end_of(armature, "hip", "head")
-    mouse = Mouse(room, armature, "hip")
+    mouse = Mouse(armature, "hip")
     mouse.move(5.0, 5.0)
     mouse.send("Z", unicode="z")
     for kind, text in (("MINUS", "-"), ("PERIOD", "."), ("TWO", "2")):

@@ -7,7 +7,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from inside import room
+from inside import inner
 from mathutils import Matrix
 from rigs.rig import (
     Rig,
@@ -207,8 +207,8 @@ def test_refine_gives_each_handle_a_cell(scene):
     bpy.ops.sinew.point_add(source="SELECTED")
     deformer = objects[0].sinew.active
     assert deformer.status.startswith("Pin 1"), deformer.status
-    line = room("core.status").current(deformer.uid)
-    assert line.remedy is room("core.status").Remedy.REFINE
+    line = inner.status.current(deformer.uid)
+    assert line.remedy is inner.status.Remedy.REFINE
     push("Refused")
     assert bpy.ops.sinew.refine() == {"FINISHED"}
     assert deformer.status_level == "INFO", deformer.status

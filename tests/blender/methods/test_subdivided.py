@@ -6,6 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
+from inside import inner
 from rigs.rig import Rig, change_in_edit_mode, close, make_active, new_file
 
 METHOD = "subdivision_editing"
@@ -24,13 +25,13 @@ def subdivided(levels: int) -> Rig:
     return Rig(obj, 0.9)
 
 
-def notes(rig: Rig, room) -> list[str]:
-    return [line.text for line in room("core.status").notes(rig.deformer.uid)]
+def notes(rig: Rig) -> list[str]:
+    return [line.text for line in inner.status.notes(rig.deformer.uid)]
 
 
 @pytest.mark.parametrize("levels", [1, 2, 3])
-def test_the_control_mesh_is_the_mesh_before_the_modifier(levels: int, room):
-    native = room("backend").availability().module
+def test_the_control_mesh_is_the_mesh_before_the_modifier(levels: int):
+    native = inner.backend.availability().module
     mesh = subdivided(levels).obj.data
     points = np.array([vertex.co for vertex in mesh.vertices], float)
     faces = np.array([face.vertices for face in mesh.polygons])
@@ -42,10 +43,10 @@ def test_the_control_mesh_is_the_mesh_before_the_modifier(levels: int, room):
     assert np.abs(np.abs(control.points) - 2.0).max() < 1e-5  # Blender's points have single precision
 
 
-def test_a_part_without_levels_is_told_and_moves_as_well(room):
+def test_a_part_without_levels_is_told_and_moves_as_well():
     rig = subdivided(4)
     rig.bind(METHOD)
-    assert TOLD not in notes(rig, room)
+    assert TOLD not in notes(rig)
     rest = rig.rest()
     rig.lift()
     assert close(rig.points()[rig.top], rest[rig.top] + (0.0, 0.0, 1.0))
@@ -56,6 +57,6 @@ def test_a_part_without_levels_is_told_and_moves_as_well(room):
     change_in_edit_mode(rig.obj, cut)
     make_active(rig.obj)
     bpy.ops.sinew.bind()
-    assert TOLD in notes(rig, room)
+    assert TOLD in notes(rig)
     rest = rig.rest()
     assert close(rig.points()[rig.top], rest[rig.top] + (0.0, 0.0, 1.0))

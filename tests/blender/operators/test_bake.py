@@ -18,7 +18,7 @@ from baking import (
     played,
     stretch_time,
 )
-from inside import SOLVING
+from inside import inner
 from mathutils import Matrix
 from registry import WITH_HANDLES
 from rigs.rig import Rig, add_armature, add_group, make_active, move_world
@@ -42,12 +42,12 @@ def test_baked_frames_equal_live_ones_to_the_last_bit(plate: Rig, tmp_path: Path
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_controls_have_no_effect_while_baked_and_nothing_is_solved(
-    moving: Rig, tmp_path: Path, target: str, room, monkeypatch: pytest.MonkeyPatch
+    moving: Rig, tmp_path: Path, target: str, monkeypatch: pytest.MonkeyPatch
 ):
     live = played(moving.obj)
     bake(moving, target, tmp_path / "plate")
     calls = []
-    monkeypatch.setattr(room(SOLVING), "solve", lambda *_: calls.append(1))
+    monkeypatch.setattr(inner.solving, "solve", lambda *_: calls.append(1))
     control = moving.control
     control.animation_data_clear()
     move_world(control, Matrix.Translation((0.0, 0.0, 3.0)))

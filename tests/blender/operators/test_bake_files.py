@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from baking import FRAMES, TARGETS, animate, assert_same, bake, footprint, played
+from inside import inner
 from rigs.rig import Rig, grid_object, make_active
 
 # Paths
@@ -181,11 +182,11 @@ def move_up(obj: bpy.types.Object) -> None:
     bpy.ops.object.modifier_move_to_index(modifier=obj.modifiers[-1].name, index=0)
 
 
-def test_a_cancelled_bake_leaves_all_as_it_was(saved: Rig, tmp_path: Path, room):
+def test_a_cancelled_bake_leaves_all_as_it_was(saved: Rig, tmp_path: Path):
     saved.obj.modifiers.new("Subdivision", "SUBSURF")
     bpy.context.scene.frame_set(3)
     before = footprint(saved)
-    module = room("bake")
+    module = inner.bake
     for target in TARGETS:
         request = module.Request(((saved.name, saved.deformer.uid),), target, FRAMES)
         baking = module.Baking(request, bpy.context.scene)
@@ -201,13 +202,13 @@ def test_a_cancelled_bake_leaves_all_as_it_was(saved: Rig, tmp_path: Path, room)
 @pytest.mark.parametrize("second", TARGETS)
 @pytest.mark.parametrize("first", TARGETS)
 def test_baking_again_takes_the_new_motion_and_cancel_keeps_the_old(
-    saved: Rig, room, tmp_path: Path, first: str, second: str
+    saved: Rig, tmp_path: Path, first: str, second: str
 ):
     bake(saved, first)
     old, before = played(saved.obj), footprint(saved)
     bpy.context.scene.frame_set(before["frame"])
     animate(saved.control, angle=30.0)
-    module = room("bake")
+    module = inner.bake
     request = module.Request(((saved.name, saved.deformer.uid),), second, FRAMES)
     baking = module.Baking(request, bpy.context.scene)
     baking.step()

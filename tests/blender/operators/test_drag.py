@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from editing import placed_object
-from inside import finish, use_threads
+from inside import finish, inner, use_threads
 from libraries import override, put_into_a_library
 from mathutils import Matrix, Vector
 from rigs.rig import (
@@ -465,15 +465,15 @@ def test_what_is_displayed_as_wire_is_seen_through():
 class Finger:
     """A press on the middle of a plate that is seen from above, where a pixel is a centimetre."""
 
-    def __init__(self, room, obj: bpy.types.Object, place=(0.0, 0.0, 0.0), wait: bool = True) -> None:
-        session, dragging = room("session"), room("operators.dragging")
-        typed = room("core.transform.typed_motion")
+    def __init__(self, obj: bpy.types.Object, place=(0.0, 0.0, 0.0), wait: bool = True) -> None:
+        dragging = inner.dragging
+        typed = inner.typed_motion
         self.obj, self.outcomes = obj, dragging.Outcome
         self.x, self.y = 500.0, 300.0
         self.view = typed.View(*np.eye(3), pixel=0.01, centre=(500.0, 300.0))
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        hit = session.Hit(obj, np.array(place), np.array((0.0, 0.0, 1.0)))
-        self.drag = session.Drag(hit, depsgraph, session.Brush("arap", 0.25, 0.5), wait)
+        hit = inner.surface.Hit(obj, np.array(place), np.array((0.0, 0.0, 1.0)))
+        self.drag = inner.drag.Drag(hit, depsgraph, inner.drag.Brush("arap", 0.25, 0.5), wait)
         motion = typed.TypedMotion(typed.Mode.TRANSLATE, self.view, np.eye(3), (self.x, self.y))
         self.tool = dragging.Dragging(self.drag, motion, np.array(place), np.eye(3))
 
@@ -487,10 +487,10 @@ class Finger:
         return self.send("MOUSEMOVE", "NOTHING")
 
 
-def test_the_mouse_drags_and_release_keeps(room):
+def test_the_mouse_drags_and_release_keeps():
     obj = grid_object(cells=20)
     rest = base_points(obj)
-    finger = Finger(room, obj)
+    finger = Finger(obj)
     finger.move(20, 10)
     chosen = members(obj, "Handle")
     assert close(evaluated_points(obj)[chosen], rest[chosen] + (0.2, 0.1, 0.0))
@@ -503,7 +503,7 @@ def test_the_mouse_drags_and_release_keeps(room):
 
 @pytest.mark.parametrize("key", ["ESC", "RIGHTMOUSE"])
 @pytest.mark.parametrize("before", ["nothing", "another deformer", "the handle"])
-def test_cancel_leaves_nothing_behind(room, key: str, before: str):
+def test_cancel_leaves_nothing_behind(key: str, before: str):
     obj = grid_object(cells=16)
     if before == "another deformer":
         add_group(obj, "Base", lambda point: point[0] < -0.7)
@@ -513,8 +513,8 @@ def test_cancel_leaves_nothing_behind(room, key: str, before: str):
     make_active(obj)
     update()
     was, shape = everything(), evaluated_points(obj)
-    status = [room("core.status").current(row.uid).text for row in obj.sinew.deformers]
-    finger = Finger(room, obj, (0.1, 0.0, 0.2) if before == "the handle" else (0.0, 0.0, 0.0))
+    status = [inner.status.current(row.uid).text for row in obj.sinew.deformers]
+    finger = Finger(obj, (0.1, 0.0, 0.2) if before == "the handle" else (0.0, 0.0, 0.0))
     assert finger.drag.is_new == (before != "the handle")
     finger.move(20, 40)
     finger.send("R")
@@ -523,17 +523,17 @@ def test_cancel_leaves_nothing_behind(room, key: str, before: str):
     assert finger.send(key) is finger.outcomes.CANCELLED
     assert everything() == was
     assert close(evaluated_points(obj), shape)
-    texts = [room("core.status").current(row.uid).text for row in obj.sinew.deformers]
+    texts = [inner.status.current(row.uid).text for row in obj.sinew.deformers]
     assert [text.split(", bound")[0] for text in texts] == [text.split(", bound")[0] for text in status]
 
 
 @pytest.mark.parametrize("key", ["LEFTMOUSE", "ESC"])
-def test_a_heavy_mesh_is_bound_by_a_thread(room, monkeypatch: pytest.MonkeyPatch, key: str):
+def test_a_heavy_mesh_is_bound_by_a_thread(monkeypatch: pytest.MonkeyPatch, key: str):
     use_threads(monkeypatch)
     obj = grid_object(cells=30)
     update()
     rest, was = base_points(obj), everything()
-    finger = Finger(room, obj, wait=False)
+    finger = Finger(obj, wait=False)
     assert finger.tool.job is not None
     finger.move(20, 10)
     finger.send(key, "RELEASE" if key == "LEFTMOUSE" else "PRESS")

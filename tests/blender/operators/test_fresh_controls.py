@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 import bpy
 import numpy as np
 import pytest
+from inside import inner
 from mathutils import Euler, Matrix
 from rigs.cages import ball
 from rigs.rig import add_group, base_points, make_active, new_object, update
@@ -81,8 +82,8 @@ def test_a_field_reaches_as_the_part_asks_for(head: bpy.types.Object, place: tup
         assert head.sinew.active.controls[-1].outer == pytest.approx(size / 3.0, rel=1e-3)
 
 
-def test_the_rings_of_the_active_control_are_as_large_as_it_reaches(head: bpy.types.Object, room):
-    rings = room("ui.reach").rings
+def test_the_rings_of_the_active_control_are_as_large_as_it_reaches(head: bpy.types.Object):
+    rings = inner.reach.rings
     depsgraph = bpy.context.evaluated_depsgraph_get()
 
     def radii(place: np.ndarray) -> list[float]:

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from editing import centre, edit, edited, grab, placed_object, selection
-from inside import use_threads
+from inside import inner, use_threads
 from registry import GRABBING
 from rigs.rig import grid_object
 
@@ -18,9 +18,9 @@ from rigs.rig import grid_object
 class Hand:
     """A person at the mouse and keyboard, before a front view where a pixel is a centimetre."""
 
-    def __init__(self, room, obj: bpy.types.Object, method: str = "thin_shell", **keywords) -> None:
-        session, grabbing = room("session"), room("operators.grabbing")
-        typed = room("core.transform.typed_motion")
+    def __init__(self, obj: bpy.types.Object, method: str = "thin_shell", **keywords) -> None:
+        grabbing = inner.grabbing
+        typed = inner.typed_motion
         self.obj, self.x, self.y = obj, 500.0, 300.0
         self.outcomes = grabbing.Outcome
         self.view = typed.View(
@@ -30,7 +30,7 @@ class Hand:
             pixel=0.01,
             centre=(400.0, 300.0),
         )
-        grab = session.Grab(obj, room("core.methods").BY_ID[method])
+        grab = inner.grab.Grab(obj, inner.methods.BY_ID[method])
         pivot = grab.selection.mean(axis=0)
         mode = typed.Mode(keywords.pop("mode", "TRANSLATE"))
         motion = typed.TypedMotion(mode, self.view, np.eye(3), (self.x, self.y))
@@ -53,10 +53,10 @@ class Hand:
 
 
 @pytest.fixture
-def hand(room) -> Hand:
+def hand() -> Hand:
     obj = grid_object(cells=20)
     edit(obj, centre)
-    return Hand(room, obj)
+    return Hand(obj)
 
 
 def lifted(hand: Hand) -> np.ndarray:
@@ -90,14 +90,14 @@ def test_axis_and_number_by_keys(hand: Hand, before: np.ndarray):
 
 @pytest.mark.parametrize("method", GRABBING)
 @pytest.mark.parametrize("key", ["ESC", "RIGHTMOUSE"])
-def test_cancel_restores_every_bit_and_the_selection(room, key: str, method: str):
+def test_cancel_restores_every_bit_and_the_selection(key: str, method: str):
     obj = placed_object()
     random = np.random.default_rng(5)
     for vertex, z in zip(obj.data.vertices, random.normal(0.0, 0.05, len(obj.data.vertices))):
         vertex.co.z = z
     edit(obj, centre)
     before, chosen = edited(obj), selection(obj)
-    hand = Hand(room, obj, method, radius=1.0)
+    hand = Hand(obj, method, radius=1.0)
     hand.move(30, 50)
     hand.type("R")
     hand.move(-80, 120)
@@ -113,11 +113,11 @@ def test_cancel_restores_every_bit_and_the_selection(room, key: str, method: str
 
 
 @pytest.mark.parametrize("method", GRABBING)
-def test_what_was_confirmed_is_what_the_properties_repeat(room, method: str):
+def test_what_was_confirmed_is_what_the_properties_repeat(method: str):
     obj = grid_object(cells=20)
     edit(obj, centre)
     before = edited(obj)
-    hand = Hand(room, obj, method)
+    hand = Hand(obj, method)
     hand.move(33, 47)
     hand.type("R", "Y")
     hand.move(-11, 90)
@@ -178,10 +178,10 @@ def test_a_turned_view_keeps_the_motion_and_goes_on_from_there(hand: Hand, befor
     assert np.allclose(lifted(hand), (0.3, 0.2, 0.6), atol=1e-6)
 
 
-def test_a_preview_goes_on_while_the_mouse_rests(room):
+def test_a_preview_goes_on_while_the_mouse_rests():
     obj = grid_object(cells=40)
     edit(obj, centre)
-    hand = Hand(room, obj, "arap", radius=0.7)
+    hand = Hand(obj, "arap", radius=0.7)
     hand.move(10, 80)
     ticks = 0
     while not hand.tool.grab.settled and ticks < 100:
@@ -193,19 +193,19 @@ def test_a_preview_goes_on_while_the_mouse_rests(room):
     assert np.abs(edited(obj) - rested).max() < 0.02
 
 
-def test_a_mesh_that_changed_under_the_tool_is_left_alone(hand: Hand, room):
+def test_a_mesh_that_changed_under_the_tool_is_left_alone(hand: Hand):
     hand.move(0, 50)
     bmesh.from_edit_mesh(hand.obj.data).verts.new((9.0, 9.0, 9.0))
-    with pytest.raises(room("core.errors").TopologyChangedError, match="edited meanwhile"):
+    with pytest.raises(inner.errors.TopologyChangedError, match="edited meanwhile"):
         hand.move(0, 10)
 
 
-def test_a_heavy_region_binds_in_a_thread_and_is_confirmed_when_ready(room, monkeypatch: pytest.MonkeyPatch):
+def test_a_heavy_region_binds_in_a_thread_and_is_confirmed_when_ready(monkeypatch: pytest.MonkeyPatch):
     use_threads(monkeypatch)
     obj = grid_object(cells=30)
     edit(obj, centre)
     before = edited(obj)
-    hand = Hand(room, obj, "arap")
+    hand = Hand(obj, "arap")
     assert hand.tool.grab.job is not None
     hand.move(0, 50)
     assert np.array_equal(edited(obj), before)
@@ -222,13 +222,13 @@ def test_a_heavy_region_binds_in_a_thread_and_is_confirmed_when_ready(room, monk
     assert np.array_equal(edited(obj), after)
 
 
-def test_scaling_all_that_is_connected_binds_when_it_is_asked_for(room, monkeypatch: pytest.MonkeyPatch):
+def test_scaling_all_that_is_connected_binds_when_it_is_asked_for(monkeypatch: pytest.MonkeyPatch):
     """Moved and turned, a surface that nothing holds goes as one piece, without a bind."""
     use_threads(monkeypatch)
     obj = grid_object(cells=20)
     chosen = edit(obj, centre)
     before = edited(obj)
-    hand = Hand(room, obj, radius=np.inf)
+    hand = Hand(obj, radius=np.inf)
     assert hand.tool.grab.job is None
     hand.move(0, 50)
     assert np.allclose(edited(obj), before + (0.0, 0.0, 0.5), atol=1e-6)
@@ -243,12 +243,12 @@ def test_scaling_all_that_is_connected_binds_when_it_is_asked_for(room, monkeypa
     assert np.array_equal(edited(obj), after)
 
 
-def test_cancel_while_a_thread_binds(room, monkeypatch: pytest.MonkeyPatch):
+def test_cancel_while_a_thread_binds(monkeypatch: pytest.MonkeyPatch):
     use_threads(monkeypatch)
     obj = grid_object(cells=30)
     edit(obj, centre)
     before = edited(obj)
-    hand = Hand(room, obj)
+    hand = Hand(obj)
     assert hand.send("ESC") is hand.outcomes.CANCELLED
     assert hand.tool.grab.job is None
     assert np.array_equal(edited(obj), before)

@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from editing import edit, select
+from inside import inner
 from mathutils import Matrix
 from rigs.rig import (
     FLOAT32,
@@ -103,7 +104,7 @@ def test_control_of_a_selected_bone_or_object():
     assert (handle.control, handle.bone) == (armature, "wanted")
 
 
-def test_select_shows_free_parts(plate: Rig, room):
+def test_select_shows_free_parts(plate: Rig):
     make_active(plate.obj)
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
@@ -111,7 +112,7 @@ def test_select_shows_free_parts(plate: Rig, room):
     plate.bind()
     plate.deformer.loose_parts = "STAY"
     update()
-    lines = [line.text for line in room("core.status").notes(plate.deformer.uid)]
+    lines = [line.text for line in inner.status.notes(plate.deformer.uid)]
     assert "1 loose part stays at rest" in lines
     make_active(plate.obj)
     bpy.ops.sinew.select_problems()

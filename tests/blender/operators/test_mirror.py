@@ -7,6 +7,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from inside import inner
 from mathutils import Euler, Matrix
 from rigs.rig import (
     FLOAT32,
@@ -121,9 +122,9 @@ NAMES = (
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_names_flip_as_blender_flips_them(room, name: str):
+def test_names_flip_as_blender_flips_them(name: str):
     theirs = bpy.utils.flip_name(name)
-    assert room("core.sides").flip(name) == ("" if theirs == name else theirs)
+    assert inner.sides.flip(name) == ("" if theirs == name else theirs)
 
 
 def test_a_handle_is_made_for_the_other_side(hand: Rig):

@@ -6,7 +6,7 @@ import math
 import bpy
 import numpy as np
 import pytest
-from inside import calls_of, evaluated_by, settle
+from inside import calls_of, evaluated_by, inner, settle
 from mathutils import Euler, Matrix, Quaternion, Vector
 from rigs.rig import (
     FLOAT32,
@@ -527,8 +527,8 @@ def test_only_what_is_keyed_by_hand_is_keyed_on_the_other_side(hands: Rig):
     assert ("rotation_euler", 0) not in keys_of(right(hands))
 
 
-def test_without_it_an_update_and_a_frame_call_nothing_for_it(hands: Rig, room):
-    inside = room("session.live.mirroring")
+def test_without_it_an_update_and_a_frame_call_nothing_for_it(hands: Rig):
+    inside = inner.mirroring
     ours = {
         name for name, value in vars(inside).items() if getattr(value, "__module__", "") == inside.__name__
     }

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from inside import inner
 from mathutils import Matrix
 from rigs.rig import (
     FLOAT32,
@@ -40,24 +41,24 @@ def names(obj: bpy.types.Object) -> str:
     return "".join(deformer.name for deformer in obj.sinew.deformers)
 
 
-def stack(obj: bpy.types.Object, room) -> list[str]:
+def stack(obj: bpy.types.Object) -> list[str]:
     """Names of the modifiers; those of deformers by the deformer they show."""
-    find = room("session").find_modifier
+    find = inner.shapes.find_modifier
     labels = {find(obj, deformer).name: deformer.name for deformer in obj.sinew.deformers}
     return [labels.get(modifier.name, modifier.name) for modifier in obj.modifiers]
 
 
-def test_modifiers_follow_the_list_and_others_keep_their_place(plate: Rig, room):
+def test_modifiers_follow_the_list_and_others_keep_their_place(plate: Rig):
     obj = three_deformers(plate)
-    assert stack(obj, room) == ["First", "A", "Between", "B", "C"]
+    assert stack(obj) == ["First", "A", "Between", "B", "C"]
     assert bpy.ops.sinew.deformer_move(direction="UP", index=2) == {"FINISHED"}
     assert names(obj) == "ACB"
-    assert stack(obj, room) == ["First", "A", "Between", "C", "B"]
+    assert stack(obj) == ["First", "A", "Between", "C", "B"]
     obj.sinew.active_deformer = 0
     bpy.ops.sinew.deformer_move(direction="DOWN")
     assert names(obj) == "CAB"
     assert obj.sinew.active.name == "A"
-    assert stack(obj, room) == ["First", "C", "Between", "A", "B"]
+    assert stack(obj) == ["First", "C", "Between", "A", "B"]
 
 
 def test_a_move_past_the_end_does_nothing(plate: Rig):
@@ -70,11 +71,11 @@ def test_a_move_past_the_end_does_nothing(plate: Rig):
         bpy.ops.sinew.deformer_move(direction="UP", index=3)
 
 
-def test_a_modifier_dragged_by_the_user_falls_in_line_with_the_list(plate: Rig, room):
+def test_a_modifier_dragged_by_the_user_falls_in_line_with_the_list(plate: Rig):
     obj = three_deformers(plate)
     last = obj.modifiers[-1].name
     bpy.ops.object.modifier_move_to_index(modifier=last, index=0)
-    assert stack(obj, room) == ["C", "First", "A", "Between", "B"]
+    assert stack(obj) == ["C", "First", "A", "Between", "B"]
     controls = {deformer.name: deformer.handles[0].control for deformer in obj.sinew.deformers}
     move_world(controls["C"], Matrix.Translation((0.0, 0.0, 0.5)))
     right = [index for index, point in enumerate(plate.rest()) if point[0] > 0.75]
@@ -82,7 +83,7 @@ def test_a_modifier_dragged_by_the_user_falls_in_line_with_the_list(plate: Rig, 
     assert all(deformer.status_level == "INFO" for deformer in obj.sinew.deformers)
     bpy.ops.sinew.deformer_move(direction="DOWN", index=0)
     assert names(obj) == "BAC"
-    assert stack(obj, room) == ["B", "First", "A", "Between", "C"]
+    assert stack(obj) == ["B", "First", "A", "Between", "C"]
 
 
 def test_the_order_decides_what_the_next_deformer_corrects(plate: Rig):
@@ -176,9 +177,9 @@ def test_keyframes_and_drivers_stay_with_their_handle(plate: Rig):
     assert weights(obj, 1) == {"Top": 0.2, "Base": 0.25, "Reader": 0.2}
 
 
-def test_drivers_that_read_a_control_follow_its_row(plate: Rig, room):
+def test_drivers_that_read_a_control_follow_its_row(plate: Rig):
     """Whichever kind of control a list of them belongs to; rows of other deformers, and handles, stay."""
-    obj, paths = plate.obj, room("session.blocks.animation_paths")
+    obj, paths = plate.obj, inner.animation_paths
     for name in ("First", "Second"):
         obj.sinew.deformers.add().uid = name
     rows = (

@@ -7,6 +7,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from inside import inner
 from rigs.rig import (
     CORNERS,
     FLOAT32,
@@ -73,13 +74,13 @@ def broken_plate() -> Rig:
     return Rig(mesh_object(points, faces, "Plate"))
 
 
-def test_every_fault_is_mended_and_counted(room):
+def test_every_fault_is_mended_and_counted():
     plate = broken_plate()
     obj = plate.obj
     before = faults(obj)
     assert (before["not_finite"], before["coincident"]) == (2, 11)
     assert all(before.values()), before
-    mended, left = room("session").repair(obj, room("session").Cures())
+    mended, left = inner.repair.repair(obj, inner.repair.Cures())
     expected = {"not_finite": 2, "coincident": 11, "duplicate": 1, "degenerate": 1}
     assert {fault: mended[fault] for fault in expected} == expected
     assert mended["loose"] >= 1
@@ -230,13 +231,13 @@ def test_what_is_meant_stays(shape: tuple, left: tuple[int, int]):
     assert faults(obj)["non_manifold"] == (left == (8, 3))
 
 
-def test_notes_name_each_fault_with_elements_and_remedy(room):
+def test_notes_name_each_fault_with_elements_and_remedy():
     plate = broken_plate()
-    session, Remedy = room("session"), room("core.status").Remedy
+    Remedy = inner.status.Remedy
     points, mesh = base_points(plate.obj), plate.obj.data
     counts = np.array([len(face.vertices) for face in mesh.polygons], dtype=np.int32)
     corners = np.array([v for face in mesh.polygons for v in face.vertices], dtype=np.int32)
-    lines = session.notes(room("backend").diagnose(points, (counts, corners)))
+    lines = inner.mesh_notes.notes(inner.backend.diagnose(points, (counts, corners)))
     assert all(line.remedy is Remedy.REPAIR and line.elements for line in lines)
     by_text = {line.text: line for line in lines}
     assert set(by_text) >= {
@@ -250,19 +251,19 @@ def test_notes_name_each_fault_with_elements_and_remedy(room):
     lost = np.flatnonzero(~np.isfinite(points).all(axis=1))
     assert set(by_text["2 vertices without a finite position"].elements.indices) == set(lost)
     assert by_text["1 duplicate face"].elements.element == "face"
-    hidden = session.notes(room("backend").diagnose(points, (counts, corners)), selectable=False)
+    hidden = inner.mesh_notes.notes(inner.backend.diagnose(points, (counts, corners)), selectable=False)
     assert [line.text for line in hidden] == [line.text for line in lines]
     assert not any(line.elements for line in hidden)
 
 
-def test_not_finite_points_offer_repair(room):
+def test_not_finite_points_offer_repair():
     plate = Rig.plate()
     plate.obj.data.vertices[60].co.x = NAN
     update()
     make_active(plate.obj)
     bpy.ops.sinew.deformer_add(method="thin_shell")
     bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
-    status = room("core.status")
+    status = inner.status
     lines = [line for line in status.notes(plate.deformer.uid) if "finite" in line.text]
     assert [(line.remedy, line.elements.indices) for line in lines] == [(status.Remedy.REPAIR, (60,))]
     bpy.ops.sinew.repair()
@@ -285,10 +286,10 @@ def overlapping(plate: Rig, name: str, where, weight: float = 1.0, bind: bool = 
     return set(group)
 
 
-def test_shared_vertices_stay_in_the_first_region(plate: Rig, room, capfd):
+def test_shared_vertices_stay_in_the_first_region(plate: Rig, capfd):
     shared = overlapping(plate, "Overlap", lambda point: point[1] > 0.55)
-    line = room("core.status").current(plate.deformer.uid)
-    assert line.remedy is room("core.status").Remedy.PART_REGIONS
+    line = inner.status.current(plate.deformer.uid)
+    assert line.remedy is inner.status.Remedy.PART_REGIONS
     capfd.readouterr()
     assert bpy.ops.sinew.part_regions() == {"FINISHED"}
     assert "22 vertices are now in Top alone, no longer in Overlap" in capfd.readouterr().out

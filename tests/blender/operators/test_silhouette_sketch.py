@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 import pytest
 from expected import Expected
+from inside import inner
 from mathutils import Matrix
 from rigs.rig import (
     Rig,
@@ -93,11 +94,11 @@ def test_a_bump_is_drawn_onto_the_outline_and_what_is_far_stays():
     assert np.array_equal(after[far], before[far])
 
 
-def test_a_stroke_along_the_silhouette_changes_nothing(room):
+def test_a_stroke_along_the_silhouette_changes_nothing():
     """The stroke is the silhouette that the library finds, at another depth."""
     obj = ball()
     before = base_points(obj)
-    native = room("backend.native")._module()
+    native = inner.native._module()
     faces = np.array([face.vertices[:] for face in obj.data.polygons])
     lines = native.silhouette_lines(
         native.SurfaceMesh(before.astype(float), faces), np.array(FRONT)[:3, :3].T
@@ -409,8 +410,8 @@ def test_what_is_no_view_or_no_target_is_refused():
 class Hand:
     """A person at the mouse, before a front view where a pixel is a centimetre."""
 
-    def __init__(self, room, obj: bpy.types.Object, replaced: str = "") -> None:
-        typed, sketching = room("core.transform.typed_motion"), room("operators.sketching")
+    def __init__(self, obj: bpy.types.Object, replaced: str = "") -> None:
+        typed, sketching = inner.typed_motion, inner.sketching
         self.obj, self.outcomes, self.stages = obj, sketching.Outcome, sketching.Stage
         self.view = typed.View(
             right=np.array((1.0, 0.0, 0.0)),
@@ -419,7 +420,7 @@ class Hand:
             pixel=0.01,
             centre=(400.0, 300.0),
         )
-        self.tool = sketching.Sketching(room("session").Sketch(obj, False, replaced), np.zeros(3), 0.0)
+        self.tool = sketching.Sketching(inner.sketch.Sketch(obj, False, replaced), np.zeros(3), 0.0)
 
     def send(self, kind: str, value: str = "PRESS", place=(0.0, 0.0), **modifiers: bool):
         event = SimpleNamespace(type=kind, value=value)
@@ -436,10 +437,10 @@ class Hand:
         assert self.send("LEFTMOUSE", "RELEASE", places[-1]) is self.outcomes.GO_ON
 
 
-def test_events_draw_adjust_and_confirm_what_a_curve_repeats(room):
+def test_events_draw_adjust_and_confirm_what_a_curve_repeats():
     obj = ball()
     before = base_points(obj)
-    hand = Hand(room, obj)
+    hand = Hand(obj)
     hand.draw(arc(bump))
     assert hand.tool.stage is hand.stages.ADJUSTING
     assert outline(evaluated_points(obj), 0.0) == pytest.approx(1.3, abs=0.01)
@@ -461,11 +462,11 @@ def test_events_draw_adjust_and_confirm_what_a_curve_repeats(room):
     assert close(evaluated_points(obj), shown, 1e-4)  # a reach in float32 may leave out a vertex
 
 
-def test_cancel_puts_back_a_key_that_was_being_redrawn(room):
+def test_cancel_puts_back_a_key_that_was_being_redrawn():
     obj = ball()
     sketch(curve(arc(bump)), reach=0.6)
     before = evaluated_points(obj)
-    hand = Hand(room, obj, "Silhouette")
+    hand = Hand(obj, "Silhouette")
     hand.draw(arc(lambda angle: 2.0 - bump(angle)))
     assert not close(evaluated_points(obj), before, 0.1)
     hand.send("ESC")
@@ -475,13 +476,13 @@ def test_cancel_puts_back_a_key_that_was_being_redrawn(room):
 
 @pytest.mark.parametrize("key", ["ESC", "RIGHTMOUSE"])
 @pytest.mark.parametrize("keyed", [False, True], ids=["first key", "further key"])
-def test_cancel_leaves_nothing_behind(room, key: str, keyed: bool):
+def test_cancel_leaves_nothing_behind(key: str, keyed: bool):
     obj = ball()
     if keyed:
         obj.shape_key_add(name="Basis")
         obj.shape_key_add(name="Own").data[0].co.x += 0.1
     names, before = key_names(obj), evaluated_points(obj)
-    hand = Hand(room, obj)
+    hand = Hand(obj)
     hand.draw(arc(bump))
     hand.send("A")
     assert len(key_names(obj)) > len(names)
@@ -490,9 +491,9 @@ def test_cancel_leaves_nothing_behind(room, key: str, keyed: bool):
     assert np.array_equal(evaluated_points(obj), before)
 
 
-def test_a_click_and_a_stroke_elsewhere_are_told_and_another_may_follow(room):
+def test_a_click_and_a_stroke_elsewhere_are_told_and_another_may_follow():
     obj = ball()
-    hand = Hand(room, obj)
+    hand = Hand(obj)
     hand.draw(arc(largest=0.01, count=2))
     assert "too short" in hand.tool.notice
     hand.tool.notice = ""

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from baking import FRAMES, STRETCHES, animate, played, stretch_time
+from inside import inner
 from rigs.rig import Rig, base_points, linked, make_active, new_object, push, save
 from second_blender import look_elsewhere
 
@@ -141,19 +142,19 @@ def test_a_source_that_is_not_finite_in_a_frame_is_refused_and_no_file_stays(pai
     assert not target.modifiers
 
 
-def test_escape_in_the_middle_leaves_the_disk_and_the_scene_as_they_were(pair, tmp_path: Path, room):
+def test_escape_in_the_middle_leaves_the_disk_and_the_scene_as_they_were(pair, tmp_path: Path):
     """What a window does: some frames at each tick of a timer, until Esc is pressed."""
     plate, target = pair
     bpy.context.scene.frame_set(3)
     said: list[str] = []
 
-    class Operator(room("operators.frame_by_frame").FrameByFrame):
+    class Operator(inner.frame_by_frame.FrameByFrame):
         doing, did, cancelled = "transferring", "Transferred", "It was cancelled"
 
         def report(self, _kind: set[str], text: str) -> None:
             said.append(text)
 
-    job = room("bake").Transferring(
+    job = inner.bake.Transferring(
         plate.obj, target, bpy.context.scene, range(1, 50_000), str(tmp_path / "stout")
     )
     operator = Operator()

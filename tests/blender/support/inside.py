@@ -20,14 +20,83 @@ import installed
 import pytest
 from rigs.rig import update
 
-BINDING = "session.live.binding"
-SOLVING = "session.live.solving"
-DRAG = "session.live.drag"
-OWNERS = "session.blocks.owners"
-CAPTURE = "session.blocks.capture"
-REGIONS = "session.control.handles.regions"
-RENDER_WRITES = "session.memory.render_writes"
-RESULT = "session.shown.result"
+MODULES = {
+    "animation_paths": "session.blocks.animation_paths",
+    "backend": "backend",
+    "bake": "bake",
+    "bind": "session.edit.bind",
+    "binding": "session.live.binding",
+    "capture": "session.blocks.capture",
+    "compat": "compat",
+    "control": "ui.control",
+    "deferred": "handlers.deferred",
+    "deformers": "session.edit.deformers",
+    "distortion": "core.geometry.distortion",
+    "drag": "session.edit.drag",
+    "drag_tool": "ui.drag_tool",
+    "dragging": "operators.dragging",
+    "elements": "core.elements",
+    "errors": "core.errors",
+    "evaluate": "session.live.evaluate",
+    "evaluation": "handlers.evaluation",
+    "frame_by_frame": "operators.frame_by_frame",
+    "grab": "session.tools.grab",
+    "grabbing": "operators.grabbing",
+    "handles": "session.edit.handles.handles",
+    "help": "operators.help",
+    "ids": "ids",
+    "keymap": "ui.keymap",
+    "kind": "session.control.handles.kind",
+    "kinds": "session.control.kinds",
+    "live_drag": "session.live.drag",
+    "loader": "backend.loader",
+    "making": "session.edit.making",
+    "memory": "core.memory",
+    "mesh_io": "mesh_io",
+    "mesh_notes": "session.live.mesh_notes",
+    "methods": "core.methods",
+    "mirroring": "session.live.mirroring",
+    "motion": "core.transform.motion",
+    "native": "backend.native",
+    "objects": "session.control.objects",
+    "operators": "operators",
+    "overlay": "ui.overlay",
+    "overlay_colours": "ui.overlay_colours",
+    "overlay_draw": "ui.overlay_draw",
+    "overlay_mesh": "ui.overlay_mesh",
+    "owners": "session.blocks.owners",
+    "parameters": "ui.parameters",
+    "places": "ui.places",
+    "posing": "session.edit.puppet.posing",
+    "preferences": "preferences",
+    "properties": "properties",
+    "puppeteering": "operators.puppeteering",
+    "reach": "ui.reach",
+    "refining": "ui.refining",
+    "refresh": "session.edit.refresh",
+    "regions": "session.control.handles.regions",
+    "render_writes": "session.memory.render_writes",
+    "repair": "session.edit.repair",
+    "rest": "mesh_io.rest",
+    "result": "session.shown.result",
+    "rigging": "session.edit.rigging",
+    "schedule": "session.live.schedule",
+    "sessions": "session.memory.sessions",
+    "shapes": "session.blocks.shapes",
+    "sides": "core.sides",
+    "sketch": "session.tools.sketch",
+    "sketching": "operators.sketching",
+    "solving": "session.live.solving",
+    "status": "core.status",
+    "status_box": "ui.status_box",
+    "surface": "session.blocks.surface",
+    "text": "ui.text",
+    "typed_motion": "core.transform.typed_motion",
+    "ui": "ui",
+    "ui_control_handles": "ui.control.handles",
+    "upkeep": "session.edit.upkeep",
+    "waiting": "operators.waiting",
+}
 
 # Functions that work in proportion to the mesh; that read its arrays; that read a control; that look through
 # the rig.
@@ -46,18 +115,28 @@ LOOKS = {"group_weights", "read_weights", "rest_meshes"}
 
 
 def room(path: str) -> ModuleType:
-    """A room of the add-on by name, as ``room("session")``; looked up anew, for tests load it again."""
+    """A room of the add-on by name, as ``inner.status``; looked up anew, for tests load it again."""
     return importlib.import_module(f"{installed.name()}.{path}")
+
+
+class _Inner:
+    """Rooms and modules of the add-on by short names; looked up anew, for tests load the add-on again."""
+
+    def __getattr__(self, name: str) -> ModuleType:
+        return room(MODULES[name])
+
+
+inner = _Inner()
 
 
 def native() -> ModuleType:
     """The compiled module."""
-    return room("backend").availability().module
+    return inner.backend.availability().module
 
 
 def catch_up() -> bool:
     """What a window's timer does when the user pauses; True while a thread is at work."""
-    return room("handlers.deferred").catch_up()
+    return inner.deferred.catch_up()
 
 
 def settle() -> None:
@@ -81,22 +160,21 @@ def finish(seconds: float = 20.0) -> bool:
 
 def factor_of(deformer) -> object:
     """The native factor that a deformer is bound with."""
-    return room("session").find(deformer.uid).bound.factor
+    return inner.sessions.find(deformer.uid).bound.factor
 
 
 def notes_of(deformer) -> list[str]:
     """The lines that the panel shows below the status of a deformer, without buttons."""
-    return [line.text for line in room("core.status").notes(deformer.uid)]
+    return [line.text for line in inner.status.notes(deformer.uid)]
 
 
 def use_threads(monkeypatch: pytest.MonkeyPatch) -> None:
     """Binds and solves go to threads, as those of heavy meshes do in a window."""
-    monkeypatch.setattr(room(BINDING), "may_wait", lambda _count: True)
+    monkeypatch.setattr(inner.binding, "may_wait", lambda _count: True)
 
 
 def bind_in_thread(obj: bpy.types.Object, deformer, monkeypatch: pytest.MonkeyPatch) -> None:
     """A bind for another value of a parameter is under way in a window; nobody wants it any more."""
-    session = room("session")
     numbers = [row for row in deformer.definition.parameters if row.rebinds and hasattr(row, "minimum")]
     if not numbers:
         pytest.skip("no number of this method makes a new factor")
@@ -105,15 +183,15 @@ def bind_in_thread(obj: bpy.types.Object, deformer, monkeypatch: pytest.MonkeyPa
     with monkeypatch.context() as patch:
         use_threads(patch)
         setattr(deformer.parameters, parameter.id, parameter.soft_maximum)
-        session.find(deformer.uid).bound = None
-        session.bind(obj, deformer, wait=False)
-    assert session.job(deformer.uid) is not None
+        inner.sessions.find(deformer.uid).bound = None
+        inner.bind.bind(obj, deformer, wait=False)
+    assert inner.binding.job(deformer.uid) is not None
     setattr(deformer.parameters, parameter.id, before)
 
 
 def ask_for_factor(deformer) -> object:
     """What an evaluation in a window asks for: the factor, or None while a thread makes it."""
-    return room(BINDING).ensure(room("session").find(deformer.uid), deformer, deformer, wait=False)
+    return inner.binding.ensure(inner.sessions.find(deformer.uid), deformer, deformer, wait=False)
 
 
 def calls_of(action: Callable[[], object]) -> Counter:
@@ -139,7 +217,7 @@ def calls_of(action: Callable[[], object]) -> Counter:
 @contextmanager
 def evaluated_by(handler) -> Iterator[None]:
     """Another handler takes the place of the one that solves when something was edited; None takes it out."""
-    handlers, ours = bpy.app.handlers.depsgraph_update_post, room("handlers.evaluation").on_depsgraph_update
+    handlers, ours = bpy.app.handlers.depsgraph_update_post, inner.evaluation.on_depsgraph_update
     place = handlers.index(ours)
     handlers[place : place + 1] = [] if handler is None else [handler]
     try:
@@ -155,7 +233,7 @@ def dragging() -> Iterator[None]:
     """Edits are steps of a drag, as in a window: each shows what its budget allows."""
 
     def preview(_scene, depsgraph) -> None:
-        room("session").update(depsgraph, preview=True, edit=True)
+        inner.evaluate.update(depsgraph, preview=True, edit=True)
 
     with evaluated_by(preview):
         yield
@@ -188,16 +266,16 @@ def assert_at_rest(seconds: float = 20.0) -> None:
         bpy.app.handlers.depsgraph_update_post.remove(note)
     assert not caused[-1], f"evaluations cause each other, pause after pause: {caused}"
     assert not _under_way(), f"nobody collects what was computed for {_under_way()}"
-    session = room("session")
-    assert not session.unsettled(), f"a preview never becomes final: {session.unsettled()}"
+    unsettled = inner.sessions.unsettled()
+    assert not unsettled, f"a preview never becomes final: {unsettled}"
 
 
 def _under_way() -> list[str]:
     """Deformers with a bind or a solve that runs, or that ended and waits to be taken in."""
-    session = room("session")
-    keys = [deformer.uid for obj in session.owners() for deformer in obj.sinew.deformers]
-    found = {key for key in keys if session.job(key) is not None} | set(session.unwatched())
-    return sorted(found | {key for key in keys if (held := session.find(key)) and held.work is not None})
+    find, binding = inner.sessions.find, inner.binding
+    keys = [deformer.uid for obj in inner.owners.owners() for deformer in obj.sinew.deformers]
+    found = {key for key in keys if binding.job(key) is not None} | set(binding.unwatched())
+    return sorted(found | {key for key in keys if (held := find(key)) and held.work is not None})
 
 
 def functions() -> set[str]:
@@ -211,7 +289,7 @@ def functions() -> set[str]:
 @contextmanager
 def without_the_add_on() -> Iterator[None]:
     """The add-on is off for a while, and leaves no handler behind."""
-    name, count = room("ids").__package__, handlers_of_ours()
+    name, count = inner.ids.__package__, handlers_of_ours()
     addon_utils.disable(name)
     try:
         assert handlers_of_ours() == 0
