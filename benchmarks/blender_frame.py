@@ -502,9 +502,9 @@ def reading(method: str) -> dict[str, object]:
     session.add_handle(obj, deformer, "HANDLE", "Top")
     spent = Spent()
     steps = [
-        (room("session.blocks.capture"), "rest_meshes"),
-        (room("session.blocks.rest_frame"), "read"),
-        (room("session.control.handles.kind"), "request"),
+        (room("session.datablocks.shapes.capture"), "rest_meshes"),
+        (room("session.datablocks.rest_frame"), "read"),
+        (room("session.controls.handles.kind"), "request"),
     ]
     for owner, name in steps:
         spent.around(owner, name)

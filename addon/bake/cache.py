@@ -9,7 +9,7 @@ from bpy.types import Modifier, Object, Scene
 from .. import compat
 from ..core.errors import SinewError
 from ..properties import SinewDeformer
-from ..session.blocks import baked, shapes
+from ..session.datablocks.shapes import baked, shapes
 from .stretching import stretch, times
 
 _SNAP = 1e-4  # in samples: if a frame is at most this far after a sample, Blender does not interpolate

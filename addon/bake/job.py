@@ -15,11 +15,13 @@ from bpy.types import Depsgraph, Object, Scene
 from ..core.errors import SinewError
 from ..core.status import Level
 from ..properties import SinewDeformer
-from ..session.blocks import baked, targets
-from ..session.blocks import shapes as blocks_shapes
-from ..session.edit import refresh, upkeep
-from ..session.live import binding, evaluate
-from ..session.memory import sessions
+from ..session.actions import housekeeping as upkeep
+from ..session.actions import refresh
+from ..session.datablocks import targets
+from ..session.datablocks.shapes import baked
+from ..session.datablocks.shapes import shapes as blocks_shapes
+from ..session.evaluation import binding, evaluate
+from ..session.state import sessions
 from . import cache, paths, record, sequences, shape_keys
 from .files import CacheFile
 from .reader import ShapeReader, changes_count, labels

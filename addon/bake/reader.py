@@ -16,8 +16,9 @@ from ..compat import read_positions
 from ..core.errors import SinewError
 from ..mesh_io import read_incoming
 from ..properties import SinewDeformer
-from ..session.blocks import owners, shapes
-from ..session.memory import sessions
+from ..session.datablocks import owners
+from ..session.datablocks.shapes import shapes
+from ..session.state import sessions
 
 
 @dataclass

@@ -6,9 +6,9 @@ from bpy.types import Object
 from ..core import status
 from ..core.status import Level, Status
 from ..properties import SinewDeformer
-from ..session.blocks import baked, shapes
-from ..session.live import binding
-from ..session.memory import sessions
+from ..session.datablocks.shapes import baked, shapes
+from ..session.evaluation import binding
+from ..session.state import sessions
 from . import cache, shape_keys
 
 

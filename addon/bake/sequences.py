@@ -13,7 +13,7 @@ import bpy
 from bpy.types import Modifier, Object, Scene
 
 from ..properties import SinewDeformer
-from ..session.blocks import shapes
+from ..session.datablocks.shapes import shapes
 from .stretching import times
 
 _MAGIC = b"POINTCACHE2\0"

@@ -5,7 +5,7 @@ from bpy.types import Object
 
 from ..core.errors import SinewError
 from ..properties import SinewDeformer
-from ..session.memory import sessions
+from ..session.state import sessions
 from . import paths, record
 from .files import SUFFIXES
 

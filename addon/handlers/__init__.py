@@ -3,7 +3,7 @@
 
 import bpy
 
-from ..session.edit import saving
+from ..session.actions import saving
 from . import deferred, evaluation, history
 
 # Those of evaluations come first, so that the handlers of other add-ons find the shapes of the frame.

@@ -11,11 +11,13 @@ from bpy.types import Depsgraph
 
 from ..core import status
 from ..operators import redraw_panels
-from ..session.blocks import lattice_keys, owners
-from ..session.edit import refresh, upkeep
-from ..session.live import binding, evaluate, mirroring
-from ..session.live import schedule as live_schedule
-from ..session.memory import render_writes, sessions
+from ..session.actions import housekeeping as upkeep
+from ..session.actions import refresh
+from ..session.datablocks import owners
+from ..session.datablocks.shapes import lattice_keys
+from ..session.evaluation import binding, evaluate, mirroring
+from ..session.evaluation import schedule as live_schedule
+from ..session.state import render_writes, sessions
 
 PAUSE = 0.15  # seconds without an edit, after which the final shape replaces a preview
 _POLL = 0.1  # seconds between two looks at threads
@@ -67,7 +69,7 @@ def _has_rigs_in_windows() -> bool:
 
 
 def _write_for_renders() -> float | None:
-    """Write what render threads wait for; see ``session/memory/render_writes.py``.
+    """Write what render threads wait for; see ``session/state/render_writes.py``.
 
     It also looks while the interface is to be locked: nothing calls the add-on when the artist unlocks it.
     """

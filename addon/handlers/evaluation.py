@@ -11,10 +11,10 @@ from bpy.app.handlers import persistent
 from bpy.types import Depsgraph, Scene
 
 from ..operators import entering
-from ..session.blocks import owners
-from ..session.edit import refresh
-from ..session.live import evaluate, mirroring, schedule
-from ..session.memory import sessions
+from ..session.actions import refresh
+from ..session.datablocks import owners
+from ..session.evaluation import evaluate, mirroring, schedule
+from ..session.state import sessions
 from . import deferred
 
 

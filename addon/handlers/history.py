@@ -8,10 +8,11 @@ from bpy.app.handlers import persistent
 
 from ..core.memory import forget_all
 from ..operators import entering
-from ..session.blocks import owners
-from ..session.edit import deformers, refresh, saving, upkeep
-from ..session.live import evaluate, mirroring
-from ..session.memory import sessions
+from ..session.actions import deformers, refresh, saving
+from ..session.actions import housekeeping as upkeep
+from ..session.datablocks import owners
+from ..session.evaluation import evaluate, mirroring
+from ..session.state import sessions
 from . import deferred, evaluation
 
 

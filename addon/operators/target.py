@@ -10,8 +10,8 @@ from bpy.types import Context, Object
 from ..core.errors import SinewError
 from ..core.memory import remember
 from ..properties import SinewDeformer, deformers_of
-from ..session.blocks import targets
-from ..session.control import kinds
+from ..session.controls import kinds
+from ..session.datablocks import targets
 from . import entering
 
 _CONVERTIBLE = ("SURFACE", "META")

@@ -8,9 +8,9 @@ from ..core import status
 from ..core.errors import SinewError
 from ..core.status import Level
 from ..properties import SinewDeformer
-from ..session.edit import upkeep
-from ..session.live import binding
-from ..session.live.binding import CANCELLED
+from ..session.actions import housekeeping as upkeep
+from ..session.evaluation import binding
+from ..session.evaluation.binding import CANCELLED
 from .modal.staying import StaysInWindow
 from .target import target_of
 

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Panels, lists, menus and overlays, which draw and never solve."""
 
-from . import bake, data_tab, drag_tool, keymap, lists, menus, overlay, panel, pie, presets, reach, refining
+from . import bake, data_tab, drag_tool, keymap, lists, menus, panel, pie, presets, refining
+from .overlays import overlay, reach
 
 _MODULES = (lists, menus, pie, presets, panel, overlay, reach, refining, bake, data_tab, keymap, drag_tool)
 

@@ -9,7 +9,7 @@ from .. import bake
 from ..ids import Operators
 from ..operators import target_of
 from ..properties import BAKE_TARGETS, SinewDeformer
-from ..session.blocks.targets import is_exported, is_lattice, is_mesh, label
+from ..session.datablocks.targets import is_exported, is_lattice, is_mesh, label
 from .places import ROOT, SidebarPanel
 from .text import draw_text
 

@@ -3,7 +3,8 @@
 
 from bpy.utils import register_classes_factory
 
-from . import bake, overlay, panel
+from . import bake, panel
+from .overlays import overlay
 from .places import in_properties
 
 _ORIGINALS = (*panel.PANELS, *overlay.PANELS, *bake.PANELS)

@@ -7,7 +7,7 @@ from bpy.types import Context, UILayout, WorkSpaceTool
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..operators import SINEW_OT_drag, draw_line, ring, surface_under
-from ..operators.drag import HANDLE, REACH, handle_radius
+from ..operators.tools.drag import HANDLE, REACH, handle_radius
 
 
 class SINEW_WT_drag(WorkSpaceTool):

@@ -7,7 +7,7 @@ from .. import bake
 from ..ids import Operators
 from ..operators import target_of
 from ..properties import SinewDeformer, SinewKey
-from ..session.edit import keys
+from ..session.actions import keys
 from .layouts import unless_baked
 from .places import ActiveDeformerPanel, active_deformer
 from .text import draw_text

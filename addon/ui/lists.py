@@ -8,8 +8,8 @@ from ..core import status
 from ..core.status import Level
 from ..ids import Operators
 from ..properties import HANDLE_ROLES, SinewControl, SinewDeformer, SinewHandle, SinewObject
-from ..session.blocks import shapes
-from ..session.edit import rows
+from ..session.actions.controls import control_list as rows
+from ..session.datablocks.shapes import shapes
 from .keys import SINEW_UL_keys
 from .text import columns
 

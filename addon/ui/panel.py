@@ -12,9 +12,10 @@ from ..core.status import Level, Remedy, Status
 from ..ids import Menus, Operators
 from ..operators import explain_no_target, target_of
 from ..properties import BASE, SinewDeformer
-from ..session.blocks import shapes, targets
-from ..session.control import kinds
-from ..session.edit import sharing
+from ..session.actions import sharing
+from ..session.controls import kinds
+from ..session.datablocks import targets
+from ..session.datablocks.shapes import shapes
 from . import control, keys
 from .control import draw_start, drawing_of
 from .layouts import draw_move_buttons, split, unless_baked

@@ -5,7 +5,7 @@ from bpy.types import PropertyGroup, UILayout
 
 from ..core.methods import Curve, Float, GridPoints, Parameter, UvMap, group_property
 from ..ids import Operators
-from ..session.blocks import references
+from ..session.datablocks import references
 
 
 def draw_parameter(layout: UILayout, values: PropertyGroup, parameter: Parameter) -> None:

@@ -4,9 +4,9 @@
 import bpy
 from bpy.types import SpaceView3D
 
-from ..session.blocks import owners
-from ..session.memory import sessions
-from . import overlay_draw
+from ..session.datablocks import owners
+from ..session.state import sessions
+from .overlays import overlay_draw
 
 _callbacks: list = []  # the drawing callback, as Blender identifies it
 

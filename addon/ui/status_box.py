@@ -15,12 +15,12 @@ from ..core.status import Level, Remedy, Status
 from ..ids import Operators
 from ..preferences import PACKAGE
 from ..properties import SinewDeformer
-from ..session.control import kinds
-from ..session.control import twice as control_twice
-from ..session.edit import making
-from ..session.live import binding, dependencies
-from ..session.memory import sessions
-from ..session.memory.background import Work
+from ..session.actions.controls import making
+from ..session.controls import kinds
+from ..session.controls import twice as control_twice
+from ..session.evaluation import binding, dependencies
+from ..session.state import sessions
+from ..session.state.background import Work
 from .text import columns, draw_text
 
 _ICONS = {Level.NONE: "BLANK1", Level.INFO: "INFO", Level.WARNING: "ERROR", Level.ERROR: "CANCEL"}

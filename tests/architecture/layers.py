@@ -36,17 +36,17 @@ INNER_RANKS = {
         "transform": 3,
     },
     "session": {
-        "memory": 0,
-        "blocks": 1,
-        "control": 2,
-        "shown": 3,
-        "live": 3,
-        "edit": 4,
-        "tools": 4,
+        "state": 0,
+        "datablocks": 1,
+        "controls": 2,
+        "results": 3,
+        "evaluation": 3,
+        "actions": 4,
+        "edit_mode": 4,
     },
 }
 # Folders whose sub-folders may not see each other: adding one kind must not need another.
-APART = ("session/control",)
+APART = ("session/controls",)
 BLENDER_MODULES = {"bpy", "bpy_extras", "bmesh", "mathutils", "gpu", "blf", "addon_utils", "bl_math", "aud"}
 ROOMS_WITHOUT_BLENDER = {"core", "backend"}
 

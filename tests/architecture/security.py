@@ -32,8 +32,11 @@ OPERATORS = {"script", "console", "text", "preferences", "extensions"}  # of bpy
 # What may be there, and why.
 ALLOWED = {
     ("backend/loader.py", "import_module"): "the native module, by a name of our own",
-    ("operators/check.py", "NamedTemporaryFile"): "the report of a check, a new file",
-    ("session/blocks/shapes.py", "unlink"): "an object from a collection; no file is removed by it",
+    ("operators/deformer/check.py", "NamedTemporaryFile"): "the report of a check, a new file",
+    (
+        "session/datablocks/shapes/shapes.py",
+        "unlink",
+    ): "an object from a collection; no file is removed",
     ("core/methods/__init__.py", "import_module"): "the modules of its own folder, which are the registry",
 }
 

@@ -80,10 +80,10 @@ def test_native_step_down_is_allowed(tmp_path: Path, path: str, line: str) -> No
         ("addon/bake/a.py", "from ... import sinew", "no room that has a rank"),
         ("addon/core/methods/a.py", "from ..geometry import frames", "of the same rank"),
         ("addon/core/status.py", "from .errors import SinewError", "of higher rank"),
-        ("addon/session/blocks/a.py", "from ...ui import panel", "of higher rank"),
-        ("addon/session/blocks/a.py", "from ..live import evaluate", "of higher rank"),
-        ("addon/session/live/a.py", "from ..shown.result import shape_shown", "of the same rank"),
-        ("addon/session/live/a.py", "from .. import bind", "no room that has a rank"),
+        ("addon/session/datablocks/a.py", "from ...ui import panel", "of higher rank"),
+        ("addon/session/datablocks/a.py", "from ..evaluation import evaluate", "of higher rank"),
+        ("addon/session/evaluation/a.py", "from ..results.result import shape_shown", "of the same rank"),
+        ("addon/session/evaluation/a.py", "from .. import bind", "no room that has a rank"),
         ("addon/session/a.py", "from .live import evaluate", "is no room of session"),
         ("addon/preferences.py", "from .session import cache", "of higher rank"),
         ("addon/gizmos/a.py", "", "no room that has a rank"),
@@ -113,14 +113,14 @@ def test_addon_offence_is_found(tmp_path: Path, path: str, line: str, reason: st
             "from .cache import entries\nfrom ..backend import load\nfrom ..core.errors import E",
         ),
         ("addon/ui/a.py", "from .. import ids, session"),
-        ("addon/ui/a.py", "from ..session.shown import result"),
+        ("addon/ui/a.py", "from ..session.results import result"),
         ("addon/session/__init__.py", "from .edit.bind import bind"),
-        ("addon/session/live/a.py", "from . import binding\nfrom ..control.cage import kind"),
+        ("addon/session/evaluation/a.py", "from . import binding\nfrom ..controls.cage import kind"),
         (
-            "addon/session/control/cage/a.py",
+            "addon/session/controls/cage/a.py",
             "from . import kind\nfrom .. import kinds\nfrom ..kinds import a",
         ),
-        ("addon/session/control/kinds.py", "from .cage import kind"),
+        ("addon/session/controls/kinds.py", "from .cage import kind"),
         (
             "addon/ui/a.py",
             "try:\n    from ..session import a\nexcept ImportError:\n    from ..session import b",
@@ -134,7 +134,7 @@ def test_addon_step_down_is_allowed(tmp_path: Path, path: str, line: str) -> Non
 
 @pytest.mark.parametrize("line", ["from ..handles import poses", "from ..handles.poses import pose"])
 def test_kinds_of_control_stand_apart(tmp_path: Path, line: str) -> None:
-    sources = {"addon/session/control/handles/poses.py": "", "addon/session/control/cage/a.py": line}
+    sources = {"addon/session/controls/handles/poses.py": "", "addon/session/controls/cage/a.py": line}
     (offence,) = addon_offences(grow(tmp_path, sources))
     assert "stand apart" in offence
 

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from .answers import answers
+from .oracles.answers import answers
 
 FILE = os.environ.get("SINEW_ANSWERS", "")
 # All else is a sum in a fixed order, with METIS's orderings as on Linux, and equal to the last bit. Solves in

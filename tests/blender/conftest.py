@@ -175,7 +175,7 @@ _PASSED = pytest.StashKey[bool]()
 @pytest.fixture
 def overlay(room, scene):
     """``ui.overlay``, with its updates followed as with a window, and a known opacity."""
-    module = room("ui.overlay")
+    module = room("ui.overlays.overlay")
     module.cache.clear()
     preferences = room("preferences").preferences(bpy.context)
     preferences.overlay_opacity = 1.0
@@ -193,7 +193,7 @@ def paint(overlay, room):
     def picture(obj: bpy.types.Object, **wanted):
         for name, value in wanted.items():
             setattr(bpy.context.scene.sinew, name, value)
-        look = room("ui.overlay_mesh").overlay_settings(bpy.context)
+        look = room("ui.overlays.overlay_mesh").overlay_settings(bpy.context)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         return overlay.cache.overlay_mesh(obj, obj.sinew.active, look, depsgraph)
 

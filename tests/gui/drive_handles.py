@@ -104,7 +104,7 @@ def prepare():
 
 
 def overlay():
-    return sys.modules[f"{MODULE}.ui.overlay"]
+    return sys.modules[f"{MODULE}.ui.overlays.overlay"]
 
 
 def look(name: str, **wanted: object):
@@ -133,7 +133,7 @@ def nearest(where) -> int:
 def most_stretched() -> int:
     """The vertex around which the area grew most, among those that the viewer sees from the front."""
     result, measure = (
-        sys.modules[f"{MODULE}.{name}"] for name in ("session.shown.result", "core.geometry.distortion")
+        sys.modules[f"{MODULE}.{name}"] for name in ("session.results.result", "core.geometry.distortion")
     )
     values = result.measured(head(), deformer(), measure.Measure.AREA).values
     evaluated = head().evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices

@@ -36,7 +36,7 @@ def enable() -> None:
 
 
 def sessions():
-    return sys.modules[f"{MODULE}.session.memory.sessions"]
+    return sys.modules[f"{MODULE}.session.state.sessions"]
 
 
 def window() -> bpy.types.Window:
@@ -71,7 +71,7 @@ _CHARACTERS = {key: character for character, key in _KEYS.items()}
 
 
 def binding():
-    return sys.modules[f"{MODULE}.session.live.binding"]
+    return sys.modules[f"{MODULE}.session.evaluation.binding"]
 
 
 def works() -> bool:

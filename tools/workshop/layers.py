@@ -122,7 +122,7 @@ def addon(timeout: float) -> Outcome:
 
 def addon_quick(timeout: float) -> Outcome:
     build_tree("dev", "sinew_native")
-    chosen = ("-m", "not slow", "--ignore=tests/addon/test_old_processors.py")
+    chosen = ("-m", "not slow", "--ignore=tests/addon/install/test_old_processors.py")
     return _pytest("addon", timeout, {"PYTHONPATH": DEV_MODULE}, *chosen)
 
 

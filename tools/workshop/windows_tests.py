@@ -26,7 +26,7 @@ from .windows_libraries import WINDOWS
 from .windows_wheels import TARGET
 
 BINDINGS = ROOT / "tests" / "bindings"
-OLD_PROCESSORS = ROOT / "tests" / "addon" / "test_old_processors.py"
+OLD_PROCESSORS = ROOT / "tests" / "addon" / "install" / "test_old_processors.py"
 LOADER = Path("/usr/lib/wine/wine64")  # the program itself; "wine" is a script around it
 # Of SciPy's packages, scipy.sparse alone works without scipy.linalg.
 LINALG = re.compile(r"\bscipy\.(?!sparse\b)\w|\bscipy\.sparse\.linalg\b")
@@ -161,7 +161,7 @@ def answers_of_this_machine(minor: int) -> Path:
     file = RESULTS / f"answers-3.{minor}.npz"
     python = environments.dev().make().python
     paths = f"{DEV_MODULE}{os.pathsep}{ROOT}"
-    must([python, "-m", "tests.bindings.answers", file], env={"PYTHONPATH": paths}, quiet=True)
+    must([python, "-m", "tests.bindings.oracles.answers", file], env={"PYTHONPATH": paths}, quiet=True)
     return file
 
 

@@ -9,7 +9,7 @@ from ...core.methods import BY_ID, DEFAULT_METHOD, METHODS, Method
 from ...core.transform.motion import Mode, Motion
 from ...core.transform.typed_motion import TypedMotion, View
 from ...preferences import preferences
-from ...session.control import kinds
+from ...session.controls import kinds
 from .shell import Keys
 from .view import typed_units
 

@@ -7,7 +7,7 @@ import numpy as np
 from bpy.types import Event, Object
 
 from ...core.transform.typed_motion import TypedMotion, View
-from ...session.memory.background import Work
+from ...session.state.background import Work
 from .shell import Outcome
 
 CANCEL = ("RIGHTMOUSE", "ESC")

@@ -11,7 +11,7 @@ from bpy.types import Context, Event, Object, UILayout
 
 from ...core.errors import SinewError
 from ...core.transform.typed_motion import View
-from ...session.memory.background import Work
+from ...session.state.background import Work
 from ..reporting import reports_errors
 from .staying import StaysInWindow
 from .view import view_of

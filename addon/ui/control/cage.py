@@ -5,8 +5,8 @@ from bpy.types import Context, Menu, Object, UILayout
 
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
-from ...session.blocks import targets
-from ...session.edit import automatic, making
+from ...session.actions.controls import automatic, making
+from ...session.datablocks import targets
 from ..layouts import invoking, split
 from ..status_box import draw_progress
 from ..text import draw_text

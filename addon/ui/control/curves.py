@@ -5,8 +5,8 @@ from bpy.types import Context, Menu, Object, UILayout
 
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
-from ...session.blocks import targets
-from ...session.edit import rows as edit_rows
+from ...session.actions.controls import control_list as edit_rows
+from ...session.datablocks import targets
 from ..layouts import invoking, split
 
 ABOVE_PARAMETERS = True

@@ -6,12 +6,12 @@ from bpy.types import Context, Menu, Object, Panel, UILayout
 from ...ids import Menus, Operators
 from ...operators import target_of
 from ...properties import STANDS_ON, SinewDeformer, SinewHandle
-from ...session.blocks import targets
-from ...session.control import kinds
-from ...session.control.handles import points, riding, sides
-from ...session.edit import rigging
-from ...session.edit.handles import standing
-from ...session.edit.handles.standing import NOTHING_MOVES
+from ...session.actions import rigging
+from ...session.actions.handles import standing
+from ...session.actions.handles.standing import NOTHING_MOVES
+from ...session.controls import kinds
+from ...session.controls.handles import points, riding, sides
+from ...session.datablocks import targets
 from ..layouts import draw_move_buttons, draw_move_entries, invoking, split, unless_baked
 from ..places import ActiveDeformerPanel, active_deformer
 from ..text import columns, draw_text

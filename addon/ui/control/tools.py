@@ -5,7 +5,7 @@ from bpy.types import Context, Menu, Object, UILayout
 
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
-from ...session.edit import rows
+from ...session.actions.controls import control_list as rows
 from ..layouts import invoking, split
 from ..text import draw_text
 from .curves import active_row, draw_rows

@@ -87,7 +87,7 @@ from mathutils import Matrix
 from rigs.rig import Rig, make_active, update
 
 room = lambda path: importlib.import_module(f"{addon_name}.{path}")
-native, upkeep = room("backend").availability().module, room("session.edit.upkeep")
+native, upkeep = room("backend").availability().module, room("session.actions.housekeeping")
 
 class Throwaway:
     built, solved = [], []

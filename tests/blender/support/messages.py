@@ -17,10 +17,10 @@ ADDON, LIBRARY = ROOT / "addon", ROOT / "native"
 STATUS_ROOMS = (
     "bake/sequences.py",
     "core/geometry/frames.py",
-    "session/blocks",
-    "session/control",
-    "session/edit/keys.py",
-    "session/live",
+    "session/datablocks",
+    "session/controls",
+    "session/actions/keys.py",
+    "session/evaluation",
     "ui/status_box.py",
 )
 

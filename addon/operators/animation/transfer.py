@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Deformation transfer from one mesh to another."""
+
+import bpy
+from bpy.props import StringProperty
+from bpy.types import Context, Event, Object, Operator
+
+from ... import bake
+from ...core.errors import SinewError
+from ...ids import Operators
+from ..frame_by_frame import FrameByFrame
+
+
+class SINEW_OT_transfer_deformation(FrameByFrame, Operator):
+    """Deform the active mesh as the other selected mesh is deformed, frame by frame.
+
+    Both have the same faces, and other proportions. A Mesh Cache modifier plays the result
+    """
+
+    bl_idname = Operators.TRANSFER
+    bl_label = "Transfer Deformation"
+    bl_options = {"REGISTER", "UNDO"}
+    doing, did = "transferring", "Transferred"
+    cancelled = "The transfer was cancelled - everything is as it was"
+
+    source: StringProperty(
+        name="Source",
+        description="The name of the mesh object that is deformed already; if empty, the other selected one",
+        options={"SKIP_SAVE"},
+    )
+    filepath: StringProperty(
+        name="Path",
+        subtype="FILE_PATH",
+        description="The PC2 file to write; if empty, one in the folder sinew_cache beside the .blend file",
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        obj = context.object
+        if obj is None or obj.type != "MESH":
+            cls.poll_message_set("Select the mesh that is deformed, then the one to deform")
+            return False
+        if obj.library is not None:
+            cls.poll_message_set("This object is linked - make a library override first")
+            return False
+        if obj.mode != "OBJECT":
+            cls.poll_message_set("Go to Object Mode to transfer")
+            return False
+        return True
+
+    def invoke(self, context: Context, _event: Event) -> set[str]:
+        return self.execute(context) if bpy.app.background else self.begin(context)
+
+    def execute(self, context: Context) -> set[str]:
+        return self.run(context)
+
+    def draw(self, _context: Context) -> None:
+        self.layout.use_property_split = True
+        self.layout.prop_search(self, "source", bpy.data, "objects")
+        self.draw_frames()
+
+    def job(self, context: Context) -> bake.Transferring:
+        return bake.Transferring(
+            self._source(context), context.object, context.scene, self.frames(context), self.filepath
+        )
+
+    def _source(self, context: Context) -> Object:
+        if self.source:
+            found = bpy.data.objects.get(self.source)
+            if found is None:
+                raise SinewError(f"There is no object {self.source}")
+            return found
+        others = [obj for obj in context.selected_objects if obj != context.object]
+        if len(others) != 1:
+            raise SinewError("Select the mesh that is deformed, then the one to deform, and no other object")
+        self.source = others[0].name
+        return others[0]

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Make the control grid of a deformer an object, so that its points can be dragged."""
+
+from bpy.types import Context, Operator
+
+from ...ids import Operators
+from ...session.actions.controls import grids
+from ..reporting import reports_errors
+from ..target import has_deformer, object_mode, show_control, target_of
+
+
+class SINEW_OT_grid_new(Operator):
+    """Make a mesh of the control grid whose points you can drag in Edit Mode, or key and hook as any others.
+
+    If there is one already, it starts anew, and moves nothing at first
+    """
+
+    bl_idname = Operators.GRID_NEW
+    bl_label = "New Grid"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_deformer(cls, context, mesh=True):
+            return False
+        if not grids.has_grid(target_of(context).sinew.active):
+            cls.poll_message_set("Choose Spline Surface: other methods have no control grid")
+            return False
+        return True
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        with object_mode(context, obj):
+            grid = grids.new_grid(obj, obj.sinew.active)
+            for other in context.selected_objects:
+                other.select_set(False)
+            if grid.name in context.view_layer.objects:
+                grid.select_set(True)
+                show_control(context, obj, grid)
+        return {"FINISHED"}

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fit a lattice to the selected objects, and set its rest shape."""
+
+from bpy.props import EnumProperty, FloatProperty, IntVectorProperty, StringProperty
+from bpy.types import Context, Object, Operator
+
+from ...core.errors import SinewError
+from ...ids import Operators
+from ...session.actions import rigging
+from ...session.actions.controls import lattices as edit_lattices
+from ...session.actions.controls.lattices import LATTICE_METHODS, LatticeShape
+from ..deformer.sharing import BindsAll
+from ..reporting import reports_errors
+from ..target import has_deformer, has_target, object_mode, selected_targets, target_of
+from ..waiting import BindingOperator
+from .cage import show_only
+
+_LATTICES = ("LATTICE", "MESH")
+
+
+class SINEW_OT_lattice_add(BindingOperator, Operator):
+    """Let a lattice around the selected objects move them. Edit, pose or animate it like any lattice"""
+
+    bl_idname = Operators.LATTICE_ADD
+    bl_label = "Add Lattice"
+    bl_options = {"REGISTER", "UNDO"}
+
+    source: EnumProperty(
+        name="Source",
+        items=(
+            ("FIT", "Fitted", "A new lattice around all selected objects", 0),
+            ("OBJECT", "Selected Object", "The other selected lattice, or mesh of hexahedra", 1),
+        ),
+        default="FIT",
+        description="Where the lattice comes from",
+    )
+    shape: EnumProperty(
+        name="Shape",
+        items=(
+            ("BOX", "Box", "A lattice object of rows, columns and layers", 0),
+            ("CYLINDER", "Cylinder", "A mesh of hexahedra about the third axis", 1),
+            ("FITTED", "Fitted Boxes", "A mesh of boxes where the objects are: welded hexahedra", 2),
+        ),
+        default="BOX",
+        description="What the new lattice looks like",
+    )
+    resolution: IntVectorProperty(
+        name="Resolution",
+        size=3,
+        default=(4, 4, 4),
+        min=1,
+        max=64,
+        soft_max=16,
+        description="Box: points along each axis. Fitted Boxes: cells along each axis. Cylinder: cells "
+        "across the core, from the core to the border, and along the axis",
+    )
+    orientation: EnumProperty(
+        name="Orientation",
+        items=(
+            ("OBJECT", "Object", "Along the axes of the active object", 0),
+            ("PRINCIPAL", "Principal Axes", "Along the directions in which the shape is longest", 1),
+            ("WORLD", "World", "Along the axes of the world", 2),
+        ),
+        default="OBJECT",
+        description="How the new lattice is turned",
+    )
+    margin: FloatProperty(
+        name="Margin",
+        default=0.02,
+        min=0.0,
+        max=1.0,
+        soft_max=0.25,
+        precision=3,
+        step=1,
+        description="How far the new lattice stands out, as a share of its longest side",
+    )
+    lattice: StringProperty(
+        name="Lattice",
+        description="The name of a lattice object, or of a mesh of hexahedra; if empty, the other selected "
+        "one is used",
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_target(cls, context)
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        active = target_of(context)
+        with object_mode(context, active):
+            if self.source == "OBJECT":
+                lattice, targets = self._chosen(context, active), [active]
+            else:
+                targets = selected_targets(context, active)
+                counts = tuple(self.resolution)
+                shape = LatticeShape(self.shape, counts, self.orientation, self.margin)
+                lattice = edit_lattices.add_lattice_object(targets, shape)
+            method, owned = LATTICE_METHODS[0].id, self.source == "FIT"
+            bound = rigging.rig_controls(targets, lattice, method, owned=owned, wait=wait)
+            show_only(context, active, lattice)
+        self.report_shared(bound, lattice.name)
+        return {"FINISHED"}
+
+    def _chosen(self, context: Context, active: Object) -> Object:
+        if self.lattice:
+            lattice = context.scene.objects.get(self.lattice)
+            if lattice is None:
+                raise SinewError(f"There is no object '{self.lattice}' in the scene")
+            return lattice
+        others = [other for other in context.selected_objects if other != active and other.type in _LATTICES]
+        lattices = [other for other in others if other.type == "LATTICE"]
+        if len(lattices) != 1 and len(others) != 1:
+            raise SinewError("Select the lattice and then the object that it moves, which becomes active")
+        return (lattices or others)[0]
+
+
+class SINEW_OT_lattice_set_rest(BindsAll, Operator):
+    """Take the current shape and resolution of the lattice as its rest, for all objects that it moves.
+
+    They go back to rest; later edits of the lattice pose them
+    """
+
+    bl_idname = Operators.LATTICE_REST
+    bl_label = "Set Rest Lattice"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_deformer(cls, context):
+            return False
+        deformer = target_of(context).sinew.active
+        if not any(row.kind == "lattice" and row.object is not None for row in deformer.controls):
+            cls.poll_message_set("Add a lattice first")
+            return False
+        return True

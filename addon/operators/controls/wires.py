@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Add Wire: let curves, or edges of the mesh, carry what lies near them."""
+
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.types import Context, Object, Operator
+
+from ...core.errors import SinewError
+from ...core.methods import DEFAULT_WIRE_METHOD
+from ...ids import Operators
+from ...session.actions.controls import control_list as rows
+from ...session.actions.controls import wires as edit_wires
+from ...session.datablocks import targets
+from ..reporting import reports_errors
+from ..target import has_target, object_mode, target_of
+from ..waiting import BindingOperator
+from .cage import show_only
+
+RADIUS = {
+    "name": "Radius",
+    "subtype": "DISTANCE",
+    "default": 0.0,
+    "min": 0.0,
+    "options": {"SKIP_SAVE"},
+    "description": "How far from the wire points follow it; 0 for about a third of its length, and "
+    "at most a seventh of the size of the part beside it",
+}
+POINTS = {
+    "name": "Points",
+    "default": 6,
+    "min": 0,
+    "soft_max": 32,
+    "description": "How many points the new curve has at most for each row of edges, or for a stroke. "
+    "0 takes all of them, joined by straight lines",
+}
+
+
+class SINEW_OT_wire_add(BindingOperator, Operator):
+    """Let curves move what lies near them: the selected curves, or a new one along the selected edges"""
+
+    bl_idname = Operators.WIRE_ADD
+    bl_label = "Add Wire"
+    bl_options = {"REGISTER", "UNDO"}
+
+    source: EnumProperty(
+        name="Source",
+        items=(
+            ("AUTO", "Automatic", "The selected edges in Edit Mode, else the selected curves", 0),
+            ("CURVES", "Selected Curves", "The other selected curve objects become wires", 1),
+            ("EDGES", "Selected Edges", "A new curve along the selected rows and rings of edges", 2),
+        ),
+        default="AUTO",
+        options={"SKIP_SAVE"},
+        description="Where the wires come from",
+    )
+    curve: StringProperty(
+        name="Curve",
+        description="The name of a curve object; if empty, the other selected curves are used",
+        options={"SKIP_SAVE"},
+    )
+    points: IntProperty(**POINTS)
+    radius: FloatProperty(**RADIUS)
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_target(cls, context)
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        obj = target_of(context)
+        from_edges = self.source == "EDGES" or (
+            self.source == "AUTO" and obj.mode == "EDIT" and obj.type == "MESH" and not self.curve
+        )
+        if from_edges and not targets.is_mesh(obj):
+            raise SinewError(f"{obj.name} has no edges - select a curve and then {obj.name}")
+        wires = [edit_wires.wire_from_edges(obj, self.points)] if from_edges else self._chosen(context, obj)
+        with object_mode(context, obj):
+            add_wires(self, context, obj, wires, self.radius, owned=from_edges, wait=wait)
+        return {"FINISHED"}
+
+    def _chosen(self, context: Context, obj: Object) -> list[Object]:
+        if self.curve:
+            wire = context.scene.objects.get(self.curve)
+            if wire is None:
+                raise SinewError(f"There is no object '{self.curve}' in the scene")
+            return [wire]
+        wires = [other for other in context.selected_objects if other != obj and other.type == "CURVE"]
+        if not wires:
+            raise SinewError("Select the curves and then the object that they move, which becomes active")
+        return wires
+
+
+def add_wires(
+    operator: BindingOperator,
+    context: Context,
+    obj: Object,
+    wires: list[Object],
+    radius: float,
+    owned: bool,
+    wait: bool,
+) -> None:
+    """Let curves be wires of an object, select the last one, and report."""
+    radii = {wire: radius or edit_wires.fitting_radius(obj, wire) for wire in wires}
+    values = {wire: {"radius": own} if own > 0.0 else {} for wire, own in radii.items()}
+    deformer, refusal = rows.add_to(obj, values, DEFAULT_WIRE_METHOD, owned, wait)
+    if obj == target_of(context):
+        show_only(context, obj, wires[-1])
+    operator.report_bind(refusal, deformer.uid, wires[-1].name)

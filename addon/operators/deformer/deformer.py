@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Add and remove deformers."""
+
+from bpy.props import EnumProperty, IntProperty
+from bpy.types import Context, Operator
+
+from ... import bake
+from ...core.methods import DEFAULT_METHOD
+from ...ids import Operators
+from ...preferences import preferences
+from ...properties import method_items
+from ...session.actions import deformers
+from ..reporting import reports_errors
+from ..target import deformer_index, has_deformer, has_target, object_mode, target_of
+
+
+class SINEW_OT_deformer_add(Operator):
+    """Add a Sinew deformer to the mesh"""
+
+    bl_idname = Operators.DEFORMER_ADD
+    bl_label = "Add Deformer"
+    bl_options = {"REGISTER", "UNDO"}
+
+    method: EnumProperty(
+        name="Method",
+        items=method_items(),
+        default=DEFAULT_METHOD,
+        description="How the surface follows its handles. It can be changed later, and the handles stay",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_target(cls, context)
+
+    def invoke(self, context: Context, _event: object) -> set[str]:
+        if not self.properties.is_property_set("method"):
+            self.method = preferences(context).method
+        return self.execute(context)
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        deformers.add_deformer(target_of(context), self.method)
+        return {"FINISHED"}
+
+
+class SINEW_OT_deformer_remove(Operator):
+    """Remove the deformer, its controls and its hidden data. The mesh shows its rest shape again"""
+
+    bl_idname = Operators.DEFORMER_REMOVE
+    bl_label = "Remove Deformer"
+    bl_options = {"REGISTER", "UNDO"}
+
+    index: IntProperty(name="Index", default=-1, min=-1, description="Which deformer; -1 is the active one")
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context)
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        index = deformer_index(obj, self.index)
+        deformer = obj.sinew.deformers[index]
+        with object_mode(context, obj):
+            if deformer.bake.is_baked:
+                for line in bake.unbake(obj, deformer):
+                    self.report({"WARNING"}, line)
+            deformers.remove_deformer(obj, index)
+        return {"FINISHED"}

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Open a page of the manual that came with the add-on."""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import EnumProperty
+from bpy.types import Context, Operator
+
+from ...core.errors import SinewError
+from ...ids import Operators
+from ..reporting import reports_errors
+
+# Identifier, label and description; the identifier is the name of the page's file.
+PAGES = (
+    ("surface", "Pose a Surface", "From a selection to a pose: handles, fixed regions, support, methods"),
+    ("correct-an-elbow", "Correct an Elbow", "Corrections of a posed figure, which ride on its surface"),
+    ("cage", "Pose with a Cage", "Let a coarse closed mesh around yours move it"),
+    ("clothes", "Clothes", "A dressed figure in one cage, which its bones move"),
+    ("lattice", "Pose with a Lattice", "Let a box of points around one object or several move them"),
+    ("wires-and-fields", "Wires and Vector Fields", "Curves and tools that move what is near them"),
+    ("handle-points", "Pose with Handle Points", "Let empties, bones and points of objects move space"),
+    ("drag", "Sinew Drag", "Press on the surface in Object Mode, and drag"),
+    ("animate", "Animate and Render", "Keyframes, drivers, renders, several deformers in one stack"),
+    ("troubles", "When Things Go Wrong", "What each warning means, and what to do about it"),
+    ("baking", "Bake and Apply", "Store shapes in shape keys, caches, or the mesh itself"),
+    ("overlays", "Overlays", "Colours of regions, of influence, and of distortion"),
+    ("grab-region", "Grab Region", "Move vertices once, without a handle that stays"),
+    ("silhouette-sketch", "Silhouette Sketch", "Draw the outline of a mesh anew, and its surface follows"),
+    ("puppet", "Puppets", "Drag a bone, and the figure and its skin follow"),
+    ("scripting", "Scripting", "Operators, properties, and the Python module"),
+)
+
+_ADDON = Path(__file__).resolve().parents[1]
+
+
+def manual_page(page: str) -> Path:
+    """The file of a page: packaged with the add-on or, in a checkout of the source, as it is written."""
+    for path in (_ADDON / "manual" / f"{page}.html", _ADDON.parent / "docs" / "manual" / f"{page}.md"):
+        if path.is_file():
+            return path
+    raise SinewError(
+        f"The page '{page}' of the manual is missing - install the Sinew zip again, which contains it"
+    )
+
+
+class SINEW_OT_help(Operator):
+    """Open the page of the manual about this panel in the web browser. It needs no network.
+
+    The manual was installed with the add-on
+    """
+
+    bl_idname = Operators.HELP
+    bl_label = "Sinew Manual"
+
+    page: EnumProperty(
+        name="Page", description="What to read about", items=PAGES, default="surface", options={"SKIP_SAVE"}
+    )
+
+    @classmethod
+    def description(cls, _context: Context, properties: "SINEW_OT_help") -> str:
+        """The tooltip, which names the page."""
+        _identifier, label, about = next(item for item in PAGES if item[0] == properties.page)
+        return f"{label}. {about}.\nOpens the manual in the web browser; it was installed with the add-on"
+
+    @reports_errors
+    def execute(self, _context: Context) -> set[str]:
+        path = manual_page(self.page)
+        if bpy.app.background:
+            self.report({"INFO"}, str(path))
+        else:
+            bpy.ops.wm.url_open(url=path.as_uri())
+        return {"FINISHED"}

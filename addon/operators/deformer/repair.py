@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Remedies: mend the mesh, separate regions that share vertices, use more cells, and move a mesh once."""
+
+from bpy.props import BoolProperty, FloatProperty
+from bpy.types import Context, Object, Operator
+
+from ...core.errors import SinewError
+from ...ids import Operators
+from ...session.actions import bind, refining, repair
+from ...session.actions.handles import overlaps
+from ...session.actions.repair import Cures
+from ..reporting import reports_errors
+from ..target import has_deformer, has_target, object_mode, target_of
+
+
+class SINEW_OT_repair(Operator):
+    """Mend the defects of the mesh that can be mended safely, and bind again.
+
+    Vertex groups, shape keys and UV maps stay. All other defects are counted and stay as they are
+    """
+
+    bl_idname = Operators.REPAIR
+    bl_label = "Repair"
+    bl_options = {"REGISTER", "UNDO"}
+
+    not_finite: BoolProperty(
+        name="Lost Positions",
+        default=True,
+        description="Move vertices with invalid coordinates (NaN or infinite) between their neighbours; "
+        "remove them if they have none",
+    )
+    coincident: BoolProperty(
+        name="Seams",
+        default=True,
+        description="Merge vertices of open borders that lie at the same place; "
+        "closed parts that touch stay separate",
+    )
+    distance: FloatProperty(
+        name="Merge Distance",
+        default=0.0,
+        min=0.0,
+        soft_max=0.1,
+        precision=5,
+        subtype="DISTANCE",
+        description="The largest distance between vertices that are merged; 0 merges only vertices at "
+        "exactly the same place",
+    )
+    degenerate: BoolProperty(
+        name="Zero-Area Faces",
+        default=True,
+        description="Collapse faces without area and edges without length",
+    )
+    duplicate: BoolProperty(
+        name="Duplicate Faces", default=True, description="Keep one of several faces with the same vertices"
+    )
+    non_manifold: BoolProperty(
+        name="Fins and Inner Walls",
+        default=True,
+        description="Remove faces that stick out of an edge or divide the inside, "
+        "if an ordinary surface remains",
+    )
+    loose: BoolProperty(
+        name="Loose Vertices", default=True, description="Remove vertices that are in no face"
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_target(cls, context, mesh=True):
+            return False
+        if target_of(context).mode not in ("OBJECT", "EDIT"):
+            cls.poll_message_set("Repair works in Object and Edit Mode")
+            return False
+        return True
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        cures = Cures(
+            not_finite=self.not_finite,
+            coincident=self.coincident,
+            degenerate=self.degenerate,
+            duplicate=self.duplicate,
+            non_manifold=self.non_manifold,
+            loose=self.loose,
+            distance=self.distance,
+        )
+        mended, left = repair.repair(obj, cures)
+        self.report({"INFO"}, repair.summary(mended, left))
+        _bind_again(self, context, obj, any(mended.values()))
+        return {"FINISHED"}
+
+    def draw(self, _context: Context) -> None:
+        layout = self.layout
+        layout.use_property_split = True
+        column = layout.column(heading="Mend")
+        for name in ("not_finite", "degenerate", "duplicate", "non_manifold", "loose", "coincident"):
+            column.prop(self, name)
+        row = layout.row()
+        row.active = self.coincident
+        row.prop(self, "distance")
+
+
+class SINEW_OT_part_regions(Operator):
+    """Remove vertices that two regions share from the second region, and bind again.
+
+    If one region lies completely inside another, it keeps them, and the outer region loses them
+    """
+
+    bl_idname = Operators.PART_REGIONS
+    bl_label = "Part Regions"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context, mesh=True)
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        with object_mode(context, obj):
+            parted = overlaps.part_regions(obj, obj.sinew.active)
+        if not parted:
+            self.report({"INFO"}, "No vertex is in two regions")
+            return {"CANCELLED"}
+        for keeper, loser, count in parted:
+            vertices = "1 vertex is" if count == 1 else f"{count:,} vertices are"
+            self.report({"INFO"}, f"{vertices} now in {keeper} alone, no longer in {loser}")
+        _bind_again(self, context, obj, True)
+        return {"FINISHED"}
+
+
+class SINEW_OT_refine(Operator):
+    """Double the number of cells until each handle has one of its own, and bind.
+
+    Objects that share the handles get the same number
+    """
+
+    bl_idname = Operators.REFINE
+    bl_label = "Refine"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_deformer(cls, context):
+            return False
+        method = target_of(context).sinew.active.definition
+        if not method.finer:
+            cls.poll_message_set(f"{method.label} has nothing that could be finer")
+        return bool(method.finer)
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        with object_mode(context, obj):
+            label, value = refining.refine(obj.sinew.active)
+        self.report({"INFO"}, f"{label}: {value:,}")
+        return {"FINISHED"}
+
+
+class SINEW_OT_armature_off(Operator):
+    """Turn off the Armature modifiers of this mesh whose armature also moves a control of Sinew.
+
+    The control carries the mesh along, so it moved twice as far
+    """
+
+    bl_idname = Operators.ARMATURE_OFF
+    bl_label = "Turn Off Armature"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context, mesh=True)
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        names = refining.turn_off_armatures(obj, obj.sinew.active)
+        if not names:
+            self.report({"INFO"}, "Nothing moves this mesh twice")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Turned off {', '.join(names)}")
+        return {"FINISHED"}
+
+
+def _bind_again(operator: Operator, context: Context, obj: Object, changed: bool) -> None:
+    """Bind the active deformer and, if the mesh changed, all bound ones. Errors are reported as warnings."""
+    active = obj.sinew.active
+    for deformer in obj.sinew.deformers:
+        is_active = deformer.uid == active.uid
+        if (
+            not deformer.handles
+            or (deformer.is_bound and not changed)
+            or not (deformer.is_bound or is_active)
+        ):
+            continue
+        try:
+            with object_mode(context, obj):
+                bind.bind(obj, deformer)
+        except SinewError as error:
+            operator.report({"WARNING"}, f"{deformer.name}: {error}")

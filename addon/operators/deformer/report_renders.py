@@ -1,0 +1,21 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Tell in Blender's own place for reports what a render could not show."""
+
+from bpy.props import StringProperty
+from bpy.types import Context, Operator
+
+from ...ids import Operators
+
+
+class SINEW_OT_report_renders(Operator):
+    """Report which deformers showed the rest shape in the last render, and why"""
+
+    bl_idname = Operators.REPORT_RENDERS
+    bl_label = "Report Renders"
+    bl_options = {"INTERNAL"}  # Sinew calls it after a render
+
+    text: StringProperty(name="Text", description="What to report")
+
+    def execute(self, _context: Context) -> set[str]:
+        self.report({"WARNING"}, self.text)
+        return {"FINISHED"}

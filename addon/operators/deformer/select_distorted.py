@@ -1,0 +1,59 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Select the vertex where the surface is distorted most."""
+
+import bpy
+from bpy.props import EnumProperty
+from bpy.types import Context, Operator
+
+from ...core.elements import Elements, Owner
+from ...core.geometry.distortion import Measure
+from ...ids import Operators
+from ...properties.scene import MEASURES
+from ...session.actions import selection
+from ...session.results import result
+from ..target import has_deformer, target_of
+
+
+class SINEW_OT_select_distorted(Operator):
+    """Select, in Edit Mode, the vertex around which the surface is distorted most.
+
+    To reduce the distortion, add a handle there, or let more of the surface move
+    """
+
+    bl_idname = Operators.SELECT_DISTORTED
+    bl_label = "Select Most Distorted"
+    bl_options = {"REGISTER", "UNDO"}
+
+    measure: EnumProperty(name="Measure", description="The measure of distortion", items=MEASURES)
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_deformer(cls, context, mesh=True):
+            return False
+        if not target_of(context).sinew.active.is_bound:
+            cls.poll_message_set("Bind the deformer first")
+            return False
+        return True
+
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        deformer = obj.sinew.active
+        result.repainted(deformer)
+        found = result.measure(obj, deformer, Measure(self.measure))
+        if found is None:
+            self.report({"ERROR"}, "There is no shape to measure - press Rebind")
+            return {"CANCELLED"}
+        if len(obj.data.vertices) != len(found.values):
+            self.report(
+                {"ERROR"},
+                "A modifier before Sinew adds or removes vertices, so the mesh itself has no such vertex "
+                "to select",
+            )
+            return {"CANCELLED"}
+        if obj.mode != "EDIT":
+            context.view_layer.objects.active = obj
+            bpy.ops.object.mode_set(mode="EDIT")
+        selection.select_elements(obj, Elements(Owner.TARGET, "vertex", (found.worst,)))
+        label = next(label for identifier, label, *_rest in MEASURES if identifier == self.measure)
+        self.report({"INFO"}, f"{label} {found.largest:.3g} at vertex {found.worst}")
+        return {"FINISHED"}

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Copy handles and their weights to the other side of the mesh."""
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty
+from bpy.types import Context, Operator
+
+from ...core.sides import Side
+from ...ids import Operators
+from ...session.actions import rigging
+from ...session.actions.handles import mirror
+from ...session.actions.handles.mirror import Mirrored, MirrorOptions
+from ..reporting import reports_errors
+from ..target import handle_index, has_deformer, object_mode, target_of
+from ..waiting import BindingOperator
+
+
+class SINEW_OT_handle_mirror(BindingOperator, Operator):
+    """Mirror handles across the local X axis of the mesh: Hand.L to Hand.R, with weights, control and pose.
+
+    The other side is found by its name, or made. A handle without a side in its name is named by the side
+    that it lies on; on the centre line it stays one handle and becomes symmetric
+    """
+
+    bl_idname = Operators.HANDLE_MIRROR
+    bl_label = "Mirror Handle"
+    bl_options = {"REGISTER", "UNDO"}
+
+    side: EnumProperty(
+        name="Side",
+        description="Which handles are mirrored, and to where",
+        items=(
+            ("ACTIVE", "Active Handle", "Mirror the active handle to the other side", 0),
+            (
+                "LEFT_TO_RIGHT",
+                "Left to Right",
+                "Mirror every handle of the left side (+X), and make those in the middle symmetric",
+                1,
+            ),
+            (
+                "RIGHT_TO_LEFT",
+                "Right to Left",
+                "Mirror every handle of the right side (-X), and make those in the middle symmetric",
+                2,
+            ),
+        ),
+    )
+    weights_only: BoolProperty(
+        name="Weights Only", description="Keep the controls and settings of the other side as they are"
+    )
+    painted_groups: BoolProperty(
+        name="Painted Groups",
+        description="Also make the mask and the vertex groups of painted parameters symmetric",
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        default=0.001,
+        min=0.0,
+        soft_max=0.1,
+        precision=5,
+        subtype="DISTANCE",
+        description="How far a vertex may lie from the mirror image of another",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not has_deformer(cls, context, mesh=True):
+            return False
+        if not target_of(context).sinew.active.handles:
+            cls.poll_message_set("Add a handle first")
+            return False
+        return True
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        obj = target_of(context)
+        deformer = obj.sinew.active
+        active = deformer.handles[handle_index(deformer, -1)]
+        if self.side == "ACTIVE":
+            keys, source = [active.uid], None
+        else:
+            source = Side.LEFT if self.side == "LEFT_TO_RIGHT" else Side.RIGHT
+            keys = mirror.handles_of_side(deformer, source)
+        options = MirrorOptions(source, self.tolerance, self.weights_only, self.painted_groups)
+        with object_mode(context, obj):
+            done = mirror.mirror(obj, deformer, keys, options)
+            context.view_layer.update()  # new empties enter the view layer
+            refusal = rigging.try_bind(obj, deformer, wait)
+            if refusal is not None:
+                self.report({"WARNING"}, str(refusal))
+        self._report_result(done)
+        return {"FINISHED"}
+
+    def _report_result(self, done: Mirrored) -> None:
+        for old, new in done.named:
+            self.report({"INFO"}, f"{old} is now {new}, after the side that it lies on")
+        pairs = [f"{source} to {target}" for source, target in done.pairs]
+        if pairs:
+            self.report({"INFO"}, f"Mirrored {', '.join(pairs)}")
+        for name in done.evened:
+            self.report({"INFO"}, f"{name} lies on the centre line: it stays one handle, made symmetric")
+        if done.centre:
+            vertices = "1 vertex" if done.centre == 1 else f"{done.centre:,} vertices"
+            self.report({"INFO"}, f"{vertices} on the centre line belong to the side that was mirrored")
+        if done.unmatched:
+            vertices = "1 vertex has" if done.unmatched == 1 else f"{done.unmatched:,} vertices have"
+            self.report(
+                {"WARNING"},
+                f"{vertices} no mirror image across X - raise Tolerance if the two halves differ a little",
+            )

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Remove a wire or a tool from the list, and let all of them rest where they are."""
+
+from bpy.props import IntProperty
+from bpy.types import Context, Operator
+
+from ...core.errors import SinewError
+from ...ids import Operators
+from ...session.actions import bind, rigging
+from ...session.actions.controls import control_list as rows
+from ..deformer.sharing import BindsAll
+from ..reporting import reports_errors
+from ..target import has_deformer, object_mode, target_of
+from ..waiting import BindingOperator
+
+
+def has_rows(operator: type, context: Context) -> bool:
+    """For ``poll``: whether the active deformer has wires or tools."""
+    if not has_deformer(operator, context):
+        return False
+    if not rows.rows_of(target_of(context).sinew.active):
+        operator.poll_message_set("Add a wire or a tool first")
+        return False
+    return True
+
+
+class SINEW_OT_control_remove(BindingOperator, Operator):
+    """Remove this control from the list. The object goes too, if it was made for the deformer"""
+
+    bl_idname = Operators.ROW_REMOVE
+    bl_label = "Remove Control"
+    bl_options = {"REGISTER", "UNDO"}
+
+    index: IntProperty(
+        name="Index",
+        default=-1,
+        min=-1,
+        options={"SKIP_SAVE"},
+        description="Which control of the list, counted from 0; -1 is the active one",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_rows(cls, context)
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        obj = target_of(context)
+        deformer = obj.sinew.active
+        index = deformer.active_control if self.index < 0 else self.index
+        if not 0 <= index < len(deformer.controls):
+            count = len(deformer.controls)
+            raise SinewError(
+                f"{deformer.name} has {count} controls, counted from 0 - there is no number {index}"
+            )
+        with object_mode(context, obj):
+            rows.remove_row(obj, deformer, index)
+            if rows.rows_of(deformer):
+                rigging.try_bind(obj, deformer, wait)
+            else:
+                bind.unbind(obj, deformer)
+        return {"FINISHED"}
+
+
+class SINEW_OT_control_set_rest(BindsAll, Operator):
+    """Take the current shape of all wires, or the current place of all tools, as their rest.
+
+    All that the same ones move goes back to rest; later edits pose it
+    """
+
+    bl_idname = Operators.ROW_REST
+    bl_label = "Set Rest"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_rows(cls, context)

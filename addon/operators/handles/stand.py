@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Let the control of a handle ride on the surface that enters, or stay in the world."""
+
+from bpy.props import BoolProperty, EnumProperty, IntProperty
+from bpy.types import Context, Operator
+
+from ...ids import Operators
+from ...properties import STANDS_ON
+from ...session.actions.handles import standing
+from ...session.controls.handles import riding
+from ..reporting import reports_errors
+from ..target import handle_index, has_deformer, target_of
+
+
+class SINEW_OT_handle_stand(Operator):
+    """Choose what the control of the handle stands on. The shape of this frame stays as it is"""
+
+    bl_idname = Operators.HANDLE_STAND
+    bl_label = "Stands On"
+    bl_options = {"REGISTER", "UNDO"}
+
+    on: EnumProperty(
+        name="Stands On",
+        items=STANDS_ON,
+        options={"SKIP_SAVE"},
+        description="Whether the control stays in the world, or rides on the surface that enters",
+    )
+    convert_keyframes: BoolProperty(
+        name="Convert Keyframes",
+        default=True,
+        description="Rewrite the keyframes of the control, so that the shape stays in each of their frames",
+    )
+    index: IntProperty(
+        name="Index",
+        default=-1,
+        min=-1,
+        description="Which handle; -1 is the active one",
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context)
+
+    @classmethod
+    def description(cls, _context: Context, properties: "SINEW_OT_handle_stand") -> str:
+        """What the chosen one means."""
+        return next(text for name, _label, text, _number in STANDS_ON if name == properties.on)
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        deformer = obj.sinew.active
+        handle = deformer.handles[handle_index(deformer, self.index)]
+        count = standing.stand_on(obj, deformer, handle, self.on, self.convert_keyframes)
+        told = riding.standing(handle)
+        if count:
+            frames = "1 frame was" if count == 1 else f"{count} frames were"
+            told += f"; the keys of {frames} converted, and frames between them may differ"
+        self.report({"INFO"}, told)
+        return {"FINISHED"}

@@ -1,0 +1,267 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Puppet Drag: drag a bone of an armature, and the figure follows. Pins, and the handles of bones."""
+
+import numpy as np
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
+from bpy.types import Context, Event, Object, Operator
+
+from ... import compat
+from ...core.errors import SinewError
+from ...core.methods import DEFAULT_PUPPET_METHOD, METHODS
+from ...ids import Operators
+from ...session.actions.puppet import bones, rigging
+from ...session.actions.puppet.posing import Part, PuppetDrag, PuppetOptions
+from ...session.controls import kinds
+from ..modal.motion_properties import MOTION_KEYS, MotionValues
+from ..modal.shell import Keys, ViewportTool
+from ..modal.view import axes_of, length_text, view_of
+from ..reporting import reports_errors
+from ..target import object_mode, show_control, target_of
+from ..waiting import BindingOperator
+from .puppeteering import Puppeteering
+
+_KEYS: Keys = ((("MOUSE_LMB",), "Release to Keep"), (("MOUSE_RMB",), "Cancel"), *MOTION_KEYS)
+_PARTS = (
+    ("AUTO", "Automatic", "The tail, or the whole bone if it has no parent", "NONE", 0),
+    ("TAIL", "Tail", "The tail of the bone", "NONE", 1),
+    ("HEAD", "Head", "The head of the bone", "NONE", 2),
+    ("WHOLE", "Whole Bone", "Head, tail and roll, so that the bone turns only if you turn it", "NONE", 3),
+)
+_METHODS = tuple(method for method in METHODS if kinds.marks_regions(method) and not method.wraps)
+_BEHIND = 1e-2  # a gap of this share of the motion is worth a word
+
+
+class SINEW_OT_puppet_pose(MotionValues, ViewportTool, Operator):
+    """Drag the active bone, and let the figure follow: joints keep their limits, pinned bones stay"""
+
+    bl_idname = Operators.PUPPET_POSE
+    bl_label = "Puppet Drag"
+    bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING"}
+
+    KEYS = _KEYS
+
+    armature: StringProperty(
+        name="Armature",
+        description="The name of the armature; if empty, the active one",
+        options={"SKIP_SAVE", "HIDDEN"},
+    )
+    bone: StringProperty(
+        name="Bone",
+        description="The name of the bone to drag; if empty, the active one",
+        options={"SKIP_SAVE"},
+    )
+    part: EnumProperty(
+        name="Part",
+        items=_PARTS,
+        default="AUTO",
+        options={"SKIP_SAVE"},
+        description="Which point of the bone is dragged",
+    )
+    balance: BoolProperty(
+        name="Balance",
+        description="Keep the centre of mass over what is pinned, for example two feet",
+    )
+    from_rest: BoolProperty(
+        name="From Rest",
+        options={"SKIP_SAVE"},
+        description="Let joints stay close to their rest, instead of how they are now",
+    )
+    key: BoolProperty(
+        name="Insert Keyframes",
+        options={"SKIP_SAVE"},
+        description="Key the bones that follow, as Auto Keying does",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if context.object is None or context.object.type != "ARMATURE":
+            cls.poll_message_set("Select an armature, and the bone to drag in Pose Mode")
+            return False
+        return True
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        armature, drag = self._begin(context)
+        try:
+            drag.move(armature, self.motion.matrix(axes_of(drag.frame), drag.place))
+        except SinewError:
+            drag.restore(armature)
+            raise
+        self._finish(context, armature, drag)
+        return {"FINISHED"}
+
+    def start(self, context: Context, event: Event) -> set[str]:
+        armature, drag = self._begin(context)
+        view = view_of(context, drag.place)
+        axes = axes_of(drag.frame)
+        tool = Puppeteering(drag, self.typed_motion(context, event, view, axes), drag.place, axes)
+        return self.begin(context, tool, armature, _draw_nothing)
+
+    def worked_on(self, context: Context) -> Object | None:
+        """The armature, as long as it is in the scene."""
+        return context.scene.objects.get(self.object_name)
+
+    def store_result(self, context: Context) -> None:
+        self.store_motion(self.tool.typed.motion)
+        self._finish(context, self.worked_on(context), self.tool.drag)
+
+    def header(self, context: Context) -> str:
+        settings = context.scene.unit_settings
+        motion = self.tool.typed.header(lambda value: length_text(settings, value))
+        return f"{motion}   {self.tool.drag.bone}"
+
+    def draw(self, _context: Context) -> None:
+        self.draw_motion()
+        for name in ("bone", "part", "balance", "from_rest", "key"):
+            self.layout.prop(self, name)
+
+    def _begin(self, context: Context) -> tuple[Object, PuppetDrag]:
+        armature = context.object
+        if self.armature:
+            armature = context.scene.objects.get(self.armature)
+            if armature is None:
+                raise SinewError(f"There is no object '{self.armature}' in the scene")
+        bones.require_bones(armature)
+        if not self.bone:
+            active = armature.data.bones.active
+            if active is None:
+                raise SinewError("Select the bone to drag in Pose Mode")
+            self.bone = active.name
+        options = PuppetOptions(Part(self.part), self.balance, self.from_rest)
+        drag = PuppetDrag(armature, self.bone, context.evaluated_depsgraph_get(), options)
+        if drag.ignored:
+            self.report(
+                {"WARNING"}, f"Constraints of {drag.ignored[0]} move it further - mute them to drag it"
+            )
+        return armature, drag
+
+    def _finish(self, context: Context, armature: Object, drag: PuppetDrag) -> None:
+        context.view_layer.update()
+        if self.key or context.scene.tool_settings.use_keyframe_insert_auto:
+            drag.key(armature)
+        length = np.linalg.norm(self.value)
+        if drag.overhang > 0.0:
+            self.report({"WARNING"}, "The centre of mass cannot reach what is pinned")
+        elif drag.gap > _BEHIND * max(length, 1e-9):
+            text = length_text(context.scene.unit_settings, drag.gap)
+            self.report(
+                {"INFO"}, f"{drag.bone} is {text} behind: its joints, pinned bones or posture hold it"
+            )
+
+
+class SINEW_OT_puppet_pin(Operator):
+    """Pin the selected bones, or release them: pinned ones stay while another bone is dragged"""
+
+    bl_idname = Operators.PUPPET_PIN
+    bl_label = "Pin Bones"
+    bl_options = {"REGISTER", "UNDO"}
+
+    action: EnumProperty(
+        name="Action",
+        items=(
+            ("TOGGLE", "Toggle", "Pin the bones, or release them if all are pinned", "NONE", 0),
+            ("PIN", "Pin", "Pin the bones", "NONE", 1),
+            ("RELEASE", "Release", "Release the bones", "NONE", 2),
+        ),
+        default="TOGGLE",
+        options={"SKIP_SAVE"},
+        description="What to do with the selected bones",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if context.mode != "POSE":
+            cls.poll_message_set("Select bones in Pose Mode")
+            return False
+        return True
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        armature = bones.require_bones(context.object)
+        chosen = [bone for bone in armature.pose.bones if compat.is_bone_selected(armature, bone.name)]
+        if not chosen:
+            raise SinewError("Select the bones to pin")
+        pin = self.action == "PIN" or (self.action == "TOGGLE" and not all(bone.sinew.pin for bone in chosen))
+        for bone in chosen:
+            bone.sinew.pin = pin
+        self.report(
+            {"INFO"}, f"{len(chosen)} bone{'s' * (len(chosen) > 1)} {'pinned' if pin else 'released'}"
+        )
+        return {"FINISHED"}
+
+
+class SINEW_OT_puppet_rig(BindingOperator, Operator):
+    """Let the bones of an armature move the mesh: each holds the vertex group of its name, or its limb"""
+
+    bl_idname = Operators.PUPPET_RIG
+    bl_label = "Handles from Bones"
+    bl_options = {"REGISTER", "UNDO"}
+
+    armature: StringProperty(
+        name="Armature",
+        description="The name of the armature; if empty, the other selected object",
+        options={"SKIP_SAVE"},
+    )
+    method: EnumProperty(
+        name="Method",
+        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
+        default=DEFAULT_PUPPET_METHOD,
+        description="How the mesh follows the bones",
+        options={"SKIP_SAVE"},
+    )
+    automatic: BoolProperty(
+        name="Automatic Regions",
+        options={"SKIP_SAVE"},
+        description="Make new vertex groups by distance, even if there are groups with the names of bones",
+    )
+    margin: FloatProperty(
+        name="Margin",
+        default=0.25,
+        min=0.0,
+        max=0.45,
+        subtype="FACTOR",
+        description="How much of a bone's length is left free at each joint, by automatic regions",
+    )
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        if not any(obj.type == "MESH" for obj in (context.object, *context.selected_objects) if obj):
+            cls.poll_message_set("Select a mesh and its armature")
+            return False
+        return True
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        obj = _mesh_to_rig(context)
+        others = [other for other in context.selected_objects if other.type == "ARMATURE"]
+        if self.armature:
+            others = [other for other in context.scene.objects if other.name == self.armature]
+            if not others:
+                raise SinewError(f"There is no object '{self.armature}' in the scene")
+        if len(others) != 1 or obj is None:
+            raise SinewError("Select the mesh and one armature")
+        with object_mode(context, obj):
+            deformer, left_out, refusal = rigging.rig_puppet(
+                obj, others[0], self.method, self.margin, self.automatic, wait
+            )
+        if obj != context.object:
+            show_control(context, obj, others[0])  # it stays active, and the panel shows this mesh
+        context.view_layer.update()
+        count = len(deformer.handles)
+        subject = "1 bone" if count == 1 else f"{count} bones"
+        if left_out:
+            subject += f", without {left_out} whose vertex group{' is' if left_out == 1 else 's are'} empty"
+        self.report_bind(refusal, deformer.uid, subject)
+        return {"FINISHED"}
+
+
+def _mesh_to_rig(context: Context) -> Object | None:
+    """The mesh that is selected together with an armature, whichever of them is active."""
+    if context.object is not None and context.object.type == "MESH":
+        return context.object
+    meshes = [other for other in context.selected_objects if other.type == "MESH"]
+    return meshes[0] if len(meshes) == 1 else target_of(context)
+
+
+def _draw_nothing() -> None:
+    """The bones themselves show what moves."""

@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mesh of an automatic cage, which remembers how it was made, so that its faces can be changed.
+
+Main thread only.
+"""
+
+import hashlib
+
+import bpy
+import numpy as np
+from bpy.types import Mesh, Object
+
+from ....core.errors import CageError
+from ....core.geometry import frames
+from ....ids import Keys
+from ....properties import SinewDeformer, deformers_of
+from ...controls import kinds
+from ...controls.cage.kind import KIND as CAGE
+from ...datablocks import libraries, rest_frame
+from ...state import sessions
+
+# Points (c, 3), corners per face, vertex of each corner, the options, and what else there is to say.
+Shape = tuple[np.ndarray, np.ndarray, np.ndarray, dict, str]
+
+_UNPOSED = 1e-5  # of the size of the cage; coordinates are stored in single precision
+
+
+def put(cage: Object, obj: Object, shape: Shape) -> None:
+    """Give the cage this shape in the frame of ``obj``, wherever the cage is. It remembers the options."""
+    points, counts, corners, options, _more = shape
+    own, world = (np.array(other.matrix_world, dtype=np.float64) for other in (cage, obj))
+    if not np.array_equal(own, world):
+        relative = frames.inverse(own, cage.name) @ world
+        placed = frames.transformed(relative, points)
+        if not _are_alike(placed, points):  # else the rounding would spoil the symmetry
+            points, corners = placed, frames.corners_after(relative, counts, corners)
+    faces = [face.tolist() for face in np.split(corners, np.cumsum(counts)[:-1])]
+    mesh = cage.data
+    mesh.clear_geometry()
+    mesh.from_pydata(points.tolist(), [], faces)
+    mesh[Keys.CAGE_ORIGIN] = {**options, "print": _print(mesh)}
+
+
+def is_automatic(cage: Object) -> bool:
+    """Whether Add Cage made this cage, by its mark."""
+    return cage.type == "MESH" and cage.data is not None and Keys.CAGE_ORIGIN in cage.data
+
+
+def face_count(cage: Object) -> int:
+    """How many triangles the faces of the cage are; those that were asked for if it is flat."""
+    if is_automatic(cage) and cage.data[Keys.CAGE_ORIGIN].get("flat", False):
+        return int(cage.data[Keys.CAGE_ORIGIN]["faces"])
+    return sum(len(face.vertices) - 2 for face in cage.data.polygons)
+
+
+def moved_by(cage: Object) -> list[tuple[Object, SinewDeformer]]:
+    """The deformers that this cage moves, with their objects."""
+    return [
+        (obj, row)
+        for obj in bpy.data.objects
+        for row in deformers_of(obj)
+        if row.cage == cage and kinds.kind_in_use(row) is CAGE
+    ]
+
+
+def check_cage(deformer: SinewDeformer) -> dict:
+    """The options that the cage was made with. Raises a ``CageError`` if its faces cannot be changed."""
+    cage = deformer.cage
+    if libraries.is_lost(cage):
+        raise CageError(libraries.explain(cage))
+    if not is_automatic(cage):
+        raise CageError(f"{cage.name} was not made by Add Cage - remesh or decimate it, then Set Rest Cage")
+    mesh = cage.data
+    if cage.library is not None or mesh.library is not None or mesh.users > 1:
+        raise CageError(f"{cage.name} shares its mesh - make it single-user and local first")
+    if cage.mode == "EDIT":
+        raise CageError(f"{cage.name} is in Edit Mode - leave it first")
+    options = mesh[Keys.CAGE_ORIGIN].to_dict()
+    if options.pop("print") != _print(mesh) or mesh.shape_keys is not None or len(cage.vertex_groups):
+        raise CageError(
+            f"{cage.name} was edited, and that would be lost - its faces can be changed as long as it is "
+            "as Add Cage made it"
+        )
+    for obj, row in moved_by(cage):
+        if obj.library is not None or obj.name not in bpy.context.scene.objects:
+            raise CageError(
+                f"{cage.name} moves {obj.name} as well, which is linked or in another scene - give that "
+                "another cage first"
+            )
+        if row.bake.is_baked:
+            raise CageError(f"{row.name} of {obj.name} is baked - Unbake it first")
+        if row.is_bound and not _is_unposed(obj, row):
+            raise CageError(
+                f"{cage.name} is posed, and the pose of {obj.name} would be lost - move it back, or Set Rest "
+                "Cage"
+            )
+    return {**options, "quads": bool(options["quads"]), "flat": bool(options.get("flat", False))}
+
+
+@sessions.suspended()
+def change_cage(obj: Object, deformer: SinewDeformer, shape: Shape) -> None:
+    """Give the cage another shape, in the frame of the mesh. ``bind`` must follow, and takes it as the rest.
+
+    So it must for each deformer that has this cage.
+    """
+    put(deformer.cage, obj, shape)
+    for _obj, row in moved_by(deformer.cage):
+        CAGE.forget_rest(row)
+    bpy.context.view_layer.update()
+
+
+def _is_unposed(obj: Object, deformer: SinewDeformer) -> bool:
+    """Whether the cage is where it rests."""
+    if not isinstance(deformer.cage_rest, Mesh):
+        return True
+    place = CAGE.place(deformer, bpy.context.evaluated_depsgraph_get())
+    rest = rest_frame.read(deformer, deformer.cage_rest).points
+    if place is None or len(place.vertices) != len(rest):
+        return False
+    relative = frames.inverse(np.array(obj.matrix_world, dtype=np.float64), obj.name) @ place.matrix()
+    now = frames.transformed(relative, place.vertices.astype(np.float64))
+    return _are_alike(now, rest)
+
+
+def _are_alike(points: np.ndarray, others: np.ndarray) -> bool:
+    """Whether points (n, 3) are where the others are, but for single precision."""
+    return bool(np.abs(points - others).max() <= _UNPOSED * np.ptp(others, axis=0).max())
+
+
+def _print(mesh: Mesh) -> str:
+    """A number of its own for these vertices and faces."""
+    points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
+    mesh.vertices.foreach_get("co", points)
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    return hashlib.sha256(points.tobytes() + corners.tobytes()).hexdigest()

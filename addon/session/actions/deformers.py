@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Adds and removes deformers. Main thread only."""
+
+import bpy
+from bpy.types import Object
+
+from ...core import status
+from ...core.errors import SinewError
+from ...core.methods import BY_ID, Float
+from ...core.names import unique_name
+from ...core.status import Level, Status
+from ...preferences import preferences
+from ...properties import SinewDeformer
+from ..controls import kinds
+from ..datablocks import animation_paths, targets
+from ..datablocks.owners import forget_owners, owners
+from ..datablocks.shapes import shapes
+from ..evaluation import binding
+from ..state import sessions
+from .controls import grids
+
+
+@sessions.suspended()
+def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
+    """A new deformer at the end of the stack. It shows the rest shape until something moves it."""
+    if method not in BY_ID:
+        raise SinewError(f"There is no method '{method}' - choose one of: {', '.join(BY_ID)}")
+    targets.require_method(obj, BY_ID[method])
+    deformer = obj.sinew.deformers.add()
+    deformer.complete()
+    deformer.uid = shapes.new_key()
+    deformer.sizes = "SURFACE"
+    taken = [other.name for other in obj.sinew.deformers if other.uid != deformer.uid]
+    deformer.method = method
+    deformer.name = name or unique_name(BY_ID[method].label, taken)
+    deformer.auto_rebind = preferences(bpy.context).auto_rebind
+    obj.sinew.active_deformer = len(obj.sinew.deformers) - 1
+    shapes.ensure(obj, deformer, max(targets.vertex_count(obj), 0))
+    forget_owners()
+    status.put(deformer.uid, Status(Level.INFO, kinds.kind_in_use(deformer).MISSING))
+    return deformer
+
+
+def keep_earlier_defaults() -> None:
+    """Write out the parameters that an earlier build left at a default which has changed since.
+
+    For a file that was just opened.
+    """
+    changed = [
+        (method.id, parameter)
+        for method in BY_ID.values()
+        for parameter in method.parameters
+        if isinstance(parameter, Float) and parameter.earlier is not None
+    ]
+    for obj in owners():
+        for deformer in obj.sinew.deformers:
+            for method, parameter in changed if deformer.sizes == "BOX" else ():
+                values = getattr(deformer, method)
+                if not values.is_property_set(parameter.id):
+                    setattr(values, parameter.id, parameter.earlier)
+
+
+@sessions.suspended()
+def remove_deformer(obj: Object, index: int) -> None:
+    """Remove a deformer, with the controls and vertex groups that were made for it."""
+    deformer = obj.sinew.deformers[index]
+    for kind in kinds.every_kind():
+        kind.release(obj, deformer)
+    grids.release_grids(obj, deformer)
+    forget_deformer(obj, index)
+
+
+def forget_deformer(obj: Object, index: int) -> None:
+    """Remove a deformer, but leave its controls and vertex groups."""
+    deformer = obj.sinew.deformers[index]
+    binding.abandon(deformer.uid)
+    sessions.drop(deformer.uid)
+    for kind in kinds.every_kind():
+        kind.forget_rest(deformer)
+    shapes.remove(obj, deformer)
+    order = animation_paths.removed(len(obj.sinew.deformers), index)
+    obj.sinew.deformers.remove(index)
+    animation_paths.deformers_reordered(obj, order)
+    obj.sinew.active_deformer = max(0, min(obj.sinew.active_deformer, len(obj.sinew.deformers) - 1))
+    kinds.keep_evaluated(obj)
+    forget_owners()

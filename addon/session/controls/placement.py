@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reads where controls are."""
+
+from collections.abc import Callable
+
+import numpy as np
+from bpy.types import Depsgraph, Object
+from mathutils import Matrix
+
+from ...compat import read_positions
+from ...core.memory import remember
+from ..datablocks import targets
+from ..datablocks.libraries import is_lost
+from ..datablocks.shapes import render_settings
+from ..datablocks.shapes.capture import evaluated_mesh, viewport_points
+from ..datablocks.shapes.carried import Riders
+from ..state.evaluation import NO_VERTICES, Place
+
+ReadPoints = Callable[[Object, Depsgraph], np.ndarray]
+
+# By object: its settings when it was looked at, and the points that viewports show, on what renders show.
+_in_renders: dict[str, tuple[tuple, Riders | None]] = remember({})
+
+
+def read_place(
+    control: Object | None,
+    depsgraph: Depsgraph,
+    bone: str = "",
+    read_points: ReadPoints | None = None,
+    expected: int | None = None,
+) -> Place | None:
+    """Where an object, or its bone, is; None if it is not there, as an object of a missing library.
+
+    ``read_points`` reads its points (c, 3) float32, where these count too. If a number is ``expected`` and
+    renders show another one, they are those that viewports show, on the surface that renders show.
+    """
+    if control is None:
+        return None
+    data = control.data
+    if (control.library is not None or (data is not None and data.library is not None)) and is_lost(control):
+        return None
+    evaluated = control.evaluated_get(depsgraph)
+    world = evaluated.matrix_world.copy().freeze()
+    if read_points is not None:
+        vertices = read_points(control, depsgraph)
+        if depsgraph.mode == "RENDER" and expected not in (None, len(vertices)):
+            _settings, riders = _in_renders.get(control.name_full, ((), None))
+            if riders is not None and riders.count == len(vertices):
+                vertices = riders.at(vertices).astype(np.float32)
+        return Place((hash(world), hash(vertices.tobytes())), (world,), vertices)
+    if not bone:
+        return Place((hash(world),), (world,))
+    posed = evaluated.pose.bones.get(bone) if evaluated.pose else None
+    if posed is None:
+        return None
+    in_object = posed.matrix.copy().freeze()
+    return Place((hash(world), hash(in_object)), (world, in_object))
+
+
+def read_vertices(control: Object, depsgraph: Depsgraph) -> np.ndarray:
+    """The vertices of an object after its modifiers, float32 (c, 3) in its own frame."""
+    with evaluated_mesh(control, depsgraph) as mesh:
+        return NO_VERTICES if mesh is None else read_positions(mesh)
+
+
+def look_at_renders(control: Object) -> None:
+    """Find the points that viewports show of a control on what renders show, if its settings have changed.
+
+    A control is not seen in renders, where it is to move the target as it does in viewports. This makes
+    datablocks.
+    """
+    settings = targets.size(control), *render_settings.both(control, control.modifiers)
+    last, _riders = _in_renders.get(control.name_full, (None, None))
+    if settings != last:
+        _in_renders[control.name_full] = settings, viewport_points(control)
+
+
+def fingerprint(matrix: Matrix) -> int:
+    """A number that changes with the matrix, to 64 bits."""
+    return hash(matrix.copy().freeze())

@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""As-rigid-as-possible against NumPy and libigl."""
+
+import igl
+import numpy as np
+import pytest
+
+import sinew_native as sn
+
+from ..meshes import BENT, STILL, ends, grid, moved, sphere, turn
+from ..methods import bound
+
+POINTS, FACES = sphere(3)  # all cotangents positive: nothing is clamped on either side
+POLES = [np.flatnonzero(POINTS[:, 2] < -0.8), np.flatnonzero(POINTS[:, 2] > 0.8)]
+TURNED = np.stack([STILL, turn((1, 0, 0), 50, (0, 0, 1), (0.3, 0.4, 0.2))])
+
+
+def sphere_arap(**options: object) -> sn.Arap:
+    arap = sn.Arap(sn.SurfaceMesh(POINTS, FACES), **options)
+    arap.set_handles(POLES)
+    return arap
+
+
+def spokes_energy(p: np.ndarray, q: np.ndarray, faces: np.ndarray) -> float:
+    """The textbook energy over ordered pairs, by libigl's cotangents and NumPy's SVD."""
+    W = igl.cotmatrix(p, faces.astype(np.int64)).tocoo()
+    edges = W.row != W.col
+    i, j, w = W.row[edges], W.col[edges], W.data[edges]
+    e, f = p[i] - p[j], q[i] - q[j]
+    S = np.zeros((len(p), 3, 3))
+    np.add.at(S, i, w[:, None, None] * f[:, :, None] * e[:, None, :])
+    U, _, Vt = np.linalg.svd(S)
+    U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
+    R = U @ Vt
+    return float(np.sum(w * np.sum((f - np.einsum("kab,kb->ka", R[i], e)) ** 2, 1)))
+
+
+def libigl_arap(points, faces, handles, poses, iterations: int) -> np.ndarray:
+    held = np.concatenate(handles)
+    order = np.argsort(held)
+    target = np.concatenate([moved(pose, points[h]) for pose, h in zip(poses, handles)])
+    data = igl.ARAPData()
+    data.energy = igl.ARAP_ENERGY_TYPE_SPOKES
+    data.max_iter = iterations
+    igl.arap_precomputation(points, faces.astype(np.int64), 3, held[order].astype(np.int32), data)
+    return igl.arap_solve(np.ascontiguousarray(target[order]), data, points.copy())
+
+
+def test_energy_is_the_textbooks() -> None:
+    arap = sphere_arap(smoothness=0)
+    rng = np.random.default_rng(4)
+    for size in (0.01, 0.1, 1.0):
+        q = POINTS + size * rng.normal(size=POINTS.shape)
+        # Thousands of terms round.
+        assert arap.energy(q) == pytest.approx(spokes_energy(POINTS, q, FACES), rel=1e-10)
+
+
+def test_reported_energy_is_that_of_the_returned_shape() -> None:
+    arap = sphere_arap(smoothness=0)
+    for budget in (0, 3, 40):
+        q, report = arap.solve(TURNED, max_iterations=budget)
+        assert report.energy == pytest.approx(spokes_energy(POINTS, q, FACES), rel=1e-10)
+
+
+def test_minimum_is_not_above_libigls() -> None:
+    arap = sphere_arap(smoothness=0)
+    q, report = arap.solve(TURNED, max_iterations=2000, tolerance=1e-12)
+    theirs = libigl_arap(POINTS, FACES, POLES, TURNED, 3000)
+    pole = POLES[1]
+    np.testing.assert_allclose(theirs[pole], moved(TURNED[1], POINTS[pole]), atol=1e-12)  # the same task
+    least = spokes_energy(POINTS, theirs, FACES)
+    assert report.energy <= least * (1 + 1e-6)  # its alternation still creeps after 3,000 iterations
+    assert report.energy == pytest.approx(least, rel=0.01)  # and is the same minimum
+    assert np.abs(q - theirs).max() < 0.05
+
+
+def test_smooth_rotations_keep_their_stiffness_on_finer_meshes() -> None:
+    """What plain rotations do not: their bending stiffness falls with the square of the edge length."""
+
+    def energy(n: int, smoothness: float) -> float:
+        points, faces = grid(n, jitter=0.0)
+        points *= 12 / n
+        arap = sn.Arap(sn.SurfaceMesh(points, faces), smoothness=smoothness)
+        arap.set_handles(ends(points, 2.0))
+        return arap.solve(BENT, max_iterations=100)[1].energy
+
+    assert energy(24, 5e-3) == pytest.approx(energy(12, 5e-3), rel=0.1)
+    assert energy(24, 0.0) < 0.5 * energy(12, 0.0)
+
+
+def test_converges_from_a_warm_start_to_the_same_shape() -> None:
+    arap, points, _ = bound(sn.Arap, n=14)
+    cold, _ = arap.solve(BENT, max_iterations=300, tolerance=1e-10)
+    warm, _ = arap.solve(BENT, start=points, max_iterations=600, tolerance=1e-10)
+    assert np.abs(cold - warm).max() < 1e-2  # flat minimum: E agrees to 1e-8
+
+
+def residual(p: np.ndarray, q: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The gradient of a quarter of the energy at all vertices, for fitted rotations, and the masses."""
+    L = -igl.cotmatrix(p, faces.astype(np.int64))
+    W = L.tocoo()
+    edges = W.row != W.col
+    i, j, w = W.row[edges], W.col[edges], -W.data[edges]
+    e, f = p[i] - p[j], q[i] - q[j]
+    S = np.zeros((len(p), 3, 3))
+    np.add.at(S, i, w[:, None, None] * f[:, :, None] * e[:, None, :])
+    U, _, Vt = np.linalg.svd(S)
+    U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
+    R = U @ Vt
+    r = np.zeros_like(p)
+    np.add.at(r, i, w[:, None] * (f - 0.5 * np.einsum("kab,kb->ka", R[i] + R[j], e)))
+    mass = igl.massmatrix(p, faces.astype(np.int64), igl.MASSMATRIX_TYPE_VORONOI).diagonal()
+    return r, mass / mass.mean()
+
+
+def test_energy_with_point_handles_is_that_of_the_paper() -> None:
+    """(1 - lambda) E + 2 lambda |r|^2 / m: the quadratic form of lambda L M^-1 L + (1 - lambda) L."""
+    tip = [POLES[0], np.array([int(np.argmax(POINTS[:, 2]))])]
+    lift = np.stack([STILL, turn((1, 0, 0), 0, (0, 0, 0), (0, 0, 0.5))])
+    L = -igl.cotmatrix(POINTS, FACES.astype(np.int64)).toarray()
+    free = np.setdiff1d(np.arange(len(POINTS)), np.concatenate(tip))
+    for weight in (0.2, 0.8):
+        arap = sn.Arap(sn.SurfaceMesh(POINTS, FACES), smoothness=0, point_handles=weight)
+        arap.set_handles(tip)
+        q, report = arap.solve(lift, max_iterations=300)
+        r, mass = residual(POINTS, q, FACES)
+        expected = (1 - weight) * spokes_energy(POINTS, q, FACES) + 2 * weight * float(
+            (r**2 / mass[:, None]).sum()
+        )
+        assert report.energy == pytest.approx(expected, rel=1e-8)
+        # The positions solve the system of the paper for these rotations, but for the last steps.
+        system = weight * L @ np.diag(1 / mass) @ L + (1 - weight) * L
+        gradient = ((1 - weight) * r + weight * L @ (r / mass[:, None]))[free]
+        step = np.linalg.solve(system[np.ix_(free, free)], gradient)
+        assert np.abs(step).max() < 0.01 * 0.5
+
+
+def test_point_handles_round_the_tip() -> None:
+    points, faces = grid(16, jitter=0.0)
+    points[:, 2] = 0.0
+    x, y = points[:, :2].T
+    rim = np.flatnonzero((x < 0.5) | (x > 15.5) | (y < 0.5) | (y > 15.5))
+    middle = 8 * 17 + 8
+    behind = []
+    for weight in (0.0, 0.5, 0.9):
+        arap = sn.Arap(sn.SurfaceMesh(points, faces), smoothness=0, point_handles=weight)
+        arap.set_handles([rim, np.array([middle])])
+        q = arap.solve(np.stack([STILL, turn((1, 0, 0), 0, (0, 0, 0), (0, 0, 3))]), max_iterations=300)[0]
+        behind.append(3 - q[middle + 1, 2])
+    assert behind[1] < 0.6 * behind[0]
+    assert behind[2] < behind[1]
+
+
+@pytest.mark.parametrize(("words", "says"), [({"max_iterations": 1}, "not converged"), ({}, "converged")])
+def test_a_report_says_whether_the_solve_converged_and_not_why(words: dict[str, int], says: str) -> None:
+    """Without a step that lowers the energy, a solve ends long before its iterations are used up."""
+    points, faces = grid(12)
+    method = sn.Arap(sn.SurfaceMesh(points, faces))
+    method.set_handles(ends(points))
+    assert repr(method.solve(BENT, **words)[1]).endswith(f", {says}>")

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The nonlinear thin shell against its definition in NumPy and Gauss-Newton in SciPy, without shared code."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import sinew_native as sn
+
+from ..meshes import STILL, sphere, turn
+
+sys.path.append(str(Path(__file__).resolve().parents[3] / "benchmarks"))
+from joint_shell import JointShell
+
+POINTS, FACES = sphere(3)
+POLES = [np.flatnonzero(POINTS[:, 2] < -0.8), np.flatnonzero(POINTS[:, 2] > 0.8)]
+TURNED = np.stack([STILL, turn((1, 0, 0), 50, (0, 0, 1), (0.3, 0.4, 0.2))])
+THICKNESSES = (0.05, 0.2)
+
+
+def shells(thickness: float) -> tuple["sn.ThinShellNonlinear", JointShell]:
+    shell = sn.ThinShellNonlinear(sn.SurfaceMesh(POINTS, FACES), measure="length", thickness=thickness)
+    shell.set_handles(POLES)
+    return shell, JointShell(POINTS, FACES, np.concatenate(POLES), 1.0, thickness**2)
+
+
+@pytest.mark.parametrize("thickness", THICKNESSES)
+def test_energy_is_that_of_the_definition(thickness: float) -> None:
+    shell, oracle = shells(thickness)
+    rng = np.random.default_rng(4)
+    for size in (0.01, 0.1, 1.0):
+        q = POINTS + size * rng.normal(size=POINTS.shape)
+        # Thousands of terms round.
+        assert shell.energy(q) == pytest.approx(oracle.energy(q), rel=1e-10)
+
+
+def test_gradient_of_the_definition_is_that_of_differences() -> None:
+    shell, oracle = shells(0.2)
+    rng = np.random.default_rng(5)
+    q = POINTS + 0.05 * rng.normal(size=POINTS.shape)
+    way = rng.normal(size=q.shape)
+    step = 1e-5
+    slope = (shell.energy(q + step * way) - shell.energy(q - step * way)) / (2 * step)
+    assert slope == pytest.approx(float((oracle.gradient(q) * way).sum()), rel=1e-7)
+
+
+@pytest.mark.parametrize("thickness", THICKNESSES)
+def test_gauss_newton_ends_in_the_same_shape(thickness: float) -> None:
+    shell, oracle = shells(thickness)
+    start, _ = shell.solve(TURNED, max_iterations=0)
+    ours, report = shell.solve(TURNED, max_iterations=2000, tolerance=1e-14)
+    shape, energy, _steps = oracle.minimize(start)
+    assert report.energy == pytest.approx(energy, rel=1e-4)
+    # Both energies are flat at their minimum: half of the digits of the energy.
+    assert np.abs(ours - shape).max() < 1e-3
+
+
+def test_reported_energy_is_that_of_the_returned_shape() -> None:
+    shell, oracle = shells(0.1)
+    for budget in (0, 3, 40):
+        shape, report = shell.solve(TURNED, max_iterations=budget, tolerance=0.0)
+        assert report.energy == pytest.approx(oracle.energy(shape), rel=1e-9)
+
+
+def test_a_thin_sheet_is_named() -> None:
+    coarse = sn.ThinShellNonlinear(sn.SurfaceMesh(*sphere(1)), thickness=0.001).set_handles([np.arange(3)])
+    assert len(coarse.thin_vertices) == len(sphere(1)[0])
+    assert len(shells(0.2)[0].set_handles(POLES).thin_vertices) == 0

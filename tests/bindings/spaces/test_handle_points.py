@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Space methods on handle points next to SciPy's interpolator and to NumPy, point by point."""
+
+import numpy as np
+import pytest
+from scipy.interpolate import RBFInterpolator
+
+import sinew_native as sn
+
+from ..meshes import grid
+
+RANDOM = np.random.default_rng(7)
+HANDLES = RANDOM.uniform(-1.0, 2.0, (60, 3))
+POINTS = RANDOM.uniform(-1.2, 2.2, (150, 3))
+MOVES = RANDOM.uniform(-0.3, 0.3, HANDLES.shape)
+TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
+
+
+@pytest.mark.parametrize(
+    ("kernel", "scipy", "degree"), [("triharmonic", "cubic", 2), ("biharmonic", "linear", 1)]
+)
+def test_rbf_is_scipys_interpolant(kernel: str, scipy: str, degree: int) -> None:
+    rbf = sn.Rbf(HANDLES, kernel=kernel)
+    assert rbf.bind(POINTS).remarks == []
+    expected = RBFInterpolator(HANDLES, MOVES, kernel=scipy, degree=degree)(POINTS)
+    assert np.abs(rbf.warp(HANDLES + MOVES) - POINTS - expected).max() < 1e-10
+    assert len(rbf.centres) == len(HANDLES)
+
+
+def rigid(v: np.ndarray, p: np.ndarray, q: np.ndarray, w: np.ndarray | None = None) -> np.ndarray:
+    w = 1.0 / ((p - v) ** 2).sum(axis=1) ** 2 if w is None else w
+    a, b = w @ p / w.sum(), w @ q / w.sum()
+    u, _s, vt = np.linalg.svd((q - b).T @ ((p - a) * w[:, None]))
+    turn = u @ np.diag((1.0, 1.0, np.sign(np.linalg.det(u @ vt)))) @ vt
+    return turn @ (v - a) + b
+
+
+def test_mls_is_numpys_at_each_point() -> None:
+    mls = sn.Mls(HANDLES, precision="double")
+    mls.bind(POINTS)
+    expected = np.array([rigid(v, HANDLES, HANDLES + MOVES) for v in POINTS])
+    assert np.abs(mls.warp(HANDLES + MOVES) - expected).max() < 1e-10
+
+
+@pytest.mark.parametrize("method", [sn.Rbf, sn.Mls, sn.SpacePropagation])
+def test_handles_of_several_points_are_posed_by_their_control(method: type) -> None:
+    counts = [20, 1, 39]
+    made = method(HANDLES, counts)
+    assert made.control.shape == (9, 3)
+    made.bind(POINTS)
+    assert np.array_equal(made.warp(made.control), POINTS)
+    out = np.zeros((len(POINTS), 3), np.float32)
+    assert made.warp(made.control @ TURN.T + 1.0, out=out) is out
+    if method is not sn.SpacePropagation:  # which has one handle without a turn: that of one point
+        assert np.abs(out - POINTS @ TURN.T - 1.0).max() < 1e-5
+    with pytest.raises(sn.InvalidConstraint):
+        made.warp(HANDLES)
+
+
+def test_multiresolution_puts_details_back_on_the_base_of_any_of_them() -> None:
+    x, y = (w.ravel() for w in np.meshgrid(np.arange(12.0), np.arange(9.0)))
+    points = np.stack((x, y, 0.3 * np.sin(2 * x) * np.cos(y)), -1)
+    a = (np.arange(8)[:, None] * 12 + np.arange(11)).ravel()
+    mesh = sn.SurfaceMesh(points, np.stack((a, a + 1, a + 13, a + 12), -1))
+    parts = [points[x < 1], points[x > 10]]
+    places, counts = np.concatenate(parts), [len(part) for part in parts]
+    for base in (sn.Rbf, sn.Mls, sn.SpacePropagation):
+        made = sn.MultiresolutionSpace(places, base(places, counts), mesh, counts, wavelength=6.0)
+        made.bind(points)
+        assert np.array_equal(made.warp(made.control), points)
+        moved = made.warp(made.control @ TURN.T + 1.0)
+        assert np.abs(moved - points @ TURN.T - 1.0).max() < 1e-5
+
+
+def bones(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """How strongly two bones along x hold points, and which points they share: weights sum to 1."""
+    far = np.clip(0.5 + 2.0 * points[:, 0], 0.0, 1.0)
+    return np.stack((1.0 - far, far)), np.flatnonzero((far > 0.0) & (far < 1.0))
+
+
+def held_by_bones(method: type, points: np.ndarray, **options) -> tuple[object, np.ndarray]:
+    """A method whose two handles share points, and the control posed: one stays, one is turned and moved."""
+    weights, _shared = bones(points)
+    members = [np.flatnonzero(own) for own in weights]
+    made = method(
+        np.concatenate([points[own] for own in members]),
+        [len(own) for own in members],
+        weights=np.concatenate([own[rows] for own, rows in zip(weights, members, strict=True)]),
+        **options,
+    )
+    posed = made.control.copy()
+    posed[4:] = posed[4:] @ TURN.T + 0.5
+    return made, posed
+
+
+BLEND = np.random.default_rng(3).uniform(-1.0, 1.0, (90, 3))
+
+
+def blended(points: np.ndarray) -> np.ndarray:
+    near, far = bones(points)[0][:, :, None]
+    return near * points + far * (points @ TURN.T + 0.5)
+
+
+def test_rbf_takes_places_that_handles_share_to_the_mean_of_their_targets() -> None:
+    made, posed = held_by_bones(sn.Rbf, BLEND, precision="double")
+    assert made.bind(POINTS).remarks == []
+    expected = RBFInterpolator(BLEND, blended(BLEND) - BLEND, kernel="cubic", degree=2)(POINTS)
+    assert np.abs(made.warp(posed) - POINTS - expected).max() < 1e-9
+
+
+def test_mls_takes_places_that_handles_share_to_the_mean_of_their_targets() -> None:
+    weights, shared = bones(BLEND)
+    assert len(shared) > 10
+    made, posed = held_by_bones(sn.Mls, BLEND, precision="double")
+    made.bind(np.concatenate((BLEND, POINTS)))
+    moved = made.warp(posed)
+    assert np.abs(moved[: len(BLEND)] - blended(BLEND)).max() < 1e-12
+    for v, place in zip(POINTS[:20], moved[len(BLEND) : len(BLEND) + 20], strict=True):
+        w = weights / ((BLEND - v) ** 2).sum(axis=1) ** 2 / (weights > 0.0).sum(axis=1)[:, None]
+        p, q = np.tile(BLEND, (2, 1)), np.concatenate((BLEND, BLEND @ TURN.T + 0.5))
+        assert np.abs(place - rigid(v, p, q, w.ravel())).max() < 1e-9
+
+
+def test_a_segment_counts_as_much_as_its_ends_are_held() -> None:
+    """A third of the weight for one segment is the same as the other one three times."""
+    ends = HANDLES[:4]
+    apart = np.concatenate((ends[:2], ends[2:], ends[2:], ends[2:]))
+    pairs = [[0, 1], [2, 3], [4, 5], [6, 7]]
+    strong = sn.Mls(apart, segments=pairs, precision="double")
+    weak = sn.Mls(ends, segments=pairs[:2], weights=[1 / 3, 1 / 3, 1.0, 1.0], precision="double")
+    strong.bind(POINTS)
+    weak.bind(POINTS)
+    posed = ends + MOVES[:4]
+    expected = strong.warp(np.concatenate((posed[:2], posed[2:], posed[2:], posed[2:])))
+    assert np.abs(weak.warp(posed) - expected).max() < 1e-9
+
+
+def test_propagation_lets_points_give_way_that_are_held_weakly() -> None:
+    made, posed = held_by_bones(sn.SpacePropagation, BLEND)
+    made.bind(BLEND)
+    far = np.clip(0.5 + 2.0 * BLEND[:, 0], 0.0, 1.0)
+    away = np.linalg.norm(made.warp(posed) - BLEND, axis=1)
+    whole = np.linalg.norm(BLEND @ TURN.T + 0.5 - BLEND, axis=1)
+    assert np.abs(away[far == 0.0]).max() == 0.0
+    assert np.abs(away - whole)[far == 1.0].max() < 1e-6
+    share = away / whole
+    assert share[(far > 0.6) & (far < 1.0)].min() > 0.1 + share[(far > 0.0) & (far < 0.4)].max()
+
+
+@pytest.mark.parametrize("method", [sn.Rbf, sn.Mls, sn.SpacePropagation])
+def test_the_handle_that_holds_a_place_fully_overrules_the_others(method: type) -> None:
+    points = np.concatenate((HANDLES[:20], HANDLES[20:40], HANDLES[:5]))
+    made = method(points, [20, 25], weights=[*np.ones(40), *np.full(5, 0.4)])
+    made.bind(HANDLES[:5])
+    posed = made.control.copy()
+    posed[4:] += 1.0
+    assert np.abs(made.warp(posed) - HANDLES[:5]).max() < 1e-6
+
+
+def test_refusals_name_handles() -> None:
+    twice = np.concatenate((HANDLES[:3], HANDLES[:1]))
+    rbf = sn.Rbf(twice)
+    rbf.bind(POINTS)
+    apart = twice.copy()
+    apart[3] += 1.0
+    with pytest.raises(sn.InvalidConstraint) as caught:
+        rbf.warp(apart)
+    assert (caught.value.element_kind, list(caught.value.elements)) == ("handle", [0, 3])
+    for wrong in ([], [60, 1], [59]):
+        with pytest.raises(sn.InvalidConstraint):
+            sn.Rbf(HANDLES, wrong)
+    for weights in ([0.5], np.full(60, 1.5), np.zeros(60)):
+        with pytest.raises((sn.InvalidConstraint, sn.InvalidOption), match="weights"):
+            sn.Rbf(HANDLES, weights=weights)
+    for options in ({"kernel": "gauss"}, {"degree": 5}, {"radius": 0.0}):
+        with pytest.raises(sn.InvalidOption):
+            sn.Rbf(HANDLES, **options)
+    with pytest.raises(sn.InvalidConstraint):
+        sn.Mls(HANDLES, segments=[[0, 60]])
+    assert sn.Mls(HANDLES * (1, 1, 0), maps="affine").maps == "rigid"
+
+
+def about(axis: int, degrees: float, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """A turn about an axis through a place."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    turn = np.eye(3)
+    others = [(axis + 1) % 3, (axis + 2) % 3]
+    turn[np.ix_(others, others)] = (c, -s), (s, c)
+    return turn, place - turn @ place
+
+
+@pytest.mark.parametrize("sizes", [(0.45, 0.55), (0.7, 0.8)], ids=["alike", "large and small"])
+def test_mls_does_not_tear_at_the_border_of_large_regions(sizes: tuple[float, float]) -> None:
+    points, faces = grid(60)
+    x = points[:, 0] / 60
+    regions = [np.flatnonzero(x <= sizes[0]), np.flatnonzero(x >= sizes[1])]
+    method = sn.Mls(points[np.concatenate(regions)], [len(region) for region in regions])
+    method.bind(points)
+    middle = points[(x > sizes[0]) & (x < sizes[1])].mean(axis=0)
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    rest = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+    for name, (turn, move) in {
+        "bent": about(1, 60.0, middle),
+        "lifted": (np.eye(3), np.array([0.0, 0.0, 6.0])),
+    }.items():
+        control = method.control.copy()
+        control[4:] = control[4:] @ turn.T + move
+        out = method.warp(control)
+        longest = (np.linalg.norm(out[edges[:, 0]] - out[edges[:, 1]], axis=1) / rest).max()
+        print(f"{name}: an edge {longest:.2f} times as long")
+        assert longest < 2.5, name

@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parts without a handle that ride on those that have one, through the Python module."""
+
+import numpy as np
+import pytest
+
+import sinew_native as sn
+
+from ..meshes import STILL, grid, shift, sphere, turn
+from ..methods import SURFACE_METHODS
+from ..methods import made as make
+
+METHODS = pytest.mark.parametrize("method", SURFACE_METHODS)
+
+
+def dressed() -> tuple[sn.SurfaceMesh, list[np.ndarray]]:
+    """A hill with a ball and a smaller ball on it, and the handles of the hill."""
+    points, faces = grid(20)
+    ball, ball_faces = sphere(1)
+    peak = points[points[:, 2].argmax()]
+    big, small = 0.4 * ball + peak + (0, 0, 0.5), 0.1 * ball + peak + (0, 0, 1.02)
+    every = [faces, len(points) + ball_faces, len(points) + len(ball) + ball_faces]
+    mesh = sn.SurfaceMesh(np.concatenate([points, big, small]), np.concatenate(every))
+    x = points[:, 0]
+    return mesh, [np.flatnonzero(x < 2.5), np.flatnonzero(x > 17.5)]
+
+
+@METHODS
+def test_by_default_free_parts_stay(method: type) -> None:
+    mesh, handles = dressed()
+    made = make(method, mesh)
+    report = made.set_handles(handles)
+    assert (report.free_parts, len(report.rides), len(report.riding_vertices)) == (2, 0, 0)
+    positions, _ = made.solve([STILL, shift(0, 0, 3)])
+    np.testing.assert_array_equal(positions[report.free_vertices], mesh.points[report.free_vertices])
+
+
+@METHODS
+def test_the_report_says_what_rides_on_what(method: type) -> None:
+    mesh, handles = dressed()
+    made = make(method, mesh)
+    report = made.set_handles(handles, free_parts="follow")
+    ball, small = report.rides
+    n = 21**2
+    assert (ball.part, ball.first_vertex, ball.vertex_count, ball.host) == (1, n, 18, 0)
+    assert (small.part, small.first_vertex, small.vertex_count, small.host) == (2, n + 18, 18, 1)
+    assert (ball.frame_count, small.frame_count) == (1, 1)
+    assert repr(small) == "<Ride: part 2 of 18 vertices on part 1, 1 frame>"
+    assert "0 free parts, 2 riding" in repr(report)
+    assert (report.free_parts, len(report.free_vertices)) == (0, 0)
+    np.testing.assert_array_equal(report.riding_vertices, np.arange(n, n + 36))
+    positions, _ = made.solve([STILL, shift(0, 0, 9)])
+    assert np.linalg.norm(positions[n:] - mesh.points[n:], axis=1).min() > 1
+    out = np.empty((n + 36, 3), np.float32)
+    made.solve([STILL, shift(0, 0, 9)], out=out)
+    np.testing.assert_array_equal(out, positions.astype(np.float32))
+
+
+@METHODS
+def test_what_rides_goes_from_the_incoming_shape(method: type) -> None:
+    mesh, handles = dressed()
+    made = make(method, mesh)
+    made.set_handles(handles, free_parts="follow")
+    entering = mesh.points @ turn((1, 2, 3), 50)[:, :3].T + (4, 5, 6)
+    positions, _ = made.solve([STILL, STILL], incoming=entering)
+    np.testing.assert_allclose(positions, entering, atol=1e-10)
+    pose = shift(1, 2, 3)
+    positions, _ = made.solve([pose, pose], incoming=entering)
+    np.testing.assert_allclose(positions, entering + (1, 2, 3), atol=1e-6)  # as exact as the method itself
+
+
+@METHODS
+def test_other_free_parts_keep_the_factor(method: type) -> None:
+    mesh, handles = dressed()
+    first, second = make(method, mesh), make(method, mesh)
+    factorizations = first.set_handles(handles).factorizations
+    report = second.rebind(first, handles, free_parts="follow")
+    assert (report.reuse, report.changed, report.factorizations) == ("updated", "free_parts", factorizations)
+    assert (report.free_parts, len(report.rides)) == (0, 2)
+    again = make(method, mesh)
+    assert again.rebind(second, handles, free_parts="follow").reuse == "kept"
+
+
+def test_other_stiffnesses_keep_what_rides() -> None:
+    mesh, handles = dressed()
+    shell = sn.ThinShell(mesh)
+    shell.set_handles(handles, free_parts="follow")
+    assert len(shell.set_stiffness(1.0, 1.0).rides) == 2
+
+
+def test_bad_options_are_refused_and_the_last_bind_stays() -> None:
+    mesh, handles = dressed()
+    shell = sn.ThinShell(mesh)
+    shell.set_handles(handles, free_parts="follow")
+    poses = [STILL, shift(0, 0, 3)]
+    before, _ = shell.solve(poses)
+    painted = np.full(mesh.vertex_count, 0.5)
+    painted[[3, 7]] = 1.5, np.nan
+    with pytest.raises(sn.InvalidOption, match="not one of 'stay', 'follow'"):
+        shell.set_handles(handles, free_parts="fly")
+    for wrong in (-0.1, 1.1, np.nan, [0.5, 0.5]):
+        with pytest.raises(sn.InvalidOption, match="free_part_stiffness"):
+            shell.set_handles(handles, free_parts="follow", free_part_stiffness=wrong)
+    with pytest.raises(sn.InvalidOption, match="vertices 3, 7") as refused:
+        shell.set_handles(handles, free_parts="follow", free_part_stiffness=painted)
+    assert (refused.value.elements, refused.value.element_kind) == ([3, 7], "vertex")
+    with pytest.raises(TypeError):
+        shell.set_handles(handles, None, None, None, "follow")
+    np.testing.assert_array_equal(shell.solve(poses)[0], before)
+
+
+def test_a_painted_stiffness_makes_a_long_part_rigid() -> None:
+    points, faces = grid(20, jitter=0.0)
+    strip = np.array([[2 + 0.25 * i, 10 + j, 3.0] for i in range(65) for j in range(2)])
+    quads = np.array([[2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1] for i in range(64)])
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
+    mesh = sn.SurfaceMesh(np.concatenate([points, strip]), np.concatenate([faces, len(points) + triangles]))
+    handles = [np.flatnonzero(points[:, 0] < 2.5), np.flatnonzero(points[:, 0] > 17.5)]
+    stretched = {}
+    for stiffness in (0.0, 1.0):
+        painted = np.where(np.arange(mesh.vertex_count) < len(points), 0.0, stiffness)
+        shell = sn.ThinShell(mesh)
+        (ride,) = shell.set_handles(handles, free_parts="follow", free_part_stiffness=painted).rides
+        assert ride.frame_count > 1
+        moved = shell.solve([STILL, shift(0, 0, 8)])[0][len(points) :]
+        stretched[stiffness] = abs(
+            np.linalg.norm(moved[-1] - moved[0]) / np.linalg.norm(strip[-1] - strip[0]) - 1
+        )
+    assert stretched[1.0] < 1e-12
+    assert stretched[0.0] > 1e-3
+
+
+def odd_parts() -> dict[str, tuple[np.ndarray, list[tuple[int, int, int]]]]:
+    """Points around the middle of the hill, and triangles of them."""
+    corner = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
+    one = [(0, 1, 2)]
+    return {
+        "twice the same": (np.concatenate([corner, corner]), [(0, 1, 2), (3, 4, 5)]),
+        "one place": (np.zeros((3, 3)), one),
+        "a line": (np.outer([0, 1, 2], [1.0, 0, 0]), one),
+        "an edge": (corner[:2], [(0, 1, 1)]),
+        "far": (corner + 1e4, one),
+        "tiny": (1e-160 * corner, one),
+        "huge": (1e5 * corner, one),
+        "debris": (
+            np.random.default_rng(0).normal(0, 100, (3000, 3)),
+            np.arange(1500).reshape(-1, 3).tolist(),
+        ),
+    }
+
+
+@METHODS
+@pytest.mark.parametrize("odd", odd_parts())
+def test_odd_parts_are_finite_and_move_with_everything(method: type, odd: str) -> None:
+    points, faces = grid(20)
+    more, triangles = odd_parts()[odd]
+    mesh = sn.SurfaceMesh(
+        np.concatenate([points, more + points.mean(0)]),
+        np.concatenate([faces, len(points) + np.array(triangles)]),
+    )
+    made = make(method, mesh)
+    handles = [np.flatnonzero(points[:, 0] < 2.5), np.flatnonzero(points[:, 0] > 17.5)]
+    assert made.set_handles(handles, free_parts="follow").free_parts == 0
+    assert np.isfinite(made.solve([STILL, shift(0, 0, 9)])[0]).all()
+    moved, _ = made.solve([shift(1, 2, 3)] * 2)
+    np.testing.assert_allclose(moved, mesh.points + (1, 2, 3), atol=1e-6 * np.abs(mesh.points).max())
+    incoming, _ = made.solve([STILL] * 2, incoming=2 * mesh.points)
+    np.testing.assert_allclose(incoming, 2 * mesh.points, atol=1e-6 * np.abs(mesh.points).max())

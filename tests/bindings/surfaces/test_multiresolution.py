@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The multiresolution deformation around each other surface method, through the Python module."""
+
+import numpy as np
+import pytest
+
+import sinew_native as sn
+
+from ..meshes import BENT, STILL, ends, grid, moved, turn
+from ..methods import SURFACE_METHODS, required
+
+POINTS, FACES = grid(12)
+BASES = [method for method in SURFACE_METHODS if "base" not in required(method)]
+DETAILS = ["displacement_vectors", "normal_displacements", "displacement_volumes", "deformation_transfer"]
+
+
+def around(base: type, **options: object) -> sn.Multiresolution:
+    mesh = sn.SurfaceMesh(POINTS, FACES)
+    method = sn.Multiresolution(mesh, base(mesh), **options)
+    method.set_handles(ends(POINTS))
+    return method
+
+
+@pytest.mark.parametrize("details", DETAILS)
+@pytest.mark.parametrize("base", BASES)
+def test_any_method_can_be_the_base(base: type, details: str) -> None:
+    method = around(base, details=details)
+    positions, report = method.solve(np.stack([STILL, STILL]))
+    np.testing.assert_allclose(positions, POINTS, atol=1e-11)
+    assert report.converged
+    handles = ends(POINTS)
+    positions, _ = method.solve(BENT)
+    assert np.isfinite(positions).all()
+    for pose, handle in zip(BENT, handles, strict=True):
+        np.testing.assert_allclose(positions[handle], moved(pose, POINTS[handle]), atol=1e-12)
+    pose = turn((1, 2, 3), 100, (4, 5, 6), (1, 2, 3))
+    alone = base(sn.SurfaceMesh(POINTS, FACES))
+    alone.set_handles(handles)
+    if np.allclose(alone.solve(np.stack([pose, pose]))[0], moved(pose, POINTS), atol=1e-8):  # it can turn
+        positions, _ = method.solve(np.stack([pose, pose]))
+        np.testing.assert_allclose(positions, moved(pose, POINTS), atol=1e-8)
+
+
+def test_levels_are_the_rest_shape_and_one_shape_per_band() -> None:
+    levels = around(sn.ThinShell, bands=3).levels()
+    assert [level.shape for level in levels] == [POINTS.shape] * 4
+    np.testing.assert_array_equal(levels[0], POINTS)
+    assert np.abs(levels[1] - POINTS).max() > 1e-3
+
+
+def test_details_without_a_height_are_counted() -> None:
+    """Noise of two edges, as the base below it is not flat either."""
+    noise = np.random.default_rng(1).uniform(-2, 2, POINTS.shape)
+    mesh = sn.SurfaceMesh(POINTS + noise, FACES)
+    counts = {}
+    for details in DETAILS:
+        method = sn.Multiresolution(mesh, sn.ThinShell(mesh), details=details)
+        counts[details] = method.set_handles(ends(POINTS)).detail_vectors
+        again = sn.Multiresolution(mesh, sn.ThinShell(mesh), details=details)
+        assert again.rebind(method, ends(POINTS)).detail_vectors == counts[details]
+    assert 0 < counts.pop("normal_displacements") < 20
+    assert not any(counts.values())
+
+
+def test_volumes_in_a_tight_bend_are_counted_as_fallbacks() -> None:
+    method = around(sn.ThinShell, details="displacement_volumes")
+    assert method.solve(np.stack([STILL, STILL]))[1].fallbacks == 0
+    doubled = np.column_stack([2 * np.eye(3), np.zeros(3)])
+    assert method.solve(np.stack([doubled, doubled]))[1].fallbacks == 1
+
+
+def test_what_does_not_fit_is_refused() -> None:
+    mesh, other = sn.SurfaceMesh(POINTS, FACES), sn.SurfaceMesh(POINTS + 1, FACES)
+    base = sn.ThinShell(mesh)
+    with pytest.raises(TypeError):
+        sn.Multiresolution(mesh, None)
+    with pytest.raises(sn.InvalidOption, match="make both on the same mesh"):
+        sn.Multiresolution(other, base)
+    with pytest.raises(sn.InvalidOption, match="details: 'heights' is not one of 'displacement_vectors'"):
+        sn.Multiresolution(mesh, base, details="heights")
+    for options in ({"wavelength": 0.0}, {"wavelength": np.nan}, {"bands": 0}, {"bands": 9}):
+        with pytest.raises(sn.InvalidOption, match=next(iter(options))):
+            sn.Multiresolution(mesh, base, **options)

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""SubdivisionSurface by NumPy: published rules, identities, and what is refused."""
+
+import numpy as np
+import pytest
+import scipy.sparse as sparse
+
+import sinew_native as sn
+
+from ..cages import CUBE, QUADS
+from ..meshes import sphere
+
+
+def cube(**options) -> sn.SubdivisionSurface:
+    return sn.SubdivisionSurface(sn.SurfaceMesh(CUBE, QUADS), **options)
+
+
+def loop_once(points: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, dict]:
+    """Loop's rules for a closed mesh: moved vertices, and the new one of each edge."""
+    neighbours: dict[int, set] = {}
+    opposite: dict[tuple, list] = {}
+    for face in faces:
+        for k in range(3):
+            a, b, c = face[k], face[(k + 1) % 3], face[(k + 2) % 3]
+            neighbours.setdefault(a, set()).update((b, c))
+            opposite.setdefault((min(a, b), max(a, b)), []).append(c)
+    moved = np.empty_like(points)
+    for v, ring in neighbours.items():
+        n = len(ring)
+        beta = (5 / 8 - (3 / 8 + np.cos(2 * np.pi / n) / 4) ** 2) / n
+        moved[v] = (1 - n * beta) * points[v] + beta * points[list(ring)].sum(axis=0)
+    middles = {
+        edge: 3 / 8 * points[list(edge)].sum(axis=0) + 1 / 8 * points[apexes].sum(axis=0)
+        for edge, apexes in opposite.items()
+    }
+    return moved, middles
+
+
+def test_loop_follows_the_published_rules() -> None:
+    points, faces = sphere(1)
+    points = points + np.random.default_rng(1).normal(0, 0.1, points.shape)
+    surface = sn.SubdivisionSurface(sn.SurfaceMesh(points, faces), scheme="loop", level=1)
+    moved, middles = loop_once(points, faces)
+    fine = surface.refine(points)
+    # Weights below 1 over a few points of size 1: a few roundings.
+    np.testing.assert_allclose(fine[: len(points)], moved, atol=1e-15)
+    left = {tuple(point) for point in fine[len(points) :].round(12)}
+    assert left == {tuple(point) for point in np.array(list(middles.values())).round(12)}
+    assert surface.faces.shape == (4 * len(faces), 3)
+
+
+@pytest.mark.parametrize(
+    "options", [{}, {"limit": True}, {"scheme": "bilinear"}, {"creases": ([(0, 1)], 2.5)}]
+)
+def test_matrix_is_what_refine_applies(options: dict) -> None:
+    surface = cube(level=3, **options)
+    assert sparse.issparse(surface.matrix)
+    assert surface.matrix.format == "csr"
+    assert surface.matrix.shape == (surface.vertex_count, surface.control_count)
+    np.testing.assert_allclose(surface.matrix.sum(axis=1), 1.0, atol=1e-15)
+    points = np.random.default_rng(2).normal(size=CUBE.shape)
+    np.testing.assert_allclose(surface.refine(points), surface.matrix @ points, atol=1e-14)
+
+
+def test_single_precision_stays_single_and_out_is_written() -> None:
+    surface = cube(level=4)
+    single = surface.refine(CUBE.astype(np.float32))
+    assert single.dtype == np.float32
+    np.testing.assert_allclose(single, surface.refine(CUBE), atol=1e-6)  # 8 weights and points of 1, in float
+    out = np.empty_like(single)
+    assert surface.refine(CUBE.astype(np.float32), out) is out
+    np.testing.assert_array_equal(out, single)
+    for wrong in (np.empty(single.shape), out[:, :2], out[::2]):
+        with pytest.raises((TypeError, sn.InvalidConstraint), match="out"):
+            surface.refine(CUBE.astype(np.float32), wrong)
+    out.flags.writeable = False
+    with pytest.raises(ValueError, match="not writeable"):
+        surface.refine(CUBE.astype(np.float32), out)
+
+
+def test_normals_of_a_smooth_cube_look_outward() -> None:
+    surface = cube(level=5, limit=True)
+    fine = surface.refine(CUBE)
+    normals = surface.normals(fine)
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1.0, atol=1e-14)
+    # At the middle of each face, by symmetry, the normal is that of the cube.
+    middle = np.abs(fine - 0.5).min(axis=0)
+    for axis in range(3):
+        top = np.argmax(fine[:, axis])
+        np.testing.assert_allclose(normals[top], np.eye(3)[axis], atol=1e-12)
+    assert middle.max() < 0.1
+
+
+def test_polygons_at_level_zero() -> None:
+    points, faces = CUBE, (np.array([4, 4, 4, 4, 4, 3, 3]), np.array([*QUADS[:5].ravel(), 1, 5, 7, 1, 7, 3]))
+    surface = sn.SubdivisionSurface(sn.SurfaceMesh(points, faces), level=0)
+    counts, corners = surface.faces
+    np.testing.assert_array_equal(counts, faces[0])
+    np.testing.assert_array_equal(corners, faces[1])
+    assert sn.SubdivisionSurface(sn.SurfaceMesh(points, faces), level=1).faces.shape == (26, 4)
+
+
+def test_face_varying_values_are_refined_by_their_own_matrix() -> None:
+    corners = np.arange(24)  # each face an island
+    surface = cube(level=2, face_varying=corners, uv_smooth="none")
+    values = np.random.default_rng(3).normal(size=(24, 2))
+    fine = surface.refine_face_varying(values)
+    np.testing.assert_allclose(fine, surface.face_varying_matrix @ values, atol=1e-14)
+    with pytest.raises(sn.InvalidConstraint, match=r"\(24, d\)"):
+        surface.refine_face_varying(values[:3])
+    assert surface.face_varying_corners.shape == (surface.faces.size,)
+    # Linear islands: the values of each refined face lie within those of its face.
+    for face in range(6):
+        inside = fine[surface.face_varying_corners[face * 64 : face * 64 + 64]]
+        own = values[4 * face : 4 * face + 4]
+        assert (inside >= own.min(axis=0) - 1e-12).all()
+        assert (inside <= own.max(axis=0) + 1e-12).all()
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "words"),
+    [
+        ({"scheme": "doo_sabin"}, sn.InvalidOption, "'catmull_clark', 'loop', 'bilinear'"),
+        ({"boundary_smooth": "x"}, sn.InvalidOption, "boundary_smooth"),
+        ({"uv_smooth": "x"}, sn.InvalidOption, "uv_smooth"),
+        ({"scheme": "loop"}, sn.InvalidMesh, "other faces are 0, 1, 2"),
+        ({"level": 11}, sn.InvalidOption, "not in 0 to 10"),
+        ({"creases": ([(0, 7)], 1.0)}, sn.InvalidOption, "no edge joins"),
+        ({"creases": ([0, 1], 1.0)}, sn.InvalidOption, "pairs"),
+        ({"creases": ([(0, 1)], [1.0, 2.0])}, sn.InvalidOption, "2 sharpnesses for 1"),
+        ({"creases": 3}, TypeError, "pair"),
+        ({"corners": ([8], 1.0)}, sn.InvalidOption, "the mesh has no vertices 8"),
+        ({"corners": ([0], -1.0)}, sn.InvalidOption, "below 0"),
+        ({"face_varying": [0, 1]}, sn.InvalidOption, "2 indices for 24"),
+    ],
+)
+def test_refusals_name_what_is_wrong(options: dict, error: type, words: str) -> None:
+    with pytest.raises(error, match=words):
+        cube(**options)
+
+
+@pytest.mark.parametrize("points", [CUBE[:7], CUBE[:, :2], CUBE.ravel()])
+def test_points_of_another_shape_are_refused(points: np.ndarray) -> None:
+    with pytest.raises(sn.InvalidConstraint, match=r"\(8, 3\)"):
+        cube().refine(points)
