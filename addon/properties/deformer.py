@@ -209,8 +209,8 @@ class SinewDeformer(PropertyGroup):
     )
     defaults: record(
         IntProperty,
-        description="How often defaults of parameters had changed when it was made. A file that says nothing is "
-        "of an earlier build: 1 with sizes of the surface, else 0",
+        description="How often defaults of parameters had changed when it was made. A file that says "
+        "nothing is of an earlier build: 1 with sizes of the surface, else 0",
     )
     live: setting(
         BoolProperty,

@@ -514,9 +514,22 @@ def test_points_that_a_deformer_moves_carry_several_objects():
         assert close(render_points(obj), expected, 1e-5)
 
 
-@pytest.mark.parametrize("by_parent", [False, True])
+def let_bones_move(obj: bpy.types.Object, armature: bpy.types.Object, how: str) -> None:
+    """The bone of an armature moves all points."""
+    if how == "parent":
+        obj.parent, obj.parent_type = armature, "ARMATURE"
+    elif how == "modifier":
+        obj.modifiers.new("Skin", "ARMATURE").object = armature
+    elif how == "hook":
+        hook = obj.modifiers.new("Hook", "HOOK")
+        hook.object, hook.subtarget, hook.vertex_group = armature, "Bone", "Bone"
+    else:
+        add_bones(obj, armature, method="mls")
+
+
+@pytest.mark.parametrize("how", ["modifier", "parent", "hook", "handle"])
 @pytest.mark.parametrize("control", ["points", "cage"])
-def test_what_an_armature_moves_twice_is_said_and_mended(control: str, by_parent: bool):
+def test_what_an_armature_moves_twice_is_said_and_mended(control: str, how: str):
     """A garment with an Armature modifier whose body, or cage, the same armature poses: by a button it moves
     once, and lies on the body."""
     armature = new_armature(Bone=((0.0, 0.0, 0.0), (0.0, 0.0, 1.0)))
@@ -525,11 +538,8 @@ def test_what_an_armature_moves_twice_is_said_and_mended(control: str, by_parent
     garment = grid_object("Garment")
     for obj in (body, garment):
         obj.vertex_groups.new(name="Bone").add(range(len(obj.data.vertices)), 1.0, "REPLACE")
-    garment.modifiers.new("Skin", "ARMATURE").object = armature
-    if by_parent:
-        body.parent, body.parent_type = armature, "ARMATURE"
-    else:
-        body.modifiers.new("Skin", "ARMATURE").object = armature
+    let_bones_move(garment, armature, "modifier")
+    let_bones_move(body, armature, how)
     update()
     if control == "cage":
         attach(garment, "mean_value", body)

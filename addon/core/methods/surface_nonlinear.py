@@ -375,8 +375,8 @@ ROWS = (
                 rebinds=True,
                 unit="triangles",
                 label="Cage Faces",
-                description="How fine the cage is that each part gets: 12 or more faces, or 0 for 160, and more "
-                "beside small handles. More faces bend more freely, and take more memory and time",
+                description="How fine the cage is that each part gets: 12 or more faces, or 0 for 160, and "
+                "more beside small handles. More faces bend more freely, and take more memory and time",
             ),
             Float(
                 "bending",
