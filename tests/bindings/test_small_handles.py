@@ -1,32 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Beside handles that are small for a figure, such as its feet, the surface does not crumple."""
 
-import sys
-from pathlib import Path
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 import sinew_native as sn
 
+from .figures import animal, spot
 from .meshes import STILL, turn
-
-ROOT = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(ROOT))
-
-from benchmarks.cases import OWN_MODEL, read_mesh  # noqa: E402
-from blend_samples.comparison.figures import beast  # noqa: E402
-
-
-def spot() -> tuple[np.ndarray, np.ndarray]:
-    """A young cow, upright along z and looking along x."""
-    points, faces = read_mesh(OWN_MODEL)
-    return points @ np.array([(0, 1, 0), (0, 0, 1), (-1, 0, 0)], float), faces
-
-
-def animal() -> tuple[np.ndarray, np.ndarray]:
-    case = beast()
-    return case.points, case.triangles
 
 
 def feet(points: np.ndarray) -> list[np.ndarray]:
@@ -51,7 +34,7 @@ def folds(points: np.ndarray, faces: np.ndarray) -> int:
 
 
 @pytest.mark.parametrize("figure", [spot, animal])
-def test_nothing_folds_beside_feet(figure) -> None:
+def test_nothing_folds_beside_feet(figure: Callable) -> None:
     points, faces = figure()
     size = np.linalg.norm(np.ptp(points, axis=0))
     handles = feet(points)
