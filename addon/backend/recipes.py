@@ -430,15 +430,21 @@ class ControlParts(ControlPoints):
 
 @dataclass(frozen=True)
 class HandleMaps(HandlePoints):
-    """Handle points for methods that take one affine map per handle."""
+    """Handle points for methods that take one affine map per handle.
+
+    ``of_boxes``: segments count per length of the longest side of the box along the axes around all points,
+    as in earlier builds.
+    """
+
+    of_boxes: bool = False
 
     def make(self, native, recipe: "Recipe", mesh: object) -> Any:
         """The native method, still without bound points; one around another gets the mesh, too."""
-        given = self._given(recipe.method, recipe.options)
+        given = self._given(native, recipe.method, recipe.options)
         base = given.get("base")
         if isinstance(base, Base):
-            given["base"] = make(native, base.method, self.points, self._given(base.method, base.options))
-            given["mesh"] = mesh
+            around = self._given(native, base.method, base.options)
+            given |= {"base": make(native, base.method, self.points, around), "mesh": mesh}
         return make(native, recipe.method, self.points, given)
 
     @property
@@ -446,10 +452,14 @@ class HandleMaps(HandlePoints):
         """How many points there are. For `bind_seconds`, a segment costs as much as 12 points."""
         return len(self.points) + 12 * int(self.segments.sum())
 
-    def _given(self, method: Method, options: Mapping[str, object]) -> dict[str, object]:
+    def _given(self, native, method: Method, options: Mapping[str, object]) -> dict[str, object]:
         given = {"counts": self.native_counts, "weights": self.native_weights, **options}
         if method.takes_segments and self.segments.any():
-            given["segments"] = self.edges[self.segments]
+            given["segments"] = ends = self.edges[self.segments]
+            if self.of_boxes:  # that is a shorter length, so all else counts less
+                less = BoxShare(self.weights, Size.HANDLES).of(native, self.points)
+                is_end = np.isin(np.arange(len(self.points)), ends)
+                given["weights"] = np.where(is_end, self.weights, less)
         return given
 
     def _posed(self, method: Any, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -471,17 +481,18 @@ def handle_points(
     segments: np.ndarray = _NO_SEGMENTS,
     weights: np.ndarray | None = None,
     around: Around | None = None,
+    of_boxes: bool = False,
 ) -> HandlePoints:
     """The control of a space method that handles move: ``counts`` of ``points`` (c, 3) belong to each.
 
     By default none is ``apart``, and all are held fully. ``around``: the shape of several objects that
-    they move, if there are several.
+    they move, if there are several. ``of_boxes``: see ``HandleMaps``.
     """
     held = np.ones(len(points)) if weights is None else weights
     given = points, counts, held, apart or (False,) * len(counts), edges, segments
     if method.posed is Posed.POSES:
         return HandlePoses(*given, around)
-    return HandleMaps(*given) if method.posed is Posed.CONTROL else HandlePoints(*given)
+    return HandleMaps(*given, of_boxes) if method.posed is Posed.CONTROL else HandlePoints(*given)
 
 
 @dataclass(frozen=True)

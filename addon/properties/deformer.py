@@ -207,6 +207,11 @@ class SinewDeformer(PropertyGroup):
         description="Which sizes the parameters are shares of that are shares of a size. A file that says "
         "nothing is of an earlier build, and keeps its looks",
     )
+    defaults: record(
+        IntProperty,
+        description="How often defaults of parameters had changed when it was made. A file that says "
+        "nothing is of an earlier build: 1 with sizes of the surface, else 0",
+    )
     live: setting(
         BoolProperty,
         name="Live",

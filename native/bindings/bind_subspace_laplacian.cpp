@@ -39,8 +39,9 @@ iteration never touches the surface; a frame ends with one product of the weight
              py::arg("tolerance") = SubspaceLaplacianOptions{}.tolerance, R"(
 mesh            SurfaceMesh, the rest shape.
 cage            SurfaceMesh, closed, around all parts with a handle; None for an automatic one per part.
-cage_faces      triangles of an automatic cage, 12 to 2,000. A part with no more vertices than such a cage is
-                its own subspace.
+cage_faces      triangles of an automatic cage, 12 to 2,000, or 0 for 160, and more beside handles that are
+                smaller than its faces, at most 600. A part with no more vertices than such a cage is its own
+                subspace.
 clusters        clusters of vertices that share a rotation, in each part, >= 1; each handle has its own.
 bending         >= 0: how stiff the surface is in bends, as a share of the rest area of the part.
 keep_volume     whether parts that are closed, or nearly, keep their volume.

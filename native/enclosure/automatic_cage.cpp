@@ -33,6 +33,7 @@ using Symmetry = AutomaticCageOptions::Symmetry;
 constexpr double on_mirror = 1e-5; // vertices of the wrap that are this close to the mirror are put on it
 constexpr double mirror_tolerance =
     0.02; // as large as the default margin, about: a symmetric cage then costs little space
+constexpr double least_edge = 0.35; // beside details, as a share of the margin: the wrap is not finer
 constexpr int attempts = 3;        // each with twice the margin of the one before
 
 /// A number on a grid, far below all margins: so the last bits of the target, which its unit of length and
@@ -167,6 +168,38 @@ void add_image(TriangleSoup& soup, int axis)
         const auto [a, b, c] = soup.triangles[t];
         soup.triangles.push_back({a + count, c + count, b + count});
     }
+}
+
+/// A cage that is finer beside details, on both sides of a mirror: how fine where, and of how many triangles.
+std::pair<Fineness, int> finer_beside_details(const AutomaticCageOptions& options, const TriangleSoup& soup,
+                                              const Frame& frame, int axis)
+{
+    std::vector<Detail> details;
+    for (const auto& [centre, radius] : options.details) {
+        Detail detail{frame.in(centre), on_grid(radius / frame.size)};
+        details.push_back(detail);
+        if (axis >= 0) {
+            detail.centre[axis] *= -1;
+            details.push_back(detail);
+        }
+    }
+    if (details.empty())
+        return {Fineness(), options.faces};
+    const auto area_of = [](const Corners& t) { return 0.5 * (t[1] - t[0]).cross(t[2] - t[0]).norm(); };
+    double area = 0.0, finer = 0.0;
+    for (const Triangle& t : soup.triangles)
+        area += area_of(corners_of(soup.points, t));
+    const double usual = std::sqrt(area / options.faces * 4.0 / std::sqrt(3.0)); // of equal sides
+    Fineness fineness(std::move(details), usual, least_edge * options.margin);
+    for (const Triangle& t : soup.triangles) {
+        const Corners corners = corners_of(soup.points, t);
+        const Vector3 middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        finer += area_of(corners) * std::pow(fineness.at(middle), 2);
+    }
+    const int faces = area > 0.0 ? static_cast<int>(std::lround(
+                                       std::min<double>(options.most_faces, options.faces * finer / area)))
+                                 : options.faces;
+    return {std::move(fineness), std::max(faces, options.faces)};
 }
 
 /// The part on the positive side of the mirror; vertices on the cut get the coordinate 0.
@@ -360,11 +393,12 @@ AutomaticCage automatic_cage(const SurfaceMesh& whole, const AutomaticCageOption
     std::optional<TriangleTree> tree(std::in_place, soup.points, soup.triangles);
     const MirrorPlane mirror = mirror_of(soup, target.vertex_count(), *tree, frame, options.symmetry);
     const int axis = mirror.deviation <= mirror_tolerance || is_forced(options.symmetry) ? mirror.axis : -1;
+    if (axis >= 0 && mirror.through_origin) { // exactly, so that rounding is the same on both sides
+        frame.centre[axis] = 0.0;
+        soup = soup_of(target, frame);
+    }
+    const auto [fineness, wanted] = finer_beside_details(options, soup, frame, axis);
     if (axis >= 0) {
-        if (mirror.through_origin) { // exactly, so that rounding is the same on both sides
-            frame.centre[axis] = 0.0;
-            soup = soup_of(target, frame);
-        }
         add_image(soup, axis);
         tree.emplace(soup.points, soup.triangles);
     }
@@ -382,9 +416,8 @@ AutomaticCage automatic_cage(const SurfaceMesh& whole, const AutomaticCageOption
         const int wrap_faces = static_cast<int>(wrap.triangles.size());
         if (axis >= 0)
             wrap = positive_half(wrap, axis);
-        ProgressiveHull hull(wrap, 1.0, axis);
-        simplify(hull, inner_tree(wrap, soup, *tree), axis >= 0 ? options.faces / 2 : options.faces,
-                 stage(0.5, 0.95));
+        ProgressiveHull hull(wrap, 1.0, axis, fineness);
+        simplify(hull, inner_tree(wrap, soup, *tree), axis >= 0 ? wanted / 2 : wanted, stage(0.5, 0.95));
 
         auto [points, triangles] = hull.surface();
         Polygons faces =
@@ -401,10 +434,10 @@ AutomaticCage automatic_cage(const SurfaceMesh& whole, const AutomaticCageOption
             found.counts.push_back(static_cast<int>(cage.face(f).size()));
             found.corners.insert(found.corners.end(), cage.face(f).begin(), cage.face(f).end());
         }
-        found.report.wanted = options.faces;
+        found.report.wanted = wanted;
         found.report.faces = static_cast<int>(cage.triangles().size());
         found.report.quads = found.report.faces - cage.face_count();
-        found.report.reached = found.report.faces <= options.faces + (axis >= 0 ? 1 : 0);
+        found.report.reached = found.report.faces <= wanted + (axis >= 0 ? 1 : 0);
         found.report.mirror_axis = axis;
         found.report.asymmetry = mirror.deviation;
         found.report.wrap_faces = wrap_faces;

@@ -3,6 +3,7 @@
 
 #include "native/core/progress.h"
 #include "native/core/types.h"
+#include "native/enclosure/fineness.h"
 #include "native/mesh/surface_mesh.h"
 
 #include <string>
@@ -24,12 +25,16 @@ struct AutomaticCageOptions
     int faces = 300; ///< number of triangles wanted, 12 to 100,000; a quad counts as two
     double margin = 1.0 / 60.0; ///< distance from the target at which the cage is begun, 0.004 to 0.25
     Symmetry symmetry = Symmetry::automatic;
+    /// In the coordinates of the target: beside them the cage is finer, and has more faces than `faces`, at
+    /// most `most_faces`.
+    std::vector<Detail> details{};
+    int most_faces = 600;
     bool quads = false; ///< join triangles into quads where the cage is good with either diagonal
 };
 
 struct AutomaticCageReport
 {
-    int wanted = 0; ///< number of triangles asked for
+    int wanted = 0; ///< number of triangles asked for, with those beside details
     int faces = 0; ///< number of triangles; a quad counts as two
     int quads = 0; ///< how many pairs of these triangles are quads
     bool reached = false; ///< whether there are no more faces than wanted; one more in a symmetric cage

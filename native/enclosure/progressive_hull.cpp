@@ -110,10 +110,10 @@ bool collide(const Corners& a, const Triangle& a_indices, const Corners& b, cons
 
 } // namespace
 
-ProgressiveHull::ProgressiveHull(TriangleSoup surface, double size, int mirror_axis)
+ProgressiveHull::ProgressiveHull(TriangleSoup surface, double size, int mirror_axis, Fineness fineness)
     : points_(std::move(surface.points)), faces_(std::move(surface.triangles)), alive_(faces_.size(), 1),
       around_(points_.size()), stamps_(points_.size(), 0), size_(size), mirror_axis_(mirror_axis),
-      face_count_(static_cast<int>(faces_.size()))
+      fineness_(std::move(fineness)), face_count_(static_cast<int>(faces_.size()))
 {
     for (int f = 0; f < face_count_; ++f)
         for (int v : faces_[f])
@@ -206,7 +206,8 @@ void ProgressiveHull::propose(int a, int b)
     }
     if (p.norm() > farthest[bold_] * size_)
         return;
-    const double cost = p.dot(H * p) - 2.0 * h.dot(p) + constant;
+    const double finer = std::pow(fineness_.at(middle), 4); // as costs grow with that power of lengths
+    const double cost = finer * (p.dot(H * p) - 2.0 * h.dot(p) + constant);
     Vector3 point = middle + p;
     if (mirror)
         point[mirror_axis_] = 0.0;

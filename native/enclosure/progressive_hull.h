@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/core/progress.h"
+#include "native/enclosure/fineness.h"
 #include "native/enclosure/wrap.h"
 #include "native/mesh/triangle_tree.h"
 
@@ -31,7 +32,8 @@ class ProgressiveHull
 public:
     /// \param size         the size of the target, with which lengths are compared
     /// \param mirror_axis  0 to 2, or -1 for a whole surface
-    ProgressiveHull(TriangleSoup surface, double size, int mirror_axis = -1);
+    /// \param fineness     how fine it becomes where
+    ProgressiveHull(TriangleSoup surface, double size, int mirror_axis = -1, Fineness fineness = {});
 
     /// Collapses edges, cheapest first, until `faces` faces remain or no edge may be collapsed. Equal
     /// surfaces give equal results.
@@ -96,6 +98,7 @@ private:
     std::priority_queue<Candidate> queue_;
     double size_;
     int mirror_axis_;
+    Fineness fineness_;
     bool bold_ = false;
     int face_count_;
 };

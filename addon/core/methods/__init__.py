@@ -8,6 +8,7 @@ from importlib import import_module
 from pkgutil import iter_modules
 
 from .schema import (
+    DEFAULTS,
     Bool,
     Box,
     Choice,
@@ -34,6 +35,7 @@ from .schema import (
 __all__ = (
     "BY_ID",
     "CONTROL_PARAMETERS",
+    "DEFAULTS",
     "DEFAULT_CAGE_METHOD",
     "DEFAULT_GRIP_METHOD",
     "DEFAULT_METHOD",

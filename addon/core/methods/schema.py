@@ -71,6 +71,9 @@ class Size(Enum):
     HANDLES = "of all handles"  # the ``diameter`` of their points
 
 
+DEFAULTS = 2  # how often defaults have changed, see ``Parameter.earlier`` and ``SinewDeformer.defaults``
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A value that the artist may set.
@@ -79,7 +82,8 @@ class Parameter:
     Otherwise it is a keyword of ``solve``. ``advanced``: it is seldom changed, so the panel shows it under
     Advanced. ``only_with``: a choice of the same method, and its values with which the method uses this
     parameter; the panel hides it with others. ``unit``: what a number counts or measures, in words. Blender
-    shows a "length" and an "angle" in the units of the scene.
+    shows a "length" and an "angle" in the units of the scene. ``earlier``: a former default, and from which
+    ``SinewDeformer.defaults`` on the present one holds.
     """
 
     id: str
@@ -91,6 +95,7 @@ class Parameter:
     rebinds: bool = False
     advanced: bool = False
     only_with: tuple[str, tuple[str, ...]] | None = None
+    earlier: tuple[Any, int] | None = None
     paintable: ClassVar[bool] = False
 
     @property
@@ -109,8 +114,7 @@ class Float(Parameter):
 
     ``step`` is how much one click on an arrow of its field adds. If it is ``paintable``, a vertex group may
     scale it per vertex. ``share_of`` says which size it is a share of, if of any; ``share_with`` a choice of
-    the same method, and its value with which it is one. ``earlier`` is the default of builds that measured
-    sizes by boxes (see ``SinewDeformer.sizes``), if it has changed since.
+    the same method, and its value with which it is one.
     """
 
     minimum: float = 0.0
@@ -121,7 +125,6 @@ class Float(Parameter):
     paintable: bool = False  # type: ignore[misc]  # rows set it, while all other types share one value
     share_of: Size | None = None
     share_with: tuple[str, str] | None = None
-    earlier: float | None = None
 
     def size_in_use(self, settings: object) -> Size | None:
         """The size that it is a share of. ``settings`` has the parameters of the method as attributes."""

@@ -368,15 +368,15 @@ ROWS = (
             ),
             Int(
                 "cage_faces",
-                160,
-                minimum=12,
+                0,
                 maximum=2000,
                 soft_maximum=600,
+                earlier=(160, 2),
                 rebinds=True,
                 unit="triangles",
                 label="Cage Faces",
-                description="How fine the cage is that each part gets. "
-                "More faces bend more freely, and take more memory and time",
+                description="How fine the cage is that each part gets: 12 or more faces, or 0 for 160, and "
+                "more beside small handles. More faces bend more freely, and take more memory and time",
             ),
             Float(
                 "bending",

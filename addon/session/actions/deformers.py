@@ -6,7 +6,7 @@ from bpy.types import Object
 
 from ...core import status
 from ...core.errors import SinewError
-from ...core.methods import BY_ID, Float
+from ...core.methods import BY_ID, DEFAULTS
 from ...core.names import unique_name
 from ...core.status import Level, Status
 from ...preferences import preferences
@@ -29,7 +29,7 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
     deformer = obj.sinew.deformers.add()
     deformer.complete()
     deformer.uid = shapes.new_key()
-    deformer.sizes = "SURFACE"
+    deformer.sizes, deformer.defaults = "SURFACE", DEFAULTS
     taken = [other.name for other in obj.sinew.deformers if other.uid != deformer.uid]
     deformer.method = method
     deformer.name = name or unique_name(BY_ID[method].label, taken)
@@ -47,17 +47,18 @@ def keep_earlier_defaults() -> None:
     For a file that was just opened.
     """
     changed = [
-        (method.id, parameter)
+        (method.id, parameter.id, *parameter.earlier)
         for method in BY_ID.values()
         for parameter in method.parameters
-        if isinstance(parameter, Float) and parameter.earlier is not None
+        if parameter.earlier is not None
     ]
     for obj in owners():
         for deformer in obj.sinew.deformers:
-            for method, parameter in changed if deformer.sizes == "BOX" else ():
+            known = max(deformer.defaults, int(deformer.sizes == "SURFACE"))
+            for method, name, former, since in changed:
                 values = getattr(deformer, method)
-                if not values.is_property_set(parameter.id):
-                    setattr(values, parameter.id, parameter.earlier)
+                if known < since and not values.is_property_set(name):
+                    setattr(values, name, former)
 
 
 @sessions.suspended()

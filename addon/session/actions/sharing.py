@@ -73,6 +73,7 @@ def copy_settings(deformer: SinewDeformer, other: SinewDeformer) -> None:
     Masks, painted groups, curves and objects of parameters stay: they belong to one target.
     """
     other.method, other.factor, other.sizes = deformer.method, deformer.factor, deformer.sizes
+    other.defaults = deformer.defaults
     for method, name in deformer.plain_parameters:
         setattr(getattr(other, method), name, getattr(getattr(deformer, method), name))
     for row in deformer.controls:

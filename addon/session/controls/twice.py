@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds what moves a mesh twice: its own Armature modifier, and a control whose shape that armature moves."""
 
-from bpy.types import ArmatureModifier, Object
+from bpy.types import ArmatureModifier, HookModifier, Object
 
 from ...properties import SinewDeformer
 from ..datablocks import targets
@@ -17,25 +17,38 @@ def moved_twice(obj: Object, deformer: SinewDeformer) -> list[tuple[Object, Arma
     """
     if not targets.is_mesh(obj):
         return []
-    own = [row for row in list(obj.modifiers)[: capture.position(obj, deformer)] if _moves(row)]
+    before = list(obj.modifiers)[: capture.position(obj, deformer)]
+    own = [row for row in before if isinstance(row, ArmatureModifier) and _moves(row)]
+    controls = [control for control in _shapes(deformer) if control != obj] if own else []
+    return [(control, row) for control in controls for row in own if row.object in _movers(control, {obj})]
+
+
+def _moves(modifier: ArmatureModifier | HookModifier) -> bool:
+    return modifier.object is not None and (modifier.show_viewport or modifier.show_render)
+
+
+def _shapes(deformer: SinewDeformer) -> list[Object]:
+    """The objects whose points count for a deformer."""
     links = kinds.kind_in_use(deformer).links(deformer)
-    controls = dict.fromkeys(link.object for link in links if link.by_shape and link.object != obj)
-    return [(control, row) for control in controls for row in own if row.object in _armatures_of(control)]
+    return list(dict.fromkeys(link.object for link in links if link.by_shape))
 
 
-def _moves(modifier: object) -> bool:
-    return (
-        isinstance(modifier, ArmatureModifier)
-        and modifier.object is not None
-        and (modifier.show_viewport or modifier.show_render)
-    )
-
-
-def _armatures_of(control: Object) -> set[Object]:
-    """The armatures that move the points of an object."""
-    found = {modifier.object for modifier in control.modifiers if _moves(modifier)}
-    if control.parent is not None and control.parent.type == "ARMATURE" and control.parent_type == "ARMATURE":
-        found.add(control.parent)
+def _movers(obj: Object, seen: set[Object]) -> set[Object]:
+    """The objects that move the points of an object: by modifiers, as a parent, by Sinew, or by another
+    object that it follows. ``seen``: those that were asked already.
+    """
+    found = {
+        row.object
+        for row in obj.modifiers
+        if isinstance(row, (ArmatureModifier, HookModifier)) and _moves(row)
+    }
+    if obj.parent is not None and obj.parent_type == "ARMATURE":
+        found.add(obj.parent)
+    for deformer in obj.sinew.deformers:
+        found |= {link.object for link in kinds.kind_in_use(deformer).links(deformer)}
+        for other in _shapes(deformer):
+            if other not in seen:
+                found |= _movers(other, {*seen, obj})
     return found
 
 

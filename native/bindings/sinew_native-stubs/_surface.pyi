@@ -266,7 +266,7 @@ class SubspaceLaplacian(SurfaceMethod):
         mesh: SurfaceMesh,
         *,
         cage: SurfaceMesh | None = None,
-        cage_faces: int = 160,
+        cage_faces: int = 0,
         clusters: int = 60,
         bending: float = 0.0015,
         keep_volume: bool = True,

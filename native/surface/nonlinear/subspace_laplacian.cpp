@@ -108,6 +108,27 @@ std::vector<Part::Near> near_handles(const GraphEdges& edges, const CagedPart& s
     return near;
 }
 
+/// Balls around the connected vertices of equal handles.
+std::vector<Detail> balls_around_held(const GraphEdges& edges, const Points& rest,
+                                      const std::vector<int>& hard)
+{
+    std::vector<Detail> balls;
+    std::vector<char> seen(hard.size(), 0);
+    for (std::size_t v = 0; v < hard.size(); ++v) {
+        if (hard[v] < 0 || std::exchange(seen[v], 1))
+            continue;
+        std::vector<int> piece{static_cast<int>(v)};
+        for (std::size_t k = 0; k < piece.size(); ++k)
+            for (int a = edges.offsets[piece[k]]; a < edges.offsets[piece[k] + 1]; ++a)
+                if (const int j = edges.neighbours[a]; hard[j] == hard[v] && !std::exchange(seen[j], 1))
+                    piece.push_back(j);
+        const Points points = rest(piece, Eigen::all);
+        const Eigen::RowVector3d centre = points.colwise().mean();
+        balls.push_back({centre.transpose(), (points.rowwise() - centre).rowwise().norm().maxCoeff()});
+    }
+    return balls;
+}
+
 struct Binding
 {
     std::vector<Part> parts;
@@ -132,13 +153,19 @@ struct SubspaceLaplacian::Impl
 {
     SubspaceLaplacianOptions options;
     std::optional<SurfaceMesh> cage;
-    std::map<int, std::shared_ptr<const CagedPart>> spaces; ///< by the lowest vertices of their parts
+    struct Space
+    {
+        std::vector<Detail> details; ///< that its cage is made for
+        std::shared_ptr<const CagedPart> part;
+    };
+    std::map<int, Space> spaces; ///< by the lowest vertices of their parts
     HeldSystem system;                                     ///< of the Laplacian, for the fields
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
     mutable Pool<Frame> frames;
 
     std::shared_ptr<const CagedPart> space_of(const SurfaceMesh& mesh, const std::vector<int>& vertices,
-                                              const GraphEdges& edges, const Progress& progress);
+                                              const GraphEdges& edges, const std::vector<int>& hard,
+                                              const Progress& progress);
     void refuse_outside(const SurfaceMesh& mesh, const HandleGroups& groups) const;
     SolveReport solve(const Part& part, const SolveRequest& request, const Targets& targets, Frame& frame,
                       Points& positions) const;
@@ -147,13 +174,19 @@ struct SubspaceLaplacian::Impl
 std::shared_ptr<const CagedPart> SubspaceLaplacian::Impl::space_of(const SurfaceMesh& mesh,
                                                                    const std::vector<int>& vertices,
                                                                    const GraphEdges& edges,
+                                                                   const std::vector<int>& hard,
                                                                    const Progress& progress)
 {
-    std::shared_ptr<const CagedPart>& known = spaces[vertices.front()];
-    if (known)
-        return known;
-    return known =
-               std::make_shared<const CagedPart>(mesh, vertices, edges, cage, options.cage_faces, progress);
+    auto& [known, part] = spaces[vertices.front()];
+    std::vector<Detail> details;
+    if (!cage && options.cage_faces == 0)
+        details = balls_around_held(edges, mesh.points()(vertices, Eigen::all), hard);
+    if (!part || known != details) {
+        part = std::make_shared<const CagedPart>(mesh, vertices, edges, cage, options.cage_faces, details,
+                                                 progress);
+        known = std::move(details);
+    }
+    return part;
 }
 
 void SubspaceLaplacian::Impl::refuse_outside(const SurfaceMesh& mesh, const HandleGroups& groups) const
@@ -175,9 +208,9 @@ SubspaceLaplacian::SubspaceLaplacian(const SurfaceMesh& rest, const SubspaceLapl
                                      std::optional<SurfaceMesh> cage)
     : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
 {
-    require_at_least(options.cage_faces, 12, "cage_faces");
-    if (options.cage_faces > 2000)
-        throw InvalidOption("cage_faces: more than 2,000, each of which costs every vertex a weight");
+    if (options.cage_faces != 0 && (options.cage_faces < 12 || options.cage_faces > 2000))
+        throw InvalidOption("cage_faces: " + std::to_string(options.cage_faces) +
+                            " is neither 0 nor in 12 to 2,000; each face costs every vertex a weight");
     require_at_least(options.clusters, 1, "clusters");
     require_at_least(options.bending, 0.0, "bending");
     require_at_least(options.max_iterations, 1, "max_iterations");
@@ -231,10 +264,6 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
             part.handles.assign(groups.handles.begin() + groups.offsets[g],
                                 groups.handles.begin() + groups.offsets[g + 1]);
             const GraphEdges edges = edges_of(matrix, members[g], places);
-            part.space =
-                self.space_of(rest(), members[g], edges, part_of(progress, begin, begin + 0.6 * share));
-            progress.tick(begin + 0.6 * share, "gathering the energy");
-            const CagedPart& space = *part.space;
             const auto count = static_cast<int>(members[g].size());
 
             std::vector<int> hard(count);
@@ -255,6 +284,10 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
                         grips[places[soft.vertex]] = grip_of(soft.weight);
                     }
                 }
+            part.space =
+                self.space_of(rest(), members[g], edges, hard, part_of(progress, begin, begin + 0.6 * share));
+            progress.tick(begin + 0.6 * share, "gathering the energy");
+            const CagedPart& space = *part.space;
             std::vector<SubspaceCells::Pull> pulls;
             const int first = groups.offsets[g];
             for (int k = 0; k < count; ++k)

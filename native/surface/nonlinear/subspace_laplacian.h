@@ -12,7 +12,9 @@ namespace sinew {
 
 struct SubspaceLaplacianOptions
 {
-    int cage_faces = 160; ///< triangles of the automatic cage of each part, 12 to 2,000
+    /// Triangles of the automatic cage of each part, 12 to 2,000; or 0 for 160, and more beside handles that
+    /// are smaller than its faces, at most 600.
+    int cage_faces = 0;
     int clusters = 60; ///< of vertices that share a rotation, in each part, >= 1; each handle has its own
     /// b / A >= 0 in the energy, with the rest area A of the part: how stiff the surface is in bends, beside
     /// its edges.
@@ -58,7 +60,8 @@ struct SubspaceLaplacianOptions
 ///   constructor    rest shape or faces changed   nothing
 ///   set_handles()  another set of handles        one factorisation of L; the matrices of the clusters, as
 ///                                                much as two products of all weights with each other; the
-///                                                first call also makes the cages and their weights
+///                                                first call also makes the cages and their weights, and
+///                                                so does one that holds other vertices, with 0 cage_faces
 ///   solve()        the handles moved             iterations with the unknowns of the cage and, with the
 ///                                                volume, some 500 points; then one product of the weights
 ///                                                with x, y and z, with the volume two, and one pass over the

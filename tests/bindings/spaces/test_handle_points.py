@@ -7,6 +7,7 @@ from scipy.interpolate import RBFInterpolator
 
 import sinew_native as sn
 
+from ..figures import animal
 from ..meshes import grid
 
 RANDOM = np.random.default_rng(7)
@@ -209,3 +210,25 @@ def test_mls_does_not_tear_at_the_border_of_large_regions(sizes: tuple[float, fl
         longest = (np.linalg.norm(out[edges[:, 0]] - out[edges[:, 1]], axis=1) / rest).max()
         print(f"{name}: an edge {longest:.2f} times as long")
         assert longest < 2.5, name
+
+
+def test_mls_does_not_tear_a_figure_whose_limbs_are_large_regions() -> None:
+    """A leg and the head, bent by 60 degrees where a limb is free for about its thickness; the body stays."""
+    points, faces = animal()
+    x, y, z = points.T
+    body, leg = (np.abs(x) < 1.0) & (z > 0.85), (x > 0) & (y > 0) & (z < 0.55)
+    regions = [np.flatnonzero(region) for region in (body, leg, x > 1.4)]
+    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
+    rest = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+    longest = {}
+    for alpha in (2.0, 1.0):
+        method = sn.Mls(points[np.concatenate(regions)], [len(region) for region in regions], alpha=alpha)
+        method.bind(points)
+        control = method.control.copy()
+        for rows, degrees, joint in ((4, 60.0, (0.85, 0.32, 0.7)), (8, -60.0, (1.2, 0.0, 1.3))):
+            turn, move = about(1, degrees, np.array(joint))
+            control[rows : rows + 4] = control[rows : rows + 4] @ turn.T + move
+        out = method.warp(control)
+        longest[alpha] = (np.linalg.norm(out[edges[:, 0]] - out[edges[:, 1]], axis=1) / rest).max()
+    print(f"edges up to {longest[2.0]:.2f} times as long; {longest[1.0]:.2f} with a falloff of 1")
+    assert longest[2.0] < 2.5 < 4.0 < longest[1.0]

@@ -356,7 +356,7 @@ ELSEWHERE = {
     "Silhouette Sketch": "test_silhouette_sketch.py",
     "Surface": "test_riding.py",
     "Transfer Deformation": "test_transfer.py",
-    "Turn Off Armature": "test_points_of_objects.py",
+    "Turn Off Armature": "test_moved_twice.py",
     "Use Selected as Cage": "test_cage.py",
     "Use Selected as Lattice": "test_lattice.py",
     "Use Selected as Wires": "test_wires.py",

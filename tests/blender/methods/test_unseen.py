@@ -87,18 +87,33 @@ def test_a_file_of_an_earlier_build_keeps_its_looks(scene, change: str) -> None:
     assert np.abs(evaluated_points(obj) - old).max() < 1e-4
 
 
-def test_a_file_of_an_earlier_build_keeps_the_falloff_that_was_its_default(scene, tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("method", "parameter", "former", "without"),
+    [
+        ("mls", "alpha", 1.0, ("sizes", "defaults")),
+        ("subspace_laplacian", "cage_faces", 160, ("sizes", "defaults")),
+        ("subspace_laplacian", "cage_faces", 160, ("defaults",)),
+    ],
+)
+def test_a_file_of_an_earlier_build_keeps_the_default_of_its_time(
+    scene, tmp_path: Path, method: str, parameter: str, former: float, without: tuple[str, ...]
+) -> None:
+    """``without``: what deformers of that build did not store."""
     rows = {}
     for name in ("New", "Old"):
         obj = egg("")
         obj.name = name
-        rows[name] = posed(obj, "mls", MOTION)
-    bpy.data.objects["Old"].sinew.active.property_unset("sizes")
+        rows[name] = posed(obj, method, MOTION)
+    for name in without:
+        bpy.data.objects["Old"].sinew.active.property_unset(name)
     reopen(tmp_path / "old.blend")
     update()
-    new, old = bpy.data.objects["New"], bpy.data.objects["Old"]
-    assert np.array_equal(evaluated_points(new), rows["New"])
-    new.sinew.active.mls.alpha = 1.0
+    new, old = (bpy.data.objects[name].sinew.active for name in ("New", "Old"))
+    assert np.array_equal(evaluated_points(new.id_data), rows["New"])
+    assert getattr(getattr(old, method), parameter) == former
+    setattr(getattr(new, method), parameter, former)
+    for deformer in (new, old):
+        deformer.property_unset("sizes")
     update()
-    assert np.array_equal(evaluated_points(old), evaluated_points(new))
-    assert np.abs(evaluated_points(old) - rows["Old"]).max() > 1e-2
+    assert np.array_equal(evaluated_points(old.id_data), evaluated_points(new.id_data))
+    assert np.abs(evaluated_points(old.id_data) - rows["Old"]).max() > 1e-3

@@ -193,6 +193,7 @@ def _handle_points(
             [np.ones(n) if held is None else held for n, held in zip(counts, weights, strict=True)]
         ),
         companions.around(settings, rest),
+        settings.sizes == "BOX",
     )
 
 

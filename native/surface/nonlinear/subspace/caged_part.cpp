@@ -22,6 +22,7 @@ namespace {
 constexpr double most_open = 0.1;      ///< area of the fans that close a part, as a share of its own
 constexpr double least_volume = 0.01; ///< volume / area^1.5; a ball has 0.094
 constexpr double cage_margin = 0.04;   ///< of an automatic cage, as a share of the size
+constexpr int usual_faces = 160;       ///< of an automatic cage, without those beside details
 constexpr int coarse_points = 500;     ///< of the surface whose volume is kept while iterating
 
 /// A box around points, of 98 vertices.
@@ -65,7 +66,7 @@ SurfaceMesh box_around(const Points& points)
 
 /// A cage around a part, made in the frame of the part and of size 1, so that the axes do not choose it.
 SurfaceMesh cage_around(const SurfaceMesh& part, const SurfaceFrame& frame, int faces,
-                        const Progress& progress)
+                        std::vector<Detail> details, const Progress& progress)
 {
     const auto in = [&](const Points& points) -> Points {
         return ((points.rowwise() - frame.centre.transpose()) / frame.size) * frame.axes;
@@ -75,8 +76,13 @@ SurfaceMesh cage_around(const SurfaceMesh& part, const SurfaceFrame& frame, int 
                                      frame.centre.transpose());
     };
     const SurfaceMesh upright = with_points(part, in(part.points()));
+    for (auto& [centre, radius] : details) {
+        centre = frame.in(centre) / frame.size;
+        radius /= frame.size;
+    }
     try {
-        AutomaticCage made = automatic_cage(upright, {.faces = faces, .margin = cage_margin}, progress);
+        AutomaticCage made = automatic_cage(
+            upright, {.faces = faces, .margin = cage_margin, .details = std::move(details)}, progress);
         return out({std::move(made.points), std::move(made.counts), std::move(made.corners)});
     } catch (const InvalidMesh&) { // no good cage was found
         return out(box_around(upright.points()));
@@ -120,7 +126,8 @@ Points CagedPart::means(const Points& points) const
 }
 
 CagedPart::CagedPart(const SurfaceMesh& mesh, const std::vector<int>& members, const GraphEdges& edges,
-                     const std::optional<SurfaceMesh>& given, int cage_faces, const Progress& progress)
+                     const std::optional<SurfaceMesh>& given, int cage_faces,
+                     const std::vector<Detail>& details, const Progress& progress)
     : vertices(members), rest(mesh.points()(members, Eigen::all))
 {
     for (const Triangle& t : mesh.triangles())
@@ -138,18 +145,22 @@ CagedPart::CagedPart(const SurfaceMesh& mesh, const std::vector<int>& members, c
     const SurfaceMesh part(rest, std::vector<int>(triangles.size(), 3), std::move(corners));
     const SurfaceFrame frame = surface_frame(part);
     size = frame.size;
-    if (!given && n <= cage_faces / 2 + 2) {
+    cage = given;
+    const bool chosen = cage_faces > 0;
+    const int faces = chosen ? cage_faces : usual_faces;
+    if (!given && n > faces / 2 + 2) {
+        cage = cage_around(part, frame, faces, chosen ? std::vector<Detail>() : details,
+                           part_of(progress, 0.0, 0.5));
+        if (!chosen && cage->vertex_count() >= n)
+            cage.reset();
+    }
+    if (!cage) {
         y = rest;
         own_weights = PointWeights(n, rest, n, {.precision = WeightPrecision::double_precision});
         const RowMatrix one = RowMatrix::Identity(n, n);
         for (int i = 0; i < n; i += PointWeights::part)
             own_weights.set_rows(i, one.middleRows(i, std::min(PointWeights::part, n - i)));
     } else {
-        if (given) {
-            cage = given;
-        } else {
-            cage = cage_around(part, frame, cage_faces, part_of(progress, 0.0, 0.5));
-        }
         coordinates = std::make_unique<MeanValue>(Cage(*cage));
         coordinates->bind(view(rest), part_of(progress, 0.5, 1.0));
         y = cage->points();

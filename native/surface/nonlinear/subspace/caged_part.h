@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/core/progress.h"
+#include "native/enclosure/fineness.h"
 #include "native/graph/clusters.h"
 #include "native/graph/handle_graph.h"
 #include "native/mesh/enclosed_volume.h"
@@ -17,16 +18,19 @@
 
 namespace sinew {
 
-/// A connected part of a mesh in its cage, whose vertices are the unknowns. It does not depend on handles.
+/// A connected part of a mesh in its cage, whose vertices are the unknowns.
 struct CagedPart
 {
     /// \param members     its vertices, rising.
     /// \param edges       between them.
     /// \param given       its cage; without one, it gets its own, or is its own subspace if it has no more
     ///                    vertices than such a cage.
-    /// \param cage_faces  triangles of its own cage.
+    /// \param cage_faces  triangles of its own cage; 0 for 160, and more beside details, as far as these need
+    /// them.
+    /// \param details     around what handles hold.
     CagedPart(const SurfaceMesh& mesh, const std::vector<int>& members, const GraphEdges& edges,
-              const std::optional<SurfaceMesh>& given, int cage_faces, const Progress& progress);
+              const std::optional<SurfaceMesh>& given, int cage_faces, const std::vector<Detail>& details,
+              const Progress& progress);
 
     std::vector<int> vertices;
     std::vector<Triangle> triangles; ///< of these

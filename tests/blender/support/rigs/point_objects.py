@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
-from rigs.rig import CORNERS, SIDES, make_active, new_object, update
+from rigs.rig import CORNERS, SIDES, in_mode, make_active, new_object, update
 from rigs.rig import evaluated_points as shown
 
 TESSELLATED = 1e-5  # Blender sums its curves up in float32, a dozen steps per segment
@@ -288,3 +288,25 @@ def controls_of(obj: bpy.types.Object) -> np.ndarray:
         found += [place[:] for point in spline.bezier_points for place in (point.co, point.handle_left)]
         found += [point.handle_right[:] for point in spline.bezier_points]
     return np.array(found, dtype=float)
+
+
+def add(obj: bpy.types.Object, *others: bpy.types.Object, source: str = "POINTS", **words: object):
+    """Press the button with these objects selected; the deformer."""
+    make_active(obj)
+    for other in others:
+        other.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    assert bpy.ops.sinew.point_add(source=source, **words) == {"FINISHED"}
+    make_active(obj)
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    return obj.sinew.active
+
+
+def add_bones(obj: bpy.types.Object, armature: bpy.types.Object, **words: object):
+    with in_mode(armature, "POSE"):
+        bpy.ops.pose.select_all(action="SELECT")
+        obj.select_set(True)
+        assert bpy.ops.sinew.point_add(source="SELECTED", **words) == {"FINISHED"}
+    make_active(obj)
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    return obj.sinew.active
