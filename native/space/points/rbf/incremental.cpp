@@ -263,24 +263,24 @@ private:
         return sums;
     }
 
-    /// Conjugate gradients, of each column by itself, until no centre misses more than that.
+    /// Conjugate gradients, until no centre misses more than that. All columns take the same steps, so that
+    /// their sum remains the polynomial that it is: all handles together move space by one affine map.
     void solve(double goal, const Progress& progress, double done)
     {
-        const auto share = [](const Eigen::ArrayXd& a, const Eigen::ArrayXd& b) -> VectorX {
-            return (b > 0.0).select(a / b, 0.0);
-        };
         const std::vector<int> own = chosen();
         RowMatrix r = residuals_(own, Eigen::all), p = RowMatrix::Zero(done_, columns_);
-        Eigen::ArrayXd former = Eigen::ArrayXd::Zero(columns_);
+        double former = 1.0;
         for (int k = 0; k < most_iterations && r.cwiseAbs().rowwise().sum().maxCoeff() > goal; ++k) {
             progress.tick(done, "choosing centres");
             const RowMatrix z = precondition(r);
-            const Eigen::ArrayXd size = r.cwiseProduct(z).colwise().sum().transpose().array();
-            p = z + p * share(size, former).asDiagonal();
+            const double size = r.cwiseProduct(z).sum();
+            p = z + size / former * p;
             const RowMatrix change = psi_sums(own, p);
-            const VectorX step = share(size, p.cwiseProduct(change).colwise().sum().transpose().array());
-            weights_ += p * step.asDiagonal();
-            r -= change * step.asDiagonal();
+            const double curvature = p.cwiseProduct(change).sum();
+            if (!(curvature > 0.0)) // up to rounding
+                break;
+            weights_ += size / curvature * p;
+            r -= size / curvature * change;
             former = size;
         }
     }
