@@ -13,7 +13,16 @@ import pytest
 import sinew_native as sn
 
 from .meshes import STILL, grid, shift, sphere, turn
-from .methods import EVERY_CAGE_METHOD, EVERY_SURFACE_METHOD, SPACE_METHODS, called, control, inside, made, required
+from .methods import (
+    EVERY_CAGE_METHOD,
+    EVERY_SURFACE_METHOD,
+    SPACE_METHODS,
+    called,
+    control,
+    inside,
+    made,
+    required,
+)
 
 SCALES = [2.0**k for k in range(-180, 181, 40)]  # 1e-54 to 1e54
 PLACES = [2.0**k for k in (8, 20, 33, 44)]  # up to 2e13

@@ -95,7 +95,8 @@ public:
     {
         const double before = error();
         const int count = before <= tolerance ? 0 : choose(std::max(first_block, done_ / 2), tolerance);
-        const double goal = missed_share * (count > 0 ? std::max(tolerance, loose_share * before) : tolerance);
+        const double goal =
+            missed_share * (count > 0 ? std::max(tolerance, loose_share * before) : tolerance);
         if (count == 0 && (before <= tolerance || goal_ <= goal))
             return false;
         goal_ = goal;
@@ -105,8 +106,7 @@ public:
         done_ += count;
         const Points places = points_(chosen(), Eigen::all);
         parallel_for(count, [&](int i) { near_[done_ - count + i] = near(done_ - count + i, places); }, 4);
-        solve(goal, progress,
-              std::clamp(std::log(1.0 / before) / std::log(1.0 / tolerance), 0.0, 0.95));
+        solve(goal, progress, std::clamp(std::log(1.0 / before) / std::log(1.0 / tolerance), 0.0, 0.95));
         find_residuals(rows_);
         return true;
     }
@@ -178,7 +178,8 @@ private:
     }
 
     /// Moves rows of the largest residual times distance from the centres so far behind these. Residuals are
-    /// known before the first of them only: near it they are taken to fall by the fourth power of the distance.
+    /// known before the first of them only: near it they are taken to fall by the fourth power of the
+    /// distance.
     int choose(int count, double tolerance)
     {
         std::vector<double> sizes(rows_.size()), before = distances_;
@@ -234,8 +235,8 @@ private:
             points.push_back(rows_[c]);
         const Points own = places(near.centres, Eigen::all);
         // Its Cholesky factor, in place, and then the last row of the inverse.
-        RowMatrix L = rbf_values(basis_, own, own) +
-                      left_(points, Eigen::all) * right_(points, Eigen::all).transpose();
+        RowMatrix L =
+            rbf_values(basis_, own, own) + left_(points, Eigen::all) * right_(points, Eigen::all).transpose();
         for (Eigen::Index i = 0; i <= count; ++i) {
             const double least =
                 least_pivot * left_.row(points[i]).cwiseProduct(right_.row(points[i])).cwiseAbs().sum();
@@ -291,15 +292,15 @@ private:
     Points places_;     ///< of the base points
     RowMatrix of_base_; ///< the values there
     RowMatrix left_, right_; ///< psi = phi + left right^T
-    RowMatrix wanted_;    ///< (m, columns) the values less those of the polynomials that meet the base points
+    RowMatrix wanted_; ///< (m, columns) the values less those of the polynomials that meet the base points
     RowMatrix residuals_; ///< (m, columns)
-    int columns_, done_ = 0;        ///< rows that are centres: the first ones
-    std::vector<int> rows_;         ///< the points of the fit
+    int columns_, done_ = 0; ///< rows that are centres: the first ones
+    std::vector<int> rows_; ///< the points of the fit
     std::vector<double> distances_; ///< of the rows from the nearest centre
     std::vector<char> is_row_;
     double goal_ = std::numeric_limits<double>::infinity(); ///< what the centres may miss
     std::vector<Near> near_; ///< of each centre
-    RowMatrix weights_;      ///< (centres, columns)
+    RowMatrix weights_; ///< (centres, columns)
 };
 
 } // namespace
