@@ -13,7 +13,16 @@ import pytest
 import sinew_native as sn
 
 from .meshes import STILL, grid, shift, sphere, turn
-from .methods import EVERY_CAGE_METHOD, EVERY_SURFACE_METHOD, called, inside, made
+from .methods import (
+    EVERY_CAGE_METHOD,
+    EVERY_SURFACE_METHOD,
+    SPACE_METHODS,
+    called,
+    control,
+    inside,
+    made,
+    required,
+)
 
 SCALES = [2.0**k for k in range(-180, 181, 40)]  # 1e-54 to 1e54
 PLACES = [2.0**k for k in (8, 20, 33, 44)]  # up to 2e13
@@ -80,6 +89,52 @@ def test_no_pose_gives_a_silent_nan(method: type, options: dict) -> None:
             except sn.InvalidConstraint:
                 continue
             assert np.isfinite(positions).all(), size
+
+
+@pytest.mark.parametrize(("method", "options"), EVERY_SURFACE_METHOD, ids=called)
+def test_a_coordinate_that_is_hardly_any_solves_as_zero_does(method: type, options: dict) -> None:
+    points, faces = grid(21)
+    shapes = []
+    for tiny in (0.0, 1e-300):
+        points[200, 2] = tiny
+        surface = made(method, sn.SurfaceMesh(points, faces), **options)
+        surface.set_handles(HANDLES)
+        shapes.append(surface.solve(bent(1.0))[0])
+    np.testing.assert_allclose(shapes[1], shapes[0], atol=1e-6)
+
+
+def is_finite_or_refused(space: sn.SpaceMethod, pose: np.ndarray) -> bool:
+    try:
+        return bool(np.isfinite(space.warp(pose)).all())
+    except sn.InvalidConstraint:
+        return True
+
+
+@pytest.mark.parametrize("method", SPACE_METHODS, ids=called)
+def test_space_methods_take_hardly_any_and_far_too_much(method: type) -> None:
+    """Poses out of all measure are refused, or move the points to finite places, soon."""
+    points, faces = sphere(2)
+    shapes = []
+    for tiny in (0.0, 1e-300):
+        points[9, 1] = tiny
+        mesh = sn.SurfaceMesh(points, faces)
+        space, rest = made(method, mesh), control(method, mesh)
+        space.bind(points if "base" in required(method) else 0.5 * points)
+        shapes.append(space.warp(rest + 0.1 * np.sin(rest)))
+    np.testing.assert_allclose(shapes[1], shapes[0], atol=1e-6)
+    for far in (1e60, 1e150, 1e300):
+        assert is_finite_or_refused(space, far * rest), far
+
+
+@pytest.mark.parametrize("counts", [[1, 1], [2]], ids=("two tools", "a path"))
+def test_tools_that_are_posed_out_of_all_measure_end(counts: list[int]) -> None:
+    frames = np.concatenate([np.zeros((1, 3)), np.eye(3)] * 2)
+    field = sn.VectorField(frames, counts, tools=["drag"] * len(counts))
+    field.bind(np.random.default_rng(5).uniform(-3, 3, (300, 3)))
+    apart = np.repeat([-1.0, 1.0], 4)[:, None] * (0.3, 1.0, 0.2)
+    for far in (1e60, 1e150, 1e300):
+        for posed in (far * frames, frames + far * apart):
+            assert is_finite_or_refused(field, posed), far
 
 
 @pytest.fixture(scope="module")

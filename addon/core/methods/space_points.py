@@ -23,6 +23,7 @@ from .schema import (
 from .space_linear import PRECISIONS
 
 _DENSE = 3e-11  # seconds per cube of the handle points, for their system
+_FIT = 1e-7  # seconds per square of the centres that a fit chooses
 _FITTED = 400  # handle points; with more of them, centres are chosen
 
 
@@ -30,7 +31,7 @@ def _rbf_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
     """A dense system, or a fit of some points at first; then the functions of the handles at each point."""
     exact = size <= _FITTED or options["tolerance"] == 0.0 or options["kernel"].startswith("wendland")
     centres = size if exact else min(size, 2500)
-    system = _DENSE * centres**3 if exact else _DENSE * min(size, 8000) * centres**2
+    system = _DENSE * centres**3 if exact else _FIT * centres**2
     return system + 2e-9 * points * centres
 
 

@@ -100,7 +100,17 @@ class SINEW_OT_repair(Operator):
         row.prop(self, "distance")
 
 
-class SINEW_OT_part_regions(Operator):
+class _OfMeshes:
+    """What works on a mesh with a deformer."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context, mesh=True)
+
+
+class SINEW_OT_part_regions(_OfMeshes, Operator):
     """Remove vertices that two regions share from the second region, and bind again.
 
     If one region lies completely inside another, it keeps them, and the outer region loses them
@@ -108,11 +118,6 @@ class SINEW_OT_part_regions(Operator):
 
     bl_idname = Operators.PART_REGIONS
     bl_label = "Part Regions"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context, mesh=True)
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -157,7 +162,7 @@ class SINEW_OT_refine(Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_armature_off(Operator):
+class SINEW_OT_armature_off(_OfMeshes, Operator):
     """Turn off the Armature modifiers of this mesh whose armature also moves a control of Sinew.
 
     The control carries the mesh along, so it moved twice as far
@@ -165,11 +170,6 @@ class SINEW_OT_armature_off(Operator):
 
     bl_idname = Operators.ARMATURE_OFF
     bl_label = "Turn Off Armature"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context, mesh=True)
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

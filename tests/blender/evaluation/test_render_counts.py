@@ -251,6 +251,20 @@ def test_exporters_write_them_too(case: tuple[Rig, Change], tmp_path: Path):
     assert off(seen, expected(rig)) < EXACT
 
 
+@pytest.mark.parametrize("case", ["a lower level", "a higher level"], indirect=True)
+def test_alembic_files_hold_them_too(case: tuple[Rig, Change], tmp_path: Path):
+    if not bpy.app.build_options.alembic:
+        pytest.skip("this Blender has no Alembic")
+    rig, change = case
+    change(rig.obj)
+    wanted, path = expected(rig), str(tmp_path / "counts.abc")
+    make_active(rig.obj)
+    options = {"filepath": path, "start": 1, "end": 1, "selected": True, "evaluation_mode": "RENDER"}
+    assert bpy.ops.wm.alembic_export(**options, as_background_job=False) == {"FINISHED"}
+    bpy.ops.wm.alembic_import(filepath=path, as_background_job=False)
+    assert off(evaluated_points(bpy.context.object), wanted) < EXACT
+
+
 @pytest.mark.parametrize("case", ["hidden in renders", "another level in the viewport"], indirect=True)
 def test_another_process_renders_them(case: tuple[Rig, Change], tmp_path: Path, addon_name: str):
     """All frames of ``blender -b FILE -a``, of a file that was saved right after the change."""

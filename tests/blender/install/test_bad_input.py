@@ -337,3 +337,24 @@ def test_another_version_of_the_module_asks_for_a_restart(monkeypatch: pytest.Mo
     loader = inner.loader
     monkeypatch.setattr(loader, "VERSION", "99.0.0")
     assert "Restart Blender" in loader.load().remedy
+
+
+@pytest.mark.parametrize(("method", "painted"), [("arap", "rigidity"), ("thin_shell", "bending")])
+def test_a_painted_number_that_is_none_is_named_and_mended(plate: Rig, method: str, painted: str):
+    plate.bind(method)
+    plate.lift(0.5)
+    add_group(plate.obj, "Paint", lambda _point: True)
+    group = plate.obj.vertex_groups["Paint"]
+    group.add([60], float("nan"), "REPLACE")
+    setattr(plate.deformer.parameters, f"{painted}_group", "Paint")
+    make_active(plate.obj)
+    with pytest.raises(RuntimeError, match=f"{painted}: values at vertices 60 are not finite"):
+        bpy.ops.sinew.bind()
+    assert plate.deformer.status_level == "ERROR"
+    assert np.isfinite(plate.points()).all()
+    assert bpy.ops.sinew.select_problems() == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert [vertex.index for vertex in plate.obj.data.vertices if vertex.select] == [60]
+    group.add([60], 1.0, "REPLACE")
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    assert_lifted(plate)

@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 import pytest
 from inside import catch_up, inner
-from rigs.rig import evaluated_points, linked, make_active, reopen, update
+from rigs.rig import base_points, evaluated_points, linked, make_active, reopen, update
 
 FILE = Path(__file__).parent / "before_controls.blend"
 FLOAT32 = 2e-6  # rounding at a size of 2
@@ -107,3 +107,18 @@ def test_controls_of_other_kinds_are_saved_with_their_rest(tmp_path: Path) -> No
     assert (row.kind, row.object.name, row.rest.name, row.owned) == ("lattice", "C", "Rest", True)
     row.object = None
     assert row.rest is None, "another object rests where it is when it is bound"
+
+
+def test_a_handle_that_was_saved_posed_goes_on_from_there(opened) -> None:
+    plate = bpy.data.objects["Plate"]
+    (handle,) = (row for row in plate.sinew.active.handles if row.kind == "HANDLE")
+    group = plate.vertex_groups[handle.vertex_group].index
+    members = [v.index for v in plate.data.vertices if group in [each.group for each in v.groups]]
+    assert handle.stands_on == "WORLD"
+    for height in (0.75, 0.0, 0.5):  # of the region; saved at 0.5
+        handle.control.location.z = height
+        update()
+        moved = evaluated_points(plate) - base_points(plate)
+        assert np.abs(moved[members] - (0.0, 0.0, height)).max() < FLOAT32
+        assert np.abs(moved).max() < height + FLOAT32
+    assert np.abs(evaluated_points(plate) - expected(plate)).max() < FLOAT32

@@ -10,7 +10,16 @@ from inside import notes_of
 from mathutils import Matrix, Vector
 from registry import RIGID_ON_HANDLE_POINTS
 from rigs.point_objects import bezier
-from rigs.rig import base_points, evaluated_points, grid_object, make_active, move_world, new_empty, update
+from rigs.rig import (
+    add_armature,
+    base_points,
+    evaluated_points,
+    grid_object,
+    make_active,
+    move_world,
+    new_empty,
+    update,
+)
 
 PLACES = ((-1, -1, 0), (1, -1, 0), (-1, 1, 0), (1, 1, 0.6), (0, 0, -0.5))
 
@@ -206,3 +215,20 @@ def test_a_point_that_has_lost_its_empty_gets_another_one_where_it_was(make):
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     handles[0].control.location.z -= 0.5
     assert np.abs(evaluated_points(obj) - before).max() > 0.02
+
+
+def test_points_on_a_mesh_that_bones_have_posed_go_on_from_its_pose():
+    plate = grid_object()
+    bone = add_armature(plate, split=5.0).pose.bones["low"]  # which carries all
+    bone.rotation_mode, bone.rotation_euler, bone.location = "XYZ", (0.9, 0.1, 0.4), (0.2, 0.3, 0.1)
+    update()
+    before = evaluated_points(plate)
+    assert np.abs(before - base_points(plate)).max() > 1.0
+    places = before[[0, 10, 110, 120, 60]] + np.outer((0, 0, 0, 0, 0.3), (0, 0, 1))
+    controls = [new_empty(f"Point {k}", place) for k, place in enumerate(places)]
+    add(plate, "SELECTED", "rbf", *controls)
+    assert np.abs(evaluated_points(plate) - before).max() < 1e-6
+    turn = Matrix.Translation((0.3, 1.0, -0.4)) @ Matrix.Rotation(1.1, 4, (0.3, 0.5, 0.8))
+    for control in controls:
+        move_world(control, turn)
+    assert np.abs(evaluated_points(plate) - moved_by(turn, before)).max() < 1e-5

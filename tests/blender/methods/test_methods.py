@@ -5,7 +5,8 @@ import bpy
 import numpy as np
 import pytest
 from inside import inner, notes_of
-from rigs.rig import Rig, make_active, push, update
+from rigs.cages import ball
+from rigs.rig import Rig, base_points, make_active, push, update
 
 
 def test_operators_and_session_functions_give_the_same(plate: Rig):
@@ -100,3 +101,20 @@ def test_undo_and_redo_of_a_curve_that_is_drawn(plate: Rig):
         update()
         assert (plate.deformer.parameters.transfer is not None) == drawn
         np.testing.assert_allclose(plate.points(), before, atol=1e-6)
+
+
+def test_the_panel_says_what_a_surface_method_uses_instead():
+    """Limbs that the bases of eight bands would shrink to threads."""
+    obj = ball("Limbs", 4)
+    points = base_points(obj)
+    points /= np.linalg.norm(points, axis=1, keepdims=True)
+    along = np.abs(points).max(axis=1, keepdims=True)
+    points *= 0.3 + 4.0 * np.clip((along - 0.9) / 0.1, 0.0, 1.0) + 0.1 * (along > 0.99)
+    obj.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    limbs = Rig(obj, edge=3.0).bind("multiresolution")
+    for bands, lines in ((1, 0), (8, 1)):
+        limbs.deformer.parameters.bands = bands
+        update()
+        told = [line for line in notes_of(limbs.deformer) if "bands are used" in line]
+        assert len(told) == lines, notes_of(limbs.deformer)
+        assert all(line.startswith("only ") and f" of {bands} " in line for line in told)

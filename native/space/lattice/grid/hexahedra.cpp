@@ -80,8 +80,10 @@ Hexahedra::Hexahedra(const SurfaceMesh& mesh, int smooth) : mesh_(mesh), smooth_
         weights_ = (finer.weights * weights_).eval();
         cells_ = std::move(finer.cells);
     }
-    refined_ = weights_ * mesh.points();
-    grow_tree();
+    if (smooth > 0) {
+        refined_ = weights_ * mesh.points();
+        grow_tree();
+    }
 }
 
 void Hexahedra::grow_tree()

@@ -21,21 +21,24 @@ struct RbfFit
 /// M. Botsch, L. Kobbelt. "Real-Time Shape Editing using Radial Basis Functions." Eurographics 2005,
 /// section 4: centres are added where the residuals are largest, weighted by their distance from other
 /// centres, until all points are met.
-/// S. Mueller, R. Schaback. "A Newton basis for kernel spaces." Journal of Approximation Theory 161, 2009.
+/// F. Schaefer, M. Katzfuss, H. Owhadi. "Sparse Cholesky factorization by Kullback-Leibler minimization."
+/// SIAM Journal on Scientific Computing 43, 2021.
 ///
 /// Departs from the first paper: the values are met at the centres, where the paper takes least squares over
-/// all points. That needs some more centres, and a quarter of the time: the Newton basis of the second paper
-/// is the Cholesky factor of psi (see RbfSystem), of which each new centre adds a column. A point that has
-/// become a centre has no residual any more, so with all points as centres this is the dense system.
+/// all points. Centres come in blocks, of half as many as there are. Conjugate gradients find their weights,
+/// from the former ones on. The preconditioner is the second paper's: each centre knows the nearest of those
+/// before it, and adds a column that stays as it is. psi (see RbfSystem) needs some ten products then,
+/// and is never stored.
 ///
 /// Of very many points, some are fitted at first, spread evenly in their order; then all are checked, and
 /// those that are missed join them.
 ///
-/// Cost: m n^2 - 2/3 n^3 operations for m points and n centres; the dense system takes m^3 / 3.
+/// Cost: some 30 evaluations of n^2 values of phi, and 10 of m n, for m points and n centres; the dense
+/// system takes m^3 / 3 operations.
 /// \param points     (m, 3)
 /// \param values     (m, k)
 /// \param tolerance  > 0, of RbfFit::error.
-/// \throw OutOfMemory, Cancelled
+/// \throw Cancelled
 RbfFit fit_incrementally(const Points& points, const RowMatrix& values, const RbfBasis& basis,
                          const Polynomials& polynomials, double tolerance, const Progress& progress);
 

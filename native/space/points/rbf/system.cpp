@@ -3,7 +3,9 @@
 
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/core/simd/aligned.h"
 #include "native/core/simd/kernel_set.h"
+#include "native/solvers/dense/kernels.h"
 #include "native/solvers/dense/system.h"
 #include "native/space/points/rbf/near_centres.h"
 
@@ -84,6 +86,41 @@ RowMatrix rbf_values(const RbfBasis& basis, const Points& points, const Points& 
                 all(i, j) = found[8 * static_cast<std::size_t>(j) + (i - begin)];
     });
     return all;
+}
+
+RowMatrix rbf_sums(const RbfBasis& basis, const Points& points, const Points& centres,
+                   const RowMatrix& weights)
+{
+    constexpr int some = 256; // centres, whose values stay in the cache
+    const auto values = widest_kernels<RbfKernels>().values[static_cast<int>(basis.function)];
+    const auto add_product = widest_kernels<DenseKernels>().add_product;
+    const int n = static_cast<int>(points.rows()), c = static_cast<int>(centres.rows()),
+              columns = static_cast<int>(weights.cols()), strips = (columns + strip_width - 1) / strip_width;
+    AlignedVector<double> packed(static_cast<std::size_t>(strips) * c * strip_width, 0.0);
+    for (int k = 0; k < columns; ++k)
+        for (int j = 0; j < c; ++j)
+            packed[(static_cast<std::size_t>(k / strip_width) * c + j) * strip_width + k % strip_width] =
+                weights(j, k);
+    RowMatrix sums(n, columns);
+    parallel_chunks(n, 8, [&](int begin, int end) {
+        std::array<double, 24> eight{};
+        for (int k = 0; k < 3; ++k)
+            for (int i = begin; i < end; ++i)
+                eight[8 * k + (i - begin)] = points(i, k);
+        AlignedVector<double> found(8 * some), own(static_cast<std::size_t>(8 * strips) * strip_width, 0.0);
+        for (int first = 0; first < c; first += some) {
+            const int count = std::min(some, c - first);
+            values(centres.row(first).data(), count, basis.scale, eight.data(), found.data());
+            for (int s = 0; s < strips; ++s)
+                add_product(found.data(), 1, 8, 8, count,
+                            packed.data() + (static_cast<std::size_t>(s) * c + first) * strip_width, 1,
+                            own.data() + s * strip_width, strips * strip_width, nullptr);
+        }
+        for (int i = begin; i < end; ++i)
+            for (int k = 0; k < columns; ++k)
+                sums(i, k) = own[static_cast<std::size_t>(i - begin) * strips * strip_width + k];
+    });
+    return sums;
 }
 
 RbfSystem::RbfSystem(const Points& centres, const RbfBasis& basis, const Polynomials& polynomials,

@@ -26,6 +26,10 @@ struct RbfBasis
 /// phi of points (n, 3) at centres (c, 3), as (n, c).
 RowMatrix rbf_values(const RbfBasis& basis, const Points& points, const Points& centres);
 
+/// rbf_values() times weights (c, columns), as (n, columns), without all values at once.
+RowMatrix rbf_sums(const RbfBasis& basis, const Points& points, const Points& centres,
+                   const RowMatrix& weights);
+
 /// f(x) = sum_j w_j phi(|x - c_j|) + sum_k a_k p_k(x)
 struct RbfCoefficients
 {
