@@ -92,7 +92,7 @@ FrameLayout lay_out_frames(const Part& part, const HostSurface& host, double len
         layout.distances = MatrixX::Zero(1, 1);
         return layout;
     }
-    const EdgeDistances edges(part.points, part.triangles);
+    const EdgeDistances edges(part.points, part.ways());
     std::vector<std::vector<double>> ways{edges.from(layout.seeds[0])};
     std::vector<double> nearest = ways[0];
     double first_radius = 0.0;

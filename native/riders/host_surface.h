@@ -55,7 +55,7 @@ public:
     void prepare_edges()
     {
         if (!edges_)
-            edges_ = std::make_unique<EdgeDistances>(part_->points, part_->triangles);
+            edges_ = std::make_unique<EdgeDistances>(part_->points, part_->ways());
     }
 
 private:

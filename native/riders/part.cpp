@@ -50,6 +50,14 @@ int Part::centre() const
     return static_cast<int>(nearest - points.begin());
 }
 
+std::vector<Triangle> Part::ways() const
+{
+    std::vector<Triangle> all = triangles;
+    for (const auto& [from, to] : links)
+        all.push_back({from, to, to});
+    return all;
+}
+
 std::vector<Part> parts_of(const SurfaceMesh& mesh, const Components& components)
 {
     std::vector<Part> parts(components.count);

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include <array>
 #include <vector>
 
 namespace sinew {
@@ -17,9 +18,12 @@ struct Part
     std::vector<Vector3> points;
     std::vector<Triangle> triangles; ///< of points
     std::vector<double> areas;       ///< of triangles
+    std::vector<std::array<int, 2>> links; ///< points where pieces of it touch that no triangle connects
     double area = 0.0;
     Eigen::AlignedBox3d box;
 
+    /// Triangles whose edges connect all points: those of the surface, and one without area for each link.
+    std::vector<Triangle> ways() const;
     double extent() const { return box.diagonal().norm(); }
     /// The point nearest the centroid of the surface; of several, the lowest.
     int centre() const;

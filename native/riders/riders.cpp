@@ -9,6 +9,7 @@
 #include "native/riders/loose_vertices.h"
 #include "native/riders/moving_frames.h"
 #include "native/riders/rider_frames.h"
+#include "native/riders/touching.h"
 
 #include <algorithm>
 #include <array>
@@ -287,16 +288,26 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
     if (!options_.follow || std::ranges::all_of(driven_, std::identity()) ||
         std::ranges::none_of(driven_, std::identity()))
         return;
-    const std::vector<Part> all = parts_of(rest, parts);
+    std::vector<Part> all = parts_of(rest, parts);
     Eigen::AlignedBox3d box;
     for (int p = 0; p < parts.count; ++p)
         if (driven_[p])
             box.extend(all[p].box);
     const double diagonal = box.diagonal().norm(), length = bend_share * diagonal;
     HostSurfaces surfaces;
-    const std::vector<Seat> seats = find_seats(all, driven_, length, surfaces, progress);
+    std::vector<Seat> seats = find_seats(all, driven_, length, surfaces, progress);
     if (seats.empty())
         return;
+    const JoinedParts touching = joined_where_they_touch(parts, all, seats);
+    const Components& joined = touching.parts;
+    if (joined.count < parts.count) {
+        std::vector<bool> driven(joined.count);
+        for (int v = 0; v < rest.vertex_count(); ++v)
+            driven[joined.labels[v]] = driven_[parts.labels[v]];
+        surfaces.clear();
+        all = touching.of(rest);
+        seats = find_seats(all, driven, length, surfaces, progress);
+    }
 
     progress.tick(0.0, "laying out the frames of free parts");
     const int count = static_cast<int>(seats.size());
@@ -317,7 +328,7 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
         carries[seats[i].host] |= !is_loose(i);
     }
     parallel_for(
-        parts.count,
+        joined.count,
         [&](int p) {
             if (!carries[p])
                 return;
@@ -343,6 +354,7 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
         8);
 
     std::vector<int> depths(all.size(), 0); // hosts come before their riders
+    std::vector<int> hosts(all.size()), frame_counts(all.size());
     for (int i = 0; i < count; ++i) {
         const Seat& seat = seats[i];
         const Part &part = all[seat.part], &host = all[seat.host];
@@ -357,10 +369,19 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
             level.add(part.vertices, layouts[i].shares, std::move(made[i].smoothing));
             level.add_feet(made[i].feet, host);
         }
-        rides_.push_back({seat.part, part.vertices.front(), static_cast<int>(part.vertices.size()), seat.host,
-                          is_loose(i) ? 1 : layouts[i].frame_count()});
+        hosts[seat.part] = parts.labels[host.vertices.front()];
+        frame_counts[seat.part] = is_loose(i) ? 1 : layouts[i].frame_count();
     }
-    std::ranges::sort(rides_, {}, &Ride::part);
+    std::vector<int> firsts(parts.count), sizes(parts.count, 0);
+    for (int v = rest.vertex_count() - 1; v >= 0; --v) {
+        firsts[parts.labels[v]] = v;
+        ++sizes[parts.labels[v]];
+    }
+    for (int p = 0; p < parts.count; ++p)
+        if (!driven_[p]) {
+            const int together = joined.labels[firsts[p]];
+            rides_.push_back({p, firsts[p], sizes[p], hosts[together], frame_counts[together]});
+        }
     rest_ = rest.points();
     for (Level& level : levels_) {
         level.loose.measure(view(rest_));
