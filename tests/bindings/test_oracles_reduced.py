@@ -188,5 +188,5 @@ def test_the_subspace_has_the_minimum_of_its_energy(keep_volume: bool) -> None:
 def test_more_bands_than_a_frame_can_turn_are_remarked_on() -> None:
     points, faces = grid(40)
     method = sn.HandleAwareIsolines(sn.SurfaceMesh(points, faces), bands=4000)
-    [remark] = method.set_handles([[0], [len(points) - 1]]).remarks
-    assert remark == f"{method.bands().max() + 1} bands take long to bind and to solve: use fewer, or join handles"
+    [remark] = method.set_handles([[300], [1400]]).remarks
+    assert remark.startswith(f"{method.bands().max() + 1} bands take long to bind and to solve")

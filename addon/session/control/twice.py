@@ -41,7 +41,7 @@ def _armatures_of(control: Object) -> set[Object]:
 def explain(obj: Object, deformer: SinewDeformer) -> tuple[str, ...]:
     """A line per control and modifier."""
     return tuple(
-        f"{control.name} and the modifier {modifier.name} both follow {modifier.object.name}: this mesh moves "
-        "twice as far - Turn Off Armature"
+        f"{control.name} and the modifier {modifier.name} both follow {modifier.object.name}: "
+        "this mesh moves twice as far - Turn Off Armature"
         for control, modifier in moved_twice(obj, deformer)
     )

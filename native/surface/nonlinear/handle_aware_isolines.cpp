@@ -155,7 +155,8 @@ void Elimination::complete(Part& part, const ClusterLoads& loads) const
     const Eigen::Index poses = 4 * static_cast<Eigen::Index>(part.seat_count()),
                        turns = 3 * static_cast<Eigen::Index>(part.band_count()),
                        first = 3 * static_cast<Eigen::Index>(part.first_band);
-    MatrixX G = MatrixX::Zero(turns, turns), H = MatrixX::Zero(turns, poses), K = MatrixX::Zero(poses, poses);
+    RowMatrix G = RowMatrix::Zero(turns, turns), H = RowMatrix::Zero(turns, poses);
+    MatrixX K = MatrixX::Zero(poses, poses);
     RowMatrix rows(PointWeights::part, poses + turns), forces(PointWeights::part, poses);
     const int count = static_cast<int>(part.vertices.size());
     part.answers = PointWeights(count, Points::Zero(poses + turns, 3), 0, {});
@@ -178,7 +179,7 @@ void Elimination::complete(Part& part, const ClusterLoads& loads) const
     }
     const auto begin = loads.own.begin() + part.first_band;
     part.clusters = std::make_unique<const RotationClusters>(
-        std::vector<Matrix3>(begin, begin + part.band_count()), 0.5 * (G + G.transpose()), std::move(H),
+        std::vector<Matrix3>(begin, begin + part.band_count()), 0.5 * (G + G.transpose()), MatrixX(H),
         0.5 * (K + K.transpose()));
 }
 
