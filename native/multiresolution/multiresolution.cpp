@@ -7,6 +7,8 @@
 #include "native/operators/laplacian.h"
 #include "native/solvers/shared_analyses.h"
 
+#include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace sinew {
@@ -82,13 +84,14 @@ void Multiresolution::bind(const Regions& regions, BindReport& report, const Pro
     next->factorizations += of_bands.factorizations;
     next->analyses += of_bands.analyses;
     report.detail_vectors += of_bands.detail_vectors;
-    report.remarks = of_bands.remarks;
     // Soft handles pull the rest shape and the base from different places.
     if (impl_->base->displaces_all_alike() && regions.soft().empty())
         next->below = next->bands.levels().back() - next->bands.levels().front();
     // The base comes last: its own bind leaves it as it was if it throws, and nothing throws afterwards. It
     // is kept if its handles are the same.
     const BindReport of_base = impl_->base->rebind(*impl_->base, regions.handles(), half(0.5));
+    report.remarks = of_base.remarks;
+    std::ranges::copy(of_bands.remarks, std::back_inserter(report.remarks));
     report.degenerate_faces = degenerate_face_count(rest(), least_area_for_order(2));
     report.factorizations = of_base.factorizations + next->factorizations;
     report.analyses = of_base.analyses + next->analyses;

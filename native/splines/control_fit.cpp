@@ -12,7 +12,7 @@ namespace {
 
 constexpr double least_singular = 1e-6; ///< as a share of the largest
 /// Of the squares of all motions, beside a penalty that leaves some of them open.
-constexpr double least_norm = 1e-10; ///< of what the data and the bending leave open
+constexpr double least_norm = 1e-10;
 
 } // namespace
 

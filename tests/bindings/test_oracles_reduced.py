@@ -187,6 +187,8 @@ def test_the_subspace_has_the_minimum_of_its_energy(keep_volume: bool) -> None:
 
 def test_more_bands_than_a_frame_can_turn_are_remarked_on() -> None:
     points, faces = grid(40)
-    method = sn.HandleAwareIsolines(sn.SurfaceMesh(points, faces), bands=4000)
+    mesh = sn.SurfaceMesh(points, faces)
+    method = sn.HandleAwareIsolines(mesh, bands=4000)
     [remark] = method.set_handles([[300], [1400]]).remarks
+    assert sn.Multiresolution(mesh, method).set_handles([[300], [1400]]).remarks == [remark]
     assert remark.startswith(f"{method.bands().max() + 1} bands take long to bind and to solve")

@@ -302,6 +302,22 @@ def test_fitted_boxes_are_only_where_the_object_is_and_inside_it():
     assert not ((world[:, 0] > 1.5) & (world[:, 0] < 4.5)).any(), "nothing between the two balls"
 
 
+def test_hexahedra_that_come_apart_are_named():
+    """One cell beside two that halve its side."""
+    numbers: dict[tuple[float, ...], int] = {}
+    faces = {}
+    for x, y in (((-2, 0), (-2, 2)), ((0, 2), (-2, 0)), ((0, 2), (0, 2))):
+        box = [numbers.setdefault(corner, len(numbers)) for corner in itertools.product(x, y, (-2, 2))]
+        for side in ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)):
+            face = [box[k] for k in side]
+            faces[frozenset(face)] = face
+    obj, lattice = ball(levels=2), new_object("Cells", list(numbers), list(faces.values()))
+    make_active(obj)
+    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name)
+    hanging = f"{numbers[0, 0, -2]}, {numbers[0, 0, 2]}"
+    assert f"control points {hanging} lie on cells that they are no corners of" in " ".join(_notes(obj))
+
+
 def test_a_mesh_without_hexahedra_is_refused():
     obj = small_ball(levels=2)
     plane = grid_object("Plane", 2)

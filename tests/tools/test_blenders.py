@@ -74,6 +74,7 @@ def test_what_is_not_quick_is_named_with_the_command_for_it() -> None:
     assert all(layer.name in said for layer in run_tests.chosen([]) if layer.name not in quick)
     assert all(layer.without in said for layer in QUICK)
     assert "tests/run --all" in said
+    assert all(layer.name in said for layer in LAYERS if layer.only_by_name)
 
 
 @pytest.fixture

@@ -208,7 +208,7 @@ def windows_layer(name: str, tests: Callable[[bool, float], Outcome]) -> Layer:
 LAYERS = (
     Layer("lint", 420, lint),
     Layer("native", 300, native),
-    Layer("sanitizers", 1200, sanitizers, only_by_name=True),
+    Layer("sanitizers", 1800, sanitizers, only_by_name=True),
     Layer("windows-native", 420, windows_tests.native, only_by_name=True),
     Layer("architecture", 60, architecture, one_process=True),
     Layer("tools", 60, tools, one_process=True),

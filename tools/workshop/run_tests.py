@@ -103,8 +103,13 @@ def left_out() -> str:
     parts = [f"{layer.name} ({layer.without})" for layer in QUICK if layer.without]
     return (
         f"Left out: {', '.join(absent)}; of {', of '.join(parts)}.\n"
-        "tests/run --all runs all of this, tests/run LAYER all of one layer."
+        f"tests/run --all runs all of this, tests/run LAYER all of one layer.\n{by_name()}"
     )
+
+
+def by_name() -> str:
+    names = sorted({layer.name for layer in LAYERS} - {layer.name for layer in chosen([])})
+    return f"Run by name alone: {', '.join(names)}."
 
 
 def first_word(name: str) -> str:
@@ -141,7 +146,7 @@ def main() -> None:
     if options.tests:
         only_named(options.tests)
     if options.layers or options.all or options.whole:
-        failed = run_layers(chosen(options.layers, options.whole))
+        failed = run_layers(chosen(options.layers, options.whole), "" if options.layers else by_name())
     else:
         failed = run_layers(QUICK, left_out())
     sys.exit(1 if failed else 0)

@@ -152,9 +152,10 @@ class LatticeKind(ObjectKind):
         return replace(found, recipe=replace(found.recipe, control=lattice), control=_in_words(lattice))
 
     def notes(self, report: Any, request: BindInput) -> tuple[Status, ...]:
-        if not len(report.outside) or not len(request.rest.points):
-            return ()
-        return (Status(Level.INFO, *request.outside(report.outside, self.NOUN)),)
+        lines = [Status(Level.WARNING, remark) for remark in report.remarks]
+        if len(report.outside) and len(request.rest.points):
+            lines.append(Status(Level.INFO, *request.outside(report.outside, self.NOUN)))
+        return tuple(lines)
 
     def pose(
         self, evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None
