@@ -53,8 +53,7 @@ int Part::centre() const
 std::vector<Triangle> Part::ways() const
 {
     std::vector<Triangle> all = triangles;
-    for (const auto& [from, to] : links)
-        all.push_back({from, to, to});
+    all.insert(all.end(), bridges.begin(), bridges.end());
     return all;
 }
 

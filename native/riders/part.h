@@ -6,7 +6,6 @@
 
 #include <Eigen/Geometry>
 
-#include <array>
 #include <vector>
 
 namespace sinew {
@@ -18,11 +17,11 @@ struct Part
     std::vector<Vector3> points;
     std::vector<Triangle> triangles; ///< of points
     std::vector<double> areas;       ///< of triangles
-    std::vector<std::array<int, 2>> links; ///< points where pieces of it touch that no triangle connects
+    std::vector<Triangle> bridges;   ///< of points, where pieces of it touch; no part of the surface
     double area = 0.0;
     Eigen::AlignedBox3d box;
 
-    /// Triangles whose edges connect all points: those of the surface, and one without area for each link.
+    /// Triangles whose edges connect its pieces, too: those of the surface and the bridges.
     std::vector<Triangle> ways() const;
     double extent() const { return box.diagonal().norm(); }
     /// The point nearest the centroid of the surface; of several, the lowest.

@@ -288,26 +288,19 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
     if (!options_.follow || std::ranges::all_of(driven_, std::identity()) ||
         std::ranges::none_of(driven_, std::identity()))
         return;
-    std::vector<Part> all = parts_of(rest, parts);
+    SeatedParts seated{.labels = parts, .parts = parts_of(rest, parts), .seats = {}, .surfaces = {}};
     Eigen::AlignedBox3d box;
     for (int p = 0; p < parts.count; ++p)
         if (driven_[p])
-            box.extend(all[p].box);
+            box.extend(seated.parts[p].box);
     const double diagonal = box.diagonal().norm(), length = bend_share * diagonal;
-    HostSurfaces surfaces;
-    std::vector<Seat> seats = find_seats(all, driven_, length, surfaces, progress);
-    if (seats.empty())
+    seated.seats = find_seats(seated.parts, driven_, length, seated.surfaces, progress);
+    if (seated.seats.empty())
         return;
-    const JoinedParts touching = joined_where_they_touch(parts, all, seats);
-    const Components& joined = touching.parts;
-    if (joined.count < parts.count) {
-        std::vector<bool> driven(joined.count);
-        for (int v = 0; v < rest.vertex_count(); ++v)
-            driven[joined.labels[v]] = driven_[parts.labels[v]];
-        surfaces.clear();
-        all = touching.of(rest);
-        seats = find_seats(all, driven, length, surfaces, progress);
-    }
+    const std::vector<int> hosts = join_where_they_touch(rest, seated, length, progress);
+    const std::vector<Part>& all = seated.parts;
+    const std::vector<Seat>& seats = seated.seats;
+    const HostSurfaces& surfaces = seated.surfaces;
 
     progress.tick(0.0, "laying out the frames of free parts");
     const int count = static_cast<int>(seats.size());
@@ -328,7 +321,7 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
         carries[seats[i].host] |= !is_loose(i);
     }
     parallel_for(
-        joined.count,
+        static_cast<int>(all.size()),
         [&](int p) {
             if (!carries[p])
                 return;
@@ -354,7 +347,7 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
         8);
 
     std::vector<int> depths(all.size(), 0); // hosts come before their riders
-    std::vector<int> hosts(all.size()), frame_counts(all.size());
+    std::vector<int> frame_counts(all.size());
     for (int i = 0; i < count; ++i) {
         const Seat& seat = seats[i];
         const Part &part = all[seat.part], &host = all[seat.host];
@@ -369,7 +362,6 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
             level.add(part.vertices, layouts[i].shares, std::move(made[i].smoothing));
             level.add_feet(made[i].feet, host);
         }
-        hosts[seat.part] = parts.labels[host.vertices.front()];
         frame_counts[seat.part] = is_loose(i) ? 1 : layouts[i].frame_count();
     }
     std::vector<int> firsts(parts.count), sizes(parts.count, 0);
@@ -379,8 +371,8 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
     }
     for (int p = 0; p < parts.count; ++p)
         if (!driven_[p]) {
-            const int together = joined.labels[firsts[p]];
-            rides_.push_back({p, firsts[p], sizes[p], hosts[together], frame_counts[together]});
+            const int together = seated.labels.labels[firsts[p]];
+            rides_.push_back({p, firsts[p], sizes[p], hosts[p], frame_counts[together]});
         }
     rest_ = rest.points();
     for (Level& level : levels_) {

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Parts without a handle that ride on those that have one, through the Python module."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -187,7 +189,7 @@ def row_of_beads(gap: float) -> tuple[sn.SurfaceMesh, list[np.ndarray], np.ndarr
     return mesh, [np.flatnonzero(points[:, 0] < 1), np.flatnonzero(points[:, 0] > 14)], np.array(pairs[:-1])
 
 
-@pytest.mark.parametrize(("gap", "together"), [(0.005, True), (0.1, False)])
+@pytest.mark.parametrize(("gap", "together"), [(0.005, True), (-0.1, True), (0.1, False)])
 def test_parts_that_touch_ride_as_one(gap: float, together: bool) -> None:
     mesh, handles, pairs = row_of_beads(gap)
     arap = sn.Arap(mesh)
@@ -196,4 +198,43 @@ def test_parts_that_touch_ride_as_one(gap: float, together: bool) -> None:
     bent, _ = arap.solve([STILL, turn((0, 1, 0), 80, (7.5, 0, 0))])
     apart = np.linalg.norm(bent[pairs[:, 0]] - bent[pairs[:, 1]], axis=1)
     print(f"gaps of {gap} are {apart.min():.3f} to {apart.max():.3f} after a bend")
-    assert (np.abs(apart - gap).max() < 0.02) == together
+    assert (np.abs(apart - abs(gap)).max() < 0.02) == together
+
+
+def test_hair_that_touches_stays_together_and_on_the_head() -> None:
+    """Strips from a head, of which each covers a part of the next one; the top of the head turns."""
+    head, faces = sphere(4)
+    down = np.linspace(0, 1, 13)
+    rise, out = 0.6 - 1.44 * down, 1.0 + 0.4 * down
+    every, all_faces, strips = [head], [faces], []
+    for k in range(12):
+        first = len(head) + 26 * k
+        side = 0.06 * k + np.array([-0.035, 0.035])
+        around = np.stack([np.cos(side), np.sin(side)], -1)
+        away = out + 0.004 * (1 + k % 2)
+        flat, high = away * np.cos(rise), np.column_stack([away * np.sin(rise)] * 2)
+        every.append(np.concatenate([flat[:, None, None] * around, high[..., None]], -1).reshape(-1, 3))
+        quads = first + np.arange(24).reshape(-1, 2)[:, [0, 1, 1, 0]] + (0, 0, 2, 2)
+        all_faces.append(np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]]))
+        strips.append(np.arange(first, first + 26).reshape(-1, 2))
+    points = np.concatenate(every)
+    arap = sn.Arap(sn.SurfaceMesh(points, np.concatenate(all_faces)))
+    handles = [np.flatnonzero(head[:, 2] < -0.7), np.flatnonzero(head[:, 2] > 0.85)]
+    report = arap.set_handles(handles, free_parts="follow")
+    assert {ride.host for ride in report.rides} == {0}
+    assert len({ride.frame_count for ride in report.rides}) == 1  # one part, of many frames
+    turned, _ = arap.solve([STILL, turn((0, 1, 0), 50, (0, 0, -0.7))])
+    # A side of a strip lies on the next one: on the line between two vertices there.
+    share = 1 / 7
+    before, after = (
+        np.linalg.norm(
+            [
+                shape[a[:, 1]] - (1 - share) * shape[b[:, 0]] - share * shape[b[:, 1]]
+                for a, b in itertools.pairwise(strips)
+            ],
+            axis=-1,
+        )
+        for shape in (points, turned)
+    )
+    print(f"strips of hair are parted by {np.abs(after - before).max():.4f}")
+    assert np.abs(after - before).max() < 0.01
