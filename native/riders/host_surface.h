@@ -11,6 +11,9 @@
 
 namespace sinew {
 
+/// Barycentric coordinates of a point of a triangle; those of the first corner if it is flat.
+Vector3 barycentric(const Corners& triangle, const Vector3& point);
+
 /// A part at rest on which others ride. Triangles of less than 1e-10 of the largest area are left out of its
 /// surface.
 class HostSurface
@@ -48,6 +51,14 @@ public:
     {
         point[mirror_axis_] = 2.0 * mirror_place_ - point[mirror_axis_];
         return point;
+    }
+
+    /// The vertices nearest to the images of three vertices, turned round. Of a triangle that has none of its own,
+    /// the one where its middle would be.
+    Triangle mirror_image(const Triangle& corners) const;
+    bool is_near_mirror_plane(const Vector3& point) const
+    {
+        return (mirror_image(point) - point).norm() <= 2.0 * spacing_;
     }
 
     /// Call prepare_edges() first.
