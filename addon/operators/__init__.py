@@ -22,7 +22,12 @@ from .deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
 from .drag import SINEW_OT_drag, surface_under
 from .grab_region import SINEW_OT_grab_region
 from .grid import SINEW_OT_grid_new
-from .handle import SINEW_OT_handle_add, SINEW_OT_handle_remove, SINEW_OT_select_handle
+from .handle import (
+    SINEW_OT_handle_add,
+    SINEW_OT_handle_remove,
+    SINEW_OT_keep_inside,
+    SINEW_OT_select_handle,
+)
 from .help import PAGES, SINEW_OT_help
 from .key import SINEW_OT_key_add, SINEW_OT_key_jump, SINEW_OT_key_move, SINEW_OT_key_remove
 from .lattice import SINEW_OT_lattice_add, SINEW_OT_lattice_set_rest
@@ -117,6 +122,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_part_regions,
         SINEW_OT_refine,
         SINEW_OT_armature_off,
+        SINEW_OT_keep_inside,
         SINEW_OT_select_distorted,
         SINEW_OT_curve_edit,
         SINEW_OT_grid_new,

@@ -142,6 +142,39 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
         return control, active.name if active else ""
 
 
+class SINEW_OT_keep_inside(BindingOperator, Operator):
+    """Make the loose parts that lie inside, such as eyes and teeth, a region that no longer follows the surface.
+
+    In Pose Mode the active bone becomes its control. Otherwise it is fixed: it stays at rest, or where an
+    Armature modifier puts it
+    """
+
+    bl_idname = Operators.KEEP_INSIDE
+    bl_label = "Keep Inside Parts"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context, mesh=True)
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        obj = target_of(context)
+        vertices = session.parts_inside(obj.sinew.active)
+        if not len(vertices):
+            self.report({"INFO"}, "No loose part that follows the surface lies inside")
+            return {"CANCELLED"}
+        control, bone = _active_bone(obj, context.object)
+        with object_mode(context, obj):
+            group = session.group_of(obj, "Inside", vertices)
+            handle, refusal = session.rig_region(
+                obj, "HANDLE" if bone else "FIXED", group, control=control, bone=bone, owns_group=True, wait=wait
+            )
+            context.view_layer.update()
+        self.report_bind(refusal, obj.sinew.active.uid, handle.name)
+        return {"FINISHED"}
+
+
 class SINEW_OT_handle_remove(Operator):
     """Remove the region, and the control and the vertex group that were made for it"""
 

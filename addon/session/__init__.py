@@ -68,7 +68,7 @@ from .edit.rows import (
     tool_reach,
 )
 from .edit.saving import store, store_shown
-from .edit.selection import group_from_selection, select_elements, select_group
+from .edit.selection import group_from_selection, group_of, parts_inside, select_elements, select_group
 from .edit.sharing import let_outside_follow, refuses_outside, set_rest, share_settings, sharing
 from .edit.upkeep import collect, has_pending, restore_shapes, separate_copies, tidy
 from .edit.wires import fitting_radius, wire_from_edges, wire_radius, wire_through
@@ -163,6 +163,7 @@ __all__ = (
     "forget_shapes",
     "forget_stops",
     "group_from_selection",
+    "group_of",
     "handles_of_side",
     "has_copies",
     "has_counts",
@@ -207,6 +208,7 @@ __all__ = (
     "object_with",
     "owners",
     "part_regions",
+    "parts_inside",
     "points_shown",
     "posed_by",
     "refine",

@@ -30,6 +30,7 @@ from rig import (
     reopen,
     update,
 )
+from test_handles import in_pose_mode
 
 HEAD, EYES = 463, 44  # vertices of Suzanne: the head comes first, then two eyes
 BEND = Matrix.Rotation(math.radians(40.0), 4, "Y") @ Matrix.Translation((0.3, 0.0, 0.4))
@@ -390,3 +391,49 @@ def test_a_part_on_the_mirror_plane_stays_on_it(part: str):
         lopsided[name] = np.abs(shape[own] * mirror - shape[own][away.argmin(axis=1)]).max()
     print(f"lopsided by {lopsided}")
     assert lopsided[part] < 4e-6
+
+
+def head_with_teeth() -> Rig:
+    """A ball with an eye and a row of teeth in it, and a button on it; its front moves, its back is fixed."""
+    large, inside = sphere(1.0, (0.0, 0.0, 0.0)), (sphere(0.2, (0.3, -0.6, 0.3), 8), teeth())
+    obj = joined("Head", large, *inside, sphere(0.06, (0.0, -1.06, 0.0), 8))
+    for name, where in (("Top", lambda p: p[1] < -0.8), ("Base", lambda p: p[1] > 0.6)):
+        members = [i for i, point in enumerate(base_points(obj)[: len(large[0])]) if where(point)]
+        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
+    return Rig.called(obj.name)
+
+
+@pytest.mark.parametrize("way", ["FIXED", "ARMATURE", "BONE"])
+def test_parts_inside_may_stay_with_a_bone(room, way: str):
+    """They are named at the first bind; the button keeps them, and what lies outside goes on to follow."""
+    new_file()
+    plate = head_with_teeth()
+    obj, rest = plate.obj, plate.rest()
+    inside = np.flatnonzero([any(group.group in (1, 2) for group in v.groups) for v in obj.data.vertices])
+    button = np.flatnonzero([any(group.group == 3 for group in v.groups) for v in obj.data.vertices])
+    if way != "FIXED":
+        add_armature(obj)
+        modifier = next(row for row in obj.modifiers if row.type == "ARMATURE")
+        if way == "BONE":
+            obj.modifiers.remove(modifier)
+    plate.bind()
+    status = room("core.status")
+    (line,) = (row for row in status.notes(plate.deformer.uid) if row.remedy)
+    assert line.remedy is status.Remedy.KEEP_INSIDE
+    assert set(line.elements.indices) == set(inside.tolist())
+    armature = bpy.data.objects.get("Rig")
+    if way == "BONE":
+        in_pose_mode(armature, "low", obj)
+    assert bpy.ops.sinew.keep_inside() == {"FINISHED"}
+    assert not any(row.remedy for row in status.notes(plate.deformer.uid))
+    assert bpy.ops.sinew.keep_inside() == {"CANCELLED"}
+    incoming = rest
+    if armature is not None:
+        bone = armature.pose.bones["low"]
+        bone.rotation_mode, bone.rotation_euler.x = "XYZ", 0.5
+        update()
+        incoming = apply_matrix(armature.matrix_world @ bone.matrix @ bone.bone.matrix_local.inverted(), rest)
+    move_world(plate.control, BEND)
+    shape = plate.points()
+    assert close(shape[inside], incoming[inside], 1e-5)
+    assert np.linalg.norm(shape[button] - rest[button], axis=1).min() > 0.05
