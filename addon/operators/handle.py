@@ -143,7 +143,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
 
 
 class SINEW_OT_keep_inside(BindingOperator, Operator):
-    """Make the loose parts that lie inside, such as eyes and teeth, a region that no longer follows the surface.
+    """Make the loose parts that lie inside, such as eyes and teeth, a region, so that they leave the surface.
 
     In Pose Mode the active bone becomes its control. Otherwise it is fixed: it stays at rest, or where an
     Armature modifier puts it
@@ -167,8 +167,9 @@ class SINEW_OT_keep_inside(BindingOperator, Operator):
         control, bone = _active_bone(obj, context.object)
         with object_mode(context, obj):
             group = session.group_of(obj, "Inside", vertices)
+            role = "HANDLE" if bone else "FIXED"
             handle, refusal = session.rig_region(
-                obj, "HANDLE" if bone else "FIXED", group, control=control, bone=bone, owns_group=True, wait=wait
+                obj, role, group, control=control, bone=bone, owns_group=True, wait=wait
             )
             context.view_layer.update()
         self.report_bind(refusal, obj.sinew.active.uid, handle.name)

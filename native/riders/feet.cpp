@@ -95,12 +95,13 @@ std::vector<Foot> feet_of(const Part& part, const HostSurface& host, const Frame
             const Vector3 parts = barycentric(corners_of(part.points, there), layout.images[v].point);
             const double share =
                 parts[0] * shares[there[0]] + parts[1] * shares[there[1]] + parts[2] * shares[there[2]];
-            // Where the image is a vertex, its own foot counts: what is on the plane has two that are equally close.
+            // Where the image is a vertex, its own foot counts: what is on the plane has two that are equally
+            // close.
             const auto most = std::ranges::max_element(parts) - parts.begin();
-            Foot& image = feet[count + v] = foot_at(parts[most] > 1.0 - 1e-6
-                                                        ? beneath[there[most]]
-                                                        : host.tree().closest_place(host.mirror_image(part.points[v])),
-                                                    share / 2);
+            Foot& image = feet[count + v] = foot_at(
+                parts[most] > 1.0 - 1e-6 ? beneath[there[most]]
+                                         : host.tree().closest_place(host.mirror_image(part.points[v])),
+                share / 2);
             image.corners = host.mirror_image(image.corners); // turned round
             std::swap(image.parts[1], image.parts[2]);
         },

@@ -25,13 +25,13 @@ constexpr int most_frames = 64; ///< of a rider
 /// host move alike. For it each frame has an image, which follows all others, and both have half the shares.
 struct FrameLayout
 {
-    double length = 0.0;  ///< the bend length: a part that is shorter moves rigidly
+    double length = 0.0; ///< the bend length: a part that is shorter moves rigidly
     double cover = 0.0;
     double bending = 0.0; ///< from 0, where all frames move as one, to 1, where each is its own
     std::vector<int> seeds; ///< vertices of the part, one per frame that is no image
     std::vector<TriangleTree::Place> images; ///< of all vertices, on the part; empty without images of frames
-    MatrixX shares;         ///< (frames, vertices)
-    MatrixX distances;      ///< (frames, frames) along the part
+    MatrixX shares; ///< (frames, vertices)
+    MatrixX distances; ///< (frames, frames) along the part
 
     int frame_count() const { return static_cast<int>(shares.rows()); }
 };

@@ -53,8 +53,8 @@ public:
         return point;
     }
 
-    /// The vertices nearest to the images of three vertices, turned round. Of a triangle that has none of its own,
-    /// the one where its middle would be.
+    /// The vertices nearest to the images of three vertices, turned round. Of a triangle that has none of its
+    /// own, the one where its middle would be.
     Triangle mirror_image(const Triangle& corners) const;
     bool is_near_mirror_plane(const Vector3& point) const
     {

@@ -132,7 +132,8 @@ struct Riders::Level
     // The shares of point p are [offsets[p], offsets[p + 1]).
     std::vector<int> offsets{0}, share_frames;
     std::vector<double> shares;
-    // Of points that follow the surface beneath them: those of foot_points[f] are [feet_ends[f - 1], feet_ends[f]).
+    // Of points that follow the surface beneath them: those of foot_points[f] are [feet_ends[f - 1],
+    // feet_ends[f]).
     std::vector<Foot> feet; ///< with corners of the mesh
     std::vector<int> foot_points, feet_ends;
 

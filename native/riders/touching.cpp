@@ -139,7 +139,8 @@ std::vector<std::array<int, 2>> near_pairs(const std::vector<Part>& parts, const
         for (const int rider : riders)
             boxes.push_back(parts[rider].box);
         const BoxTree tree(boxes);
-        for (int i = 1; i < static_cast<int>(riders.size()); ++i) { // by falling area, so the later is smaller
+        for (int i = 1; i < static_cast<int>(riders.size());
+             ++i) { // by falling area, so the later is smaller
             const Part& part = parts[riders[i]];
             const double near = gap * part.extent();
             tree.visit_by_bound(
@@ -191,8 +192,8 @@ std::vector<int> join_where_they_touch(const SurfaceMesh& mesh, SeatedParts& sea
     const std::vector<std::array<int, 2>> pairs = near_pairs(seated.parts, seated.seats);
     std::vector<std::vector<Triangle>> bridges(pairs.size());
     parallel_for(
-        static_cast<int>(pairs.size()), [&](int i) { bridges[i] = contacts.between(pairs[i][0], pairs[i][1]); },
-        8);
+        static_cast<int>(pairs.size()),
+        [&](int i) { bridges[i] = contacts.between(pairs[i][0], pairs[i][1]); }, 8);
     std::vector<std::array<int, 2>> linked;
     for (std::size_t i = 0; i < pairs.size(); ++i)
         if (!bridges[i].empty())

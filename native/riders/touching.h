@@ -32,6 +32,6 @@ struct SeatedParts
 /// \param length  that of find_seats().
 /// \return what each of the parts rides on, by the labels before.
 std::vector<int> join_where_they_touch(const SurfaceMesh& mesh, SeatedParts& seated, double length,
-                           const Progress& progress);
+                                       const Progress& progress);
 
 } // namespace sinew

@@ -344,6 +344,11 @@ def test_a_sheet_on_another_follows_a_bump_that_is_smaller_than_its_frames(metho
     assert (evaluated_points(obj)[above, 2] > evaluated_points(obj)[below, 2]).all()
 
 
+def tongue() -> tuple[np.ndarray, list]:
+    points, faces = sphere(0.05, (0.0, 0.0, 0.0))
+    return points * (1.0, 10.0, 1.0) - (0.0, 0.3, 0.0), faces
+
+
 def teeth() -> tuple[np.ndarray, list]:
     """A row of balls that touch, across the plane x = 0, as one part for each."""
     balls = [sphere(0.06, (x, -0.5 + x * x, 0.0), 8) for x in (-0.22, -0.11, 0.0, 0.11, 0.22)]
@@ -354,7 +359,7 @@ def teeth() -> tuple[np.ndarray, list]:
 
 ON_THE_PLANE = {
     "ball": lambda: sphere(0.15, (0.0, -0.4, 0.0), 8),
-    "tongue": lambda: (sphere(0.05, (0.0, 0.0, 0.0), 16)[0] * (1, 10, 1) - (0, 0.3, 0), sphere(1, (0, 0, 0), 16)[1]),
+    "tongue": tongue,
     "teeth": teeth,
 }
 
