@@ -23,14 +23,6 @@ struct Seat
 /// One for each part that may carry others, else null.
 using HostSurfaces = std::vector<std::unique_ptr<HostSurface>>;
 
-/// The vertices of a part that stand for it, the first ones farthest from each other.
-/// \param length  parts of at most this extent get at most 100, others 400.
-std::vector<int> samples_of(const Part& part, double length);
-
-/// The places of a host that are closest to some vertices of a part. Its tree must be prepared.
-std::vector<TriangleTree::Place> places_beneath(const Part& part, const std::vector<int>& samples,
-                                                const HostSurface& host);
-
 /// Seats all parts that are not driven, hosts before their riders. A part rides on the driven part that one
 /// of its samples is nearest to, unless the median distance of its samples from a larger part is below half
 /// that from the driven ones: then on the nearest such part. So an iris rides on the eye, not on the lid it
@@ -41,5 +33,13 @@ std::vector<TriangleTree::Place> places_beneath(const Part& part, const std::vec
 /// \param surfaces  gets the surfaces that the seats use.
 std::vector<Seat> find_seats(const std::vector<Part>& parts, const std::vector<bool>& driven, double length,
                              HostSurfaces& surfaces, const Progress& progress);
+
+/// The vertices of a part that stand for it, the first ones farthest from each other.
+/// \param length  parts of at most this extent get at most 100, others 400.
+std::vector<int> samples_of(const Part& part, double length);
+
+/// The places of a host that are closest to some vertices of a part. Its tree must be prepared.
+std::vector<TriangleTree::Place> places_beneath(const Part& part, const std::vector<int>& samples,
+                                                const HostSurface& host);
 
 } // namespace sinew
