@@ -13,6 +13,7 @@ namespace sinew {
 namespace {
 
 constexpr int most_inside_samples = 256;
+constexpr double tie = 1e-9; ///< of a length: what differs less is equal, and the lower vertex counts
 
 /// Whether a part is worn by its host: whether the host's area inside the part is above half the part's own.
 bool wraps(const Part& part, const ClosedPart& closed, const HostSurface& host)
@@ -156,7 +157,7 @@ FrameLayout lay_out_frames(const Part& part, const HostSurface& host, double len
         int farthest = -1;
         layout.cover = 0.0;
         for (int v = 0; v < static_cast<int>(n); ++v)
-            if (std::isfinite(nearest[v]) && nearest[v] > layout.cover) {
+            if (std::isfinite(nearest[v]) && nearest[v] > layout.cover * (1 + tie)) {
                 layout.cover = nearest[v];
                 farthest = v;
             }
