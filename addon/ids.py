@@ -48,6 +48,7 @@ class Operators:
     PART_REGIONS = "sinew.part_regions"
     REFINE = "sinew.refine"
     ARMATURE_OFF = "sinew.armature_off"
+    KEEP_INSIDE = "sinew.keep_inside"
     GRAB_REGION = "sinew.grab_region"
     DRAG = "sinew.drag"
     SILHOUETTE_SKETCH = "sinew.silhouette_sketch"

@@ -39,6 +39,7 @@ class Remedy(Flag):
     UNBAKE = auto()
     REFINE = auto()
     ARMATURE_OFF = auto()
+    KEEP_INSIDE = auto()
 
 
 @dataclass(frozen=True)

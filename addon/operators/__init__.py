@@ -34,7 +34,12 @@ from .deformer.select_distorted import SINEW_OT_select_distorted
 from .deformer.select_problems import SINEW_OT_select_problems
 from .deformer.sharing import SINEW_OT_settings_share
 from .handles.control import SINEW_OT_control_new
-from .handles.handle import SINEW_OT_handle_add, SINEW_OT_handle_remove, SINEW_OT_select_handle
+from .handles.handle import (
+    SINEW_OT_handle_add,
+    SINEW_OT_handle_remove,
+    SINEW_OT_keep_inside,
+    SINEW_OT_select_handle,
+)
 from .handles.mirror import SINEW_OT_handle_mirror
 from .handles.point import SINEW_OT_point_add
 from .handles.rows import SINEW_OT_control_remove, SINEW_OT_control_set_rest
@@ -117,6 +122,7 @@ register, unregister = register_classes_factory(
         SINEW_OT_part_regions,
         SINEW_OT_refine,
         SINEW_OT_armature_off,
+        SINEW_OT_keep_inside,
         SINEW_OT_select_distorted,
         SINEW_OT_curve_edit,
         SINEW_OT_grid_new,

@@ -183,6 +183,7 @@ def _draw_common(layout: UILayout) -> None:
     layout.operator(Operators.PART_REGIONS, icon="SELECT_DIFFERENCE")
     layout.operator(Operators.REFINE, icon="MESH_GRID")
     layout.operator(Operators.ARMATURE_OFF, icon="MOD_ARMATURE")
+    layout.operator(Operators.KEEP_INSIDE, icon="PINNED")
     layout.separator()
     for menu in control.MENUS:
         layout.menu(menu.bl_idname, icon=menu.ICON)

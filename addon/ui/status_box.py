@@ -58,6 +58,7 @@ REMEDIES: dict[Remedy, Button] = {
     Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Part Regions", "NONE"),
     Remedy.REFINE: Button(Operators.REFINE, "Refine", "MESH_GRID"),
     Remedy.ARMATURE_OFF: Button(Operators.ARMATURE_OFF, "Turn Off Armature", "MOD_ARMATURE"),
+    Remedy.KEEP_INSIDE: Button(Operators.KEEP_INSIDE, "Keep Inside Parts", "PINNED"),
     Remedy.NEW_CONTROL: Button(Operators.CONTROL_NEW, "New Control", "EMPTY_AXIS"),
     Remedy.BAKE: Button(Operators.BAKE, "Bake Again", "NONE", (("again", True),)),
     Remedy.UNBAKE: Button(Operators.UNBAKE, "Unbake", "LOOP_BACK"),

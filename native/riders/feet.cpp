@@ -3,11 +3,10 @@
 
 #include "native/core/parallel.h"
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <array>
 #include <unordered_set>
+#include <utility>
 
 namespace sinew {
 
@@ -15,18 +14,6 @@ namespace {
 
 constexpr int most_looks = 400; ///< triangles on the way between two feet
 constexpr int rise = 8;         ///< edges from a tear to a share that nothing limits
-
-/// Barycentric coordinates of a point of a triangle.
-Vector3 coordinates(const Vector3& a, const Vector3& b, const Vector3& c, const Vector3& point)
-{
-    const Vector3 normal = (b - a).cross(c - a);
-    const double square = normal.squaredNorm();
-    if (!(square > 0.0))
-        return {1.0, 0.0, 0.0};
-    const double v = (point - a).cross(c - a).dot(normal) / square,
-                 w = (b - a).cross(point - a).dot(normal) / square;
-    return {1.0 - v - w, v, w};
-}
 
 /// Whether the host joins two of its triangles by triangles whose centres are within `reach` of a place.
 bool are_joined(const HostSurface& host, int from, int to, const Vector3& place, double reach)
@@ -91,14 +78,34 @@ std::vector<Foot> feet_of(const Part& part, const HostSurface& host, const Frame
         for (int v = 0; v < count; ++v)
             shares[v] *= limits[v];
     }
-    std::vector<Foot> feet(part.points.size());
-    for (int v = 0; v < count; ++v) {
-        const Triangle& corners = host.triangles()[beneath[v].triangle];
-        const std::vector<Vector3>& points = host.part().points;
-        const Vector3 parts =
-            coordinates(points[corners[0]], points[corners[1]], points[corners[2]], beneath[v].point);
-        feet[v] = {corners, {parts[0], parts[1], parts[2]}, shares[v]};
-    }
+    const bool has_images = !layout.images.empty();
+    std::vector<Foot> feet((has_images ? 2 : 1) * part.points.size());
+    const auto foot_at = [&](const TriangleTree::Place& place, double share) {
+        const Triangle& corners = host.triangles()[place.triangle];
+        const Vector3 parts = barycentric(corners_of(host.part().points, corners), place.point);
+        return Foot{corners, {parts[0], parts[1], parts[2]}, share};
+    };
+    parallel_for(
+        count,
+        [&](int v) {
+            feet[v] = foot_at(beneath[v], has_images ? shares[v] / 2 : shares[v]);
+            if (!has_images)
+                return;
+            const Triangle& there = part.triangles[layout.images[v].triangle];
+            const Vector3 parts = barycentric(corners_of(part.points, there), layout.images[v].point);
+            const double share =
+                parts[0] * shares[there[0]] + parts[1] * shares[there[1]] + parts[2] * shares[there[2]];
+            // Where the image is a vertex, its own foot counts: what is on the plane has two that are equally
+            // close.
+            const auto most = std::ranges::max_element(parts) - parts.begin();
+            Foot& image = feet[count + v] = foot_at(
+                parts[most] > 1.0 - 1e-6 ? beneath[there[most]]
+                                         : host.tree().closest_place(host.mirror_image(part.points[v])),
+                share / 2);
+            image.corners = host.mirror_image(image.corners); // turned round
+            std::swap(image.parts[1], image.parts[2]);
+        },
+        64);
     return feet;
 }
 

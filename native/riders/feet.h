@@ -16,7 +16,8 @@ struct Foot
     double share = 0.0;      ///< how far the vertex follows it
 };
 
-/// The feet of all vertices of a part: of each, the place of the host that is closest to it. Frames are
+/// The feet of all vertices of a part: of each, the place of the host that is closest to it. If frames have
+/// images, the images of the feet come after them, and both have half the shares. Frames are
 /// fitted to patches, so they miss what bends less widely than these. A foot tells by how much: with f the
 /// foot at rest, f' where the host has moved it, and M the map of the vertex, the vertex goes to
 ///

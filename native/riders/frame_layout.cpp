@@ -13,6 +13,7 @@ namespace sinew {
 namespace {
 
 constexpr int most_inside_samples = 256;
+constexpr double tie = 1e-9; ///< of a length: what differs less is equal, and the lower vertex counts
 
 /// Whether a part is worn by its host: whether the host's area inside the part is above half the part's own.
 bool wraps(const Part& part, const ClosedPart& closed, const HostSurface& host)
@@ -78,6 +79,60 @@ void limit_and_normalise(MatrixX& shares)
     }
 }
 
+/// Where the mirror images of a part's vertices are on it; empty if it is no image of itself, does not lie on
+/// the mirror plane of its host, or lies where the host is far from the plane, as between two limbs.
+std::vector<TriangleTree::Place> mirror_images(const Part& part, const HostSurface& host)
+{
+    constexpr double tolerance = 1e-2;
+    if (!host.lies_on_mirror_plane(part))
+        return {};
+    int on_plane = 0, over_plane = 0;
+    for (const Vector3& point : part.points)
+        if ((host.mirror_image(point) - point).norm() <= tolerance * part.extent()) {
+            ++on_plane;
+            over_plane += host.is_near_mirror_plane(host.tree().closest(point)) ? 1 : 0;
+        }
+    const TriangleTree tree(part.points, part.triangles);
+    if (2 * over_plane < on_plane || tree.empty())
+        return {};
+    std::vector<TriangleTree::Place> places;
+    for (const Vector3& point : part.points) {
+        const Vector3 image = host.mirror_image(point);
+        places.push_back(tree.closest_place(image));
+        if ((places.back().point - image).norm() > tolerance * part.extent())
+            return {};
+    }
+    return places;
+}
+
+/// Gives each frame of a layout an image. \param ways  from each seed to each vertex.
+void add_mirror_images(FrameLayout& layout, const Part& part, const std::vector<std::vector<double>>& ways)
+{
+    const auto count = static_cast<Eigen::Index>(layout.seeds.size());
+    const MatrixX own = layout.shares / 2, distances = layout.distances;
+    layout.shares.resize(2 * count, own.cols());
+    layout.shares.topRows(count) = own;
+    for (Eigen::Index v = 0; v < own.cols(); ++v) {
+        const TriangleTree::Place& image = layout.images[v];
+        const Triangle& corners = part.triangles[image.triangle];
+        const Vector3 parts = barycentric(corners_of(part.points, corners), image.point);
+        layout.shares.col(v).tail(count) =
+            parts[0] * own.col(corners[0]) + parts[1] * own.col(corners[1]) + parts[2] * own.col(corners[2]);
+    }
+    MatrixX across(count, count); // from a frame to the image of another one
+    for (Eigen::Index u = 0; u < count; ++u) {
+        const TriangleTree::Place& image = layout.images[layout.seeds[u]];
+        const int nearest = *std::ranges::min_element(part.triangles[image.triangle], {}, [&](int v) {
+            return (part.points[v] - image.point).squaredNorm();
+        });
+        for (Eigen::Index k = 0; k < count; ++k)
+            across(k, u) = ways[k][nearest];
+    }
+    across = (across + across.transpose()).eval() / 2;
+    layout.distances.resize(2 * count, 2 * count);
+    layout.distances << distances, across, across, distances;
+}
+
 } // namespace
 
 FrameLayout lay_out_frames(const Part& part, const HostSurface& host, double length, double stiffness)
@@ -92,7 +147,9 @@ FrameLayout lay_out_frames(const Part& part, const HostSurface& host, double len
         layout.distances = MatrixX::Zero(1, 1);
         return layout;
     }
-    const EdgeDistances edges(part.points, part.triangles);
+    layout.images = mirror_images(part, host);
+    const auto most_seeds = static_cast<std::size_t>(layout.images.empty() ? most_frames : most_frames / 2);
+    const EdgeDistances edges(part.points, part.ways());
     std::vector<std::vector<double>> ways{edges.from(layout.seeds[0])};
     std::vector<double> nearest = ways[0];
     double first_radius = 0.0;
@@ -100,13 +157,13 @@ FrameLayout lay_out_frames(const Part& part, const HostSurface& host, double len
         int farthest = -1;
         layout.cover = 0.0;
         for (int v = 0; v < static_cast<int>(n); ++v)
-            if (std::isfinite(nearest[v]) && nearest[v] > layout.cover) {
+            if (std::isfinite(nearest[v]) && nearest[v] > layout.cover * (1 + tie)) {
                 layout.cover = nearest[v];
                 farthest = v;
             }
         if (ways.size() == 1)
             first_radius = layout.cover;
-        if (layout.cover <= layout.length || layout.frame_count() == most_frames)
+        if (layout.cover <= layout.length || layout.seeds.size() == most_seeds)
             break;
         layout.seeds.push_back(farthest);
         ways.push_back(edges.from(farthest));
@@ -115,15 +172,18 @@ FrameLayout lay_out_frames(const Part& part, const HostSurface& host, double len
     }
     layout.cover = std::max(layout.cover, layout.length);
     layout.bending = (1 - stiffness) * smoothstep(first_radius / layout.length - 1);
-    layout.shares.resize(layout.frame_count(), n);
-    layout.distances.resize(layout.frame_count(), layout.frame_count());
-    for (int k = 0; k < layout.frame_count(); ++k) {
+    const auto count = static_cast<Eigen::Index>(layout.seeds.size());
+    layout.shares.resize(count, n);
+    layout.distances.resize(count, count);
+    for (Eigen::Index k = 0; k < count; ++k) {
         for (Eigen::Index v = 0; v < n; ++v)
             layout.shares(k, v) = kernel(ways[k][v], 2 * layout.cover);
-        for (int other = 0; other < layout.frame_count(); ++other)
+        for (Eigen::Index other = 0; other < count; ++other)
             layout.distances(k, other) = ways[k][layout.seeds[other]];
     }
     limit_and_normalise(layout.shares);
+    if (!layout.images.empty())
+        add_mirror_images(layout, part, ways);
     return layout;
 }
 

@@ -8,6 +8,18 @@
 
 namespace sinew {
 
+Vector3 barycentric(const Corners& triangle, const Vector3& point)
+{
+    const auto& [a, b, c] = triangle;
+    const Vector3 normal = (b - a).cross(c - a);
+    const double square = normal.squaredNorm();
+    if (!(square > 0.0))
+        return {1.0, 0.0, 0.0};
+    const double v = (point - a).cross(c - a).dot(normal) / square,
+                 w = (b - a).cross(point - a).dot(normal) / square;
+    return {1.0 - v - w, v, w};
+}
+
 HostSurface::HostSurface(const Part& part) : part_(&part), offsets_(part.points.size() + 1, 0)
 {
     const double least = 1e-10 * std::ranges::max(part.areas);
@@ -48,6 +60,22 @@ void HostSurface::find_mirror_plane()
         mirror_axis_ = plane.axis;
         mirror_place_ = middle[plane.axis] + size * plane.offset;
     }
+}
+
+Triangle HostSurface::mirror_image(const Triangle& corners) const
+{
+    const std::vector<Vector3>& points = part_->points;
+    const auto image_of = [&](int vertex) {
+        const Vector3 wanted = mirror_image(points[vertex]);
+        const Triangle& there = triangles_[tree_->closest_place(wanted).triangle];
+        return *std::ranges::min_element(there, {},
+                                         [&](int v) { return (points[v] - wanted).squaredNorm(); });
+    };
+    const Triangle image{image_of(corners[0]), image_of(corners[2]), image_of(corners[1])};
+    if (image[0] != image[1] && image[1] != image[2] && image[2] != image[0])
+        return image;
+    const Vector3 middle = (points[corners[0]] + points[corners[1]] + points[corners[2]]) / 3;
+    return triangles_[tree_->closest_place(mirror_image(middle)).triangle];
 }
 
 bool HostSurface::lies_on_mirror_plane(const Part& part) const

@@ -11,6 +11,9 @@
 
 namespace sinew {
 
+/// Barycentric coordinates of a point of a triangle; those of the first corner if it is flat.
+Vector3 barycentric(const Corners& triangle, const Vector3& point);
+
 /// A part at rest on which others ride. Triangles of less than 1e-10 of the largest area are left out of its
 /// surface.
 class HostSurface
@@ -50,12 +53,20 @@ public:
         return point;
     }
 
+    /// The vertices nearest to the images of three vertices, turned round. Of a triangle that has none of its
+    /// own, the one where its middle would be.
+    Triangle mirror_image(const Triangle& corners) const;
+    bool is_near_mirror_plane(const Vector3& point) const
+    {
+        return (mirror_image(point) - point).norm() <= 2.0 * spacing_;
+    }
+
     /// Call prepare_edges() first.
     const EdgeDistances& edges() const { return *edges_; }
     void prepare_edges()
     {
         if (!edges_)
-            edges_ = std::make_unique<EdgeDistances>(part_->points, part_->triangles);
+            edges_ = std::make_unique<EdgeDistances>(part_->points, part_->ways());
     }
 
 private:

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -45,9 +46,20 @@ int Part::centre() const
     for (std::size_t v = 0; v < points.size(); ++v)
         sum += weights[v] * (points[v] - points[0]); // from a point nearby: far from the origin, too
     const Vector3 centroid = points[0] + sum / std::accumulate(weights.begin(), weights.end(), 0.0);
-    const auto nearest = std::ranges::min_element(
-        points, {}, [&](const Vector3& point) { return (point - centroid).squaredNorm(); });
+    double least = std::numeric_limits<double>::infinity();
+    for (const Vector3& point : points)
+        least = std::min(least, (point - centroid).squaredNorm());
+    const auto nearest = std::ranges::find_if(points, [&](const Vector3& point) { // but for rounding
+        return (point - centroid).squaredNorm() <= least * (1 + 1e-9);
+    });
     return static_cast<int>(nearest - points.begin());
+}
+
+std::vector<Triangle> Part::ways() const
+{
+    std::vector<Triangle> all = triangles;
+    all.insert(all.end(), bridges.begin(), bridges.end());
+    return all;
 }
 
 std::vector<Part> parts_of(const SurfaceMesh& mesh, const Components& components)

@@ -17,9 +17,12 @@ struct Part
     std::vector<Vector3> points;
     std::vector<Triangle> triangles; ///< of points
     std::vector<double> areas;       ///< of triangles
+    std::vector<Triangle> bridges;   ///< of points, where pieces of it touch; no part of the surface
     double area = 0.0;
     Eigen::AlignedBox3d box;
 
+    /// Triangles whose edges connect its pieces, too: those of the surface and the bridges.
+    std::vector<Triangle> ways() const;
     double extent() const { return box.diagonal().norm(); }
     /// The point nearest the centroid of the surface; of several, the lowest.
     int centre() const;

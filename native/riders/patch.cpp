@@ -177,32 +177,25 @@ Patch patch_beneath(const HostSurface& host, const std::vector<Contact>& contact
 
 bool reaches_mirror_plane(const Patch& patch, const HostSurface& host)
 {
-    return std::ranges::any_of(patch.triangles, [&](int t) {
-        const Vector3& centre = host.centres()[t];
-        return (host.mirror_image(centre) - centre).norm() <= 2.0 * host.spacing();
-    });
+    return std::ranges::any_of(patch.triangles,
+                               [&](int t) { return host.is_near_mirror_plane(host.centres()[t]); });
+}
+
+Patch mirror_image(const Patch& patch, const HostSurface& host)
+{
+    Patch image{.triangles = {}, .weights = patch.weights, .anchors = patch.anchors, .images = {}};
+    for (const int t : patch.triangles)
+        image.images.push_back(host.mirror_image(host.triangles()[t]));
+    return image;
 }
 
 void add_mirror_image(Patch& patch, const HostSurface& host)
 {
+    patch.images = mirror_image(patch, host).images;
     for (std::vector<double>* weights : {&patch.weights, &patch.anchors}) {
         for (double& weight : *weights)
             weight /= 2.0;
         weights->insert(weights->end(), weights->begin(), weights->end());
-    }
-    const auto image_of = [&](int vertex) {
-        const Vector3 wanted = host.mirror_image(host.part().points[vertex]);
-        const Triangle& there = host.triangles()[host.tree().closest_place(wanted).triangle];
-        return *std::ranges::min_element(
-            there, {}, [&](int v) { return (host.part().points[v] - wanted).squaredNorm(); });
-    };
-    for (const int t : patch.triangles) {
-        const Triangle& corners = host.triangles()[t];
-        const Triangle image{image_of(corners[0]), image_of(corners[2]), image_of(corners[1])};
-        const bool is_flat = image[0] == image[1] || image[1] == image[2] || image[2] == image[0];
-        const Vector3 centre = host.mirror_image(host.centres()[t]);
-        patch.images.push_back(is_flat ? host.triangles()[host.tree().closest_place(centre).triangle]
-                                       : image);
     }
 }
 

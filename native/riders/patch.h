@@ -45,8 +45,11 @@ Patch patch_beneath(const HostSurface& host, const std::vector<Contact>& contact
 /// them.
 bool reaches_mirror_plane(const Patch& patch, const HostSurface& host);
 
-/// Joins a patch with its image in the host's mirror plane. The corners of an image are the vertices nearest
-/// to those of the corners, so the diagonals of faces do not count.
+/// The image of a patch in the host's mirror plane. Its corners are vertices of the host, so the diagonals of
+/// faces do not count.
+Patch mirror_image(const Patch& patch, const HostSurface& host);
+
+/// Joins a patch with its image in the host's mirror plane.
 void add_mirror_image(Patch& patch, const HostSurface& host);
 
 } // namespace sinew

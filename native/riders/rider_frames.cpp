@@ -110,7 +110,7 @@ MatrixX ways_over(const HostSurface& host, const std::vector<Footprint>& footpri
 std::vector<char> heard_of(const std::vector<Footprint>& footprints, const FrameLayout& layout,
                            const HostSurface& host)
 {
-    const int count = layout.frame_count();
+    const int count = static_cast<int>(footprints.size());
     double widest = 0.0;
     for (const Footprint& footprint : footprints)
         widest = std::max(widest, footprint.gap);
@@ -144,7 +144,7 @@ std::vector<char> heard_of(const std::vector<Footprint>& footprints, const Frame
 /// How much each frame counts, in [0, 1].
 VectorX trust_of(const std::vector<Footprint>& footprints, const FrameLayout& layout, const HostSurface& host)
 {
-    const int count = layout.frame_count();
+    const int count = static_cast<int>(footprints.size());
     const std::vector<char> heard = heard_of(footprints, layout, host);
     const double least = std::ranges::min(footprints, {}, &Footprint::gap).gap;
     VectorX trust(count);
@@ -183,7 +183,8 @@ RiderFrames make_frames(const Seat& seat, const Part& part, const HostSurface& h
 {
     std::vector<Footprint> footprints;
     RiderFrames frames;
-    for (int k = 0; k < layout.frame_count(); ++k) {
+    const auto seeds = static_cast<Eigen::Index>(layout.seeds.size());
+    for (int k = 0; k < seeds; ++k) {
         footprints.push_back(footprint_of(k, seat, part, host, layout, tiny));
         const Footprint& footprint = footprints.back();
         const auto beneath = [&](int most) {
@@ -201,7 +202,12 @@ RiderFrames make_frames(const Seat& seat, const Part& part, const HostSurface& h
     }
     frames.smoothing = MatrixX::Ones(1, 1);
     if (layout.frame_count() > 1) {
-        const VectorX trust = trust_of(footprints, layout, host);
+        VectorX trust = trust_of(footprints, layout, host);
+        if (!layout.images.empty()) {
+            for (Eigen::Index k = 0; k < seeds; ++k)
+                frames.patches.push_back(mirror_image(frames.patches[k], host));
+            trust = trust.replicate(2, 1).eval();
+        }
         frames.smoothing = smoothing_of(trust, layout);
         frames.feet = feet_of(part, host, layout, trust);
     }

@@ -30,9 +30,9 @@ namespace sinew {
 /// a_k = 1 / (1 + ((g_k - g_least) / (g_least + length / 4))^2)^2.
 struct RiderFrames
 {
-    std::vector<Patch> patches; ///< one per frame
+    std::vector<Patch> patches; ///< one per frame, images last
     MatrixX smoothing; ///< (frames, frames), rows sum to 1
-    std::vector<Foot> feet; ///< one per vertex; empty with a single frame
+    std::vector<Foot> feet; ///< of feet_of(); empty with a single frame
 };
 
 /// A single frame of a part that lies on the mirror plane of its host gets the patch and its mirror image, so

@@ -9,6 +9,7 @@
 #include "native/riders/loose_vertices.h"
 #include "native/riders/moving_frames.h"
 #include "native/riders/rider_frames.h"
+#include "native/riders/touching.h"
 
 #include <algorithm>
 #include <array>
@@ -131,8 +132,10 @@ struct Riders::Level
     // The shares of point p are [offsets[p], offsets[p + 1]).
     std::vector<int> offsets{0}, share_frames;
     std::vector<double> shares;
-    std::vector<Foot> feet; ///< of points that follow one; corners of the mesh
-    std::vector<int> foot_points;
+    // Of points that follow the surface beneath them: those of foot_points[f] are [feet_ends[f - 1],
+    // feet_ends[f]).
+    std::vector<Foot> feet; ///< with corners of the mesh
+    std::vector<int> foot_points, feet_ends;
 
     void add(const std::vector<int>& vertices, const MatrixX& vertex_shares, MatrixX frame_smoothing);
     /// The feet of the part that was added last. \param host  has their corners.
@@ -145,7 +148,7 @@ struct Riders::Level
     /// Writes the points [begin, end).
     void carry(int begin, int end, const PointsView& base, const Scratch& scratch, Points& positions) const;
     /// Moves a point by what the maps have missed beneath it.
-    void follow_foot(int foot, const PointsView& base, const Scratch& scratch, Points& positions) const;
+    void follow_feet(int number, const PointsView& base, const Scratch& scratch, Points& positions) const;
 
     int end_point(std::size_t rider) const
     {
@@ -178,31 +181,41 @@ void Riders::Level::add(const std::vector<int>& vertices, const MatrixX& vertex_
 
 void Riders::Level::add_feet(const std::vector<Foot>& own, const Part& host)
 {
-    for (std::size_t v = 0; v < own.size(); ++v)
-        if (own[v].share > 0.0) {
-            feet.push_back(own[v]);
-            feet.back().corners = of_mesh(own[v].corners, host);
+    const std::size_t count = points.size() - riders.back().first_point;
+    for (std::size_t v = 0; v < count; ++v) {
+        for (std::size_t i = v; i < own.size(); i += count)
+            if (own[i].share > 0.0) {
+                feet.push_back(own[i]);
+                feet.back().corners = of_mesh(own[i].corners, host);
+            }
+        if (feet.size() > (feet_ends.empty() ? 0u : feet_ends.back())) {
             foot_points.push_back(riders.back().first_point + static_cast<int>(v));
+            feet_ends.push_back(static_cast<int>(feet.size()));
         }
+    }
 }
 
-void Riders::Level::follow_foot(int foot, const PointsView& base, const Scratch& scratch,
+void Riders::Level::follow_feet(int number, const PointsView& base, const Scratch& scratch,
                                 Points& positions) const
 {
-    const Foot& own = feet[foot];
-    const int point = foot_points[foot];
-    Vector3 from = Vector3::Zero(), missed = Vector3::Zero();
-    for (int k = 0; k < 3; ++k) {
-        from += own.parts[k] * base.row(own.corners[k]).transpose();
-        missed += own.parts[k] * positions.row(own.corners[k]).transpose();
+    const int point = foot_points[number];
+    Vector3 move = Vector3::Zero();
+    for (int f = number > 0 ? feet_ends[number - 1] : 0; f < feet_ends[number]; ++f) {
+        const Foot& foot = feet[f];
+        Vector3 from = Vector3::Zero(), missed = Vector3::Zero();
+        for (int k = 0; k < 3; ++k) {
+            from += foot.parts[k] * base.row(foot.corners[k]).transpose();
+            missed += foot.parts[k] * positions.row(foot.corners[k]).transpose();
+        }
+        for (int s = offsets[point]; s < offsets[point + 1]; ++s) {
+            const auto& columns = scratch.maps[share_frames[s]].columns;
+            for (int r = 0; r < 3; ++r)
+                missed[r] -= shares[s] * (columns[0][r] * from[0] + columns[1][r] * from[1] +
+                                          columns[2][r] * from[2] + columns[3][r]);
+        }
+        move += foot.share * missed;
     }
-    for (int s = offsets[point]; s < offsets[point + 1]; ++s) {
-        const auto& columns = scratch.maps[share_frames[s]].columns;
-        for (int r = 0; r < 3; ++r)
-            missed[r] -= shares[s] * (columns[0][r] * from[0] + columns[1][r] * from[1] +
-                                      columns[2][r] * from[2] + columns[3][r]);
-    }
-    positions.row(points[point]) += own.share * missed.transpose();
+    positions.row(points[point]) += move.transpose();
 }
 
 void Riders::Level::find_origins(std::size_t rider, const PointsView& base, Vector3* origins) const
@@ -287,22 +300,40 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
     if (!options_.follow || std::ranges::all_of(driven_, std::identity()) ||
         std::ranges::none_of(driven_, std::identity()))
         return;
-    const std::vector<Part> all = parts_of(rest, parts);
+    SeatedParts seated{.labels = parts, .parts = parts_of(rest, parts), .seats = {}, .surfaces = {}};
     Eigen::AlignedBox3d box;
     for (int p = 0; p < parts.count; ++p)
         if (driven_[p])
-            box.extend(all[p].box);
+            box.extend(seated.parts[p].box);
     const double diagonal = box.diagonal().norm(), length = bend_share * diagonal;
-    HostSurfaces surfaces;
-    const std::vector<Seat> seats = find_seats(all, driven_, length, surfaces, progress);
-    if (seats.empty())
+    seated.seats = find_seats(seated.parts, driven_, length, seated.surfaces, progress);
+    if (seated.seats.empty())
         return;
+    const std::vector<int> hosts = join_where_they_touch(rest, seated, length, progress);
+    const std::vector<Part>& all = seated.parts;
+    const std::vector<Seat>& seats = seated.seats;
+    const HostSurfaces& surfaces = seated.surfaces;
 
     progress.tick(0.0, "laying out the frames of free parts");
     const int count = static_cast<int>(seats.size());
     std::vector<char> bent(all.size(), 0), carries(all.size(), 0); // whether each part has such riders
     std::vector<FrameLayout> layouts(count);
     const auto is_loose = [&](int i) { return all[seats[i].part].points.size() == 1; };
+    const auto prepare = [&](const std::vector<char>& which, const auto& how) {
+        parallel_for(
+            static_cast<int>(all.size()),
+            [&](int p) {
+                if (which[p])
+                    how(*surfaces[p]);
+            },
+            1);
+    };
+    for (int i = 0; i < count; ++i)
+        carries[seats[i].host] |= !is_loose(i);
+    prepare(carries, [](HostSurface& surface) {
+        surface.prepare_tree();
+        surface.find_mirror_plane();
+    });
     parallel_for(
         count,
         [&](int i) {
@@ -312,21 +343,9 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
                                             mean_stiffness(options_.stiffness, part.vertices));
         },
         8);
-    for (int i = 0; i < count; ++i) {
+    for (int i = 0; i < count; ++i)
         bent[seats[i].host] |= layouts[i].frame_count() > 1;
-        carries[seats[i].host] |= !is_loose(i);
-    }
-    parallel_for(
-        parts.count,
-        [&](int p) {
-            if (!carries[p])
-                return;
-            surfaces[p]->prepare_tree();
-            surfaces[p]->find_mirror_plane();
-            if (bent[p])
-                surfaces[p]->prepare_edges();
-        },
-        1);
+    prepare(bent, [](HostSurface& surface) { surface.prepare_edges(); });
     progress.tick(0.0, "finding the patches beneath free parts");
     std::vector<RiderFrames> made(count);
     std::vector<Triangle> carriers(count);
@@ -343,6 +362,7 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
         8);
 
     std::vector<int> depths(all.size(), 0); // hosts come before their riders
+    std::vector<int> frame_counts(all.size());
     for (int i = 0; i < count; ++i) {
         const Seat& seat = seats[i];
         const Part &part = all[seat.part], &host = all[seat.host];
@@ -357,10 +377,18 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
             level.add(part.vertices, layouts[i].shares, std::move(made[i].smoothing));
             level.add_feet(made[i].feet, host);
         }
-        rides_.push_back({seat.part, part.vertices.front(), static_cast<int>(part.vertices.size()), seat.host,
-                          is_loose(i) ? 1 : layouts[i].frame_count()});
+        frame_counts[seat.part] = is_loose(i) ? 1 : layouts[i].frame_count();
     }
-    std::ranges::sort(rides_, {}, &Ride::part);
+    std::vector<int> firsts(parts.count), sizes(parts.count, 0);
+    for (int v = rest.vertex_count() - 1; v >= 0; --v) {
+        firsts[parts.labels[v]] = v;
+        ++sizes[parts.labels[v]];
+    }
+    for (int p = 0; p < parts.count; ++p)
+        if (!driven_[p]) {
+            const int together = seated.labels.labels[firsts[p]];
+            rides_.push_back({p, firsts[p], sizes[p], hosts[p], frame_counts[together]});
+        }
     rest_ = rest.points();
     for (Level& level : levels_) {
         level.loose.measure(view(rest_));
@@ -404,8 +432,8 @@ void Riders::move(const std::optional<PointsView>& incoming, Points& positions) 
         parallel_chunks(static_cast<int>(level.points.size()), 4096,
                         [&](int begin, int end) { level.carry(begin, end, base, scratch, positions); });
         parallel_for(
-            static_cast<int>(level.feet.size()),
-            [&](int f) { level.follow_foot(f, base, scratch, positions); }, 256);
+            static_cast<int>(level.foot_points.size()),
+            [&](int f) { level.follow_feet(f, base, scratch, positions); }, 256);
         level.loose.move(incoming, positions);
     }
     scratch_.give_back(std::move(kept));

@@ -34,9 +34,10 @@ struct FreeParts
 ///
 /// and of parts that bend, also by what this misses of the motion beneath (feet.h).
 ///
-/// Compact parts, and parts below 6 % of the diagonal of the driven ones, have one frame and move rigidly;
-/// longer ones bend. A single vertex needs no frame (loose_vertices.h). Where all driven parts make one
-/// similarity, so do the riders, to rounding. The result depends on the shapes before and after the
+/// Parts that ride on the same one and touch each other ride as one (touching.h), so that a row of teeth
+/// stays a row. Compact parts, and parts below 6 % of the diagonal of the driven ones, have one frame and
+/// move rigidly; longer ones bend. A single vertex needs no frame (loose_vertices.h). Where all driven parts
+/// make one similarity, so do the riders, to rounding. The result depends on the shapes before and after the
 /// deformation alone.
 ///
 ///   call          repeat it when ...                         cost

@@ -15,7 +15,8 @@ std::vector<int> farthest_points(const std::vector<Vector3>& points, int count, 
         double farthest = 0.0;
         for (int i = 0; i < static_cast<int>(points.size()); ++i) {
             distances[i] = std::min(distances[i], (points[i] - at).squaredNorm());
-            if (distances[i] > farthest) {
+            if (distances[i] >
+                farthest * (1 + 1e-9)) { // of those that are equal but for rounding, the lowest
                 farthest = distances[i];
                 next = i;
             }

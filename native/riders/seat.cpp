@@ -89,9 +89,10 @@ public:
         each([&](int i) {
             move_to_larger(i, halves[i]);
             Seat& seat = seats_[i];
-            if (seat.beneath.empty())
-                for (int v : seat.samples)
-                    seat.beneath.push_back(tree_of(seat.host).closest_place(parts_[seat.part].points[v]));
+            if (seat.beneath.empty()) {
+                tree_of(seat.host);
+                seat.beneath = places_beneath(parts_[seat.part], seat.samples, *surfaces_[seat.host]);
+            }
         });
         return std::move(seats_);
     }
@@ -118,8 +119,7 @@ private:
     {
         Seat& seat = seats_[i];
         const Part& part = parts_[seat.part];
-        seat.samples = farthest_points(
-            part.points, part.extent() > length_ ? samples_of_large : samples_of_small, part.centre());
+        seat.samples = samples_of(part, length_);
         for (int v : seat.samples)
             seat.beneath.push_back(ground.tree->closest_place(part.points[v]));
         std::array<double, judging_samples> gaps;
@@ -199,6 +199,21 @@ private:
 };
 
 } // namespace
+
+std::vector<int> samples_of(const Part& part, double length)
+{
+    return farthest_points(part.points, part.extent() > length ? samples_of_large : samples_of_small,
+                           part.centre());
+}
+
+std::vector<TriangleTree::Place> places_beneath(const Part& part, const std::vector<int>& samples,
+                                                const HostSurface& host)
+{
+    std::vector<TriangleTree::Place> beneath;
+    for (int v : samples)
+        beneath.push_back(host.tree().closest_place(part.points[v]));
+    return beneath;
+}
 
 std::vector<Seat> find_seats(const std::vector<Part>& parts, const std::vector<bool>& driven, double length,
                              HostSurfaces& surfaces, const Progress& progress)

@@ -16,7 +16,7 @@ struct Seat
     int part;
     int host;
     int looks; ///< how many parts, or boxes around several, were looked at for it
-    std::vector<int> samples; ///< some vertices of the part, the first ones farthest from each other
+    std::vector<int> samples; ///< some vertices of the part, by samples_of()
     std::vector<TriangleTree::Place> beneath; ///< the closest point of each; triangles of the HostSurface
 };
 
@@ -30,9 +30,17 @@ using HostSurfaces = std::vector<std::unique_ptr<HostSurface>>;
 /// touches. Empty where no driven part has an area. Cost: up to 400 closest points per part, 96 for each
 /// larger part that may be nearer than the host, and O(log n) looks at boxes around these.
 /// \param driven    one per part.
-/// \param length    parts of at most this extent get at most 100 samples.
+/// \param length    that of samples_of().
 /// \param surfaces  gets the surfaces that the seats use.
 std::vector<Seat> find_seats(const std::vector<Part>& parts, const std::vector<bool>& driven, double length,
                              HostSurfaces& surfaces, const Progress& progress);
+
+/// The vertices of a part that stand for it, the first ones farthest from each other.
+/// \param length  parts of at most this extent get at most 100, others 400.
+std::vector<int> samples_of(const Part& part, double length);
+
+/// The places of a host that are closest to some vertices of a part. Its tree must be prepared.
+std::vector<TriangleTree::Place> places_beneath(const Part& part, const std::vector<int>& samples,
+                                                const HostSurface& host);
 
 } // namespace sinew

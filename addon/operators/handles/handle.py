@@ -145,6 +145,40 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
         return control, active.name if active else ""
 
 
+class SINEW_OT_keep_inside(BindingOperator, Operator):
+    """Make the loose parts that lie inside, such as eyes and teeth, a region, so that they leave the surface.
+
+    In Pose Mode the active bone becomes its control. Otherwise it is fixed: it stays at rest, or where an
+    Armature modifier puts it
+    """
+
+    bl_idname = Operators.KEEP_INSIDE
+    bl_label = "Keep Inside Parts"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        return has_deformer(cls, context, mesh=True)
+
+    @reports_errors
+    def run(self, context: Context, wait: bool) -> set[str]:
+        obj = target_of(context)
+        vertices = selection.parts_inside(obj.sinew.active)
+        if not len(vertices):
+            self.report({"INFO"}, "No loose part that follows the surface lies inside")
+            return {"CANCELLED"}
+        control, bone = _active_bone(obj, context.object)
+        with object_mode(context, obj):
+            group = selection.group_of(obj, "Inside", vertices)
+            role = "HANDLE" if bone else "FIXED"
+            handle, refusal = rigging.rig_region(
+                obj, role, group, control=control, bone=bone, owns_group=True, wait=wait
+            )
+            context.view_layer.update()
+        self.report_bind(refusal, obj.sinew.active.uid, handle.name)
+        return {"FINISHED"}
+
+
 class SINEW_OT_handle_remove(Operator):
     """Remove the region, and the control and the vertex group that were made for it"""
 

@@ -1,11 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes vertex groups of the selection in Edit Mode, and selects groups and elements. Main thread only."""
 
+from collections.abc import Sequence
+
 import bmesh
+import numpy as np
 from bpy.types import Object
 
 from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, SinewError
+from ...core.methods import Control
+from ...properties import SinewDeformer
+from ..blocks import parts, targets
+from ..memory import sessions
 
 
 def group_from_selection(obj: Object, name: str) -> str:
@@ -20,6 +27,23 @@ def group_from_selection(obj: Object, name: str) -> str:
             vertex[layer][group.index] = 1.0
     bmesh.update_edit_mesh(obj.data, loop_triangles=False, destructive=False)
     return group.name
+
+
+def group_of(obj: Object, name: str, vertices: Sequence[int]) -> str:
+    """A new vertex group of these vertices, outside Edit Mode."""
+    group = obj.vertex_groups.new(name=name)
+    group.add([int(vertex) for vertex in vertices], 1.0, "REPLACE")
+    return group.name
+
+
+def parts_inside(deformer: SinewDeformer) -> np.ndarray:
+    """The vertices of the loose parts that follow the surface and lie inside of it."""
+    known = sessions.find(deformer.uid)
+    bound = known.bound if known is not None else None
+    moves_surface = deformer.definition.control is Control.HANDLES and not deformer.definition.is_space
+    if bound is None or not moves_surface or len(bound.rest.points) != targets.size(deformer.id_data):
+        return np.zeros(0, dtype=int)
+    return parts.inside(bound.rest, bound.factor.report.riding_vertices)
 
 
 def select_group(obj: Object, vertex_group: str) -> None:

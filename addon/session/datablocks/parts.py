@@ -1,18 +1,30 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The loose parts of a mesh, and how large they are."""
+"""The loose parts of a mesh, how large they are, and which of them lie inside of others."""
+
+import itertools
 
 import numpy as np
 from bpy.types import Depsgraph, Object
+from mathutils import Vector
+from mathutils.bvhtree import BVHTree
 
 from ...backend import connected_parts
 from ...compat import read_faces, read_positions
 from ...core.errors import SinewError
 from ...core.geometry import frames
 from ...core.memory import remember
+from ...mesh_io import RestShape
 from . import targets
 from .shapes.capture import evaluated_mesh
 
+_HIDDEN = 0.66  # of all directions from a part in a cavity: from eyes in open sockets .69, from a suit .63
+_LONGEST = 0.5  # of what hides it: what is longer is worn
+_LOOKS = 16  # vertices from which a part looks around
+_MOST = 100  # parts that look around, the largest ones: no mouth has more, but a head of hair has
+_DIRECTIONS = [Vector(way).normalized() for way in itertools.product((-1, 0, 1), repeat=3) if any(way)]
+
 _last: dict[tuple, "ShownParts"] = remember({})  # those that were asked for last
+_last_inside: dict[tuple[str, bytes], np.ndarray] = remember({})
 
 
 class Parts:
@@ -67,3 +79,39 @@ def shown_parts(obj: Object, depsgraph: Depsgraph) -> ShownParts:
         _last.clear()
         _last[key] = ShownParts(obj, depsgraph)
     return _last[key]
+
+
+def inside(rest: RestShape, riding: np.ndarray) -> np.ndarray:
+    """The vertices of those parts among ``riding`` ones (k,) that lie in a cavity of the others, as eyes and
+    teeth do: small parts from which the others hide most directions. Remembered for what was asked last.
+    """
+    key = (rest.token, riding.tobytes())
+    if key not in _last_inside:
+        _last_inside.clear()
+        _last_inside[key] = _inside(rest, riding)
+    return _last_inside[key]
+
+
+def _inside(rest: RestShape, riding: np.ndarray) -> np.ndarray:
+    labels = connected_parts(len(rest.points), (rest.counts, rest.corners))
+    rides = np.zeros(len(rest.points), dtype=bool)
+    rides[riding] = True
+    ends = np.cumsum(rest.counts)
+    hiding = np.flatnonzero(~rides[rest.corners[ends - rest.counts]])
+    polygons = [rest.corners[ends[f] - rest.counts[f] : ends[f]].tolist() for f in hiding]
+    tree = BVHTree.FromPolygons(rest.points.tolist(), polygons)
+    in_order = riding[np.argsort(labels[riding], kind="stable")]
+    parts = np.split(in_order, np.flatnonzero(np.diff(labels[in_order])) + 1)
+    longest = _LONGEST * np.ptp(rest.points[~rides], axis=0).max(initial=0.0)
+    solid = [part for part in parts if len(part) > 3 and np.ptp(rest.points[part], axis=0).max() < longest]
+    solid.sort(key=len, reverse=True)
+    found = [part for part in solid[:_MOST] if _is_hidden(rest.points[part], tree)]
+    return np.sort(np.concatenate(found)) if found else np.zeros(0, dtype=int)
+
+
+def _is_hidden(points: np.ndarray, tree: BVHTree) -> bool:
+    """Whether a tree hides most directions from some points (n, 3)."""
+    chosen = points[np.unique(np.linspace(0, len(points) - 1, _LOOKS).astype(int))]
+    origins = [Vector(origin) for origin in chosen + 0.05 * (points.mean(axis=0) - chosen)]
+    hits = sum(tree.ray_cast(at, way)[0] is not None for at in origins for way in _DIRECTIONS)
+    return hits > _HIDDEN * len(origins) * len(_DIRECTIONS)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Parts without a handle that ride on those that have one, through the Python module."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -166,3 +168,73 @@ def test_odd_parts_are_finite_and_move_with_everything(method: type, odd: str) -
     np.testing.assert_allclose(moved, mesh.points + (1, 2, 3), atol=1e-6 * np.abs(mesh.points).max())
     incoming, _ = made.solve([STILL] * 2, incoming=2 * mesh.points)
     np.testing.assert_allclose(incoming, 2 * mesh.points, atol=1e-6 * np.abs(mesh.points).max())
+
+
+def row_of_beads(gap: float) -> tuple[sn.SurfaceMesh, list[np.ndarray], np.ndarray]:
+    """A strip with a row of balls along it, its ends as handles, and pairs of vertices where they touch."""
+    y, x = np.mgrid[:9, :61] / 4.0
+    points = np.stack([x, y, 0 * x], -1).reshape(-1, 3)
+    v = np.arange(9 * 61).reshape(9, 61)
+    faces = np.stack([v[:-1, :-1], v[:-1, 1:], v[1:, 1:], v[1:, :-1]], -1).reshape(-1, 4)
+    faces = np.concatenate([faces[:, :3], faces[:, [0, 2, 3]]])
+    ball, ball_faces = sphere(2)
+    right, left = ball[:, 0].argmax(), ball[:, 0].argmin()
+    every, all_faces, pairs = [points], [faces], []
+    for k in range(8):
+        first = sum(map(len, every))
+        every.append((0.5 - gap / 2) * ball + (4.0 + k, 1.0, 0.5))
+        all_faces.append(first + ball_faces)
+        pairs.append((first + right, first + len(ball) + left))
+    mesh = sn.SurfaceMesh(np.concatenate(every), np.concatenate(all_faces))
+    return mesh, [np.flatnonzero(points[:, 0] < 1), np.flatnonzero(points[:, 0] > 14)], np.array(pairs[:-1])
+
+
+@pytest.mark.parametrize(("gap", "together"), [(0.005, True), (-0.1, True), (0.1, False)])
+def test_parts_that_touch_ride_as_one(gap: float, together: bool) -> None:
+    mesh, handles, pairs = row_of_beads(gap)
+    arap = sn.Arap(mesh)
+    rides = arap.set_handles(handles, free_parts="follow").rides
+    assert [(ride.part, ride.host) for ride in rides] == [(part, 0) for part in range(1, 9)]
+    bent, _ = arap.solve([STILL, turn((0, 1, 0), 80, (7.5, 0, 0))])
+    apart = np.linalg.norm(bent[pairs[:, 0]] - bent[pairs[:, 1]], axis=1)
+    print(f"gaps of {gap} are {apart.min():.3f} to {apart.max():.3f} after a bend")
+    assert (np.abs(apart - abs(gap)).max() < 0.02) == together
+
+
+def test_hair_that_touches_stays_together_and_on_the_head() -> None:
+    """Strips from a head, of which each covers a part of the next one; the top of the head turns."""
+    head, faces = sphere(4)
+    down = np.linspace(0, 1, 13)
+    rise, out = 0.6 - 1.44 * down, 1.0 + 0.4 * down
+    every, all_faces, strips = [head], [faces], []
+    for k in range(12):
+        first = len(head) + 26 * k
+        side = 0.06 * k + np.array([-0.035, 0.035])
+        around = np.stack([np.cos(side), np.sin(side)], -1)
+        away = out + 0.004 * (1 + k % 2)
+        flat, high = away * np.cos(rise), np.column_stack([away * np.sin(rise)] * 2)
+        every.append(np.concatenate([flat[:, None, None] * around, high[..., None]], -1).reshape(-1, 3))
+        quads = first + np.arange(24).reshape(-1, 2)[:, [0, 1, 1, 0]] + (0, 0, 2, 2)
+        all_faces.append(np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]]))
+        strips.append(np.arange(first, first + 26).reshape(-1, 2))
+    points = np.concatenate(every)
+    arap = sn.Arap(sn.SurfaceMesh(points, np.concatenate(all_faces)))
+    handles = [np.flatnonzero(head[:, 2] < -0.7), np.flatnonzero(head[:, 2] > 0.85)]
+    report = arap.set_handles(handles, free_parts="follow")
+    assert {ride.host for ride in report.rides} == {0}
+    assert len({ride.frame_count for ride in report.rides}) == 1  # one part, of many frames
+    turned, _ = arap.solve([STILL, turn((0, 1, 0), 50, (0, 0, -0.7))])
+    # A side of a strip lies on the next one: on the line between two vertices there.
+    share = 1 / 7
+    before, after = (
+        np.linalg.norm(
+            [
+                shape[a[:, 1]] - (1 - share) * shape[b[:, 0]] - share * shape[b[:, 1]]
+                for a, b in itertools.pairwise(strips)
+            ],
+            axis=-1,
+        )
+        for shape in (points, turned)
+    )
+    print(f"strips of hair are parted by {np.abs(after - before).max():.4f}")
+    assert np.abs(after - before).max() < 0.01

@@ -346,6 +346,7 @@ ELSEWHERE = {
     "Field Drag": "test_tools.py",
     "Grab Region": "test_grab_region.py",
     "Handles from Bones": "test_puppet_skin.py",
+    "Keep Inside Parts": "test_loose_parts.py",
     "Morph to Mesh": "test_morph.py",
     "New Grid": "test_control_grid.py",
     "Part Regions": "test_repair.py",

@@ -31,6 +31,7 @@ from rigs.rig import (
     reopen,
     update,
 )
+from test_handles import in_pose_mode
 
 HEAD, EYES = 463, 44  # vertices of Suzanne: the head comes first, then two eyes
 BEND = Matrix.Rotation(math.radians(40.0), 4, "Y") @ Matrix.Translation((0.3, 0.0, 0.4))
@@ -312,9 +313,10 @@ def grid(cells: int, size: float, height: float) -> tuple[np.ndarray, list]:
 
 
 def sphere(radius: float, place: tuple, rings: int = 16) -> tuple[np.ndarray, list]:
-    """A ball of quads and triangles that is its own mirror image in x."""
+    """A ball of triangles that is its own mirror image in x."""
     made = bmesh.new()
     bmesh.ops.create_uvsphere(made, u_segments=2 * rings, v_segments=rings, radius=radius)
+    bmesh.ops.poke(made, faces=made.faces)  # as diagonals have no mirror image
     points = np.array([tuple(v.co) for v in made.verts]) + place
     faces = [[v.index for v in face.verts] for face in made.faces]
     made.free()
@@ -343,12 +345,33 @@ def test_a_sheet_on_another_follows_a_bump_that_is_smaller_than_its_frames(metho
     assert (evaluated_points(obj)[above, 2] > evaluated_points(obj)[below, 2]).all()
 
 
-def test_a_part_on_the_mirror_plane_stays_on_it():
-    """A small ball in a large one whose cheeks are pulled alike."""
+def tongue() -> tuple[np.ndarray, list]:
+    points, faces = sphere(0.05, (0.0, 0.0, 0.0))
+    return points * (1.0, 10.0, 1.0) - (0.0, 0.3, 0.0), faces
+
+
+def teeth() -> tuple[np.ndarray, list]:
+    """A row of balls that touch, across the plane x = 0, as one part for each."""
+    balls = [sphere(0.06, (x, -0.5 + x * x, 0.0), 8) for x in (-0.22, -0.11, 0.0, 0.11, 0.22)]
+    count = len(balls[0][0])
+    faces = [[count * k + v for v in face] for k, (_, own) in enumerate(balls) for face in own]
+    return np.concatenate([points for points, _faces in balls]), faces
+
+
+ON_THE_PLANE = {
+    "ball": lambda: sphere(0.15, (0.0, -0.4, 0.0), 8),
+    "tongue": tongue,
+    "teeth": teeth,
+}
+
+
+@pytest.mark.parametrize("part", ON_THE_PLANE)
+def test_a_part_on_the_mirror_plane_stays_on_it(part: str):
+    """What lies in a large ball whose cheeks are pulled alike: one frame, several, and parts that touch."""
     large = sphere(1.0, (0.0, 0.0, 0.0))
-    obj = joined("Head", large, sphere(0.15, (0.0, -0.4, 0.0), 8))
+    obj = joined("Head", large, ON_THE_PLANE[part]())
     rest = base_points(obj)
-    head, ball = np.split(np.arange(len(rest)), [len(large[0])])
+    head, inside = np.split(np.arange(len(rest)), [len(large[0])])
     groups = {
         "L": lambda p: np.linalg.norm(p - (0.8, -0.6, 0.0), axis=1) < 0.3,
         "R": lambda p: np.linalg.norm(p - (-0.8, -0.6, 0.0), axis=1) < 0.3,
@@ -357,13 +380,66 @@ def test_a_part_on_the_mirror_plane_stays_on_it():
     for name, where in groups.items():
         obj.vertex_groups.new(name=name).add(head[where(rest[head])].tolist(), 1.0, "REPLACE")
     make_active(obj)
-    bpy.ops.sinew.deformer_add(method="arap")
+    bpy.ops.sinew.deformer_add(method="thin_shell")
     for name, kind in (("L", "HANDLE"), ("R", "HANDLE"), ("Base", "FIXED")):
         make_active(obj)
         bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
     for handle, side in zip(obj.sinew.active.handles, (1.0, -1.0), strict=False):
         move_world(handle.control, Matrix.Translation((0.3 * side, -0.4, 0.1)))
     update()
-    moved = evaluated_points(obj) - rest
-    assert np.linalg.norm(moved[ball].mean(axis=0)) > 0.02
-    assert abs(moved[ball].mean(axis=0)[0]) < 1e-3
+    shape = evaluated_points(obj)
+    assert np.linalg.norm((shape - rest)[inside].mean(axis=0)) > 0.02
+    # Each vertex goes to the mirror image of where its own image goes; those of the plane stay on it.
+    mirror, lopsided = np.array((-1.0, 1.0, 1.0)), {}
+    for name, own in (("head", head), (part, inside)):
+        away = np.linalg.norm(rest[own, None] * mirror - rest[None, own], axis=2)
+        assert away.min(axis=1).max() < 1e-5
+        lopsided[name] = np.abs(shape[own] * mirror - shape[own][away.argmin(axis=1)]).max()
+    print(f"lopsided by {lopsided}")
+    assert lopsided[part] < 4e-6
+
+
+def head_with_teeth() -> Rig:
+    """A ball with an eye and a row of teeth in it, and a button on it; its front moves, its back is fixed."""
+    large, inside = sphere(1.0, (0.0, 0.0, 0.0)), (sphere(0.2, (0.3, -0.6, 0.3), 8), teeth())
+    obj = joined("Head", large, *inside, sphere(0.06, (0.0, -1.06, 0.0), 8))
+    for name, where in (("Top", lambda p: p[1] < -0.8), ("Base", lambda p: p[1] > 0.6)):
+        members = [i for i, point in enumerate(base_points(obj)[: len(large[0])]) if where(point)]
+        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
+    return Rig.called(obj.name)
+
+
+@pytest.mark.parametrize("way", ["FIXED", "ARMATURE", "BONE"])
+def test_parts_inside_may_stay_with_a_bone(room, way: str):
+    """They are named at the first bind; the button keeps them, and what lies outside goes on to follow."""
+    new_file()
+    plate = head_with_teeth()
+    obj, rest = plate.obj, plate.rest()
+    inside = np.flatnonzero([any(group.group in (1, 2) for group in v.groups) for v in obj.data.vertices])
+    button = np.flatnonzero([any(group.group == 3 for group in v.groups) for v in obj.data.vertices])
+    if way != "FIXED":
+        add_armature(obj)
+        modifier = next(row for row in obj.modifiers if row.type == "ARMATURE")
+        if way == "BONE":
+            obj.modifiers.remove(modifier)
+    plate.bind()
+    status = room("core.status")
+    (line,) = (row for row in status.notes(plate.deformer.uid) if row.remedy)
+    assert line.remedy is status.Remedy.KEEP_INSIDE
+    assert set(line.elements.indices) == set(inside.tolist())
+    armature = bpy.data.objects.get("Rig")
+    if way == "BONE":
+        in_pose_mode(armature, "low", obj)
+    assert bpy.ops.sinew.keep_inside() == {"FINISHED"}
+    assert not any(row.remedy for row in status.notes(plate.deformer.uid))
+    assert bpy.ops.sinew.keep_inside() == {"CANCELLED"}
+    incoming = rest
+    if armature is not None:
+        bone = armature.pose.bones["low"]
+        bone.rotation_mode, bone.rotation_euler.x = "XYZ", 0.5
+        update()
+        incoming = apply_matrix(armature.matrix_world @ bone.matrix @ bone.bone.matrix_local.inverted(), rest)
+    move_world(plate.control, BEND)
+    shape = plate.points()
+    assert close(shape[inside], incoming[inside], 1e-5)
+    assert np.linalg.norm(shape[button] - rest[button], axis=1).min() > 0.05

@@ -8,9 +8,9 @@ from bpy.types import Depsgraph, Object
 
 from ....core.elements import NO_ELEMENTS, Elements, Owner
 from ....core.errors import ConstraintError, SinewError
-from ....core.status import Level, Status
+from ....core.status import Level, Remedy, Status
 from ....properties import SinewDeformer
-from ...datablocks import libraries
+from ...datablocks import libraries, parts
 from ...state.evaluation import ControlState, Evaluation
 from ...state.sessions import Bound
 from ..bind_input import BindInput
@@ -71,6 +71,7 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
     if riding:
         text = "1 loose part follows" if riding == 1 else f"{riding:,} loose parts follow"
         lines.append(Status(Level.INFO, f"{text} the surface"))
+        lines += _of_parts_inside(report, request)
     if staying and not request.recipe.moves_every_part:
         text = "1 loose part stays at rest" if staying == 1 else f"{staying:,} loose parts stay at rest"
         elements = Elements(Owner.TARGET, "vertex", report.free_vertices) if request.on_base else NO_ELEMENTS
@@ -92,6 +93,16 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
         text = "1 detail is a vector" if vectors == 1 else f"{vectors:,} details are vectors"
         lines.append(Status(Level.INFO, f"{text}: no normal of the base leads there"))
     return tuple(lines)
+
+
+def _of_parts_inside(report: Any, request: BindInput) -> tuple[Status, ...]:
+    """A line about the riding parts in cavities, which hold their shape and place better with a bone."""
+    vertices = parts.inside(request.rest, report.riding_vertices) if request.on_base else ()
+    if not len(vertices):
+        return ()
+    elements = Elements(Owner.TARGET, "vertex", vertices)
+    text = "Loose parts lie inside, as eyes and teeth do - Keep Inside Parts if they belong to the bone"
+    return (Status(Level.INFO, text, elements, Remedy.KEEP_INSIDE),)
 
 
 def selectable(elements: Elements, request: BindInput) -> Elements:
