@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // frames LOOP: runs one frame or bind of a method on a sheet of 10,000 vertices, within frame(). count.py
 // counts the instructions there. It uses one thread, so that every run gives the same count.
+#include "native/attachments/riders.h"
 #include "native/core/parallel.h"
-#include "native/riders/riders.h"
-#include "native/space/cage/green.h"
-#include "native/space/cage/mean_value.h"
-#include "native/surface/linear/responses/affine_basis.h"
-#include "native/surface/linear/thin_shell.h"
-#include "native/surface/nonlinear/arap.h"
+#include "native/methods/space/cage/green.h"
+#include "native/methods/space/cage/mean_value.h"
+#include "native/methods/surface/linear/responses/affine_basis.h"
+#include "native/methods/surface/linear/thin_shell.h"
+#include "native/methods/surface/nonlinear/arap.h"
 
 #include <cmath>
 #include <cstdio>

@@ -3,7 +3,7 @@
 
 #include "native/bindings/arguments.h"
 #include "native/bindings/choices.h"
-#include "native/surface/nonlinear/arap.h"
+#include "native/methods/surface/nonlinear/arap.h"
 
 #include <string>
 

@@ -2,7 +2,7 @@
 #include "native/bindings/arguments.h"
 #include "native/bindings/representation.h"
 #include "native/bindings/warped.h"
-#include "native/space/method.h"
+#include "native/methods/space/method.h"
 
 #include <pybind11/stl.h>
 

@@ -4,8 +4,8 @@
 #include "native/bindings/arguments.h"
 #include "native/bindings/choices.h"
 #include "native/bindings/method_binding.h"
-#include "native/space/cage/cage.h"
-#include "native/space/cage/cage_coordinates.h"
+#include "native/methods/space/cage/cage.h"
+#include "native/methods/space/cage/cage_coordinates.h"
 
 #include <memory>
 #include <string>

@@ -4,7 +4,7 @@
 #include "native/bindings/arguments.h"
 #include "native/bindings/handle_points.h"
 #include "native/bindings/method_binding.h"
-#include "native/space/nonlinear/handles/handle_method.h"
+#include "native/methods/space/nonlinear/handles/handle_method.h"
 
 #include <array>
 #include <memory>

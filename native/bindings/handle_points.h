@@ -3,8 +3,8 @@
 
 #include "native/bindings/arguments.h"
 #include "native/bindings/method_binding.h"
-#include "native/space/handle_points/handle_points.h"
-#include "native/space/method.h"
+#include "native/methods/space/handle_points/handle_points.h"
+#include "native/methods/space/method.h"
 
 #include <memory>
 #include <string>

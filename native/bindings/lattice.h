@@ -4,7 +4,7 @@
 #include "native/bindings/arguments.h"
 #include "native/bindings/choices.h"
 #include "native/bindings/representation.h"
-#include "native/space/lattice/ffd.h"
+#include "native/methods/space/lattice/ffd.h"
 
 #include <pybind11/stl.h>
 

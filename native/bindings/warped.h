@@ -2,7 +2,7 @@
 #pragma once
 
 #include "native/bindings/arguments.h"
-#include "native/space/method.h"
+#include "native/methods/space/method.h"
 
 #include <optional>
 #include <utility>

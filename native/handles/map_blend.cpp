@@ -2,7 +2,7 @@
 #include "native/handles/map_blend.h"
 
 #include "native/core/dense.h"
-#include "native/operators/rotation_fit.h"
+#include "native/operators/fits/rotation_fit.h"
 
 #include <algorithm>
 #include <cmath>

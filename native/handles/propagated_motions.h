@@ -48,7 +48,7 @@ struct HandleMotion
     double turning = 0.0; ///< |R S - I|^2
 };
 
-/// Motions of handles, damped and blended at points by their shares t, as surface/linear/propagation.h says.
+/// Motions of handles, damped and blended at points by their shares t, as methods/surface/linear/propagation.h says.
 class PropagatedMotions
 {
 public:

@@ -3,7 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
-#include "native/mesh/triangle_tree.h"
+#include "native/mesh/trees/triangle_tree.h"
 #include "native/operators/geodesic_distance.h"
 
 #include <Eigen/Geometry>

@@ -3,7 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/finite.h"
-#include "native/operators/rotation_fit.h"
+#include "native/operators/fits/rotation_fit.h"
 #include "native/skeleton/hinges.h"
 
 #include <Eigen/Geometry>

@@ -14,11 +14,11 @@ from pathlib import Path
 from .tree import files
 
 METHOD_ROOMS = {
-    "SURFACE_LINEAR": ("surface/linear",),
-    "SURFACE_NONLINEAR": ("surface/nonlinear",),
-    "MULTIRESOLUTION": ("multiresolution",),
-    "SPACE_LINEAR": ("space/lattice", "space/cage", "space/points"),
-    "SPACE_NONLINEAR": ("space/nonlinear",),
+    "SURFACE_LINEAR": ("methods/surface/linear",),
+    "SURFACE_NONLINEAR": ("methods/surface/nonlinear",),
+    "MULTIRESOLUTION": ("methods/multiresolution",),
+    "SPACE_LINEAR": ("methods/space/lattice", "methods/space/cage", "methods/space/points"),
+    "SPACE_NONLINEAR": ("methods/space/nonlinear",),
 }
 
 

@@ -14,9 +14,13 @@ QUESTIONS = (
     ("how is a method added?", "CONTRIBUTING.md", "## Add a method"),
     ("what runs when a control moves?", "docs/developer/architecture.md", "## The way of a pose"),
     ("where are differences between Blender versions?", "docs/developer/architecture.md", "addon/compat"),
-    ("where are Green coordinates computed?", "native/space/cage/closed_forms/cage_kernels.inl", "green"),
+    (
+        "where are Green coordinates computed?",
+        "native/methods/space/cage/closed_forms/cage_kernels.inl",
+        "green",
+    ),
     ("where is a factor used again?", "native/solvers/constrained_quadratic.h", "factor"),
-    ("where is the local step of ARAP?", "native/rotations/graph_problem.h", "local_step"),
+    ("where is the local step of ARAP?", "native/local_global/arap/graph_problem.h", "local_step"),
     ("where is the text of an error?", "docs/developer/architecture.md", "the text of an error"),
     ("where is the test of a deleted cage?", "docs/developer/events.md", "the_control_deleted"),
 )

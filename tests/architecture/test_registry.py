@@ -9,11 +9,13 @@ from .tree import grow
 WHOLE = {
     "addon/core/methods/surface_linear.py": 'Method(id="thin_shell", native="ThinShell", '
     "family=Family.SURFACE_LINEAR)\n",
-    "native/surface/linear/thin_shell.h": "",
-    "native/surface/linear/thin_shell.cpp": "",
-    "native/surface/linear/responses/affine_basis.h": "",
-    "native/surface/linear/linear_system.h": "",
-    "tests/native/surface/linear/test_thin_shell.cpp": "INSTANTIATE_TEST_SUITE_P(A, SurfaceContract, x);",
+    "native/methods/surface/linear/thin_shell.h": "",
+    "native/methods/surface/linear/thin_shell.cpp": "",
+    "native/methods/surface/linear/responses/affine_basis.h": "",
+    "native/methods/surface/linear/linear_system.h": "",
+    "tests/native/methods/surface/linear/test_thin_shell.cpp": (
+        "INSTANTIATE_TEST_SUITE_P(A, SurfaceContract, x);"
+    ),
     "native/bindings/bind_surface.cpp": 'py::class_<ThinShell, Holder>(module, "ThinShell");\n',
     "native/bindings/sinew_native-stubs/_surface.pyi": "class ThinShell:\n    ...\n",
     "blend_samples/plate.py": 'pose(method="thin_shell")\n',
@@ -38,17 +40,21 @@ def test_missing_piece_is_found(tmp_path: Path, missing: str) -> None:
 @pytest.mark.parametrize(
     ("path", "content", "reason"),
     [
-        ("native/surface/linear/propagation.h", "", "neither a row of the registry"),
-        ("native/surface/nonlinear/primo.cpp", "", "no header beside it"),
-        ("native/surface/linear/thin_shell_terms.h", "", "neither a row"),
-        ("native/surface/linear/responses/affine.cpp", "", "no header beside it"),
+        ("native/methods/surface/linear/propagation.h", "", "neither a row of the registry"),
+        ("native/methods/surface/nonlinear/primo.cpp", "", "no header beside it"),
+        ("native/methods/surface/linear/thin_shell_terms.h", "", "neither a row"),
+        ("native/methods/surface/linear/responses/affine.cpp", "", "no header beside it"),
         ("native/bindings/bind_surface.cpp", 'py::class_<X>(m, "Shell");', "binds no class ThinShell"),
         (
             "native/bindings/sinew_native-stubs/_surface.pyi",
             "class ThinShellReport: ...",
             "declares no class ThinShell",
         ),
-        ("tests/native/surface/linear/test_thin_shell.cpp", "TEST(A, b)", "does not run SurfaceContract"),
+        (
+            "tests/native/methods/surface/linear/test_thin_shell.cpp",
+            "TEST(A, b)",
+            "does not run SurfaceContract",
+        ),
         ("blend_samples/plate.py", "thin_shells = 1", "no sample"),
         (
             "addon/core/methods/surface_linear.py",
@@ -63,7 +69,7 @@ def test_missing_piece_is_found(tmp_path: Path, missing: str) -> None:
         (
             "addon/core/methods/surface_linear.py",
             WHOLE["addon/core/methods/surface_linear.py"].replace("SURFACE_LINEAR", "SPACE_LINEAR"),
-            "no thin_shell.h in native/space/lattice",
+            "no thin_shell.h in native/methods/space/lattice",
         ),
     ],
 )

@@ -9,7 +9,7 @@ from workshop.places import ROOT
 
 def test_every_room_of_methods_is_on_the_first_page() -> None:
     page = api_docs.first_page()
-    for room in ("native/core", "native/mesh", "native/surface/linear", "native/space/cage"):
+    for room in ("native/core", "native/mesh", "native/methods/surface/linear", "native/methods/space/cage"):
         assert f"| `{room}` | {(ROOT / room / 'README.md').read_text().strip()} |" in page
     assert "bindings" not in page
 

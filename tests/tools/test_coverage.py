@@ -2,7 +2,7 @@
 from workshop.coverage import table
 from workshop.places import ROOT
 
-ARAP, REGIONS = ROOT / "native/surface/arap.cpp", ROOT / "native/mesh/regions.h"
+ARAP, REGIONS = ROOT / "native/methods/surface/arap.cpp", ROOT / "native/mesh/regions.h"
 
 
 def test_line_that_one_part_of_the_tests_reached_counts_as_reached() -> None:
@@ -11,5 +11,5 @@ def test_line_that_one_part_of_the_tests_reached_counts_as_reached() -> None:
     assert rows[1:] == [
         ["native", "4", "50.0", "%"],
         ["native/mesh", "1", "0.0", "%"],
-        ["native/surface", "3", "66.7", "%"],
+        ["native/methods/surface", "3", "66.7", "%"],
     ]

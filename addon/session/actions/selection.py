@@ -11,8 +11,8 @@ from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, SinewError
 from ...core.methods import Control
 from ...properties import SinewDeformer
-from ..blocks import parts, targets
-from ..memory import sessions
+from ..datablocks import parts, targets
+from ..state import sessions
 
 
 def group_from_selection(obj: Object, name: str) -> str:

@@ -410,7 +410,7 @@ def head_with_teeth() -> Rig:
 
 
 @pytest.mark.parametrize("way", ["FIXED", "ARMATURE", "BONE"])
-def test_parts_inside_may_stay_with_a_bone(room, way: str):
+def test_parts_inside_may_stay_with_a_bone(way: str):
     """They are named at the first bind; the button keeps them, and what lies outside goes on to follow."""
     new_file()
     plate = head_with_teeth()
@@ -423,7 +423,7 @@ def test_parts_inside_may_stay_with_a_bone(room, way: str):
         if way == "BONE":
             obj.modifiers.remove(modifier)
     plate.bind()
-    status = room("core.status")
+    status = inner.status
     (line,) = (row for row in status.notes(plate.deformer.uid) if row.remedy)
     assert line.remedy is status.Remedy.KEEP_INSIDE
     assert set(line.elements.indices) == set(inside.tolist())

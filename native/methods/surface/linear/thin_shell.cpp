@@ -1,0 +1,241 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/methods/surface/linear/thin_shell.h"
+
+#include "native/core/errors.h"
+#include "native/handles/held_system.h"
+#include "native/operators/painted.h"
+#include "native/solvers/sparse_columns.h"
+
+#include <algorithm>
+#include <memory>
+#include <string>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+constexpr int most_basis_handles = 16; ///< 64 columns: 0.5 KB per vertex
+constexpr double least_painted = 1e-6; ///< the least painted value, as a share of the largest
+
+double mean_over(const std::vector<double>& values, std::span<const int> vertices)
+{
+    double sum = 0.0;
+    for (int v : vertices)
+        sum += values[v];
+    return sum / static_cast<double>(vertices.size());
+}
+
+/// C in the header.
+double bending_continuity(const Regions& regions, int vertex)
+{
+    const int handle = regions.hard(vertex);
+    return handle < 0 ? 1.0 : std::min(regions.continuity(handle), 1.0);
+}
+
+/// The factor of an element in L_kv.
+double variation_continuity(const Regions& regions, std::span<const int> vertices)
+{
+    double least = 1.0;
+    for (int v : vertices) {
+        if (regions.hard(v) < 0)
+            return 1.0;
+        least = std::min(least, std::max(regions.continuity(regions.hard(v)) - 1.0, 0.0));
+    }
+    return least;
+}
+
+/// The three stiffnesses, one value per vertex. Where one is empty, its term is left out.
+struct Coefficients
+{
+    std::vector<double> stretching, bending, variation;
+};
+
+/// The results of a bind.
+struct Binding
+{
+    HeldSystem system;
+    std::unique_ptr<AffineBasis> basis;
+};
+
+} // namespace
+
+struct ThinShell::Impl
+{
+    const SurfaceMesh& rest;
+    ThinShellOptions options;
+    Coefficients k;
+    Binding bound;
+
+    Impl(const SurfaceMesh& mesh, const ThinShellOptions& given)
+        : rest(mesh), options(given), k(coefficients(given.stretching, given.bending, given.variation))
+    {
+    }
+
+    Coefficients coefficients(const Stiffness& stretching, const Stiffness& bending,
+                              const Stiffness& variation) const
+    {
+        const int n = rest.vertex_count();
+        Coefficients k{painted(stretching, n, least_painted, "stretching"),
+                       painted(bending, n, least_painted, "bending"),
+                       painted(variation, n, least_painted, "variation")};
+        if (k.stretching.empty() && k.bending.empty() && k.variation.empty())
+            throw InvalidOption("stretching, bending and variation are all zero; "
+                                "give at least one of them a positive value");
+        return k;
+    }
+
+    /// The least area of triangles that the term of the highest order needs.
+    double least_area() const
+    {
+        return least_area_for_order(!k.variation.empty() ? 3 : !k.bending.empty() ? 2 : 1);
+    }
+
+    /// A in the header, without soft terms.
+    std::shared_ptr<SparseMatrix> assemble(const Regions& regions, const TriangleMetric& metric) const
+    {
+        const int n = rest.vertex_count();
+        const auto laplacian = [&](const ElementScale& scale) {
+            return laplacian_matrix(rest, options.laplacian, metric, scale);
+        };
+        auto sum = std::make_shared<SparseMatrix>(n, n);
+        SparseMatrix& A = *sum;
+        const auto add = [&A](SparseMatrix&& term) {
+            if (A.nonZeros() == 0)
+                A.swap(term); // the move assignment of Eigen's sparse matrices would copy
+            else
+                A += term;
+        };
+        if (!k.stretching.empty())
+            add(laplacian([&](std::span<const int> element) { return mean_over(k.stretching, element); }));
+        if (k.bending.empty() && k.variation.empty())
+            return sum;
+
+        const SparseMatrix L = laplacian({});
+        VectorX CM = divisible_mass(rest, options.laplacian, metric).cwiseInverse();
+        for (int i = 0; i < n; ++i)
+            CM[i] *= bending_continuity(regions, i);
+        if (!k.bending.empty())
+            add(sparse_product(L, CM.cwiseProduct(Eigen::Map<const VectorX>(k.bending.data(), n)), L));
+        if (!k.variation.empty()) {
+            const VectorX ones = VectorX::Ones(n);
+            const SparseMatrix U = CM.asDiagonal() * L;
+            const SparseMatrix L_kv = laplacian([&](std::span<const int> element) {
+                return mean_over(k.variation, element) * variation_continuity(regions, element);
+            });
+            add(sparse_product(U.transpose(), ones, sparse_product(L_kv, ones, U)));
+        }
+        return sum;
+    }
+
+    /// The factor is used again where the pattern of the matrix is the same.
+    void bind(const Regions& regions, BindReport& report, const Progress& progress)
+    {
+        std::shared_ptr<SparseMatrix> A;
+        {
+            const TriangleMetric metric = triangle_metric(rest, least_area());
+            report.degenerate_faces = degenerate_face_count(rest, metric);
+            A = assemble(regions, metric);
+        }
+        progress.tick(0.2, "factorising");
+        std::unique_ptr<AffineBasis> basis;
+        bound.system.factorize(std::move(A), regions, [&] {
+            progress.tick(0.7, "computing the basis");
+            if (options.affine_basis && regions.handle_count() <= most_basis_handles) {
+                const MatrixX columns = AffineBasis::columns(rest.points(), regions);
+                basis = std::make_unique<AffineBasis>(rest.points(), bound.system.respond(columns), regions);
+            }
+            progress.tick(1.0, "bound");
+        });
+        bound.basis = std::move(basis);
+        bound.system.report(report);
+    }
+};
+
+ThinShell::ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options)
+    : SurfaceMethod(rest), impl_(std::make_unique<Impl>(this->rest(), options))
+{
+}
+
+ThinShell::~ThinShell() = default;
+ThinShell::ThinShell(ThinShell&&) noexcept = default;
+
+std::unique_ptr<SurfaceMethod> ThinShell::made_anew(const SurfaceMesh& rest) const
+{
+    ThinShellOptions options = impl_->options;
+    options.affine_basis = false;
+    return std::make_unique<ThinShell>(rest, options);
+}
+
+void ThinShell::bind(const Regions& regions, BindReport& report, const Progress& progress)
+{
+    impl_->bind(regions, report, progress);
+}
+
+BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness& bending,
+                                    const Stiffness& variation, const Progress& progress)
+{
+    const AccessLock alone = changing();
+    struct Exchange ///< exchanges the stiffnesses, and exchanges them back unless all went well
+    {
+        Impl& own;
+        ThinShellOptions options;
+        Coefficients k;
+        bool done = false;
+
+        void swap()
+        {
+            std::swap(own.options, options);
+            std::swap(own.k, k);
+        }
+        ~Exchange()
+        {
+            if (!done)
+                swap();
+        }
+    } exchange{*impl_, impl_->options, impl_->coefficients(stretching, bending, variation)};
+    exchange.options.stretching = stretching;
+    exchange.options.bending = bending;
+    exchange.options.variation = variation;
+    exchange.swap();
+    const BindReport report = hold(regions().handles(), progress, free_parts());
+    exchange.done = true;
+    return report;
+}
+
+std::vector<std::string> ThinShell::changed_options(const SurfaceMethod& former) const
+{
+    const ThinShellOptions &own = impl_->options,
+                           &other = static_cast<const ThinShell&>(former).impl_->options;
+    return names_of({{"stretching", own.stretching != other.stretching},
+                     {"bending", own.bending != other.bending},
+                     {"variation", own.variation != other.variation},
+                     {"laplacian", own.laplacian != other.laplacian},
+                     {"affine_basis", own.affine_basis != other.affine_basis}});
+}
+
+bool ThinShell::updates(const std::string& option) const { return option != "laplacian"; }
+
+void ThinShell::swap_binding(SurfaceMethod& other)
+{
+    std::swap(impl_->bound, static_cast<ThinShell&>(other).impl_->bound);
+}
+
+LinearResponse ThinShell::respond(const MatrixX& constraints) const
+{
+    const AccessLock shared = reading();
+    return impl_->bound.system.respond(constraints);
+}
+
+SolveReport ThinShell::deform(const SolveRequest& request, const Targets& targets, Points& positions) const
+{
+    const Binding& bound = impl_->bound;
+    if (bound.basis && !request.incoming)
+        return bound.basis->solve(request.poses, positions, !idle_parts_ride());
+
+    return bound.system.solve(targets, positions);
+}
+
+const AffineBasis* ThinShell::affine_basis() const { return impl_->bound.basis.get(); }
+
+} // namespace sinew

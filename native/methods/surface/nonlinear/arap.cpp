@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/methods/surface/nonlinear/arap.h"
+
+#include "native/core/errors.h"
+#include "native/core/memory.h"
+#include "native/core/parallel.h"
+#include "native/local_global/arap/graph_problem.h"
+#include "native/local_global/arap/higher_order.h"
+#include "native/local_global/arap/mesh_graph.h"
+#include "native/local_global/arap/rotation_cascade.h"
+#include "native/mesh/frames/normal_frame.h"
+#include "native/operators/laplacian.h"
+#include "native/operators/painted.h"
+
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+constexpr double least_rigidity = 1e-3; ///< as a share of the largest painted one
+/// An energy below this share of sum w |p_i - p_j|^2 is rounding. Without this floor, rigid poses would
+/// iterate on it.
+constexpr double rounding_floor = 1e-14;
+
+std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
+{
+    std::vector<double> values = painted(rigidity, n, least_rigidity, "rigidity");
+    if (values.empty())
+        throw InvalidOption("rigidity: zero everywhere; give at least one vertex a positive value");
+    return values;
+}
+
+/// The half cotangents of the corners of all triangles, kept within bounds so that no term is negative.
+std::vector<GraphTriangle> rim_triangles(const SurfaceMesh& mesh, const TriangleMetric& metric,
+                                         const WeightBounds& bounds)
+{
+    std::vector<GraphTriangle> triangles;
+    for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
+        GraphTriangle triangle;
+        for (int k = 0; k < 3; ++k) {
+            triangle.corner[k] = mesh.triangles()[t][k];
+            triangle.across[k] = bounds.bounded(metric.half_cotan[t][k]);
+        }
+        triangles.push_back(triangle);
+    }
+    return triangles;
+}
+
+/// The cells and edges of a mesh, which do not depend on handles.
+struct RestGraph
+{
+    GraphCells cells;
+    GraphEdges edges;
+
+    /// With rims, w_ij is the sum of the bounded half cotangents, so that L is exactly what bounds the
+    /// Hessian of the energy.
+    RestGraph(const SurfaceMesh& mesh, const ArapOptions& options, const std::vector<double>& rigidity)
+    {
+        const TriangleMetric metric = triangle_metric(mesh);
+        cells.rigidity = rigidity;
+        cells.smoothing = options.smoothness * std::accumulate(metric.area.begin(), metric.area.end(), 0.0);
+
+        SparseMatrix L = laplacian_matrix(mesh, Discretization::cotan);
+        const WeightBounds bounds(L);
+        if (options.cells != ArapOptions::Cells::rims) {
+            edges = edges_of(L, bounds);
+            return;
+        }
+        cells.rims = true;
+        cells.triangles = rim_triangles(mesh, metric, bounds);
+        std::vector<Eigen::Triplet<double>> entries;
+        for (const GraphTriangle& t : cells.triangles)
+            for (int k = 0; k < 3; ++k) {
+                entries.emplace_back(t.corner[(k + 1) % 3], t.corner[(k + 2) % 3], -t.across[k]);
+                entries.emplace_back(t.corner[(k + 2) % 3], t.corner[(k + 1) % 3], -t.across[k]);
+            }
+        L.setFromTriplets(entries.begin(), entries.end());
+        // These sums are within no bounds of their own.
+        edges = edges_of(L, {0.0, std::numeric_limits<double>::infinity()});
+    }
+
+    HandleGraph held_by(const Regions& regions) const
+    {
+        const std::vector<double> laplacian =
+            regions.soft().empty() ? std::vector<double>() : cells.laplacian(edges);
+        return {edges, GraphHandles(regions, [&](int vertex) {
+                    double diagonal = 0.0;
+                    for (int a = edges.offsets[vertex]; a < edges.offsets[vertex + 1]; ++a)
+                        diagonal += laplacian[a];
+                    return diagonal;
+                })};
+    }
+};
+
+/// The workspace of a solve.
+struct Workspace
+{
+    GraphWorkspace fine;
+    std::vector<GraphWorkspace> levels;
+    Points incoming;
+};
+
+/// The results of a bind.
+struct Binding
+{
+    double unit; ///< of the nodes, whose squares fit into single precision
+    RotationGraph graph;
+    Points node_rest; ///< the rest points of the nodes
+    RotationCascade cascade;
+    std::optional<HigherOrder> higher; ///< with point_handles
+    mutable Pool<Workspace> workspaces;
+
+    /// \param rest  (n, 3) in units of `unit`
+    Binding(const RestGraph& mesh, double unit, const Points& rest, const Regions& regions,
+            const Progress& progress)
+        : unit(unit), graph(mesh.held_by(regions), mesh.cells, rest), node_rest(rest.rows(), 3)
+    {
+        for (int i = 0; i < graph.size(); ++i)
+            node_rest.row(i) = rest.row(graph.order()[i]);
+        cascade = RotationCascade(graph, node_rest, progress);
+    }
+
+    /// \param mass  (n) of the vertices
+    void smooth_points(double lambda, const VectorX& mass)
+    {
+        const double mean = mass.mean();
+        std::vector<double> of_nodes;
+        for (int v : graph.order())
+            of_nodes.push_back(mass[v] / mean);
+        higher.emplace(graph, lambda, std::move(of_nodes));
+    }
+
+    /// The points of the first `count` nodes.
+    void to_nodes(const PointsView& points, int count, Points& nodes) const
+    {
+        nodes.resize(count, 3);
+        parallel_for(count,
+                     [&, scale = 1.0 / unit](int i) { nodes.row(i) = scale * points.row(graph.order()[i]); });
+    }
+    void to_vertices(const PointsView& nodes, Points& points) const
+    {
+        points.resize(nodes.rows(), 3);
+        parallel_for(graph.size(), [&](int i) { points.row(graph.order()[i]) = unit * nodes.row(i); });
+    }
+    /// Poses of the nodes.
+    Poses to_nodes(Poses poses) const
+    {
+        for (Pose& pose : poses)
+            pose.col(3) /= unit;
+        return poses;
+    }
+    /// E for its value in units of the nodes.
+    double energy(double of_nodes) const { return of_nodes * graph.energy_factor() * unit * unit; }
+};
+
+} // namespace
+
+struct Arap::Impl
+{
+    ArapOptions options;
+    std::vector<double> rigidity;       ///< one per vertex
+    double unit = 1.0; ///< see normal_unit()
+    std::optional<RestGraph> assembled; ///< by the first bind
+    int degenerate_faces = 0;           ///< counted by the first bind
+    int factorizations = 0;
+    std::unique_ptr<const Binding> bound; ///< null before the first bind
+};
+
+Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
+    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+{
+    require_at_least(options.smoothness, 0.0, "smoothness");
+    require_at_least(options.tolerance, 0.0, "tolerance");
+    require_at_least(options.max_iterations, 1, "max_iterations");
+    require_at_least(options.point_handles, 0.0, "point_handles");
+    if (options.point_handles >= 1.0)
+        throw InvalidOption("point_handles: " + std::to_string(options.point_handles) + " is not below 1");
+    if (options.point_handles > 0.0 && options.cells == ArapOptions::Cells::rims)
+        throw InvalidOption("point_handles: only with cells of spokes; set it to 0, or take spokes");
+    impl_->options = options;
+    impl_->unit = normal_unit(rest.points());
+    impl_->rigidity = painted_rigidity(options.rigidity, rest.vertex_count());
+}
+
+Arap::~Arap() = default;
+Arap::Arap(Arap&&) noexcept = default;
+
+void Arap::bind(const Regions& regions, BindReport& report, const Progress& progress)
+{
+    Impl& self = *impl_;
+    std::optional<SurfaceMesh> scaled;
+    if (self.unit != 1.0)
+        scaled = in_unit(rest(), self.unit);
+    const SurfaceMesh& mesh = scaled ? *scaled : rest();
+    if (!self.assembled) {
+        self.assembled.emplace(mesh, self.options, self.rigidity);
+        self.degenerate_faces = degenerate_face_count(mesh);
+    }
+    progress.tick(0.2, "factorising");
+    auto next = std::make_unique<Binding>(*self.assembled, self.unit, mesh.points(), regions, progress);
+    const double lambda = self.options.point_handles;
+    if (lambda > 0 && next->graph.free_count() > 0)
+        next->smooth_points(lambda, divisible_mass(mesh, Discretization::cotan_voronoi));
+    progress.tick(1.0, "bound");
+
+    self.bound = std::move(next);
+    self.factorizations += (self.bound->graph.is_smooth() ? 2 : 1) + (self.bound->higher ? 1 : 0);
+    report.degenerate_faces = self.degenerate_faces;
+    report.factorizations = self.factorizations;
+    report.factor_bytes = self.bound->graph.factor_bytes();
+    if (self.bound->higher)
+        report.factor_bytes += self.bound->higher->factor().bytes();
+    for (const RotationLevel& level : self.bound->cascade.levels())
+        report.factor_bytes += level.graph.factor_bytes();
+}
+
+std::vector<std::string> Arap::changed_options(const SurfaceMethod& former) const
+{
+    const ArapOptions &own = impl_->options, &other = static_cast<const Arap&>(former).impl_->options;
+    return names_of({{"smoothness", own.smoothness != other.smoothness},
+                     {"cells", own.cells != other.cells},
+                     {"point_handles", own.point_handles != other.point_handles},
+                     {"rigidity", own.rigidity != other.rigidity}});
+}
+
+bool Arap::updates(const std::string&) const { return false; }
+
+void Arap::swap_binding(SurfaceMethod& other)
+{
+    Impl& others = *static_cast<Arap&>(other).impl_;
+    std::swap(impl_->assembled, others.assembled);
+    std::swap(impl_->degenerate_faces, others.degenerate_faces);
+    std::swap(impl_->factorizations, others.factorizations);
+    std::swap(impl_->bound, others.bound);
+}
+
+SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Points& positions) const
+{
+    const Binding& bound = *impl_->bound;
+    const RotationGraph& graph = bound.graph;
+    LbfgsOptions options{.max_iterations = request.max_iterations.value_or(impl_->options.max_iterations),
+                         .tolerance = request.tolerance.value_or(impl_->options.tolerance)};
+
+    const auto work = bound.workspaces.take([] { return std::make_unique<Workspace>(); });
+    GraphWorkspace& fine = work->fine;
+    const Poses poses = bound.to_nodes(given.poses);
+    Targets targets{poses, view(bound.node_rest), {}, given.from_rest};
+    if (given.incoming) {
+        bound.to_nodes(*given.incoming, graph.size(), work->incoming);
+        targets.incoming.emplace(view(work->incoming));
+    }
+    fine.goals.set(graph, targets);
+    if (graph.free_count() == 0) {
+        bound.to_vertices(view(fine.goals.targets), positions);
+        return {.converged = true};
+    }
+    GraphProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
+    options.floor = rounding_floor * (given.incoming ? graph.scale(targets.base()) : graph.rest_scale());
+    CascadeSolve cascade(bound.cascade, problem, graph, targets, work->levels);
+    options.correction_period = correction_period;
+    if (request.start) {
+        bound.to_nodes(*request.start, graph.free_count(), fine.x);
+        if (graph.is_smooth()) // without smoothing, the first evaluation fits them
+            problem.local_step(fine.x);
+    } else {
+        cascade.start();
+        problem.global_step(fine.x);
+    }
+    SolveReport report;
+    if (bound.higher) {
+        HigherOrderProblem higher(graph, *bound.higher, problem, targets.base(), fine.goals.pulls);
+        if (!request.start)
+            higher.global_step(fine.x);
+        options.correction_period = 0; // coarser graphs know nothing of the second part of the energy
+        options.plain_steps = 4;
+        report = minimize(higher, fine.x, options, request.progress, &fine.descent);
+    } else {
+        report = minimize(cascade.corrected(), fine.x, options, request.progress, &fine.descent);
+    }
+    report.energy = bound.energy(report.energy);
+    bound.to_vertices(problem.place(fine.x), positions);
+    return report;
+}
+
+double Arap::energy(const PointsView& positions) const
+{
+    require_same_size(positions, "positions");
+    const AccessLock shared = reading();
+    if (!impl_->bound)
+        return 0.0;
+    const Binding& bound = *impl_->bound;
+    const RotationGraph& graph = bound.graph;
+    const std::vector<GraphPull>& soft = graph.nodes().pulls();
+    Points all;
+    bound.to_nodes(positions, graph.size(), all);
+    Points pulls(soft.size(), 3); // pulls to where the nodes are, which have no energy
+    for (std::size_t k = 0; k < soft.size(); ++k)
+        pulls.row(k) = all.row(soft[k].node);
+    GraphProblem problem(graph, view(bound.node_rest), all, pulls);
+    const Points x = problem.free_rows(view(all));
+    Points gradient;
+    problem.local_step(x);
+    double energy = problem.evaluate(x, gradient);
+    for (int k = 0; graph.is_smooth() && k < 500; ++k) {
+        const double next = problem.evaluate(x, gradient);
+        if (!(next < energy * (1 - 1e-9)))
+            break;
+        energy = next;
+    }
+    return bound.energy(energy);
+}
+
+} // namespace sinew

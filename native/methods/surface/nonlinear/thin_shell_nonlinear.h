@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/methods/surface/method.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace sinew {
+
+struct ThinShellNonlinearOptions
+{
+    /// What says how stiff the sheet is: a thickness t, as a share of the size of the part that a vertex is
+    /// in (part_sizes() in mesh/frames/surface_frame.h) or as a length, with k_s = 1 and k_b = t^2; or k_s and k_b
+    /// themselves.
+    enum class Measure { share, length, stiffness } measure = Measure::share;
+    /// t, one number >= 0, or one per vertex (painted). Only for a share or a length.
+    std::vector<double> thickness{0.02};
+    /// k_s, one number > 0, or one per vertex (painted, >= 0). Painted values below 1e-3 of the largest one
+    /// are raised to that, so that the system stays solvable where a region is painted black. Only for
+    /// `stiffness`.
+    std::vector<double> stretching{1.0};
+    /// k_b >= 0, one number or one per vertex, with the unit of k_s times that of an area. Only for
+    /// `stiffness`.
+    std::vector<double> bending{1.0};
+    int max_iterations = 60; ///< iterations on the mesh per solve, rejected trials included
+    /// solve() ends when the relative decrease of the energy is below this twice in succession.
+    double tolerance = 1e-4;
+};
+
+/// Nonlinear thin shell: a sheet that resists stretching, and bending away from its rest curvature.
+///
+/// D. Terzopoulos, J. Platt, A. Barr, K. Fleischer. "Elastically Deformable Models." SIGGRAPH 1987. Tutorial,
+/// section 4.3, Eq. 9: the integral of k_s |I' - I|^2 + k_b |II' - II|^2, with the first and second
+/// fundamental forms before and after.
+///
+/// Two triangles T that share an edge e are a cell h with a rotation R_h. With base points p (the incoming
+/// shape, or the rest shape), deformed points q, and areas A_T that sum to A_h over a cell,
+///
+///     E = 1/2 sum_h [ k_s sum_T A_T / c_T |grad_T q - R_h grad_T p|^2 + k'_h / A_h |K_h q - R_h K_h p|^2 ]
+///
+/// where c_T is the number of cells that contain T, and
+///
+///     K_h q = (b1 + b2) q_0 + (a1 + a2) q_1 - (a1 + b1) q_2 - (a2 + b2) q_3
+///
+/// with the cotangents a at q_0 and b at q_1 of both triangles at the edge (0, 1) whose opposite corners are
+/// 2 and 3. Where lengths are kept, K_h q has the length 2 |e| sin(theta / 2) for the angle theta between the
+/// triangles, so the second term is k_b |e|^2 / A_h (theta' - theta)^2 for small changes. Then k_b has the
+/// same meaning as in methods/surface/linear/thin_shell.h: a sheet that is rolled up costs what a plate costs.
+///
+/// Departs from the paper: each cell compares vectors after it has turned, and no angles; energies with
+/// angles have minima where different starts get stuck. A cell that turns as one resists folding by itself,
+/// as much as a sheet with k_b = k_s A_h^2 / (4 |e|^2) mean(1 / c_T) does. That is taken off: k'_h = k_b less
+/// that share, and at least 0. Where it is 0, the sheet is thinner than the mesh can show, about a quarter of
+/// an edge, and stiffer than asked for; the bind report names such vertices. At a triangle with (nearly) no
+/// area k'_h is 0, too. At an edge of more than two triangles, each of them is paired with the next.
+///
+/// The Hessian in q for fixed rotations is constant. solve() starts with the rotations of the cascade of ARAP
+/// (local_global/arap/cascade_start.h), smoothed as much as the sheet is stiff, and then takes steps of L-BFGS in the
+/// metric of that matrix, with a test of the energy.
+///
+///   call           repeat it when ...            cost
+///   constructor    rest shape or faces changed   O(n)
+///   set_handles()  another set of handles        one factorisation with twice the entries of that of ARAP,
+///                                                and those of the cascade
+///   solve()        the handles moved             as much as 2 to 4 iterations of ARAP for the start, then
+///                                                its iterations: one solve for x, y and z and 3 n rotation
+///                                                fits each
+class ThinShellNonlinear final : public SurfaceMethod
+{
+public:
+    /// \throw InvalidOption  a number is negative or not finite, max_iterations < 1, an option has neither 1
+    ///   nor n numbers, or `stretching` is zero everywhere.
+    explicit ThinShellNonlinear(const SurfaceMesh& rest, const ThinShellNonlinearOptions& options = {});
+    ~ThinShellNonlinear() override;
+    ThinShellNonlinear(ThinShellNonlinear&&) noexcept;
+
+    /// E of deformed points, over the parts with a handle and without soft pulls, with the best rotations.
+    /// Zero before set_handles().
+    /// \param positions  (n, 3)
+    /// \throw InvalidConstraint  there are more or fewer points, or one is not finite.
+    double energy(const PointsView& positions) const;
+
+protected:
+    void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
+    SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
+    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
+    bool updates(const std::string& option) const override;
+    void swap_binding(SurfaceMethod& other) override;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+} // namespace sinew

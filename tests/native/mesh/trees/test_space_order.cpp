@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/mesh/trees/space_order.h"
+
+#include "tests/native/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+namespace sinew::test_space_order {
+
+namespace {
+
+Points random_points(int count)
+{
+    shapes::Random random(5);
+    Points points(count, 3);
+    for (int i = 0; i < count; ++i)
+        points.row(i) = random.vector().transpose();
+    return points;
+}
+
+} // namespace
+
+TEST(SpaceOrder, codes_interleave_the_bits_of_the_coordinates)
+{
+    const Points points = random_points(300);
+    const Eigen::RowVector3d low = points.colwise().minCoeff();
+    const double extent = (points.colwise().maxCoeff() - low).maxCoeff();
+    const std::vector<std::uint64_t> codes = morton_codes(view(points));
+    for (int i = 0; i < 300; ++i) {
+        std::uint64_t expected = 0;
+        for (int bit = 0; bit < 21; ++bit)
+            for (int axis = 0; axis < 3; ++axis) {
+                const auto cell =
+                    static_cast<std::uint64_t>((points(i, axis) - low[axis]) / extent * ((1 << 21) - 1));
+                expected |= (cell >> bit & 1) << (3 * bit + axis);
+            }
+        EXPECT_EQ(codes[i], expected);
+    }
+}
+
+TEST(SpaceOrder, names_every_point_once_by_rising_code)
+{
+    const Points points = random_points(20000);
+    const std::vector<std::uint64_t> codes = morton_codes(view(points));
+    std::vector<int> expected(20000);
+    std::iota(expected.begin(), expected.end(), 0);
+    std::ranges::stable_sort(expected, {}, [&](int i) { return codes[i] >> 33; });
+    EXPECT_EQ(space_order(view(points)), expected);
+    EXPECT_TRUE(space_order(view(Points(0, 3))).empty());
+    EXPECT_EQ(space_order(view(Points(Points::Constant(3, 3, 7.0)))), (std::vector<int>{0, 1, 2}));
+}
+
+} // namespace sinew::test_space_order

@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/methods/multiresolution/details/fairing.h"
+
+#include "tests/native/dense.h"
+#include "tests/native/methods/multiresolution/bumpy_plate.h"
+
+#include <gtest/gtest.h>
+
+namespace sinew::test_fairing {
+
+namespace {
+
+Regions held_at(const SurfaceMesh& mesh, std::vector<Handle> handles)
+{
+    const Components parts = connected_components(mesh);
+    return faired_regions(mesh, Regions(std::move(handles), parts), parts);
+}
+
+Points smoothed(const Fairing& fairing, const Points& y)
+{
+    Points b;
+    fairing.smooth(view(y), b);
+    return b;
+}
+
+} // namespace
+
+TEST(Fairing, smooths_as_dense_matrices_do)
+{
+    const SurfaceMesh mesh = shapes::hill(8, 8);
+    const int n = mesh.vertex_count();
+    const Regions regions = held_at(mesh, {{{40, 41}, {}}});
+    // L and M once more, by the angles and mixed areas of the triangles.
+    MatrixX L = MatrixX::Zero(n, n);
+    VectorX M = VectorX::Zero(n);
+    for (const Triangle& t : mesh.triangles()) {
+        Vector3 e[3];
+        double cot[3], area = 0.0;
+        for (int k = 0; k < 3; ++k)
+            e[k] = mesh.point(t[(k + 2) % 3]) - mesh.point(t[(k + 1) % 3]);
+        area = 0.5 * e[0].cross(e[1]).norm();
+        for (int k = 0; k < 3; ++k)
+            cot[k] = -e[(k + 1) % 3].dot(e[(k + 2) % 3]) / (2 * area);
+        const bool obtuse = *std::min_element(cot, cot + 3) < 0;
+        for (int k = 0; k < 3; ++k) {
+            const int a = t[(k + 1) % 3], b = t[(k + 2) % 3];
+            L(a, a) += 0.5 * cot[k], L(b, b) += 0.5 * cot[k];
+            L(a, b) -= 0.5 * cot[k], L(b, a) -= 0.5 * cot[k];
+            M[t[k]] += obtuse ? (cot[k] < 0 ? area / 2 : area / 4)
+                              : (e[(k + 1) % 3].squaredNorm() * cot[(k + 1) % 3] +
+                                 e[(k + 2) % 3].squaredNorm() * cot[(k + 2) % 3]) /
+                                    8;
+        }
+    }
+    const double wavelength = 4.0, c = std::pow(wavelength / (2 * shapes::pi), 4);
+    const MatrixX A = MatrixX(M.asDiagonal()) + c * L * M.cwiseInverse().asDiagonal() * L;
+    shapes::Random random(3);
+    const Points y = mesh.points() + 0.2 * random.dense(n, 3);
+    std::vector<int> free;
+    for (int v = 0; v < n; ++v)
+        if (regions.is_free(v))
+            free.push_back(v);
+    ASSERT_EQ(free.size(), 23u); // 5 x 5 inside the two outer rings, less two
+    const MatrixX expected = dense::solution(A, M.asDiagonal() * MatrixX(y), y, free);
+    EXPECT_LT(shapes::distance(smoothed({mesh, regions, wavelength}, y), expected), 1e-11);
+}
+
+TEST(Fairing, an_affine_map_of_the_shape_maps_the_base)
+{
+    const SurfaceMesh mesh = bumps::plate(20);
+    const Fairing fairing(mesh, held_at(mesh, {{{0}, {}}}), 3.0);
+    Matrix3 A;
+    A << 1.2, 0.3, 0, -0.4, 0.8, 0.1, 0.5, 0.2, -2;
+    const Pose map = shapes::affine(A, {1, 2, 3});
+    EXPECT_LT(shapes::distance(smoothed(fairing, shapes::transformed(mesh.points(), map)),
+                               shapes::transformed(smoothed(fairing, mesh.points()), map)),
+              1e-11);
+}
+
+TEST(Fairing, halves_waves_of_its_wavelength_and_keeps_a_plane_to_the_border)
+{
+    const int k = 60;
+    Points flat = shapes::grid_points(k, k, 0.1);
+    const SurfaceMesh mesh = shapes::moved(shapes::grid(k, k), flat);
+    const Fairing fairing(mesh, held_at(mesh, {{{0}, {}}}), 1.0);
+    EXPECT_LT(shapes::distance(smoothed(fairing, flat), flat), 1e-12);
+    for (const auto& [length, left] : {std::pair{1.0, 0.5}, {0.5, 1.0 / 17}, {2.0, 16.0 / 17}}) {
+        Points wavy = flat;
+        wavy.col(2) = (2 * shapes::pi / length * flat.col(0)).array().sin() * 0.1;
+        const Points b = smoothed(fairing, wavy);
+        double most = 0.0; // far from the border, which is held
+        for (int i = 0; i < b.rows(); ++i)
+            if ((b.row(i) - Eigen::RowVector3d(3, 3, b(i, 2))).cwiseAbs().maxCoeff() < 1.0)
+                most = std::max(most, std::abs(b(i, 2)));
+        EXPECT_NEAR(most / 0.1, left, 0.03) << length; // a wave has 5 to 20 edges
+    }
+}
+
+TEST(Fairing, soft_handles_take_details_away_as_far_as_they_pull)
+{
+    const SurfaceMesh mesh = shapes::sphere(2);
+    double before = 1e9;
+    for (double weight : {0.0, 0.5, 0.99, 1.0}) {
+        const std::vector<Handle> handles{{{0, 1}, {}}, {{20, 21}, {weight, weight}}};
+        const Points b = smoothed({mesh, held_at(mesh, handles), 3.0}, mesh.points());
+        const double detail = (b.row(20) - mesh.points().row(20)).norm();
+        EXPECT_LT(detail, before) << weight;
+        before = detail;
+    }
+    EXPECT_EQ(before, 0.0);
+}
+
+} // namespace sinew::test_fairing

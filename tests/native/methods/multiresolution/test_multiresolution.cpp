@@ -1,0 +1,231 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/methods/multiresolution/multiresolution.h"
+
+#include "native/core/errors.h"
+#include "native/methods/surface/linear/gradient_editing.h"
+#include "native/methods/surface/linear/laplacian_editing.h"
+#include "native/methods/surface/linear/thin_shell.h"
+#include "native/methods/surface/nonlinear/arap.h"
+#include "tests/native/allocations.h"
+#include "tests/native/methods/multiresolution/bumpy_plate.h"
+#include "tests/native/methods/surface/contract.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace sinew::test_multiresolution {
+
+namespace {
+
+const Poses bent{shapes::still(), shapes::turn({0, 1, 0}, 40, {6, 0, 0}, {-1, 0.5, 2})};
+
+template <class Base>
+auto around(const MultiresolutionOptions& options = {})
+{
+    return [options](const SurfaceMesh& mesh) {
+        return std::make_shared<Multiresolution>(mesh, std::make_shared<Base>(mesh), options);
+    };
+}
+
+Poses drag(double t)
+{
+    const double angle = 2 * shapes::pi * t;
+    return {shapes::still(), shapes::turn({0, 1, 0}, 60 * std::sin(angle), {9, 4, 0},
+                                          {2 * std::cos(angle) - 2, std::sin(angle), 0})};
+}
+
+SurfaceTraits traits()
+{
+    // Not separate: the wavelength is in mean edge lengths of the whole mesh.
+    return {
+        .name = "Multiresolution",
+        .variants = {{"vectors", around<ThinShell>(), 2, false},
+                     {"normals", around<ThinShell>({.details = DetailKind::normal_displacements}), 2, false},
+                     {"volumes", around<ThinShell>({.details = DetailKind::displacement_volumes}), 3, false},
+                     {"transfer", around<ThinShell>({.details = DetailKind::deformation_transfer}), 3, false},
+                     {"two bands", around<ThinShell>({.bands = 2}), 3, false}},
+        .mesh = shapes::hill(8, 8),
+        .large = shapes::hill(10, 9),
+        .depth = 1.5,
+        .bent = bent,
+        .drag = drag,
+        .drag_steps = 48,
+        .follow = 3.0, // details turn, too
+        .slack = 0.0,
+        .rest = 1e-13,
+        .incoming = 1e-12,
+        // One held vertex leaves a condition of 1e6, and bands are solved one after the other.
+        .translation = 1e-9,
+        .similar = 1e-9,
+        .scaled = 1e-9,
+        .updates = "wavelength",
+        .updated = around<ThinShell>({.wavelength = 5.0}),
+        .other = around<GradientEditing>()};
+}
+
+SurfaceTraits rigid_traits()
+{
+    SurfaceTraits found = traits();
+    found.name = "MultiresolutionArap";
+    found.variants = {{"vectors", around<Arap>(), 3, false},
+                      {"normals", around<Arap>({.details = DetailKind::normal_displacements}), 3, false},
+                      {"volumes", around<Arap>({.details = DetailKind::displacement_volumes}), 4, false},
+                      {"transfer", around<Arap>({.details = DetailKind::deformation_transfer}), 4, false}};
+    // As for ARAP alone: rounding may change the iteration at which it stops, and sheets may buckle.
+    found.drag = [](double s) {
+        const double t = 0.5 - 0.5 * std::cos(2 * shapes::pi * s);
+        return Poses{shapes::still(), shapes::turn({0.2, 1, 0.5}, 30 * t, {9, 4, 0}, {t, 0.5 * t, 0})};
+    };
+    found.slack = 0.02;
+    found.similar = 1e-6;
+    found.scaled = 1e-6;
+    found.rigid = 1e-9;
+    found.updates = "";
+    found.updated = {};
+    found.other = around<ThinShell>();
+    return found;
+}
+
+/// Displaces all vertices by the translation of its second handle, and tells whether a shape entered.
+class Lift final : public SurfaceMethod
+{
+public:
+    explicit Lift(const SurfaceMesh& rest) : SurfaceMethod(rest) {}
+    bool displaces_all_alike() const override { return true; }
+    mutable bool entered = false;
+
+private:
+    void bind(const Regions&, BindReport&, const Progress&) override {}
+    SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override
+    {
+        entered = request.incoming.has_value();
+        positions = targets.base().rowwise() + request.poses[1].col(3).transpose();
+        return {.converged = true};
+    }
+    std::vector<std::string> changed_options(const SurfaceMethod&) const override { return {}; }
+    bool updates(const std::string&) const override { return true; }
+    void swap_binding(SurfaceMethod&) override {}
+};
+
+Points solved(const SurfaceMethod& method, const SolveRequest& request)
+{
+    Points positions;
+    method.solve(request, positions);
+    return positions;
+}
+
+} // namespace
+
+INSTANTIATE_TEST_SUITE_P(Multiresolution, SurfaceContract, testing::Values(traits(), rigid_traits()));
+
+TEST(Multiresolution, details_turn_where_the_thin_shell_alone_shears_them)
+{
+    const SurfaceMesh mesh = bumps::plate(40);
+    const std::vector<Handle> handles = shapes::ends(mesh, 1.01);
+    const Poses poses{shapes::still(), shapes::turn({0, 1, 0}, -80, {5, 0, 0}, {-1, 0, 1})};
+    ThinShell alone(mesh);
+    alone.set_handles(handles);
+    Multiresolution both(mesh, std::make_shared<ThinShell>(mesh), {.wavelength = 20.0});
+    both.set_handles(handles);
+    const double sheared = bumps::rms_edge_ratio(mesh, solved(alone, {poses})),
+                 turned = bumps::rms_edge_ratio(mesh, solved(both, {poses}));
+    EXPECT_LT(turned, 0.8 * sheared);
+}
+
+TEST(Multiresolution, levels_are_the_rest_shape_and_ever_smoother_ones_that_agree_on_handles)
+{
+    const SurfaceMesh mesh = bumps::plate(30);
+    Multiresolution method(mesh, std::make_shared<ThinShell>(mesh), {.wavelength = 4.0, .bands = 3});
+    ASSERT_EQ(method.levels().size(), 1u);
+    EXPECT_EQ(method.levels()[0], mesh.points());
+    const std::vector<Handle> handles = shapes::ends(mesh, 1.01);
+    method.set_handles(handles);
+    const std::vector<Points> levels = method.levels();
+    ASSERT_EQ(levels.size(), 4u);
+    EXPECT_EQ(levels[0], mesh.points());
+    for (std::size_t k = 1; k < levels.size(); ++k) {
+        EXPECT_LT(levels[k].col(2).norm(), 0.99 * levels[k - 1].col(2).norm());
+        for (int v : handles[1].vertices)
+            EXPECT_EQ(levels[k].row(v), mesh.points().row(v));
+    }
+}
+
+TEST(Multiresolution, the_base_is_kept_where_only_the_details_change)
+{
+    const SurfaceMesh mesh = shapes::hill(12, 12);
+    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
+    Multiresolution former(mesh, std::make_shared<Arap>(mesh));
+    former.set_handles(handles);
+    Multiresolution next(mesh, std::make_shared<Arap>(mesh), {.bands = 2});
+    const BindReport report = next.rebind(former, handles);
+    EXPECT_EQ(report.reuse, Reuse::updated);
+    EXPECT_EQ(report.changed, "bands");
+    EXPECT_EQ(report.factorizations, 2 + 1 + 2); // of the base, of the former band, of two bands
+    Multiresolution fresh(mesh, std::make_shared<Arap>(mesh), {.bands = 2});
+    fresh.set_handles(handles);
+    EXPECT_EQ(solved(next, {bent}), solved(fresh, {bent}));
+    // Another base is another method.
+    Multiresolution other(mesh, std::make_shared<Arap>(mesh, ArapOptions{.smoothness = 0.0}));
+    EXPECT_FALSE(other.can_reuse(next));
+    EXPECT_EQ(other.differences(next), (std::vector<std::string>{"base", "bands"}));
+}
+
+TEST(Multiresolution, a_base_that_displaces_all_shapes_alike_solves_from_rest)
+{
+    const SurfaceMesh mesh = bumps::plate(12);
+    std::vector<Handle> handles = shapes::ends(mesh, 1.01);
+    const Poses lifted{shapes::shift(1, 2, 3), shapes::shift(1, 2, 3)};
+    const auto base = std::make_shared<Lift>(mesh);
+    Multiresolution method(mesh, base);
+    method.set_handles(handles);
+    const Points expected = shapes::transformed(mesh.points(), lifted[0]);
+    EXPECT_LT(shapes::distance(solved(method, {lifted}), expected), 1e-12);
+    EXPECT_FALSE(base->entered);
+    for (const SolveRequest& request :
+         {SolveRequest{.poses = lifted, .incoming = view(mesh.points())}, {.poses = lifted, .substeps = 2}}) {
+        EXPECT_LT(shapes::distance(solved(method, request), expected), 1e-12);
+        EXPECT_TRUE(base->entered);
+    }
+    // A soft handle pulls the base from another place than the rest shape.
+    handles[1].weights.assign(handles[1].vertices.size(), 0.5);
+    method.set_handles(handles);
+    EXPECT_LT(shapes::distance(solved(method, {lifted}), expected), 1e-12);
+    EXPECT_TRUE(base->entered);
+    ThinShell shell(mesh);
+    LaplacianEditing fixed(mesh, {.transforms = LocalTransforms::none}), turning(mesh);
+    EXPECT_TRUE(shell.displaces_all_alike() && fixed.displaces_all_alike());
+    EXPECT_FALSE(turning.displaces_all_alike());
+}
+
+TEST(Multiresolution, refuses_options_out_of_range_and_a_base_elsewhere)
+{
+    const SurfaceMesh mesh = shapes::hill(4, 4), other = shapes::hill(5, 4);
+    const auto base = std::make_shared<ThinShell>(mesh);
+    EXPECT_THROW(Multiresolution(mesh, nullptr), InvalidOption);
+    EXPECT_THROW(Multiresolution(other, base), InvalidOption);
+    for (double wavelength : {0.0, -1.0, std::nan(""), std::numeric_limits<double>::infinity()})
+        EXPECT_THROW(Multiresolution(mesh, base, {.wavelength = wavelength}), InvalidOption);
+    for (int bands : {0, -1, 9})
+        EXPECT_THROW(Multiresolution(mesh, base, {.bands = bands}), InvalidOption);
+}
+
+TEST(Multiresolution, solves_after_the_first_allocate_nothing_in_proportion_to_the_mesh)
+{
+    if (!allocations::counted())
+        GTEST_SKIP() << "nobody counts here";
+    const SurfaceMesh mesh = shapes::hill(60, 60);
+    Multiresolution method(mesh, std::make_shared<ThinShell>(mesh), {.bands = 2});
+    method.set_handles(shapes::ends(mesh, 1.5));
+    Points positions;
+    const allocations::Count count(sizeof(double) * mesh.vertex_count());
+    method.solve({.poses = bent, .incoming = view(mesh.points())}, positions);
+    const int first = count.so_far();
+    EXPECT_GT(first, 0);
+    for (int k = 0; k < 3; ++k)
+        method.solve({.poses = bent, .incoming = view(mesh.points())}, positions);
+    EXPECT_EQ(count.so_far(), first);
+}
+
+} // namespace sinew::test_multiresolution

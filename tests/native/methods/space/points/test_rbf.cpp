@@ -1,0 +1,504 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/methods/space/points/rbf.h"
+#include "native/methods/space/points/rbf/near_centres.h"
+
+#include "tests/native/methods/space/contract.h"
+#include "tests/native/refusals.h"
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace sinew::test_rbf {
+
+namespace {
+
+constexpr WeightPrecision doubles = WeightPrecision::double_precision;
+
+/// {0, .5, 1}^3
+Points cube_points()
+{
+    Points points(27, 3);
+    for (int i = 0; i < 27; ++i)
+        points.row(i) << 0.5 * (i / 9), 0.5 * (i / 3 % 3), 0.5 * (i % 3);
+    return points;
+}
+
+Points random_points(int count, double reach, std::uint64_t seed)
+{
+    shapes::Random random(seed);
+    Points points(count, 3);
+    for (int i = 0; i < count; ++i)
+        points.row(i) = reach * random.vector().transpose();
+    return points;
+}
+
+Points warped(Rbf& rbf, const Points& points, const Points& control)
+{
+    rbf.bind(view(points));
+    Points out(points.rows(), 3);
+    rbf.warp(view(control), {}, out.data());
+    return out;
+}
+
+double phi(RbfFunction function, double r)
+{
+    const double t = std::max(0.0, 1.0 - r);
+    switch (function) {
+    case RbfFunction::triharmonic:
+        return r * r * r;
+    case RbfFunction::biharmonic:
+        return -r;
+    case RbfFunction::wendland_c0:
+        return t * t;
+    case RbfFunction::wendland_c2:
+        return std::pow(t, 4) * (4 * r + 1);
+    case RbfFunction::wendland_c4:
+        return std::pow(t, 6) * (35 * r * r + 18 * r + 3) / 3;
+    }
+    return 0.0;
+}
+
+/// The saddle point system of the textbooks, solved by LU: shares no code with the method.
+/// \param radius  a length
+Points by_a_dense_system(const Points& centres, const Points& moves, const Points& points,
+                         RbfFunction function, int degree, double radius)
+{
+    const auto monomials = [&](const Eigen::RowVector3d& x) {
+        Eigen::RowVectorXd row(10);
+        row << 1, x[0], x[1], x[2], x[0] * x[0], x[1] * x[1], x[2] * x[2], x[0] * x[1], x[1] * x[2],
+            x[2] * x[0];
+        return Eigen::RowVectorXd(row.head(degree < 0 ? 0 : degree == 0 ? 1 : degree == 1 ? 4 : 10));
+    };
+    const Eigen::RowVector3d corner = centres.colwise().minCoeff();
+    const double size = (centres.colwise().maxCoeff() - corner).maxCoeff();
+    const Points c = (centres.rowwise() - corner) / size, p = (points.rowwise() - corner) / size;
+    const auto n = c.rows(), q = monomials(c.row(0)).cols();
+    const auto row = [&](const Eigen::RowVector3d& x) {
+        Eigen::RowVectorXd values(n + q);
+        for (Eigen::Index j = 0; j < n; ++j)
+            values[j] = phi(function, (x - c.row(j)).norm() * (is_compact(function) ? size / radius : 1.0));
+        values.tail(q) = monomials(x);
+        return values;
+    };
+    MatrixX A = MatrixX::Zero(n + q, n + q), b = MatrixX::Zero(n + q, 3);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        A.row(i) = row(c.row(i));
+        A.col(i).tail(q) = A.row(i).tail(q).transpose();
+    }
+    b.topRows(n) = moves;
+    const MatrixX x = A.fullPivLu().solve(b);
+    Points result = points;
+    for (Eigen::Index i = 0; i < p.rows(); ++i)
+        result.row(i) += row(p.row(i)) * x;
+    return result;
+}
+
+/// Two regions of a bar, and a point of its own.
+HandlePoints regions(int each = 60)
+{
+    Points points = random_points(2 * each + 1, 1.0, 7);
+    points.topRows(each).col(0).array() -= 3.0;
+    points.middleRows(each, each).col(0).array() += 3.0;
+    points.row(2 * each) << 0, 2, 0;
+    return HandlePoints(view(points), {each, each, 1});
+}
+
+Points posed(const HandlePoints& handles, const std::vector<Pose>& poses)
+{
+    Points control = handles.control();
+    for (int h = 0; h < handles.handle_count(); ++h)
+        for (int r = handles.column(h); r < handles.column(h + 1); ++r)
+            control.row(r) = apply(poses[h], Vector3(control.row(r).transpose())).transpose();
+    return control;
+}
+
+SpaceTraits of_points()
+{
+    const Points centres = random_points(40, 1.0, 3);
+    const auto variant = [&](const std::string& name, const RbfOptions& options) {
+        return SpaceVariant{name,
+                            [=] { return std::make_shared<Rbf>(HandlePoints(view(centres)), options); }};
+    };
+    return {
+        .name = "points",
+        .variants = {variant("triharmonic", {}), variant("biharmonic", {.function = RbfFunction::biharmonic}),
+                     variant("wendland_c0", {.function = RbfFunction::wendland_c0}),
+                     variant("wendland_c2", {.function = RbfFunction::wendland_c2}),
+                     variant("wendland_c4", {.function = RbfFunction::wendland_c4, .radius = 1.5})},
+        .control = centres,
+        .points = random_points(600, 1.3, 4),
+        // Rounding: weights of a sum of 40 functions are some hundred times the moves.
+        .translation = 1e-10,
+        .similarity = 1e-10,
+        .affine = 1e-10,
+        .follow = 6.0, // beyond the points, a cubic function grows
+        .other = [=] { return std::make_shared<Rbf>(HandlePoints(view(centres)), RbfOptions{.degree = 1}); }};
+}
+
+SpaceTraits of_regions()
+{
+    const HandlePoints handles = regions(250);
+    return {.name = "regions",
+            .variants = {{"single", [=] { return std::make_shared<Rbf>(handles); }},
+                         {"exact",
+                          [=] {
+                              return std::make_shared<Rbf>(
+                                  handles, RbfOptions{.tolerance = 0.0, .precision = doubles});
+                          }},
+                         {"compact",
+                          [=] {
+                              return std::make_shared<Rbf>(
+                                  handles, RbfOptions{.function = RbfFunction::wendland_c2, .radius = 0.3});
+                          }}},
+            .control = handles.control(),
+            .points = random_points(400, 3.0, 4),
+            .translation = 1e-6, // single precision
+            .follow = 30.0,      // a step of one point of a frame is a shear
+            .other = [=] { return std::make_shared<Rbf>(regions(59)); }};
+}
+
+} // namespace
+
+INSTANTIATE_TEST_SUITE_P(RbfPoints, SpaceContract, testing::Values(of_points()));
+INSTANTIATE_TEST_SUITE_P(RbfRegions, SpaceContract, testing::Values(of_regions()));
+
+TEST(Rbf, twenty_seven_centres_reproduce_any_quadratic)
+{
+    const Points centres = cube_points(), points = random_points(100, 1.0, 2);
+    shapes::Random random(8);
+    const MatrixX a = random.dense(10, 3);
+    const auto quadratic = [&](const Points& at) {
+        Points moved = at;
+        for (Eigen::Index i = 0; i < at.rows(); ++i) {
+            const Eigen::RowVector3d x = at.row(i);
+            Eigen::RowVectorXd m(10);
+            m << 1, x, x.cwiseProduct(x), x[0] * x[1], x[1] * x[2], x[2] * x[0];
+            moved.row(i) += m * a;
+        }
+        return moved;
+    };
+    Rbf rbf{HandlePoints(view(centres))};
+    EXPECT_LT(shapes::distance(warped(rbf, points, quadratic(centres)), quadratic(points)), 1e-13 * 20);
+}
+
+TEST(Rbf, has_the_known_values_of_a_bump)
+{
+    Points points(3, 3);
+    points << .25, .5, .5, .25, .25, .25, .5, .5, .5;
+    Points moved = cube_points();
+    moved(13, 2) += 1.0;
+    Rbf rbf{HandlePoints(view(cube_points()))};
+    const Points found = warped(rbf, points, moved) - points;
+    EXPECT_NEAR(found(0, 2), 0.5833126, 5e-8); // the digits given
+    EXPECT_NEAR(found(1, 2), 0.2463043, 5e-8);
+    EXPECT_NEAR(found(2, 2), 1.0, 1e-13);
+    EXPECT_EQ(found.leftCols(2).cwiseAbs().maxCoeff(), 0.0);
+}
+
+TEST(Rbf, equals_the_dense_saddle_point_system)
+{
+    const Points centres = random_points(80, 2.0, 11), moves = random_points(80, 1.0, 12),
+                 points = random_points(200, 2.5, 13);
+    struct Case
+    {
+        RbfFunction function;
+        int asked, degree;
+    };
+    for (const Case& at : {Case{RbfFunction::triharmonic, 2, 2}, Case{RbfFunction::triharmonic, 0, 1},
+                           Case{RbfFunction::biharmonic, 2, 1}, Case{RbfFunction::biharmonic, 0, 0},
+                           Case{RbfFunction::wendland_c0, 1, 1}, Case{RbfFunction::wendland_c2, 0, 0},
+                           Case{RbfFunction::wendland_c2, -1, -1}, Case{RbfFunction::wendland_c4, 2, 1}}) {
+        Rbf rbf(HandlePoints(view(centres)), {.function = at.function, .degree = at.asked, .radius = 0.7});
+        const double radius = 0.7 * HandlePoints(view(centres)).size();
+        const Points expected = by_a_dense_system(centres, moves, points, at.function, at.degree, radius);
+        EXPECT_LT(shapes::distance(warped(rbf, points, centres + moves), expected), 1e-9) // LU's rounding
+            << static_cast<int>(at.function) << " " << at.asked;
+    }
+}
+
+TEST(Rbf, regions_move_as_their_points_one_by_one)
+{
+    const HandlePoints handles = regions(150);
+    const Points points = random_points(200, 3.0, 5);
+    const std::vector<Pose> poses{shapes::still(), shapes::turn({1, 2, 3}, 70, {3, 0, 0}, {0, 1, 0}),
+                                  shapes::shift(0, 0.5, 0.2)};
+    Rbf together(handles, {.precision = doubles}), apart{HandlePoints(view(handles.points()))};
+    Points moved = handles.points();
+    for (int i = 0; i < handles.point_count(); ++i)
+        moved.row(i) = apply(poses[handles.handle_of(i)], Vector3(moved.row(i).transpose())).transpose();
+    EXPECT_LT(shapes::distance(warped(together, points, posed(handles, poses)), warped(apart, points, moved)),
+              1e-10);
+    EXPECT_LT(shapes::distance(warped(together, handles.points(), posed(handles, poses)), moved), 1e-11);
+}
+
+TEST(Rbf, an_incremental_fit_is_within_its_bound)
+{
+    const HandlePoints handles = regions(900);
+    const std::vector<Pose> poses{shapes::still(), shapes::turn({1, 2, 3}, 70, {3, 0, 0}, {0, 1, 0}),
+                                  shapes::shift(0, 0.5, 0.2)};
+    const Points control = posed(handles, poses);
+    const double longest = (control - handles.control()).rowwise().norm().maxCoeff();
+    Points moved = handles.points();
+    for (int i = 0; i < handles.point_count(); ++i)
+        moved.row(i) = apply(poses[handles.handle_of(i)], Vector3(moved.row(i).transpose())).transpose();
+    Eigen::Index last = 0;
+    for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
+        Rbf rbf(handles, {.tolerance = tolerance, .precision = doubles});
+        const Points found = warped(rbf, handles.points(), control);
+        EXPECT_LE(rbf.error(), tolerance * 1.001);
+        EXPECT_LE(shapes::distance(found, moved), rbf.error() * longest);
+        EXPECT_LT(rbf.centres().rows(), 1700) << "of 1801";
+        EXPECT_GT(rbf.centres().rows(), last) << "more centres for a smaller error";
+        last = rbf.centres().rows();
+    }
+}
+
+TEST(Rbf, flat_handles_lose_the_maps_that_they_do_not_carry_and_the_report_says_so)
+{
+    const Points cube = random_points(60, 1.0, 21);
+    Points plane = cube, line = cube, sphere = cube;
+    plane.col(2).setConstant(0.3);
+    line.rightCols(2).setConstant(-0.2);
+    line.col(0).setLinSpaced(-1.0, 1.0);
+    sphere.rowwise().normalize();
+    struct Case
+    {
+        Points points;
+        std::string says;
+    };
+    for (const auto& [points, says] :
+         {Case{cube, ""}, Case{plane, "in a plane"}, Case{line, "on a line"}, Case{sphere, "quadratic maps"},
+          Case{Points(cube.topRows(1)), "at one place"}, Case{Points(cube.topRows(2)), "on a line"}}) {
+        for (const RbfFunction function :
+             {RbfFunction::triharmonic, RbfFunction::biharmonic, RbfFunction::wendland_c2}) {
+            if (says == "quadratic maps" && function != RbfFunction::triharmonic)
+                continue;
+            Rbf rbf(HandlePoints(view(points)), {.function = function});
+            const SpaceReport report = rbf.bind(view(cube));
+            EXPECT_EQ(report.remarks.empty(), says.empty());
+            if (!says.empty() && !report.remarks.empty()) {
+                EXPECT_NE(report.remarks.front().find(says), std::string::npos) << report.remarks.front();
+            }
+            // The handle points themselves follow, and translations are kept.
+            const Points moves = random_points(static_cast<int>(points.rows()), 1.0, 22);
+            EXPECT_LT(shapes::distance(warped(rbf, points, points + moves), points + moves), 1e-8) << says;
+            const Points shifted = points.rowwise() + Eigen::RowVector3d(1, 2, 3);
+            EXPECT_LT(shapes::distance(warped(rbf, cube, shifted),
+                                       Points(cube.rowwise() + Eigen::RowVector3d(1, 2, 3))),
+                      1e-9);
+        }
+    }
+}
+
+TEST(Rbf, compact_functions_without_polynomials_leave_what_is_far_away)
+{
+    Points centres(3, 3);
+    centres << 0, 0, 0, 1, 0, 0, 0, 1, 0;
+    Points points(2, 3);
+    points << 3, 3, 3, 0.1, 0, 0;
+    Rbf rbf(HandlePoints(view(centres)), {.function = RbfFunction::wendland_c2, .degree = -1, .radius = 0.9});
+    const Points found = warped(rbf, points, Points(centres.rowwise() + Eigen::RowVector3d(0, 0, 1)));
+    EXPECT_EQ(found.row(0), points.row(0));
+    EXPECT_GT(found(1, 2), 0.5);
+}
+
+TEST(Rbf, compact_functions_equal_the_sum_over_all_centres)
+{
+    // Some points are far away from all centres; their order has nothing to do with where they are.
+    Points centres = random_points(400, 1.0, 31);
+    centres.topRows(100) *= 0.1;
+    const Points moves = random_points(400, 0.1, 32), points = random_points(1003, 1.4, 33);
+    struct Case
+    {
+        RbfFunction function;
+        int degree;
+        double radius; ///< a length
+    };
+    const HandlePoints handles(view(centres));
+    for (const Case& at : {Case{RbfFunction::wendland_c0, 1, 0.4}, Case{RbfFunction::wendland_c2, -1, 0.16},
+                           Case{RbfFunction::wendland_c2, 1, 0.04}, Case{RbfFunction::wendland_c4, 0, 0.2},
+                           Case{RbfFunction::wendland_c2, 1, 1.8}}) {
+        Rbf rbf(handles,
+                {.function = at.function, .degree = at.degree, .radius = at.radius / handles.size()});
+        const Points expected = by_a_dense_system(centres, moves, points, at.function, at.degree, at.radius);
+        // Rounding of the weights: the largest radius makes the system nearly singular.
+        EXPECT_LT(shapes::distance(warped(rbf, points, centres + moves), expected),
+                  at.radius > 1.0 ? 1e-7 : 1e-12)
+            << static_cast<int>(at.function) << " " << at.radius;
+    }
+}
+
+TEST(Rbf, compact_regions_equal_the_sum_over_all_centres)
+{
+    const HandlePoints handles = regions(250);
+    const Points points = random_points(1003, 4.0, 5);
+    const std::vector<Pose> poses{shapes::still(), shapes::turn({1, 2, 3}, 70, {3, 0, 0}, {0, 1, 0}),
+                                  shapes::shift(0, 0.5, 0.2)};
+    Points moves = handles.points();
+    for (int i = 0; i < handles.point_count(); ++i)
+        moves.row(i) = apply(poses[handles.handle_of(i)], Vector3(moves.row(i).transpose())).transpose();
+    moves -= handles.points();
+    for (const double radius : {0.05, 0.2}) {
+        Rbf rbf(handles,
+                {.function = RbfFunction::wendland_c2, .degree = 1, .radius = radius, .precision = doubles});
+        EXPECT_LT(shapes::distance(warped(rbf, points, posed(handles, poses)),
+                                   by_a_dense_system(handles.points(), moves, points,
+                                                     RbfFunction::wendland_c2, 1, radius * handles.size())),
+                  1e-11); // 4 functions of a region, of which each has a rounding of its own
+    }
+}
+
+TEST(Rbf, every_kernel_and_degree_takes_handles_of_any_shape)
+{
+    const Points cube = random_points(60, 1.0, 51), moves = random_points(60, 0.2, 52);
+    std::vector<Points> shapes_of_handles(7, cube);
+    shapes_of_handles[1].col(0).setConstant(0.3);                   // a plane
+    shapes_of_handles[2].rightCols(2).setConstant(-0.2);            // a line
+    shapes_of_handles[2].col(0).setLinSpaced(-1.0, 1.0);
+    shapes_of_handles[3].rowwise().normalize();                     // a sphere
+    shapes_of_handles[4].bottomRows(30) = cube.topRows(30);         // each place twice
+    shapes_of_handles[5] = Points::Constant(60, 3, 0.7);            // one place
+    shapes_of_handles[6].col(2) = 1e-7 * cube.col(2);               // almost a plane
+    const Points around = random_points(101, 3.0, 53);
+    for (int function = 0; function < rbf_function_count; ++function)
+        for (int degree = -1; degree <= 2; ++degree)
+            for (std::size_t k = 0; k < shapes_of_handles.size(); ++k)
+                for (const bool apart : {true, false}) {
+                    const Points& points = shapes_of_handles[k];
+                    Points moved = points + moves;
+                    if (k == 4)
+                        moved.bottomRows(30) = moved.topRows(30);
+                    if (k == 5)
+                        moved.rowwise() = Eigen::RowVector3d(moved.row(0));
+                    const HandlePoints handles(view(points),
+                                               apart ? std::vector<int>{} : std::vector<int>{30, 30});
+                    Rbf rbf(handles, {.function = static_cast<RbfFunction>(function),
+                                      .degree = degree,
+                                      .radius = 0.4,
+                                      .precision = doubles});
+                    Points control = handles.control();
+                    if (apart)
+                        control = moved;
+                    else
+                        control.rowwise() += Eigen::RowVector3d(moves.row(0));
+                    const Points expected =
+                        apart ? moved : Points(points.rowwise() + Eigen::RowVector3d(moves.row(0)));
+                    const auto what = [&] {
+                        return ::testing::Message() << "function " << function << ", degree " << degree
+                                                    << ", shape " << k << ", apart " << apart;
+                    };
+                    EXPECT_TRUE(warped(rbf, around, control).allFinite()) << what();
+                    // Rounding of weights that are up to 1e8 times the moves, for the smoothest functions.
+                    EXPECT_LT(shapes::distance(warped(rbf, points, control), expected), 1e-6) << what();
+                }
+}
+
+TEST(Rbf, points_anywhere_stay_finite)
+{
+    Points points(4, 3);
+    points << 1e200, 0, 0, -1e300, 1e300, 0, 0, 0, 1e308, 0.5, 0.5, 0.5;
+    const Points centres = cube_points();
+    Points moved = centres;
+    moved(13, 2) += 1.0;
+    for (int function = 0; function < rbf_function_count; ++function)
+        for (const double radius : {1e-9, 0.5, 1e9}) {
+            Rbf rbf(HandlePoints(view(centres)),
+                    {.function = static_cast<RbfFunction>(function), .radius = radius});
+            const Points found = warped(rbf, points, moved);
+            EXPECT_TRUE(found.allFinite()) << function << " " << radius;
+            if (radius < 1.0) { // else all centres are nearly one
+                EXPECT_NEAR(found(3, 2), 1.5, 1e-12) << function << " " << radius;
+            }
+        }
+}
+
+TEST(NearCentres, runs_hold_all_that_are_within_reach_and_few_others)
+{
+    const Points centres = random_points(10000, 1.0, 41); // in a box of sides 2
+    for (const double reach : {0.05, 0.1, 0.4, 5.0}) {
+        const NearCentres near(centres, reach);
+        std::int64_t visited = 0, needed = 0;
+        shapes::Random random(42);
+        for (int k = 0; k < 200; ++k) {
+            const Vector3 low = 1.2 * random.vector(), high = low + 0.02 * random.vector().cwiseAbs();
+            std::vector<char> seen(10000, 0);
+            near.visit(low, high, [&](int begin, int end) {
+                visited += end - begin;
+                for (int j = begin; j < end; ++j)
+                    ++seen[near.order()[j]];
+            });
+            const Eigen::AlignedBox3d box(low, high);
+            for (int i = 0; i < 10000; ++i) {
+                const bool is_near = box.exteriorDistance(Vector3(centres.row(i))) < reach;
+                needed += is_near;
+                ASSERT_LE(seen[i], 1);
+                ASSERT_TRUE(seen[i] || !is_near);
+            }
+        }
+        // The cells that a ball of two cells around meets have some three times its volume. There are four
+        // cells for each centre, so that in the smallest ball a few more are met.
+        EXPECT_LT(visited, 4 * needed + 200 * 4) << reach;
+    }
+    const NearCentres all(centres, std::numeric_limits<double>::infinity());
+    int runs = 0;
+    all.visit({9, 9, 9}, {9, 9, 9}, [&](int begin, int end) { runs += begin == 0 && end == 10000; });
+    EXPECT_EQ(runs, 1);
+    EXPECT_EQ(all.centres(), centres);
+}
+
+TEST(Rbf, names_handles_that_pull_one_place_apart)
+{
+    Points points(5, 3);
+    points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0;
+    const Points still = random_points(10, 1.0, 3);
+    Rbf rbf{HandlePoints(view(points))};
+    Points together = points.rowwise() + Eigen::RowVector3d(0, 0, 1);
+    EXPECT_LT(shapes::distance(warped(rbf, points, together), together), 1e-12);
+    together(4, 1) += 0.5;
+    expect_elements(refusal<InvalidConstraint>([&] { warped(rbf, still, together); }), Error::Element::handle,
+                    {1, 4});
+}
+
+TEST(Rbf, points_that_nearly_coincide_are_met_in_the_mean)
+{
+    Points points = random_points(30, 1.0, 5);
+    points.row(29) = points.row(0) + Eigen::RowVector3d(1e-9, 0, 0);
+    Points moved = points;
+    moved(0, 2) += 0.1;
+    moved(29, 2) -= 0.1;
+    Rbf rbf{HandlePoints(view(points))};
+    const Points found = warped(rbf, points, moved);
+    EXPECT_FALSE(rbf.bind(view(points)).remarks.empty());
+    EXPECT_TRUE(found.allFinite());
+    EXPECT_LT(shapes::distance(found.middleRows(1, 28), moved.middleRows(1, 28)), 1e-3);
+    EXPECT_NEAR(found(0, 2), points(0, 2), 1e-3);
+}
+
+TEST(Rbf, refuses_options_and_handles_that_make_no_sense)
+{
+    const Points points = cube_points();
+    const auto made = [&](const RbfOptions& options) { Rbf(HandlePoints(view(points)), options); };
+    EXPECT_THROW(made({.degree = 3}), InvalidOption);
+    EXPECT_THROW(made({.degree = -2}), InvalidOption);
+    EXPECT_THROW(made({.radius = 0.0}), InvalidOption);
+    EXPECT_THROW(made({.radius = 1e-300}), InvalidOption);
+    EXPECT_THROW(made({.radius = std::nan("")}), InvalidOption);
+    EXPECT_THROW(made({.tolerance = std::nan("")}), InvalidOption);
+    EXPECT_THROW(made({.tolerance = -1.0}), InvalidOption);
+    EXPECT_THROW(HandlePoints(view(Points(0, 3))), InvalidConstraint);
+    Points broken = points;
+    broken(3, 1) = std::nan("");
+    expect_elements(refusal<InvalidConstraint>([&] { HandlePoints(view(broken), {2, 25}); }),
+                    Error::Element::handle, {1});
+    expect_elements(refusal<InvalidConstraint>([&] { HandlePoints(view(points), {2, 0, 25}); }),
+                    Error::Element::handle, {1});
+    EXPECT_THROW(HandlePoints(view(points), {2, 24}), InvalidConstraint);
+    const MemoryLimit limit(1000);
+    Rbf rbf{HandlePoints(view(points))};
+    EXPECT_THROW(rbf.bind(view(points)), OutOfMemory);
+}
+
+} // namespace sinew::test_rbf
