@@ -15,8 +15,7 @@ from bpy.types import Depsgraph, Object, Scene
 from ..core.errors import SinewError
 from ..core.status import Level
 from ..properties import SinewDeformer
-from ..session.actions import housekeeping as upkeep
-from ..session.actions import refresh
+from ..session.actions import housekeeping, refresh
 from ..session.datablocks import targets
 from ..session.datablocks.shapes import baked
 from ..session.datablocks.shapes import shapes as blocks_shapes
@@ -230,7 +229,7 @@ class Baking:
     def _is_waiting(self) -> bool:
         """Whether a thread binds or solves, which happens only with a window."""
         uids = [part.reader.uid for part in self._parts]
-        upkeep.collect()
+        housekeeping.collect()
         is_waiting = any(uid in sessions.unsettled() or _has_thread(uid) for uid in uids)
         if is_waiting:
             evaluate.settle()

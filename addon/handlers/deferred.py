@@ -11,8 +11,7 @@ from bpy.types import Depsgraph
 
 from ..core import status
 from ..operators import redraw_panels
-from ..session.actions import housekeeping as upkeep
-from ..session.actions import refresh
+from ..session.actions import housekeeping, refresh
 from ..session.datablocks import owners
 from ..session.datablocks.shapes import lattice_keys
 from ..session.evaluation import binding, evaluate, mirroring
@@ -95,7 +94,7 @@ def separate_copies(depsgraph: Depsgraph) -> None:
     if depsgraph.mode != "VIEWPORT" or sessions.is_suspended() or live_schedule.is_waiting():
         return
     live_schedule.begin(depsgraph)
-    if upkeep.separate_copies() and not owners.has_copies():
+    if housekeeping.separate_copies() and not owners.has_copies():
         depsgraph.update()
 
 
@@ -116,8 +115,8 @@ def catch_up() -> bool:
     Collects the results of threads, gives copied objects shapes of their own, reacts to edits of meshes,
     gives keyframes to controls that followed others, and replaces previews by final shapes.
     """
-    upkeep.collect()
-    upkeep.tidy()
+    housekeeping.collect()
+    housekeeping.tidy()
     refresh.refresh()
     mirroring.key_partners()
     evaluate.settle()
@@ -131,14 +130,14 @@ def is_playing() -> bool:
 
 
 def _is_pending() -> bool:
-    return binding.busy() or upkeep.has_pending()
+    return binding.busy() or housekeeping.has_pending()
 
 
 def _tick() -> float | None:
     if bpy.app.is_job_running("RENDER"):
         return _POLL
     if is_playing() or time.monotonic() - _last_edit < PAUSE:
-        upkeep.collect()
+        housekeeping.collect()
         return _DRAG_POLL if binding.busy() else _POLL
     is_busy = True
     try:

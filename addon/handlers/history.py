@@ -8,8 +8,7 @@ from bpy.app.handlers import persistent
 
 from ..core.memory import forget_all
 from ..operators import entering
-from ..session.actions import deformers, refresh, saving
-from ..session.actions import housekeeping as upkeep
+from ..session.actions import deformers, housekeeping, refresh, saving
 from ..session.datablocks import owners
 from ..session.evaluation import evaluate, mirroring
 from ..session.state import sessions
@@ -21,7 +20,7 @@ def on_undo(*_args: object) -> None:
     """Undo or redo may have changed the shape meshes, so the next evaluation writes them again."""
     owners.forget_owners()
     sessions.forget_shapes()
-    upkeep.restore_shapes()
+    housekeeping.restore_shapes()
     mirroring.complete_undo()
     evaluation.listen(bool(mirroring.mirrored_targets))
     _evaluate_all()
@@ -64,7 +63,7 @@ def before_render(*_args: object) -> None:
     """
     if threading.current_thread() is not threading.main_thread():
         return
-    upkeep.tidy()
+    housekeeping.tidy()
     refresh.bind_renders()
 
 

@@ -8,7 +8,7 @@ from ..core import status
 from ..core.errors import SinewError
 from ..core.status import Level
 from ..properties import SinewDeformer
-from ..session.actions import housekeeping as upkeep
+from ..session.actions import housekeeping
 from ..session.evaluation import binding
 from ..session.evaluation.binding import CANCELLED
 from .modal.staying import StaysInWindow
@@ -55,7 +55,7 @@ class WaitsForBind(StaysInWindow):
 
     def look(self, context: Context, is_cancelled: bool) -> set[str]:
         """Look at what the operator waits for. ``is_cancelled``: Esc was pressed."""
-        upkeep.collect()
+        housekeeping.collect()
         job = binding.job(self._uid)
         if job is not None and not is_cancelled:
             context.workspace.status_text_set(

@@ -22,8 +22,10 @@ SOURCES = {".py", ".cpp", ".h", ".inl"}
 YARD = ("tests", "benchmarks", "blend_samples", "tools")  # what is not the product
 RUN = 6  # lines that make a repetition
 COMMON = 8  # places in which a run stands too often to be one
+# Words for which the field has others.
 PRIVATE = re.compile(
-    r"\b[Rr]id(e|er|es|ers|ing)\b|\b[Ss]eats?\b|\b[Ee]nclosure\b|\bcures\b|\bupkeep\b|\bkeeper\b|\btake_along\b"
+    r"rider|\b[Ss]eats?\b|_seats?\b|\bseat_|[Ee]nclosure|\bcures\b|housekeeping|\bkeeper\b|take_along|several\.py",
+    re.I,
 )
 TOKENS = re.compile(r"\"[^\"]*\"|'[^']*'|[A-Za-z_]\w*|\d[\w.]*|\S")
 

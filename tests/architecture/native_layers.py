@@ -123,9 +123,9 @@ def _offences(root: Path) -> Iterator[tuple[str, str]]:
             if include is None:
                 continue
             quote, target = include.groups()
-            for header, keeper in RESERVED_HEADERS.items():
-                if re.match(header, target) and room != keeper:
-                    yield place, f"only {keeper} may include {target}: {line.strip()}"
+            for header, owner in RESERVED_HEADERS.items():
+                if re.match(header, target) and room != owner:
+                    yield place, f"only {owner} may include {target}: {line.strip()}"
             if quote == '"' and not target.startswith("native/"):
                 yield place, f"includes run from the repository root: {line.strip()}"
             elif quote == '"':

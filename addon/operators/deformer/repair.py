@@ -8,7 +8,7 @@ from ...core.errors import SinewError
 from ...ids import Operators
 from ...session.actions import bind, refining, repair
 from ...session.actions.handles import overlaps
-from ...session.actions.repair import Cures
+from ...session.actions.repair import RepairOptions
 from ..reporting import reports_errors
 from ..target import has_deformer, has_target, object_mode, target_of
 
@@ -75,7 +75,7 @@ class SINEW_OT_repair(Operator):
     @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
-        cures = Cures(
+        wanted = RepairOptions(
             not_finite=self.not_finite,
             coincident=self.coincident,
             degenerate=self.degenerate,
@@ -84,7 +84,7 @@ class SINEW_OT_repair(Operator):
             loose=self.loose,
             distance=self.distance,
         )
-        mended, left = repair.repair(obj, cures)
+        mended, left = repair.repair(obj, wanted)
         self.report({"INFO"}, repair.summary(mended, left))
         _bind_again(self, context, obj, any(mended.values()))
         return {"FINISHED"}
@@ -127,9 +127,9 @@ class SINEW_OT_part_regions(_OfMeshes, Operator):
         if not parted:
             self.report({"INFO"}, "No vertex is in two regions")
             return {"CANCELLED"}
-        for keeper, loser, count in parted:
+        for kept, lost, count in parted:
             vertices = "1 vertex is" if count == 1 else f"{count:,} vertices are"
-            self.report({"INFO"}, f"{vertices} now in {keeper} alone, no longer in {loser}")
+            self.report({"INFO"}, f"{vertices} now in {kept} alone, no longer in {lost}")
         _bind_again(self, context, obj, True)
         return {"FINISHED"}
 

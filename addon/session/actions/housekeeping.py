@@ -9,8 +9,7 @@ from bpy.types import Object
 
 from ...ids import Datablocks
 from ..controls import kinds
-from ..datablocks import evaluation_driver as keeper
-from ..datablocks import references, targets
+from ..datablocks import evaluation_driver, references, targets
 from ..datablocks.owners import copies, forget_owners, has_copies, owners
 from ..datablocks.shapes import lattice_keys, shapes
 from ..evaluation import binding, mirroring
@@ -76,7 +75,7 @@ def tidy() -> None:
     exchanged = set(sessions.rewired())
     for obj in owners():
         uids = exchanged.intersection(deformer.uid for deformer in obj.sinew.deformers)
-        if (uids or not keeper.is_kept(obj)) and obj.library is None:
+        if (uids or not evaluation_driver.is_kept(obj)) and obj.library is None:
             kinds.keep_evaluated(obj)
         for uid in uids:
             sessions.open_session(uid).rewire = False
@@ -101,4 +100,9 @@ def has_pending() -> bool:
     """Whether there is work for ``tidy``, ``refresh``, ``settle`` or ``key_partners``."""
     waits = sessions.unsettled() or sessions.rewired() or sessions.has_edited() or _converted()
     waits_for_keys = mirroring.waits_for_keys()
-    return bool(waits) or waits_for_keys or has_copies() or not all(keeper.is_kept(obj) for obj in owners())
+    return (
+        bool(waits)
+        or waits_for_keys
+        or has_copies()
+        or not all(evaluation_driver.is_kept(obj) for obj in owners())
+    )

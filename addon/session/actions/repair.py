@@ -19,7 +19,7 @@ from .mesh_repair import STEPS, diagnosis_of, give_positions
 
 
 @dataclass(frozen=True)
-class Cures:
+class RepairOptions:
     """Which defects to repair. Vertices of open borders merge within ``distance``, in object space."""
 
     not_finite: bool = True
@@ -41,19 +41,19 @@ def summary(mended: dict[str, int], left: dict[str, int]) -> str:
 
 
 @sessions.suspended()
-def repair(obj: Object, cures: Cures) -> tuple[dict[str, int], dict[str, int]]:
+def repair(obj: Object, wanted: RepairOptions) -> tuple[dict[str, int], dict[str, int]]:
     """Repair the base mesh in Object or Edit Mode; how many of each defect were repaired, and are left."""
     if obj.data.library is not None:
         raise SinewError("The mesh is linked - make it local, or override it, before you repair it")
     mended = dict.fromkeys(NAMES, 0)
     with _editing(obj) as edit:
-        if cures.not_finite:
+        if wanted.not_finite:
             mended["not_finite"] = give_positions(edit)
         found = diagnosis_of(edit)
         for what, cure in STEPS.items():
-            within = cures.distance if what == "coincident" else 0.0
+            within = wanted.distance if what == "coincident" else 0.0
             needed = elements_by_defect(found)[what]
-            if not getattr(cures, what) or (len(needed) == 0 and within == 0.0):
+            if not getattr(wanted, what) or (len(needed) == 0 and within == 0.0):
                 continue
             before = len(edit.verts)
             cure(edit, needed, within)

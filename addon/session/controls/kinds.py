@@ -87,7 +87,7 @@ class ControlKind(Protocol):
     def take_rest(self, obj: Object, deformer: SinewDeformer) -> None:
         """Let the control rest as it is now."""
 
-    def take_along(self, deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
+    def transform_rest(self, deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
         """Apply has changed the object space of the target by an affine map ``by`` (4, 4).
 
         The rest, unless it is a stored rest mesh, and the poses in ``held`` and in the settings follow.

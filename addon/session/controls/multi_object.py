@@ -209,7 +209,7 @@ class SeveralKind(ObjectKind):
         """Let one object rest as it is now."""
         row.rest = self.rest_of(obj, row.object, row.rest)
 
-    def take_along(self, deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
+    def transform_rest(self, deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
         """The last poses follow; the rest meshes follow by themselves."""
         for row in self.rows(deformer):
             key = "" if row.rest is None else row.rest.get(Keys.REST_TOKEN, "")

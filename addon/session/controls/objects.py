@@ -191,7 +191,7 @@ class ObjectKind:
         depsgraph = bpy.context.evaluated_depsgraph_get()
         return stored_rest(obj, control, self.make_rest(control, depsgraph), held)
 
-    def take_along(self, _deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
+    def transform_rest(self, _deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
         """The last pose follows; the rest is a stored rest shape, and follows by itself."""
         if self.NOUN in held:
             held[self.NOUN] = frames.transformed(by, held[self.NOUN])

@@ -51,7 +51,7 @@ def owners() -> list[Object]:
 
 
 def has_copies() -> bool:
-    """Whether some object shares the shape meshes of another, or overrides linked ones: see ``upkeep``."""
+    """Whether some object shares the shape meshes of another, or overrides linked ones."""
     if _found.objects != len(bpy.data.objects):
         _take()
     return _found.has_copies

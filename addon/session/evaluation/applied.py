@@ -87,14 +87,14 @@ def follow(obj: Object, evaluated: Object, last: LastUpdate | None) -> Expected:
             frame = rest_frame.matrix(deformer)
             moved = by is not None
             if by is not None:
-                shown = _take_along(deformer, by)
+                shown = _transform_rest(deformer, by)
                 if rest is not None and _may_renumber(by, len(rest.vertices), obj):
                     sessions.note_count(obj.name)
                 elif shown is not None:
                     expected[deformer.uid] = _Followed(shown, _in_words(by))
             elif last is None and not np.array_equal(_frames.get(key, frame), frame):
                 moved = True
-                _take_along(deformer, _frames[key] @ np.linalg.inv(frame))
+                _transform_rest(deformer, _frames[key] @ np.linalg.inv(frame))
             _frames[key] = rest_frame.matrix(deformer)
         except SinewError:
             continue  # the bind shows it
@@ -165,7 +165,7 @@ def _in_words(by: np.ndarray) -> str:
     return "mirroring that was" if np.linalg.det(by[:3, :3]) < 0.0 else "transform that was"
 
 
-def _take_along(deformer: SinewDeformer, by: np.ndarray) -> np.ndarray | None:
+def _transform_rest(deformer: SinewDeformer, by: np.ndarray) -> np.ndarray | None:
     """Change the frame of the rest, of the last poses and of the shape that is shown, which is returned.
 
     That is float32 (n, 3), or None if the rest shape is shown.
@@ -174,7 +174,7 @@ def _take_along(deformer: SinewDeformer, by: np.ndarray) -> np.ndarray | None:
     with session.lock:
         rest_frame.move(deformer, by)
         for kind in kinds.every_kind():
-            kind.take_along(deformer, by, session.poses)
+            kind.transform_rest(deformer, by, session.poses)
         for mode in ("RENDER", "VIEWPORT"):
             shapes.session_of(deformer, mode).shown.clear()
         _move_shape(deformer.shape("RENDER"), by)

@@ -123,7 +123,7 @@ def test_a_drag_right_after_undo_shows_previews_again(plate: Rig, monkeypatch, p
             plate.lift(0.25)
             if price:
                 session.work.thread.join(timeout=20.0)
-                inner.upkeep.collect()
+                inner.housekeeping.collect()
             assert plate.points()[plate.top, 2] == pytest.approx(height, abs=1e-6)
             assert inner.sessions.unsettled() == [plate.deformer.uid]
 
@@ -168,7 +168,7 @@ def test_a_preview_by_a_thread_is_near_the_final_shape(monkeypatch: pytest.Monke
         turn = Matrix.Rotation(math.radians(80.0), 4, "X")
         move_world(plate.control, Matrix.Translation((0.0, -0.4, 0.6)) @ turn)
         session.work.thread.join(timeout=20.0)
-        inner.upkeep.collect()
+        inner.housekeeping.collect()
         preview = plate.points()
         assert inner.sessions.unsettled()
     monkeypatch.undo()
@@ -201,7 +201,7 @@ def drag_twice(plate: Rig, session) -> np.ndarray:
     assert second not in (None, first)
     second.thread.join(timeout=20.0)
     session.step_milliseconds = 1e9
-    inner.upkeep.collect()
+    inner.housekeeping.collect()
     assert plate.points()[plate.top, 2] == pytest.approx(1.0, abs=1e-6)
     while catch_up() or inner.sessions.unsettled():
         update()

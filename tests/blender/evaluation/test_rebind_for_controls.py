@@ -297,7 +297,7 @@ def test_what_cannot_be_bound_says_so_once():
     assert not deformer.is_bound
     assert not catch_up()
     update()
-    assert not inner.upkeep.has_pending()
+    assert not inner.housekeeping.has_pending()
     control().data.bevel_depth = 0.0
     make_active(target())
     bpy.ops.sinew.bind()

@@ -15,7 +15,7 @@ def test_a_bind_that_nobody_collects_is_found(plate: Rig, monkeypatch: pytest.Mo
     plate.deformer.live = False  # else the next evaluation would ask for another bind
     bind_in_thread(plate.obj, plate.deformer, monkeypatch)
     with monkeypatch.context() as patch:
-        patch.setattr(inner.upkeep, "collect", lambda: None)
+        patch.setattr(inner.housekeeping, "collect", lambda: None)
         with pytest.raises(AssertionError, match=plate.deformer.uid):
             assert_at_rest(seconds=0.5)
 

@@ -201,7 +201,7 @@ def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(
     assert not said
     inner.binding.job(deformer.uid).thread.join()
     operator._uid = deformer.uid
-    inner.upkeep.collect()
+    inner.housekeeping.collect()
     assert operator.look(bpy.context, is_cancelled=False) == {"FINISHED"}
     assert said == [({"INFO"}, f"Base: {deformer.status}")]
     assert "1 fixed, bound in" in deformer.status

@@ -217,7 +217,7 @@ def test_a_copy_shares_the_grid_unless_it_is_copied_too(sheet: Rig):
         grid_of(sheet).select_set(together)
         bpy.ops.object.duplicate()
         copy = Rig.called(next(obj.name for obj in bpy.context.selected_objects if obj.sinew.deformers))
-        inner.upkeep.separate_copies()
+        inner.housekeeping.separate_copies()
         assert close(copy.points(), before)
         assert (grid_of(copy) != grid_of(sheet)) == together
         drag(copy, {SIDE * 5 + 2: (0.0, 0.0, -0.4)})

@@ -87,7 +87,7 @@ from mathutils import Matrix
 from rigs.rig import Rig, make_active, update
 
 room = lambda path: importlib.import_module(f"{addon_name}.{path}")
-native, upkeep = room("backend").availability().module, room("session.actions.housekeeping")
+native, housekeeping = room("backend").availability().module, room("session.actions.housekeeping")
 
 class Throwaway:
     built, solved = [], []
@@ -202,7 +202,7 @@ def an_object_gives_its_frame_hidden_too(seen):
     seen["frame"] = Throwaway.solved[-1][1].tolist()
     seen["moved"] = moved().tolist()
     other.hide_viewport = True
-    upkeep.tidy()
+    housekeeping.tidy()
     update()
     other.location.x = 1.25
     update()
@@ -224,7 +224,7 @@ def curves_are_saved_and_belong_to_one_deformer(seen):
     seen["loaded"] = moved().tolist()
     make_active(plate.obj)
     bpy.ops.object.duplicate()
-    upkeep.tidy()
+    housekeeping.tidy()
     update()
     copy = bpy.context.object
     trees = [obj.sinew.active.parameters.falloff for obj in (plate.obj, copy)]

@@ -80,7 +80,7 @@ def test_every_fault_is_mended_and_counted():
     before = faults(obj)
     assert (before["not_finite"], before["coincident"]) == (2, 11)
     assert all(before.values()), before
-    mended, left = inner.repair.repair(obj, inner.repair.Cures())
+    mended, left = inner.repair.repair(obj, inner.repair.RepairOptions())
     expected = {"not_finite": 2, "coincident": 11, "duplicate": 1, "degenerate": 1}
     assert {fault: mended[fault] for fault in expected} == expected
     assert mended["loose"] >= 1

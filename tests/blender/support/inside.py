@@ -94,7 +94,7 @@ MODULES = {
     "typed_motion": "core.transform.typed_motion",
     "ui": "ui",
     "ui_control_handles": "ui.control.handles",
-    "upkeep": "session.actions.housekeeping",
+    "housekeeping": "session.actions.housekeeping",
     "waiting": "operators.waiting",
 }
 

@@ -29,7 +29,7 @@ def part_regions(obj: Object, deformer: SinewDeformer) -> list[tuple[str, str, i
             shared = hard[earlier.uid] & hard[later.uid]
             if not shared.any():
                 continue
-            keeps, gives = _keeper_and_giver(earlier, later, hard, shared)
+            keeps, gives = _kept_and_given(earlier, later, hard, shared)
             obj.vertex_groups[gives.vertex_group].remove(np.flatnonzero(shared).tolist())
             hard[gives.uid] &= ~shared
             parted.append((keeps.name, gives.name, int(shared.sum())))
@@ -46,7 +46,7 @@ def _hard(obj: Object, handle: SinewHandle) -> np.ndarray:
     return painted.astype(np.float64) * handle.weight >= 1.0
 
 
-def _keeper_and_giver(
+def _kept_and_given(
     earlier: SinewHandle, later: SinewHandle, hard: dict[str, np.ndarray], shared: np.ndarray
 ) -> tuple[SinewHandle, SinewHandle]:
     """The region that keeps the shared vertices, and the one that gives them up."""

@@ -53,7 +53,7 @@ def turn_with_rest(deformer: SinewDeformer, bound: Bound | None, points: np.ndar
     _turn(deformer, dict(zip(bound.handles, frames[:, :, :3], strict=True)))
 
 
-def take_along(deformer: SinewDeformer, linear: np.ndarray) -> None:
+def transform_rest(deformer: SinewDeformer, linear: np.ndarray) -> None:
     """Take the edits along with a linear map (3, 3) of the target's object space."""
     _turn(deformer, {edit.handle: linear for key in deformer.keys for edit in key.edits})
 

@@ -43,8 +43,8 @@ __all__ = (
     "selectable",
     "selected",
     "set_rest",
-    "take_along",
     "take_rest",
+    "transform_rest",
     "use",
 )
 
@@ -139,10 +139,10 @@ def pose(
     return affine, {"from_rest": from_rest, **points_now, **keyed}
 
 
-def take_along(deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
+def transform_rest(deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
     """Take rest frames, last poses and keys along with an affine map ``by`` (4, 4) of the object space."""
-    poses.take_along(deformer, by, held)
-    keys.take_along(deformer, by[:3, :3])
+    poses.transform_rest(deformer, by, held)
+    keys.transform_rest(deformer, by[:3, :3])
 
 
 def use(_obj: Object, _deformer: SinewDeformer, control: Object, _owned: bool) -> None:

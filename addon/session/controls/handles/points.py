@@ -108,7 +108,7 @@ def _held(handle: SinewHandle) -> str:
     return f"{handle.uid} points"
 
 
-def take_along(handle: SinewHandle, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
+def transform_rest(handle: SinewHandle, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
     """The last known points follow an affine map ``by`` (4, 4) of the target's object space."""
     if _held(handle) in held:
         held[_held(handle)] = frames.transformed(by, held[_held(handle)])

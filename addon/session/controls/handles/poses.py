@@ -59,7 +59,7 @@ def capture_rest(
     set_rest(handle, now)
 
 
-def take_along(deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
+def transform_rest(deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
     """Take rest frames and last poses along with an affine map ``by`` (4, 4) of the target's object space."""
     inverse = frames.inverse(by, "The mesh object")
     for handle in deformer.handles:
@@ -69,7 +69,7 @@ def take_along(deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarr
         if handle.has_last_pose:
             last = np.array(handle.last_pose, dtype=np.float64).reshape(3, 4)
             handle.last_pose = (by[:3] @ riding.square(last) @ inverse).ravel().tolist()
-        points.take_along(handle, by, held)
+        points.transform_rest(handle, by, held)
         if handle.uid in held:
             held[handle.uid] = by[:3] @ riding.square(held[handle.uid]) @ inverse
 
