@@ -172,7 +172,7 @@ class Factor:
         """The control grids (rows, columns, 3) as handles move them; none if the method has no grid."""
         with self._lock:
             method = self._bound_method()
-        if not hasattr(method, "control_grids"):
+        if self.recipe.method.draws != "GRID":
             return []
         with _translated(self._native):
             return method.control_grids(poses, **options)
@@ -185,7 +185,7 @@ class Factor:
         with self._lock:
             method = self._bound_method()
         control = self.recipe.control
-        if not isinstance(control, HandlePoses) or not hasattr(method, "network"):
+        if not isinstance(control, HandlePoses) or self.recipe.method.draws != "GRAPH":
             return None
         with _translated(self._native):
             return control.network(method, poses, **options)
@@ -200,7 +200,7 @@ class Factor:
         """The band of each point, (n,) int32, -1 for a point in none; None if the method has no bands."""
         with self._lock:
             method = self._bound_method()
-        return method.bands() if hasattr(method, "bands") else None
+        return method.bands() if self.recipe.method.draws == "BANDS" else None
 
     def edits(self, poses: np.ndarray, **options) -> np.ndarray:
         """The edits (k, 3, 4) of a frame in the moving frames of the handles, if the method has keys.

@@ -272,7 +272,8 @@ class Method:
     ``segments``, pairs of handle points between which the whole line is the handle. ``moves_incoming``: the
     poses of such a method move what enters, as those of surface methods do; those of the others move the rest
     shape, and the displacements are added to what enters. ``finer``: the whole number that is raised where
-    two handles have no place beside each other.
+    two handles have no place beside each other. ``draws``: what an overlay shows of the bound method, GRID
+    (control grids), GRAPH (nodes between the handles) or BANDS.
     """
 
     id: str
@@ -297,6 +298,7 @@ class Method:
     wraps: tuple[Family, ...] = ()
     keyed: bool = False
     draft_iterations: int = 1
+    draws: str = ""
     parameters: tuple[Parameter, ...] = ()
     handle_parameters: tuple[Parameter, ...] = ()
     control_parameters: tuple[Parameter, ...] = ()

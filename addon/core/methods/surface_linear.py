@@ -369,6 +369,7 @@ ROWS = (
         paper="Farin 1997",
         summary="Displaces the surface by a grid of smooth bumps over a UV map or a plane; best for sheets",
         iterative=False,
+        draws="GRID",
         moves=frozenset({Moved.MESH}),
         bind_seconds=_spline_bind_seconds,
         parameters=(

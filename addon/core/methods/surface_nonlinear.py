@@ -487,6 +487,7 @@ ROWS = (
         paper="Au et al. 2007",
         summary="One rotation for each band between two handles: for few handles on heavy meshes",
         iterative=True,
+        draws="BANDS",
         moves=frozenset({Moved.MESH}),
         bind_seconds=factorising(0.025),
         reproduces=Reproduced.RIGID_MOTIONS,

@@ -12,6 +12,7 @@ from ...preferences import preferences
 from ...properties import HANDLE_ROLES, SinewHandle
 from ...session.actions import bind, rigging, selection
 from ...session.actions.handles import handles
+from ...session.actions.handles.handles import NewRegion
 from ...session.controls.handles import riding
 from ..reporting import reports_errors
 from ..target import handle_index, has_deformer, has_target, object_mode, show_control, target_of
@@ -100,14 +101,8 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
         with object_mode(context, obj):
             handle, refusal = rigging.rig_region(
                 obj,
-                self.kind,
-                group,
+                NewRegion(self.kind, group, control, bone, owns_group, self.handle_name, self.weight),
                 preferences(context).method,
-                control=control,
-                bone=bone,
-                owns_group=owns_group,
-                name=self.handle_name,
-                weight=self.weight,
                 from_rest=False if self.control_object else None,
                 wait=wait,
             )
@@ -170,10 +165,8 @@ class SINEW_OT_keep_inside(BindingOperator, Operator):
         control, bone = _active_bone(obj, context.object)
         with object_mode(context, obj):
             group = selection.group_of(obj, "Inside", vertices)
-            role = "HANDLE" if bone else "FIXED"
-            handle, refusal = rigging.rig_region(
-                obj, role, group, control=control, bone=bone, owns_group=True, wait=wait
-            )
+            region = NewRegion("HANDLE" if bone else "FIXED", group, control, bone, owns_group=True)
+            handle, refusal = rigging.rig_region(obj, region, wait=wait)
             context.view_layer.update()
         self.report_bind(refusal, obj.sinew.active.uid, handle.name)
         return {"FINISHED"}

@@ -33,7 +33,7 @@ from ..state.evaluation import is_shown
 from .bind import bind, unbind
 from .deformers import add_deformer, remove_deformer
 from .handles import surface_points
-from .handles.handles import add_handle, remove_handle
+from .handles.handles import NewRegion, add_handle, remove_handle
 from .rigging import rig_region
 
 _CHANNELS = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
@@ -97,7 +97,7 @@ class Drag:
         found = _point_at(obj, hit, brush) or (_handle_at(obj, painted, vertex) if is_mesh else None)
         self.is_new, self.is_held = found is None, True
         if found is None:
-            deformer, handle = self._make(obj, painted, vertex, brush, wait, hit)
+            deformer, handle = self._make(painted, vertex, brush, wait, hit)
         else:
             deformer, handle = found
             _require_working(obj, deformer)
@@ -166,9 +166,10 @@ class Drag:
         return next((deformer for deformer in deformers_of(obj) if deformer.uid == self.uid), None)
 
     def _make(
-        self, obj: Object, painted: dict[str, np.ndarray], vertex: int, brush: Brush, wait: bool, hit: Hit
+        self, painted: dict[str, np.ndarray], vertex: int, brush: Brush, wait: bool, hit: Hit
     ) -> tuple[SinewDeformer, SinewHandle]:
         """A handle around a vertex, with a support if it needs one, and a deformer if there is none."""
+        obj = hit.obj
         if obj.data.library is not None:
             raise SinewError(f"The mesh of {obj.name} is linked - drag one of its handles, or make it local")
         deformer = next((each for each in _in_order(obj) if _marks_regions(each)), None)
@@ -192,9 +193,9 @@ class Drag:
             _make_active(obj, deformer)
             if plan.support is not None:
                 group = _new_group(obj, "Support", plan.support)
-                self._made.append(add_handle(obj, deformer, "SUPPORT", group, owns_group=True).uid)
+                self._made.append(add_handle(obj, deformer, NewRegion("SUPPORT", group, owns_group=True)).uid)
             group = _new_group(obj, "Handle", plan.region)
-            handle, refusal = rig_region(obj, "HANDLE", group, owns_group=True, wait=wait)
+            handle, refusal = rig_region(obj, NewRegion("HANDLE", group, owns_group=True), wait=wait)
             self._made.append(handle.uid)
             if refusal is not None:
                 raise refusal

@@ -17,7 +17,7 @@ from ..state import sessions
 from .bind import bind
 from .deformers import add_deformer, remove_deformer
 from .handles.bones import is_moved_by_control
-from .handles.handles import add_captured_handle
+from .handles.handles import NewRegion, add_captured_handle
 from .handles.points import add_point
 from .sharing import copy_settings
 
@@ -25,35 +25,27 @@ from .sharing import copy_settings
 @sessions.suspended()
 def rig_region(
     obj: Object,
-    role: str,
-    vertex_group: str,
+    region: NewRegion,
     method: str = DEFAULT_METHOD,
     *,
-    control: Object | None = None,
-    bone: str = "",
-    owns_group: bool = False,
-    name: str = "",
-    weight: float = 1.0,
     from_rest: bool | None = None,
     wait: bool = True,
 ) -> tuple[SinewHandle, SinewError | None]:
     """A region of the active deformer, or of a new one with ``method``; and the error if it is not bound.
 
-    ``role``, ``control`` and ``bone`` are those of ``add_handle``. If ``from_rest`` is None, a bone that
-    moves the mesh already is to move its rest shape. What is refused before the bind leaves nothing behind.
+    If ``from_rest`` is None, a bone that moves the mesh already is to move its rest shape. What is refused
+    before the bind leaves nothing behind.
     """
     is_first = obj.sinew.active is None
     deformer = obj.sinew.active or add_deformer(obj, method)
     try:
-        handle, entered = add_captured_handle(obj, deformer, role, vertex_group, control, bone, owns_group)
+        handle, entered = add_captured_handle(obj, deformer, region)
     except SinewError:
         if is_first:
             remove_deformer(obj, len(obj.sinew.deformers) - 1)
-        if owns_group:
-            obj.vertex_groups.remove(obj.vertex_groups[vertex_group])
+        if region.owns_group:
+            obj.vertex_groups.remove(obj.vertex_groups[region.vertex_group])
         raise
-    handle.weight = weight
-    handle.name = name or handle.name
     handle.from_rest = is_moved_by_control(obj, deformer, handle) if from_rest is None else from_rest
     return handle, try_bind(obj, deformer, wait, entered)
 

@@ -5,6 +5,7 @@ In renders, handlers run this outside the main thread. It reads evaluated data f
 given, and writes arrays of unchanged size. It never makes or removes a datablock.
 """
 
+from dataclasses import replace
 from typing import NamedTuple
 
 import bpy
@@ -23,7 +24,7 @@ from ..datablocks import targets, vertex_groups
 from ..datablocks.owners import owners
 from ..datablocks.shapes import baked, lattice_keys, shapes
 from ..state import sessions
-from ..state.evaluation import Chain, ControlState, Evaluation, Haste, is_shown
+from ..state.evaluation import Chain, ControlState, Evaluation, ObjectEvaluation, Quality, is_shown
 from ..state.sessions import LastUpdate
 from . import applied, binding, incoming, mirroring, renders, schedule, solving
 from .changes import Change, Changes
@@ -37,7 +38,7 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
 
     So may the ``draft`` of a frame in playback, where the artist has chosen that. It is the same for a frame
     whatever was shown before.
-    After an ``edit``, that is not after a change of the frame, ``refresh`` looks at meshes with new geometry.
+    After an ``edit``, that is not after a change of the frame, ``refresh`` found at meshes with new geometry.
     If nothing changed, this takes some microseconds per control, however large the meshes are.
 
     Blender evaluates what was written before this returns if handlers of others follow, else right after.
@@ -46,27 +47,27 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
     if not found or schedule.is_waiting():
         return False
     changes, moved = Changes(depsgraph), []
-    haste = Haste.DRAFT if draft else Haste.DRAG if preview else Haste.NONE
+    quality = Quality.DRAFT if draft else Quality.DRAG if preview else Quality.FINAL
     for obj in found:
         if edit and depsgraph.mode == "VIEWPORT" and changes.has_edited_mesh(obj):
             sessions.note_edit(obj.name)
         if sessions.is_suspended():
             sessions.note_missed(obj.name)
             continue
-        look = _look_at(obj, depsgraph, changes)
-        if look is not None:
-            moved.append(look)
+        pending = _pending_update(obj, depsgraph, changes)
+        if pending is not None:
+            moved.append(pending)
     steps = schedule.steps(found) if moved and len(found) > 1 else []
     is_read = bool(moved) and schedule.others_listen(edit)
     if steps or (is_read and (not edit or changes.has_scene)):
         changes.take()
         schedule.begin(depsgraph, heard=edit)
-        looks = [_look_at(old.obj, depsgraph, changes) for old in moved]
-        moved = [look for look in looks if look is not None]
+        found = [_pending_update(old.obj, depsgraph, changes) for old in moved]
+        moved = [pending for pending in found if pending is not None]
     if steps:
-        written = _solve_in_order(steps, depsgraph, changes, haste, edit)
+        written = _solve_in_order(steps, depsgraph, changes, quality, edit)
     else:
-        written = {look.obj for look in moved if _writes(look, depsgraph, changes, haste)}
+        written = {pending.obj for pending in moved if _writes(pending, depsgraph, changes, quality)}
     if written and is_read:
         schedule.evaluate(depsgraph, heard=edit)
     if mirroring.mirrored_targets and depsgraph.mode == "VIEWPORT" and not sessions.is_suspended():
@@ -77,7 +78,7 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
 
 
 def _solve_in_order(
-    steps: list[Step], depsgraph: Depsgraph, changes: Changes, haste: Haste, edit: bool
+    steps: list[Step], depsgraph: Depsgraph, changes: Changes, quality: Quality, edit: bool
 ) -> set[Object]:
     """Update rigs after those that they read: see ``schedule``. Returns those that were written last."""
     written: set[Object] = set()  # since Blender evaluated them last
@@ -90,19 +91,19 @@ def _solve_in_order(
                         changes.add_geometry(obj)
                 written.clear()
             before = len(written)
-            for look in [_look_at(obj, depsgraph, changes) for obj in step.rigs]:
-                if look is not None and _writes(look, depsgraph, changes, haste):
-                    written.add(look.obj)
+            for pending in [_pending_update(obj, depsgraph, changes) for obj in step.rigs]:
+                if pending is not None and _writes(pending, depsgraph, changes, quality):
+                    written.add(pending.obj)
             if len(written) == before:
                 break
     return written
 
 
-def _writes(look: "_Look", depsgraph: Depsgraph, changes: Changes, haste: Haste) -> bool:
+def _writes(pending: "PendingUpdate", depsgraph: Depsgraph, changes: Changes, quality: Quality) -> bool:
     """Update the deformers of an object; whether one of them shows another shape now."""
-    before = _shown(look.obj, depsgraph.mode)
-    _solve(look, depsgraph, changes, haste)
-    after = _shown(look.obj, depsgraph.mode)
+    before = _shown(pending.obj, depsgraph.mode)
+    _solve(pending, depsgraph, changes, quality)
+    after = _shown(pending.obj, depsgraph.mode)
     return len(before) != len(after) or any(
         one is not other for one, other in zip(before, after, strict=True)
     )
@@ -114,7 +115,7 @@ def _shown(obj: Object, mode: str) -> list[object]:
     return [part for view in views for part in (view.signature, view.shape, view.factor)]
 
 
-class _Look(NamedTuple):
+class PendingUpdate(NamedTuple):
     """An object whose deformers are to be updated, and the last time that they were."""
 
     obj: Object
@@ -125,7 +126,7 @@ class _Look(NamedTuple):
     last: LastUpdate | None
 
 
-def _look_at(obj: Object, depsgraph: Depsgraph, changes: Changes) -> _Look | None:
+def _pending_update(obj: Object, depsgraph: Depsgraph, changes: Changes) -> PendingUpdate | None:
     """Where an object and its controls are; None if that is as before, or if nothing shows it."""
     evaluated = obj.evaluated_get(depsgraph)
     if not evaluated.is_evaluated:
@@ -137,19 +138,20 @@ def _look_at(obj: Object, depsgraph: Depsgraph, changes: Changes) -> _Look | Non
     if sessions.take_missed(obj.name):
         changes.add_geometry(obj)
         change = Change.GEOMETRY
-    return _Look(obj, evaluated, placed, controls, change, last)
+    return PendingUpdate(obj, evaluated, placed, controls, change, last)
 
 
-def _solve(look: _Look, depsgraph: Depsgraph, changes: Changes, haste: Haste) -> None:
+def _solve(pending: PendingUpdate, depsgraph: Depsgraph, changes: Changes, quality: Quality) -> None:
     """Update the deformers of an object."""
-    obj, evaluated, placed, controls, change, last = look
+    obj, evaluated, placed, controls, change, last = pending
     layout = last.layout if last is not None and change <= Change.DRIVEN else None
     new_geometry = change is Change.GEOMETRY
     expected: applied.Expected = {}
     in_viewport = depsgraph.mode == "VIEWPORT"
     if in_viewport and obj.library is None and (last is None or changes.has_edited_mesh(obj)):
         expected = applied.follow(obj, evaluated, last)
-    layout = _update_object(obj, evaluated, depsgraph, depsgraph.mode, controls, haste, new_geometry, layout)
+    shared = ObjectEvaluation(obj, evaluated, depsgraph, depsgraph.mode, quality, new_geometry)
+    layout = _update_object(shared, controls, layout)
     changes.note(obj, LastUpdate(placed, layout, evaluated.matrix_world.copy()))
     if expected:
         applied.report(obj, evaluated, expected)
@@ -162,17 +164,13 @@ def update_renders(obj: Object, depsgraph: Depsgraph, entered: np.ndarray) -> No
     """
     evaluated = obj.evaluated_get(depsgraph)
     _placed, controls = Changes(depsgraph).read(obj, evaluated)
-    _update_object(obj, evaluated, depsgraph, "RENDER", controls, Haste.NONE, True, None, entered)
+    shared = ObjectEvaluation(obj, evaluated, depsgraph, "RENDER", Quality.FINAL, new_geometry=True)
+    _update_object(shared, controls, None, entered)
 
 
 def _update_object(
-    obj: Object,
-    evaluated: Object,
-    depsgraph: Depsgraph,
-    mode: str,
+    shared: ObjectEvaluation,
     controls: list[ControlState],
-    haste: Haste,
-    new_geometry: bool,
     layout: tuple | None,
     entered: np.ndarray | None = None,
 ) -> tuple:
@@ -181,6 +179,7 @@ def _update_object(
     The ``layout`` of the last update is given if nothing but controls has changed since. Then the settings
     and modifiers need no check. ``entered`` float32 (n, 3) is what enters the first deformer, if it is known.
     """
+    obj, mode, depsgraph = shared.obj, shared.mode, shared.depsgraph
     changed = False
     is_lattice = targets.is_lattice(obj)
     if is_lattice and mode == "VIEWPORT":
@@ -188,7 +187,7 @@ def _update_object(
     if layout is None or not _still_holds(layout, obj):
         changed = True
         if mode == "VIEWPORT" and shapes.tell_copies_apart(obj):
-            new_geometry = False  # the attributes that were evaluated belong to another modifier
+            shared = replace(shared, new_geometry=False)  # what was evaluated belongs to another modifier
         layout = _layout(obj, mode)
         if mode == "VIEWPORT":
             mirroring.note_target(obj)
@@ -203,23 +202,23 @@ def _update_object(
             chain, entered = Chain(points=entered), None
         index = shows[0]
         deformer = obj.sinew.deformers[index]
-        settings = _evaluated_settings(evaluated, index, deformer)
+        settings = _evaluated_settings(shared.evaluated, index, deformer)
         session, control = shapes.session_of(deformer, mode), controls[index]
         if settings.method != deformer.method:  # an animated method may ask for another kind of control
             control = kinds.kind_in_use(settings).read_state(deformer, depsgraph)
         evaluation = Evaluation(
             obj,
-            evaluated,
+            shared.evaluated,
             depsgraph,
             mode,
+            shared.quality,
+            shared.new_geometry,
             modifier,
             deformer,
             settings,
             session,
             control,
             chain,
-            haste,
-            new_geometry,
         )
         if evaluation.in_viewport and changed:
             deformer.complete()
@@ -368,7 +367,7 @@ def _refuse(evaluation: Evaluation, error: SinewError) -> Chain:
             isinstance(error, TopologyChangedError)
             or kinds.kind_in_use(deformer).is_stale(deformer, evaluation.depsgraph)
         ):
-            note = sessions.note_edit if evaluation.haste is Haste.DRAG else sessions.note_count
+            note = sessions.note_edit if evaluation.quality is Quality.DRAG else sessions.note_count
             note(evaluation.obj.name)
     else:
         status.put_render(evaluation.deformer.uid, f"In the render: {error}")

@@ -67,32 +67,23 @@ class Chain:
         return Chain(broken=self.broken or self.points is not None)
 
 
-class Haste(Enum):
+class Quality(Enum):
     """Whether a shape may be shown before it is final."""
 
-    NONE = 0
+    FINAL = 0
     DRAG = 1  # something is being edited in a window
     DRAFT = 2  # frames play, or the artist scrubs
 
 
 @dataclass(frozen=True)
-class Evaluation:
-    """``deformer`` is the original, ``settings`` its evaluated copy with animated values.
-
-    ``control`` is where the control of the deformer is now.
-    """
+class ObjectEvaluation:
+    """The evaluation of an object, with all its deformers."""
 
     obj: Object
     evaluated: Object
     depsgraph: Depsgraph
     mode: str  # VIEWPORT or RENDER: which of the two shapes is computed
-    modifier: NodesModifier | ShapeKey
-    deformer: SinewDeformer
-    settings: SinewDeformer
-    session: Session
-    control: ControlState
-    chain: Chain
-    haste: Haste
+    quality: Quality
     new_geometry: bool  # what enters the modifiers may differ from the last evaluation
 
     @cached_property
@@ -100,15 +91,30 @@ class Evaluation:
         """Whether this is the evaluation for the window, on the main thread."""
         return self.mode == "VIEWPORT"
 
+
+@dataclass(frozen=True)
+class Evaluation(ObjectEvaluation):
+    """``deformer`` is the original, ``settings`` its evaluated copy with animated values.
+
+    ``control`` is where the control of the deformer is now.
+    """
+
+    modifier: NodesModifier | ShapeKey
+    deformer: SinewDeformer
+    settings: SinewDeformer
+    session: Session
+    control: ControlState
+    chain: Chain
+
     @property
     def preview(self) -> bool:
         """Whether an iterative method may show an early shape of a drag."""
-        return self.haste is Haste.DRAG
+        return self.quality is Quality.DRAG
 
     @property
     def draft(self) -> bool:
         """Whether an iterative method may show an early shape of a frame."""
-        return self.haste is Haste.DRAFT and self.in_viewport and self.deformer.playback == "DRAFT"
+        return self.quality is Quality.DRAFT and self.in_viewport and self.deformer.playback == "DRAFT"
 
     @property
     def shown(self) -> Shown:

@@ -195,7 +195,8 @@ def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(
 
     operator = Operator()
     deformer = inner.deformers.add_deformer(plate.obj, "thin_shell")
-    handle, refusal = inner.rigging.rig_region(plate.obj, "FIXED", "Base", wait=False)
+    region = inner.handles.NewRegion("FIXED", "Base")
+    handle, refusal = inner.rigging.rig_region(plate.obj, region, wait=False)
     operator.report_bind(refusal, deformer.uid, handle.name)
     assert inner.binding.job(deformer.uid) is not None
     assert not said

@@ -16,8 +16,8 @@ def test_operators_and_session_functions_give_the_same(plate: Rig):
     bpy.ops.sinew.deformer_remove()
     obj = plate.obj
     deformer = inner.deformers.add_deformer(obj, "arap")
-    inner.handles.add_handle(obj, deformer, "HANDLE", "Top")
-    inner.handles.add_handle(obj, deformer, "FIXED", "Base")
+    for region in (inner.handles.NewRegion("HANDLE", "Top"), inner.handles.NewRegion("FIXED", "Base")):
+        inner.handles.add_handle(obj, deformer, region)
     inner.bind.bind(obj, deformer)
     plate.lift(0.3)
     assert np.array_equal(plate.points(), by_operator)
@@ -27,19 +27,19 @@ def test_one_call_rigs_a_region_and_binds_it(plate: Rig):
     """As Add Handle does. A refused bind leaves the region, an unknown group leaves nothing."""
     errors, obj = inner.errors, plate.obj
     with pytest.raises(errors.SinewError):
-        inner.rigging.rig_region(obj, "HANDLE", "Nowhere", "arap")
+        inner.rigging.rig_region(obj, inner.handles.NewRegion("HANDLE", "Nowhere"), "arap")
     assert obj.sinew.active is None
     plate.bind("arap").lift(0.3)
     by_operator = plate.points()
     make_active(plate.obj)
     bpy.ops.sinew.deformer_remove()
     for kind, group in (("HANDLE", "Top"), ("FIXED", "Base")):
-        handle, refusal = inner.rigging.rig_region(obj, kind, group, "arap")
+        handle, refusal = inner.rigging.rig_region(obj, inner.handles.NewRegion(kind, group), "arap")
         assert handle.kind == kind
         assert refusal is None
     plate.lift(0.3)
     assert np.array_equal(plate.points(), by_operator)
-    _handle, refusal = inner.rigging.rig_region(obj, "FIXED", "Top")
+    _handle, refusal = inner.rigging.rig_region(obj, inner.handles.NewRegion("FIXED", "Top"))
     assert isinstance(refusal, errors.ConstraintError)
     assert len(plate.deformer.handles) == 3
     assert plate.deformer.status_level == "ERROR"

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adds and removes handles. Main thread only."""
 
+from dataclasses import dataclass
+
 import bpy
 import numpy as np
 from bpy.types import Mesh, Object
@@ -23,22 +25,27 @@ from ..bind import unbind
 from . import empties
 
 
-@sessions.suspended()
-def add_handle(
-    obj: Object,
-    deformer: SinewDeformer,
-    role: str,
-    vertex_group: str,
-    control: Object | None = None,
-    bone: str = "",
-    owns_group: bool = False,
-) -> SinewHandle:
-    """Add a region: the vertices of a vertex group. ``role`` is HANDLE, FIXED or SUPPORT.
+@dataclass(frozen=True)
+class NewRegion:
+    """A region to be added: the vertices of a vertex group.
 
     A handle follows ``control``, or its ``bone``, or else gets an empty of its own. If the deformer is posed
-    already, the control is placed at the posed region, so nothing jumps. ``bind`` must follow.
+    already, the control is placed at the posed region, so nothing jumps.
     """
-    handle, entered = add_captured_handle(obj, deformer, role, vertex_group, control, bone, owns_group)
+
+    role: str  # HANDLE, FIXED or SUPPORT
+    vertex_group: str
+    control: Object | None = None
+    bone: str = ""
+    owns_group: bool = False  # the group was made for the region, and goes with it
+    name: str = ""  # else that of the group
+    weight: float = 1.0
+
+
+@sessions.suspended()
+def add_handle(obj: Object, deformer: SinewDeformer, region: NewRegion) -> SinewHandle:
+    """Add a region. ``bind`` must follow."""
+    handle, entered = add_captured_handle(obj, deformer, region)
     if entered is not None:
         bpy.data.meshes.remove(entered)
     return handle
@@ -46,38 +53,34 @@ def add_handle(
 
 @sessions.suspended()
 def add_captured_handle(
-    obj: Object,
-    deformer: SinewDeformer,
-    role: str,
-    vertex_group: str,
-    control: Object | None = None,
-    bone: str = "",
-    owns_group: bool = False,
+    obj: Object, deformer: SinewDeformer, region: NewRegion
 ) -> tuple[SinewHandle, Mesh | None]:
     """As ``add_handle``; and what enters the modifier, if it was captured for the control: a new mesh."""
-    handle = add_region(obj, deformer, role, vertex_group, owns_group)
-    if role != "HANDLE":
-        return handle, None
-    try:
-        return handle, _give_control(obj, deformer, handle, control, bone)
-    except SinewError:
-        deformer.handles.remove(len(deformer.handles) - 1)
-        obj.update_tag()  # the evaluated copy still has it
-        raise
+    handle = add_region(obj, deformer, region)
+    entered = None
+    if region.role == "HANDLE":
+        try:
+            entered = _give_control(obj, deformer, handle, region.control, region.bone)
+        except SinewError:
+            deformer.handles.remove(len(deformer.handles) - 1)
+            obj.update_tag()  # the evaluated copy still has it
+            raise
+    handle.weight = region.weight
+    handle.name = region.name or handle.name
+    return handle, entered
 
 
 @sessions.suspended()
-def add_region(
-    obj: Object, deformer: SinewDeformer, role: str, vertex_group: str, owns_group: bool = False
-) -> SinewHandle:
-    """Add a region without a control: the vertices of a vertex group. ``bind`` must follow."""
+def add_region(obj: Object, deformer: SinewDeformer, region: NewRegion) -> SinewHandle:
+    """Add a region without a control. ``bind`` must follow."""
+    vertex_group = region.vertex_group
     if vertex_group not in obj.vertex_groups:
         raise ConstraintError(f"{obj.name} has no vertex group '{vertex_group}' - choose one of its groups")
     handle = deformer.handles.add()
     handle.uid = shapes.new_key()
-    handle.kind = role
+    handle.kind = region.role
     handle.vertex_group = vertex_group
-    handle.owns_group = owns_group
+    handle.owns_group = region.owns_group
     taken = [other.name for other in deformer.handles if other.uid != handle.uid]
     handle.named = unique_name(vertex_group, taken)  # so that the name below renames nothing
     handle.name = handle.named

@@ -45,7 +45,9 @@ def give(
         return
     control, bone = _other_side(obj, source)
     if control is None:
-        _give_empty(obj, deformer, source, target, rest, members, frame, pose)
+        empty, own_frame = empties.make_empty(obj, rest, members, f"{obj.name} {target.name}", pose[:3])
+        _give_empty(target, empty, source.control)
+        _place(obj, deformer, target, own_frame if frame is None else frame, pose)
     elif bone:
         _give_bone(obj, source, target, control, bone)
     else:
@@ -78,23 +80,12 @@ def _other_side(obj: Object, source: SinewHandle) -> tuple[Object | None, str]:
     return (other if usable and not source.bone else None), ""
 
 
-def _give_empty(
-    obj: Object,
-    deformer: SinewDeformer,
-    source: SinewHandle,
-    target: SinewHandle,
-    rest: RestShape,
-    members: np.ndarray,
-    frame: np.ndarray | None,
-    pose: np.ndarray,
-) -> None:
-    empty, own_frame = empties.make_empty(obj, rest, members, f"{obj.name} {target.name}", pose[:3])
-    like = source.control
+def _give_empty(target: SinewHandle, empty: Object, like: Object | None) -> None:
+    """Let an empty, which looks like the other control if that is one, too, move a handle."""
     if like is not None and like.type == "EMPTY":
         for name in ("empty_display_type", "empty_display_size", "show_in_front", "rotation_mode"):
             setattr(empty, name, getattr(like, name))
     target.control, target.bone, target.owns_control = empty, "", True
-    _place(obj, deformer, target, own_frame if frame is None else frame, pose)
 
 
 def _place(

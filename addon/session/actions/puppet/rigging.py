@@ -16,7 +16,7 @@ from ...state import sessions
 from ..deformers import add_deformer, remove_deformer
 from ..handles import empties
 from ..handles.bones import is_moved_by_control
-from ..handles.handles import add_region
+from ..handles.handles import NewRegion, add_region
 from ..rigging import try_bind
 from . import bones
 
@@ -47,7 +47,7 @@ def rig_puppet(
         groups = {name: name for name in painted} or _make_groups(obj, armature, deformer, margin, made)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         for name, group in groups.items():
-            handle = add_region(obj, deformer, "HANDLE", group, owns_group=group in made)
+            handle = add_region(obj, deformer, NewRegion("HANDLE", group, owns_group=group in made))
             empties.assign(obj, handle, armature, name, depsgraph=depsgraph)
             handle.from_rest = is_moved_by_control(obj, deformer, handle)
     except SinewError:
