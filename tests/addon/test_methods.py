@@ -235,3 +235,11 @@ def test_the_defaults_are_those_of_the_native_class(method: methods.Method):
         parameter.id: None if parameter.default == straight else parameter.default
         for parameter in method.parameters
     } == {parameter.id: defaults[parameter.id] for parameter in method.parameters}
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
+def test_a_row_says_what_an_overlay_draws(method: methods.Method):
+    native = pytest.importorskip("sinew_native")
+    drawn = {"GRID": "control_grids", "GRAPH": "network", "BANDS": "bands"}
+    has = {kind for kind, name in drawn.items() if hasattr(getattr(native, method.native), name)}
+    assert has == ({method.draws} if method.draws else set())
