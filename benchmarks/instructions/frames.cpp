@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // frames LOOP: runs one frame or bind of a method on a sheet of 10,000 vertices, within frame(). count.py
 // counts the instructions there. It uses one thread, so that every run gives the same count.
-#include "native/attachments/riders.h"
+#include "native/attachments/attachments.h"
 #include "native/core/parallel.h"
 #include "native/methods/space/cage/green.h"
 #include "native/methods/space/cage/mean_value.h"
@@ -150,20 +150,20 @@ int main(int count, char** words)
         ThinShell shell(mesh);
         shell.set_handles({two[0], two[1], border(1, false), border(1, true)});
         twice([&] { shell.affine_basis()->solve(turned(4), out); });
-    } else if (!std::strncmp(loop, "riders", 6)) {
+    } else if (!std::strncmp(loop, "attachments", 6)) {
         const SurfaceMesh dressed = sheet_with_boxes(mesh);
         const Components parts = connected_components(dressed);
         std::vector<bool> driven(parts.count, false);
         driven[0] = true;
-        const Riders riders(dressed, parts, driven, {.follow = true});
+        const Attachments attachments(dressed, parts, driven, {.follow = true});
         Points incoming = dressed.points();
         incoming.col(2).array() += 0.1 * incoming.col(0).array().square();
         out = incoming;
         out.col(0).array() += 0.2 * incoming.col(1).array().square();
         if (std::strstr(loop, "_incoming"))
-            twice([&] { riders.move(view(incoming), out); });
+            twice([&] { attachments.move(view(incoming), out); });
         else
-            twice([&] { riders.move({}, out); });
+            twice([&] { attachments.move({}, out); });
     } else if (!std::strncmp(loop, "mean_value", 10) || !std::strncmp(loop, "green", 5)) {
         const SurfaceMesh cage = box(7); // 296 vertices
         const Points pose = 1.1 * cage.points();
@@ -196,9 +196,10 @@ int main(int count, char** words)
         request.tolerance = 0.0;
         frame([&] { arap.solve(request, out); });
     } else {
-        std::fprintf(stderr, "frames about | thin_shell | affine_basis | riders | riders_incoming | "
-                             "arap SMOOTHNESS ITERATIONS | thin_shell_bind | arap_bind | mean_value | green "
-                             "| mean_value_bind | green_bind\n");
+        std::fprintf(stderr,
+                     "frames about | thin_shell | affine_basis | attachments | attachments_incoming | "
+                     "arap SMOOTHNESS ITERATIONS | thin_shell_bind | arap_bind | mean_value | green "
+                     "| mean_value_bind | green_bind\n");
         return 2;
     }
     return 0;

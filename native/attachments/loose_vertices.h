@@ -27,7 +27,7 @@ public:
 
     /// Finds the places of all vertices on these points.
     void measure(const PointsView& points);
-    /// Writes the vertices. \param incoming  as in Riders::move().
+    /// Writes the vertices. \param incoming  as in Attachments::move().
     void move(const std::optional<PointsView>& incoming, Points& positions) const;
 
 private:

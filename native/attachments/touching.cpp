@@ -110,44 +110,46 @@ private:
     std::vector<std::once_flag> made_;
 };
 
-/// Lets parts ride on what their hosts ride on, where these are riders of about their size that they touch.
-void leave_peers(const std::vector<Part>& parts, std::vector<Seat>& seats, Contacts& contacts)
+/// Lets parts ride on what their hosts ride on, where these are attached parts of about their size that they
+/// touch.
+void leave_peers(const std::vector<Part>& parts, std::vector<Attachment>& attachments, Contacts& contacts)
 {
-    std::vector<Seat*> seat_of(parts.size(), nullptr);
-    for (Seat& seat : seats) {
-        seat_of[seat.part] = &seat;
-        const Seat* host = seat_of[seat.host];
-        const Part &part = parts[seat.part], &other = parts[seat.host];
+    std::vector<Attachment*> attachment_of(parts.size(), nullptr);
+    for (Attachment& attachment : attachments) {
+        attachment_of[attachment.part] = &attachment;
+        const Attachment* host = attachment_of[attachment.host];
+        const Part &part = parts[attachment.part], &other = parts[attachment.host];
         if (host && part.area > 0.0 && part.extent() > peer_share * other.extent() &&
-            !contacts.between(seat.part, seat.host).empty()) {
-            seat.host = host->host;
-            seat.beneath.clear(); // to be asked again
+            !contacts.between(attachment.part, attachment.host).empty()) {
+            attachment.host = host->host;
+            attachment.beneath.clear(); // to be asked again
         }
     }
 }
 
 /// Pairs of parts with an area that ride on the same one and have boxes that are near each other.
-std::vector<std::array<int, 2>> near_pairs(const std::vector<Part>& parts, const std::vector<Seat>& seats)
+std::vector<std::array<int, 2>> near_pairs(const std::vector<Part>& parts,
+                                           const std::vector<Attachment>& attachments)
 {
-    std::map<int, std::vector<int>> riders_of;
-    for (const Seat& seat : seats)
-        if (parts[seat.part].area > 0.0)
-            riders_of[seat.host].push_back(seat.part);
+    std::map<int, std::vector<int>> attached_to;
+    for (const Attachment& attachment : attachments)
+        if (parts[attachment.part].area > 0.0)
+            attached_to[attachment.host].push_back(attachment.part);
     std::vector<std::array<int, 2>> pairs;
-    for (const auto& [host, riders] : riders_of) {
+    for (const auto& [host, attached_parts] : attached_to) {
         std::vector<BoxTree::Box> boxes;
-        for (const int rider : riders)
-            boxes.push_back(parts[rider].box);
+        for (const int attached_part : attached_parts)
+            boxes.push_back(parts[attached_part].box);
         const BoxTree tree(boxes);
-        for (int i = 1; i < static_cast<int>(riders.size());
+        for (int i = 1; i < static_cast<int>(attached_parts.size());
              ++i) { // by falling area, so the later is smaller
-            const Part& part = parts[riders[i]];
+            const Part& part = parts[attached_parts[i]];
             const double near = gap * part.extent();
             tree.visit_by_bound(
                 i, near * near,
                 [&](const BoxTree::Box& box, bool) { return part.box.squaredExteriorDistance(box); },
                 [&](int j) {
-                    pairs.push_back({riders[i], riders[j]});
+                    pairs.push_back({attached_parts[i], attached_parts[j]});
                     return near * near;
                 });
         }
@@ -180,16 +182,16 @@ Components joined_labels(const Components& labels, const std::vector<std::array<
 
 } // namespace
 
-std::vector<int> join_where_they_touch(const SurfaceMesh& mesh, SeatedParts& seated, double length,
+std::vector<int> join_where_they_touch(const SurfaceMesh& mesh, HostedParts& hosted, double length,
                                        const Progress& progress)
 {
     progress.tick(0.0, "finding free parts that touch");
-    Contacts contacts(seated.parts);
-    leave_peers(seated.parts, seated.seats, contacts);
-    std::vector<int> hosts(seated.parts.size(), -1);
-    for (const Seat& seat : seated.seats)
-        hosts[seat.part] = seat.host;
-    const std::vector<std::array<int, 2>> pairs = near_pairs(seated.parts, seated.seats);
+    Contacts contacts(hosted.parts);
+    leave_peers(hosted.parts, hosted.attachments, contacts);
+    std::vector<int> hosts(hosted.parts.size(), -1);
+    for (const Attachment& attachment : hosted.attachments)
+        hosts[attachment.part] = attachment.host;
+    const std::vector<std::array<int, 2>> pairs = near_pairs(hosted.parts, hosted.attachments);
     std::vector<std::vector<Triangle>> bridges(pairs.size());
     parallel_for(
         static_cast<int>(pairs.size()),
@@ -201,8 +203,8 @@ std::vector<int> join_where_they_touch(const SurfaceMesh& mesh, SeatedParts& sea
     if (linked.empty())
         return hosts;
 
-    SeatedParts joined;
-    joined.labels = joined_labels(seated.labels, linked);
+    HostedParts joined;
+    joined.labels = joined_labels(hosted.labels, linked);
     joined.parts = parts_of(mesh, joined.labels);
     for (const std::vector<Triangle>& some : bridges)
         for (Triangle bridge : some) {
@@ -212,29 +214,30 @@ std::vector<int> join_where_they_touch(const SurfaceMesh& mesh, SeatedParts& sea
             part.bridges.push_back(bridge);
         }
     joined.surfaces.resize(joined.parts.size());
-    const auto now = [&](int part) { return joined.labels.labels[seated.parts[part].vertices.front()]; };
+    const auto now = [&](int part) { return joined.labels.labels[hosted.parts[part].vertices.front()]; };
     const auto is_as_before = [&](int part) {
-        return joined.parts[now(part)].vertices.size() == seated.parts[part].vertices.size();
+        return joined.parts[now(part)].vertices.size() == hosted.parts[part].vertices.size();
     };
     std::vector<char> has_seat(joined.parts.size(), 0);
-    for (Seat& seat : seated.seats) { // by falling area, so the first piece of a part comes after the host's
-        if (std::exchange(has_seat[now(seat.part)], 1))
+    for (Attachment& attachment :
+         hosted.attachments) { // by falling area, so the first piece of a part comes after the host's
+        if (std::exchange(has_seat[now(attachment.part)], 1))
             continue;
-        const Part& part = joined.parts[now(seat.part)];
-        std::unique_ptr<HostSurface>& surface = joined.surfaces[now(seat.host)];
+        const Part& part = joined.parts[now(attachment.part)];
+        std::unique_ptr<HostSurface>& surface = joined.surfaces[now(attachment.host)];
         if (!surface)
-            surface = std::make_unique<HostSurface>(joined.parts[now(seat.host)]);
-        if (!is_as_before(seat.part))
-            seat.samples = samples_of(part, length);
-        if (seat.beneath.empty() || !is_as_before(seat.part) || !is_as_before(seat.host)) {
+            surface = std::make_unique<HostSurface>(joined.parts[now(attachment.host)]);
+        if (!is_as_before(attachment.part))
+            attachment.samples = samples_of(part, length);
+        if (attachment.beneath.empty() || !is_as_before(attachment.part) || !is_as_before(attachment.host)) {
             surface->prepare_tree();
-            seat.beneath = places_beneath(part, seat.samples, *surface);
+            attachment.beneath = places_beneath(part, attachment.samples, *surface);
         }
-        seat.part = now(seat.part);
-        seat.host = now(seat.host);
-        joined.seats.push_back(std::move(seat));
+        attachment.part = now(attachment.part);
+        attachment.host = now(attachment.host);
+        joined.attachments.push_back(std::move(attachment));
     }
-    seated = std::move(joined);
+    hosted = std::move(joined);
     return hosts;
 }
 

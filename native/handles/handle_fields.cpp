@@ -39,7 +39,7 @@ HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const He
     MatrixX ones = MatrixX::Zero(static_cast<Eigen::Index>(constraints.size()), shares_.cols());
     for (std::size_t row = 0; row < constraints.size(); ++row) {
         const int slot =
-            groups_.seat(constraints[row]) - groups_.offsets[groups_.group[constraints[row].vertex]];
+            groups_.part_handle(constraints[row]) - groups_.offsets[groups_.group[constraints[row].vertex]];
         if (slot < ones.cols())
             ones(static_cast<Eigen::Index>(row), slot) = 1.0;
     }
@@ -60,11 +60,11 @@ HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const Su
     allocate(field == Field::geodesic ? width : 4); // with the distances, or with the places of the sources
     if (shares_.cols() == 0)
         return;
-    std::vector<std::vector<GeodesicDistance::Source>> sources(groups_.seat_count());
+    std::vector<std::vector<GeodesicDistance::Source>> sources(groups_.part_handle_count());
     const double edge = mean_edge(mesh);
     const auto add = [&](const Constraint& at, double weight) {
         const double away = weight < 1.0 ? edge * (1.0 - weight) / std::max(weight, least_weight) : 0.0;
-        sources[groups_.seat(at)].push_back({at.vertex, away});
+        sources[groups_.part_handle(at)].push_back({at.vertex, away});
     };
     for (int v = 0; v < n; ++v)
         if (regions.hard(v) >= 0)
@@ -75,7 +75,7 @@ HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const Su
         std::vector<StraightDistance> trees;
         for (const auto& each : sources)
             trees.emplace_back(mesh, each);
-        share_by(regions, [&](int v, int seat) { return trees[seat].at(mesh.point(v)); });
+        share_by(regions, [&](int v, int part_handle) { return trees[part_handle].at(mesh.point(v)); });
         return;
     }
     // Parts do not reach each other, so the handles that come first in their parts are measured together.
@@ -84,12 +84,13 @@ HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const Su
     parallel_tasks(width, [&](int slot) {
         std::vector<GeodesicDistance::Source> together;
         for (int g = 0; g < groups_.count(); ++g)
-            if (const int seat = groups_.offsets[g] + slot; seat < groups_.offsets[g + 1])
-                together.insert(together.end(), sources[seat].begin(), sources[seat].end());
+            if (const int part_handle = groups_.offsets[g] + slot; part_handle < groups_.offsets[g + 1])
+                together.insert(together.end(), sources[part_handle].begin(), sources[part_handle].end());
         distances[slot] = along.from(together);
     });
-    share_by(regions,
-             [&](int v, int seat) { return distances[seat - groups_.offsets[groups_.group[v]]][v]; });
+    share_by(regions, [&](int v, int part_handle) {
+        return distances[part_handle - groups_.offsets[groups_.group[v]]][v];
+    });
 }
 
 void HandleFields::share_by(const Regions& regions, const std::function<double(int, int)>& distance)
@@ -98,20 +99,22 @@ void HandleFields::share_by(const Regions& regions, const std::function<double(i
         const int g = groups_.group[v];
         if (g < 0)
             return;
-        const int begin = groups_.offsets[g], seats = groups_.offsets[g + 1] - begin;
+        const int begin = groups_.offsets[g], part_handles = groups_.offsets[g + 1] - begin;
         if (const int hard = regions.hard(v); hard >= 0) {
-            if (const int slot = groups_.seat({v, hard}) - begin; slot < seats - 1)
+            if (const int slot = groups_.part_handle({v, hard}) - begin; slot < part_handles - 1)
                 shares_(v, slot) = 1.0;
             return;
         }
         // The inverse distances, in units of the largest one. The last of them is not kept.
         double nearest = std::numeric_limits<double>::infinity(), sum = 0.0, last = 0.0;
-        const auto away = [&](int slot) -> double& { return slot < seats - 1 ? shares_(v, slot) : last; };
-        for (int slot = 0; slot < seats; ++slot)
+        const auto away = [&](int slot) -> double& {
+            return slot < part_handles - 1 ? shares_(v, slot) : last;
+        };
+        for (int slot = 0; slot < part_handles; ++slot)
             nearest = std::min(nearest, away(slot) = distance(v, begin + slot));
-        for (int slot = 0; slot < seats; ++slot)
+        for (int slot = 0; slot < part_handles; ++slot)
             sum += away(slot) = away(slot) <= nearest ? 1.0 : nearest / away(slot);
-        for (int slot = 0; slot < seats - 1; ++slot)
+        for (int slot = 0; slot < part_handles - 1; ++slot)
             shares_(v, slot) /= sum;
     });
 }
@@ -128,10 +131,10 @@ void HandleFields::allocate(int columns_beside)
 void HandleFields::blend(const RowMatrix& values, RowMatrix& blended) const
 {
     const auto columns = values.cols();
-    RowMatrix differences = values; // from the last seat of the part
+    RowMatrix differences = values; // from the last part handle of the part
     for (int g = 0; g < groups_.count(); ++g)
-        for (int seat = groups_.offsets[g]; seat < groups_.offsets[g + 1]; ++seat)
-            differences.row(seat) -= values.row(groups_.offsets[g + 1] - 1);
+        for (int part_handle = groups_.offsets[g]; part_handle < groups_.offsets[g + 1]; ++part_handle)
+            differences.row(part_handle) -= values.row(groups_.offsets[g + 1] - 1);
     parallel_for(static_cast<int>(groups_.group.size()), [&](int v) {
         const int g = groups_.group[v];
         if (g < 0)
@@ -139,9 +142,9 @@ void HandleFields::blend(const RowMatrix& values, RowMatrix& blended) const
         const int begin = groups_.offsets[g], last = groups_.offsets[g + 1] - 1;
         double* own = blended.data() + columns * v;
         std::copy_n(values.data() + columns * last, columns, own);
-        for (int seat = begin; seat < last; ++seat) {
-            const double share = shares_(v, seat - begin);
-            const double* difference = differences.data() + columns * seat;
+        for (int part_handle = begin; part_handle < last; ++part_handle) {
+            const double share = shares_(v, part_handle - begin);
+            const double* difference = differences.data() + columns * part_handle;
             for (Eigen::Index c = 0; c < columns; ++c)
                 own[c] += share * difference[c];
         }

@@ -17,10 +17,10 @@ enum class Field {
     euclidean ///< the same with straight distances
 };
 
-/// One field per seat: 1 on its own handle and 0 on the others; those of a part sum to 1. A soft handle of
-/// weight w has less than 1 on its vertices: it pulls the harmonic field as it pulls positions, and lies
-/// (1 - w) / w mean edges farther away. All fields stay in [0, 1]: for harmonic ones, negative weights of
-/// edges are made positive (see operators/laplacian.h).
+/// One field per part handle: 1 on its own handle and 0 on the others; those of a part sum to 1. A soft
+/// handle of weight w has less than 1 on its vertices: it pulls the harmonic field as it pulls positions, and
+/// lies (1 - w) / w mean edges farther away. All fields stay in [0, 1]: for harmonic ones, negative weights
+/// of edges are made positive (see operators/laplacian.h).
 class HandleFields
 {
 public:
@@ -36,17 +36,17 @@ public:
     HandleFields(HandleGroups groups, const Regions& regions, const SurfaceMesh& mesh, Field field);
 
     const HandleGroups& groups() const { return groups_; }
-    /// The field of a seat at a vertex of its part.
-    double share(int vertex, int seat) const
+    /// The field of a part handle at a vertex of its part.
+    double share(int vertex, int part_handle) const
     {
         double share;
-        shares(vertex, 1, seat, &share);
+        shares(vertex, 1, part_handle, &share);
         return share;
     }
-    /// The field of a seat at n vertices of its part, one after the other.
-    void shares(int begin, int n, int seat, double* found) const
+    /// The field of a part handle at n vertices of its part, one after the other.
+    void shares(int begin, int n, int part_handle, double* found) const
     {
-        const int g = groups_.group[begin], slot = seat - groups_.offsets[g];
+        const int g = groups_.group[begin], slot = part_handle - groups_.offsets[g];
         const Eigen::Index width = shares_.cols(), kept = groups_.offsets[g + 1] - 1 - groups_.offsets[g];
         const double* row = shares_.data() + width * begin;
         for (int i = 0; i < n; ++i, row += width)
@@ -59,19 +59,19 @@ public:
             }
     }
 
-    /// (n, m) the mean of the values of the seats at each vertex, weighted by the fields. Where all values of
-    /// a part are one, it is exactly that one. Rows of parts without a handle are left as they are.
-    /// \param values  (seats, m)
+    /// (n, m) the mean of the values of the part handles at each vertex, weighted by the fields. Where all
+    /// values of a part are one, it is exactly that one. Rows of parts without a handle are left as they are.
+    /// \param values  (part handles, m)
     void blend(const RowMatrix& values, RowMatrix& blended) const;
 
 private:
     /// \throw OutOfMemory  there is no room for them, and for as many columns beside them.
     void allocate(int columns_beside = 0);
-    /// Shares of the inverse distances of each vertex from the seats of its part.
-    void share_by(const Regions& regions, const std::function<double(int vertex, int seat)>& distance);
+    /// Shares of the inverse distances of each vertex from the part handles of its part.
+    void share_by(const Regions& regions, const std::function<double(int vertex, int part_handle)>& distance);
 
     HandleGroups groups_;
-    RowMatrix shares_; ///< (n, width - 1) of all seats of a part but the last
+    RowMatrix shares_; ///< (n, width - 1) of all part handles of a part but the last
 };
 
 } // namespace sinew

@@ -8,14 +8,14 @@ namespace sinew {
 
 HandleGroups::HandleGroups(const Regions& regions, const Components& parts)
 {
-    std::vector<std::pair<int, int>> seats; // part, handle
+    std::vector<std::pair<int, int>> part_handles; // part, handle
     for (const auto& [vertex, handle] : regions.constraints())
-        seats.emplace_back(parts.labels[vertex], handle);
-    std::ranges::sort(seats);
-    seats.erase(std::ranges::unique(seats).begin(), seats.end());
+        part_handles.emplace_back(parts.labels[vertex], handle);
+    std::ranges::sort(part_handles);
+    part_handles.erase(std::ranges::unique(part_handles).begin(), part_handles.end());
 
     std::vector<int> group_of_part(parts.count, -1);
-    for (const auto& [part, handle] : seats) {
+    for (const auto& [part, handle] : part_handles) {
         if (group_of_part[part] < 0) {
             group_of_part[part] = count();
             offsets.push_back(offsets.back());
@@ -36,7 +36,7 @@ int HandleGroups::width() const
     return most;
 }
 
-int HandleGroups::seat(const Constraint& constraint) const
+int HandleGroups::part_handle(const Constraint& constraint) const
 {
     const int g = group[constraint.vertex];
     const auto begin = handles.begin() + offsets[g], end = handles.begin() + offsets[g + 1];

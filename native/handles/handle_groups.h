@@ -9,23 +9,23 @@
 namespace sinew {
 
 /// The handles of each connected part. Parts do not feel each other, so everything that is averaged over
-/// handles is averaged over those of one part. A seat is a handle in a part.
+/// handles is averaged over those of one part. A part handle is a handle in one part.
 struct HandleGroups
 {
     std::vector<int> group;      ///< (n) the group of each vertex; -1 in a part without a handle
-    std::vector<int> offsets{0}; ///< the seats of group g are [offsets[g], offsets[g + 1])
-    std::vector<int> handles;    ///< the handle of each seat, rising within a group
+    std::vector<int> offsets{0}; ///< the part handles of group g are [offsets[g], offsets[g + 1])
+    std::vector<int> handles;    ///< the handle of each part handle, rising within a group
 
     HandleGroups() = default;
     /// \param parts  of the mesh of the regions.
     HandleGroups(const Regions& regions, const Components& parts);
 
     int count() const { return static_cast<int>(offsets.size()) - 1; }
-    int seat_count() const { return static_cast<int>(handles.size()); }
-    /// The most seats of a group.
+    int part_handle_count() const { return static_cast<int>(handles.size()); }
+    /// The most part handles of a group.
     int width() const;
-    /// The seat of a handle in the part of one of its vertices.
-    int seat(const Constraint& constraint) const;
+    /// The part handle of a handle in the part of one of its vertices.
+    int part_handle(const Constraint& constraint) const;
 };
 
 } // namespace sinew

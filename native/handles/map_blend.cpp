@@ -91,17 +91,17 @@ Vector3 rotation_between(const Eigen::Quaterniond& from, const Eigen::Quaternion
 }
 
 MapBlend::MapBlend(const HandleGroups& groups, const std::vector<Matrix3>& maps)
-    : values_(groups.seat_count(), numbers)
+    : values_(groups.part_handle_count(), numbers)
 {
-    const auto put = [this](int seat, const Vector3& turn, const Matrix3& S) {
-        values_.row(seat) << turn.transpose(), S(0, 0), S(0, 1), S(0, 2), S(1, 1), S(1, 2), S(2, 2);
+    const auto put = [this](int part_handle, const Vector3& turn, const Matrix3& S) {
+        values_.row(part_handle) << turn.transpose(), S(0, 0), S(0, 1), S(0, 2), S(1, 1), S(1, 2), S(2, 2);
     };
     for (int g = 0; g < groups.count(); ++g) {
         std::vector<Polar> polar;
         std::vector<Eigen::Quaterniond> turns;
         bool alike = true;
-        for (int seat = groups.offsets[g]; seat < groups.offsets[g + 1]; ++seat) {
-            const Matrix3& map = maps[groups.handles[seat]];
+        for (int part_handle = groups.offsets[g]; part_handle < groups.offsets[g + 1]; ++part_handle) {
+            const Matrix3& map = maps[groups.handles[part_handle]];
             alike = alike && map == maps[groups.handles[groups.offsets[g]]];
             polar.emplace_back(map);
             turns.emplace_back(polar.back().R);

@@ -91,7 +91,7 @@ public:
     /// \param maps  (k) one per handle.
     MapBlend(const HandleGroups& groups, const std::vector<Matrix3>& maps);
 
-    /// (seats, 9) what HandleFields::blend() takes the means of.
+    /// (part handles, 9) what HandleFields::blend() takes the means of.
     const RowMatrix& values() const { return values_; }
     /// Whether all handles of a part have one map, and R of a part where they have not.
     bool alike(int group) const { return alike_[group]; }

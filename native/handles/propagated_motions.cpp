@@ -13,7 +13,8 @@ namespace {
 
 using RowMatrix3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
-/// The seats of groups, each with one more at its end, for the identity, which is handle `handle_count`.
+/// The part handles of groups, each with one more at its end, for the identity, which is handle
+/// `handle_count`.
 HandleGroups with_identity(const HandleGroups& groups, int handle_count)
 {
     HandleGroups all;
@@ -21,7 +22,7 @@ HandleGroups with_identity(const HandleGroups& groups, int handle_count)
         all.handles.insert(all.handles.end(), groups.handles.begin() + groups.offsets[g],
                            groups.handles.begin() + groups.offsets[g + 1]);
         all.handles.push_back(handle_count);
-        all.offsets.push_back(all.seat_count());
+        all.offsets.push_back(all.part_handle_count());
     }
     return all;
 }
@@ -49,20 +50,21 @@ PropagatedMotions::PropagatedMotions(const HandleGroups& groups, std::vector<Mat
     const RowMatrix& values = blend_.values();
     for (int group = 0; group < groups.count(); ++group) {
         begins_.push_back(static_cast<int>(moving_.size()));
-        // The seats of the blend are shifted by those of the identity.
+        // The part handles of the blend are shifted by those of the identity.
         const Numbers identity = values.row(groups.offsets[group + 1] + group);
         Numbers::Map(parts_[group].identity) = identity;
         RowMatrix3::Map(parts_[group].mean) = blend_.mean(group);
-        for (int seat = groups.offsets[group]; seat < groups.offsets[group + 1]; ++seat) {
-            const HandleMotion& motion = motions[groups.handles[seat]];
+        for (int part_handle = groups.offsets[group]; part_handle < groups.offsets[group + 1];
+             ++part_handle) {
+            const HandleMotion& motion = motions[groups.handles[part_handle]];
             if (motion.turning == 0 && motion.move.isZero(0))
                 continue;
             PropagatedMotion& added = moving_.emplace_back();
-            Numbers::Map(added.numbers) = values.row(seat + group) - identity;
+            Numbers::Map(added.numbers) = values.row(part_handle + group) - identity;
             Vector3::Map(added.centre) = motion.centre;
             Vector3::Map(added.move) = motion.move;
             added.turning = motion.turning;
-            seats_.push_back(seat);
+            part_handles_.push_back(part_handle);
         }
         parts_[group].count = static_cast<int>(moving_.size()) - begins_.back();
     }

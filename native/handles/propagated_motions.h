@@ -48,7 +48,8 @@ struct HandleMotion
     double turning = 0.0; ///< |R S - I|^2
 };
 
-/// Motions of handles, damped and blended at points by their shares t, as methods/surface/linear/propagation.h says.
+/// Motions of handles, damped and blended at points by their shares t, as
+/// methods/surface/linear/propagation.h says.
 class PropagatedMotions
 {
 public:
@@ -63,7 +64,8 @@ public:
     /// \param base    (n, 3)
     /// \param group   group(v), -1 for none: the point stays.
     /// \param held    held(v, place) tells whether a handle holds the point, and its place.
-    /// \param shares  shares(v, n, seat, t) writes t of a seat of the group of v, for n points from v on that
+    /// \param shares  shares(v, n, part handle, t) writes t of a part handle of the group of v, for n points
+    ///   from v on that
     ///                are in this group.
     /// \param put     put(v, n, places) takes the results of n points from v on.
     template <class Group, class Held, class Shares, class Put>
@@ -73,9 +75,9 @@ public:
         constexpr int most = 256, stride = most + 8; // points of a run, with room for the kernels
         std::vector<double> t(stride * moving_.size()), from(3 * stride), moved(3 * stride);
         const auto alone = [&](int v) {
-            const Vector3 place = one(base.row(v).transpose(), group(v), [&](int seat) {
+            const Vector3 place = one(base.row(v).transpose(), group(v), [&](int part_handle) {
                 double share = 0.0;
-                shares(v, 1, seat, &share);
+                shares(v, 1, part_handle, &share);
                 return share;
             });
             put(v, 1, place.data());
@@ -96,7 +98,7 @@ public:
             while (n < most && v + n < end && group(v + n) == own && !held(v + n, place))
                 ++n;
             for (int k = 0; k < parts_[own].count; ++k)
-                shares(v, n, seats_[begins_[own] + k], &t[k * stride]);
+                shares(v, n, part_handles_[begins_[own] + k], &t[k * stride]);
             std::copy_n(base.data() + 3 * v, 3 * n, from.data());
             for (int i = 0; i < n; ++i) {
                 const int done =
@@ -122,7 +124,7 @@ private:
         Vector3 centre = Vector3::Zero(), shift = Vector3::Zero();
         double turning = 0.0;
         for (int k = begins_[group]; k < begins_[group] + parts_[group].count; ++k) {
-            const double t = share(seats_[k]), weight = std::max(0.0, t) * moving_[k].turning;
+            const double t = share(part_handles_[k]), weight = std::max(0.0, t) * moving_[k].turning;
             nine += t * Numbers::Map(moving_[k].numbers);
             centre += weight * Vector3::Map(moving_[k].centre);
             turning += weight;
@@ -135,7 +137,7 @@ private:
     MapBlend blend_;
     const PropagationKernels& kernels_;
     std::vector<PropagatedMotion> moving_; ///< of the handles that move, part after part
-    std::vector<int> seats_, begins_;
+    std::vector<int> part_handles_, begins_;
     std::vector<PropagatedPart> parts_;
 };
 

@@ -7,39 +7,39 @@
 
 namespace sinew {
 
-SplineGrid::Seat SplineGrid::seat(double u, double v) const
+SplineGrid::Stencil SplineGrid::stencil(double u, double v) const
 {
-    Seat seat;
-    const int column = u_.values(u, seat.u.data()), row = v_.values(v, seat.v.data());
-    seat.first = row * columns() + column;
-    return seat;
+    Stencil stencil;
+    const int column = u_.values(u, stencil.u.data()), row = v_.values(v, stencil.v.data());
+    stencil.first = row * columns() + column;
+    return stencil;
 }
 
-void SplineGrid::evaluate(const Seat& seat, const RowMatrix& control, double* value) const
+void SplineGrid::evaluate(const Stencil& stencil, const RowMatrix& control, double* value) const
 {
     const int order = degree() + 1;
     const auto m = control.cols();
     std::fill_n(value, m, 0.0);
     for (int j = 0; j < order; ++j)
         for (int i = 0; i < order; ++i) {
-            const double weight = seat.v[j] * seat.u[i];
+            const double weight = stencil.v[j] * stencil.u[i];
             const double* const point =
-                control.data() + m * (seat.first + static_cast<Eigen::Index>(j) * columns() + i);
+                control.data() + m * (stencil.first + static_cast<Eigen::Index>(j) * columns() + i);
             for (Eigen::Index column = 0; column < m; ++column)
                 value[column] += weight * point[column];
         }
 }
 
-WeightRows SplineGrid::weights(const std::vector<Seat>& seats) const
+WeightRows SplineGrid::weights(const std::vector<Stencil>& stencils) const
 {
     const int order = degree() + 1;
-    WeightRows rows(static_cast<Eigen::Index>(seats.size()), size());
+    WeightRows rows(static_cast<Eigen::Index>(stencils.size()), size());
     rows.reserve(Eigen::VectorXi::Constant(rows.rows(), order * order));
     for (Eigen::Index row = 0; row < rows.rows(); ++row) {
-        const Seat& seat = seats[row];
+        const Stencil& stencil = stencils[row];
         for (int j = 0; j < order; ++j)
             for (int i = 0; i < order; ++i)
-                rows.insert(row, seat.first + j * columns() + i) = seat.v[j] * seat.u[i];
+                rows.insert(row, stencil.first + j * columns() + i) = stencil.v[j] * stencil.u[i];
     }
     rows.makeCompressed();
     return rows;

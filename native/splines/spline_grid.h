@@ -30,21 +30,21 @@ public:
     const BsplineBasis& along_v() const { return v_; }
 
     /// What f needs of one place: the first control point, and the functions along u and v.
-    struct Seat
+    struct Stencil
     {
         int first;
         std::array<double, most_spline_degree + 1> u, v;
     };
     /// \param u, v  moved into [0, 1] if they lie outside.
-    Seat seat(double u, double v) const;
+    Stencil stencil(double u, double v) const;
 
-    /// f at a seat.
+    /// f at a stencil.
     /// \param control  (size, m)
     /// \param[out] value  (m)
-    void evaluate(const Seat& seat, const RowMatrix& control, double* value) const;
+    void evaluate(const Stencil& stencil, const RowMatrix& control, double* value) const;
 
-    /// (number of seats, size) the weights of the control points at places.
-    WeightRows weights(const std::vector<Seat>& seats) const;
+    /// (number of stencils, size) the weights of the control points at places.
+    WeightRows weights(const std::vector<Stencil>& stencils) const;
 
     /// (size, size) the quadratic form of the sum of squares of all second differences of the control points,
     /// with those across counted twice, as in the energy of a thin plate. It is zero for functions that are

@@ -40,7 +40,7 @@ NATIVE_RANKS = {
 }
 # Room -> rank of each of its sub-rooms, of a pair of its files (with a dot) and of all other files ("").
 SUB_RANKS = {
-    "attachments": {"part.": 0, "sampling.": 0, "host_surface.": 1, "seat.": 2, "frames": 3, "": 4},
+    "attachments": {"part.": 0, "sampling.": 0, "host_surface.": 1, "find_hosts.": 2, "frames": 3, "": 4},
     "bindings": {"": 0, "shapes": 1, "space": 1, "surface": 1},
     "local_global": {"arap": 0, "bodies": 1, "reduced": 1, "rows": 1, "": 2},
     "mesh": {"": 0, "frames": 1, "trees": 1},

@@ -48,8 +48,8 @@ struct LooseSlot
     double places[3][4]; ///< along two sides of the triangle, and along its normal of length sqrt(2 A)
 };
 
-/// The loops of riders over a frame of the animation. Every variant does the same operations in the same
-/// order and fuses none, so results agree to the last bit. Points are (n, 3) numbers, row by row.
+/// The loops of attached parts over a frame of the animation. Every variant does the same operations in the
+/// same order and fuses none, so results agree to the last bit. Points are (n, 3) numbers, row by row.
 struct FrameKernels
 {
     /// Measures four patches at rest, of 1 to 24 slots each. \param[out] C  (9, 4) C_rest, row by row.

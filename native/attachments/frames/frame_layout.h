@@ -7,9 +7,9 @@
 
 namespace sinew {
 
-constexpr int most_frames = 64; ///< of a rider
+constexpr int most_frames = 64; ///< of an attached part
 
-/// Where the frames of one rider sit, and what share each vertex has in them.
+/// Where the frames of one attached part sit, and what share each vertex has in them.
 ///
 /// The first frame sits at the vertex nearest the centroid, each further one at the vertex farthest from all
 /// before along the part's own edges, until every vertex is within the bend length; there are at most

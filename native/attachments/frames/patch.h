@@ -7,13 +7,13 @@
 
 namespace sinew {
 
-/// A point of a host that lies beneath a rider.
+/// A point of a host that lies beneath an attached part.
 struct Contact
 {
     Vector3 point;
     int triangle; ///< of the host's triangles()
     double weight;
-    double anchor; ///< how much the point decides where the rider is, not how it turns
+    double anchor; ///< how much the point decides where the attached part is, not how it turns
 };
 
 /// Some triangles of a host. Both kinds of weights sum to 1.

@@ -16,9 +16,9 @@ namespace sinew {
 namespace {
 
 /// Says which of the parts without a handle ride. Either all of them do, or none.
-void tell(const Riders& riders, BindReport& report)
+void tell(const Attachments& attachments, BindReport& report)
 {
-    report.rides = riders.rides();
+    report.rides = attachments.rides();
     if (report.rides.empty())
         return;
     report.free_parts = 0;
@@ -46,9 +46,9 @@ BindReport SurfaceMethod::hold(const std::vector<Handle>& handles, const Progres
     const auto start = std::chrono::steady_clock::now();
     progress.tick(0.0, "assembling the energy");
     Regions regions(handles, parts_);
-    std::shared_ptr<const Riders> riders = riders_for(regions, free_parts, progress);
+    std::shared_ptr<const Attachments> attachments = attachments_for(regions, free_parts, progress);
     BindReport report = regions.report();
-    tell(*riders, report);
+    tell(*attachments, report);
     try {
         bind(regions, report, progress);
     } catch (const OutOfMemory&) {
@@ -59,34 +59,35 @@ BindReport SurfaceMethod::hold(const std::vector<Handle>& handles, const Progres
     report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     report_ = report;
     regions_ = std::move(regions);
-    riders_ = std::move(riders);
+    attachments_ = std::move(attachments);
     bound_ = true;
     return report;
 }
 
-std::shared_ptr<const Riders> SurfaceMethod::riders_for(const Regions& regions, const FreeParts& free_parts,
-                                                        const Progress& progress) const
+std::shared_ptr<const Attachments> SurfaceMethod::attachments_for(const Regions& regions,
+                                                                  const FreeParts& free_parts,
+                                                                  const Progress& progress) const
 {
     std::vector<bool> driven(parts_.count, false);
     for (int v = 0; v < rest_->vertex_count(); ++v)
         if (!regions.is_idle(v))
             driven[parts_.labels[v]] = true;
-    if (riders_ && riders_->serves(driven, free_parts))
-        return riders_;
-    return std::make_shared<const Riders>(*rest_, parts_, std::move(driven), free_parts, progress);
+    if (attachments_ && attachments_->serves(driven, free_parts))
+        return attachments_;
+    return std::make_shared<const Attachments>(*rest_, parts_, std::move(driven), free_parts, progress);
 }
 
 BindReport SurfaceMethod::follow(const FreeParts& free_parts, const Progress& progress)
 {
-    std::shared_ptr<const Riders> riders = riders_for(regions_, free_parts, progress);
+    std::shared_ptr<const Attachments> attachments = attachments_for(regions_, free_parts, progress);
     progress.tick(1.0, "taking over the factor");
     BindReport report = report_, counted = regions_.report();
     report.free_parts = counted.free_parts;
     report.free_vertices = std::move(counted.free_vertices);
     report.riding_vertices.clear();
-    tell(*riders, report);
+    tell(*attachments, report);
     report_ = report;
-    riders_ = std::move(riders);
+    attachments_ = std::move(attachments);
     return report;
 }
 
@@ -174,7 +175,7 @@ void SurfaceMethod::swap_all(SurfaceMethod& other)
         return;
     swap_binding(other);
     std::swap(regions_, other.regions_);
-    std::swap(riders_, other.riders_);
+    std::swap(attachments_, other.attachments_);
     std::swap(report_, other.report_);
     std::swap(bound_, other.bound_);
 }
@@ -200,7 +201,7 @@ SolveReport SurfaceMethod::solve(const SolveRequest& request, Points& positions)
     const Stepping kind = request.substeps > 1 ? stepping() : Stepping::none;
     const SolveReport report = kind == Stepping::none ? deform(request, targets, positions)
                                                       : deform_in_steps(kind, request, targets, positions);
-    riders_->move(request.incoming, positions);
+    attachments_->move(request.incoming, positions);
     return report;
 }
 

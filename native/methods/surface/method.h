@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "native/attachments/riders.h"
+#include "native/attachments/attachments.h"
 #include "native/core/access.h"
 #include "native/core/progress.h"
 #include "native/core/report.h"
@@ -60,7 +60,7 @@ public:
     /// \param free_parts  what parts without a handle do. Those that follow are in no system: solve() reads
     ///   their motion off the solved points.
     /// \throw InvalidConstraint    see Regions.
-    /// \throw InvalidOption        see Riders.
+    /// \throw InvalidOption        see Attachments.
     /// \throw FactorizationFailed  a system is singular; a vertex is named.
     /// \throw Cancelled            by `progress`.
     /// \throw ObjectInUse          in a progress callback of another call on this object.
@@ -99,7 +99,7 @@ public:
     /// What the last bind was for; the next one replaces it.
     const Regions& regions() const { return regions_; }
     /// As in the last set_handles() or rebind().
-    FreeParts free_parts() const { return riders_ ? riders_->options() : FreeParts{}; }
+    FreeParts free_parts() const { return attachments_ ? attachments_->options() : FreeParts{}; }
     /// For calls that read what a bind made, and for several calls between which no bind may come.
     AccessLock reading() const { return {AccessLock::reading, access_}; }
 
@@ -112,8 +112,8 @@ public:
     };
     virtual Stepping stepping() const { return Stepping::none; }
 
-    /// True if the result does not depend on the incoming shape, so that one solve can be used again for every
-    /// shape that enters under the same poses.
+    /// True if the result does not depend on the incoming shape, so that one solve can be used again for
+    /// every shape that enters under the same poses.
     virtual bool displaces_all_alike() const { return false; }
 
 protected:
@@ -134,7 +134,7 @@ protected:
     /// A method with the same options for another rest shape, where stepping() is `anew`.
     virtual std::unique_ptr<SurfaceMethod> made_anew(const SurfaceMesh& rest) const;
     /// Whether the vertices of parts that no handle touches get their places after deform().
-    bool idle_parts_ride() const { return !riders_->rides().empty(); }
+    bool idle_parts_ride() const { return !attachments_->rides().empty(); }
     /// Names of the options that change the result of bind() and differ from those of `former`, an object of
     /// the same class.
     virtual std::vector<std::string> changed_options(const SurfaceMethod& former) const = 0;
@@ -157,10 +157,10 @@ private:
     void swap_all(SurfaceMethod& other);
     SolveReport deform_in_steps(Stepping kind, const SolveRequest& request, const Targets& targets,
                                 Points& positions) const;
-    /// The last riders if they serve these handles, too.
-    std::shared_ptr<const Riders> riders_for(const Regions& regions, const FreeParts& free_parts,
-                                             const Progress& progress) const;
-    /// Takes over other riders and keeps the factor.
+    /// The last attached parts if they serve these handles, too.
+    std::shared_ptr<const Attachments> attachments_for(const Regions& regions, const FreeParts& free_parts,
+                                                       const Progress& progress) const;
+    /// Takes over other attached parts and keeps the factor.
     BindReport follow(const FreeParts& free_parts, const Progress& progress);
     /// Says what a breakdown at a vertex means for a mesh, and what to do.
     [[noreturn]] void refuse(const FactorizationFailed& failure) const;
@@ -168,7 +168,7 @@ private:
     std::shared_ptr<const SurfaceMesh> rest_; ///< shared, so that its address stays when the method is moved
     Components parts_;
     Regions regions_;
-    std::shared_ptr<const Riders> riders_; ///< null before the first bind
+    std::shared_ptr<const Attachments> attachments_; ///< null before the first bind
     BindReport report_;
     bool bound_ = false;
     mutable Access access_;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "native/attachments/riders.h"
+#include "native/attachments/attachments.h"
 #include "tests/native/shapes.h"
 
 #include <cmath>
@@ -109,11 +109,11 @@ struct Carried
     Scene scene;
     SurfaceMesh mesh;
     Components parts;
-    Riders riders;
+    Attachments attachments;
 
     explicit Carried(const Scene& from, double stiffness = 0.0)
         : scene(from), mesh(from.mesh()), parts(connected_components(mesh)),
-          riders(mesh, parts, driven(), {.follow = true, .stiffness = {stiffness}})
+          attachments(mesh, parts, driven(), {.follow = true, .stiffness = {stiffness}})
     {
     }
 
@@ -129,7 +129,7 @@ struct Carried
     {
         Points positions = all;
         positions.bottomRows(all.rows() - scene.body()).setConstant(1000);
-        riders.move(incoming, positions);
+        attachments.move(incoming, positions);
         return positions;
     }
     Points moved(const std::function<Vector3(const Vector3&)>& by) const { return moved(deformed(by)); }
@@ -140,7 +140,7 @@ struct Carried
             all.row(v) = by(mesh.point(v)).transpose();
         return all;
     }
-    const Ride& ride(int part) const { return riders.rides().at(part - 1); }
+    const Ride& ride(int part) const { return attachments.rides().at(part - 1); }
 };
 
 Scene tube_and_balls();

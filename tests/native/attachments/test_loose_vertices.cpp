@@ -24,7 +24,7 @@ TEST(LooseVertices, stay_on_the_surface_and_at_their_height_above_it)
 {
     const std::vector<double> heights{0, 0, 0, 0, .05, .05, .3, 1};
     const scenes::Carried carried = dusty(heights);
-    EXPECT_EQ(carried.riders.rides().size(), heights.size());
+    EXPECT_EQ(carried.attachments.rides().size(), heights.size());
     for (double radius : {20.0, 8.0}) {
         const auto by = [&](const Vector3& p) { return scenes::rolled(p, radius); };
         const Points exact = carried.deformed(by), moved = carried.moved(by);

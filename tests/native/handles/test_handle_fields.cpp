@@ -31,7 +31,7 @@ struct Bound
     }
     double operator()(int vertex, int handle) const
     {
-        return fields.share(vertex, fields.groups().seat({vertex, handle}));
+        return fields.share(vertex, fields.groups().part_handle({vertex, handle}));
     }
 
     Components parts;

@@ -21,9 +21,9 @@ TEST(HandleGroups, have_the_handles_of_each_part)
     EXPECT_EQ(groups.handles, (std::vector<int>{1, 0, 1}));
     for (int v = 0; v < mesh.vertex_count(); ++v)
         EXPECT_EQ(groups.group[v], v / 6 - 1);
-    EXPECT_EQ(groups.seat({6, 1}), 0);
-    EXPECT_EQ(groups.seat({12, 0}), 1);
-    EXPECT_EQ(groups.seat({14, 1}), 2);
+    EXPECT_EQ(groups.part_handle({6, 1}), 0);
+    EXPECT_EQ(groups.part_handle({12, 0}), 1);
+    EXPECT_EQ(groups.part_handle({14, 1}), 2);
     EXPECT_EQ(HandleGroups(Regions({}, parts), parts).width(), 0);
 }
 

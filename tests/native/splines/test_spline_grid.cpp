@@ -13,15 +13,15 @@ namespace sinew::test_spline_grid {
 
 namespace {
 
-std::vector<SplineGrid::Seat> scattered(const SplineGrid& grid, int count, std::uint64_t seed)
+std::vector<SplineGrid::Stencil> scattered(const SplineGrid& grid, int count, std::uint64_t seed)
 {
     shapes::Random random(seed);
-    std::vector<SplineGrid::Seat> seats;
+    std::vector<SplineGrid::Stencil> stencils;
     for (int k = 0; k < count; ++k) {
         const double u = random.unit();
-        seats.push_back(grid.seat(u, random.unit()));
+        stencils.push_back(grid.stencil(u, random.unit()));
     }
-    return seats;
+    return stencils;
 }
 
 /// The solution of B c = d with the least norm: c = B^T (B B^T)^-1 d.
@@ -46,7 +46,7 @@ TEST(SplineGrid, moves_by_one_point_only_the_stated_rectangle_of_degree_plus_one
         for (double u = 0.0005; u < 1; u += 0.013)
             for (double v = 0.0005; v < 1; v += 0.013) {
                 double moved = -1.0;
-                grid.evaluate(grid.seat(u, v), control, &moved);
+                grid.evaluate(grid.stencil(u, v), control, &moved);
                 const bool inside = u > u0 && u < u1 && v > v0 && v < v1;
                 EXPECT_EQ(moved > 0, inside) << degree << " " << u << " " << v;
             }
@@ -76,11 +76,11 @@ TEST(SplineGrid, costs_no_bending_where_the_points_move_by_a_linear_function)
 TEST(ControlFit, meets_fewer_constraints_than_unknowns_with_the_least_change_beside_the_mean)
 {
     const SplineGrid grid(3, 8, 8);
-    const std::vector<SplineGrid::Seat> seats = scattered(grid, 12, 5);
+    const std::vector<SplineGrid::Stencil> stencils = scattered(grid, 12, 5);
     const MatrixX d = shapes::Random(6).dense(12, 3);
-    const ControlFit fit(grid.weights(seats), VectorX::Ones(12), grid.bending(), 0.0);
+    const ControlFit fit(grid.weights(stencils), VectorX::Ones(12), grid.bending(), 0.0);
     const RowMatrix c = fit.solve(d);
-    const MatrixX B = MatrixX(grid.weights(seats));
+    const MatrixX B = MatrixX(grid.weights(stencils));
     // The smallest singular value is 1/50 of the largest; their squares are inverted.
     EXPECT_LT((B * c - d).norm(), 1e-11);
     const MatrixX mean = MatrixX::Ones(12, 1) * d.colwise().mean();
@@ -91,13 +91,13 @@ TEST(ControlFit, meets_fewer_constraints_than_unknowns_with_the_least_change_bes
 TEST(ControlFit, of_more_constraints_than_unknowns_fulfils_the_normal_equation)
 {
     const SplineGrid grid(2, 5, 4);
-    const std::vector<SplineGrid::Seat> seats = scattered(grid, 300, 7);
+    const std::vector<SplineGrid::Stencil> stencils = scattered(grid, 300, 7);
     const MatrixX d = shapes::Random(8).dense(300, 3);
     VectorX weights(300);
     for (int k = 0; k < 300; ++k)
         weights[k] = 0.1 + 0.9 * (k % 7) / 6.0;
-    const ControlFit fit(grid.weights(seats), weights, grid.bending(), 0.0);
-    const MatrixX B = MatrixX(grid.weights(seats)), W = (weights / weights.sum()).asDiagonal();
+    const ControlFit fit(grid.weights(stencils), weights, grid.bending(), 0.0);
+    const MatrixX B = MatrixX(grid.weights(stencils)), W = (weights / weights.sum()).asDiagonal();
     const RowMatrix c = fit.solve(d);
     EXPECT_GT((B * c - d).norm(), 1.0);
     EXPECT_LT((B.transpose() * W * (B * c - d)).norm(), 1e-13);
@@ -107,13 +107,13 @@ TEST(ControlFit, of_more_constraints_than_unknowns_fulfils_the_normal_equation)
 TEST(ControlFit, with_a_penalty_is_least_and_reproduces_linear_functions)
 {
     const SplineGrid grid(3, 7, 6);
-    const std::vector<SplineGrid::Seat> seats = scattered(grid, 40, 9);
-    const ControlFit fit(grid.weights(seats), VectorX::Ones(40), grid.bending(), 1e-2);
+    const std::vector<SplineGrid::Stencil> stencils = scattered(grid, 40, 9);
+    const ControlFit fit(grid.weights(stencils), VectorX::Ones(40), grid.bending(), 1e-2);
     MatrixX lines(grid.size(), 2);
     for (int j = 0; j < grid.rows(); ++j)
         for (int i = 0; i < grid.columns(); ++i)
             lines.row(j * grid.columns() + i) << 3.0, grid.along_u().place(i) - 2 * grid.along_v().place(j);
-    const MatrixX B = MatrixX(grid.weights(seats));
+    const MatrixX B = MatrixX(grid.weights(stencils));
     EXPECT_LT((fit.solve(B * lines) - lines).norm(),
               1e-4); // the least norm pulls by 1e-8, and N by 1e-3 or more
     const MatrixX d = shapes::Random(10).dense(40, 2);

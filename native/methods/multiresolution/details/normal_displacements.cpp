@@ -16,7 +16,7 @@ namespace sinew {
 namespace {
 
 constexpr int most_steps = 12;
-constexpr double outside = 1e-7;  ///< how far beyond an edge a seat may be, as a share of the triangle
+constexpr double outside = 1e-7; ///< how far beyond an edge a foot point may be, as a share of the triangle
 constexpr double residual = 1e-10; ///< of a solution, as a share of the longest edge
 
 /// One triangle of the base, with its normals.
@@ -87,7 +87,7 @@ struct Patch
 
 NormalDisplacements::NormalDisplacements(const PointsView& fine, const PointsView& coarse,
                                          std::shared_ptr<const RingRotations> rings)
-    : rings_(std::move(rings)), seats_(fine.rows())
+    : rings_(std::move(rings)), foot_points_(fine.rows())
 {
     std::vector<char> vectors(fine.rows(), 0);
     const ClosestTriangle closest(coarse, rings_->triangles());
@@ -105,18 +105,19 @@ NormalDisplacements::NormalDisplacements(const PointsView& fine, const PointsVie
             if (triangle < 0)
                 triangle = closest.to(x, INFINITY);
             if (triangle >= 0)
-                seats_[v] = seat_of(x, triangle, coarse, normals);
-            vectors[v] = seats_[v].triangle < 0;
+                foot_points_[v] = foot_point_of(x, triangle, coarse, normals);
+            vectors[v] = foot_points_[v].triangle < 0;
         },
         64);
     vectors_ = static_cast<int>(std::ranges::count(vectors, 1));
 }
 
-NormalDisplacements::Seat NormalDisplacements::seat_of(const Vector3& x, int closest,
-                                                       const PointsView& coarse, const Points& normals) const
+NormalDisplacements::FootPoint NormalDisplacements::foot_point_of(const Vector3& x, int closest,
+                                                                  const PointsView& coarse,
+                                                                  const Points& normals) const
 {
     const std::vector<Triangle>& triangles = rings_->triangles();
-    Seat best;
+    FootPoint best;
     const auto look = [&](int t) {
         const auto found = Patch(triangles[t], coarse, normals).solve(x);
         if (found && (best.triangle < 0 || std::abs((*found)[2]) < std::abs(best.height)))
@@ -159,15 +160,17 @@ void NormalDisplacements::normals_of(const PointsView& points, std::vector<Vecto
     });
 }
 
-Vector3 NormalDisplacements::place_of(const Seat& seat, const PointsView& points, const Points& normals) const
+Vector3 NormalDisplacements::place_of(const FootPoint& foot_point, const PointsView& points,
+                                      const Points& normals) const
 {
-    const auto [i, j, k] = rings_->triangles()[seat.triangle];
-    const double first = 1 - seat.u - seat.v;
+    const auto [i, j, k] = rings_->triangles()[foot_point.triangle];
+    const double first = 1 - foot_point.u - foot_point.v;
     const Vector3 n =
-        (first * normals.row(i) + seat.u * normals.row(j) + seat.v * normals.row(k)).transpose();
+        (first * normals.row(i) + foot_point.u * normals.row(j) + foot_point.v * normals.row(k)).transpose();
     const double size = n.norm();
-    const double height = size > 0 ? seat.height / size : 0.0;
-    return (first * points.row(i) + seat.u * points.row(j) + seat.v * points.row(k)).transpose() + height * n;
+    const double height = size > 0 ? foot_point.height / size : 0.0;
+    return (first * points.row(i) + foot_point.u * points.row(j) + foot_point.v * points.row(k)).transpose() +
+           height * n;
 }
 
 void NormalDisplacements::apply(const Band& band, Points& detailed, SolveReport& /*report*/) const
@@ -175,9 +178,9 @@ void NormalDisplacements::apply(const Band& band, Points& detailed, SolveReport&
     const auto work = workspaces_.take([] { return std::make_unique<Workspace>(); });
     normals_of(band.moved, work->of_faces, work->normals);
     detailed = band.moved;
-    parallel_for(static_cast<int>(seats_.size()), [&](int v) {
-        if (seats_[v].triangle >= 0)
-            detailed.row(v) = place_of(seats_[v], band.moved, work->normals).transpose();
+    parallel_for(static_cast<int>(foot_points_.size()), [&](int v) {
+        if (foot_points_[v].triangle >= 0)
+            detailed.row(v) = place_of(foot_points_[v], band.moved, work->normals).transpose();
     });
     if (band.at_rest && vectors_ == 0)
         return;
@@ -185,15 +188,15 @@ void NormalDisplacements::apply(const Band& band, Points& detailed, SolveReport&
     if (!band.at_rest)
         normals_of(band.coarse, work->of_faces, work->entering_normals);
     const auto left = [&](int v) -> Vector3 {
-        const Vector3 foot = seats_[v].triangle < 0
+        const Vector3 foot = foot_points_[v].triangle < 0
                                  ? Vector3(band.coarse.row(v).transpose())
-                                 : place_of(seats_[v], band.coarse, work->entering_normals);
+                                 : place_of(foot_points_[v], band.coarse, work->entering_normals);
         return band.fine.row(v).transpose() - foot;
     };
     rings_->fit(
         band.coarse, band.moved, work->maps,
         [&](int v) {
-            return seats_[v].triangle < 0 ? band.fine.row(v) != band.coarse.row(v) : !band.at_rest;
+            return foot_points_[v].triangle < 0 ? band.fine.row(v) != band.coarse.row(v) : !band.at_rest;
         },
         [&](int v, const Matrix3& R, const Matrix3& /*sum*/) {
             detailed.row(v) += (R * left(v)).transpose();

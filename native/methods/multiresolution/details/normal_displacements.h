@@ -33,7 +33,7 @@ class NormalDisplacements final : public DetailCoding
 {
 public:
     /// Where a vertex of the fine shape stands.
-    struct Seat
+    struct FootPoint
     {
         int triangle = -1; ///< -1: its detail is a vector
         double u = 0, v = 0, height = 0;
@@ -46,12 +46,13 @@ public:
     void apply(const Band& band, Points& detailed, SolveReport& report) const override;
     int vectors() const override { return vectors_; }
 
-    const std::vector<Seat>& seats() const { return seats_; } ///< (n)
+    const std::vector<FootPoint>& foot_points() const { return foot_points_; } ///< (n)
 
 private:
-    Seat seat_of(const Vector3& x, int closest, const PointsView& coarse, const Points& normals) const;
+    FootPoint foot_point_of(const Vector3& x, int closest, const PointsView& coarse,
+                            const Points& normals) const;
     void normals_of(const PointsView& points, std::vector<Vector3>& of_faces, Points& normals) const;
-    Vector3 place_of(const Seat& seat, const PointsView& points, const Points& normals) const;
+    Vector3 place_of(const FootPoint& foot_point, const PointsView& points, const Points& normals) const;
 
     struct Workspace
     {
@@ -61,7 +62,7 @@ private:
     };
 
     std::shared_ptr<const RingRotations> rings_;
-    std::vector<Seat> seats_;
+    std::vector<FootPoint> foot_points_;
     int vectors_ = 0;
     mutable Pool<Workspace> workspaces_;
 };

@@ -26,14 +26,14 @@ constexpr double rounding_floor = 1e-14;
 constexpr int sweeps = 2;
 
 /// Which handle each cell follows, and how strongly.
-struct Seats
+struct CellHandles
 {
     std::vector<int> handle;      ///< or -1; after the last one, that of cells that stay
     std::vector<double> strength; ///< 1 holds the cell
 };
 
 /// \param held  (c, 3) the points of the handles, in the coordinates of the grid.
-Seats seats_of(const CellGrid& grid, const HandlePoints& handles, const Points& held)
+CellHandles handles_of_cells(const CellGrid& grid, const HandlePoints& handles, const Points& held)
 {
     std::vector<int> cells;
     Points carriers(held.rows(), 3);
@@ -49,27 +49,28 @@ Seats seats_of(const CellGrid& grid, const HandlePoints& handles, const Points& 
         double points = 0.0, strength = 0.0;
     };
     std::vector<std::map<int, Sum>> tallies(static_cast<std::size_t>(grid.size()));
-    std::vector<char> seated(static_cast<std::size_t>(handles.handle_count()), 1);
+    std::vector<char> has_cell(static_cast<std::size_t>(handles.handle_count()), 1);
     for (int p = 0; p < held.rows(); ++p) {
         if (holding[p] == 0.0)
             continue;
         Sum& sum = tallies[cells[p]][handles.handle_of(p)];
         sum.points += 1.0;
         sum.strength += handles.weight(p) * holding[p];
-        seated[handles.handle_of(p)] = 0;
+        has_cell[handles.handle_of(p)] = 0;
     }
-    Seats seats;
+    CellHandles cell_handles;
     for (const auto& tally : tallies) {
         const auto most =
             std::ranges::max_element(tally, {}, [](const auto& entry) { return entry.second.points; });
-        seats.handle.push_back(most == tally.end() ? -1 : most->first);
-        seats.strength.push_back(most == tally.end() ? 0.0 : most->second.strength / most->second.points);
+        cell_handles.handle.push_back(most == tally.end() ? -1 : most->first);
+        cell_handles.strength.push_back(most == tally.end() ? 0.0
+                                                            : most->second.strength / most->second.points);
         if (most != tally.end())
-            seated[most->first] = 1;
+            has_cell[most->first] = 1;
     }
     std::vector<int> without;
     for (int h = 0; h < handles.handle_count(); ++h)
-        if (!seated[h])
+        if (!has_cell[h])
             without.push_back(h);
     if (!without.empty())
         throw InvalidConstraint(
@@ -78,10 +79,11 @@ Seats seats_of(const CellGrid& grid, const HandlePoints& handles, const Points& 
                 ": no cell is left to hold, as other handles have more points in all of "
                 "theirs; use more cells",
             Error::Element::handle, without);
-    return seats;
+    return cell_handles;
 }
 
-HandleGraph graph_of(const CellGrid& grid, const Seats& seats, const std::vector<BodyJoint>& joints)
+HandleGraph graph_of(const CellGrid& grid, const CellHandles& cell_handles,
+                     const std::vector<BodyJoint>& joints)
 {
     std::vector<std::map<int, double>> neighbours(static_cast<std::size_t>(grid.size()));
     std::vector<double> diagonal(static_cast<std::size_t>(grid.size()), 0.0);
@@ -101,12 +103,12 @@ HandleGraph graph_of(const CellGrid& grid, const Seats& seats, const std::vector
     GraphHandles held;
     held.idle.assign(static_cast<std::size_t>(grid.size()), 0);
     for (int c = 0; c < grid.size(); ++c) {
-        const bool is_hard = seats.strength[c] >= 1.0;
-        held.hard.push_back(is_hard ? seats.handle[c] : -1);
-        if (!is_hard && seats.handle[c] >= 0)
-            held.pulls.push_back(
-                {c, seats.handle[c],
-                 seats.strength[c] / (1.0 - seats.strength[c]) * (diagonal[c] > 0.0 ? diagonal[c] : 1.0)});
+        const bool is_hard = cell_handles.strength[c] >= 1.0;
+        held.hard.push_back(is_hard ? cell_handles.handle[c] : -1);
+        if (!is_hard && cell_handles.handle[c] >= 0)
+            held.pulls.push_back({c, cell_handles.handle[c],
+                                  cell_handles.strength[c] / (1.0 - cell_handles.strength[c]) *
+                                      (diagonal[c] > 0.0 ? diagonal[c] : 1.0)});
     }
     return {std::move(edges), std::move(held)};
 }
@@ -156,14 +158,15 @@ RigidCells::~RigidCells() = default;
 void RigidCells::build(PointsView points, SpaceReport& report, const Progress& progress)
 {
     CellGrid grid(surface_in_unit(), options_.cells, options_.levels, progress);
-    Seats seats = seats_of(grid, handles().held(), in_unit(view(handles().held().points())));
+    CellHandles cell_handles =
+        handles_of_cells(grid, handles().held(), in_unit(view(handles().held().points())));
     std::vector<char> held;
-    for (const int handle : seats.handle)
+    for (const int handle : cell_handles.handle)
         held.push_back(handle >= 0);
     const std::vector<int> still = grid.join_loose_pieces(held);
     for (const int cell : still) {
-        seats.handle[cell] = handles().count();
-        seats.strength[cell] = 1.0;
+        cell_handles.handle[cell] = handles().count();
+        cell_handles.strength[cell] = 1.0;
     }
     std::vector<BodyJoint> joints;
     for (const CellFace& face : grid.faces()) {
@@ -175,7 +178,7 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
         centres.row(c) = grid.cells()[c].centre.transpose();
     progress.tick(0.6, "factorising");
     RotationGraph graph(
-        graph_of(grid, seats, joints),
+        graph_of(grid, cell_handles, joints),
         {.rigidity = std::vector<double>(static_cast<std::size_t>(grid.size()), 1.0), .triangles = {}},
         centres);
     std::vector<Cell> cells;

@@ -116,9 +116,9 @@ void SpacePropagation::move(PointsView control, PointsView base, Real* out) cons
     parallel_chunks(n, 2048, [&](int begin, int end) {
         blend.move(
             begin, end, rest, [](int) { return 0; }, held,
-            [&](int v, int count, int seat, double* t) {
+            [&](int v, int count, int part_handle, double* t) {
                 for (int i = 0; i < count; ++i)
-                    t[i] = share(v + i, seat);
+                    t[i] = share(v + i, part_handle);
                 transfer_.apply(t, count);
             },
             [&](int v, int count, const double* places) {

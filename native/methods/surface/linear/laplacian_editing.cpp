@@ -120,8 +120,8 @@ struct LaplacianEditing::Impl
             std::vector<Eigen::Quaterniond> turns;
             bool alike = true;
             const Matrix3& first = maps[groups.handles[groups.offsets[g]]];
-            for (int seat = groups.offsets[g]; seat < groups.offsets[g + 1]; ++seat) {
-                const Matrix3& map = maps[groups.handles[seat]];
+            for (int part_handle = groups.offsets[g]; part_handle < groups.offsets[g + 1]; ++part_handle) {
+                const Matrix3& map = maps[groups.handles[part_handle]];
                 alike = alike && map == first;
                 turns.emplace_back(Polar(map).R);
             }

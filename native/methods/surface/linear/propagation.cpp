@@ -108,8 +108,8 @@ SolveReport Propagation::deform(const SolveRequest& /*request*/, const Targets& 
     const PointsView base = targets.base();
     const int n = static_cast<int>(base.rows());
     positions.resize(n, 3);
-    const auto shares = [&](int v, int count, int seat, double* t) {
-        bound.fields.shares(v, count, seat, t);
+    const auto shares = [&](int v, int count, int part_handle, double* t) {
+        bound.fields.shares(v, count, part_handle, t);
         impl_->transfer.apply(t, count);
     };
     const auto held = [&](int v, Vector3& place) {

@@ -44,16 +44,17 @@ int Binding::turn(const std::vector<Matrix3>& maps, RowMatrix& turns) const
     std::vector<Matrix3> rotations;
     for (const Matrix3& map : maps)
         rotations.push_back(Polar(map).R);
-    RowMatrix values(groups.seat_count(), 9);
-    for (int seat = 0; seat < groups.seat_count(); ++seat)
-        FrameRow(values.data() + 9 * static_cast<std::ptrdiff_t>(seat)) = rotations[groups.handles[seat]];
+    RowMatrix values(groups.part_handle_count(), 9);
+    for (int part_handle = 0; part_handle < groups.part_handle_count(); ++part_handle)
+        FrameRow(values.data() + 9 * static_cast<std::ptrdiff_t>(part_handle)) =
+            rotations[groups.handles[part_handle]];
     fields.blend(values, turns);
     const MapBlend vectors(groups, rotations);
     const auto decide = [&](int vertex) -> Matrix3 {
         const int g = groups.group[vertex];
         Eigen::Matrix<double, MapBlend::numbers, 1> mean = decltype(mean)::Zero();
-        for (int seat = groups.offsets[g]; seat < groups.offsets[g + 1]; ++seat)
-            mean += fields.share(vertex, seat) * vectors.values().row(seat).transpose();
+        for (int part_handle = groups.offsets[g]; part_handle < groups.offsets[g + 1]; ++part_handle)
+            mean += fields.share(vertex, part_handle) * vectors.values().row(part_handle).transpose();
         const MapBlend::Map map = vectors.at(g, mean.data());
         Matrix3 Q;
         for (int axis = 0; axis < 3; ++axis)

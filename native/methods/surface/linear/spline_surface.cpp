@@ -63,7 +63,7 @@ std::vector<std::vector<int>> regions_of_parts(const SurfaceMesh& rest, const Re
 struct Patch
 {
     std::vector<int> vertices; ///< its region
-    std::vector<SplineGrid::Seat> seats; ///< of the region
+    std::vector<SplineGrid::Stencil> stencils; ///< of the region
     std::vector<Eigen::Index> rows; ///< of Regions::constraints() that move the grid
     ControlFit fit;
     std::vector<int> fitted; ///< vertices that the grid at rest is fitted to
@@ -150,7 +150,7 @@ struct Binding
                 control += moves->middleRows(first, grid.size());
             first += grid.size();
             parallel_for(static_cast<int>(patch.vertices.size()), [&](int i) {
-                grid.evaluate(patch.seats[i], control, &spline(patch.vertices[i], 0));
+                grid.evaluate(patch.stencils[i], control, &spline(patch.vertices[i], 0));
             });
         }
     }
@@ -225,11 +225,11 @@ struct SplineSurface::Impl
             }
         const Eigen::MatrixX2d uv =
             places(rest, vertices, sums[last] / counts[last] - sums[first] / counts[first]);
-        std::vector<SplineGrid::Seat> seats, held;
+        std::vector<SplineGrid::Stencil> stencils, held;
         for (Eigen::Index i = 0; i < uv.rows(); ++i)
-            seats.push_back(grid.seat(uv(i, 0), uv(i, 1)));
+            stencils.push_back(grid.stencil(uv(i, 0), uv(i, 1)));
         for (Eigen::Index row : rows)
-            held.push_back(seats[index_of[constraints[row].vertex]]);
+            held.push_back(stencils[index_of[constraints[row].vertex]]);
         const std::size_t hard = constraints.size() - regions.soft().size();
         VectorX weights(static_cast<Eigen::Index>(rows.size()));
         for (Eigen::Index i = 0; i < weights.size(); ++i) {
@@ -238,15 +238,15 @@ struct SplineSurface::Impl
                 (row < hard ? 1.0 : regions.soft()[row - hard].weight) / counts[constraints[row].handle];
         }
         std::vector<int> fitted;
-        std::vector<SplineGrid::Seat> at;
+        std::vector<SplineGrid::Stencil> at;
         const std::size_t step = (vertices.size() + most_fitted - 1) / most_fitted;
         for (std::size_t i = 0; i < vertices.size(); i += step) {
             fitted.push_back(vertices[i]);
-            at.push_back(seats[i]);
+            at.push_back(stencils[i]);
         }
         const MatrixX bending = grid.bending();
         return {std::move(vertices),
-                std::move(seats),
+                std::move(stencils),
                 std::move(rows),
                 ControlFit(grid.weights(held), weights, bending, options.smoothing),
                 std::move(fitted),

@@ -261,7 +261,7 @@ SolveReport VolumetricGraphLaplacian::deform(const SolveRequest& /*request*/, co
     if (targets.incoming) {
         work->base.resize(nodes, 3);
         work->base.topRows(n) = *targets.incoming;
-        inside.graph.riders.move(std::nullopt, work->base);
+        inside.graph.attachments.move(std::nullopt, work->base);
         all.incoming.emplace(view(work->base));
         differentiate(bound.L, bound.mass, *targets.incoming, work->delta);
         inside.differentiate(view(work->base), work->inner);

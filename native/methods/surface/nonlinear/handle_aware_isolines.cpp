@@ -30,15 +30,15 @@ constexpr double energy_factor = 4.0; ///< E for F of local_global/reduced/rotat
 struct Part
 {
     std::vector<int> vertices;
-    std::vector<int> handles;              ///< of its seats
+    std::vector<int> handles;              ///< of its part handles
     std::vector<std::vector<int>> patches; ///< vertices around each of these handles, in this part
     Vector3 centre;
     int first_band = 0;
-    RowMatrix shares; ///< (bands, seats) the means of the fields
+    RowMatrix shares; ///< (bands, part handles) the means of the fields
     std::unique_ptr<const RotationClusters> clusters;
-    PointWeights answers; ///< (vertices, 4 seats + 3 bands)
+    PointWeights answers; ///< (vertices, 4 part handles + 3 bands)
 
-    int seat_count() const { return static_cast<int>(handles.size()); }
+    int part_handle_count() const { return static_cast<int>(handles.size()); }
     int band_count() const { return static_cast<int>(shares.rows()); }
 
     RotationClusters::State start(const Poses& poses) const;
@@ -63,28 +63,28 @@ struct Binding
 struct Frame
 {
     Points moved, answers; ///< of the vertices of a part
-    Points moves;          ///< (4 seats + 3 bands, 3)
+    Points moves;          ///< (4 part handles + 3 bands, 3)
 };
 
-/// Divides a part into bands: those of its seats one after the other, from their handles outwards.
-void divide(Part& part, int group, const HandleFields& fields, int bands_per_seat, std::vector<int>& labels)
+/// Divides a part into bands: those of its part handles one after the other, from their handles outwards.
+void divide(Part& part, int group, const HandleFields& fields, int bands_per_handle, std::vector<int>& labels)
 {
-    const int first = fields.groups().offsets[group], seats = part.seat_count();
+    const int first = fields.groups().offsets[group], part_handles = part.part_handle_count();
     std::vector<int> own(part.vertices.size());
-    std::vector<double> least(seats, 1.0);
+    std::vector<double> least(part_handles, 1.0);
     const auto share = [&](std::size_t k, int s) { return fields.share(part.vertices[k], first + s); };
     for (std::size_t k = 0; k < own.size(); ++k) {
-        for (int s = 1; s < seats; ++s)
+        for (int s = 1; s < part_handles; ++s)
             if (share(k, s) > share(k, own[k]) + equal)
                 own[k] = s;
         least[own[k]] = std::min(least[own[k]], share(k, own[k]));
     }
-    std::vector<int> numbers(static_cast<std::size_t>(seats) * bands_per_seat, 0);
+    std::vector<int> numbers(static_cast<std::size_t>(part_handles) * bands_per_handle, 0);
     for (std::size_t k = 0; k < own.size(); ++k) {
         const double range = 1.0 - least[own[k]];
         const double depth = range > equal ? (1.0 - share(k, own[k])) / range : 0.0;
-        own[k] = own[k] * bands_per_seat +
-                 std::clamp(static_cast<int>((depth - equal) * bands_per_seat), 0, bands_per_seat - 1);
+        own[k] = own[k] * bands_per_handle +
+                 std::clamp(static_cast<int>((depth - equal) * bands_per_handle), 0, bands_per_handle - 1);
         ++numbers[own[k]];
     }
     std::vector<int> members;
@@ -94,18 +94,18 @@ void divide(Part& part, int group, const HandleFields& fields, int bands_per_sea
         members.push_back(number);
         number = static_cast<int>(members.size()) - 1;
     }
-    part.shares = RowMatrix::Zero(static_cast<Eigen::Index>(members.size()), seats);
+    part.shares = RowMatrix::Zero(static_cast<Eigen::Index>(members.size()), part_handles);
     for (std::size_t k = 0; k < own.size(); ++k) {
         const int band = numbers[own[k]];
         labels[part.vertices[k]] = part.first_band + band;
-        for (int s = 0; s < seats; ++s)
+        for (int s = 0; s < part_handles; ++s)
             part.shares(band, s) += share(k, s) / members[band];
     }
 }
 
 /// The parts with a handle, divided into bands.
 std::vector<Part> parts_of(const SurfaceMesh& mesh, const Regions& regions, const HandleFields& fields,
-                           int bands_per_seat, std::vector<int>& labels)
+                           int bands_per_handle, std::vector<int>& labels)
 {
     const HandleGroups& groups = fields.groups();
     std::vector<Part> parts(groups.count());
@@ -127,7 +127,7 @@ std::vector<Part> parts_of(const SurfaceMesh& mesh, const Regions& regions, cons
                                  [&](int v) { return groups.group[v] == g; });
         }
         part.first_band = bands;
-        divide(part, g, fields, bands_per_seat, labels);
+        divide(part, g, fields, bands_per_handle, labels);
         bands += part.band_count();
     }
     return parts;
@@ -136,7 +136,7 @@ std::vector<Part> parts_of(const SurfaceMesh& mesh, const Regions& regions, cons
 /// What eliminates the points. Parts do not feel each other, so their columns lie over each other.
 struct Elimination
 {
-    RowMatrix X;  ///< (n, 4 seats of a part) the answers to affine poses of the handles
+    RowMatrix X;  ///< (n, 4 part handles of a part) the answers to affine poses of the handles
     RowMatrix AX; ///< the system's matrix times X
     RowMatrix Z;  ///< (n, 3 bands of a part) the answers to the rotations
     /// A soft pull: its row of X if it were exact, and its stiffness.
@@ -152,7 +152,7 @@ struct Elimination
 
 void Elimination::complete(Part& part, const ClusterLoads& loads) const
 {
-    const Eigen::Index poses = 4 * static_cast<Eigen::Index>(part.seat_count()),
+    const Eigen::Index poses = 4 * static_cast<Eigen::Index>(part.part_handle_count()),
                        turns = 3 * static_cast<Eigen::Index>(part.band_count()),
                        first = 3 * static_cast<Eigen::Index>(part.first_band);
     RowMatrix G = RowMatrix::Zero(turns, turns), H = RowMatrix::Zero(turns, poses);
@@ -191,14 +191,14 @@ void eliminate(std::vector<Part>& parts, const HeldSystem& system, const HandleG
     const int n = mesh.vertex_count();
     Eigen::Index poses = 0, turns = 0;
     for (const Part& part : parts) {
-        poses = std::max<Eigen::Index>(poses, 4 * part.seat_count());
+        poses = std::max<Eigen::Index>(poses, 4 * part.part_handle_count());
         turns = std::max<Eigen::Index>(turns, 3 * part.band_count());
     }
     const std::vector<Constraint> constraints = regions.constraints();
     MatrixX columns = MatrixX::Zero(static_cast<Eigen::Index>(constraints.size()), poses);
     for (std::size_t row = 0; row < constraints.size(); ++row) {
         const int v = constraints[row].vertex, g = groups.group[v];
-        const int slot = groups.seat(constraints[row]) - groups.offsets[g];
+        const int slot = groups.part_handle(constraints[row]) - groups.offsets[g];
         columns.block<1, 4>(static_cast<Eigen::Index>(row), 4 * slot)
             << (mesh.point(v) - parts[g].centre).transpose() / unit,
             1.0;
@@ -210,7 +210,8 @@ void eliminate(std::vector<Part>& parts, const HeldSystem& system, const HandleG
     for (std::size_t k = 0; k < regions.soft().size(); ++k) {
         const int v = regions.soft()[k].vertex;
         eliminated.pulls[v].push_back(
-            {columns.row(static_cast<Eigen::Index>(softs + k)).head(4 * parts[groups.group[v]].seat_count()),
+            {columns.row(static_cast<Eigen::Index>(softs + k))
+                 .head(4 * parts[groups.group[v]].part_handle_count()),
              regions.soft()[k].stiffness() * (diagonal[v] > 0 ? diagonal[v] : mean)});
     }
     eliminated.X = system.spread(columns);
@@ -252,7 +253,7 @@ void HandleAwareIsolines::bind(const Regions& regions, BindReport& report, const
 {
     Binding& bound = *impl_->bound;
     const double unit = normal_unit(rest().points());
-    const int n = rest().vertex_count(), bands_per_seat = (impl_->options.bands + 1) / 2;
+    const int n = rest().vertex_count(), bands_per_handle = (impl_->options.bands + 1) / 2;
     const TriangleMetric metric = triangle_metric(rest());
     report.degenerate_faces = degenerate_face_count(rest(), metric);
     auto L = std::make_shared<SparseMatrix>(laplacian_matrix(rest(), Discretization::cotan, metric));
@@ -268,7 +269,7 @@ void HandleAwareIsolines::bind(const Regions& regions, BindReport& report, const
             impl_->options.field == Field::harmonic
                 ? HandleFields(std::move(groups), regions, bound.system)
                 : HandleFields(std::move(groups), regions, rest(), impl_->options.field);
-        parts = parts_of(rest(), regions, fields, bands_per_seat, labels);
+        parts = parts_of(rest(), regions, fields, bands_per_handle, labels);
         const int bands = parts.empty() ? 0 : parts.back().first_band + parts.back().band_count();
         const ClusterLoads loads(bound.system.matrix(), rest().points() / unit, labels, bands);
         if (bands > many_bands)
@@ -419,7 +420,7 @@ SolveReport HandleAwareIsolines::deform(const SolveRequest& request, const Targe
     std::vector<Matrix3> turns; // R - 1 of all bands
     for (const Part& part : bound.parts) {
         Poses before, after;
-        for (int s = 0; s < part.seat_count(); ++s) {
+        for (int s = 0; s < part.part_handle_count(); ++s) {
             const int handle = part.handles[s];
             before.push_back(motion_of(part.patches[s], points, targets.base(), part.centre, bound.unit));
             const bool aims_from_rest = targets.from_rest && (*targets.from_rest)[handle];

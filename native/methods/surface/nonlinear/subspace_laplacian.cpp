@@ -49,10 +49,10 @@ GraphEdges edges_of(const SparseMatrix& L, const std::vector<int>& vertices, con
 struct Part
 {
     std::shared_ptr<const CagedPart> space;
-    std::vector<int> handles; ///< of its seats
+    std::vector<int> handles; ///< of its part handles
     std::unique_ptr<const SubspaceCells> cells;
     SubspaceCells::Base base; ///< the rest shape
-    RowMatrix shares;         ///< (clusters, seats) the means of the fields
+    RowMatrix shares;         ///< (clusters, part handles) the means of the fields
     std::unique_ptr<const ClusterMap> map;
     struct Near
     {
@@ -269,16 +269,16 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
             std::vector<int> hard(count);
             VectorX own_mass(count);
             std::vector<double> grips(count, 1.0);
-            std::vector<int> held(groups.seat_count(), 0);
+            std::vector<int> held(groups.part_handle_count(), 0);
             for (int k = 0; k < count; ++k) {
                 hard[k] = regions.hard(members[g][k]);
                 own_mass[k] = mass[members[g][k]];
                 if (hard[k] >= 0)
-                    ++held[groups.seat({members[g][k], hard[k]})];
+                    ++held[groups.part_handle({members[g][k], hard[k]})];
             }
             for (const SoftConstraint& soft : regions.soft())
                 if (groups.group[soft.vertex] == g) {
-                    ++held[groups.seat({soft.vertex, soft.handle})];
+                    ++held[groups.part_handle({soft.vertex, soft.handle})];
                     if (soft.weight > firm) {
                         hard[places[soft.vertex]] = soft.handle;
                         grips[places[soft.vertex]] = grip_of(soft.weight);
@@ -292,15 +292,15 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
             const int first = groups.offsets[g];
             for (int k = 0; k < count; ++k)
                 if (const int handle = regions.hard(members[g][k]); handle >= 0) {
-                    const int seat = groups.seat({members[g][k], handle});
-                    pulls.push_back({seat - first, k, held_stiffness / held[seat]});
+                    const int part_handle = groups.part_handle({members[g][k], handle});
+                    pulls.push_back({part_handle - first, k, held_stiffness / held[part_handle]});
                 }
             for (const SoftConstraint& soft : regions.soft())
                 if (groups.group[soft.vertex] == g) {
                     const double unit = diagonal[soft.vertex] > 0 ? diagonal[soft.vertex] : 1.0;
-                    const int seat = groups.seat({soft.vertex, soft.handle});
-                    pulls.push_back({seat - first, places[soft.vertex],
-                                     std::min(soft.stiffness() * unit, held_stiffness / held[seat])});
+                    const int part_handle = groups.part_handle({soft.vertex, soft.handle});
+                    pulls.push_back({part_handle - first, places[soft.vertex],
+                                     std::min(soft.stiffness() * unit, held_stiffness / held[part_handle])});
                 }
             part.near = near_handles(edges, space, hard, std::move(grips));
             const Clusters clusters = clusters_of(edges, space.rest, hard, self.options.clusters);
@@ -313,19 +313,19 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
             none.idle.assign(count, 0);
             part.map =
                 std::make_unique<const ClusterMap>(HandleGraph(edges, std::move(none)), space.rest, clusters);
-            const auto seats = static_cast<Eigen::Index>(part.handles.size());
-            part.shares = RowMatrix::Zero(cluster_count, seats);
+            const auto part_handles = static_cast<Eigen::Index>(part.handles.size());
+            part.shares = RowMatrix::Zero(cluster_count, part_handles);
             VectorX sizes = VectorX::Zero(cluster_count);
             for (int k = 0; k < count; ++k) {
                 sizes[clusters.label[k]] += 1.0;
-                for (Eigen::Index s = 0; s < seats; ++s)
+                for (Eigen::Index s = 0; s < part_handles; ++s)
                     part.shares(clusters.label[k], s) +=
                         fields.share(members[g][k], first + static_cast<int>(s));
             }
             part.shares = (sizes.cwiseInverse().asDiagonal() * part.shares).eval();
             const RowMatrix B = space.exact_weights();
             require_memory(static_cast<std::int64_t>(sizeof(double)) * B.cols() * B.cols() *
-                               (cluster_count + static_cast<std::int64_t>(seats) + 2),
+                               (cluster_count + static_cast<std::int64_t>(part_handles) + 2),
                            "the energy of the cage");
             SparseMatrix own(count, count);
             {
@@ -337,7 +337,7 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
             }
             part.cells = std::make_unique<const SubspaceCells>(B, own, own_mass, clusters.label,
                                                                cluster_count, self.options.bending * areas[g],
-                                                               pulls, static_cast<int>(seats));
+                                                               pulls, static_cast<int>(part_handles));
             part.unit = normal_unit(rest().points());
             part.base = part.cells->base(space.y / part.unit);
             double scale = 0.0;

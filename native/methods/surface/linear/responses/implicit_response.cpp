@@ -75,30 +75,31 @@ SparseMatrix implicit_residual(const SurfaceMesh& rest, const SparseMatrix& L, c
 ImplicitResponse::ImplicitResponse(const SurfaceMesh& rest, const SparseMatrix& L, const VectorX& mass,
                                    std::span<const Ring> rings, const Points& delta, const Regions& regions,
                                    HandleGroups groups)
-    : groups_(std::move(groups)), centres_(groups_.seat_count(), Vector3::Zero()),
+    : groups_(std::move(groups)), centres_(groups_.part_handle_count(), Vector3::Zero()),
       soft_(!regions.soft().empty())
 {
     const int n = rest.vertex_count();
     auto H = std::make_shared<SparseMatrix>(hessian(implicit_residual(rest, L, mass, rings, delta), L, mass));
 
     const std::vector<Constraint> constraints = regions.constraints();
-    std::vector<int> counts(groups_.seat_count(), 0);
+    std::vector<int> counts(groups_.part_handle_count(), 0);
     for (const Constraint& at : constraints) {
-        const int seat = groups_.seat(at);
-        centres_[seat] += rest.point(at.vertex);
-        ++counts[seat];
+        const int part_handle = groups_.part_handle(at);
+        centres_[part_handle] += rest.point(at.vertex);
+        ++counts[part_handle];
     }
-    for (int seat = 0; seat < groups_.seat_count(); ++seat)
-        centres_[seat] /= counts[seat];
+    for (int part_handle = 0; part_handle < groups_.part_handle_count(); ++part_handle)
+        centres_[part_handle] /= counts[part_handle];
     const VectorX diagonal = H->diagonal();
     const double mean = diagonal.mean();
     const std::size_t hard = constraints.size() - regions.soft().size();
     for (std::size_t row = 0; row < constraints.size(); ++row) {
-        const int v = constraints[row].vertex, seat = groups_.seat(constraints[row]);
+        const int v = constraints[row].vertex, part_handle = groups_.part_handle(constraints[row]);
         const double unit = diagonal.segment<3>(3 * static_cast<Eigen::Index>(v)).mean();
         pulls_.push_back(
-            {v, seat, row < hard ? 0.0 : regions.soft()[row - hard].stiffness() * (unit > 0 ? unit : mean),
-             rest.point(v) - centres_[seat]});
+            {v, part_handle,
+             row < hard ? 0.0 : regions.soft()[row - hard].stiffness() * (unit > 0 ? unit : mean),
+             rest.point(v) - centres_[part_handle]});
     }
     for (const Pull& pull : pulls_)
         for (int axis = 0; axis < 3 && pull.stiffness > 0; ++axis)
@@ -132,7 +133,7 @@ ImplicitResponse::ImplicitResponse(const SurfaceMesh& rest, const SparseMatrix& 
     for (const Pull& pull : pulls_) {
         const bool held = pull.stiffness == 0;
         RowMatrix& into = held ? basis_ : b;
-        const int slot = pull.seat - groups_.offsets[groups_.group[pull.vertex]];
+        const int slot = pull.part_handle - groups_.offsets[groups_.group[pull.vertex]];
         const Eigen::RowVector4d place(pull.from_centre.x(), pull.from_centre.y(), pull.from_centre.z(), 1.0);
         for (int axis = 0; axis < 3; ++axis)
             into.block<1, 4>(3 * pull.vertex + axis, numbers * slot + 4 * axis) +=
@@ -173,43 +174,45 @@ std::vector<Pose> ImplicitResponse::moves(const Targets& targets, const std::vec
                                           const std::vector<Matrix3>& turns) const
 {
     std::vector<Vector3> centres = centres_; // of the shape that enters
-    std::vector<Matrix3> own(groups_.seat_count(), Matrix3::Identity()); // turns of the handles
+    std::vector<Matrix3> own(groups_.part_handle_count(), Matrix3::Identity()); // turns of the handles
     if (targets.incoming) {
-        std::vector<double> squares(groups_.seat_count(), 0.0), counts = squares;
+        std::vector<double> squares(groups_.part_handle_count(), 0.0), counts = squares;
         std::fill(centres.begin(), centres.end(), Vector3::Zero());
         std::fill(own.begin(), own.end(), Matrix3::Zero());
         for (const Pull& pull : pulls_) { // the points from their centres sum to zero at rest
             const Vector3 y = targets.incoming->row(pull.vertex).transpose();
-            centres[pull.seat] += y;
-            own[pull.seat] += y * pull.from_centre.transpose();
-            squares[pull.seat] += pull.from_centre.squaredNorm();
-            ++counts[pull.seat];
+            centres[pull.part_handle] += y;
+            own[pull.part_handle] += y * pull.from_centre.transpose();
+            squares[pull.part_handle] += pull.from_centre.squaredNorm();
+            ++counts[pull.part_handle];
         }
         for (int g = 0; g < groups_.count(); ++g)
-            for (int seat = groups_.offsets[g]; seat < groups_.offsets[g + 1]; ++seat) {
-                centres[seat] /= counts[seat];
-                own[seat] = fit_rotation(own[seat] +
-                                         least_turn * (squares[seat] > 0 ? squares[seat] : 1.0) * turns[g]);
+            for (int part_handle = groups_.offsets[g]; part_handle < groups_.offsets[g + 1]; ++part_handle) {
+                centres[part_handle] /= counts[part_handle];
+                own[part_handle] = fit_rotation(
+                    own[part_handle] +
+                    least_turn * (squares[part_handle] > 0 ? squares[part_handle] : 1.0) * turns[g]);
             }
     }
-    std::vector<Pose> moves(groups_.seat_count());
+    std::vector<Pose> moves(groups_.part_handle_count());
     for (int g = 0; g < groups_.count(); ++g) {
         const int begin = groups_.offsets[g], end = groups_.offsets[g + 1];
         const Matrix3 back = frames[g].transpose(), to_rest = turns[g].transpose();
         Vector3 sum = Vector3::Zero();
-        for (int seat = begin; seat < end; ++seat) {
-            const int h = groups_.handles[seat];
+        for (int part_handle = begin; part_handle < end; ++part_handle) {
+            const int h = groups_.handles[part_handle];
             const bool from_rest = targets.from_rest && (*targets.from_rest)[h];
             const Matrix3 map = targets.poses[h].leftCols<3>();
-            moves[seat].leftCols<3>() =
-                to_rest * (back * (from_rest ? map : Matrix3(map * own[seat])) - own[seat]);
-            moves[seat].col(3) =
+            moves[part_handle].leftCols<3>() =
+                to_rest * (back * (from_rest ? map : Matrix3(map * own[part_handle])) - own[part_handle]);
+            moves[part_handle].col(3) =
                 to_rest *
-                (back * apply(targets.poses[h], from_rest ? centres_[seat] : centres[seat]) - centres[seat]);
-            sum += moves[seat].col(3);
+                (back * apply(targets.poses[h], from_rest ? centres_[part_handle] : centres[part_handle]) -
+                 centres[part_handle]);
+            sum += moves[part_handle].col(3);
         }
-        for (int seat = begin; seat < end; ++seat)
-            moves[seat].col(3) -= sum / (end - begin);
+        for (int part_handle = begin; part_handle < end; ++part_handle)
+            moves[part_handle].col(3) -= sum / (end - begin);
     }
     return moves;
 }
@@ -229,7 +232,7 @@ void ImplicitResponse::displace(const Targets& targets, const std::vector<Matrix
         if (soft_)
             frame->pulls.setZero(displacements.rows(), 1);
         for (const Pull& pull : pulls_) {
-            const Vector3 wanted = apply(handles[pull.seat], pull.from_centre);
+            const Vector3 wanted = apply(handles[pull.part_handle], pull.from_centre);
             const auto row = 3 * static_cast<Eigen::Index>(pull.vertex);
             if (pull.stiffness == 0)
                 displacements.block<3, 1>(row, 0) = wanted;

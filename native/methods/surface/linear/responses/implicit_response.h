@@ -16,8 +16,8 @@
 namespace sinew {
 
 /// (3n, 3n) the matrix of M^-1 L x - T(x) delta, a linear map of the coordinates x, y, z of all vertices.
-/// T_i is the linear similarity that fits best to the ring of vertex i (see operators/fits/ring_fit.h), from rest
-/// to x; on the border it scales and does not turn.
+/// T_i is the linear similarity that fits best to the ring of vertex i (see operators/fits/ring_fit.h), from
+/// rest to x; on the border it scales and does not turn.
 /// \param L, mass  M^-1 L of operators/laplacian.h.
 /// \param rings    (n) of the rest shape.
 /// \param delta    (n, 3) M^-1 L of the rest shape.
@@ -70,7 +70,7 @@ private:
     /// A row of Regions::constraints().
     struct Pull
     {
-        int vertex, seat;
+        int vertex, part_handle;
         double stiffness; ///< 0 where the vertex is held
         Vector3 from_centre;
     };
@@ -82,12 +82,13 @@ private:
 
     /// (groups) the rotation of each part from rest to a shape.
     std::vector<Matrix3> turns(const PointsView& rest, const PointsView& shape) const;
-    /// (seats) the displacement of a rest point u + centre of a handle: u -> A u + b.
+    /// (part handles) the displacement of a rest point u + centre of a handle: u -> A u + b.
     std::vector<Pose> moves(const Targets& targets, const std::vector<Matrix3>& frames,
                             const std::vector<Matrix3>& turns) const;
 
     HandleGroups groups_;
-    std::vector<Vector3> centres_; ///< (seats) the mean of the vertices of each handle in a part, at rest
+    std::vector<Vector3>
+        centres_; ///< (part handles) the mean of the vertices of each handle in a part, at rest
     std::vector<Pull> pulls_;
     bool soft_;
     RowMatrix basis_; ///< (3n, 12 handles of a part) or empty

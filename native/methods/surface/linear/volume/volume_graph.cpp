@@ -361,7 +361,7 @@ void join(const SurfaceMesh& mesh, const std::vector<std::array<int, 2>>& edges,
             graph.points.row(node - n) = point.transpose();
             graph.parts[node - n] = static_cast<int>(k);
             graph.nearby[node - n] = carriers[0];
-            graph.riders.add(node, carriers);
+            graph.attachments.add(node, carriers);
         };
         for (std::size_t i = 0; i < in.shell.size(); ++i)
             add(shell++, in.shell[i], in.carriers[i]);
@@ -388,7 +388,7 @@ void join(const SurfaceMesh& mesh, const std::vector<std::array<int, 2>>& edges,
     graph.edges.erase(std::ranges::unique(graph.edges).begin(), graph.edges.end());
     Points all(count, 3);
     all << mesh.points(), graph.points;
-    graph.riders.measure(view(all));
+    graph.attachments.measure(view(all));
 }
 
 } // namespace

@@ -20,8 +20,8 @@ namespace sinew {
 ///   a lattice of cubes along the principal axes of the part, farther inside than h and half a cell. A cell
 ///             is 2 h wide, or more where there would be more points than one per eight vertices.
 ///
-/// Inside is where the winding number is above 1/2 (mesh/trees/winding_tree.h), so borders and holes are no special
-/// cases. A part whose faces look inward counts as turned inside out; open sheets have no inside.
+/// Inside is where the winding number is above 1/2 (mesh/trees/winding_tree.h), so borders and holes are no
+/// special cases. A part whose faces look inward counts as turned inside out; open sheets have no inside.
 ///
 /// Edges join each point of the shell to the vertices of its cell and their neighbours, so that most vertices
 /// hang on several points around them, and to the points beneath adjacent cells; points of the lattice to
@@ -35,7 +35,8 @@ struct VolumeGraph
     std::vector<std::array<int, 2>> edges; ///< nodes a < b, ascending
     std::vector<double> mean_edges;        ///< h of each part of the mesh
     int shell_count = 0;                 ///< the first points; those of the lattice follow, part by part
-    LooseVertices riders; ///< the nodes of the graph on the surface: where its points are in another shape
+    /// The nodes of the graph on the surface: where its points are in another shape.
+    LooseVertices attachments;
 
     int count() const { return static_cast<int>(points.rows()); }
 };

@@ -36,25 +36,25 @@ TEST(NormalDisplacements, every_vertex_stands_on_the_base_by_the_formula_of_the_
         for (int v : t)
             normals[v] += a.cross(b);
     }
-    int seated = 0;
+    int found = 0;
     for (int v = 0; v < study.mesh.vertex_count(); ++v) {
-        const auto& seat = coding->seats()[v];
-        if (seat.triangle < 0) {
+        const auto& foot_point = coding->foot_points()[v];
+        if (foot_point.triangle < 0) {
             EXPECT_EQ(study.fine().row(v), study.base.row(v));
             continue;
         }
-        ++seated;
-        const Triangle& t = study.mesh.triangles()[seat.triangle];
+        ++found;
+        const Triangle& t = study.mesh.triangles()[foot_point.triangle];
         Vector3 foot = Vector3::Zero(), n = Vector3::Zero();
-        const double shares[3] = {1 - seat.u - seat.v, seat.u, seat.v};
+        const double shares[3] = {1 - foot_point.u - foot_point.v, foot_point.u, foot_point.v};
         for (int k = 0; k < 3; ++k) {
             EXPECT_GT(shares[k], -1e-6);
             foot += shares[k] * study.base.row(t[k]).transpose();
             n += shares[k] * normals[t[k]].normalized();
         }
-        EXPECT_LT((foot + seat.height * n.normalized() - study.mesh.point(v)).norm(), 1e-12);
+        EXPECT_LT((foot + foot_point.height * n.normalized() - study.mesh.point(v)).norm(), 1e-12);
     }
-    EXPECT_GT(seated, 1000);
+    EXPECT_GT(found, 1000);
 }
 
 TEST(NormalDisplacements, stand_around_the_closest_triangle_of_a_messy_base)
@@ -78,8 +78,8 @@ TEST(NormalDisplacements, stand_around_the_closest_triangle_of_a_messy_base)
     const TriangleTree tree(points, mesh.triangles());
     int closest = 0, near = 0, vectors = 0;
     for (int v = 0; v < mesh.vertex_count(); ++v) {
-        const auto& seat = coding.seats()[v];
-        if (seat.triangle < 0) {
+        const auto& foot_point = coding.foot_points()[v];
+        if (foot_point.triangle < 0) {
             ++vectors;
             continue;
         }
@@ -89,8 +89,8 @@ TEST(NormalDisplacements, stand_around_the_closest_triangle_of_a_messy_base)
             for (int t : std::vector<int>(around))
                 for (int corner : mesh.triangles()[t])
                     around.insert(around.end(), rings->around(corner).begin(), rings->around(corner).end());
-        closest += seat.triangle == expected;
-        near += std::ranges::find(around, seat.triangle) != around.end();
+        closest += foot_point.triangle == expected;
+        near += std::ranges::find(around, foot_point.triangle) != around.end();
     }
     EXPECT_EQ(near, mesh.vertex_count() - vectors);
     EXPECT_EQ(vectors, coding.vectors());

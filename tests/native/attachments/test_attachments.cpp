@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/attachments/riders.h"
+#include "native/attachments/attachments.h"
 
 #include "native/operators/fits/rotation_fit.h"
 #include "tests/native/allocations.h"
@@ -11,7 +11,7 @@
 #include <limits>
 #include <numeric>
 
-namespace sinew::test_riders {
+namespace sinew::test_attachments {
 
 namespace {
 
@@ -48,7 +48,7 @@ const std::vector<Pose> similarities{
 
 } // namespace
 
-TEST(Riders, similarities_of_the_body_are_those_of_all_parts)
+TEST(Attachments, similarities_of_the_body_are_those_of_all_parts)
 {
     for (const auto& [name, scene] : scenes::all()) {
         SCOPED_TRACE(name);
@@ -61,7 +61,7 @@ TEST(Riders, similarities_of_the_body_are_those_of_all_parts)
     }
 }
 
-TEST(Riders, similarities_of_an_incoming_pose_are_those_of_all_parts)
+TEST(Attachments, similarities_of_an_incoming_pose_are_those_of_all_parts)
 {
     for (const auto& [name, scene] : scenes::all()) {
         SCOPED_TRACE(name);
@@ -78,14 +78,14 @@ TEST(Riders, similarities_of_an_incoming_pose_are_those_of_all_parts)
     }
 }
 
-TEST(Riders, what_the_riding_points_were_before_does_not_matter)
+TEST(Attachments, what_the_riding_points_were_before_does_not_matter)
 {
     for (const auto& [name, scene] : scenes::all()) {
         SCOPED_TRACE(name);
         const Carried carried(scene);
         const Points bent = carried.deformed(scenes::twisted), once = carried.moved(bent);
         Points twice = once;
-        carried.riders.move({}, twice);
+        carried.attachments.move({}, twice);
         EXPECT_EQ(twice, once);
         const ThreadLimit alone(1);
         EXPECT_EQ(carried.moved(bent), once);
@@ -93,7 +93,7 @@ TEST(Riders, what_the_riding_points_were_before_does_not_matter)
     }
 }
 
-TEST(Riders, collapsed_and_mirrored_bodies_give_finite_parts)
+TEST(Attachments, collapsed_and_mirrored_bodies_give_finite_parts)
 {
     for (const auto& [name, scene] : scenes::all()) {
         const Carried carried(scene);
@@ -106,19 +106,19 @@ TEST(Riders, collapsed_and_mirrored_bodies_give_finite_parts)
     }
 }
 
-TEST(Riders, parts_of_one_frame_keep_their_size_where_the_body_is_stretched_one_way)
+TEST(Attachments, parts_of_one_frame_keep_their_size_where_the_body_is_stretched_one_way)
 {
     for (const auto& [name, scene] : scenes::all()) {
         const Carried carried(scene);
         const Points moved = carried.moved(Points(carried.mesh.points() * Vector3(2, 1, 1).asDiagonal()));
-        for (const Ride& ride : carried.riders.rides())
+        for (const Ride& ride : carried.attachments.rides())
             if (ride.frame_count == 1) {
                 EXPECT_LT(worst_stretch(carried, ride.part, moved), 1e-12) << name << " " << ride.part;
             }
     }
 }
 
-TEST(Riders, a_ball_in_a_bent_tube_keeps_its_shape_and_its_distance_to_the_wall)
+TEST(Attachments, a_ball_in_a_bent_tube_keeps_its_shape_and_its_distance_to_the_wall)
 {
     const Carried carried(scenes::tube_and_balls());
     for (double radius : {20.0, 10.0, 5.0}) {
@@ -138,7 +138,7 @@ TEST(Riders, a_ball_in_a_bent_tube_keeps_its_shape_and_its_distance_to_the_wall)
     }
 }
 
-TEST(Riders, a_button_and_a_strap_follow_a_plate_that_is_rolled_up)
+TEST(Attachments, a_button_and_a_strap_follow_a_plate_that_is_rolled_up)
 {
     const Carried carried({scenes::plate(81, 81), scenes::block({.4, .4, .1}, {3, 5, .2}, {4, 4, 1}),
                            scenes::block({8, .4, .1}, {5, 7.5, .2}, {80, 4, 1})});
@@ -156,7 +156,7 @@ TEST(Riders, a_button_and_a_strap_follow_a_plate_that_is_rolled_up)
     }
 }
 
-TEST(Riders, a_belt_and_a_tooth_follow_a_twisted_tube)
+TEST(Attachments, a_belt_and_a_tooth_follow_a_twisted_tube)
 {
     const Carried carried({scenes::tube(1, 10), scenes::ring(1.12, .1, 5),
                            scenes::block({.2, .2, .2}, {3, 0, 1.1}, {3, 3, 3})});
@@ -167,7 +167,7 @@ TEST(Riders, a_belt_and_a_tooth_follow_a_twisted_tube)
     EXPECT_NEAR(std::atan2(R(2, 1), R(1, 1)), .9, .01);
 }
 
-TEST(Riders, an_iris_rides_on_the_eye_and_all_of_it_is_one_rigid_body)
+TEST(Attachments, an_iris_rides_on_the_eye_and_all_of_it_is_one_rigid_body)
 {
     const Carried carried(scenes::head());
     EXPECT_EQ(carried.ride(1).host, 0);
@@ -184,7 +184,7 @@ TEST(Riders, an_iris_rides_on_the_eye_and_all_of_it_is_one_rigid_body)
     EXPECT_LT(shapes::distance(after.rowwise() - to, (before.rowwise() - from) * R.transpose()), 1e-10);
 }
 
-TEST(Riders, a_part_midway_between_two_limbs_follows_one_of_them_whole)
+TEST(Attachments, a_part_midway_between_two_limbs_follows_one_of_them_whole)
 {
     const Carried carried(scenes::limbs());
     const Points moved = carried.moved(scenes::stride);
@@ -198,7 +198,7 @@ TEST(Riders, a_part_midway_between_two_limbs_follows_one_of_them_whole)
     EXPECT_LT(worst_stretch(carried, 3, moved), 4) << "the cloth over both is not torn";
 }
 
-TEST(Riders, compact_parts_are_rigid_at_any_size_and_clothes_bend)
+TEST(Attachments, compact_parts_are_rigid_at_any_size_and_clothes_bend)
 {
     EXPECT_EQ(Carried({scenes::tube(1, 10), scenes::ball(1.6, {5, -1.6, 0})}).ride(1).frame_count, 1);
     const scenes::Piece sleeve = scenes::sheet(30, 24, false, true, [](double a, double b) {
@@ -213,7 +213,7 @@ TEST(Riders, compact_parts_are_rigid_at_any_size_and_clothes_bend)
     EXPECT_GE(Carried({scenes::tube(1, 10), sock.inside_out()}).ride(1).frame_count, 4);
 }
 
-TEST(Riders, between_rigid_and_bending_there_is_no_jump)
+TEST(Attachments, between_rigid_and_bending_there_is_no_jump)
 {
     double before = 0.0;
     for (double length = .9; length < 2.05; length += .1) {
@@ -233,7 +233,7 @@ TEST(Riders, between_rigid_and_bending_there_is_no_jump)
     EXPECT_GT(before, .01) << "at last it bends";
 }
 
-TEST(Riders, stiff_parts_are_rigid)
+TEST(Attachments, stiff_parts_are_rigid)
 {
     const Carried carried(scenes::belts(), 1.0);
     EXPECT_GT(carried.ride(3).frame_count, 4);
@@ -242,7 +242,7 @@ TEST(Riders, stiff_parts_are_rigid)
         EXPECT_LT(worst_stretch(carried, part, moved), 1e-11);
 }
 
-TEST(Riders, faces_without_area_and_loose_vertices_change_nothing_and_follow)
+TEST(Attachments, faces_without_area_and_loose_vertices_change_nothing_and_follow)
 {
     Scene scene = scenes::belts();
     const Carried clean(scene);
@@ -258,7 +258,7 @@ TEST(Riders, faces_without_area_and_loose_vertices_change_nothing_and_follow)
     EXPECT_LT(shapes::distance(moved.bottomRows(4), exact.bottomRows(4)), .05);
 }
 
-TEST(Riders, a_host_of_one_triangle_carries)
+TEST(Attachments, a_host_of_one_triangle_carries)
 {
     const scenes::Piece one{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {Triangle{0, 1, 2}}};
     const Carried carried({one, scenes::ball(.1, {.3, .3, .2}, 8, 6)});
@@ -268,36 +268,37 @@ TEST(Riders, a_host_of_one_triangle_carries)
     }
 }
 
-TEST(Riders, nothing_rides_without_the_option_or_without_a_surface)
+TEST(Attachments, nothing_rides_without_the_option_or_without_a_surface)
 {
     const SurfaceMesh mesh = scenes::head().mesh();
     const Components parts = connected_components(mesh);
     std::vector<bool> driven(parts.count, false);
-    EXPECT_TRUE(Riders(mesh, parts, driven, {.follow = true}).rides().empty());
+    EXPECT_TRUE(Attachments(mesh, parts, driven, {.follow = true}).rides().empty());
     driven[0] = true;
-    EXPECT_TRUE(Riders(mesh, parts, driven, {}).rides().empty());
+    EXPECT_TRUE(Attachments(mesh, parts, driven, {}).rides().empty());
     Points positions = mesh.points();
-    Riders(mesh, parts, driven, {}).move({}, positions);
+    Attachments(mesh, parts, driven, {}).move({}, positions);
     EXPECT_EQ(positions, mesh.points());
     const SurfaceMesh flat = shapes::moved(mesh, Points::Zero(mesh.vertex_count(), 3));
-    EXPECT_TRUE(Riders(flat, parts, driven, {.follow = true}).rides().empty());
+    EXPECT_TRUE(Attachments(flat, parts, driven, {.follow = true}).rides().empty());
 }
 
-TEST(Riders, serve_other_handles_on_the_same_parts)
+TEST(Attachments, serve_other_handles_on_the_same_parts)
 {
     const Carried carried(scenes::head());
     const FreeParts options{.follow = true};
-    EXPECT_TRUE(carried.riders.serves(carried.driven(), options));
-    EXPECT_FALSE(carried.riders.serves(std::vector<bool>(7, true), options));
-    EXPECT_FALSE(carried.riders.serves(carried.driven(), {}));
-    EXPECT_FALSE(carried.riders.serves(carried.driven(), {.follow = true, .stiffness = {.5}}));
+    EXPECT_TRUE(carried.attachments.serves(carried.driven(), options));
+    EXPECT_FALSE(carried.attachments.serves(std::vector<bool>(7, true), options));
+    EXPECT_FALSE(carried.attachments.serves(carried.driven(), {}));
+    EXPECT_FALSE(carried.attachments.serves(carried.driven(), {.follow = true, .stiffness = {.5}}));
 }
 
-TEST(Riders, refuse_a_stiffness_outside_its_range_and_stop_when_asked)
+TEST(Attachments, refuse_a_stiffness_outside_its_range_and_stop_when_asked)
 {
     const Carried carried(scenes::head());
     const auto make = [&](std::vector<double> stiffness, const Progress& progress = {}) {
-        return Riders(carried.mesh, carried.parts, carried.driven(), {true, std::move(stiffness)}, progress);
+        return Attachments(carried.mesh, carried.parts, carried.driven(), {true, std::move(stiffness)},
+                           progress);
     };
     EXPECT_THROW(make({}), InvalidOption);
     EXPECT_THROW(make({.1, .2}), InvalidOption);
@@ -314,7 +315,7 @@ TEST(Riders, refuse_a_stiffness_outside_its_range_and_stop_when_asked)
     }
 }
 
-TEST(Riders, a_frame_allocates_nothing)
+TEST(Attachments, a_frame_allocates_nothing)
 {
     if (!allocations::counted())
         GTEST_SKIP() << "this build does not count";
@@ -324,11 +325,11 @@ TEST(Riders, a_frame_allocates_nothing)
     const ThreadLimit alone(1); // other threads make arrays of their own the first time
     for (const std::optional<PointsView>& entering :
          {std::optional<PointsView>(), std::optional<PointsView>(view(incoming))}) {
-        carried.riders.move(entering, positions);
+        carried.attachments.move(entering, positions);
         const allocations::Count count(1000);
-        carried.riders.move(entering, positions);
+        carried.attachments.move(entering, positions);
         EXPECT_EQ(count.so_far(), 0);
     }
 }
 
-} // namespace sinew::test_riders
+} // namespace sinew::test_attachments

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/attachments/seat.h"
+#include "native/attachments/find_hosts.h"
 
 #include "native/attachments/sampling.h"
 #include "native/core/parallel.h"
@@ -59,49 +59,50 @@ struct DrivenSurface
     }
 };
 
-class Seating
+class HostSearch
 {
 public:
-    Seating(const std::vector<Part>& parts, const std::vector<bool>& driven, double length,
-            HostSurfaces& surfaces)
+    HostSearch(const std::vector<Part>& parts, const std::vector<bool>& driven, double length,
+               HostSurfaces& surfaces)
         : parts_(parts), driven_(driven), length_(length), surfaces_(surfaces), made_(parts.size())
     {
         for (int p = 0; p < static_cast<int>(parts.size()); ++p)
             if (!driven[p])
-                seats_.push_back({p, -1, 0, {}, {}});
-        std::ranges::stable_sort(seats_, std::ranges::greater(),
-                                 [&](const Seat& seat) { return parts[seat.part].area; });
+                attachments_.push_back({p, -1, 0, {}, {}});
+        std::ranges::stable_sort(attachments_, std::ranges::greater(),
+                                 [&](const Attachment& attachment) { return parts[attachment.part].area; });
         std::vector<BoxTree::Box> boxes;
-        for (const Seat& seat : seats_)
-            boxes.push_back(parts[seat.part].box);
+        for (const Attachment& attachment : attachments_)
+            boxes.push_back(parts[attachment.part].box);
         boxes_.emplace(boxes);
     }
 
-    std::vector<Seat> run(const Progress& progress)
+    std::vector<Attachment> run(const Progress& progress)
     {
         const DrivenSurface ground(driven_, surfaces_);
         if (ground.hosts.empty() || ground.tree->empty())
             return {};
         progress.tick(0.0, "finding what lies beneath free parts");
-        std::vector<double> halves(seats_.size());
+        std::vector<double> halves(attachments_.size());
         each([&](int i) { halves[i] = put_on(ground, i); });
         progress.tick(0.0, "finding what free parts ride on");
         each([&](int i) {
             move_to_larger(i, halves[i]);
-            Seat& seat = seats_[i];
-            if (seat.beneath.empty()) {
-                tree_of(seat.host);
-                seat.beneath = places_beneath(parts_[seat.part], seat.samples, *surfaces_[seat.host]);
+            Attachment& attachment = attachments_[i];
+            if (attachment.beneath.empty()) {
+                tree_of(attachment.host);
+                attachment.beneath =
+                    places_beneath(parts_[attachment.part], attachment.samples, *surfaces_[attachment.host]);
             }
         });
-        return std::move(seats_);
+        return std::move(attachments_);
     }
 
 private:
     template <class Body>
     void each(Body&& body)
     {
-        parallel_for(static_cast<int>(seats_.size()), body, 8);
+        parallel_for(static_cast<int>(attachments_.size()), body, 8);
     }
 
     const TriangleTree& tree_of(int part)
@@ -114,24 +115,25 @@ private:
         return surfaces_[part]->tree();
     }
 
-    /// Seats a part on the driven one that is nearest. \return half the median distance from the driven ones.
+    /// Attaches a part to the driven one that is nearest. \return half the median distance from the driven
+    /// ones.
     double put_on(const DrivenSurface& ground, int i)
     {
-        Seat& seat = seats_[i];
-        const Part& part = parts_[seat.part];
-        seat.samples = samples_of(part, length_);
-        for (int v : seat.samples)
-            seat.beneath.push_back(ground.tree->closest_place(part.points[v]));
+        Attachment& attachment = attachments_[i];
+        const Part& part = parts_[attachment.part];
+        attachment.samples = samples_of(part, length_);
+        for (int v : attachment.samples)
+            attachment.beneath.push_back(ground.tree->closest_place(part.points[v]));
         std::array<double, judging_samples> gaps;
         const std::span<double> judged = gaps_of(i, gaps, [&](std::size_t s, const Vector3& point) {
-            return (point - seat.beneath[s].point).norm();
+            return (point - attachment.beneath[s].point).norm();
         });
         const auto nearest = std::ranges::min_element(judged) - judged.begin();
-        const std::size_t owner = ground.owner(seat.beneath[nearest].triangle);
-        seat.host = ground.hosts[owner];
-        for (TriangleTree::Place& place : seat.beneath) {
+        const std::size_t owner = ground.owner(attachment.beneath[nearest].triangle);
+        attachment.host = ground.hosts[owner];
+        for (TriangleTree::Place& place : attachment.beneath) {
             if (ground.owner(place.triangle) != owner) {
-                seat.beneath.clear(); // another driven part was nearer there: to be asked again
+                attachment.beneath.clear(); // another driven part was nearer there: to be asked again
                 break;
             }
             place.triangle -= ground.firsts[owner];
@@ -139,24 +141,25 @@ private:
         return median(judged) / 2;
     }
 
-    /// Seats a part on the larger one whose median distance is the least, if that is below `half`. Lower
+    /// Attaches a part to the larger one whose median distance is the least, if that is below `half`. Lower
     /// bounds are the median distance from its box, and the distance of the part's box from one around
     /// several.
     void move_to_larger(int i, double half)
     {
-        Seat& seat = seats_[i];
-        const Part& part = parts_[seat.part];
+        Attachment& attachment = attachments_[i];
+        const Part& part = parts_[attachment.part];
         BoxTree::Box around = part.box;
         around.min().array() -= half;
         around.max().array() += half;
-        const auto end = std::ranges::partition_point(seats_, [&](const Seat& other) { // by falling area
-            const double area = parts_[other.part].area;
-            return area > 1.0001 * part.area && area > 0.0;
-        });
+        const auto end =
+            std::ranges::partition_point(attachments_, [&](const Attachment& other) { // by falling area
+                const double area = parts_[other.part].area;
+                return area > 1.0001 * part.area && area > 0.0;
+            });
         double best = half;
         std::array<double, judging_samples> gaps;
         const auto bound = [&](const BoxTree::Box& box, bool is_single) {
-            ++seat.looks;
+            ++attachment.looks;
             if (!is_single)
                 return box.exteriorDistance(part.box);
             if (!box.intersects(around))
@@ -164,15 +167,15 @@ private:
             return median(gaps_of(
                 i, gaps, [&](std::size_t, const Vector3& point) { return box.exteriorDistance(point); }));
         };
-        boxes_->visit_by_bound(static_cast<int>(end - seats_.begin()), half, bound, [&](int other) {
-            const int larger = seats_[other].part;
+        boxes_->visit_by_bound(static_cast<int>(end - attachments_.begin()), half, bound, [&](int other) {
+            const int larger = attachments_[other].part;
             const double found = median(gaps_of(i, gaps, [&](std::size_t, const Vector3& point) {
                 return (tree_of(larger).closest(point) - point).norm();
             }));
             if (found < best) {
                 best = found;
-                seat.host = larger;
-                seat.beneath.clear();
+                attachment.host = larger;
+                attachment.beneath.clear();
             }
             return best;
         });
@@ -182,10 +185,10 @@ private:
     template <class Gap>
     std::span<double> gaps_of(int i, std::array<double, judging_samples>& gaps, Gap&& gap) const
     {
-        const Seat& seat = seats_[i];
-        const std::size_t count = std::min<std::size_t>(seat.samples.size(), judging_samples);
+        const Attachment& attachment = attachments_[i];
+        const std::size_t count = std::min<std::size_t>(attachment.samples.size(), judging_samples);
         for (std::size_t s = 0; s < count; ++s)
-            gaps[s] = gap(s, parts_[seat.part].points[seat.samples[s]]);
+            gaps[s] = gap(s, parts_[attachment.part].points[attachment.samples[s]]);
         return {gaps.data(), count};
     }
 
@@ -194,8 +197,8 @@ private:
     double length_;
     HostSurfaces& surfaces_;
     std::vector<std::once_flag> made_; ///< the trees of the parts
-    std::vector<Seat> seats_;
-    std::optional<BoxTree> boxes_; ///< one per seat
+    std::vector<Attachment> attachments_;
+    std::optional<BoxTree> boxes_; ///< one per attachment
 };
 
 } // namespace
@@ -215,8 +218,8 @@ std::vector<TriangleTree::Place> places_beneath(const Part& part, const std::vec
     return beneath;
 }
 
-std::vector<Seat> find_seats(const std::vector<Part>& parts, const std::vector<bool>& driven, double length,
-                             HostSurfaces& surfaces, const Progress& progress)
+std::vector<Attachment> find_hosts(const std::vector<Part>& parts, const std::vector<bool>& driven,
+                                   double length, HostSurfaces& surfaces, const Progress& progress)
 {
     surfaces.clear();
     surfaces.resize(parts.size());
@@ -227,7 +230,7 @@ std::vector<Seat> find_seats(const std::vector<Part>& parts, const std::vector<b
                 surfaces[p] = std::make_unique<HostSurface>(parts[p]);
         },
         1);
-    return Seating(parts, driven, length, surfaces).run(progress);
+    return HostSearch(parts, driven, length, surfaces).run(progress);
 }
 
 } // namespace sinew

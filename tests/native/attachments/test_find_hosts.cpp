@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/attachments/seat.h"
+#include "native/attachments/find_hosts.h"
 
 #include "tests/native/attachments/scenes.h"
 
@@ -8,7 +8,7 @@
 #include <algorithm>
 #include <random>
 
-namespace sinew::test_seat {
+namespace sinew::test_find_hosts {
 
 namespace {
 
@@ -20,11 +20,11 @@ double median(std::vector<double> values)
 }
 
 /// Median distance of the samples that count from a part.
-double distance(const Seat& seat, const std::vector<Part>& parts, const TriangleTree& from)
+double distance(const Attachment& attachment, const std::vector<Part>& parts, const TriangleTree& from)
 {
     std::vector<double> gaps;
-    for (std::size_t s = 0; s < std::min<std::size_t>(seat.samples.size(), 96); ++s) {
-        const Vector3& point = parts[seat.part].points[seat.samples[s]];
+    for (std::size_t s = 0; s < std::min<std::size_t>(attachment.samples.size(), 96); ++s) {
+        const Vector3& point = parts[attachment.part].points[attachment.samples[s]];
         gaps.push_back((from.closest(point) - point).norm());
     }
     return median(gaps);
@@ -43,7 +43,7 @@ scenes::Scene cloud(int count)
     return scene;
 }
 
-std::vector<Seat> seats_of(const scenes::Scene& scene, std::vector<int> driven)
+std::vector<Attachment> seats_of(const scenes::Scene& scene, std::vector<int> driven)
 {
     const SurfaceMesh mesh = scene.mesh();
     const std::vector<Part> parts = parts_of(mesh, connected_components(mesh));
@@ -51,55 +51,56 @@ std::vector<Seat> seats_of(const scenes::Scene& scene, std::vector<int> driven)
     for (int part : driven)
         flags[part] = true;
     HostSurfaces surfaces;
-    std::vector<Seat> seats = find_seats(parts, flags, 0.1, surfaces, {});
-    for (const Seat& seat : seats)
-        for (std::size_t i = 0; i < seat.samples.size(); ++i) {
+    std::vector<Attachment> attachments = find_hosts(parts, flags, 0.1, surfaces, {});
+    for (const Attachment& attachment : attachments)
+        for (std::size_t i = 0; i < attachment.samples.size(); ++i) {
             // What lies beneath lies on the triangle that is named.
-            const auto& [a, b, c] = surfaces[seat.host]->triangles().at(seat.beneath.at(i).triangle);
-            const std::vector<Vector3>& points = parts[seat.host].points;
+            const auto& [a, b, c] =
+                surfaces[attachment.host]->triangles().at(attachment.beneath.at(i).triangle);
+            const std::vector<Vector3>& points = parts[attachment.host].points;
             const Vector3 normal = (points[b] - points[a]).cross(points[c] - points[a]).normalized();
-            EXPECT_NEAR(normal.dot(seat.beneath[i].point - points[a]), 0, 1e-12);
+            EXPECT_NEAR(normal.dot(attachment.beneath[i].point - points[a]), 0, 1e-12);
         }
-    return seats;
+    return attachments;
 }
 
 } // namespace
 
-TEST(Seats, are_on_the_nearest_driven_part_unless_a_larger_part_is_much_nearer)
+TEST(FindHosts, finds_the_nearest_driven_part_unless_a_larger_part_is_much_nearer)
 {
     const scenes::Scene scene{scenes::plate(21, 21),         scenes::ball(1, {20, 5, 0}),
                               scenes::ball(.5, {5, 5, .8}),  scenes::ball(.2, {18.6, 5, 0}),
                               scenes::ball(.1, {5, 5, 1.4}), scenes::ball(.3, {12, 5, 0})};
-    const std::vector<Seat> seats = seats_of(scene, {0, 1});
-    ASSERT_EQ(seats.size(), 4u);
-    EXPECT_EQ(seats[0].part, 2);
-    EXPECT_EQ(seats[0].host, 0);
-    EXPECT_EQ(seats[1].part, 5);
-    EXPECT_EQ(seats[1].host, 0);
-    EXPECT_EQ(seats[2].part, 3);
-    EXPECT_EQ(seats[2].host, 1);
-    EXPECT_EQ(seats[3].part, 4);
-    EXPECT_EQ(seats[3].host, 2) << "the small ball rides on the large one, not on the plate below";
+    const std::vector<Attachment> attachments = seats_of(scene, {0, 1});
+    ASSERT_EQ(attachments.size(), 4u);
+    EXPECT_EQ(attachments[0].part, 2);
+    EXPECT_EQ(attachments[0].host, 0);
+    EXPECT_EQ(attachments[1].part, 5);
+    EXPECT_EQ(attachments[1].host, 0);
+    EXPECT_EQ(attachments[2].part, 3);
+    EXPECT_EQ(attachments[2].host, 1);
+    EXPECT_EQ(attachments[3].part, 4);
+    EXPECT_EQ(attachments[3].host, 2) << "the small ball rides on the large one, not on the plate below";
 }
 
-TEST(Seats, of_a_part_between_two_driven_ones_are_all_on_one)
+TEST(FindHosts, of_a_part_between_two_driven_ones_are_all_on_one)
 {
     scenes::Piece other = scenes::plate(21, 21);
     for (Vector3& p : other.points)
         p.x() += 10.5;
-    const std::vector<Seat> seats =
+    const std::vector<Attachment> attachments =
         seats_of({scenes::plate(21, 21), other, scenes::block({4, 1, .1}, {10, 5, .3}, {8, 2, 1})}, {0, 1});
-    ASSERT_EQ(seats.size(), 1u);
-    EXPECT_EQ(seats[0].beneath.size(), seats[0].samples.size());
+    ASSERT_EQ(attachments.size(), 1u);
+    EXPECT_EQ(attachments[0].beneath.size(), attachments[0].samples.size());
 }
 
-TEST(Seats, there_are_none_where_no_driven_part_has_an_area)
+TEST(FindHosts, there_are_none_where_no_driven_part_has_an_area)
 {
     const scenes::Piece point{{Vector3(0, 0, 0)}, {}};
     EXPECT_TRUE(seats_of({point, scenes::ball(1, {3, 0, 0})}, {0}).empty());
 }
 
-TEST(Seats, are_those_that_a_look_at_every_larger_part_finds)
+TEST(FindHosts, are_those_that_a_look_at_every_larger_part_finds)
 {
     const scenes::Scene scene = cloud(150);
     const SurfaceMesh mesh = scene.mesh();
@@ -108,28 +109,28 @@ TEST(Seats, are_those_that_a_look_at_every_larger_part_finds)
     for (const Part& part : parts)
         trees.emplace_back(part.points, part.triangles);
     int moved = 0;
-    for (const Seat& seat : seats_of(scene, {0})) {
-        double best = distance(seat, parts, trees[0]) / 2;
+    for (const Attachment& attachment : seats_of(scene, {0})) {
+        double best = distance(attachment, parts, trees[0]) / 2;
         int host = 0;
         for (int other = 1; other < static_cast<int>(parts.size()); ++other)
-            if (parts[other].area > 1.0001 * parts[seat.part].area)
-                if (const double found = distance(seat, parts, trees[other]); found < best) {
+            if (parts[other].area > 1.0001 * parts[attachment.part].area)
+                if (const double found = distance(attachment, parts, trees[other]); found < best) {
                     best = found;
                     host = other;
                 }
-        EXPECT_EQ(seat.host, host) << seat.part;
+        EXPECT_EQ(attachment.host, host) << attachment.part;
         moved += host > 0;
     }
     EXPECT_GT(moved, 50);
 }
 
-TEST(Seats, of_many_parts_are_found_without_a_look_at_all_pairs)
+TEST(FindHosts, of_many_parts_are_found_without_a_look_at_all_pairs)
 {
     double before = 0.0;
     for (int count : {250, 500, 1000}) {
         double looks = 0.0;
-        for (const Seat& seat : seats_of(cloud(count), {0}))
-            looks += seat.looks;
+        for (const Attachment& attachment : seats_of(cloud(count), {0}))
+            looks += attachment.looks;
         EXPECT_LT(looks, 100.0 * count) << count;
         if (before > 0) {
             EXPECT_LT(looks, 3 * before) << count << ": four times as many pairs";
@@ -138,4 +139,4 @@ TEST(Seats, of_many_parts_are_found_without_a_look_at_all_pairs)
     }
 }
 
-} // namespace sinew::test_seat
+} // namespace sinew::test_find_hosts

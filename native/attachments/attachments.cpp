@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/attachments/riders.h"
+#include "native/attachments/attachments.h"
 
+#include "native/attachments/frames/attachment_frames.h"
 #include "native/attachments/frames/feet.h"
 #include "native/attachments/frames/moving_frames.h"
-#include "native/attachments/frames/rider_frames.h"
 #include "native/attachments/loose_vertices.h"
 #include "native/attachments/touching.h"
 #include "native/core/errors.h"
@@ -72,7 +72,7 @@ std::vector<Triangle> corners_of(const Patch& patch, const HostSurface& host)
 }
 
 /// A part; its points and frames are those of its level.
-struct Rider
+struct AttachedPart
 {
     int first_frame, frame_count;
     int first_point;
@@ -111,23 +111,23 @@ FrameMap map_of(const Matrix3& A, const Vector3& from, const Vector3& to)
 
 } // namespace
 
-struct Riders::Scratch
+struct Attachments::Scratch
 {
     AlignedVector<FourRests> rests; ///< of an incoming shape
     std::vector<FourMotions> motions;
     AlignedVector<FrameMap> maps;
 };
 
-/// Riders whose hosts are in earlier levels.
-struct Riders::Level
+/// Attachments whose hosts are in earlier levels.
+struct Attachments::Level
 {
     MovingFrames frames;
     FrameRests rests;
-    std::vector<Rider> riders;
-    std::vector<int> points; ///< vertices of all riders
+    std::vector<AttachedPart> attached_parts;
+    std::vector<int> points; ///< vertices of all attached parts
     LooseVertices loose;
     // Of those with several frames:
-    std::vector<int> bending; ///< riders
+    std::vector<int> bending; ///< attached parts
     std::vector<MatrixX> smoothing; ///< one each
     // The shares of point p are [offsets[p], offsets[p + 1]).
     std::vector<int> offsets{0}, share_frames;
@@ -141,7 +141,7 @@ struct Riders::Level
     /// The feet of the part that was added last. \param host  has their corners.
     void add_feet(const std::vector<Foot>& own, const Part& host);
     /// Where the frames of a part that bends sit.
-    void find_origins(std::size_t rider, const PointsView& base, Vector3* origins) const;
+    void find_origins(std::size_t attached_part, const PointsView& base, Vector3* origins) const;
     /// Makes the maps of a part that bends.
     void smooth(std::size_t number, const PointsView& base, const AlignedVector<FourRests>& base_rests,
                 Scratch& scratch) const;
@@ -150,24 +150,25 @@ struct Riders::Level
     /// Moves a point by what the maps have missed beneath it.
     void follow_feet(int number, const PointsView& base, const Scratch& scratch, Points& positions) const;
 
-    int end_point(std::size_t rider) const
+    int end_point(std::size_t attached_part) const
     {
-        return rider + 1 < riders.size() ? riders[rider + 1].first_point : static_cast<int>(points.size());
+        return attached_part + 1 < attached_parts.size() ? attached_parts[attached_part + 1].first_point
+                                                         : static_cast<int>(points.size());
     }
 };
 
-void Riders::Level::add(const std::vector<int>& vertices, const MatrixX& vertex_shares,
-                        MatrixX frame_smoothing)
+void Attachments::Level::add(const std::vector<int>& vertices, const MatrixX& vertex_shares,
+                             MatrixX frame_smoothing)
 {
     const int frame_count = static_cast<int>(vertex_shares.rows());
     const int first_frame = frames.size() - frame_count;
     if (frame_count > 1) {
-        bending.push_back(static_cast<int>(riders.size()));
+        bending.push_back(static_cast<int>(attached_parts.size()));
         smoothing.push_back(std::move(frame_smoothing));
     }
     const bool is_row =
         vertices.back() - vertices.front() + 1 == static_cast<int>(vertices.size()); // they rise
-    riders.push_back({first_frame, frame_count, static_cast<int>(points.size()), is_row});
+    attached_parts.push_back({first_frame, frame_count, static_cast<int>(points.size()), is_row});
     for (std::size_t v = 0; v < vertices.size(); ++v) {
         points.push_back(vertices[v]);
         for (int k = 0; frame_count > 1 && k < frame_count; ++k)
@@ -179,9 +180,9 @@ void Riders::Level::add(const std::vector<int>& vertices, const MatrixX& vertex_
     }
 }
 
-void Riders::Level::add_feet(const std::vector<Foot>& own, const Part& host)
+void Attachments::Level::add_feet(const std::vector<Foot>& own, const Part& host)
 {
-    const std::size_t count = points.size() - riders.back().first_point;
+    const std::size_t count = points.size() - attached_parts.back().first_point;
     for (std::size_t v = 0; v < count; ++v) {
         for (std::size_t i = v; i < own.size(); i += count)
             if (own[i].share > 0.0) {
@@ -189,14 +190,14 @@ void Riders::Level::add_feet(const std::vector<Foot>& own, const Part& host)
                 feet.back().corners = of_mesh(own[i].corners, host);
             }
         if (feet.size() > (feet_ends.empty() ? 0u : feet_ends.back())) {
-            foot_points.push_back(riders.back().first_point + static_cast<int>(v));
+            foot_points.push_back(attached_parts.back().first_point + static_cast<int>(v));
             feet_ends.push_back(static_cast<int>(feet.size()));
         }
     }
 }
 
-void Riders::Level::follow_feet(int number, const PointsView& base, const Scratch& scratch,
-                                Points& positions) const
+void Attachments::Level::follow_feet(int number, const PointsView& base, const Scratch& scratch,
+                                     Points& positions) const
 {
     const int point = foot_points[number];
     Vector3 move = Vector3::Zero();
@@ -218,14 +219,15 @@ void Riders::Level::follow_feet(int number, const PointsView& base, const Scratc
     positions.row(points[point]) += move.transpose();
 }
 
-void Riders::Level::find_origins(std::size_t rider, const PointsView& base, Vector3* origins) const
+void Attachments::Level::find_origins(std::size_t attached_part, const PointsView& base,
+                                      Vector3* origins) const
 {
-    const auto& [first_frame, frame_count, first_point, is_row] = riders[rider];
+    const auto& [first_frame, frame_count, first_point, is_row] = attached_parts[attached_part];
     const Vector3 from = base.row(points[first_point]).transpose();
     std::array<double, most_frames> sums{};
     for (int k = 0; k < frame_count; ++k)
         origins[k].setZero();
-    for (int p = first_point; p < end_point(rider); ++p) {
+    for (int p = first_point; p < end_point(attached_part); ++p) {
         const Vector3 point = base.row(points[p]).transpose();
         for (int s = offsets[p]; s < offsets[p + 1]; ++s) {
             const int k = share_frames[s] - first_frame;
@@ -237,53 +239,53 @@ void Riders::Level::find_origins(std::size_t rider, const PointsView& base, Vect
         origins[k] = sums[k] > 0.0 ? Vector3(from + origins[k] / sums[k]) : from;
 }
 
-void Riders::Level::smooth(std::size_t number, const PointsView& base,
-                           const AlignedVector<FourRests>& base_rests, Scratch& scratch) const
+void Attachments::Level::smooth(std::size_t number, const PointsView& base,
+                                const AlignedVector<FourRests>& base_rests, Scratch& scratch) const
 {
     const std::size_t part = bending[number];
-    const Rider& rider = riders[part];
+    const AttachedPart& attached_part = attached_parts[part];
     const MatrixX& weights = smoothing[number];
     std::array<Vector3, most_frames> origins, places;
     std::array<Matrix3, most_frames> rotations;
     std::array<double, most_frames> logs;
     find_origins(part, base, origins.data());
-    for (int u = 0; u < rider.frame_count; ++u) {
-        const int frame = rider.first_frame + u;
+    for (int u = 0; u < attached_part.frame_count; ++u) {
+        const int frame = attached_part.first_frame + u;
         const Motion motion(scratch.motions[frame / 4], base_rests[frame / 4], frame % 4);
         rotations[u] = motion.rotation;
         logs[u] = std::log(motion.scale);
         places[u] = motion.to + motion.scale * (motion.rotation * (origins[u] - motion.from)).eval();
     }
-    for (int k = 0; k < rider.frame_count; ++k) {
+    for (int k = 0; k < attached_part.frame_count; ++k) {
         Matrix3 rotation = Matrix3::Zero();
         Vector3 origin = Vector3::Zero(), place = Vector3::Zero();
         double log_scale = 0.0;
-        for (int u = 0; u < rider.frame_count; ++u) {
+        for (int u = 0; u < attached_part.frame_count; ++u) {
             const double share = weights(k, u);
             rotation += share * rotations[u];
             log_scale += share * logs[u];
             origin += share * origins[u];
             place += share * places[u];
         }
-        scratch.maps[rider.first_frame + k] =
+        scratch.maps[attached_part.first_frame + k] =
             map_of(std::exp(log_scale) * fit_rotation(rotation), origin, place);
     }
 }
 
-void Riders::Level::carry(int begin, int end, const PointsView& base, const Scratch& scratch,
-                          Points& positions) const
+void Attachments::Level::carry(int begin, int end, const PointsView& base, const Scratch& scratch,
+                               Points& positions) const
 {
     const FrameKernels& kernels = widest_kernels<FrameKernels>();
-    const auto after = std::ranges::upper_bound(riders, begin, {}, &Rider::first_point);
-    for (std::size_t r = after - riders.begin() - 1; begin < end; ++r) {
-        const Rider& rider = riders[r];
+    const auto after = std::ranges::upper_bound(attached_parts, begin, {}, &AttachedPart::first_point);
+    for (std::size_t r = after - attached_parts.begin() - 1; begin < end; ++r) {
+        const AttachedPart& attached_part = attached_parts[r];
         const int stop = std::min(end, end_point(r));
         const std::ptrdiff_t first = 3 * static_cast<std::ptrdiff_t>(points[begin]);
-        if (rider.frame_count == 1 && rider.is_row)
-            kernels.carry_row(scratch.maps[rider.first_frame], stop - begin, base.data() + first,
+        if (attached_part.frame_count == 1 && attached_part.is_row)
+            kernels.carry_row(scratch.maps[attached_part.first_frame], stop - begin, base.data() + first,
                               positions.data() + first);
-        else if (rider.frame_count == 1)
-            kernels.carry(scratch.maps[rider.first_frame], &points[begin], stop - begin, base.data(),
+        else if (attached_part.frame_count == 1)
+            kernels.carry(scratch.maps[attached_part.first_frame], &points[begin], stop - begin, base.data(),
                           positions.data());
         else
             kernels.bend(scratch.maps.data(), &offsets[begin], share_frames.data(), shares.data(),
@@ -292,33 +294,34 @@ void Riders::Level::carry(int begin, int end, const PointsView& base, const Scra
     }
 }
 
-Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<bool> driven, FreeParts options,
-               const Progress& progress)
+Attachments::Attachments(const SurfaceMesh& rest, const Components& parts, std::vector<bool> driven,
+                         FreeParts options, const Progress& progress)
     : driven_(std::move(driven)), options_(std::move(options))
 {
     check(options_.stiffness, rest.vertex_count());
     if (!options_.follow || std::ranges::all_of(driven_, std::identity()) ||
         std::ranges::none_of(driven_, std::identity()))
         return;
-    SeatedParts seated{.labels = parts, .parts = parts_of(rest, parts), .seats = {}, .surfaces = {}};
+    HostedParts hosted{.labels = parts, .parts = parts_of(rest, parts), .attachments = {}, .surfaces = {}};
     Eigen::AlignedBox3d box;
     for (int p = 0; p < parts.count; ++p)
         if (driven_[p])
-            box.extend(seated.parts[p].box);
+            box.extend(hosted.parts[p].box);
     const double diagonal = box.diagonal().norm(), length = bend_share * diagonal;
-    seated.seats = find_seats(seated.parts, driven_, length, seated.surfaces, progress);
-    if (seated.seats.empty())
+    hosted.attachments = find_hosts(hosted.parts, driven_, length, hosted.surfaces, progress);
+    if (hosted.attachments.empty())
         return;
-    const std::vector<int> hosts = join_where_they_touch(rest, seated, length, progress);
-    const std::vector<Part>& all = seated.parts;
-    const std::vector<Seat>& seats = seated.seats;
-    const HostSurfaces& surfaces = seated.surfaces;
+    const std::vector<int> hosts = join_where_they_touch(rest, hosted, length, progress);
+    const std::vector<Part>& all = hosted.parts;
+    const std::vector<Attachment>& attachments = hosted.attachments;
+    const HostSurfaces& surfaces = hosted.surfaces;
 
     progress.tick(0.0, "laying out the frames of free parts");
-    const int count = static_cast<int>(seats.size());
-    std::vector<char> bent(all.size(), 0), carries(all.size(), 0); // whether each part has such riders
+    const int count = static_cast<int>(attachments.size());
+    std::vector<char> bent(all.size(), 0),
+        carries(all.size(), 0); // whether each part has such attached parts
     std::vector<FrameLayout> layouts(count);
-    const auto is_loose = [&](int i) { return all[seats[i].part].points.size() == 1; };
+    const auto is_loose = [&](int i) { return all[attachments[i].part].points.size() == 1; };
     const auto prepare = [&](const std::vector<char>& which, const auto& how) {
         parallel_for(
             static_cast<int>(all.size()),
@@ -329,7 +332,7 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
             1);
     };
     for (int i = 0; i < count; ++i)
-        carries[seats[i].host] |= !is_loose(i);
+        carries[attachments[i].host] |= !is_loose(i);
     prepare(carries, [](HostSurface& surface) {
         surface.prepare_tree();
         surface.find_mirror_plane();
@@ -337,47 +340,47 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
     parallel_for(
         count,
         [&](int i) {
-            const Part& part = all[seats[i].part];
+            const Part& part = all[attachments[i].part];
             if (!is_loose(i))
-                layouts[i] = lay_out_frames(part, *surfaces[seats[i].host], length,
+                layouts[i] = lay_out_frames(part, *surfaces[attachments[i].host], length,
                                             mean_stiffness(options_.stiffness, part.vertices));
         },
         8);
     for (int i = 0; i < count; ++i)
-        bent[seats[i].host] |= layouts[i].frame_count() > 1;
+        bent[attachments[i].host] |= layouts[i].frame_count() > 1;
     prepare(bent, [](HostSurface& surface) { surface.prepare_edges(); });
     progress.tick(0.0, "finding the patches beneath free parts");
-    std::vector<RiderFrames> made(count);
+    std::vector<AttachmentFrames> made(count);
     std::vector<Triangle> carriers(count);
     parallel_for(
         count,
         [&](int i) {
-            const Seat& seat = seats[i];
-            const HostSurface& host = *surfaces[seat.host];
+            const Attachment& attachment = attachments[i];
+            const HostSurface& host = *surfaces[attachment.host];
             if (is_loose(i))
-                carriers[i] = carriers_of(host, seat.beneath[0], all[seat.part].points[0]);
+                carriers[i] = carriers_of(host, attachment.beneath[0], all[attachment.part].points[0]);
             else
-                made[i] = make_frames(seat, all[seat.part], host, layouts[i], 1e-12 * diagonal);
+                made[i] = make_frames(attachment, all[attachment.part], host, layouts[i], 1e-12 * diagonal);
         },
         8);
 
-    std::vector<int> depths(all.size(), 0); // hosts come before their riders
+    std::vector<int> depths(all.size(), 0); // hosts come before their attached parts
     std::vector<int> frame_counts(all.size());
     for (int i = 0; i < count; ++i) {
-        const Seat& seat = seats[i];
-        const Part &part = all[seat.part], &host = all[seat.host];
-        const int depth = depths[seat.part] = depths[seat.host] + 1;
+        const Attachment& attachment = attachments[i];
+        const Part &part = all[attachment.part], &host = all[attachment.host];
+        const int depth = depths[attachment.part] = depths[attachment.host] + 1;
         levels_.resize(std::max<std::size_t>(levels_.size(), depth));
         Level& level = levels_[depth - 1];
         if (is_loose(i)) {
             level.loose.add(part.vertices[0], of_mesh(carriers[i], host));
         } else {
             for (const Patch& patch : made[i].patches)
-                level.frames.add(corners_of(patch, *surfaces[seat.host]), patch.weights, patch.anchors);
+                level.frames.add(corners_of(patch, *surfaces[attachment.host]), patch.weights, patch.anchors);
             level.add(part.vertices, layouts[i].shares, std::move(made[i].smoothing));
             level.add_feet(made[i].feet, host);
         }
-        frame_counts[seat.part] = is_loose(i) ? 1 : layouts[i].frame_count();
+        frame_counts[attachment.part] = is_loose(i) ? 1 : layouts[i].frame_count();
     }
     std::vector<int> firsts(parts.count), sizes(parts.count, 0);
     for (int v = rest.vertex_count() - 1; v >= 0; --v) {
@@ -386,7 +389,7 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
     }
     for (int p = 0; p < parts.count; ++p)
         if (!driven_[p]) {
-            const int together = seated.labels.labels[firsts[p]];
+            const int together = hosted.labels.labels[firsts[p]];
             rides_.push_back({p, firsts[p], sizes[p], hosts[p], frame_counts[together]});
         }
     rest_ = rest.points();
@@ -398,9 +401,9 @@ Riders::Riders(const SurfaceMesh& rest, const Components& parts, std::vector<boo
     }
 }
 
-Riders::~Riders() = default;
+Attachments::~Attachments() = default;
 
-void Riders::move(const std::optional<PointsView>& incoming, Points& positions) const
+void Attachments::move(const std::optional<PointsView>& incoming, Points& positions) const
 {
     if (levels_.empty())
         return;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/attachments/frames/rider_frames.h"
+#include "native/attachments/frames/attachment_frames.h"
 
 #include "native/attachments/frames/moving_frames.h"
 #include "native/core/parallel.h"
@@ -28,37 +28,37 @@ struct Footprint
     double gap = 0.0, radius = 0.0;
 };
 
-Footprint footprint_of(int frame, const Seat& seat, const Part& part, const HostSurface& host,
+Footprint footprint_of(int frame, const Attachment& attachment, const Part& part, const HostSurface& host,
                        const FrameLayout& layout, double tiny)
 {
-    const std::size_t count = seat.samples.size();
+    const std::size_t count = attachment.samples.size();
     std::vector<double> shares(count);
     for (std::size_t i = 0; i < count; ++i)
-        shares[i] = layout.shares(frame, seat.samples[i]);
+        shares[i] = layout.shares(frame, attachment.samples[i]);
     double most = std::ranges::max(shares);
     if (most <= 0.0) { // all samples belong to other frames: the nearest one stands in
-        const auto nearest = std::ranges::min_element(seat.samples, {}, [&](int v) {
+        const auto nearest = std::ranges::min_element(attachment.samples, {}, [&](int v) {
             return (part.points[v] - part.points[layout.seeds[frame]]).squaredNorm();
         });
-        shares[nearest - seat.samples.begin()] = most = 1.0;
+        shares[nearest - attachment.samples.begin()] = most = 1.0;
     }
     std::vector<std::size_t> on;
     Vector3 mean = Vector3::Zero();
     double total = 0.0, nearest = std::numeric_limits<double>::infinity();
     const auto gap = [&](std::size_t i) {
-        return (part.points[seat.samples[i]] - seat.beneath[i].point).norm();
+        return (part.points[attachment.samples[i]] - attachment.beneath[i].point).norm();
     };
     for (std::size_t i = 0; i < count; ++i)
         if (shares[i] > 1e-3 * most) {
             on.push_back(i);
             total += shares[i];
-            mean += shares[i] * (part.points[seat.samples[i]] - part.points[0]);
+            mean += shares[i] * (part.points[attachment.samples[i]] - part.points[0]);
             nearest = std::min(nearest, gap(i));
         }
     mean = part.points[0] + mean / total;
     double spread = 0.0;
     for (std::size_t i : on)
-        spread += shares[i] / total * (part.points[seat.samples[i]] - mean).squaredNorm();
+        spread += shares[i] / total * (part.points[attachment.samples[i]] - mean).squaredNorm();
     const double size = 2 * std::sqrt(spread), soft = nearest + size / 4 + tiny;
 
     Footprint footprint;
@@ -68,7 +68,7 @@ Footprint footprint_of(int frame, const Seat& seat, const Part& part, const Host
         const double weight = shares[i] / (damping * damping);
         const double above = (gap(i) - nearest) / (size / 10 + tiny), rest = std::max(0.0, 1 - above * above);
         footprint.contacts.push_back(
-            {seat.beneath[i].point, seat.beneath[i].triangle, weight, shares[i] * rest * rest});
+            {attachment.beneath[i].point, attachment.beneath[i].triangle, weight, shares[i] * rest * rest});
         footprint.gap += weight * gap(i);
         weights += weight;
         heaviest = std::max(heaviest, weight);
@@ -80,8 +80,8 @@ Footprint footprint_of(int frame, const Seat& seat, const Part& part, const Host
     // Of contacts that are equal but for rounding, as midway between two limbs, that of the lowest vertex.
     int lowest = std::numeric_limits<int>::max();
     for (std::size_t k = 0; k < on.size(); ++k)
-        if (footprint.contacts[k].weight > heaviest * (1 - 1e-6) && seat.samples[on[k]] < lowest) {
-            lowest = seat.samples[on[k]];
+        if (footprint.contacts[k].weight > heaviest * (1 - 1e-6) && attachment.samples[on[k]] < lowest) {
+            lowest = attachment.samples[on[k]];
             footprint.best = static_cast<int>(k);
         }
     return footprint;
@@ -178,14 +178,14 @@ MatrixX smoothing_of(VectorX trust, const FrameLayout& layout)
 
 } // namespace
 
-RiderFrames make_frames(const Seat& seat, const Part& part, const HostSurface& host,
-                        const FrameLayout& layout, double tiny)
+AttachmentFrames make_frames(const Attachment& attachment, const Part& part, const HostSurface& host,
+                             const FrameLayout& layout, double tiny)
 {
     std::vector<Footprint> footprints;
-    RiderFrames frames;
+    AttachmentFrames frames;
     const auto seeds = static_cast<Eigen::Index>(layout.seeds.size());
     for (int k = 0; k < seeds; ++k) {
-        footprints.push_back(footprint_of(k, seat, part, host, layout, tiny));
+        footprints.push_back(footprint_of(k, attachment, part, host, layout, tiny));
         const Footprint& footprint = footprints.back();
         const auto beneath = [&](int most) {
             return patch_beneath(host, footprint.contacts, footprint.best, footprint.radius, most);

@@ -10,8 +10,8 @@
 
 namespace sinew {
 
-/// Which part a rider rides on, and what lies beneath it.
-struct Seat
+/// Which part an attached part rides on, and what lies beneath it.
+struct Attachment
 {
     int part;
     int host;
@@ -31,9 +31,9 @@ using HostSurfaces = std::vector<std::unique_ptr<HostSurface>>;
 /// larger part that may be nearer than the host, and O(log n) looks at boxes around these.
 /// \param driven    one per part.
 /// \param length    that of samples_of().
-/// \param surfaces  gets the surfaces that the seats use.
-std::vector<Seat> find_seats(const std::vector<Part>& parts, const std::vector<bool>& driven, double length,
-                             HostSurfaces& surfaces, const Progress& progress);
+/// \param surfaces  gets the surfaces that the attachments use.
+std::vector<Attachment> find_hosts(const std::vector<Part>& parts, const std::vector<bool>& driven,
+                                   double length, HostSurfaces& surfaces, const Progress& progress);
 
 /// The vertices of a part that stand for it, the first ones farthest from each other.
 /// \param length  parts of at most this extent get at most 100, others 400.
