@@ -30,7 +30,7 @@ GROUPS = (
     "rebind",
     "linear",
     "multiresolution",
-    "riders",
+    "attachments",
     "puppetry",
     "memory",
     "arap",

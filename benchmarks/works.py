@@ -267,7 +267,7 @@ WORKS = (
         at_most=True,
     ),
     Work(
-        "riders_bind",
+        "attachments_bind",
         "binding loose parts that follow, 20 shells or 200 loose vertices per 1,000 vertices",
         "a limit of 1 s",
         {ANY: 1.0},
@@ -275,7 +275,7 @@ WORKS = (
     Work("puppet_iteration", "an iteration of `Skeleton.solve`", "a millisecond", {ANY: 1.0}, at_most=True),
     Work("puppet_pose", "the slowest of 30 poses by `Skeleton.solve`", "30 ms", {ANY: 1.0}, at_most=True),
     Work("puppet_peer", "a pose by `Skeleton.solve`", "SciPy's least squares", {ANY: 20.0}),
-    Work("riders_frame", "what these loose parts add to a solve", "the solve", {ANY: 0.1}, at_most=True),
+    Work("attachments_frame", "what these loose parts add to a solve", "the solve", {ANY: 0.1}, at_most=True),
     Work(
         "arap_iteration",
         "one iteration of `Arap`, spokes and rims",

@@ -28,8 +28,8 @@ SKIPPED = 77
 LOOPS = {
     "ThinShell.solve": ((("thin_shell",),), 1),
     "AffineBasis.solve, 4 handles": ((("affine_basis",),), 1),
-    "Riders.move, 196 parts": ((("riders",),), 1),
-    "Riders.move, 196 parts, incoming pose": ((("riders_incoming",),), 1),
+    "Attachments.move, 196 parts": ((("attachments",),), 1),
+    "Attachments.move, 196 parts, incoming pose": ((("attachments_incoming",),), 1),
     "Arap iteration": ((("arap", "5e-4", "12"), ("arap", "5e-4", "2")), 10),
     "Arap iteration, smoothness 0": ((("arap", "0", "12"), ("arap", "0", "2")), 10),
     "MeanValue.warp, 296 vertices": ((("mean_value",),), 1),

@@ -39,18 +39,18 @@ MOVES = 0.05  # at least so far from the first frame to the last
 
 
 class Chain(NamedTuple):
-    """The control of one rig moves another one, ``rider``, through the shape of the first."""
+    """The control of one rig moves another one, ``follower``, through the shape of the first."""
 
     control: bpy.types.Object
     base: bpy.types.Object
-    rider: bpy.types.Object
+    follower: bpy.types.Object
 
 
 def new_base() -> HandleRig:
     return HandleRig.new("Middle").start("thin_shell")
 
 
-def new_rider(name: str) -> HandleRig:
+def new_follower(name: str) -> HandleRig:
     return HandleRig.new(name)
 
 
@@ -76,141 +76,141 @@ def free(control: bpy.types.Object) -> bpy.types.Object:
     return control
 
 
-# --- what a rider may hang on
+# --- what a follower may hang on
 
 
 def its_control_on_a_vertex(name: str) -> Chain:
-    base, rider = new_base(), new_rider(name).start("thin_shell")
-    on_vertex(rider.control, base, base.top[0])
-    return Chain(base.control, base.obj, rider.obj)
+    base, follower = new_base(), new_follower(name).start("thin_shell")
+    on_vertex(follower.control, base, base.top[0])
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def its_control_on_three_vertices(name: str) -> Chain:
-    base, rider = new_base(), new_rider(name).start("thin_shell")
-    on_vertex(rider.control, base, 0, 60, 115)
-    return Chain(base.control, base.obj, rider.obj)
+    base, follower = new_base(), new_follower(name).start("thin_shell")
+    on_vertex(follower.control, base, 0, 60, 115)
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def its_control_on_a_child_of_a_vertex(name: str) -> Chain:
-    base, rider = new_base(), new_rider(name).start("thin_shell")
+    base, follower = new_base(), new_follower(name).start("thin_shell")
     empty = new_empty("Between")
     on_vertex(empty, base, base.top[3])
-    free(rider.control).parent = empty
-    return Chain(base.control, base.obj, rider.obj)
+    free(follower.control).parent = empty
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def its_control_is_carried_by_a_control_that_rides(name: str) -> Chain:
     """On a second deformer of the first rig, whose shape the first one moves."""
-    base, rider = new_base(), new_rider(name).start("thin_shell")
+    base, follower = new_base(), new_follower(name).start("thin_shell")
     add_group(base.obj, "Spot", lambda point: point[1] > 0.75 and abs(point[0]) < 0.5)
     base.press("deformer_add", method="thin_shell")
     base.press("handle_add", kind="HANDLE", vertex_group="Spot")
     control = base.obj.sinew.deformers[1].handles[0].control
     base.obj.sinew.active_deformer = 0
-    free(rider.control).parent = control
+    free(follower.control).parent = control
     update()
-    return Chain(base.control, base.obj, rider.obj)
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def its_control_copies_a_group(name: str) -> Chain:
-    base, rider = new_base(), new_rider(name).start("thin_shell")
-    constrain(free(rider.control), "COPY_LOCATION", target=base.obj, subtarget="Top")
-    return Chain(base.control, base.obj, rider.obj)
+    base, follower = new_base(), new_follower(name).start("thin_shell")
+    constrain(free(follower.control), "COPY_LOCATION", target=base.obj, subtarget="Top")
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def its_control_sticks_to_the_surface(name: str) -> Chain:
-    base, rider = new_base(), new_rider(name).start("thin_shell")
-    constrain(free(rider.control), "SHRINKWRAP", target=base.obj)
-    return Chain(base.control, base.obj, rider.obj)
+    base, follower = new_base(), new_follower(name).start("thin_shell")
+    constrain(free(follower.control), "SHRINKWRAP", target=base.obj)
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def its_control_is_armature_constrained_to_a_bone(name: str) -> Chain:
     """Which sticks to the surface."""
-    base, rider = new_base(), new_rider(name).start("thin_shell")
+    base, follower = new_base(), new_follower(name).start("thin_shell")
     armature = new_armature(button=((0.0, 1.0, 0.0), (0.0, 1.5, 0.0)))
     constrain(armature.pose.bones["button"], "COPY_LOCATION", target=base.obj, subtarget="Top")
-    control = free(rider.control)
+    control = free(follower.control)
     constraint = control.constraints.new("ARMATURE")
     target = constraint.targets.new()
     target.target, target.subtarget = armature, "button"
-    return Chain(base.control, base.obj, rider.obj)
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def its_control_is_such_a_bone(name: str) -> Chain:
     """A child of one that copies a group."""
-    base, rider = new_base(), new_rider(name)
+    base, follower = new_base(), new_follower(name)
     armature = new_armature(button=((0.0, 1.0, 0.0), (0.0, 1.5, 0.0)), tip=((0.0, 1.5, 0.0), (0.0, 2.0, 0.0)))
     make_active(armature)
     bpy.ops.object.mode_set(mode="EDIT")
     bones = armature.data.edit_bones
     bones["tip"].parent = bones["button"]
     bpy.ops.object.mode_set(mode="OBJECT")
-    rider.bind("thin_shell")
-    rider.deformer.handles[0].control, rider.deformer.handles[0].bone = armature, "tip"
-    make_active(rider.obj)
+    follower.bind("thin_shell")
+    follower.deformer.handles[0].control, follower.deformer.handles[0].bone = armature, "tip"
+    make_active(follower.obj)
     bpy.ops.sinew.bind()
     constrain(armature.pose.bones["button"], "COPY_LOCATION", target=base.obj, subtarget="Top")
-    return Chain(base.control, base.obj, rider.obj)
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def its_control_is_driven(name: str) -> Chain:
     """By where a child of a vertex is."""
-    base, rider = new_base(), new_rider(name).start("thin_shell")
+    base, follower = new_base(), new_follower(name).start("thin_shell")
     empty = new_empty("Between")
     on_vertex(empty, base, base.top[3])
-    driver = rider.control.driver_add("location", 2).driver
+    driver = follower.control.driver_add("location", 2).driver
     driver.type = "SUM"
     variable = driver.variables.new()
     variable.type = "TRANSFORMS"
     variable.targets[0].id, variable.targets[0].transform_type = empty, "LOC_Z"
     update()
-    return Chain(base.control, base.obj, rider.obj)
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def it_is_itself_on_a_vertex(name: str) -> Chain:
     """And its control is not."""
-    base, rider = new_base(), new_rider(name).start("thin_shell")
-    free(rider.control)
-    on_vertex(rider.obj, base, base.top[3])
-    return Chain(base.control, base.obj, rider.obj)
+    base, follower = new_base(), new_follower(name).start("thin_shell")
+    free(follower.control)
+    on_vertex(follower.obj, base, base.top[3])
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def it_is_hooked_to_a_child_of_a_vertex(name: str) -> Chain:
     """Below us."""
-    base, rider = new_base(), new_rider(name)
+    base, follower = new_base(), new_follower(name)
     empty = new_empty("Between")
     on_vertex(empty, base, base.top[3])
-    add_group(rider.obj, "Hooked", lambda point: abs(point[1]) < 0.5)
-    hook = rider.obj.modifiers.new("Hook", "HOOK")
+    add_group(follower.obj, "Hooked", lambda point: abs(point[1]) < 0.5)
+    hook = follower.obj.modifiers.new("Hook", "HOOK")
     hook.object, hook.vertex_group = empty, "Hooked"
-    rider.bind("thin_shell")
-    return Chain(base.control, base.obj, rider.obj)
+    follower.bind("thin_shell")
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def it_is_wrapped_onto_the_base(name: str) -> Chain:
     """Below us."""
-    base, rider = new_base(), new_rider(name)
-    rider.obj.modifiers.new("Shrinkwrap", "SHRINKWRAP").target = base.obj
-    rider.bind("thin_shell")
-    return Chain(base.control, base.obj, rider.obj)
+    base, follower = new_base(), new_follower(name)
+    follower.obj.modifiers.new("Shrinkwrap", "SHRINKWRAP").target = base.obj
+    follower.bind("thin_shell")
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def it_takes_weights_from_the_base(name: str) -> Chain:
     """From what is nearest, for a displacement below us."""
-    base, rider = new_base(), new_rider(name)
-    transfer = rider.obj.modifiers.new("Weights", "DATA_TRANSFER")
+    base, follower = new_base(), new_follower(name)
+    transfer = follower.obj.modifiers.new("Weights", "DATA_TRANSFER")
     transfer.object = base.obj
     transfer.use_vert_data, transfer.data_types_verts = True, {"VGROUP_WEIGHTS"}
     transfer.vert_mapping, transfer.layers_vgroup_select_src = "NEAREST", "ALL"
-    displace = rider.obj.modifiers.new("Displace", "DISPLACE")
+    displace = follower.obj.modifiers.new("Displace", "DISPLACE")
     displace.vertex_group, displace.mid_level, displace.strength = "Top", 0.0, 0.5
-    rider.bind("thin_shell")
-    return Chain(base.control, base.obj, rider.obj)
+    follower.bind("thin_shell")
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def it_is_moved_by_nodes_that_ask_for_the_base(name: str) -> Chain:
     """Below us: by the height of the first vertex of the base."""
-    base, rider = new_base(), new_rider(name)
+    base, follower = new_base(), new_follower(name)
     group = bpy.data.node_groups.new("Follow", "GeometryNodeTree")
     room_for_nodes(group)
     entry, leave = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
@@ -224,9 +224,9 @@ def it_is_moved_by_nodes_that_ask_for_the_base(name: str) -> Chain:
         (moved.outputs[0], leave.inputs[0]),
     ):
         group.links.new(start, end)
-    rider.obj.modifiers.new("Follow", "NODES").node_group = group
-    rider.bind("thin_shell")
-    return Chain(base.control, base.obj, rider.obj)
+    follower.obj.modifiers.new("Follow", "NODES").node_group = group
+    follower.bind("thin_shell")
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def room_for_nodes(group: bpy.types.NodeTree) -> None:
@@ -240,27 +240,27 @@ def room_for_nodes(group: bpy.types.NodeTree) -> None:
 
 
 def its_cage_has_a_deformer(name: str) -> Chain:
-    rider, cage = ball(name, 2), fine_box(2)
+    follower, cage = ball(name, 2), fine_box(2)
     base = Rig(cage).bind("thin_shell")
-    surround(rider, cage)
-    return Chain(base.control, base.obj, rider)
+    surround(follower, cage)
+    return Chain(base.control, base.obj, follower)
 
 
 def its_cage_is_wrapped_onto_the_base(name: str) -> Chain:
-    base, rider, cage = new_base(), ball(name, 2), fine_box(2)
-    surround(rider, cage)
+    base, follower, cage = new_base(), ball(name, 2), fine_box(2)
+    surround(follower, cage)
     cage.modifiers.new("Shrinkwrap", "SHRINKWRAP").target = base.obj
     update()
-    return Chain(base.control, base.obj, rider)
+    return Chain(base.control, base.obj, follower)
 
 
-def it_rides_on_a_rider(name: str) -> Chain:
-    base, between, rider = new_base(), HandleRig.new("Kept between"), new_rider(name)
+def it_follows_a_follower(name: str) -> Chain:
+    base, between, follower = new_base(), HandleRig.new("Kept between"), new_follower(name)
     between.start("thin_shell")
-    rider.start("thin_shell")
+    follower.start("thin_shell")
     on_vertex(between.control, base, base.top[0])
-    on_vertex(rider.control, between, between.top[3])
-    return Chain(base.control, base.obj, rider.obj)
+    on_vertex(follower.control, between, between.top[3])
+    return Chain(base.control, base.obj, follower.obj)
 
 
 def moved_lattice() -> tuple[bpy.types.Object, bpy.types.Object]:
@@ -275,19 +275,19 @@ def moved_lattice() -> tuple[bpy.types.Object, bpy.types.Object]:
 def it_is_below_a_lattice_that_a_cage_moves(name: str) -> Chain:
     """By Blender's own modifier, before ours."""
     base, cage = moved_lattice()
-    rider = new_rider(name)
-    rider.obj.modifiers.new("Lattice", "LATTICE").object = base
-    rider.bind("thin_shell")
-    return Chain(cage, base, rider.obj)
+    follower = new_follower(name)
+    follower.obj.modifiers.new("Lattice", "LATTICE").object = base
+    follower.bind("thin_shell")
+    return Chain(cage, base, follower.obj)
 
 
 def its_lattice_has_a_deformer(name: str) -> Chain:
-    """The lattice of the rider is moved by a cage itself."""
+    """The lattice of the follower is moved by a cage itself."""
     base, cage = moved_lattice()
-    rider = ball(name, 2)
-    make_active(rider)
+    follower = ball(name, 2)
+    make_active(follower)
     bpy.ops.sinew.lattice_add(source="OBJECT", lattice=base.name)
-    return Chain(cage, base, rider)
+    return Chain(cage, base, follower)
 
 
 CHAINS: list[Callable[[str], Chain]] = [
@@ -309,7 +309,7 @@ CHAINS: list[Callable[[str], Chain]] = [
     its_cage_is_wrapped_onto_the_base,
     it_is_below_a_lattice_that_a_cage_moves,
     its_lattice_has_a_deformer,
-    it_rides_on_a_rider,
+    it_follows_a_follower,
 ]
 
 
@@ -332,7 +332,7 @@ def difference(one: np.ndarray, other: np.ndarray) -> float:
 
 @pytest.fixture(params=["Before", "Zuletzt"])
 def name(request: pytest.FixtureRequest) -> str:
-    """The rider comes before the base in Blender's lists, or after it."""
+    """The follower comes before the base in Blender's lists, or after it."""
     return request.param
 
 
@@ -351,41 +351,41 @@ def at(frame: float, obj: bpy.types.Object) -> np.ndarray:
 
 
 def test_a_frame_is_right_from_wherever_it_is_reached(chain: Chain):
-    at(11, chain.rider)
-    shown = at(7, chain.rider)
-    at(6, chain.rider)
-    assert difference(at(7, chain.rider), shown) < EXACT
-    assert difference(again(chain.rider), shown) < EXACT
-    assert difference(at(1, chain.rider), at(11, chain.rider)) > MOVES or is_moved(chain)
+    at(11, chain.follower)
+    shown = at(7, chain.follower)
+    at(6, chain.follower)
+    assert difference(at(7, chain.follower), shown) < EXACT
+    assert difference(again(chain.follower), shown) < EXACT
+    assert difference(at(1, chain.follower), at(11, chain.follower)) > MOVES or is_moved(chain)
 
 
 def is_moved(chain: Chain) -> bool:
     """In the world, where the object itself goes along."""
-    return difference(np.array(chain.rider.matrix_world), np.eye(4)) > MOVES
+    return difference(np.array(chain.follower.matrix_world), np.eye(4)) > MOVES
 
 
 def test_a_drag_moves_both_at_once(chain: Chain):
-    at(1, chain.rider)
-    seen = [evaluated_points(chain.rider)]
+    at(1, chain.follower)
+    seen = [evaluated_points(chain.follower)]
     for height in (0.9, -0.3):
         move_world(chain.control, Matrix.Translation((0.0, 0.0, height)))
-        seen.append(evaluated_points(chain.rider))
-        assert difference(again(chain.rider), seen[-1]) < EXACT
+        seen.append(evaluated_points(chain.follower))
+        assert difference(again(chain.follower), seen[-1]) < EXACT
     assert difference(seen[1], seen[0]) > MOVES or is_moved(chain)
 
 
 def test_renders_show_what_the_viewport_shows(chain: Chain):
     """A picture, an animation, and the frames that motion blur asks for."""
     scene = bpy.context.scene
-    expected = {frame: at(frame, chain.rider) for frame in (3, 6, 9, 9.25, 9.75)}
-    at(6, chain.rider)
-    assert difference(render()[-1][chain.rider.name], expected[6]) < EXACT
+    expected = {frame: at(frame, chain.follower) for frame in (3, 6, 9, 9.25, 9.75)}
+    at(6, chain.follower)
+    assert difference(render()[-1][chain.follower.name], expected[6]) < EXACT
     scene.frame_start, scene.frame_end, scene.frame_step = 3, 9, 3
     for frame, seen in zip((3, 6, 9), render(animation=True), strict=True):
-        assert difference(seen[chain.rider.name], expected[frame]) < EXACT
-    at(9, chain.rider)
+        assert difference(seen[chain.follower.name], expected[frame]) < EXACT
+    at(9, chain.follower)
     for subframe, seen in zip((0.75, 0.25), render(subframes=(0.75, 0.25)), strict=True):
-        assert difference(seen[chain.rider.name], expected[9 + subframe]) < EXACT
+        assert difference(seen[chain.follower.name], expected[9 + subframe]) < EXACT
 
 
 @pytest.mark.parametrize(
@@ -394,57 +394,57 @@ def test_renders_show_what_the_viewport_shows(chain: Chain):
         its_control_on_a_vertex,
         its_control_copies_a_group,
         its_control_sticks_to_the_surface,
-        it_rides_on_a_rider,
+        it_follows_a_follower,
     ],
     ids=lambda row: row.__name__,
 )
-def test_a_rider_is_solved_for_where_its_control_is(row: Callable[[str], Chain], name: str):
+def test_a_follower_is_solved_for_where_its_control_is(row: Callable[[str], Chain], name: str):
     """By the library, on Blender's own mesh, vertex groups and matrices."""
-    rider = HandleRig.new("Model").start("thin_shell")
-    poses, obj = rider.poses, rider.obj
-    bpy.data.objects.remove(rider.control)
+    follower = HandleRig.new("Model").start("thin_shell")
+    poses, obj = follower.poses, follower.obj
+    bpy.data.objects.remove(follower.control)
     bpy.data.objects.remove(obj)
     chain = row(name)
     key_heights(chain.control, {1: 0.0, 11: 1.0})
     for frame in (11, 7, 2):
-        shown = at(frame, chain.rider)
-        control = HandleRig.control_of(chain.rider)
-        assert close(shown, poses.now(chain.rider, control), MATRIX)
-        assert difference(evaluated_points(chain.rider), shown) == 0.0
+        shown = at(frame, chain.follower)
+        control = HandleRig.control_of(chain.follower)
+        assert close(shown, poses.now(chain.follower, control), MATRIX)
+        assert difference(evaluated_points(chain.follower), shown) == 0.0
 
 
 def test_a_parent_given_by_a_script_counts_in_the_next_frame():
     """Nothing is evaluated between."""
-    base, rider = new_base(), new_rider("Before").start("thin_shell")
+    base, follower = new_base(), new_follower("Before").start("thin_shell")
     key_heights(base.control, {1: 0.0, 11: 1.0})
-    at(11, rider.obj)
-    rider.control.parent, rider.control.parent_type = base.obj, "VERTEX"
-    rider.control.parent_vertices = (int(base.top[0]), 0, 0)
-    shown = at(7, rider.obj)
-    assert difference(again(rider.obj), shown) < EXACT
-    rider.control.parent = None
-    shown = at(5, rider.obj)
-    assert difference(again(rider.obj), shown) < EXACT
+    at(11, follower.obj)
+    follower.control.parent, follower.control.parent_type = base.obj, "VERTEX"
+    follower.control.parent_vertices = (int(base.top[0]), 0, 0)
+    shown = at(7, follower.obj)
+    assert difference(again(follower.obj), shown) < EXACT
+    follower.control.parent = None
+    shown = at(5, follower.obj)
+    assert difference(again(follower.obj), shown) < EXACT
 
 
 def test_relations_that_name_nothing_are_followed_nowhere(posed_plate: HandleRig):
     """Objects, bones, groups and nodes that do not exist, or no longer."""
-    rider = new_rider("Before").start("thin_shell")
+    follower = new_follower("Before").start("thin_shell")
     armature = new_armature(only=((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
-    make_active(rider.obj)
-    hook = rider.obj.modifiers.new("Hook below", "HOOK")
+    make_active(follower.obj)
+    hook = follower.obj.modifiers.new("Hook below", "HOOK")
     hook.object, hook.subtarget = armature, "gone"
     bpy.ops.object.modifier_move_to_index(modifier=hook.name, index=0)
     for kind in ("SHRINKWRAP", "ARMATURE", "NODES", "BOOLEAN"):
-        rider.obj.modifiers.new(kind, kind)
+        follower.obj.modifiers.new(kind, kind)
         bpy.ops.object.modifier_move_to_index(modifier=kind, index=0)
     for kind in ("COPY_LOCATION", "ARMATURE", "SHRINKWRAP", "CHILD_OF"):
-        rider.control.constraints.new(kind)
-    constrain(rider.control, "COPY_LOCATION", target=armature, subtarget="gone")
-    driver = rider.control.driver_add("scale", 0).driver
+        follower.control.constraints.new(kind)
+    constrain(follower.control, "COPY_LOCATION", target=armature, subtarget="gone")
+    driver = follower.control.driver_add("scale", 0).driver
     driver.type = "SUM"
     driver.variables.new().type = "TRANSFORMS"
-    make_active(rider.obj)
+    make_active(follower.obj)
     posed_plate.lift(0.1)
     assert posed_plate.is_right()
     assert "follow" not in draw_panel().texts()
@@ -464,7 +464,7 @@ def frame_cost(chain_or_rigs: object, frame: int) -> dict[str, int]:
 
 def test_each_rig_of_a_chain_is_solved_once_per_frame():
     """Blender evaluates once more in between, and once at the end, as ever."""
-    chain = it_rides_on_a_rider("Before")
+    chain = it_follows_a_follower("Before")
     key_heights(chain.control, {1: 0.0, 11: 1.0})
     found = frame_cost(chain, 8)
     assert found["_answer"] == found["write_shape"] == 3, found

@@ -454,8 +454,8 @@ def test_what_names_the_group_of_a_handle_follows_its_new_name(hand: Rig, tmp_pa
     cloth = obj.modifiers.new("Cloth", "CLOTH")
     cloth.show_viewport = cloth.show_render = False
     cloth.settings.vertex_group_mass = "Foot"
-    rider = new_empty("Rider")
-    constraint = rider.constraints.new("COPY_LOCATION")
+    follower = new_empty("Follower")
+    constraint = follower.constraints.new("COPY_LOCATION")
     constraint.target, constraint.subtarget = obj, "Foot"
     first = hand.deformer
     first.mask_group = "Foot"
@@ -467,7 +467,7 @@ def test_what_names_the_group_of_a_handle_follows_its_new_name(hand: Rig, tmp_pa
     second.arap.rigidity_group = "Foot"
     second.handles[0].control.location.z = 0.3
     update()
-    before, carried = hand.points(), np.array(rider.matrix_world.translation)
+    before, carried = hand.points(), np.array(follower.matrix_world.translation)
     obj.sinew.active_deformer, obj.sinew.deformers[0].active_handle = 0, 2
     bpy.ops.sinew.handle_mirror()
     first, second = obj.sinew.deformers
@@ -477,7 +477,7 @@ def test_what_names_the_group_of_a_handle_follows_its_new_name(hand: Rig, tmp_pa
     assert cloth.settings.vertex_group_mass == "Foot.L"
     assert [deformer.status_level for deformer in (first, second)] == ["INFO", "INFO"]
     assert np.abs(hand.points() - before).max() < 2e-5
-    assert np.allclose(rider.matrix_world.translation, carried, atol=1e-5)
+    assert np.allclose(follower.matrix_world.translation, carried, atol=1e-5)
     reopen(tmp_path / "renamed.blend")
     assert np.abs(hand.points() - before).max() < 2e-5
     assert {deformer.status_level for deformer in hand.obj.sinew.deformers} == {"INFO"}

@@ -24,7 +24,8 @@ def plan(options: Options) -> list[Task]:
     size = 10_000 if options.quick else 100_000
     keywords = {"size": size, "threads": options.threads}
     return [
-        Task("riders", ("riders_bind", "riders_frame"), {**keywords, "loose": loose}) for loose in LOOSE_PARTS
+        Task("attachments", ("attachments_bind", "attachments_frame"), {**keywords, "loose": loose})
+        for loose in LOOSE_PARTS
     ]
 
 
@@ -50,12 +51,12 @@ def measure(size: int, threads: list[int], loose: str) -> list[Row]:
         }
         alternate(frames)
         common = {"size": size, "threads": count, "vertices": mesh.vertex_count, "unit": "s"}
-        bind = {"work": "riders_bind", "case": loose, "ours": _added(binds), "peer": MOST_BIND}
+        bind = {"work": "attachments_bind", "case": loose, "ours": _added(binds), "peer": MOST_BIND}
         rows.append({**bind, **common})
         # They take as long with every method, and beside `Arap` the difference would be lost in its noise.
         rows += [
             {
-                "work": "riders_frame",
+                "work": "attachments_frame",
                 "case": f"{method}, {loose}",
                 "ours": _added(frames),
                 "peer": best,
@@ -73,7 +74,7 @@ def _added(works: dict[str, Work]) -> float:
 def _bind(shell: sinew_native.ThinShell, handles: list[np.ndarray], choice: str, threads: int) -> Work:
     def prepare() -> None:
         sinew_native.limit_threads(threads)
-        shell.set_handles(handles)  # so that no riders can be kept
+        shell.set_handles(handles)  # so that no attachments can be kept
 
     return Work(lambda: shell.set_handles(handles, free_parts=choice), prepare, repeatable=False)
 
