@@ -218,10 +218,10 @@ std::vector<int> join_where_they_touch(const SurfaceMesh& mesh, HostedParts& hos
     const auto is_as_before = [&](int part) {
         return joined.parts[now(part)].vertices.size() == hosted.parts[part].vertices.size();
     };
-    std::vector<char> has_seat(joined.parts.size(), 0);
+    std::vector<char> has_host(joined.parts.size(), 0);
     for (Attachment& attachment :
          hosted.attachments) { // by falling area, so the first piece of a part comes after the host's
-        if (std::exchange(has_seat[now(attachment.part)], 1))
+        if (std::exchange(has_host[now(attachment.part)], 1))
             continue;
         const Part& part = joined.parts[now(attachment.part)];
         std::unique_ptr<HostSurface>& surface = joined.surfaces[now(attachment.host)];

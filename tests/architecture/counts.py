@@ -24,7 +24,7 @@ RUN = 6  # lines that make a repetition
 COMMON = 8  # places in which a run stands too often to be one
 # Words for which the field has others.
 PRIVATE = re.compile(
-    r"rider|\b[Ss]eats?\b|_seats?\b|\bseat_|[Ee]nclosure|\bcures\b|housekeeping|\bkeeper\b|take_along|several\.py",
+    r"rider|\b[Ss]eats?\b|_seats?\b|\bseat_|[Ee]nclosure|\bcures\b|upkeep|\bkeeper\b|take_along|several\.py",
     re.I,
 )
 TOKENS = re.compile(r"\"[^\"]*\"|'[^']*'|[A-Za-z_]\w*|\d[\w.]*|\S")
@@ -152,7 +152,8 @@ def naming(word: str) -> int:
 
 def private_words() -> int:
     """Files of code with words that the field has others for."""
-    return sum(bool(PRIVATE.search(text(path))) for path in of_kind(SOURCES, "native", "addon", *YARD))
+    code = (path for path in of_kind(SOURCES, "native", "addon", *YARD) if path != Path(__file__))
+    return sum(bool(PRIVATE.search(text(path))) for path in code)
 
 
 def words_alone() -> int:
@@ -210,7 +211,7 @@ COUNTS = (
     Count("functions of the session with more than 6 parameters", long_signatures, 0),
     Count("names handed on by session/__init__.py", handed_on, 0),
     Count("pairs of files that share 6 lines of one shape", repetitions, 685, 300),
-    Count("files with private words", private_words, 125, 0),
+    Count("files with private words", private_words, 3, 0),
     Count("lines of docs/methods that are one word", words_alone, 0),
     Count(
         "inner modules that tests in Blender reach",
