@@ -7,10 +7,10 @@ set(SINEW_KERNELS
   native/operators/fits/fit_kernels avx2
   native/attachments/frames/frame_kernels avx2
   native/local_global/bodies/body_kernels avx2
-  native/local_global/arap/graph_kernels avx2
+  native/local_global/arap/arap_kernels avx2
   native/local_global/rows/row_kernels avx2
   native/solvers/dense/kernels avx2 avx512
-  native/solvers/descent/kernels avx2
+  native/solvers/optimization/kernels avx2
   native/solvers/supernodal/kernels avx2
   native/methods/space/cage/closed_forms/cage_kernels avx2 avx512
   native/methods/space/cage/closed_forms/quad_kernels avx2 avx512

@@ -7,8 +7,8 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
-/// Eigen's decompositions and products of dense matrices, which take 2 to 9 seconds each to compile: one source has
-/// them.
+/// Eigen's decompositions and products of dense matrices, which take 2 to 9 seconds each to compile: one
+/// source has them.
 namespace sinew {
 
 /// The eigenvalues of a symmetric matrix, smallest first, and an orthonormal eigenvector of each, as a
@@ -46,7 +46,8 @@ private:
 class LeastNorm
 {
 public:
-    /// \param threshold  pivots below this share of the largest one count as zero; 0 for what rounding asks for.
+    /// \param threshold  pivots below this share of the largest one count as zero; 0 for what rounding asks
+    ///   for.
     void factorize(const MatrixX& A, double threshold = 0.0);
     VectorX solve(const VectorX& b) const;
 

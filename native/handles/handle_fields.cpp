@@ -29,7 +29,7 @@ double mean_edge(const SurfaceMesh& mesh)
 
 } // namespace
 
-HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const HeldSystem& laplacian)
+HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const ConstrainedSystem& laplacian)
     : groups_(std::move(groups))
 {
     allocate();
@@ -48,7 +48,7 @@ HandleFields::HandleFields(HandleGroups groups, const Regions& regions, const He
         shares_ = laplacian.spread(ones);
         return;
     }
-    HeldSystem positive;
+    ConstrainedSystem positive;
     positive.factorize(std::move(L), regions);
     shares_ = positive.spread(ones);
 }

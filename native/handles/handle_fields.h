@@ -2,8 +2,8 @@
 #pragma once
 
 #include "native/core/types.h"
+#include "native/handles/constrained_system.h"
 #include "native/handles/handle_groups.h"
-#include "native/handles/held_system.h"
 #include "native/mesh/surface_mesh.h"
 
 #include <functional>
@@ -29,7 +29,7 @@ public:
     /// factorisation where an edge has a negative weight.
     /// \param laplacian  factorised for these regions.
     /// \throw OutOfMemory  the fields would take more than limit_memory() allows.
-    HandleFields(HandleGroups groups, const Regions& regions, const HeldSystem& laplacian);
+    HandleFields(HandleGroups groups, const Regions& regions, const ConstrainedSystem& laplacian);
     /// The fields by distances. Cost: O(n log n) per handle.
     /// \param field  geodesic or euclidean.
     /// \throw OutOfMemory  likewise.

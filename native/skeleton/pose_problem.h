@@ -3,7 +3,7 @@
 
 #include "native/skeleton/pose_solver.h"
 #include "native/skeleton/support.h"
-#include "native/solvers/dense/gauss_newton.h"
+#include "native/solvers/optimization/gauss_newton.h"
 
 #include <optional>
 #include <vector>

@@ -3,7 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/skeleton/pose_problem.h"
-#include "native/solvers/dense/gauss_newton.h"
+#include "native/solvers/optimization/gauss_newton.h"
 
 #include <algorithm>
 

@@ -74,11 +74,12 @@ struct PoseReport
 ///         + rest / 2 sum_b k_b (|theta_b - base_b|^2 + swing |S_b (theta_b - base_b)|^2)
 ///
 /// over the turns theta_b of the joints and the moves of free roots, by damped Gauss-Newton steps with the
-/// curvature of the chains (solvers/dense/gauss_newton.h). Lengths are exact, since only joints turn. Limits
-/// are never exceeded, and balance is an inequality that the steps satisfy: targets come as near as these two
-/// allow. S_b = I - h_b h_b^T leaves what is at right angles to the hinge h_b of a joint, so that knees and
-/// elbows keep to the plane in which they are bent at rest; it is 0 for joints without a hinge (hinges.h). A
-/// root that moves freely has no rest term, so that goals which have all moved rigidly are met exactly.
+/// curvature of the chains (solvers/optimization/gauss_newton.h). Lengths are exact, since only joints turn.
+/// Limits are never exceeded, and balance is an inequality that the steps satisfy: targets come as near as
+/// these two allow. S_b = I - h_b h_b^T leaves what is at right angles to the hinge h_b of a joint, so that
+/// knees and elbows keep to the plane in which they are bent at rest; it is 0 for joints without a hinge
+/// (hinges.h). A root that moves freely has no rest term, so that goals which have all moved rigidly are met
+/// exactly.
 ///
 /// Departs from the paper: the paper solves for the skeleton and the skin in turns; here the skeleton is
 /// solved first, and the skin follows. Joints with limits turn by angles about the bones' own axes or by a

@@ -33,7 +33,7 @@ from .tree import ROOT, files, grow
         ("native/operators/a.cpp", "#pragma omp parallel for", "never OpenMP"),
         ("native/core/simd/a.inl", '#include "native/mesh/b.h"', "of higher rank"),
         ("native/solvers/dense/a.h", '#include "native/solvers/b.h"', "of higher rank"),
-        ("native/solvers/dense/a.h", '#include "native/solvers/descent/b.h"', "of the same rank"),
+        ("native/solvers/dense/a.h", '#include "native/solvers/optimization/b.h"', "of the same rank"),
         (
             "native/methods/space/cage/cage.h",
             '#include "native/methods/space/cage/inside/b.h"',

@@ -20,7 +20,7 @@ QUESTIONS = (
         "green",
     ),
     ("where is a factor used again?", "native/solvers/constrained_quadratic.h", "factor"),
-    ("where is the local step of ARAP?", "native/local_global/arap/graph_problem.h", "local_step"),
+    ("where is the local step of ARAP?", "native/local_global/arap/arap_problem.h", "local_step"),
     ("where is the text of an error?", "docs/developer/architecture.md", "the text of an error"),
     ("where is the test of a deleted cage?", "docs/developer/events.md", "the_control_deleted"),
 )

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
-#include "native/core/access.h"
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/core/read_write_lock.h"
 #include "native/core/report.h"
 #include "native/core/simd/kernel_set.h"
 #include "native/methods/space/weights/points_outside.h"

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
 #include "native/bindings/choices.h"
-#include "native/core/access.h"
+#include "native/core/read_write_lock.h"
 #include "native/solvers/spd_factor.h"
 
 #include <pybind11/eigen.h>
@@ -14,7 +14,7 @@ namespace {
 struct SharedFactor
 {
     SpdFactor factor;
-    mutable Access access{};
+    mutable ReadWriteLock access{};
 
     AccessLock reading() const { return {AccessLock::reading, access}; }
 };

@@ -10,7 +10,7 @@ namespace sinew {
 void fit_cells(const double* S, const double* R, double tie, int count, double* to)
 {
     bool safe[graph_chunk];
-    widest_kernels<GraphKernels>().fit(S, R, tie, count, to, safe);
+    widest_kernels<ArapKernels>().fit(S, R, tie, count, to, safe);
     for (int i = 0; i < count; ++i) {
         if (safe[i])
             continue;

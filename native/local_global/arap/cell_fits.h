@@ -2,7 +2,7 @@
 #pragma once
 
 #include "native/core/types.h"
-#include "native/local_global/arap/graph_kernels.h"
+#include "native/local_global/arap/arap_kernels.h"
 
 #include <cstddef>
 #include <vector>

@@ -33,7 +33,7 @@ bool CorrectedProblem::correct(const Points& x, const Points& gradient, Points& 
     if (!coarser_)
         return false;
     const ClusterMap& map = *map_;
-    GraphProblem& coarse = coarser_->problem_;
+    ArapProblem& coarse = coarser_->problem_;
     problem_.refresh(x);
 
     const int clusters = map.cluster_count(), free = coarse.free_count();

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "native/core/types.h"
-#include "native/local_global/arap/graph_problem.h"
+#include "native/local_global/arap/arap_problem.h"
 #include "native/local_global/graph/clusters.h"
-#include "native/solvers/descent/metric_lbfgs.h"
+#include "native/solvers/optimization/metric_lbfgs.h"
 
 #include <Eigen/Geometry>
 
@@ -30,7 +30,7 @@ constexpr int correction_period = 3;
 class CorrectedProblem final : public MetricProblem
 {
 public:
-    explicit CorrectedProblem(GraphProblem& problem) : problem_(problem) {}
+    explicit CorrectedProblem(ArapProblem& problem) : problem_(problem) {}
 
     /// From now on, `coarser` corrects this problem.
     /// \param map   from the nodes of this problem to those of the coarser one.
@@ -52,7 +52,7 @@ public:
     bool correct(const Points& x, const Points& gradient, Points& better) override;
 
 private:
-    GraphProblem& problem_;
+    ArapProblem& problem_;
     CorrectedProblem* coarser_ = nullptr;
     const ClusterMap* map_ = nullptr;
     LbfgsWorkspace* work_ = nullptr;

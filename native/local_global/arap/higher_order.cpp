@@ -8,7 +8,7 @@
 
 namespace sinew {
 
-HigherOrder::HigherOrder(const RotationGraph& graph, double lambda, std::vector<double> mass)
+HigherOrder::HigherOrder(const ArapSystem& graph, double lambda, std::vector<double> mass)
     : lambda_(lambda), mass_(std::move(mass)), laplacian_(graph.size(), graph.size())
 {
     const HandleGraph& nodes = graph.nodes();
@@ -42,8 +42,8 @@ HigherOrder::HigherOrder(const RotationGraph& graph, double lambda, std::vector<
     }
 }
 
-HigherOrderProblem::HigherOrderProblem(const RotationGraph& graph, const HigherOrder& order,
-                                       GraphProblem& problem, const PointsView& base, const Points& pulls)
+HigherOrderProblem::HigherOrderProblem(const ArapSystem& graph, const HigherOrder& order,
+                                       ArapProblem& problem, const PointsView& base, const Points& pulls)
     : graph_(graph), order_(order), problem_(problem), base_(base), pulls_(pulls)
 {
 }

@@ -2,9 +2,9 @@
 #pragma once
 
 #include "native/core/types.h"
-#include "native/local_global/arap/graph_problem.h"
-#include "native/local_global/arap/rotation_graph.h"
-#include "native/solvers/descent/metric_lbfgs.h"
+#include "native/local_global/arap/arap_problem.h"
+#include "native/local_global/arap/arap_system.h"
+#include "native/solvers/optimization/metric_lbfgs.h"
 #include "native/solvers/single_factor.h"
 
 #include <vector>
@@ -29,7 +29,7 @@ public:
     /// \param lambda  in (0, 1)
     /// \param mass    (nodes) > 0
     /// \throw FactorizationFailed
-    HigherOrder(const RotationGraph& graph, double lambda, std::vector<double> mass);
+    HigherOrder(const ArapSystem& graph, double lambda, std::vector<double> mass);
 
     double lambda() const { return lambda_; }
     double mass(int node) const { return mass_[node]; }
@@ -51,7 +51,7 @@ class HigherOrderProblem final : public MetricProblem
 public:
     /// \param base   (nodes, 3), as that of `problem`.
     /// \param pulls  (pulls, 3), likewise.
-    HigherOrderProblem(const RotationGraph& graph, const HigherOrder& order, GraphProblem& problem,
+    HigherOrderProblem(const ArapSystem& graph, const HigherOrder& order, ArapProblem& problem,
                        const PointsView& base, const Points& pulls);
 
     /// The free positions for the present rotations.
@@ -70,9 +70,9 @@ private:
     /// lambda / 2 sum |r|^2 / m, and the gradient of all for the present rotations.
     double bend(const Points& x, Points& gradient);
 
-    const RotationGraph& graph_;
+    const ArapSystem& graph_;
     const HigherOrder& order_;
-    GraphProblem& problem_;
+    ArapProblem& problem_;
     PointsView base_;
     const Points& pulls_;
     Points r_;

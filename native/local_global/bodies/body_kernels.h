@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "native/local_global/arap/graph_kernels.h"
+#include "native/local_global/arap/arap_kernels.h"
 
 namespace sinew {
 
@@ -21,7 +21,7 @@ constexpr int joint_numbers = 13;
 
 /// The loops of one evaluation over the free bodies [begin, end) of a chunk. Every variant does the same
 /// operations in the same order and fuses none, so results agree to the last bit. S, t and gradient begin
-/// with the first body of the chunk; S has the layout of GraphKernels.
+/// with the first body of the chunk; S has the layout of ArapKernels.
 struct BodyKernels
 {
     /// S_i = sum over the joints of body i of w (t_j + R_j q - t_i) p^T + R_j B

@@ -10,7 +10,7 @@
 
 namespace sinew {
 
-BodyProblem::BodyProblem(const RotationGraph& graph, const RigidBodies& bodies,
+BodyProblem::BodyProblem(const ArapSystem& graph, const RigidBodies& bodies,
                          const std::vector<double>& numbers, const Points& centres, const Points& pulls,
                          BodyBuffers* buffers)
     : graph_(graph), bodies_(bodies), kernels_(widest_kernels<BodyKernels>()), pulls_(pulls),
@@ -70,7 +70,7 @@ void BodyProblem::each_chunk(Body&& body) const
 
 void BodyProblem::settle()
 {
-    const GraphKernels& fits = widest_kernels<GraphKernels>();
+    const ArapKernels& fits = widest_kernels<ArapKernels>();
     Points& torque = buffers_.torque;
     for (int sweep = 0; sweep < bodies_.sweeps(); ++sweep) {
         const double* const before = buffers_.rotations[current_].data();

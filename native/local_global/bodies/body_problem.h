@@ -3,7 +3,7 @@
 
 #include "native/core/types.h"
 #include "native/local_global/bodies/rigid_bodies.h"
-#include "native/solvers/descent/metric_lbfgs.h"
+#include "native/solvers/optimization/metric_lbfgs.h"
 
 #include <memory>
 #include <vector>
@@ -30,7 +30,7 @@ public:
     /// \param centres  (bodies, 3) where the held ones are, and where the others begin.
     /// \param pulls    (pulls, 3) where the pulls of the graph pull their bodies.
     /// \param buffers  the workspace, which may be that of an earlier problem; null for one of its own.
-    BodyProblem(const RotationGraph& graph, const RigidBodies& bodies, const std::vector<double>& numbers,
+    BodyProblem(const ArapSystem& graph, const RigidBodies& bodies, const std::vector<double>& numbers,
                 const Points& centres, const Points& pulls, BodyBuffers* buffers = nullptr);
 
     Matrix3 rotation(int body) const;
@@ -61,7 +61,7 @@ private:
     template <class Body>
     void each_chunk(Body&& body) const;
 
-    const RotationGraph& graph_;
+    const ArapSystem& graph_;
     const RigidBodies& bodies_;
     const BodyKernels& kernels_;
     const Points& pulls_;

@@ -15,7 +15,7 @@ constexpr double least_moment = 1e-12;
 
 } // namespace
 
-RigidBodies::RigidBodies(const RotationGraph& graph, std::vector<BodyJoint> joints, const Shapes& rest,
+RigidBodies::RigidBodies(const ArapSystem& graph, std::vector<BodyJoint> joints, const Shapes& rest,
                          int sweeps)
     : size_(graph.size()), free_(graph.free_count()), sweeps_(sweeps), joints_(std::move(joints)),
       first_(2 * static_cast<std::size_t>(free_) + 1, 0), places_(joints_.size(), {-1, -1})

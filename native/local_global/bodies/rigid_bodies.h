@@ -2,8 +2,8 @@
 #pragma once
 
 #include "native/core/types.h"
-#include "native/local_global/arap/graph_kernels.h"
-#include "native/local_global/arap/rotation_graph.h"
+#include "native/local_global/arap/arap_kernels.h"
+#include "native/local_global/arap/arap_system.h"
 #include "native/local_global/bodies/body_kernels.h"
 #include "native/solvers/single_factor.h"
 
@@ -32,8 +32,8 @@ struct BodyJoint
 ///     E(t, R) = 1/2 sum w |(t_i + R_i p) - (t_j + R_j q)|^2 + 1/2 sum tr((R_i - R_j) B (R_i - R_j)^T)
 ///
 /// over all joints, and soft pulls of centres. Several rows |(R_i - R_j) u|^2 of one joint are one form
-/// B = sum u u^T. This is the energy of a table of RotationRows with pairs, in a layout that is read less
-/// often: the bodies are the nodes of a RotationGraph, whose edges have the weights of the joints, so that
+/// B = sum u u^T. This is the energy of a table of RowTable with pairs, in a layout that is read less
+/// often: the bodies are the nodes of a ArapSystem, whose edges have the weights of the joints, so that
 /// the Hessian in t is the Laplacian of the graph, whose factor is used.
 class RigidBodies
 {
@@ -45,7 +45,7 @@ public:
     /// \param sweeps   how often an evaluation moves and fits the rotations.
     /// \throw FactorizationFailed
     using Shapes = std::function<JointShape(int joint)>;
-    RigidBodies(const RotationGraph& graph, std::vector<BodyJoint> joints, const Shapes& rest, int sweeps);
+    RigidBodies(const ArapSystem& graph, std::vector<BodyJoint> joints, const Shapes& rest, int sweeps);
 
     int size() const { return size_; }
     int free_count() const { return free_; }

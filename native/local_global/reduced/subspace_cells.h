@@ -4,7 +4,7 @@
 #include "native/core/types.h"
 #include "native/local_global/reduced/rotation_clusters.h"
 #include "native/mesh/frames/enclosed_volume.h"
-#include "native/solvers/descent/metric_lbfgs.h"
+#include "native/solvers/optimization/metric_lbfgs.h"
 
 #include <Eigen/Cholesky>
 

@@ -11,13 +11,13 @@ std::vector<bool> held_vertices(const Regions& regions)
     return held;
 }
 
-void add_pulls(const Regions& regions, RotationRows& rows)
+void add_pulls(const Regions& regions, RowTable& rows)
 {
     if (regions.soft().empty())
         return;
     std::vector<double> diagonal(rows.point_count(), 0.0);
-    for (const RotationRows::Row& row : rows.rows())
-        for (const RotationRows::Term& term : rows.terms(row))
+    for (const RowTable::Row& row : rows.rows())
+        for (const RowTable::Term& term : rows.terms(row))
             diagonal[term.point] += row.weight * term.coefficient * term.coefficient;
     for (const SoftConstraint& soft : regions.soft())
         rows.pull(soft.vertex, soft.stiffness() * (diagonal[soft.vertex] > 0 ? diagonal[soft.vertex] : 1.0));

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "native/core/types.h"
-#include "native/local_global/rows/rotation_rows.h"
+#include "native/local_global/rows/row_table.h"
 #include "native/mesh/regions.h"
 
 #include <vector>
@@ -15,13 +15,13 @@ namespace sinew {
 std::vector<bool> held_vertices(const Regions& regions);
 
 /// Adds the soft pulls of the handles, in units of each vertex's own diagonal entry of the table's Hessian.
-void add_pulls(const Regions& regions, RotationRows& rows);
+void add_pulls(const Regions& regions, RowTable& rows);
 
 /// Where the handles want the vertices that they hold or pull.
 struct Goals
 {
     Points held; ///< (n, 3) the targets of held vertices, and the base of the others
-    Points pulls; ///< (pulls, 3) the targets of the soft pulls, as RotationProblem takes them
+    Points pulls; ///< (pulls, 3) the targets of the soft pulls, as RowProblem takes them
 
     void set(const Regions& regions, const Targets& targets);
 };

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "native/local_global/arap/graph_kernels.h"
+#include "native/local_global/arap/arap_kernels.h"
 
 namespace sinew {
 
-/// What the kernels read of RotationCells. Points and vectors have three numbers each and rotations nine,
+/// What the kernels read of RowSystem. Points and vectors have three numbers each and rotations nine,
 /// column after column; the kernels may read one number past the end of each array.
 struct RowView
 {
@@ -32,7 +32,7 @@ struct RowView
 
 /// The loops of one evaluation. Every variant does the same operations in the same order and fuses none, so
 /// results agree to the last bit. Where a chunk of groups is asked for, S and t begin with its first group;
-/// S has the layout of GraphKernels.
+/// S has the layout of ArapKernels.
 struct RowKernels
 {
     /// Without pairs, for the rows k of groups [begin, end): r_k = sum_i c_ki x_i, and

@@ -3,7 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/finite.h"
-#include "native/core/pages.h"
+#include "native/core/memory_advice.h"
 #include "native/core/parallel.h"
 
 #include <atomic>

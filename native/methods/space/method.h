@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "native/core/access.h"
 #include "native/core/progress.h"
+#include "native/core/read_write_lock.h"
 #include "native/core/report.h"
 #include "native/core/types.h"
 
@@ -112,7 +112,7 @@ private:
     Points points_;
     SpaceReport report_;
     bool bound_ = false;
-    mutable Access access_;
+    mutable ReadWriteLock access_;
 };
 
 } // namespace sinew

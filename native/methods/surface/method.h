@@ -2,8 +2,8 @@
 #pragma once
 
 #include "native/attachments/attachments.h"
-#include "native/core/access.h"
 #include "native/core/progress.h"
+#include "native/core/read_write_lock.h"
 #include "native/core/report.h"
 #include "native/mesh/regions.h"
 #include "native/mesh/surface_mesh.h"
@@ -171,7 +171,7 @@ private:
     std::shared_ptr<const Attachments> attachments_; ///< null before the first bind
     BindReport report_;
     bool bound_ = false;
-    mutable Access access_;
+    mutable ReadWriteLock access_;
 };
 
 } // namespace sinew

@@ -36,7 +36,7 @@ struct Bound
 
     Components parts;
     Regions regions;
-    HeldSystem system;
+    ConstrainedSystem system;
     HandleFields fields;
 };
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "native/core/memory.h"
-#include "native/handles/held_system.h"
+#include "native/handles/constrained_system.h"
 #include "native/methods/multiresolution/details/detail_coding.h"
 #include "native/methods/multiresolution/details/ring_rotations.h"
 #include "native/operators/turned_gradients.h"
@@ -61,7 +61,7 @@ private:
     std::shared_ptr<const RingRotations> rings_;
     std::vector<int> soft_; ///< vertices
     TurnedGradients gradients_;
-    HeldSystem system_;
+    ConstrainedSystem system_;
     Poses still_;
     std::vector<bool> from_aims_;
     std::vector<Edges> edges_; ///< at rest

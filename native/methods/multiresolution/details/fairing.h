@@ -3,7 +3,7 @@
 
 #include "native/core/report.h"
 #include "native/core/types.h"
-#include "native/handles/held_system.h"
+#include "native/handles/constrained_system.h"
 #include "native/mesh/components.h"
 #include "native/mesh/regions.h"
 #include "native/mesh/surface_mesh.h"
@@ -51,7 +51,7 @@ public:
     void report(BindReport& report) const { system_.report(report); }
 
 private:
-    HeldSystem system_;
+    ConstrainedSystem system_;
     Poses still_; ///< one per handle
 };
 

@@ -34,8 +34,8 @@ struct MlsOptions
 ///
 /// with the weighted means p* and q* of the handle points at rest and posed, and M among all linear maps, the
 /// similarities or the rotations. A point on a handle goes where the handle takes it, and a map of the class
-/// that all handles make is reproduced. In 3D, the best rotation has no closed form: operators/fits/rotation_fit.h
-/// finds it, four points at a time.
+/// that all handles make is reproduced. In 3D, the best rotation has no closed form:
+/// operators/fits/rotation_fit.h finds it, four points at a time.
 ///
 /// Beyond the papers: how strongly a point is held multiplies its w_i, and a place that several handles hold
 /// goes to the mean of their targets; a handle of several points moves by an affine map, and its points share

@@ -4,7 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
-#include "native/local_global/arap/cascade_start.h"
+#include "native/local_global/arap/coarse_start.h"
 #include "native/local_global/bodies/body_problem.h"
 #include "native/mesh/regions.h"
 #include "native/methods/space/nonlinear/cells/cell_grid.h"
@@ -117,7 +117,7 @@ HandleGraph graph_of(const CellGrid& grid, const CellHandles& cell_handles,
 
 struct RigidCells::Workspace
 {
-    CascadeStart::Workspace start;
+    CoarseStart::Workspace start;
     std::vector<Eigen::Quaterniond> rotations;
     BodyBuffers bodies;
     LbfgsWorkspace descent;
@@ -133,9 +133,9 @@ struct RigidCells::Binding
     Points rest; ///< (m, 3) their centres
     Vector3 first_middle; ///< of the points of the first handle
     bool has_still_cells; ///< whether a piece is near no handle
-    RotationGraph graph;
+    ArapSystem graph;
     RigidBodies bodies;
-    CascadeStart start;
+    CoarseStart start;
     BlendedMaps points;
     mutable Pool<Workspace> workspaces;
 };
@@ -177,7 +177,7 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
     for (int c = 0; c < grid.size(); ++c)
         centres.row(c) = grid.cells()[c].centre.transpose();
     progress.tick(0.6, "factorising");
-    RotationGraph graph(
+    ArapSystem graph(
         graph_of(grid, cell_handles, joints),
         {.rigidity = std::vector<double>(static_cast<std::size_t>(grid.size()), 1.0), .triangles = {}},
         centres);
@@ -207,9 +207,9 @@ void RigidCells::build(PointsView points, SpaceReport& report, const Progress& p
             return shape;
         },
         sweeps);
-    CascadeStart start(graph.nodes(),
-                       {.rigidity = graph.cells().rigidity, .smoothing = square / 6.0, .triangles = {}}, rest,
-                       progress);
+    CoarseStart start(graph.nodes(),
+                      {.rigidity = graph.cells().rigidity, .smoothing = square / 6.0, .triangles = {}}, rest,
+                      progress);
     progress.tick(0.8, "computing weights");
     const Points bound = in_unit(points);
     const auto named = [&](std::vector<HandleReach::Shares> shares) {

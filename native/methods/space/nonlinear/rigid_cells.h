@@ -30,9 +30,10 @@ struct RigidCellsOptions
 ///
 ///     E = sum over sides  a^2 / (V_i + V_j)  int_0^1 int_0^1 |d(s, t)|^2 ds dt
 ///
-/// V the volumes of the parts of both cells behind the side. As for prisms (methods/surface/nonlinear/primo.h), with
-/// m the gap in the middle and u, v half of the side's edges, the integral is |m|^2 + |(R_i - R_j) u|^2 / 3 +
-/// |(R_i - R_j) v|^2 / 3: the energy of RigidBodies. A point follows the cells around it,
+/// V the volumes of the parts of both cells behind the side. As for prisms
+/// (methods/surface/nonlinear/primo.h), with m the gap in the middle and u, v half of the side's edges, the
+/// integral is |m|^2 + |(R_i - R_j) u|^2 / 3 + |(R_i - R_j) v|^2 / 3: the energy of RigidBodies. A point
+/// follows the cells around it,
 ///
 ///     x' = sum_i w_i(x) (R_i (x - c_i) + t_i)
 ///

@@ -21,7 +21,8 @@ struct SpacePropagationOptions
 /// M. Pauly, R. Keiser, L. Kobbelt, M. Gross. "Shape Modeling with Point-Sampled Geometry." SIGGRAPH 2003.
 /// Tutorial, section 5.2.
 ///
-/// As methods/surface/linear/propagation.h, with straight distances d_h from the nearest point of each handle:
+/// As methods/surface/linear/propagation.h, with straight distances d_h from the nearest point of each
+/// handle:
 ///
 ///     s_h = (1 / d_h) / sum_g (1 / d_g),      s = d_F / (d_F + d_H) for one handle and what is fixed
 ///

@@ -2,7 +2,7 @@
 #include "native/methods/surface/linear/gradient_editing.h"
 
 #include "native/core/memory.h"
-#include "native/handles/held_system.h"
+#include "native/handles/constrained_system.h"
 #include "native/handles/map_blend.h"
 #include "native/operators/laplacian.h"
 #include "native/operators/turned_gradients.h"
@@ -42,7 +42,7 @@ struct Workspace
 /// The results of a bind.
 struct Binding
 {
-    HeldSystem system; ///< of the cotan Laplacian
+    ConstrainedSystem system; ///< of the cotan Laplacian
     TurnedGradients gradients;
     HandleFields fields;
     std::vector<int> touching; ///< of touching_handles()

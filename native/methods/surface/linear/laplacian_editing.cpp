@@ -5,7 +5,7 @@
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
-#include "native/handles/held_system.h"
+#include "native/handles/constrained_system.h"
 #include "native/handles/map_blend.h"
 #include "native/methods/surface/linear/responses/implicit_response.h"
 #include "native/operators/differential_coordinates.h"
@@ -75,8 +75,8 @@ struct Workspace
 /// The results of a bind.
 struct Binding
 {
-    HeldSystem system;  ///< of L M^-1 L
-    HeldSystem poisson; ///< of L, for harmonic fields
+    ConstrainedSystem system;  ///< of L M^-1 L
+    ConstrainedSystem poisson; ///< of L, for harmonic fields
     SparseMatrix L;
     VectorX mass;
     Points delta; ///< of the rest shape

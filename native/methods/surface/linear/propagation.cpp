@@ -3,7 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
-#include "native/handles/held_system.h"
+#include "native/handles/constrained_system.h"
 #include "native/handles/map_blend.h"
 #include "native/handles/propagated_motions.h"
 #include "native/operators/laplacian.h"
@@ -18,7 +18,7 @@ namespace {
 /// The results of a bind.
 struct Binding
 {
-    HeldSystem system; ///< of the Laplacian, for harmonic fields
+    ConstrainedSystem system; ///< of the Laplacian, for harmonic fields
     HandleFields fields;
     std::vector<Constraint> constraints;
     std::vector<int> held; ///< (n) the handle that holds each vertex, or -1

@@ -5,8 +5,8 @@
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
+#include "native/handles/constrained_system.h"
 #include "native/handles/handle_fields.h"
-#include "native/handles/held_system.h"
 #include "native/handles/map_blend.h"
 #include "native/operators/fits/fit_kernels.h"
 #include "native/operators/fits/rotation_fit.h"
@@ -27,7 +27,7 @@ using FrameRow = Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
 /// The results of a bind.
 struct Binding
 {
-    HeldSystem system; ///< of the Laplacian
+    ConstrainedSystem system; ///< of the Laplacian
     HandleFields fields;
     std::vector<std::vector<int>> patches;
     mutable Pool<RowMatrix> workspaces; ///< (n, 9) the entries of Q - 1, row by row

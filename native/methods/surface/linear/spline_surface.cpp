@@ -4,7 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/finite.h"
 #include "native/core/parallel.h"
-#include "native/handles/held_system.h"
+#include "native/handles/constrained_system.h"
 #include "native/mesh/frames/principal_frame.h"
 #include "native/methods/surface/linear/responses/affine_basis.h"
 #include "native/operators/geodesic_distance.h"
@@ -90,7 +90,7 @@ struct Patch
 struct Binding
 {
     SplineGrid grid;
-    HeldSystem system; ///< of the harmonic field
+    ConstrainedSystem system; ///< of the harmonic field
     SparseMatrix L; ///< of the system, without the pulls of soft handles
     std::vector<Constraint> constraints;
     std::size_t hard = 0; ///< of the constraints
@@ -294,7 +294,7 @@ void SplineSurface::bind(const Regions& regions, BindReport& report, const Progr
     make_weights_positive(*L);
     made->L = *L;
     progress.tick(0.2, "factorising");
-    HeldSystem& system = impl_->bound->system; // which can use an earlier factor again
+    ConstrainedSystem& system = impl_->bound->system; // which can use an earlier factor again
     system.factorize(std::move(L), regions, [&] {
         progress.tick(0.7, "computing the basis");
         if (regions.handle_count() <= most_basis_handles) {

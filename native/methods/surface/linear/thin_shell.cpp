@@ -2,7 +2,7 @@
 #include "native/methods/surface/linear/thin_shell.h"
 
 #include "native/core/errors.h"
-#include "native/handles/held_system.h"
+#include "native/handles/constrained_system.h"
 #include "native/operators/painted.h"
 #include "native/solvers/sparse_columns.h"
 
@@ -54,7 +54,7 @@ struct Coefficients
 /// The results of a bind.
 struct Binding
 {
-    HeldSystem system;
+    ConstrainedSystem system;
     std::unique_ptr<AffineBasis> basis;
 };
 

@@ -4,8 +4,8 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/handles/constrained_system.h"
 #include "native/handles/handle_fields.h"
-#include "native/handles/held_system.h"
 #include "native/handles/map_blend.h"
 #include "native/methods/surface/linear/volume/volume_graph.h"
 #include "native/operators/differential_coordinates.h"
@@ -117,8 +117,8 @@ struct Workspace
 
 struct Binding
 {
-    HeldSystem system{{.ordering = smallest_factor()}};
-    HeldSystem poisson;
+    ConstrainedSystem system{{.ordering = smallest_factor()}};
+    ConstrainedSystem poisson;
     std::shared_ptr<const Inside> inside; ///< null before the first bind
     SparseMatrix L;
     VectorX mass;

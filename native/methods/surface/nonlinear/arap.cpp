@@ -4,10 +4,10 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
-#include "native/local_global/arap/graph_problem.h"
+#include "native/local_global/arap/arap_problem.h"
 #include "native/local_global/arap/higher_order.h"
 #include "native/local_global/arap/mesh_graph.h"
-#include "native/local_global/arap/rotation_cascade.h"
+#include "native/local_global/arap/multilevel_start.h"
 #include "native/mesh/frames/normal_frame.h"
 #include "native/operators/laplacian.h"
 #include "native/operators/painted.h"
@@ -109,9 +109,9 @@ struct Workspace
 struct Binding
 {
     double unit; ///< of the nodes, whose squares fit into single precision
-    RotationGraph graph;
+    ArapSystem graph;
     Points node_rest; ///< the rest points of the nodes
-    RotationCascade cascade;
+    MultilevelStart cascade;
     std::optional<HigherOrder> higher; ///< with point_handles
     mutable Pool<Workspace> workspaces;
 
@@ -122,7 +122,7 @@ struct Binding
     {
         for (int i = 0; i < graph.size(); ++i)
             node_rest.row(i) = rest.row(graph.order()[i]);
-        cascade = RotationCascade(graph, node_rest, progress);
+        cascade = MultilevelStart(graph, node_rest, progress);
     }
 
     /// \param mass  (n) of the vertices
@@ -242,7 +242,7 @@ void Arap::swap_binding(SurfaceMethod& other)
 SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Points& positions) const
 {
     const Binding& bound = *impl_->bound;
-    const RotationGraph& graph = bound.graph;
+    const ArapSystem& graph = bound.graph;
     LbfgsOptions options{.max_iterations = request.max_iterations.value_or(impl_->options.max_iterations),
                          .tolerance = request.tolerance.value_or(impl_->options.tolerance)};
 
@@ -259,7 +259,7 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
         bound.to_vertices(view(fine.goals.targets), positions);
         return {.converged = true};
     }
-    GraphProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
+    ArapProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
     options.floor = rounding_floor * (given.incoming ? graph.scale(targets.base()) : graph.rest_scale());
     CascadeSolve cascade(bound.cascade, problem, graph, targets, work->levels);
     options.correction_period = correction_period;
@@ -294,14 +294,14 @@ double Arap::energy(const PointsView& positions) const
     if (!impl_->bound)
         return 0.0;
     const Binding& bound = *impl_->bound;
-    const RotationGraph& graph = bound.graph;
+    const ArapSystem& graph = bound.graph;
     const std::vector<GraphPull>& soft = graph.nodes().pulls();
     Points all;
     bound.to_nodes(positions, graph.size(), all);
     Points pulls(soft.size(), 3); // pulls to where the nodes are, which have no energy
     for (std::size_t k = 0; k < soft.size(); ++k)
         pulls.row(k) = all.row(soft[k].node);
-    GraphProblem problem(graph, view(bound.node_rest), all, pulls);
+    ArapProblem problem(graph, view(bound.node_rest), all, pulls);
     const Points x = problem.free_rows(view(all));
     Points gradient;
     problem.local_step(x);

@@ -4,7 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
-#include "native/handles/held_system.h"
+#include "native/handles/constrained_system.h"
 #include "native/handles/map_blend.h"
 #include "native/local_global/reduced/rotation_clusters.h"
 #include "native/mesh/frames/normal_frame.h"
@@ -52,7 +52,7 @@ RotationClusters::State Part::start(const Poses& poses) const
 /// The results of a bind.
 struct Binding
 {
-    HeldSystem system; ///< of the Laplacian
+    ConstrainedSystem system; ///< of the Laplacian
     double unit = 1.0; ///< of all that is reduced, so that single precision holds it
     std::vector<Part> parts;
     std::vector<int> bands;  ///< (n) over all parts; -1 in parts without a handle
@@ -184,7 +184,7 @@ void Elimination::complete(Part& part, const ClusterLoads& loads) const
 }
 
 /// \param diagonal  (n) of the Laplacian, without soft pulls.
-void eliminate(std::vector<Part>& parts, const HeldSystem& system, const HandleGroups& groups,
+void eliminate(std::vector<Part>& parts, const ConstrainedSystem& system, const HandleGroups& groups,
                const Regions& regions, const SurfaceMesh& mesh, const VectorX& diagonal,
                const ClusterLoads& loads, double unit, const Progress& progress)
 {

@@ -31,9 +31,9 @@ struct HandleAwareIsolinesOptions
 ///
 /// is least. s_h is the field of handle h, 1 on it and 0 on the others (see handles/handle_fields.h). A
 /// vertex belongs to the handle whose field is largest, and to one of bands / 2 bands between s_h = 1 and the
-/// least s_h among the vertices of that handle. The points are eliminated (local_global/reduced/rotation_clusters.h):
-/// x = X P + Z R for affine poses P of the handles, so that turns of rotations and points cost nothing of the
-/// size of the mesh. Soft handles pull with w / (1 - w) L_ii.
+/// least s_h among the vertices of that handle. The points are eliminated
+/// (local_global/reduced/rotation_clusters.h): x = X P + Z R for affine poses P of the handles, so that turns
+/// of rotations and points cost nothing of the size of the mesh. Soft handles pull with w / (1 - w) L_ii.
 ///
 /// Departs from the paper: rotations, not similarities, are fitted to whole bands instead of to points on
 /// the isolines, and points belong to the exact minimum of E for them. Weights that are negative are made

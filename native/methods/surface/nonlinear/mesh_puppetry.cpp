@@ -4,14 +4,14 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/handles/constrained_system.h"
 #include "native/handles/handle_fields.h"
-#include "native/handles/held_system.h"
 #include "native/handles/map_blend.h"
-#include "native/local_global/rows/rotation_cells.h"
-#include "native/local_global/rows/rotation_problem.h"
+#include "native/local_global/rows/row_problem.h"
+#include "native/local_global/rows/row_system.h"
 #include "native/mesh/frames/normal_frame.h"
 #include "native/operators/laplacian.h"
-#include "native/solvers/descent/metric_lbfgs.h"
+#include "native/solvers/optimization/metric_lbfgs.h"
 
 #include <algorithm>
 #include <numeric>
@@ -52,15 +52,15 @@ SparseMatrix positive_laplacian(const SurfaceMesh& mesh, const TriangleMetric& m
     return L;
 }
 
-RotationRows rows_of(const SurfaceMesh& mesh, const TriangleMetric& metric, const SparseMatrix& L,
-                     double bending, const Regions& regions)
+RowTable rows_of(const SurfaceMesh& mesh, const TriangleMetric& metric, const SparseMatrix& L, double bending,
+                 const Regions& regions)
 {
     const int n = mesh.vertex_count();
     const VectorX mass = divisible_mass(mesh, Discretization::cotan_voronoi, metric);
     const double area = std::accumulate(metric.area.begin(), metric.area.end(), 0.0);
-    RotationRows rows(n, n);
+    RowTable rows(n, n);
     std::vector<double> diagonal(n, 0.0);
-    std::vector<RotationRows::Term> ring;
+    std::vector<RowTable::Term> ring;
     const auto add = [&](double weight, int group) {
         rows.add(weight, ring, group);
         for (const auto& [point, coefficient] : ring)
@@ -102,7 +102,7 @@ struct Binding
     double unit; ///< of the points of the cells, whose squares fit into single precision
     std::int64_t factor_bytes; ///< of the larger factor, in the double precision that it is computed in
     HandleFields fields;
-    RotationCells cells;
+    RowSystem cells;
     std::vector<std::vector<int>> patches;
     mutable Pool<Workspace> workspaces;
 };
@@ -112,12 +112,12 @@ std::unique_ptr<const Binding> bound(const SurfaceMesh& mesh, double unit, const
 {
     const TriangleMetric metric = triangle_metric(mesh, least_area_for_order(2));
     auto L = std::make_shared<SparseMatrix>(positive_laplacian(mesh, metric));
-    const RotationRows rows = rows_of(mesh, metric, *L, bending, regions);
+    const RowTable rows = rows_of(mesh, metric, *L, bending, regions);
     std::vector<bool> held(mesh.vertex_count());
     for (int v = 0; v < mesh.vertex_count(); ++v)
         held[v] = !regions.is_free(v);
     progress.tick(0.1, "factorising");
-    HeldSystem harmonic;
+    ConstrainedSystem harmonic;
     HandleFields fields;
     harmonic.factorize(std::move(L), regions, [&] {
         progress.tick(0.4, "computing the fields");
@@ -126,7 +126,7 @@ std::unique_ptr<const Binding> bound(const SurfaceMesh& mesh, double unit, const
     });
     BindReport of_fields;
     harmonic.report(of_fields);
-    RotationCells cells(rows, mesh.points(), held, held);
+    RowSystem cells(rows, mesh.points(), held, held);
     const std::int64_t bytes = std::max(of_fields.factor_bytes, 2 * cells.factor_bytes());
     return std::unique_ptr<const Binding>(
         new Binding{unit, bytes, std::move(fields), std::move(cells), handle_patches(mesh, regions), {}});
@@ -174,7 +174,7 @@ void MeshPuppetry::bind(const Regions& regions, BindReport& report, const Progre
 SolveReport MeshPuppetry::deform(const SolveRequest& request, const Targets& targets, Points& positions) const
 {
     const Binding& bound = *impl_->bound;
-    const RotationCells& cells = bound.cells;
+    const RowSystem& cells = bound.cells;
     const int n = cells.point_count();
     const double scale = 1.0 / bound.unit;
     const auto work = bound.workspaces.take([] { return std::make_unique<Workspace>(); });
@@ -207,7 +207,7 @@ SolveReport MeshPuppetry::deform(const SolveRequest& request, const Targets& tar
         cells.set_vectors(view(work->base), work->vectors);
         vectors = &work->vectors;
     }
-    RotationProblem problem(cells, *vectors, work->held, work->pulls, &work->buffers);
+    RowProblem problem(cells, *vectors, work->held, work->pulls, &work->buffers);
     work->blended.resize(n, MapBlend::numbers);
     bound.fields.blend(blend.values(), work->blended);
     parallel_for(n, [&](int v) {

@@ -4,7 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
-#include "native/local_global/arap/cascade_start.h"
+#include "native/local_global/arap/coarse_start.h"
 #include "native/local_global/bodies/body_problem.h"
 #include "native/local_global/rows/goals.h"
 #include "native/mesh/frames/normal_frame.h"
@@ -63,7 +63,7 @@ Matrix3 map_of_face(const Points& from, const Points& to, const Vector3& area, c
 struct Workspace
 {
     TargetsInUnit in_unit;
-    CascadeStart::Workspace start;
+    CoarseStart::Workspace start;
     std::vector<Eigen::Quaterniond> rotations;
     BodyBuffers bodies;
     LbfgsWorkspace descent;
@@ -79,10 +79,10 @@ struct Binding
     double unit; ///< of the bodies, whose squares fit into single precision
     Points rest; ///< (n, 3)
     Prisms prisms;
-    RotationGraph graph;
+    ArapSystem graph;
     PrismShape shape;
     RigidBodies bodies;
-    CascadeStart start;
+    CoarseStart start;
     mutable Pool<Workspace> workspaces;
 
     Binding(const SurfaceMesh& mesh, double unit, const Regions& regions, Prisms given,
@@ -99,9 +99,9 @@ struct Binding
                               static_cast<double>(height.size());
         // Two prisms that turn by a small angle against each other about their edge cost h^2 / 6 times its
         // square; rotations of ARAP cost as much with this smoothness.
-        start = CascadeStart(graph.nodes(),
-                             {.rigidity = graph.cells().rigidity, .smoothing = square / 6.0, .triangles = {}},
-                             shape.centres, progress);
+        start = CoarseStart(graph.nodes(),
+                            {.rigidity = graph.cells().rigidity, .smoothing = square / 6.0, .triangles = {}},
+                            shape.centres, progress);
     }
 
 private:
@@ -115,7 +115,7 @@ private:
         prisms.set_shape(view(rest), shape);
         return shape.centres;
     }
-    PrismShape in_order_of(const RotationGraph& of)
+    PrismShape in_order_of(const ArapSystem& of)
     {
         prisms.renumber(of.order());
         PrismShape result;

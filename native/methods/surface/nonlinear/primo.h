@@ -12,8 +12,8 @@ namespace sinew {
 struct PrimoOptions
 {
     /// How far the prisms reach above and below the surface, as a share of the size of the part that a vertex
-    /// is in (part_sizes() in mesh/frames/surface_frame.h): one number > 0, or one per vertex (painted, >= 0).
-    /// Painted values below 1e-3 of the largest one are raised to that.
+    /// is in (part_sizes() in mesh/frames/surface_frame.h): one number > 0, or one per vertex (painted, >=
+    /// 0). Painted values below 1e-3 of the largest one are raised to that.
     std::vector<double> height{0.05};
     int max_iterations = 40; ///< iterations per solve, rejected trials included
     /// solve() ends when the relative decrease of the energy is below this twice in succession.

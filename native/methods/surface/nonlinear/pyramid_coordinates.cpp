@@ -4,7 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
-#include "native/local_global/arap/cascade_start.h"
+#include "native/local_global/arap/coarse_start.h"
 #include "native/local_global/rows/goals.h"
 #include "native/mesh/components.h"
 #include "native/mesh/frames/normal_frame.h"
@@ -51,7 +51,7 @@ struct Workspace
 {
     TargetsInUnit targets;
     Goals goals;
-    CascadeStart::Workspace cascade;
+    CoarseStart::Workspace cascade;
     std::vector<Eigen::Quaterniond> rotations, turns;
     PyramidShape shape;
     PyramidBuffers buffers;
@@ -67,7 +67,7 @@ struct Binding
     /// The vertices of each part without a handle, if these are morphed; else there is none.
     std::vector<std::vector<int>> idle_parts;
     PyramidCells cells;
-    CascadeStart start;
+    CoarseStart start;
     PyramidShape shape; ///< of the rest points
     mutable Pool<Workspace> workspaces;
 

@@ -5,8 +5,8 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
+#include "native/handles/constrained_system.h"
 #include "native/handles/handle_fields.h"
-#include "native/handles/held_system.h"
 #include "native/local_global/graph/clusters.h"
 #include "native/local_global/reduced/subspace_cells.h"
 #include "native/mesh/frames/normal_frame.h"
@@ -159,7 +159,7 @@ struct SubspaceLaplacian::Impl
         std::shared_ptr<const CagedPart> part;
     };
     std::map<int, Space> spaces; ///< by the lowest vertices of their parts
-    HeldSystem system;                                     ///< of the Laplacian, for the fields
+    ConstrainedSystem system;                                     ///< of the Laplacian, for the fields
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
     mutable Pool<Frame> frames;
 

@@ -31,16 +31,17 @@ struct SubspaceLaplacianOptions
 /// Domain Mesh Deformation." SIGGRAPH 2006. Tutorial, section 6.
 ///
 /// The unknowns are the vertices y of a cage around each part with a handle; the surface is x = B y with the
-/// mean value coordinates B of the cage (methods/space/cage/mean_value.h). With one rotation per cluster of vertices,
-/// over ordered pairs of neighbours,
+/// mean value coordinates B of the cage (methods/space/cage/mean_value.h). With one rotation per cluster of
+/// vertices, over ordered pairs of neighbours,
 ///
 ///     E = 1/4 sum_ij w_ij |x_i - x_j - R_c(i) (x_i - x_j)^0|^2
 ///       + 1/2 sum_i b / m_i |(L x)_i - R_c(i) (L x)_i^0|^2 + 1/2 sum_i s_i |x_i - t_i|^2
 ///
-/// is least (local_global/reduced/subspace_cells.h), subject to volume(x) = volume(x^0). The sums are gathered when
-/// handles are set, so an iteration never touches the surface. Handles lie anywhere on the surface, not on
-/// the cage. A held vertex is pulled with 1e5 / (held vertices of its handle), a soft one of weight w with
-/// w / (1 - w) L_ii, at most as a held one. Above a weight of 0.9, it turns with its handle, as held ones do.
+/// is least (local_global/reduced/subspace_cells.h), subject to volume(x) = volume(x^0). The sums are
+/// gathered when handles are set, so an iteration never touches the surface. Handles lie anywhere on the
+/// surface, not on the cage. A held vertex is pulled with 1e5 / (held vertices of its handle), a soft one of
+/// weight w with w / (1 - w) L_ii, at most as a held one. Above a weight of 0.9, it turns with its handle, as
+/// held ones do.
 ///
 /// Departs from the paper: it keeps lengths of edges by a term of their own, as Laplacian coordinates are
 /// zero on flat parts; it solves with a constant matrix instead of one that is made in each step. While

@@ -4,9 +4,9 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
-#include "native/local_global/arap/cascade_start.h"
+#include "native/local_global/arap/coarse_start.h"
 #include "native/local_global/rows/goals.h"
-#include "native/local_global/rows/rotation_problem.h"
+#include "native/local_global/rows/row_problem.h"
 #include "native/mesh/frames/normal_frame.h"
 #include "native/mesh/frames/surface_frame.h"
 #include "native/operators/fits/rotation_fit.h"
@@ -128,7 +128,7 @@ std::vector<Hinge> hinges_of(const SurfaceMesh& mesh)
 /// The table of the energy, which does not depend on handles.
 struct Sheet
 {
-    RotationRows rows;
+    RowTable rows;
     std::vector<std::array<int, 4>> corners; ///< of each cell; -1 behind the last one of a lone triangle
     std::vector<int> thin; ///< vertices at edges where the mesh resists bending more than the sheet does
     double smoothing = 0.0; ///< alpha A of the ARAP energy that starts a solve
@@ -139,7 +139,7 @@ struct Sheet
     {
         const TriangleMetric metric = triangle_metric(mesh);
         const std::vector<Hinge> hinges = hinges_of(mesh);
-        rows = RotationRows(mesh.vertex_count(), static_cast<int>(hinges.size()));
+        rows = RowTable(mesh.vertex_count(), static_cast<int>(hinges.size()));
         std::vector<char> flat(mesh.triangles().size(), false);
         for (const int t : metric.degenerate)
             flat[t] = true;
@@ -190,7 +190,7 @@ struct Sheet
             };
             const double a1 = cotan(hinge.sides[0], a), b1 = cotan(hinge.sides[0], b),
                          a2 = cotan(hinge.sides[1], a), b2 = cotan(hinge.sides[1], b);
-            const RotationRows::Term terms[] = {
+            const RowTable::Term terms[] = {
                 {a, b1 + b2}, {b, a1 + a2}, {first[corner], -a1 - b1}, {across, -a2 - b2}};
             rows.add(hinge.share * (wanted - own) / areas, terms, h);
         }
@@ -212,8 +212,8 @@ private:
     {
         const double whole = half_cotan[0] + half_cotan[2]; // of (q_1 - q_0)^2; always positive
         const double mixed = -half_cotan[0] / whole;
-        const RotationRows::Term both[] = {{t[0], -1.0 - mixed}, {t[1], 1.0}, {t[2], mixed}};
-        const RotationRows::Term other[] = {{t[0], -1.0}, {t[2], 1.0}};
+        const RowTable::Term both[] = {{t[0], -1.0 - mixed}, {t[1], 1.0}, {t[2], mixed}};
+        const RowTable::Term other[] = {{t[0], -1.0}, {t[2], 1.0}};
         rows.add(weight * whole, both, h);
         rows.add(weight * (half_cotan[0] + half_cotan[1] - whole * mixed * mixed), other, h);
     }
@@ -224,7 +224,7 @@ struct Workspace
 {
     TargetsInUnit targets;
     Goals goals;
-    CascadeStart::Workspace start;
+    CoarseStart::Workspace start;
     std::vector<Eigen::Quaterniond> rotations;
     RotationVectors vectors;
     RotationBuffers buffers;
@@ -235,12 +235,12 @@ struct Workspace
 /// The results of a bind.
 struct Binding
 {
-    RotationCells cells;
+    RowSystem cells;
     double rest_scale;
-    CascadeStart start;
+    CoarseStart start;
     mutable Pool<Workspace> workspaces;
 
-    Binding(RotationRows rows, const Sheet& sheet, const SurfaceMesh& mesh, const Regions& regions,
+    Binding(RowTable rows, const Sheet& sheet, const SurfaceMesh& mesh, const Regions& regions,
             const Progress& progress)
         : cells(with_pulls(rows, regions), mesh.points(), held_vertices(regions)),
           rest_scale(cells.scale(cells.rest_vectors())),
@@ -249,7 +249,7 @@ struct Binding
     }
 
 private:
-    static const RotationRows& with_pulls(RotationRows& rows, const Regions& regions)
+    static const RowTable& with_pulls(RowTable& rows, const Regions& regions)
     {
         add_pulls(regions, rows);
         return rows;
@@ -275,7 +275,7 @@ struct ThinShellNonlinear::Impl
     }
 
     /// Sets the rotations of the cells to means of those of their corners.
-    void start_from(const std::vector<Eigen::Quaterniond>& vertices, RotationProblem& problem) const
+    void start_from(const std::vector<Eigen::Quaterniond>& vertices, RowProblem& problem) const
     {
         parallel_for(static_cast<int>(sheet->corners.size()), [&](int h) {
             Matrix3 sum = Matrix3::Zero();
@@ -369,7 +369,7 @@ SolveReport ThinShellNonlinear::deform(const SolveRequest& request, const Target
         bound.cells.set_vectors(*targets.incoming, work->vectors);
         vectors = &work->vectors;
     }
-    RotationProblem problem(bound.cells, *vectors, work->goals.held, work->goals.pulls, &work->buffers);
+    RowProblem problem(bound.cells, *vectors, work->goals.held, work->goals.pulls, &work->buffers);
     options.floor = rounding_floor * (targets.incoming ? bound.cells.scale(*vectors) : bound.rest_scale);
     if (request.start) {
         work->x = bound.cells.free_rows(*request.start);
@@ -401,7 +401,7 @@ double ThinShellNonlinear::energy(const PointsView& positions) const
     Points pulls(static_cast<Eigen::Index>(regions().soft().size()), 3); // to where the vertices are
     for (std::size_t k = 0; k < regions().soft().size(); ++k)
         pulls.row(static_cast<Eigen::Index>(k)) = all.row(regions().soft()[k].vertex);
-    RotationProblem problem(self.bound->cells, self.bound->cells.rest_vectors(), all, pulls);
+    RowProblem problem(self.bound->cells, self.bound->cells.rest_vectors(), all, pulls);
     Points gradient;
     return problem.evaluate(self.bound->cells.free_rows(view(all)), gradient) * self.unit * self.unit;
 }

@@ -12,8 +12,8 @@ namespace sinew {
 struct ThinShellNonlinearOptions
 {
     /// What says how stiff the sheet is: a thickness t, as a share of the size of the part that a vertex is
-    /// in (part_sizes() in mesh/frames/surface_frame.h) or as a length, with k_s = 1 and k_b = t^2; or k_s and k_b
-    /// themselves.
+    /// in (part_sizes() in mesh/frames/surface_frame.h) or as a length, with k_s = 1 and k_b = t^2; or k_s
+    /// and k_b themselves.
     enum class Measure { share, length, stiffness } measure = Measure::share;
     /// t, one number >= 0, or one per vertex (painted). Only for a share or a length.
     std::vector<double> thickness{0.02};
@@ -47,7 +47,8 @@ struct ThinShellNonlinearOptions
 /// with the cotangents a at q_0 and b at q_1 of both triangles at the edge (0, 1) whose opposite corners are
 /// 2 and 3. Where lengths are kept, K_h q has the length 2 |e| sin(theta / 2) for the angle theta between the
 /// triangles, so the second term is k_b |e|^2 / A_h (theta' - theta)^2 for small changes. Then k_b has the
-/// same meaning as in methods/surface/linear/thin_shell.h: a sheet that is rolled up costs what a plate costs.
+/// same meaning as in methods/surface/linear/thin_shell.h: a sheet that is rolled up costs what a plate
+/// costs.
 ///
 /// Departs from the paper: each cell compares vectors after it has turned, and no angles; energies with
 /// angles have minima where different starts get stuck. A cell that turns as one resists folding by itself,
@@ -57,8 +58,8 @@ struct ThinShellNonlinearOptions
 /// area k'_h is 0, too. At an edge of more than two triangles, each of them is paired with the next.
 ///
 /// The Hessian in q for fixed rotations is constant. solve() starts with the rotations of the cascade of ARAP
-/// (local_global/arap/cascade_start.h), smoothed as much as the sheet is stiff, and then takes steps of L-BFGS in the
-/// metric of that matrix, with a test of the energy.
+/// (local_global/arap/coarse_start.h), smoothed as much as the sheet is stiff, and then takes steps of L-BFGS
+/// in the metric of that matrix, with a test of the energy.
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   O(n)

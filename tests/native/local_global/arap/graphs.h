@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "native/local_global/arap/rotation_graph.h"
+#include "native/local_global/arap/arap_system.h"
 #include "native/mesh/components.h"
 #include "native/operators/laplacian.h"
 #include "tests/native/local_global/graph/mesh_graph.h"
@@ -11,8 +11,8 @@ namespace sinew::graphs {
 
 /// The graph of a mesh without obtuse angles, painted with random rigidity on request.
 /// \param[in,out] mesh  its vertices are numbered as the graph's nodes then.
-inline RotationGraph of(SurfaceMesh& mesh, const std::vector<Handle>& handles, double smoothness,
-                        bool rims = false, bool painted = false)
+inline ArapSystem of(SurfaceMesh& mesh, const std::vector<Handle>& handles, double smoothness,
+                     bool rims = false, bool painted = false)
 {
     const TriangleMetric metric = triangle_metric(mesh);
     GraphCells cells;
@@ -33,7 +33,7 @@ inline RotationGraph of(SurfaceMesh& mesh, const std::vector<Handle>& handles, d
             r = 0.2 + random.unit();
     const Regions regions(handles, connected_components(mesh));
     const GraphHandles held(regions, [](int) { return 1.0; });
-    RotationGraph graph(HandleGraph(edges_of(mesh), held), cells, mesh.points());
+    ArapSystem graph(HandleGraph(edges_of(mesh), held), cells, mesh.points());
     const std::vector<int> renamed = new_numbers(graph.order());
     std::vector<int> corners;
     Points points(graph.size(), 3);

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/local_global/bodies/body_problem.h"
 
-#include "native/local_global/rows/rotation_problem.h"
+#include "native/local_global/rows/row_problem.h"
 #include "tests/native/local_global/arap/graphs.h"
 #include "tests/native/shapes.h"
 
@@ -15,11 +15,11 @@ namespace {
 struct Setting
 {
     SurfaceMesh mesh = shapes::sphere(3); // more than one chunk
-    RotationGraph graph;
+    ArapSystem graph;
     std::vector<BodyJoint> joints;
     std::vector<std::array<Vector3, 5>> vectors; ///< p, q and three for the form
     RigidBodies bodies;
-    RotationCells table;
+    RowSystem table;
     Points centres;
     Points pulls;
 
@@ -42,7 +42,7 @@ struct Setting
             return JointShape{{v[0], v[1]}, form};
         };
     }
-    void turn(BodyProblem& problem, RotationProblem& oracle) const
+    void turn(BodyProblem& problem, RowProblem& oracle) const
     {
         shapes::Random random(4);
         for (int i = 0; i < graph.size(); ++i) {
@@ -53,7 +53,7 @@ struct Setting
     }
 
 private:
-    static RotationGraph make(SurfaceMesh& mesh)
+    static ArapSystem make(SurfaceMesh& mesh)
     {
         return graphs::of(mesh,
                           {{shapes::where(mesh, [](const Vector3& p) { return p.z() < -0.8; }), {}},
@@ -83,13 +83,13 @@ private:
             flags[i] = i >= graph.free_count();
         return flags;
     }
-    RotationRows rows() const
+    RowTable rows() const
     {
-        RotationRows result(graph.size(), graph.size());
+        RowTable result(graph.size(), graph.size());
         for (std::size_t k = 0; k < joints.size(); ++k) {
             const auto [a, b] = joints[k].body;
             const double w = joints[k].weight;
-            const RotationRows::Term terms[]{{a, 1.0}, {b, -1.0}};
+            const RowTable::Term terms[]{{a, 1.0}, {b, -1.0}};
             result.add(w, terms, a, -vectors[k][0], b, vectors[k][1]);
             for (int v : {2, 3, 4})
                 result.add(w, {}, a, vectors[k][v], b, -vectors[k][v]);
@@ -105,7 +105,7 @@ TEST(BodyProblem, energy_and_gradient_are_those_of_a_table_of_rows)
     const Setting setting(0);
     BodyProblem problem(setting.graph, setting.bodies, setting.bodies.rest_numbers(), setting.centres,
                         setting.pulls);
-    RotationProblem oracle(setting.table, setting.table.rest_vectors(), setting.centres);
+    RowProblem oracle(setting.table, setting.table.rest_vectors(), setting.centres);
     setting.turn(problem, oracle);
     Points gradient, expected;
     const Points x = setting.centres.topRows(setting.graph.free_count());
@@ -150,7 +150,7 @@ TEST(BodyProblem, rotations_move_as_those_of_a_table_of_rows)
         const Setting setting(sweeps);
         BodyProblem problem(setting.graph, setting.bodies, setting.bodies.rest_numbers(), setting.centres,
                             setting.pulls);
-        RotationProblem oracle(setting.table, setting.table.rest_vectors(), setting.centres);
+        RowProblem oracle(setting.table, setting.table.rest_vectors(), setting.centres);
         setting.turn(problem, oracle);
         Points gradient, expected, all = Points::Zero(setting.graph.size(), 3);
         const double E = problem.evaluate(setting.centres.topRows(setting.graph.free_count()), gradient);

@@ -5,7 +5,7 @@
 #include "native/local_global/graph/handle_graph.h"
 #include "native/methods/space/nonlinear/graph/deformation_graph.h"
 #include "native/methods/space/nonlinear/handles/handle_control.h"
-#include "native/solvers/descent/metric_lbfgs.h"
+#include "native/solvers/optimization/metric_lbfgs.h"
 #include "native/solvers/single_factor.h"
 
 #include <array>

@@ -3,7 +3,7 @@
 
 #include "native/core/report.h"
 #include "native/core/types.h"
-#include "native/handles/held_system.h"
+#include "native/handles/constrained_system.h"
 #include "native/handles/map_blend.h"
 #include "native/mesh/regions.h"
 #include "native/mesh/surface_mesh.h"
@@ -47,7 +47,7 @@ private:
     std::vector<Constraint> constraints_;
     std::vector<int> group_;
     SparseMatrix energy_; ///< without the pulls of soft handles
-    HeldSystem system_;
+    ConstrainedSystem system_;
 };
 
 } // namespace sinew

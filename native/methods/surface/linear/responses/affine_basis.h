@@ -3,7 +3,7 @@
 
 #include "native/core/report.h"
 #include "native/core/types.h"
-#include "native/handles/held_system.h"
+#include "native/handles/constrained_system.h"
 #include "native/mesh/regions.h"
 
 #include <vector>

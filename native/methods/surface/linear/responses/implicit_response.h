@@ -35,7 +35,7 @@ SparseMatrix implicit_residual(const SurfaceMesh& rest, const SparseMatrix& L, c
 ///
 /// with T_i of implicit_residual(), which is linear in x. The second term, with e = 1e-7, decides where
 /// handles leave a similarity of the whole part open, as a single vertex does. Soft handles pull as in
-/// handles/held_system.h.
+/// handles/constrained_system.h.
 ///
 /// Departs from the paper: rows of the border only scale. There, delta is not a curvature but the direction
 /// out of the surface divided by the length of an edge; turned along, it would wreck open meshes.

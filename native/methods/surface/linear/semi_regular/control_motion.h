@@ -22,8 +22,8 @@ namespace sinew {
 /// hold. So affine motions of all handles together are exact.
 ///
 /// A control point that is a vertex of the surface itself, as its part was not coarsened, is held exactly,
-/// and its soft handles pull as those of HeldSystem do. Otherwise several handles may pull at one control
-/// point, and what they leave open is left to HandleBand.
+/// and its soft handles pull as those of ConstrainedSystem do. Otherwise several handles may pull at one
+/// control point, and what they leave open is left to HandleBand.
 class ControlMotion
 {
 public:

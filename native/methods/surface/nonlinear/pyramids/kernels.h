@@ -23,7 +23,7 @@ struct PyramidView
 struct PyramidKernels
 {
     /// S_i = c_i sum_j y_ij e_ij^T + k_i z_i d_i^T, with the present edges y and tips z. S begins with that
-    /// of the first cell and has the layout of GraphKernels.
+    /// of the first cell and has the layout of ArapKernels.
     void (*covariances)(const PyramidView& view, int begin, int end, double* S);
     /// One force per directed edge, which acts on its end, and minus their sum for each cell.
     /// \param R  nine numbers per cell, column after column.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The bodies of PyramidKernels, compiled once for each set of instructions; see lane_types.inl.
 
-#include "native/local_global/arap/graph_kernels.h"
+#include "native/local_global/arap/arap_kernels.h"
 
 #include "native/local_global/arap/columns.inl"
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "native/methods/surface/nonlinear/pyramids/cells.h"
-#include "native/solvers/descent/metric_lbfgs.h"
+#include "native/solvers/optimization/metric_lbfgs.h"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/surface/linear/gradient_editing.h"
 
-#include "native/handles/held_system.h"
+#include "native/handles/constrained_system.h"
 #include "native/operators/laplacian.h"
 #include "tests/native/allocations.h"
 #include "tests/native/dense.h"
@@ -213,7 +213,7 @@ TEST(GradientEditing, bends_a_tube_by_120_degrees_about_as_well_as_a_beam_bends)
         EXPECT_NEAR(rms_edge_ratio(mesh, solved(mesh, handles, {.poses = poses}, nullptr, field)), 0.0565,
                     0.0005);
     // With gradients that nobody turns (Figure 15b) it is far worse.
-    HeldSystem poisson;
+    ConstrainedSystem poisson;
     poisson.factorize(std::make_shared<SparseMatrix>(laplacian_matrix(mesh, Discretization::cotan)),
                       Regions(handles, connected_components(mesh)));
     Points unturned;

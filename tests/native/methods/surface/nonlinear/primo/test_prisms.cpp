@@ -21,7 +21,7 @@ struct Setting
     SurfaceMesh mesh;
     Regions regions;
     Prisms prisms;
-    RotationGraph graph;
+    ArapSystem graph;
     PrismShape shape;
     RigidBodies bodies;
     Points pulls;

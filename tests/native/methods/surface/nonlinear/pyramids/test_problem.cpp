@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/surface/nonlinear/pyramids/problem.h"
 
-#include "native/local_global/rows/rotation_problem.h"
+#include "native/local_global/rows/row_problem.h"
 #include "native/mesh/components.h"
 #include "native/methods/surface/nonlinear/pyramids/morph.h"
 #include "tests/native/shapes.h"
@@ -62,23 +62,23 @@ TEST(PyramidProblem, agrees_with_the_table_of_rows)
     for (const SurfaceMesh& mesh : {shapes::sphere(2), shapes::hill(9, 7), shapes::messy()}) {
         const Scene own(mesh);
         const int n = mesh.vertex_count();
-        RotationRows rows(n, n);
+        RowTable rows(n, n);
         std::vector<bool> held(n);
         for (int i = 0; i < n; ++i) {
             held[i] = !own.moving[i];
-            std::vector<RotationRows::Term> tip{{i, 1.0}};
+            std::vector<RowTable::Term> tip{{i, 1.0}};
             for (int a = own.rings.offsets()[i]; a < own.rings.offsets()[i + 1]; ++a) {
                 const int j = own.rings.neighbours()[a];
                 tip.push_back({j, -own.weights.shares[a]});
-                const RotationRows::Term edge[]{{j, 1.0}, {i, -1.0}};
+                const RowTable::Term edge[]{{j, 1.0}, {i, -1.0}};
                 rows.add(own.stiffness.sides[i], edge, i);
             }
             if (own.rings.valence(i) > 0)
                 rows.add(own.stiffness.tips[i], tip, i);
         }
         rows.pull(2, own.cells.pulls().front().stiffness);
-        const RotationCells table(rows, mesh.points(), held);
-        RotationProblem oracle(table, table.rest_vectors(), mesh.points(), own.pulls);
+        const RowSystem table(rows, mesh.points(), held);
+        RowProblem oracle(table, table.rest_vectors(), mesh.points(), own.pulls);
         PyramidBuffers buffers;
         PyramidProblem problem(own.cells, own.shape, false, own.noisy, own.pulls, buffers);
         Points g, expected, all, other = Points::Zero(n, 3);

@@ -1,0 +1,188 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/handles/constrained_system.h"
+
+#include "native/core/errors.h"
+#include "native/core/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+/// Adds the soft pulls to the diagonal of A, and returns their stiffnesses.
+std::vector<double> add_pulls(const Regions& regions, SparseMatrix& A)
+{
+    std::vector<double> stiffness;
+    if (regions.soft().empty())
+        return stiffness;
+    const VectorX diagonal = A.diagonal();
+    const double mean = diagonal.mean() > 0 ? diagonal.mean() : 1.0;
+    for (const SoftConstraint& s : regions.soft())
+        stiffness.push_back(s.stiffness() * (diagonal[s.vertex] > 0 ? diagonal[s.vertex] : mean));
+    for (std::size_t k = 0; k < stiffness.size(); ++k) {
+        const int v = regions.soft()[k].vertex;
+        A.coeffRef(v, v) += stiffness[k];
+    }
+    A.makeCompressed();
+    return stiffness;
+}
+
+} // namespace
+
+void ConstrainedSystem::factorize(std::shared_ptr<SparseMatrix> A, const Regions& regions,
+                                  const std::function<void()>& completed, const Regions* wider)
+{
+    std::vector<Constraint> constraints = regions.constraints();
+    std::vector<double> stiffness = add_pulls(regions, *A);
+    const std::vector<bool> free = regions.free_vertices(),
+                            more = wider ? wider->free_vertices() : std::vector<bool>{};
+
+    const ConstrainedQuadratic::Problem before = equations_.problem();
+    constraints_.swap(constraints);
+    stiffness_.swap(stiffness);
+    try {
+        equations_.factorize(std::move(A), free, more);
+        if (completed)
+            completed();
+    } catch (const std::exception&) {
+        constraints_.swap(constraints);
+        stiffness_.swap(stiffness);
+        equations_.restore(before);
+        throw;
+    }
+    ++factorizations_;
+    frames_ = std::make_unique<Pool<Frame>>();
+}
+
+SolveReport ConstrainedSystem::solve(const Targets& targets, Points& positions, const Source& source) const
+{
+    SolveReport report;
+    solve(targets, positions, source, &report);
+    return report;
+}
+
+void ConstrainedSystem::displace(const Targets& targets, Points& positions, const Source& source) const
+{
+    solve(targets, positions, source, nullptr);
+}
+
+void ConstrainedSystem::solve(const Targets& targets, Points& positions, const Source& source,
+                              SolveReport* report) const
+{
+    const PointsView base = targets.base();
+    const int n = static_cast<int>(base.rows());
+    const bool loaded = source || !stiffness_.empty();
+    const auto frame = frames_->take([&] {
+        auto made = std::make_unique<Frame>();
+        made->d = RowMatrix::Zero(n, 3);
+        made->b = RowMatrix::Zero(loaded ? n : 0, 3);
+        return made;
+    });
+    RowMatrix &d = frame->d, &b = frame->b;
+    double energy = 0.0; // twice E
+    if (source)
+        energy = source(b);
+    else
+        for (std::size_t row = constraints_.size() - stiffness_.size(); row < constraints_.size(); ++row)
+            b.row(constraints_[row].vertex).setZero();
+    for (std::size_t row = 0; row < constraints_.size(); ++row) {
+        const auto [vertex, handle] = constraints_[row];
+        const Vector3 wanted = targets.position(vertex, handle) - base.row(vertex).transpose();
+        if (is_soft(row)) {
+            b.row(vertex) += stiffness(row) * wanted.transpose();
+            energy += stiffness(row) * wanted.squaredNorm();
+        } else {
+            d.row(vertex) = wanted.transpose();
+        }
+    }
+
+    const RowMatrix* const rhs = loaded ? &b : nullptr;
+    equations_.solve(d, rhs, frame->work);
+    positions.resize(n, 3);
+    parallel_for(n, [&](int i) {
+        for (int axis = 0; axis < 3; ++axis)
+            positions(i, axis) = base(i, axis) + d(i, axis);
+    });
+
+    if (!report)
+        return;
+    const ConstrainedQuadratic::Norms norms = equations_.norms(d, rhs);
+    energy += norms.energy; // with s_i |d_i|^2, as the pulls are on the diagonal
+    if (loaded)
+        energy -= 2 * parallel_sum(n, [&](int i) { return d.row(i).dot(b.row(i)); });
+    report->iterations = 1;
+    report->converged = true;
+    report->energy = std::max(0.0, 0.5 * energy); // rounding may take it below
+    report->residual = norms.load > 0 ? std::sqrt(norms.residual / norms.load) : 0.0;
+}
+
+RowMatrix ConstrainedSystem::spread(const MatrixX& constraints) const
+{
+    std::optional<RowMatrix> b;
+    return spread(constraints, b);
+}
+
+RowMatrix ConstrainedSystem::spread(const MatrixX& constraints, std::optional<RowMatrix>& b) const
+{
+    if (!equations_.problem().matrix)
+        throw InvalidConstraint("there are no handles yet: call set_handles() first");
+    const auto columns = constraints.cols();
+    const auto n = static_cast<Eigen::Index>(equations_.problem().free.size());
+    RowMatrix d = RowMatrix::Zero(n, columns);
+    if (!stiffness_.empty())
+        b = RowMatrix::Zero(n, columns);
+    for (std::size_t row = 0; row < constraints_.size(); ++row) {
+        const int vertex = constraints_[row].vertex;
+        const auto target = constraints.row(static_cast<Eigen::Index>(row));
+        if (is_soft(row))
+            b->row(vertex) += stiffness(row) * target;
+        else
+            d.row(vertex) = target;
+    }
+    equations_.solve(d, b ? &*b : nullptr);
+    return d;
+}
+
+RowMatrix ConstrainedSystem::answer(const RowMatrix& b) const
+{
+    RowMatrix d = RowMatrix::Zero(b.rows(), b.cols());
+    equations_.solve(d, &b);
+    return d;
+}
+
+LinearResponse ConstrainedSystem::respond(const MatrixX& constraints) const
+{
+    const auto columns = constraints.cols();
+    std::optional<RowMatrix> b;
+    LinearResponse response;
+    RowMatrix& d = response.displacement;
+    d = spread(constraints, b);
+    ConstrainedQuadratic::Forms forms = equations_.forms(d, b ? &*b : nullptr);
+    response.energy = std::move(forms.energy);
+    if (b) { // as in solve()
+        MatrixX soft = MatrixX::Zero(columns, columns);
+        for (std::size_t row = constraints_.size() - stiffness_.size(); row < constraints_.size(); ++row) {
+            const auto target = constraints.row(static_cast<Eigen::Index>(row));
+            soft += stiffness(row) * target.transpose() * target;
+        }
+        const MatrixX cross = d.transpose() * *b;
+        response.energy += soft - cross - cross.transpose();
+    }
+    response.residual = std::move(forms.residual);
+    response.load = std::move(forms.load);
+    return response;
+}
+
+void ConstrainedSystem::report(BindReport& report) const
+{
+    const SpdFactor& factor = equations_.factor();
+    report.factorizations = factorizations_;
+    report.analyses = factor.analyses();
+    report.refactored = factor.share();
+    report.factor_bytes = factor.bytes();
+}
+
+} // namespace sinew

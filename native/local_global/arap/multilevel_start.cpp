@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/local_global/arap/multilevel_start.h"
+
+#include "native/core/errors.h"
+#include "native/core/parallel.h"
+#include "native/local_global/graph/rotations.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+
+namespace sinew {
+
+namespace {
+
+constexpr int coarsening = 8;
+constexpr int fewest_nodes = 60;
+constexpr int most_levels = 8;
+constexpr int coarsest_iterations = 30, level_iterations = 5;
+constexpr double rounding_floor = 1e-14; ///< of sum w |p_i - p_j|^2: an energy below it is rounding
+constexpr double worthwhile = 0.7;    ///< a level with a larger share of the finer nodes is left out
+
+/// Sets the rotations of the next finer problem from those of a level.
+void hand_down(const RotationLevel& level, const std::vector<Eigen::Quaterniond>& rotations,
+               ArapProblem& finer)
+{
+    parallel_for(static_cast<int>(level.map.label().size()), [&](int i) {
+        if (level.map.label()[i] >= 0)
+            finer.set_rotation(i, handed_down(level.map, rotations, i).toRotationMatrix());
+    });
+}
+
+double energy_floor(const ArapSystem& graph, const Targets& targets)
+{
+    return rounding_floor * (targets.incoming ? graph.scale(targets.base()) : graph.rest_scale());
+}
+
+void blend_handles(ArapProblem& problem, const ArapSystem& graph, const Poses& poses)
+{
+    const auto rotations =
+        blended_rotations(graph.nodes(), graph.laplacian(), graph.position_factor(), poses);
+    for (int i = 0; i < graph.size(); ++i)
+        if (!graph.nodes().is_idle(i))
+            problem.set_rotation(i, rotations[i].toRotationMatrix());
+}
+
+} // namespace
+
+RotationLevel::RotationLevel(const HandleGraph& finer, const GraphCells& cells, const Points& finer_rest,
+                             const Clusters& clusters)
+    : map(finer, finer_rest, clusters),
+      graph(graph_of_clusters(finer, finer_rest, map),
+            {.rigidity = map.restrict(cells.rigidity), .smoothing = cells.smoothing, .triangles = {}},
+            map.restrict(view(finer_rest)))
+{
+    map.renumber(graph.order());
+    rest = map.restrict(view(finer_rest));
+}
+
+std::optional<RotationLevel> RotationLevel::coarser(const HandleGraph& finer, const GraphCells& cells,
+                                                    const Points& finer_rest)
+{
+    int active = 0; // loose vertices and parts without a handle count nothing
+    for (int i = 0; i < finer.size(); ++i)
+        active += finer.is_idle(i) ? 0 : 1;
+    if (active / coarsening < fewest_nodes)
+        return {};
+    const Clusters clusters(finer, finer_rest, active / coarsening);
+    if (clusters.seeds.size() > worthwhile * active)
+        return {};
+    try {
+        return RotationLevel(finer, cells, finer_rest, clusters);
+    } catch (const OutOfMemory&) {
+        throw;
+    } catch (const FactorizationFailed&) {
+        return {}; // the finer levels are a start, too
+    }
+}
+
+void GraphGoals::set(const ArapSystem& graph, const Targets& goal)
+{
+    const HandleGraph& nodes = graph.nodes();
+    targets = goal.base();
+    pulls.resize(nodes.pulls().size(), 3);
+    for (int i = 0; i < nodes.size(); ++i)
+        if (nodes.hard(i) >= 0)
+            targets.row(i) = goal.position(i, nodes.hard(i)).transpose();
+    for (std::size_t k = 0; k < nodes.pulls().size(); ++k)
+        pulls.row(k) = goal.position(nodes.pulls()[k].node, nodes.pulls()[k].handle).transpose();
+}
+
+MultilevelStart::MultilevelStart(const ArapSystem& fine, const Points& rest, const Progress& progress)
+{
+    const ArapSystem* graph = &fine;
+    const Points* points = &rest;
+    levels_.reserve(most_levels); // so that `graph` may point into it
+    // Where no node is free, nothing needs a start.
+    while (fine.free_count() > 0 && static_cast<int>(levels_.size()) < most_levels) {
+        progress.tick(0.6 + 0.4 * levels_.size() / most_levels, "clustering");
+        auto level = RotationLevel::coarser(graph->nodes(), graph->cells(), *points);
+        if (!level)
+            break;
+        levels_.push_back(std::move(*level));
+        graph = &levels_.back().graph;
+        points = &levels_.back().rest;
+    }
+}
+
+CascadeSolve::CascadeSolve(const MultilevelStart& cascade, ArapProblem& fine_problem, const ArapSystem& fine,
+                           const Targets& targets, std::vector<GraphWorkspace>& work)
+    : cascade_(cascade), fine_problem_(fine_problem), fine_(fine), targets_(targets), work_(work)
+{
+    const std::vector<RotationLevel>& levels = cascade.levels();
+    const int count = static_cast<int>(levels.size());
+    work.resize(count);
+    problems_.reserve(count);
+    corrected_.reserve(count + 1);
+    corrected_.emplace_back(fine_problem);
+    for (int l = 0; l < count; ++l) {
+        const ArapSystem& graph = levels[l].graph;
+        Targets local{targets.poses, view(levels[l].rest), {}, targets.from_rest};
+        if (targets.incoming) {
+            levels[l].map.restrict(l == 0 ? *targets.incoming : view(work[l - 1].base), work[l].base);
+            local.incoming.emplace(view(work[l].base));
+        }
+        work[l].goals.set(graph, local);
+        problems_.emplace_back(graph, local.base(), work[l].goals.targets, work[l].goals.pulls,
+                               &work[l].buffers);
+        floors_.push_back(energy_floor(graph, local));
+        corrected_.emplace_back(problems_.back());
+        corrected_[l].correct_by(corrected_[l + 1], levels[l].map, work[l].descent);
+    }
+}
+
+void CascadeSolve::start()
+{
+    const std::vector<RotationLevel>& levels = cascade_.levels();
+    const int count = static_cast<int>(levels.size());
+    if (count == 0) {
+        blend_handles(fine_problem_, fine_, targets_.poses);
+        return;
+    }
+    blend_handles(problems_.back(), levels.back().graph, targets_.poses);
+    for (int l = count - 1; l >= 0; --l)
+        hand_down(levels[l], descend(l + 1, problems_[l], work_[l], floors_[l]),
+                  l == 0 ? fine_problem_ : problems_[l - 1]);
+}
+
+const std::vector<Eigen::Quaterniond>& CascadeSolve::solve(GraphWorkspace& work)
+{
+    start();
+    return descend(0, fine_problem_, work, energy_floor(fine_, targets_));
+}
+
+/// Iterations on one problem, from its rotations.
+/// \param level  0 for the fine problem, which comes before the levels of the cascade.
+const std::vector<Eigen::Quaterniond>& CascadeSolve::descend(int level, ArapProblem& problem,
+                                                             GraphWorkspace& work, double floor)
+{
+    const bool coarsest = level == static_cast<int>(cascade_.levels().size());
+    problem.global_step(work.x);
+    minimize(corrected_[level], work.x,
+             {.max_iterations = coarsest ? coarsest_iterations : level_iterations,
+              .tolerance = 1e-4,
+              .floor = floor,
+              .correction_period = correction_period},
+             {}, &work.descent);
+    problem.refresh(work.x);
+    const int nodes = level == 0 ? fine_.size() : cascade_.levels()[level - 1].graph.size();
+    work.rotations.resize(nodes);
+    parallel_for(nodes, [&](int i) { work.rotations[i] = Eigen::Quaterniond(problem.rotation(i)); });
+    return work.rotations;
+}
+
+} // namespace sinew

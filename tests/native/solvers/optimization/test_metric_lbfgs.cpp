@@ -1,0 +1,423 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/solvers/optimization/metric_lbfgs.h"
+
+#include "native/solvers/optimization/kernels.h"
+#include "tests/native/shapes.h"
+#include "tests/native/wide_kernels.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <vector>
+
+namespace sinew::test_metric_lbfgs {
+
+namespace {
+
+/// Any F over dense points, with a dense metric. Its hidden state is the point it saw last.
+class DenseProblem : public MetricProblem
+{
+public:
+    explicit DenseProblem(const MatrixX& metric) : metric_(metric) {}
+
+    double evaluate(const Points& x, Points& gradient) final
+    {
+        ++evaluations;
+        state = x;
+        return value(x, gradient);
+    }
+    void precondition(const Points& gradient, Points& z) const final { z = metric_.solve(gradient); }
+    void keep_state() final { kept_ = state; }
+    void restore_state() final { state = kept_; }
+
+    virtual double value(const Points& x, Points& gradient) const = 0;
+
+    Points state;
+    int evaluations = 0;
+
+private:
+    Points kept_;
+    Eigen::LLT<MatrixX> metric_;
+};
+
+MatrixX random_spd(int n, int seed, double least)
+{
+    const MatrixX B = shapes::Random(seed).dense(n, n);
+    return B * B.transpose() + least * MatrixX::Identity(n, n);
+}
+
+class Quadratic final : public DenseProblem
+{
+public:
+    Quadratic(const MatrixX& A, const MatrixX& metric) : DenseProblem(metric), A_(A)
+    {
+        b_ = shapes::Random(4).dense(static_cast<int>(A.rows()), 3);
+        least_ = 0.5 * (b_.transpose() * minimum()).trace();
+    }
+    double value(const Points& x, Points& gradient) const override
+    {
+        gradient = A_ * x - b_;
+        // 1 at the minimum: stopping rules compare with F itself.
+        return 1 + least_ + 0.5 * (x.transpose() * (A_ * x)).trace() - (b_.transpose() * x).trace();
+    }
+    Points minimum() const { return A_.ldlt().solve(b_); }
+
+private:
+    MatrixX A_, b_;
+    double least_ = 0.0;
+};
+
+/// A bowl full of dents; with a metric of `bound` times its true curvature bound.
+class Dented final : public DenseProblem
+{
+public:
+    Dented(int n, double bound) : DenseProblem(bound * (1 + depth * rate * rate) * MatrixX::Identity(n, n)) {}
+    double value(const Points& x, Points& gradient) const override
+    {
+        gradient = (x.array() + depth * rate * (rate * x.array() + 1).cos()).matrix();
+        return 0.5 * x.squaredNorm() + depth * ((rate * x.array() + 1).sin() + 1).sum();
+    }
+
+private:
+    static constexpr double depth = 0.6;
+    static constexpr double rate = 4.0;
+};
+
+Points start(int n) { return 3 * shapes::Random(9).dense(n, 3); }
+
+LbfgsOptions budget(int iterations) { return {.max_iterations = iterations, .tolerance = 0.0}; }
+
+/// F after 0, 1, 2 ... iterations from the same start, each checked against the point returned.
+template <class Make>
+std::vector<double> energies(Make&& make, int n, int most, int window = 5)
+{
+    std::vector<double> result;
+    for (int k = 0; k <= most; ++k) {
+        auto problem = make();
+        Points x = start(n);
+        LbfgsOptions options = budget(k);
+        options.window = window;
+        const SolveReport report = minimize(problem, x, options);
+        EXPECT_LE(report.iterations, k);
+        EXPECT_EQ(problem.state, x) << "the hidden state belongs to another point";
+        Points gradient;
+        EXPECT_EQ(report.energy, problem.value(x, gradient)) << "reported for another point";
+        result.push_back(report.energy);
+    }
+    return result;
+}
+
+void expect_never_rises(const std::vector<double>& F)
+{
+    for (std::size_t k = 1; k < F.size(); ++k)
+        EXPECT_LE(F[k], F[k - 1]) << "iteration " << k;
+}
+
+} // namespace
+
+TEST(MetricLbfgs, with_the_true_hessian_as_metric_needs_one_step)
+{
+    const MatrixX A = random_spd(20, 1, 1.0);
+    Quadratic problem(A, A);
+    Points x = start(20);
+    minimize(problem, x, budget(1));
+    EXPECT_LT(shapes::distance(x, problem.minimum()), 1e-12); // condition below 1e3
+}
+
+TEST(MetricLbfgs, finds_the_minimum_of_a_quadratic_under_a_bounding_metric)
+{
+    const MatrixX A = random_spd(20, 2, 1.0);
+    Quadratic problem(A,
+                      2 * A.diagonal().asDiagonal().toDenseMatrix() + A.trace() * MatrixX::Identity(20, 20));
+    Points x = start(20);
+    const SolveReport report = minimize(problem, x, budget(400));
+    // F stops falling when steps are of sqrt(epsilon): half the digits in x.
+    EXPECT_LT(shapes::distance(x, problem.minimum()), 1e-6);
+    EXPECT_LT(report.iterations, 400);
+    EXPECT_TRUE(report.converged);
+}
+
+TEST(MetricLbfgs, is_faster_than_plain_steps_in_the_same_metric)
+{
+    const MatrixX A = random_spd(30, 3, 1.0);
+    const auto make = [&] { return Quadratic(A, A.trace() * MatrixX::Identity(30, 30)); };
+    const double plain = energies(make, 30, 30, 0).back();
+    const double quick = energies(make, 30, 30, 5).back();
+    Points gradient;
+    const double least = make().value(make().minimum(), gradient);
+    EXPECT_LT(quick - least, 0.05 * (plain - least)); // 0.02 with exact sums
+}
+
+TEST(MetricLbfgs, never_raises_the_function_even_where_the_metric_is_no_bound)
+{
+    const MatrixX A = random_spd(15, 4, 0.5);
+    expect_never_rises(energies([&] { return Quadratic(A, A.trace() * MatrixX::Identity(15, 15)); }, 15, 30));
+    for (double bound : {1.0, 0.2, 0.02})
+        expect_never_rises(energies([&] { return Dented(12, bound); }, 12, 40));
+}
+
+TEST(MetricLbfgs, an_exhausted_budget_is_a_report)
+{
+    Dented problem(12, 5.0);
+    Points x = start(12);
+    const SolveReport report = minimize(problem, x, budget(3));
+    EXPECT_EQ(report.iterations, 3);
+    EXPECT_FALSE(report.converged);
+    EXPECT_GT(report.residual, 0.0);
+}
+
+TEST(MetricLbfgs, counts_one_iteration_for_each_evaluation_after_the_first)
+{
+    for (double bound : {1.0, 0.2}) {
+        Dented problem(12, bound);
+        Points x = start(12);
+        const SolveReport report = minimize(problem, x, budget(25));
+        EXPECT_EQ(problem.evaluations, report.iterations + 1);
+    }
+}
+
+TEST(MetricLbfgs, stops_after_two_small_decreases_in_a_row)
+{
+    const MatrixX A = random_spd(20, 5, 1.0);
+    const MatrixX metric = A.trace() * MatrixX::Identity(20, 20);
+    Quadratic loose(A, metric), tight(A, metric);
+    Points x = start(20), y = start(20);
+    const SolveReport rough = minimize(loose, x, {.max_iterations = 500, .tolerance = 1e-2});
+    const SolveReport fine = minimize(tight, y, {.max_iterations = 500, .tolerance = 1e-8});
+    EXPECT_TRUE(rough.converged);
+    EXPECT_TRUE(fine.converged);
+    EXPECT_LT(rough.iterations, fine.iterations);
+    EXPECT_LT(fine.residual, 1e-8);
+}
+
+TEST(MetricLbfgs, stops_at_once_below_the_floor)
+{
+    Dented problem(4, 1.0);
+    Points x = start(4);
+    const Points before = x;
+    const SolveReport report = minimize(problem, x, {.max_iterations = 10, .tolerance = 0, .floor = 1e9});
+    EXPECT_EQ(report.iterations, 0);
+    EXPECT_TRUE(report.converged);
+    EXPECT_EQ(x, before);
+}
+
+TEST(MetricLbfgs, at_the_minimum_stays_there)
+{
+    const MatrixX A = random_spd(10, 6, 1.0);
+    Quadratic problem(A, A);
+    Points x = problem.minimum();
+    const Points before = x;
+    const SolveReport report = minimize(problem, x, budget(20));
+    EXPECT_TRUE(report.converged);
+    EXPECT_LT(shapes::distance(x, before), 1e-12);
+}
+
+TEST(MetricLbfgs, a_plain_step_that_lowers_nothing_ends_it)
+{
+    class Flat final : public DenseProblem
+    {
+    public:
+        Flat() : DenseProblem(MatrixX::Identity(4, 4)) {}
+        double value(const Points& x, Points& gradient) const override
+        {
+            gradient = 1e-9 * x; // which F does not show: it is rounded
+            return 1.0;
+        }
+    } problem;
+    Points x = start(4);
+    const Points before = x;
+    const SolveReport report = minimize(problem, x, budget(20));
+    EXPECT_TRUE(report.converged);
+    EXPECT_EQ(report.iterations, 1);
+    EXPECT_EQ(x, before);
+    EXPECT_EQ(problem.state, before);
+}
+
+TEST(MetricLbfgs, ticks_every_iteration_and_can_be_cancelled)
+{
+    Dented problem(12, 5.0);
+    Points x = start(12);
+    int ticks = 0;
+    const Progress progress([&](double fraction, const char*) {
+        EXPECT_GE(fraction, 0.0);
+        EXPECT_LT(fraction, 1.0);
+        return ++ticks < 4;
+    });
+    EXPECT_THROW(minimize(problem, x, budget(30), progress), Cancelled);
+    EXPECT_EQ(ticks, 4);
+}
+
+TEST(MetricLbfgs, its_wide_kernels_agree_with_the_plain_ones_to_the_last_bit)
+{
+    struct Found
+    {
+        VectorX trial, products;
+        Eigen::VectorXf step, fresh;
+        PairProducts sums;
+    };
+    constexpr int pairs = 3;
+    for (int count : {1, 4, 15, 16, 100, 1001}) {
+        const VectorX x = VectorX::Random(count), g = VectorX::Random(count), old_g = VectorX::Random(count);
+        const VectorX z = VectorX::Random(count), old_z = VectorX::Random(count);
+        const Eigen::MatrixXf s = Eigen::MatrixXf::Random(count, pairs);
+        const Eigen::MatrixXf Ly = Eigen::MatrixXf::Random(count, pairs);
+        const float *s_of[pairs], *Ly_of[pairs];
+        for (int k = 0; k < pairs; ++k) {
+            s_of[k] = s.col(k).data();
+            Ly_of[k] = Ly.col(k).data();
+        }
+        const double share_s[pairs]{0.3, -0.2, 1.7}, share_Ly[pairs]{-0.9, 0.6, 0.1}, t = 0.7;
+        std::vector<Found> all;
+        for (const LbfgsKernels* kernels : every_kernels<LbfgsKernels>()) {
+            Found found{
+                VectorX(count), VectorX(2 * pairs), Eigen::VectorXf(count), Eigen::VectorXf(count), {}};
+            kernels->step(x.data(), z.data(), pairs, s_of, Ly_of, share_s, share_Ly, t, count,
+                          found.trial.data(), found.step.data());
+            found.sums = kernels->pair(old_g.data(), g.data(), old_z.data(), z.data(), found.step.data(),
+                                       count, found.fresh.data());
+            kernels->products(g.data(), pairs, s_of, Ly_of, count, found.products.data());
+            all.push_back(found);
+            EXPECT_EQ(found.trial, all[0].trial);
+            EXPECT_EQ(found.step, all[0].step);
+            EXPECT_EQ(found.fresh, all[0].fresh);
+            EXPECT_EQ(found.products, all[0].products);
+            EXPECT_EQ(std::memcmp(&found.sums, &all[0].sums, sizeof(PairProducts)), 0);
+        }
+
+        VectorX d = z;
+        for (int k = 0; k < pairs; ++k)
+            d += share_s[k] * s.col(k).cast<double>() - share_Ly[k] * Ly.col(k).cast<double>();
+        EXPECT_LT((all[0].trial - (x - t * d)).cwiseAbs().maxCoeff(), 1e-14); // ten numbers up to 1
+        EXPECT_NEAR(all[0].products[3], g.dot(Ly.col(1).cast<double>()), 1e-13 * count);
+        EXPECT_NEAR(all[0].sums.y_Ly, (g - old_g).dot((z - old_z).cast<float>().cast<double>()),
+                    1e-13 * count);
+    }
+}
+
+TEST(MetricLbfgs, admitted_points_keep_a_constraint_and_reach_the_least_value_on_it)
+{
+    /// 1 + 1/2 |x - c|^2 on the sphere |x| = 1, least at c / |c|.
+    class OnSphere final : public MetricProblem
+    {
+    public:
+        Points c = Points::Zero(4, 3);
+        int outside = 0;
+        double evaluate(const Points& x, Points& gradient) override
+        {
+            outside += std::abs(x.norm() - 1) > 1e-12;
+            gradient = x - c;
+            gradient -= (gradient.cwiseProduct(x).sum()) * x;
+            return 1 + 0.5 * (x - c).squaredNorm();
+        }
+        void precondition(const Points& gradient, Points& z) const override { z = 0.5 * gradient; }
+        void keep_state() override {}
+        void restore_state() override {}
+        bool admit(Points& x) override
+        {
+            x /= x.norm();
+            return true;
+        }
+    } problem;
+    problem.c = shapes::Random(1).dense(4, 3);
+    Points x = shapes::Random(2).dense(4, 3);
+    problem.admit(x);
+    const SolveReport report = minimize(problem, x, {.max_iterations = 60, .tolerance = 1e-15});
+    EXPECT_EQ(problem.outside, 0);
+    EXPECT_LE(report.iterations, 30);
+    EXPECT_LT(shapes::distance(x, Points(problem.c / problem.c.norm())), 1e-6); // the root of the tolerance
+}
+
+TEST(MetricLbfgs, shorter_plain_steps_help_where_the_metric_is_too_small)
+{
+    const MatrixX A = 5 * MatrixX::Identity(6, 6);
+    for (const int steps : {1, 4}) {
+        Quadratic problem(A, MatrixX::Identity(6, 6)); // x - L^-1 g goes five times too far
+        Points x = Points::Zero(6, 3);
+        const SolveReport report =
+            minimize(problem, x, {.max_iterations = 50, .tolerance = 1e-14, .plain_steps = steps});
+        EXPECT_EQ(report.converged, steps == 4);
+        if (steps == 1)
+            EXPECT_EQ(x, Points::Zero(6, 3)) << "nothing was gained";
+        else
+            EXPECT_LT(shapes::distance(x, problem.minimum()), 1e-6);
+    }
+}
+
+namespace {
+
+/// A quadratic with one soft direction, along the ones. A correction moves by `share` of the way to the
+/// minimum in that direction.
+class Soft final : public DenseProblem
+{
+public:
+    explicit Soft(double share) : DenseProblem(MatrixX::Identity(count, count)), share_(share) {}
+    double value(const Points& x, Points& gradient) const override
+    {
+        const Eigen::RowVector3d mean = x.colwise().mean();
+        const Points rest = x.rowwise() - mean;
+        gradient = rest.rowwise() + softness * mean;
+        return 0.5 * (rest.squaredNorm() + softness * count * mean.squaredNorm());
+    }
+    bool correct(const Points& x, const Points&, Points& better) override
+    {
+        ++corrections;
+        better = x.rowwise() - share_ * x.colwise().mean();
+        state = better;
+        return true;
+    }
+
+    static constexpr int count = 40;
+    int corrections = 0;
+
+private:
+    static constexpr double softness = 1e-3;
+    double share_;
+};
+
+} // namespace
+
+TEST(MetricLbfgs, corrections_settle_what_steps_hardly_change)
+{
+    LbfgsOptions options = budget(4);
+    options.correction_period = 3;
+    Soft corrected(1.0), alone(1.0);
+    Points x = start(Soft::count), y = x;
+    EXPECT_EQ(minimize(corrected, x, options).rejected, 0);
+    EXPECT_EQ(corrected.corrections, 2); // the first and the fourth iteration
+    EXPECT_LT(x.norm(), 1e-6);           // in single precision, pairs bend the steps by some 1e-7
+    EXPECT_EQ(corrected.state, x);
+    options.correction_period = 0;
+    minimize(alone, y, options);
+    EXPECT_EQ(alone.corrections, 0);
+}
+
+TEST(MetricLbfgs, a_correction_that_raises_the_function_is_undone)
+{
+    LbfgsOptions options = budget(8);
+    options.correction_period = 3;
+    Soft problem(-2.0);
+    Points x = start(Soft::count), gradient;
+    const double before = problem.value(x, gradient);
+    const SolveReport report = minimize(problem, x, options);
+    EXPECT_EQ(report.rejected, problem.corrections);
+    EXPECT_GE(problem.corrections, 2);
+    EXPECT_LE(report.iterations, 8);
+    EXPECT_EQ(problem.state, x);
+    EXPECT_EQ(report.energy, problem.value(x, gradient));
+    EXPECT_LT(report.energy, before);
+}
+
+TEST(MetricLbfgs, a_small_step_calls_for_a_correction_before_the_end)
+{
+    // The first step settles all but the soft direction; the next one hardly lowers F.
+    LbfgsOptions options{.max_iterations = 50, .tolerance = 0.9, .correction_period = 40};
+    Soft problem(0.5);
+    Points x = start(Soft::count);
+    EXPECT_TRUE(minimize(problem, x, options).converged);
+    EXPECT_GE(problem.corrections, 2);
+}
+
+} // namespace sinew::test_metric_lbfgs
