@@ -203,7 +203,6 @@ COUNTS = (
     Count(
         "is_lattice( outside session/targets",
         lambda: found(r"is_lattice\(", "addon", outside="session/targets"),
-        36,
         0,
     ),
     Count("hasattr(method in backend", lambda: found(r"hasattr\(method", "addon/backend"), 0),

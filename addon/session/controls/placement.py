@@ -9,12 +9,13 @@ from mathutils import Matrix
 
 from ...compat import read_positions
 from ...core.memory import remember
-from ..datablocks import targets
 from ..datablocks.libraries import is_lost
 from ..datablocks.shapes import render_settings
-from ..datablocks.shapes.capture import evaluated_mesh, viewport_points
+from ..datablocks.shapes.capture import viewport_points
 from ..datablocks.shapes.carried import Riders
 from ..state.evaluation import NO_VERTICES, Place
+from ..targets import targets
+from ..targets.modified import evaluated_mesh
 
 ReadPoints = Callable[[Object, Depsgraph], np.ndarray]
 

@@ -14,8 +14,8 @@ from ...core.errors import SinewError
 from ...core.geometry import frames
 from ...core.memory import remember
 from ...mesh_io import RestShape
-from . import targets
-from .shapes.capture import evaluated_mesh
+from ..targets import targets
+from ..targets.modified import evaluated_mesh
 
 _HIDDEN = 0.66  # of all directions from a part in a cavity: from eyes in open sockets .69, from a suit .63
 _LONGEST = 0.5  # of what hides it: what is longer is worn
