@@ -30,7 +30,7 @@ from ...targets import node_group, targets
 from ...targets.kinds import kind_of
 from .. import vertex_groups
 from . import render_settings, shapes
-from .carried import Riders, Surface
+from .carried import AttachedPoints, Surface
 
 # So few vertex groups are all stored as attributes, in use or not. If a later bind uses other groups, only
 # weights have changed since.
@@ -252,7 +252,7 @@ def carried(mesh: Mesh, beside: Mesh, places: np.ndarray) -> np.ndarray:
     before = read_positions(beside)
     if before.shape != places.shape or np.array_equal(before, places):
         return read_positions(mesh)
-    return _riders(mesh, beside).at(places).astype(np.float32)
+    return _attached(mesh, beside).at(places).astype(np.float32)
 
 
 def carry_lost_groups(mesh: Mesh, beside: Mesh, wanted: set[str]) -> None:
@@ -261,17 +261,17 @@ def carry_lost_groups(mesh: Mesh, beside: Mesh, wanted: set[str]) -> None:
     Both are of the same shape, as for ``carried``.
     """
     keep_lost_groups(
-        mesh, beside, wanted, lambda weights: _riders(mesh, beside).blended(weights).astype(np.float32)
+        mesh, beside, wanted, lambda weights: _attached(mesh, beside).blended(weights).astype(np.float32)
     )
 
 
-def _riders(mesh: Mesh, beside: Mesh) -> Riders:
+def _attached(mesh: Mesh, beside: Mesh) -> AttachedPoints:
     """The vertices of a mesh on the surface of one ``beside`` it."""
     places, points = (np.nan_to_num(read_positions(each).astype(np.float64)) for each in (beside, mesh))
-    return Riders(points, Surface(places, read_triangles(beside), read_edges(beside)))
+    return AttachedPoints(points, Surface(places, read_triangles(beside), read_edges(beside)))
 
 
-def viewport_points(obj: Object) -> Riders | None:
+def viewport_points(obj: Object) -> AttachedPoints | None:
     """The points that viewports show of an object, on what renders show of it; None if that is the same.
 
     Deformers are left out: their shapes for viewports do not fit what renders show.
@@ -286,7 +286,7 @@ def viewport_points(obj: Object) -> Riders | None:
         with render_settings.applied([copy]):
             rendered = _new_mesh(copy)
     same = same_topology(shown, rendered)
-    found = None if same or not len(rendered.vertices) else _riders(shown, rendered)
+    found = None if same or not len(rendered.vertices) else _attached(shown, rendered)
     bpy.data.batch_remove([shown, rendered])
     return found
 
