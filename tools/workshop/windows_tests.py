@@ -146,13 +146,14 @@ def bindings_in(minor: int, names: tuple[str, ...], timeout: float) -> Outcome:
     return found
 
 
-def calls_linalg(file: Path) -> bool:
+def calls_linalg(file: Path, seen: frozenset[Path] = frozenset()) -> bool:
     """Whether a file of the bindings' tests imports SciPy's ``linalg``, by itself or by a module of ours."""
     text = file.read_text(encoding="utf-8")
-    folders = (BINDINGS, ROOT / "benchmarks")
-    names = set(OWN_MODULES.findall(text))
-    modules = (module for folder in folders for name in names for module in folder.rglob(f"{name}.py"))
-    return bool(LINALG.search(text)) or any(map(calls_linalg, modules))
+    names = OWN_MODULES.findall(text)
+    modules = {path for name in names for path in BINDINGS.rglob(f"{name}.py")}
+    modules |= {path for name in names if (path := ROOT / "benchmarks" / f"{name}.py").is_file()}
+    seen |= {file}
+    return bool(LINALG.search(text)) or any(calls_linalg(module, seen) for module in modules - seen)
 
 
 def answers_of_this_machine(minor: int) -> Path:
