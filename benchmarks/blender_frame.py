@@ -83,12 +83,19 @@ def deformer_on(obj: bpy.types.Object, method: str):
     """Add a deformer of Sinew with a handle and a fixed region, and bind it."""
     make_active(obj)
     bpy.ops.sinew.deformer_add(method=method)
-    with room("session").suspended():  # bind once, instead of once per region
-        session, deformer = room("session"), obj.sinew.active
-        session.add_handle(obj, deformer, "FIXED", "Base")
-        session.add_handle(obj, deformer, "HANDLE", "Top")
+    with room("session.state.sessions").suspended():  # bind once, instead of once per region
+        add_regions(obj, FIXED="Base", HANDLE="Top")
     bpy.ops.sinew.bind()
-    return deformer
+    return obj.sinew.active
+
+
+def add_regions(obj: bpy.types.Object, **groups: str) -> list:
+    """Add regions by their roles to the active deformer; no bind."""
+    handles = room("session.actions.handles.handles")
+    return [
+        handles.add_handle(obj, obj.sinew.active, handles.NewRegion(role, group))
+        for role, group in groups.items()
+    ]
 
 
 def laplacian_deform_on(obj: bpy.types.Object, control: bpy.types.Object, repeat: int):
@@ -199,7 +206,7 @@ class Bare:
     def __init__(self, obj: bpy.types.Object, deformer) -> None:
         compat, inputs = room("compat"), room("ids").Inputs
         shapes = [deformer.proxy, deformer.proxy_render]
-        modifier = room("session").find_modifier(obj, deformer).name
+        modifier = room("session.targets.modified").shown_by(obj, deformer).name
         self.obj = bpy.data.objects.new("Bare", obj.data)
         made = self.obj.modifiers.new(modifier, "NODES")
         empty, made.node_group = made.node_group, obj.modifiers[modifier].node_group
@@ -247,44 +254,21 @@ def silent() -> Iterator[None]:
 
 
 @contextmanager
-def dragging() -> Iterator[None]:
-    """Let the handler do what it does in a window while a control is dragged."""
-    handlers, session, ours = (
-        bpy.app.handlers.depsgraph_update_post,
-        room("session"),
-        room("handlers.evaluation").on_depsgraph_update,
-    )
+def evaluated(**how: bool) -> Iterator[None]:
+    """Let the handler do what it does in a window: with ``preview`` and ``edit`` while a control is dragged,
+    with ``draft`` while frames play and *Playback* is *Draft*."""
+    handlers, ours = bpy.app.handlers.depsgraph_update_post, room("handlers.evaluation").on_depsgraph_update
+    update_all = room("session.evaluation.evaluate").update
 
-    def drag(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-        session.update(depsgraph, preview=True, edit=True)
+    def handler(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+        update_all(depsgraph, **how)
 
     handlers.remove(ours)
-    handlers.append(drag)
+    handlers.append(handler)
     try:
         yield
     finally:
-        handlers.remove(drag)
-        handlers.append(ours)
-
-
-@contextmanager
-def drafting() -> Iterator[None]:
-    """Let the handler do what it does in a window while frames play and *Playback* is *Draft*."""
-    handlers, session, ours = (
-        bpy.app.handlers.depsgraph_update_post,
-        room("session"),
-        room("handlers.evaluation").on_depsgraph_update,
-    )
-
-    def draft(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
-        session.update(depsgraph, draft=True)
-
-    handlers.remove(ours)
-    handlers.append(draft)
-    try:
-        yield
-    finally:
-        handlers.remove(draft)
+        handlers.remove(handler)
         handlers.append(ours)
 
 
@@ -356,7 +340,7 @@ def frame(
     peer, control = peer_of(obj)
     bind_laplacian_deform(peer, laplacian_deform_on(peer, control, repeat))
     ours, theirs = Frames(obj, deformer.handles[1].control), Frames(peer, control)
-    with dragging() if drag else drafting() if draft else nullcontext():
+    with evaluated(preview=True, edit=True) if drag else evaluated(draft=True) if draft else nullcontext():
         found = medians({"ours": ours, "peer": theirs}, 9)
     if min(ours.moved(), theirs.moved()) < 0.1:
         raise RuntimeError("nothing moved")
@@ -413,7 +397,7 @@ def overhead(method: str, rounds: int, drag: bool = False) -> dict[str, object]:
         with silent():
             bare(number)
 
-    with dragging() if drag else nullcontext():
+    with evaluated(preview=True, edit=True) if drag else nullcontext():
         found = medians({"ours": ours, "bare": unheard}, rounds)
     if ours.moved() < 0.1:
         raise RuntimeError("nothing moved")
@@ -497,9 +481,7 @@ def reading(method: str) -> dict[str, object]:
     obj = plate(LARGE_SIDE)
     make_active(obj)
     bpy.ops.sinew.deformer_add(method=method)
-    session, deformer = room("session"), obj.sinew.active
-    session.add_handle(obj, deformer, "FIXED", "Base")
-    session.add_handle(obj, deformer, "HANDLE", "Top")
+    add_regions(obj, FIXED="Base", HANDLE="Top")
     spent = Spent()
     steps = [
         (room("session.datablocks.shapes.capture"), "rest_meshes"),
@@ -526,10 +508,10 @@ def rebind(what: str, rounds: int = 5) -> dict[str, object]:
     if what == "stiffness":
         deformer.thin_shell.bending_group = "Stiffness"
         bpy.ops.sinew.bind()
-    session = room("session")
+    bind, sessions = room("session.actions.bind").bind, room("session.state.sessions")
     for number in range(1 if SMALL else rounds):
         if what == "handle":
-            handle = session.add_handle(obj, deformer, "HANDLE", "Patch")
+            (handle,) = add_regions(obj, HANDLE="Patch")
         else:
             first = SIDE * SIDE // 2 + number * PATCH**2
             members = list(range(first, first + PATCH**2))
@@ -538,11 +520,11 @@ def rebind(what: str, rounds: int = 5) -> dict[str, object]:
             if which == "new":
                 room("core.memory").forget_all()
             # The operator is not used, since Blender evaluates before it runs one, which would bind already.
-            times[which].append(timed(lambda: session.bind(obj, deformer)))
-            times[f"{which}_native"].append(session.find(deformer.uid).bound.milliseconds)
+            times[which].append(timed(lambda: bind(obj, deformer)))
+            times[f"{which}_native"].append(sessions.find(deformer.uid).bound.milliseconds)
         if what == "handle":
             index = next(i for i, other in enumerate(deformer.handles) if other.uid == handle.uid)
-            session.remove_handle(obj, deformer, index)
+            room("session.actions.handles.handles").remove_handle(obj, deformer, index)
             bpy.ops.sinew.bind()
     found = {f"{name}_ms": float(np.median(values)) for name, values in times.items()}
     return {**found, "ratio": found["new_ms"] / found["edit_ms"], "goal": 2.0}

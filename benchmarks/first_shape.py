@@ -20,7 +20,7 @@ import pytest
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE), str(HERE.parent / "tests" / "blender" / "support")]
 
-from inside import BINDING, catch_up, dragging, room  # noqa: E402
+from inside import catch_up, dragging, inner  # noqa: E402
 from installed import enable  # noqa: E402
 from mathutils import Matrix  # noqa: E402
 from rigs.rig import evaluated_points, make_active, new_file, update  # noqa: E402
@@ -107,12 +107,12 @@ def rig(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def measure(obj: bpy.types.Object) -> str:
-    control, session = rig(obj), room("session")
+    control = rig(obj)
     size = float(np.ptp([vertex.co for vertex in obj.data.vertices], axis=0).max())
     start = control.matrix_world.copy()
     shapes = [evaluated_points(obj)]
     with dragging(), pytest.MonkeyPatch.context() as patch:
-        heavy = room(BINDING)
+        heavy = inner.binding
         patch.setattr(heavy, "may_wait", lambda seconds: seconds >= heavy.HEAVY)  # as in a window
         for step in range(1, STEPS + 1):
             part = step / STEPS
@@ -121,19 +121,19 @@ def measure(obj: bpy.types.Object) -> str:
             update()
             shown(obj, shapes)
             time.sleep(0.02)
-            session.collect()
+            inner.housekeeping.collect()
             update()
             shown(obj, shapes)
         for _ in range(2):  # the hand rests: a thread answers for an earlier step, and then for this one
-            work = session.find(obj.sinew.active.uid).work
+            work = inner.sessions.find(obj.sinew.active.uid).work
             if work is not None:
                 work.thread.join()
-                session.collect()
+                inner.housekeeping.collect()
                 update()
                 shown(obj, shapes)
         released = len(shapes) - 1
         begin = time.monotonic()
-        while catch_up() or session.unsettled():
+        while catch_up() or inner.sessions.unsettled():
             update()
             shown(obj, shapes)
             time.sleep(0.002)

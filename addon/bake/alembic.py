@@ -8,7 +8,7 @@ import bpy
 from bpy.types import Context, Object
 
 from ..core.errors import SinewError
-from ..session.datablocks import targets
+from ..session.targets import targets
 from . import files, paths
 
 

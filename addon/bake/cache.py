@@ -9,7 +9,8 @@ from bpy.types import Modifier, Object, Scene
 from .. import compat
 from ..core.errors import SinewError
 from ..properties import SinewDeformer
-from ..session.datablocks.shapes import baked, shapes
+from ..session.datablocks.shapes import baked
+from ..session.targets import modified
 from .stretching import stretch, times
 
 _SNAP = 1e-4  # in samples: if a frame is at most this far after a sample, Blender does not interpolate
@@ -57,7 +58,7 @@ def insert(obj: Object, deformer: SinewDeformer) -> str:
     """Add a modifier right after the deformer's, which does nothing yet, and return its name."""
     modifier = obj.modifiers.new(f"{deformer.name} Cache", "MESH_CACHE")
     modifier.show_viewport = modifier.show_render = False
-    place = list(obj.modifiers).index(shapes.find_modifier(obj, deformer)) + 1
+    place = list(obj.modifiers).index(modified.shown_by(obj, deformer)) + 1
     if not compat.move_modifier(obj, modifier.name, place):
         obj.modifiers.remove(modifier)
         raise SinewError(
@@ -72,7 +73,7 @@ def play(
 ) -> None:
     """Let the modifier play a file wherever the deformer's modifier was shown."""
     play_file(modifier, target, filepath, timed)
-    replaced = shapes.find_modifier(obj, deformer)
+    replaced = modified.shown_by(obj, deformer)
     for flag in ("show_viewport", "show_render", "show_in_editmode", "show_on_cage"):
         setattr(modifier, flag, getattr(replaced, flag))
     deformer.bake.modifier = modifier.name

@@ -16,11 +16,10 @@ from ..core.errors import SinewError
 from ..core.status import Level
 from ..properties import SinewDeformer
 from ..session.actions import housekeeping, refresh
-from ..session.datablocks import targets
 from ..session.datablocks.shapes import baked
-from ..session.datablocks.shapes import shapes as blocks_shapes
 from ..session.evaluation import binding, evaluate
 from ..session.state import sessions
+from ..session.targets import modified, targets
 from . import cache, paths, record, sequences, shape_keys
 from .files import CacheFile
 from .reader import ShapeReader, changes_count, labels
@@ -199,7 +198,7 @@ class Baking:
         """Blender adds shape keys before all modifiers, so no other modifier may come before the deformer."""
         here = {uid for name, uid in self.request.deformers if name == obj.name}
         ours = [other for other in obj.sinew.deformers if other.uid in here or other.bake.is_baked]
-        replaced = {blocks_shapes.find_modifier(obj, other) for other in ours}
+        replaced = {modified.shown_by(obj, other) for other in ours}
         earlier = [other for other in reader.earlier() if other not in replaced]
         if changes_count(obj, deformer):
             raise SinewError(

@@ -17,8 +17,8 @@ from ..core.errors import SinewError
 from ..mesh_io import read_incoming
 from ..properties import SinewDeformer
 from ..session.datablocks import owners
-from ..session.datablocks.shapes import shapes
 from ..session.state import sessions
+from ..session.targets import modified
 
 
 @dataclass
@@ -45,7 +45,7 @@ class ShapeReader:
 
     def modifier(self) -> Modifier:
         """The modifier that shows the deformer."""
-        found = shapes.find_modifier(self.owner(), self.deformer())
+        found = modified.shown_by(self.owner(), self.deformer())
         if found is None:
             raise SinewError(
                 f"The modifier of {self.deformer().name} was removed - press Rebind, then bake again"
@@ -90,7 +90,7 @@ class ShapeReader:
     def incoming(self, depsgraph: Depsgraph) -> np.ndarray:
         """The positions before the deformer, float32 (n, 3)."""
         mesh = self._evaluated(depsgraph)
-        found = read_incoming(mesh, *shapes.attribute_names(self.uid), len(mesh.vertices))
+        found = read_incoming(mesh, *modified.attribute_names(self.uid), len(mesh.vertices))
         if found.points is None:
             raise SinewError(
                 f"The shape before {self.deformer().name} is not known - press Rebind, then bake again"

@@ -6,15 +6,16 @@ from bpy.types import Object
 from ..core import status
 from ..core.status import Level, Status
 from ..properties import SinewDeformer
-from ..session.datablocks.shapes import baked, shapes
+from ..session.datablocks.shapes import baked
 from ..session.evaluation import binding
 from ..session.state import sessions
+from ..session.targets import modified
 from . import cache, shape_keys
 
 
 def mark_baked(obj: Object, deformer: SinewDeformer, target: str, frames: range, filepath: str) -> None:
     """Record that a deformer is baked: switch its modifier off, and remember where it was shown."""
-    bake, modifier = deformer.bake, shapes.find_modifier(obj, deformer)
+    bake, modifier = deformer.bake, modified.shown_by(obj, deformer)
     bake.result, bake.first, bake.last = target, frames[0], frames[-1]
     bake.filepath = filepath or bake.filepath
     bake.show_viewport, bake.show_render = modifier.show_viewport, modifier.show_render
@@ -58,14 +59,14 @@ def suspend(obj: Object, deformer: SinewDeformer) -> None:
 
 def resume(obj: Object, deformer: SinewDeformer) -> None:
     """Undo ``suspend``."""
-    modifier = shapes.find_modifier(obj, deformer)
+    modifier = modified.shown_by(obj, deformer)
     if deformer.bake.is_baked and modifier is not None:
         modifier.show_viewport = modifier.show_render = False
         _hide_baked(obj, deformer, False)
 
 
 def _show(obj: Object, deformer: SinewDeformer) -> None:
-    modifier = shapes.find_modifier(obj, deformer)
+    modifier = modified.shown_by(obj, deformer)
     if modifier is not None:
         modifier.show_viewport, modifier.show_render = deformer.bake.show_viewport, deformer.bake.show_render
 

@@ -13,7 +13,7 @@ import bpy
 from bpy.types import Modifier, Object, Scene
 
 from ..properties import SinewDeformer
-from ..session.datablocks.shapes import shapes
+from ..session.targets import modified
 from .stretching import times
 
 _MAGIC = b"POINTCACHE2\0"
@@ -29,7 +29,7 @@ def missing_frames(
     """
     if not deformer.definition.keyed:
         return ()
-    ours = shapes.find_modifier(obj, deformer)
+    ours = modified.shown_by(obj, deformer)
     lines: list[str] = []
     timed = dict(zip(frames, times(scene, frames).tolist(), strict=True))
     for modifier in obj.modifiers:

@@ -16,7 +16,7 @@ from ..compat import move_modifier, read_positions
 from ..core.errors import MeshError, SinewError
 from ..core.geometry.frames import turned_faces
 from ..mesh_io import read_rest
-from ..session.datablocks import targets
+from ..session.targets import targets
 from . import cache, paths
 from .files import CacheFile
 

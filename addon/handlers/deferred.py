@@ -13,10 +13,10 @@ from ..core import status
 from ..operators import redraw_panels
 from ..session.actions import housekeeping, refresh
 from ..session.datablocks import owners
-from ..session.datablocks.shapes import lattice_keys
 from ..session.evaluation import binding, evaluate, mirroring
 from ..session.evaluation import schedule as live_schedule
 from ..session.state import render_writes, sessions
+from ..session.targets import lattices
 
 PAUSE = 0.15  # seconds without an edit, after which the final shape replaces a preview
 _POLL = 0.1  # seconds between two looks at threads
@@ -75,7 +75,7 @@ def _write_for_renders() -> float | None:
     if not _has_rigs_in_windows():
         return None
     render_writes.carry_out_writes()
-    lattice_keys.show_late()
+    lattices.show_late()
     if not bpy.app.is_job_running("RENDER"):
         if not is_playing():  # settings may be keyed, and renders look at each frame by themselves
             refresh.look_at_renders()

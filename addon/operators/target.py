@@ -11,7 +11,7 @@ from ..core.errors import SinewError
 from ..core.memory import remember
 from ..properties import SinewDeformer, deformers_of
 from ..session.controls import kinds
-from ..session.datablocks import targets
+from ..session.targets import targets
 from . import entering
 
 _CONVERTIBLE = ("SURFACE", "META")

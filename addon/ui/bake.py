@@ -9,7 +9,7 @@ from .. import bake
 from ..ids import Operators
 from ..operators import target_of
 from ..properties import BAKE_TARGETS, SinewDeformer
-from ..session.datablocks.targets import is_exported, is_lattice, is_mesh, label
+from ..session.targets.targets import can_be_converted, is_exported, is_mesh, label
 from .places import ROOT, SidebarPanel
 from .text import draw_text
 
@@ -60,7 +60,7 @@ def _draw_baked(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
 def _draw_export(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
     """Draw the panel for an object that is not a mesh, which can be baked to Alembic at most."""
     text = f"Only meshes can be baked, and this is a {label(obj)} object - convert it to a mesh first"
-    if is_lattice(obj):
+    if not can_be_converted(obj):
         text = "Only meshes can be baked - export what the lattice moves, or apply shapes as shape keys"
     if is_exported(obj) and bake.can_write_alembic():
         text = f"A {label(obj)} object can be baked to Alembic only"

@@ -9,7 +9,7 @@ from ..core.status import Level
 from ..ids import Operators
 from ..properties import HANDLE_ROLES, SinewControl, SinewDeformer, SinewHandle, SinewObject
 from ..session.actions.controls import control_list as rows
-from ..session.datablocks.shapes import shapes
+from ..session.targets.kinds import kind_of
 from .keys import SINEW_UL_keys
 from .text import columns
 
@@ -37,7 +37,7 @@ class SINEW_UL_deformers(UIList):
         layout.prop(deformer, "name", text="", emboss=False, icon="ERROR" if failing else "NONE")
         row = layout.row(align=True)
         row.prop(deformer, "live", text="", emboss=False, icon="PLAY" if deformer.live else "FREEZE")
-        modifier = shapes.shown_by(owner.id_data, deformer)
+        modifier = kind_of(owner.id_data).shown_by(owner.id_data, deformer)
         if isinstance(modifier, ShapeKey):
             icon = "HIDE_ON" if modifier.mute else "HIDE_OFF"
             row.prop(modifier, "mute", text="", emboss=False, icon=icon)

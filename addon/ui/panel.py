@@ -14,8 +14,7 @@ from ..operators import explain_no_target, target_of
 from ..properties import BASE, SinewDeformer
 from ..session.actions import sharing
 from ..session.controls import kinds
-from ..session.datablocks import targets
-from ..session.datablocks.shapes import shapes
+from ..session.targets import modified, targets
 from . import control, keys
 from .control import draw_start, drawing_of
 from .layouts import draw_move_buttons, split, unless_baked
@@ -51,7 +50,7 @@ class SINEW_PT_sinew(SidebarPanel, Panel):
         if obj.library is not None:
             draw_message(context, layout, Status(Level.INFO, LINKED, remedy=Remedy.OVERRIDE))
             return
-        for name in shapes.stray_modifiers(obj):
+        for name in modified.stray_modifiers(obj):
             draw_message(context, layout, Status(Level.WARNING, COPIED.format(name)))
         deformer = obj.sinew.active
         if deformer is None:
@@ -153,7 +152,7 @@ def _draw_method(context: Context, layout: UILayout, obj: Object, deformer: Sine
 def _draw_influence(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
     column = split(layout.column())
     column.prop(deformer, "factor", slider=True)
-    if targets.is_mesh(obj) or targets.is_lattice(obj):
+    if targets.has_groups_and_keys(obj):
         column.prop_search(deformer, "mask_group", obj, "vertex_groups")
     if sharing.sharing(deformer):
         layout.operator(Operators.SETTINGS_SHARE, icon="DUPLICATE")

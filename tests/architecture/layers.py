@@ -37,12 +37,13 @@ INNER_RANKS = {
     },
     "session": {
         "state": 0,
-        "datablocks": 1,
-        "controls": 2,
-        "results": 3,
-        "evaluation": 3,
-        "actions": 4,
-        "edit_mode": 4,
+        "targets": 1,
+        "datablocks": 2,
+        "controls": 3,
+        "results": 4,
+        "evaluation": 4,
+        "actions": 5,
+        "edit_mode": 5,
     },
 }
 # Folders whose sub-folders may not see each other: adding one kind must not need another.

@@ -39,7 +39,7 @@ def pages(files: dict[str, bytes]) -> dict[str, Targets]:
 
 def help_pages() -> list[str]:
     """The pages that the add-on's ``?`` buttons open, read without Blender."""
-    tree = ast.parse((ADDON / "operators" / "help.py").read_text())
+    tree = ast.parse((ADDON / "operators" / "deformer" / "help.py").read_text())
     table = next(
         node.value for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "PAGES"
     )

@@ -30,7 +30,7 @@ OLD_PROCESSORS = ROOT / "tests" / "addon" / "install" / "test_old_processors.py"
 LOADER = Path("/usr/lib/wine/wine64")  # the program itself; "wine" is a script around it
 # Of SciPy's packages, scipy.sparse alone works without scipy.linalg.
 LINALG = re.compile(r"\bscipy\.(?!sparse\b)\w|\bscipy\.sparse\.linalg\b")
-OWN_MODULES = re.compile(r"^from \.?(\w+) import", flags=re.MULTILINE)
+OWN_MODULES = re.compile(r"^from \.*(?:\w+\.)*(\w+) import", flags=re.MULTILINE)
 # Python 3.11 runs all tests of the bindings; 3.13 these, which call every method and convert every argument.
 CORE_BINDINGS = (
     "test_arguments.py",
@@ -127,7 +127,7 @@ def bindings_in(minor: int, names: tuple[str, ...], timeout: float) -> Outcome:
     build_wheel(minor)
     here = answers_of_this_machine(minor)
     python = wine.python(minor)
-    files = [file for file in sorted(BINDINGS.glob("test_*.py")) if not names or file.name in names]
+    files = [file for file in sorted(BINDINGS.rglob("test_*.py")) if not names or file.name in names]
     left_out = [file for file in files if minor == 13 and calls_linalg(file)]
     junit = new_junit(f"windows-bindings-3.{minor}")
     status = wine.run_in_windows(
@@ -146,12 +146,14 @@ def bindings_in(minor: int, names: tuple[str, ...], timeout: float) -> Outcome:
     return found
 
 
-def calls_linalg(file: Path) -> bool:
+def calls_linalg(file: Path, seen: frozenset[Path] = frozenset()) -> bool:
     """Whether a file of the bindings' tests imports SciPy's ``linalg``, by itself or by a module of ours."""
     text = file.read_text(encoding="utf-8")
-    folders = (BINDINGS, ROOT / "benchmarks")
-    modules = (folder / f"{name}.py" for name in OWN_MODULES.findall(text) for folder in folders)
-    return bool(LINALG.search(text)) or any(calls_linalg(module) for module in modules if module.is_file())
+    names = OWN_MODULES.findall(text)
+    modules = {path for name in names for path in BINDINGS.rglob(f"{name}.py")}
+    modules |= {path for name in names if (path := ROOT / "benchmarks" / f"{name}.py").is_file()}
+    seen |= {file}
+    return bool(LINALG.search(text)) or any(calls_linalg(module, seen) for module in modules - seen)
 
 
 def answers_of_this_machine(minor: int) -> Path:

@@ -9,7 +9,7 @@ from ...core.methods import DEFAULT_WIRE_METHOD
 from ...ids import Operators
 from ...session.actions.controls import control_list as rows
 from ...session.actions.controls import wires as edit_wires
-from ...session.datablocks import targets
+from ...session.targets import targets
 from ..reporting import reports_errors
 from ..target import has_target, object_mode, target_of
 from ..waiting import BindingOperator

@@ -31,7 +31,7 @@ PAGES = (
     ("scripting", "Scripting", "Operators, properties, and the Python module"),
 )
 
-_ADDON = Path(__file__).resolve().parents[1]
+_ADDON = Path(__file__).resolve().parents[2]
 
 
 def manual_page(page: str) -> Path:

@@ -9,7 +9,7 @@ from ...core import status
 from ...ids import Operators
 from ...session.actions import selection
 from ...session.controls import kinds
-from ...session.datablocks import targets
+from ...session.targets import targets
 from ..reporting import reports_errors
 from ..target import has_deformer, target_of
 

@@ -10,7 +10,7 @@ from ...ids import Operators
 from ...session.actions import rigging
 from ...session.actions.handles import points as edit_handles_points
 from ...session.controls import twice
-from ...session.datablocks.targets import can_be_moved
+from ...session.targets.targets import can_be_moved
 from ..reporting import reports_errors
 from ..target import has_target, object_mode, target_of
 from ..waiting import BindingOperator

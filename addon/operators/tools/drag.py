@@ -17,9 +17,10 @@ from ...core.methods import DEFAULT_GRIP_METHOD, DEFAULT_METHOD, METHODS
 from ...ids import Operators
 from ...session.actions.drag import Brush, Drag
 from ...session.controls import kinds
-from ...session.datablocks import parts, surface, targets
+from ...session.datablocks import parts, surface
 from ...session.datablocks.surface import Hit
 from ...session.evaluation import binding
+from ...session.targets import targets
 from ..handles.handle import select_control
 from ..modal.motion_properties import MOTION_KEYS, MotionProperties
 from ..modal.ring import draw_line, ring

@@ -17,11 +17,12 @@ from ...core.status import Level
 from ...ids import Datablocks
 from ...mesh_io import read_incoming
 from ...properties import SinewDeformer
-from ..datablocks import targets
-from ..datablocks.shapes import capture, lattice_keys, shapes
+from ..datablocks.shapes import capture
 from ..evaluation import evaluate
 from ..state import sessions
 from ..state.evaluation import is_shown
+from ..targets import modified, targets
+from ..targets.kinds import kind_of
 from . import deformers
 
 
@@ -32,19 +33,16 @@ def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = Fals
     and act on the result. Their names are returned.
     """
     deformer = obj.sinew.deformers[index]
-    modifier = shapes.shown_by(obj, deformer)
-    _refuse(obj, deformer, modifier, as_shape_key)
-    if targets.is_lattice(obj):
-        _apply_to_lattice(obj, index, as_shape_key, keep)
-        return []
-    modifiers = list(obj.modifiers)
-    before = [other for other in modifiers[: modifiers.index(modifier)] if other.show_viewport]
+    kind = kind_of(obj)
+    shows = kind.shown_by(obj, deformer)
+    _refuse(obj, deformer, shows, as_shape_key)
+    before = [other for other in kind.modifiers_before(obj, deformer) if other.show_viewport]
     names = [other.name for other in before]
     with _switched_off(before):
-        entered, left = _shapes(obj, deformer, modifiers.index(modifier), names)
+        entered, left = _shapes(obj, deformer, names)
     with sessions.suspended():
         if as_shape_key:
-            _add_key(obj, modifier.name, entered, left)
+            _add_key(obj, kind.name_of_key(shows, deformer), entered, left)
         else:
             targets.write_points(obj, left)
         if not keep:
@@ -53,57 +51,32 @@ def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = Fals
     return names
 
 
-def _apply_to_lattice(obj: Object, index: int, as_shape_key: bool, keep: bool) -> None:
-    """Move the points of a lattice, or make a new shape key of it. Its modifiers all come after."""
-    deformer = obj.sinew.deformers[index]
-    bpy.context.view_layer.update()
-    evaluate.update(bpy.context.evaluated_depsgraph_get())
-    if deformer.status_level == Level.ERROR.value:
-        raise SinewError(deformer.status)
-    with sessions.suspended():
-        places = lattice_keys.displaced(obj, deformer)
-        if as_shape_key:
-            _new_key(obj, deformer.name, places)
-        else:
-            write_key(obj.data.shape_keys.reference_key, places)
-        if not keep:
-            deformers.remove_deformer(obj, index)
-        obj.data.update_tag()
-        obj.update_tag()
-
-
 def _refuse(
-    obj: Object, deformer: SinewDeformer, modifier: Modifier | ShapeKey | None, as_shape_key: bool
+    obj: Object, deformer: SinewDeformer, shows: Modifier | ShapeKey | None, as_shape_key: bool
 ) -> None:
     """Refuse what Blender refuses to apply too, and a deformer without a shape."""
-    is_lattice = targets.is_lattice(obj)
-    if as_shape_key and not is_lattice:
-        targets.require_mesh(obj, "Shape keys are made on")
-    elif is_lattice:
-        lattice_keys.require(obj)
+    kind = kind_of(obj)
+    kind.require(obj)
+    if as_shape_key:
+        if not targets.has_groups_and_keys(obj):
+            targets.require_mesh(obj, "Shape keys are made on")
     elif not targets.holds_points(obj, targets.point_type(deformer)):
         raise SinewError(f"Blender makes what the cage moves of {obj.name} - convert it to a mesh")
     if obj.data.users > 1:
-        what = "lattice" if is_lattice else "mesh"
-        raise SinewError(f"Other objects share this {what} - make it single-user first (Object > Relations)")
+        raise SinewError(
+            f"Other objects share this {kind.DATA} - make it single-user first (Object > Relations)"
+        )
     if obj.data.library is not None or obj.data.override_library is not None:
         raise SinewError("The mesh is linked - make it local first (Object > Relations)")
-    has_keys = (
-        lattice_keys.has_others(obj)
-        if is_lattice
-        else hasattr(obj.data, "shape_keys") and (obj.data.shape_keys is not None)
-    )
-    if has_keys and not as_shape_key:
-        what = "lattice" if is_lattice else "mesh"
-        raise SinewError(f"The {what} has shape keys, which keep its shape - use Apply as Shape Key")
+    if kind.has_keys(obj) and not as_shape_key:
+        raise SinewError(f"The {kind.DATA} has shape keys, which keep its shape - use Apply as Shape Key")
     if deformer.bake.is_baked:
         raise SinewError(f"{deformer.name} is baked - Unbake it first")
-    noun = "shape key" if is_lattice else "modifier"
-    if modifier is None:
+    if shows is None:
         button = "Rebind" if deformer.is_bound else "Bind"
-        raise SinewError(f"{deformer.name} has no {noun} any more - press {button} first")
-    if not is_shown(modifier, "VIEWPORT"):
-        raise SinewError(f"The {noun} {modifier.name} is switched off - switch it on first")
+        raise SinewError(f"{deformer.name} has no {kind.NOUN} any more - press {button} first")
+    if not is_shown(shows, "VIEWPORT"):
+        raise SinewError(f"The {kind.NOUN} {shows.name} is switched off - switch it on first")
 
 
 @contextmanager
@@ -118,7 +91,7 @@ def _switched_off(modifiers: list[Modifier]) -> Iterator[None]:
             modifier.show_viewport = True
 
 
-def _shapes(obj: Object, deformer: SinewDeformer, position: int, before: list[str]) -> tuple:
+def _shapes(obj: Object, deformer: SinewDeformer, before: list[str]) -> tuple:
     """The shapes before and after the deformer, float32 (n, 3). Without a mesh both are the one after it."""
     expected = targets.point_count(obj, targets.point_type(deformer))
     if deformer.rest is not None and len(deformer.rest.vertices) != expected and before:
@@ -130,12 +103,16 @@ def _shapes(obj: Object, deformer: SinewDeformer, position: int, before: list[st
     evaluate.update(bpy.context.evaluated_depsgraph_get())
     if deformer.status_level == Level.ERROR.value:
         raise SinewError(deformer.status)
-    mesh = capture.mesh_after(obj, position + 1)
+    kind = kind_of(obj)
+    applied = kind.applied(obj, deformer)
+    if applied is not None:
+        return applied
+    mesh = capture.mesh_after(obj, kind.position(obj, deformer) + 1)
     try:
         left = read_positions(mesh)
         entered: np.ndarray | None = left
         if targets.is_mesh(obj):
-            entered = read_incoming(mesh, *shapes.attribute_names(deformer.uid), len(left)).points
+            entered = read_incoming(mesh, *modified.attribute_names(deformer.uid), len(left)).points
     finally:
         bpy.data.meshes.remove(mesh)
     if entered is None or len(left) != expected:
@@ -148,13 +125,9 @@ def _add_key(obj: Object, name: str, entered: np.ndarray, left: np.ndarray) -> N
     if obj.data.shape_keys is None:
         obj.shape_key_add(name=Datablocks.BASIS, from_mix=False)
     basis = read_key(obj.data.shape_keys.reference_key)
-    _new_key(obj, name, np.where(entered == basis, left, basis + (left - entered)))
-
-
-def _new_key(obj: Object, name: str, places: np.ndarray) -> None:
     active = obj.active_shape_key_index
     key = obj.shape_key_add(name=name, from_mix=False)
     key.relative_key = obj.data.shape_keys.reference_key
     key.value = 0.0  # new keys are on from Blender 5.0
-    write_key(key, places)
+    write_key(key, np.where(entered == basis, left, basis + (left - entered)))
     obj.active_shape_key_index = active

@@ -16,12 +16,14 @@ from ...properties import SinewDeformer
 from ..controls import kinds
 from ..controls.handles import keys, riding
 from ..controls.kinds import ControlKind
-from ..datablocks import rest_frame, targets, vertex_groups
+from ..datablocks import rest_frame, vertex_groups
 from ..datablocks.owners import forget_owners
-from ..datablocks.shapes import capture, lattice_keys, shapes
+from ..datablocks.shapes import capture, shapes
 from ..evaluation import binding
 from ..state import sessions
 from ..state.sessions import Bound
+from ..targets import targets
+from ..targets.kinds import kind_of
 from . import companions
 
 
@@ -102,8 +104,7 @@ def _unbound_on_refusal(deformer: SinewDeformer) -> Iterator[None]:
 def _required_kind(obj: Object, deformer: SinewDeformer) -> ControlKind:
     """The kind of control that moves the deformer; refuses what cannot be bound."""
     targets.require_method(obj, deformer.definition)
-    if targets.is_lattice(obj):
-        lattice_keys.require(obj)
+    kind_of(obj).require(obj)
     kind = kinds.kind_in_use(deformer)
     if not kind.is_set(deformer):
         raise ConstraintError(kind.MISSING)
@@ -126,8 +127,9 @@ def _let_go(deformer: SinewDeformer) -> None:
         session.bound = None
     shapes.show_rest(deformer, "VIEWPORT")
     shapes.show_rest(deformer, "RENDER")
-    if targets.is_lattice(deformer.id_data):  # no longer needed, and Blender keeps the resolution while there
-        lattice_keys.remove(deformer.id_data, deformer)  # are keys
+    target = kind_of(deformer.id_data)
+    if not target.STAYS_UNBOUND:
+        target.remove(deformer.id_data, deformer)
     shapes.release_rest(deformer)
     status.put_notes(deformer.uid, ())
 

@@ -12,11 +12,12 @@ from ...core.status import Level, Status
 from ...preferences import preferences
 from ...properties import SinewDeformer
 from ..controls import kinds
-from ..datablocks import animation_paths, targets
+from ..datablocks import animation_paths
 from ..datablocks.owners import forget_owners, owners
 from ..datablocks.shapes import shapes
 from ..evaluation import binding
 from ..state import sessions
+from ..targets import targets
 from .controls import grids
 
 

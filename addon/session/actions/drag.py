@@ -22,14 +22,15 @@ from ...core.status import Level
 from ...mesh_io import group_weights, read_rest
 from ...properties import SinewDeformer, SinewHandle, deformers_of
 from ..controls import kinds, locks
-from ..datablocks import surface, targets
+from ..datablocks import surface
 from ..datablocks.parts import Parts
-from ..datablocks.shapes import shapes
 from ..datablocks.surface import Hit
 from ..datablocks.transforms import put
 from ..evaluation import binding
 from ..state.background import Work
 from ..state.evaluation import is_shown
+from ..targets import targets
+from ..targets.kinds import kind_of
 from .bind import bind, unbind
 from .deformers import add_deformer, remove_deformer
 from .handles import surface_points
@@ -356,12 +357,14 @@ def _require_target(obj: Object) -> None:
 
 def _require_working(obj: Object, deformer: SinewDeformer) -> None:
     """Refuse a deformer that would not show the drag."""
-    modifier, line = shapes.shown_by(obj, deformer), status.current(deformer.uid)
+    kind, line = kind_of(obj), status.current(deformer.uid)
+    modifier = kind.shown_by(obj, deformer)
     if deformer.bake.is_baked:
         raise SinewError(f"{deformer.name} is baked - Unbake it first")
     if modifier is not None and not is_shown(modifier, "VIEWPORT"):
-        what = "shape key" if targets.is_lattice(obj) else "modifier"
-        raise SinewError(f"The {what} {modifier.name} of {obj.name} is hidden - show it in viewports first")
+        raise SinewError(
+            f"The {kind.NOUN} {modifier.name} of {obj.name} is hidden - show it in viewports first"
+        )
     if not deformer.live:
         raise SinewError(f"{deformer.name} is not live - switch Live on first")
     if line.level is Level.ERROR:

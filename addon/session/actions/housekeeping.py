@@ -9,18 +9,21 @@ from bpy.types import Object
 
 from ...ids import Datablocks
 from ..controls import kinds
-from ..datablocks import evaluation_driver, references, targets
+from ..datablocks import evaluation_driver, references
 from ..datablocks.owners import copies, forget_owners, has_copies, owners
-from ..datablocks.shapes import lattice_keys, shapes
+from ..datablocks.shapes import shapes
 from ..evaluation import binding, mirroring
 from ..state import sessions
+from ..targets import lattices, targets
+from ..targets.kinds import kind_of
 from . import deformers
 
 
 def separate(obj: Object) -> None:
     """Give a copied object keys and shapes of its own. The rest mesh is never changed, so it stays shared."""
+    kind = kind_of(obj)
     for deformer in obj.sinew.deformers:
-        modifier = shapes.find_modifier(obj, deformer)
+        shows = kind.shown_by(obj, deformer)
         deformer.uid = shapes.new_key()
         shared = deformer.shape("VIEWPORT"), deformer.shape("RENDER")
         shapes.hide_overrides(*shared)
@@ -30,10 +33,9 @@ def separate(obj: Object) -> None:
             deformer.proxy_render = bpy.data.objects.new(Datablocks.PROXY_RENDER, shared[1].data.copy())
         shapes.mark(deformer)
         references.unshare_curves(deformer)
-        if modifier is not None:
-            shapes.connect(modifier, deformer)
-    if targets.is_lattice(obj):
-        lattice_keys.own_points(obj)
+        if shows is not None:
+            kind.connect(shows, deformer)
+    kind.own_data(obj)
     kinds.keep_evaluated(obj)
     obj.update_tag()
 
@@ -43,7 +45,7 @@ def restore_shapes() -> None:
     for obj in owners():
         for deformer in obj.sinew.deformers if obj.library is None else ():
             shapes.restore(obj, deformer)
-    lattice_keys.forget_edits()
+    lattices.forget_edits()
 
 
 def collect() -> None:
@@ -92,7 +94,7 @@ def _former(obj: Object) -> list[int]:
     return [
         index
         for index in reversed(range(len(deformers)))
-        if not targets.suits(obj, deformers[index]) and shapes.find_modifier(obj, deformers[index]) is None
+        if not targets.suits(obj, deformers[index]) and kind_of(obj).shown_by(obj, deformers[index]) is None
     ]
 
 

@@ -8,8 +8,8 @@ from ...core.errors import SinewError
 from ...properties import SinewDeformer
 from ..controls import kinds
 from ..datablocks import animation_paths
-from ..datablocks.shapes import shapes
 from ..state import sessions
+from ..targets import modified
 
 
 @sessions.suspended()
@@ -35,9 +35,7 @@ def move_deformer(obj: Object, index: int, target: int) -> None:
 def _restack(obj: Object, deformers: list[SinewDeformer]) -> None:
     """Put the modifiers of ``deformers`` into this order, in the places that they have together."""
     names = [
-        modifier.name
-        for modifier in (shapes.find_modifier(obj, deformer) for deformer in deformers)
-        if modifier
+        modifier.name for modifier in (modified.shown_by(obj, deformer) for deformer in deformers) if modifier
     ]
     before = [modifier.name for modifier in obj.modifiers]
     after = list(before)

@@ -16,10 +16,12 @@ from ...ids import Keys
 from ...mesh_io import group_names, keep_lost_groups, keep_shape, read_rest, renumbered, same_topology
 from ...properties import SinewDeformer
 from ..controls import kinds, placement
-from ..datablocks import libraries, rest_frame, targets, vertex_groups
+from ..datablocks import libraries, rest_frame, vertex_groups
 from ..datablocks.owners import owners
 from ..datablocks.shapes import capture, shapes
 from ..state import sessions
+from ..targets import targets
+from ..targets.kinds import kind_of
 from . import bind
 
 _BUSY_MODES = ("EDIT", "SCULPT", "SCULPT_CURVES")  # meshes in these modes are looked at afterwards
@@ -181,7 +183,8 @@ def _renumber(obj: Object, deformer: SinewDeformer, shown: Mesh, rendered: Mesh 
 def _hold_rendered(obj: Object, deformer: SinewDeformer, rendered: Mesh) -> bool:
     """Bind renders anew, while the viewport waits for a Rebind: to other vertices, or to painted weights."""
     held, before = deformer.rest_in("VIEWPORT"), deformer.rest_in("RENDER")
-    if targets.is_lattice(obj) or held.get(Keys.REST_POINT_TYPE) != rendered.get(Keys.REST_POINT_TYPE):
+    same_type = held.get(Keys.REST_POINT_TYPE) == rendered.get(Keys.REST_POINT_TYPE)
+    if not (same_type and kind_of(obj).RENDERS_MAY_DIFFER):
         return False  # what shows the deformer shows such points only
     mesh: Mesh | None = rendered.copy()
     wanted = vertex_groups.groups_in_use(deformer)

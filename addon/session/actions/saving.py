@@ -18,6 +18,8 @@ from ..datablocks.shapes import capture, shapes
 from ..evaluation import binding, evaluate
 from ..state import sessions
 from ..state.evaluation import is_shown
+from ..targets import modified
+from ..targets.kinds import kind_of
 
 
 def store() -> None:
@@ -47,7 +49,7 @@ def store_shown() -> None:
 
 
 def _is_in_viewport(obj: Object, deformer: SinewDeformer) -> bool:
-    shows = shapes.shown_by(obj, deformer)
+    shows = kind_of(obj).shown_by(obj, deformer)
     return shows is not None and is_shown(shows, "VIEWPORT")
 
 
@@ -55,7 +57,7 @@ def _first_that_differs(obj: Object) -> SinewDeformer | None:
     """The first deformer in the stack, if renders need a solve of their own for some deformer."""
     by_modifier = {}
     for deformer in obj.sinew.deformers:
-        modifier = shapes.find_modifier(obj, deformer)
+        modifier = modified.shown_by(obj, deformer)
         if modifier is not None and modifier.show_render and deformer.is_bound:
             by_modifier[modifier.name] = deformer
     if not any(

@@ -11,8 +11,9 @@ from ...core.elements import Elements, Owner
 from ...core.errors import ConstraintError, SinewError
 from ...core.methods import Control
 from ...properties import SinewDeformer
-from ..datablocks import parts, targets
+from ..datablocks import parts
 from ..state import sessions
+from ..targets import targets
 
 
 def group_from_selection(obj: Object, name: str) -> str:

@@ -9,17 +9,18 @@ from mathutils import Matrix
 
 from ...compat import read_positions
 from ...core.memory import remember
-from ..datablocks import targets
 from ..datablocks.libraries import is_lost
 from ..datablocks.shapes import render_settings
-from ..datablocks.shapes.capture import evaluated_mesh, viewport_points
-from ..datablocks.shapes.carried import Riders
+from ..datablocks.shapes.capture import viewport_points
+from ..datablocks.shapes.carried import AttachedPoints
 from ..state.evaluation import NO_VERTICES, Place
+from ..targets import targets
+from ..targets.modified import evaluated_mesh
 
 ReadPoints = Callable[[Object, Depsgraph], np.ndarray]
 
 # By object: its settings when it was looked at, and the points that viewports show, on what renders show.
-_in_renders: dict[str, tuple[tuple, Riders | None]] = remember({})
+_in_renders: dict[str, tuple[tuple, AttachedPoints | None]] = remember({})
 
 
 def read_place(
@@ -44,9 +45,9 @@ def read_place(
     if read_points is not None:
         vertices = read_points(control, depsgraph)
         if depsgraph.mode == "RENDER" and expected not in (None, len(vertices)):
-            _settings, riders = _in_renders.get(control.name_full, ((), None))
-            if riders is not None and riders.count == len(vertices):
-                vertices = riders.at(vertices).astype(np.float32)
+            _settings, attached = _in_renders.get(control.name_full, ((), None))
+            if attached is not None and attached.count == len(vertices):
+                vertices = attached.at(vertices).astype(np.float32)
         return Place((hash(world), hash(vertices.tobytes())), (world,), vertices)
     if not bone:
         return Place((hash(world),), (world,))
@@ -70,7 +71,7 @@ def look_at_renders(control: Object) -> None:
     datablocks.
     """
     settings = targets.size(control), *render_settings.both(control, control.modifiers)
-    last, _riders = _in_renders.get(control.name_full, (None, None))
+    last, _attached = _in_renders.get(control.name_full, (None, None))
     if settings != last:
         _in_renders[control.name_full] = settings, viewport_points(control)
 

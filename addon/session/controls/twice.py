@@ -4,8 +4,8 @@
 from bpy.types import ArmatureModifier, HookModifier, Object
 
 from ...properties import SinewDeformer
-from ..datablocks import targets
-from ..datablocks.shapes import capture
+from ..targets import targets
+from ..targets.kinds import kind_of
 from . import kinds
 
 
@@ -17,7 +17,7 @@ def moved_twice(obj: Object, deformer: SinewDeformer) -> list[tuple[Object, Arma
     """
     if not targets.is_mesh(obj):
         return []
-    before = list(obj.modifiers)[: capture.position(obj, deformer)]
+    before = kind_of(obj).modifiers_before(obj, deformer)
     own = [row for row in before if isinstance(row, ArmatureModifier) and _moves(row)]
     controls = [control for control in _shapes(deformer) if control != obj] if own else []
     return [(control, row) for control in controls for row in own if row.object in _movers(control, {obj})]

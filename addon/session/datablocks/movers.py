@@ -4,8 +4,8 @@
 from bpy.types import Object
 
 from ...properties import SinewDeformer
-from . import targets
-from .shapes import capture
+from ..targets import targets
+from ..targets.kinds import kind_of
 
 DEFORMING = {  # modifiers of Blender that neither add nor remove vertices
     "ARMATURE",
@@ -40,7 +40,7 @@ def is_moved_before(obj: Object, deformer: SinewDeformer | None) -> bool:
         return True
     if obj.parent is not None and obj.parent_type in ("ARMATURE", "LATTICE"):
         return True
-    before = list(obj.modifiers)[: capture.position(obj, deformer)]
+    before = kind_of(obj).modifiers_before(obj, deformer)
     return any(
         modifier.type in DEFORMING | _CHANGING and (modifier.show_viewport or modifier.show_render)
         for modifier in before

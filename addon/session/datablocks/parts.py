@@ -14,12 +14,14 @@ from ...core.errors import SinewError
 from ...core.geometry import frames
 from ...core.memory import remember
 from ...mesh_io import RestShape
-from . import targets
-from .shapes.capture import evaluated_mesh
+from ..targets import targets
+from ..targets.modified import evaluated_mesh
 
-_HIDDEN = 0.66  # of all directions from a part in a cavity: from eyes in open sockets .69, from a suit .63
+_HIDDEN = (
+    0.66  # of all directions from a part in a cavity: from eyes in open sockets .76, from half sunk balls .58
+)
 _LONGEST = 0.5  # of what hides it: what is longer is worn
-_LOOKS = 16  # vertices from which a part looks around
+_LOOKS = 24  # vertices from which a part looks around
 _MOST = 100  # parts that look around, the largest ones: no mouth has more, but a head of hair has
 _DIRECTIONS = [Vector(way).normalized() for way in itertools.product((-1, 0, 1), repeat=3) if any(way)]
 
@@ -111,7 +113,18 @@ def _inside(rest: RestShape, riding: np.ndarray) -> np.ndarray:
 
 def _is_hidden(points: np.ndarray, tree: BVHTree) -> bool:
     """Whether a tree hides most directions from some points (n, 3)."""
-    chosen = points[np.unique(np.linspace(0, len(points) - 1, _LOOKS).astype(int))]
+    chosen = _spread(points)
     origins = [Vector(origin) for origin in chosen + 0.05 * (points.mean(axis=0) - chosen)]
     hits = sum(tree.ray_cast(at, way)[0] is not None for at in origins for way in _DIRECTIONS)
     return hits > _HIDDEN * len(origins) * len(_DIRECTIONS)
+
+
+def _spread(points: np.ndarray) -> np.ndarray:
+    """Some of the points, each the farthest from those before: however densely a part is divided."""
+    away = np.linalg.norm(points - points.mean(axis=0), axis=1)
+    chosen: list[int] = []
+    while len(chosen) < min(_LOOKS, len(points)):
+        chosen.append(int(away.argmax()))
+        beside = np.linalg.norm(points - points[chosen[-1]], axis=1)
+        away = beside if len(chosen) == 1 else np.minimum(away, beside)
+    return points[chosen]

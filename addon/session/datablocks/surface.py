@@ -16,8 +16,10 @@ from mathutils import Vector
 from ...compat import read_positions
 from ...core.errors import MeshError, SinewError
 from ...core.geometry import frames
-from . import targets
-from .shapes.capture import evaluated_mesh, mesh_with_places, points_shown
+from ..targets import targets
+from ..targets.kinds import kind_of
+from ..targets.modified import evaluated_mesh
+from .shapes.capture import mesh_with_places
 
 _SEE_THROUGH = ("WIRE", "BOUNDS")  # how cages, for example, are displayed
 _MOST_LAYERS = 100  # of objects that are seen through
@@ -75,7 +77,7 @@ def nearest_point(
         if targets.is_mesh(obj) or not targets.can_be_moved(obj) or not shows(obj):
             continue
         world = np.array(obj.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
-        places = frames.transformed(world, points_shown(obj, depsgraph).astype(np.float64))
+        places = frames.transformed(world, kind_of(obj).points_shown(obj, depsgraph).astype(np.float64))
         distances = apart(places)
         near = distances <= limit
         if near.any():

@@ -13,9 +13,9 @@ from ...core.methods import group_property
 from ...ids import Datablocks, Keys
 from ...mesh_io import RestShape, group_names, group_weights, known_groups, read_uv_map
 from ...properties import SinewDeformer, deformers_of
+from ..targets.node_group import attach
+from ..targets.nodes import Builder
 from . import references
-from .shapes.node_group import attach
-from .shapes.nodes import Builder
 
 
 def groups_in_use(settings: SinewDeformer) -> set[str]:

@@ -19,9 +19,9 @@ from ...core.errors import ConstraintError, MeshError, TopologyChangedError
 from ...core.geometry import frames, reach, rigid_motion
 from ...core.status import Remedy
 from ...mesh_io import read_rest
-from ..datablocks.shapes.capture import evaluated_mesh
 from ..datablocks.vertex_groups import fixed_vertices
 from ..state import sessions
+from ..targets.modified import evaluated_mesh
 
 NOTHING_SELECTED = "Nothing is selected - select the vertices to grab"
 ALL_FIXED = "The selected vertices belong to Fixed regions, which stay - select others"

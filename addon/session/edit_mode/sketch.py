@@ -19,9 +19,9 @@ from ...core.errors import ConstraintError, MeshError, SinewError
 from ...core.geometry import frames, reach
 from ...core.status import Remedy
 from ...mesh_io import RestShape, read_rest
-from ..datablocks import targets
 from ..datablocks.vertex_groups import fixed_vertices
 from ..evaluation import binding
+from ..targets import targets
 
 KEY = "Silhouette"
 NO_LINE = "There is no silhouette near both ends of the stroke - begin and end it on the outline to redraw"

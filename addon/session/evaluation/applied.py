@@ -23,10 +23,11 @@ from ...core.status import Level, Status
 from ...ids import Keys
 from ...properties import SinewDeformer
 from ..controls import kinds
-from ..datablocks import rest_frame, targets
+from ..datablocks import rest_frame
 from ..datablocks.shapes import shapes
 from ..state import sessions
 from ..state.sessions import LastUpdate
+from ..targets import targets
 
 _SAMPLE = 64  # points that are compared
 _ROUNDING = 4e-6  # some roundings of float32, relative to the coordinates

@@ -21,11 +21,12 @@ from ...core.status import Level, Remedy, Status
 from ...properties import SinewDeformer
 from ..controls import kinds
 from ..controls.bind_input import BindInput
-from ..datablocks import rest_frame, targets
+from ..datablocks import rest_frame
 from ..datablocks.owners import owners
 from ..state import sessions
 from ..state.background import Work, Works
 from ..state.sessions import Bound, Session
+from ..targets import targets
 from . import mesh_notes
 
 logger = logging.getLogger(__name__)

@@ -17,9 +17,9 @@ from ...ids import Keys
 from ...properties import deformers_of
 from ..controls import kinds
 from ..controls.handles import riding
-from ..datablocks import references, targets
+from ..datablocks import references
 from ..datablocks.modifier_objects import objects_of
-from ..datablocks.shapes import node_group
+from ..targets import node_group, targets
 
 PLACE = "PLACE"  # where an object is
 POSE = "POSE"  # where a bone of an armature is, or where all of them are

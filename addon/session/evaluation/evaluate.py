@@ -12,20 +12,20 @@ import bpy
 import numpy as np
 from bpy.types import Depsgraph, Object
 
-from ... import compat
 from ...core import status
 from ...core.errors import BackendMissingError, OptionError, SinewError, TopologyChangedError
 from ...core.methods import BY_ID
 from ...core.status import Level, Remedy, Status
-from ...ids import Inputs
 from ...properties import SinewDeformer
 from ..controls import kinds
-from ..datablocks import targets, vertex_groups
+from ..datablocks import vertex_groups
 from ..datablocks.owners import owners
-from ..datablocks.shapes import baked, lattice_keys, shapes
+from ..datablocks.shapes import baked, shapes
 from ..state import sessions
 from ..state.evaluation import Chain, ControlState, Evaluation, ObjectEvaluation, Quality, is_shown
 from ..state.sessions import LastUpdate
+from ..targets import modified, targets
+from ..targets.kinds import kind_of
 from . import applied, binding, incoming, mirroring, renders, schedule, solving
 from .changes import Change, Changes
 from .schedule import Step
@@ -181,18 +181,18 @@ def _update_object(
     """
     obj, mode, depsgraph = shared.obj, shared.mode, shared.depsgraph
     changed = False
-    is_lattice = targets.is_lattice(obj)
-    if is_lattice and mode == "VIEWPORT":
-        lattice_keys.follow_renamed(obj)
+    kind = kind_of(obj)
+    if mode == "VIEWPORT":
+        kind.follow_renamed(obj)
     if layout is None or not _still_holds(layout, obj):
         changed = True
-        if mode == "VIEWPORT" and shapes.tell_copies_apart(obj):
+        if mode == "VIEWPORT" and modified.tell_copies_apart(obj):
             shared = replace(shared, new_geometry=False)  # what was evaluated belongs to another modifier
         layout = _layout(obj, mode)
         if mode == "VIEWPORT":
             mirroring.note_target(obj)
     chain = Chain()
-    for modifier, shows in zip(shapes.stack(obj), layout, strict=True):
+    for modifier, shows in zip(kind.stack(obj), layout, strict=True):
         if not is_shown(modifier, mode):
             continue
         if shows is None:
@@ -224,9 +224,9 @@ def _update_object(
             deformer.complete()
             if vertex_groups.follow_renamed_groups(obj, deformer):
                 session.rest = None  # it knows its weights by the old names
-            if shapes.connect_mask(obj, modifier, deformer):
-                obj.update_tag()
             lost = deformer.mask_group and deformer.mask_group not in obj.vertex_groups
+            if kind.connect_mask(modifier, "" if lost else deformer.mask_group):
+                obj.update_tag()
             text = (
                 f"The mask is not used: {obj.name} has no vertex group '{deformer.mask_group}' - pick another"
             )
@@ -236,8 +236,7 @@ def _update_object(
                 chain = _update_deformer(evaluation)
             except SinewError as error:
                 chain = _refuse(evaluation, error)
-    if is_lattice:
-        lattice_keys.show(obj, mode, depsgraph.scene)
+    kind.show(obj, mode, depsgraph.scene)
     if mode == "VIEWPORT" and changed:
         _report_lost(obj)
         baked.report(obj)
@@ -245,43 +244,37 @@ def _update_object(
 
 
 def _layout(obj: Object, mode: str) -> tuple[tuple[int, str] | None, ...]:
-    """The index and key of the deformer that each modifier shows, or None."""
-    by_proxy, found = _by_shape(obj), []
-    if targets.is_lattice(obj):
-        by_key = {obj.sinew.deformers[index].shape_key: index for index in by_proxy.values()}
-        indices = [by_key.get(key.name) if is_shown(key, mode) else None for key in shapes.stack(obj)]
-        return tuple(None if index is None else (index, obj.sinew.deformers[index].uid) for index in indices)
-    for modifier in obj.modifiers:
-        shape = None
-        if modifier.type == "NODES" and is_shown(modifier, mode):
-            shape = compat.modifier_input(modifier, Inputs.PROXY_VIEWPORT)
-        index = by_proxy.pop(shape, None)
-        found.append(None if index is None else (index, obj.sinew.deformers[index].uid))
+    """The index and key of the deformer that each modifier or shape key shows, or None."""
+    kind, deformers, found = kind_of(obj), obj.sinew.deformers, []
+    by_mark = {kind.mark_of(deformers[index]): index for index in _whole(obj)}
+    for shows in kind.stack(obj):
+        index = by_mark.pop(kind.mark(shows), None) if is_shown(shows, mode) else None
+        found.append(None if index is None else (index, deformers[index].uid))
     return tuple(found)
 
 
 def _still_holds(layout: tuple, obj: Object) -> bool:
     """Whether a layout is still valid: scripts may change Sinew's lists, and Blender lists no update."""
     deformers = obj.sinew.deformers
-    return len(layout) == len(shapes.stack(obj)) and all(
+    return len(layout) == len(kind_of(obj).stack(obj)) and all(
         shows is None or (shows[0] < len(deformers) and deformers[shows[0]].uid == shows[1])
         for shows in layout
     )
 
 
-def _by_shape(obj: Object) -> dict[Object, int]:
-    """The indices of deformers that have both shape objects, by the one for viewports.
+def _whole(obj: Object) -> list[int]:
+    """The indices of deformers that have both shape objects.
 
     A copied deformer, which still has the key of another, is left out until it gets a key of its own.
     """
-    found, keys = {}, set()
+    found, keys = {}, set()  # by the shape for viewports
     for index, deformer in enumerate(obj.sinew.deformers):
         shape = deformer.shape("VIEWPORT")
         whole = shape is not None and deformer.shape("RENDER") is not None
         if whole and shape not in found and deformer.uid not in keys:
             found[shape] = index
         keys.add(deformer.uid)
-    return found
+    return list(found.values())
 
 
 def _report_lost(obj: Object) -> None:
@@ -298,8 +291,8 @@ def _report_lost(obj: Object) -> None:
             lost = "rest shape"
         elif deformer.shape("VIEWPORT") is None or deformer.shape("RENDER") is None:
             lost = "hidden shape"
-        elif shapes.shown_by(obj, deformer) is None:
-            lost = "shape key" if targets.is_lattice(obj) else "modifier"
+        elif kind_of(obj).shown_by(obj, deformer) is None:
+            lost = kind_of(obj).NOUN
         else:
             continue
         text = f"The {lost} was deleted - Rebind"
@@ -327,8 +320,7 @@ def _update_deformer(evaluation: Evaluation) -> Chain:
         return Chain(broken=True)
     if deformer.method in BY_ID:
         targets.require_method(evaluation.obj, deformer.definition)
-    if targets.is_lattice(evaluation.obj):
-        lattice_keys.require(evaluation.obj)
+    kind_of(evaluation.obj).require(evaluation.obj)
     if not deformer.is_bound or not kinds.kind_in_use(evaluation.settings).is_set(evaluation.settings):
         if evaluation.in_viewport:
             binding.abandon(deformer.uid)

@@ -7,11 +7,11 @@ import numpy as np
 
 from ...core.errors import TopologyChangedError
 from ...mesh_io import read_incoming
-from ..datablocks import targets
 from ..datablocks.movers import DEFORMING
-from ..datablocks.shapes import lattice_keys, node_group, shapes
 from ..state.evaluation import Chain, Evaluation, is_shown
 from ..state.sessions import Bound
+from ..targets import modified, node_group, targets
+from ..targets.kinds import kind_of
 
 TOPOLOGY_CHANGED = "Topology changed - Rebind"
 
@@ -24,8 +24,7 @@ def find(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray | None, bool]
             session.structure = targets.structure(evaluation.obj)
         if session.structure != bound.rest.structure:
             raise TopologyChangedError(TOPOLOGY_CHANGED)
-        if targets.is_lattice(evaluation.obj):
-            evaluation.note(lattice_keys.hidden_by(evaluation.obj, evaluation.deformer))
+        evaluation.note(kind_of(evaluation.obj).hidden_by(evaluation.obj, evaluation.deformer))
         return None, True  # a cage adds displacements, so the incoming positions do not matter
     expected = len(bound.rest.points)
     if evaluation.chain.broken:
@@ -39,7 +38,7 @@ def find(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray | None, bool]
     if not source and not evaluation.new_geometry and evaluation.shown.positions is not None:
         return evaluation.shown.incoming, evaluation.shown.displacement
     found = read_incoming(
-        evaluation.evaluated.data, *shapes.attribute_names(source or evaluation.deformer.uid), expected
+        evaluation.evaluated.data, *modified.attribute_names(source or evaluation.deformer.uid), expected
     )
     if found.points is not None and len(bound.rest.not_finite):
         points = found.points.copy()

@@ -17,9 +17,8 @@ from ...core import status
 from ...core.status import Level
 from ...mesh_io import read_attributes, read_incoming
 from ...properties import SinewDeformer
-from ..datablocks import targets
-from ..datablocks.shapes import shapes
 from ..state.evaluation import is_shown
+from ..targets import modified, targets
 from .result import Result
 
 
@@ -47,7 +46,7 @@ def find(obj: Object, depsgraph: Depsgraph, deformer: SinewDeformer, result: Res
     if obj.mode == "EDIT" or evaluated.type != "MESH":
         return FinalMesh(result.points, result.triangles)
     with _final_mesh(obj, evaluated) as mesh:
-        names = shapes.attribute_names(deformer.uid)
+        names = modified.attribute_names(deformer.uid)
         if read_incoming(mesh, *names, count).points is None:
             return FinalMesh(result.points, result.triangles)
         if len(mesh.vertices) == count:

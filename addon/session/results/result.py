@@ -17,9 +17,9 @@ from ...mesh_io import RestShape, group_weights, known_groups
 from ...properties import SinewDeformer
 from ..controls import kinds
 from ..controls.influence import Influence
-from ..datablocks import targets
 from ..state import sessions
 from ..state.sessions import Bound
+from ..targets import targets
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ from bpy.types import Context, Menu, Object, UILayout
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
 from ...session.actions.controls import control_list as edit_rows
-from ...session.datablocks import targets
+from ...session.targets import targets
 from ..layouts import invoking, split
 
 ABOVE_PARAMETERS = True

@@ -11,7 +11,7 @@ from ...session.actions.handles import standing
 from ...session.actions.handles.standing import NOTHING_MOVES
 from ...session.controls import kinds
 from ...session.controls.handles import points, riding, sides
-from ...session.datablocks import targets
+from ...session.targets import targets
 from ..layouts import draw_move_buttons, draw_move_entries, invoking, split, unless_baked
 from ..places import ActiveDeformerPanel, active_deformer
 from ..text import columns, draw_text

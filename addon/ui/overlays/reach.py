@@ -11,7 +11,7 @@ from mathutils import Matrix
 from ...core.geometry import frames
 from ...operators import ring
 from ...properties import SinewControl
-from ...session.datablocks.shapes import capture
+from ...session.targets.kinds import kind_of
 from ..control.curves import active_row
 from ..places import active_deformer
 
@@ -25,7 +25,8 @@ def rings(row: SinewControl, depsgraph: Depsgraph) -> list[np.ndarray]:
         return []
     world = np.array(row.object.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
     if row.object.type == "CURVE":
-        found = _around(capture.points_shown(row.object, depsgraph).astype(np.float64), row.radius)
+        points = kind_of(row.object).points_shown(row.object, depsgraph)
+        found = _around(points.astype(np.float64), row.radius)
     elif row.tools == "drag":
         found = [ring(np.zeros(3), axis, size) for size in (row.inner, row.outer) for axis in _AXES]
     else:

@@ -182,7 +182,9 @@ FrameLayout lay_out_frames(const Part& part, const HostSurface& host, double len
             layout.distances(k, other) = ways[k][layout.seeds[other]];
     }
     limit_and_normalise(layout.shares);
-    if (!layout.images.empty())
+    if (count == 1) // its patch is its own image (attachment_frames.cpp)
+        layout.images.clear();
+    else if (!layout.images.empty())
         add_mirror_images(layout, part, ways);
     return layout;
 }

@@ -40,3 +40,15 @@ def test_rest_and_rigid_motions_are_kept_with_any_number_of_bands(details: str, 
     assert used == bands or bands > 1
     assert len(remarks) == (used < bands)
     assert all(text.startswith(f"only {used} of {bands} bands are used") for text in remarks)
+
+
+@pytest.mark.parametrize("bands", [1, 4, 8])
+@pytest.mark.parametrize("details", DETAILS)
+def test_a_space_method_as_the_base_keeps_them_too(details: str, bands: int) -> None:
+    places = POINTS[np.concatenate(HANDLES)]
+    mesh = sn.SurfaceMesh(POINTS, FACES)
+    method = sn.MultiresolutionSpace(places, sn.Rbf(places), mesh, details=details, bands=bands)
+    method.bind(POINTS)
+    for pose in (STILL, TURNED):
+        off = np.linalg.norm(method.warp(moved(pose, places)) - moved(pose, POINTS), axis=1).max()
+        assert off < 1e-6

@@ -87,16 +87,13 @@ def test_a_moved_control_needs_one_new_array(method: str):
 def test_a_drag_widens_the_shape_that_it_starts_from():
     """And holds no other array as large as the mesh."""
     plate = Rig.plate(CELLS).bind("arap")
-    handlers = inner.evaluation
+    evaluate, update_all = inner.evaluate, inner.evaluate.update
     for _ in range(3):
         plate.lift(0.1)
 
     def drag() -> None:
         with pytest.MonkeyPatch.context() as patch:
-            inner = handlers.session.update
-            patch.setattr(
-                handlers.session, "update", lambda graph, **_: inner(graph, preview=True, edit=True)
-            )
+            patch.setattr(evaluate, "update", lambda graph, **_: update_all(graph, preview=True, edit=True))
             plate.lift(0.1)
 
     assert 3.0 * SHAPE < of_one_vertex(plate, peak_of(drag)) < 3.5 * SHAPE

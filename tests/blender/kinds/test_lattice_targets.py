@@ -115,6 +115,17 @@ def test_the_warp_is_that_of_the_cage_and_adds_to_keys_and_modifiers():
     assert np.abs(displacement).max() > 0.05
 
 
+def test_a_rebind_of_a_posed_lattice_changes_nothing():
+    obj = lattice()
+    rest = points_of(obj)
+    _, cage = bind(obj)
+    expected = bend(cage)(rest)
+    make_active(obj)
+    bpy.ops.sinew.bind()
+    assert np.abs(evaluated_points(obj) - expected).max() < 4 * FLOAT32
+    assert np.abs(expected - rest).max() > 0.05
+
+
 @pytest.mark.parametrize("make", [lattice, with_keys])
 def test_without_its_deformers_a_lattice_is_what_it_was(make):
     obj = make()

@@ -23,6 +23,7 @@ from rigs.rig import (
     base_points,
     close,
     evaluated_points,
+    in_pose_mode,
     make_active,
     move_world,
     new_file,
@@ -31,7 +32,6 @@ from rigs.rig import (
     reopen,
     update,
 )
-from test_handles import in_pose_mode
 
 HEAD, EYES = 463, 44  # vertices of Suzanne: the head comes first, then two eyes
 BEND = Matrix.Rotation(math.radians(40.0), 4, "Y") @ Matrix.Translation((0.3, 0.0, 0.4))
@@ -443,3 +443,21 @@ def test_parts_inside_may_stay_with_a_bone(way: str):
     shape = plate.points()
     assert close(shape[inside], incoming[inside], 1e-5)
     assert np.linalg.norm(shape[button] - rest[button], axis=1).min() > 0.05
+
+
+@pytest.mark.parametrize("levels", [0, 1, 2])
+def test_eyes_in_open_sockets_lie_inside_however_finely_they_are_divided(levels: int):
+    """Those of Blender's own head."""
+    new_file()
+    bpy.ops.mesh.primitive_monkey_add(size=2.0)
+    obj = bpy.context.object
+    if levels:
+        obj.modifiers.new("Subdivision", "SUBSURF").levels = levels
+        bpy.ops.object.modifier_apply(modifier="Subdivision")
+    for name, where in (("Ears", lambda p: abs(p[0]) > 1.0), ("Chin", lambda p: p[2] < -0.7)):
+        add_group(obj, name, where)
+        bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group=name)
+        make_active(obj)
+    lines = inner.status.notes(obj.sinew.active.uid)
+    (line,) = (row for row in lines if row.remedy is inner.status.Remedy.KEEP_INSIDE)
+    assert len(line.elements.indices) == 2 * {0: 33, 1: 129, 2: 497}[levels]

@@ -16,10 +16,12 @@ from rigs.rig import (
     apply_matrix,
     close,
     grid_object,
+    in_pose_mode,
     make_active,
     move_world,
     new_armature,
     push,
+    select_bone,
     update,
 )
 
@@ -141,22 +143,6 @@ def test_removing_a_handle_frees_its_region(plate: Rig):
 
 def activate(obj: bpy.types.Object, group: str) -> None:
     obj.vertex_groups.active = obj.vertex_groups[group]
-
-
-def in_pose_mode(armature: bpy.types.Object, bone: str, mesh: bpy.types.Object | None = None) -> None:
-    """The armature active in Pose Mode with one bone selected, and the mesh selected with it."""
-    make_active(armature)
-    if mesh is not None:
-        mesh.select_set(True)
-    bpy.ops.object.mode_set(mode="POSE")
-    bpy.ops.pose.select_all(action="DESELECT")
-    select_bone(armature, bone)
-
-
-def select_bone(armature: bpy.types.Object, bone: str) -> None:
-    armature.data.bones.active = armature.data.bones[bone]
-    posed = armature.pose.bones[bone]
-    (posed if hasattr(posed, "select") else posed.bone).select = True
 
 
 def is_selected(armature: bpy.types.Object, bone: str) -> bool:

@@ -43,7 +43,7 @@ def names(obj: bpy.types.Object) -> str:
 
 def stack(obj: bpy.types.Object) -> list[str]:
     """Names of the modifiers; those of deformers by the deformer they show."""
-    find = inner.shapes.find_modifier
+    find = inner.modified.shown_by
     labels = {find(obj, deformer).name: deformer.name for deformer in obj.sinew.deformers}
     return [labels.get(modifier.name, modifier.name) for modifier in obj.modifiers]
 

@@ -56,6 +56,7 @@ MODULES = {
     "mesh_notes": "session.evaluation.mesh_notes",
     "methods": "core.methods",
     "mirroring": "session.evaluation.mirroring",
+    "modified": "session.targets.modified",
     "motion": "core.transform.motion",
     "native": "backend.native",
     "objects": "session.controls.objects",

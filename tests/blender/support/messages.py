@@ -17,6 +17,7 @@ ADDON, LIBRARY = ROOT / "addon", ROOT / "native"
 STATUS_ROOMS = (
     "bake/sequences.py",
     "core/geometry/frames.py",
+    "session/targets",
     "session/datablocks",
     "session/controls",
     "session/actions/keys.py",

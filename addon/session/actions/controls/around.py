@@ -10,9 +10,10 @@ from mathutils import Matrix
 
 from ....mesh_io import RestShape, read_rest
 from ....properties import SinewDeformer
-from ...datablocks import targets
 from ...datablocks.shapes import capture
 from ...datablocks.transforms import put
+from ...targets import targets
+from ...targets.kinds import kind_of
 
 # An object and its deformer; None for a new one at the end of its stack.
 Target = tuple[Object, SinewDeformer | None]
@@ -20,7 +21,7 @@ Target = tuple[Object, SinewDeformer | None]
 
 def shape_of(obj: Object, deformer: SinewDeformer | None) -> RestShape:
     """What enters the deformer, or would enter a new one, in the frame of the object."""
-    mesh = capture.mesh_after(obj, capture.position(obj, deformer))
+    mesh = capture.mesh_after(obj, kind_of(obj).position(obj, deformer))
     try:
         return read_rest(mesh)
     finally:

@@ -14,10 +14,10 @@ from ....compat import read_edges, read_positions
 from ....core.errors import SinewError
 from ....core.geometry import frames
 from ....core.geometry.polylines import lengths, lines_of
-from ...datablocks import targets
 from ...datablocks.parts import ShownParts
-from ...datablocks.shapes.capture import evaluated_mesh
 from ...state import sessions
+from ...targets import targets
+from ...targets.modified import evaluated_mesh
 from .around import follow
 
 _OF_LENGTH, _OF_PART = 0.35, 0.15  # the radius of a new wire, and the most of the part beside it

@@ -4,7 +4,7 @@
 from bpy.types import Object
 
 from ....properties import SinewDeformer, SinewHandle
-from ...datablocks.shapes import shapes
+from ...targets import modified
 
 
 def is_moved_by_control(obj: Object, deformer: SinewDeformer, handle: SinewHandle) -> bool:
@@ -12,7 +12,7 @@ def is_moved_by_control(obj: Object, deformer: SinewDeformer, handle: SinewHandl
     armature, bone = handle.control, handle.bone
     if armature is None or not bone or bone not in obj.vertex_groups or bone not in armature.data.bones:
         return False
-    own = shapes.find_modifier(obj, deformer)
+    own = modified.shown_by(obj, deformer)
     before = list(obj.modifiers)[: list(obj.modifiers).index(own)] if own else obj.modifiers
     carries = any(modifier.type == "ARMATURE" and modifier.object == armature for modifier in before)
     return carries and armature.data.bones[bone].use_deform

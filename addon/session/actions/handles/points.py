@@ -12,9 +12,9 @@ from ....core.names import unique_name
 from ....properties import SinewDeformer, SinewHandle
 from ...controls import kinds
 from ...controls.handles import riding
-from ...datablocks import targets
 from ...datablocks.shapes import shapes
 from ...state import sessions
+from ...targets import targets
 from . import empties
 
 _MOST = 500  # empties at the points of one object

@@ -10,9 +10,9 @@ from ....core.errors import ConstraintError, SinewError
 from ....core.geometry import frames
 from ....mesh_io import group_names, group_weights, read_rest
 from ....properties import SinewDeformer
-from ...datablocks import targets
 from ...datablocks.shapes import capture
 from ...state import sessions
+from ...targets import targets
 from ..deformers import add_deformer, remove_deformer
 from ..handles import empties
 from ..handles.bones import is_moved_by_control

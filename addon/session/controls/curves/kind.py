@@ -23,8 +23,8 @@ from ....ids import Datablocks, Keys
 from ....mesh_io import RestShape
 from ....properties import SinewControl, SinewDeformer
 from ...datablocks.shapes import shapes
-from ...datablocks.shapes.capture import evaluated_mesh
 from ...state.evaluation import NO_VERTICES, Place
+from ...targets.modified import evaluated_mesh
 from .. import placement
 from ..multi_object import Part, SeveralKind, label_of
 

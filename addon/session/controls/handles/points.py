@@ -20,10 +20,10 @@ from ....core.status import Remedy
 from ....ids import Datablocks, Keys
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
-from ...datablocks import libraries, rest_frame, targets
-from ...datablocks.shapes.capture import evaluated_mesh, points_shown
+from ...datablocks import libraries, rest_frame
 from ...state.evaluation import Evaluation, Place
 from ...state.sessions import Bound
+from ...targets.kinds import kind_of
 from ..objects import stored_rest
 from ..placement import read_place
 
@@ -54,7 +54,7 @@ def place_of(settings: SinewDeformer, handle: SinewHandle, depsgraph: Depsgraph)
         return read_place(control, depsgraph, bone)
     if not bone:
         expected = -1 if handle.rest is None else len(handle.rest.vertices)
-        return read_place(control, depsgraph, read_points=points_shown, expected=expected)
+        return read_place(control, depsgraph, read_points=kind_of(control).points_shown, expected=expected)
     posed = None if control.pose is None else control.evaluated_get(depsgraph).pose.bones.get(bone)
     return None if posed is None else read_place(control, depsgraph, read_points=partial(_ends, bone))
 
@@ -145,26 +145,14 @@ def take_rest(obj: Object, handle: SinewHandle) -> None:
     """Let the points of a handle rest where they are now. This makes datablocks."""
     control, depsgraph = handle.control, bpy.context.evaluated_depsgraph_get()
     control.update_from_editmode()
-    points = _ends(handle.bone, control, depsgraph) if handle.bone else points_shown(control, depsgraph)
+    kind = kind_of(control)
+    points = _ends(handle.bone, control, depsgraph) if handle.bone else kind.points_shown(control, depsgraph)
     if not len(points):
         raise ConstraintError(
             f"{control.name} has no points - let {handle.name} act as a place, or add some, then Rebind"
         )
-    edges = np.array([[0, 1]], dtype=np.int32) if handle.bone else _edges(control, depsgraph)
+    edges = np.array([[0, 1]], dtype=np.int32) if handle.bone else kind.edges_shown(control, depsgraph)
     handle.rest = stored_rest(obj, control, _mesh(points, edges), handle.rest)
-
-
-def _edges(control: Object, depsgraph: Depsgraph) -> np.ndarray:
-    """The edges (e, 2) of an object after its modifiers: of a lattice, the lines of its grid."""
-    if targets.is_cloud(control):
-        return np.zeros((0, 2), dtype=np.int32)
-    if targets.is_lattice(control):
-        counts = control.data.points_w, control.data.points_v, control.data.points_u
-        grid = np.arange(np.prod(counts), dtype=np.int32).reshape(counts)
-        lines = [np.moveaxis(grid, axis, 0) for axis in range(3)]
-        return np.concatenate([np.stack((line[:-1], line[1:]), -1).reshape(-1, 2) for line in lines])
-    with evaluated_mesh(control, depsgraph) as shown:
-        return read_edges(shown)
 
 
 def _mesh(points: np.ndarray, edges: np.ndarray) -> Mesh:

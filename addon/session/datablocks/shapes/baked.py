@@ -12,7 +12,7 @@ from bpy.types import Modifier, Object, ShapeKey
 from ....core import status
 from ....core.status import Level, Remedy, Status
 from ....properties import SinewDeformer
-from . import shapes
+from ...targets import modified
 
 _LOST = "The Mesh Cache modifier of the bake was removed - press Unbake"
 
@@ -26,7 +26,7 @@ def find_cache(obj: Object, deformer: SinewDeformer) -> Modifier | None:
     bake = deformer.bake
     if bake.result not in ("PC2", "MDD"):
         return None
-    replaced = shapes.find_modifier(obj, deformer)
+    replaced = modified.shown_by(obj, deformer)
     best, most = None, (False, False, False, False)
     previous = None
     for modifier in obj.modifiers:
@@ -55,7 +55,7 @@ def overwrites(modifier: Modifier | ShapeKey) -> bool:
 def report(obj: Object) -> None:
     """Tell in the panel which deformers are baked, or that the file of a bake is missing."""
     for deformer in obj.sinew.deformers:
-        replaced = shapes.find_modifier(obj, deformer) if deformer.bake.is_baked else None
+        replaced = modified.shown_by(obj, deformer) if deformer.bake.is_baked else None
         if replaced is not None and not replaced.show_viewport:
             status.put(deformer.uid, _status(obj, deformer))
 

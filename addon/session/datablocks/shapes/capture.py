@@ -11,49 +11,26 @@ from typing import TypeVar
 
 import bpy
 import numpy as np
-from bpy.types import ID, Depsgraph, Mesh, Modifier, Object
+from bpy.types import ID, Mesh, Modifier, Object
 
 from ....compat import (
-    read_cloud,
     read_edges,
-    read_lattice,
     read_positions,
     read_triangles,
     remove_data,
     write_positions,
 )
 from ....core.errors import MeshError
-from ....core.point_types import LATTICE, MESH, point_type_with_id
+from ....core.point_types import MESH, point_type_with_id
 from ....ids import Datablocks, Keys
 from ....mesh_io import keep_lost_groups, same_topology, weights_attribute
 from ....properties import SinewDeformer
 from ...state import sessions
-from .. import control_points, targets, vertex_groups
-from . import lattice_keys, node_group, render_settings, shapes
-from .carried import Riders, Surface
-
-
-@contextmanager
-def evaluated_mesh(obj: Object, depsgraph: Depsgraph) -> Iterator[Mesh | None]:
-    """For a while, the mesh of an object after its modifiers, in object space; None if it has none."""
-    evaluated = obj.evaluated_get(depsgraph)
-    try:
-        yield evaluated.to_mesh()
-    finally:
-        evaluated.to_mesh_clear()
-
-
-def points_shown(obj: Object, depsgraph: Depsgraph) -> np.ndarray:
-    """The points of an object after its modifiers, float32 (c, 3) in object space; none if it has none."""
-    if targets.is_cloud(obj):
-        return read_cloud(obj.evaluated_get(depsgraph).data)
-    if targets.is_lattice(obj):
-        return read_lattice(obj.evaluated_get(depsgraph).data)
-    if not targets.has_points(obj):
-        return np.zeros((0, 3), dtype=np.float32)
-    with evaluated_mesh(obj, depsgraph) as mesh:
-        return np.zeros((0, 3), dtype=np.float32) if mesh is None else read_positions(mesh)
-
+from ...targets import node_group, targets
+from ...targets.kinds import kind_of
+from .. import vertex_groups
+from . import render_settings, shapes
+from .carried import AttachedPoints, Surface
 
 # So few vertex groups are all stored as attributes, in use or not. If a later bind uses other groups, only
 # weights have changed since.
@@ -68,30 +45,21 @@ _AT_ONCE = 64  # so many objects are evaluated together: each evaluation looks a
 
 @contextmanager
 def _stand_ins(objects: Iterable[tuple[Object, int]]) -> Iterator[list[Object]]:
-    """A copy of each object with as many of its first modifiers. They are removed at the end.
-
-    That of a lattice has no modifiers, but as many of the keys of its deformers.
-    """
+    """A copy of each object that shows as many of its first modifiers or deformers. Removed at the end."""
     copies: list[Object] = []
     own_data: list[ID] = []
     with sessions.suspended():
         try:
-            for obj, last_modifier in objects:
+            for obj, count in objects:
                 copy = obj.copy()
                 copies.append(copy)
                 copy.sinew.deformers.clear()
                 _remove_drivers(copy)
                 if obj.mode == "EDIT":
                     obj.update_from_editmode()
-                if targets.is_lattice(obj):
-                    lattice_keys.mute_from(copy, obj, last_modifier)
+                kind_of(obj).keep_first(copy, obj, count)
+                if copy.data != obj.data:
                     own_data.append(copy.data)
-                    copy.modifiers.clear()
-                elif obj.mode == "EDIT":
-                    copy.data = obj.data.copy()
-                    own_data.append(copy.data)
-                for modifier in list(copy.modifiers)[last_modifier:]:
-                    copy.modifiers.remove(modifier)
                 copy.hide_viewport = False
                 bpy.context.scene.collection.objects.link(copy)
             yield copies
@@ -141,27 +109,15 @@ def mesh_with_places(obj: Object) -> tuple[Mesh, np.ndarray | None]:
 def _new_meshes(objects: Iterable[Object]) -> list[Mesh]:
     """New meshes of what objects are now, by one evaluation."""
     with ExitStack() as stack:
-        shown = [
-            obj
-            if targets.is_mesh(obj) or targets.is_lattice(obj)
-            else stack.enter_context(control_points.showing_points(obj))
-            for obj in objects
-        ]
+        shown = [stack.enter_context(kind_of(obj).showing_points(obj)) for obj in objects]
         bpy.context.view_layer.update()
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        return [
-            lattice_keys.mesh_of(obj.evaluated_get(depsgraph))
-            if targets.is_lattice(obj)
-            else bpy.data.meshes.new_from_object(
-                obj.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
-            )
-            for obj in shown
-        ]
+        return [kind_of(obj).new_mesh(obj.evaluated_get(depsgraph), depsgraph) for obj in shown]
 
 
 def rest_mesh(obj: Object, deformer: SinewDeformer) -> Mesh:
     """A new mesh: what enters the deformer's modifier now, or would enter one at the end of the stack."""
-    with _stand_ins([(obj, position(obj, deformer))]) as copies:
+    with _stand_ins([(obj, kind_of(obj).position(obj, deformer))]) as copies:
         return _made(_rest_meshes([(obj, deformer)], copies)[0])
 
 
@@ -199,7 +155,7 @@ def _rest_meshes_of(
     wanted: Wanted, entered: Sequence[Mesh | None]
 ) -> list[tuple[Mesh, Mesh | None] | MeshError]:
     """For each what ``rest_meshes`` makes, or its error."""
-    with _stand_ins((obj, position(obj, deformer)) for obj, deformer in wanted) as copies:
+    with _stand_ins((obj, kind_of(obj).position(obj, deformer)) for obj, deformer in wanted) as copies:
         shown = [mesh for mesh in entered if mesh is not None]
         if shown:
             bpy.context.view_layer.update()
@@ -250,21 +206,20 @@ def _same_point_type(shown: Mesh, rendered: Mesh) -> bool:
 
 def differs_in_renders(obj: Object, deformer: SinewDeformer) -> bool:
     """Whether other vertices may enter the deformer in renders."""
-    return _differs_in_renders(obj, list(obj.modifiers)[: position(obj, deformer)])
+    return _differs_in_renders(obj, kind_of(obj).modifiers_before(obj, deformer))
 
 
 def render_signature(obj: Object, deformer: SinewDeformer) -> tuple:
     """The settings that decide what enters the deformer in renders alone. For comparison."""
-    if targets.is_lattice(obj):
+    kind = kind_of(obj)
+    if not kind.RENDERS_MAY_DIFFER:
         return ()
-    return render_settings.signature(obj, list(obj.modifiers)[: position(obj, deformer)])
+    return render_settings.signature(obj, kind.modifiers_before(obj, deformer))
 
 
 def _differs_in_renders(obj: Object, modifiers: Sequence[Modifier]) -> bool:
     """Whether other vertices may come out of these modifiers of an object in renders."""
-    if targets.is_lattice(obj):  # its deformers come before all modifiers, and those keep its points
-        return False
-    return render_settings.differ(obj, modifiers)
+    return kind_of(obj).RENDERS_MAY_DIFFER and render_settings.differ(obj, modifiers)
 
 
 def _rendered_meshes(
@@ -297,7 +252,7 @@ def carried(mesh: Mesh, beside: Mesh, places: np.ndarray) -> np.ndarray:
     before = read_positions(beside)
     if before.shape != places.shape or np.array_equal(before, places):
         return read_positions(mesh)
-    return _riders(mesh, beside).at(places).astype(np.float32)
+    return _attached(mesh, beside).at(places).astype(np.float32)
 
 
 def carry_lost_groups(mesh: Mesh, beside: Mesh, wanted: set[str]) -> None:
@@ -306,17 +261,17 @@ def carry_lost_groups(mesh: Mesh, beside: Mesh, wanted: set[str]) -> None:
     Both are of the same shape, as for ``carried``.
     """
     keep_lost_groups(
-        mesh, beside, wanted, lambda weights: _riders(mesh, beside).blended(weights).astype(np.float32)
+        mesh, beside, wanted, lambda weights: _attached(mesh, beside).blended(weights).astype(np.float32)
     )
 
 
-def _riders(mesh: Mesh, beside: Mesh) -> Riders:
+def _attached(mesh: Mesh, beside: Mesh) -> AttachedPoints:
     """The vertices of a mesh on the surface of one ``beside`` it."""
     places, points = (np.nan_to_num(read_positions(each).astype(np.float64)) for each in (beside, mesh))
-    return Riders(points, Surface(places, read_triangles(beside), read_edges(beside)))
+    return AttachedPoints(points, Surface(places, read_triangles(beside), read_edges(beside)))
 
 
-def viewport_points(obj: Object) -> Riders | None:
+def viewport_points(obj: Object) -> AttachedPoints | None:
     """The points that viewports show of an object, on what renders show of it; None if that is the same.
 
     Deformers are left out: their shapes for viewports do not fit what renders show.
@@ -331,7 +286,7 @@ def viewport_points(obj: Object) -> Riders | None:
         with render_settings.applied([copy]):
             rendered = _new_mesh(copy)
     same = same_topology(shown, rendered)
-    found = None if same or not len(rendered.vertices) else _riders(shown, rendered)
+    found = None if same or not len(rendered.vertices) else _attached(shown, rendered)
     bpy.data.batch_remove([shown, rendered])
     return found
 
@@ -345,19 +300,6 @@ def _new_mesh(obj: Object) -> Mesh:
     return bpy.data.meshes.new_from_object(obj.evaluated_get(depsgraph), depsgraph=depsgraph)
 
 
-def position(obj: Object, deformer: SinewDeformer | None) -> int:
-    """How many modifiers come before the deformer, or would before a new one at the end of the stack; of a
-    lattice, how many deformers.
-    """
-    if targets.is_lattice(obj):
-        uids = [other.uid for other in obj.sinew.deformers]
-        return len(uids) if deformer is None or deformer.uid not in uids else uids.index(deformer.uid)
-    if deformer is None:
-        return len(obj.modifiers)
-    modifier = shapes.find_modifier(obj, deformer)
-    return len(obj.modifiers) if modifier is None else list(obj.modifiers).index(modifier)
-
-
 def _rest_meshes(wanted: Wanted, copies: Iterable[Object]) -> list[Mesh | MeshError]:
     """The rest meshes that the copies show now, or why there is none."""
     with ExitStack() as stack:
@@ -365,7 +307,7 @@ def _rest_meshes(wanted: Wanted, copies: Iterable[Object]) -> list[Mesh | MeshEr
             names = [group.name for group in obj.vertex_groups]
             few = len(names) <= FEW_GROUPS
             kept = names if few else vertex_groups.groups_in_use(deformer) & set(names)
-            if targets.is_lattice(obj):  # ``mesh_of`` reads all
+            if kind_of(obj).READS_ALL_WEIGHTS:
                 continue
             painted = {weights_attribute(names.index(name)): name for name in kept}
             stack.enter_context(vertex_groups.keeping_weights(copy, painted))
@@ -376,8 +318,7 @@ def _rest_meshes(wanted: Wanted, copies: Iterable[Object]) -> list[Mesh | MeshEr
 def _as_rest(mesh: Mesh, obj: Object) -> Mesh | MeshError:
     """A new mesh of an object, named and marked as a rest mesh; or why it can be none."""
     if not targets.is_mesh(obj):
-        is_lattice = targets.is_lattice(obj)
-        mesh[Keys.REST_POINT_TYPE] = (LATTICE if is_lattice else control_points.take_point_type(mesh)).id
+        mesh[Keys.REST_POINT_TYPE] = kind_of(obj).take_point_type(mesh).id
         mesh[Keys.REST_STRUCTURE] = targets.structure(obj)
     if len(mesh.vertices) == 0:
         point_type = point_type_with_id(mesh.get(Keys.REST_POINT_TYPE))

@@ -51,7 +51,7 @@ class Surface:
         return np.stack((along, np.cross(upwards, along), upwards), axis=1)
 
 
-class Riders:
+class AttachedPoints:
     """Points (k, 3) that lie on or beside a surface, each in the frame of the place that is nearest to it."""
 
     def __init__(self, points: np.ndarray, surface: Surface) -> None:

@@ -15,8 +15,8 @@ import bpy
 from bpy.types import ID, Modifier, NodesModifier, NodeTree, Object
 
 from ....compat import action_curves, remove_action_curve, remove_data
+from ...targets import node_group
 from ..modifier_objects import objects_of
-from . import node_group
 
 _SIMPLIFY = "simplify_"
 _ASKS = "GeometryNodeIsViewport"  # a node that tells viewports and renders apart

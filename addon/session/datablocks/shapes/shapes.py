@@ -1,100 +1,40 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The hidden meshes of a deformer and the modifier that shows them.
+"""The hidden meshes of a deformer.
 
-Only operators, scripts and timers on the main thread may call this. A modifier belongs to the deformer whose
-shape object it shows, whatever its name is.
+Only operators, scripts and timers on the main thread may call this.
 """
 
-import hashlib
 import uuid
-from collections.abc import Sequence
 from dataclasses import replace
 
 import bpy
 import numpy as np
-from bpy.types import Mesh, Modifier, NodesModifier, Object, Scene, ShapeKey
+from bpy.types import Mesh, Object, Scene
 
-from .... import compat
-from ....ids import Datablocks, Inputs, Keys
+from ....ids import Datablocks, Keys
 from ....mesh_io import copy_shape, replace_rest, resize_shape, shape_mesh, write_shape
 from ....properties import SinewDeformer, deformers_of
 from ...state import render_writes, sessions
-from .. import references, targets
-from . import lattice_keys, node_group
+from ...targets.kinds import kind_of
+from ...targets.modified import KEY_LENGTH
+from .. import references
 
-_KEY_LENGTH = 16
 _REST = ("rest",)
 
 
 def new_key() -> str:
     """A key that no other deformer has, in this file or another."""
-    return uuid.uuid4().hex[:_KEY_LENGTH]
-
-
-def find_modifier(obj: Object, deformer: SinewDeformer) -> NodesModifier | None:
-    """The modifier that shows this deformer, or did before its hidden shape was deleted."""
-    nodes = [modifier for modifier in obj.modifiers if modifier.type == "NODES"]
-    shape = deformer.shape("VIEWPORT")
-    if shape is not None:
-        for modifier in nodes:
-            if compat.modifier_input(modifier, Inputs.PROXY_VIEWPORT) == shape:
-                return modifier
-    incoming, _index = attribute_names(deformer.uid)
-    for modifier in nodes:
-        if compat.modifier_input(modifier, Inputs.INCOMING) == incoming:
-            return modifier
-    return None
-
-
-def shown_by(obj: Object, deformer: SinewDeformer) -> NodesModifier | ShapeKey | None:
-    """What shows this deformer: its modifier, or the shape key of a lattice."""
-    if targets.is_lattice(obj):
-        return lattice_keys.find(obj, deformer)
-    return find_modifier(obj, deformer)
-
-
-def stack(obj: Object) -> Sequence[Modifier | ShapeKey]:
-    """The modifiers, or shape keys of a lattice, some of which show deformers."""
-    return lattice_keys.blocks(obj) if targets.is_lattice(obj) else obj.modifiers
-
-
-def stray_modifiers(obj: Object) -> list[str]:
-    """The modifiers that show the shape of another object's deformer: Copy Modifiers copies no settings."""
-    own = {shape for deformer in deformers_of(obj) for shape in (deformer.proxy, deformer.proxy_render)}
-    own |= {None}
-    return [
-        modifier.name
-        for modifier in obj.modifiers
-        if node_group.is_ours(modifier) and compat.modifier_input(modifier, Inputs.PROXY_VIEWPORT) not in own
-    ]
-
-
-def _restore_names(obj: Object, deformer: SinewDeformer) -> bool:
-    """Give a copied modifier the names of attributes that the removed original had; whether it had others."""
-    modifier = find_modifier(obj, deformer)
-    incoming, index = attribute_names(deformer.uid)
-    if modifier is None or compat.modifier_input(modifier, Inputs.INCOMING) == incoming:
-        return False
-    compat.set_modifier_input(modifier, Inputs.INCOMING, incoming)
-    compat.set_modifier_input(modifier, Inputs.INDEX, index)
-    return True
-
-
-def attribute_names(key: str) -> tuple[str, str]:
-    """The attributes in which the node group stores incoming positions and indices for this deformer."""
-    key = key if len(key) <= _KEY_LENGTH else hashlib.sha1(key.encode()).hexdigest()[:_KEY_LENGTH]
-    return f".sinew_in_{key}", f".sinew_index_{key}"
+    return uuid.uuid4().hex[:KEY_LENGTH]
 
 
 def ensure(obj: Object, deformer: SinewDeformer, vertex_count: int, render_count: int | None = None) -> None:
-    """Make sure that there are shape meshes of the right size, and a modifier with the right inputs.
+    """Make sure that there are shape meshes of the right size, and a modifier or a shape key that shows them.
 
     What is right already stays as it is. ``render_count`` is given if another number of vertices enters in
-    renders. A bound lattice gets a shape key in place of the modifier.
+    renders.
     """
-    if targets.is_lattice(obj) and deformer.is_bound:
-        lattice_keys.ensure(obj, deformer)
-    modifier = find_modifier(obj, deformer)
+    kind = kind_of(obj)
+    shows = kind.ensure(obj, deformer) if kind.STAYS_UNBOUND or deformer.is_bound else None
     render_count = vertex_count if render_count is None else render_count
     for mode, count in (("VIEWPORT", vertex_count), ("RENDER", render_count)):
         shape = deformer.shape(mode)
@@ -103,29 +43,8 @@ def ensure(obj: Object, deformer: SinewDeformer, vertex_count: int, render_count
     deformer.proxy = _shape_object(deformer.shape("VIEWPORT"), Datablocks.PROXY_VIEWPORT, vertex_count)
     deformer.proxy_render = _shape_object(deformer.shape("RENDER"), Datablocks.PROXY_RENDER, render_count)
     mark(deformer)
-    if targets.is_lattice(obj):
-        return
-    point_type = targets.point_type(deformer)
-    if modifier is None:
-        modifier = obj.modifiers.new(Datablocks.MODIFIER, "NODES")
-        modifier.show_expanded = False  # Sinew sets its inputs
-        node_group.attach(modifier, node_group.ensure(point_type))
-    elif not node_group.shows(modifier, point_type):
-        modifier.node_group = node_group.ensure(point_type)
-    connect(modifier, deformer)
-
-
-def connect(modifier: NodesModifier, deformer: SinewDeformer) -> None:
-    """Set the inputs of the modifier to the shapes and attribute names of this deformer."""
-    incoming, index = attribute_names(deformer.uid)
-    for name, value in (
-        (Inputs.INCOMING, incoming),
-        (Inputs.INDEX, index),
-        (Inputs.PROXY_RENDER, deformer.proxy_render),
-        (Inputs.PROXY_VIEWPORT, deformer.proxy),
-    ):
-        if compat.modifier_input(modifier, name) != value:
-            compat.set_modifier_input(modifier, name, value)
+    if shows is not None:
+        kind.connect(shows, deformer)
 
 
 def mark(deformer: SinewDeformer) -> None:
@@ -154,41 +73,10 @@ def restore(obj: Object, deformer: SinewDeformer) -> None:
         owner = shape.data.get(Keys.SHAPE) if shape.type == "MESH" and shape.library is None else None
         if owner in lost:
             setattr(deformer, "proxy_render" if owner.endswith("RENDER") else "proxy", shape)
-    modifier = find_modifier(obj, deformer)
-    if modifier is not None:
-        connect(modifier, deformer)
-
-
-def tell_copies_apart(obj: Object) -> bool:
-    """Give copies of a modifier, made by Blender's own button, attribute names of their own.
-
-    They show the same shape, and would overwrite the incoming positions. Returns whether there were any.
-    """
-    restored = [_restore_names(obj, deformer) for deformer in obj.sinew.deformers]
-    renamed, known = any(restored), set()
-    for modifier in obj.modifiers:
-        if modifier.type != "NODES":
-            continue
-        name = compat.modifier_input(modifier, Inputs.INCOMING)
-        if name is not None and name in known:
-            compat.set_modifier_input(modifier, Inputs.INCOMING, f"{name}_copy")
-            compat.set_modifier_input(modifier, Inputs.INDEX, f"{name}_copy_index")
-            renamed = True
-        known.add(name)
-    if renamed:
-        obj.update_tag()
-    return renamed
-
-
-def connect_mask(obj: Object, modifier: NodesModifier | ShapeKey, deformer: SinewDeformer) -> bool:
-    """Pass the mask on to the modifier; whether it changed. A vertex group that is gone masks nothing."""
-    if isinstance(modifier, ShapeKey):
-        return lattice_keys.connect_mask(obj, modifier, deformer)
-    mask = deformer.mask_group if deformer.mask_group in obj.vertex_groups else ""
-    if compat.modifier_input(modifier, Inputs.MASK) == mask:
-        return False
-    compat.set_modifier_input(modifier, Inputs.MASK, mask)
-    return True
+    kind = kind_of(obj)
+    shows = kind.shown_by(obj, deformer)
+    if shows is not None:
+        kind.connect(shows, deformer)
 
 
 def is_linked(proxy: Object | None) -> bool:
@@ -269,11 +157,7 @@ def render_as_shown(deformer: SinewDeformer, scene: Scene | None = None) -> bool
 
 def remove(obj: Object, deformer: SinewDeformer) -> None:
     """Remove the modifier or shape key, and what only this deformer used."""
-    if targets.is_lattice(obj):
-        lattice_keys.remove(obj, deformer)
-    modifier = find_modifier(obj, deformer)
-    if modifier is not None:
-        obj.modifiers.remove(modifier)
+    kind_of(obj).remove(obj, deformer)
     release_rest(deformer)
     references.release_curves(deformer)
     for proxy in (deformer.shape("VIEWPORT"), deformer.shape("RENDER")):

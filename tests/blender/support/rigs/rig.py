@@ -311,3 +311,19 @@ def some_motion() -> Matrix:
 def some_affine() -> Matrix:
     """An affine map with shear and unequal scale."""
     return Matrix(((1.2, 0.3, 0.0, 0.1), (-0.2, 0.8, 0.4, 0.0), (0.1, 0.0, 1.5, 0.5), (0.0, 0.0, 0.0, 1.0)))
+
+
+def in_pose_mode(armature: bpy.types.Object, bone: str, mesh: bpy.types.Object | None = None) -> None:
+    """The armature active in Pose Mode with one bone selected, and the mesh selected with it."""
+    make_active(armature)
+    if mesh is not None:
+        mesh.select_set(True)
+    bpy.ops.object.mode_set(mode="POSE")
+    bpy.ops.pose.select_all(action="DESELECT")
+    select_bone(armature, bone)
+
+
+def select_bone(armature: bpy.types.Object, bone: str) -> None:
+    armature.data.bones.active = armature.data.bones[bone]
+    posed = armature.pose.bones[bone]
+    (posed if hasattr(posed, "select") else posed.bone).select = True

@@ -15,9 +15,9 @@ from functools import partial, reduce
 import bpy
 from bpy.types import GeometryNodeTree, Modifier, NodesModifier, NodeSocket
 
-from .... import compat
-from ....core.point_types import BEZIER, MESH, PointType
-from ....ids import Datablocks, Inputs, Keys
+from ... import compat
+from ...core.point_types import BEZIER, MESH, PointType
+from ...ids import Datablocks, Inputs, Keys
 from .nodes import Builder
 
 _VERSION = 1

@@ -11,8 +11,8 @@ from bpy.types import GeometryNodeTree, Mesh, NodeSocket, Object
 from ... import compat
 from ...core.point_types import BEZIER, CURVE, POINTCLOUD, SURFACE, PointType
 from ...ids import Datablocks
-from .shapes.node_group import attach
-from .shapes.nodes import Builder
+from .node_group import attach
+from .nodes import Builder
 
 _PART = ".sinew_part"  # in a mesh of control points: which points a vertex stands for, 0 for a surface
 _POINT, _LEFT, _RIGHT, _CLOUD = 1, 2, 3, 4

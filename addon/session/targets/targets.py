@@ -3,7 +3,7 @@
 
 A mesh has vertices, which every method moves. Curves, text, hair and point clouds have control points, or
 faces that Blender makes of them. No regions can be marked there, so only methods of space move them. A
-lattice has points, which shape keys show (``lattice_keys``).
+lattice has points. What shows a deformer on each: ``kinds``.
 """
 
 from collections.abc import Sequence
@@ -11,7 +11,7 @@ from collections.abc import Sequence
 import numpy as np
 from bpy.types import Curve, Object, Spline
 
-from ...compat import read_key, read_lattice, write_lattice, write_positions
+from ...compat import read_key, read_lattice, write_key, write_positions
 from ...core.errors import OptionError, SinewError
 from ...core.methods import Method, Moved
 from ...core.point_types import MESH, SURFACE, PointType, point_type_with_id
@@ -39,9 +39,14 @@ def is_cloud(obj: Object) -> bool:
     return obj.type in _CLOUDS
 
 
-def is_lattice(obj: Object) -> bool:
-    """Whether the object takes no node modifiers, so that shape keys show its deformers."""
-    return obj.type == "LATTICE"
+def has_groups_and_keys(obj: Object) -> bool:
+    """Whether the object has vertex groups, and shape keys are made of it."""
+    return obj.type in ("MESH", "LATTICE")
+
+
+def can_be_converted(obj: Object) -> bool:
+    """Whether Blender can convert an object that can be moved to a mesh."""
+    return obj.type != "LATTICE"
 
 
 def has_points(obj: Object) -> bool:
@@ -101,7 +106,7 @@ def sample(obj: Object, count: int) -> np.ndarray:
 
     Fewer if it has fewer; none of a text. In Edit Mode they are where they were before it.
     """
-    if is_lattice(obj):
+    if obj.type == "LATTICE":
         keys = obj.data.shape_keys
         held = read_lattice(obj.data) if keys is None else read_key(keys.reference_key)
         return held[:: max(len(held) // count, 1)]
@@ -133,11 +138,15 @@ def point_count(obj: Object, point_type: PointType) -> int:
 
 
 def write_points(obj: Object, places: np.ndarray) -> None:
-    """Move all points and handles of an object to ``places``, float32 (n, 3). It must hold its points."""
+    """Move all points and handles of an object to ``places``, float32 (n, 3). It must hold its points.
+
+    Those of a lattice are in its Basis, for a shape key shows its deformer.
+    """
     if obj.type == "CURVE":
         _write_splines(obj.data, places)
-    elif is_lattice(obj):
-        write_lattice(obj.data, places)
+    elif obj.type == "LATTICE":
+        write_key(obj.data.shape_keys.reference_key, places)
+        obj.data.update_tag()
     else:
         write_positions(obj.data, places)
 
@@ -173,7 +182,7 @@ def structure(obj: Object) -> str:
         return " ".join(
             f"{spline.type}{_length(spline)}{'o' * spline.use_cyclic_u}" for spline in data.splines
         )
-    if is_lattice(obj):
+    if obj.type == "LATTICE":
         return f"{data.points_u} {data.points_v} {data.points_w}"
     return f"{len(getattr(data, 'curves', ()))} {size(obj)}"
 
@@ -182,7 +191,7 @@ def require_method(obj: Object, method: Method) -> None:
     """Refuse an object that this method cannot move."""
     if not is_mesh(obj) and Moved.POINTS not in method.moves:
         what = f"{method.label} needs the surface of a mesh, and {obj.name} is a {label(obj)}"
-        if is_lattice(obj):
+        if not can_be_converted(obj):
             raise OptionError(f"{what} - choose a space method")
         raise OptionError(
             f"{what} object - choose a space method, or convert it to a mesh", remedy=Remedy.CONVERT
@@ -192,5 +201,5 @@ def require_method(obj: Object, method: Method) -> None:
 def require_mesh(obj: Object, what: str) -> None:
     """Refuse an object that is no mesh. ``what`` begins the sentence."""
     if not is_mesh(obj):
-        remedy = "" if is_lattice(obj) else " object - convert it to a mesh"
+        remedy = " object - convert it to a mesh" if can_be_converted(obj) else ""
         raise SinewError(f"{what} meshes, and {obj.name} is a {label(obj)}{remedy}")

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 
 from bpy.types import GeometryNodeTree, NodeSocket
 
-from .... import compat
+from ... import compat
 
 
 class Builder:

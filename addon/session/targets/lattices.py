@@ -1,31 +1,35 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shape keys that show the deformers of lattice objects, since lattices take no node modifiers.
+"""Lattice objects, on which shape keys show the deformers, since lattices take no node modifiers.
 
 Each deformer has one relative key of its own. It holds the points of the key that it is relative to, mostly
 the Basis, moved by what the hidden shape holds. So the points and keys of the artist stay as they are, and
 Blender adds the deformation to them, before the modifiers of the lattice. Blender does not carry edits of the
 Basis to other keys, so ``show`` compares the key with what it should hold whenever the lattice was evaluated.
 
-``ensure`` and ``remove`` make and remove datablocks; handlers may call the others. See
-docs/developer/decisions/lattice-targets.md.
+See ``kinds``, and docs/developer/decisions/lattice-targets.md.
 """
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from functools import partial
 
 import bpy
 import numpy as np
-from bpy.types import Mesh, Object, Scene, ShapeKey
+from bpy.types import Depsgraph, Mesh, Modifier, Object, Scene, ShapeKey
 
-from ....compat import read_key, read_lattice, read_positions, write_key, write_lattice
-from ....core.errors import OptionError
-from ....core.memory import remember
-from ....ids import Datablocks, Keys
-from ....mesh_io import weights_attribute
-from ....properties import SinewDeformer, deformers_of
-from ...state import render_writes, sessions
-from .. import targets
+from ...compat import read_key, read_lattice, read_positions, write_key, write_lattice
+from ...core.errors import OptionError
+from ...core.memory import remember
+from ...core.point_types import LATTICE, PointType
+from ...ids import Datablocks, Keys
+from ...mesh_io import weights_attribute
+from ...properties import SinewDeformer, deformers_of
+from ..state import render_writes, sessions
 
+NOUN, DATA = "shape key", "lattice"
+STAYS_UNBOUND = False  # Blender keeps the resolution of a lattice while it has keys
+RENDERS_MAY_DIFFER = False  # deformers come before all modifiers, and those keep the points
+READS_ALL_WEIGHTS = True
 _SINGLE_USER = "make it single-user first (Object > Relations)"
 
 _late: set[str] = remember(set())  # the lattices that viewports show after the render
@@ -33,13 +37,13 @@ _late: set[str] = remember(set())  # the lattices that viewports show after the 
 _edited: dict[str, np.ndarray] = remember({})
 
 
-def blocks(obj: Object) -> Sequence[ShapeKey]:
-    """The shape keys of a lattice object, of which each deformer has one; none if it has none."""
+def stack(obj: Object) -> Sequence[ShapeKey]:
+    """The shape keys of a lattice object, of which each bound deformer has one; none if it has none."""
     keys = obj.data.shape_keys
     return () if keys is None else keys.key_blocks
 
 
-def find(obj: Object, deformer: SinewDeformer) -> ShapeKey | None:
+def shown_by(obj: Object, deformer: SinewDeformer) -> ShapeKey | None:
     """The key that shows the deformer; None if it was deleted, or is the Basis by now."""
     keys = obj.data.shape_keys
     if keys is None or not deformer.shape_key:
@@ -48,15 +52,23 @@ def find(obj: Object, deformer: SinewDeformer) -> ShapeKey | None:
     return None if key == keys.reference_key else key
 
 
+def mark_of(deformer: SinewDeformer) -> str:
+    return deformer.shape_key
+
+
+def mark(key: ShapeKey) -> str:
+    return key.name
+
+
 def follow_renamed(obj: Object) -> None:
     """Find the keys again that the artist has renamed: they still hold what the hidden shapes hold."""
     for deformer in deformers_of(obj):
         shape = deformer.shape("VIEWPORT")
-        if not deformer.shape_key or shape is None or deformer.shape_key in blocks(obj):
+        if not deformer.shape_key or shape is None or deformer.shape_key in stack(obj):
             continue
         claimed = {other.shape_key for other in deformers_of(obj)}
         held = read_positions(shape.data)
-        for key in blocks(obj)[1:]:
+        for key in stack(obj)[1:]:
             if key.name not in claimed and np.array_equal(
                 read_key(key), _placed(read_key(key.relative_key), held)
             ):
@@ -87,14 +99,15 @@ def leader_of(obj: Object) -> Object:
     return next((other for other in bpy.data.objects if other.data == obj.data and deformers_of(other)), obj)
 
 
-def ensure(obj: Object, deformer: SinewDeformer) -> None:
-    """Make sure that there is a key for the deformer. What is there already stays as it is."""
+def ensure(obj: Object, deformer: SinewDeformer) -> ShapeKey:
+    """The key of the deformer, made if it is missing. What is there already stays as it is."""
     require(obj)
     others = [other.name for other in bpy.data.objects if other.data == obj.data and other != obj]
     if others:
         raise OptionError(f"{obj.name} shares its points with {others[0]} - {_SINGLE_USER}")
-    if find(obj, deformer) is not None:
-        return
+    key = shown_by(obj, deformer)
+    if key is not None:
+        return key
     if obj.mode == "EDIT":
         raise OptionError(f"{obj.name} is in Edit Mode, where it gets no shape key - leave it, then Rebind")
     active = obj.active_shape_key_index
@@ -109,11 +122,16 @@ def ensure(obj: Object, deformer: SinewDeformer) -> None:
         key.lock_shape = True
     deformer.shape_key = key.name
     obj.active_shape_key_index = active
+    return key
+
+
+def connect(_key: ShapeKey, _deformer: SinewDeformer) -> None:
+    """``show`` writes what the hidden shapes hold into the key."""
 
 
 def remove(obj: Object, deformer: SinewDeformer) -> None:
     """Remove the key of the deformer, and the Basis if it was made for it."""
-    key = find(obj, deformer)
+    key = shown_by(obj, deformer)
     deformer.shape_key = ""
     _edited.pop(deformer.uid, None)
     if key is None or obj.data.library is not None or leader_of(obj) not in (obj, None):
@@ -121,7 +139,7 @@ def remove(obj: Object, deformer: SinewDeformer) -> None:
     active = obj.active_shape_key
     name = "" if active is None or active == key else active.name
     obj.shape_key_remove(key)
-    rest = blocks(obj)
+    rest = stack(obj)
     names = [block.name for block in rest]
     obj.active_shape_key_index = names.index(name) if name in names else 0
     if Keys.MADE_BASIS in obj.data and len(rest) == 1:
@@ -135,7 +153,7 @@ def remove(obj: Object, deformer: SinewDeformer) -> None:
 
 def _moved(obj: Object) -> bool:
     """Whether a deformer still has a key."""
-    return any(find(obj, deformer) is not None for deformer in deformers_of(obj))
+    return any(shown_by(obj, deformer) is not None for deformer in deformers_of(obj))
 
 
 def hidden_by(obj: Object, deformer: SinewDeformer) -> str:
@@ -144,23 +162,21 @@ def hidden_by(obj: Object, deformer: SinewDeformer) -> str:
         return (
             "Blender shows a lattice in Edit Mode without its other shape keys, and so without this deformer"
         )
-    if obj.show_only_shape_key and obj.active_shape_key != find(obj, deformer):
+    if obj.show_only_shape_key and obj.active_shape_key != shown_by(obj, deformer):
         return "Blender shows the active shape key alone - switch off the pin beside the shape keys"
     return ""
 
 
-def own_points(obj: Object) -> None:
+def own_data(obj: Object) -> None:
     """Give a library override points and keys of its own, since Blender ignores writes to linked ones."""
     if obj.override_library is not None and obj.data.library is not None:
         obj.data = obj.data.copy()
 
 
-def connect_mask(obj: Object, key: ShapeKey, deformer: SinewDeformer) -> bool:
-    """Pass the mask on to the key; whether it changed. A vertex group that is gone masks nothing."""
-    mask = deformer.mask_group if deformer.mask_group in obj.vertex_groups else ""
-    if key.vertex_group == mask:
+def connect_mask(key: ShapeKey, group: str) -> bool:
+    if key.vertex_group == group:
         return False
-    key.vertex_group = mask
+    key.vertex_group = group
     return True
 
 
@@ -175,7 +191,7 @@ def show(obj: Object, mode: str, scene: Scene) -> None:
     if obj.data.library is not None or leader_of(obj) != obj:
         return
     for deformer in deformers_of(obj):
-        key, shape = find(obj, deformer), deformer.shape(mode)
+        key, shape = shown_by(obj, deformer), deformer.shape(mode)
         if key is None or shape is None:
             continue
         if mode == "VIEWPORT" and _is_edited(obj, deformer, key):
@@ -195,7 +211,7 @@ def show_late() -> None:
         _late.clear()
         for name in names:
             obj = bpy.data.objects.get(name)
-            if obj is not None and targets.is_lattice(obj):
+            if obj is not None and obj.type == "LATTICE":
                 show(obj, "VIEWPORT", bpy.context.scene)
 
 
@@ -240,19 +256,31 @@ def forget_edits() -> None:
                 _edited.pop(deformer.uid, None)
 
 
-def mute_from(copy: Object, obj: Object, first: int) -> None:
-    """Give a copy of a lattice object points of its own, which the deformers from number ``first`` on do not
-    move.
-    """
+def position(obj: Object, deformer: SinewDeformer | None) -> int:
+    """How many deformers come before this one, or before a new one."""
+    uids = [other.uid for other in obj.sinew.deformers]
+    return len(uids) if deformer is None or deformer.uid not in uids else uids.index(deformer.uid)
+
+
+def modifiers_before(_obj: Object, _deformer: SinewDeformer | None) -> list[Modifier]:
+    return []
+
+
+def keep_first(copy: Object, obj: Object, count: int) -> None:
+    """Give a copy points of its own, which the later deformers and the modifiers do not move."""
     copy.data = obj.data.copy()
     copy.show_only_shape_key = False
-    for deformer in list(obj.sinew.deformers)[first:]:
-        key = find(copy, deformer)
+    for deformer in list(obj.sinew.deformers)[count:]:
+        key = shown_by(copy, deformer)
         if key is not None:
             key.mute = True
+    copy.modifiers.clear()
 
 
-def mesh_of(evaluated: Object) -> Mesh:
+showing_points = nullcontext
+
+
+def new_mesh(evaluated: Object, _depsgraph: Depsgraph) -> Mesh:
     """A new mesh with the points of an evaluated lattice object as loose vertices, and all its weights."""
     mesh = bpy.data.meshes.new(Datablocks.REST)
     points = read_lattice(evaluated.data)
@@ -268,16 +296,36 @@ def mesh_of(evaluated: Object) -> Mesh:
     return mesh
 
 
-def has_others(obj: Object) -> bool:
+def take_point_type(_mesh: Mesh) -> PointType:
+    return LATTICE
+
+
+def points_shown(obj: Object, depsgraph: Depsgraph) -> np.ndarray:
+    return read_lattice(obj.evaluated_get(depsgraph).data)
+
+
+def edges_shown(obj: Object, _depsgraph: Depsgraph) -> np.ndarray:
+    """The lines of the grid."""
+    counts = obj.data.points_w, obj.data.points_v, obj.data.points_u
+    grid = np.arange(np.prod(counts), dtype=np.int32).reshape(counts)
+    lines = [np.moveaxis(grid, axis, 0) for axis in range(3)]
+    return np.concatenate([np.stack((line[:-1], line[1:]), -1).reshape(-1, 2) for line in lines])
+
+
+def has_keys(obj: Object) -> bool:
     """Whether the artist has made shape keys, even if it is the Basis alone."""
     own = {deformer.shape_key for deformer in deformers_of(obj)}
     made = 1 if Keys.MADE_BASIS in obj.data else 0
-    return any(key.name not in own for key in blocks(obj)[made:])
+    return any(key.name not in own for key in stack(obj)[made:])
 
 
-def displaced(obj: Object, deformer: SinewDeformer) -> np.ndarray:
-    """The Basis moved by this deformer alone, as its key shows it, float32 (n, 3)."""
-    keys, key = obj.data.shape_keys, find(obj, deformer)
+def name_of_key(_key: ShapeKey, deformer: SinewDeformer) -> str:
+    return deformer.name
+
+
+def applied(obj: Object, deformer: SinewDeformer) -> tuple[np.ndarray, np.ndarray]:
+    """The Basis, and the Basis moved by this deformer alone, as its key shows it."""
+    basis, key = read_key(obj.data.shape_keys.reference_key), shown_by(obj, deformer)
     moved = key.value * (read_key(key) - read_key(key.relative_key))
     if key.vertex_group in obj.vertex_groups:
         index = obj.vertex_groups[key.vertex_group].index
@@ -286,4 +334,4 @@ def displaced(obj: Object, deformer: SinewDeformer) -> np.ndarray:
             for point in obj.data.points
         ]
         moved = moved * np.array(share, dtype=np.float32)[:, None]
-    return read_key(keys.reference_key) + moved
+    return basis, basis + moved
