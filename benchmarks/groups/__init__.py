@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 # Some peers are oracles of the tests, too.
-sys.path.append(str(Path(__file__).resolve().parents[2] / "tests" / "bindings"))
+sys.path.append(str(Path(__file__).resolve().parents[2] / "tests" / "bindings" / "oracles"))
 
 
 @dataclass(frozen=True)
