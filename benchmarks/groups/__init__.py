@@ -6,7 +6,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 # Some peers are oracles of the tests, too.
-sys.path.append(str(Path(__file__).resolve().parents[2] / "tests" / "bindings"))
+_BINDINGS = Path(__file__).resolve().parents[2] / "tests" / "bindings"
+sys.path += [str(_BINDINGS), str(_BINDINGS / "oracles")]
 
 
 @dataclass(frozen=True)

@@ -318,8 +318,8 @@ Attachments::Attachments(const SurfaceMesh& rest, const Components& parts, std::
 
     progress.tick(0.0, "laying out the frames of free parts");
     const int count = static_cast<int>(attachments.size());
-    std::vector<char> bent(all.size(), 0),
-        carries(all.size(), 0); // whether each part has such attached parts
+    // Whether each part has parts attached to it: any that bend, any at all.
+    std::vector<char> bent(all.size(), 0), carries(all.size(), 0);
     std::vector<FrameLayout> layouts(count);
     const auto is_loose = [&](int i) { return all[attachments[i].part].points.size() == 1; };
     const auto prepare = [&](const std::vector<char>& which, const auto& how) {

@@ -23,12 +23,12 @@ struct Attachment
 /// One for each part that may carry others, else null.
 using HostSurfaces = std::vector<std::unique_ptr<HostSurface>>;
 
-/// Finds, for each component without handles, the component that it is attached to; hosts come before what is
-/// attached to them. A part rides on the driven part that one
-/// of its samples is nearest to, unless the median distance of its samples from a larger part is below half
-/// that from the driven ones: then on the nearest such part. So an iris rides on the eye, not on the lid it
-/// touches. Empty where no driven part has an area. Cost: up to 400 closest points per part, 96 for each
-/// larger part that may be nearer than the host, and O(log n) looks at boxes around these.
+/// Finds, for each part without handles, the part that it is attached to; hosts come before what is attached
+/// to them. A part rides on the driven part that one of its samples is nearest to, unless the median distance
+/// of its samples from a larger part is below half that from the driven ones: then on the nearest such part.
+/// So an iris rides on the eye, not on the lid it touches. Empty where no driven part has an area. Cost: up
+/// to 400 closest points per part, 96 for each larger part that may be nearer than the host, and O(log n)
+/// looks at boxes around these.
 /// \param driven    one per part.
 /// \param length    that of samples_of().
 /// \param surfaces  gets the surfaces that the attachments use.

@@ -219,8 +219,8 @@ std::vector<int> join_where_they_touch(const SurfaceMesh& mesh, HostedParts& hos
         return joined.parts[now(part)].vertices.size() == hosted.parts[part].vertices.size();
     };
     std::vector<char> has_host(joined.parts.size(), 0);
-    for (Attachment& attachment :
-         hosted.attachments) { // by falling area, so the first piece of a part comes after the host's
+    // By falling area, so the first piece of a part comes after the host's.
+    for (Attachment& attachment : hosted.attachments) {
         if (std::exchange(has_host[now(attachment.part)], 1))
             continue;
         const Part& part = joined.parts[now(attachment.part)];

@@ -106,9 +106,9 @@ MatrixX ways_over(const HostSurface& host, const std::vector<Footprint>& footpri
     return ways;
 }
 
-/// Which frames are heard.
-std::vector<char> heard_of(const std::vector<Footprint>& footprints, const FrameLayout& layout,
-                           const HostSurface& host)
+/// Which frames are trusted.
+std::vector<char> trusted_frames(const std::vector<Footprint>& footprints, const FrameLayout& layout,
+                                 const HostSurface& host)
 {
     const int count = static_cast<int>(footprints.size());
     double widest = 0.0;
@@ -119,7 +119,7 @@ std::vector<char> heard_of(const std::vector<Footprint>& footprints, const Frame
         if (std::isfinite(layout.distances(i)))
             longest = std::max(longest, layout.distances(i));
     const MatrixX ways = ways_over(host, footprints, 2 * longest + 2 * widest + 2 * host.spacing());
-    std::vector<char> heard(count, 1), seen(count, 0);
+    std::vector<char> trusted(count, 1), seen(count, 0);
     using Visit = std::pair<double, int>;
     std::priority_queue<Visit, std::vector<Visit>, std::greater<>> open;
     open.emplace(0.0, static_cast<int>(std::ranges::min_element(footprints, {}, &Footprint::gap) -
@@ -130,27 +130,27 @@ std::vector<char> heard_of(const std::vector<Footprint>& footprints, const Frame
         if (seen[k])
             continue;
         for (int u = 0; u < count; ++u)
-            if (seen[u] && heard[u])
-                heard[k] &= static_cast<char>(ways(k, u) <= 2 * layout.distances(k, u) + footprints[k].gap +
-                                                                footprints[u].gap + 2 * host.spacing());
+            if (seen[u] && trusted[u])
+                trusted[k] &= static_cast<char>(ways(k, u) <= 2 * layout.distances(k, u) + footprints[k].gap +
+                                                                  footprints[u].gap + 2 * host.spacing());
         seen[k] = 1;
         for (int u = 0; u < count; ++u)
             if (!seen[u] && layout.distances(k, u) < 2.2 * layout.cover)
                 open.emplace(distance + layout.distances(k, u) + footprints[u].gap, u);
     }
-    return heard;
+    return trusted;
 }
 
 /// How much each frame counts, in [0, 1].
 VectorX trust_of(const std::vector<Footprint>& footprints, const FrameLayout& layout, const HostSurface& host)
 {
     const int count = static_cast<int>(footprints.size());
-    const std::vector<char> heard = heard_of(footprints, layout, host);
+    const std::vector<char> trusted = trusted_frames(footprints, layout, host);
     const double least = std::ranges::min(footprints, {}, &Footprint::gap).gap;
     VectorX trust(count);
     for (int k = 0; k < count; ++k) {
         const double far = (footprints[k].gap - least) / (least + layout.length / 4);
-        trust[k] = heard[k] ? 1 / ((1 + far * far) * (1 + far * far)) : 0.0;
+        trust[k] = trusted[k] ? 1 / ((1 + far * far) * (1 + far * far)) : 0.0;
     }
     return trust;
 }

@@ -34,12 +34,12 @@ bool are_joined(const HostSurface& host, int from, int to, const Vector3& place,
 } // namespace
 
 std::vector<Foot> feet_of(const Part& part, const HostSurface& host, const FrameLayout& layout,
-                          const VectorX& heard)
+                          const VectorX& trusted)
 {
     const int count = static_cast<int>(part.points.size());
     std::vector<TriangleTree::Place> beneath(part.points.size());
     std::vector<double> gaps(part.points.size()), shares(part.points.size());
-    const Eigen::RowVectorXd followed = heard.transpose() * layout.shares;
+    const Eigen::RowVectorXd followed = trusted.transpose() * layout.shares;
     parallel_for(
         count,
         [&](int v) {

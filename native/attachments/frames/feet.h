@@ -25,12 +25,12 @@ struct Foot
 ///
 /// Similarities stay exact, as there f' = M(f).
 ///
-/// The share is the sum of those of the frames, each times `heard` of the frame; and 0 at edges of the part
+/// The share is the sum of those of the frames, each times `trusted` of the frame; and 0 at edges of the part
 /// whose feet are not joined over the host within twice the edge, plus the gaps, plus two edges of the host,
 /// and rises from there over some edges: so a cloth over two limbs is not torn.
-/// \param heard  in [0, 1], one per frame.
+/// \param trusted  in [0, 1], one per frame.
 /// Cost: a closest point per vertex.
 std::vector<Foot> feet_of(const Part& part, const HostSurface& host, const FrameLayout& layout,
-                          const VectorX& heard);
+                          const VectorX& trusted);
 
 } // namespace sinew
