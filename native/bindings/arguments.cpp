@@ -72,6 +72,25 @@ OptionalPoints::OptionalPoints(const py::object& object, const char* name)
     }
 }
 
+RowMatrix rows(const py::handle& object, py::ssize_t columns, const char* name)
+{
+    const FloatArray array = floats(object, name);
+    if (array.ndim() != 2 || array.shape(0) == 0 || array.shape(1) != columns)
+        throw InvalidOption(std::string(name) + ": give (n, " + std::to_string(columns) + ") numbers");
+    return Eigen::Map<const RowMatrix>(array.data(), array.shape(0), columns);
+}
+
+std::vector<std::array<int, 2>> index_pairs(const py::handle& object, const char* name)
+{
+    const std::vector<int> ends = integers(object, name);
+    if (ends.size() % 2 != 0)
+        throw InvalidConstraint(std::string(name) + ": each has two ends");
+    std::vector<std::array<int, 2>> pairs(ends.size() / 2);
+    for (std::size_t k = 0; k < ends.size(); ++k)
+        pairs[k / 2][k % 2] = ends[k];
+    return pairs;
+}
+
 std::vector<double> numbers(const py::handle& object, const char* name)
 {
     const FloatArray array = floats(object, name);

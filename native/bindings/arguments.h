@@ -9,6 +9,9 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <vector>
@@ -21,6 +24,40 @@ namespace py = pybind11;
 // (float32, integers, Fortran order, slices, lists) are converted once. Text, objects, booleans and complex
 // numbers raise a TypeError. A wrong shape raises InvalidMesh, InvalidConstraint or InvalidOption, depending
 // on the argument.
+
+/// A type as a stub writes it.
+template <std::size_t n>
+struct TypeText
+{
+    consteval TypeText(const char (&given)[n]) { std::copy_n(given, n, text); }
+    char text[n];
+};
+
+/// Any object. Signatures say that it is of the type in the text.
+template <TypeText text>
+class Typed : public py::object
+{
+    static bool is_any(PyObject* /*object*/) { return true; }
+
+public:
+    PYBIND11_OBJECT_DEFAULT(Typed, py::object, is_any)
+    using py::object::object;
+};
+
+using ArrayLike = Typed<"numpy.typing.ArrayLike">;
+using OptionalArray = Typed<"numpy.typing.ArrayLike | None">;
+using ArrayLikes = Typed<"collections.abc.Sequence[numpy.typing.ArrayLike]">;
+using OptionalArrays = Typed<"collections.abc.Sequence[numpy.typing.ArrayLike | None] | None">;
+using OptionalFlags = Typed<"bool | collections.abc.Sequence[bool] | None">;
+using FaceArrays = Typed<"numpy.typing.ArrayLike | tuple[numpy.typing.ArrayLike, numpy.typing.ArrayLike]">;
+using ArrayOrMesh = Typed<"numpy.typing.ArrayLike | SurfaceMesh">;
+using OptionalArrayOrMesh = Typed<"numpy.typing.ArrayLike | SurfaceMesh | None">;
+using Names = Typed<"str | collections.abc.Sequence[str]">;
+using Callback = Typed<"collections.abc.Callable[[float, str], bool | None] | None">;
+using Out = Typed<"numpy.typing.NDArray[numpy.float32] | None">; ///< an array to write into
+using Floats = Typed<"numpy.typing.NDArray[numpy.float64]">;
+using Singles = Typed<"numpy.typing.NDArray[typing.Any]">; ///< of double precision, or what `out` was
+using Solved = Typed<"tuple[numpy.typing.NDArray[typing.Any], SolveReport]">;
 
 /// The array must live as long as any view of it, so the bindings keep a reference.
 using FloatArray = py::array_t<double, py::array::c_style>;
@@ -56,6 +93,14 @@ struct OptionalPoints
 
 /// One number, or one per vertex.
 std::vector<double> numbers(const py::handle& object, const char* name);
+
+/// (n, columns) numbers.
+/// \throw InvalidOption  another shape.
+RowMatrix rows(const py::handle& object, py::ssize_t columns, const char* name);
+
+/// (s, 2) indices.
+/// \throw InvalidConstraint  an odd number of them.
+std::vector<std::array<int, 2>> index_pairs(const py::handle& object, const char* name);
 
 /// (k, 3, 4) -> poses.
 /// \throw InvalidConstraint  another shape.
@@ -101,3 +146,13 @@ py::array_t<T> to_numpy(const std::vector<T>& values)
 }
 
 } // namespace sinew::bindings
+
+namespace pybind11::detail {
+
+template <sinew::bindings::TypeText text>
+struct handle_type_name<sinew::bindings::Typed<text>>
+{
+    static constexpr auto name = const_name(text.text);
+};
+
+} // namespace pybind11::detail

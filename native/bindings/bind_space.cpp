@@ -13,7 +13,7 @@ namespace sinew::bindings {
 
 namespace {
 
-SpaceReport bind_points(SpaceMethod& method, const py::object& rest, const py::object& callback)
+SpaceReport bind_points(SpaceMethod& method, const ArrayLike& rest, const Callback& callback)
 {
     const FloatArray array = floats(rest, "points");
     const PointsView view = points<InvalidConstraint>(array, "points");
@@ -22,8 +22,8 @@ SpaceReport bind_points(SpaceMethod& method, const py::object& rest, const py::o
     return method.bind(view, ticks);
 }
 
-SpaceReport rebind_space(SpaceMethod& method, SpaceMethod& former, const py::object& rest,
-                         const py::object& callback)
+SpaceReport rebind_space(SpaceMethod& method, SpaceMethod& former, const ArrayLike& rest,
+                         const Callback& callback)
 {
     const FloatArray array = floats(rest, "points");
     const PointsView view = points<InvalidConstraint>(array, "points");
@@ -32,7 +32,7 @@ SpaceReport rebind_space(SpaceMethod& method, SpaceMethod& former, const py::obj
     return method.rebind(former, view, ticks);
 }
 
-bool can_reuse_space(const SpaceMethod& method, const py::object& former, const py::object& rest)
+bool can_reuse_space(const SpaceMethod& method, const py::object& former, const ArrayLike& rest)
 {
     const FloatArray array = floats(rest, "points");
     const PointsView view = points<InvalidConstraint>(array, "points");
@@ -43,8 +43,8 @@ bool can_reuse_space(const SpaceMethod& method, const py::object& former, const 
     return method.can_reuse(other, view);
 }
 
-py::object warp(const SpaceMethod& method, const py::object& control, const py::object& out,
-                const py::object& incoming)
+Singles warp(const SpaceMethod& method, const ArrayLike& control, const Out& out,
+             const OptionalArray& incoming)
 {
     const FloatArray array = floats(control, "cage_points");
     const PointsView view = points<InvalidConstraint>(array, "cage_points");

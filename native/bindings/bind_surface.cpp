@@ -9,7 +9,7 @@ namespace sinew::bindings {
 
 namespace {
 
-FreeParts free_parts_of(const std::string& choice, const py::object& stiffness)
+FreeParts free_parts_of(const std::string& choice, const OptionalArray& stiffness)
 {
     FreeParts options;
     options.follow = choose<bool>(choice, "free_parts", {{"stay", false}, {"follow", true}});
@@ -18,9 +18,9 @@ FreeParts free_parts_of(const std::string& choice, const py::object& stiffness)
     return options;
 }
 
-BindReport set_handles(SurfaceMethod& method, const py::object& regions, const py::object& weights,
-                       const py::object& continuity, const py::object& callback,
-                       const std::string& free_parts, const py::object& free_part_stiffness)
+BindReport set_handles(SurfaceMethod& method, const ArrayLikes& regions, const OptionalArrays& weights,
+                       const OptionalArray& continuity, const Callback& callback,
+                       const std::string& free_parts, const OptionalArray& free_part_stiffness)
 {
     const std::vector<Handle> checked = handles(regions, weights, continuity);
     const FreeParts options = free_parts_of(free_parts, free_part_stiffness);
@@ -29,9 +29,10 @@ BindReport set_handles(SurfaceMethod& method, const py::object& regions, const p
     return method.set_handles(checked, ticks, options);
 }
 
-BindReport rebind_surface(SurfaceMethod& method, SurfaceMethod& former, const py::object& regions,
-                          const py::object& weights, const py::object& continuity, const py::object& callback,
-                          const std::string& free_parts, const py::object& free_part_stiffness)
+BindReport rebind_surface(SurfaceMethod& method, SurfaceMethod& former, const ArrayLikes& regions,
+                          const OptionalArrays& weights, const OptionalArray& continuity,
+                          const Callback& callback, const std::string& free_parts,
+                          const OptionalArray& free_part_stiffness)
 {
     const std::vector<Handle> checked = handles(regions, weights, continuity);
     const FreeParts options = free_parts_of(free_parts, free_part_stiffness);
@@ -49,10 +50,10 @@ bool can_reuse_surface(const SurfaceMethod& method, const py::object& former)
     return method.can_reuse(other);
 }
 
-py::tuple solve(const SurfaceMethod& method, const py::object& poses, const py::object& incoming,
-                const py::object& from_rest, const py::object& start, std::optional<int> max_iterations,
-                std::optional<double> tolerance, const py::object& callback, const py::object& out,
-                int substeps, double morph, const py::object& grid)
+Solved solve(const SurfaceMethod& method, const ArrayLike& poses, const OptionalArray& incoming,
+             const OptionalFlags& from_rest, const OptionalArray& start, std::optional<int> max_iterations,
+             std::optional<double> tolerance, const Callback& callback, const Out& out, int substeps,
+             double morph, const OptionalArray& grid)
 {
     Poses maps = bindings::poses(poses);
     std::optional<std::vector<bool>> aims = flags(from_rest, maps.size());

@@ -14,7 +14,7 @@
 namespace sinew::bindings {
 
 /// One count for all axes, or one per axis.
-inline std::array<int, 3> three_counts(const py::object& given, const char* name)
+inline std::array<int, 3> three_counts(const ArrayLike& given, const char* name)
 {
     std::array<int, 3> counts;
     if (py::isinstance<py::int_>(given)) {

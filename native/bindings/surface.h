@@ -3,6 +3,7 @@
 
 #include "native/bindings/arguments.h"
 #include "native/bindings/method_binding.h"
+#include "native/bindings/options.h"
 #include "native/core/kept.h"
 #include "native/methods/surface/method.h"
 
@@ -11,12 +12,26 @@
 
 namespace sinew::bindings {
 
-/// Defines the class of a surface method. The caller adds the constructor and what only this method can do.
+/// The class of a surface method, without a constructor.
 template <class Method>
-py::class_<Method, SurfaceMethod, std::shared_ptr<Method>>
-bind_surface_method(py::module_& module, const char* name, const char* doc)
+using SurfaceClass = py::class_<Method, SurfaceMethod, std::shared_ptr<Method>>;
+
+/// Defines the class of a surface method that is made of a mesh and its options. The caller adds what only
+/// this method can do.
+/// \param raises  the end of the constructor's documentation.
+template <class Method>
+SurfaceClass<Method> bind_surface_method(py::module_& module, const char* name, const char* doc,
+                                         const char* raises = "Raises InvalidOption.")
 {
-    return {module, name, doc};
+    SurfaceClass<Method> method(module, name, doc);
+    define_constructor(
+        method,
+        +[](const typename Method::Options& options, const SurfaceMesh& mesh) {
+            const py::gil_scoped_release unlocked;
+            return std::make_shared<Method>(mesh, options);
+        },
+        {{"mesh", "SurfaceMesh, the rest shape"}}, raises, py::arg("mesh"), py::kw_only());
+    return method;
 }
 
 /// Runs solve(positions) without the GIL, and returns the positions as an array, with the report.
@@ -35,7 +50,7 @@ py::tuple solved(Solve&& solve)
 
 /// The same, but unless `out` is None, the positions are written there, rounded to single precision.
 template <class Solve>
-py::tuple solved(const py::object& out, int vertex_count, Solve&& solve)
+py::tuple solved(const Out& out, int vertex_count, Solve&& solve)
 {
     if (out.is_none())
         return solved(std::forward<Solve>(solve));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/caging/fineness.h"
+#include "native/core/options.h"
 #include "native/core/progress.h"
 #include "native/core/types.h"
 #include "native/mesh/surface_mesh.h"
@@ -31,6 +32,13 @@ struct AutomaticCageOptions
     int most_faces = 600;
     bool quads = false; ///< join triangles into quads where the cage is good with either diagonal
 };
+constexpr auto choices(AutomaticCageOptions::Symmetry)
+{
+    return std::array{
+        Choice{"automatic", AutomaticCageOptions::Symmetry::automatic},
+        Choice{"none", AutomaticCageOptions::Symmetry::none}, Choice{"x", AutomaticCageOptions::Symmetry::x},
+        Choice{"y", AutomaticCageOptions::Symmetry::y}, Choice{"z", AutomaticCageOptions::Symmetry::z}};
+}
 
 struct AutomaticCageReport
 {

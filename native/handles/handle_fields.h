@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/core/types.h"
 #include "native/handles/constrained_system.h"
 #include "native/handles/handle_groups.h"
@@ -16,6 +17,11 @@ enum class Field {
     geodesic, ///< shares of the inverse distances along the surface; s = d_F / (d_F + d_H) for two handles
     euclidean ///< the same with straight distances
 };
+constexpr auto choices(Field)
+{
+    return std::array{Choice{"harmonic", Field::harmonic}, Choice{"geodesic", Field::geodesic},
+                      Choice{"euclidean", Field::euclidean}};
+}
 
 /// One field per part handle: 1 on its own handle and 0 on the others; those of a part sum to 1. A soft
 /// handle of weight w has less than 1 on its vertices: it pulls the harmonic field as it pulls positions, and

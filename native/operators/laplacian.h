@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/core/types.h"
 #include "native/mesh/surface_mesh.h"
 
@@ -26,6 +27,11 @@ namespace sinew {
 ///
 /// The sums run over all triangles at an edge, so boundaries and non-manifold edges are no special cases.
 enum class Discretization { uniform, cotan, cotan_voronoi };
+constexpr auto choices(Discretization)
+{
+    return std::array{Choice{"uniform", Discretization::uniform}, Choice{"cotan", Discretization::cotan},
+                      Choice{"cotan_voronoi", Discretization::cotan_voronoi}};
+}
 
 /// The metric of the triangles. A triangle whose area is below `least_area` of its longest edge squared is
 /// treated as degenerate: it gets that area, and the weights of an equilateral triangle in addition to its

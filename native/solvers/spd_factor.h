@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/core/types.h"
 #include "native/solvers/engines/factor_engine.h"
 #include "native/solvers/orderings.h"
@@ -18,6 +19,12 @@ enum class FactorBackend {
     simplicial, ///< CHOLMOD with one column at a time
     ldlt        ///< Eigen's LDL^T
 };
+constexpr auto choices(FactorBackend)
+{
+    return std::array{Choice{"automatic", FactorBackend::automatic},
+                      Choice{"supernodal", FactorBackend::supernodal},
+                      Choice{"simplicial", FactorBackend::simplicial}, Choice{"ldlt", FactorBackend::ldlt}};
+}
 // automatic is supernodal, whose solves are our own: three columns of a Laplacian of 10,000 unknowns take as
 // long as with simplicial, and those of 50,000 a third as long, as does its factor; and ldlt in a build
 // without CHOLMOD.

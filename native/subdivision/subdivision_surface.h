@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/core/types.h"
 #include "native/mesh/surface_mesh.h"
 #include "native/subdivision/stencils.h"
@@ -15,9 +16,20 @@ enum class SubdivisionScheme {
     loop,          ///< only triangles; Loop 1987
     bilinear,      ///< splits faces without smoothing them; Blender calls it simple
 };
+constexpr auto choices(SubdivisionScheme)
+{
+    return std::array{Choice{"catmull_clark", SubdivisionScheme::catmull_clark},
+                      Choice{"loop", SubdivisionScheme::loop},
+                      Choice{"bilinear", SubdivisionScheme::bilinear}};
+}
 
 /// What happens at the corners of an open border.
 enum class BoundarySmooth { all, preserve_corners };
+constexpr auto choices(BoundarySmooth)
+{
+    return std::array{Choice{"all", BoundarySmooth::all},
+                      Choice{"preserve_corners", BoundarySmooth::preserve_corners}};
+}
 
 /// Which borders of a face-varying channel stay as they are, from all to none.
 enum class UvSmooth {
@@ -28,6 +40,16 @@ enum class UvSmooth {
     preserve_boundaries,
     smooth_all,
 };
+constexpr auto choices(UvSmooth)
+{
+    return std::array{
+        Choice{"none", UvSmooth::none},
+        Choice{"preserve_corners", UvSmooth::preserve_corners},
+        Choice{"preserve_corners_and_junctions", UvSmooth::preserve_corners_and_junctions},
+        Choice{"preserve_corners_junctions_and_concave", UvSmooth::preserve_corners_junctions_and_concave},
+        Choice{"preserve_boundaries", UvSmooth::preserve_boundaries},
+        Choice{"smooth_all", UvSmooth::smooth_all}};
+}
 
 struct SubdivisionOptions
 {

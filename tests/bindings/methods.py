@@ -2,6 +2,7 @@
 """Every method of the module, found by walking it, and how to make one."""
 
 import inspect
+import re
 
 import numpy as np
 
@@ -10,11 +11,18 @@ import sinew_native as sn
 from .meshes import ends, grid
 
 
+def arguments(function: object) -> list[str]:
+    """ "points", "*", "weights = None": from the signature in the docstring, without self and without types."""
+    line = inspect.getdoc(function).splitlines()[0]
+    inside = line[line.index("(") + 1 : line.rindex(")")]
+    bare = re.sub(r"\[[^\[\]]*(?:\[[^\[\]]*\])*[^\[\]]*\]", "", inside)  # type[a, b] has commas of its own
+    parts = [re.sub(r":[^=]*", " ", part).strip() for part in bare.split(",")]
+    return [part for part in parts if part and part != "self"]
+
+
 def required(method: type) -> list[str]:
     """What the constructor cannot do without."""
-    line = inspect.getdoc(method.__init__).splitlines()[0]
-    words = [part.split(":")[0].strip() for part in line[line.index("(") + 1 :].split(",") if "=" not in part]
-    return [word for word in words if word.isidentifier() and word != "self"]
+    return [word for word in arguments(method.__init__) if word.isidentifier()]
 
 
 def methods_of(base: type) -> list[type]:

@@ -2,10 +2,8 @@
 """Writes pages about the module `sinew_native` (by pdoc) and the C++ headers (by Doxygen) into `dist/api`."""
 
 import argparse
-import re
 import shutil
 import tempfile
-from graphlib import TopologicalSorter
 from pathlib import Path
 
 from . import debian, environments
@@ -17,7 +15,6 @@ PAGES = DIST / "api"
 NATIVE = ROOT / "native"
 RENDER = Path(__file__).parent / "inside" / "render_api.py"
 MODULE = "sinew_native"
-_NAME = r'class \1: __module__ = "builtins"'
 # The Python pages describe the bindings, so the C++ pages leave them out.
 LEFT_OUT = ("bindings", "cmake")
 SETTINGS = {
@@ -70,33 +67,10 @@ def settings(main_page: Path, target: Path) -> str:
     return "".join(f"{name} = {value}\n" for name, value in sorted(values.items()))
 
 
-def one_stub(stubs: list[Path]) -> str:
-    """The type stubs of the module joined into one file, since pdoc reads only one.
-
-    Names of array types are kept as names, since their definitions would make the signatures unreadable.
-    """
-    texts = [path.read_text(encoding="utf-8") for path in stubs]
-    joined = re.sub(r"^from \.\w* import (\([^)]*\)|.*)\n", "", "\n".join(texts), flags=re.M)
-    named = re.sub(r"^(\w+) = (?!Literal)\w+\[.*\]$", _NAME, joined, flags=re.M)
-    return "from __future__ import annotations\n\n" + named + _NAME.replace(r"\1", "ArrayLike") + "\n"
-
-
-def stubs() -> list[Path]:
-    """The stub files, one per room. Each file comes after the files that it imports."""
-    paths = {path.stem: path for path in sorted((NATIVE / "bindings").rglob("*.pyi"))}
-    imports = {
-        name: re.findall(r"^from \.(\w+) import", path.read_text(encoding="utf-8"), re.M)
-        for name, path in paths.items()
-    }
-    return [paths[name] for name in TopologicalSorter(imports).static_order()]
-
-
 def write_python_pages(target: Path) -> None:
     build_tree("dev", MODULE)
     python = environments.api().make().python
-    with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / f"{MODULE}.pyi").write_text(one_stub(stubs()), encoding="utf-8")
-        must([python, RENDER, MODULE, target], env={"PYTHONPATH": f"{folder}:{DEV_MODULE}"})
+    must([python, RENDER, MODULE, target], env={"PYTHONPATH": str(DEV_MODULE)})
 
 
 def write_native_pages(target: Path) -> None:

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from . import environments
 from .archives import write_wheel
+from .dev import types
 from .cross_libraries import System, libraries
 from .environments import Environment
 from .notices import notices
@@ -86,6 +87,7 @@ def build_wheel(target: Target, builder: Environment, minor: int) -> Path:
         must(["cmake", "--install", tree, "--prefix", folder], quiet=True)
         target.check_module(next(Path(folder).glob(f"*{_suffix(target, minor)}")), minor)
         must([builder.python, "-c", METADATA, folder], quiet=True)
+        shutil.copy(types(), folder)  # of this machine's module, which has the same names
         files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in _files(Path(folder))}
     about = next(name for name in files if name.endswith(".dist-info/WHEEL"))
     files[about] = re.sub(rb"(?m)^Tag: .*$", f"Tag: {tag}-{tag}-{target.platform}".encode(), files[about])

@@ -2,9 +2,10 @@
 """Builds the library, the native tests and the Python module for daily work."""
 
 import argparse
+from pathlib import Path
 
 from . import debian, environments
-from .places import BUILD, ROOT
+from .places import BUILD, DEV_MODULE, ROOT
 from .shell import Stamp, fingerprint, jobs, must, one_at_a_time
 
 BENCHMARK_TARGETS = ("sinew_native", "sinew_peers", "sinew_frames")
@@ -26,6 +27,12 @@ def build_tree(preset: str, *targets: str) -> None:
     """Configures the tree if needed, and builds what changed of these targets, or of all."""
     configure_tree(preset)
     must(["cmake", "--build", "--preset", preset, "-j", str(jobs()), "--target", *(targets or ["all"])])
+
+
+def types() -> Path:
+    """The types of the Python module, which its build writes for editors."""
+    build_tree("dev", "sinew_native")
+    return DEV_MODULE / "sinew_native.pyi"
 
 
 def main() -> None:

@@ -25,7 +25,7 @@ void bind_affine_basis(py::module_& module)
             "(n, 4k) the responses to x, y, z and 1 on each handle; the responses to 1 sum to 1.")
         .def(
             "solve",
-            [](const AffineBasis& basis, const py::object& object) {
+            [](const AffineBasis& basis, const ArrayLike& object) {
                 const Poses checked = poses(object);
                 return solved([&](Points& positions) { return basis.solve(checked, positions); });
             },

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
-#include "native/bindings/choices.h"
+#include "native/bindings/options.h"
 #include "native/caging/automatic_cage.h"
 #include "native/caging/cage_diagnosis.h"
 
@@ -14,17 +14,12 @@ py::array_t<int> pair_array(const std::vector<std::array<int, 2>>& pairs)
                             pairs.empty() ? nullptr : pairs.front().data());
 }
 
-py::tuple make_cage(const SurfaceMesh& mesh, int faces, double margin, const std::string& symmetry,
-                    bool quads, const py::object& progress)
+py::tuple make_cage(const SurfaceMesh& mesh, int faces, double margin,
+                    const Chosen<AutomaticCageOptions::Symmetry>& symmetry, bool quads,
+                    const Callback& progress)
 {
-    using Symmetry = AutomaticCageOptions::Symmetry;
     AutomaticCageOptions options{.faces = faces, .margin = margin, .quads = quads};
-    options.symmetry = choose<Symmetry>(symmetry, "symmetry",
-                                        {{"automatic", Symmetry::automatic},
-                                         {"none", Symmetry::none},
-                                         {"x", Symmetry::x},
-                                         {"y", Symmetry::y},
-                                         {"z", Symmetry::z}});
+    options.symmetry = symmetry.value("symmetry");
     const Progress ticks = bindings::progress(progress);
     AutomaticCage cage;
     {
@@ -126,7 +121,7 @@ InvalidOption or Cancelled.)");
 
     module.def(
         "diagnose_cage",
-        [](const SurfaceMesh& cage, const py::object& object) {
+        [](const SurfaceMesh& cage, const ArrayLike& object) {
             if (object.is_none()) {
                 const py::gil_scoped_release unlocked;
                 return diagnose_cage(cage);

@@ -40,7 +40,7 @@ Faces read_faces(const py::object& faces)
     return {std::vector<int>(shape.shape(0), static_cast<int>(shape.shape(1))), integers(faces, "faces")};
 }
 
-SurfaceMesh make_mesh(const py::object& point_object, const py::object& face_object)
+SurfaceMesh make_mesh(const ArrayLike& point_object, const FaceArrays& face_object)
 {
     const FloatArray array = floats(point_object, "points");
     Points copy = points<InvalidMesh>(array, "points");
@@ -49,7 +49,7 @@ SurfaceMesh make_mesh(const py::object& point_object, const py::object& face_obj
     return SurfaceMesh(std::move(copy), std::move(faces.counts), std::move(faces.corners));
 }
 
-bool is_made_of(const SurfaceMesh& mesh, const py::object& point_object, const py::object& face_object)
+bool is_made_of(const SurfaceMesh& mesh, const ArrayLike& point_object, const FaceArrays& face_object)
 {
     const FloatArray array = floats(point_object, "points");
     const PointsView given = points<InvalidMesh>(array, "points");
@@ -172,7 +172,7 @@ Raises InvalidMesh for arrays of another shape.)")
 
     module.def(
         "diameter",
-        [](const py::object& object) {
+        [](const ArrayLike& object) {
             const FloatArray array = floats(object, "points");
             const PointsView view = points<InvalidConstraint>(array, "points");
             return view.rows() > 0 ? 2.0 * enclosing_ball(Points(view)).radius : 0.0;

@@ -31,7 +31,7 @@ Costs one Poisson factor. Raises InvalidMesh if the target has another number of
 error names; FactorizationFailed.)")
         .def(
             "transfer",
-            [](const MeshTransfer& both, const py::object& source) {
+            [](const MeshTransfer& both, const ArrayLike& source) {
                 const FloatArray moved = floats(source, "source");
                 const PointsView given = points<InvalidConstraint>(moved, "source");
                 Points target;

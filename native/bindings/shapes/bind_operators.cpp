@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
-#include "native/bindings/discretization.h"
+#include "native/bindings/options.h"
 #include "native/operators/fits/rotation_fit.h"
 #include "native/operators/gradient.h"
 #include "native/operators/laplacian.h"
@@ -11,7 +11,7 @@ namespace sinew::bindings {
 
 namespace {
 
-py::array_t<double> fit_rotations(const py::object& object)
+py::array_t<double> fit_rotations(const ArrayLike& object)
 {
     const FloatArray S = floats(object, "S");
     if (S.ndim() != 3 || S.shape(1) != 3 || S.shape(2) != 3)
@@ -33,8 +33,8 @@ void bind_operators(py::module_& module)
 {
     module.def(
         "laplacian",
-        [](const SurfaceMesh& mesh, const std::string& kind) {
-            return laplacian_matrix(mesh, discretization(kind));
+        [](const SurfaceMesh& mesh, const Chosen<Discretization>& kind) {
+            return laplacian_matrix(mesh, kind.value("laplacian"));
         },
         py::arg("mesh"), py::arg("discretization") = "cotan_voronoi",
         R"((n, n) SciPy sparse L: symmetric, positive semi-definite, weak (not divided by area).
@@ -43,15 +43,15 @@ void bind_operators(py::module_& module)
 'cotan' [YZX*04] or 'cotan_voronoi' [MDSB03]. The Laplace-Beltrami of f is -(L f) / mass.)");
     module.def(
         "mass",
-        [](const SurfaceMesh& mesh, const std::string& kind) {
-            return mass_vector(mesh, discretization(kind));
+        [](const SurfaceMesh& mesh, const Chosen<Discretization>& kind) {
+            return mass_vector(mesh, kind.value("laplacian"));
         },
         py::arg("mesh"), py::arg("discretization") = "cotan_voronoi",
         "(n,) mass of each vertex: mixed Voronoi area, 1, or the number of neighbours ('uniform').");
     module.def(
         "laplacian_power",
-        [](const SurfaceMesh& mesh, int order, const std::string& kind) {
-            return laplacian_power(mesh, order, discretization(kind));
+        [](const SurfaceMesh& mesh, int order, const Chosen<Discretization>& kind) {
+            return laplacian_power(mesh, order, kind.value("laplacian"));
         },
         py::arg("mesh"), py::arg("order"), py::arg("discretization") = "cotan_voronoi",
         "(n, n) symmetric operator of order k, L (M^-1 L)^(k-1), Eq. 18. Raises InvalidOption below order "

@@ -22,7 +22,7 @@ namespace {
 using BoneMatrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 /// (k, 3, 3) -> matrices.
-std::vector<Matrix3> bone_rotations(const py::object& object, const char* name)
+std::vector<Matrix3> bone_rotations(const ArrayLike& object, const char* name)
 {
     const FloatArray array = floats(object, name);
     if (array.size() == 0)
@@ -35,13 +35,13 @@ std::vector<Matrix3> bone_rotations(const py::object& object, const char* name)
     return result;
 }
 
-Points bone_points(const py::object& object, const char* name)
+Points bone_points(const ArrayLike& object, const char* name)
 {
     const FloatArray array = floats(object, name);
     return points<InvalidConstraint>(array, name);
 }
 
-Vector3 bone_vector(const py::object& object, const char* name)
+Vector3 bone_vector(const ArrayLike& object, const char* name)
 {
     const FloatArray array = floats(object, name);
     if (array.ndim() != 1 || array.shape(0) != 3)
@@ -49,11 +49,11 @@ Vector3 bone_vector(const py::object& object, const char* name)
     return Vector3::Map(array.data());
 }
 
-std::vector<Joint> joints_of_bones(int bones, const py::object& most, const py::object& angles,
-                                   const py::object& stiffness)
+std::vector<Joint> joints_of_bones(int bones, const OptionalArray& most, const OptionalArray& angles,
+                                   const OptionalArray& stiffness)
 {
     std::vector<Joint> all(bones);
-    const auto each = [&](const py::object& object, const char* name, auto&& set) {
+    const auto each = [&](const ArrayLike& object, const char* name, auto&& set) {
         if (object.is_none())
             return;
         const std::vector<double> values = numbers(object, name);
@@ -91,10 +91,10 @@ std::vector<Joint> joints_of_bones(int bones, const py::object& most, const py::
     return all;
 }
 
-std::shared_ptr<Skeleton> make_skeleton(const py::object& heads, const py::object& tails,
-                                        const py::object& parents, const py::object& axes,
-                                        const py::object& most, const py::object& angles,
-                                        const py::object& stiffness)
+std::shared_ptr<Skeleton> make_skeleton(const ArrayLike& heads, const ArrayLike& tails,
+                                        const ArrayLike& parents, const ArrayLike& axes,
+                                        const OptionalArray& most, const OptionalArray& angles,
+                                        const OptionalArray& stiffness)
 {
     std::vector<int> earlier = integers(parents, "parents");
     std::vector<Joint> limits = joints_of_bones(static_cast<int>(earlier.size()), most, angles, stiffness);
@@ -103,7 +103,7 @@ std::shared_ptr<Skeleton> make_skeleton(const py::object& heads, const py::objec
         axes.is_none() ? std::vector<Matrix3>() : bone_rotations(axes, "axes"), std::move(limits));
 }
 
-Posture posture_of(const Skeleton& skeleton, const py::object& turns, const py::object& moves)
+Posture posture_of(const Skeleton& skeleton, const OptionalArray& turns, const ArrayLike& moves)
 {
     Posture posture = skeleton.rest();
     if (!turns.is_none())
@@ -130,16 +130,17 @@ py::array_t<double> pose_array(const Poses& poses)
     return array;
 }
 
-std::vector<bool> bone_flags(const py::object& object, int bones)
+std::vector<bool> bone_flags(const ArrayLike& object, int bones)
 {
     return flags(object, bones).value_or(std::vector<bool>());
 }
 
-py::tuple solve_skeleton(const Skeleton& skeleton, const py::object& bones, const py::object& places,
-                         const py::object& goals, const py::object& weights, const py::object& turns,
-                         const py::object& moves, const py::object& moving_roots, const py::object& locked,
-                         const py::object& support, const py::object& up, const py::object& masses,
-                         const py::object& centres, const PoseSolverOptions& options)
+py::tuple solve_skeleton(const Skeleton& skeleton, const ArrayLike& bones, const OptionalArray& places,
+                         const OptionalArray& goals, const OptionalArray& weights, const OptionalArray& turns,
+                         const ArrayLike& moves, const OptionalArray& moving_roots,
+                         const OptionalArray& locked, const OptionalArray& support, const OptionalArray& up,
+                         const OptionalArray& masses, const OptionalArray& centres,
+                         const PoseSolverOptions& options)
 {
     PoseRequest request;
     const std::vector<int> indices = integers(bones, "bones");
@@ -223,7 +224,7 @@ Raises InvalidConstraint or InvalidOption, which names a bone.)")
         .def_property_readonly("bone_count", &Skeleton::bone_count, "k")
         .def(
             "poses",
-            [](const Skeleton& skeleton, const py::object& turns, const py::object& moves) {
+            [](const Skeleton& skeleton, const OptionalArray& turns, const ArrayLike& moves) {
                 return pose_array(skeleton.poses(posture_of(skeleton, turns, moves)));
             },
             py::arg("turns") = py::none(), py::arg("moves") = py::none(),
@@ -234,7 +235,7 @@ turns, moves  (k, 3) the posture; None for zeros.
 Raises InvalidConstraint.)")
         .def(
             "rotations",
-            [](const Skeleton& skeleton, const py::object& turns) {
+            [](const Skeleton& skeleton, const OptionalArray& turns) {
                 return rotation_array(skeleton.rotations(posture_of(skeleton, turns, py::none())));
             },
             py::arg("turns"), R"(The rotation of each joint in the bone's own axes (k, 3, 3).
@@ -244,7 +245,7 @@ turns  (k, 3)
 Raises InvalidConstraint.)")
         .def(
             "turns",
-            [](const Skeleton& skeleton, const py::object& rotations) {
+            [](const Skeleton& skeleton, const ArrayLike& rotations) {
                 return to_numpy(std::move(skeleton.posture(bone_rotations(rotations, "rotations")).turns));
             },
             py::arg("rotations"), R"(The turns (k, 3) that give these rotations, within the limits or not.
@@ -274,11 +275,11 @@ margin  in [0, 0.5): how much of a bone's length is left free at each joint.
 Distances go along the surface. A bone outside, or inside of another one's limb, holds none. Raises InvalidOption.)")
         .def(
             "solve",
-            [](const Skeleton& skeleton, const py::object& bones, const py::object& points,
-               const py::object& goals, const py::object& weights, const py::object& turns,
-               const py::object& moves, const py::object& moving_roots, const py::object& locked,
-               const py::object& support, const py::object& up, const py::object& masses,
-               const py::object& centres, double rest, double pole, int max_iterations, double tolerance,
+            [](const Skeleton& skeleton, const ArrayLike& bones, const ArrayLike& points,
+               const OptionalArray& goals, const OptionalArray& weights, const OptionalArray& turns,
+               const ArrayLike& moves, const OptionalArray& moving_roots, const OptionalArray& locked,
+               const OptionalArray& support, const OptionalArray& up, const OptionalArray& masses,
+               const OptionalArray& centres, double rest, double pole, int max_iterations, double tolerance,
                double swing) {
                 return solve_skeleton(skeleton, bones, points, goals, weights, turns, moves, moving_roots,
                                       locked, support, up, masses, centres,

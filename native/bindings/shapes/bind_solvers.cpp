@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
-#include "native/bindings/choices.h"
+#include "native/bindings/options.h"
 #include "native/core/read_write_lock.h"
 #include "native/solvers/spd_factor.h"
 
@@ -27,20 +27,6 @@ auto read_of(const SharedFactor& shared)
     return (shared.factor.*member)();
 }
 
-FactorOptions factor_options(const std::string& ordering, const std::string& backend)
-{
-    return {.backend = choose<FactorBackend>(backend, "backend",
-                                             {{"automatic", FactorBackend::automatic},
-                                              {"supernodal", FactorBackend::supernodal},
-                                              {"simplicial", FactorBackend::simplicial},
-                                              {"ldlt", FactorBackend::ldlt}}),
-            .ordering = choose<Ordering>(ordering, "ordering",
-                                         {{"natural", Ordering::natural},
-                                          {"reverse_cuthill_mckee", Ordering::reverse_cuthill_mckee},
-                                          {"minimum_degree", Ordering::minimum_degree},
-                                          {"nested_dissection", Ordering::nested_dissection}})};
-}
-
 /// A matrix with sorted columns and without double entries, as the factor needs it. Those of SciPy may be
 /// neither.
 SparseMatrix tidy(const SparseMatrix& matrix)
@@ -63,15 +49,16 @@ void bind_solvers(py::module_& module)
                              "A sparse Cholesky factor for many right-hand sides. Threads may share it: "
                              "factorize() waits until\n"
                              "other calls have ended, and they wait for it.")
-        .def(
-            py::init([](const SparseMatrix& matrix, const std::string& ordering, const std::string& backend) {
-                SharedFactor shared{SpdFactor(factor_options(ordering, backend))};
-                const SparseMatrix sorted = tidy(matrix);
-                const py::gil_scoped_release unlocked;
-                shared.factor.factorize(sorted);
-                return shared;
-            }),
-            py::arg("matrix"), py::arg("ordering") = "minimum_degree", py::arg("backend") = "automatic", R"(
+        .def(py::init([](const SparseMatrix& matrix, const Chosen<Ordering>& ordering,
+                         const Chosen<FactorBackend>& backend) {
+                 SharedFactor shared{SpdFactor(
+                     {.backend = backend.value("backend"), .ordering = ordering.value("ordering")})};
+                 const SparseMatrix sorted = tidy(matrix);
+                 const py::gil_scoped_release unlocked;
+                 shared.factor.factorize(sorted);
+                 return shared;
+             }),
+             py::arg("matrix"), py::arg("ordering") = "minimum_degree", py::arg("backend") = "automatic", R"(
 matrix    (n, n) SciPy sparse, symmetric positive definite.
 ordering  'natural', 'reverse_cuthill_mckee', 'minimum_degree' or 'nested_dissection'.
 backend   'automatic', 'supernodal', 'simplicial' (CHOLMOD) or 'ldlt' (Eigen).
@@ -79,7 +66,7 @@ backend   'automatic', 'supernodal', 'simplicial' (CHOLMOD) or 'ldlt' (Eigen).
 Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemory above limit_memory().)")
         .def(
             "solve",
-            [](const SharedFactor& shared, const py::object& rhs) {
+            [](const SharedFactor& shared, const ArrayLike& rhs) {
                 const FloatArray array = floats(rhs, "rhs");
                 if (array.ndim() != 1 && array.ndim() != 2)
                     throw InvalidConstraint("rhs: the shape must be (n,) or (n, k)");

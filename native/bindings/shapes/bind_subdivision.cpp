@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
-#include "native/bindings/choices.h"
+#include "native/bindings/options.h"
 #include "native/subdivision/subdivision_surface.h"
 
 #include <pybind11/eigen.h>
@@ -31,29 +31,17 @@ std::vector<double> sharpness(const py::object& pair, const char* name, std::vec
     return {values.data(), values.data() + values.size()};
 }
 
-SubdivisionSurface make_surface(const SurfaceMesh& mesh, const std::string& scheme, int level, bool limit,
-                                const py::object& creases, const py::object& corners,
-                                const std::string& boundary_smooth, const std::string& uv_smooth,
-                                const py::object& face_varying)
+SubdivisionSurface make_surface(const SurfaceMesh& mesh, const Chosen<SubdivisionScheme>& scheme, int level,
+                                bool limit, const OptionalArray& creases, const OptionalArray& corners,
+                                const Chosen<BoundarySmooth>& boundary_smooth,
+                                const Chosen<UvSmooth>& uv_smooth, const OptionalArray& face_varying)
 {
     SubdivisionOptions options;
-    options.scheme = choose<SubdivisionScheme>(scheme, "scheme",
-                                               {{"catmull_clark", SubdivisionScheme::catmull_clark},
-                                                {"loop", SubdivisionScheme::loop},
-                                                {"bilinear", SubdivisionScheme::bilinear}});
+    options.scheme = scheme.value("scheme");
     options.level = level;
     options.limit = limit;
-    options.boundary_smooth = choose<BoundarySmooth>(
-        boundary_smooth, "boundary_smooth",
-        {{"all", BoundarySmooth::all}, {"preserve_corners", BoundarySmooth::preserve_corners}});
-    options.uv_smooth = choose<UvSmooth>(
-        uv_smooth, "uv_smooth",
-        {{"none", UvSmooth::none},
-         {"preserve_corners", UvSmooth::preserve_corners},
-         {"preserve_corners_and_junctions", UvSmooth::preserve_corners_and_junctions},
-         {"preserve_corners_junctions_and_concave", UvSmooth::preserve_corners_junctions_and_concave},
-         {"preserve_boundaries", UvSmooth::preserve_boundaries},
-         {"smooth_all", UvSmooth::smooth_all}});
+    options.boundary_smooth = boundary_smooth.value("boundary_smooth");
+    options.uv_smooth = uv_smooth.value("uv_smooth");
     std::vector<int> ends;
     options.crease_sharpness = sharpness(creases, "creases", ends, 2);
     for (std::size_t k = 0; k + 1 < ends.size(); k += 2)
@@ -74,7 +62,7 @@ void check_shape(const py::array& array, int rows, const char* name)
 /// Into `out` where it is given, so that a frame needs no new memory.
 template <class T>
 py::array refine(const SubdivisionSurface& surface, const py::array_t<T, py::array::c_style>& points,
-                 const py::object& out)
+                 const Out& out)
 {
     check_shape(points, surface.control_count(), "points");
     py::array_t<T> refined;
@@ -132,7 +120,7 @@ Cost: about 1 us per refined vertex. Raises InvalidMesh for faces that the schem
 edges that the mesh does not have, OutOfMemory above limit_memory().)")
         .def(
             "refine",
-            [](const SubdivisionSurface& surface, const py::object& object, const py::object& out) {
+            [](const SubdivisionSurface& surface, const ArrayLike& object, const Out& out) {
                 using Single = py::array_t<float, py::array::c_style>;
                 if (py::isinstance<Single>(object))
                     return refine<float>(surface, object.cast<Single>(), out);
@@ -152,7 +140,7 @@ Raises InvalidConstraint for another shape.)")
             "sizes.")
         .def(
             "normals",
-            [](const SubdivisionSurface& surface, const py::object& object) {
+            [](const SubdivisionSurface& surface, const ArrayLike& object) {
                 const FloatArray array = floats(object, "refined");
                 check_shape(array, surface.vertex_count(), "refined");
                 const PointsView refined(array.data(), array.shape(0), 3);
@@ -168,7 +156,7 @@ Raises InvalidConstraint for another shape.)")
             "Raises InvalidConstraint for another shape.")
         .def(
             "refine_face_varying",
-            [](const SubdivisionSurface& surface, const py::object& object) {
+            [](const SubdivisionSurface& surface, const ArrayLike& object) {
                 const FloatArray values = floats(object, "values");
                 const SparseRows& matrix = surface.face_varying_matrix();
                 if (values.ndim() != 2 || values.shape(0) != matrix.cols())

@@ -9,12 +9,6 @@ namespace sinew::bindings {
 
 namespace {
 
-EmbeddedDeformationOptions embedded_deformation_options(int nodes, double rotation, double regularity,
-                                                        double pulls, int max_iterations, double tolerance)
-{
-    return {nodes, rotation, regularity, pulls, max_iterations, tolerance};
-}
-
 EmbeddedDeformation::Graph graph_of(const EmbeddedDeformation& method)
 {
     const py::gil_scoped_release unlocked;
@@ -41,7 +35,7 @@ RowMatrix embedded_weights(const EmbeddedDeformation& method)
     return method.weights();
 }
 
-py::tuple embedded_answer(const EmbeddedDeformation& method, const py::object& given, bool from_rotations,
+py::tuple embedded_answer(const EmbeddedDeformation& method, const ArrayLike& given, bool from_rotations,
                           double tolerance, int max_iterations)
 {
     const Poses maps = poses(given);
@@ -58,22 +52,12 @@ py::tuple embedded_answer(const EmbeddedDeformation& method, const py::object& g
 
 void bind_embedded_deformation(py::module_& module)
 {
-    bind_handle_method<EmbeddedDeformation>(
+    bind_handle_method<EmbeddedDeformation, EmbeddedDeformationOptions>(
         module, "EmbeddedDeformation", R"(Embedded deformation [Sumner, Schmid & Pauly 2007], section 7.
 
 A graph of nodes on the shape, each with an affine map that is nearly a rotation, moves any points near it. Nodes
 and points are measured along the surface, where there is one, so limbs side by side stay apart. An incoming shape
-takes the graph along.)",
-        &embedded_deformation_options,
-        R"(nodes           how many the graph has.
-rotation        weight of the maps of nodes being rotations.
-regularity      weight of neighbours agreeing about where they are.
-pulls           weight of handles being followed: they are soft.
-max_iterations  per warp, rejected trials included.
-tolerance       a warp ends when the relative decrease of the energy is below this twice.
-)",
-        py::arg("nodes") = 300, py::arg("rotation") = 1.0, py::arg("regularity") = 10.0,
-        py::arg("pulls") = 100.0, py::arg("max_iterations") = 40, py::arg("tolerance") = 1e-4)
+takes the graph along.)")
         .def("graph", &graph_as_dict,
              R"(The graph of the last bind -> dict.
 

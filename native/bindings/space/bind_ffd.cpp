@@ -11,7 +11,7 @@ namespace sinew::bindings {
 
 namespace {
 
-std::array<int, 3> ffd_resolution(const py::object& given, Eigen::Index count)
+std::array<int, 3> ffd_resolution(const ArrayLike& given, Eigen::Index count)
 {
     if (!given.is_none())
         return three_counts(given, "resolution");
@@ -22,7 +22,7 @@ std::array<int, 3> ffd_resolution(const py::object& given, Eigen::Index count)
     return {side, side, side};
 }
 
-std::array<LatticeBasis, 3> ffd_basis(const std::string& basis, const py::object& interpolation)
+std::array<LatticeBasis, 3> ffd_basis(const std::string& basis, const OptionalArray& interpolation)
 {
     std::array<LatticeBasis, 3> found;
     if (basis != "blender") {
@@ -43,9 +43,9 @@ std::array<LatticeBasis, 3> ffd_basis(const std::string& basis, const py::object
     return found;
 }
 
-std::shared_ptr<Ffd> make_ffd(const py::object& points_or_mesh, const py::object& resolution,
-                              const std::string& basis, int degree, const py::object& interpolation,
-                              const std::string& outside, int continuity, int smooth, const py::object& axes)
+std::shared_ptr<Ffd> make_ffd(const ArrayOrMesh& points_or_mesh, const OptionalArray& resolution,
+                              const std::string& basis, int degree, const OptionalArray& interpolation,
+                              const std::string& outside, int continuity, int smooth, const ArrayLike& axes)
 {
     RestGridOptions options;
     options.basis = ffd_basis(basis, interpolation);

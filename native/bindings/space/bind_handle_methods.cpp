@@ -10,8 +10,8 @@ namespace sinew::bindings {
 
 namespace {
 
-py::object warp_poses(const HandleMethod& method, const py::object& given, const py::object& out,
-                      const py::object& incoming, const py::object& from_rest)
+Singles warp_poses(const HandleMethod& method, const ArrayLike& given, const Out& out,
+                   const OptionalArray& incoming, const OptionalFlags& from_rest)
 {
     const Poses maps = poses(given);
     const std::vector<bool> aims = flags(from_rest, maps.size()).value_or(std::vector<bool>{});
@@ -21,8 +21,8 @@ py::object warp_poses(const HandleMethod& method, const py::object& given, const
     });
 }
 
-py::tuple network(const HandleMethod& method, const py::object& given, const py::object& incoming,
-                  const py::object& from_rest)
+py::tuple network(const HandleMethod& method, const ArrayLike& given, const OptionalArray& incoming,
+                  const OptionalFlags& from_rest)
 {
     const Poses maps = poses(given);
     const std::vector<bool> aims = flags(from_rest, maps.size()).value_or(std::vector<bool>{});
@@ -35,7 +35,7 @@ py::tuple network(const HandleMethod& method, const py::object& given, const py:
     return py::make_tuple(to_numpy(std::move(found.nodes)), pairs(found.links));
 }
 
-SolveReport report_for(const HandleMethod& method, const py::object& given)
+SolveReport report_for(const HandleMethod& method, const ArrayLike& given)
 {
     const Poses maps = poses(given);
     const py::gil_scoped_release unlocked;

@@ -10,9 +10,9 @@ namespace sinew::bindings {
 
 namespace {
 
-std::shared_ptr<InverseFfd> make_inverse_ffd(const py::object& handles, const py::object& weights,
-                                             const py::object& resolution, const std::string& basis,
-                                             int degree, double cut_off, const py::object& frame)
+std::shared_ptr<InverseFfd> make_inverse_ffd(const ArrayLike& handles, const OptionalArray& weights,
+                                             const OptionalArray& resolution, const std::string& basis,
+                                             int degree, double cut_off, const OptionalArrayOrMesh& frame)
 {
     InverseFfdOptions options;
     options.resolution = three_counts(resolution, "resolution");
@@ -35,7 +35,7 @@ std::shared_ptr<InverseFfd> make_inverse_ffd(const py::object& handles, const py
     return std::make_shared<InverseFfd>(view, options);
 }
 
-py::array_t<double> inverse_moves(const InverseFfd& method, const py::object& posed)
+py::array_t<double> inverse_moves(const InverseFfd& method, const ArrayLike& posed)
 {
     const FloatArray array = floats(posed, "posed");
     const PointsView view = points<InvalidConstraint>(array, "posed");

@@ -6,11 +6,6 @@ namespace sinew::bindings {
 
 namespace {
 
-RigidCellsOptions rigid_cells_options(int cells, int levels, int max_iterations, double tolerance)
-{
-    return {cells, levels, max_iterations, tolerance};
-}
-
 py::dict cells_as_dict(const RigidCells& method)
 {
     RigidCells::Cells cells;
@@ -26,7 +21,7 @@ py::dict cells_as_dict(const RigidCells& method)
     return result;
 }
 
-py::tuple cells_answer(const RigidCells& method, const py::object& given, bool from_cascade, double tolerance,
+py::tuple cells_answer(const RigidCells& method, const ArrayLike& given, bool from_cascade, double tolerance,
                        int max_iterations)
 {
     const Poses maps = poses(given);
@@ -41,19 +36,12 @@ py::tuple cells_answer(const RigidCells& method, const py::object& given, bool f
 
 void bind_rigid_cells(py::module_& module)
 {
-    bind_handle_method<RigidCells>(module, "RigidCells",
-                                   R"(Rigid cells [Botsch, Pauly, Wicke & Gross 2007], section 7.
+    bind_handle_method<RigidCells, RigidCellsOptions>(
+        module, "RigidCells",
+        R"(Rigid cells [Botsch, Pauly, Wicke & Gross 2007], section 7.
 
 Cubes that fill the shape, fine at its surface and larger inside, move rigidly and hold together elastically. Points
-follow the cubes around them smoothly. A closed surface bends like a solid body.)",
-                                   &rigid_cells_options,
-                                   R"(cells           about how many.
-levels          how many levels larger cells may be inside of closed surfaces.
-max_iterations  per warp, rejected trials included.
-tolerance       a warp ends when the relative decrease of the energy is below this twice.
-)",
-                                   py::arg("cells") = 2000, py::arg("levels") = 2,
-                                   py::arg("max_iterations") = 40, py::arg("tolerance") = 1e-4)
+follow the cubes around them smoothly. A closed surface bends like a solid body.)")
         .def("cells", &cells_as_dict,
              R"(The cells of the last bind -> dict.
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
-#include "native/bindings/choices.h"
 #include "native/bindings/method_binding.h"
+#include "native/bindings/options.h"
 #include "native/methods/space/nonlinear/vector_field.h"
 
 #include <memory>
@@ -13,43 +13,8 @@ namespace sinew::bindings {
 
 namespace {
 
-std::vector<FieldTool> field_tools(const py::object& names)
-{
-    const auto tool = [](const py::handle& name) {
-        return choose<FieldTool>(
-            name.cast<std::string>(), "tools",
-            {{"drag", FieldTool::drag}, {"twist", FieldTool::twist}, {"bend", FieldTool::bend}});
-    };
-    if (py::isinstance<py::str>(names))
-        return {tool(names)};
-    std::vector<FieldTool> tools;
-    for (const py::handle& name : names)
-        tools.push_back(tool(name));
-    return tools;
-}
-
-std::shared_ptr<VectorField> make_vector_field(const py::object& frames, const py::object& counts,
-                                               const py::object& tools, const py::object& inner,
-                                               const py::object& outer, const py::object& width, int order,
-                                               int steps, double tolerance)
-{
-    const FloatArray array = floats(frames, "points");
-    const Points rest = points<InvalidConstraint>(array, "points");
-    const VectorFieldOptions options{.counts =
-                                         counts.is_none() ? std::vector<int>{} : integers(counts, "counts"),
-                                     .tools = field_tools(tools),
-                                     .inner = numbers(inner, "inner"),
-                                     .outer = numbers(outer, "outer"),
-                                     .width = numbers(width, "width"),
-                                     .order = order,
-                                     .steps = steps,
-                                     .tolerance = tolerance};
-    const py::gil_scoped_release unlocked;
-    return std::make_shared<VectorField>(rest, options);
-}
-
-py::array_t<double> field_velocities(const VectorField& field, const py::object& control, int piece,
-                                     double time, const py::object& places)
+py::array_t<double> field_velocities(const VectorField& field, const ArrayLike& control, int piece,
+                                     double time, const OptionalArray& places)
 {
     const FloatArray posed = floats(control, "cage_points"), array = floats(places, "points");
     const PointsView control_view = points<InvalidConstraint>(posed, "cage_points");
@@ -64,32 +29,31 @@ py::array_t<double> field_velocities(const VectorField& field, const py::object&
 
 void bind_vector_field(py::module_& module)
 {
-    py::class_<VectorField, SpaceMethod, std::shared_ptr<VectorField>>(
+    py::class_<VectorField, SpaceMethod, std::shared_ptr<VectorField>> field(
         module, "VectorField",
         R"(Vector fields without divergence [Angelidis et al. 2006, von Funck et al. 2006], section 7.
 
 Tools move on their paths, one after the other, and points follow the flow of their fields: volumes stay, and space
 neither tears nor folds. warp() takes the frames of the paths now. It costs O(points in reach x pieces x steps);
-memory is nothing per point but their places.)")
-        .def(py::init(&make_vector_field), py::arg("points"), py::arg("counts") = py::none(), py::kw_only(),
-             py::arg("tools") = "drag", py::arg("inner") = 0.5, py::arg("outer") = 1.0,
-             py::arg("width") = 1.0, py::arg("order") = 4, py::arg("steps") = 0, py::arg("tolerance") = 1e-5,
-             R"(
-points     (4 f, 3) the frames on the paths at rest, tool after tool, each by four points: its origin and the
-           ends of its x, y and z axes. All frames of one tool are the same at rest.
-counts     (k,) how many frames the path of each tool has; None for a single tool.
-tools      'drag', 'twist' or 'bend', or (k,) of them: a ball moves and turns with the tool; what lies above
-           the tool turns about its z axis; or about axes across that.
-inner      a number or (k,): within this distance of a drag, all moves with the tool; below this height over a
-           twist or bend, which may be negative, nothing turns.
-outer      > inner, likewise: beyond it, nothing moves, or all turns.
-width      > 0, a number or (k,): within this distance of the axis of a twist or bend all turns, and at twice
-           the distance nothing does.
-order      1, 2 or 4, of the Runge-Kutta rule, if steps is given.
-steps      on each piece of a path; 0 for as many as each point needs.
-tolerance  of a point on one piece of a path, as a share of outer, if steps is 0.
-
-Raises InvalidConstraint for frames that are not finite, flat, or differ at rest, InvalidOption.)")
+memory is nothing per point but their places.)");
+    define_constructor(
+        field,
+        +[](const VectorFieldOptions& given, const ArrayLike& frames, const OptionalArray& counts) {
+            const FloatArray array = floats(frames, "points");
+            const Points rest = points<InvalidConstraint>(array, "points");
+            VectorFieldOptions options = given;
+            if (!counts.is_none())
+                options.counts = integers(counts, "counts");
+            const py::gil_scoped_release unlocked;
+            return std::make_shared<VectorField>(rest, options);
+        },
+        {{"points", "(4 f, 3) the frames on the paths at rest, tool after tool, each by four points: its "
+                    "origin and the "
+                    "ends of its x, y and z axes; all frames of one tool are the same at rest"},
+         {"counts", "(k,) how many frames the path of each tool has; None for a single tool"}},
+        "Raises InvalidConstraint for frames that are not finite, flat, or differ at rest, InvalidOption.",
+        py::arg("points"), py::arg("counts") = py::none(), py::kw_only());
+    field
         .def("velocities", &field_velocities, py::arg("cage_points"), py::arg("piece"), py::arg("time"),
              py::arg("points"), R"(The field of one piece of the paths -> (n, 3).
 
@@ -101,7 +65,7 @@ points       (n, 3) where; they need not be bound.
 Raises InvalidConstraint for a wrong count or shape, a number that is not finite, or a piece that there is not.)")
         .def(
             "piece_count",
-            [](const VectorField& field, const py::object& control) {
+            [](const VectorField& field, const ArrayLike& control) {
                 const FloatArray array = floats(control, "cage_points");
                 return field.piece_count(points<InvalidConstraint>(array, "cage_points"));
             },

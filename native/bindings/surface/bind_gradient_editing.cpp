@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/bindings/field.h"
 #include "native/bindings/surface.h"
 #include "native/methods/surface/linear/gradient_editing.h"
 
@@ -16,18 +15,8 @@ void bind_gradient_editing(py::module_& module)
 The handles turn the gradients of the surface, triangle by triangle: a blend of their linear maps, which fades by a
 field (Eq. 16). One Poisson equation (Eq. 15) finds the surface that comes closest to these gradients. set_handles()
 costs one factorisation and the fields; a frame is one solve for x, y and z, and one map per triangle. It suits bends
-and twists; translations turn nothing.)")
-        .def(py::init([](const SurfaceMesh& mesh, const std::string& field) {
-                 const GradientEditingOptions options{field_of(field)};
-                 const py::gil_scoped_release unlocked;
-                 return std::make_shared<GradientEditing>(mesh, options);
-             }),
-             py::arg("mesh"), py::kw_only(), py::arg("field") = "harmonic", R"(
-mesh   SurfaceMesh, the rest shape.
-field  how the maps of the handles fade: 'harmonic' (Eq. 8), or by the distances from them: 'geodesic' along
-       the surface, 'euclidean' in a straight line.
-
-Raises InvalidOption for another field.)");
+and twists; translations turn nothing.)",
+        R"(Raises InvalidOption for another field.)");
 }
 
 const MethodBinding gradient_editing_binding(&bind_gradient_editing);

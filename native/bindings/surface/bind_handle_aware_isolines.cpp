@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/bindings/field.h"
 #include "native/bindings/surface.h"
 #include "native/methods/surface/nonlinear/handle_aware_isolines.h"
 
@@ -18,26 +17,6 @@ The bands lie between isolines of the handles' fields, and all vertices of a ban
 and four per handle, and 4 bytes per vertex for each of these columns. A frame finds the rotations, which costs nothing
 of the size of the mesh, and then takes one product of these columns: the method for few handles on heavy meshes. Where
 another shape than the rest shape enters, a frame takes one solve for x, y and z instead.)")
-        .def(py::init([](const SurfaceMesh& mesh, int bands, const std::string& field, int max_iterations,
-                         double tolerance) {
-                 const HandleAwareIsolinesOptions options{.bands = bands,
-                                                          .field = field_of(field),
-                                                          .max_iterations = max_iterations,
-                                                          .tolerance = tolerance};
-                 const py::gil_scoped_release unlocked;
-                 return std::make_shared<HandleAwareIsolines>(mesh, options);
-             }),
-             py::arg("mesh"), py::kw_only(), py::arg("bands") = HandleAwareIsolinesOptions{}.bands,
-             py::arg("field") = "harmonic",
-             py::arg("max_iterations") = HandleAwareIsolinesOptions{}.max_iterations,
-             py::arg("tolerance") = HandleAwareIsolinesOptions{}.tolerance, R"(
-mesh            SurfaceMesh, the rest shape.
-bands           bands between two handles, >= 2; each handle has half of them around it.
-field           whose isolines bound the bands: 'harmonic', 'geodesic' or 'euclidean'.
-max_iterations  largest number of turns of a solve, >= 1; each fits the rotations of all bands once.
-tolerance       >= 0: stop when the matrix of no rotation changes by more.
-
-Raises InvalidOption.)")
         .def(
             "bands",
             [](const HandleAwareIsolines& method) {

@@ -15,19 +15,8 @@ void bind_hierarchical_smoothing(py::module_& module)
 The handles move a coarse mesh, which gets its vertices back level by level. Each level is relaxed by second
 differences over pairs of triangles, and its details ride on it in local frames. Planar regions are exact.
 set_handles() costs the hierarchy, O(n log n), and a small factorisation; a frame is a few sweeps over all levels,
-which together have about six times the vertices of the mesh. Rigid motions of all handles are reproduced.)")
-        .def(py::init([](const SurfaceMesh& mesh, int levels, int relaxations) {
-                 const py::gil_scoped_release unlocked;
-                 return std::make_shared<HierarchicalSmoothing>(
-                     mesh, HierarchicalSmoothingOptions{levels, relaxations});
-             }),
-             py::arg("mesh"), py::kw_only(), py::arg("levels") = 64, py::arg("relaxations") = 4, R"(
-mesh         SurfaceMesh, the rest shape.
-levels       the most levels that the free vertices are thinned out by; 0 solves on the mesh itself, as a thin plate,
-             and turns no details.
-relaxations  sweeps on each level after its vertices have come back.
-
-Raises InvalidOption for a number below 0.)");
+which together have about six times the vertices of the mesh. Rigid motions of all handles are reproduced.)",
+        R"(Raises InvalidOption for a number below 0.)");
 }
 
 const MethodBinding hierarchical_smoothing_binding(&bind_hierarchical_smoothing);

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/bindings/arap_options.h"
 #include "native/bindings/representation.h"
 #include "native/bindings/surface.h"
 #include "native/methods/surface/nonlinear/mesh_sequence.h"
@@ -17,7 +16,7 @@ namespace {
 constexpr int key_numbers = 14; ///< frame, handle, and the (3, 4) map row by row
 
 /// None, or (m, 14).
-EditKeys keys_of(const py::object& object)
+EditKeys keys_of(const ArrayLike& object)
 {
     if (object.is_none())
         return {};
@@ -55,8 +54,8 @@ Poses unmoved(const MeshSequence& method)
 struct Asked
 {
     /// \param poses  None for controls at rest.
-    Asked(const MeshSequence& method, const py::object& poses, const py::object& incoming,
-          const py::object& from_rest)
+    Asked(const MeshSequence& method, const ArrayLike& poses, const OptionalArray& incoming,
+          const OptionalFlags& from_rest)
         : entering(incoming, "incoming")
     {
         request.poses = poses.is_none() ? unmoved(method) : bindings::poses(poses);
@@ -69,10 +68,10 @@ struct Asked
     SolveRequest request;
 };
 
-py::tuple solve_frame(const MeshSequence& method, double frame, const py::object& poses,
-                      const py::object& keys, const py::object& incoming, const py::object& from_rest,
-                      const py::object& start, std::optional<int> max_iterations,
-                      std::optional<double> tolerance, const py::object& callback, const py::object& out)
+Solved solve_frame(const MeshSequence& method, double frame, const ArrayLike& poses,
+                   const OptionalArray& keys, const OptionalArray& incoming, const OptionalFlags& from_rest,
+                   const OptionalArray& start, std::optional<int> max_iterations,
+                   std::optional<double> tolerance, const Callback& callback, const Out& out)
 {
     Asked asked(method, poses, incoming, from_rest);
     const OptionalPoints first(start, "start");
@@ -93,10 +92,10 @@ PointsView shape_in(const FloatArray& shapes, py::ssize_t place)
     return {shapes.data() + place * shapes.shape(1) * 3, shapes.shape(1), 3};
 }
 
-py::tuple solve_frames(const MeshSequence& method, const py::object& frames, const py::object& shapes,
-                       const py::object& keys, const py::object& poses, const py::object& from_rest,
+py::tuple solve_frames(const MeshSequence& method, const ArrayLike& frames, const ArrayLike& shapes,
+                       const OptionalArray& keys, const ArrayLike& poses, const OptionalFlags& from_rest,
                        std::optional<int> max_iterations, std::optional<double> tolerance,
-                       const py::object& callback)
+                       const Callback& callback)
 {
     const std::vector<double> numbers = bindings::numbers(frames, "frames");
     const FloatArray entering = floats(shapes, "shapes");
@@ -129,8 +128,8 @@ py::tuple solve_frames(const MeshSequence& method, const py::object& frames, con
 
 /// Runs call(keys, request) without the GIL.
 template <class Call>
-py::array_t<double> maps(const MeshSequence& method, const py::object& poses, const py::object& keys,
-                         const py::object& incoming, const py::object& from_rest, Call&& call)
+py::array_t<double> maps(const MeshSequence& method, const ArrayLike& poses, const OptionalArray& keys,
+                         const OptionalArray& incoming, const OptionalFlags& from_rest, Call&& call)
 {
     const Asked asked(method, poses, incoming, from_rest);
     const EditKeys edits = keys_of(keys);
@@ -149,7 +148,7 @@ void bind_mesh_sequence(py::module_& module)
 An edit is an affine map in the moving frame of a handle, whose origin is its centre. Between keys its move, its turn
 and its stretch run along cubic curves that are C1 and never exceed the keys. Before the first key of a handle and after
 its last one the edit stays as it is there; a handle without keys is not edited.)")
-        .def(py::init([](const py::object& keys) { return keys_of(keys); }), py::arg("keys"), R"(
+        .def(py::init([](const OptionalArray& keys) { return keys_of(keys); }), py::arg("keys"), R"(
 keys  (m, 14), in any order: frame, handle, and the map (3, 4) row by row.
 
 Raises InvalidOption for two keys of a handle at one frame, or a number that is not finite.)")
@@ -172,23 +171,6 @@ Raises InvalidOption for two keys of a handle at one frame, or a number that is 
 Handles are edited at keys, in frames that move with them through the animation. Each frame is solved by itself, as by
 Arap with the shape of the animation as the incoming one: it depends on its number, that shape and the keys alone. A
 frame without an edit is reproduced. set_handles() costs what that of Arap costs, once for all frames.)")
-        .def(py::init([](const SurfaceMesh& mesh, double smoothness, const std::string& cells,
-                         const py::object& rigidity, int max_iterations, double tolerance,
-                         double point_handles) {
-                 const ArapOptions options =
-                     arap_options(smoothness, cells, rigidity, max_iterations, tolerance, point_handles);
-                 const py::gil_scoped_release unlocked;
-                 return std::make_shared<MeshSequence>(mesh, options);
-             }),
-             py::arg("mesh"), py::kw_only(), py::arg("smoothness") = ArapOptions{}.smoothness,
-             py::arg("cells") = "spokes", py::arg("rigidity") = 1.0,
-             py::arg("max_iterations") = ArapOptions{}.max_iterations,
-             py::arg("tolerance") = ArapOptions{}.tolerance,
-             py::arg("point_handles") = ArapOptions{}.point_handles, R"(
-mesh      SurfaceMesh: any frame of the animation, or its rest shape.
-rigidity  a number, or (n,) painted; this and the others as for Arap.
-
-Raises InvalidOption.)")
         .def("solve_frame", &solve_frame, py::arg("frame"), py::kw_only(), py::arg("poses") = py::none(),
              py::arg("keys") = py::none(), py::arg("incoming") = py::none(),
              py::arg("from_rest") = py::none(), py::arg("start") = py::none(),
@@ -220,8 +202,8 @@ Each frame has the same bits as by solve_frame(). Raises InvalidOption, InvalidC
 Cancelled.)")
         .def(
             "edits",
-            [](const MeshSequence& method, double frame, const py::object& poses, const py::object& keys,
-               const py::object& incoming, const py::object& from_rest) {
+            [](const MeshSequence& method, double frame, const ArrayLike& poses, const OptionalArray& keys,
+               const OptionalArray& incoming, const OptionalFlags& from_rest) {
                 return maps(method, poses, keys, incoming, from_rest,
                             [&](const EditKeys& edits, const SolveRequest& request) {
                                 return method.edits(frame, edits, request);
@@ -234,8 +216,8 @@ Cancelled.)")
 The arguments are those of solve_frame(). Raises InvalidConstraint or InvalidOption.)")
         .def(
             "poses",
-            [](const MeshSequence& method, double frame, const py::object& poses, const py::object& keys,
-               const py::object& incoming, const py::object& from_rest) {
+            [](const MeshSequence& method, double frame, const ArrayLike& poses, const OptionalArray& keys,
+               const OptionalArray& incoming, const OptionalFlags& from_rest) {
                 return maps(method, poses, keys, incoming, from_rest,
                             [&](const EditKeys& edits, const SolveRequest& request) {
                                 return method.poses(frame, edits, request);
@@ -248,7 +230,7 @@ The arguments are those of solve_frame(). Raises InvalidConstraint or InvalidOpt
 The arguments are those of solve_frame(). Raises InvalidConstraint or InvalidOption.)")
         .def(
             "still_poses",
-            [](const MeshSequence& method, const py::object& incoming, const py::object& from_rest) {
+            [](const MeshSequence& method, const OptionalArray& incoming, const OptionalFlags& from_rest) {
                 return maps(method, py::none(), py::none(), incoming, from_rest,
                             [&](const EditKeys&, const SolveRequest& request) {
                                 return method.still_poses(request);
@@ -260,7 +242,7 @@ The arguments are those of solve_frame(). Raises InvalidConstraint or InvalidOpt
 The arguments are those of solve_frame(). Raises InvalidConstraint.)")
         .def(
             "energy",
-            [](const MeshSequence& method, const py::object& object) {
+            [](const MeshSequence& method, const ArrayLike& object) {
                 const FloatArray array = floats(object, "positions");
                 const PointsView view = points<InvalidConstraint>(array, "positions");
                 const py::gil_scoped_release unlocked;

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/bindings/choices.h"
 #include "native/bindings/surface.h"
 #include "native/methods/surface/linear/rotation_invariant_coordinates.h"
 
@@ -16,19 +15,8 @@ void bind_rotation_invariant_coordinates(py::module_& module)
 Local frames keep their rotations to their neighbours as well as they can, which makes them harmonic between the
 rotations of the handles; then edges keep their coordinates in these frames as well as they can. set_handles() costs
 one factorisation, which serves both, and the fields of the handles; a frame is one solve for x, y and z, and one
-rotation fit per vertex. It suits bends and twists of less than half a turn; translations turn nothing.)")
-        .def(py::init([](const SurfaceMesh& mesh, const std::string& laplacian) {
-                 const RotationInvariantCoordinatesOptions options{choose<Discretization>(
-                     laplacian, "laplacian",
-                     {{"uniform", Discretization::uniform}, {"cotan", Discretization::cotan}})};
-                 const py::gil_scoped_release unlocked;
-                 return std::make_shared<RotationInvariantCoordinates>(mesh, options);
-             }),
-             py::arg("mesh"), py::kw_only(), py::arg("laplacian") = "cotan", R"(
-mesh       SurfaceMesh, the rest shape.
-laplacian  'uniform' or 'cotan' (section 3.2): the weights of the edges.
-
-Raises InvalidOption for another one.)");
+rotation fit per vertex. It suits bends and twists of less than half a turn; translations turn nothing.)",
+        R"(Raises InvalidOption for another one.)");
 }
 
 const MethodBinding rotation_invariant_coordinates_binding(&bind_rotation_invariant_coordinates);

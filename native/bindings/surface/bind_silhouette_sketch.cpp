@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
-#include "native/bindings/discretization.h"
 #include "native/bindings/method_binding.h"
+#include "native/bindings/options.h"
 #include "native/core/errors.h"
 #include "native/methods/surface/sketch/occlusion.h"
 #include "native/methods/surface/sketch/silhouette_lines.h"
@@ -21,7 +21,7 @@ namespace sinew::bindings {
 
 namespace {
 
-SketchView sketch_view(const py::object& axes, const py::object& eye)
+SketchView sketch_view(const ArrayLike& axes, const OptionalArray& eye)
 {
     SketchView view;
     const FloatArray rows = floats(axes, "axes");
@@ -38,7 +38,7 @@ SketchView sketch_view(const py::object& axes, const py::object& eye)
     return view;
 }
 
-std::vector<std::array<int, 2>> edge_pairs(const py::object& object, const char* name)
+std::vector<std::array<int, 2>> edge_pairs(const ArrayLike& object, const char* name)
 {
     const py::array shape = py::array::ensure(object);
     if (!shape || shape.ndim() != 2 || shape.shape(1) != 2)
@@ -66,7 +66,7 @@ void bind_silhouette_sketch(py::module_& module)
 {
     module.def(
         "silhouette_lines",
-        [](const SurfaceMesh& mesh, const py::object& axes, const py::object& eye) {
+        [](const SurfaceMesh& mesh, const ArrayLike& axes, const OptionalArray& eye) {
             const SketchView view = sketch_view(axes, eye);
             std::vector<SurfaceLine> lines;
             {
@@ -92,8 +92,8 @@ eye   (3,) the viewer of a perspective view; None for an orthographic one.
 Costs O(n log n). Raises InvalidOption for another shape, or axes that are not orthonormal.)");
     module.def(
         "fit_stroke",
-        [](const SurfaceMesh& mesh, const py::object& stroke, const py::object& axes, const py::object& eye,
-           const py::object& edges, double nearness, bool hidden) -> py::object {
+        [](const SurfaceMesh& mesh, const ArrayLike& stroke, const ArrayLike& axes, const OptionalArray& eye,
+           const OptionalArray& edges, double nearness, bool hidden) -> py::object {
             const SketchView view = sketch_view(axes, eye);
             const FloatArray drawn = floats(stroke, "stroke");
             const PointsView places = points<InvalidConstraint>(drawn, "stroke");
@@ -144,9 +144,9 @@ with a number that is not finite, and for an edge without its vertices; InvalidO
         R"(Laplacian editing of a surface on which a line is drawn anew [Nealen et al. 2005], tutorial section 4.5.2.
 
 The points of the line go to their targets, and the surface around keeps its details, which turn with it.)")
-        .def(py::init([](const SurfaceMesh& mesh, const py::object& edges, const py::object& shares,
-                         const py::object& held, const std::string& laplacian, int refits, double sharpness,
-                         double weight) {
+        .def(py::init([](const SurfaceMesh& mesh, const OptionalArray& edges, const ArrayLike& shares,
+                         const ArrayLike& held, const Chosen<Discretization>& laplacian, int refits,
+                         double sharpness, double weight) {
                  const std::vector<std::array<int, 2>> pairs = edge_pairs(edges, "edges");
                  const FloatArray along = floats(shares, "shares");
                  if (along.ndim() != 1 || along.shape(0) != static_cast<py::ssize_t>(pairs.size()))
@@ -155,7 +155,7 @@ The points of the line go to their targets, and the surface around keeps its det
                  for (std::size_t k = 0; k < pairs.size(); ++k)
                      line.push_back({pairs[k][0], pairs[k][1], along.data()[k]});
                  const std::vector<int> stay = integers(held, "held");
-                 const SilhouetteSketchOptions options{.laplacian = discretization(laplacian),
+                 const SilhouetteSketchOptions options{.laplacian = laplacian.value("laplacian"),
                                                        .refits = refits,
                                                        .sharpness = sharpness,
                                                        .weight = weight};
@@ -177,7 +177,7 @@ Costs one factorisation of the free vertices. Raises InvalidConstraint for a ver
 0..1, or a line that is held as a whole; InvalidOption; FactorizationFailed.)")
         .def(
             "solve",
-            [](const SilhouetteSketch& sketch, const py::object& targets) {
+            [](const SilhouetteSketch& sketch, const ArrayLike& targets) {
                 const FloatArray wanted = floats(targets, "targets");
                 const PointsView given = points<InvalidConstraint>(wanted, "targets");
                 Points positions;

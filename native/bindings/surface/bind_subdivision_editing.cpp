@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/bindings/choices.h"
 #include "native/bindings/surface.h"
 #include "native/methods/surface/linear/subdivision_editing.h"
 
@@ -17,22 +16,8 @@ For meshes that come from subdividing a coarse one, by Catmull-Clark's or Loop's
 undoes the levels; the handles move the control mesh as a thin plate, and what was sculpted on each finer level rides on
 it in frames of the limit surface. Parts that do not come from subdivision move as a thin plate on the mesh itself;
 BindReport.irregular_parts counts them. set_handles() costs a factorisation per level below the finest, and one around
-the handles; a frame is O(n) and a solve around the handles. Rigid motions of all handles are reproduced.)")
-        .def(py::init([](const SurfaceMesh& mesh, const std::string& coarsening, int levels) {
-                 const SubdivisionEditingOptions options{
-                     choose<Coarsening>(
-                         coarsening, "coarsening",
-                         {{"automatic", Coarsening::automatic}, {"levels", Coarsening::levels}}),
-                     levels};
-                 const py::gil_scoped_release unlocked;
-                 return std::make_shared<SubdivisionEditing>(mesh, options);
-             }),
-             py::arg("mesh"), py::kw_only(), py::arg("coarsening") = "automatic", py::arg("levels") = 1, R"(
-mesh        SurfaceMesh, the rest shape.
-coarsening  'automatic': each part is coarsened as often as it keeps 64 vertices; 'levels': as often as `levels` says.
-levels      >= 0, of 'levels': how often, if there are so many levels; 0 solves on the mesh itself.
-
-Raises InvalidOption for levels < 0, or another name.)")
+the handles; a frame is O(n) and a solve around the handles. Rigid motions of all handles are reproduced.)",
+        R"(Raises InvalidOption for levels < 0, or another name.)")
         .def("level_counts", &SubdivisionEditing::level_counts,
              "How often the last bind coarsened each part; parts are numbered by their lowest vertices.")
         .def("control_mesh", &SubdivisionEditing::control_mesh,

@@ -10,46 +10,27 @@ namespace {
 
 void bind_subspace_laplacian(py::module_& module)
 {
-    bind_surface_method<SubspaceLaplacian>(
+    SurfaceClass<SubspaceLaplacian> method(
         module, "SubspaceLaplacian",
         R"(Nonlinear Laplacian editing in the few unknowns of a cage, with the volume kept [Huang et al. 2006].
 
 Each part with a handle lies in a cage whose vertices are the unknowns (tutorial section 6). Edges and Laplacian
 coordinates follow one rotation per cluster of vertices, and parts that are closed, or nearly, keep their volume
 exactly. Handles lie anywhere on the surface. set_handles() makes the cages and gathers the energy, so that an
-iteration never touches the surface; a frame ends with one product of the weights, with the volume two.)")
-        .def(py::init([](const SurfaceMesh& mesh, const SurfaceMesh* cage, int cage_faces, int clusters,
-                         double bending, bool keep_volume, int max_iterations, double tolerance) {
-                 const SubspaceLaplacianOptions options{.cage_faces = cage_faces,
-                                                        .clusters = clusters,
-                                                        .bending = bending,
-                                                        .keep_volume = keep_volume,
-                                                        .max_iterations = max_iterations,
-                                                        .tolerance = tolerance};
-                 const py::gil_scoped_release unlocked;
-                 return std::make_shared<SubspaceLaplacian>(mesh, options,
-                                                            cage ? std::optional(*cage) : std::nullopt);
-             }),
-             py::arg("mesh"), py::kw_only(), py::arg("cage") = py::none(),
-             py::arg("cage_faces") = SubspaceLaplacianOptions{}.cage_faces,
-             py::arg("clusters") = SubspaceLaplacianOptions{}.clusters,
-             py::arg("bending") = SubspaceLaplacianOptions{}.bending,
-             py::arg("keep_volume") = SubspaceLaplacianOptions{}.keep_volume,
-             py::arg("max_iterations") = SubspaceLaplacianOptions{}.max_iterations,
-             py::arg("tolerance") = SubspaceLaplacianOptions{}.tolerance, R"(
-mesh            SurfaceMesh, the rest shape.
-cage            SurfaceMesh, closed, around all parts with a handle; None for an automatic one per part.
-cage_faces      triangles of an automatic cage, 12 to 2,000, or 0 for 160, and more beside handles that are
-                smaller than its faces, at most 600. A part with no more vertices than such a cage is its own
-                subspace.
-clusters        clusters of vertices that share a rotation, in each part, >= 1; each handle has its own.
-bending         >= 0: how stiff the surface is in bends, as a share of the rest area of the part.
-keep_volume     whether parts that are closed, or nearly, keep their volume.
-max_iterations  largest number of iterations of a solve, >= 1.
-tolerance       >= 0: stop when the relative decrease of the energy is below it twice in succession.
-
-Raises InvalidOption; InvalidMesh for a cage that is open, flat or inside out. set_handles() raises
-InvalidConstraint for vertices outside the given cage.)")
+iteration never touches the surface; a frame ends with one product of the weights, with the volume two.)");
+    define_constructor(
+        method,
+        +[](const SubspaceLaplacianOptions& options, const SurfaceMesh& mesh, const SurfaceMesh* cage) {
+            const py::gil_scoped_release unlocked;
+            return std::make_shared<SubspaceLaplacian>(mesh, options,
+                                                       cage ? std::optional(*cage) : std::nullopt);
+        },
+        {{"mesh", "SurfaceMesh, the rest shape"},
+         {"cage", "SurfaceMesh, closed, around all parts with a handle; None for an automatic one per part"}},
+        "Raises InvalidOption; InvalidMesh for a cage that is open, flat or inside out. set_handles() raises "
+        "InvalidConstraint\nfor vertices outside the given cage.",
+        py::arg("mesh"), py::kw_only(), py::arg("cage") = py::none());
+    method
         .def(
             "cages",
             [](const SubspaceLaplacian& method) {

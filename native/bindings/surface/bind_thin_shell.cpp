@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/bindings/discretization.h"
 #include "native/bindings/surface.h"
 #include "native/methods/surface/linear/thin_shell.h"
 
@@ -16,30 +15,12 @@ The displacement d satisfies -k_s Delta d + k_b Delta^2 d - k_v Delta^3 d = 0 on
 set_handles() costs one factorisation; if it only adds a few vertices to the last handles, the part of the
 factor that depends on these. A frame is one small matrix product for up to 16 handles moved from rest,
 otherwise one solve for x, y and z. It suits translations and gentle bends; details do not rotate with the
-surface.)")
-        .def(py::init([](const SurfaceMesh& mesh, const py::object& stretching, const py::object& bending,
-                         const py::object& variation, const std::string& laplacian, bool affine_basis) {
-                 const ThinShellOptions options{numbers(stretching, "stretching"),
-                                                numbers(bending, "bending"), numbers(variation, "variation"),
-                                                discretization(laplacian), affine_basis};
-                 const py::gil_scoped_release unlocked;
-                 return std::make_shared<ThinShell>(mesh, options);
-             }),
-             py::arg("mesh"), py::kw_only(), py::arg("stretching") = 0.0, py::arg("bending") = 1.0,
-             py::arg("variation") = 0.0, py::arg("laplacian") = "cotan_voronoi",
-             py::arg("affine_basis") = true, R"(
-mesh          SurfaceMesh, the rest shape.
-stretching    k_s >= 0, or (n,) painted: a membrane, of order 1.
-bending       k_b >= 0, or (n,) painted: a thin plate, of order 2; in units of k_s length^2.
-variation     k_v >= 0, or (n,) painted: minimum variation of curvature, of order 3; in units of k_s length^4.
-laplacian     'uniform', 'cotan' or 'cotan_voronoi' (section 3.2).
-affine_basis  whether to precompute the response to affine handle motions.
-
-Raises InvalidOption for negative, NaN or all-zero stiffnesses.)")
+surface.)",
+                                   R"(Raises InvalidOption for negative, NaN or all-zero stiffnesses.)")
         .def(
             "set_stiffness",
-            [](ThinShell& shell, const py::object& stretching, const py::object& bending,
-               const py::object& variation, const py::object& callback) {
+            [](ThinShell& shell, const ArrayLike& stretching, const ArrayLike& bending,
+               const ArrayLike& variation, const Callback& callback) {
                 const auto s = numbers(stretching, "stretching");
                 const auto b = numbers(bending, "bending");
                 const auto v = numbers(variation, "variation");

@@ -43,13 +43,13 @@ struct Multiresolution::Impl
 
 Multiresolution::Multiresolution(const SurfaceMesh& rest, std::shared_ptr<SurfaceMethod> base,
                                  const MultiresolutionOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
     if (!base)
         throw InvalidOption("base: there is no method to put this one around");
     if (!(base->rest() == SurfaceMethod::rest()))
         throw InvalidOption("base: its rest shape is another one; make both on the same mesh");
-    options.check();
+    check(options);
     impl_->base = std::move(base);
     impl_->options = options;
     impl_->rings = std::make_shared<const RingRotations>(SurfaceMethod::rest());
@@ -57,6 +57,8 @@ Multiresolution::Multiresolution(const SurfaceMesh& rest, std::shared_ptr<Surfac
 
 Multiresolution::~Multiresolution() = default;
 Multiresolution::Multiresolution(Multiresolution&&) noexcept = default;
+
+const MultiresolutionOptions& Multiresolution::options() const { return impl_->options; }
 
 std::vector<Points> Multiresolution::levels() const
 {
@@ -134,14 +136,10 @@ SolveReport Multiresolution::deform(const SolveRequest& request, const Targets& 
 
 std::vector<std::string> Multiresolution::changed_options(const SurfaceMethod& former) const
 {
-    const Impl &own = *impl_, &other = *static_cast<const Multiresolution&>(former).impl_;
-    return names_of({{"base", !own.base->differences(*other.base).empty()},
-                     {"details", own.options.details != other.options.details},
-                     {"wavelength", own.options.wavelength != other.options.wavelength},
-                     {"bands", own.options.bands != other.options.bands}});
+    const auto& other = static_cast<const Multiresolution&>(former);
+    return changed(options(), other.options(),
+                   names_of({{"base", !impl_->base->differences(*other.impl_->base).empty()}}));
 }
-
-bool Multiresolution::updates(const std::string& option) const { return option != "base"; }
 
 void Multiresolution::swap_binding(SurfaceMethod& other)
 {

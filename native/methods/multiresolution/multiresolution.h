@@ -38,7 +38,7 @@ namespace sinew {
 ///
 /// What the base does not reproduce, this does not either; details turn with it where it bends or twists the
 /// surface, also where it turns none itself, as the thin shell.
-class Multiresolution final : public SurfaceMethod
+class Multiresolution final : public SurfaceMethodWith<MultiresolutionOptions>
 {
 public:
     /// \param base  a method on the same rest shape. It belongs to this object from now on; its handles
@@ -49,6 +49,8 @@ public:
     ~Multiresolution() override;
     Multiresolution(Multiresolution&&) noexcept;
 
+    const MultiresolutionOptions& options() const override;
+
     /// (bands + 1) the rest shape and what each band left of it, each (n, 3); the rest shape alone before
     /// set_handles().
     std::vector<Points> levels() const;
@@ -57,7 +59,6 @@ protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
     std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

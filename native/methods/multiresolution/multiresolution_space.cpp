@@ -86,7 +86,7 @@ MultiresolutionSpace::MultiresolutionSpace(HandlePoints handles, std::shared_ptr
 {
     if (!base_)
         throw InvalidOption("base: there is no method to put this one around");
-    options.check();
+    check(options);
 }
 
 MultiresolutionSpace::~MultiresolutionSpace() = default;
@@ -151,12 +151,10 @@ std::vector<std::string> MultiresolutionSpace::changed_settings(const SpaceMetho
 {
     const auto& other = static_cast<const MultiresolutionSpace&>(former);
     const bool same_base = base_->can_reuse(*other.base_, view(other.base_->points()));
-    return names_of({{"handles", !(handles_ == other.handles_)},
-                     {"mesh", !(mesh_ == other.mesh_)},
-                     {"base", other.bound_ && !same_base},
-                     {"details", options_.details != other.options_.details},
-                     {"wavelength", options_.wavelength != other.options_.wavelength},
-                     {"bands", options_.bands != other.options_.bands}});
+    return changed(options_, other.options_,
+                   names_of({{"handles", !(handles_ == other.handles_)},
+                             {"mesh", !(mesh_ == other.mesh_)},
+                             {"base", other.bound_ && !same_base}}));
 }
 
 void MultiresolutionSpace::swap_weights(SpaceMethod& other)

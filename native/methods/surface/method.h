@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/attachments/attachments.h"
+#include "native/core/options.h"
 #include "native/core/progress.h"
 #include "native/core/read_write_lock.h"
 #include "native/core/report.h"
@@ -172,6 +173,24 @@ private:
     BindReport report_;
     bool bound_ = false;
     mutable ReadWriteLock access_;
+};
+
+/// A surface method whose options have a table, see core/options.h.
+template <class OptionsOfMethod>
+class SurfaceMethodWith : public SurfaceMethod
+{
+public:
+    using Options = OptionsOfMethod;
+    virtual const Options& options() const = 0;
+
+protected:
+    using SurfaceMethod::SurfaceMethod;
+
+    std::vector<std::string> changed_options(const SurfaceMethod& former) const override
+    {
+        return changed(options(), static_cast<const SurfaceMethodWith&>(former).options());
+    }
+    bool updates(const std::string& option) const override { return is_updated<Options>(option); }
 };
 
 } // namespace sinew

@@ -17,7 +17,6 @@ namespace sinew {
 
 namespace {
 
-constexpr int most_bands = 8;
 /// A base whose faces around a vertex have less of their rest area there is a thread: rounding turns its
 /// frames.
 constexpr double least_area_left = 1e-5;
@@ -55,14 +54,6 @@ std::unique_ptr<DetailCoding> coding(DetailKind kind, const SurfaceMesh& rest, c
 }
 
 } // namespace
-
-void MultiresolutionOptions::check() const
-{
-    if (!(wavelength > 0) || !std::isfinite(wavelength))
-        throw InvalidOption("wavelength must be a finite number above 0");
-    if (bands < 1 || bands > most_bands)
-        throw InvalidOption("bands must be from 1 to " + std::to_string(most_bands));
-}
 
 DetailBands::DetailBands(const SurfaceMesh& rest, const Regions& handles, const Regions& faired,
                          const MultiresolutionOptions& options,

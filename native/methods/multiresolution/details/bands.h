@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/core/progress.h"
 #include "native/core/report.h"
 #include "native/core/types.h"
@@ -24,16 +25,35 @@ enum class DetailKind {
     deformation_transfer, ///< no details at all, see DeformationTransfer
 };
 
+constexpr auto choices(DetailKind)
+{
+    return std::array{Choice{"displacement_vectors", DetailKind::displacement_vectors},
+                      Choice{"normal_displacements", DetailKind::normal_displacements},
+                      Choice{"displacement_volumes", DetailKind::displacement_volumes},
+                      Choice{"deformation_transfer", DetailKind::deformation_transfer}};
+}
+
 struct MultiresolutionOptions
 {
     DetailKind details = DetailKind::displacement_vectors;
-    /// > 0, in mean edge lengths: waves that are shorter are details of the first band.
     double wavelength = 10.0;
-    /// In [1, 8]. Each further band takes the details of twice the wavelength off what the one before left.
     int bands = 1;
 
-    /// \throw InvalidOption  wavelength not > 0, or bands not in [1, 8].
-    void check() const;
+    static constexpr auto table()
+    {
+        using O = MultiresolutionOptions;
+        return std::tuple{
+            option("details", &O::details, Rebind::update,
+                   "how the details are stored: 'displacement_vectors' that turn with the base (section "
+                   "4.4.1), 'normal_displacements', heights above it (4.4.2), 'displacement_volumes' "
+                   "between it and the surface (4.4.3), or 'deformation_transfer': not at all, as its "
+                   "faces are mapped like those of the base (4.4.4)"),
+            option("wavelength", &O::wavelength, Rebind::update, above(0),
+                   "in mean edge lengths: waves that are shorter are details"),
+            option("bands", &O::bands, Rebind::update, between(1, 8),
+                   "each further band takes the details of twice the wavelength off what the one before "
+                   "left")};
+    }
 };
 
 /// The bands of details between a rest shape and its smooth base.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/mesh/flat_outline.h"
 #include "native/mesh/frames/normal_frame.h"
 
@@ -13,6 +14,10 @@ enum class CageOutside {
     refuse,    ///< bind() throws an error that names them
     mean_value ///< they get the weights of MeanValue; a warp is not continuous across the cage
 };
+constexpr auto choices(CageOutside)
+{
+    return std::array{Choice{"error", CageOutside::refuse}, Choice{"mean_value", CageOutside::mean_value}};
+}
 
 /// A closed control mesh around, within or beside the points that it moves.
 ///

@@ -87,11 +87,8 @@ Green::Green(Cage cage, const GreenOptions& options)
 
 std::vector<std::string> Green::changed_settings(const SpaceMethod& former) const
 {
-    const GreenOptions& other = static_cast<const Green&>(former).options_;
-    return names_of({{"outside", options_.outside != other.outside},
-                     {"exit_face", options_.exit_face != other.exit_face},
-                     {"faces", options_.faces != other.faces}},
-                    CageCoordinates::changed_settings(former));
+    return changed(options_, static_cast<const Green&>(former).options_,
+                   CageCoordinates::changed_settings(former));
 }
 
 int Green::columns() const

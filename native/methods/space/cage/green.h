@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/space/cage/cage_coordinates.h"
 #include "native/methods/space/cage/closed_forms/cage_geometry.h"
 #include "native/methods/space/cage/closed_forms/flat_forms.h"
@@ -24,12 +25,36 @@ enum class GreenFaces {
     quads      ///< a bilinear patch, which no diagonal cuts
 };
 
+constexpr auto choices(GreenOutside)
+{
+    return std::array{Choice{"nearest", GreenOutside::nearest}, Choice{"face", GreenOutside::face},
+                      Choice{"error", GreenOutside::refuse}};
+}
+constexpr auto choices(GreenFaces)
+{
+    return std::array{Choice{"triangles", GreenFaces::triangles}, Choice{"quads", GreenFaces::quads}};
+}
+
 struct GreenOptions
 {
     PointWeightOptions weights;
     GreenOutside outside = GreenOutside::nearest;
-    int exit_face = -1; ///< the face of the cage that GreenOutside::face uses
+    int exit_face = -1;
     GreenFaces faces = GreenFaces::triangles;
+
+    static constexpr auto table()
+    {
+        using O = GreenOptions;
+        return std::tuple{
+            option("outside", &O::outside, Rebind::anew,
+                   "for points outside, the map is continued through the 'nearest' triangle or through one "
+                   "'face', or an 'error' names them"),
+            option("exit_face", &O::exit_face, Rebind::anew, any_number(),
+                   "the face of the cage for outside='face'"),
+            option("faces", &O::faces, Rebind::anew,
+                   "a face with four corners is two 'triangles', or a bilinear patch, which no diagonal "
+                   "cuts: 'quads'")};
+    }
 };
 
 /// Green coordinates of a closed mesh of triangles and quads.

@@ -79,11 +79,8 @@ double Harmonic::residual_max() const { return boundary_ ? boundary_->residual_m
 
 std::vector<std::string> Harmonic::changed_settings(const SpaceMethod& former) const
 {
-    const HarmonicOptions& other = static_cast<const Harmonic&>(former).options_;
-    return names_of({{"quality", options_.quality != other.quality},
-                     {"outside", options_.outside != other.outside},
-                     {"solver", options_.solver != other.solver}},
-                    CageCoordinates::changed_settings(former));
+    return changed(options_, static_cast<const Harmonic&>(former).options_,
+                   CageCoordinates::changed_settings(former));
 }
 
 void Harmonic::swap_weights(SpaceMethod& other)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/space/cage/cage_coordinates.h"
 #include "native/methods/space/cage/harmonic/data.h"
 #include "native/methods/space/cage/harmonic/grid.h"
@@ -26,12 +27,38 @@ enum class HarmonicSolver {
     lattice    ///< differences on a lattice inside the cage, see HarmonicGrid
 };
 
+constexpr auto choices(HarmonicQuality)
+{
+    return std::array{Choice{"fast", HarmonicQuality::fast}, Choice{"medium", HarmonicQuality::medium},
+                      Choice{"fine", HarmonicQuality::fine}, Choice{"finest", HarmonicQuality::finest}};
+}
+constexpr auto choices(HarmonicSolver)
+{
+    return std::array{Choice{"auto", HarmonicSolver::automatic}, Choice{"boundary", HarmonicSolver::boundary},
+                      Choice{"lattice", HarmonicSolver::lattice}};
+}
+
 struct HarmonicOptions
 {
     PointWeightOptions weights;
     HarmonicQuality quality = HarmonicQuality::medium;
     CageOutside outside = CageOutside::refuse;
     HarmonicSolver solver = HarmonicSolver::automatic;
+
+    static constexpr auto table()
+    {
+        using O = HarmonicOptions;
+        return std::tuple{
+            option("quality", &O::quality, Rebind::anew,
+                   "'fast', 'medium', 'fine' or 'finest': at most 1000, 2000, 4100 or 12000 unknowns on "
+                   "the cage, with time proportional to their cube and memory to their square; or 96, 160, "
+                   "256 or 384 steps of the lattice along the cage's longest side"),
+            option("outside", &O::outside, Rebind::anew,
+                   "points outside: 'error' names them, 'mean_value' gives them mean value weights"),
+            option("solver", &O::solver, Rebind::anew,
+                   "'boundary' elements or a 'lattice'; 'auto' takes the lattice for more than 600 "
+                   "triangles")};
+    }
 };
 
 /// Harmonic coordinates of a closed cage.

@@ -15,9 +15,9 @@ PositiveMeanValue::PositiveMeanValue(Cage cage, const PositiveMeanValueOptions& 
     : CageCoordinates(std::move(cage), options.weights), options_(options), surface_(this->cage()),
       outside_(this->cage(), options.outside)
 {
-    if (options.directions < 8 || options.directions > 1 << 20 || options.directions % 2 != 0)
-        throw InvalidOption("directions must be an even number of at least 8, not " +
-                            std::to_string(options.directions));
+    check(options);
+    if (options.directions % 2 != 0)
+        throw InvalidOption("directions: " + std::to_string(options.directions) + " is not an even number");
     visible_ = std::make_unique<VisibleCage>(this->cage(), options.exact ? 0 : options.directions);
 }
 
@@ -25,11 +25,8 @@ PositiveMeanValue::~PositiveMeanValue() = default;
 
 std::vector<std::string> PositiveMeanValue::changed_settings(const SpaceMethod& former) const
 {
-    const PositiveMeanValueOptions& other = static_cast<const PositiveMeanValue&>(former).options_;
-    return names_of({{"exact", options_.exact != other.exact},
-                     {"directions", options_.directions != other.directions},
-                     {"outside", options_.outside != other.outside}},
-                    CageCoordinates::changed_settings(former));
+    return changed(options_, static_cast<const PositiveMeanValue&>(former).options_,
+                   CageCoordinates::changed_settings(former));
 }
 
 void PositiveMeanValue::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& outside) const

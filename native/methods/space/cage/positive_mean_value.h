@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/space/cage/cage_coordinates.h"
 #include "native/methods/space/cage/inside/cage_surface.h"
 #include "native/methods/space/cage/inside/outside_weights.h"
@@ -15,9 +16,22 @@ class VisibleCage;
 struct PositiveMeanValueOptions
 {
     PointWeightOptions weights;
-    bool exact = true;     ///< false for a preview by rays
-    int directions = 1024; ///< number of rays per point, in antipodal pairs: even, at least 8
+    bool exact = true;
+    int directions = 1024;
     CageOutside outside = CageOutside::refuse;
+
+    static constexpr auto table()
+    {
+        using O = PositiveMeanValueOptions;
+        return std::tuple{
+            option("exact", &O::exact, Rebind::anew,
+                   "whether to cut hidden parts away exactly; False takes rays, a preview whose weights "
+                   "jump by some 1e-3"),
+            option("directions", &O::directions, Rebind::anew, between(8, 1 << 20),
+                   "rays per point, an even number"),
+            option("outside", &O::outside, Rebind::anew,
+                   "points outside: 'error' names them, 'mean_value' gives them mean value weights")};
+    }
 };
 
 /// Positive mean value coordinates: mean values of the part of the cage that a point sees.

@@ -104,12 +104,7 @@ EmbeddedDeformation::EmbeddedDeformation(SurfaceMesh surface, HandlePoints handl
                                          const EmbeddedDeformationOptions& options)
     : HandleMethod(std::move(surface), std::move(handles)), options_(options)
 {
-    require_at_least(options.nodes, 1, "nodes");
-    require_at_least(options.rotation, 1e-6, "rotation");
-    require_at_least(options.regularity, 1e-6, "regularity");
-    require_at_least(options.pulls, 1e-6, "pulls");
-    require_at_least(options.max_iterations, 1, "max_iterations");
-    require_at_least(options.tolerance, 0.0, "tolerance");
+    check(options);
 }
 
 EmbeddedDeformation::~EmbeddedDeformation() = default;
@@ -273,12 +268,8 @@ EmbeddedDeformation::Answer EmbeddedDeformation::answer(const Poses& poses, Star
 
 std::vector<std::string> EmbeddedDeformation::changed_settings(const SpaceMethod& former) const
 {
-    const EmbeddedDeformationOptions& other = static_cast<const EmbeddedDeformation&>(former).options_;
-    return names_of({{"nodes", options_.nodes != other.nodes},
-                     {"rotation", options_.rotation != other.rotation},
-                     {"regularity", options_.regularity != other.regularity},
-                     {"pulls", options_.pulls != other.pulls}},
-                    HandleMethod::changed_settings(former));
+    return changed(options_, static_cast<const EmbeddedDeformation&>(former).options_,
+                   HandleMethod::changed_settings(former));
 }
 
 void EmbeddedDeformation::swap_binding(HandleMethod& other)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/space/nonlinear/handles/handle_method.h"
 
 #include <array>
@@ -12,13 +13,29 @@ namespace sinew {
 
 struct EmbeddedDeformationOptions
 {
-    int nodes = 300;          ///< how many the graph has; see NearNodes
-    double rotation = 1.0;    ///< weight of the maps of nodes being rotations, >= 1e-6
-    double regularity = 10.0; ///< weight of neighbours agreeing, >= 1e-6
-    double pulls = 100.0;     ///< weight of handles being followed, >= 1e-6
-    int max_iterations = 40;  ///< per warp, rejected trials included
-    /// A warp ends when the relative decrease of the energy is below this twice in succession.
+    int nodes = 300;
+    double rotation = 1.0;
+    double regularity = 10.0;
+    double pulls = 100.0;
+    int max_iterations = 40;
     double tolerance = 1e-4;
+
+    static constexpr auto table()
+    {
+        using O = EmbeddedDeformationOptions;
+        return std::tuple{
+            option("nodes", &O::nodes, Rebind::anew, at_least(1), "how many the graph has, see NearNodes"),
+            option("rotation", &O::rotation, Rebind::anew, at_least(1e-6),
+                   "weight of the maps of nodes being rotations"),
+            option("regularity", &O::regularity, Rebind::anew, at_least(1e-6),
+                   "weight of neighbours agreeing about where they are"),
+            option("pulls", &O::pulls, Rebind::anew, at_least(1e-6),
+                   "weight of handles being followed: they are soft"),
+            iteration_limit(&O::max_iterations, "of a warp, rejected trials included"),
+            stopping_tolerance(
+                &O::tolerance,
+                "a warp ends when the relative decrease of the energy is below this twice in succession")};
+    }
 };
 
 /// Space deformation by a graph of affine maps that are nearly rotations.

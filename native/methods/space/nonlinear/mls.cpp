@@ -78,8 +78,7 @@ Vector3 move_of(MlsMaps kind, const MlsSums& sums, int lane)
 Mls::Mls(HandlePoints handles, const MlsOptions& options)
     : handles_(std::move(handles)), options_(options), maps_(options.maps)
 {
-    if (!(options.alpha > 0.0) || !std::isfinite(options.alpha))
-        throw InvalidOption("alpha must be a finite number above 0");
+    check(options);
     std::vector<char> in_segment(static_cast<std::size_t>(handles_.point_count()), 0);
     for (const auto& [a, b] : options.segments) {
         for (const int end : {a, b}) {
@@ -230,11 +229,7 @@ void Mls::move(const MlsFrame& frame, PointsView base, Real* out) const
 std::vector<std::string> Mls::changed_settings(const SpaceMethod& former) const
 {
     const auto& other = static_cast<const Mls&>(former);
-    return names_of({{"handles", !(handles_ == other.handles_)},
-                     {"maps", options_.maps != other.options_.maps},
-                     {"alpha", options_.alpha != other.options_.alpha},
-                     {"segments", options_.segments != other.options_.segments},
-                     {"precision", options_.precision != other.options_.precision}});
+    return changed(options_, other.options_, names_of({{"handles", !(handles_ == other.handles_)}}));
 }
 
 void Mls::swap_weights(SpaceMethod& other)

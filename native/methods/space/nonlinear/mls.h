@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/space/handle_points/handle_points.h"
 #include "native/methods/space/method.h"
 #include "native/methods/space/nonlinear/mls/kernels.h"
@@ -14,13 +15,33 @@
 
 namespace sinew {
 
+constexpr auto choices(MlsMaps)
+{
+    return std::array{Choice{"affine", MlsMaps::affine}, Choice{"similarity", MlsMaps::similarity},
+                      Choice{"rigid", MlsMaps::rigid}};
+}
+
 struct MlsOptions
 {
     MlsMaps maps = MlsMaps::rigid;
-    double alpha = 2.0; ///< > 0: the larger, the nearer the handles are that count
-    /// Pairs of handle points, each a handle of its own: the segment between them is the handle instead.
+    double alpha = 2.0;
     std::vector<std::array<int, 2>> segments{};
     WeightPrecision precision = WeightPrecision::single_precision;
+
+    static constexpr auto table()
+    {
+        using O = MlsOptions;
+        return std::tuple{
+            option("maps", &O::maps, Rebind::anew,
+                   "that are fitted: 'rigid', 'similarity' (with one scale), or 'affine', which needs four "
+                   "points that lie in no plane; else rigid maps are used, and the report says so"),
+            option("alpha", &O::alpha, Rebind::anew, above(0),
+                   "weights are distance^(-2 alpha): the larger, the nearer the handles are that count"),
+            option("segments", &O::segments, Rebind::anew,
+                   "None, or (s, 2) pairs of points that are handles of their own: the segment between "
+                   "them is the handle instead"),
+            option("precision", &O::precision, Rebind::anew, "of the stored weights: 'single' or 'double'")};
+    }
 };
 
 /// Moving least squares: at each point, the map that fits the handles best, near ones the more.

@@ -143,14 +143,7 @@ struct RigidCells::Binding
 RigidCells::RigidCells(SurfaceMesh surface, HandlePoints handles, const RigidCellsOptions& options)
     : HandleMethod(std::move(surface), std::move(handles)), options_(options)
 {
-    require_at_least(options.cells, 8, "cells");
-    require_at_least(options.levels, 0, "levels");
-    require_at_least(options.max_iterations, 1, "max_iterations");
-    require_at_least(options.tolerance, 0.0, "tolerance");
-    if (options.cells > 100000)
-        throw InvalidOption("cells: more than 100,000");
-    if (options.levels > 6)
-        throw InvalidOption("levels: more than 6");
+    check(options);
 }
 
 RigidCells::~RigidCells() = default;
@@ -390,9 +383,8 @@ RigidCells::Answer RigidCells::answer(const Poses& poses, Start start, double to
 
 std::vector<std::string> RigidCells::changed_settings(const SpaceMethod& former) const
 {
-    const RigidCellsOptions& other = static_cast<const RigidCells&>(former).options_;
-    return names_of({{"cells", options_.cells != other.cells}, {"levels", options_.levels != other.levels}},
-                    HandleMethod::changed_settings(former));
+    return changed(options_, static_cast<const RigidCells&>(former).options_,
+                   HandleMethod::changed_settings(former));
 }
 
 void RigidCells::swap_binding(HandleMethod& other)

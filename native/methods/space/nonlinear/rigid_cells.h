@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/space/nonlinear/handles/handle_method.h"
 
 #include <array>
@@ -12,11 +13,23 @@ namespace sinew {
 
 struct RigidCellsOptions
 {
-    int cells = 2000;        ///< about how many, from 8 to 100,000
-    int levels = 2;          ///< how many levels larger cells may be inside of closed surfaces, from 0 to 6
-    int max_iterations = 40; ///< per warp, rejected trials included
-    /// A warp ends when the relative decrease of the energy is below this twice in succession.
+    int cells = 2000;
+    int levels = 2;
+    int max_iterations = 40;
     double tolerance = 1e-4;
+
+    static constexpr auto table()
+    {
+        using O = RigidCellsOptions;
+        return std::tuple{
+            option("cells", &O::cells, Rebind::anew, between(8, 100'000), "about how many"),
+            option("levels", &O::levels, Rebind::anew, between(0, 6),
+                   "how many levels larger cells may be inside of closed surfaces"),
+            iteration_limit(&O::max_iterations, "of a warp, rejected trials included"),
+            stopping_tolerance(
+                &O::tolerance,
+                "a warp ends when the relative decrease of the energy is below this twice in succession")};
+    }
 };
 
 /// Space deformation by rigid cubes that elastic joints couple at their common sides.

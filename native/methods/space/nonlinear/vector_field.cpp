@@ -21,7 +21,6 @@ namespace sinew {
 
 namespace {
 
-constexpr int most_steps = 1 << 12; // of one piece
 constexpr double unturned = 1e-13;  // an angle that rounding alone explains
 
 const FieldKernels& kernels() { return widest_kernels<FieldKernels>(); }
@@ -96,12 +95,6 @@ std::vector<Value> per_tool(std::vector<Value> values, std::size_t tools, const 
     return values;
 }
 
-bool same(const Points& a, const Points& b)
-{
-    return a.rows() == b.rows() &&
-           (a.size() == 0 || std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0);
-}
-
 } // namespace
 
 VectorField::VectorField(Points frames, const VectorFieldOptions& options)
@@ -111,11 +104,9 @@ VectorField::VectorField(Points frames, const VectorFieldOptions& options)
         throw InvalidConstraint("a number of the frames of tools is not finite");
     if (frames_.rows() == 0 || frames_.rows() % 4 != 0)
         throw InvalidOption("a frame is four points, and " + std::to_string(frames_.rows()) + " are given");
-    if (options.order != 1 && options.order != 2 && options.order != 4)
-        throw InvalidOption("order must be 1, 2 or 4");
-    if (options.steps < 0 || options.steps > most_steps)
-        throw InvalidOption("steps must lie between 0 and " + std::to_string(most_steps));
-    require_at_least(options.tolerance, 1e-12, "tolerance");
+    check(options);
+    if (options.order == 3)
+        throw InvalidOption("order: 3 is not 1, 2 or 4");
     if (options_.counts.empty())
         options_.counts = {static_cast<int>(frames_.rows() / 4)};
     add_tools();
@@ -402,15 +393,9 @@ Points VectorField::velocities(PointsView control, int piece, double time, Point
 std::vector<std::string> VectorField::changed_settings(const SpaceMethod& former) const
 {
     const auto& other = static_cast<const VectorField&>(former);
-    const VectorFieldOptions& theirs = other.options_;
-    return names_of({{"frames", !same(frames_, other.frames_) || options_.counts != theirs.counts},
-                     {"tools", options_.tools != theirs.tools},
-                     {"inner", options_.inner != theirs.inner},
-                     {"outer", options_.outer != theirs.outer},
-                     {"width", options_.width != theirs.width},
-                     {"order", options_.order != theirs.order},
-                     {"steps", options_.steps != theirs.steps},
-                     {"tolerance", options_.tolerance != theirs.tolerance}});
+    return changed(
+        options_, other.options_,
+        names_of({{"frames", !same(frames_, other.frames_) || options_.counts != other.options_.counts}}));
 }
 
 } // namespace sinew

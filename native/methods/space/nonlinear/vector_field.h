@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/space/method.h"
 #include "native/methods/space/nonlinear/fields/field_kernels.h"
 
@@ -16,15 +17,45 @@ enum class FieldTool {
 };
 
 /// The settings of tools. Each vector holds one value for all tools, or one per tool.
+constexpr auto choices(FieldTool)
+{
+    return std::array{Choice{"drag", FieldTool::drag}, Choice{"twist", FieldTool::twist},
+                      Choice{"bend", FieldTool::bend}};
+}
+
 struct VectorFieldOptions
 {
     std::vector<int> counts{}; ///< frames on the path of each tool; empty: all frames are those of one tool
     std::vector<FieldTool> tools{FieldTool::drag};
-    std::vector<double> inner{0.5}, outer{1.0}; ///< inner < outer; of a drag 0 <= inner
-    std::vector<double> width{1.0}; ///< > 0, of a twist or bend
-    int order = 4;           ///< of the Runge-Kutta rule if `steps` is given: 1, 2 or 4
-    int steps = 0;           ///< on each piece of a path; 0: as many as each point needs
-    double tolerance = 1e-5; ///< of a point on one piece, as a share of `outer`, if `steps` is 0
+    std::vector<double> inner{0.5}, outer{1.0};
+    std::vector<double> width{1.0};
+    int order = 4;
+    int steps = 0;
+    double tolerance = 1e-5;
+
+    static constexpr auto table()
+    {
+        using O = VectorFieldOptions;
+        return std::tuple{
+            option("tools", &O::tools, Rebind::anew,
+                   "'drag', 'twist' or 'bend', or (k,) of them: a ball moves and turns with the tool; what "
+                   "lies above the tool turns about its z axis; or about axes across that"),
+            option_of_each(
+                "inner", &O::inner, any_number(),
+                "within this distance of a drag, all moves with the tool; below this height over a "
+                "twist or bend, which may be negative, nothing turns"),
+            option_of_each("outer", &O::outer, any_number(),
+                           "more than inner: beyond it, nothing moves, or all turns"),
+            option_of_each("width", &O::width, above(0),
+                           "within this distance of the axis of a twist or bend all turns, and at twice the "
+                           "distance nothing does"),
+            option("order", &O::order, Rebind::anew, between(1, 4),
+                   "1, 2 or 4, of the Runge-Kutta rule, if steps is given"),
+            option("steps", &O::steps, Rebind::anew, between(0, 4096),
+                   "on each piece of a path; 0 for as many as each point needs"),
+            option("tolerance", &O::tolerance, Rebind::anew, at_least(1e-12),
+                   "of a point on one piece of a path, as a share of outer, if steps is 0")};
+    }
 };
 
 /// Deformation by the flow of vector fields without divergence, which tools make on their way.

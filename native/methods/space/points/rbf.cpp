@@ -26,7 +26,6 @@ constexpr int few_points = 400;
 constexpr int many_points = 3000;
 
 /// Rounding of the places of points, with some room.
-constexpr double least_radius = 1e-9;
 /// Places farther away, in the unit box, count as so far: phi of them would be infinite.
 constexpr double farthest = 1e30;
 
@@ -167,11 +166,7 @@ struct Rbf::Eight
 Rbf::Rbf(HandlePoints handles, const RbfOptions& options)
     : LinearSpaceMethod({options.precision, 0.0}), handles_(std::move(handles)), options_(options)
 {
-    if (options.degree < -1 || options.degree > 2)
-        throw InvalidOption("degree must be from -1 to 2");
-    if (!(options.radius >= least_radius) || !std::isfinite(options.radius))
-        throw InvalidOption("radius must be a finite number of at least 1e-9");
-    require_at_least(options.tolerance, 0.0, "tolerance");
+    check(options);
     basis_ = {options.function, is_compact(options.function) ? 1.0 / options.radius : 1.0};
 }
 
@@ -399,13 +394,9 @@ void Rbf::add_sums(const std::vector<double>& table, const RowMatrix& polynomial
 std::vector<std::string> Rbf::changed_settings(const SpaceMethod& former) const
 {
     const auto& other = static_cast<const Rbf&>(former);
-    const RbfOptions &own = options_, &its = other.options_;
-    return names_of({{"handles", !(handles_ == other.handles_)},
-                     {"function", own.function != its.function},
-                     {"degree", own.degree != its.degree},
-                     {"radius", own.radius != its.radius},
-                     {"tolerance", own.tolerance != its.tolerance}},
-                    LinearSpaceMethod::changed_settings(former));
+    return changed(
+        options_, other.options_,
+        names_of({{"handles", !(handles_ == other.handles_)}}, LinearSpaceMethod::changed_settings(former)));
 }
 
 void Rbf::swap_weights(SpaceMethod& other)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/space/handle_points/handle_points.h"
 #include "native/methods/space/points/rbf/incremental.h"
 #include "native/methods/space/points/rbf/kernels.h"
@@ -13,17 +14,41 @@
 
 namespace sinew {
 
+constexpr auto choices(RbfFunction)
+{
+    return std::array{
+        Choice{"triharmonic", RbfFunction::triharmonic}, Choice{"biharmonic", RbfFunction::biharmonic},
+        Choice{"wendland_c0", RbfFunction::wendland_c0}, Choice{"wendland_c2", RbfFunction::wendland_c2},
+        Choice{"wendland_c4", RbfFunction::wendland_c4}};
+}
+
 struct RbfOptions
 {
     RbfFunction function = RbfFunction::triharmonic;
-    /// In [-1, 2], of the polynomial p: maps up to it are reproduced. At least 1 is used with the triharmonic
-    /// function, and 0 to 1 with the biharmonic one; -1, for none, is for compact ones.
     int degree = 2;
-    double radius = 0.5; ///< >= 1e-9, of a compact function, as a share of the size of all handles
-    /// >= 0. Handles of many points are met up to this share of the longest move of a control point, with as
-    /// few centres as that takes; 0 meets all points exactly.
+    double radius = 0.5;
     double tolerance = 1e-4;
-    WeightPrecision precision = WeightPrecision::single_precision; ///< of handles of several points
+    WeightPrecision precision = WeightPrecision::single_precision;
+
+    static constexpr auto table()
+    {
+        using O = RbfOptions;
+        return std::tuple{
+            option("kernel", &O::function, Rebind::anew,
+                   "'triharmonic' (r^3, the smoothest), 'biharmonic' (-r), or a compact one: "
+                   "'wendland_c0', 'wendland_c2' or 'wendland_c4'"),
+            option("degree", &O::degree, Rebind::anew, between(-1, 2),
+                   "of the polynomials that are reproduced. The triharmonic kernel uses at least 1, the "
+                   "biharmonic one 0 or 1, compact ones at most 1. With -1, a compact kernel leaves points "
+                   "beyond its radius at rest"),
+            option("radius", &O::radius, Rebind::anew, at_least(1e-9),
+                   "of a compact kernel, as a share of the diameter() of all points"),
+            option("tolerance", &O::tolerance, Rebind::anew, at_least(0),
+                   "if there are many points, handles of several are met up to this share of the longest "
+                   "move of the control, with as few centres as that takes; 0 meets all exactly"),
+            option("precision", &O::precision, Rebind::anew,
+                   "of the functions of handles of several points: 'single' or 'double'")};
+    }
 };
 
 /// Radial basis functions: the smoothest deformation of space that takes the points of the handles along.

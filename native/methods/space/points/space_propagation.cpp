@@ -133,8 +133,7 @@ void SpacePropagation::move(PointsView control, PointsView base, Real* out) cons
 std::vector<std::string> SpacePropagation::changed_settings(const SpaceMethod& former) const
 {
     const auto& other = static_cast<const SpacePropagation&>(former);
-    return names_of({{"handles", !(handles_ == other.handles_)},
-                     {"transfer", options_.transfer != other.options_.transfer}});
+    return changed(options_, other.options_, names_of({{"handles", !(handles_ == other.handles_)}}));
 }
 
 void SpacePropagation::swap_weights(SpaceMethod& other)

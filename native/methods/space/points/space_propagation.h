@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/handles/handle_groups.h"
 #include "native/handles/propagated_motions.h"
 #include "native/methods/space/handle_points/handle_points.h"
@@ -13,7 +14,15 @@ namespace sinew {
 
 struct SpacePropagationOptions
 {
-    std::vector<double> transfer{0.0, 1.0}; ///< t(s), see TransferCurve
+    std::vector<double> transfer{0.0, 1.0}; ///< see TransferCurve
+
+    static constexpr auto table()
+    {
+        using O = SpacePropagationOptions;
+        return std::tuple{
+            option("transfer", &O::transfer, Rebind::anew, any_number(),
+                   "(k,) values of t(s) at even steps from s = 0 to s = 1, k >= 2; None for t(s) = s")};
+    }
 };
 
 /// Transformation propagation in space: the motions of the handles fade with the distance, for any points.

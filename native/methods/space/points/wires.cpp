@@ -21,12 +21,6 @@ namespace {
 
 constexpr double pi = 3.14159265358979323846;
 
-bool same(const Points& a, const Points& b)
-{
-    return a.rows() == b.rows() &&
-           (a.size() == 0 || std::memcmp(a.data(), b.data(), sizeof(double) * a.size()) == 0);
-}
-
 /// One value per curve.
 std::vector<double> per_curve(std::vector<double> values, std::size_t curves, const char* name, double least,
                               double most)
@@ -54,8 +48,7 @@ Wires::Wires(Points reference, const WireOptions& options)
     if (!bad.empty())
         throw InvalidConstraint("samples " + list_some(bad) + " of the curves are not finite",
                                 Error::Element::vertex, bad);
-    require_at_least(options.exponent, 0.0, "exponent");
-    require_at_least(options.smoothing, 0.0, "smoothing");
+    check(options);
     if (options_.counts.empty())
         options_.counts = {static_cast<int>(reference_.rows())};
     add_curves();
@@ -401,15 +394,9 @@ void Wires::displace(PointsView control, PointsView base, PositionsOut out) cons
 std::vector<std::string> Wires::changed_settings(const SpaceMethod& former) const
 {
     const auto& other = static_cast<const Wires&>(former);
-    const WireOptions& theirs = other.options_;
-    return names_of({{"curves", !same(reference_, other.reference_) || options_.counts != theirs.counts ||
-                                    options_.closed != theirs.closed},
-                     {"radius", options_.radius != theirs.radius},
-                     {"scale", options_.scale != theirs.scale},
-                     {"rotation", options_.rotation != theirs.rotation},
-                     {"domain", !same(options_.domain, theirs.domain)},
-                     {"exponent", options_.exponent != theirs.exponent},
-                     {"smoothing", options_.smoothing != theirs.smoothing}});
+    return changed(options_, other.options_,
+                   names_of({{"curves", !same(reference_, other.reference_) ||
+                                            options_.counts != other.options_.counts}}));
 }
 
 void Wires::swap_weights(SpaceMethod& other) { std::swap(contacts_, static_cast<Wires&>(other).contacts_); }

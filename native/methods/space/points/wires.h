@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/core/simd/aligned.h"
 #include "native/methods/space/method.h"
 
@@ -11,14 +12,35 @@ namespace sinew {
 /// The settings of wires. `radius`, `scale` and `rotation` hold one number for all curves, or one per curve.
 struct WireOptions
 {
-    std::vector<int> counts{};    ///< samples of each curve, in order; empty: all samples are one curve
-    std::vector<bool> closed{};   ///< whether each curve is closed; empty: none is
-    std::vector<double> radius{1.0}; ///< how far from the curve points follow it, > 0
-    std::vector<double> scale{1.0};  ///< of the distances from the curve, near the curve
-    std::vector<double> rotation{1.0}; ///< how much of the turn of the curve points follow, in [0, 1]
-    Points domain{}; ///< (c, 3) one sample of a domain curve per sample, NaN on curves without one; or empty
-    double exponent = 1.0; ///< m, >= 0: with more, the wire with the longest move prevails
-    double smoothing = 0.2; ///< s, >= 0: how much farther than the nearest point of a curve others count
+    std::vector<int> counts{}; ///< samples of each curve, in order; empty: all samples are one curve
+    std::vector<bool> closed{};
+    std::vector<double> radius{1.0};
+    std::vector<double> scale{1.0};
+    std::vector<double> rotation{1.0};
+    Points domain{};
+    double exponent = 1.0;
+    double smoothing = 0.2;
+
+    static constexpr auto table()
+    {
+        using O = WireOptions;
+        return std::tuple{
+            option("closed", &O::closed, Rebind::anew,
+                   "None, a flag, or (k,) flags: the curves whose last sample is joined to the first"),
+            option_of_each("radius", &O::radius, above(0), "how far from the curve points follow it"),
+            option_of_each("scale", &O::scale, any_number(),
+                           "of the distances from the curve, near the curve; it acts at rest, too"),
+            option_of_each("rotation", &O::rotation, between(0, 1),
+                           "how much of the turn of the curve points follow"),
+            option("domain", &O::domain, Rebind::anew,
+                   "None, or (c, 3) samples of domain curves, NaN for curves without one: in the direction "
+                   "of its domain curve, a wire reaches as far as that"),
+            option("exponent", &O::exponent, Rebind::anew, at_least(0),
+                   "of several wires, those with a longer move prevail the more, the larger it is"),
+            option("smoothing", &O::smoothing, Rebind::anew, at_least(0),
+                   "how much farther than the nearest place of a curve others count, as a share; with 0 "
+                   "only the nearest counts, and the warp jumps where that jumps")};
+    }
 };
 
 /// Wires: curves that carry the space around them.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/core/types.h"
 
 #include <Eigen/SparseCore>
@@ -16,6 +17,11 @@ enum class WeightPrecision {
     single_precision, ///< half the memory and time of a warp; its error is 1e-7 of the longest move
     double_precision
 };
+constexpr auto choices(WeightPrecision)
+{
+    return std::array{Choice{"single", WeightPrecision::single_precision},
+                      Choice{"double", WeightPrecision::double_precision}};
+}
 
 struct PointWeightOptions
 {

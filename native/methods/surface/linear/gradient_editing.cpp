@@ -59,13 +59,16 @@ struct GradientEditing::Impl
 };
 
 GradientEditing::GradientEditing(const SurfaceMesh& rest, const GradientEditingOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
+    check(options);
     impl_->options = options;
 }
 
 GradientEditing::~GradientEditing() = default;
 GradientEditing::GradientEditing(GradientEditing&&) noexcept = default;
+
+const GradientEditingOptions& GradientEditing::options() const { return impl_->options; }
 
 void GradientEditing::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
@@ -131,14 +134,6 @@ SolveReport GradientEditing::deform(const SolveRequest& /*request*/, const Targe
     report.half_turns = blend.half_turns(groups);
     return report;
 }
-
-std::vector<std::string> GradientEditing::changed_options(const SurfaceMethod& former) const
-{
-    const Field other = static_cast<const GradientEditing&>(former).impl_->options.field;
-    return names_of({{"field", impl_->options.field != other}});
-}
-
-bool GradientEditing::updates(const std::string& /*option*/) const { return true; }
 
 void GradientEditing::swap_binding(SurfaceMethod& other)
 {

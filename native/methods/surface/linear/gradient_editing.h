@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/handles/handle_fields.h"
 #include "native/methods/surface/method.h"
 
@@ -12,7 +13,16 @@ namespace sinew {
 
 struct GradientEditingOptions
 {
-    Field field = Field::harmonic; ///< how the maps of the handles fade
+    Field field = Field::harmonic;
+
+    static constexpr auto table()
+    {
+        using O = GradientEditingOptions;
+        return std::tuple{
+            option("field", &O::field, Rebind::update,
+                   "how the maps of the handles fade: 'harmonic' (Eq. 8), or by the distances from them: "
+                   "'geodesic' along the surface, 'euclidean' in a straight line")};
+    }
 };
 
 /// Gradient-based editing: the handles turn the gradients of the surface, and one Poisson equation finds the
@@ -49,18 +59,18 @@ struct GradientEditingOptions
 /// Affine motions of all handles together are reproduced. Translations have no influence on gradients: where
 /// handles are moved but not turned, the surface between them is sheared. Suits bends and twists of less than
 /// half a turn between neighbouring handles.
-class GradientEditing final : public SurfaceMethod
+class GradientEditing final : public SurfaceMethodWith<GradientEditingOptions>
 {
 public:
     explicit GradientEditing(const SurfaceMesh& rest, const GradientEditingOptions& options = {});
     ~GradientEditing() override;
     GradientEditing(GradientEditing&&) noexcept;
 
+    const GradientEditingOptions& options() const override;
+
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

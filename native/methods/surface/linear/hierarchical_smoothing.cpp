@@ -107,15 +107,16 @@ struct HierarchicalSmoothing::Impl
 
 HierarchicalSmoothing::HierarchicalSmoothing(const SurfaceMesh& rest,
                                              const HierarchicalSmoothingOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    require_at_least(options.levels, 0, "levels");
-    require_at_least(options.relaxations, 0, "relaxations");
+    check(options);
     impl_->options = options;
 }
 
 HierarchicalSmoothing::~HierarchicalSmoothing() = default;
 HierarchicalSmoothing::HierarchicalSmoothing(HierarchicalSmoothing&&) noexcept = default;
+
+const HierarchicalSmoothingOptions& HierarchicalSmoothing::options() const { return impl_->options; }
 
 int HierarchicalSmoothing::level_count() const
 {
@@ -219,15 +220,6 @@ SolveReport HierarchicalSmoothing::deform(const SolveRequest& /*request*/, const
     report.half_turns = blend.half_turns(groups);
     return report;
 }
-
-std::vector<std::string> HierarchicalSmoothing::changed_options(const SurfaceMethod& former) const
-{
-    const auto& other = static_cast<const HierarchicalSmoothing&>(former).impl_->options;
-    return names_of({{"levels", impl_->options.levels != other.levels},
-                     {"relaxations", impl_->options.relaxations != other.relaxations}});
-}
-
-bool HierarchicalSmoothing::updates(const std::string& /*option*/) const { return true; }
 
 void HierarchicalSmoothing::swap_binding(SurfaceMethod& other)
 {

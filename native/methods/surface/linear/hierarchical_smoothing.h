@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
 #include <memory>
@@ -11,8 +12,19 @@ namespace sinew {
 
 struct HierarchicalSmoothingOptions
 {
-    int levels = 64;     ///< the most levels that the free vertices are thinned out by
-    int relaxations = 4; ///< sweeps on each level after its vertices have come back
+    int levels = 64;
+    int relaxations = 4;
+
+    static constexpr auto table()
+    {
+        using O = HierarchicalSmoothingOptions;
+        return std::tuple{
+            option("levels", &O::levels, Rebind::update, at_least(0),
+                   "the most levels that the free vertices are thinned out by; 0 solves on the mesh "
+                   "itself, as a thin plate, and turns no details"),
+            option("relaxations", &O::relaxations, Rebind::update, at_least(0),
+                   "sweeps on each level after its vertices have come back")};
+    }
 };
 
 /// Hierarchical smoothing: the handles move a coarse mesh, which gets its vertices back level by level; each
@@ -48,7 +60,7 @@ struct HierarchicalSmoothingOptions
 /// Rigid motions of all handles are reproduced; with levels = 0, affine ones. Details turn with the coarser
 /// shape, that itself is moved as a thin plate: handles that are turned by more than about a right angle
 /// against each other flatten it between them.
-class HierarchicalSmoothing final : public SurfaceMethod
+class HierarchicalSmoothing final : public SurfaceMethodWith<HierarchicalSmoothingOptions>
 {
 public:
     /// \throw InvalidOption  levels or relaxations < 0.
@@ -56,14 +68,14 @@ public:
     ~HierarchicalSmoothing() override;
     HierarchicalSmoothing(HierarchicalSmoothing&&) noexcept;
 
+    const HierarchicalSmoothingOptions& options() const override;
+
     /// The number of levels that the last bind made, without the coarsest one.
     int level_count() const;
 
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

@@ -188,14 +188,16 @@ struct LaplacianEditing::Impl
 };
 
 LaplacianEditing::LaplacianEditing(const SurfaceMesh& rest, const LaplacianEditingOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    require_at_least(options.refits, 0, "refits");
+    check(options);
     impl_->options = options;
 }
 
 LaplacianEditing::~LaplacianEditing() = default;
 LaplacianEditing::LaplacianEditing(LaplacianEditing&&) noexcept = default;
+
+const LaplacianEditingOptions& LaplacianEditing::options() const { return impl_->options; }
 
 SurfaceMethod::Stepping LaplacianEditing::stepping() const
 {
@@ -330,20 +332,6 @@ SolveReport LaplacianEditing::deform(const SolveRequest& request, const Targets&
     report.half_turns = half_turns;
     return report;
 }
-
-std::vector<std::string> LaplacianEditing::changed_options(const SurfaceMethod& former) const
-{
-    const LaplacianEditingOptions &own = impl_->options,
-                                  &other = static_cast<const LaplacianEditing&>(former).impl_->options;
-    return names_of({{"transforms", own.transforms != other.transforms},
-                     {"laplacian", own.laplacian != other.laplacian},
-                     {"field", own.field != other.field},
-                     {"refits", own.refits != other.refits},
-                     {"second_stage", own.second_stage != other.second_stage},
-                     {"mean_frame", own.mean_frame != other.mean_frame}});
-}
-
-bool LaplacianEditing::updates(const std::string& option) const { return option != "laplacian"; }
 
 void LaplacianEditing::swap_binding(SurfaceMethod& other)
 {

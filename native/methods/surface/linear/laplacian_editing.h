@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/handles/handle_fields.h"
 #include "native/methods/surface/method.h"
 #include "native/operators/laplacian.h"
@@ -25,14 +26,46 @@ enum class SecondStage {
     length ///< by T_i, and scaled to their lengths at rest, as in the paper
 };
 
+constexpr auto choices(LocalTransforms)
+{
+    return std::array{
+        Choice{"none", LocalTransforms::none}, Choice{"explicit", LocalTransforms::from_handles},
+        Choice{"estimated", LocalTransforms::estimated}, Choice{"implicit", LocalTransforms::implicit}};
+}
+constexpr auto choices(SecondStage)
+{
+    return std::array{Choice{"polar", SecondStage::polar}, Choice{"length", SecondStage::length}};
+}
+
 struct LaplacianEditingOptions
 {
     LocalTransforms transforms = LocalTransforms::estimated;
     Discretization laplacian = Discretization::cotan_voronoi;
-    Field field = Field::harmonic; ///< of `from_handles`
-    int refits = 2;                ///< of `estimated`: how often the rotations are fitted
-    SecondStage second_stage = SecondStage::polar; ///< of `implicit`
-    bool mean_frame = true;        ///< of `estimated` and `implicit`
+    Field field = Field::harmonic;
+    int refits = 2;
+    SecondStage second_stage = SecondStage::polar;
+    bool mean_frame = true;
+
+    static constexpr auto table()
+    {
+        using O = LaplacianEditingOptions;
+        return std::tuple{
+            option("transforms", &O::transforms, Rebind::update,
+                   "'none', 'explicit' (Eq. 16), 'estimated' or 'implicit': the local transformations"),
+            option("laplacian", &O::laplacian, Rebind::anew,
+                   "'uniform', 'cotan' or 'cotan_voronoi' (section 3.2)"),
+            option("field", &O::field, Rebind::update,
+                   "of 'explicit', how the maps of the handles fade: 'harmonic' (Eq. 8), 'geodesic' or "
+                   "'euclidean'"),
+            option("refits", &O::refits, Rebind::update, at_least(0),
+                   "of 'estimated', how often the rotations are fitted to the last solution"),
+            option("second_stage", &O::second_stage, Rebind::update,
+                   "of 'implicit', how differential coordinates are turned: 'polar' by the rotations, or "
+                   "'length' by the transformations, with their lengths kept"),
+            option("mean_frame", &O::mean_frame, Rebind::update,
+                   "of 'estimated' and 'implicit', whether to solve as seen from the mean rotation of the "
+                   "handles")};
+    }
 };
 
 /// Laplacian editing: the surface keeps its differential coordinates, each turned by a local transformation.
@@ -83,13 +116,15 @@ struct LaplacianEditingOptions
 ///
 /// Affine motions of all handles are reproduced by `from_handles`, rigid ones by `estimated` and `implicit`,
 /// translations by all.
-class LaplacianEditing final : public SurfaceMethod
+class LaplacianEditing final : public SurfaceMethodWith<LaplacianEditingOptions>
 {
 public:
     /// \throw InvalidOption  refits < 0.
     explicit LaplacianEditing(const SurfaceMesh& rest, const LaplacianEditingOptions& options = {});
     ~LaplacianEditing() override;
     LaplacianEditing(LaplacianEditing&&) noexcept;
+
+    const LaplacianEditingOptions& options() const override;
 
     /// `none` and `implicit` are made anew. `estimated` fits its first rotations to the last step. The maps
     /// of handles fade in one step as in many.
@@ -101,8 +136,6 @@ protected:
     std::unique_ptr<SurfaceMethod> made_anew(const SurfaceMesh& rest) const override;
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

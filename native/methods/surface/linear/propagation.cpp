@@ -56,14 +56,17 @@ struct Propagation::Impl
 };
 
 Propagation::Propagation(const SurfaceMesh& rest, const PropagationOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
+    check(options);
     impl_->transfer = TransferCurve(options.transfer);
     impl_->options = options;
 }
 
 Propagation::~Propagation() = default;
 Propagation::Propagation(Propagation&&) noexcept = default;
+
+const PropagationOptions& Propagation::options() const { return impl_->options; }
 
 void Propagation::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
@@ -130,15 +133,6 @@ SolveReport Propagation::deform(const SolveRequest& /*request*/, const Targets& 
     report.half_turns = motions.half_turns(groups);
     return report;
 }
-
-std::vector<std::string> Propagation::changed_options(const SurfaceMethod& former) const
-{
-    const PropagationOptions& other = static_cast<const Propagation&>(former).impl_->options;
-    return names_of({{"field", impl_->options.field != other.field},
-                     {"transfer", impl_->options.transfer != other.transfer}});
-}
-
-bool Propagation::updates(const std::string& /*option*/) const { return true; }
 
 void Propagation::swap_binding(SurfaceMethod& other)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/handles/handle_fields.h"
 #include "native/methods/surface/method.h"
 
@@ -12,9 +13,19 @@ namespace sinew {
 
 struct PropagationOptions
 {
-    Field field = Field::harmonic; ///< s
-    /// t(s), see TransferCurve.
-    std::vector<double> transfer{0.0, 1.0};
+    Field field = Field::harmonic;
+    std::vector<double> transfer{0.0, 1.0}; ///< see TransferCurve
+
+    static constexpr auto table()
+    {
+        using O = PropagationOptions;
+        return std::tuple{
+            option("field", &O::field, Rebind::update,
+                   "s: 'harmonic' (Eq. 8), or by distances: 'geodesic' along the surface, 'euclidean' in a "
+                   "straight line"),
+            option("transfer", &O::transfer, Rebind::update, any_number(),
+                   "(k,) values of t(s) at even steps from s = 0 to s = 1, k >= 2; None for t(s) = s")};
+    }
 };
 
 /// Transformation propagation: the motions of the handles fade over the surface.
@@ -46,7 +57,7 @@ struct PropagationOptions
 ///
 /// There are no equations per frame, so nothing keeps the surface smooth or stiff: it follows the shape of
 /// the field. Suits quick edits around one handle.
-class Propagation final : public SurfaceMethod
+class Propagation final : public SurfaceMethodWith<PropagationOptions>
 {
 public:
     /// \throw InvalidOption  `transfer` has less than two values, or one that is not finite.
@@ -54,11 +65,11 @@ public:
     ~Propagation() override;
     Propagation(Propagation&&) noexcept;
 
+    const PropagationOptions& options() const override;
+
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

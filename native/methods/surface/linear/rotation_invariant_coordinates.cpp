@@ -129,8 +129,9 @@ struct RotationInvariantCoordinates::Impl
 
 RotationInvariantCoordinates::RotationInvariantCoordinates(const SurfaceMesh& rest,
                                                            const RotationInvariantCoordinatesOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
+    check(options);
     if (options.laplacian == Discretization::cotan_voronoi)
         throw InvalidOption("laplacian: 'cotan_voronoi' is not one of 'uniform', 'cotan'");
     impl_->options = options;
@@ -138,6 +139,11 @@ RotationInvariantCoordinates::RotationInvariantCoordinates(const SurfaceMesh& re
 
 RotationInvariantCoordinates::~RotationInvariantCoordinates() = default;
 RotationInvariantCoordinates::RotationInvariantCoordinates(RotationInvariantCoordinates&&) noexcept = default;
+
+const RotationInvariantCoordinatesOptions& RotationInvariantCoordinates::options() const
+{
+    return impl_->options;
+}
 
 void RotationInvariantCoordinates::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
@@ -173,14 +179,6 @@ SolveReport RotationInvariantCoordinates::deform(const SolveRequest& /*request*/
     report.half_turns = half_turns;
     return report;
 }
-
-std::vector<std::string> RotationInvariantCoordinates::changed_options(const SurfaceMethod& former) const
-{
-    const auto& other = static_cast<const RotationInvariantCoordinates&>(former).impl_->options;
-    return names_of({{"laplacian", impl_->options.laplacian != other.laplacian}});
-}
-
-bool RotationInvariantCoordinates::updates(const std::string& /*option*/) const { return false; }
 
 void RotationInvariantCoordinates::swap_binding(SurfaceMethod& other)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/surface/method.h"
 #include "native/operators/laplacian.h"
 
@@ -12,7 +13,14 @@ namespace sinew {
 
 struct RotationInvariantCoordinatesOptions
 {
-    Discretization laplacian = Discretization::cotan; ///< of the edges' weights
+    Discretization laplacian = Discretization::cotan;
+
+    static constexpr auto table()
+    {
+        using O = RotationInvariantCoordinatesOptions;
+        return std::tuple{option("laplacian", &O::laplacian, Rebind::anew,
+                                 "'uniform' or 'cotan' (section 3.2): the weights of the edges")};
+    }
 };
 
 /// Rotation-invariant coordinates: local frames first, then positions, each by one linear system.
@@ -49,7 +57,7 @@ struct RotationInvariantCoordinatesOptions
 /// Rigid motions of all handles together are reproduced; scale and shear of a handle reach its own vertices
 /// alone. Translations have no influence on frames: where handles are moved but not turned, the surface
 /// between them is sheared. Suits bends and twists of less than half a turn between neighbouring handles.
-class RotationInvariantCoordinates final : public SurfaceMethod
+class RotationInvariantCoordinates final : public SurfaceMethodWith<RotationInvariantCoordinatesOptions>
 {
 public:
     /// \throw InvalidOption  cotan_voronoi, whose masses have no place here.
@@ -58,11 +66,11 @@ public:
     ~RotationInvariantCoordinates() override;
     RotationInvariantCoordinates(RotationInvariantCoordinates&&) noexcept;
 
+    const RotationInvariantCoordinatesOptions& options() const override;
+
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

@@ -21,7 +21,6 @@ namespace sinew {
 namespace {
 
 constexpr int most_basis_handles = 16;
-constexpr int most_points = 32; ///< of a grid, in each direction
 constexpr int most_fitted = 4096; ///< vertices that the grid at rest is fitted to
 constexpr double least_rest_smoothing = 1e-3; ///< of the grid at rest, which is only shown
 
@@ -256,15 +255,9 @@ struct SplineSurface::Impl
 };
 
 SplineSurface::SplineSurface(const SurfaceMesh& rest, const SplineSurfaceOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>(options))
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>(options))
 {
-    require_at_least(options.columns, 2, "columns");
-    require_at_least(options.rows, 2, "rows");
-    require_at_least(options.smoothing, 0.0, "smoothing");
-    require_at_least(options.margin, 0.0, "margin");
-    if (std::max(options.columns, options.rows) > most_points)
-        throw InvalidOption("columns, rows: at most " + std::to_string(most_points) +
-                            " control points in each direction");
+    check(options);
     const RowMatrix& uv = options.uv_map;
     if (uv.size() > 0 && (uv.rows() != rest.vertex_count() || uv.cols() != 2))
         throw InvalidOption("uv_map: (" + std::to_string(uv.rows()) + ", " + std::to_string(uv.cols()) +
@@ -275,6 +268,8 @@ SplineSurface::SplineSurface(const SurfaceMesh& rest, const SplineSurfaceOptions
 
 SplineSurface::~SplineSurface() = default;
 SplineSurface::SplineSurface(SplineSurface&&) noexcept = default;
+
+const SplineSurfaceOptions& SplineSurface::options() const { return impl_->options; }
 
 void SplineSurface::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
@@ -368,25 +363,6 @@ std::vector<SplineSurface::Grid> SplineSurface::control_grids(const SolveRequest
     }
     return grids;
 }
-
-std::vector<std::string> SplineSurface::changed_options(const SurfaceMethod& former) const
-{
-    const SplineSurfaceOptions &own = impl_->options,
-                               &other = static_cast<const SplineSurface&>(former).impl_->options;
-    const auto same_map = [&] { // NaN is no place, and equal to itself
-        return own.uv_map.rows() == other.uv_map.rows() &&
-               std::equal(own.uv_map.data(), own.uv_map.data() + own.uv_map.size(), other.uv_map.data(),
-                          [](double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); });
-    };
-    return names_of({{"degree", own.degree != other.degree},
-                     {"columns", own.columns != other.columns},
-                     {"rows", own.rows != other.rows},
-                     {"smoothing", own.smoothing != other.smoothing},
-                     {"margin", own.margin != other.margin},
-                     {"uv_map", !same_map()}});
-}
-
-bool SplineSurface::updates(const std::string& /*option*/) const { return true; }
 
 void SplineSurface::swap_binding(SurfaceMethod& other)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
 #include <memory>
@@ -11,16 +12,31 @@ namespace sinew {
 
 struct SplineSurfaceOptions
 {
-    int degree = 3; ///< of the spline, 1 to 5
-    int columns = 8; ///< control points along u, 2 to 32; fewer than degree + 1 count as that
-    int rows = 8; ///< along v, likewise
-    /// How much the control grid resists being bent, >= 0; 0 for least squares and least norm alone.
+    int degree = 3;
+    int columns = 8;
+    int rows = 8;
     double smoothing = 1e-3;
-    /// How far the grid reaches into the handles, >= 0, as a share of twice the distance of the farthest free
-    /// vertex of a part from their mean. One ring of held vertices is always within it.
     double margin = 0.2;
-    /// (n, 2) u and v of each vertex, NaN where it has none; empty for a plane that is fitted to each part.
-    RowMatrix uv_map{};
+    RowMatrix uv_map{}; ///< empty for None
+
+    static constexpr auto table()
+    {
+        using O = SplineSurfaceOptions;
+        return std::tuple{
+            option("degree", &O::degree, Rebind::update, between(1, 5), "of the spline"),
+            option("columns", &O::columns, Rebind::update, between(2, 32),
+                   "control points of the grid of each part along u; fewer than degree + 1 count as that"),
+            option("rows", &O::rows, Rebind::update, between(2, 32), "the same along v"),
+            option("smoothing", &O::smoothing, Rebind::update, at_least(0),
+                   "how much the grid resists being bent; 0 for least squares, and the least norm, alone"),
+            option("margin", &O::margin, Rebind::update, at_least(0),
+                   "how far the grid reaches into the handles, as a share of twice the distance of the "
+                   "farthest free vertex of a part from their mean; one ring of held vertices is always "
+                   "within it"),
+            option("uv_map", &O::uv_map, Rebind::update,
+                   "(n, 2) u and v of each vertex, NaN where it has none; None for the plane of least "
+                   "squares of each part")};
+    }
 };
 
 /// Spline surface: a tensor-product B-spline displaces the surface, and the handles move its control grid.
@@ -64,7 +80,7 @@ struct SplineSurfaceOptions
 ///
 /// Being linear, it suits translations and gentle bends of sheets; the rectangular grid shows in the result,
 /// and across the seams of a UV map the surface does not hold together.
-class SplineSurface final : public SurfaceMethod
+class SplineSurface final : public SurfaceMethodWith<SplineSurfaceOptions>
 {
 public:
     /// \throw InvalidOption  an option is out of range; or `uv_map` has another number of rows than the mesh
@@ -72,6 +88,8 @@ public:
     explicit SplineSurface(const SurfaceMesh& rest, const SplineSurfaceOptions& options = {});
     ~SplineSurface() override;
     SplineSurface(SplineSurface&&) noexcept;
+
+    const SplineSurfaceOptions& options() const override;
 
     bool displaces_all_alike() const override { return true; }
 
@@ -91,8 +109,6 @@ protected:
     ///   error are these vertices.
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

@@ -129,14 +129,16 @@ struct SubdivisionEditing::Impl
 };
 
 SubdivisionEditing::SubdivisionEditing(const SurfaceMesh& rest, const SubdivisionEditingOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    require_at_least(options.levels, 0, "levels");
+    check(options);
     impl_->options = options;
 }
 
 SubdivisionEditing::~SubdivisionEditing() = default;
 SubdivisionEditing::SubdivisionEditing(SubdivisionEditing&&) noexcept = default;
+
+const SubdivisionEditingOptions& SubdivisionEditing::options() const { return impl_->options; }
 
 std::vector<int> SubdivisionEditing::level_counts() const
 {
@@ -246,15 +248,6 @@ SolveReport SubdivisionEditing::deform(const SolveRequest& /*request*/, const Ta
     report.half_turns = blend.half_turns(bound.groups);
     return report;
 }
-
-std::vector<std::string> SubdivisionEditing::changed_options(const SurfaceMethod& former) const
-{
-    const auto &own = impl_->options, &other = static_cast<const SubdivisionEditing&>(former).impl_->options;
-    return names_of(
-        {{"coarsening", own.coarsening != other.coarsening}, {"levels", own.levels != other.levels}});
-}
-
-bool SubdivisionEditing::updates(const std::string& /*option*/) const { return true; }
 
 void SubdivisionEditing::swap_binding(SurfaceMethod& other)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
 #include <memory>
@@ -15,10 +16,26 @@ enum class Coarsening {
     levels     ///< as often as the options say, if there are so many levels
 };
 
+constexpr auto choices(Coarsening)
+{
+    return std::array{Choice{"automatic", Coarsening::automatic}, Choice{"levels", Coarsening::levels}};
+}
+
 struct SubdivisionEditingOptions
 {
     Coarsening coarsening = Coarsening::automatic;
-    int levels = 1; ///< of Coarsening::levels: 0 is the mesh itself
+    int levels = 1;
+
+    static constexpr auto table()
+    {
+        using O = SubdivisionEditingOptions;
+        return std::tuple{
+            option("coarsening", &O::coarsening, Rebind::update,
+                   "'automatic': each part is coarsened as often as it keeps 64 vertices; 'levels': as "
+                   "often as `levels` says"),
+            option("levels", &O::levels, Rebind::update, at_least(0),
+                   "of 'levels', how often, if there are so many levels; 0 solves on the mesh itself")};
+    }
 };
 
 /// Multiresolution editing of meshes that come from subdividing a coarse one: the handles move a control
@@ -55,13 +72,15 @@ struct SubdivisionEditingOptions
 ///
 /// Rigid motions of all handles are reproduced; with levels = 0, affine ones. Details keep their lengths, and
 /// the plate flattens between handles that are turned against each other by more than about a right angle.
-class SubdivisionEditing final : public SurfaceMethod
+class SubdivisionEditing final : public SurfaceMethodWith<SubdivisionEditingOptions>
 {
 public:
     /// \throw InvalidOption  levels < 0.
     explicit SubdivisionEditing(const SurfaceMesh& rest, const SubdivisionEditingOptions& options = {});
     ~SubdivisionEditing() override;
     SubdivisionEditing(SubdivisionEditing&&) noexcept;
+
+    const SubdivisionEditingOptions& options() const override;
 
     /// How often the last bind coarsened each part of the mesh; parts are numbered by their lowest vertices.
     std::vector<int> level_counts() const;
@@ -71,8 +90,6 @@ public:
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

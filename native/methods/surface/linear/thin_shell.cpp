@@ -153,12 +153,15 @@ struct ThinShell::Impl
 };
 
 ThinShell::ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>(this->rest(), options))
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>(this->rest(), options))
 {
+    check(options);
 }
 
 ThinShell::~ThinShell() = default;
 ThinShell::ThinShell(ThinShell&&) noexcept = default;
+
+const ThinShellOptions& ThinShell::options() const { return impl_->options; }
 
 std::unique_ptr<SurfaceMethod> ThinShell::made_anew(const SurfaceMesh& rest) const
 {
@@ -202,19 +205,6 @@ BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness
     exchange.done = true;
     return report;
 }
-
-std::vector<std::string> ThinShell::changed_options(const SurfaceMethod& former) const
-{
-    const ThinShellOptions &own = impl_->options,
-                           &other = static_cast<const ThinShell&>(former).impl_->options;
-    return names_of({{"stretching", own.stretching != other.stretching},
-                     {"bending", own.bending != other.bending},
-                     {"variation", own.variation != other.variation},
-                     {"laplacian", own.laplacian != other.laplacian},
-                     {"affine_basis", own.affine_basis != other.affine_basis}});
-}
-
-bool ThinShell::updates(const std::string& option) const { return option != "laplacian"; }
 
 void ThinShell::swap_binding(SurfaceMethod& other)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/surface/linear/responses/affine_basis.h"
 #include "native/methods/surface/method.h"
 #include "native/operators/laplacian.h"
@@ -17,13 +18,28 @@ using Stiffness = std::vector<double>;
 
 struct ThinShellOptions
 {
-    Stiffness stretching{0.0}; ///< k_s >= 0, of order 1: a membrane
-    Stiffness bending{1.0};    ///< k_b >= 0, of order 2: a thin plate
-    Stiffness variation{0.0};  ///< k_v >= 0, of order 3: minimum variation of curvature
+    Stiffness stretching{0.0};
+    Stiffness bending{1.0};
+    Stiffness variation{0.0};
     Discretization laplacian = Discretization::cotan_voronoi;
-    /// Whether to precompute an AffineBasis if there are at most 16 handles. A frame is then one small matrix
-    /// product with the same result.
-    bool affine_basis = true;
+    bool affine_basis = true; ///< only where there are at most 16 handles
+
+    static constexpr auto table()
+    {
+        using O = ThinShellOptions;
+        return std::tuple{
+            painted_option("stretching", &O::stretching, Rebind::update, at_least(0),
+                           "k_s: a membrane, of order 1"),
+            painted_option("bending", &O::bending, Rebind::update, at_least(0),
+                           "k_b: a thin plate, of order 2; in units of k_s length^2"),
+            painted_option("variation", &O::variation, Rebind::update, at_least(0),
+                           "k_v: minimum variation of curvature, of order 3; in units of k_s length^4"),
+            option("laplacian", &O::laplacian, Rebind::anew,
+                   "'uniform', 'cotan' or 'cotan_voronoi' (section 3.2)"),
+            option("affine_basis", &O::affine_basis, Rebind::update,
+                   "whether to precompute the response to affine handle motions, which makes a frame one "
+                   "small matrix product with the same result")};
+    }
 };
 
 /// Linear thin shell: the smoothest displacement field that meets the handles.
@@ -60,7 +76,7 @@ struct ThinShellOptions
 ///                                                 bind more per substep after the first
 ///
 /// Being linear, it suits translations and gentle bends; details do not rotate with the surface.
-class ThinShell final : public SurfaceMethod
+class ThinShell final : public SurfaceMethodWith<ThinShellOptions>
 {
 public:
     /// \throw InvalidOption  a stiffness is negative or not finite, or has neither 1 nor n numbers; or all
@@ -68,6 +84,8 @@ public:
     explicit ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options = {});
     ~ThinShell() override;
     ThinShell(ThinShell&&) noexcept;
+
+    const ThinShellOptions& options() const override;
 
     /// Changes k_s, k_b and k_v and keeps the handles. Leaves the object as it was if it throws.
     /// \throw InvalidOption  as the constructor.
@@ -91,8 +109,6 @@ protected:
     std::unique_ptr<SurfaceMethod> made_anew(const SurfaceMesh& rest) const override;
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

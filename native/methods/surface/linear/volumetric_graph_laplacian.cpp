@@ -159,14 +159,16 @@ struct VolumetricGraphLaplacian::Impl
 
 VolumetricGraphLaplacian::VolumetricGraphLaplacian(const SurfaceMesh& rest,
                                                    const VolumetricGraphLaplacianOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    require_at_least(options.volume, 0.0, "volume");
+    check(options);
     impl_->options = options;
 }
 
 VolumetricGraphLaplacian::~VolumetricGraphLaplacian() = default;
 VolumetricGraphLaplacian::VolumetricGraphLaplacian(VolumetricGraphLaplacian&&) noexcept = default;
+
+const VolumetricGraphLaplacianOptions& VolumetricGraphLaplacian::options() const { return impl_->options; }
 
 Points VolumetricGraphLaplacian::inner_points() const
 {
@@ -297,17 +299,6 @@ SolveReport VolumetricGraphLaplacian::deform(const SolveRequest& /*request*/, co
     report.half_turns = blend.half_turns(bound.groups);
     return report;
 }
-
-std::vector<std::string> VolumetricGraphLaplacian::changed_options(const SurfaceMethod& former) const
-{
-    const VolumetricGraphLaplacianOptions &own = impl_->options,
-                                          &other = static_cast<const VolumetricGraphLaplacian&>(former)
-                                                       .impl_->options;
-    return names_of(
-        {{"volume", own.volume != other.volume}, {"laplacian", own.laplacian != other.laplacian}});
-}
-
-bool VolumetricGraphLaplacian::updates(const std::string& option) const { return option != "laplacian"; }
 
 void VolumetricGraphLaplacian::swap_binding(SurfaceMethod& other)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/surface/method.h"
 #include "native/operators/laplacian.h"
 
@@ -13,8 +14,18 @@ namespace sinew {
 
 struct VolumetricGraphLaplacianOptions
 {
-    double volume = 1.0; ///< alpha, how much the graph counts beside the surface; 0 leaves the surface alone
-    Discretization laplacian = Discretization::cotan_voronoi; ///< of the surface
+    double volume = 1.0;
+    Discretization laplacian = Discretization::cotan_voronoi;
+
+    static constexpr auto table()
+    {
+        using O = VolumetricGraphLaplacianOptions;
+        return std::tuple{
+            option("volume", &O::volume, Rebind::update, at_least(0),
+                   "alpha, how much the graph counts beside the surface; 0 leaves the surface alone"),
+            option("laplacian", &O::laplacian, Rebind::anew,
+                   "'uniform', 'cotan' or 'cotan_voronoi' (section 3.2), of the surface")};
+    }
 };
 
 /// Laplacian editing of a surface together with a graph of points inside, which holds its sides apart.
@@ -53,7 +64,7 @@ struct VolumetricGraphLaplacianOptions
 ///   solve()        the handles moved             one solve for x, y and z
 ///
 /// Affine motions of all handles are reproduced. A handle that only moves turns nothing.
-class VolumetricGraphLaplacian final : public SurfaceMethod
+class VolumetricGraphLaplacian final : public SurfaceMethodWith<VolumetricGraphLaplacianOptions>
 {
 public:
     /// \throw InvalidOption  `volume` is negative or not finite.
@@ -61,6 +72,8 @@ public:
                                       const VolumetricGraphLaplacianOptions& options = {});
     ~VolumetricGraphLaplacian() override;
     VolumetricGraphLaplacian(VolumetricGraphLaplacian&&) noexcept;
+
+    const VolumetricGraphLaplacianOptions& options() const override;
 
     /// (g, 3) the points inside, at rest; none before the first bind.
     Points inner_points() const;
@@ -70,8 +83,6 @@ public:
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

@@ -172,14 +172,9 @@ struct Arap::Impl
 };
 
 Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    require_at_least(options.smoothness, 0.0, "smoothness");
-    require_at_least(options.tolerance, 0.0, "tolerance");
-    require_at_least(options.max_iterations, 1, "max_iterations");
-    require_at_least(options.point_handles, 0.0, "point_handles");
-    if (options.point_handles >= 1.0)
-        throw InvalidOption("point_handles: " + std::to_string(options.point_handles) + " is not below 1");
+    check(options);
     if (options.point_handles > 0.0 && options.cells == ArapOptions::Cells::rims)
         throw InvalidOption("point_handles: only with cells of spokes; set it to 0, or take spokes");
     impl_->options = options;
@@ -189,6 +184,8 @@ Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
 
 Arap::~Arap() = default;
 Arap::Arap(Arap&&) noexcept = default;
+
+const ArapOptions& Arap::options() const { return impl_->options; }
 
 void Arap::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
@@ -218,17 +215,6 @@ void Arap::bind(const Regions& regions, BindReport& report, const Progress& prog
     for (const RotationLevel& level : self.bound->cascade.levels())
         report.factor_bytes += level.graph.factor_bytes();
 }
-
-std::vector<std::string> Arap::changed_options(const SurfaceMethod& former) const
-{
-    const ArapOptions &own = impl_->options, &other = static_cast<const Arap&>(former).impl_->options;
-    return names_of({{"smoothness", own.smoothness != other.smoothness},
-                     {"cells", own.cells != other.cells},
-                     {"point_handles", own.point_handles != other.point_handles},
-                     {"rigidity", own.rigidity != other.rigidity}});
-}
-
-bool Arap::updates(const std::string&) const { return false; }
 
 void Arap::swap_binding(SurfaceMethod& other)
 {

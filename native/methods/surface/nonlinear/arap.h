@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
 #include <memory>
@@ -11,20 +12,38 @@ namespace sinew {
 
 struct ArapOptions
 {
-    /// alpha >= 0 in the energy: how smooth the rotations are. 0 gives the energy of Sorkine and Alexa.
     double smoothness = 5e-4;
     enum class Cells { spokes, rims } cells = Cells::spokes;
-    /// How stiff the cells of the vertices are: one number > 0, or one per vertex (painted, >= 0). Painted
-    /// values below 1e-3 of the largest one are raised to that, so that the system stays solvable where a
-    /// region is painted black.
     std::vector<double> rigidity{1.0};
-    /// lambda in [0, 1): how smooth the surface is also where a single vertex is held, instead of a spike. 0
-    /// leaves the energy as it is; more is only possible with spokes.
     double point_handles = 0.0;
-    int max_iterations = 40; ///< iterations on the mesh per solve, rejected trials included
-    /// solve() ends when the relative decrease of the energy is below this twice in succession.
+    int max_iterations = 40;
     double tolerance = 1e-4;
+
+    static constexpr auto table()
+    {
+        using O = ArapOptions;
+        return std::tuple{
+            option("smoothness", &O::smoothness, Rebind::anew, at_least(0),
+                   "alpha: how smooth the rotations are; 0 gives the energy of Sorkine and Alexa, which "
+                   "buckles on dense meshes"),
+            option("cells", &O::cells, Rebind::anew, "'spokes' [SA07] or 'rims' (spokes and rims)"),
+            painted_option(
+                "rigidity", &O::rigidity, Rebind::anew, at_least(0),
+                "how stiff each vertex's cell is; values below 1e-3 of the largest one are raised to "
+                "that, so that the system stays solvable where a region is painted black"),
+            iteration_limit(&O::max_iterations),
+            stopping_tolerance(&O::tolerance),
+            option("point_handles", &O::point_handles, Rebind::anew, from_to_below(0, 1),
+                   "lambda: how smooth the surface is also at handles of a single vertex, instead of a "
+                   "spike [Oehri, Herholz & Sorkine-Hornung 2025]; with 'spokes' only. The energy of a "
+                   "report is then (1 - lambda) E + 2 lambda sum |r_i|^2 / m_i with r the gradient of E / "
+                   "4 at all vertices and masses m whose mean is 1")};
+    }
 };
+constexpr auto choices(ArapOptions::Cells)
+{
+    return std::array{Choice{"spokes", ArapOptions::Cells::spokes}, Choice{"rims", ArapOptions::Cells::rims}};
+}
 
 /// As-rigid-as-possible surface deformation with smooth rotations.
 ///
@@ -65,7 +84,7 @@ struct ArapOptions
 ///                                                iterations: two solves for x, y and z and n rotation fits
 ///                                                each; every third one is a correction by the coarser
 ///                                                graphs and costs three times as much
-class Arap : public SurfaceMethod
+class Arap : public SurfaceMethodWith<ArapOptions>
 {
 public:
     /// \throw InvalidOption  a number is negative or not finite, max_iterations < 1, `rigidity` has neither 1
@@ -73,6 +92,8 @@ public:
     explicit Arap(const SurfaceMesh& rest, const ArapOptions& options = {});
     ~Arap() override;
     Arap(Arap&&) noexcept;
+
+    const ArapOptions& options() const override;
 
     /// E of deformed points, over the parts with a handle and without soft pulls. The rotations are
     /// fitted to the points; with smoothness, until the relative decrease of E is below 1e-9.
@@ -83,8 +104,6 @@ public:
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

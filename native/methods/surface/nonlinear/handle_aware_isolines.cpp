@@ -238,16 +238,16 @@ struct HandleAwareIsolines::Impl
 };
 
 HandleAwareIsolines::HandleAwareIsolines(const SurfaceMesh& rest, const HandleAwareIsolinesOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    require_at_least(options.bands, 2, "bands");
-    require_at_least(options.max_iterations, 1, "max_iterations");
-    require_at_least(options.tolerance, 0.0, "tolerance");
+    check(options);
     impl_->options = options;
 }
 
 HandleAwareIsolines::~HandleAwareIsolines() = default;
 HandleAwareIsolines::HandleAwareIsolines(HandleAwareIsolines&&) noexcept = default;
+
+const HandleAwareIsolinesOptions& HandleAwareIsolines::options() const { return impl_->options; }
 
 void HandleAwareIsolines::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
@@ -444,15 +444,6 @@ std::vector<int> HandleAwareIsolines::bands() const
     const AccessLock shared = reading();
     return impl_->bound->bands;
 }
-
-std::vector<std::string> HandleAwareIsolines::changed_options(const SurfaceMethod& former) const
-{
-    const auto& other = static_cast<const HandleAwareIsolines&>(former).impl_->options;
-    return names_of(
-        {{"bands", impl_->options.bands != other.bands}, {"field", impl_->options.field != other.field}});
-}
-
-bool HandleAwareIsolines::updates(const std::string& /*option*/) const { return true; }
 
 void HandleAwareIsolines::swap_binding(SurfaceMethod& other)
 {

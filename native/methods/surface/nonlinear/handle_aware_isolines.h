@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/handles/handle_fields.h"
 #include "native/methods/surface/method.h"
 
@@ -12,10 +13,24 @@ namespace sinew {
 
 struct HandleAwareIsolinesOptions
 {
-    int bands = 24; ///< between two handles, >= 2; each handle has half of them around it
-    Field field = Field::harmonic; ///< whose isolines bound the bands
-    int max_iterations = 200; ///< turns per solve, each of which fits the rotations of all bands once
-    double tolerance = 1e-6; ///< solve() ends when the matrix of no rotation changes by more than this
+    int bands = 24;
+    Field field = Field::harmonic;
+    int max_iterations = 200;
+    double tolerance = 1e-6;
+
+    static constexpr auto table()
+    {
+        using O = HandleAwareIsolinesOptions;
+        return std::tuple{
+            option("bands", &O::bands, Rebind::update, at_least(2),
+                   "bands between two handles; each handle has half of them around it"),
+            option("field", &O::field, Rebind::update,
+                   "whose isolines bound the bands: 'harmonic', 'geodesic' or 'euclidean'"),
+            iteration_limit(&O::max_iterations,
+                            "largest number of turns of a solve; each fits the rotations of all bands once"),
+            stopping_tolerance(&O::tolerance,
+                               "a solve stops when the matrix of no rotation changes by more than this")};
+    }
 };
 
 /// As-rigid-as-possible deformation with one rotation for each band between two isolines of the handles'
@@ -52,13 +67,15 @@ struct HandleAwareIsolinesOptions
 ///                                                than the rest shape enters
 ///
 /// Suits few handles on heavy meshes. What lies between two isolines turns as one, also where it is two legs.
-class HandleAwareIsolines final : public SurfaceMethod
+class HandleAwareIsolines final : public SurfaceMethodWith<HandleAwareIsolinesOptions>
 {
 public:
     /// \throw InvalidOption  bands < 2, max_iterations < 1, or tolerance is negative or not finite.
     explicit HandleAwareIsolines(const SurfaceMesh& rest, const HandleAwareIsolinesOptions& options = {});
     ~HandleAwareIsolines() override;
     HandleAwareIsolines(HandleAwareIsolines&&) noexcept;
+
+    const HandleAwareIsolinesOptions& options() const override;
 
     /// (n) the band of each vertex, -1 in a part without a handle. The bands around a handle follow each
     /// other, from the handle outwards. Empty before the first bind.
@@ -67,8 +84,6 @@ public:
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

@@ -143,17 +143,17 @@ struct MeshPuppetry::Impl
 };
 
 MeshPuppetry::MeshPuppetry(const SurfaceMesh& rest, const MeshPuppetryOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    require_at_least(options.bending, 0.0, "bending");
-    require_at_least(options.tolerance, 0.0, "tolerance");
-    require_at_least(options.max_iterations, 1, "max_iterations");
+    check(options);
     impl_->options = options;
     impl_->unit = normal_unit(rest.points());
 }
 
 MeshPuppetry::~MeshPuppetry() = default;
 MeshPuppetry::MeshPuppetry(MeshPuppetry&&) noexcept = default;
+
+const MeshPuppetryOptions& MeshPuppetry::options() const { return impl_->options; }
 
 void MeshPuppetry::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
@@ -239,14 +239,6 @@ SolveReport MeshPuppetry::deform(const SolveRequest& request, const Targets& tar
     });
     return report;
 }
-
-std::vector<std::string> MeshPuppetry::changed_options(const SurfaceMethod& former) const
-{
-    return names_of({{"bending", impl_->options.bending !=
-                                     static_cast<const MeshPuppetry&>(former).impl_->options.bending}});
-}
-
-bool MeshPuppetry::updates(const std::string& /*option*/) const { return false; }
 
 void MeshPuppetry::swap_binding(SurfaceMethod& other)
 {

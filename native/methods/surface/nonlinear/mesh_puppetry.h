@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
 #include <memory>
@@ -11,11 +12,17 @@ namespace sinew {
 
 struct MeshPuppetryOptions
 {
-    /// lambda >= 0: how much the bends and bumps of the surface are kept, beside the lengths of its edges.
     double bending = 1e-3;
-    int max_iterations = 20; ///< iterations per solve, rejected trials included
-    /// solve() ends when the relative decrease of the energy is below this twice in succession.
+    int max_iterations = 20;
     double tolerance = 1e-4;
+
+    static constexpr auto table()
+    {
+        using O = MeshPuppetryOptions;
+        return std::tuple{option("bending", &O::bending, Rebind::anew, at_least(0),
+                                 "lambda: how much bends and bumps are kept, beside the lengths of edges"),
+                          iteration_limit(&O::max_iterations), stopping_tolerance(&O::tolerance)};
+    }
 };
 
 /// The skin of a puppet: handles are the rigid middles of its limbs, and the surface between two limbs
@@ -43,7 +50,7 @@ struct MeshPuppetryOptions
 ///   set_handles()  another set of handles        two factorisations and one solve per handle
 ///   solve()        the handles moved             two solves for x, y and z, and one more with n rotation
 ///                                                fits per iteration
-class MeshPuppetry final : public SurfaceMethod
+class MeshPuppetry final : public SurfaceMethodWith<MeshPuppetryOptions>
 {
 public:
     /// \throw InvalidOption  a number is negative or not finite, or max_iterations < 1.
@@ -51,11 +58,11 @@ public:
     ~MeshPuppetry() override;
     MeshPuppetry(MeshPuppetry&&) noexcept;
 
+    const MeshPuppetryOptions& options() const override;
+
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

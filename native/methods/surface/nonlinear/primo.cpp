@@ -266,10 +266,9 @@ struct Primo::Impl
 };
 
 Primo::Primo(const SurfaceMesh& rest, const PrimoOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    require_at_least(options.tolerance, 0.0, "tolerance");
-    require_at_least(options.max_iterations, 1, "max_iterations");
+    check(options);
     impl_->options = options;
     impl_->unit = normal_unit(rest.points());
     impl_->height = painted(options.height, rest.vertex_count(), least_height, "height");
@@ -279,6 +278,8 @@ Primo::Primo(const SurfaceMesh& rest, const PrimoOptions& options)
 
 Primo::~Primo() = default;
 Primo::Primo(Primo&&) noexcept = default;
+
+const PrimoOptions& Primo::options() const { return impl_->options; }
 
 void Primo::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
@@ -306,14 +307,6 @@ void Primo::bind(const Regions& regions, BindReport& report, const Progress& pro
     report.factor_bytes = self.bound->graph.factor_bytes() + self.bound->bodies.rotation_factor().bytes();
     report.factor_bytes += self.bound->start.factor_bytes();
 }
-
-std::vector<std::string> Primo::changed_options(const SurfaceMethod& former) const
-{
-    return names_of(
-        {{"height", impl_->options.height != static_cast<const Primo&>(former).impl_->options.height}});
-}
-
-bool Primo::updates(const std::string&) const { return false; }
 
 void Primo::swap_binding(SurfaceMethod& other)
 {

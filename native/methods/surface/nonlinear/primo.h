@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
 #include <memory>
@@ -11,13 +12,21 @@ namespace sinew {
 
 struct PrimoOptions
 {
-    /// How far the prisms reach above and below the surface, as a share of the size of the part that a vertex
-    /// is in (part_sizes() in mesh/frames/surface_frame.h): one number > 0, or one per vertex (painted, >=
-    /// 0). Painted values below 1e-3 of the largest one are raised to that.
     std::vector<double> height{0.05};
-    int max_iterations = 40; ///< iterations per solve, rejected trials included
-    /// solve() ends when the relative decrease of the energy is below this twice in succession.
+    int max_iterations = 40;
     double tolerance = 1e-4;
+
+    static constexpr auto table()
+    {
+        using O = PrimoOptions;
+        return std::tuple{
+            painted_option(
+                "height", &O::height, Rebind::anew, at_least(0),
+                "how far the prisms reach above and below the surface, as a share of the size of their "
+                "part (SurfaceMesh.sizes); values below 1e-3 of the largest one are raised to that. "
+                "Higher prisms resist bending and twisting more"),
+            iteration_limit(&O::max_iterations), stopping_tolerance(&O::tolerance)};
+    }
 };
 
 /// Surface deformation by rigid prisms that an elastic joint couples at every edge.
@@ -50,7 +59,7 @@ struct PrimoOptions
 ///   set_handles()  another set of handles        two factorisations, and those of the coarser graphs
 ///   solve()        the handles moved             as much as 3 iterations for the start, then its iterations:
 ///                                                three solves for x, y and z and two fits per face each
-class Primo final : public SurfaceMethod
+class Primo final : public SurfaceMethodWith<PrimoOptions>
 {
 public:
     /// \throw InvalidOption  a number is negative or not finite, max_iterations < 1, or `height` has neither
@@ -59,12 +68,12 @@ public:
     ~Primo() override;
     Primo(Primo&&) noexcept;
 
+    const PrimoOptions& options() const override;
+
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     /// The energy of the report is that of the prisms and of soft pulls.
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

@@ -174,11 +174,9 @@ struct PyramidCoordinates::Impl
 };
 
 PyramidCoordinates::PyramidCoordinates(const SurfaceMesh& rest, const PyramidCoordinatesOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    require_at_least(options.side, 1e-6, "side");
-    require_at_least(options.tolerance, 0.0, "tolerance");
-    require_at_least(options.max_iterations, 1, "max_iterations");
+    check(options);
     if (options.target_shape)
         require_same_faces(rest, *options.target_shape);
     impl_->options = options;
@@ -187,6 +185,8 @@ PyramidCoordinates::PyramidCoordinates(const SurfaceMesh& rest, const PyramidCoo
 
 PyramidCoordinates::~PyramidCoordinates() = default;
 PyramidCoordinates::PyramidCoordinates(PyramidCoordinates&&) noexcept = default;
+
+const PyramidCoordinatesOptions& PyramidCoordinates::options() const { return impl_->options; }
 
 void PyramidCoordinates::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
@@ -221,19 +221,6 @@ std::vector<int> PyramidCoordinates::folded_rings() const
     std::ranges::set_union(own, impl_->assembled->morph->folded(), std::back_inserter(both));
     return both;
 }
-
-std::vector<std::string> PyramidCoordinates::changed_options(const SurfaceMethod& former) const
-{
-    const PyramidCoordinatesOptions &own = impl_->options,
-                                    &other = static_cast<const PyramidCoordinates&>(former).impl_->options;
-    const bool same_target = own.target_shape && other.target_shape ? *own.target_shape == *other.target_shape
-                                                                    : own.target_shape == other.target_shape;
-    return names_of({{"side", own.side != other.side},
-                     {"similarity", own.similarity != other.similarity},
-                     {"target_shape", !same_target}});
-}
-
-bool PyramidCoordinates::updates(const std::string&) const { return false; }
 
 void PyramidCoordinates::swap_binding(SurfaceMethod& other)
 {

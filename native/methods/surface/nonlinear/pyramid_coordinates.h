@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
 #include <memory>
@@ -11,16 +12,25 @@ namespace sinew {
 
 struct PyramidCoordinatesOptions
 {
-    /// > 0: how firmly the edges of each ring keep their lengths and angles, in comparison with the height of
-    /// the vertex over its ring.
     double side = 0.05;
-    /// Whether rings may also grow and shrink, from half to twice their size.
     bool similarity = false;
-    /// Another shape of the same mesh, to which solve() can morph: SolveRequest::morph.
     std::shared_ptr<const SurfaceMesh> target_shape{};
-    int max_iterations = 40; ///< iterations per solve, rejected trials included
-    /// solve() ends when the relative decrease of the energy is below this twice in succession.
+    int max_iterations = 40;
     double tolerance = 1e-4;
+
+    static constexpr auto table()
+    {
+        using O = PyramidCoordinatesOptions;
+        return std::tuple{
+            option("side", &O::side, Rebind::anew, at_least(1e-6),
+                   "how firmly rings keep their edges and angles, in comparison with the height of the "
+                   "vertex over them"),
+            option("similarity", &O::similarity, Rebind::anew,
+                   "whether rings may also grow and shrink, from half to twice their size"),
+            option("target_shape", &O::target_shape, Rebind::anew,
+                   "None, or a SurfaceMesh with the same faces, to which solve(morph=t) goes"),
+            iteration_limit(&O::max_iterations), stopping_tolerance(&O::tolerance)};
+    }
 };
 
 /// Pyramid coordinates: each vertex keeps its place over the ring of its neighbours, as the tip of a pyramid.
@@ -58,7 +68,7 @@ struct PyramidCoordinatesOptions
 ///   solve()        the handles moved             as much as 3 to 5 iterations for the start, then its
 ///                                                iterations: one solve for x, y and z and n rotation fits
 ///                                                each
-class PyramidCoordinates final : public SurfaceMethod
+class PyramidCoordinates final : public SurfaceMethodWith<PyramidCoordinatesOptions>
 {
 public:
     /// \throw InvalidOption  side or tolerance is negative or not finite, side is 0, or max_iterations < 1.
@@ -67,6 +77,8 @@ public:
     ~PyramidCoordinates() override;
     PyramidCoordinates(PyramidCoordinates&&) noexcept;
 
+    const PyramidCoordinatesOptions& options() const override;
+
     /// The vertices whose ring overlaps in its projection, at rest or in the target shape: they have equal
     /// weights. None before set_handles().
     std::vector<int> folded_rings() const;
@@ -74,8 +86,6 @@ public:
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

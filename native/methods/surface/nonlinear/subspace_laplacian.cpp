@@ -206,15 +206,12 @@ void SubspaceLaplacian::Impl::refuse_outside(const SurfaceMesh& mesh, const Hand
 
 SubspaceLaplacian::SubspaceLaplacian(const SurfaceMesh& rest, const SubspaceLaplacianOptions& options,
                                      std::optional<SurfaceMesh> cage)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    if (options.cage_faces != 0 && (options.cage_faces < 12 || options.cage_faces > 2000))
+    check(options);
+    if (options.cage_faces != 0 && options.cage_faces < 12)
         throw InvalidOption("cage_faces: " + std::to_string(options.cage_faces) +
                             " is neither 0 nor in 12 to 2,000; each face costs every vertex a weight");
-    require_at_least(options.clusters, 1, "clusters");
-    require_at_least(options.bending, 0.0, "bending");
-    require_at_least(options.max_iterations, 1, "max_iterations");
-    require_at_least(options.tolerance, 0.0, "tolerance");
     if (cage)
         (void)Cage(*cage);
     impl_->options = options;
@@ -223,6 +220,8 @@ SubspaceLaplacian::SubspaceLaplacian(const SurfaceMesh& rest, const SubspaceLapl
 
 SubspaceLaplacian::~SubspaceLaplacian() = default;
 SubspaceLaplacian::SubspaceLaplacian(SubspaceLaplacian&&) noexcept = default;
+
+const SubspaceLaplacianOptions& SubspaceLaplacian::options() const { return impl_->options; }
 
 void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
@@ -487,17 +486,8 @@ std::vector<int> SubspaceLaplacian::clusters() const
 
 std::vector<std::string> SubspaceLaplacian::changed_options(const SurfaceMethod& former) const
 {
-    const Impl &own = *impl_, &other = *static_cast<const SubspaceLaplacian&>(former).impl_;
-    return names_of({{"cage", !(own.cage == other.cage)},
-                     {"cage_faces", own.options.cage_faces != other.options.cage_faces},
-                     {"clusters", own.options.clusters != other.options.clusters},
-                     {"bending", own.options.bending != other.options.bending},
-                     {"keep_volume", own.options.keep_volume != other.options.keep_volume}});
-}
-
-bool SubspaceLaplacian::updates(const std::string& option) const
-{
-    return option != "cage" && option != "cage_faces"; // the others keep the cages and their weights
+    const auto& other = static_cast<const SubspaceLaplacian&>(former);
+    return changed(options(), other.options(), names_of({{"cage", !(impl_->cage == other.impl_->cage)}}));
 }
 
 void SubspaceLaplacian::swap_binding(SurfaceMethod& other)

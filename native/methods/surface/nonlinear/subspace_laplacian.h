@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
 #include <memory>
@@ -12,17 +13,30 @@ namespace sinew {
 
 struct SubspaceLaplacianOptions
 {
-    /// Triangles of the automatic cage of each part, 12 to 2,000; or 0 for 160, and more beside handles that
-    /// are smaller than its faces, at most 600.
     int cage_faces = 0;
-    int clusters = 60; ///< of vertices that share a rotation, in each part, >= 1; each handle has its own
-    /// b / A >= 0 in the energy, with the rest area A of the part: how stiff the surface is in bends, beside
-    /// its edges.
-    double bending = 0.0015;
-    bool keep_volume = true; ///< of parts that are closed, or nearly
-    int max_iterations = 60; ///< iterations per solve, rejected trials included
-    /// solve() ends when the relative decrease of the energy is below this twice in succession.
+    int clusters = 60;
+    double bending = 0.0015; ///< b / A in the energy, with the rest area A of the part
+    bool keep_volume = true;
+    int max_iterations = 60;
     double tolerance = 1e-5;
+
+    static constexpr auto table()
+    {
+        using O = SubspaceLaplacianOptions;
+        return std::tuple{
+            option("cage_faces", &O::cage_faces, Rebind::anew, between(0, 2000),
+                   "triangles of an automatic cage, from 12, or 0 for 160, and more beside handles that "
+                   "are smaller than its faces, at most 600; a part with no more vertices than such a cage "
+                   "is its own subspace"),
+            option("clusters", &O::clusters, Rebind::update, at_least(1),
+                   "clusters of vertices that share a rotation, in each part; each handle has its own"),
+            option("bending", &O::bending, Rebind::update, at_least(0),
+                   "how stiff the surface is in bends, as a share of the rest area of the part"),
+            option("keep_volume", &O::keep_volume, Rebind::update,
+                   "whether parts that are closed, or nearly, keep their volume"),
+            iteration_limit(&O::max_iterations),
+            stopping_tolerance(&O::tolerance)};
+    }
 };
 
 /// Nonlinear Laplacian editing in the subspace of a cage, with the volume kept.
@@ -67,7 +81,7 @@ struct SubspaceLaplacianOptions
 ///                                                volume, some 500 points; then one product of the weights
 ///                                                with x, y and z, with the volume two, and one pass over the
 ///                                                faces
-class SubspaceLaplacian final : public SurfaceMethod
+class SubspaceLaplacian final : public SurfaceMethodWith<SubspaceLaplacianOptions>
 {
 public:
     /// \param cage  a closed mesh around all parts with a handle; without one, each of them gets its own.
@@ -77,6 +91,8 @@ public:
                                std::optional<SurfaceMesh> cage = {});
     ~SubspaceLaplacian() override;
     SubspaceLaplacian(SubspaceLaplacian&&) noexcept;
+
+    const SubspaceLaplacianOptions& options() const override;
 
     /// The rest cages of the parts, in the order of their lowest vertices; none for a part that is its own
     /// subspace. Empty before the first bind.
@@ -89,7 +105,6 @@ protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
     std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:

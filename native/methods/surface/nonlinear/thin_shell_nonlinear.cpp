@@ -288,10 +288,9 @@ struct ThinShellNonlinear::Impl
 };
 
 ThinShellNonlinear::ThinShellNonlinear(const SurfaceMesh& rest, const ThinShellNonlinearOptions& options)
-    : SurfaceMethod(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    require_at_least(options.tolerance, 0.0, "tolerance");
-    require_at_least(options.max_iterations, 1, "max_iterations");
+    check(options);
     impl_->options = options;
     impl_->unit = normal_unit(rest.points());
     impl_->stiffnesses = stiffnesses(options, rest, impl_->unit);
@@ -299,6 +298,8 @@ ThinShellNonlinear::ThinShellNonlinear(const SurfaceMesh& rest, const ThinShellN
 
 ThinShellNonlinear::~ThinShellNonlinear() = default;
 ThinShellNonlinear::ThinShellNonlinear(ThinShellNonlinear&&) noexcept = default;
+
+const ThinShellNonlinearOptions& ThinShellNonlinear::options() const { return impl_->options; }
 
 void ThinShellNonlinear::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
@@ -325,18 +326,6 @@ void ThinShellNonlinear::bind(const Regions& regions, BindReport& report, const 
     report.factor_bytes = factor + std::max(factor, self.bound->start.factor_bytes());
     report.thin_vertices = self.sheet->thin;
 }
-
-std::vector<std::string> ThinShellNonlinear::changed_options(const SurfaceMethod& former) const
-{
-    const ThinShellNonlinearOptions& own = impl_->options;
-    const ThinShellNonlinearOptions& other = static_cast<const ThinShellNonlinear&>(former).impl_->options;
-    return names_of({{"measure", own.measure != other.measure},
-                     {"thickness", own.thickness != other.thickness},
-                     {"stretching", own.stretching != other.stretching},
-                     {"bending", own.bending != other.bending}});
-}
-
-bool ThinShellNonlinear::updates(const std::string&) const { return false; }
 
 void ThinShellNonlinear::swap_binding(SurfaceMethod& other)
 {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
 #include <memory>
@@ -11,23 +12,38 @@ namespace sinew {
 
 struct ThinShellNonlinearOptions
 {
-    /// What says how stiff the sheet is: a thickness t, as a share of the size of the part that a vertex is
-    /// in (part_sizes() in mesh/frames/surface_frame.h) or as a length, with k_s = 1 and k_b = t^2; or k_s
-    /// and k_b themselves.
     enum class Measure { share, length, stiffness } measure = Measure::share;
-    /// t, one number >= 0, or one per vertex (painted). Only for a share or a length.
     std::vector<double> thickness{0.02};
-    /// k_s, one number > 0, or one per vertex (painted, >= 0). Painted values below 1e-3 of the largest one
-    /// are raised to that, so that the system stays solvable where a region is painted black. Only for
-    /// `stiffness`.
     std::vector<double> stretching{1.0};
-    /// k_b >= 0, one number or one per vertex, with the unit of k_s times that of an area. Only for
-    /// `stiffness`.
     std::vector<double> bending{1.0};
-    int max_iterations = 60; ///< iterations on the mesh per solve, rejected trials included
-    /// solve() ends when the relative decrease of the energy is below this twice in succession.
+    int max_iterations = 60;
     double tolerance = 1e-4;
+
+    static constexpr auto table()
+    {
+        using O = ThinShellNonlinearOptions;
+        return std::tuple{
+            option("measure", &O::measure, Rebind::anew,
+                   "'share': thickness is a share of the size of its part (SurfaceMesh.sizes); 'length': a "
+                   "length; 'stiffness': stretching and bending count instead"),
+            painted_option("thickness", &O::thickness, Rebind::anew, at_least(0),
+                           "k_s is 1 and k_b the square of the thickness"),
+            painted_option(
+                "stretching", &O::stretching, Rebind::anew, at_least(0),
+                "k_s; values below 1e-3 of the largest one are raised to that, so that the system stays "
+                "solvable where a region is painted black"),
+            painted_option("bending", &O::bending, Rebind::anew, at_least(0),
+                           "k_b: an area times the unit of k_s"),
+            iteration_limit(&O::max_iterations),
+            stopping_tolerance(&O::tolerance)};
+    }
 };
+constexpr auto choices(ThinShellNonlinearOptions::Measure)
+{
+    using Measure = ThinShellNonlinearOptions::Measure;
+    return std::array{Choice{"share", Measure::share}, Choice{"length", Measure::length},
+                      Choice{"stiffness", Measure::stiffness}};
+}
 
 /// Nonlinear thin shell: a sheet that resists stretching, and bending away from its rest curvature.
 ///
@@ -68,7 +84,7 @@ struct ThinShellNonlinearOptions
 ///   solve()        the handles moved             as much as 2 to 4 iterations of ARAP for the start, then
 ///                                                its iterations: one solve for x, y and z and 3 n rotation
 ///                                                fits each
-class ThinShellNonlinear final : public SurfaceMethod
+class ThinShellNonlinear final : public SurfaceMethodWith<ThinShellNonlinearOptions>
 {
 public:
     /// \throw InvalidOption  a number is negative or not finite, max_iterations < 1, an option has neither 1
@@ -76,6 +92,8 @@ public:
     explicit ThinShellNonlinear(const SurfaceMesh& rest, const ThinShellNonlinearOptions& options = {});
     ~ThinShellNonlinear() override;
     ThinShellNonlinear(ThinShellNonlinear&&) noexcept;
+
+    const ThinShellNonlinearOptions& options() const override;
 
     /// E of deformed points, over the parts with a handle and without soft pulls, with the best rotations.
     /// Zero before set_handles().
@@ -86,8 +104,6 @@ public:
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;
-    std::vector<std::string> changed_options(const SurfaceMethod& former) const override;
-    bool updates(const std::string& option) const override;
     void swap_binding(SurfaceMethod& other) override;
 
 private:
