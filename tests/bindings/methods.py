@@ -12,7 +12,7 @@ from .meshes import ends, grid
 
 
 def arguments(function: object) -> list[str]:
-    """ "points", "*", "weights = None": from the signature in the docstring, without self and without types."""
+    """Of a signature in a docstring, without self and types: `points`, `*`, `weights = None`."""
     line = inspect.getdoc(function).splitlines()[0]
     inside = line[line.index("(") + 1 : line.rindex(")")]
     bare = re.sub(r"\[[^\[\]]*(?:\[[^\[\]]*\])*[^\[\]]*\]", "", inside)  # type[a, b] has commas of its own

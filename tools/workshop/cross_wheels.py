@@ -11,8 +11,8 @@ from pathlib import Path
 
 from . import environments
 from .archives import write_wheel
-from .dev import types
 from .cross_libraries import System, libraries
+from .dev import types
 from .environments import Environment
 from .notices import notices
 from .places import ROOT, WHEEL_SOURCES, WHEELS, version

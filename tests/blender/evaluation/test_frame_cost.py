@@ -64,7 +64,7 @@ def test_a_moved_control_is_one_solve_and_one_write(method: str, native: Counter
     by_points = "warp_poses" if row.posed is Posed.POSES else "warp"
     assert native == {by_points if row.is_space else "solve_frame" if row.keyed else "solve": 1}
     assert found["write_shape"] == found["write_positions"] == found["_answer"] == 1, found
-    assert found["bound_poses"] == 1, found
+    assert found["read_poses"] == 1, found
     assert not (READS | LOOKS) & found.keys(), found
     native.clear()
     found = calls_of(update)
@@ -118,7 +118,7 @@ def test_an_animated_pose_below_costs_one_read(native: Counter):
     found = calls_of(turn)
     assert native == {"solve": 1}
     assert found["read_incoming"] == found["write_positions"] == 1, found
-    assert found["bound_poses"] == 1, found
+    assert found["read_poses"] == 1, found
     assert not ((READS | LOOKS) - {"read_incoming"}) & found.keys(), found
 
 

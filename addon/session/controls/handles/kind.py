@@ -15,7 +15,7 @@ from ...state.evaluation import ControlState, Evaluation
 from ...state.sessions import Bound
 from ..bind_input import BindInput
 from ..objects import forget_row_rest
-from . import keys, points, poses
+from . import keys, points, poses, riding
 from .links import links
 from .poses import complete_rest_frames as take_rest
 from .poses import keep_pose
@@ -130,13 +130,16 @@ def pose(
     """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape; perhaps keys, and
     the points of controls whose points count.
     """
-    found = poses.bound_poses(evaluation, bound, incoming)
+    surfaces = riding.ride(evaluation, bound, incoming)
+    if evaluation.in_viewport:
+        poses.take_up_controls(evaluation, bound, surfaces)
+    found = poses.read_poses(evaluation, bound, surfaces)
     if found is None:
         return None
-    affine, from_rest, placed = found
+    poses.keep_poses(evaluation, found)
     keyed = keys.keywords(evaluation.deformer, bound, evaluation.depsgraph)
-    points_now = {"placed": np.concatenate(placed)} if placed else {}
-    return affine, {"from_rest": from_rest, **points_now, **keyed}
+    points_now = {"placed": np.concatenate(found.placed)} if found.placed else {}
+    return found.affine, {"from_rest": found.from_rest, **points_now, **keyed}
 
 
 def transform_rest(deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.ndarray]) -> None:

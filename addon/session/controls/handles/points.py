@@ -96,22 +96,20 @@ def now(evaluation: Evaluation, handle: SinewHandle, place: Place | None, expect
     """
     held = evaluation.session.poses
     if place is None or handle.control_missing:
-        return held.get(_held(handle))
+        return held.get(held_key(handle))
     world = np.array(evaluation.evaluated.matrix_world, dtype=np.float64)
-    found = _posed(handle, place, frames.inverse(world, "The mesh object"), expected)
-    held[_held(handle)] = found
-    return found
+    return _posed(handle, place, frames.inverse(world, "The mesh object"), expected)
 
 
-def _held(handle: SinewHandle) -> str:
+def held_key(handle: SinewHandle) -> str:
     """The key of the last known points of a handle, beside the last known pose under its own key."""
     return f"{handle.uid} points"
 
 
 def transform_rest(handle: SinewHandle, by: np.ndarray, held: dict[str, np.ndarray]) -> None:
     """The last known points follow an affine map ``by`` (4, 4) of the target's object space."""
-    if _held(handle) in held:
-        held[_held(handle)] = frames.transformed(by, held[_held(handle)])
+    if held_key(handle) in held:
+        held[held_key(handle)] = frames.transformed(by, held[held_key(handle)])
 
 
 def _posed(handle: SinewHandle, place: Place, to_target: np.ndarray, expected: int) -> np.ndarray:

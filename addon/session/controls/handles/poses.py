@@ -3,6 +3,7 @@
 
 import math
 from functools import lru_cache
+from typing import NamedTuple
 
 import bpy
 import numpy as np
@@ -74,75 +75,108 @@ def transform_rest(deformer: SinewDeformer, by: np.ndarray, held: dict[str, np.n
             held[handle.uid] = by[:3] @ riding.square(held[handle.uid]) @ inverse
 
 
-def bound_poses(
-    evaluation: Evaluation, bound: Bound, incoming: np.ndarray | None
-) -> tuple[np.ndarray, np.ndarray, list[np.ndarray]] | None:
-    """The poses (k, 3, 4) of the bound handles, and (k,) whether each moves the rest shape; and the points
-    (c, 3) of each handle whose points count, instead of its pose.
+class HandlePoses(NamedTuple):
+    """Where the handles of a bind are, in one evaluation.
 
-    If a control was deleted, its handle stays where it was last. If another control took its place, that one
-    starts from there. None if the last place of points is unknown. ``incoming`` is as ``pose`` of a kind
-    takes it.
+    ``affine`` (k, 3, 4) are their poses, ``from_rest`` (k,) says whether each moves the rest shape, and
+    ``placed`` are the points (c, 3) of each handle whose points count, instead of its pose. ``seen`` and
+    ``lost`` are the places of handles with and without their control, before a surface carries them on, as
+    ``keep_poses`` stores them.
     """
-    deformer, depsgraph, session = evaluation.deformer, evaluation.depsgraph, evaluation.session
-    world = evaluation.evaluated.matrix_world
+
+    affine: np.ndarray
+    from_rest: np.ndarray
+    placed: list[np.ndarray]
+    seen: dict[str, np.ndarray]
+    lost: dict[str, np.ndarray]
+
+
+def take_up_controls(evaluation: Evaluation, bound: Bound, surfaces: dict[str, riding.Surface]) -> None:
+    """Follow bones that were renamed, and give controls without a rest frame one.
+
+    A control that took the place of another one starts where that one was.
+    """
+    pairs = list(zip(evaluation.deformer.handles, evaluation.control, strict=True))
+    if any(place is None and handle.bone for handle, place in pairs):
+        follow_renamed_bones(evaluation.obj)
+    counts, by_key = points.bound_counts(bound), {handle.uid: handle for handle, _place in pairs}
+    for row, key in enumerate(bound.handles):
+        handle = by_key.get(key)
+        if handle is None or handle.kind != "HANDLE" or handle.has_rest or row in counts:
+            continue
+        world = control_matrix(handle, evaluation.depsgraph)
+        control = _in_target(evaluation, handle, world, surfaces.get(key))
+        if control is not None:
+            held = evaluation.session.poses
+            last = held[key] if key in held else _last_pose(evaluation.deformer, bound, row)
+            capture_rest(handle, np.eye(4), control, last)
+            evaluation.session.rewire, handle.has_last_pose = True, False
+
+
+def read_poses(
+    evaluation: Evaluation, bound: Bound, surfaces: dict[str, riding.Surface]
+) -> HandlePoses | None:
+    """The handles as they are. A handle without its control stays where it was last.
+
+    None if the last place of points is unknown. ``surfaces`` are what handles stand on, see ``riding.ride``.
+    """
+    deformer, held = evaluation.deformer, evaluation.session.poses
     by_key = {
         handle.uid: (handle, place)
         for handle, place in zip(deformer.handles, evaluation.control, strict=True)
     }
-    surfaces = riding.ride(evaluation, bound, incoming)
     counts = points.bound_counts(bound)
-    placed: list[np.ndarray] = []
-    poses = np.empty((len(bound.handles), 3, 4))
-    from_rest = np.zeros(len(bound.handles), dtype=bool)
+    found = HandlePoses(
+        np.tile(IDENTITY, (len(bound.handles), 1, 1)), np.zeros(len(bound.handles), dtype=bool), [], {}, {}
+    )
     for row, key in enumerate(bound.handles):
         handle, place = by_key.get(key, (None, None))
-        poses[row] = IDENTITY
         if handle is None or handle.kind != "HANDLE":
             continue
+        if place is None and handle.bone:  # perhaps under another name by now
+            place = points.place_of(deformer, handle, evaluation.depsgraph)
         surface = surfaces.get(key)
-        from_rest[row] = handle.from_rest if surface is None else bound.factor.recipe.method.keyed
+        found.from_rest[row] = handle.from_rest if surface is None else bound.factor.recipe.method.keyed
         if row in counts:
-            if place is None and handle.bone and evaluation.in_viewport:
-                follow_renamed_bones(evaluation.obj)
-                place = points.place_of(deformer, handle, depsgraph)
-            found = points.now(evaluation, handle, place, counts[row])
-            if found is None:
+            now = points.now(evaluation, handle, place, counts[row])
+            if now is None:
                 return None
-            placed.append(found)
+            found.seen[points.held_key(handle)] = now
+            found.placed.append(now)
             continue
-        control = None if place is None else place.matrix()
-        if control is None and handle.bone and evaluation.in_viewport:
-            follow_renamed_bones(evaluation.obj)
-            control = control_matrix(handle, depsgraph)
-        if control is not None:
-            control = _inverse(world, "The mesh object") @ control
-            if surface is not None:
-                control = (
-                    frames.inverse(surface.moved, handle.name) @ control
-                    if surface.by_place
-                    else riding.seen_from_surface(evaluation.obj, handle, depsgraph, control, surface.moved)
-                )
-        if control is not None and not handle.has_rest and evaluation.in_viewport:
-            last = session.poses.get(key)
-            last = _last_pose(deformer, bound, row) if last is None else last
-            capture_rest(handle, np.eye(4), control, last)
-            session.rewire, handle.has_last_pose = True, False
+        control = _in_target(evaluation, handle, None if place is None else place.matrix(), surface)
         if control is not None and handle.has_rest:
             to_rest = _inverse(handle.rest_matrix, f"The control of {handle.name}")
-            poses[row] = (control @ to_rest)[:3]
-            if not math.isfinite(poses[row].sum()):
+            pose = found.seen[key] = (control @ to_rest)[:3]
+            if not math.isfinite(pose.sum()):
                 raise ConstraintError(frames.not_a_number(f"The control of {handle.name}"))
-            session.poses[key] = poses[row].copy()
         else:
-            if key not in session.poses:
-                session.poses[key] = _last_pose(deformer, bound, row)
-            poses[row] = session.poses[key]
-            if evaluation.in_viewport:
-                _keep(handle, poses[row])
-        if surface is not None:
-            poses[row] = riding.on_surface(bound, surface.moved, poses[row])
-    return poses, from_rest, placed
+            pose = found.lost[key] = held[key] if key in held else _last_pose(deformer, bound, row)
+        found.affine[row] = pose if surface is None else riding.on_surface(bound, surface.moved, pose)
+    return found
+
+
+def keep_poses(evaluation: Evaluation, found: HandlePoses) -> None:
+    """Remember the poses: a control may be deleted. In viewports, the file keeps those without a control."""
+    evaluation.session.poses.update(found.seen | found.lost)
+    if evaluation.in_viewport:
+        for handle in evaluation.deformer.handles:
+            if handle.uid in found.lost:
+                _keep(handle, found.lost[handle.uid])
+
+
+def _in_target(
+    evaluation: Evaluation, handle: SinewHandle, control: np.ndarray | None, surface: riding.Surface | None
+) -> np.ndarray | None:
+    """A control in the world as one in the frame of the target; on a surface, as if that were at rest."""
+    if control is None:
+        return None
+    control = _inverse(evaluation.evaluated.matrix_world, "The mesh object") @ control
+    if surface is None:
+        return control
+    if surface.by_place:
+        return frames.inverse(surface.moved, handle.name) @ control
+    return riding.seen_from_surface(evaluation.obj, handle, evaluation.depsgraph, control, surface.moved)
 
 
 def rest_here(
