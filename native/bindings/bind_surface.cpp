@@ -58,9 +58,12 @@ Solved solve(const SurfaceMethod& method, const ArrayLike& poses, const Optional
     Poses maps = bindings::poses(poses);
     std::optional<std::vector<bool>> aims = flags(from_rest, maps.size());
     const OptionalPoints entering(incoming, "incoming"), first(start, "start"), moves(grid, "grid");
-    const SolveRequest request{std::move(maps), entering.view, std::move(aims),    first.view,
-                               max_iterations,  tolerance,     progress(callback), substeps,
-                               morph,           moves.view};
+    SolveRequest request{std::move(maps), entering.view, std::move(aims),    first.view,
+                         max_iterations,  tolerance,     progress(callback), substeps};
+    if (moves.view)
+        request.extra.emplace<GridMoves>(*moves.view);
+    else if (morph != 0.0)
+        request.extra.emplace<Morph>(morph);
     return solved(out, method.rest().vertex_count(),
                   [&](Points& positions) { return method.solve(request, positions); });
 }

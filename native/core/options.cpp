@@ -36,7 +36,7 @@ std::string Range::words(bool whole_numbers) const
            (with_most ? "]" : ")");
 }
 
-void check(double value, const Range& range, const char* name)
+void require_in_range(double value, const Range& range, const char* name)
 {
     if (!range.contains(value)) {
         const std::string words = range.words(false);

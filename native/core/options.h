@@ -50,7 +50,7 @@ struct Range
 };
 constexpr Range any_number() { return {}; }
 constexpr Range at_least(double least) { return {.least = least}; }
-constexpr Range above(double bound) { return {.least = bound, .with_least = false}; }
+constexpr Range more_than(double bound) { return {.least = bound, .with_least = false}; }
 constexpr Range between(double least, double most) { return {.least = least, .most = most}; }
 /// In [least, bound).
 constexpr Range from_to_below(double least, double bound)
@@ -133,16 +133,16 @@ constexpr void for_each_option(F&& f)
 }
 
 /// \throw InvalidOption  the number is not in the range, or not finite.
-void check(double value, const Range& range, const char* name);
+void require_in_range(double value, const Range& range, const char* name);
 
 /// \throw InvalidOption  a number of the options is not in its range, or not finite. Painted ones are not
 ///   looked at, see operators/painted.h.
 template <class Options>
-void check(const Options& options)
+void require_valid(const Options& options)
 {
     for_each_option<Options>([&]<class T>(const Option<Options, T>& option) {
         if constexpr (std::is_arithmetic_v<T> && !std::is_same_v<T, bool>)
-            check(static_cast<double>(options.*option.member), option.range, option.name);
+            require_in_range(static_cast<double>(options.*option.member), option.range, option.name);
     });
 }
 

@@ -249,6 +249,50 @@ def test_space_methods_agree_on_shapes_and_refusals(name: str) -> None:
     np.testing.assert_array_equal(again.warp(moved), before)
 
 
+def options(name: str) -> Iterator[tuple[str, object, list[object]]]:
+    """The keywords of a constructor that have a default, with this and values that may be another one."""
+    (made_by,) = (node for node in members(CLASSES[name]) if node.name == "__init__")
+    for argument, value in zip(made_by.args.kwonlyargs, made_by.args.kw_defaults, strict=True):
+        default = ast.literal_eval(value)
+        if isinstance(default, str):
+            names = re.findall(r"'(\w+)'", ast.unparse(argument.annotation))
+            yield argument.arg, default, [other for other in names if other != default]
+        elif isinstance(default, bool):
+            yield argument.arg, default, [not default]
+        elif isinstance(default, int):
+            yield argument.arg, default, [default + 1, default - 1, default - 2, default + 24]
+        elif default is not None:
+            yield argument.arg, default, [0.5 * default or 0.25, 1.5 * default]
+
+
+LATTICES = ("Ffd", "InverseFfd")  # of which the lattice counts as a whole
+MADE_OF_OPTIONS = {*subclasses(sn.SurfaceMethod), *subclasses(sn.SpaceMethod)} - {*LATTICES}
+OPTIONS = [(name, *option) for name in sorted(MADE_OF_OPTIONS) for option in options(name) if option[2]]
+
+
+@pytest.mark.parametrize(
+    ("name", "option", "default", "others"), OPTIONS, ids=[f"{name}-{option}" for name, option, *_ in OPTIONS]
+)
+def test_a_rebind_names_an_option_that_changed(name: str, option: str, default: object, others: list) -> None:
+    """Where only solves read an option, all is taken over."""
+    for other in others:
+        try:
+            changed = methods.made(PUBLIC[name], CUBE, **{option: other})
+        except sn.InvalidOption:
+            continue
+        break
+    bound = [[0, 1], [6, 7]] if issubclass(PUBLIC[name], sn.SurfaceMethod) else CUBE.points
+    former, same = made(name), methods.made(PUBLIC[name], CUBE, **{option: default})
+    (former.set_handles if isinstance(former, sn.SurfaceMethod) else former.bind)(bound)
+    assert same.rebind(former, bound).reuse == "kept"
+    report = changed.rebind(same, bound)
+    is_read_by_solves = option == "max_iterations" or (
+        option == "tolerance" and name not in ("Rbf", "VectorField")
+    )
+    assert (report.reuse == "kept") == is_read_by_solves
+    assert report.changed == ("" if is_read_by_solves else option)
+
+
 def classes() -> list[str]:
     """All public classes; errors print themselves as all exceptions do."""
     return [name for name, value in PUBLIC.items() if inspect.isclass(value) and name not in ERRORS]

@@ -15,10 +15,9 @@ py::list control_grids(const SplineSurface& surface, const ArrayLike& poses, con
     Poses maps = bindings::poses(poses);
     std::optional<std::vector<bool>> aims = flags(from_rest, maps.size());
     const OptionalPoints entering(incoming, "incoming"), moves(grid, "grid");
-    const SolveRequest request{.poses = std::move(maps),
-                               .incoming = entering.view,
-                               .from_rest = std::move(aims),
-                               .grid = moves.view};
+    SolveRequest request{.poses = std::move(maps), .incoming = entering.view, .from_rest = std::move(aims)};
+    if (moves.view)
+        request.extra.emplace<GridMoves>(*moves.view);
     std::vector<SplineSurface::Grid> grids;
     {
         const py::gil_scoped_release unlocked;

@@ -49,7 +49,7 @@ Multiresolution::Multiresolution(const SurfaceMesh& rest, std::shared_ptr<Surfac
         throw InvalidOption("base: there is no method to put this one around");
     if (!(base->rest() == SurfaceMethod::rest()))
         throw InvalidOption("base: its rest shape is another one; make both on the same mesh");
-    check(options);
+    require_valid(options);
     impl_->base = std::move(base);
     impl_->options = options;
     impl_->rings = std::make_shared<const RingRotations>(SurfaceMethod::rest());

@@ -86,7 +86,7 @@ MultiresolutionSpace::MultiresolutionSpace(HandlePoints handles, std::shared_ptr
 {
     if (!base_)
         throw InvalidOption("base: there is no method to put this one around");
-    check(options);
+    require_valid(options);
 }
 
 MultiresolutionSpace::~MultiresolutionSpace() = default;

@@ -191,9 +191,8 @@ SolveReport SurfaceMethod::solve(const SolveRequest& request, Points& positions)
     require_at_least(request.max_iterations.value_or(0), 0, "max_iterations");
     require_at_least(request.tolerance.value_or(0.0), 0.0, "tolerance");
     require_at_least(request.substeps, 1, "substeps");
-    require_at_least(request.morph, 0.0, "morph");
-    if (request.morph > 1.0)
-        throw InvalidOption("morph: " + std::to_string(request.morph) + " is more than 1");
+    if (const Morph* morph = std::get_if<Morph>(&request.extra))
+        require_in_range(morph->share, between(0.0, 1.0), "morph");
     if (!bound_) { // there are no handles yet
         positions = targets.base();
         return SolveReport{.converged = true};

@@ -12,9 +12,23 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
 namespace sinew {
+
+/// How far PyramidCoordinates goes to its target shape, in [0, 1].
+struct Morph
+{
+    double share;
+};
+
+/// (g, 3) how far each control point of a SplineSurface is moved from where the handles lead it, in the order of
+/// its control_grids().
+struct GridMoves
+{
+    PointsView moves;
+};
 
 /// The arguments of SurfaceMethod::solve().
 struct SolveRequest
@@ -32,11 +46,8 @@ struct SolveRequest
     Progress progress{};
     /// In how many steps the handles go to their poses, at least 1; see SurfaceMethod::Stepping.
     int substeps = 1;
-    /// In [0, 1]: how far a method with a target shape goes to it. Others do not read it.
-    double morph = 0.0;
-    /// (g, 3) how far each control point is moved from where the handles lead it, of a method with control
-    /// grids (see SplineSurface::control_grids()); without it, not at all.
-    std::optional<PointsView> grid{};
+    /// What one method alone takes. The others do not read it.
+    std::variant<std::monostate, Morph, GridMoves> extra{};
 };
 
 /// A deformation of a surface by handles on it.
@@ -88,7 +99,7 @@ public:
     /// The report is that of the last step.
     /// \param[out] positions  (n, 3) deformed points; before set_handles(), the incoming shape.
     /// \throw InvalidConstraint  see Targets::check; or `start` has another size or is not finite.
-    /// \throw InvalidOption      max_iterations < 0, tolerance < 0, substeps < 1 or morph not in [0, 1].
+    /// \throw InvalidOption      max_iterations < 0, tolerance < 0, substeps < 1 or a morph not in [0, 1].
     /// \throw InvalidConstraint  a pose in the middle of substeps that are made anew has no inverse; the
     ///   element of the error is a handle.
     /// \throw FactorizationFailed  a shape in the middle of them cannot be bound.

@@ -48,7 +48,7 @@ struct MultiresolutionOptions
                    "4.4.1), 'normal_displacements', heights above it (4.4.2), 'displacement_volumes' "
                    "between it and the surface (4.4.3), or 'deformation_transfer': not at all, as its "
                    "faces are mapped like those of the base (4.4.4)"),
-            option("wavelength", &O::wavelength, Rebind::update, above(0),
+            option("wavelength", &O::wavelength, Rebind::update, more_than(0),
                    "in mean edge lengths: waves that are shorter are details"),
             option("bands", &O::bands, Rebind::update, between(1, 8),
                    "each further band takes the details of twice the wavelength off what the one before "

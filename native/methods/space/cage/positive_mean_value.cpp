@@ -15,7 +15,7 @@ PositiveMeanValue::PositiveMeanValue(Cage cage, const PositiveMeanValueOptions& 
     : CageCoordinates(std::move(cage), options.weights), options_(options), surface_(this->cage()),
       outside_(this->cage(), options.outside)
 {
-    check(options);
+    require_valid(options);
     if (options.directions % 2 != 0)
         throw InvalidOption("directions: " + std::to_string(options.directions) + " is not an even number");
     visible_ = std::make_unique<VisibleCage>(this->cage(), options.exact ? 0 : options.directions);

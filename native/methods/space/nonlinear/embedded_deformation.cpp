@@ -104,7 +104,7 @@ EmbeddedDeformation::EmbeddedDeformation(SurfaceMesh surface, HandlePoints handl
                                          const EmbeddedDeformationOptions& options)
     : HandleMethod(std::move(surface), std::move(handles)), options_(options)
 {
-    check(options);
+    require_valid(options);
 }
 
 EmbeddedDeformation::~EmbeddedDeformation() = default;

@@ -78,7 +78,7 @@ Vector3 move_of(MlsMaps kind, const MlsSums& sums, int lane)
 Mls::Mls(HandlePoints handles, const MlsOptions& options)
     : handles_(std::move(handles)), options_(options), maps_(options.maps)
 {
-    check(options);
+    require_valid(options);
     std::vector<char> in_segment(static_cast<std::size_t>(handles_.point_count()), 0);
     for (const auto& [a, b] : options.segments) {
         for (const int end : {a, b}) {

@@ -35,7 +35,7 @@ struct MlsOptions
             option("maps", &O::maps, Rebind::anew,
                    "that are fitted: 'rigid', 'similarity' (with one scale), or 'affine', which needs four "
                    "points that lie in no plane; else rigid maps are used, and the report says so"),
-            option("alpha", &O::alpha, Rebind::anew, above(0),
+            option("alpha", &O::alpha, Rebind::anew, more_than(0),
                    "weights are distance^(-2 alpha): the larger, the nearer the handles are that count"),
             option("segments", &O::segments, Rebind::anew,
                    "None, or (s, 2) pairs of points that are handles of their own: the segment between "

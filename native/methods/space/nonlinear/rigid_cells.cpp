@@ -143,7 +143,7 @@ struct RigidCells::Binding
 RigidCells::RigidCells(SurfaceMesh surface, HandlePoints handles, const RigidCellsOptions& options)
     : HandleMethod(std::move(surface), std::move(handles)), options_(options)
 {
-    check(options);
+    require_valid(options);
 }
 
 RigidCells::~RigidCells() = default;

@@ -104,7 +104,7 @@ VectorField::VectorField(Points frames, const VectorFieldOptions& options)
         throw InvalidConstraint("a number of the frames of tools is not finite");
     if (frames_.rows() == 0 || frames_.rows() % 4 != 0)
         throw InvalidOption("a frame is four points, and " + std::to_string(frames_.rows()) + " are given");
-    check(options);
+    require_valid(options);
     if (options.order == 3)
         throw InvalidOption("order: 3 is not 1, 2 or 4");
     if (options_.counts.empty())

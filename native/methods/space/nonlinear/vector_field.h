@@ -46,7 +46,7 @@ struct VectorFieldOptions
                 "twist or bend, which may be negative, nothing turns"),
             option_of_each("outer", &O::outer, any_number(),
                            "more than inner: beyond it, nothing moves, or all turns"),
-            option_of_each("width", &O::width, above(0),
+            option_of_each("width", &O::width, more_than(0),
                            "within this distance of the axis of a twist or bend all turns, and at twice the "
                            "distance nothing does"),
             option("order", &O::order, Rebind::anew, between(1, 4),

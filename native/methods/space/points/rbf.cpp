@@ -166,7 +166,7 @@ struct Rbf::Eight
 Rbf::Rbf(HandlePoints handles, const RbfOptions& options)
     : LinearSpaceMethod({options.precision, 0.0}), handles_(std::move(handles)), options_(options)
 {
-    check(options);
+    require_valid(options);
     basis_ = {options.function, is_compact(options.function) ? 1.0 / options.radius : 1.0};
 }
 
@@ -394,9 +394,7 @@ void Rbf::add_sums(const std::vector<double>& table, const RowMatrix& polynomial
 std::vector<std::string> Rbf::changed_settings(const SpaceMethod& former) const
 {
     const auto& other = static_cast<const Rbf&>(former);
-    return changed(
-        options_, other.options_,
-        names_of({{"handles", !(handles_ == other.handles_)}}, LinearSpaceMethod::changed_settings(former)));
+    return changed(options_, other.options_, names_of({{"handles", !(handles_ == other.handles_)}}));
 }
 
 void Rbf::swap_weights(SpaceMethod& other)

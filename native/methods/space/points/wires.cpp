@@ -48,7 +48,7 @@ Wires::Wires(Points reference, const WireOptions& options)
     if (!bad.empty())
         throw InvalidConstraint("samples " + list_some(bad) + " of the curves are not finite",
                                 Error::Element::vertex, bad);
-    check(options);
+    require_valid(options);
     if (options_.counts.empty())
         options_.counts = {static_cast<int>(reference_.rows())};
     add_curves();

@@ -27,7 +27,7 @@ struct WireOptions
         return std::tuple{
             option("closed", &O::closed, Rebind::anew,
                    "None, a flag, or (k,) flags: the curves whose last sample is joined to the first"),
-            option_of_each("radius", &O::radius, above(0), "how far from the curve points follow it"),
+            option_of_each("radius", &O::radius, more_than(0), "how far from the curve points follow it"),
             option_of_each("scale", &O::scale, any_number(),
                            "of the distances from the curve, near the curve; it acts at rest, too"),
             option_of_each("rotation", &O::rotation, between(0, 1),

@@ -61,7 +61,7 @@ struct GradientEditing::Impl
 GradientEditing::GradientEditing(const SurfaceMesh& rest, const GradientEditingOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     impl_->options = options;
 }
 

@@ -109,7 +109,7 @@ HierarchicalSmoothing::HierarchicalSmoothing(const SurfaceMesh& rest,
                                              const HierarchicalSmoothingOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     impl_->options = options;
 }
 

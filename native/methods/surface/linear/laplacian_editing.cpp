@@ -190,7 +190,7 @@ struct LaplacianEditing::Impl
 LaplacianEditing::LaplacianEditing(const SurfaceMesh& rest, const LaplacianEditingOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     impl_->options = options;
 }
 

@@ -58,7 +58,7 @@ struct Propagation::Impl
 Propagation::Propagation(const SurfaceMesh& rest, const PropagationOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     impl_->transfer = TransferCurve(options.transfer);
     impl_->options = options;
 }

@@ -131,7 +131,7 @@ RotationInvariantCoordinates::RotationInvariantCoordinates(const SurfaceMesh& re
                                                            const RotationInvariantCoordinatesOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     if (options.laplacian == Discretization::cotan_voronoi)
         throw InvalidOption("laplacian: 'cotan_voronoi' is not one of 'uniform', 'cotan'");
     impl_->options = options;

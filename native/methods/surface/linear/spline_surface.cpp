@@ -108,15 +108,16 @@ struct Binding
     /// \throw InvalidConstraint  not one for each control point, or one is not finite.
     const PointsView* moves(const SolveRequest& request) const
     {
-        if (!request.grid)
+        const GridMoves* given = std::get_if<GridMoves>(&request.extra);
+        if (!given)
             return nullptr;
         const auto count = static_cast<Eigen::Index>(patches.size()) * grid.size();
-        if (request.grid->rows() != count)
-            throw InvalidConstraint("grid: " + std::to_string(request.grid->rows()) + " moves given for " +
+        if (given->moves.rows() != count)
+            throw InvalidConstraint("grid: " + std::to_string(given->moves.rows()) + " moves given for " +
                                     std::to_string(count) + " control points");
-        if (!all_finite(*request.grid))
+        if (!all_finite(given->moves))
             throw InvalidConstraint("grid: NaN or infinite moves");
-        return request.grid->isZero(0) ? nullptr : &*request.grid;
+        return given->moves.isZero(0) ? nullptr : &given->moves;
     }
 
     /// (c, 3) what the handles ask of each constraint.
@@ -257,7 +258,7 @@ struct SplineSurface::Impl
 SplineSurface::SplineSurface(const SurfaceMesh& rest, const SplineSurfaceOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>(options))
 {
-    check(options);
+    require_valid(options);
     const RowMatrix& uv = options.uv_map;
     if (uv.size() > 0 && (uv.rows() != rest.vertex_count() || uv.cols() != 2))
         throw InvalidOption("uv_map: (" + std::to_string(uv.rows()) + ", " + std::to_string(uv.cols()) +

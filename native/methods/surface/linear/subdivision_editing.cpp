@@ -131,7 +131,7 @@ struct SubdivisionEditing::Impl
 SubdivisionEditing::SubdivisionEditing(const SurfaceMesh& rest, const SubdivisionEditingOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     impl_->options = options;
 }
 

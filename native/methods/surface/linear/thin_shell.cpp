@@ -155,7 +155,7 @@ struct ThinShell::Impl
 ThinShell::ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>(this->rest(), options))
 {
-    check(options);
+    require_valid(options);
 }
 
 ThinShell::~ThinShell() = default;

@@ -161,7 +161,7 @@ VolumetricGraphLaplacian::VolumetricGraphLaplacian(const SurfaceMesh& rest,
                                                    const VolumetricGraphLaplacianOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     impl_->options = options;
 }
 

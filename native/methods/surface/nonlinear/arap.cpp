@@ -174,7 +174,7 @@ struct Arap::Impl
 Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     if (options.point_handles > 0.0 && options.cells == ArapOptions::Cells::rims)
         throw InvalidOption("point_handles: only with cells of spokes; set it to 0, or take spokes");
     impl_->options = options;

@@ -240,7 +240,7 @@ struct HandleAwareIsolines::Impl
 HandleAwareIsolines::HandleAwareIsolines(const SurfaceMesh& rest, const HandleAwareIsolinesOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     impl_->options = options;
 }
 

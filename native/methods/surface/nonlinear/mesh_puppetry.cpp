@@ -145,7 +145,7 @@ struct MeshPuppetry::Impl
 MeshPuppetry::MeshPuppetry(const SurfaceMesh& rest, const MeshPuppetryOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     impl_->options = options;
     impl_->unit = normal_unit(rest.points());
 }

@@ -268,7 +268,7 @@ struct Primo::Impl
 Primo::Primo(const SurfaceMesh& rest, const PrimoOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     impl_->options = options;
     impl_->unit = normal_unit(rest.points());
     impl_->height = painted(options.height, rest.vertex_count(), least_height, "height");

@@ -176,7 +176,7 @@ struct PyramidCoordinates::Impl
 PyramidCoordinates::PyramidCoordinates(const SurfaceMesh& rest, const PyramidCoordinatesOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     if (options.target_shape)
         require_same_faces(rest, *options.target_shape);
     impl_->options = options;
@@ -236,13 +236,14 @@ SolveReport PyramidCoordinates::deform(const SolveRequest& request, const Target
     const Impl& self = *impl_;
     const Binding& bound = *self.bound;
     const PyramidCells& cells = bound.cells;
-    const PyramidMorph* const morph =
-        self.assembled->morph && request.morph > 0 ? &*self.assembled->morph : nullptr;
+    const Morph* const asked = std::get_if<Morph>(&request.extra);
+    const double share = asked ? asked->share : 0.0;
+    const PyramidMorph* const morph = self.assembled->morph && share > 0 ? &*self.assembled->morph : nullptr;
     const auto work = bound.workspaces.take([] { return std::make_unique<Workspace>(); });
     const Targets targets = work->targets.of(given, view(bound.rest), bound.unit);
     work->goals.set(regions(), targets);
     if (morph)
-        morph_goals(bound, regions(), targets, morph->target(), request.morph, work->goals);
+        morph_goals(bound, regions(), targets, morph->target(), share, work->goals);
     if (cells.moving_count() == 0) {
         positions = bound.unit * work->goals.held;
         return {.converged = true};
@@ -252,7 +253,7 @@ SolveReport PyramidCoordinates::deform(const SolveRequest& request, const Target
     if (morph || targets.incoming) {
         shape = &work->shape;
         if (morph)
-            morph->mix(cells, self.assembled->rings, targets.rest, targets.base(), request.morph, work->shape,
+            morph->mix(cells, self.assembled->rings, targets.rest, targets.base(), share, work->shape,
                        work->turns);
         else
             cells.keep(targets.base(), work->shape);

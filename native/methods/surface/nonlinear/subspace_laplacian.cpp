@@ -208,7 +208,7 @@ SubspaceLaplacian::SubspaceLaplacian(const SurfaceMesh& rest, const SubspaceLapl
                                      std::optional<SurfaceMesh> cage)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     if (options.cage_faces != 0 && options.cage_faces < 12)
         throw InvalidOption("cage_faces: " + std::to_string(options.cage_faces) +
                             " is neither 0 nor in 12 to 2,000; each face costs every vertex a weight");

@@ -290,7 +290,7 @@ struct ThinShellNonlinear::Impl
 ThinShellNonlinear::ThinShellNonlinear(const SurfaceMesh& rest, const ThinShellNonlinearOptions& options)
     : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
 {
-    check(options);
+    require_valid(options);
     impl_->options = options;
     impl_->unit = normal_unit(rest.points());
     impl_->stiffnesses = stiffnesses(options, rest, impl_->unit);

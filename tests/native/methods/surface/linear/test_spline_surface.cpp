@@ -224,7 +224,7 @@ TEST(SplineSurface, one_grid_point_moves_the_rectangle_of_its_degree_and_one_spa
         const int i = 6, j = 4, index = 12 * j + i;
         Points moves = Points::Zero(120, 3), positions;
         moves.row(index) = up.transpose();
-        surface.solve({.poses = Poses(1, shapes::still()), .grid = view(moves)}, positions);
+        surface.solve({.poses = Poses(1, shapes::still()), .extra = GridMoves{view(moves)}}, positions);
         int inside = 0;
         for (int k = 0; k < flat.vertex_count(); ++k) {
             // In spans from the middle of the rectangle, by the grid that is shown.
@@ -241,7 +241,8 @@ TEST(SplineSurface, one_grid_point_moves_the_rectangle_of_its_degree_and_one_spa
             }
         }
         EXPECT_GT(inside, 3) << degree;
-        const auto after = surface.control_grids({.poses = Poses(1, shapes::still()), .grid = view(moves)});
+        const auto after =
+            surface.control_grids({.poses = Poses(1, shapes::still()), .extra = GridMoves{view(moves)}});
         EXPECT_LT(shapes::distance(after.front().points, points + moves), 1e-14);
     }
 }
@@ -272,11 +273,11 @@ TEST(SplineSurface, adds_the_spline_of_moved_grid_points_to_the_handles_and_hold
         if (!hard[v])
             free.push_back(v);
     h = dense::solution(L + S, -S * spline, h, free);
-    const SolveRequest request{.poses = bent}, moved{.poses = bent, .grid = view(moves)};
+    const SolveRequest request{.poses = bent}, moved{.poses = bent, .extra = GridMoves{view(moves)}};
     const Points expected = solved(mesh, handles, request, options) + spline + h;
     EXPECT_LT(shapes::distance(solved(mesh, handles, moved, options), expected), 1e-10); // two factorisations
     const Points none = Points::Zero(60, 3);
-    EXPECT_EQ(solved(mesh, handles, {.poses = bent, .grid = view(none)}, options),
+    EXPECT_EQ(solved(mesh, handles, {.poses = bent, .extra = GridMoves{view(none)}}, options),
               solved(mesh, handles, request, options))
         << "to the last bit";
 
@@ -284,11 +285,12 @@ TEST(SplineSurface, adds_the_spline_of_moved_grid_points_to_the_handles_and_hold
     surface.set_handles(handles);
     Points positions;
     const Points few = Points::Zero(59, 3);
-    EXPECT_THROW(surface.solve({.poses = bent, .grid = view(few)}, positions), InvalidConstraint);
+    EXPECT_THROW(surface.solve({.poses = bent, .extra = GridMoves{view(few)}}, positions), InvalidConstraint);
     Points broken = moves;
     broken(7, 1) = nan;
-    EXPECT_THROW(surface.solve({.poses = bent, .grid = view(broken)}, positions), InvalidConstraint);
-    EXPECT_THROW(surface.control_grids({.poses = bent, .grid = view(few)}), InvalidConstraint);
+    EXPECT_THROW(surface.solve({.poses = bent, .extra = GridMoves{view(broken)}}, positions),
+                 InvalidConstraint);
+    EXPECT_THROW(surface.control_grids({.poses = bent, .extra = GridMoves{view(few)}}), InvalidConstraint);
 }
 
 TEST(SplineSurface, reaches_only_as_far_into_the_handles_as_the_margin)

@@ -262,21 +262,22 @@ TEST(PyramidMorphing, goes_from_one_shape_to_the_other)
     const PyramidCoordinates method = bound(mesh, shapes::ends(mesh, 2), toward(target));
     const Poses still{shapes::still(), shapes::still()};
     EXPECT_LT(shapes::distance(solve(method, still).positions, mesh.points()), 1e-11);
-    EXPECT_LT(shapes::distance(solve(method, still, {.morph = 1.0}).positions, target.points()), 1e-10);
+    EXPECT_LT(shapes::distance(solve(method, still, {.extra = Morph{1.0}}).positions, target.points()),
+              1e-10);
     // On the way it is near both at the ends, and it moves evenly.
     Points last = mesh.points();
     for (int k = 1; k <= 20; ++k) {
-        const Points now = solve(method, still, {.morph = k / 20.0}).positions;
+        const Points now = solve(method, still, {.extra = Morph{k / 20.0}}).positions;
         EXPECT_LT(shapes::distance(now, last), 0.1 * shapes::distance(mesh.points(), target.points()) + 0.05);
         last = now;
     }
     // A motion of all handles moves what is between.
     const Pose pose = shapes::turn({1, 2, -0.5}, 170, {3, 7, 1}, {30, -20, 10});
-    const Points half = solve(method, still, {.morph = 0.5}).positions;
-    EXPECT_LT(shapes::distance(solve(method, {pose, pose}, {.morph = 1.0}).positions,
+    const Points half = solve(method, still, {.extra = Morph{0.5}}).positions;
+    EXPECT_LT(shapes::distance(solve(method, {pose, pose}, {.extra = Morph{1.0}}).positions,
                                shapes::transformed(target.points(), pose)),
               1e-10);
-    EXPECT_LT(shapes::distance(solve(method, {pose, pose}, {.morph = 0.5}).positions,
+    EXPECT_LT(shapes::distance(solve(method, {pose, pose}, {.extra = Morph{0.5}}).positions,
                                shapes::transformed(half, pose)),
               0.01); // where it stops differs
 }
@@ -287,12 +288,12 @@ TEST(PyramidMorphing, needs_no_handle)
     PyramidCoordinates method(mesh, toward(target));
     method.set_handles({});
     EXPECT_EQ(solve(method, {}).positions, mesh.points());
-    EXPECT_LT(shapes::distance(solve(method, {}, {.morph = 1.0}).positions, target.points()), 1e-10);
+    EXPECT_LT(shapes::distance(solve(method, {}, {.extra = Morph{1.0}}).positions, target.points()), 1e-10);
     // Lengths do not shrink half-way, as they do on straight lines between shapes that are turned.
     const Pose turned = shapes::turn({0, 0, 1}, 150, {6, 0, 0});
     PyramidCoordinates turning(mesh, toward(shapes::moved(mesh, shapes::transformed(mesh.points(), turned))));
     turning.set_handles({});
-    const Points half = solve(turning, {}, {.morph = 0.5}).positions;
+    const Points half = solve(turning, {}, {.extra = Morph{0.5}}).positions;
     const Pose halfway = shapes::turn({0, 0, 1}, 75, {6, 0, 0});
     EXPECT_LT(shapes::distance(half, shapes::transformed(mesh.points(), halfway)), 1e-9);
 }
@@ -304,9 +305,10 @@ TEST(PyramidMorphing, takes_the_target_along_with_what_enters)
     const Pose walk = shapes::turn({0, 0, 1}, 40, {1, 0, 0}, {5, 6, 7});
     const Points incoming = shapes::transformed(mesh.points(), walk);
     const Poses still{shapes::still(), shapes::still()};
-    EXPECT_LT(shapes::distance(solve(method, still, {.incoming = view(incoming), .morph = 1.0}).positions,
-                               shapes::transformed(target.points(), walk)),
-              1e-10);
+    EXPECT_LT(
+        shapes::distance(solve(method, still, {.incoming = view(incoming), .extra = Morph{1.0}}).positions,
+                         shapes::transformed(target.points(), walk)),
+        1e-10);
     EXPECT_LT(shapes::distance(solve(method, still, {.incoming = view(incoming)}).positions, incoming),
               1e-11);
 }
@@ -322,10 +324,10 @@ TEST(PyramidMorphing, morphs_parts_without_a_handle_and_loose_vertices)
     std::vector<Handle> handles = shapes::ends(one, 1);
     const PyramidCoordinates method = bound(both, handles, toward(target));
     const Poses still{shapes::still(), shapes::still()};
-    EXPECT_LT(shapes::distance(solve(method, still, {.morph = 1.0}).positions, points), 1e-10);
+    EXPECT_LT(shapes::distance(solve(method, still, {.extra = Morph{1.0}}).positions, points), 1e-10);
     EXPECT_LT(shapes::distance(solve(method, still).positions.bottomRows(6), both.points().bottomRows(6)),
               1e-15);
-    const Points half = solve(method, still, {.morph = 0.5}).positions;
+    const Points half = solve(method, still, {.extra = Morph{0.5}}).positions;
     EXPECT_LT(shapes::distance(half.bottomRows(6), 0.5 * (points + both.points()).bottomRows(6)), 1e-9);
 }
 
@@ -340,17 +342,17 @@ TEST(PyramidMorphing, refuses_another_mesh_and_factors_out_of_range)
     expect_elements(error, Error::Element::face, {2});
     const PyramidCoordinates method = bound(mesh, {{{0}, {}}}, toward(mesh));
     for (const double t : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()})
-        EXPECT_THROW(solve(method, {shapes::still()}, {.morph = t}), InvalidOption);
+        EXPECT_THROW(solve(method, {shapes::still()}, {.extra = Morph{t}}), InvalidOption);
 }
 
 TEST(PyramidMorphing, frames_depend_on_the_factor_alone)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3), target = changed_bar(mesh);
     const PyramidCoordinates method = bound(mesh, shapes::ends(mesh, 2), toward(target));
-    const Points alone = solve(method, bend(60), {.morph = 0.4}).positions;
+    const Points alone = solve(method, bend(60), {.extra = Morph{0.4}}).positions;
     for (const double t : {0.0, 0.9, 0.2})
-        solve(method, twist(90 * t), {.morph = t});
-    EXPECT_EQ(solve(method, bend(60), {.morph = 0.4}).positions, alone);
+        solve(method, twist(90 * t), {.extra = Morph{t}});
+    EXPECT_EQ(solve(method, bend(60), {.extra = Morph{0.4}}).positions, alone);
 }
 
 } // namespace sinew::test_pyramid_coordinates
