@@ -12,9 +12,7 @@ from .suites import googletest
 # With a C library of its own, as this machine has none for this processor.
 SYSTEM = zig.system("neon", "Linux on ARM", "aarch64-linux-musl")
 # The files of tests/native that compare kernels with an oracle.
-KERNELS = (
-    "/(simd|dense|optimization)/|supernodal/test_solve|kernels|test_(layers|products|quad_patches|stencils)"
-)
+KERNELS = "/(simd|dense|optimization)/|supernodal/test_solve|kernels|test_(layers|products|quad_patches|stencils)"
 
 
 def neon(timeout: float) -> Outcome:
