@@ -54,12 +54,7 @@ def box(size: tuple[float, float, float], step: float) -> tuple[np.ndarray, np.n
 
 
 def read_mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
-    """Points and faces (all triangles or all quads) of an OBJ or OFF file."""
-    if path.suffix == ".off":
-        words = path.read_text(encoding="utf-8").split()[1:]
-        n, m = int(words[0]), int(words[1])
-        points = np.array(words[3 : 3 + 3 * n], float).reshape(n, 3)
-        return points, np.array(words[3 + 3 * n : 3 + 3 * n + 4 * m], int).reshape(m, 4)[:, 1:]
+    """Points and faces (all triangles or all quads) of an OBJ file."""
     points, faces = [], []
     for line in path.read_text(encoding="utf-8").splitlines():
         tag, *words = line.split() or [""]
@@ -130,64 +125,12 @@ def bumpy_plate(vertices: int) -> Case:
     return Case("bumpy plate", points, faces, [near, far], np.stack([STILL, pose]))
 
 
-def quartered(case: Case) -> Case:
-    """The same motion by four handles: each of the two handles is divided into halves."""
-    halves = [h[side] for h in case.handles for side in (case.points[h, 1] < 0, case.points[h, 1] >= 0)]
-    return Case(case.name, case.points, case.faces, halves, case.poses[[0, 0, 1, 1]])
-
-
-def patch(case: Case, count: int) -> np.ndarray:
-    """The free vertices nearest to the middle of the bar's upper side."""
-    distance = np.linalg.norm(case.points - (LENGTH / 2, 5, 0), axis=1)
-    return np.sort(np.argsort(distance, kind="stable")[:count])
-
-
-def _fractions(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    low, high = points.min(0), points.max(0)
-    return (points - low) / (high - low), high - low
-
-
 def own_model() -> Case:
     """The cow of the samples, with its hooves held and its head turned and lowered."""
     points, faces = read_mesh(OWN_MODEL)
-    u, size = _fractions(points)
+    low, size = points.min(0), np.ptp(points, axis=0)
+    u = (points - low) / size
     hooves = np.flatnonzero(u[:, 1] < 0.12)
     head = np.flatnonzero((u[:, 2] < 0.22) & (u[:, 1] > 0.55))
     pose = about(points[head].mean(0), (0, 1, 0), 50, np.array([0.2, -0.1, -0.1]) * size)
     return Case("cow", points, faces, [hooves, head], np.stack([STILL, pose]))
-
-
-def armadillo(folder: Path, *, turned: bool) -> Case:
-    points, faces = read_mesh(folder / "armadillo.obj")
-    u, s = _fractions(points)
-    label = np.select([u[:, 1] < 0.06, u[:, 0] > 0.93, u[:, 1] > 0.93], [0, 1, 2], -1)
-    handles = [np.flatnonzero(label == h) for h in range(3)]
-    hand, ear = points[handles[1]].mean(0), points[handles[2]].mean(0)
-    if turned:
-        moved = [
-            about(hand, (0, 0, 1), 60, (-0.2, 0.15, 0.1) * s),
-            about(ear, (1, 0, 0), 35, (0, 0, 0.1) * s),
-        ]
-    else:
-        moved = [
-            about(hand, (1, 0, 0), 0, (-0.25, 0.2, 0.3) * s),
-            about(ear, (1, 0, 0), 0, (0.1, -0.05, 0.15) * s),
-        ]
-    return Case(
-        f"armadillo {'turned' if turned else 'moved'}", points, faces, handles, np.stack([STILL, *moved])
-    )
-
-
-def knight(folder: Path) -> Case:
-    points, faces = read_mesh(folder / "decimated-knight.off")
-    words = (folder / "decimated-knight-selection.dmat").read_text(encoding="utf-8").split()[2:]
-    label = np.array(words, float).astype(int)
-    handles = [np.flatnonzero(label == h) for h in range(3)]
-    s = np.linalg.norm(points.max(0) - points.min(0))
-    first, second = points[handles[1]].mean(0), points[handles[2]].mean(0)
-    poses = [
-        STILL,
-        about(first, (0, 1, 0), 0, np.array([0.15, 0.1, 0.2]) * s),
-        about(second, (1, 0, 0), 50, np.array([0, 0.1, 0]) * s),
-    ]
-    return Case("knight", points, faces, handles, np.stack(poses))

@@ -8,24 +8,23 @@ from pathlib import Path
 
 import numpy as np
 from record import Row
-from works import ANY, BY_ID, CONVERGENCE_BUDGETS, OWN_TIMES, WORKS, Work, two_thread_rows
+from works import ANY, BY_ID, WORKS, Work
 
 COUNTS = Path(__file__).parent / "instructions" / "table.json"
+TIE = 0.97  # of two equal measurements, one may look this much faster than the other
 
 
 def short(count: int) -> str:
     """A rounded number of vertices: 10178 -> "10k"."""
-    return (
-        f"{count / 1e6:.3g}M" if count >= 1_000_000 else f"{count // 1000}k" if count >= 1000 else str(count)
-    )
+    if count >= 1_000_000:
+        return f"{count / 1e6:.3g}M"
+    return f"{count // 1000}k" if count >= 1000 else str(count)
 
 
 def amount(value: float, unit: str) -> str:
     if unit == "bytes":
         return f"{value / 1e6:.4g} MB"
-    if unit == "faces":
-        return f"{value:.0f} faces"
-    if not unit:
+    if unit != "s":
         return f"{value:.2g}"
     return f"{value:.3g} s" if value >= 1.0 else f"{1e3 * value:.3g} ms"
 
@@ -39,59 +38,38 @@ def bare_ratio(work: Work, row: Row) -> str:
 
 def line(row: Row) -> str:
     """The line for a row in the terminal."""
-    if row["work"] == "convergence":
-        excess = " ".join(f"{value:9.4f}" for value in row["excess_percent"])
-        over = "".join(f"  over {limit:g} %" for limit in row["over"])
-        return f"{row['case']:18}{row['vertices']:>8}  {excess}  stops at {row['default_iterations']}{over}"
-    if row["work"] == "handler_cost":
-        return (
-            f"handler in {row['case']}: {row['handler_ms']:.4f} ms of an update of {row['update_ms']:.3f} ms"
-        )
     work = BY_ID[row["work"]]
-    where = " ".join(str(row[name]) for name in ("case",) if row.get(name))
     threads = f"{row['threads']}T" if row.get("threads") else ""
-    head = f"{work.id:20}{short(row['size']):>6} {threads:3}{where:16}{amount(row['ours'], row['unit']):>10}"
+    head = f"{work.id:22}{short(row['size']):>6} {threads:3}{row.get('case') or '':26}"
+    if "excess_percent" in row:
+        return head + " / ".join(map(_percent, row["excess_percent"]))
+    head += f"{amount(row['ours'], row['unit']):>10}"
     if row.get("peer") is None:
         return head
-    goal, met = work.goal(row), work.met(row)
+    goal = work.goal(row)
     wanted = "" if goal is None else f"  wanted {'<=' if work.at_most else '>='} {goal:g}"
-    tail = f"  {work.peer} {amount(row['peer'], row['unit'])}"
-    return f"{head}  ratio {bare_ratio(work, row):>6}{wanted}{'  SHORT' if met is False else ''}{tail}"
+    verdict = "  MISSED" if work.met(row) is False else ""
+    peer = f"{work.peer} {amount(row['peer'], row['unit'])}"
+    return f"{head}  ratio {bare_ratio(work, row):>6}{wanted}{verdict}  {peer}"
 
 
-def exponent(sizes: Iterable[float], values: Iterable[float]) -> float:
-    """The exponent p of values ~ sizes^p, by least squares of logarithms."""
-    return float(np.polyfit(np.log(list(sizes)), np.log(list(values)), 1)[0])
-
-
-def series(rows: list[Row]) -> dict[tuple[str, int | None], list[Row]]:
-    """The rows of each timed loop and number of threads, by rising size, if there are several sizes."""
+def by_work(rows: list[Row]) -> list[tuple[Work, list[Row]]]:
+    """The works that were compared with a peer, each with its rows."""
     found = defaultdict(list)
     for row in rows:
-        if row["work"] in OWN_TIMES or row["work"] == "memory":
-            found[row["work"], row.get("threads")].append(row)
-    grown = {key: sorted(some, key=lambda row: row["vertices"]) for key, some in found.items()}
-    return {key: some for key, some in grown.items() if some[0]["vertices"] < some[-1]["vertices"]}
+        if row.get("peer") is not None:
+            found[row["work"]].append(row)
+    return [(work, found[work.id]) for work in WORKS if work.id in found]
 
 
-def exponents(rows: list[Row]) -> dict[tuple[str, int | None], float]:
-    return {
-        key: exponent([row["vertices"] for row in some], [row["ours"] for row in some])
-        for key, some in series(rows).items()
-    }
+def missed(rows: list[Row]) -> int:
+    """The number of works with ratios that are not as wanted."""
+    return sum(any(work.met(row) is False for row in some) for work, some in by_work(rows))
 
 
-def summary(rows: list[Row]) -> list[str]:
-    """Lines about several rows: two threads against one, exponents, and how many ratios fall short."""
-    twos = two_thread_rows(rows)
-    judged = [row for row in (*rows, *twos) if row["work"] in BY_ID and row.get("peer") is not None]
-    verdicts = [BY_ID[row["work"]].met(row) for row in judged]
-    powers = [
-        f"{work} ({threads or '-'}T): time or memory grows with n^{power:.2f}"
-        for (work, threads), power in exponents(rows).items()
-    ]
-    closing = f"{verdicts.count(True)} ratios as wanted, {verdicts.count(False)} fall short"
-    return [*(line(row) for row in twos), *powers, closing]
+def summary(rows: list[Row]) -> str:
+    verdicts = [work.met(row) for work, some in by_work(rows) for row in some]
+    return f"{verdicts.count(True)} ratios as wanted, {verdicts.count(False)} missed"
 
 
 def table(header: Iterable[str], lines: Iterable[Iterable[str]]) -> str:
@@ -101,127 +79,71 @@ def table(header: Iterable[str], lines: Iterable[Iterable[str]]) -> str:
     return "\n".join([first, rule, *others])
 
 
-def _pair(values: float | tuple[float, float]) -> str:
-    return ", ".join(f"{value:g}" for value in (values if isinstance(values, tuple) else (values,)))
-
-
 def wanted(work: Work) -> str:
-    """ "at least 8, 12; 200k: 7, 11"."""
+    """ "at least 8, 12; 200k: 7, 11", or nothing."""
     sizes = defaultdict(list)
     for size, goal in work.wanted.items():
-        sizes[goal].append(size)
+        pair = goal if isinstance(goal, tuple) else (goal,)
+        sizes[", ".join(f"{value:g}" for value in pair)].append(size)
     parts = [
-        _pair(goal) if some == [ANY] else f"{'/'.join(short(size) for size in some)}: {_pair(goal)}"
+        goal if some == [ANY] else f"{'/'.join(short(size) for size in some)}: {goal}"
         for goal, some in sizes.items()
     ]
-    return f"{'at most' if work.at_most else 'at least'} {'; '.join(parts)}"
+    return f"{'at most' if work.at_most else 'at least'} {'; '.join(parts)}" if parts else ""
 
 
 def reached(work: Work, rows: list[Row]) -> str:
-    """ "10k: 9.1, 14 · 50k: *7.9*, *11*": on one and on two threads, in italics if it falls short."""
+    """ "10k: 9.1, 14 · 50k: *7.9*, *11*": on one and on two threads, in italics if it is not as wanted."""
     places = defaultdict(list)
-    for row in sorted(
-        rows, key=lambda row: (str(row.get("case") or ""), row["size"], row.get("threads") or 0)
-    ):
-        places[row.get("case") or short(row["size"])].append(row)
-    cells = []
-    for place, some in places.items():
-        ratios = (
-            f"*{bare_ratio(work, row)}*" if work.met(row) is False else bare_ratio(work, row) for row in some
-        )
-        cells.append(f"{place}: {', '.join(ratios)}")
-    return " · ".join(cells)
-
-
-def least_two_threads(rows: list[Row]) -> str:
-    work = BY_ID["two_threads"]
-    worst = min(rows, key=work.ratio)
-    place = f"{bare_ratio(work, worst)} ({OWN_TIMES[worst['case']]}, {short(worst['size'])})"
-    lost = sum(work.met(row) is False for row in rows)
-    return f"least {f'*{place}*' if lost else place}; {lost} of {len(rows)} slower"
-
-
-def by_work(rows: list[Row]) -> list[tuple[Work, list[Row]]]:
-    """The works that were compared with a peer, each with its rows."""
-    found = defaultdict(list)
-    for row in (*rows, *two_thread_rows(rows)):
-        if row["work"] in BY_ID and row.get("peer") is not None:
-            found[row["work"]].append(row)
-    return [(work, found[work.id]) for work in WORKS if work.id in found]
+    for row in sorted(rows, key=lambda row: (row.get("case") or "", row["size"], row.get("threads") or 0)):
+        ratio = bare_ratio(work, row)
+        place = row.get("case") or short(row["size"])
+        places[place].append(f"*{ratio}*" if work.met(row) is False else ratio)
+    return " · ".join(f"{place}: {', '.join(ratios)}" for place, ratios in places.items())
 
 
 def ratios(rows: list[Row]) -> str:
     """A table of all works with all ratios that were reached."""
-    lines = []
-    for work, some in by_work(rows):
-        found = least_two_threads(some) if work.id == "two_threads" else reached(work, some)
-        lines.append((work.what, work.peer, wanted(work), found))
+    lines = [(work.what, work.peer, wanted(work), reached(work, some)) for work, some in by_work(rows)]
     return table(("measured", "next to", "wanted", "reached: vertices, one thread, two threads"), lines)
 
 
-def shortfalls(rows: list[Row]) -> list[tuple[Work, list[Row]]]:
-    """The works with ratios that fall short, each with these rows."""
-    short_of = [(work, [row for row in some if work.met(row) is False]) for work, some in by_work(rows)]
-    return [(work, some) for work, some in short_of if some]
-
-
-def shortfall_table(rows: list[Row]) -> str:
-    """A table of the works that fall short, each with its worst ratio and the case of this ratio."""
-    lines = []
-    for work, some in shortfalls(rows):
-        worst = (max if work.at_most else min)(some, key=work.ratio)
-        case = OWN_TIMES.get(worst.get("case"), worst.get("case"))
-        size = None if worst.get("case") and work.id != "two_threads" else short(worst["size"])
-        threads = {1: "one thread", 2: "two threads"}.get(worst.get("threads"))
-        place = ", ".join(part for part in (case, size, threads) if part)
-        ratio, goal = bare_ratio(work, worst), f"{work.goal(worst):g}"
-        lines.append(
-            (work.what, work.peer, goal, ratio, place, f"{len(some)} of {_count_wanted(work, rows)}")
-        )
-    return table(
-        ("measured", "next to", "wanted there", "worst ratio", "where", "ratios that fall short"), lines
+def two_threads(rows: list[Row]) -> str:
+    """A sentence about the least that a second thread gives."""
+    ours = defaultdict(dict)
+    for row in rows:
+        if row.get("threads"):
+            ours[row["work"], row["size"], row.get("case")][row["threads"]] = row["ours"]
+    gains = {key: times[1] / times[2] for key, times in ours.items() if {1, 2} <= times.keys()}
+    if not gains:
+        return ""
+    worst = min(gains, key=gains.get)
+    slower = sum(gain < TIE for gain in gains.values())
+    return (
+        f"Of {len(gains)} measurements on one and on two threads, {slower} took over 3 % longer on two. "
+        f"The least gain is a factor of {gains[worst]:.2f} ({BY_ID[worst[0]].what}, {short(worst[1])})."
     )
 
 
-def _count_wanted(work: Work, rows: list[Row]) -> int:
-    """The number of rows of a work for which a ratio is wanted."""
-    return sum(work.met(row) is not None for other, some in by_work(rows) if other is work for row in some)
+def exponent(sizes: Iterable[float], values: Iterable[float]) -> float:
+    """The exponent p of values ~ sizes^p, by least squares of logarithms."""
+    return float(np.polyfit(np.log(list(sizes)), np.log(list(values)), 1)[0])
 
 
 def own_times(rows: list[Row]) -> str:
-    """A table of Sinew's own times by size, on two threads, with their growth."""
-    sizes = sorted({row["size"] for some in series(rows).values() for row in some})
-    powers = exponents(rows)
-    lines = []
-    for (work, threads), some in series(rows).items():
-        if threads == 1:
-            continue  # the table holds times on two threads, and memory, which does not depend on threads
-        cells = {row["size"]: amount(row["ours"], row["unit"]) for row in some}
-        name = OWN_TIMES.get(work, "memory, bound")
-        lines.append((name, *(cells.get(size, "") for size in sizes), f"n^{powers[work, threads]:.2f}"))
-    return table(("", *map(short, sizes), "grows with"), lines)
-
-
-def bound_shares(rows: list[Row]) -> str:
-    """A table of the times as shares of the least time that the measured memory bandwidth allows."""
-    lines = []
+    """A table of Sinew's own times by size, on two threads, with their growth, of works with many sizes."""
+    found = defaultdict(dict)
     for row in rows:
-        if row["work"] in ("solve_bound", "basis_bound"):
-            rate = row["bytes"] / row["peer"] / 1e9
-            share = 100.0 * row["peer"] / row["ours"]
-            cells = f"{row['bytes'] / 1e6:.4g} MB", f"{rate:.3g} GB/s", f"{share:.0f} %"
-            name = "solve" if row["work"] == "solve_bound" else "affine basis"
-            lines.append((name, short(row["size"]), str(row["threads"]), *cells))
-    return table(
-        ("", "vertices", "threads", "bytes read", "memory bandwidth", "share of the bandwidth"),
-        sorted_by_size(lines),
-    )
-
-
-def sorted_by_size(lines: list[tuple[str, ...]]) -> list[tuple[str, ...]]:
-    return sorted(
-        lines, key=lambda cells: (cells[0], float(cells[1][:-1]) * (1e3 if "M" in cells[1] else 1), cells[2])
-    )
+        if row.get("threads") != 1 and not row.get("case") and "ours" in row:
+            found[row["work"]][row["size"]] = row
+    found = {work.id: found[work.id] for work in WORKS if len(found[work.id]) > 2}
+    sizes = sorted({size for some in found.values() for size in some})
+    lines = []
+    for work, some in found.items():
+        cells = [amount(some[size]["ours"], some[size]["unit"]) if size in some else "" for size in sizes]
+        power = exponent(*zip(*((row["vertices"], row["ours"]) for row in some.values())))
+        lines.append((BY_ID[work].what, *cells, f"n^{power:.2f}"))
+    return table(("", *map(short, sizes), "grows with"), lines)
 
 
 def _percent(value: float) -> str:
@@ -239,8 +161,17 @@ def convergence(rows: list[Row]) -> str:
         for row in rows
         if row["work"] == "convergence"
     ]
-    heading = f"% after {' / '.join(map(str, CONVERGENCE_BUDGETS))}"
-    return table(("case", "vertices", heading, "default stops at"), lines)
+    return table(("case", "vertices", "% after 0 / 4 / 10 / 20 / 40", "default stops at"), lines)
+
+
+def settled(rows: list[Row]) -> str:
+    found = defaultdict(dict)
+    for row in rows:
+        if row["work"] == "settled":
+            found[row["case"]][row["size"]] = row["ours"]
+    sizes = sorted({size for some in found.values() for size in some})
+    lines = [(f"`{name}`", *(str(some.get(size, "")) for size in sizes)) for name, some in found.items()]
+    return table(("", *map(short, sizes)), sorted(lines))
 
 
 def bend(rows: list[Row]) -> str:
@@ -270,22 +201,12 @@ def instructions() -> str:
     )
 
 
-def profiles() -> str:
-    """A table of the functions in which the instructions of each loop are."""
-    stored = json.loads(COUNTS.read_text(encoding="utf-8"))
-    lines = [
-        (f"`{loop}`", ", ".join(f"{name} {100 * share:.0f} %" for name, share in places.items()))
-        for loop, places in stored["profiles"].items()
-    ]
-    return table(("loop", "functions, and their share of its instructions"), lines)
-
-
 def frames(rows: list[Row]) -> str:
     """A table of the parts of a frame in Blender."""
     lines = [
         (
             row["case"],
-            row["work"].partition("_")[2],
+            row["work"],
             f"{row['vertices']:,}",
             amount(row["ours"], "s"),
             amount(row["native_ms"] / 1000.0, "s"),
@@ -293,22 +214,7 @@ def frames(rows: list[Row]) -> str:
             amount(row["peer"], "s"),
         )
         for row in rows
-        if str(row["work"]).startswith("frame_")
+        if "native_ms" in row
     ]
-    header = ("Blender", "method", "vertices", "frame", "native solve", "the rest", "Laplacian Deform")
-    return table(header, lines)
-
-
-def handler_cost(rows: list[Row]) -> str:
-    lines = [
-        (
-            row["blender"],
-            str(row["deformers"]),
-            f"{row['vertices']:,}",
-            f"{row['handler_ms']:.3f} ms",
-            f"{row['update_ms']:.3f} ms",
-        )
-        for row in rows
-        if row["work"] == "handler_cost"
-    ]
-    return table(("Blender", "deformers", "vertices", "our handler", "whole update"), lines)
+    header = ("Blender", "row", "vertices", "frame", "native solve", "the rest", "Blender's deformer")
+    return table(header, sorted(lines, key=lambda cells: cells[1::-1]))

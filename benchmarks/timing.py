@@ -3,19 +3,26 @@
 
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
+from record import Row
+
+import sinew_native
 
 BURST = 0.02  # seconds for which a short work is timed again and again in each of its turns
 FEWEST_ROUNDS = False  # whether to run the least number of rounds only: for tests, which need no good figures
+SHORT, LONG = 2, 12  # numbers of iterations; the difference of their times is measured
+
+Run = Callable[[], object]
 
 
 @dataclass
-class Work:
-    run: Callable[[], object]
-    prepare: Callable[[], object] = lambda: None  # called before each turn, and not timed
+class Timed:
+    run: Run
+    prepare: Run = lambda: None  # called before each turn, and not timed
     repeatable: bool = True  # whether it can run again without `prepare`
     seconds: list[float] = field(default_factory=list)
 
@@ -42,12 +49,14 @@ class Work:
 
 
 def alternate(
-    works: dict[str, Work], *, budget: float = 4.0, least: int = 3, most: int = 20
-) -> dict[str, Work]:
+    works: dict[object, Timed], *, budget: float = 4.0, least: int = 3, most: int = 20
+) -> dict[object, Timed]:
     """Run all works by turns, for at least ``least`` rounds, until ``budget`` seconds are over."""
+    if FEWEST_ROUNDS:
+        budget, least = 0.0, 1
     begin = time.perf_counter()
     for done in range(most):
-        if done >= least and (FEWEST_ROUNDS or time.perf_counter() - begin > budget):
+        if done >= least and time.perf_counter() - begin > budget:
             break
         for work in works.values():
             work.turn()
@@ -59,27 +68,50 @@ def rounds(vertices: int) -> int:
     return 3 if vertices < 150_000 else 2 if vertices < 700_000 else 1
 
 
-def arrival(excess: np.ndarray, goal: float, seconds: np.ndarray, chunk: int) -> dict[str, object]:
-    """When a peer's excess over the least energy falls to `goal`, from samples every `chunk` iterations.
+def compare(
+    ours: Run, peer: Run | None, threads: Sequence[int], *, before: Run | None = None, **limits: float
+) -> list[Row]:
+    """A row for each number of threads that Sinew may use. Works with a ``before`` run once in a turn."""
+    works: dict[object, Timed] = {}
+    for count in threads:
 
-    If it does not fall so far, the second half of the samples is extrapolated, by a power of the time and
-    exponentially; the earlier of both times counts.
-    """
-    within = np.flatnonzero(excess <= goal)
-    if len(within):
-        k = within[0]
-        return {"peer": float(seconds[k]), "peer_iterations": int(k * chunk), "peer_arrived": True}
-    half = slice(len(excess) // 2, None)
-    log_excess = np.log(excess[half])
-    guesses = []
-    for time_of, back in ((np.log, np.exp), (lambda t: t, lambda t: t)):
-        slope, offset = np.polyfit(time_of(seconds[half]), log_excess, 1)
-        with np.errstate(over="ignore"):
-            guesses.append(float(back((np.log(goal) - offset) / slope)) if slope < 0 else np.inf)
-    return {
-        "peer": float(seconds[-1]),
-        "peer_iterations": (len(seconds) - 1) * chunk,
-        "peer_arrived": False,
-        "peer_excess_percent": 100 * float(excess[-1]),
-        "peer_extrapolated": float(min(guesses)) if np.isfinite(min(guesses)) else None,
+        def prepare(count: int = count) -> None:
+            sinew_native.limit_threads(count)
+            if before:
+                before()
+
+        for name, run in {"ours": ours, "peer": peer}.items():
+            if run:
+                works[name, count] = Timed(run, prepare, before is None)
+    alternate(works, **limits)
+    return [
+        {"threads": count, "ours_median": works["ours", count].median}
+        | {name: works[name, count].best for name in ("ours", "peer") if (name, count) in works}
+        for count in threads
+    ]
+
+
+def compare_iterations(
+    ours: Callable[[int], object], peer: Callable[[int], object] | None, threads: Sequence[int], size: int
+) -> list[Row]:
+    """The time of one iteration, from functions that run as many as they are given."""
+    runs = {name: run for name, run in {"ours": ours, "peer": peer}.items() if run}
+    works: dict[object, Timed] = {
+        (name, count, budget): Timed(partial(run, budget), partial(sinew_native.limit_threads, count))
+        for count in threads
+        for name, run in runs.items()
+        for budget in (SHORT, LONG)
     }
+    alternate(works, budget=8.0, least=rounds(size))
+
+    def iteration(name: str, count: int) -> float:
+        return (works[name, count, LONG].best - works[name, count, SHORT].best) / (LONG - SHORT)
+
+    return [{"threads": count} | {name: iteration(name, count) for name in runs} for count in threads]
+
+
+def require_equal(ours: np.ndarray, peers: np.ndarray, most: float) -> None:
+    """Stop if the results differ, since a wrong result must not be timed."""
+    worst = np.abs(ours - peers).max()
+    if not worst < most:
+        raise SystemExit(f"the results of Sinew and of its peer differ by {worst:.1e}")

@@ -2,9 +2,8 @@
 """Counts the instructions of the per-frame loops with callgrind and compares them with table.json.
 
 Unlike times, they do not depend on other load on the machine. They depend on the compiler and on whether the
-processor has AVX2, so a table from another compiler or processor is not compared (status 77). The functions
-that hold the instructions are listed, too. Binds are listed without a comparison, since they consist mostly
-of BLAS, which differs between processors.
+processor has AVX2, so a table from another compiler or processor is not compared (status 77). Binds are
+listed without a comparison, since they consist mostly of BLAS, which differs between processors.
 
     python benchmarks/instructions/count.py [--check | --store]
 """
@@ -15,13 +14,11 @@ import re
 import subprocess
 import sys
 import tempfile
-from collections import Counter
 from pathlib import Path
 
 TABLE = Path(__file__).with_name("table.json")
 FRAMES = Path(__file__).resolve().parents[2] / ".build" / "native" / "benchmarks" / "sinew_frames"
 MOST_GROWTH = 10.0  # per cent: far more than the effect of a harmless edit, far less than a lost optimisation
-LEAST_SHARE = 0.02  # of a profile; functions with a smaller share are not listed
 SKIPPED = 77
 
 # Loop -> the runs whose counts are subtracted (the second from the first), and the divisor of the difference.
@@ -41,14 +38,6 @@ BINDS = {
     "MeanValue.bind, 296 vertices": ((("mean_value_bind",),), 1),
     "Green.bind, 296 vertices": ((("green_bind",),), 1),
 }
-LINE = re.compile(r"^\s*([\d,]+) \([^)]*%\)\s+\S+?:(.*?)(?:\s\[(\S+)\])?$")
-LIBRARIES = {
-    "libcholmod": "CHOLMOD",
-    "libopenblas": "BLAS",
-    "libamd": "ordering (AMD)",
-    "libmetis": "ordering (METIS)",
-    "libtbb": "oneTBB",
-}
 
 
 def about(frames: Path) -> dict[str, object]:
@@ -56,57 +45,23 @@ def about(frames: Path) -> dict[str, object]:
     return json.loads(subprocess.run([frames, "about"], check=True, capture_output=True, text=True).stdout)
 
 
-def instructions(frames: Path, valgrind: str, words: tuple[str, ...]) -> Counter[str]:
-    """The instructions within frame(), by function of the library."""
+def instructions(frames: Path, valgrind: str, words: tuple[str, ...]) -> int:
+    """The instructions within frame()."""
     with tempfile.TemporaryDirectory() as folder:
-        out = f"{folder}/out"
+        out = Path(folder) / "out"
         options = [f"--callgrind-out-file={out}", "--collect-atstart=no", "--toggle-collect=frame"]
         command = [valgrind, "--tool=callgrind", *options, frames, *words]
         subprocess.run(command, check=True, capture_output=True)
-        listing = ["callgrind_annotate", "--threshold=100", "--auto=no", out]
-        text = subprocess.run(listing, check=True, capture_output=True, text=True).stdout
-    found: Counter[str] = Counter()
-    for line in text.splitlines():
-        match = LINE.match(line)
-        if match:
-            number, function, file = match.groups()
-            found[place(function, file or "")] += int(number.replace(",", ""))
-    return found
+        return int(re.search(r"^totals: (\d+)", out.read_text(encoding="utf-8"), re.MULTILINE)[1])
 
 
-def place(function: str, file: str) -> str:
-    """A readable name: a function of Sinew without its arguments, or the name of another library."""
-    for library, name in LIBRARIES.items():
-        if library in file:
-            return name
-    if "libc.so" in file or re.match(r"_*(mem|malloc|free|_int_)", function):
-        return "C library: clearing, copying, allocating"
-    names = re.findall(r"(?:sinew::|\(anonymous namespace\)::)((?:\w+::)*\w+)\(", function)
-    ours = [re.sub(r"\bImpl::", "", name) for name in names if not re.search(r"\bparallel_\w+$", name)]
-    if ours:
-        return ours[0]
-    return "Eigen" if "Eigen::" in function else "other"
-
-
-def count(frames: Path, valgrind: str, loops: dict) -> dict[str, Counter[str]]:
-    """The instructions of each loop, by function."""
+def count(frames: Path, valgrind: str, loops: dict) -> dict[str, int]:
+    """The instructions of each loop."""
     counts = {}
     for loop, (runs, divisor) in loops.items():
         first, *rest = (instructions(frames, valgrind, words) for words in runs)
-        for less in rest:
-            first.subtract(less)
-        counts[loop] = Counter({name: number // divisor for name, number in first.items()})
+        counts[loop] = (first - sum(rest)) // divisor
     return counts
-
-
-def profile(counts: Counter[str]) -> dict[str, float]:
-    """The functions with the largest shares, in descending order."""
-    total = counts.total()
-    return {
-        name: round(number / total, 3)
-        for name, number in counts.most_common()
-        if number >= LEAST_SHARE * total and name != "other"
-    }
 
 
 def compare(counts: dict[str, int], stored: dict[str, int]) -> tuple[list[str], list[str]]:
@@ -137,13 +92,11 @@ def main() -> None:
     if options.check and not same:
         print(f"The stored table is from elsewhere: {stored.get('compiler')}, AVX2 {stored.get('avx2')}")
         sys.exit(SKIPPED)
-    places = count(options.frames, options.valgrind, LOOPS if options.check else LOOPS | BINDS)
-    counts = {loop: found.total() for loop, found in places.items()}
+    counts = count(options.frames, options.valgrind, LOOPS if options.check else LOOPS | BINDS)
     lines, grown = compare(counts, stored.get("instructions", {}) if same else {})
     print("\n".join(lines))
     if options.store:
-        profiles = {loop: profile(found) for loop, found in places.items()}
-        table = made_by | {"vertices": 10_000, "instructions": counts, "profiles": profiles}
+        table = made_by | {"vertices": 10_000, "instructions": counts}
         TABLE.write_text(json.dumps(table, indent=1) + "\n", encoding="utf-8")
     if options.check and grown:
         sys.exit(f"more than {MOST_GROWTH:g} % dearer: {', '.join(grown)}")

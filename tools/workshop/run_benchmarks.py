@@ -9,7 +9,7 @@ from .places import DEV_MODULE, ROOT
 from .shell import run
 
 SUITE = ROOT / "benchmarks" / "suite.py"
-ONLY_READS = {"-h", "--help", "--list", "--render"}
+ONLY_READS = {"-h", "--help", "--render"}
 
 
 def main() -> None:

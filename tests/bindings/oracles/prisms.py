@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The energy of Primo in NumPy, and two ways to minimise it: an oracle of tests, a peer of benchmarks.
+"""The energy of Primo in NumPy, and two ways to minimise it: an oracle of tests.
 
 Nothing here knows the four orthogonal parts of a gap, or centres of gravity of joints: a prism has eight or
 more corners, and the gaps between them are weighted as the paper says.
@@ -7,7 +7,6 @@ more corners, and the gaps between them are weighted as the paper says.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -157,19 +156,13 @@ class Prisms:
         joined = [np.concatenate(part) for part in (values, rows, columns)]
         return sp.csr_matrix((joined[0], (joined[1], joined[2])), shape=shape)
 
-    def gauss_newton(
-        self,
-        steps: int = 40,
-        tolerance: float = 1e-12,
-        solve: Callable[[sp.csc_matrix, np.ndarray], np.ndarray] = spsolve,
-        watch: Callable[[], None] = lambda: None,
-    ) -> float:
+    def gauss_newton(self, steps: int = 40, tolerance: float = 1e-12) -> float:
         """Joint steps of all prisms, halved until the energy falls."""
         for _ in range(steps):
             J, r = self.jacobian(), self.residual()
             H = (J.T @ J).tocsc()
             gradient = J.T @ r
-            step = -solve(H + 1e-10 * H.diagonal().mean() * sp.identity(H.shape[0], format="csc"), gradient)
+            step = -spsolve(H + 1e-10 * H.diagonal().mean() * sp.identity(H.shape[0], format="csc"), gradient)
             d = step.reshape(-1, 6)
             before, t, R = 0.5 * float(r @ r), self.t.copy(), self.R.copy()
             length = 1.0
@@ -182,7 +175,6 @@ class Prisms:
             else:
                 self.t, self.R = t, R
                 break
-            watch()
             if before - self.energy() <= tolerance * before:
                 break
         return self.energy()
@@ -199,7 +191,7 @@ class Prisms:
             colour[f] = next(c for c in range(len(used) + 1) if c not in used)
         return [np.flatnonzero((colour == c) & ~self.held) for c in range(colour.max() + 1)]
 
-    def shape_matching(self, sweeps: int, watch: Callable[[], None] = lambda: None) -> float:
+    def shape_matching(self, sweeps: int) -> float:
         """The paper's steps for single prisms: each goes to the best place among its neighbours.
 
         That is a weighted fit of points to points, with the mass of the sides as weights.
@@ -240,7 +232,6 @@ class Prisms:
                 S = gathered(w[:, None, None] * dg[:, :, None] * du[:, None, :])
                 self.R[own] = fitted(S[own])
                 self.t[own] = mean_g[own] - np.einsum("kij,kj->ki", self.R[own], mean_u[own])
-            watch()
         return self.energy()
 
     def vertices(self) -> np.ndarray:

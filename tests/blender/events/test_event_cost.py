@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an update costs when nothing of ours changed: counted in calls, which are the same on every machine.
-
-``benchmarks/handler_cost.py`` has the time.
-"""
+"""What an update costs when nothing of ours changed: counted in calls, the same on every machine."""
 
 import bpy
 import pytest

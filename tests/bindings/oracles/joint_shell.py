@@ -1,24 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The energy of ``ThinShellNonlinear`` in NumPy, and Gauss-Newton on points and rotations together.
 
-Written down from the header of the method, with no code of the library: the oracle of its tests, and the
-solver that its benchmark compares it with. Each step factorises a matrix of three unknowns per free vertex;
-those of the rotations are eliminated cell by cell before. For manifold meshes of sound triangles.
+Written down from the header of the method, with no code of the library: the oracle of its tests. Each step
+factorises a matrix of three unknowns per free vertex; those of the rotations are eliminated cell by cell
+before. For manifold meshes of sound triangles.
 """
-
-from collections.abc import Callable
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.linalg import splu
-
-Factor = Callable[[sparse.csc_matrix], Callable[[np.ndarray], np.ndarray]]  # a symmetric matrix -> its solve
-
-
-def by_splu(matrix: sparse.csc_matrix) -> Callable[[np.ndarray], np.ndarray]:
-    return splu(
-        matrix, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0
-    ).solve
 
 
 def cross_matrices(v: np.ndarray) -> np.ndarray:
@@ -110,15 +100,16 @@ class JointShell:
         f = (3 * self.free[:, None] + np.arange(3)).ravel()
         return A[f][:, f].tocsc()
 
-    def minimize(
-        self, q: np.ndarray, factor: Factor = by_splu, most: int = 100, tolerance: float = 1e-12
-    ) -> tuple[np.ndarray, float, int]:
-        """Damped steps with a test of the energy -> the points, their energy, the number of steps."""
+    def minimize(self, q: np.ndarray, most: int = 100, tolerance: float = 1e-12) -> tuple[np.ndarray, float]:
+        """Damped steps with a test of the energy -> the points, and their energy."""
         energy, damping = self.energy(q), 1e-9
-        for step in range(most):
+        for _ in range(most):
             H = self.hessian(q)
             H = H + damping * H.diagonal().mean() * sparse.identity(H.shape[0], format="csc")
-            d = factor(H.tocsc())(self.gradient(q)[self.free].ravel()).reshape(-1, 3)
+            factor = splu(
+                H.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}, diag_pivot_thresh=0.0
+            )
+            d = factor.solve(self.gradient(q)[self.free].ravel()).reshape(-1, 3)
             t = 1.0
             while t > 1e-4:
                 trial = q.copy()
@@ -127,9 +118,9 @@ class JointShell:
                     break
                 t *= 0.5
             else:
-                return q, energy, step
+                return q, energy
             done = energy - reached <= tolerance * energy
             q, energy = trial, reached
             if done:
-                return q, energy, step + 1
-        return q, energy, most
+                break
+        return q, energy

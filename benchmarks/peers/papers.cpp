@@ -1,20 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The peers of the cage methods: the closed forms as the papers print them, for one point after the other, in
-// double precision.
-#include "benchmarks/peers/cage_peers.h"
+// Space methods as their papers print them, for one point after the other, in double precision.
+#include "benchmarks/peers/papers.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Eigen/SVD>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 #include <vector>
-
-extern "C" void sgemm_(const char*, const char*, const int*, const int*, const int*, const float*,
-                       const float*, const int*, const float*, const int*, const float*, float*, const int*)
-    __attribute__((weak));
 
 namespace {
 
@@ -134,13 +130,31 @@ void peer_green(const PeerCage& cage, const double* points, int count, double* p
                  psi + static_cast<std::size_t>(i) * cage.triangle_count);
 }
 
-void peer_sgemm(const float* weights, int points, int columns, const float* factors, float* result)
+void peer_rigid_mls(const double* handles, const double* posed, int handle_count, const double* points,
+                    int count, double* result)
 {
-    if (!sgemm_)
-        throw std::runtime_error("no sgemm in this process");
-    // Row-major: the transposed product in BLAS's order.
-    const float one = 1.0f, zero = 0.0f;
-    const int three = 3;
-    sgemm_("N", "N", &three, &points, &columns, &one, factors, &three, weights, &columns, &zero, result,
-           &three);
+    using Matrix3 = Eigen::Matrix3d;
+    const auto at = [](const double* from, int i) { return Vector3(Vector3::Map(from + 3 * i)); };
+    std::vector<double> w(handle_count);
+    for (int v = 0; v < count; ++v) {
+        const Vector3 x = at(points, v);
+        Vector3 p_star = Vector3::Zero(), q_star = Vector3::Zero();
+        double sum = 0.0;
+        for (int i = 0; i < handle_count; ++i) {
+            w[i] = 1.0 / (at(handles, i) - x).squaredNorm();
+            sum += w[i];
+            p_star += w[i] * at(handles, i);
+            q_star += w[i] * at(posed, i);
+        }
+        p_star /= sum;
+        q_star /= sum;
+        Matrix3 M = Matrix3::Zero();
+        for (int i = 0; i < handle_count; ++i)
+            M += w[i] * (at(posed, i) - q_star) * (at(handles, i) - p_star).transpose();
+        const Eigen::JacobiSVD<Matrix3> svd(M, Eigen::ComputeFullU | Eigen::ComputeFullV);
+        Matrix3 U = svd.matrixU();
+        if ((U * svd.matrixV().transpose()).determinant() < 0)
+            U.col(2) = -U.col(2);
+        Vector3::Map(result + 3 * v) = U * svd.matrixV().transpose() * (x - p_star) + q_star;
+    }
 }

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures the time and the weights of a bind of Blender's Mesh Deform. Blender runs it:
 
-    blender -b --factory-startup -P benchmarks/mesh_deform.py -- CASE.npz OUT.npz
+    blender -b --factory-startup -P benchmarks/scripts/mesh_deform.py -- CASE.npz OUT
 
-CASE holds ``cage`` (c, 3), ``faces`` (m, 3 or 4), ``points`` (n, 3) and ``precision``; OUT gets ``seconds``
-and ``weights`` (n, c): how far each point follows each cage vertex that is moved on its own.
+CASE holds ``cage`` (c, 3), ``faces`` (m, 3 or 4) and ``points`` (n, 3); OUT gets ``seconds`` and ``weights``
+(n, c): how far each point follows each cage vertex that is moved on its own.
 """
 
 import sys
@@ -35,7 +35,7 @@ def main(case_path: str, out_path: str) -> None:
     cage = mesh_object("Cage", case["cage"], case["faces"])
     target = mesh_object("Target", case["points"], np.zeros((0, 3), int))
     modifier = target.modifiers.new("Mesh Deform", "MESH_DEFORM")
-    modifier.object, modifier.precision = cage, int(case["precision"])
+    modifier.object, modifier.precision = cage, 5
     bpy.context.view_layer.update()
     begin = time.perf_counter()
     with bpy.context.temp_override(object=target, active_object=target):
@@ -53,7 +53,8 @@ def main(case_path: str, out_path: str) -> None:
         bpy.context.view_layer.update()
         weights[:, vertex] = evaluated(target)[:, 2] - rest[:, 2]
         cage.data.vertices[vertex].co.z -= 1.0
-    np.savez(out_path, seconds=seconds, weights=weights)
+    with open(out_path, "wb") as out:
+        np.savez(out, seconds=seconds, weights=weights)
 
 
 main(*sys.argv[sys.argv.index("--") + 1 :])

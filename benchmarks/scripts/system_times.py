@@ -7,12 +7,16 @@ It needs only NumPy and sinew_native, so it runs in Windows' Python under Wine a
 import json
 import sys
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
-from cases import bar, box
-from timing import Work, alternate
 
 import sinew_native as sn
+
+sys.path.append(str(Path(__file__).resolve().parents[1]))
+
+from cases import bar, box
+from timing import Timed, alternate
 
 BUDGET = 0.7  # seconds for each work, which runs twice at least: rounds of processes repeat it
 ITERATIONS = 10  # of Arap: the same work everywhere, as rounding does not decide when it stops
@@ -20,14 +24,14 @@ CAGES = ("MeanValue", "PositiveMeanValue", "Harmonic", "Green")
 
 
 def best(run: Callable[[], object]) -> float:
-    return alternate({"": Work(run)}, budget=BUDGET, least=2, most=10)[""].best
+    return alternate({"": Timed(run)}, budget=BUDGET, least=2, most=10)[""].best
 
 
-def measured(vertices: int) -> dict[str, dict[str, float]]:
-    """Seconds, by "bind" or "solve" and by method."""
+def measured(vertices: int) -> dict[str, float]:
+    """Seconds by method and what it does."""
     case = bar("bend 90", vertices)
     mesh = sn.SurfaceMesh(case.points, case.faces)
-    found: dict[str, dict[str, float]] = {"bind": {}, "solve": {}}
+    found: dict[str, float] = {}
     # As in a frame of the add-on: no array is made. A new one costs more page faults than the warp of a cage.
     out = np.zeros((len(case.points), 3), np.float32)
     arap = {"max_iterations": ITERATIONS, "tolerance": 1e-300}
@@ -37,22 +41,22 @@ def measured(vertices: int) -> dict[str, dict[str, float]]:
         def bind(name: str = name, options: dict = options) -> None:
             getattr(sn, name)(mesh, **options).set_handles(case.handles)
 
-        found["bind"][name] = best(bind)
+        found[f"{name}, bind"] = best(bind)
         method.set_handles(case.handles)
-        found["solve"][name] = best(lambda method=method: method.solve(case.poses, out=out))
+        found[f"{name}, solve"] = best(lambda method=method: method.solve(case.poses, out=out))
     points, faces = box((44.0, 14.0, 14.0), 14 / 3)
     points -= (2.0, 0.0, 0.0)
     cage = sn.SurfaceMesh(points, faces)
     bent = points + np.column_stack([np.zeros((len(points), 2)), 0.01 * points[:, 0] ** 2])
     for name in CAGES:
         coordinates = getattr(sn, name)(cage)
-        found["bind"][name] = best(lambda coordinates=coordinates: coordinates.bind(case.points))
-        found["solve"][name] = best(lambda coordinates=coordinates: coordinates.warp(bent, out=out))
-    found["bind"]["automatic cage"] = best(lambda: sn.automatic_cage(mesh, 300))
+        found[f"{name}, bind"] = best(lambda coordinates=coordinates: coordinates.bind(case.points))
+        found[f"{name}, warp"] = best(lambda coordinates=coordinates: coordinates.warp(bent, out=out))
+    found["automatic cage"] = best(lambda: sn.automatic_cage(mesh, 300))
     fine = sn.SubdivisionSurface(mesh, level=2)
     coarse, refined = (np.zeros((count, 3), np.float32) for count in (fine.control_count, fine.vertex_count))
     coarse[:] = case.points
-    found["solve"]["subdivision"] = best(lambda: fine.refine(coarse, refined))
+    found["subdivision"] = best(lambda: fine.refine(coarse, refined))
     return found
 
 

@@ -18,5 +18,11 @@ void peer_mean_value(const PeerCage& cage, const double* points, int count, doub
 /// \param[out] phi  (count, vertex_count)
 /// \param[out] psi  (count, triangle_count)
 void peer_green(const PeerCage& cage, const double* points, int count, double* phi, double* psi);
-/// result (points, 3) = weights (points, columns) * factors (columns, 3), row-major, by BLAS on one thread.
-void peer_sgemm(const float* weights, int points, int columns, const float* factors, float* result);
+
+/// Moving least squares of Zhu & Gortler 2007 with rotations, one point after the other: the weights and the
+/// centred handles anew for each point, and a singular value decomposition.
+/// \param handles, posed  (handle_count, 3)
+/// \param points          (count, 3)
+/// \param[out] result     (count, 3)
+void peer_rigid_mls(const double* handles, const double* posed, int handle_count, const double* points,
+                    int count, double* result);

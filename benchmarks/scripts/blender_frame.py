@@ -1,0 +1,350 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a frame, a bind and an edit cost in Blender, next to Blender's Laplacian Deform and Mesh Deform.
+
+    blender -b --factory-startup -P benchmarks/scripts/blender_frame.py -- [--small] OUT.json
+
+or, with Blender as a module, ``python benchmarks/scripts/blender_frame.py`` with the same arguments. Sinew
+and the peer are measured by turns, and their medians are compared.
+
+A frame moves a control, lets Blender evaluate, and reads the positions of the evaluated mesh into an array.
+"""
+
+import json
+import math
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "tests" / "blender" / "support"))
+
+from installed import enable
+from rigs.rig import make_active, update
+
+ADDON = enable()
+SMALL = "--small" in sys.argv  # for tests: a small plate and one round, since the times do not matter
+SIDE = 40 if SMALL else 316  # vertices along a side: 99,856
+BORDER = 0.95  # vertices beyond this share of [-1, 1] are held
+CAGE_CUTS = 6
+PATCH = 10  # vertices along a side of the handle that is added later
+
+
+def room(path: str):
+    """Import a room of the add-on."""
+    return sys.modules[f"{ADDON}.{path}"]
+
+
+def plate(side: int = SIDE) -> bpy.types.Object:
+    """An uneven height field over [-1, 1]^2. Its groups are Top, Base, their union, and a patch inside."""
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    random = np.random.default_rng(0)
+    y, x = np.meshgrid(*[np.linspace(-1.0, 1.0, side)] * 2, indexing="ij")
+    points = np.stack((x, y, 0.05 * np.sin(7.0 * x) * np.cos(5.0 * y)), axis=-1)
+    points[1:-1, 1:-1, :2] += random.uniform(-0.3, 0.3, (side - 2, side - 2, 2)) / side
+    number = np.arange(side * side, dtype=np.int32).reshape(side, side)
+    corners = np.stack((number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]), axis=-1)
+    mesh = bpy.data.meshes.new("Plate")
+    mesh.vertices.add(side * side)
+    mesh.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    mesh.loops.add(corners.size)
+    mesh.loops.foreach_set("vertex_index", corners.ravel())
+    mesh.polygons.add(corners.size // 4)
+    mesh.polygons.foreach_set("loop_start", np.arange(0, corners.size, 4, dtype=np.int32))
+    mesh.polygons.foreach_set("loop_total", np.full(corners.size // 4, 4, dtype=np.int32))
+    mesh.update(calc_edges=True)
+    obj = bpy.data.objects.new("Plate", mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    middle = slice(side // 2, side // 2 + PATCH)
+    top, base = number[y > BORDER], number[y < -BORDER]
+    groups = {
+        "Top": top,
+        "Base": base,
+        "Anchors": np.concatenate((top, base)),
+        "Patch": number[middle, middle],
+    }
+    for name, members in groups.items():
+        obj.vertex_groups.new(name=name).add(members.ravel().tolist(), 1.0, "REPLACE")
+    make_active(obj)
+    return obj
+
+
+def deformer_on(obj: bpy.types.Object, method: str):
+    """Add a deformer of Sinew with a handle and a fixed region, and bind it."""
+    make_active(obj)
+    bpy.ops.sinew.deformer_add(method=method)
+    with room("session.state.sessions").suspended():  # bind once, instead of once per region
+        add_regions(obj, FIXED="Base", HANDLE="Top")
+    bpy.ops.sinew.bind()
+    return obj.sinew.active
+
+
+def add_regions(obj: bpy.types.Object, **groups: str) -> list:
+    """Add regions by their roles to the active deformer; no bind."""
+    handles = room("session.actions.handles.handles")
+    return [
+        handles.add_handle(obj, obj.sinew.active, handles.NewRegion(role, group))
+        for role, group in groups.items()
+    ]
+
+
+def laplacian_deform_on(obj: bpy.types.Object, control: bpy.types.Object, repeat: int):
+    """Add a Hook, which moves the handle, and Laplacian Deform for the rest, which is not bound yet."""
+    hook = obj.modifiers.new("Hook", "HOOK")
+    hook.object, hook.vertex_group = control, "Top"
+    hook.matrix_inverse = control.matrix_world.inverted()
+    modifier = obj.modifiers.new("Laplacian Deform", "LAPLACIANDEFORM")
+    modifier.vertex_group, modifier.iterations = "Anchors", repeat
+    return modifier
+
+
+def bind_laplacian_deform(obj: bpy.types.Object, modifier) -> None:
+    """Bind Laplacian Deform, and evaluate it once, which computes the factor."""
+    with bpy.context.temp_override(object=obj, active_object=obj):
+        bpy.ops.object.laplaciandeform_bind(modifier=modifier.name)
+    update()
+    if not modifier.is_bind:
+        raise RuntimeError("Laplacian Deform is not bound")
+
+
+def peer_of(obj: bpy.types.Object) -> tuple[bpy.types.Object, bpy.types.Object]:
+    """A copy of the mesh without Sinew, and a control for it."""
+    peer = bpy.data.objects.new("Peer", obj.data.copy())
+    for group in obj.vertex_groups:
+        peer.vertex_groups.new(name=group.name)
+    control = bpy.data.objects.new("Peer Control", None)
+    for made in (peer, control):
+        bpy.context.scene.collection.objects.link(made)
+    update()
+    return peer, control
+
+
+def motion(number: int) -> Matrix:
+    """The motion of a control in frame ``number``: about a lift by .4 and a turn by 35 degrees, never the
+    same.
+    """
+    turn = Matrix.Rotation(math.radians(35.0 + 2.0 * math.sin(number)), 4, "X")
+    return Matrix.Translation((0.0, 0.0, 0.4 + 0.01 * math.cos(number))) @ turn
+
+
+def read_back(obj: bpy.types.Object, flat: np.ndarray) -> np.ndarray:
+    """Read the positions of the evaluated mesh."""
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    attribute = mesh.attributes.get("position")
+    if attribute is not None:
+        attribute.data.foreach_get("vector", flat)
+    else:
+        mesh.vertices.foreach_get("co", flat)
+    return flat
+
+
+class Frames:
+    """Runs frames of one object, whose control starts at ``rest``."""
+
+    def __init__(self, obj: bpy.types.Object, control: bpy.types.Object) -> None:
+        self.obj, self.control = obj, control
+        self.rest = control.matrix_world.copy()
+        self.flat = np.empty(len(obj.data.vertices) * 3, dtype=np.float32)
+
+    def __call__(self, number: int) -> None:
+        self.control.matrix_world = motion(number) @ self.rest
+        update()
+        read_back(self.obj, self.flat)
+
+    def moved(self) -> float:
+        """The largest distance of a vertex from rest, to check that something moves in the timed frames."""
+        rest = np.empty_like(self.flat)
+        self.obj.data.vertices.foreach_get("co", rest)
+        return float(np.abs(self.flat - rest).max())
+
+
+class CageFrames(Frames):
+    """Moves the vertices of a cage, as in Edit Mode, since Mesh Deform ignores moves of the cage object."""
+
+    def __init__(self, obj: bpy.types.Object, cage: bpy.types.Object) -> None:
+        super().__init__(obj, cage)
+        self.points = np.array([(*vertex.co, 1.0) for vertex in cage.data.vertices])
+
+    def __call__(self, number: int) -> None:
+        mesh, posed = self.control.data, self.points @ np.array(motion(number)).T
+        mesh.vertices.foreach_set("co", posed[:, :3].astype(np.float32).ravel())
+        mesh.update()
+        update()
+        read_back(self.obj, self.flat)
+
+
+@contextmanager
+def dragged() -> Iterator[None]:
+    """Let the handler do what it does in a window while a control is dragged."""
+    handlers, ours = bpy.app.handlers.depsgraph_update_post, room("handlers.evaluation").on_depsgraph_update
+    update_all = room("session.evaluation.evaluate").update
+
+    def handler(_scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+        update_all(depsgraph, preview=True, edit=True)
+
+    handlers.remove(ours)
+    handlers.append(handler)
+    try:
+        yield
+    finally:
+        handlers.remove(handler)
+        handlers.append(ours)
+
+
+class SolveTime:
+    """Counts the seconds of native solves."""
+
+    def __init__(self) -> None:
+        self.seconds = 0.0
+        factor = room("backend.native").Factor
+        inner = factor.solve
+
+        def timed(*arguments, **keywords):
+            begin = time.perf_counter()
+            try:
+                return inner(*arguments, **keywords)
+            finally:
+                self.seconds += time.perf_counter() - begin
+
+        factor.solve = timed
+
+    def take(self) -> float:
+        """The seconds since the last call."""
+        seconds, self.seconds = self.seconds, 0.0
+        return seconds
+
+
+SOLVE = SolveTime()
+
+
+def timed(call: Callable[[], object]) -> float:
+    """The seconds of a call."""
+    begin = time.perf_counter()
+    call()
+    return time.perf_counter() - begin
+
+
+def medians(ours: Frames, peer: Frames, rounds: int) -> dict[str, float]:
+    """Medians of frames that run by turns; for ours also those of the native solve and of the rest."""
+    rounds, warm = (1, 1) if SMALL else (rounds, 3)
+    times: dict[str, list[float]] = {"ours": [], "peer": [], "native_ms": [], "around_ms": []}
+    for number in range(rounds + warm):
+        SOLVE.take()
+        spent = timed(lambda number=number: ours(number))
+        native = SOLVE.take()
+        other = timed(lambda number=number: peer(number))
+        if number >= warm:
+            for name, value in zip(times, (spent, other, 1e3 * native, 1e3 * (spent - native))):
+                times[name].append(value)
+    if min(ours.moved(), peer.moved()) < 0.1:
+        raise RuntimeError("nothing moved")
+    return {name: float(np.median(values)) for name, values in times.items()}
+
+
+def frame(method: str, repeat: int, drag: bool = False) -> dict[str, float]:
+    """A whole frame, next to one of Laplacian Deform."""
+    obj = plate()
+    deformer = deformer_on(obj, method)
+    peer, control = peer_of(obj)
+    bind_laplacian_deform(peer, laplacian_deform_on(peer, control, repeat))
+    with dragged() if drag else nullcontext():
+        return medians(Frames(obj, deformer.handles[1].control), Frames(peer, control), 9)
+
+
+def box_around(obj: bpy.types.Object) -> bpy.types.Object:
+    """A closed cage of 296 vertices around the plate."""
+    import bmesh  # it is part of bpy, and can be imported only after it
+
+    mesh = bpy.data.meshes.new("Cage")
+    made = bmesh.new()
+    bmesh.ops.create_cube(made, size=2.0, matrix=Matrix.Diagonal((1.1, 1.1, 0.3, 1.0)))
+    bmesh.ops.subdivide_edges(made, edges=made.edges[:], cuts=CAGE_CUTS, use_grid_fill=True)
+    made.to_mesh(mesh)
+    made.free()
+    cage = bpy.data.objects.new("Cage", mesh)
+    bpy.context.scene.collection.objects.link(cage)
+    update()
+    return cage
+
+
+def cage_frame(method: str) -> dict[str, float]:
+    """A whole frame with a cage, next to one of Mesh Deform."""
+    obj = plate()
+    peer, _control = peer_of(obj)
+    cage, other = box_around(obj), box_around(obj)
+    make_active(obj)
+    bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method=method)
+    modifier = peer.modifiers.new("Mesh Deform", "MESH_DEFORM")
+    modifier.object, modifier.precision = other, 5
+    with bpy.context.temp_override(object=peer, active_object=peer):
+        bpy.ops.object.meshdeform_bind(modifier=modifier.name)
+    update()
+    if not modifier.is_bound:
+        raise RuntimeError("Mesh Deform is not bound")
+    return medians(CageFrames(obj, cage), CageFrames(peer, other), 21)
+
+
+def first_frame(method: str) -> dict[str, float]:
+    """The bind and the first frame, next to the bind of Laplacian Deform, which takes 13 s."""
+    ours, theirs = [], []
+    for number in range(1 if SMALL else 2):
+        obj = plate()
+        deformer_on(obj, method)
+        bpy.ops.sinew.unbind()
+        frames = Frames(obj, obj.sinew.active.handles[1].control)
+        make_active(obj)
+
+        def bind_and_show(frames: Frames = frames, number: int = number) -> None:
+            bpy.ops.sinew.bind()
+            frames(number)
+
+        ours.append(timed(bind_and_show))
+        obj = plate()
+        peer, control = peer_of(obj)
+        modifier = laplacian_deform_on(peer, control, 1)
+        theirs.append(timed(lambda peer=peer, modifier=modifier: bind_laplacian_deform(peer, modifier)))
+    return {"ours": float(np.median(ours)), "peer": float(np.median(theirs))}
+
+
+def rebind() -> dict[str, float]:
+    """One more handle for a bound thin shell, next to a new bind."""
+    times: dict[str, list[float]] = {"ours": [], "peer": []}
+    obj = plate()
+    deformer = deformer_on(obj, "thin_shell")
+    bind, handles = room("session.actions.bind").bind, room("session.actions.handles.handles")
+    for _ in range(1 if SMALL else 5):
+        (handle,) = add_regions(obj, HANDLE="Patch")
+        for name in times:
+            if name == "peer":
+                room("core.memory").forget_all()
+            # The operator is not used, since Blender evaluates before it runs one, which would bind already.
+            times[name].append(timed(lambda: bind(obj, deformer)))
+        index = next(i for i, other in enumerate(deformer.handles) if other.uid == handle.uid)
+        handles.remove_handle(obj, deformer, index)
+        bpy.ops.sinew.bind()
+    return {name: float(np.median(values)) for name, values in times.items()}
+
+
+ROWS: dict[str, Callable[[], dict[str, float]]] = {
+    "frame_thin_shell": lambda: frame("thin_shell", 1),
+    "frame_arap": lambda: frame("arap", 3),
+    "drag_arap": lambda: frame("arap", 3, drag=True),
+    "frame_cage": lambda: cage_frame("mean_value"),
+    "first_thin_shell": lambda: first_frame("thin_shell"),
+    "rebind_handle": rebind,
+}
+
+
+def main() -> None:
+    about = {"vertices": SIDE * SIDE, "blender": bpy.app.version_string}
+    rows = [{"work": work, **about, **measure()} for work, measure in ROWS.items()]
+    Path(sys.argv[-1]).write_text(json.dumps(rows), encoding="utf-8")
+    os._exit(0)  # Blender as a module may hang or crash when it ends
+
+
+main()
