@@ -18,8 +18,8 @@ from rigs.rig import (
     evaluated_points,
     grid_object,
     in_mode,
-    make_active,
     new_object,
+    press,
     push,
     reopen,
     update,
@@ -35,27 +35,23 @@ CORNERS = [(-1.0, -1.0, 0.2), (1.0, -1.0, 0.0), (1.0, 1.0, -0.3), (-1.0, 1.0, 0.
 
 def by_a_cage() -> None:
     target, cage = ball("Target"), box("Control")
-    make_active(target)
-    bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name)
+    press(target, "cage_add", source="OBJECT", cage=cage.name)
 
 
 def by_a_lattice() -> None:
     target, lattice = small_ball("Target", 2), lattice_object((3, 3, 3), "Control")
-    make_active(target)
-    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name)
+    press(target, "lattice_add", source="OBJECT", lattice=lattice.name)
 
 
 def by_hexahedra() -> None:
     target, cell = small_ball("Target", 2), box("Control", 4.0)
-    make_active(target)
-    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=cell.name)
+    press(target, "lattice_add", source="OBJECT", lattice=cell.name)
 
 
 def by_a_wire() -> None:
     """It reaches so far that it carries everything."""
     target, wire = grid_object("Target"), polyline(LINE, "Control")
-    make_active(target)
-    bpy.ops.sinew.wire_add(curve=wire.name, radius=1e5)
+    press(target, "wire_add", curve=wire.name, radius=1e5)
 
 
 def by_points(method: str = "mls") -> None:
@@ -69,8 +65,7 @@ def by_points_of_a_curve() -> None:
 
 
 def use_points(target: bpy.types.Object, points: bpy.types.Object, method: str = "mls") -> None:
-    make_active(target)
-    bpy.ops.sinew.deformer_add(method=method)
+    press(target, "deformer_add", method=method)
     points.select_set(True)
     bpy.ops.sinew.point_add(source="POINTS")
 
@@ -182,8 +177,7 @@ def test_a_control_with_other_points(rig, change, remedy: str, automatic: bool):
         assert "at bind it had" in status
         assert ("Rebind" if remedy == "bind" else "Set Rest") in status
         assert at_rest()
-        make_active(target())
-        assert getattr(bpy.ops.sinew, remedy)() == {"FINISHED"}
+        press(target(), remedy)
     assert_bound_at_rest()
     assert_follows()
 
@@ -257,11 +251,9 @@ def test_the_points_of_other_controls_stay_posed():
     plate = grid_object("Target")
     for name, y in (("Control", -0.5), ("Other", 0.5)):
         polyline(LINE + (0.0, y, 0.0), name)
-        make_active(plate)
-        bpy.ops.sinew.wire_add(curve=name, radius=0.4)
+        press(plate, "wire_add", curve=name, radius=0.4)
     plate.sinew.active.auto_rebind = True
     bpy.data.objects["Other"].location.z = control().location.z = 0.5
-    update()
     before, rest = evaluated_points(plate), base_points(plate)
     subdivided()
     settle()
@@ -299,7 +291,6 @@ def test_what_cannot_be_bound_says_so_once():
     update()
     assert not inner.housekeeping.has_pending()
     control().data.bevel_depth = 0.0
-    make_active(target())
-    bpy.ops.sinew.bind()
+    press(target(), "bind")
     assert close(evaluated_points(target()), base_points(target()) + LIFT, FITS), "nothing took another rest"
     assert_follows()

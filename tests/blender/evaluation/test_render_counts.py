@@ -26,6 +26,7 @@ from rigs.rig import (
     close,
     evaluated_points,
     grid_object,
+    in_mode,
     key,
     make_active,
     move_world,
@@ -500,13 +501,11 @@ def test_what_a_render_cannot_show_is_said(capfd: pytest.CaptureFixture, monkeyp
     level = boolean(rig.obj)
     rig.bind()
     rig.lift(HEIGHT)
-    make_active(level.id_data)
-    bpy.ops.object.mode_set(mode="EDIT")
-    level.render_levels = 2
-    capfd.readouterr()
-    render_points(rig.obj)
-    assert any(line.startswith("In the render: Topology changed") for line in notes_of(rig.deformer))
-    assert f"{rig.deformer.name}: In the render: Topology changed" in capfd.readouterr().out
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(level.id_data):
+        level.render_levels = 2
+        capfd.readouterr()
+        render_points(rig.obj)
+        assert any(line.startswith("In the render: Topology changed") for line in notes_of(rig.deformer))
+        assert f"{rig.deformer.name}: In the render: Topology changed" in capfd.readouterr().out
     render_points(rig.obj)
     assert not any("render" in line for line in notes_of(rig.deformer))

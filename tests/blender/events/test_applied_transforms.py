@@ -22,6 +22,7 @@ from rigs.rig import (
     apply_matrix,
     close,
     evaluated_points,
+    in_mode,
     make_active,
     move_world,
     new_empty,
@@ -234,11 +235,9 @@ def test_a_mirroring_scale(rig: HandleRig, scale: tuple[float, float, float]):
 
 
 def flip_all(obj: bpy.types.Object) -> None:
-    make_active(obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.flip_normals()
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(obj):
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.mesh.flip_normals()
     settle()
 
 
@@ -444,7 +443,6 @@ def test_the_cage_rests_again_where_it_is(placed: HandleRig):
 def test_a_mesh_moved_in_the_world_is_an_edit_on_top_of_the_pose(posed_plate: HandleRig):
     rig = posed_plate
     rig.obj.data.transform(Matrix.Translation((0.0, 0.0, 0.1)))
-    update()
     assert close(rig.points(), rig.at(0.5) + (0.0, 0.0, 0.1), EXACT)
 
 

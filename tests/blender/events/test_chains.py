@@ -24,11 +24,13 @@ from rigs.rig import (
     add_group,
     close,
     evaluated_points,
+    in_mode,
     key_heights,
     make_active,
     move_world,
     new_armature,
     new_empty,
+    press,
     update,
 )
 from rigs.rig_of_lattice import lattice_object
@@ -140,15 +142,12 @@ def its_control_is_such_a_bone(name: str) -> Chain:
     """A child of one that copies a group."""
     base, follower = new_base(), new_follower(name)
     armature = new_armature(button=((0.0, 1.0, 0.0), (0.0, 1.5, 0.0)), tip=((0.0, 1.5, 0.0), (0.0, 2.0, 0.0)))
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bones = armature.data.edit_bones
-    bones["tip"].parent = bones["button"]
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(armature):
+        bones = armature.data.edit_bones
+        bones["tip"].parent = bones["button"]
     follower.bind("thin_shell")
     follower.deformer.handles[0].control, follower.deformer.handles[0].bone = armature, "tip"
-    make_active(follower.obj)
-    bpy.ops.sinew.bind()
+    press(follower.obj, "bind")
     constrain(armature.pose.bones["button"], "COPY_LOCATION", target=base.obj, subtarget="Top")
     return Chain(base.control, base.obj, follower.obj)
 
@@ -285,8 +284,7 @@ def its_lattice_has_a_deformer(name: str) -> Chain:
     """The lattice of the follower is moved by a cage itself."""
     base, cage = moved_lattice()
     follower = ball(name, 2)
-    make_active(follower)
-    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=base.name)
+    press(follower, "lattice_add", source="OBJECT", lattice=base.name)
     return Chain(cage, base, follower)
 
 

@@ -33,11 +33,13 @@ from rigs.rig import (
     close,
     evaluated_points,
     grid_object,
+    in_mode,
     key_heights,
     linked,
     make_active,
     move_world,
     new_armature,
+    press,
     reopen,
     update,
 )
@@ -238,8 +240,7 @@ def its_deformer_removed(rig: HandleRig) -> None:
 @EVENTS.on(ALL, then=is_over)
 def unbound_with_its_control_active(rig: HandleRig) -> None:
     """Operators find the target from there."""
-    make_active(rig.control)
-    assert bpy.ops.sinew.unbind() == {"FINISHED"}
+    press(rig.control, "unbind")
     assert rig.is_at_rest()
     assert not rig.deformer.is_bound
 
@@ -415,10 +416,8 @@ def test_a_bone_renamed_exchanged_and_deleted(plate: Rig):
     assert close(plate.points(), expected.lifted(0.75))
     bones["other"].location.y = 0.25
     assert close(plate.points(), expected.lifted(1.0))
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    armature.data.edit_bones.remove(armature.data.edit_bones["other"])
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(armature):
+        armature.data.edit_bones.remove(armature.data.edit_bones["other"])
     assert close(plate.points(), expected.lifted(1.0), MATRIX)
     assert plate.deformer.handles[0].control_missing
 
@@ -482,8 +481,7 @@ def a_part_separated_from_the_target(rig: HandleRig) -> None:
     for obj in (rig.obj, part):
         assert rig.shows(rig.unmoved(obj), obj)
         assert obj.sinew.deformers[0].status == REBIND
-        make_active(obj)
-        bpy.ops.sinew.bind()
+        press(obj, "bind")
     assert rig.deformer.proxy != part.sinew.deformers[0].proxy
     rig.lift(0.25)
     for obj in (rig.obj, part):

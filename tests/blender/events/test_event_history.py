@@ -19,10 +19,13 @@ from rigs.rig import (
     Rig,
     add_group,
     close,
+    in_mode,
+    linked,
     make_active,
     move_world,
     new_file,
     push,
+    refused,
     reopen,
     update,
 )
@@ -125,8 +128,7 @@ def add_loose_vertex(plate: Rig) -> None:
 def let_regions_overlap(plate: Rig) -> None:
     """Base takes a vertex of Top, which refuses the bind."""
     plate.obj.vertex_groups["Base"].add([int(plate.top[0])], 1.0, "REPLACE")
-    with pytest.raises(RuntimeError, match="share 1 vertex"):
-        bpy.ops.sinew.bind()
+    refused("share 1 vertex", "bind")
 
 
 def add_box(plate: Rig, inside_out: bool = False) -> None:
@@ -265,10 +267,8 @@ IN_EDIT_MODE = {
 @pytest.mark.parametrize("name", ["select_problems", "select_distorted"])
 def test_undo_and_redo_of_what_enters_edit_mode(plate: Rig, name: str):
     """It selects there; undo leaves Edit Mode again."""
-    make_active(plate.obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(plate.obj):
+        bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
     expected = pose(plate, loose_parts="STAY")
     IN_EDIT_MODE[name]()
     assert plate.obj.mode == "EDIT"
@@ -456,14 +456,12 @@ def test_history_across_binds_and_topology_edits(plate: Rig):
     story.tell("bound", plate.rest())
     plate.lift(0.5)
     story.tell("moved", expected.lifted(0.5))
-    make_active(plate.obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    story.tell("Edit Mode", None)
-    bpy.ops.mesh.select_all(action="SELECT")
-    story.tell("selected", None)
-    bpy.ops.mesh.subdivide()
-    story.tell("subdivided", None)
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(plate.obj):
+        story.tell("Edit Mode", None)
+        bpy.ops.mesh.select_all(action="SELECT")
+        story.tell("selected", None)
+        bpy.ops.mesh.subdivide()
+        story.tell("subdivided", None)
     story.tell("topology changed", plate.rest())
     move_world(plate.control, LIFT.inverted())
     fine = Expected.of_rig(plate)
@@ -498,8 +496,7 @@ def test_history_of_a_drag_and_of_what_drives_it(plate: Rig):
     turn = Matrix.Rotation(0.4, 4, "X")
     move_world(plate.control, turn)
     story.tell("turned", expected.now(plate.obj, plate.control))
-    parent = bpy.data.objects.new("Parent", None)
-    bpy.context.scene.collection.objects.link(parent)
+    parent = linked(bpy.data.objects.new("Parent", None))
     plate.control.constraints.new("CHILD_OF").target = parent
     story.tell("constrained", expected.now(plate.obj, plate.control))
     parent.location.x = 0.3

@@ -19,6 +19,7 @@ from rigs.rig import (
     close,
     key_heights,
     make_active,
+    press,
     push,
     reopen,
     select,
@@ -207,8 +208,7 @@ def test_turned_faces_count_from_the_next_bind_on(plate: Rig):
         plate.obj.data.update_tag()
         settle()
         assert close(plate.points(), before) == (weight == 1.0)
-    make_active(plate.obj)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(plate.obj, "bind")
     assert not close(plate.points(), before, 0.01)
 
 

@@ -37,6 +37,7 @@ from rigs.rig import (
     evaluated_points,
     grid_object,
     key_heights,
+    linked,
     make_active,
     move_world,
     update,
@@ -77,8 +78,7 @@ def by_blender(rig: Rig, points: np.ndarray, *modifiers: Add) -> np.ndarray:
     mesh = rig.obj.data.copy()
     mesh.vertices.foreach_set("co", points.astype(np.float32).ravel())
     mesh.update()
-    plain = bpy.data.objects.new("Plain", mesh)
-    bpy.context.scene.collection.objects.link(plain)
+    plain = linked(bpy.data.objects.new("Plain", mesh))
     for add in modifiers:
         add(plain)
     found = evaluated_points(plain)
@@ -367,8 +367,7 @@ def ours_copied(rig: HandleRig) -> None:
 @EVENTS.on(MESHES)
 def ours_copied_to_another_object(rig: HandleRig) -> None:
     """It shows the shape as a mirror does; the rig stays one."""
-    other = bpy.data.objects.new("Other", rig.obj.data.copy())
-    bpy.context.scene.collection.objects.link(other)
+    other = linked(bpy.data.objects.new("Other", rig.obj.data.copy()))
     make_active(rig.obj)
     other.select_set(True)
     bpy.ops.object.make_links_data(type="MODIFIERS")

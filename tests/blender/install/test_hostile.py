@@ -18,7 +18,7 @@ import pytest
 from error_log import ErrorLog
 from hypothesis import HealthCheck, Phase, given, note, seed, settings
 from hypothesis import strategies as st
-from inside import catch_up, inner
+from inside import catch_up, inner, settle
 from rigs.kinds import HandleRig
 from rigs.rig import Rig, add_group, make_active, new_object, reopen, update
 
@@ -89,8 +89,7 @@ def live_with_it(plate: Rig, folder: Path) -> None:
         (bpy.ops.sinew.deformer_remove, {}),
     ):
         press(operator, **keywords)
-        catch_up()
-        update()
+        settle()
         if bpy.context.object != plate.obj:
             make_active(plate.obj)
     assert_sound(plate)
@@ -371,8 +370,7 @@ def test_hundreds_of_objects_that_claim_one_key_are_told_apart_in_time(posed: Ri
     for _ in range(300):
         bpy.context.scene.collection.objects.link(posed.obj.copy())
     start = time.process_time()
-    catch_up()
-    update()
+    settle()
     assert time.process_time() - start < 20.0
     keys = [deformer.uid for obj in bpy.data.objects for deformer in obj.sinew.deformers]
     assert len(set(keys)) == len(keys) == 301

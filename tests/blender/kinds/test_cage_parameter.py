@@ -9,7 +9,7 @@ import pytest
 from expected import faces_of
 from inside import native
 from rigs.kinds import HandleRig
-from rigs.rig import CORNERS, SIDES, close, update
+from rigs.rig import CORNERS, SIDES, close, linked, update
 
 METHOD = "subspace_laplacian"
 ITERATED = 1e-3  # where the cage differs in its last digits, the method may stop a step earlier
@@ -26,8 +26,7 @@ def rig() -> HandleRig:
 def box(size: float) -> bpy.types.Object:
     mesh = bpy.data.meshes.new("Box")
     mesh.from_pydata([tuple(size * c for c in corner) for corner in CORNERS], [], SIDES)
-    obj = bpy.data.objects.new("Box", mesh)
-    bpy.context.scene.collection.objects.link(obj)
+    obj = linked(bpy.data.objects.new("Box", mesh))
     update()
     return obj
 
@@ -57,7 +56,6 @@ def test_an_edit_of_the_cage_binds_again(rig: HandleRig):
     for vertex in cage.data.vertices:
         vertex.co.x *= 1.5
     cage.data.update()
-    update()
     assert np.abs(rig.points() - before).max() > 1e-4
     cage.scale = (1.0, 1.4, 1.0)
     moved = rig.points()

@@ -18,9 +18,12 @@ from rigs.rig import (
     evaluated_points,
     grid_object,
     in_mode,
+    linked,
     make_active,
     new_object,
+    press,
     push,
+    refused,
     update,
 )
 from rigs.rig_of_lattice import bent, lattice_object, lattice_points, place, resolution, small_ball
@@ -50,8 +53,7 @@ def add(obj: bpy.types.Object, *others: bpy.types.Object, **options: object) -> 
 
 
 def use(obj: bpy.types.Object, lattice: bpy.types.Object, **parameters: object) -> None:
-    make_active(obj)
-    assert bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name) == {"FINISHED"}
+    press(obj, "lattice_add", source="OBJECT", lattice=lattice.name)
     for name, value in parameters.items():
         setattr(obj.sinew.active.parameters, name, value)
     update()
@@ -162,8 +164,7 @@ def test_principal_axes_fit_a_leaning_shape_more_closely():
         lattice = add(obj, orientation=kind)
         volumes[kind] = abs(lattice.matrix_world.determinant())
         assert bpy.ops.sinew.deformer_remove.poll()
-        make_active(obj)
-        bpy.ops.sinew.deformer_remove()
+        press(obj, "deformer_remove")
     assert volumes["PRINCIPAL"] < 0.5 * volumes["OBJECT"]
     assert volumes["OBJECT"] == pytest.approx(volumes["WORLD"], rel=1e-4)
 
@@ -183,9 +184,7 @@ def test_add_lattice_undoes_and_redoes_in_one_step():
 
 def test_objects_without_points_are_refused_with_a_report():
     obj = new_object("Nothing", [])
-    make_active(obj)
-    with pytest.raises(RuntimeError, match="has no points"):
-        bpy.ops.sinew.lattice_add()
+    refused("has no points", "lattice_add", obj)
     assert not obj.sinew.deformers
     assert not bpy.data.lattices
 
@@ -232,8 +231,7 @@ def test_another_resolution_says_so_and_set_rest_takes_it():
     update()
     assert obj.sinew.active.status_level == "ERROR"
     assert "5 x 3 x 3" in obj.sinew.active.status
-    make_active(obj)
-    assert bpy.ops.sinew.lattice_set_rest() == {"FINISHED"}
+    press(obj, "lattice_set_rest")
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     assert close(evaluated_points(obj), base_points(obj), MATRIX)
     lift(lattice)
@@ -246,22 +244,19 @@ def test_a_folded_lattice_names_its_points_and_select_shows_them():
     points = lattice_points(lattice)
     points[13] = (1.5, 0.0, 0.0)
     place(lattice, points)
-    make_active(obj)
-    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name)
+    press(obj, "lattice_add", source="OBJECT", lattice=lattice.name)
     deformer = obj.sinew.active
     assert deformer.status_level == "ERROR"
     assert "folded" in deformer.status
     line = inner.status.current(deformer.uid)
     assert 13 in line.elements.indices
-    make_active(obj)
-    assert bpy.ops.sinew.select_problems() == {"FINISHED"}
+    press(obj, "select_problems")
     assert (bpy.context.object, lattice.mode) == (lattice, "EDIT")
     assert lattice.data.points[13].select
     assert not lattice.data.points[0].select
     bpy.ops.object.mode_set(mode="OBJECT")
     place(lattice, lattice_points(lattice_object((3, 3, 3), "Straight")))
-    make_active(obj)
-    assert bpy.ops.sinew.lattice_set_rest() == {"FINISHED"}
+    press(obj, "lattice_set_rest")
     assert deformer.status_level == "INFO", deformer.status
 
 
@@ -313,8 +308,7 @@ def test_hexahedra_that_come_apart_are_named():
             face = [box[k] for k in side]
             faces[frozenset(face)] = face
     obj, lattice = ball(levels=2), new_object("Cells", list(numbers), list(faces.values()))
-    make_active(obj)
-    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name)
+    press(obj, "lattice_add", source="OBJECT", lattice=lattice.name)
     hanging = f"{numbers[0, 0, -2]}, {numbers[0, 0, 2]}"
     assert f"control points {hanging} lie on cells that they are no corners of" in " ".join(_notes(obj))
 
@@ -322,19 +316,15 @@ def test_hexahedra_that_come_apart_are_named():
 def test_a_mesh_without_hexahedra_is_refused():
     obj = small_ball(levels=2)
     plane = grid_object("Plane", 2)
-    make_active(obj)
-    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=plane.name)
+    press(obj, "lattice_add", source="OBJECT", lattice=plane.name)
     assert obj.sinew.active.status_level == "ERROR"
     assert "hexahedra" in obj.sinew.active.status
 
 
 def test_a_lattice_of_another_type_is_refused_and_leaves_nothing():
     obj = small_ball(levels=2)
-    empty = bpy.data.objects.new("Empty", None)
-    bpy.context.scene.collection.objects.link(empty)
-    make_active(obj)
-    with pytest.raises(RuntimeError, match="is no lattice"):
-        bpy.ops.sinew.lattice_add(source="OBJECT", lattice="Empty")
+    linked(bpy.data.objects.new("Empty", None))
+    refused("is no lattice", "lattice_add", obj, source="OBJECT", lattice="Empty")
     assert not obj.sinew.deformers
 
 

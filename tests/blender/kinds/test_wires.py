@@ -22,6 +22,8 @@ from rigs.rig import (
     make_active,
     new_empty,
     points_of,
+    press,
+    refused,
     reopen,
     update,
 )
@@ -68,8 +70,7 @@ def wired(*wires: bpy.types.Object, radius: float = RADIUS, target: bpy.types.Ob
     """The plate, which these curves move."""
     plate = target or grid_object()
     for wire in wires:
-        make_active(plate)
-        assert bpy.ops.sinew.wire_add(curve=wire.name, radius=radius) == {"FINISHED"}
+        press(plate, "wire_add", curve=wire.name, radius=radius)
     make_active(plate)
     return plate
 
@@ -202,11 +203,9 @@ def test_a_wire_along_selected_edges_follows_and_goes_with_the_deformer() -> Non
         edge.select = all(abs(plate.data.vertices[v].co.y - 0.2) < 1e-4 for v in edge.vertices)
     for vertex in plate.data.vertices:
         vertex.select = abs(vertex.co.y - 0.2) < 1e-4
-    make_active(plate)
-    bpy.ops.object.mode_set(mode="EDIT")
-    assert bpy.ops.sinew.wire_add(points=0, radius=RADIUS) == {"FINISHED"}
-    assert plate.mode == "EDIT"
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(plate):
+        assert bpy.ops.sinew.wire_add(points=0, radius=RADIUS) == {"FINISHED"}
+        assert plate.mode == "EDIT"
     wire = plate.sinew.active.controls[0].object
     assert wire.parent == plate
     assert close(drawn(wire)[np.argsort(drawn(wire)[:, 0])], line(0.2, count=11))
@@ -214,8 +213,7 @@ def test_a_wire_along_selected_edges_follows_and_goes_with_the_deformer() -> Non
     row = np.abs(base_points(plate)[:, 1] - 0.2) < 1e-4
     assert np.allclose(evaluated_points(plate)[row, 2], 0.5, atol=FLOAT32)
     name = wire.name
-    make_active(plate)
-    bpy.ops.sinew.deformer_remove()
+    press(plate, "deformer_remove")
     assert name not in bpy.data.objects
 
 
@@ -256,8 +254,7 @@ def test_a_domain_curve_limits_its_wire() -> None:
     row = plate.sinew.active.controls[0]
     row.domain = domain
     assert "Rebind" in plate.sinew.active.status or plate.sinew.active.status_level != "ERROR"
-    make_active(plate)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(plate, "bind")
     domain.location.y = 5.0  # where it is later does not count
     wire.location.z = 0.5
     shape = evaluated_points(plate)
@@ -271,8 +268,7 @@ def test_a_domain_curve_limits_its_wire() -> None:
 def test_curves_without_length_are_refused_by_name() -> None:
     plate = grid_object()
     dot = polyline(np.zeros((3, 3)), "Dot")
-    make_active(plate)
-    bpy.ops.sinew.wire_add(curve=dot.name)
+    press(plate, "wire_add", curve=dot.name)
     assert plate.sinew.active.status_level == "ERROR"
     assert "Dot has no length" in plate.sinew.active.status
     assert close(evaluated_points(plate), base_points(plate))
@@ -283,12 +279,10 @@ def test_a_curve_that_shows_faces_is_refused_by_name(what: str) -> None:
     plate = grid_object()
     wire = curve("BEZIER", "Thick")
     setattr(wire.data, what, 0.1)
-    make_active(plate)
-    bpy.ops.sinew.wire_add(curve=wire.name)
+    press(plate, "wire_add", curve=wire.name)
     assert "Thick shows faces" in plate.sinew.active.status
     setattr(wire.data, what, 0.0)
-    make_active(plate)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(plate, "bind")
     assert plate.sinew.active.is_bound
 
 
@@ -299,8 +293,7 @@ def test_the_target_itself_and_other_objects_are_no_wires() -> None:
         with pytest.raises(RuntimeError):
             bpy.ops.sinew.wire_add(curve=name)
         assert not plate.sinew.deformers
-    with pytest.raises(RuntimeError, match="Select the curves"):
-        bpy.ops.sinew.wire_add()
+    refused("Select the curves", "wire_add")
 
 
 def test_a_curve_with_more_points_asks_for_a_rebind_and_then_goes_on() -> None:
@@ -311,8 +304,7 @@ def test_a_curve_with_more_points_asks_for_a_rebind_and_then_goes_on() -> None:
         bpy.ops.curve.subdivide()
     update()
     assert "at bind it had 6" in plate.sinew.active.status
-    make_active(plate)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(plate, "bind")
     wire.location.z = 0.5
     assert evaluated_points(plate)[:, 2].max() == pytest.approx(0.5, abs=FLOAT32)
 
@@ -333,8 +325,7 @@ def test_set_rest_and_remove() -> None:
     for wire in wires:
         wire.location.z = 0.5
     assert evaluated_points(plate)[:, 2].max() > 0.4
-    make_active(plate)
-    assert bpy.ops.sinew.control_set_rest() == {"FINISHED"}
+    press(plate, "control_set_rest")
     assert close(evaluated_points(plate), base_points(plate))
     wires[0].location.z = 0.7
     assert evaluated_points(plate)[:, 2].max() > 0.01

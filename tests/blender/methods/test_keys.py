@@ -18,9 +18,12 @@ from rigs.rig import (
     add_group,
     close,
     evaluated_points,
+    linked,
     make_active,
     move_world,
+    press,
     push,
+    refused,
     reopen,
     update,
 )
@@ -70,8 +73,7 @@ def key(rig: Rig, frame: int, motion: Matrix | None = None, **keywords) -> np.nd
     go(frame)
     if motion is not None:
         move_world(rig.control, motion)
-    make_active(rig.obj)
-    assert bpy.ops.sinew.key_add(**keywords) == {"FINISHED"}
+    press(rig.obj, "key_add", **keywords)
     return rig.points()
 
 
@@ -179,8 +181,7 @@ def test_without_an_animation_keys_play_by_themselves(plate: Rig):
 def test_keys_move_and_go_like_keyframes(swaying: Rig):
     keyed(swaying)
     before = played(swaying.obj, FRAMES)
-    make_active(swaying.obj)
-    bpy.ops.sinew.key_move(index=1, frame=14)
+    press(swaying.obj, "key_move", index=1, frame=14)
     assert frames_of(swaying) == [1, 14, 20]
     assert swaying.deformer.active_key == 1
     go(14)
@@ -201,8 +202,7 @@ def test_keys_move_and_go_like_keyframes(swaying: Rig):
     for frame, points in entering(swaying).items():
         go(frame)
         assert close(swaying.points(), points)
-    with pytest.raises(RuntimeError, match="has 2 keys, counted from 0 - there is no number 5"):
-        bpy.ops.sinew.key_remove(index=5)
+    refused("has 2 keys, counted from 0 - there is no number 5", "key_remove", index=5)
 
 
 def test_the_list_jumps_from_key_to_key(swaying: Rig):
@@ -214,8 +214,7 @@ def test_the_list_jumps_from_key_to_key(swaying: Rig):
         bpy.ops.sinew.key_jump(to=to)
         seen.append((bpy.context.scene.frame_current, swaying.deformer.active_key))
     assert seen == [(20, 2), (10, 1), (1, 0)]
-    with pytest.raises(RuntimeError, match="no key before this frame"):
-        bpy.ops.sinew.key_jump(to="PREVIOUS")
+    refused("no key before this frame", "key_jump", to="PREVIOUS")
     bpy.ops.sinew.key_jump(index=1)
     assert bpy.context.scene.frame_current == 10
     assert "sinew.key_jump" in draw(bpy.types.SINEW_PT_keys).operator_names()
@@ -292,8 +291,7 @@ def test_a_copy_has_keys_of_its_own(swaying: Rig):
     copy = bpy.context.object
     update()
     assert [each.frame for each in copy.sinew.active.keys] == [1, 10, 20]
-    make_active(copy)
-    bpy.ops.sinew.key_remove(index=1)
+    press(copy, "key_remove", index=1)
     assert_same(played(swaying.obj, FRAMES), before)
     go(10)
     assert close(evaluated_points(copy), entering(swaying, [10])[10])
@@ -336,8 +334,7 @@ def test_a_bone_that_moves_the_mesh_edits_by_what_it_does_beyond(plate: Rig):
         bone.rotation_euler = (angle, 0.0, 0.0)
         bone.keyframe_insert("rotation_euler", frame=frame)
     go(1)
-    follower = bpy.data.objects.new("Follower", None)
-    bpy.context.scene.collection.objects.link(follower)
+    follower = linked(bpy.data.objects.new("Follower", None))
     follower.parent, follower.parent_type, follower.parent_bone = armature, "BONE", "high"
     update()
     plate.bind("mesh_sequence", control_object="Follower")
@@ -383,15 +380,13 @@ def test_a_handle_that_comes_later_is_edited_by_its_own_keys(swaying: Rig):
     before = played(swaying.obj, FRAMES)
     go(1)
     add_group(swaying.obj, "Middle", lambda point: abs(point[0]) < 0.15 and abs(point[1]) < 0.15)
-    make_active(swaying.obj)
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Middle")
+    press(swaying.obj, "handle_add", kind="HANDLE", vertex_group="Middle")
     for frame in (1, 20):
         go(frame)
         assert close(swaying.points(), before[frame], ITERATED)
     go(10)
     assert close(swaying.points()[swaying.top], before[10][swaying.top], SINGLE)
-    make_active(swaying.obj)
-    bpy.ops.sinew.handle_remove(index=2)
+    press(swaying.obj, "handle_remove", index=2)
     for frame in (1, 10, 20):
         go(frame)
         # That bind took the shape of frame 10 as its rest shape, so the faces between have other weights.
@@ -409,14 +404,11 @@ def test_renders_show_the_keyed_frame(swaying: Rig):
 
 
 def test_keys_are_refused_where_they_mean_nothing(swaying: Rig):
-    make_active(swaying.obj)
-    bpy.ops.sinew.unbind()
-    with pytest.raises(RuntimeError, match="is not bound - press Bind first"):
-        bpy.ops.sinew.key_add()
+    press(swaying.obj, "unbind")
+    refused("is not bound - press Bind first", "key_add")
     bpy.ops.sinew.bind()
     swaying.deformer.live = False
-    with pytest.raises(RuntimeError, match="is not live"):
-        bpy.ops.sinew.key_add()
+    refused("is not live", "key_add")
     swaying.deformer.live = True
     swaying.deformer.method = "arap"
     update()
@@ -468,10 +460,7 @@ def test_an_animation_from_a_file_is_edited_and_missing_frames_are_named(plate: 
     stretch_time(100, 50)
     assert "run.pc2 has no frames 6 to 14" in key_panel()
     stretch_time(100, 100)
-    make_active(plate.obj)
-    assert bpy.ops.sinew.bake(
-        target="PC2", filepath=str(tmp_path / "out.pc2"), frame_start=9, frame_end=12
-    ) == {"FINISHED"}
+    press(plate.obj, "bake", target="PC2", filepath=str(tmp_path / "out.pc2"), frame_start=9, frame_end=12)
     bpy.ops.sinew.unbake()
     cache.filepath = str(tmp_path / "gone.pc2")
     update()

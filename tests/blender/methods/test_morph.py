@@ -9,7 +9,7 @@ import pytest
 from inside import notes_of
 from probe import render_points
 from rigs.kinds import HandleRig
-from rigs.rig import base_points, close, evaluated_points, linked, make_active, push, update
+from rigs.rig import base_points, close, evaluated_points, linked, make_active, press, push
 from rigs.sheet import draw, draw_panel
 
 METHOD = "pyramid_coordinates"
@@ -93,8 +93,7 @@ def test_the_panel_says_that_parts_stay_at_rest_only_where_they_do(
 ):
     obj = three_parts(rig.obj)
     other = reshaped(obj, dome)
-    make_active(obj)
-    bpy.ops.sinew.deformer_add(method=METHOD)
+    press(obj, "deformer_add", method=METHOD)
     deformer = obj.sinew.active
     deformer.loose_parts = loose
     if held:
@@ -217,7 +216,6 @@ def test_a_target_that_is_deleted_leaves_the_mesh_as_it_is(rig: HandleRig):
     rig.deformer.parameters.morph = 1.0
     rig.points()
     bpy.data.objects.remove(other)
-    update()
     assert close(rig.points(), base_points(rig.obj), EXACT), rig.deformer.status
 
 
@@ -227,6 +225,5 @@ def test_an_edited_target_counts_at_the_next_bind(rig: HandleRig):
     morph(obj, other)
     for vertex in other.data.vertices:
         vertex.co.z += 1.0
-    make_active(obj)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(obj, "bind")
     assert close(evaluated_points(obj), base_points(other), EXACT)

@@ -16,10 +16,12 @@ from rigs.rig import (
     base_points,
     change_in_edit_mode,
     evaluated_points,
+    linked,
     make_active,
     move_world,
     new_empty,
     new_object,
+    press,
     push,
     reopen,
     update,
@@ -31,8 +33,7 @@ TURN = Matrix.Rotation(np.radians(40.0), 4, "Z")
 
 def carried(obj: bpy.types.Object, method: str, places: list[tuple]) -> list[bpy.types.Object]:
     """A deformer of handles that have no region, each with an empty at its place."""
-    make_active(obj)
-    assert bpy.ops.sinew.deformer_add(method=method) == {"FINISHED"}
+    press(obj, "deformer_add", method=method)
     deformer = obj.sinew.active
     empties = []
     for place in places:
@@ -65,8 +66,7 @@ def test_a_curve_follows_controls_rigidly(method: str, scene):
     spline.points.add(39)
     for index, point in enumerate(spline.points):
         point.co = np.cos(0.2 * index), np.sin(0.2 * index), 0.05 * index, 1.0
-    obj = bpy.data.objects.new("Curve", curve)
-    bpy.context.scene.collection.objects.link(obj)
+    obj = linked(bpy.data.objects.new("Curve", curve))
     empties = carried(obj, method, [(1.0, 0.0, 0.0), (0.0, 0.0, 2.0)])
     rest = evaluated_points(obj)
     for empty in empties:
@@ -82,7 +82,6 @@ def test_embedded_deformation_edits_what_an_armature_has_posed(plate: Rig):
     bone = rig.pose.bones[0]
     bone.rotation_mode = "XYZ"
     bone.rotation_euler = 0.6, 0.0, 0.3
-    update()
     posed = evaluated_points(plate.obj)
     assert np.abs(posed - base_points(plate.obj)).max() > 0.05, "the armature moves the plate"
     plate.deformer.factor = 0.0
@@ -181,7 +180,6 @@ def test_objects_that_share_handles_move_like_one(method: str, scene):
     empties = [new_empty(str(place), np.add(place, inside)) for place in (places[0], places[-1])]
     follow([whole], empties, method)
     move_world(empties[1], Matrix.Translation((0.0, 0.3, 0.3)) @ TURN)
-    update()
     expected = np.split(evaluated_points(whole), starts[1:-1])
     assert np.abs(np.concatenate(expected) - points).max() > 0.3
     bpy.data.objects.remove(whole)
@@ -227,10 +225,8 @@ def test_objects_that_share_handles_go_on_when_one_of_them_changes(scene, tmp_pa
     change_in_edit_mode(
         objects[1], lambda edit: bmesh.ops.delete(edit, geom=list(edit.verts)[:40], context="VERTS")
     )
-    make_active(objects[1])
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(objects[1], "bind")
     move_world(empties[1], TURN)
-    update()
     seen = [evaluated_points(obj) for obj in objects]
     reopen(tmp_path / "shared.blend")
     objects = [bpy.data.objects[name] for name in ("One", "Other")]
@@ -242,8 +238,7 @@ def test_objects_that_share_handles_go_on_when_one_of_them_changes(scene, tmp_pa
     update()
     np.testing.assert_allclose(evaluated_points(copy), seen[0], atol=1e-5)
     bpy.data.objects.remove(objects[1])
-    make_active(objects[0])
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(objects[0], "bind")
     assert objects[0].sinew.active.status_level == "INFO"
     meshes = {
         row.rest for obj in (objects[0], copy) for row in obj.sinew.active.companions if not row.is_target

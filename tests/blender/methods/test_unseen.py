@@ -16,6 +16,7 @@ from rigs.rig import (
     make_active,
     move_world,
     new_object,
+    press,
     reopen,
     update,
 )
@@ -49,8 +50,7 @@ def egg(change: str) -> bpy.types.Object:
 
 
 def posed(obj: bpy.types.Object, method: str, motion: Matrix) -> np.ndarray:
-    make_active(obj)
-    assert bpy.ops.sinew.deformer_add(method=method) == {"FINISHED"}
+    press(obj, "deformer_add", method=method)
     for name, kind in (("Fixed", "FIXED"), ("Moved", "HANDLE")):
         assert bpy.ops.sinew.handle_add(kind=kind, vertex_group=name) == {"FINISHED"}
     assert bpy.ops.sinew.bind() == {"FINISHED"}
@@ -77,13 +77,11 @@ def test_a_file_of_an_earlier_build_keeps_its_looks(scene, change: str) -> None:
     values = deformer.thin_shell_nonlinear
     values.tolerance, values.max_iterations = 1e-9, 1000
     deformer.property_unset("sizes")
-    update()
     old = evaluated_points(obj)
     assert np.abs(old - new).max() > 1e-3
     corners = [Vector(vertex.co) for vertex in obj.data.vertices]
     box = np.ptp(np.array(corners), axis=0)
     values.thickness, values.measure = values.thickness * float(np.linalg.norm(box)), "length"
-    update()
     assert np.abs(evaluated_points(obj) - old).max() < 1e-4
 
 
@@ -114,6 +112,5 @@ def test_a_file_of_an_earlier_build_keeps_the_default_of_its_time(
     setattr(getattr(new, method), parameter, former)
     for deformer in (new, old):
         deformer.property_unset("sizes")
-    update()
     assert np.array_equal(evaluated_points(old.id_data), evaluated_points(new.id_data))
     assert np.abs(evaluated_points(old.id_data) - rows["Old"]).max() > 1e-3

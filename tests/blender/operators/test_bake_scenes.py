@@ -8,8 +8,8 @@ import bpy
 import numpy as np
 import pytest
 from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, footprint, played
-from inside import catch_up
-from rigs.rig import Rig, add_group, grid_object, make_active, update
+from inside import settle
+from rigs.rig import Rig, add_group, grid_object, make_active, refused, update
 from rigs.sheet import WIDE, draw, draw_panel
 
 # Several
@@ -106,8 +106,7 @@ def test_a_copy_plays_and_unbakes_by_itself(saved: Rig):
     make_active(saved.obj)
     bpy.ops.object.duplicate()
     copy = bpy.context.object
-    update()
-    catch_up()
+    settle()
     assert_same(played(copy), live)
     make_active(copy)
     bpy.ops.sinew.unbake(delete_file=True)  # the original still plays it
@@ -119,8 +118,7 @@ def test_a_copy_plays_and_unbakes_by_itself(saved: Rig):
 def test_unbake_of_keys_on_a_shared_mesh_is_refused(moving: Rig):
     bake(moving, "SHAPE_KEYS")
     bpy.data.objects.new("Other", moving.obj.data)
-    with pytest.raises(RuntimeError, match="single-user"):
-        bpy.ops.sinew.unbake()
+    refused("single-user", "unbake")
     assert moving.deformer.bake.is_baked
 
 
@@ -242,8 +240,7 @@ def test_an_override_is_baked(saved: Rig, tmp_path: Path):
     scene.collection.children.link(here.collections[0])
     update()
     here.collections[0].override_hierarchy_create(scene, bpy.context.view_layer)
-    update()
-    catch_up()
+    settle()
     obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot" / "over.blend"))
     obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)

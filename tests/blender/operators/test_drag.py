@@ -25,6 +25,7 @@ from rigs.rig import (
     new_armature,
     new_file,
     new_object,
+    press,
     push,
     reopen,
     update,
@@ -326,10 +327,8 @@ def tip_of(obj: bpy.types.Object) -> bpy.types.PoseBone:
     add_group(obj, "Tip", lambda point: point[0] > 0.7)
     add_group(obj, "Base", lambda point: point[0] < -0.7)
     armature = new_armature(Bone=((0.8, 0.0, 0.0), (1.0, 0.1, 0.2)))
-    make_active(obj)
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
-    make_active(obj)
-    bpy.ops.sinew.handle_add(vertex_group="Tip", control_object=armature.name, bone="Bone")
+    press(obj, "handle_add", kind="FIXED", vertex_group="Base")
+    press(obj, "handle_add", vertex_group="Tip", control_object=armature.name, bone="Bone")
     return armature.pose.bones["Bone"]
 
 
@@ -511,7 +510,6 @@ def test_cancel_leaves_nothing_behind(key: str, before: str):
     elif before == "the handle":
         drag(value=(0.1, 0.0, 0.2))
     make_active(obj)
-    update()
     was, shape = everything(), evaluated_points(obj)
     status = [inner.status.current(row.uid).text for row in obj.sinew.deformers]
     finger = Finger(obj, (0.1, 0.0, 0.2) if before == "the handle" else (0.0, 0.0, 0.0))

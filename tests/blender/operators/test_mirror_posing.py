@@ -20,6 +20,7 @@ from rigs.rig import (
     move_world,
     new_armature,
     new_empty,
+    press,
     push,
     reopen,
     some_motion,
@@ -36,8 +37,7 @@ REST = {"location": (0.0, 0.0, 0.0), "rotation_euler": (0.0, 0.0, 0.0), "scale":
 
 def add_handle(plate: Rig, name: str, where, kind: str = "HANDLE", **keywords) -> None:
     add_group(plate.obj, name, where)
-    make_active(plate.obj)
-    bpy.ops.sinew.handle_add(kind=kind, vertex_group=name, **keywords)
+    press(plate.obj, "handle_add", kind=kind, vertex_group=name, **keywords)
     make_active(plate.obj)
 
 
@@ -342,8 +342,7 @@ def test_controls_that_rest_otherwise_follow_as_mirror_does(hands: Rig, turned):
     update()
     for name, empty in zip(("Hand.L", "Hand.R"), ours, strict=True):
         by_name(hands, name).control = empty
-    make_active(hands.obj)
-    bpy.ops.sinew.bind()
+    press(hands.obj, "bind")
     assert np.abs(hands.points() - hands.rest()).max() < 2e-5
     for leader in ours:
         turn = Matrix.Translation((0.1, 0.2, 0.3)) @ Euler((0.3, -0.2, 0.4)).to_matrix().to_4x4()
@@ -364,8 +363,7 @@ def test_controls_on_bones_and_with_child_of_follow(hands: Rig):
     update()
     for name, empty in zip(("Hand.L", "Hand.R"), ours, strict=True):
         by_name(hands, name).control = empty
-    make_active(hands.obj)
-    bpy.ops.sinew.bind()
+    press(hands.obj, "bind")
     for leader in ours:
         leader.location.z += 0.2
         leader.rotation_euler.x += 0.3
@@ -418,8 +416,7 @@ def test_the_mirror_operator_moves_the_first_control_no_further(hands: Rig):
     pose(left(hands), **POSED)
     given = [np.array(getattr(left(hands), name)) for name in POSED]
     hands.deformer.active_handle = 0
-    make_active(hands.obj)
-    bpy.ops.sinew.handle_mirror()
+    press(hands.obj, "handle_mirror")
     update()
     assert all(
         np.array_equal(value, getattr(left(hands), name)) for name, value in zip(POSED, given, strict=True)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from rigs.rig import linked, make_active, update
+from rigs.rig import in_mode, linked, press, update
 
 BONES = {  # head, tail and parent
     "hip": ((0.0, 0.0, 1.0), (0.0, 0.0, 1.2), ""),
@@ -27,14 +27,12 @@ FEET = ("foot.L", "foot.R")
 
 def figure(mode: str = "QUATERNION") -> bpy.types.Object:
     armature = linked(bpy.data.objects.new("Figure", bpy.data.armatures.new("Figure")))
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    edit = armature.data.edit_bones
-    for name, (head, tail, parent) in BONES.items():
-        bone = edit.new(name)
-        bone.head, bone.tail = head, tail
-        bone.parent = edit[parent] if parent else None
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(armature):
+        edit = armature.data.edit_bones
+        for name, (head, tail, parent) in BONES.items():
+            bone = edit.new(name)
+            bone.head, bone.tail = head, tail
+            bone.parent = edit[parent] if parent else None
     for bone in armature.pose.bones:
         bone.rotation_mode = mode
     update()
@@ -56,6 +54,5 @@ def end_of(armature: bpy.types.Object, name: str, end: str = "tail") -> np.ndarr
 
 
 def pose(armature: bpy.types.Object, bone: str, value=(0.0, 0.0, 0.0), **keywords) -> None:
-    make_active(armature)
-    assert bpy.ops.sinew.puppet_pose(bone=bone, value=value, **keywords) == {"FINISHED"}
+    press(armature, "puppet_pose", bone=bone, value=value, **keywords)
     update()

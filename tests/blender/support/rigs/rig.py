@@ -11,6 +11,7 @@ from pathlib import Path
 import bmesh
 import bpy
 import numpy as np
+import pytest
 from mathutils import Matrix, Vector
 
 FLOAT32 = 4e-6  # a few roundings of coordinates near 1
@@ -139,6 +140,20 @@ def make_active(obj: bpy.types.Object) -> None:
     for other in bpy.context.view_layer.objects:
         other.select_set(other == obj)
     bpy.context.view_layer.objects.active = obj
+
+
+def press(obj: bpy.types.Object, operator: str, **keywords: object) -> None:
+    """A button of ours, with that object active and nothing else selected."""
+    make_active(obj)
+    assert getattr(bpy.ops.sinew, operator)(**keywords) == {"FINISHED"}
+
+
+def refused(match: str, operator: str, on: bpy.types.Object | None = None, **keywords: object) -> None:
+    """A button of ours says why it does nothing, with an object active, or with what is."""
+    if on is not None:
+        make_active(on)
+    with pytest.raises(RuntimeError, match=match):
+        getattr(bpy.ops.sinew, operator)(**keywords)
 
 
 def add_group(obj: bpy.types.Object, name: str, where) -> np.ndarray:
