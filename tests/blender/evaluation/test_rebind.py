@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from inside import ask_for_factor, calls_of, catch_up, inner, settle, use_threads
 from registry import ON_SURFACE, WITH_HANDLES
-from rigs.rig import Rig, add_group, in_mode, press, update
+from rigs.rig import Rig, add_group, on_all, press, update
 
 
 @pytest.fixture
@@ -247,9 +247,7 @@ def test_a_bind_of_another_shape_takes_over_all_of_it(plate: Rig, copies: list[i
         plate.obj.data.vertices[60].co.z += 0.1
         plate.obj.data.update_tag()
     elif change == "faces":
-        with in_mode(plate.obj):
-            bpy.ops.mesh.select_all(action="SELECT")
-            bpy.ops.mesh.quads_convert_to_tris()
+        on_all(plate.obj, bpy.ops.mesh.quads_convert_to_tris)
     else:
         plate.obj.vertex_groups.remove(plate.obj.vertex_groups["Base"])
         add_group(plate.obj, "Base", lambda point: point[1] < -0.5)

@@ -30,8 +30,10 @@ from rigs.rig import (
     key,
     make_active,
     move_world,
+    new_nodes,
     new_object,
     save,
+    subdivided,
 )
 from second_blender import another_blender, by_command_line, is_executable
 
@@ -44,9 +46,7 @@ CARRIED = 2e-3  # a rest shape that follows from another one of a bent surface
 
 
 def subdivision(obj: bpy.types.Object, levels: int = 2, render_levels: int = 2) -> bpy.types.Modifier:
-    modifier = obj.modifiers.new("Subdivision", "SUBSURF")
-    modifier.levels, modifier.render_levels = levels, render_levels
-    return modifier
+    return subdivided(obj, levels, render_levels)
 
 
 def multires(obj: bpy.types.Object) -> None:
@@ -88,14 +88,7 @@ def boolean(obj: bpy.types.Object) -> bpy.types.Modifier:
 
 def by_nodes(obj: bpy.types.Object) -> None:
     """Nodes that subdivide once more in renders, once a switch is on."""
-    tree = bpy.data.node_groups.new("Finer", "GeometryNodeTree")
-    if hasattr(tree, "interface"):
-        for way in ("INPUT", "OUTPUT"):
-            tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
-    else:
-        tree.inputs.new("NodeSocketGeometry", "Geometry")
-        tree.outputs.new("NodeSocketGeometry", "Geometry")
-    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    tree, start, end = new_nodes("Finer")
     finer = tree.nodes.new("GeometryNodeSubdivideMesh")
     asks, choice = tree.nodes.new("GeometryNodeIsViewport"), tree.nodes.new("GeometryNodeSwitch")
     choice.input_type = "INT"
@@ -103,8 +96,8 @@ def by_nodes(obj: bpy.types.Object) -> None:
     levels[0].default_value = levels[1].default_value = 1
     tree.links.new(asks.outputs[0], next(socket for socket in choice.inputs if socket.enabled))
     tree.links.new(next(socket for socket in choice.outputs if socket.enabled), finer.inputs["Level"])
-    tree.links.new(start.outputs[0], finer.inputs[0])
-    tree.links.new(finer.outputs[0], end.inputs[0])
+    tree.links.new(start, finer.inputs[0])
+    tree.links.new(finer.outputs[0], end)
     modifier = obj.modifiers.new("Finer", "NODES")
     modifier.node_group = tree
 

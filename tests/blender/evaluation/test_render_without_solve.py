@@ -27,6 +27,7 @@ from rigs.rig import (
     make_active,
     new_file,
     save,
+    subdivided,
     update,
 )
 from second_blender import look_elsewhere as elsewhere
@@ -116,8 +117,7 @@ def test_a_render_after_the_add_on_was_switched_off(rendered: HandleRig, addon_n
 def test_other_vertices_in_renders_than_in_the_viewport(plate: Rig, tmp_path: Path, below: str):
     """They are solved at the save, for what enters then."""
     bone = add_armature(plate.obj).pose.bones["high"] if below == "armature" else None
-    subdivision = plate.obj.modifiers.new("Subdivision", "SUBSURF")
-    subdivision.levels, subdivision.render_levels = 1, 2
+    subdivided(plate.obj, 1, 2)
     plate.bind("thin_shell")
     render_points(plate.obj)
     plate.lift(0.5)
@@ -181,8 +181,7 @@ def test_live_is_off_since_the_file_was_opened(rendered: HandleRig):
 
 def test_live_is_off_and_renders_have_other_vertices(plate: Rig, tmp_path: Path):
     """They show the poses that the viewport shows."""
-    subdivision = plate.obj.modifiers.new("Subdivision", "SUBSURF")
-    subdivision.levels, subdivision.render_levels = 1, 2
+    subdivided(plate.obj, 1, 2)
     plate.bind("thin_shell").lift(0.25)
     render_points(plate.obj)
     plate.lift(0.25)

@@ -22,12 +22,13 @@ from rigs.rig import (
     apply_matrix,
     close,
     evaluated_points,
-    in_mode,
     make_active,
     move_world,
     new_empty,
+    on_all,
     push,
     reopen,
+    subdivided,
     update,
 )
 
@@ -235,9 +236,7 @@ def test_a_mirroring_scale(rig: HandleRig, scale: tuple[float, float, float]):
 
 
 def flip_all(obj: bpy.types.Object) -> None:
-    with in_mode(obj):
-        bpy.ops.mesh.select_all(action="SELECT")
-        bpy.ops.mesh.flip_normals()
+    on_all(obj, bpy.ops.mesh.flip_normals)
     settle()
 
 
@@ -247,8 +246,7 @@ def test_modifiers_that_number_their_vertices_anew_for_turned_faces(rig: HandleR
     if rig.obj.type != "MESH":
         pytest.skip("about faces")
     rig.obj.modifiers.new("Array", "ARRAY").relative_offset_displace = (0.0, 1.5, 0.0)
-    levels = rig.obj.modifiers.new("Subdivision", "SUBSURF")
-    levels.levels, levels.render_levels = 2, 3
+    subdivided(rig.obj, 2, 3)
     rig.bind_alone(rig.methods[0])
     carry(rig, MIRRORED)
     rig.lift(0.3)

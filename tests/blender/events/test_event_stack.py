@@ -40,6 +40,7 @@ from rigs.rig import (
     linked,
     make_active,
     move_world,
+    subdivided,
     update,
 )
 
@@ -55,9 +56,7 @@ def twist(obj: bpy.types.Object) -> bpy.types.Modifier:
 
 
 def subdivision(obj: bpy.types.Object, levels: int = 1, render_levels: int = 1) -> bpy.types.Modifier:
-    modifier = obj.modifiers.new("Subdivision", "SUBSURF")
-    modifier.levels, modifier.render_levels = levels, render_levels
-    return modifier
+    return subdivided(obj, levels, render_levels)
 
 
 def array(obj: bpy.types.Object) -> bpy.types.Modifier:

@@ -20,7 +20,7 @@ from hypothesis import HealthCheck, Phase, given, note, seed, settings
 from hypothesis import strategies as st
 from inside import catch_up, inner, settle
 from rigs.kinds import HandleRig
-from rigs.rig import Rig, add_group, make_active, new_object, reopen, update
+from rigs.rig import Rig, add_group, make_active, new_nodes, new_object, reopen, update
 
 SEED = os.environ.get("SINEW_RANDOM_SEED")
 NAN, INF = math.nan, math.inf
@@ -213,15 +213,9 @@ def group_of_other_sockets(plate: Rig) -> None:
     """Our key on somebody's node group, and ours gone."""
     for group in list(bpy.data.node_groups):
         bpy.data.node_groups.remove(group)
-    group = bpy.data.node_groups.new("Theirs", "GeometryNodeTree")
+    group, start, end = new_nodes("Theirs")
     group["sinew_group_version"], group["sinew_group_kind"] = 1, "MESH 1"
-    for direction, node in (("INPUT", "NodeGroupInput"), ("OUTPUT", "NodeGroupOutput")):
-        if hasattr(group, "interface"):
-            group.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
-        else:
-            getattr(group, f"{direction.lower()}s").new("NodeSocketGeometry", "Geometry")
-        group.nodes.new(node)
-    group.links.new(group.nodes[0].outputs[0], group.nodes[1].inputs[0])
+    group.links.new(start, end)
     plate.obj.modifiers[-1].node_group = group
 
 

@@ -10,7 +10,7 @@ from inside import inner
 from registry import METHODS, Control
 from rigs.cages import assert_goes_on, assert_rests, ball, box, motion_of, set_rest, surround
 from rigs.kinds import BY_CONTROL
-from rigs.rig import press, refused
+from rigs.rig import press, refused, subdivided
 
 LIMIT = 0.0001  # gigabytes; shown as 0.1 MB
 OVERSHOT = 0.02  # surfaces that resist bending rise a little above the handle that lifts them
@@ -45,8 +45,7 @@ def test_a_finer_cage_above_the_limit_is_refused_until_it_is_coarse_again(prefer
     target, cage = ball(), box()
     deformer = surround(target, cage)
     preferences.memory_limit = LIMIT / 2
-    smoother = cage.modifiers.new("Subdivision", "SUBSURF")
-    smoother.levels = smoother.render_levels = 3
+    smoother = subdivided(cage, 3, 3)
     smoother.subdivision_type = "SIMPLE"
     refused("memory limit", "cage_set_rest", target)
     assert_rests(target)

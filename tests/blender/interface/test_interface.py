@@ -13,7 +13,7 @@ import bpy
 import pytest
 from inside import inner
 from rigs.point_objects import bind, lattice
-from rigs.rig import Rig, in_mode, linked, make_active, refused, update
+from rigs.rig import Rig, linked, make_active, on_all, refused, update
 from rigs.sheet import NARROW, WIDE, DrawContext, Sheet, draw, draw_panel
 
 TIME = r"(less than )?[\d.]+ m?s"
@@ -145,9 +145,7 @@ def test_a_sentence_is_wrapped_whole_into_lines_that_fit(width):
 
 
 def test_a_changed_topology_offers_rebind_above_everything_else(bound_plate: Rig):
-    with in_mode(bound_plate.obj):
-        bpy.ops.mesh.select_all(action="SELECT")
-        bpy.ops.mesh.subdivide()
+    on_all(bound_plate.obj, bpy.ops.mesh.subdivide)
     bound_plate.deformer.auto_rebind = False
     update()
     sheet = draw_panel()

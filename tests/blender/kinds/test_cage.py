@@ -37,14 +37,15 @@ from rigs.rig import (
     apply_matrix,
     base_points,
     evaluated_points,
-    in_mode,
     linked,
     make_active,
     move_world,
     new_empty,
     new_object,
+    on_all,
     press,
     refused,
+    subdivided,
     update,
 )
 
@@ -146,9 +147,7 @@ def test_a_cage_with_other_vertices_is_refused_or_taken_for_the_rest(caged: Cage
     target, cage = caged
     deformer = target.sinew.active
     deformer.auto_rebind = automatic
-    with in_mode(cage):
-        bpy.ops.mesh.select_all(action="SELECT")
-        bpy.ops.mesh.subdivide()
+    on_all(cage, bpy.ops.mesh.subdivide)
     update()
     inner.refresh.refresh()
     update()
@@ -276,8 +275,7 @@ def test_harmonic_errs_a_tenth_of_mesh_deform():
 def test_before_and_after_a_subdivision_of_the_mesh(caged: Caged, first: str):
     """Warped at control level and then subdivided, or subdivided and then warped: as the stack says."""
     target, cage = caged
-    smoother = target.modifiers.new("Subdivision", "SUBSURF")
-    smoother.levels = smoother.render_levels = 1
+    subdivided(target)
     smooth = evaluated_points(target)
     if first == "Subdivision":
         make_active(target)

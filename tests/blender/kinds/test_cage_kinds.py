@@ -34,7 +34,19 @@ from rigs.point_objects import (
     text,
     unmoved,
 )
-from rigs.rig import FLOAT32, apply_matrix, in_mode, make_active, press, push, refused, reopen, update
+from rigs.rig import (
+    FLOAT32,
+    apply_matrix,
+    duplicated,
+    in_mode,
+    make_active,
+    new_nodes,
+    press,
+    push,
+    refused,
+    reopen,
+    update,
+)
 from rigs.sheet import WIDE, draw_panel
 
 Caged = tuple[bpy.types.Object, bpy.types.Object]
@@ -292,19 +304,12 @@ def test_a_shape_key_of_the_curve_still_counts():
 def test_what_a_modifier_adds_to_a_curve_stays_where_it_is():
     """A point cloud, whose points would else be moved by the numbers of the curve's."""
     obj = bezier()
-    group = bpy.data.node_groups.new("Adds", "GeometryNodeTree")
-    if hasattr(group, "interface"):
-        for in_out in ("INPUT", "OUTPUT"):
-            group.interface.new_socket("Geometry", in_out=in_out, socket_type="NodeSocketGeometry")
-    else:
-        for sockets in (group.inputs, group.outputs):
-            sockets.new("NodeSocketGeometry", "Geometry")
-    entry, leave = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    group, entry, leave = new_nodes("Adds")
     points, join = group.nodes.new("GeometryNodePoints"), group.nodes.new("GeometryNodeJoinGeometry")
     points.inputs["Count"].default_value, points.inputs["Position"].default_value = 5, (3.0, 2.0, 1.0)
-    for given in (entry.outputs[0], points.outputs[0]):
+    for given in (entry, points.outputs[0]):
         group.links.new(given, join.inputs[0])
-    group.links.new(join.outputs[0], leave.inputs[0])
+    group.links.new(join.outputs[0], leave)
     obj.modifiers.new("Adds", "NODES").node_group = group
     obj, cage = bind(obj)
     expected = moved_by_hand(obj, bend(cage))
@@ -337,9 +342,7 @@ def test_one_cage_moves_several_objects_and_several_cages_move_one():
 @pytest.mark.parametrize("kind", ["mixed", "text", "hair"])
 def test_a_duplicate_gets_shapes_of_its_own(kind: str):
     obj, cage = bind(MAKERS[kind]())
-    make_active(obj)
-    bpy.ops.object.duplicate()
-    copy = bpy.context.object
+    copy = duplicated(obj)
     catch_up()
     assert copy.sinew.active.proxy != obj.sinew.active.proxy
     rest = shown(obj)

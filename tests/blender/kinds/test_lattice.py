@@ -17,10 +17,10 @@ from rigs.rig import (
     close,
     evaluated_points,
     grid_object,
-    in_mode,
     linked,
     make_active,
     new_object,
+    on_all,
     press,
     push,
     refused,
@@ -215,9 +215,7 @@ def test_shape_keys_modifiers_and_edits_of_the_lattice_pose_the_object(scene: bp
     hook.object.location.x = 0.5
     assert close(evaluated_points(obj), rest + (0.5, 0.0, 0.0), MATRIX)
     lattice.modifiers.clear()
-    with in_mode(lattice):
-        bpy.ops.lattice.select_all(action="SELECT")
-        bpy.ops.transform.translate(value=(0.0, 0.3, 0.0))
+    on_all(lattice, bpy.ops.transform.translate, value=(0.0, 0.3, 0.0))
     assert close(evaluated_points(obj), rest + (0.0, 0.3, 0.0), MATRIX)
 
 

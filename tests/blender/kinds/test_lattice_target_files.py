@@ -13,6 +13,7 @@ from libraries import add_collection, override, put_into_a_library
 from rigs.lattice_objects import FLOAT32, UP, follower, moved_up, points_of
 from rigs.point_objects import attach, bend, bind, lattice
 from rigs.rig import (
+    duplicated,
     evaluated_points,
     linked,
     make_active,
@@ -32,9 +33,7 @@ def test_duplicates(linked: bool):
     _, cage = bind(obj)
     cage.location.z = 1.0
     update()
-    make_active(obj)
-    bpy.ops.object.duplicate(linked=linked)
-    copy = bpy.context.object
+    copy = duplicated(obj, linked=linked)
     settle()
     if linked:
         assert "shares its points with Lattice, which moves both" in copy.sinew.active.status

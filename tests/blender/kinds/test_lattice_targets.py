@@ -22,6 +22,7 @@ from rigs.rig import (
     key,
     make_active,
     new_empty,
+    on_all,
     press,
     refused,
     update,
@@ -217,9 +218,7 @@ def test_edits_of_other_keys_and_by_scripts_count_as_blender_counts_them():
     shown = evaluated_points(obj)
     make_active(obj)
     assert obj.active_shape_key.name == "Smile"
-    with in_mode(obj):
-        bpy.ops.lattice.select_all(action="SELECT")
-        bpy.ops.transform.translate(value=(0.5, 0.0, 0.0))
+    on_all(obj, bpy.ops.transform.translate, value=(0.5, 0.0, 0.0))
     assert np.abs(evaluated_points(obj) - shown - (0.25, 0.0, 0.0)).max() < 2 * FLOAT32
     obj.data.shape_keys.reference_key.data[0].co.x += 0.1  # half of which Smile takes back
     obj.data.update_tag()

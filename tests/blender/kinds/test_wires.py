@@ -21,6 +21,7 @@ from rigs.rig import (
     linked,
     make_active,
     new_empty,
+    on_all,
     points_of,
     press,
     refused,
@@ -112,9 +113,7 @@ def move(wire: bpy.types.Object) -> None:
 
 
 def edit(wire: bpy.types.Object) -> None:
-    with in_mode(wire):
-        bpy.ops.curve.select_all(action="SELECT")
-        bpy.ops.transform.translate(value=(0.0, 0.0, 0.3))
+    on_all(wire, bpy.ops.transform.translate, value=(0.0, 0.0, 0.3))
 
 
 @pytest.mark.parametrize("pose", [key_shape, hook, move, edit], ids=lambda pose: pose.__name__)
@@ -299,9 +298,7 @@ def test_the_target_itself_and_other_objects_are_no_wires() -> None:
 def test_a_curve_with_more_points_asks_for_a_rebind_and_then_goes_on() -> None:
     wire = polyline(line())
     plate = wired(wire)
-    with in_mode(wire):
-        bpy.ops.curve.select_all(action="SELECT")
-        bpy.ops.curve.subdivide()
+    on_all(wire, bpy.ops.curve.subdivide)
     update()
     assert "at bind it had 6" in plate.sinew.active.status
     press(plate, "bind")

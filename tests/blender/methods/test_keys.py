@@ -17,6 +17,7 @@ from rigs.rig import (
     add_armature,
     add_group,
     close,
+    duplicated,
     evaluated_points,
     linked,
     make_active,
@@ -286,9 +287,7 @@ def test_keys_are_saved_and_a_farm_sees_the_same_bits(swaying: Rig, addon_name: 
 def test_a_copy_has_keys_of_its_own(swaying: Rig):
     keyed(swaying)
     before = played(swaying.obj, FRAMES)
-    make_active(swaying.obj)
-    bpy.ops.object.duplicate()
-    copy = bpy.context.object
+    copy = duplicated(swaying.obj)
     update()
     assert [each.frame for each in copy.sinew.active.keys] == [1, 10, 20]
     press(copy, "key_remove", index=1)

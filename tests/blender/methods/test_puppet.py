@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -13,6 +12,7 @@ import pytest
 from inside import inner
 from libraries import put_into_a_library
 from mathutils import Matrix, Vector
+from mouse import event, front_view
 from rigs.puppets import BONES, FEET, end_of, figure, pose, standing
 from rigs.rig import (
     close,
@@ -461,32 +461,20 @@ class Mouse:
     """The tool itself, with events like Blender's: there is no window here."""
 
     def __init__(self, armature: bpy.types.Object, bone: str) -> None:
-        typed, tool = inner.typed_motion, inner.puppeteering
+        typed, posing = inner.typed_motion, inner.posing
         self.armature, self.x, self.y = armature, 0.0, 0.0
-        self.view = typed.View(
-            np.array((1.0, 0.0, 0.0)),
-            np.array((0.0, 0.0, 1.0)),
-            np.array((0.0, -1.0, 0.0)),
-            pixel=0.01,
-            centre=(0.0, 0.0),
-            eye=None,
+        self.view, axes = front_view(centre=(0.0, 0.0)), np.eye(3)
+        drag = posing.PuppetDrag(
+            armature, bone, bpy.context.evaluated_depsgraph_get(), posing.PuppetOptions()
         )
-        drag = inner.posing.PuppetDrag(
-            armature, bone, bpy.context.evaluated_depsgraph_get(), inner.posing.PuppetOptions()
+        motion = typed.TypedMotion(
+            inner.motion.Mode.TRANSLATE, self.view, axes, (0.0, 0.0), 1.0, 1.0, math.pi / 180.0
         )
-        motion = inner.motion
-        axes = np.eye(3)
-        self.tool = tool.Puppeteering(
-            drag,
-            typed.TypedMotion(motion.Mode.TRANSLATE, self.view, axes, (0.0, 0.0), 1.0, 1.0, math.pi / 180.0),
-            drag.place,
-            axes,
-        )
+        self.tool = inner.puppeteering.Puppeteering(drag, motion, drag.place, axes)
 
     def send(self, kind: str, value: str = "PRESS", unicode: str = ""):
-        event = SimpleNamespace(type=kind, value=value, mouse_x=self.x, mouse_y=self.y, unicode=unicode)
-        event.shift = event.ctrl = event.is_repeat = False
-        return self.tool.process(self.armature, event, self.view).value
+        sent = event(kind, value, self.x, self.y, unicode)
+        return self.tool.process(self.armature, sent, self.view).value
 
     def move(self, x: float, y: float) -> str:
         self.x, self.y = self.x + x, self.y + y

@@ -11,11 +11,10 @@ import pytest
 from inside import calls_of
 from rigs.puppets import pose
 from rigs.rig import (
+    armature_object,
     base_points,
     close,
     evaluated_points,
-    in_mode,
-    linked,
     make_active,
     new_object,
     refused,
@@ -42,16 +41,8 @@ def tube(radius: float = 0.08, rings: int = 40, sides: int = 12) -> bpy.types.Ob
 
 
 def arm() -> bpy.types.Object:
-    armature = linked(bpy.data.objects.new("Arm", bpy.data.armatures.new("Arm")))
-    with in_mode(armature):
-        edit = armature.data.edit_bones
-        parent = None
-        for k, name in enumerate(("first", "second")):
-            bone = edit.new(name)
-            bone.head, bone.tail, bone.parent = (0.0, 0.0, float(k)), (0.0, 0.0, k + 1.0), parent
-            parent = bone
-    update()
-    return armature
+    places = [(0.0, 0.0, float(k)) for k in range(3)]
+    return armature_object("Arm", {"first": places[:2], "second": (*places[1:], "first")})
 
 
 def rigged(**keywords) -> tuple[bpy.types.Object, bpy.types.Object]:

@@ -15,6 +15,7 @@ from rigs.rig import (
     apply_matrix,
     base_points,
     change_in_edit_mode,
+    duplicated,
     evaluated_points,
     linked,
     make_active,
@@ -232,9 +233,7 @@ def test_objects_that_share_handles_go_on_when_one_of_them_changes(scene, tmp_pa
     objects = [bpy.data.objects[name] for name in ("One", "Other")]
     for obj, points in zip(objects, seen, strict=True):
         np.testing.assert_allclose(evaluated_points(obj), points, atol=1e-5)
-    make_active(objects[0])
-    bpy.ops.object.duplicate()
-    copy = bpy.context.object
+    copy = duplicated(objects[0])
     update()
     np.testing.assert_allclose(evaluated_points(copy), seen[0], atol=1e-5)
     bpy.data.objects.remove(objects[1])

@@ -21,7 +21,7 @@ from baking import (
 from inside import inner
 from mathutils import Matrix
 from registry import WITH_HANDLES
-from rigs.rig import Rig, add_armature, add_group, linked, make_active, move_world, refused
+from rigs.rig import Rig, add_armature, add_group, linked, make_active, move_world, refused, subdivided
 
 
 @pytest.mark.parametrize("method", WITH_HANDLES)
@@ -125,8 +125,7 @@ def test_later_modifiers_act_on_the_baked_shape(plate: Rig, tmp_path: Path, targ
 
 
 def test_a_cache_after_subdivision_holds_the_fine_mesh(plate: Rig, tmp_path: Path):
-    subdivision = plate.obj.modifiers.new("Subdivision", "SUBSURF")
-    subdivision.levels = subdivision.render_levels = 1
+    subdivided(plate.obj)
     plate.bind("thin_shell")
     animate(plate.control)
     live = played(plate.obj)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, footprint, played
 from inside import settle
-from rigs.rig import Rig, add_group, grid_object, make_active, refused, update
+from rigs.rig import Rig, add_group, duplicated, grid_object, make_active, refused, update
 from rigs.sheet import WIDE, draw, draw_panel
 
 # Several
@@ -103,9 +103,7 @@ def test_shape_keys_that_the_user_renamed_stay(moving: Rig):
 def test_a_copy_plays_and_unbakes_by_itself(saved: Rig):
     live = played(saved.obj)
     bake(saved, "PC2")
-    make_active(saved.obj)
-    bpy.ops.object.duplicate()
-    copy = bpy.context.object
+    copy = duplicated(saved.obj)
     settle()
     assert_same(played(copy), live)
     make_active(copy)

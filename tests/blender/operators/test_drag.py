@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -13,6 +12,7 @@ from editing import placed_object
 from inside import finish, inner, use_threads
 from libraries import override, put_into_a_library
 from mathutils import Matrix, Vector
+from mouse import event
 from rigs.rig import (
     add_group,
     apply_matrix,
@@ -465,21 +465,18 @@ class Finger:
     """A press on the middle of a plate that is seen from above, where a pixel is a centimetre."""
 
     def __init__(self, obj: bpy.types.Object, place=(0.0, 0.0, 0.0), wait: bool = True) -> None:
-        dragging = inner.dragging
         typed = inner.typed_motion
-        self.obj, self.outcomes = obj, dragging.Outcome
+        self.obj, self.outcomes = obj, inner.dragging.Outcome
         self.x, self.y = 500.0, 300.0
         self.view = typed.View(*np.eye(3), pixel=0.01, centre=(500.0, 300.0))
-        depsgraph = bpy.context.evaluated_depsgraph_get()
         hit = inner.surface.Hit(obj, np.array(place), np.array((0.0, 0.0, 1.0)))
-        self.drag = inner.drag.Drag(hit, depsgraph, inner.drag.Brush("arap", 0.25, 0.5), wait)
+        brush = inner.drag.Brush("arap", 0.25, 0.5)
+        self.drag = inner.drag.Drag(hit, bpy.context.evaluated_depsgraph_get(), brush, wait)
         motion = typed.TypedMotion(typed.Mode.TRANSLATE, self.view, np.eye(3), (self.x, self.y))
-        self.tool = dragging.Dragging(self.drag, motion, np.array(place), np.eye(3))
+        self.tool = inner.dragging.Dragging(self.drag, motion, np.array(place), np.eye(3))
 
     def send(self, kind: str, value: str = "PRESS"):
-        event = SimpleNamespace(type=kind, value=value, mouse_x=self.x, mouse_y=self.y, unicode="")
-        event.shift = event.ctrl = event.is_repeat = False
-        return self.tool.process(self.obj, event, self.view)
+        return self.tool.process(self.obj, event(kind, value, self.x, self.y), self.view)
 
     def move(self, x: float, y: float):
         self.x, self.y = self.x + x, self.y + y

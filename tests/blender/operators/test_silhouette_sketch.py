@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 
 import bmesh
 import bpy
@@ -13,6 +12,7 @@ import pytest
 from expected import Expected
 from inside import inner
 from mathutils import Matrix
+from mouse import event, front_view
 from rigs.rig import (
     Rig,
     apply_matrix,
@@ -27,6 +27,7 @@ from rigs.rig import (
     refused,
     update,
 )
+from rigs.rig_of_curves import polyline, stroke_through
 
 FRONT = Matrix.Rotation(math.radians(90.0), 4, "X")  # a camera that looks along y
 EDGE = 0.16  # length of the longest edge of the ball
@@ -55,14 +56,8 @@ def bump(angle: float) -> float:
 
 
 def curve(points: np.ndarray, name: str = "Stroke", closed: bool = False) -> bpy.types.Object:
-    data = bpy.data.curves.new(name, "CURVE")
-    data.dimensions = "3D"
-    line = data.splines.new("POLY")
-    line.use_cyclic_u = closed
-    line.points.add(len(points) - 1)
-    for point, place in zip(line.points, points, strict=True):
-        point.co = (*place, 1.0)
-    stroke = linked(bpy.data.objects.new(name, data))
+    stroke = polyline(points, name)
+    stroke.data.splines[0].use_cyclic_u = closed
     update()
     return stroke
 
@@ -196,16 +191,7 @@ def test_an_edited_stroke_redraws_its_key():
 
 def test_a_drawn_stroke_may_be_kept_as_a_curve():
     obj = ball()
-    # Which members an element has differs between releases.
-    members = bpy.types.OperatorStrokeElement.bl_rna.properties
-    element = {
-        member.identifier: tuple(member.default_array)
-        if getattr(member, "is_array", False)
-        else member.default
-        for member in members
-        if member.identifier != "rna_type"
-    }
-    points = [{**element, "location": place} for place in arc(bump).tolist()]
+    points = stroke_through(arc(bump))
     answer = bpy.ops.sinew.silhouette_sketch(points=points, view=FRONT, reach=0.6, keep_stroke=True)
     assert answer == {"FINISHED"}
     drawn = evaluated_points(obj)
@@ -409,23 +395,14 @@ class Hand:
     """A person at the mouse, before a front view where a pixel is a centimetre."""
 
     def __init__(self, obj: bpy.types.Object, replaced: str = "") -> None:
-        typed, sketching = inner.typed_motion, inner.sketching
+        sketching = inner.sketching
         self.obj, self.outcomes, self.stages = obj, sketching.Outcome, sketching.Stage
-        self.view = typed.View(
-            right=np.array((1.0, 0.0, 0.0)),
-            up=np.array((0.0, 0.0, 1.0)),
-            toward=np.array((0.0, -1.0, 0.0)),
-            pixel=0.01,
-            centre=(400.0, 300.0),
-        )
+        self.view = front_view()
         self.tool = sketching.Sketching(inner.sketch.Sketch(obj, False, replaced), np.zeros(3), 0.0)
 
     def send(self, kind: str, value: str = "PRESS", place=(0.0, 0.0), **modifiers: bool):
-        event = SimpleNamespace(type=kind, value=value)
-        event.mouse_x, event.mouse_y = 400.0 + 100.0 * place[0], 300.0 + 100.0 * place[1]
-        for name in ("shift", "ctrl", "is_repeat"):
-            setattr(event, name, modifiers.get(name, False))
-        return self.tool.process(self.obj, event, self.view)
+        x, y = 400.0 + 100.0 * place[0], 300.0 + 100.0 * place[1]
+        return self.tool.process(self.obj, event(kind, value, x, y, **modifiers), self.view)
 
     def draw(self, points: np.ndarray) -> None:
         places = points[:, (0, 2)]

@@ -23,9 +23,9 @@ from rigs.rig import (
     close,
     evaluated_points,
     grid_object,
-    in_mode,
     move_world,
     new_empty,
+    on_all,
     points_of,
     press,
 )
@@ -169,9 +169,7 @@ class HandleRig(Rig):
 
     def change_topology(self) -> None:
         """In Edit Mode, as a user does: four faces from one."""
-        with in_mode(self.obj):
-            bpy.ops.mesh.select_all(action="SELECT")
-            bpy.ops.mesh.subdivide()
+        on_all(self.obj, bpy.ops.mesh.subdivide)
 
 
 class CageRig(HandleRig):
@@ -275,9 +273,7 @@ class CurveRig(CageRig):
         return point_objects.unmoved(obj)
 
     def change_topology(self) -> None:
-        with in_mode(self.obj):
-            bpy.ops.curve.select_all(action="SELECT")
-            bpy.ops.curve.subdivide()
+        on_all(self.obj, bpy.ops.curve.subdivide)
 
 
 RIGS = {

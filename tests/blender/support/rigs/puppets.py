@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from rigs.rig import in_mode, linked, press, update
+from rigs.rig import armature_object, press, update
 
 BONES = {  # head, tail and parent
     "hip": ((0.0, 0.0, 1.0), (0.0, 0.0, 1.2), ""),
@@ -26,13 +26,7 @@ FEET = ("foot.L", "foot.R")
 
 
 def figure(mode: str = "QUATERNION") -> bpy.types.Object:
-    armature = linked(bpy.data.objects.new("Figure", bpy.data.armatures.new("Figure")))
-    with in_mode(armature):
-        edit = armature.data.edit_bones
-        for name, (head, tail, parent) in BONES.items():
-            bone = edit.new(name)
-            bone.head, bone.tail = head, tail
-            bone.parent = edit[parent] if parent else None
+    armature = armature_object("Figure", BONES)
     for bone in armature.pose.bones:
         bone.rotation_mode = mode
     update()

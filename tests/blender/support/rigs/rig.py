@@ -119,6 +119,14 @@ def in_mode(obj: bpy.types.Object, mode: str = "EDIT") -> Iterator[None]:
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
+def on_all(obj: bpy.types.Object, operator: Callable, **keywords: object) -> None:
+    """An operator of Edit Mode, on all points of a mesh, a curve or a lattice."""
+    kind = {"CURVE": bpy.ops.curve, "LATTICE": bpy.ops.lattice}.get(obj.type, bpy.ops.mesh)
+    with in_mode(obj):
+        kind.select_all(action="SELECT")
+        assert operator(**keywords) == {"FINISHED"}
+
+
 def grid_object(name: str = "Plate", cells: int = 10) -> bpy.types.Object:
     """A square of ``cells`` x ``cells`` quads from -1 to 1 in the plane z = 0."""
     line = np.linspace(-1.0, 1.0, cells + 1)
@@ -156,6 +164,44 @@ def refused(match: str, operator: str, on: bpy.types.Object | None = None, **key
         getattr(bpy.ops.sinew, operator)(**keywords)
 
 
+def duplicated(*objects: bpy.types.Object, linked: bool = False) -> bpy.types.Object:
+    """The copy of the first of these objects, by Blender's operator; nothing is evaluated yet."""
+    make_active(objects[0])
+    for obj in objects:
+        obj.select_set(True)
+    bpy.ops.object.duplicate(linked=linked)
+    return bpy.context.object
+
+
+def subdivided(obj: bpy.types.Object, levels: int = 1, render_levels: int = 1) -> bpy.types.Modifier:
+    """Its new Subdivision modifier."""
+    modifier = obj.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels, modifier.render_levels = levels, render_levels
+    return modifier
+
+
+def new_nodes(name: str) -> tuple[bpy.types.NodeTree, bpy.types.NodeSocket, bpy.types.NodeSocket]:
+    """A group of geometry nodes, the geometry that enters, and the one that leaves."""
+    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    for way, sockets in (("INPUT", "inputs"), ("OUTPUT", "outputs")):
+        if hasattr(tree, "interface"):
+            tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+        else:
+            getattr(tree, sockets).new("NodeSocketGeometry", "Geometry")
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    return tree, start.outputs[0], end.inputs[0]
+
+
+def add_regions(obj: bpy.types.Object, method: str, regions: dict[str, str]):
+    """A new deformer with regions: their roles by vertex group."""
+    press(obj, "deformer_add", method=method)
+    for group, kind in regions.items():
+        make_active(obj)
+        bpy.ops.sinew.handle_add(kind=kind, vertex_group=group)
+    make_active(obj)
+    return obj.sinew.active
+
+
 def add_group(obj: bpy.types.Object, name: str, where) -> np.ndarray:
     """A vertex group of the vertices for which ``where(point)``; their indices."""
     members = [index for index, point in enumerate(base_points(obj)) if where(point)]
@@ -163,15 +209,22 @@ def add_group(obj: bpy.types.Object, name: str, where) -> np.ndarray:
     return np.array(members)
 
 
-def new_armature(**bones: tuple[tuple[float, float, float], tuple[float, float, float]]) -> bpy.types.Object:
-    """The armature ``Rig`` with bones by name: head and tail."""
-    armature = linked(bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig")))
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    for name, (head, tail) in bones.items():
-        bone = armature.data.edit_bones.new(name)
-        bone.head, bone.tail = head, tail
-    bpy.ops.object.mode_set(mode="OBJECT")
+def armature_object(name: str, bones: dict[str, tuple]) -> bpy.types.Object:
+    """An armature with bones by name: head, tail, and the name of the parent where there is one."""
+    armature = linked(bpy.data.objects.new(name, bpy.data.armatures.new(name)))
+    with in_mode(armature):
+        made = armature.data.edit_bones
+        for bone, (head, tail, *parent) in bones.items():
+            new = made.new(bone)
+            new.head, new.tail = head, tail
+            new.parent = made[parent[0]] if any(parent) else None
+    update()
+    return armature
+
+
+def new_armature(**bones: tuple) -> bpy.types.Object:
+    """The armature ``Rig``, whose bones turn by Euler angles."""
+    armature = armature_object("Rig", bones)
     for bone in armature.pose.bones:
         bone.rotation_mode = "XYZ"
     return armature
@@ -321,11 +374,6 @@ def some_motion() -> Matrix:
     """A rigid motion without symmetry."""
     turn = Matrix.Rotation(math.radians(50.0), 4, (0.3, 0.9, -0.2))
     return Matrix.Translation((0.4, -0.2, 0.7)) @ turn
-
-
-def some_affine() -> Matrix:
-    """An affine map with shear and unequal scale."""
-    return Matrix(((1.2, 0.3, 0.0, 0.1), (-0.2, 0.8, 0.4, 0.0), (0.1, 0.0, 1.5, 0.5), (0.0, 0.0, 0.0, 1.0)))
 
 
 def in_pose_mode(armature: bpy.types.Object, bone: str, mesh: bpy.types.Object | None = None) -> None:
