@@ -19,6 +19,7 @@ from rigs.rig import (
     grid_object,
     in_mode,
     new_object,
+    on_all,
     press,
     push,
     reopen,
@@ -80,13 +81,7 @@ def target(name: str = "Target") -> bpy.types.Object:
 
 
 def subdivided() -> None:
-    with in_mode(control()):
-        if control().type == "CURVE":
-            bpy.ops.curve.select_all(action="SELECT")
-            bpy.ops.curve.subdivide()
-        else:
-            bpy.ops.mesh.select_all(action="SELECT")
-            bpy.ops.mesh.subdivide()
+    on_all(control(), bpy.ops.curve.subdivide if control().type == "CURVE" else bpy.ops.mesh.subdivide)
 
 
 def repeated() -> None:
@@ -122,21 +117,26 @@ def smooth() -> None:
         bpy.ops.curve.handle_type_set(type="AUTOMATIC")
 
 
-# How it is bound, what happens to the control, and what then takes it as it is now.
+# How it is bound, what happens to the control, what then takes it as it is now, and what is said until then.
 CASES = [
-    (by_a_cage, subdivided, "cage_set_rest"),
-    (by_a_lattice, finer, "lattice_set_rest"),
-    (by_a_lattice, coarser, "lattice_set_rest"),
-    (by_a_lattice, as_many_in_another_order, "lattice_set_rest"),
-    (by_hexahedra, repeated, "lattice_set_rest"),
-    (by_a_wire, subdivided, "bind"),
-    (by_a_wire, smooth, "bind"),
-    (by_points, subdivided, "bind"),
-    (by_points, repeated, "bind"),
-    (by_points_of_a_curve, subdivided, "bind"),
+    (by_a_cage, subdivided, "cage_set_rest", "26 vertices, at bind it had 8"),
+    (by_a_lattice, finer, "lattice_set_rest", "5 x 3 x 3"),
+    (by_a_lattice, coarser, "lattice_set_rest", "2 x 3 x 3"),
+    (by_a_lattice, as_many_in_another_order, "lattice_set_rest", "9 x 1 x 3"),
+    (by_hexahedra, repeated, "lattice_set_rest", "at bind it had"),
+    (by_a_wire, subdivided, "bind", "at bind it had 6"),
+    (by_a_wire, smooth, "bind", "at bind it had 6"),
+    (
+        by_points,
+        subdivided,
+        "bind",
+        "Control has 7 points, at bind it had 4 - Rebind takes it as it is now",
+    ),
+    (by_points, repeated, "bind", "at bind it had 4"),
+    (by_points_of_a_curve, subdivided, "bind", "at bind it had 4"),
 ]
 each_case = pytest.mark.parametrize(
-    ("rig", "change", "remedy"), CASES, ids=lambda value: getattr(value, "__name__", "")
+    ("rig", "change", "remedy", "said"), CASES, ids=lambda value: getattr(value, "__name__", "")
 )
 
 
@@ -167,7 +167,7 @@ def assert_follows() -> None:
 
 @pytest.mark.parametrize("automatic", [False, True])
 @each_case
-def test_a_control_with_other_points(rig, change, remedy: str, automatic: bool):
+def test_a_control_with_other_points(rig, change, remedy: str, said: str, automatic: bool):
     posed(rig, automatic)
     change()
     settle()
@@ -175,6 +175,7 @@ def test_a_control_with_other_points(rig, change, remedy: str, automatic: bool):
         status = target().sinew.active.status
         assert target().sinew.active.status_level == "ERROR"
         assert "at bind it had" in status
+        assert said in status
         assert ("Rebind" if remedy == "bind" else "Set Rest") in status
         assert at_rest()
         press(target(), remedy)
@@ -192,7 +193,7 @@ def test_every_method_goes_on_with_more_handle_points(method: str):
 
 
 @each_case
-def test_undo_and_redo_of_the_edit(rig, change, remedy: str):
+def test_undo_and_redo_of_the_edit(rig, change, remedy: str, said: str):
     posed(rig)
     push("Posed")
     change()
@@ -209,7 +210,7 @@ def test_undo_and_redo_of_the_edit(rig, change, remedy: str):
 
 @pytest.mark.parametrize("automatic", [False, True])
 @each_case
-def test_saving_right_after_the_edit(rig, change, remedy: str, automatic: bool, tmp_path: Path):
+def test_saving_right_after_the_edit(rig, change, remedy: str, said: str, automatic: bool, tmp_path: Path):
     """No timer had time to look."""
     posed(rig, automatic)
     change()

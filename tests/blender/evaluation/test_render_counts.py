@@ -428,8 +428,7 @@ def test_a_control_without_faces_may_have_modifiers_in_viewports_alone(kind: str
     obj, control = grid_object("Plate", 5), getattr(point_objects, kind)()
     modifier = control.modifiers.new("Nodes", "NODES" if kind == "hair" else "CAST")
     modifier.show_render = False
-    make_active(obj)
-    control.select_set(True)
+    make_active(obj, control)
     assert bpy.ops.sinew.point_add(source="POINTS", method="mls") == {"FINISHED"}
     move_world(control, Matrix.Translation((0.0, 0.0, HEIGHT)))
     shown = evaluated_points(obj)
@@ -452,9 +451,7 @@ def opened(obj: bpy.types.Object) -> None:
     wide = obj.shape_key_add(name="Wide")
     for point in wide.data:
         point.co.x = 0.1 + 0.9 * point.co.x
-    for frame, value in ((1, 0.0), (10, 1.0)):
-        wide.value = value
-        wide.keyframe_insert("value", frame=frame)
+    key(wide, {1: {"value": 0.0}, 10: {"value": 1.0}})
     bpy.context.scene.frame_set(1)
 
 

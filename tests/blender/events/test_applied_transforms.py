@@ -336,8 +336,7 @@ def test_a_linked_copy_stays_where_it_is(placed: HandleRig):
     copy = duplicate(rig, linked=True)
     move_world(rig.control_of(copy), Matrix.Translation((0.0, 0.0, 0.1)))
     before = [world_points(rig, obj) for obj in (rig.obj, copy)]
-    make_active(rig.obj)
-    copy.select_set(True)
+    make_active(rig.obj, copy)
     assert bpy.ops.object.origin_set("EXEC_DEFAULT", True, type="ORIGIN_CURSOR") == {"FINISHED"}
     settle()
     for obj, shape in zip((rig.obj, copy), before, strict=True):
@@ -452,7 +451,6 @@ def geometry_to_origin(obj: bpy.types.Object) -> None:
 def transformed(obj: bpy.types.Object) -> None:
     """By a script that does not touch the object."""
     obj.data.transform(Matrix.Translation((0.2, 0.0, 0.4)) @ Matrix.Rotation(0.4, 4, "X"))
-    update()
     push("moved")
 
 

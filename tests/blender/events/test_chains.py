@@ -503,7 +503,6 @@ def test_rigs_in_a_circle_are_named_and_end(capfd: pytest.CaptureFixture):
         make_active(rig.obj)
         assert "One and Two follow each other in a circle" in draw_panel().texts()
     one.control.parent = None
-    update()
     make_active(two.obj)
     assert "follow each other" not in draw_panel().texts()
     shown = at(4, two.obj)

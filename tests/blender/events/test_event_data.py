@@ -86,8 +86,7 @@ def duplicated_alone_and_given_a_control(rig: HandleRig) -> None:
 def copied_ten_times(rig: HandleRig) -> None:
     copies = [rig.obj]
     for _ in range(10):
-        make_active(copies[-1])
-        rig.control_of(copies[-1]).select_set(True)
+        make_active(copies[-1], rig.control_of(copies[-1]))
         bpy.ops.object.duplicate()
         copies.append(bpy.context.object)
     settle()
@@ -112,8 +111,7 @@ def copied_by_a_script_and_deleted_before_the_copy_has_shapes(rig: HandleRig) ->
 @EVENTS.on(ALL)
 def copied_and_pasted(rig: HandleRig) -> None:
     """Through a file of Blender's own."""
-    make_active(rig.obj)
-    rig.control.select_set(True)
+    make_active(rig.obj, rig.control)
     bpy.ops.view3d.copybuffer()
     bpy.ops.view3d.pastebuffer(autoselect=True)
     settle()
@@ -136,8 +134,7 @@ def a_copy_deleted(rig: HandleRig) -> None:
 def the_target_deleted(rig: HandleRig) -> None:
     """It leaves only orphans, which a purge takes."""
     name = rig.name
-    make_active(rig.obj)
-    rig.control.select_set(True)
+    make_active(rig.obj, rig.control)
     bpy.ops.object.delete()
     update()
     assert name not in bpy.data.objects
@@ -446,8 +443,7 @@ def another_mesh_joined_to_the_target(rig: HandleRig) -> None:
     other = grid_object("Other", cells=2)
     other.location = (0.0, 0.0, 0.1)
     other.scale = (0.2, 0.2, 0.2)
-    make_active(rig.obj)
-    other.select_set(True)
+    make_active(rig.obj, other)
     bpy.ops.object.join()
     assert len(rig.rest()) == count + 9
 

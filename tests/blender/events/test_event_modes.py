@@ -257,8 +257,7 @@ def edited_beside_its_copy(rig: HandleRig) -> None:
     """Both in Edit Mode at once."""
     copy = duplicated(rig.obj, rig.control)
     catch_up()
-    make_active(rig.obj)
-    copy.select_set(True)
+    make_active(rig.obj, copy)
     bpy.ops.object.mode_set(mode="EDIT")
     assert rig.obj.mode == copy.mode == "EDIT"
     rig.lift(0.25)

@@ -88,6 +88,7 @@ def test_scrubbing_and_edits_in_turn(animated: HandleRig):
     for frame in (5, 12):
         bpy.context.scene.frame_set(frame)
         animated.obj.location.x += 0.5
+        update()
         assert animated.shows(at_frame(animated, frame, away()), tolerance=exactness)
         animated.lift(0.3)
         assert animated.shows(animated.now(), tolerance=exactness)

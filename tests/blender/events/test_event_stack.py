@@ -367,8 +367,7 @@ def ours_copied(rig: HandleRig) -> None:
 def ours_copied_to_another_object(rig: HandleRig) -> None:
     """It shows the shape as a mirror does; the rig stays one."""
     other = linked(bpy.data.objects.new("Other", rig.obj.data.copy()))
-    make_active(rig.obj)
-    other.select_set(True)
+    make_active(rig.obj, other)
     bpy.ops.object.make_links_data(type="MODIFIERS")
     settle()
     rig.lift(0.25)

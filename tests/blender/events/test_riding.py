@@ -192,7 +192,6 @@ def moved_turned_and_applied(arm: Posed, _folder: Path) -> None:
     go(7)
     arm.obj.matrix_world = bend
     arm.obj.data.transform(bend.inverted())
-    update()
     make_active(arm.obj)
     bpy.ops.object.transform_apply(location=True, rotation=True, scale=True)
 

@@ -20,7 +20,7 @@ from hypothesis import HealthCheck, Phase, given, note, seed, settings
 from hypothesis import strategies as st
 from inside import catch_up, inner, settle
 from rigs.kinds import HandleRig
-from rigs.rig import Rig, add_group, make_active, new_nodes, new_object, reopen, update
+from rigs.rig import Rig, add_group, make_active, new_nodes, new_object, reopen, storage, update
 
 SEED = os.environ.get("SINEW_RANDOM_SEED")
 NAN, INF = math.nan, math.inf
@@ -31,12 +31,6 @@ STRANGE_NAMES = ("", LONG, "../../etc/passwd", 'a"]["b', "C:\\x", "Ü☃", "a\nb
 def other_mesh(name: str = "Mine") -> bpy.types.Object:
     """A mesh of the user's with as many vertices as a shape of the plate."""
     return new_object(name, [(float(index), 5.0, 5.0) for index in range(122)], [(0, 1, 2)])
-
-
-def storage(owner) -> object:
-    """Where Blender keeps the properties of a datablock's or group's class, as ID properties."""
-    system = getattr(owner, "bl_system_properties_get", None)
-    return system(do_create=True) if system else owner
 
 
 def raw(plate: Rig, *path: object) -> object:

@@ -14,7 +14,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import inner, settle
+from inside import inner
+from libraries import add_collection, override
 from rigs.rig import base_points, evaluated_points, linked, press, reopen, update
 
 FILE = Path(__file__).parent / "before_controls.blend"
@@ -78,16 +79,10 @@ def test_removing_the_deformer_removes_what_it_owns(opened, name: str) -> None:
 
 
 def test_it_can_be_linked_and_overridden(scene, old: str) -> None:
-    with bpy.data.libraries.load(old, link=True) as (_there, here):
-        here.collections = ["Asset"]
-    scene.collection.children.link(here.collections[0])
-    update()
-    pear = here.collections[0].objects["Pear"]
+    pear = add_collection(old, link=True).objects["Pear"]
     shown = evaluated_points(pear)
     assert np.abs(shown - expected(pear)).max() < FLOAT32
-    here.collections[0].override_hierarchy_create(scene, bpy.context.view_layer)
-    settle()
-    obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
+    obj = override(old)
     assert np.abs(evaluated_points(obj) - shown).max() < 1e-5
     cage = obj.sinew.active.cage
     assert cage.library is None

@@ -12,6 +12,7 @@ from types import SimpleNamespace
 import bpy
 import pytest
 from inside import inner
+from libraries import put_into_a_library, read
 from rigs.point_objects import bind, lattice
 from rigs.rig import Rig, linked, make_active, on_all, refused, update
 from rigs.sheet import NARROW, WIDE, DrawContext, Sheet, draw, draw_panel
@@ -210,13 +211,8 @@ def test_every_remedy_has_a_button_that_exists(addon_name):
 
 
 def test_a_linked_object_offers_an_override(bound_plate: Rig, tmp_path):
-    path = str(tmp_path / "library.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    with bpy.data.libraries.load(path, link=True) as (_source, wanted):
-        wanted.objects = ["Plate"]
-    bpy.context.scene.collection.objects.link(wanted.objects[0])
-    make_active(wanted.objects[0])
+    path = put_into_a_library(tmp_path / "library.blend", bound_plate.obj)
+    make_active(linked(read(path, True, "objects", "Plate")))
     sheet = draw_panel()
     assert sheet.operator_names() == ["object.make_override_library"]
     assert "linked" in sheet.texts()

@@ -237,45 +237,45 @@ def test_a_time_is_never_nothing(milliseconds: float, said: str):
 # What a message tells to press
 
 
-def cancelled(plate: Rig, monkeypatch) -> str:
+def cancelled(plate: Rig, monkeypatch) -> None:
     use_threads(monkeypatch)
     inner.bind.bind(plate.obj, plate.deformer, wait=False)
     inner.binding.cancel(plate.deformer.uid)
-    return plate.deformer.status
 
 
-def applied_without_modifier(plate: Rig, _monkeypatch) -> str:
+def without_modifier(plate: Rig, _monkeypatch) -> None:
     plate.obj.modifiers.clear()
-    with pytest.raises(RuntimeError) as refused:
-        bpy.ops.sinew.apply()
-    return str(refused.value)
 
 
-def baked_without_modifier(plate: Rig, _monkeypatch) -> str:
-    plate.obj.modifiers.clear()
-    with pytest.raises(RuntimeError) as refused:
-        bpy.ops.sinew.bake(target="SHAPE_KEYS")
-    return str(refused.value)
-
-
-def unbound(plate: Rig, _monkeypatch) -> str:
+def unbound(plate: Rig, _monkeypatch) -> None:
     bpy.ops.sinew.unbind()
-    return plate.deformer.status
 
 
-def baked_unbound(plate: Rig, _monkeypatch) -> str:
-    bpy.ops.sinew.unbind()
+def said_by(plate: Rig, press: str, **words: str) -> str:
+    """The refusal of a button, or without one the status."""
+    if not press:
+        return plate.deformer.status
     with pytest.raises(RuntimeError) as refused:
-        bpy.ops.sinew.bake(target="SHAPE_KEYS")
+        getattr(bpy.ops.sinew, press)(**words)
     return str(refused.value)
 
 
 @pytest.mark.parametrize(
-    "spoil", [cancelled, applied_without_modifier, baked_without_modifier, unbound, baked_unbound]
+    ("spoil", "press", "words"),
+    [
+        (cancelled, "", {}),
+        (unbound, "", {}),
+        (without_modifier, "apply", {}),
+        (without_modifier, "bake", {"target": "SHAPE_KEYS"}),
+        (unbound, "bake", {"target": "SHAPE_KEYS"}),
+    ],
 )
-def test_a_message_names_the_button_as_it_reads(bound_plate: Rig, monkeypatch, spoil):
+def test_a_message_names_the_button_as_it_reads(
+    bound_plate: Rig, monkeypatch, spoil, press: str, words: dict
+):
     make_active(bound_plate.obj)
-    said = re.search(r"press (Rebind|Bind)\b", spoil(bound_plate, monkeypatch))
+    spoil(bound_plate, monkeypatch)
+    said = re.search(r"press (Rebind|Bind)\b", said_by(bound_plate, press, **words))
     buttons = [
         keywords["text"]
         for name, args, keywords, _settings in draw_panel(WIDE).calls
@@ -462,8 +462,7 @@ def test_the_panel_offers_presets(bound_plate: Rig):
 
 def test_a_copied_modifier_says_what_to_do(bound_plate: Rig):
     other = grid_object("Other")
-    make_active(bound_plate.obj)
-    other.select_set(True)
+    make_active(bound_plate.obj, other)
     bpy.ops.object.make_links_data(type="MODIFIERS")
     make_active(other)
     assert [modifier.type for modifier in other.modifiers] == ["NODES"]

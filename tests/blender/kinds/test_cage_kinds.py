@@ -253,7 +253,6 @@ def test_as_many_points_of_another_curve_are_noticed(kind: str, change: Callable
 def test_points_moved_in_edit_mode_take_the_cages_motion_along(kind: str):
     obj, cage = bind(MAKERS[kind]())
     cage.location.z = 1.0
-    update()
     with in_mode(obj):
         bpy.ops.curve.select_all(action="SELECT")
         bpy.ops.transform.translate(value=(0.25, 0.0, 0.0))
@@ -417,6 +416,7 @@ def test_surface_methods_are_refused_with_a_way_out(caged: Caged):
     refused("needs the surface of a mesh", "deformer_add", obj, method="arap")
     operators, is_lattice = bpy.ops.sinew, obj.type == "LATTICE"
     for operator, keywords in (
+        (operators.deformer_add, {"method": "arap"}),
         (operators.handle_add, {}),
         (operators.repair, {}),
         (operators.part_regions, {}),

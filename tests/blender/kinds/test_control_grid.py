@@ -18,6 +18,7 @@ from rigs.rig import (
     close,
     evaluated_points,
     in_mode,
+    key,
     linked,
     load,
     make_active,
@@ -131,16 +132,14 @@ def test_shape_keys_animate_the_points(sheet: Rig, hidden: bool):
     grid = new_grid(sheet)
     grid.hide_viewport = hidden
     grid.shape_key_add(name="Basis")
-    key = grid.shape_key_add(name="Up")
-    key.data[SIDE * SIDE // 2].co.z += 1.0
-    for frame, value in ((1, 0.0), (11, 1.0)):
-        key.value = value
-        key.keyframe_insert("value", frame=frame)
+    up = grid.shape_key_add(name="Up")
+    up.data[SIDE * SIDE // 2].co.z += 1.0
+    key(up, {1: {"value": 0.0}, 11: {"value": 1.0}})
     moves = np.zeros((SIDE * SIDE, 3))
     rest = sheet.rest()
     for frame in (11, 6, 1):
         bpy.context.scene.frame_set(frame)
-        share = key.value
+        share = up.value
         moves[SIDE * SIDE // 2, 2] = share
         assert close(sheet.points(), expected(sheet, moves).lifted(0.0), TOLERANCE)
     assert close(sheet.points(), rest, 1e-6)

@@ -14,6 +14,7 @@ from rigs.rig import (
     apply_matrix,
     base_points,
     evaluated_points,
+    fails,
     grid_object,
     move_world,
     new_armature,
@@ -113,8 +114,7 @@ def test_points_at_one_place_that_go_apart_are_named():
 def test_a_method_of_surfaces_refuses_points_and_says_what_to_do():
     plate, controls = grid_object(), empties()
     press(plate, "deformer_add", method="arap")
-    with pytest.raises(RuntimeError, match="Radial Basis Functions"):
-        add(plate, *controls, source="SELECTED", method="rbf")
+    fails("Radial Basis Functions", add, plate, *controls, source="SELECTED", method="rbf")
     assert not plate.sinew.active.handles
 
 

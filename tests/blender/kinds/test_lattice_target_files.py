@@ -159,11 +159,9 @@ def test_links_show_the_last_shape_and_overrides_are_posed(tmp_path: Path):
 def test_undo_of_a_bind_and_of_a_removal():
     obj = lattice()
     rest = points_of(obj)
-    update()
     push("Lattice")
     _, cage = bind(obj)
     cage.location.z = 1.0
-    update()
     push("Moved")
     press(obj, "deformer_remove")
     push("Removed")

@@ -59,16 +59,25 @@ def snapshot(obj: bpy.types.Object) -> list:
     ]
 
 
-def test_what_the_lattice_moves_follows_in_the_same_frame_in_viewports_and_renders():
+def assert_rises(
+    obj: bpy.types.Object, before: np.ndarray, cage: bpy.types.Object, tolerance: float = 4 * FLOAT32
+) -> None:
+    """From there it goes where an animated cage takes it, in each frame, in viewports and renders."""
+    key(cage, {1: {"location": (0, 0, 0)}, 11: {"location": (0, 0, 2)}})
+    for frame, height in ((11, 2.0), (1, 0.0), (6, 1.0)):
+        bpy.context.scene.frame_set(frame)
+        for shown in (evaluated_points(obj), render_points(obj)):
+            assert np.abs(shown - before - height * UP).max() < tolerance, frame
+
+
+@pytest.mark.parametrize("hidden", [False, True])
+def test_what_the_lattice_moves_follows_in_the_same_frame_in_viewports_and_renders(hidden: bool):
     obj = lattice()
     mesh = follower(obj)
     before = evaluated_points(mesh)
     _, cage = bind(obj)
-    key(cage, {1: {"location": (0, 0, 0)}, 11: {"location": (0, 0, 2)}})
-    for frame, height in ((11, 2.0), (1, 0.0), (6, 1.0)):
-        bpy.context.scene.frame_set(frame)
-        assert np.abs(evaluated_points(mesh) - before - height * UP).max() < 4 * FLOAT32, frame
-        assert np.abs(render_points(mesh) - before - height * UP).max() < 4 * FLOAT32, frame
+    obj.hide_viewport = obj.hide_render = hidden
+    assert_rises(mesh, before, cage)
 
 
 def test_an_animation_shows_each_frame_and_leaves_the_viewport_as_it_was():
@@ -239,7 +248,6 @@ def test_edits_of_the_key_itself_move_to_the_basis(pushed: bool):
     if hasattr(key_of(obj), "lock_shape"):  # Blender 4.2 and later: else nobody can edit it
         assert key_of(obj).lock_shape
         key_of(obj).lock_shape = False
-    update()
     with in_mode(obj):
         update()
         bpy.ops.lattice.select_all(action="SELECT")
@@ -322,7 +330,6 @@ def test_a_lattice_follows_neither_itself_nor_what_follows_it():
     cage = ball("Cage", 2)
     cage.scale = 3.0, 3.0, 3.0
     cage.modifiers.new("Lattice", "LATTICE").object = inner
-    update()
     press(inner, "cage_add", source="OBJECT", cage="Cage", method="mean_value")
     assert "follows its own shape" in " ".join(draw_panel().texts().split())
 
@@ -332,9 +339,7 @@ def test_an_outer_lattice_moves_inner_ones_and_other_objects_in_one_go():
     inner.name = "Inner"
     inside = follower(inner)
     before = [evaluated_points(obj) for obj in (inner, mesh, inside)]
-    make_active(inner)
-    mesh.select_set(True)
-    bpy.context.view_layer.objects.active = inner
+    make_active(inner, mesh)
     assert bpy.ops.sinew.lattice_add() == {"FINISHED"}
     outer = inner.sinew.active.controls[0].object
     assert mesh.sinew.active.controls[0].object == outer
@@ -351,31 +356,10 @@ def test_a_rig_that_follows_the_lattice_is_solved_after_it():
     plate = ball("Plate", 2)
     empty = new_empty("Point")
     empty.parent, empty.parent_type, empty.parent_vertices = carrier, "VERTEX", (0, 0, 0)
-    update()
-    make_active(plate)
-    empty.select_set(True)
-    bpy.context.view_layer.objects.active = plate
+    make_active(plate, empty)
     assert bpy.ops.sinew.point_add(source="SELECTED", method="mls") == {"FINISHED"}
     _, cage = bind(obj)
-    before = evaluated_points(plate)
-    key(cage, {1: {"location": (0, 0, 0)}, 11: {"location": (0, 0, 2)}})
-    for frame, height in ((11, 2.0), (1, 0.0), (6, 1.0)):
-        bpy.context.scene.frame_set(frame)
-        assert np.abs(evaluated_points(plate) - before - height * UP).max() < 1e-5, frame
-        assert np.abs(render_points(plate) - before - height * UP).max() < 1e-5, frame
-
-
-def test_a_hidden_lattice_goes_on():
-    obj = lattice()
-    mesh = follower(obj)
-    before = evaluated_points(mesh)
-    _, cage = bind(obj)
-    key(cage, {1: {"location": (0, 0, 0)}, 11: {"location": (0, 0, 2)}})
-    obj.hide_viewport = obj.hide_render = True
-    for frame, height in ((11, 2.0), (1, 0.0), (6, 1.0)):
-        bpy.context.scene.frame_set(frame)
-        assert np.abs(evaluated_points(mesh) - before - height * UP).max() < 4 * FLOAT32, frame
-        assert np.abs(render_points(mesh) - before - height * UP).max() < 4 * FLOAT32, frame
+    assert_rises(plate, evaluated_points(plate), cage, 1e-5)
 
 
 def test_apply_moves_the_points_or_makes_a_key():

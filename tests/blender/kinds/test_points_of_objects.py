@@ -338,23 +338,6 @@ def test_undo_and_files_keep_the_points(tmp_path: Path):
     assert close(evaluated_points(plate), base_points(plate), 1e-6)
 
 
-def test_more_points_ask_for_a_rebind_and_then_go_on():
-    plate, points = grid_object(), frame()
-    deformer = add(plate, points)
-
-    def extend(mesh) -> None:
-        mesh.verts.new((0.0, 0.0, 1.0))
-
-    change_in_edit_mode(points, extend)
-    update()
-    assert deformer.status == "Frame has 5 points, at bind it had 4 - Rebind takes it as it is now"
-    assert close(evaluated_points(plate), base_points(plate))
-    press(plate, "bind")
-    assert deformer.status_level == "INFO", deformer.status
-    move_world(points, some_motion())
-    assert close(evaluated_points(plate), apply_matrix(some_motion(), base_points(plate)), 2e-5)
-
-
 def test_apply_takes_the_points_at_rest_along():
     plate, points = grid_object(), frame()
     add(plate, points, method="mls")
@@ -372,8 +355,7 @@ def test_apply_takes_the_points_at_rest_along():
 
 def test_what_cannot_be_had_is_said():
     plate, points, empty = grid_object(), frame(), new_empty("Empty")
-    make_active(plate)
-    points.select_set(True)
+    make_active(plate, points)
     refused(
         "no segments - choose Moving Least Squares first",
         "point_add",
@@ -382,8 +364,7 @@ def test_what_cannot_be_had_is_said():
         segments=True,
     )
     assert not plate.sinew.deformers
-    make_active(plate)
-    empty.select_set(True)
+    make_active(plate, empty)
     refused("those whose points are handles", "point_add", source="POINTS")
     deformer = add(plate, empty, source="SELECTED")
     deformer.handles[0].acts_as = "POINTS"
@@ -396,8 +377,7 @@ def test_what_cannot_be_had_is_said():
 def test_segments_without_length_and_points_that_part_are_named():
     plate = grid_object()
     points = new_object("Points", [*CORNERS, CORNERS[0]], edges=[(0, 4)])
-    make_active(plate)
-    points.select_set(True)
+    make_active(plate, points)
     bpy.ops.sinew.point_add(source="POINTS", method="mls", segments=True)
     deformer = plate.sinew.active
     assert deformer.status_level == "ERROR"

@@ -42,12 +42,6 @@ from rigs.rig_of_curves import polyline
 Placed = Callable[[bpy.types.Object], None]
 
 
-def select(active: bpy.types.Object, *others: bpy.types.Object) -> None:
-    make_active(active)
-    for other in others:
-        other.select_set(True)
-
-
 def scaled_ball(name: str, size: float, at: tuple = (0.0, 0.0, 0.0)) -> bpy.types.Object:
     obj = ball(name)
     obj.data.transform(Matrix.Translation(at) @ Matrix.Scale(size, 4))
@@ -62,7 +56,7 @@ def clothed() -> list[bpy.types.Object]:
         scaled_ball("Hat", 0.3, (0, 0, 1.3)),
     )
     buttons = [scaled_ball("Button", 0.03, (0.85 * x, 0.1, 0.1)) for x in (-1, 1)]
-    select(suit, *buttons)
+    make_active(suit, *buttons)
     assert bpy.ops.object.join() == {"FINISHED"}
     suit.scale = (-1.0, 1.0, 1.0)
     hat.location.y, hat.rotation_euler.x = 0.1, 0.2
@@ -96,7 +90,7 @@ def test_one_cage_holds_and_moves_all_that_is_selected(method: str, make: Callab
     others, beside = box("Another Cage", 9.0), ball("Caged")
     surround(beside, others)
     rest = {obj.name: moved_by_hand(obj, lambda points: points) for obj in objects}
-    select(objects[0], *objects[1:], others)
+    make_active(objects[0], *objects[1:], others)
     assert bpy.ops.sinew.cage_add(method=method) == {"FINISHED"}
     assert not others.sinew.deformers, "what is a control itself is no target"
     cage = objects[0].sinew.active.cage
@@ -132,7 +126,7 @@ def test_a_control_around_several_follows_what_all_of_them_follow(add: str, led_
         hat.parent, between.parent = between, leader
         body.parent = None if leader == body else leader
     update()
-    select(body, hat)
+    make_active(body, hat)
     assert getattr(bpy.ops.sinew, add)() == {"FINISHED"}
     rest = [base_points(obj) for obj in (body, hat)]
     control = bpy.context.object
@@ -149,7 +143,7 @@ def test_a_control_around_several_follows_what_all_of_them_follow(add: str, led_
 def in_one_cage() -> tuple[bpy.types.Object, bpy.types.Object, bpy.types.Object]:
     body, suit = ball("Body"), scaled_ball("Suit", 1.25)
     body.location.x, suit.location.x = 0.1, -0.2
-    select(body, suit)
+    make_active(body, suit)
     assert bpy.ops.sinew.cage_add(method="harmonic", faces=80, margin=0.05) == {"FINISHED"}
     return body, suit, body.sinew.active.cage
 
@@ -212,7 +206,7 @@ def with_cage(first: bpy.types.Object, second: bpy.types.Object) -> bpy.types.Ob
 
 
 def with_lattice(first: bpy.types.Object, second: bpy.types.Object) -> bpy.types.Object:
-    select(first, second)
+    make_active(first, second)
     assert bpy.ops.sinew.lattice_add() == {"FINISHED"}
     first.sinew.active.parameters.basis = "bezier"
     return first.sinew.active.controls[0].object
@@ -325,7 +319,7 @@ def test_clothes_that_are_put_into_a_cage_later_get_room_by_change_faces():
 
 def test_an_object_without_points_gets_no_cage_and_says_so():
     body, nothing = ball("Body"), new_object("Nothing", [])
-    select(body, nothing)
+    make_active(body, nothing)
     assert bpy.ops.sinew.cage_add(faces=80) == {"FINISHED"}
     cage = body.sinew.active.cage
     assert "no vertices" in nothing.sinew.active.status

@@ -9,7 +9,7 @@ import pytest
 from inside import notes_of
 from registry import ON_HANDLE_POINTS
 from rigs.cages import ball
-from rigs.rig import base_points, evaluated_points, press, update
+from rigs.rig import add_regions, base_points, evaluated_points, update
 
 LIFT = 0.5
 
@@ -22,9 +22,7 @@ def painted(method: str) -> bpy.types.Object:
         group = obj.vertex_groups.new(name=name)
         for index in np.flatnonzero(weights):
             group.add([int(index)], float(weights[index]), "REPLACE")
-    press(obj, "deformer_add", method=method)
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Upper")
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Lower")
+    add_regions(obj, method, {"Upper": "HANDLE", "Lower": "FIXED"})
     return obj
 
 

@@ -104,7 +104,6 @@ def walk(row, *places: tuple[float, float, float]) -> None:
     """Move the tool from stop to stop."""
     for place in places:
         row.object.location = place
-        update()
         press(row.id_data, "tool_stop")
 
 
@@ -161,9 +160,7 @@ def test_progress_and_tools_can_be_keyed() -> None:
     obj = grid_object(cells=20)
     row = add(obj, "drag", inner=0.3, outer=0.9)
     row.object.location = (0.6, 0.0, 0.0)
-    for frame, value in ((1, 0.0), (11, 1.0)):
-        row.progress = value
-        row.keyframe_insert("progress", frame=frame)
+    key(row, {1: {"progress": 0.0}, 11: {"progress": 1.0}})
     key(row.object, {1: {"location": (0.6, 0.0, 0.0)}, 21: {"location": (0.6, 0.0, 0.5)}})
     for frame, place in ((1, None), (11, (0.6, 0.0, row.object.location.z)), (21, (0.6, 0.0, 0.5))):
         bpy.context.scene.frame_set(frame)
@@ -177,7 +174,6 @@ def test_a_twist_by_stops_turns_more_than_once() -> None:
     row = add(obj, "twist", inner=-1.0, outer=1.0, width=1.0)
     for degrees in (150.0, 300.0):
         row.object.matrix_world = Matrix.Rotation(np.radians(degrees), 4, "Z")
-        update()
         press(obj, "tool_stop")
     row.object.matrix_world = Matrix.Rotation(np.radians(450.0), 4, "Z")
     shape = evaluated_points(obj)
@@ -221,11 +217,9 @@ def test_a_tool_of_no_size_is_refused_by_name_and_one_scaled_to_nothing_later_is
     obj = grid_object()
     tool = linked(bpy.data.objects.new("Flat", None))
     tool.scale = (1.0, 1.0, 0.0)
-    update()
     press(obj, "tool_add", control="Flat")
     assert "Flat is flat" in obj.sinew.active.status
     tool.scale = (1.0, 1.0, 1.0)
-    update()
     press(obj, "unbind")
     assert bpy.ops.sinew.bind() == {"FINISHED"}
     tool.scale = (0.0, 0.0, 0.0)
@@ -239,7 +233,6 @@ def test_lengths_are_those_of_the_tool() -> None:
     obj.scale = (2.0, 2.0, 2.0)
     tool = linked(bpy.data.objects.new("Tool", None))
     tool.scale = (3.0, 3.0, 3.0)
-    update()
     press(obj, "tool_add", control="Tool", outer=0.5)
     row = obj.sinew.active.controls[0]
     row.inner = 0.1

@@ -28,6 +28,7 @@ from rigs.rig import (
     reopen,
     update,
 )
+from rigs.rig import key as insert_keys
 from rigs.sheet import WIDE, DrawContext, draw, draw_panel
 from second_blender import another_blender
 
@@ -49,9 +50,7 @@ def sway(obj: bpy.types.Object) -> None:
     for point in block.data:
         x, y, _z = point.co
         point.co = (x + 0.1 * y, y * 0.9 + 0.1 * x, 0.4 * y * y + 0.3 * y + 0.05 * math.sin(5.0 * x))
-    for frame, value in ((1, 0.0), (20, 1.0)):
-        block.value = value
-        block.keyframe_insert("value", frame=frame)
+    insert_keys(block, {1: {"value": 0.0}, 20: {"value": 1.0}})
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = FRAMES[0], FRAMES[-1]
     go(1)
 
@@ -313,9 +312,8 @@ def test_an_edit_turns_with_a_bone(plate: Rig):
     """The armature turns the far half of the plate by 90 degrees: what was up at the key is sideways then."""
     armature = add_armature(plate.obj)
     bone = armature.pose.bones["high"]
-    for frame, angle in ((1, 0.0), (20, math.radians(90.0))):
-        bone.rotation_euler = (0.0, angle, 0.0)  # about the bone, that is about y of the plate
-        bone.keyframe_insert("rotation_euler", frame=frame)
+    turned = (0.0, math.radians(90.0), 0.0)  # about the bone, that is about y of the plate
+    insert_keys(bone, {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 20: {"rotation_euler": turned}})
     plate.bind("mesh_sequence")
     key(plate, 1, Matrix.Translation((0.0, 0.0, 0.2)))
     shapes = entering(plate, [1, 20])
@@ -329,9 +327,8 @@ def test_a_bone_that_moves_the_mesh_edits_by_what_it_does_beyond(plate: Rig):
     """From Rest: the control follows the animation, and only its own move counts."""
     armature = add_armature(plate.obj)
     bone = armature.pose.bones["high"]
-    for frame, angle in ((1, 0.0), (20, math.radians(60.0))):
-        bone.rotation_euler = (angle, 0.0, 0.0)
-        bone.keyframe_insert("rotation_euler", frame=frame)
+    turned = (math.radians(60.0), 0.0, 0.0)
+    insert_keys(bone, {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 20: {"rotation_euler": turned}})
     go(1)
     follower = linked(bpy.data.objects.new("Follower", None))
     follower.parent, follower.parent_type, follower.parent_bone = armature, "BONE", "high"
@@ -356,7 +353,6 @@ def test_a_bone_that_moves_the_mesh_edits_by_what_it_does_beyond(plate: Rig):
 def test_applied_transforms_take_the_keys_along(plate: Rig):
     plate.bind("mesh_sequence")
     keyed(plate)
-    world = [plate.obj.matrix_world @ Matrix.Identity(4)]
     before = played(plate.obj, (5, 10))
     plate.obj.rotation_euler = (0.3, 0.2, 0.9)
     plate.obj.scale = (2.0, 2.0, 2.0)
@@ -364,7 +360,6 @@ def test_applied_transforms_take_the_keys_along(plate: Rig):
     turned = {
         f: np.array(plate.obj.matrix_world)[:3, :3] @ p.T for f, p in played(plate.obj, (5, 10)).items()
     }
-    assert world
     assert not np.allclose(turned[10].T, before[10])
     make_active(plate.obj)
     go(10)
@@ -477,13 +472,10 @@ class Test_drafts:
     def bent(self, plate: Rig, monkeypatch) -> Iterator[Rig]:
         """Plays: the plate bends by 110 degrees in the frames 1 to 20."""
         plate.bind("arap")
-        control = plate.control
-        for frame, part in ((1, 0.0), (20, 1.0)):
-            control.rotation_mode = "XYZ"
-            control.location = (0.0, 0.875 - 0.9 * part, 0.8 * part)
-            control.rotation_euler = (math.radians(110.0) * part, 0.0, 0.0)
-            control.keyframe_insert("location", frame=frame)
-            control.keyframe_insert("rotation_euler", frame=frame)
+        plate.control.rotation_mode = "XYZ"
+        flat = {"location": (0.0, 0.875, 0.0), "rotation_euler": (0.0, 0.0, 0.0)}
+        over = {"location": (0.0, -0.025, 0.8), "rotation_euler": (math.radians(110.0), 0.0, 0.0)}
+        insert_keys(plate.control, {1: flat, 20: over})
         plate.deformer.playback = "DRAFT"
         monkeypatch.setattr(inner.deferred, "is_playing", lambda: True)
         with dragging():  # what a window does when Blender evaluates what was written

@@ -19,6 +19,7 @@ from rigs.rig import (
     Rig,
     add_armature,
     add_group,
+    add_regions,
     apply_matrix,
     base_points,
     close,
@@ -233,8 +234,7 @@ def test_a_mesh_that_only_has_loose_parts_left_shows_them_where_they_enter(suzan
     bpy.ops.mesh.primitive_circle_add(vertices=8, radius=0.2, location=(3.0, 0.0, 0.0))
     bpy.ops.object.mode_set(mode="OBJECT")
     ring = add_group(obj, "Ring", lambda point: point[0] > 2.5)
-    press(obj, "deformer_add", method="thin_shell")
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Ring")
+    add_regions(obj, "thin_shell", {"Ring": "HANDLE"})
     rest = base_points(obj)
     move_world(obj.sinew.active.handles[0].control, Matrix.Translation((0.0, 0.0, 1.0)))
     shape = evaluated_points(obj)
@@ -330,9 +330,7 @@ def test_a_sheet_on_another_follows_a_bump_that_is_smaller_than_its_frames(metho
     away = np.linalg.norm(rest[below, :2], axis=1)
     obj.vertex_groups.new(name="Top").add(below[away < 0.15].tolist(), 1.0, "REPLACE")
     obj.vertex_groups.new(name="Base").add(below[away > 0.7].tolist(), 1.0, "REPLACE")
-    press(obj, "deformer_add", method=method)
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
-    press(obj, "handle_add", kind="FIXED", vertex_group="Base")
+    add_regions(obj, method, {"Top": "HANDLE", "Base": "FIXED"})
     move_world(obj.sinew.active.handles[0].control, Matrix.Translation((0.0, 0.0, 0.2)))
     moved = evaluated_points(obj) - rest
     assert moved[above, 2].max() > 0.98 * 0.2
@@ -373,9 +371,7 @@ def test_a_part_on_the_mirror_plane_stays_on_it(part: str):
     }
     for name, where in groups.items():
         obj.vertex_groups.new(name=name).add(head[where(rest[head])].tolist(), 1.0, "REPLACE")
-    press(obj, "deformer_add", method="thin_shell")
-    for name, kind in (("L", "HANDLE"), ("R", "HANDLE"), ("Base", "FIXED")):
-        press(obj, "handle_add", kind=kind, vertex_group=name)
+    add_regions(obj, "thin_shell", {"L": "HANDLE", "R": "HANDLE", "Base": "FIXED"})
     for handle, side in zip(obj.sinew.active.handles, (1.0, -1.0), strict=False):
         move_world(handle.control, Matrix.Translation((0.3 * side, -0.4, 0.1)))
     shape = evaluated_points(obj)

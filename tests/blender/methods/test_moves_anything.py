@@ -165,20 +165,3 @@ def test_a_file_keeps_what_moves_it(kind: str, tmp_path: Path):
     for handle in obj.sinew.active.handles:
         handle.control.location.z -= 0.5
     assert np.abs(evaluated_points(obj) - before).max() > 0.3
-
-
-@pytest.mark.parametrize("kind", [kind for kind in TARGETS if kind != "loose_parts"])
-def test_what_cannot_be_had_is_said_with_a_way_out(kind: str):
-    """Bakes that files cannot hold, and methods of surfaces."""
-    obj = TARGETS[kind]()
-    update()
-    by_handles(obj, "rbf")
-    make_active(obj)
-    is_lattice = kind == "lattice"
-    for operator, words in (
-        (bpy.ops.sinew.bake, {}),
-        (bpy.ops.sinew.deformer_add, {"method": "arap"}),
-        *([] if is_lattice else [(bpy.ops.sinew.apply, {"as_shape_key": True})]),
-    ):
-        with pytest.raises(RuntimeError, match="is a lattice" if is_lattice else "convert it to a mesh"):
-            operator(**words)

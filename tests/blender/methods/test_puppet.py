@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from inside import inner
-from libraries import put_into_a_library
+from libraries import put_into_a_library, read
 from mathutils import Matrix, Vector
 from mouse import event, front_view
 from rigs.puppets import BONES, FEET, end_of, figure, pose, standing
@@ -438,11 +438,7 @@ def test_bones_that_are_scaled_or_do_not_inherit_rotation():
 
 def test_linked_armatures(tmp_path: Path):
     path = put_into_a_library(tmp_path / "library.blend", figure())
-    new_file()
-    with bpy.data.libraries.load(path, link=True) as (_inside, wanted):
-        wanted.objects = ["Figure"]
-    armature = linked(wanted.objects[0])
-    update()
+    armature = linked(read(path, True, "objects", "Figure"))
     make_active(armature)
     with pytest.raises(RuntimeError, match="Figure is linked - make a library override first"):
         bpy.ops.sinew.puppet_pose(bone="hand.L", value=(0.0, 0.0, 0.1))

@@ -112,9 +112,7 @@ def test_the_mesh_and_its_armature_are_selected_in_any_order(active: str, mode: 
     other.name = "Other"
     bpy.ops.sinew.puppet_rig(armature=armature.name)
     obj = tube()
-    make_active(bpy.data.objects[active])
-    for chosen in (armature, obj):
-        chosen.select_set(True)
+    make_active(bpy.data.objects[active], armature, obj)
     if mode == "POSE" and active == "Arm":
         bpy.ops.object.mode_set(mode="POSE")
     assert bpy.ops.sinew.puppet_rig() == {"FINISHED"}

@@ -17,7 +17,6 @@ from rigs.rig import (
     change_in_edit_mode,
     duplicated,
     evaluated_points,
-    linked,
     make_active,
     move_world,
     new_empty,
@@ -30,50 +29,6 @@ from rigs.rig import (
 
 METHODS = ("embedded_deformation", "rigid_cells")
 TURN = Matrix.Rotation(np.radians(40.0), 4, "Z")
-
-
-def carried(obj: bpy.types.Object, method: str, places: list[tuple]) -> list[bpy.types.Object]:
-    """A deformer of handles that have no region, each with an empty at its place."""
-    press(obj, "deformer_add", method=method)
-    deformer = obj.sinew.active
-    empties = []
-    for place in places:
-        empties.append(new_empty(f"Control {len(empties)}", place))
-        handle = deformer.handles.add()
-        handle.name, handle.kind, handle.control = empties[-1].name, "HANDLE", empties[-1]
-    update()
-    make_active(obj)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}, deformer.status
-    return empties
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_controls_without_a_region_turn_a_mesh(method: str, plate: Rig):
-    empties = carried(plate.obj, method, [(-0.8, 0.0, 0.0), (0.8, 0.0, 0.0)])
-    rest = base_points(plate.obj)
-    assert np.abs(evaluated_points(plate.obj) - rest).max() < 1e-6
-    for empty in empties:
-        move_world(empty, TURN)
-    update()
-    turned = rest @ np.array(TURN)[:3, :3].T
-    np.testing.assert_allclose(evaluated_points(plate.obj), turned, atol=1e-5)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_curve_follows_controls_rigidly(method: str, scene):
-    curve = bpy.data.curves.new("Curve", "CURVE")
-    curve.dimensions = "3D"
-    spline = curve.splines.new("POLY")
-    spline.points.add(39)
-    for index, point in enumerate(spline.points):
-        point.co = np.cos(0.2 * index), np.sin(0.2 * index), 0.05 * index, 1.0
-    obj = linked(bpy.data.objects.new("Curve", curve))
-    empties = carried(obj, method, [(1.0, 0.0, 0.0), (0.0, 0.0, 2.0)])
-    rest = evaluated_points(obj)
-    for empty in empties:
-        move_world(empty, TURN)
-    update()
-    np.testing.assert_allclose(evaluated_points(obj), rest @ np.array(TURN)[:3, :3].T, atol=1e-5)
 
 
 def test_embedded_deformation_edits_what_an_armature_has_posed(plate: Rig):
@@ -130,11 +85,7 @@ def in_world(obj: bpy.types.Object) -> np.ndarray:
 
 def follow(objects: list, empties: list, method: str) -> None:
     """Let objects follow the same empties, by the button."""
-    update()
-    make_active(objects[0])
-    for obj in (*objects, *empties):
-        obj.select_set(True)
-    bpy.context.view_layer.objects.active = objects[0]
+    make_active(objects[0], *objects, *empties)
     assert bpy.ops.sinew.point_add(source="SELECTED", method=method) == {"FINISHED"}
     for obj in objects:
         assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status

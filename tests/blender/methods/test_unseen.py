@@ -11,12 +11,12 @@ import pytest
 from mathutils import Matrix, Vector
 from rigs.rig import (
     add_group,
+    add_regions,
     apply_matrix,
     evaluated_points,
     make_active,
     move_world,
     new_object,
-    press,
     reopen,
     update,
 )
@@ -43,18 +43,15 @@ def egg(change: str) -> bpy.types.Object:
         add_group(obj, name, lambda point, side=side: point[0] * side > 2.2 and abs(point[1]) < 5)
     if change == "turned":
         obj.matrix_world = TURN
-        update()
         make_active(obj)
         assert bpy.ops.object.transform_apply(location=False, rotation=True, scale=False) == {"FINISHED"}
     return obj
 
 
 def posed(obj: bpy.types.Object, method: str, motion: Matrix) -> np.ndarray:
-    press(obj, "deformer_add", method=method)
-    for name, kind in (("Fixed", "FIXED"), ("Moved", "HANDLE")):
-        assert bpy.ops.sinew.handle_add(kind=kind, vertex_group=name) == {"FINISHED"}
+    deformer = add_regions(obj, method, {"Fixed": "FIXED", "Moved": "HANDLE"})
     assert bpy.ops.sinew.bind() == {"FINISHED"}
-    move_world(obj.sinew.active.handles[1].control, motion)
+    move_world(deformer.handles[1].control, motion)
     return evaluated_points(obj)
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from editing import placed_object
 from inside import finish, inner, use_threads
-from libraries import override, put_into_a_library
+from libraries import override, put_into_a_library, read
 from mathutils import Matrix, Vector
 from mouse import event
 from rigs.rig import (
@@ -21,9 +21,9 @@ from rigs.rig import (
     curves_of,
     evaluated_points,
     grid_object,
+    linked,
     make_active,
     new_armature,
-    new_file,
     new_object,
     press,
     push,
@@ -232,8 +232,7 @@ def plate_with_button() -> bpy.types.Object:
     obj = grid_object(cells=20)
     bpy.ops.mesh.primitive_cube_add(size=0.05, location=(0.0, 0.0, 0.03))
     button = bpy.context.object
-    make_active(obj)
-    button.select_set(True)
+    make_active(obj, button)
     bpy.ops.object.join()
     return obj
 
@@ -392,10 +391,7 @@ def test_what_is_no_mesh():
 
 def test_what_is_linked(tmp_path: Path):
     path = put_into_a_library(tmp_path / "library.blend", grid_object())
-    new_file()
-    with bpy.data.libraries.load(path, link=True) as (_inside, wanted):
-        wanted.objects = ["Plate"]
-    bpy.context.scene.collection.objects.link(wanted.objects[0])
+    linked(read(path, True, "objects", "Plate"))
     update()
     refused("linked - make a library override")
 

@@ -156,7 +156,6 @@ def test_a_fresh_control_shows_no_minus_zero(maker: str, turned: bool):
     add_group(obj, "Two", lambda point: point[1] < -0.3)
     if turned:
         obj.matrix_world = Matrix.LocRotScale((0.0, 7.3, -2.1), Euler((0.3, -0.2, 0.5)), (1.0, 1.0, 1.0))
-    update()
     make_active(obj)
     before = set(bpy.data.objects)
     MAKERS[maker](obj)

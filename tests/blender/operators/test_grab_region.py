@@ -366,8 +366,7 @@ def test_undo_and_redo():
 
 def test_other_objects_in_edit_mode_stay():
     first, second = grid_object("First"), grid_object("Second")
-    make_active(first)
-    second.select_set(True)
+    make_active(first, second)
     bpy.ops.object.mode_set(mode="EDIT")
     select(first, centre)
     select(second, centre)

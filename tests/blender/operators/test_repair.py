@@ -21,7 +21,6 @@ from rigs.rig import (
     new_object,
     press,
     refused,
-    update,
 )
 
 NAN = float("nan")
@@ -259,7 +258,6 @@ def test_notes_name_each_fault_with_elements_and_remedy():
 def test_not_finite_points_offer_repair():
     plate = Rig.plate()
     plate.obj.data.vertices[60].co.x = NAN
-    update()
     press(plate.obj, "deformer_add", method="thin_shell")
     bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
     status = inner.status

@@ -19,6 +19,7 @@ from rigs.rig import (
     base_points,
     close,
     evaluated_points,
+    fails,
     grid_object,
     linked,
     make_active,
@@ -185,8 +186,7 @@ def test_an_edited_stroke_redraws_its_key():
     sketch(stroke, reach=0.8)
     assert close(evaluated_points(obj), again)
     for name in ("Nothing", "Basis"):
-        with pytest.raises(RuntimeError, match=f"no shape key {name}"):
-            sketch(stroke, shape_key=name)
+        fails(f"no shape key {name}", sketch, stroke, shape_key=name)
 
 
 def test_a_drawn_stroke_may_be_kept_as_a_curve():
@@ -306,8 +306,7 @@ def test_fixed_regions_stay_and_a_line_inside_one_is_refused():
     above[:, 1] = -3.0
     assert above[:, 2].min() > 0.5
     make_active(obj)
-    with pytest.raises(RuntimeError, match="Fixed regions"):
-        sketch(curve(above, "Above"))
+    fails("Fixed regions", sketch, curve(above, "Above"))
     assert key_names(obj) == ["Basis", "Silhouette"]
     obj.sinew.deformers[0].handles[0].kind = "SUPPORT"
     assert sketch(bpy.data.objects["Above"], reach=0.2) == {"FINISHED"}
@@ -359,8 +358,7 @@ def test_what_is_no_stroke_is_refused(message: str):
     obj = ball()
     stroke = REFUSED[message]()
     make_active(obj)
-    with pytest.raises(RuntimeError, match=message):
-        sketch(stroke)
+    fails(message, sketch, stroke)
     assert key_names(obj) == []
 
 
@@ -368,27 +366,21 @@ def test_what_is_no_view_or_no_target_is_refused():
     obj = ball()
     stroke = curve(arc(bump))
     refused("no camera", "silhouette_sketch", stroke=stroke.name)
-    with pytest.raises(RuntimeError, match="scaled to zero"):
-        sketch(stroke, Matrix.Scale(0.0, 4))
-    with pytest.raises(RuntimeError, match="not a number"):
-        sketch(stroke, Matrix.Diagonal((math.nan, 1.0, 1.0, 1.0)))
+    fails("scaled to zero", sketch, stroke, Matrix.Scale(0.0, 4))
+    fails("not a number", sketch, stroke, Matrix.Diagonal((math.nan, 1.0, 1.0, 1.0)))
     refused("There is no object Nothing", "silhouette_sketch", stroke="Nothing", view=FRONT)
     refused("There is no stroke", "silhouette_sketch", view=FRONT)
     for edge in obj.data.edges:
         edge.select = False
-    with pytest.raises(RuntimeError, match="No edges are selected"):
-        sketch(stroke, line="EDGES")
+    fails("No edges are selected", sketch, stroke, line="EDGES")
     obj.data.vertices[3].co.x = math.nan
-    with pytest.raises(RuntimeError, match="invalid coordinates"):
-        sketch(stroke)
+    fails("invalid coordinates", sketch, stroke)
     assert key_names(obj) == []
     make_active(stroke)
-    with pytest.raises(RuntimeError, match="poll"):
-        sketch(stroke)
+    fails("poll", sketch, stroke)
     empty = new_object("Empty", [(0.0, 0.0, 0.0)])
     make_active(empty)
-    with pytest.raises(RuntimeError, match="has no faces"):
-        sketch(stroke)
+    fails("has no faces", sketch, stroke)
 
 
 class Hand:

@@ -291,10 +291,7 @@ def controls_of(obj: bpy.types.Object) -> np.ndarray:
 
 def add(obj: bpy.types.Object, *others: bpy.types.Object, source: str = "POINTS", **words: object):
     """Press the button with these objects selected; the deformer."""
-    make_active(obj)
-    for other in others:
-        other.select_set(True)
-    bpy.context.view_layer.objects.active = obj
+    make_active(obj, *others)
     assert bpy.ops.sinew.point_add(source=source, **words) == {"FINISHED"}
     make_active(obj)
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status

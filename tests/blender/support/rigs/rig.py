@@ -142,21 +142,27 @@ def grid_object(name: str = "Plate", cells: int = 10) -> bpy.types.Object:
     return obj
 
 
-def make_active(obj: bpy.types.Object) -> None:
-    """Select one object."""
+def make_active(obj: bpy.types.Object, *others: bpy.types.Object) -> None:
+    """Select these objects and no others; the first one is active."""
     update()
-    for other in bpy.context.view_layer.objects:
-        other.select_set(other == obj)
+    for each in bpy.context.view_layer.objects:
+        each.select_set(each == obj or each in others)
     bpy.context.view_layer.objects.active = obj
 
 
-def press(obj: bpy.types.Object, operator: str, **keywords: object) -> None:
+def press(obj: bpy.types.Object, operator: str, /, **keywords: object) -> None:
     """A button of ours, with that object active and nothing else selected."""
     make_active(obj)
     assert getattr(bpy.ops.sinew, operator)(**keywords) == {"FINISHED"}
 
 
-def refused(match: str, operator: str, on: bpy.types.Object | None = None, **keywords: object) -> None:
+def fails(match: str, act: Callable, /, *arguments: object, **keywords: object) -> None:
+    """What ends in an operator says why it does nothing."""
+    with pytest.raises(RuntimeError, match=match):
+        act(*arguments, **keywords)
+
+
+def refused(match: str, operator: str, on: bpy.types.Object | None = None, /, **keywords: object) -> None:
     """A button of ours says why it does nothing, with an object active, or with what is."""
     if on is not None:
         make_active(on)
@@ -166,9 +172,7 @@ def refused(match: str, operator: str, on: bpy.types.Object | None = None, **key
 
 def duplicated(*objects: bpy.types.Object, linked: bool = False) -> bpy.types.Object:
     """The copy of the first of these objects, by Blender's operator; nothing is evaluated yet."""
-    make_active(objects[0])
-    for obj in objects:
-        obj.select_set(True)
+    make_active(*objects)
     bpy.ops.object.duplicate(linked=linked)
     return bpy.context.object
 
@@ -368,6 +372,12 @@ def load(path: Path | str) -> None:
 def new_file() -> None:
     """Empty, as the tests begin."""
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+
+
+def storage(owner: object) -> object:
+    """Where Blender keeps the properties of a class, as ID properties: a hostile file writes here."""
+    system = getattr(owner, "bl_system_properties_get", None)
+    return system(do_create=True) if system else owner
 
 
 def some_motion() -> Matrix:
