@@ -32,6 +32,7 @@ from rigs.rig import (
     Rig,
     add_armature,
     add_group,
+    add_regions,
     apply_matrix,
     close,
     evaluated_points,
@@ -402,9 +403,7 @@ class Two:
         extent = np.abs(rig.rest()).max()
         self.corner = add_group(obj, "Corner", lambda p: p[0] > 0.6 * extent and p[1] > 0.3 * extent)
         add_group(obj, "Rest", lambda p: p[0] < 0.3 * extent or p[1] < 0.1 * extent)
-        rig.press("deformer_add", method=method)
-        rig.press("handle_add", kind="HANDLE", vertex_group="Corner")
-        rig.press("handle_add", kind="FIXED", vertex_group="Rest")
+        add_regions(obj, method, {"Corner": "HANDLE", "Rest": "FIXED"})
         obj.sinew.deformers[1].handles[0].stands_on = "WORLD"  # as its pose is read there
         self.second = obj.sinew.deformers[1].handles[0].control
         entering, regions = rig.points(), {"handle": "Corner", "fixed": ("Rest",)}

@@ -13,6 +13,7 @@ from registry import WITH_HANDLES
 from rigs.rig import (
     Rig,
     add_group,
+    add_regions,
     close,
     grid_object,
     make_active,
@@ -42,8 +43,7 @@ def test_no_handles(plate: Rig):
 
 def test_all_vertices_constrained(plate: Rig):
     add_group(plate.obj, "All", lambda point: True)
-    press(plate.obj, "deformer_add", method="thin_shell")
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="All")
+    add_regions(plate.obj, "thin_shell", {"All": "HANDLE"})
     plate.lift(0.5)
     assert np.abs(plate.points() - plate.rest() - (0.0, 0.0, 0.5)).max() < 4e-6
 

@@ -19,6 +19,7 @@ from rigs.cages import ball, box, mean_value, set_rest, surround
 from rigs.rig import (
     Rig,
     add_group,
+    add_regions,
     base_points,
     in_mode,
     move_world,
@@ -219,8 +220,7 @@ def test_weights_painted_later_show_when_the_mesh_is_tagged(paint, bound_plate: 
 def stretched_plate(plate: Rig, *factors: float) -> bpy.types.Object:
     """All of the plate is one handle, scaled."""
     add_group(plate.obj, "All", lambda point: True)
-    press(plate.obj, "deformer_add", method="thin_shell")
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="All")
+    add_regions(plate.obj, "thin_shell", {"All": "HANDLE"})
     move_world(plate.control, Matrix.Diagonal((*factors, 1.0)))
     return plate.obj
 

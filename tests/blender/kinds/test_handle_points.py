@@ -11,6 +11,7 @@ from mathutils import Matrix, Vector
 from rigs.point_objects import add, add_bones, bezier
 from rigs.rig import (
     add_armature,
+    add_regions,
     apply_matrix,
     base_points,
     evaluated_points,
@@ -123,9 +124,8 @@ def test_two_points_carry_no_turn_and_the_panel_says_so():
     plate = grid_object()
     group = plate.vertex_groups.new(name="Line")
     group.add([0, 1], 1.0, "REPLACE")
-    press(plate, "deformer_add", method="rbf")
-    assert bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Line") == {"FINISHED"}
-    assert any("on a line" in note for note in notes_of(plate.sinew.active))
+    deformer = add_regions(plate, "rbf", {"Line": "HANDLE"})
+    assert any("on a line" in note for note in notes_of(deformer))
 
 
 @pytest.mark.parametrize("make", [grid_object, bezier])

@@ -10,10 +10,10 @@ from rigs.rig import (
     FLOAT32,
     Rig,
     add_group,
+    add_regions,
     curves_of,
     key,
     linked,
-    make_active,
     move_world,
     new_empty,
     press,
@@ -30,11 +30,9 @@ def three_deformers(plate: Rig) -> bpy.types.Object:
     obj.modifiers.new("Between", "SMOOTH").factor = 0.0
     for name, where in (("Left", lambda p: p[0] < -0.75), ("Right", lambda p: p[0] > 0.75)):
         add_group(obj, name, where)
-        press(obj, "deformer_add", method="thin_shell")
-        bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group=name)
+        add_regions(obj, "thin_shell", {name: "HANDLE"})
     for deformer, name in zip(obj.sinew.deformers, "ABC", strict=True):
         deformer.name = name
-    make_active(obj)
     return obj
 
 

@@ -14,6 +14,7 @@ from rigs.rig import (
     SIDES,
     Rig,
     add_group,
+    add_regions,
     base_points,
     grid_object,
     in_mode,
@@ -94,9 +95,7 @@ def test_every_fault_is_mended_and_counted():
 def test_the_operator_says_what_it_did_and_binds_again(capfd):
     plate = broken_plate()
     obj = plate.obj
-    press(obj, "deformer_add", method="thin_shell")
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
+    add_regions(obj, "thin_shell", {"Base": "FIXED", "Top": "HANDLE"})
     capfd.readouterr()
     assert bpy.ops.sinew.repair() == {"FINISHED"}
     said = capfd.readouterr().out
@@ -258,8 +257,7 @@ def test_notes_name_each_fault_with_elements_and_remedy():
 def test_not_finite_points_offer_repair():
     plate = Rig.plate()
     plate.obj.data.vertices[60].co.x = NAN
-    press(plate.obj, "deformer_add", method="thin_shell")
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
+    add_regions(plate.obj, "thin_shell", {"Top": "HANDLE"})
     status = inner.status
     lines = [line for line in status.notes(plate.deformer.uid) if "finite" in line.text]
     assert [(line.remedy, line.elements.indices) for line in lines] == [(status.Remedy.REPAIR, (60,))]

@@ -200,8 +200,7 @@ def add_regions(obj: bpy.types.Object, method: str, regions: dict[str, str]):
     """A new deformer with regions: their roles by vertex group."""
     press(obj, "deformer_add", method=method)
     for group, kind in regions.items():
-        make_active(obj)
-        bpy.ops.sinew.handle_add(kind=kind, vertex_group=group)
+        press(obj, "handle_add", kind=kind, vertex_group=group)
     make_active(obj)
     return obj.sinew.active
 
