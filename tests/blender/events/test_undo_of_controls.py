@@ -88,7 +88,6 @@ def test_undo_and_redo_of(name: str):
     grid_object()
     push("plate")
     prepare()
-    update()
     make_active(plate())
     push("posed")
     before, shape_before = seen(), evaluated_points(plate())

@@ -14,7 +14,17 @@ import pytest
 from mathutils import Euler, Matrix, Vector
 from registry import BY_ID, ON_HANDLE_POINTS
 from rigs.point_objects import CURVES, MAKERS, moved_by_hand
-from rigs.rig import base_points, close, evaluated_points, grid_object, make_active, push, reopen, update
+from rigs.rig import (
+    base_points,
+    close,
+    evaluated_points,
+    grid_object,
+    make_active,
+    press,
+    push,
+    reopen,
+    update,
+)
 from rigs.rig_of_curves import polyline
 from test_drag import LIFT, drag, refused
 
@@ -86,8 +96,7 @@ def test_a_drag_undoes_and_redoes_in_one_step(method: str):
 
 def test_a_mirrored_drag_moves_both_sides(method: str):
     obj = grid_object(cells=20)
-    make_active(obj)
-    bpy.ops.sinew.deformer_add(method=method)
+    press(obj, "deformer_add", method=method)
     obj.sinew.active.use_mirror_x = True
     drag(0.5, 0.3, value=(0.1, 0.0, 0.4))
     assert sorted(names(obj)) == ["Point.L", "Point.R"]
@@ -168,8 +177,7 @@ def test_a_drag_takes_hold_of_curves_text_hair_and_clouds(kind: str):
 def test_a_drag_beside_everything_takes_nothing_and_wires_are_left_alone():
     plate = grid_object(cells=20)
     wire = polyline(np.array([(-1.0, 0.9, 0.3), (1.0, 0.9, 0.3)]))
-    make_active(plate)
-    assert bpy.ops.sinew.wire_add(curve=wire.name, radius=0.5) == {"FINISHED"}
+    press(plate, "wire_add", curve=wire.name, radius=0.5)
     plate.hide_set(True)
     refused("nothing to drag", origin=(1.0, 0.9, 5.0), method="inverse_ffd")
     refused("nothing to drag", origin=(4.0, 4.0, 5.0), method="inverse_ffd")
