@@ -136,6 +136,15 @@ def patched_material(
     return material
 
 
+def region_material(name: str, base: Sequence[float], ruled: bool = False) -> bpy.types.Material:
+    """A base on which the fields ``handle`` and ``fixed`` show the regions, with lines if it is ``ruled``."""
+    patches = (("handle", HANDLE_COLOUR, 0.002), ("fixed", FIXED_COLOUR, 0.002))
+    material = patched_material(name, base, patches, roughness=0.5)
+    if ruled:
+        rule_lines(material, cell=0.1, line=0.014)
+    return material
+
+
 def rule_lines(material: bpy.types.Material, cell: float, line: float) -> None:
     """Fine darker lines on a material's colour, every ``cell`` units of the rest x and y."""
     nodes, links = material.node_tree.nodes, material.node_tree.links

@@ -13,6 +13,16 @@ from math import cos, pi, sin, tau
 import bpy
 import numpy as np
 
+from ..materials import plain_material
+from .objects import add_groups, mesh_object
+
+PARTS = "parts"
+PAINT = {
+    "Black": (0.018, 0.020, 0.024),
+    "Brass": (0.62, 0.30, 0.05),
+    "Red": (0.36, 0.020, 0.015),
+    "Steel": (0.30, 0.31, 0.33),
+}
 BOILER, RADIUS = 0.98, 0.36  # height of its axis, and its radius
 FRONT, BACK = 1.45, -0.75  # of the boiler
 DRIVERS = (-0.62, -0.08, 0.46)  # of the large wheels, along x
@@ -41,8 +51,8 @@ class Yard:
             self.groups.setdefault(group, []).extend(range(start, self.count))
 
 
-def build() -> tuple[bpy.types.Object, int]:
-    """The object, with groups Drivers, Bogie, Cab and Chimney; and how many loose parts it has."""
+def build() -> bpy.types.Object:
+    """The object, with groups Drivers, Bogie, Cab and Chimney; its property ``parts`` counts them."""
     yard = Yard()
     _boiler(yard)
     _cab(yard)
@@ -55,14 +65,12 @@ def build() -> tuple[bpy.types.Object, int]:
             _wheel(yard, (x, side * GAUGE, 0.18), 0.17, 9, "Bogie")
     for side in (1.0, -1.0):
         _rods(yard, side)
-    mesh = bpy.data.meshes.new("Locomotive")
-    mesh.from_pydata(np.concatenate(yard.points).tolist(), [], yard.faces)
-    mesh.polygons.foreach_set("material_index", yard.materials)
-    obj = bpy.data.objects.new("Locomotive", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    for name, members in yard.groups.items():
-        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
-    return obj, yard.parts
+    paint = [plain_material(name, colour, roughness=0.32, specular=0.6) for name, colour in PAINT.items()]
+    points = np.concatenate(yard.points)
+    obj = mesh_object("Locomotive", points, yard.faces, slots=yard.materials, materials=paint)
+    add_groups(obj, yard.groups)
+    obj[PARTS] = yard.parts
+    return obj
 
 
 BLACK, BRASS, RED, STEEL = range(4)
