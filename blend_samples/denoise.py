@@ -54,7 +54,8 @@ def render_passes(scene: bpy.types.Scene, names: Sequence[str]) -> dict[str, np.
         for name in names:
             image = bpy.data.images.load(str(next(Path(folder).glob(f"{name}*.exr"))))
             image.colorspace_settings.name = "Non-Color"
-            pixels = np.empty((*image.size[::-1], 4), np.float32)
+            width, height = image.size
+            pixels = np.empty((height, width, 4), np.float32)
             image.pixels.foreach_get(pixels.ravel())
             bpy.data.images.remove(image)
             found[name] = pixels[..., :3]

@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 from mathutils import Vector
 
-from .materials import backdrop_material, ink_material
+from .materials import add_math, add_node, backdrop_material, ink_material
 
 FRAMES = (1, 96)
 
@@ -125,20 +125,15 @@ def add_lights(scene: bpy.types.Scene, target: Sequence[float], size: float) -> 
     world = bpy.data.worlds.new("Sky")
     scene.world = world
     world.use_nodes = True
-    nodes, links = world.node_tree.nodes, world.node_tree.links
-    place = nodes.new("ShaderNodeTexCoord")
-    split = nodes.new("ShaderNodeSeparateXYZ")
-    ramp = nodes.new("ShaderNodeValToRGB")
-    ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[0].color = 0.35, (0.55, 0.50, 0.46, 1)
-    ramp.color_ramp.elements[1].position, ramp.color_ramp.elements[1].color = 1.0, (0.62, 0.72, 0.90, 1)
-    half = nodes.new("ShaderNodeMath")
-    half.operation = "MULTIPLY_ADD"
-    half.inputs[1].default_value = half.inputs[2].default_value = 0.5
-    links.new(place.outputs["Generated"], split.inputs[0])
-    links.new(split.outputs["Z"], half.inputs[0])
-    links.new(half.outputs[0], ramp.inputs[0])
-    links.new(ramp.outputs[0], nodes["Background"].inputs["Color"])
-    nodes["Background"].inputs["Strength"].default_value = 0.31
+    tree, background = world.node_tree, world.node_tree.nodes["Background"].inputs
+    split = tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(add_node(tree, "TexCoord", {}), split.inputs[0])
+    ramp = add_node(tree, "ValToRGB", {0: add_math(tree, "MULTIPLY_ADD", split.outputs["Z"], 0.5, 0.5)})
+    low, high = ramp.node.color_ramp.elements
+    low.position, low.color = 0.35, (0.55, 0.50, 0.46, 1)
+    high.position, high.color = 1.0, (0.62, 0.72, 0.90, 1)
+    tree.links.new(ramp, background["Color"])
+    background["Strength"].default_value = 0.31
     world.cycles.sampling_method = "NONE"  # smooth: chance finds it with less noise
 
     add_area(scene, "Key", target, size, (-0.75, -0.95, 1.25), 0.70, 46.0, (1.0, 0.93, 0.84))

@@ -6,6 +6,7 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import radians
 
 import bpy
@@ -113,7 +114,8 @@ def _strain(case: Case, shape: np.ndarray) -> Sequence[str]:
 
 def add_sheets(scene: bpy.types.Scene, sheets: Sequence[Sheet]) -> None:
     """Fill the scene with the sheets, side by side, on paper."""
-    material, ink = _material(), _flat("Ink", (0.012, 0.012, 0.015))
+    ink = _glowing(materials.patched_material("Ink", (0.012, 0.012, 0.015), (), roughness=0.6))
+    material = _material()
     scene.world = bpy.data.worlds.new("Paper")
     scene.world.use_nodes = True
     scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (*PAPER, 1.0)
@@ -211,57 +213,37 @@ def _material() -> bpy.types.Material:
     """Light from one side and the sky, computed from the normal, and so without noise."""
     patches = (("handle", materials.HANDLE_COLOUR, 0.05), ("fixed", materials.FIXED_COLOUR, 0.05))
     material = materials.patched_material("Surface", PLAIN, patches, roughness=0.6)
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-
-    def made(kind: str, operation: str, *inputs: object) -> bpy.types.NodeSocket:
-        node = nodes.new(f"ShaderNode{kind}")
-        setattr(node, "blend_type" if kind == "MixRGB" else "operation", operation)
-        for socket, value in zip(node.inputs, inputs):
-            if isinstance(value, bpy.types.NodeSocket):
-                links.new(value, socket)
-            else:
-                socket.default_value = value
-        return next(socket for socket in node.outputs if socket.enabled)
-
-    def math(operation: str, *inputs: object) -> bpy.types.NodeSocket:
-        return made("Math", operation, *inputs)
-
-    seen = nodes.new("ShaderNodeNewGeometry").outputs
+    tree = material.node_tree
+    seen = tree.nodes.new("ShaderNodeNewGeometry").outputs
+    math = partial(materials.add_math, tree)
     key, up, front = (
-        made("VectorMath", "DOT_PRODUCT", seen["Normal"], way) for way in (KEY, (0, 0, 1), (0, -1, 0))
+        materials.add_node(tree, "VectorMath", {0: seen["Normal"], 1: way}, operation="DOT_PRODUCT")
+        for way in (KEY, (0, 0, 1), (0, -1, 0))
     )
     sky = math("MULTIPLY_ADD", up, 0.10, 0.22)
     light = math("MULTIPLY_ADD", math("POWER", math("MAXIMUM", key, 0.0), 1.3), 0.85, sky)
     facing = math("MULTIPLY_ADD", math("MINIMUM", math("MULTIPLY", front, 1.6), 1.0), 0.45, 0.55)
-    painted = nodes["Principled BSDF"].inputs["Base Color"]
-    behind = made("MixRGB", "MIX", seen["Backfacing"], painted.links[0].from_socket, (*INSIDE, 1.0))
-    links.new(behind, painted)
-    materials.rule_lines(material, cell=0.5, line=0.09)
-    return _glowing(material, painted.links[0].from_socket, math("MULTIPLY", light, facing))
+    painted = tree.nodes["Principled BSDF"].inputs["Base Color"]
+    sides = {"Fac": seen["Backfacing"], "Color1": painted.links[0].from_socket, "Color2": (*INSIDE, 1.0)}
+    tree.links.new(materials.add_node(tree, "MixRGB", sides), painted)
+    materials.rule_lines(material, cell=0.5, line=0.06)
+    return _glowing(material, math("MULTIPLY", light, facing))
 
 
-def _glowing(
-    material: bpy.types.Material, colour: bpy.types.NodeSocket, light: bpy.types.NodeSocket | None = None
-) -> bpy.types.Material:
+def _glowing(material: bpy.types.Material, light: bpy.types.NodeSocket | float = 1.0) -> bpy.types.Material:
     """The material as a lamp of its colour."""
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    glow = nodes.new("ShaderNodeEmission")
-    links.new(colour, glow.inputs["Color"])
-    if light:
-        links.new(light, glow.inputs["Strength"])
-    links.new(glow.outputs[0], nodes["Material Output"].inputs["Surface"])
+    tree = material.node_tree
+    colour = tree.nodes["Principled BSDF"].inputs["Base Color"].links[0].from_socket
+    glow = materials.add_node(tree, "Emission", {"Color": colour, "Strength": light})
+    tree.links.new(glow, tree.nodes["Material Output"].inputs["Surface"])
     return material
-
-
-def _flat(name: str, colour: Sequence[float]) -> bpy.types.Material:
-    material = materials.patched_material(name, colour, (), roughness=0.6)
-    return _glowing(material, material.node_tree.nodes["Principled BSDF"].inputs[0].links[0].from_socket)
 
 
 def set_up_render(scene: bpy.types.Scene) -> None:
     """No light but what the camera sees itself, and colours as they are."""
     studio.set_up_render(scene, 16, 1440, 600)
     scene.cycles.use_adaptive_sampling, scene.cycles.max_bounces = False, 0
+    scene.cycles.filter_width = 1.0
     scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
     scene.view_settings.exposure = 0.0
 
