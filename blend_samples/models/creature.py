@@ -5,12 +5,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import bmesh
 import bpy
 import numpy as np
 
 from ..materials import eye_material, skin_material
-from ..posing import vertices
+from ..posing import make_active, vertices
 from .objects import Sculpture, eye_colours, soften, to_object
 from .scatter import lobes
 from .sculpt import Clay, ball, neighbour_mean, vertex_normals, weld_lists
@@ -282,12 +281,15 @@ def build_shattered(name: str = "Dragon") -> bpy.types.Object:
     lowest, highest = np.full(len(mesh.edges), PIECES), np.full(len(mesh.edges), -1)
     np.minimum.at(lowest, of_corner, np.repeat(piece, counts))
     np.maximum.at(highest, of_corner, np.repeat(piece, counts))
-    cut = bmesh.new()
-    cut.from_mesh(mesh)
-    cut.edges.ensure_lookup_table()
-    bmesh.ops.split_edges(cut, edges=[cut.edges[k] for k in np.flatnonzero(lowest != highest)])
-    cut.to_mesh(mesh)
-    cut.free()
+    for elements in (mesh.polygons, mesh.vertices):
+        elements.foreach_set("select", np.zeros(len(elements), dtype=bool))
+    mesh.edges.foreach_set("select", lowest != highest)
+    make_active(dragon)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.context.tool_settings.mesh_select_mode = (False, True, False)
+    bpy.ops.mesh.edge_split(type="EDGE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
 
     corners = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", corners)
