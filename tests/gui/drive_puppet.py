@@ -69,9 +69,9 @@ def prepare():
     enable()
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
-    from blend_samples.mannequins import mannequin
+    from blend_samples.models import mannequin
 
-    mannequin("Mannequin")
+    mannequin.build("Mannequin")
     bpy.context.view_layer.objects.active = skin()
     bpy.ops.sinew.puppet_rig(armature=figure().name)
     yield from until(lambda: skin().sinew.active.is_bound)
