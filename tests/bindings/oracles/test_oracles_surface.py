@@ -16,6 +16,11 @@ from ..meshes import STILL, bar, ends, grid, shift, sphere, turn
 from .test_oracles_spline import design
 
 MESHES = {"hill": grid(8), "bar": bar(6, 2), "sphere": sphere(2), "obtuse": grid(9, 0.45)}
+EVERY = tuple(MESHES)
+MESHES["two parts"] = (
+    np.concatenate([grid(8)[0], grid(8)[0] + (0, 20, 0)]),
+    np.concatenate([grid(8)[1], grid(8)[1] + 81]),
+)
 KINDS = ("uniform", "cotan", "cotan_voronoi")
 
 
@@ -50,9 +55,7 @@ class Rest:
             pairs = np.unique(np.sort(sides, axis=1), axis=0)
             return [((a, b), np.array([[1.0, -1.0], [-1.0, 1.0]])) for a, b in pairs]
         corner = np.array([[0, 1, 2]])
-        return [
-            (tuple(t), -igl.cotmatrix(self.points[t], corner).toarray()) for t in self.triangles
-        ]
+        return [(tuple(t), -igl.cotmatrix(self.points[t], corner).toarray()) for t in self.triangles]
 
     def laplacian(self, kind: str, scale=lambda element: 1.0) -> np.ndarray:
         L = np.zeros((self.n, self.n))
@@ -119,7 +122,10 @@ def affine(seed: int, degrees: float) -> tuple[np.ndarray, Rotation, np.ndarray]
     """A pose of a rotation after a symmetric stretch, and both."""
     rng = np.random.default_rng(seed)
     A, axis = rng.uniform(-1, 1, (3, 3)), rng.normal(size=3)
-    R, S = Rotation.from_rotvec(np.radians(degrees) * axis / np.linalg.norm(axis)), np.eye(3) + 0.2 * (A + A.T)
+    R, S = (
+        Rotation.from_rotvec(np.radians(degrees) * axis / np.linalg.norm(axis)),
+        np.eye(3) + 0.2 * (A + A.T),
+    )
     return np.column_stack([R.as_matrix() @ S, rng.uniform(-1, 1, 3)]), R, S
 
 
@@ -195,7 +201,7 @@ class Bending:
         return found
 
 
-@pytest.mark.parametrize(("name", "kind"), list(product(MESHES, KINDS)))
+@pytest.mark.parametrize(("name", "kind"), list(product(EVERY, KINDS)))
 def test_laplacian_editing_turns_by_the_maps_of_handles(name: str, kind: str) -> None:
     rest = Rest(name)
     bending = Bending(rest, kind)
@@ -296,7 +302,9 @@ def test_rotation_invariant_coordinates_solve_the_statement_of_the_paper(name: s
     for y, degrees in product(entering(rest, 0.3), (0.0, 40.0, 150.0)):
         poses = np.stack([STILL, turn((1, -2, 0.5), degrees, (0.3, 0.1, -0.5), (0.4, -0.2, 0.7))])
         held = np.where((rest.owner == 1)[:, None, None], poses[1][:, :3], np.eye(3)) @ frames
-        f = rest.solution(A.reshape(3 * n, 3 * n), np.zeros((3 * n, 3)), held.swapaxes(1, 2).reshape(-1, 3), 3)
+        f = rest.solution(
+            A.reshape(3 * n, 3 * n), np.zeros((3 * n, 3)), held.swapaxes(1, 2).reshape(-1, 3), 3
+        )
         U, _, Vt = np.linalg.svd(f.reshape(n, 3, 3).swapaxes(1, 2) @ frames.swapaxes(1, 2))
         turned = U @ Vt
         e = np.einsum("kab,kb->ka", turned[i] + turned[j], y[i] - y[j]) / 2
@@ -381,7 +389,9 @@ def thin_shells() -> Iterator[object]:
 @pytest.mark.parametrize(("name", "stiffness", "soft", "continuity", "tolerance"), list(thin_shells()))
 def test_thin_shell_solves_its_formula(name, stiffness, soft, continuity, tolerance, kind, basis) -> None:
     """k_s L + k_b L C/M L + k_v L C/M L C/M L, with stiffnesses on elements and continuity at handles."""
-    poses = np.stack([STILL, turn((0, 1, 0), 40, (6, 0, 0), (-1, 0.5, 2)), shift(0, 0, 3)])[: 3 if soft else 2]
+    poses = np.stack([STILL, turn((0, 1, 0), 40, (6, 0, 0), (-1, 0.5, 2)), shift(0, 0, 3)])[
+        : 3 if soft else 2
+    ]
     handles = ends(MESHES[name][0], 1.5 if name == "hill" else 1.1)
     weights = [np.ones(len(handle)) for handle in handles]
     if soft:
@@ -447,6 +457,27 @@ def test_a_spline_surface_spreads_what_least_squares_miss_by_a_harmonic_field(we
         np.testing.assert_allclose(found, p + B @ c + h, rtol=0, atol=1e-9)
         assert report.residual == pytest.approx(missed, abs=1e-9)
         assert report.energy == pytest.approx(energy, rel=1e-8)
+
+
+def test_moved_grid_points_add_their_spline_and_soft_handles_pull_against_it() -> None:
+    points = MESHES["two parts"][0]
+    handles = ends(points, 2.5)
+    rest = Rest("two parts", handles, [np.ones(len(handles[0])), np.full(len(handles[1]), 0.6)])
+    L, S = positive(rest.laplacian("cotan")), np.zeros(rest.n)
+    for v, _h, ratio in rest.pulls():
+        S[v] = ratio * L[v, v]
+    moves = np.random.default_rng(3).uniform(-1, 1, (60, 3))  # of two grids
+    spline, half = np.zeros((rest.n, 3)), rest.n // 2
+    for part in (0, 1):
+        u, v = points[part * half :][:half, :2].T
+        B = np.einsum("nj,ni->nji", design(v, 2, 5), design(u, 2, 6)).reshape(half, -1)
+        spline[part * half :][:half] = B @ moves[30 * part :][:30]
+    h = rest.solution(L + np.diag(S), -S[:, None] * spline, -spline)
+    surface = sn.SplineSurface(rest.mesh, degree=2, columns=6, rows=5, margin=9.0, uv_map=points[:, :2])
+    surface.set_handles(rest.handles, rest.weights)
+    poses = np.stack([STILL, turn((0, 1, 0), 40, (6, 0, 0), (-1, 0.5, 2))])
+    expected = surface.solve(poses)[0] + spline + h
+    np.testing.assert_allclose(surface.solve(poses, grid=moves)[0], expected, rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize(("kind", "sharpness"), list(product(KINDS, (0.0, 0.7))))
