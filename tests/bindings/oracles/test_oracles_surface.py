@@ -287,7 +287,7 @@ def test_laplacian_editing_turns_by_implicit_similarities(name, many, kind, mean
 
 @pytest.mark.parametrize(("name", "kind"), list(product(("hill", "bar"), ("cotan", "uniform"))))
 def test_rotation_invariant_coordinates_solve_the_statement_of_the_paper(name: str, kind: str) -> None:
-    """With any frames at rest: those that keep the rotations between them, then the edges, by least squares."""
+    """With any frames at rest: what keeps the rotations between them, then the edges, by least squares."""
     rest = Rest(name, ends(MESHES[name][0], 1.1))
     L = rest.laplacian(kind)
     i, j = np.nonzero(np.tril(np.abs(L) > 1e-9, -1))
