@@ -149,19 +149,6 @@ TEST_F(HierarchicalSmoothing, handles_of_other_parts_do_not_count)
 {
     const SurfaceMesh mesh = shapes::hill(8, 8), both = shapes::joined(mesh, mesh, {0, 20, 0});
     const int n = mesh.vertex_count();
-    std::vector<Handle> handles = shapes::ends(mesh, 1.5), more = handles;
-    more.push_back({{n + 3, n + 40}, {}});
-    const Poses poses{bent[0], bent[1], shapes::turn({1, 0, 1}, 140)};
-    // With no levels: the number of vertices that are enough is one for all parts.
-    EXPECT_LT(shapes::distance(solved(both, more, {.poses = poses}, {.levels = 0}).topRows(n),
-                               solved(mesh, handles, {.poses = bent}, {.levels = 0})),
-              1e-9);
-}
-
-TEST_F(HierarchicalSmoothing, handles_of_other_parts_do_not_count)
-{
-    const SurfaceMesh mesh = shapes::hill(8, 8), both = shapes::joined(mesh, mesh, {0, 20, 0});
-    const int n = mesh.vertex_count();
     std::vector<Handle> more = shapes::ends(mesh, 1.5);
     more.push_back({{n + 3, n + 40}, {}});
     const Poses poses{bent[0], bent[1], shapes::turn({1, 0, 1}, 140)};

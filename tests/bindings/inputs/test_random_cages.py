@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import sinew_native as sn
 
-from .meshes import sphere
+from ..meshes import sphere
 
 EVERY_RUN = settings(
     derandomize=True, deadline=None, max_examples=200, suppress_health_check=[HealthCheck.too_slow]

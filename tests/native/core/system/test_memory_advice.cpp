@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/core/memory_advice.h"
+#include "native/core/system/memory_advice.h"
 
 #include <gtest/gtest.h>
 

@@ -9,8 +9,8 @@ import pytest
 
 import sinew_native as sn
 
-from .meshes import STILL, ends, grid, moved, shift, turn
-from .methods import EVERY_SURFACE_METHOD, called, made
+from ..meshes import STILL, ends, grid, moved, shift, turn
+from ..methods import EVERY_SURFACE_METHOD, called, made
 
 Polygons = tuple[np.ndarray, list[list[int]]]
 EVERY_METHOD = pytest.mark.parametrize(("method", "options"), EVERY_SURFACE_METHOD, ids=called)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 import sinew_native as sn
 
-from .cages import CUBE, QUADS
+from ..cages import CUBE, QUADS
 
 EVERY_RUN = settings(
     derandomize=True, deadline=None, max_examples=100, suppress_health_check=[HealthCheck.too_slow]

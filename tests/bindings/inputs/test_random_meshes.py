@@ -13,8 +13,8 @@ from hypothesis import strategies as st
 
 import sinew_native as sn
 
-from .meshes import grid
-from .methods import EVERY_SURFACE_METHOD, made
+from ..meshes import grid
+from ..methods import EVERY_SURFACE_METHOD, made
 
 EVERY_RUN = settings(
     derandomize=True,

@@ -12,8 +12,8 @@ import pytest
 
 import sinew_native as sn
 
-from .meshes import STILL, grid, shift, sphere, turn
-from .methods import (
+from ..meshes import STILL, grid, shift, sphere, turn
+from ..methods import (
     EVERY_CAGE_METHOD,
     EVERY_SURFACE_METHOD,
     SPACE_METHODS,

@@ -10,8 +10,8 @@ import pytest
 
 import sinew_native as sn
 
-from .meshes import STILL, moved, sphere, turn
-from .methods import EVERY_SURFACE_METHOD, SPACE_METHODS, called, made, required
+from ..meshes import STILL, moved, sphere, turn
+from ..methods import EVERY_SURFACE_METHOD, SPACE_METHODS, called, made, required
 
 TURN = turn((1, 2, 0.5), 37)[:, :3]
 CHANGES = ("loose", "turned", "renumbered", "flipped", "smaller", "larger", "apart")

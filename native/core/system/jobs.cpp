@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/core/jobs.h"
+#include "native/core/system/jobs.h"
 
 #ifdef __SANITIZE_THREAD__
 #include "native/core/parallel.h"
