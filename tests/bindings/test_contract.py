@@ -37,7 +37,7 @@ def is_property(node: ast.FunctionDef) -> bool:
 
 
 def callables() -> Iterator[tuple[str, ast.FunctionDef, object]]:
-    """Every function and method of the stubs with its counterpart."""
+    """Every function and method of the types with its counterpart."""
     for name, node in FUNCTIONS.items():
         yield name, node, getattr(sn, name, None)
     for owner, node in CLASSES.items():
