@@ -252,7 +252,7 @@ def test_a_folded_lattice_names_its_points_and_select_shows_them():
     assert deformer.status_level == "ERROR"
     assert "folded" in deformer.status
     line = inner.status.current(deformer.uid)
-    assert 13 in line.elements.indices
+    assert (line.remedy.name, 13 in line.elements.indices) == ("LATTICE_REST", True)
     make_active(obj)
     assert bpy.ops.sinew.select_problems() == {"FINISHED"}
     assert (bpy.context.object, lattice.mode) == (lattice, "EDIT")
