@@ -42,11 +42,11 @@ class Moved(Enum):
 
 
 class Posed(Enum):
-    """How handles move a space method: what its native class is made of, and what poses it.
+    """What the poses of handles do to a space method: ``warp_poses`` of its native class takes them.
 
-    POINTS: of the handle points and their ``weights``; ``warp`` takes them where the maps of the handles pose
-    them. CONTROL: of these and their ``counts``; ``warp`` takes its ``control`` posed so. POSES: of the
-    surface and all of them; ``warp_poses`` takes the maps.
+    POINTS: they move the handle points, which are all that counts. CONTROL: those of handles of several
+    points act as affine maps, and single points only move. POSES: those of single points turn, too; such a
+    class is made of the surface and the handle points.
     """
 
     POINTS = "points"

@@ -170,6 +170,7 @@ def test_a_cage_inside_out_can_be_flipped():
     deformer = surround(target, cage)
     assert deformer.status_level == "ERROR"
     assert "inside out" in deformer.status
+    assert inner.status.current(deformer.uid).remedy.name == "FLIP_CAGE"
     assert_rests(target)
     press(target, "select_problems")
     assert bpy.context.object == cage

@@ -223,7 +223,7 @@ def test_a_folded_lattice_names_its_points_and_select_shows_them():
     assert deformer.status_level == "ERROR"
     assert "folded" in deformer.status
     line = inner.status.current(deformer.uid)
-    assert 13 in line.elements.indices
+    assert (line.remedy.name, 13 in line.elements.indices) == ("LATTICE_REST", True)
     press(obj, "select_problems")
     assert (bpy.context.object, lattice.mode) == (lattice, "EDIT")
     assert lattice.data.points[13].select
