@@ -4,15 +4,18 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .schema import Bool, Choice, Control, Family, Float, Int, Method, Moved, Reproduced, per_pair
-
-PRECISIONS = (
-    (
-        "single",
-        "Single",
-        "Half the memory, and half the time per frame; errors of a ten-millionth of the cage's size",
-    ),
-    ("double", "Double", "As exact as the coordinates themselves"),
+from .schema import (
+    Bool,
+    Choice,
+    Control,
+    Family,
+    Float,
+    Int,
+    Method,
+    Moved,
+    Reproduced,
+    per_pair,
+    stored_precision,
 )
 
 CAGE_PARAMETERS = (
@@ -29,15 +32,7 @@ CAGE_PARAMETERS = (
         description="Leave out weights below this value, so that each point follows only the near part of "
         "the cage: faster, but less exact. 0 keeps all weights",
     ),
-    Choice(
-        "precision",
-        "single",
-        PRECISIONS,
-        rebinds=True,
-        advanced=True,
-        label="Precision",
-        description="The precision with which the weights are stored",
-    ),
+    stored_precision("the weights"),
 )
 
 OUTSIDE_REFUSED = Choice(

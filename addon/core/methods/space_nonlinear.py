@@ -4,31 +4,18 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .schema import Control, Family, Float, Int, Method, Moved, Posed, Reproduced
+from .schema import Control, Family, Float, Int, Method, Moved, Posed, Reproduced, iterations, tolerance
 
-_ITERATIONS = Int(
-    "max_iterations",
+_ITERATIONS = iterations(
     40,
-    minimum=1,
     maximum=1000,
-    soft_maximum=100,
     rebinds=True,
-    advanced=True,
     unit="iterations per frame",
-    label="Iterations",
     description="The most iterations per frame. Fewer are taken where the shape no longer changes",
 )
-_TOLERANCE = Float(
-    "tolerance",
-    1e-4,
-    minimum=0.0,
-    maximum=1.0,
+_TOLERANCE = tolerance(
     soft_maximum=0.01,
-    precision=6,
     rebinds=True,
-    advanced=True,
-    unit="share of the energy",
-    label="Tolerance",
     description="A frame is done when two iterations in succession lower the energy by a smaller share",
 )
 

@@ -19,8 +19,8 @@ from .schema import (
     Size,
     factorising,
     per_pair,
+    stored_precision,
 )
-from .space_linear import PRECISIONS
 
 _DENSE = 3e-11  # seconds per cube of the handle points, for their system
 _FIT = 1e-7  # seconds per square of the centres that a fit chooses
@@ -107,15 +107,7 @@ ROWS = (
                 description="Handles of many points are met up to this share of their longest move, with as "
                 "few radial functions as that takes. 0 meets all exactly, which takes long",
             ),
-            Choice(
-                "precision",
-                "single",
-                PRECISIONS,
-                rebinds=True,
-                advanced=True,
-                label="Precision",
-                description="The precision with which the functions of handles are stored",
-            ),
+            stored_precision("the functions of handles"),
         ),
         reproduces=Reproduced.AFFINE_MAPS,
     ),
@@ -208,15 +200,7 @@ ROWS = (
                 description="The larger, the more each point follows only the nearest handles. Regions of "
                 "many points need more than 1.5: with less, far points of a region outweigh its border",
             ),
-            Choice(
-                "precision",
-                "single",
-                PRECISIONS,
-                rebinds=True,
-                advanced=True,
-                label="Precision",
-                description="The precision with which the weights of handles are stored",
-            ),
+            stored_precision("the weights of handles"),
         ),
     ),
 )

@@ -19,20 +19,7 @@ from .schema import (
     Reproduced,
     UvMap,
     factorising,
-)
-
-LAPLACIANS = (
-    (
-        "uniform",
-        "Uniform",
-        "Treats all neighbours equally: for messy meshes, whose angles and areas mean nothing",
-    ),
-    ("cotan", "Cotangent", "Takes the angles of the faces into account, but not their sizes"),
-    (
-        "cotan_voronoi",
-        "Cotangent + Area",
-        "Takes the angles and sizes of the faces into account: depends least on how the mesh is divided",
-    ),
+    laplacian,
 )
 
 CONTINUITY = Float(
@@ -142,14 +129,7 @@ ROWS = (
                 description="How much the surface resists a change of its curvature. "
                 "It gives the roundest shapes, and needs wider handles",
             ),
-            Choice(
-                "laplacian",
-                "cotan_voronoi",
-                LAPLACIANS,
-                rebinds=True,
-                label="Laplacian",
-                description="How the faces are taken into account",
-            ),
+            laplacian(),
             _substeps(
                 "Each step binds the shape of the last one, so a frame takes as many binds. "
                 "More steps keep twists from collapsing, and stretch bends",
@@ -186,16 +166,7 @@ ROWS = (
         moves=frozenset({Moved.MESH}),
         bind_seconds=factorising(0.03),
         reproduces=Reproduced.RIGID_MOTIONS,
-        parameters=(
-            Choice(
-                "laplacian",
-                "cotan",
-                LAPLACIANS[:2],
-                rebinds=True,
-                label="Laplacian",
-                description="How the faces are taken into account",
-            ),
-        ),
+        parameters=(laplacian("cotan", choices=2),),
     ),
     Method(
         id="propagation",
@@ -303,14 +274,7 @@ ROWS = (
                 description="Of Estimated and Implicit: sees the handles from the mean of their turns, "
                 "so that each of two handles turns by half of the angle between them",
             ),
-            Choice(
-                "laplacian",
-                "cotan_voronoi",
-                LAPLACIANS,
-                rebinds=True,
-                label="Laplacian",
-                description="How the faces are taken into account",
-            ),
+            laplacian(),
             _substeps(
                 "Of Estimated: each step starts from the shape of the last one. Of None and Implicit: each "
                 "step binds it, so a frame takes as many binds. Helps where two handles twist the surface",
@@ -471,14 +435,7 @@ ROWS = (
                 label="Volume",
                 description="How much the points inside count beside the surface. 0 leaves the surface alone",
             ),
-            Choice(
-                "laplacian",
-                "cotan_voronoi",
-                LAPLACIANS,
-                rebinds=True,
-                label="Laplacian",
-                description="How the faces are taken into account",
-            ),
+            laplacian(),
         ),
     ),
     Method(

@@ -15,6 +15,8 @@ from .schema import (
     Reproduced,
     Size,
     factorising,
+    iterations,
+    tolerance,
 )
 
 CELLS = (
@@ -98,28 +100,8 @@ ROWS = (
                 description="k_b: how much the sheet resists being bent. The thickness is the square root of "
                 "Bending by Stretching",
             ),
-            Int(
-                "max_iterations",
-                60,
-                minimum=1,
-                soft_maximum=100,
-                unit="iterations",
-                advanced=True,
-                label="Iterations",
-                description="The largest number of steps per frame. "
-                "While you drag, fewer steps are computed; the others follow when you stop",
-            ),
-            Float(
-                "tolerance",
-                1e-4,
-                maximum=1.0,
-                soft_maximum=0.001,
-                precision=6,
-                unit="share of the energy",
-                advanced=True,
-                label="Tolerance",
-                description="Stop when two steps in a row lower the energy by less than this share of it",
-            ),
+            iterations(60),
+            tolerance(),
         ),
     ),
     Method(
@@ -182,28 +164,8 @@ ROWS = (
                 description="How firmly a region keeps its shape. "
                 "Paint a vertex group to let soft parts deform more than hard ones",
             ),
-            Int(
-                "max_iterations",
-                40,
-                minimum=1,
-                soft_maximum=100,
-                unit="iterations",
-                advanced=True,
-                label="Iterations",
-                description="The largest number of steps per frame. "
-                "While you drag, fewer steps are computed; the others follow when you stop",
-            ),
-            Float(
-                "tolerance",
-                1e-4,
-                maximum=1.0,
-                soft_maximum=0.001,
-                precision=6,
-                unit="share of the energy",
-                advanced=True,
-                label="Tolerance",
-                description="Stop when two steps in a row lower the energy by less than this share of it",
-            ),
+            iterations(40),
+            tolerance(),
         ),
     ),
     Method(
@@ -237,28 +199,8 @@ ROWS = (
                 "of the size of the part that they are on. Higher prisms resist bending and twisting more. "
                 "Paint a vertex group to let regions bend that are less thick",
             ),
-            Int(
-                "max_iterations",
-                40,
-                minimum=1,
-                soft_maximum=100,
-                unit="iterations",
-                advanced=True,
-                label="Iterations",
-                description="The largest number of steps per frame. "
-                "While you drag, fewer steps are computed; the others follow when you stop",
-            ),
-            Float(
-                "tolerance",
-                1e-4,
-                maximum=1.0,
-                soft_maximum=0.001,
-                precision=6,
-                unit="share of the energy",
-                advanced=True,
-                label="Tolerance",
-                description="Stop when two steps in a row lower the energy by less than this share of it",
-            ),
+            iterations(40),
+            tolerance(),
         ),
     ),
     Method(
@@ -312,28 +254,8 @@ ROWS = (
                 description="Whether regions may grow or shrink, up to twice or half their size, where "
                 "handles pull them apart or are scaled",
             ),
-            Int(
-                "max_iterations",
-                40,
-                minimum=1,
-                soft_maximum=100,
-                unit="iterations",
-                advanced=True,
-                label="Iterations",
-                description="The largest number of steps per frame. "
-                "While you drag, fewer steps are computed; the others follow when you stop",
-            ),
-            Float(
-                "tolerance",
-                1e-4,
-                maximum=1.0,
-                soft_maximum=0.001,
-                precision=6,
-                unit="share of the energy",
-                advanced=True,
-                label="Tolerance",
-                description="Stop when two steps in a row lower the energy by less than this share of it",
-            ),
+            iterations(40),
+            tolerance(),
         ),
     ),
     Method(
@@ -401,28 +323,8 @@ ROWS = (
                 label="Clusters",
                 description="How many groups of vertices turn each as one",
             ),
-            Int(
-                "max_iterations",
-                60,
-                minimum=1,
-                soft_maximum=200,
-                advanced=True,
-                unit="iterations",
-                label="Iterations",
-                description="The largest number of steps per frame. "
-                "While you drag, fewer steps are computed; the others follow when you stop",
-            ),
-            Float(
-                "tolerance",
-                1e-5,
-                maximum=1.0,
-                soft_maximum=0.001,
-                precision=7,
-                advanced=True,
-                unit="share of the energy",
-                label="Tolerance",
-                description="Stop when two steps in a row lower the energy by less than this share of it",
-            ),
+            iterations(60, soft_maximum=200),
+            tolerance(1e-5, precision=7),
         ),
     ),
     Method(
@@ -452,28 +354,13 @@ ROWS = (
                 description="How much bends and bumps of the surface are kept, beside the lengths of its "
                 "edges. More of it makes the skin around joints rounder",
             ),
-            Int(
-                "max_iterations",
+            iterations(
                 20,
-                minimum=1,
                 soft_maximum=50,
-                unit="iterations",
-                advanced=True,
-                label="Iterations",
                 description="The largest number of steps per frame. "
                 "A few are enough for joints; long free parts take more",
             ),
-            Float(
-                "tolerance",
-                1e-4,
-                maximum=1.0,
-                soft_maximum=0.001,
-                precision=6,
-                unit="share of the energy",
-                advanced=True,
-                label="Tolerance",
-                description="Stop when two steps in a row lower the energy by less than this share of it",
-            ),
+            tolerance(),
         ),
     ),
     Method(
@@ -516,26 +403,18 @@ ROWS = (
                 label="Isolines",
                 description="What bounds the bands",
             ),
-            Int(
-                "max_iterations",
+            iterations(
                 200,
-                minimum=1,
                 soft_maximum=500,
-                advanced=True,
                 unit="turns",
                 label="Turns",
                 description="The largest number of times that the rotations are fitted per frame. "
                 "Each takes some microseconds",
             ),
-            Float(
-                "tolerance",
+            tolerance(
                 1e-6,
-                maximum=1.0,
-                soft_maximum=0.001,
                 precision=7,
-                advanced=True,
                 unit="norm of a rotation matrix",
-                label="Tolerance",
                 description="Stop when the matrix of no rotation changes by more than this",
             ),
         ),
