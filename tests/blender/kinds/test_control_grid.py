@@ -23,7 +23,6 @@ from rigs.rig import (
     load,
     make_active,
     press,
-    push,
     save,
     update,
 )
@@ -165,22 +164,6 @@ def test_it_follows_in_edit_mode(sheet: Rig):
         inside = sheet.points()
     assert np.abs(inside[:, 2]).max() > 0.2
     assert close(sheet.points(), inside)
-
-
-def test_undo_and_redo(sheet: Rig):
-    push("before")
-    before = sheet.points()
-    make_active(sheet.obj)
-    bpy.ops.sinew.grid_new("EXEC_DEFAULT", True)
-    drag(sheet, at_middle())
-    push("dragged")
-    after = sheet.points()
-    assert not close(after, before, 0.1)
-    for _ in range(2):
-        bpy.ops.ed.undo()
-        assert close(sheet.points(), before)
-        bpy.ops.ed.redo()
-        assert close(sheet.points(), after)
 
 
 def test_it_survives_saving_and_loading(sheet: Rig, tmp_path):

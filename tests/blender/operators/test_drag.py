@@ -26,7 +26,6 @@ from rigs.rig import (
     new_armature,
     new_object,
     press,
-    push,
     reopen,
     update,
 )
@@ -329,19 +328,6 @@ def tip_of(obj: bpy.types.Object) -> bpy.types.PoseBone:
     press(obj, "handle_add", kind="FIXED", vertex_group="Base")
     press(obj, "handle_add", vertex_group="Tip", control_object=armature.name, bone="Bone")
     return armature.pose.bones["Bone"]
-
-
-def test_undo_takes_back_a_drag_in_one_step_and_redo_makes_it_again():
-    obj = grid_object(cells=12)
-    push("made")
-    before = everything()
-    bpy.ops.sinew.drag("EXEC_DEFAULT", True, origin=(0.0, 0.0, 5.0), value=LIFT)
-    shape = evaluated_points(bpy.data.objects[obj.name])
-    bpy.ops.ed.undo()
-    assert everything() == before
-    bpy.ops.ed.redo()
-    obj = next(other for other in bpy.data.objects if other.type == "MESH" and other.sinew.deformers)
-    assert close(evaluated_points(obj), shape)
 
 
 def test_a_drag_is_saved(tmp_path: Path):

@@ -21,7 +21,6 @@ from rigs.rig import (
     grid_object,
     make_active,
     press,
-    push,
     reopen,
     update,
 )
@@ -78,20 +77,6 @@ def test_the_same_place_is_dragged_on(method: str):
     assert drag(-0.5, value=(0.1, 0.0, 0.2), method=method) == first
     assert len(names(obj)) == 1
     assert close(at(obj, -0.5, 0.0), np.array((-0.4, 0.0, 0.7)), MEETS)
-
-
-def test_a_drag_undoes_and_redoes_in_one_step(method: str):
-    obj = grid_object(cells=20)
-    push("plate")
-    drag(0.0, method=method)
-    push("drag")
-    lifted = evaluated_points(obj)
-    bpy.ops.ed.undo()
-    obj = bpy.data.objects["Plate"]
-    assert not obj.sinew.deformers
-    assert close(evaluated_points(obj), base_points(obj))
-    bpy.ops.ed.redo()
-    assert close(evaluated_points(bpy.data.objects["Plate"]), lifted)
 
 
 def test_a_mirrored_drag_moves_both_sides(method: str):
