@@ -20,10 +20,8 @@ from rigs.rig import (
     in_mode,
     key,
     linked,
-    load,
     make_active,
     press,
-    save,
     update,
 )
 
@@ -164,17 +162,6 @@ def test_it_follows_in_edit_mode(sheet: Rig):
         inside = sheet.points()
     assert np.abs(inside[:, 2]).max() > 0.2
     assert close(sheet.points(), inside)
-
-
-def test_it_survives_saving_and_loading(sheet: Rig, tmp_path):
-    new_grid(sheet)
-    moves = drag(sheet, at_middle())
-    after = sheet.points()
-    load(save(tmp_path / "grid.blend"))
-    assert close(sheet.points(), after)
-    drag(sheet, {3: (0.0, 0.0, 0.4)})
-    moves[3] += (0.0, 0.0, 0.4)
-    assert close(sheet.points(), expected(sheet, moves).lifted(0.0), TOLERANCE)
 
 
 def test_apply_of_the_target_keeps_the_shape_in_the_world(sheet: Rig):

@@ -15,7 +15,6 @@ from registry import BY_ID, RIGID_ON_HANDLE_POINTS
 from rigs.point_objects import MAKERS, add, add_bones, moved_by_hand
 from rigs.rig import (
     FLOAT32,
-    MATRIX,
     add_armature,
     apply_matrix,
     base_points,
@@ -313,21 +312,6 @@ def test_an_object_may_have_more_points_than_empties_are_made_for():
     assert close(
         evaluated_points(plate), warped("mls", rest, in_target(plate, points), base_points(plate)), 1e-5
     )
-
-
-def test_apply_takes_the_points_at_rest_along():
-    plate, points = grid_object(), frame()
-    add(plate, points, method="mls")
-    points.data.vertices[0].co.z += 0.7
-    plate.rotation_euler.z, plate.scale = 0.6, (1.5, 1.5, 1.5)
-    update()
-    before = apply_matrix(plate.matrix_world, evaluated_points(plate))
-    make_active(plate)
-    bpy.ops.object.transform_apply()
-    assert close(apply_matrix(plate.matrix_world, evaluated_points(plate)), before, MATRIX)
-    points.data.vertices[0].co.z -= 0.7
-    points.data.update()
-    assert np.abs(evaluated_points(plate) - before).max() > 0.3
 
 
 def test_what_cannot_be_had_is_said():

@@ -26,7 +26,6 @@ from rigs.rig import (
     new_armature,
     new_object,
     press,
-    reopen,
     update,
 )
 
@@ -328,19 +327,6 @@ def tip_of(obj: bpy.types.Object) -> bpy.types.PoseBone:
     press(obj, "handle_add", kind="FIXED", vertex_group="Base")
     press(obj, "handle_add", vertex_group="Tip", control_object=armature.name, bone="Bone")
     return armature.pose.bones["Bone"]
-
-
-def test_a_drag_is_saved(tmp_path: Path):
-    obj = grid_object(cells=12)
-    drag()
-    name, shape = obj.name, evaluated_points(obj)
-    reopen(tmp_path / "dragged.blend")
-    obj = bpy.data.objects[name]
-    assert close(evaluated_points(obj), shape)
-    make_active(obj)
-    drag(z=6.0, value=(0.0, 0.0, 0.25))
-    assert len([row for row in obj.sinew.active.handles if row.kind == "HANDLE"]) == 1
-    assert evaluated_points(obj)[:, 2].max() == pytest.approx(0.75, abs=1e-5)
 
 
 def test_automatic_keyframes_are_inserted():

@@ -201,17 +201,6 @@ def test_a_drawn_stroke_may_be_kept_as_a_curve():
     assert close(evaluated_points(obj), drawn)
 
 
-def test_a_sketch_survives_saving_and_loading(tmp_path):
-    obj = ball()
-    sketch(curve(arc(bump)), reach=0.6)
-    after = evaluated_points(obj)
-    path = str(tmp_path / "sketch.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.open_mainfile(filepath=path)
-    assert close(evaluated_points(bpy.data.objects["Ball"]), after)
-    assert "Stroke" in bpy.data.objects
-
-
 def test_a_deformer_after_the_key_gets_the_redrawn_shape(plate: Rig):
     """The border of a plate is its outline from above; the pose comes on top."""
     plate.bind()
