@@ -181,18 +181,6 @@ def test_a_cage_inside_out_can_be_flipped():
     assert_goes_on(target, cage)
 
 
-def test_the_armature_before_it_still_counts():
-    target, cage = ball(), box()
-    armature = add_armature(target)
-    surround(target, cage)
-    rest = evaluated_points(target)
-    armature.pose.bones["high"].location.x = 0.7
-    posed = evaluated_points(target)
-    cage.location.z = 0.5
-    assert np.abs(evaluated_points(target) - posed - (0.0, 0.0, 0.5)).max() < FLOAT32
-    assert np.abs(posed - rest).max() > 0.1
-
-
 @pytest.mark.parametrize("kind", ["mesh", "curve"])
 @pytest.mark.parametrize("method", WITH_CAGE)
 def test_points_outside_are_said_alike_by_all_methods_and_can_follow(method: str, kind: str):
