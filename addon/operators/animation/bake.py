@@ -9,8 +9,9 @@ from ... import bake
 from ...ids import Operators
 from ...properties import BAKE_TARGETS, SinewDeformer
 from ..frame_by_frame import FrameByFrame
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import has_deformer, target_of
+from ..target import target_of
 
 _SKIP = {"SKIP_SAVE"}
 
@@ -30,7 +31,7 @@ def _chosen(context: Context, everything: bool) -> list[tuple[Object, SinewDefor
     return [(obj, deformer) for obj in (target, *others) for deformer in obj.sinew.deformers]
 
 
-class SINEW_OT_bake(FrameByFrame, Operator):
+class SINEW_OT_bake(OnDeformer, FrameByFrame, Operator):
     """Store the deformed mesh frame by frame, so that it plays without the add-on, on a render farm for
     example.
 
@@ -39,7 +40,6 @@ class SINEW_OT_bake(FrameByFrame, Operator):
 
     bl_idname = Operators.BAKE
     bl_label = "Bake"
-    bl_options = {"REGISTER", "UNDO"}
     doing, did = "baking", "Baked"
     cancelled = "The bake was cancelled - everything is as it was"
 
@@ -74,13 +74,10 @@ class SINEW_OT_bake(FrameByFrame, Operator):
     check_existing: BoolProperty(default=True, options={"HIDDEN", "SKIP_SAVE"})
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context):
-            return False
-        if target_of(context).mode != "OBJECT":
-            cls.poll_message_set("Go to Object Mode to bake")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if target_of(context).mode == "OBJECT" else "Go to Object Mode to bake"
+        )
 
     def invoke(self, context: Context, _event: Event) -> set[str]:
         if bpy.app.background:
@@ -157,12 +154,11 @@ class SINEW_OT_bake(FrameByFrame, Operator):
         return {"CANCELLED"}  # undo records the bake that was just started, not this call
 
 
-class SINEW_OT_unbake(Operator):
+class SINEW_OT_unbake(OnDeformer, Operator):
     """Let the deformer follow its controls again, and remove what Bake added to the mesh"""
 
     bl_idname = Operators.UNBAKE
     bl_label = "Unbake"
-    bl_options = {"REGISTER", "UNDO"}
 
     all_deformers: BoolProperty(**_ALL)
     delete_file: BoolProperty(
@@ -172,17 +168,16 @@ class SINEW_OT_unbake(Operator):
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context):
-            return False
+    def refusal(cls, context: Context) -> str:
+        reason = super().refusal(context)
+        if reason:
+            return reason
         target = target_of(context)
         if target.mode != "OBJECT":
-            cls.poll_message_set("Go to Object Mode to unbake")
-            return False
-        if not any(deformer.bake.is_baked for deformer in target.sinew.deformers):
-            cls.poll_message_set("Nothing is baked")
-            return False
-        return True
+            return "Go to Object Mode to unbake"
+        return (
+            "" if any(deformer.bake.is_baked for deformer in target.sinew.deformers) else "Nothing is baked"
+        )
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -12,21 +12,21 @@ from ...core.methods import BY_ID, DEFAULT_TOOL_METHOD
 from ...ids import Operators
 from ...session.actions.controls import control_list as rows
 from ...session.datablocks.parts import ShownParts
-from ..handles.rows import has_rows
+from ..handles.rows import OnRows
+from ..offered import OnTarget
 from ..reporting import reports_errors
-from ..target import has_target, object_mode, target_of
+from ..target import object_mode, target_of
 from ..waiting import BindingOperator
 from .cage import show_only
 
 (_TOOL,) = (row for row in BY_ID[DEFAULT_TOOL_METHOD].control_parameters if row.id == "tools")
 
 
-class SINEW_OT_tool_add(BindingOperator, Operator):
+class SINEW_OT_tool_add(OnTarget, BindingOperator, Operator):
     """Add an empty that drags, twists or bends what is around it, and keeps volumes"""
 
     bl_idname = Operators.TOOL_ADD
     bl_label = "Add Tool"
-    bl_options = {"REGISTER", "UNDO"}
 
     tool: EnumProperty(name="Tool", items=_TOOL.items, default="drag", description=_TOOL.description)
     control: StringProperty(
@@ -49,10 +49,6 @@ class SINEW_OT_tool_add(BindingOperator, Operator):
         description="How far the tool reaches; 0 for a third of the size of the object, or for a Drag of the "
         "part beside it",
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_target(cls, context)
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -106,12 +102,11 @@ class SINEW_OT_tool_add(BindingOperator, Operator):
         return ShownParts(obj, bpy.context.evaluated_depsgraph_get()).size_at(place)
 
 
-class SINEW_OT_tool_stop(BindingOperator, Operator):
+class SINEW_OT_tool_stop(OnRows, BindingOperator, Operator):
     """Add a way point to the path of the active tool at its current place, or remove all of them"""
 
     bl_idname = Operators.TOOL_STOP
     bl_label = "Add Stop"
-    bl_options = {"REGISTER", "UNDO"}
 
     clear: BoolProperty(
         name="Straight",
@@ -120,13 +115,10 @@ class SINEW_OT_tool_stop(BindingOperator, Operator):
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_rows(cls, context):
-            return False
-        if target_of(context).sinew.active.method != DEFAULT_TOOL_METHOD:
-            cls.poll_message_set("Only tools have a path")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if target_of(context).sinew.active.method == DEFAULT_TOOL_METHOD else "Only tools have a path"
+        )
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:

@@ -10,8 +10,9 @@ from ...ids import Operators
 from ...session.actions.controls import control_list as rows
 from ...session.actions.controls import wires as edit_wires
 from ...session.targets import targets
+from ..offered import OnTarget
 from ..reporting import reports_errors
-from ..target import has_target, object_mode, target_of
+from ..target import object_mode, target_of
 from ..waiting import BindingOperator
 from .cage import show_only
 
@@ -34,12 +35,11 @@ POINTS = {
 }
 
 
-class SINEW_OT_wire_add(BindingOperator, Operator):
+class SINEW_OT_wire_add(OnTarget, BindingOperator, Operator):
     """Let curves move what lies near them: the selected curves, or a new one along the selected edges"""
 
     bl_idname = Operators.WIRE_ADD
     bl_label = "Add Wire"
-    bl_options = {"REGISTER", "UNDO"}
 
     source: EnumProperty(
         name="Source",
@@ -59,10 +59,6 @@ class SINEW_OT_wire_add(BindingOperator, Operator):
     )
     points: IntProperty(**POINTS)
     radius: FloatProperty(**RADIUS)
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_target(cls, context)
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:

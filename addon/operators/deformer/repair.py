@@ -9,11 +9,12 @@ from ...ids import Operators
 from ...session.actions import bind, refining, repair
 from ...session.actions.handles import overlaps
 from ...session.actions.repair import RepairOptions
+from ..offered import OnDeformer, OnTarget
 from ..reporting import reports_errors
-from ..target import has_deformer, has_target, object_mode, target_of
+from ..target import object_mode, target_of
 
 
-class SINEW_OT_repair(Operator):
+class SINEW_OT_repair(OnTarget, Operator):
     """Mend the defects of the mesh that can be mended safely, and bind again.
 
     Vertex groups, shape keys and UV maps stay. All other defects are counted and stay as they are
@@ -21,7 +22,7 @@ class SINEW_OT_repair(Operator):
 
     bl_idname = Operators.REPAIR
     bl_label = "Repair"
-    bl_options = {"REGISTER", "UNDO"}
+    MESHES_ONLY = True
 
     not_finite: BoolProperty(
         name="Lost Positions",
@@ -64,13 +65,10 @@ class SINEW_OT_repair(Operator):
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_target(cls, context, mesh=True):
-            return False
-        if target_of(context).mode not in ("OBJECT", "EDIT"):
-            cls.poll_message_set("Repair works in Object and Edit Mode")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if target_of(context).mode in ("OBJECT", "EDIT") else "Repair works in Object and Edit Mode"
+        )
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -100,17 +98,7 @@ class SINEW_OT_repair(Operator):
         row.prop(self, "distance")
 
 
-class _OfMeshes:
-    """What works on a mesh with a deformer."""
-
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context, mesh=True)
-
-
-class SINEW_OT_part_regions(_OfMeshes, Operator):
+class SINEW_OT_part_regions(OnDeformer, Operator):
     """Remove vertices that two regions share from the second region, and bind again.
 
     If one region lies completely inside another, it keeps them, and the outer region loses them
@@ -118,6 +106,7 @@ class SINEW_OT_part_regions(_OfMeshes, Operator):
 
     bl_idname = Operators.PART_REGIONS
     bl_label = "Part Regions"
+    MESHES_ONLY = True
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -134,7 +123,7 @@ class SINEW_OT_part_regions(_OfMeshes, Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_refine(Operator):
+class SINEW_OT_refine(OnDeformer, Operator):
     """Double the number of cells until each handle has one of its own, and bind.
 
     Objects that share the handles get the same number
@@ -142,16 +131,14 @@ class SINEW_OT_refine(Operator):
 
     bl_idname = Operators.REFINE
     bl_label = "Refine"
-    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context):
-            return False
+    def refusal(cls, context: Context) -> str:
+        reason = super().refusal(context)
+        if reason:
+            return reason
         method = target_of(context).sinew.active.definition
-        if not method.finer:
-            cls.poll_message_set(f"{method.label} has nothing that could be finer")
-        return bool(method.finer)
+        return "" if method.finer else f"{method.label} has nothing that could be finer"
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -162,7 +149,7 @@ class SINEW_OT_refine(Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_armature_off(_OfMeshes, Operator):
+class SINEW_OT_armature_off(OnDeformer, Operator):
     """Turn off the Armature modifiers of this mesh whose armature also moves a control of Sinew.
 
     The control carries the mesh along, so it moved twice as far
@@ -170,6 +157,7 @@ class SINEW_OT_armature_off(_OfMeshes, Operator):
 
     bl_idname = Operators.ARMATURE_OFF
     bl_label = "Turn Off Armature"
+    MESHES_ONLY = True
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -14,14 +14,15 @@ from ...session.actions import bind, rigging, selection
 from ...session.actions.handles import handles
 from ...session.actions.handles.handles import NewRegion
 from ...session.controls.handles import riding
+from ..offered import OnDeformer, OnTarget
 from ..reporting import reports_errors
-from ..target import handle_index, has_deformer, has_target, object_mode, show_control, target_of
+from ..target import handle_index, object_mode, show_control, target_of
 from ..waiting import BindingOperator
 
 _LABELS = {identifier: label for identifier, label, *_rest in HANDLE_ROLES}
 
 
-class SINEW_OT_handle_add(BindingOperator, Operator):
+class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
     """Make the selected vertices a region; outside Edit Mode, those of the active vertex group.
 
     In Pose and Weight Paint Mode the active bone becomes its control, in other modes a new empty
@@ -29,7 +30,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
 
     bl_idname = Operators.HANDLE_ADD
     bl_label = "Add Handle"
-    bl_options = {"REGISTER", "UNDO"}
+    MESHES_ONLY = True
 
     kind: EnumProperty(
         name="Role",
@@ -82,10 +83,6 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
         description="The name of a pose bone, if the control is an armature",
         options={"SKIP_SAVE"},
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_target(cls, context, mesh=True)
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -140,7 +137,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
         return control, active.name if active else ""
 
 
-class SINEW_OT_keep_inside(BindingOperator, Operator):
+class SINEW_OT_keep_inside(OnDeformer, BindingOperator, Operator):
     """Make the loose parts that lie inside, such as eyes and teeth, a region, so that they leave the surface.
 
     In Pose Mode the active bone becomes its control. Otherwise it is fixed: it stays at rest, or where an
@@ -149,11 +146,7 @@ class SINEW_OT_keep_inside(BindingOperator, Operator):
 
     bl_idname = Operators.KEEP_INSIDE
     bl_label = "Keep Inside Parts"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context, mesh=True)
+    MESHES_ONLY = True
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -172,18 +165,13 @@ class SINEW_OT_keep_inside(BindingOperator, Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_handle_remove(Operator):
+class SINEW_OT_handle_remove(OnDeformer, Operator):
     """Remove the region, and the control and the vertex group that were made for it"""
 
     bl_idname = Operators.HANDLE_REMOVE
     bl_label = "Remove Handle"
-    bl_options = {"REGISTER", "UNDO"}
 
     index: IntProperty(name="Index", default=-1, min=-1, description="Which handle; -1 is the active one")
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -200,7 +188,7 @@ class SINEW_OT_handle_remove(Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_select_handle(Operator):
+class SINEW_OT_select_handle(OnDeformer, Operator):
     """Select the control of the region; in Edit Mode its vertices, in Weight Paint Mode its vertex group.
 
     A control that is a bone is selected in Pose Mode
@@ -208,14 +196,9 @@ class SINEW_OT_select_handle(Operator):
 
     bl_idname = Operators.SELECT_HANDLE
     bl_label = "Select Handle"
-    bl_options = {"REGISTER", "UNDO"}
 
     index: IntProperty(name="Index", default=-1, min=-1, description="Which handle; -1 is the active one")
     extend: BoolProperty(name="Extend", description="Add to the selection", options={"SKIP_SAVE"})
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -8,16 +8,16 @@ from ...ids import Operators
 from ...properties import STANDS_ON
 from ...session.actions.handles import standing
 from ...session.controls.handles import riding
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import handle_index, has_deformer, target_of
+from ..target import handle_index, target_of
 
 
-class SINEW_OT_handle_stand(Operator):
+class SINEW_OT_handle_stand(OnDeformer, Operator):
     """Choose what the control of the handle stands on. The shape of this frame stays as it is"""
 
     bl_idname = Operators.HANDLE_STAND
     bl_label = "Stands On"
-    bl_options = {"REGISTER", "UNDO"}
 
     on: EnumProperty(
         name="Stands On",
@@ -37,10 +37,6 @@ class SINEW_OT_handle_stand(Operator):
         description="Which handle; -1 is the active one",
         options={"SKIP_SAVE"},
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_handle_stand") -> str:

@@ -26,6 +26,7 @@ from ..modal.motion_properties import MOTION_KEYS, MotionProperties
 from ..modal.ring import draw_line, ring
 from ..modal.shell import Keys, ViewportTool
 from ..modal.view import axes_of, length_text, view_of
+from ..offered import Offered
 from ..reporting import reports_errors
 from .dragging import Dragging
 
@@ -37,7 +38,7 @@ _NOT_HELD = "Nothing holds this part, so all of it moves - click on it to make h
 _NOTHING = "There is nothing to drag at this place - press on a surface, or on a curve, hair or a cloud"
 
 
-class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
+class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
     """Drag the surface: a handle is made where you press, or taken if there is one, and moves with the mouse.
 
     A click alone makes a handle that stays, and holds what is around it
@@ -98,11 +99,8 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Go to Object Mode to drag a surface")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return "" if context.mode == "OBJECT" else "Go to Object Mode to drag a surface"
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -15,6 +15,7 @@ from ...session.controls import kinds
 from ..modal.motion_properties import MOTION_KEYS, MotionValues
 from ..modal.shell import Keys, ViewportTool
 from ..modal.view import axes_of, length_text, view_of
+from ..offered import Offered
 from ..reporting import reports_errors
 from ..target import object_mode, show_control, target_of
 from ..waiting import BindingOperator
@@ -31,7 +32,7 @@ _METHODS = tuple(method for method in METHODS if kinds.marks_regions(method) and
 _BEHIND = 1e-2  # a gap of this share of the motion is worth a word
 
 
-class SINEW_OT_puppet_pose(MotionValues, ViewportTool, Operator):
+class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
     """Drag the active bone, and let the figure follow: joints keep their limits, pinned bones stay"""
 
     bl_idname = Operators.PUPPET_POSE
@@ -73,11 +74,10 @@ class SINEW_OT_puppet_pose(MotionValues, ViewportTool, Operator):
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if context.object is None or context.object.type != "ARMATURE":
-            cls.poll_message_set("Select an armature, and the bone to drag in Pose Mode")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        if context.object is not None and context.object.type == "ARMATURE":
+            return ""
+        return "Select an armature, and the bone to drag in Pose Mode"
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -149,12 +149,11 @@ class SINEW_OT_puppet_pose(MotionValues, ViewportTool, Operator):
             )
 
 
-class SINEW_OT_puppet_pin(Operator):
+class SINEW_OT_puppet_pin(Offered, Operator):
     """Pin the selected bones, or release them: pinned ones stay while another bone is dragged"""
 
     bl_idname = Operators.PUPPET_PIN
     bl_label = "Pin Bones"
-    bl_options = {"REGISTER", "UNDO"}
 
     action: EnumProperty(
         name="Action",
@@ -169,11 +168,8 @@ class SINEW_OT_puppet_pin(Operator):
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if context.mode != "POSE":
-            cls.poll_message_set("Select bones in Pose Mode")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return "" if context.mode == "POSE" else "Select bones in Pose Mode"
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -190,12 +186,11 @@ class SINEW_OT_puppet_pin(Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_puppet_rig(BindingOperator, Operator):
+class SINEW_OT_puppet_rig(Offered, BindingOperator, Operator):
     """Let the bones of an armature move the mesh: each holds the vertex group of its name, or its limb"""
 
     bl_idname = Operators.PUPPET_RIG
     bl_label = "Handles from Bones"
-    bl_options = {"REGISTER", "UNDO"}
 
     armature: StringProperty(
         name="Armature",
@@ -224,11 +219,10 @@ class SINEW_OT_puppet_rig(BindingOperator, Operator):
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not any(obj.type == "MESH" for obj in (context.object, *context.selected_objects) if obj):
-            cls.poll_message_set("Select a mesh and its armature")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        objects = (context.object, *context.selected_objects)
+        has_mesh = any(obj.type == "MESH" for obj in objects if obj)
+        return "" if has_mesh else "Select a mesh and its armature"
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:

@@ -25,6 +25,7 @@ from ...session.edit_mode.sketch import Sight, Sketch
 from ..modal.ring import draw_line
 from ..modal.shell import Keys, ViewportTool
 from ..modal.view import axes_of, length_text
+from ..offered import Offered
 from ..reporting import reports_errors
 from .sketching import Sketching, Stage
 
@@ -45,7 +46,7 @@ _LINE = (1.0, 1.0, 1.0, 0.6)
 _NAME = "Silhouette Stroke"
 
 
-class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
+class SINEW_OT_silhouette_sketch(Offered, ViewportTool, Operator):
     """Draw the outline of the mesh anew with a stroke; the surface around follows and keeps its details.
 
     Begin and end on the outline. The result is a shape key
@@ -118,13 +119,10 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if context.mode != "OBJECT" or context.object is None or context.object.type != "MESH":
-            cls.poll_message_set(
-                "Go to Object Mode and make the mesh active whose outline you want to redraw"
-            )
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        if context.mode == "OBJECT" and context.object is not None and context.object.type == "MESH":
+            return ""
+        return "Go to Object Mode and make the mesh active whose outline you want to redraw"
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
