@@ -69,6 +69,14 @@ def explain_no_target(context: Context) -> tuple[str, bool]:
     )
 
 
+def object_named(context: Context, name: str) -> Object:
+    """The object of this name in the scene."""
+    found = context.scene.objects.get(name)
+    if found is None:
+        raise SinewError(f"There is no object '{name}' in the scene")
+    return found
+
+
 def deformer_index(obj: Object, index: int) -> int:
     """The index of a deformer; -1 means the active one."""
     count = len(obj.sinew.deformers)

@@ -8,6 +8,7 @@ from bpy.types import Context, Event, Object, Operator
 from ... import bake
 from ...ids import Operators
 from ...properties import BAKE_TARGETS, SinewDeformer
+from ..arguments import once
 from ..frame_by_frame import FrameByFrame
 from ..offered import OnDeformer
 from ..reporting import reports_errors
@@ -50,24 +51,21 @@ class SINEW_OT_bake(OnDeformer, FrameByFrame, Operator):
         description="What the shapes are written to. Use caches for long shots and shape keys for single "
         "poses",
     )
-    filepath: StringProperty(
-        name="Path",
+    filepath: once(
+        StringProperty,
+        "Path",
+        "The file to write; if empty, a file in the folder sinew_cache beside the .blend file",
         subtype="FILE_PATH",
-        description="The file to write; if empty, a file in the folder sinew_cache beside the .blend file",
-        options=_SKIP,
     )
     all_deformers: BoolProperty(**_ALL)
-    exact_keys: BoolProperty(
-        name="Exact Shape Keys",
+    exact_keys: once(
+        BoolProperty,
+        "Exact Shape Keys",
+        "Add one more shape key that cancels the basis, so that each frame is exact to the last bit",
         default=True,
-        description="Add one more shape key that cancels the basis, so that each frame is exact to the "
-        "last bit",
-        options=_SKIP,
     )
-    again: BoolProperty(
-        name="Again",
-        description="Bake what is baked once more: the same frames, to the same target and file",
-        options=_SKIP,
+    again: once(
+        BoolProperty, "Again", "Bake what is baked once more: the same frames, to the same target and file"
     )
     choose_path: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default="*.pc2;*.mdd;*.abc", options={"HIDDEN", "SKIP_SAVE"})
@@ -161,11 +159,7 @@ class SINEW_OT_unbake(OnDeformer, Operator):
     bl_label = "Unbake"
 
     all_deformers: BoolProperty(**_ALL)
-    delete_file: BoolProperty(
-        name="Delete File",
-        description="Delete the cache file too, which undo cannot bring back",
-        options=_SKIP,
-    )
+    delete_file: once(BoolProperty, "Delete File", "Delete the cache file too, which undo cannot bring back")
 
     @classmethod
     def refusal(cls, context: Context) -> str:

@@ -9,6 +9,7 @@ from ...core.errors import SinewError
 from ...ids import Operators
 from ...properties import MAX_FRAME, SinewDeformer
 from ...session.actions import keys
+from ..arguments import once
 from ..offered import OnDeformer
 from ..reporting import reports_errors
 from ..target import object_mode, target_of
@@ -47,10 +48,8 @@ class SINEW_OT_key_add(OnKeys, Operator):
     bl_idname = Operators.KEY_ADD
     bl_label = "Key the Present Edit"
 
-    blank: BoolProperty(
-        name="Blank",
-        description="Edit nothing in this frame, whatever the controls and the other keys do",
-        options={"SKIP_SAVE"},
+    blank: once(
+        BoolProperty, "Blank", "Edit nothing in this frame, whatever the controls and the other keys do"
     )
 
     @reports_errors

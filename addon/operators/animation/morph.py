@@ -9,6 +9,7 @@ from ...core.errors import SinewError
 from ...core.methods import METHODS, MeshShape
 from ...ids import Operators
 from ...session.actions import bind, deformers
+from ..arguments import once
 from ..offered import Offered
 from ..reporting import reports_errors
 from ..waiting import BindingOperator
@@ -32,19 +33,19 @@ class SINEW_OT_morph(Offered, BindingOperator, Operator):
     bl_idname = Operators.MORPH
     bl_label = "Morph to Mesh"
 
-    target: StringProperty(
-        name="Target Shape",
-        description="The name of the mesh object to morph to; if empty, the other selected one",
-        options={"SKIP_SAVE"},
+    target: once(
+        StringProperty,
+        "Target Shape",
+        "The name of the mesh object to morph to; if empty, the other selected one",
     )
     morph: FloatProperty(
         name="Morph", default=1.0, min=0.0, max=1.0, description="How far to morph, from 0 to 1"
     )
-    key: BoolProperty(
-        name="Key",
+    key: once(
+        BoolProperty,
+        "Key",
+        "Key Morph: 0 at the first frame of the scene, and the value above at the last one",
         default=False,
-        description="Key Morph: 0 at the first frame of the scene, and the value above at the last one",
-        options={"SKIP_SAVE"},
     )
 
     @classmethod

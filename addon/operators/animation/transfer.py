@@ -8,6 +8,7 @@ from bpy.types import Context, Event, Object, Operator
 from ... import bake
 from ...core.errors import SinewError
 from ...ids import Operators
+from ..arguments import once
 from ..frame_by_frame import FrameByFrame
 from ..offered import Offered
 
@@ -23,16 +24,16 @@ class SINEW_OT_transfer_deformation(Offered, FrameByFrame, Operator):
     doing, did = "transferring", "Transferred"
     cancelled = "The transfer was cancelled - everything is as it was"
 
-    source: StringProperty(
-        name="Source",
-        description="The name of the mesh object that is deformed already; if empty, the other selected one",
-        options={"SKIP_SAVE"},
+    source: once(
+        StringProperty,
+        "Source",
+        "The name of the mesh object that is deformed already; if empty, the other selected one",
     )
-    filepath: StringProperty(
-        name="Path",
+    filepath: once(
+        StringProperty,
+        "Path",
+        "The PC2 file to write; if empty, one in the folder sinew_cache beside the .blend file",
         subtype="FILE_PATH",
-        description="The PC2 file to write; if empty, one in the folder sinew_cache beside the .blend file",
-        options={"SKIP_SAVE"},
     )
 
     @classmethod

@@ -18,10 +18,11 @@ from ...session.actions.controls.cages import CAGE_METHODS
 from ...session.actions.controls.making import BEING_MADE
 from ...session.evaluation import binding
 from ...session.state.background import Work
+from ..arguments import method_choice, once
 from ..deformer.sharing import BindsAll
 from ..offered import OnDeformer, OnTarget
 from ..reporting import reports_errors
-from ..target import object_mode, selected_targets, show_control, target_of
+from ..target import object_mode, object_named, selected_targets, show_control, target_of
 from ..waiting import BindingOperator
 
 _FACES = {
@@ -130,11 +131,11 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         default="AUTO",
         description="Where the cage comes from",
     )
-    method: EnumProperty(
+    method: method_choice(
+        CAGE_METHODS,
+        "How points follow the cage. It can be changed later, and the cage stays",
         name="Coordinates",
-        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in CAGE_METHODS),
         default=DEFAULT_CAGE_METHOD,
-        description="How points follow the cage. It can be changed later, and the cage stays",
     )
     faces: IntProperty(**_FACES)
     margin: FloatProperty(
@@ -155,11 +156,7 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         default=True,
         description="Give a symmetric mesh a symmetric cage",
     )
-    cage: StringProperty(
-        name="Cage",
-        description="The name of a mesh object; if empty, the other selected mesh is used",
-        options={"SKIP_SAVE"},
-    )
+    cage: once(StringProperty, "Cage", "The name of a mesh object; if empty, the other selected mesh is used")
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         return (
@@ -204,10 +201,7 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
 
     def _chosen(self, context: Context, obj: Object) -> Object:
         if self.cage:
-            cage = context.scene.objects.get(self.cage)
-            if cage is None:
-                raise SinewError(f"There is no object '{self.cage}' in the scene")
-            return cage
+            return object_named(context, self.cage)
         others = [other for other in context.selected_objects if other != obj and other.type == "MESH"]
         if len(others) != 1:
             raise SinewError("Select the cage and then the mesh, which becomes the active object")

@@ -8,6 +8,7 @@ from ...core.errors import OptionError
 from ...core.methods import Curve
 from ...ids import Operators
 from ...session.datablocks import references
+from ..arguments import once
 from ..offered import OnDeformer
 from ..reporting import reports_errors
 from ..target import target_of
@@ -21,9 +22,7 @@ class SINEW_OT_curve_edit(OnDeformer, Operator):
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
     parameter: StringProperty(name="Parameter", description="The identifier of the curve to draw")
-    reset: BoolProperty(
-        name="Reset", description="Discard the drawn curve and use the default", options={"SKIP_SAVE"}
-    )
+    reset: once(BoolProperty, "Reset", "Discard the drawn curve and use the default")
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_curve_edit") -> str:

@@ -9,10 +9,11 @@ from ...ids import Operators
 from ...session.actions import rigging
 from ...session.actions.controls import lattices as edit_lattices
 from ...session.actions.controls.lattices import LATTICE_METHODS, LatticeShape
+from ..arguments import once
 from ..deformer.sharing import BindsAll
 from ..offered import OnDeformer, OnTarget
 from ..reporting import reports_errors
-from ..target import object_mode, selected_targets, target_of
+from ..target import object_mode, object_named, selected_targets, target_of
 from ..waiting import BindingOperator
 from .cage import show_only
 
@@ -74,11 +75,10 @@ class SINEW_OT_lattice_add(OnTarget, BindingOperator, Operator):
         step=1,
         description="How far the new lattice stands out, as a share of its longest side",
     )
-    lattice: StringProperty(
-        name="Lattice",
-        description="The name of a lattice object, or of a mesh of hexahedra; if empty, the other selected "
-        "one is used",
-        options={"SKIP_SAVE"},
+    lattice: once(
+        StringProperty,
+        "Lattice",
+        "The name of a lattice object, or of a mesh of hexahedra; if empty, the other selected one is used",
     )
 
     @reports_errors
@@ -100,10 +100,7 @@ class SINEW_OT_lattice_add(OnTarget, BindingOperator, Operator):
 
     def _chosen(self, context: Context, active: Object) -> Object:
         if self.lattice:
-            lattice = context.scene.objects.get(self.lattice)
-            if lattice is None:
-                raise SinewError(f"There is no object '{self.lattice}' in the scene")
-            return lattice
+            return object_named(context, self.lattice)
         others = [other for other in context.selected_objects if other != active and other.type in _LATTICES]
         lattices = [other for other in others if other.type == "LATTICE"]
         if len(lattices) != 1 and len(others) != 1:

@@ -6,6 +6,7 @@ from bpy.types import Context, Operator
 
 from ...ids import Operators
 from ...session.actions import apply
+from ..arguments import once
 from ..offered import OnDeformer
 from ..reporting import reports_errors
 from ..target import deformer_index, object_mode, target_of
@@ -17,15 +18,11 @@ class SINEW_OT_apply(OnDeformer, Operator):
     bl_idname = Operators.APPLY
     bl_label = "Apply"
 
-    as_shape_key: BoolProperty(
-        name="As Shape Key",
-        description="Add the shape as a new shape key instead of changing the mesh",
-        options={"SKIP_SAVE"},
+    as_shape_key: once(
+        BoolProperty, "As Shape Key", "Add the shape as a new shape key instead of changing the mesh"
     )
-    keep_deformer: BoolProperty(
-        name="Keep Deformer",
-        description="Leave the deformer on the mesh, to make more shape keys with it",
-        options={"SKIP_SAVE"},
+    keep_deformer: once(
+        BoolProperty, "Keep Deformer", "Leave the deformer on the mesh, to make more shape keys with it"
     )
 
     @reports_errors

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Add and remove deformers."""
 
-from bpy.props import EnumProperty, IntProperty
+from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from ... import bake
@@ -10,6 +10,7 @@ from ...ids import Operators
 from ...preferences import preferences
 from ...properties import method_items
 from ...session.actions import deformers
+from ..arguments import row_index
 from ..offered import OnDeformer, OnTarget
 from ..reporting import reports_errors
 from ..target import deformer_index, object_mode, target_of
@@ -45,7 +46,7 @@ class SINEW_OT_deformer_remove(OnDeformer, Operator):
     bl_idname = Operators.DEFORMER_REMOVE
     bl_label = "Remove Deformer"
 
-    index: IntProperty(name="Index", default=-1, min=-1, description="Which deformer; -1 is the active one")
+    index: row_index("Which deformer; -1 is the active one")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Move deformers and handles up and down in their lists."""
 
-from bpy.props import EnumProperty, IntProperty
+from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from ...ids import Operators
 from ...session.actions import order
+from ..arguments import row_index
 from ..offered import OnDeformer
 from ..reporting import reports_errors
 from ..target import deformer_index, handle_index, target_of
@@ -34,7 +35,7 @@ class SINEW_OT_deformer_move(OnDeformer, Operator):
     direction: EnumProperty(
         name="Direction", items=DIRECTIONS, description="Whether to move up or down in the list"
     )
-    index: IntProperty(name="Index", default=-1, min=-1, description="Which deformer; -1 is the active one")
+    index: row_index("Which deformer; -1 is the active one")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -56,7 +57,7 @@ class SINEW_OT_handle_move(OnDeformer, Operator):
     direction: EnumProperty(
         name="Direction", items=DIRECTIONS, description="Whether to move up or down in the list"
     )
-    index: IntProperty(name="Index", default=-1, min=-1, description="Which handle; -1 is the active one")
+    index: row_index("Which handle; -1 is the active one")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

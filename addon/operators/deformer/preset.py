@@ -13,6 +13,7 @@ from bpy.types import Context, Operator
 from ...core.errors import SinewError
 from ...core.methods import BY_ID
 from ...ids import Operators, Panels
+from ..arguments import once
 from ..offered import OnDeformer
 from ..reporting import reports_errors
 from ..target import target_of
@@ -58,9 +59,7 @@ class SINEW_OT_preset_apply(OnDeformer, Operator):
     bl_label = "Apply Method Preset"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    filepath: StringProperty(
-        name="File Path", subtype="FILE_PATH", description="The file of the preset", options={"SKIP_SAVE"}
-    )
+    filepath: once(StringProperty, "File Path", "The file of the preset", subtype="FILE_PATH")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

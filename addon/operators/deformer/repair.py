@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Remedies: mend the mesh, separate regions that share vertices, use more cells, and move a mesh once."""
 
-from bpy.props import BoolProperty, FloatProperty
+from bpy.props import BoolProperty
 from bpy.types import Context, Object, Operator
 
 from ...core.errors import SinewError
@@ -9,6 +9,7 @@ from ...ids import Operators
 from ...session.actions import bind, refining, repair
 from ...session.actions.handles import overlaps
 from ...session.actions.repair import RepairOptions
+from ..arguments import distance
 from ..offered import OnDeformer, OnTarget
 from ..reporting import reports_errors
 from ..target import object_mode, target_of
@@ -36,15 +37,13 @@ class SINEW_OT_repair(OnTarget, Operator):
         description="Merge vertices of open borders that lie at the same place; "
         "closed parts that touch stay separate",
     )
-    distance: FloatProperty(
-        name="Merge Distance",
+    distance: distance(
+        "Merge Distance",
+        "The largest distance between vertices that are merged; 0 merges only vertices at "
+        "exactly the same place",
         default=0.0,
-        min=0.0,
         soft_max=0.1,
         precision=5,
-        subtype="DISTANCE",
-        description="The largest distance between vertices that are merged; 0 merges only vertices at "
-        "exactly the same place",
     )
     degenerate: BoolProperty(
         name="Zero-Area Faces",

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Give new controls to handles that have lost theirs."""
 
-from bpy.props import IntProperty
 from bpy.types import Context, Operator
 
 from ...ids import Operators
 from ...session.actions.handles import handles
+from ..arguments import row_index
 from ..offered import OnDeformer
 from ..reporting import reports_errors
 from ..target import handle_index, object_mode, target_of
@@ -18,13 +18,7 @@ class SINEW_OT_control_new(OnDeformer, Operator):
     bl_idname = Operators.CONTROL_NEW
     bl_label = "New Control"
 
-    index: IntProperty(
-        name="Index",
-        default=-1,
-        min=-1,
-        description="Which handle; -1 is every handle that has lost its control",
-        options={"SKIP_SAVE"},
-    )
+    index: row_index("Which handle; -1 is every handle that has lost its control", options={"SKIP_SAVE"})
 
     @classmethod
     def refusal(cls, context: Context) -> str:

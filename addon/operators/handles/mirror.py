@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Copy handles and their weights to the other side of the mesh."""
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty
+from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Operator
 
 from ...core.sides import Side
@@ -9,6 +9,7 @@ from ...ids import Operators
 from ...session.actions import rigging
 from ...session.actions.handles import mirror
 from ...session.actions.handles.mirror import Mirrored, MirrorOptions
+from ..arguments import distance
 from ..offered import OnDeformer
 from ..reporting import reports_errors
 from ..target import handle_index, object_mode, target_of
@@ -52,14 +53,12 @@ class SINEW_OT_handle_mirror(OnDeformer, BindingOperator, Operator):
         name="Painted Groups",
         description="Also make the mask and the vertex groups of painted parameters symmetric",
     )
-    tolerance: FloatProperty(
-        name="Tolerance",
+    tolerance: distance(
+        "Tolerance",
+        "How far a vertex may lie from the mirror image of another",
         default=0.001,
-        min=0.0,
         soft_max=0.1,
         precision=5,
-        subtype="DISTANCE",
-        description="How far a vertex may lie from the mirror image of another",
     )
 
     @classmethod

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Remove a wire or a tool from the list, and let all of them rest where they are."""
 
-from bpy.props import IntProperty
 from bpy.types import Context, Operator
 
 from ...core.errors import SinewError
 from ...ids import Operators
 from ...session.actions import bind, rigging
 from ...session.actions.controls import control_list as rows
+from ..arguments import row_index
 from ..deformer.sharing import BindsAll
 from ..offered import OnDeformer
 from ..reporting import reports_errors
@@ -31,13 +31,7 @@ class SINEW_OT_control_remove(OnRows, BindingOperator, Operator):
     bl_idname = Operators.ROW_REMOVE
     bl_label = "Remove Control"
 
-    index: IntProperty(
-        name="Index",
-        default=-1,
-        min=-1,
-        options={"SKIP_SAVE"},
-        description="Which control of the list, counted from 0; -1 is the active one",
-    )
+    index: row_index("Which control of the list, counted from 0; -1 is the active one", options={"SKIP_SAVE"})
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:

@@ -5,13 +5,13 @@ import math
 from functools import partial
 
 import bpy
-from bpy.props import FloatProperty
 from bpy.types import Context, Event, Object, Operator
 from gpu_extras.presets import draw_circle_2d
 
 from ...core.methods import BY_ID
 from ...ids import Operators
 from ...session.edit_mode.grab import NOTHING_FREE, Grab
+from ..arguments import distance
 from ..modal.motion_properties import MOTION_KEYS, MotionProperties
 from ..modal.shell import Keys, ViewportTool
 from ..modal.view import axes_of, length_text, pivot_of, view_of
@@ -42,13 +42,11 @@ class SINEW_OT_grab_region(Offered, MotionProperties, ViewportTool, Operator):
     KEYS = _KEYS
     LENGTHS = ("radius",)
 
-    radius: FloatProperty(
-        name="Radius",
-        subtype="DISTANCE",
+    radius: distance(
+        "Radius",
+        "How far from the selection, along the surface, vertices follow; the others stay",
         default=1.0,
-        min=0.0,
         soft_min=0.001,
-        description="How far from the selection, along the surface, vertices follow; the others stay",
     )
 
     @classmethod

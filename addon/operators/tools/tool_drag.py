@@ -6,7 +6,7 @@ from functools import partial
 
 import bpy
 import numpy as np
-from bpy.props import CollectionProperty, FloatProperty
+from bpy.props import CollectionProperty
 from bpy.types import Context, Event, Object, Operator, OperatorStrokeElement
 from mathutils import Vector
 
@@ -19,6 +19,7 @@ from ...session.actions import deformers, rigging
 from ...session.actions.controls import control_list as rows
 from ...session.datablocks.parts import ShownParts
 from ...session.datablocks.surface import Hit
+from ..arguments import distance
 from ..modal.moving import CANCEL, NAVIGATE
 from ..modal.ring import draw_line, ring
 from ..modal.shell import Keys, Outcome, ViewportTool
@@ -180,12 +181,10 @@ class SINEW_OT_tool_drag(OnTarget, ViewportTool, Operator):
     KEYS = _KEYS
 
     path: CollectionProperty(type=OperatorStrokeElement, options={"SKIP_SAVE", "HIDDEN"})
-    radius: FloatProperty(
-        name="Radius",
-        subtype="DISTANCE",
-        min=0.0,
+    radius: distance(
+        "Radius",
+        "How far the drag reaches; 0 for a third of the size of the part that is pressed",
         options={"SKIP_SAVE"},
-        description="How far the drag reaches; 0 for a third of the size of the part that is pressed",
     )
 
     @classmethod
