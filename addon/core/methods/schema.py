@@ -327,9 +327,10 @@ def following(shells: int, vertices: int) -> float:
     return 2e-4 * shells + 1e-5 * vertices
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Method:
-    """One row of the registry. Files store ``number``, so never reuse or change it.
+    """One row of the registry, which says only what differs from most. Files store ``number``, so never reuse
+    or change it.
 
     ``iterative``: ``solve`` takes ``max_iterations`` and ``start``, so that a drag can show an early step.
     ``bind_seconds``: about how long a bind takes on two cores, without that of a base method, from the number
@@ -357,13 +358,13 @@ class Method:
     number: int
     label: str
     family: Family
-    control: Control
+    control: Control = Control.HANDLES
     native: str
     section: str
     paper: str
     summary: str
-    iterative: bool
-    moves: frozenset[Moved]
+    iterative: bool = False
+    moves: frozenset[Moved] = frozenset({Moved.MESH})
     bind_seconds: BindSeconds
     reproduces: Reproduced = Reproduced.TRANSLATIONS
     symmetric: bool = True

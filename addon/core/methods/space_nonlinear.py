@@ -4,7 +4,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .schema import Control, Family, Float, Int, Method, Moved, Posed, Reproduced, iterations, tolerance
+from .schema import Family, Float, Int, Method, Moved, Posed, Reproduced, iterations, tolerance
 
 _ITERATIONS = iterations(
     40,
@@ -36,12 +36,10 @@ ROWS = (
         number=44,
         label="Embedded Deformation",
         family=Family.SPACE_NONLINEAR,
-        control=Control.HANDLES,
         native="EmbeddedDeformation",
         section="7",
         paper="Sumner, Schmid & Pauly 2007",
         summary="A graph of local motions takes anything along: scans of many parts, animations, clouds",
-        iterative=False,
         draws="GRAPH",
         moves=frozenset(Moved),
         posed=Posed.POSES,
@@ -106,12 +104,10 @@ ROWS = (
         number=45,
         label="Rigid Cells",
         family=Family.SPACE_NONLINEAR,
-        control=Control.HANDLES,
         native="RigidCells",
         section="7",
         paper="Botsch, Pauly, Wicke & Gross 2007",
         summary="Cubes that fill the shape stay rigid and hold together: it bends like a solid body",
-        iterative=False,
         draws="GRAPH",
         moves=frozenset(Moved),
         posed=Posed.POSES,
