@@ -293,6 +293,12 @@ def test_a_rebind_names_an_option_that_changed(name: str, option: str, default: 
     assert report.changed == ("" if is_read_by_solves else option)
 
 
+@pytest.mark.parametrize(("name", "option", "default", "_others"), OPTIONS)
+def test_none_is_no_number(name: str, option: str, default: object, _others: list) -> None:
+    with pytest.raises(TypeError):
+        methods.made(PUBLIC[name], CUBE, **{option: None})
+
+
 def classes() -> list[str]:
     """All public classes; errors print themselves as all exceptions do."""
     return [name for name, value in PUBLIC.items() if inspect.isclass(value) and name not in ERRORS]
