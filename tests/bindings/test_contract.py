@@ -293,8 +293,10 @@ def test_a_rebind_names_an_option_that_changed(name: str, option: str, default: 
     assert report.changed == ("" if is_read_by_solves else option)
 
 
-@pytest.mark.parametrize(("name", "option", "default", "_others"), OPTIONS)
-def test_none_is_no_number(name: str, option: str, default: object, _others: list) -> None:
+@pytest.mark.parametrize(
+    ("name", "option"), [(name, option) for name, option, default, _ in OPTIONS if isinstance(default, float)]
+)
+def test_none_is_no_number(name: str, option: str) -> None:
     with pytest.raises(TypeError):
         methods.made(PUBLIC[name], CUBE, **{option: None})
 
