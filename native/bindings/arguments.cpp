@@ -1,12 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
 
-#include "native/core/finite.h"
-#include "native/core/parallel.h"
-
 #include <algorithm>
-#include <atomic>
-#include <bit>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -204,18 +199,8 @@ SinglePoints singles(const py::object& object, const char* name, py::ssize_t row
 
 namespace {
 
-/// \param number  number(k) is the k-th number of the positions
-template <class Number>
-void require_finite_rows(Eigen::Index rows, Number&& number)
+void require_single(bool finite)
 {
-    std::atomic<bool> finite{true};
-    parallel_chunks(static_cast<int>(rows), 8192, [&](int begin, int end) {
-        std::uint32_t largest = 0; // bits without the sign are ordered like the magnitudes of the numbers
-        for (std::size_t k = 3 * static_cast<std::size_t>(begin); k < 3 * static_cast<std::size_t>(end); ++k)
-            largest = std::max(largest, std::bit_cast<std::uint32_t>(number(k)) & 0x7FFFFFFFU);
-        if (largest >= 0x7F800000U)
-            finite = false;
-    });
     if (!finite)
         throw InvalidConstraint(
             "the solution is not finite in single precision; check the scale of the poses");
@@ -223,26 +208,13 @@ void require_finite_rows(Eigen::Index rows, Number&& number)
 
 } // namespace
 
-void round_into(const Points& positions, SinglePoints& out)
-{
-    require_finite_rows(out.rows(), [from = positions.data(), to = out.data()](std::size_t k) {
-        return to[k] = static_cast<float>(from[k]);
-    });
-}
+void round_into(const Points& positions, SinglePoints& out) { require_single(round_points(positions, out)); }
 
-void require_finite(const SinglePoints& positions)
-{
-    require_finite_rows(positions.rows(), [own = positions.data()](std::size_t k) { return own[k]; });
-}
+void require_finite(const SinglePoints& positions) { require_single(are_finite(positions)); }
 
 void require_finite(const Points& positions)
 {
-    std::atomic<bool> finite{true};
-    parallel_chunks(static_cast<int>(positions.rows()), 8192, [&](int begin, int end) {
-        if (!all_finite(positions.middleRows(begin, end - begin)))
-            finite = false;
-    });
-    if (!finite)
+    if (!are_finite(positions))
         throw InvalidConstraint("the solution is not finite; check the scale of the poses");
 }
 

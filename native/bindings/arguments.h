@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/finite.h"
 #include "native/core/progress.h"
 #include "native/core/report.h"
 #include "native/core/types.h"
@@ -120,7 +121,6 @@ Progress progress(const py::object& callback);
 /// (rows, 3) view of a C-contiguous, writable float32 array that the caller wants to be filled.
 /// \throw py::type_error     for anything else; it names the argument.
 /// \throw InvalidConstraint  another shape.
-using SinglePoints = Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>>;
 SinglePoints singles(const py::object& object, const char* name, py::ssize_t rows);
 
 /// Rounds to single precision. Needs no GIL.

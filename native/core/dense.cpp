@@ -29,15 +29,17 @@ Eigen::Vector2d solve_symmetric(const Eigen::Matrix2d& A, const Eigen::Vector2d&
     return A.ldlt().solve(b);
 }
 
-bool DenseCholesky::factorize(const MatrixX& A)
+bool CholeskyFactor::factorize(const MatrixX& A)
 {
     factor_.compute(A);
     return factor_.info() == Eigen::Success;
 }
 
-VectorX DenseCholesky::solve(const VectorX& b) const { return factor_.solve(b); }
+VectorX CholeskyFactor::solve(const VectorX& b) const { return factor_.solve(b); }
 
-MatrixX DenseCholesky::solve(const MatrixX& B) const { return factor_.solve(B); }
+MatrixX CholeskyFactor::solve(const MatrixX& B) const { return factor_.solve(B); }
+
+Points CholeskyFactor::solve(const Points& B) const { return factor_.solve(B); }
 
 void LeastNorm::factorize(const MatrixX& A, double threshold)
 {
@@ -48,11 +50,11 @@ void LeastNorm::factorize(const MatrixX& A, double threshold)
 
 VectorX LeastNorm::solve(const VectorX& b) const { return factor_.solve(b); }
 
-VectorX product(const MatrixX& A, const VectorX& x) { return A * x; }
+VectorX times(const MatrixX& A, const VectorX& x) { return A * x; }
 
 MatrixX product(const MatrixX& A, const MatrixX& B) { return A * B; }
 
-VectorX transposed_product(const MatrixX& A, const VectorX& x) { return A.transpose() * x; }
+VectorX transposed_times(const MatrixX& A, const VectorX& x) { return A.transpose() * x; }
 
 MatrixX transposed_product(const MatrixX& A, const MatrixX& B) { return A.transpose() * B; }
 

@@ -30,13 +30,14 @@ Vector3 solve_symmetric(const Matrix3& A, const Vector3& b);
 Eigen::Vector2d solve_symmetric(const Eigen::Matrix2d& A, const Eigen::Vector2d& b);
 
 /// The factor L of a symmetric, positive definite matrix A = L L^T.
-class DenseCholesky
+class CholeskyFactor
 {
 public:
     /// \return false where A is not positive definite.
     bool factorize(const MatrixX& A);
     VectorX solve(const VectorX& b) const;
     MatrixX solve(const MatrixX& B) const;
+    Points solve(const Points& B) const;
 
 private:
     Eigen::LLT<MatrixX> factor_;
@@ -50,14 +51,17 @@ public:
     ///   for.
     void factorize(const MatrixX& A, double threshold = 0.0);
     VectorX solve(const VectorX& b) const;
+    int rank() const { return static_cast<int>(factor_.rank()); }
+    /// The k-th column by what it adds to those before.
+    int column(int k) const { return static_cast<int>(factor_.colsPermutation().indices()[k]); }
 
 private:
     Eigen::CompleteOrthogonalDecomposition<MatrixX> factor_;
 };
 
-VectorX product(const MatrixX& A, const VectorX& x);            ///< A x
+VectorX times(const MatrixX& A, const VectorX& x);            ///< A x
 MatrixX product(const MatrixX& A, const MatrixX& B);            ///< A B
-VectorX transposed_product(const MatrixX& A, const VectorX& x); ///< A^T x
+VectorX transposed_times(const MatrixX& A, const VectorX& x); ///< A^T x
 MatrixX transposed_product(const MatrixX& A, const MatrixX& B); ///< A^T B
 
 /// The smallest turn that takes one direction to another; for opposite ones, any of them. Neither may be

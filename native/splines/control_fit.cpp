@@ -4,8 +4,6 @@
 #include "native/core/dense.h"
 #include "native/core/memory.h"
 
-#include <Eigen/Cholesky>
-
 namespace sinew {
 
 namespace {
@@ -29,13 +27,15 @@ ControlFit::ControlFit(const WeightRows& B, const VectorX& weights, const Matrix
     if (smoothing > 0) {
         normal += smoothing * penalty;
         normal.diagonal().array() += least_norm;
-        inverse_ = normal.llt().solve(MatrixX::Identity(k, k));
+        CholeskyFactor factor;
+        factor.factorize(normal);
+        inverse_ = factor.solve(MatrixX(MatrixX::Identity(k, k)));
         return;
     }
     const auto [values, vectors] = eigenvectors(normal);
     const double least = least_singular * least_singular * values[k - 1];
     const VectorX inverses = (values.array() > least).select(values.cwiseInverse(), 0.0);
-    inverse_ = vectors * inverses.asDiagonal() * vectors.transpose();
+    inverse_ = product(vectors * inverses.asDiagonal(), vectors.transpose());
 }
 
 RowMatrix ControlFit::solve(const RowMatrix& wanted) const

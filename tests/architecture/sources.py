@@ -77,6 +77,25 @@ def system_offences(root: Path) -> list[str]:
     ]
 
 
+def class_name_offences(root: Path) -> list[str]:
+    """No two classes of one namespace share a name, as the linker would mix their functions."""
+    first: dict[str, str] = {}
+    offences = []
+    for path in files(root, "native", ".h", ".cpp"):
+        inside: list[str] = []  # the namespaces around a line
+        for number, line in lines(path):
+            if opened := re.match(r"namespace ?([\w:]*) ?\{", line):
+                inside.append(opened[1])
+            elif line.startswith("} // namespace"):
+                inside.pop()
+            elif "" not in inside and (found := re.match(r"(?:class|struct) (\w+)\b(?!::|.*[;<])", line)):
+                place = f"{path.relative_to(root)}:{number}"
+                name = "::".join([*inside, found[1]])
+                if (other := first.setdefault(name, place)) != place:
+                    offences.append(f"{place}: {name} is defined at {other}, too")
+    return offences
+
+
 def door_plate_offences(root: Path) -> list[str]:
     """Each room says in a README.md of one sentence what it is for."""
     offences = []

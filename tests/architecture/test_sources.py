@@ -6,6 +6,7 @@ import pytest
 from .sources import (
     LICENCE,
     LONGEST,
+    class_name_offences,
     door_plate_offences,
     licence_offences,
     size_offences,
@@ -38,6 +39,15 @@ def test_only_the_core_asks_for_a_system(tmp_path: Path) -> None:
     asked = dict.fromkeys(["native/core/a.cpp", "native/mesh/a.cpp"], "int a;\n#ifdef __linux__\n#endif\n")
     (offence,) = system_offences(grow(tmp_path, asked))
     assert offence.startswith("native/mesh/a.cpp:2:")
+
+
+def test_two_classes_of_one_name_are_found(tmp_path: Path) -> None:
+    of_all = "namespace sinew {{\n{}class Factor\n{{\n}};\n{}}} // namespace sinew\n"
+    alone = of_all.format("namespace {\n", "} // namespace\n")
+    tree = {"native/a.h": of_all.format("", ""), "native/b.cpp": alone, "native/c.h": "class Factor;\n"}
+    assert class_name_offences(grow(tmp_path, tree)) == []
+    (offence,) = class_name_offences(grow(tmp_path, {"native/d.h": of_all.format("", "")}))
+    assert offence == "native/d.h:2: sinew::Factor is defined at native/a.h:2, too"
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from .native_layers import native_offences
 from .registry import registry_offences, rows
 from .security import security_offences
 from .sources import (
+    class_name_offences,
     door_plate_offences,
     licence_offences,
     size_offences,
@@ -30,6 +31,7 @@ RULES = (
     size_offences,
     word_offences,
     system_offences,
+    class_name_offences,
     door_plate_offences,
     link_offences,
 )

@@ -46,11 +46,11 @@ MatrixX stiffness_of(const std::vector<int>& members, const RowMatrix& B, const 
             forces.row(other) -= half.transpose();
         });
     }
-    MatrixX W = around.transpose() * forces;
+    MatrixX W = transposed_product(around, forces);
     RowMatrix curved = LB(members, Eigen::all), weighted = curved;
     for (std::size_t k = 0; k < members.size(); ++k)
         weighted.row(static_cast<Eigen::Index>(k)) *= curvature / mass[members[k]];
-    W += curved.transpose() * weighted;
+    W += transposed_product(curved, weighted);
     return 0.5 * (W + W.transpose());
 }
 
@@ -78,7 +78,7 @@ SubspaceCells::SubspaceCells(const RowMatrix& B, const SparseMatrix& L, const Ve
         for (std::size_t k = 0; k < by_handle[h].size(); ++k)
             rows.row(static_cast<Eigen::Index>(k)) =
                 std::sqrt(by_handle[h][k].stiffness) * B.row(by_handle[h][k].vertex);
-        pulls_[h] = rows.transpose() * rows;
+        pulls_[h] = transposed_product(rows, rows);
     });
     A_ = MatrixX::Zero(B.cols(), B.cols());
     for (const auto* const matrices : {&stiffness_, &pulls_})
@@ -89,8 +89,7 @@ SubspaceCells::SubspaceCells(const RowMatrix& B, const SparseMatrix& L, const Ve
         own += each;
     anchor_ = anchor_share * std::max(own.diagonal().mean(), 1e-12 * A_.diagonal().mean());
     A_.diagonal().array() += anchor_;
-    factor_.compute(A_);
-    if (factor_.info() != Eigen::Success || !A_.allFinite() || !(anchor_ > 0))
+    if (!factor_.factorize(A_) || !A_.allFinite() || !(anchor_ > 0))
         throw FactorizationFailed("the surface has no area, so its shape has no energy");
 }
 
@@ -141,7 +140,7 @@ void SubspaceProblem::set_rotation(int cluster, const Matrix3& R)
 
 Points SubspaceProblem::unknowns_for_rotations()
 {
-    Points u = cells_.factor_.solve(base_.z * turns_ + forces_);
+    Points u = cells_.factor_.solve(Points(base_.z * turns_ + forces_));
     admit(u);
     return u;
 }

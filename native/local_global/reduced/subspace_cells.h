@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/dense.h"
 #include "native/core/types.h"
 #include "native/local_global/reduced/rotation_clusters.h"
 #include "native/mesh/frames/enclosed_volume.h"
 #include "native/solvers/optimization/metric_lbfgs.h"
-
-#include <Eigen/Cholesky>
 
 #include <cstdint>
 #include <vector>
@@ -68,7 +67,7 @@ private:
     std::vector<MatrixX> pulls_;     ///< one per handle
     double anchor_ = 0.0;            ///< e
     MatrixX A_;
-    Eigen::LLT<MatrixX> factor_;
+    CholeskyFactor factor_;
 };
 
 /// A volume that is to be kept, of a coarse surface whose points are those of the subspace: B y.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/frames/enclosing_ball.h"
 
-#include <Eigen/QR>
+#include "native/core/dense.h"
 
 #include <array>
 #include <random>
@@ -35,12 +35,13 @@ struct Support
             return {Vector3::Zero(), -1.0};
         if (count == 1)
             return {points[0], 0.0};
-        Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> edges(3, count - 1);
+        MatrixX edges(3, count - 1);
         for (int k = 1; k < count; ++k)
             edges.col(k - 1) = points[k] - points[0];
-        const auto squares = edges.colwise().squaredNorm().transpose();
-        const Vector3 arm =
-            edges * (2.0 * edges.transpose() * edges).colPivHouseholderQr().solve(squares.eval());
+        const MatrixX products = transposed_product(edges, edges);
+        LeastNorm fit;
+        fit.factorize(2.0 * products);
+        const Vector3 arm = times(edges, fit.solve(products.diagonal()));
         return {points[0] + arm, arm.norm()};
     }
 };

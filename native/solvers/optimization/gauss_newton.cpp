@@ -36,7 +36,7 @@ public:
     const VectorX& step() const { return d_; }
     const VectorX& multipliers() const { return multipliers_; } ///< of the sides
     /// By how much the model says that the step lowers F.
-    double predicted() const { return -(slopes_.gradient.dot(d_) + 0.5 * d_.dot(product(undamped_, d_))); }
+    double predicted() const { return -(slopes_.gradient.dot(d_) + 0.5 * d_.dot(times(undamped_, d_))); }
 
 private:
     bool factorize(double damping);
@@ -68,7 +68,7 @@ private:
     std::vector<char> first_fixed_, first_active_; ///< as each solve() begins
     std::vector<Border> first_borders_;
     std::vector<char> left_; ///< (balls) whether each border would hold the step back from going inward
-    DenseCholesky factor_;
+    CholeskyFactor factor_;
     MatrixX rows_; ///< of the equalities, for the free unknowns
     MatrixX answers_; ///< of the factor to these rows
     std::vector<Eigen::Index> equal_; ///< the sides that are equalities: the first of the rows
@@ -85,7 +85,7 @@ Model::Model(const LeastSquares::Values& values, const LeastSquares::Slopes& slo
 {
     VectorX pull = slopes.gradient; // what pushes x out, with the sides' own forces
     if (multipliers.size() > 0)
-        pull += transposed_product(slopes.sides, multipliers);
+        pull += transposed_times(slopes.sides, multipliers);
     normal_.diagonal() += slopes.diagonal;
     undamped_ = normal_ + slopes.curvature;
     for (std::size_t k = 0; k < limits.balls.size(); ++k) {
@@ -171,7 +171,7 @@ VectorX Model::free_part(const VectorX& gradient, const VectorX& sides, double d
     VectorX fixed = d_;
     for (int i : free_)
         fixed[i] = 0.0;
-    VectorX part = -factor_.solve(VectorX((gradient + product(undamped_, fixed))(free_)));
+    VectorX part = -factor_.solve(VectorX((gradient + times(undamped_, fixed))(free_)));
     if (rows_.rows() == 0)
         return part;
     const double shorter = 1.0 / (1.0 + damping); // much damping makes that part of a step shorter, too
@@ -182,24 +182,24 @@ VectorX Model::free_part(const VectorX& gradient, const VectorX& sides, double d
     const auto sides_count = static_cast<Eigen::Index>(equal_.size());
     for (std::size_t k = 0; k < borders_.size(); ++k)
         goal[sides_count + static_cast<Eigen::Index>(k)] = borders_[k].room;
-    const VectorX forces = schur_.solve(product(rows_, part) - goal);
+    const VectorX forces = schur_.solve(times(rows_, part) - goal);
     for (std::size_t k = 0; k < equal_.size(); ++k)
         multipliers_[equal_[k]] = forces[static_cast<Eigen::Index>(k)];
     for (std::size_t k = 0; k < borders_.size(); ++k)
         borders_[k].force = forces[sides_count + static_cast<Eigen::Index>(k)];
-    return part - product(answers_, forces);
+    return part - times(answers_, forces);
 }
 
 VectorX Model::bent_step(const LeastSquares::Values& there, double damping)
 {
     if (free_.empty())
         return d_;
-    const VectorX bent = there.residuals - values_.residuals - product(slopes_.rows, d_);
+    const VectorX bent = there.residuals - values_.residuals - times(slopes_.rows, d_);
     VectorX sides = there.sides, whole = d_;
     if (sides.size() > 0)
-        sides -= product(slopes_.sides, d_);
+        sides -= times(slopes_.sides, d_);
     const VectorX kept = multipliers_;
-    const VectorX part = free_part(slopes_.gradient + transposed_product(slopes_.rows, bent), sides, damping);
+    const VectorX part = free_part(slopes_.gradient + transposed_times(slopes_.rows, bent), sides, damping);
     multipliers_ = kept;
     for (std::size_t k = 0; k < free_.size(); ++k)
         whole[free_[k]] = part[static_cast<Eigen::Index>(k)];

@@ -50,6 +50,7 @@ def hill(scale: float) -> tuple[sn.SurfaceMesh, np.ndarray]:
     return sn.SurfaceMesh(points * scale, faces), points * scale
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "options"), EVERY_SURFACE_METHOD, ids=called)
 def test_surface_methods_give_the_same_shape_in_every_unit(method: type, options: dict) -> None:
     expected = {}
@@ -207,6 +208,7 @@ def test_a_single_vertex_too_far_is_named() -> None:
     assert refused.value.elements == [5]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [1e-59, *SCALES, 1e59])
 def test_operators_are_finite_or_refused(scale: float) -> None:
     mesh, _ = hill(scale / 25)
@@ -240,6 +242,7 @@ def test_cages_of_any_size_are_made_and_diagnosed(scale: float) -> None:
         assert sn.diagnose_cage(sn.SurfaceMesh(cage, polygons), points).clean
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("tiny", [5e-324, 1e-310, -1e-308, 1e-200, 1e-160])
 def test_a_coordinate_that_is_hardly_any_is_nothing_special(tiny: float) -> None:
     points, faces = sphere(1)

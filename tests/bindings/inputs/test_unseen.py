@@ -120,6 +120,7 @@ FEW_NODES = (sn.EmbeddedDeformation, {"nodes": 60})  # by default, each vertex o
 EVERY = [*EVERY_SURFACE_METHOD, *BY_HANDLES, (sn.Rbf, {"kernel": "wendland_c2"}), FEW_NODES]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("method", "options"), EVERY, ids=called)
 @pytest.mark.parametrize("irregular", [True, False])
 def test_what_nobody_sees_changes_nothing(method: type, options: dict, irregular: bool) -> None:
@@ -143,6 +144,7 @@ def test_what_nobody_sees_changes_nothing(method: type, options: dict, irregular
     } == {}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("irregular", [True, False])
 def test_an_automatic_cage_is_the_same(irregular: bool) -> None:
     points, faces = body(irregular)

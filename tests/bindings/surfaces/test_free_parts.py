@@ -151,6 +151,7 @@ def odd_parts() -> dict[str, tuple[np.ndarray, list[tuple[int, int, int]]]]:
     }
 
 
+@pytest.mark.slow
 @METHODS
 @pytest.mark.parametrize("odd", odd_parts())
 def test_odd_parts_are_finite_and_move_with_everything(method: type, odd: str) -> None:

@@ -39,6 +39,7 @@ def energy_and_residuals(turns, goal, count, rest=1e-4, angles=False):
     return 0.5 * residuals @ residuals, residuals
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("goal", [(1.8, 0.0, 2.6), (0.5, -1.2, 3.0), (5.0, 2.0, 1.0), (-1.0, 2.0, -1.5)])
 def test_the_minimum_is_scipys(goal):
     count = 4

@@ -126,12 +126,12 @@ void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress&
     // B^+ = B^T (B B^T)^+ = (B^T B)^+ B^T by the eigenvectors of the smaller product, whose eigenvalues are
     // the squares of the singular values.
     const auto [values, vectors] =
-        eigenvectors(count <= controls ? MatrixX(B * B.transpose()) : MatrixX(B.transpose() * B));
+        eigenvectors(count <= controls ? product(B, B.transpose()) : transposed_product(B, B));
     const double least = std::max(options_.cut_off * options_.cut_off, 1e-14) * values[fewer - 1];
     const VectorX inverses = (values.array() > least).select(values.cwiseInverse(), 0.0);
     const int rank = static_cast<int>((values.array() > least).count());
-    const MatrixX inner = vectors * inverses.asDiagonal() * vectors.transpose();
-    MatrixX inverse = count <= controls ? MatrixX(B.transpose() * inner) : MatrixX(inner * B.transpose());
+    const MatrixX inner = product(vectors * inverses.asDiagonal(), vectors.transpose());
+    MatrixX inverse = count <= controls ? transposed_product(B, inner) : product(inner, B.transpose());
     inverse *= roots.asDiagonal();
 
     std::vector<int> twice = coinciding(handles);
@@ -151,7 +151,7 @@ void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress&
 Points InverseFfd::moves_for(PointsView posed) const
 {
     check_pose_of(control_name(), posed, handles_.point_count());
-    return inverse_ * MatrixX(posed - handles_.points());
+    return product(inverse_, MatrixX(posed - handles_.points()));
 }
 
 Points InverseFfd::lattice() const

@@ -7,9 +7,9 @@
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
+#include "native/operators/fits/rotation_fit.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 
 #include <algorithm>
 #include <array>
@@ -24,15 +24,6 @@ namespace {
 constexpr double unturned = 1e-13;  // an angle that rounding alone explains
 
 const FieldKernels& kernels() { return widest_kernels<FieldKernels>(); }
-
-/// The rotation nearest to a map.
-Matrix3 nearest_rotation(const Matrix3& map)
-{
-    const Eigen::JacobiSVD<Matrix3> svd(map, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Matrix3 flip = Matrix3::Identity();
-    flip(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-    return svd.matrixU() * flip * svd.matrixV().transpose();
-}
 
 /// Axis times angle, at most half a turn.
 Vector3 turn_of(const Matrix3& rotation)
@@ -169,7 +160,7 @@ VectorField::Frame VectorField::frame(const Tool& tool, PointsView control, int 
     const auto rows = control.middleRows<4>(4 * (tool.begin + number));
     const Matrix3 axes = (rows.bottomRows<3>().rowwise() - rows.row(0)).transpose();
     const Matrix3 map = axes * tool.to_rest;
-    return {nearest_rotation(map), rows.row(0).transpose(), std::cbrt(std::abs(map.determinant()))};
+    return {fit_rotation_svd(map), rows.row(0).transpose(), std::cbrt(std::abs(map.determinant()))};
 }
 
 VectorField::Stage VectorField::bend(const Tool& tool, const Matrix3& bent, const Matrix3& end,

@@ -46,12 +46,12 @@ public:
         places_ = points(base_.points, Eigen::all);
         of_base_ = values(base_.points, Eigen::all);
         const RowMatrix at_base = rbf_values(basis, points, places_), lagrange = base_.lagrange,
-                        half = at_base - 0.5 * lagrange * at_base(base_.points, Eigen::all);
+                        half = at_base - product(0.5 * lagrange, at_base(base_.points, Eigen::all));
         left_.resize(points.rows(), 2 * lagrange.cols());
         left_ << -lagrange, -half;
         right_.resize(points.rows(), left_.cols());
         right_ << half, lagrange;
-        wanted_ = values - lagrange * of_base_;
+        wanted_ = values - product(lagrange, of_base_);
         residuals_ = wanted_;
         is_row_.assign(static_cast<std::size_t>(points.rows()), 0);
         for (const int point : base_.points)
@@ -128,8 +128,8 @@ public:
     RbfFit fit() const
     {
         RbfFit fit{centres(), {with_base(weights_), {}}, error()};
-        fit.coefficients.polynomial =
-            base_.inverse * (of_base_ - rbf_sums(basis_, places_, fit.centres, fit.coefficients.weights));
+        fit.coefficients.polynomial = product(
+            base_.inverse, of_base_ - rbf_sums(basis_, places_, fit.centres, fit.coefficients.weights));
         return fit;
     }
 
@@ -158,7 +158,7 @@ private:
     RowMatrix with_base(const RowMatrix& weights) const
     {
         RowMatrix all(done_ + places_.rows(), columns_);
-        all << weights, -base_.lagrange(chosen(), Eigen::all).transpose() * weights;
+        all << weights, -transposed_product(base_.lagrange(chosen(), Eigen::all), weights);
         return all;
     }
 
@@ -168,7 +168,7 @@ private:
         const Points from = centres();
         const RowMatrix all = with_base(weights);
         return rbf_sums(basis_, points_(points, Eigen::all), from, all) -
-               base_.lagrange(points, Eigen::all) * rbf_sums(basis_, places_, from, all);
+               product(base_.lagrange(points, Eigen::all), rbf_sums(basis_, places_, from, all));
     }
 
     void find_residuals(const std::vector<int>& points)
@@ -235,8 +235,8 @@ private:
             points.push_back(rows_[c]);
         const Points own = places(near.centres, Eigen::all);
         // Its Cholesky factor, in place, and then the last row of the inverse.
-        RowMatrix L =
-            rbf_values(basis_, own, own) + left_(points, Eigen::all) * right_(points, Eigen::all).transpose();
+        RowMatrix L = rbf_values(basis_, own, own) +
+                      product(left_(points, Eigen::all), right_(points, Eigen::all).transpose());
         for (Eigen::Index i = 0; i <= count; ++i) {
             const double least =
                 least_pivot * left_.row(points[i]).cwiseProduct(right_.row(points[i])).cwiseAbs().sum();

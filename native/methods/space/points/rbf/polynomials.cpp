@@ -3,9 +3,6 @@
 
 #include "native/core/dense.h"
 
-#include <Eigen/LU>
-#include <Eigen/QR>
-
 #include <cmath>
 
 namespace sinew {
@@ -37,9 +34,9 @@ Polynomials::Polynomials(const Points& points, int degree) : asked_(degree)
     for (set_degree(degree); degree_ > 0; set_degree(degree_ - 1)) {
         if (points.rows() < count_)
             continue;
-        Eigen::ColPivHouseholderQR<MatrixX> qr(evaluate(points));
-        qr.setThreshold(vanishing);
-        if (qr.rank() == count_)
+        LeastNorm fit;
+        fit.factorize(evaluate(points), vanishing);
+        if (fit.rank() == count_)
             break;
     }
 }
@@ -96,14 +93,18 @@ LagrangeBase::LagrangeBase(const MatrixX& P) : lagrange(P.rows(), P.cols()), inv
 {
     if (P.cols() == 0)
         return;
-    const Eigen::ColPivHouseholderQR<MatrixX> qr(P.transpose());
-    MatrixX own(P.cols(), P.cols());
-    for (Eigen::Index k = 0; k < P.cols(); ++k) {
-        points.push_back(static_cast<int>(qr.colsPermutation().indices()[k]));
+    const int count = static_cast<int>(P.cols());
+    LeastNorm fit;
+    fit.factorize(P.transpose());
+    MatrixX own(count, count);
+    for (int k = 0; k < count; ++k) {
+        points.push_back(fit.column(k));
         own.row(k) = P.row(points.back());
     }
-    inverse = own.inverse();
-    lagrange = P * inverse;
+    fit.factorize(own);
+    for (int k = 0; k < count; ++k)
+        inverse.col(k) = fit.solve(VectorX::Unit(count, k));
+    lagrange = product(P, inverse);
 }
 
 } // namespace sinew

@@ -159,7 +159,7 @@ void RbfSystem::factorize_dense(const Points& centres, const RbfBasis& basis, co
         lagrange.row(i) = base_.lagrange.row(others_[i]);
         half.row(i) = at_base_.row(others_[i]);
     }
-    half -= 0.5 * lagrange * at_z;
+    half -= product(0.5 * lagrange, at_z);
     for (const double softness : softnesses) {
         dense_ = DenseCholesky(free);
         fill(places, basis, lagrange, half);
@@ -230,7 +230,8 @@ void RbfSystem::factorize_sparse(const Points& centres, const RbfBasis& basis, c
         P_ = P;
         solved_P_ = P;
         sparse_->solve_rows(solved_P_);
-        schur_ = std::make_unique<Eigen::LDLT<MatrixX>>(MatrixX(P.transpose() * solved_P_));
+        schur_ = std::make_unique<CholeskyFactor>();
+        schur_->factorize(transposed_product(P, solved_P_));
     }
     progress.tick(1.0, "factorising");
 }
@@ -242,15 +243,15 @@ RbfCoefficients RbfSystem::solve(const RowMatrix& values) const
         RbfCoefficients found{values, RowMatrix(0, values.cols())};
         sparse_->solve_rows(found.weights);
         if (schur_) {
-            found.polynomial = schur_->solve(MatrixX(P_.transpose() * found.weights));
-            found.weights -= solved_P_ * found.polynomial;
+            found.polynomial = schur_->solve(transposed_product(P_, found.weights));
+            found.weights -= product(solved_P_, found.polynomial);
         }
         return found;
     }
     MatrixX at_z(q, values.cols());
     for (int k = 0; k < q; ++k)
         at_z.row(k) = values.row(base_.points[k]);
-    const RowMatrix left = values - base_.lagrange * at_z;
+    const RowMatrix left = values - product(base_.lagrange, at_z);
     RowMatrix y(free, values.cols());
     for (int i = 0; i < free; ++i)
         y.row(i) = left.row(others_[i]);
@@ -259,10 +260,10 @@ RbfCoefficients RbfSystem::solve(const RowMatrix& values) const
     found.weights = RowMatrix::Zero(count_, values.cols());
     for (int i = 0; i < free; ++i)
         found.weights.row(others_[i]) = y.row(i);
-    const MatrixX sum = base_.lagrange.transpose() * found.weights;
+    const MatrixX sum = transposed_product(base_.lagrange, found.weights);
     for (int k = 0; k < q; ++k)
         found.weights.row(base_.points[k]) = -sum.row(k);
-    found.polynomial = base_.inverse * (at_z - at_base_.transpose() * found.weights);
+    found.polynomial = product(base_.inverse, at_z - transposed_product(at_base_, found.weights));
     return found;
 }
 

@@ -176,9 +176,9 @@ CagedPart::CagedPart(const SurfaceMesh& mesh, const std::vector<int>& members, c
     }
     coarse = (counts.cwiseInverse().asDiagonal() * coarse).eval();
     coarse_rest = means(rest);
-    MatrixX normal = coarse.transpose() * coarse;
+    MatrixX normal = transposed_product(coarse, coarse);
     normal.diagonal().array() += 1e-8 * normal.diagonal().mean();
-    projection.compute(normal);
+    projection.factorize(normal);
 
     volume = EnclosedVolume(triangles, n);
     double twice = 0.0;

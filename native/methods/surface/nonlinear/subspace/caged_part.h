@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/caging/fineness.h"
+#include "native/core/dense.h"
 #include "native/core/progress.h"
 #include "native/local_global/graph/clusters.h"
 #include "native/local_global/graph/handle_graph.h"
@@ -9,8 +10,6 @@
 #include "native/mesh/frames/enclosed_volume.h"
 #include "native/mesh/surface_mesh.h"
 #include "native/methods/space/cage/mean_value.h"
-
-#include <Eigen/Cholesky>
 
 #include <memory>
 #include <optional>
@@ -43,7 +42,7 @@ struct CagedPart
     RowMatrix coarse;                ///< (m, c) the means of the weights of groups of vertices
     std::vector<int> groups;         ///< (n) the coarse point of each vertex
     Points coarse_rest;              ///< (m, 3)
-    Eigen::LLT<MatrixX> projection;  ///< of coarse^T coarse
+    CholeskyFactor projection;       ///< of coarse^T coarse
     EnclosedVolume volume;
     CoarseVolume coarse_volume;
     double rest_volume = 0.0;
