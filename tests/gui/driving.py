@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mouse, keys, waiting and screenshots, for scripts that drive a Blender with a window.
+"""Mouse, keys, waiting, claims and screenshots, for the sessions: scripts that drive a Blender with a window.
 
-A journey is a generator; each ``yield`` gives Blender the time a person would take. What it notes in
-``seen``, and its screenshots, go to the folder named after ``--``.
+A session has parts. Each is a generator that begins with Blender's startup file; each ``yield`` gives Blender
+the time that a person would take. ``with claim("what holds"):`` notes whether the assertions inside hold, and
+``test_window.py`` makes a test of each claim. Outcomes and screenshots go to the folder named after ``--``.
 """
 
 import json
@@ -11,22 +12,42 @@ import sys
 import threading
 import time
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 
 import addon_utils
 import bmesh
 import bpy
 import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from mathutils import Vector
 
 MODULE = os.environ.get("SINEW_ADDON_MODULE", "sinew")
 MODELS = Path(__file__).resolve().parents[2] / "blend_samples" / "models"
 OUTPUT = Path(sys.argv[sys.argv.index("--") + 1])
 
-seen: dict[str, object] = {}
+FRONT = (0.7071068, 0.7071068, 0.0, 0.0)  # the rotation of a view
+
+seen: dict[str, object] = {"claims": {}}  # what the tests read; of each claim, what went wrong each time
 mouse = [0, 0]
+pace = [0.1]  # seconds from one step to the next
+pictures = [OUTPUT]  # the folder of the screenshots of this part
 
 Place = tuple[int, int]  # pixels of the window, from its lower left corner
+
+
+@contextmanager
+def claim(text: str) -> Iterator[None]:
+    """Note whether the assertions inside hold. The session goes on, whether they do or not."""
+    outcomes = seen["claims"].setdefault(text, [])
+    try:
+        yield
+    except AssertionError as error:
+        told = traceback.TracebackException.from_exception(error, capture_locals=True)
+        outcomes.append("".join(told.format()))
+    else:
+        outcomes.append("")
 
 
 def enable() -> None:
@@ -37,6 +58,13 @@ def enable() -> None:
 
 def sessions():
     return sys.modules[f"{MODULE}.session.state.sessions"]
+
+
+def settled() -> Iterator[None]:
+    """Wait until every shape is final."""
+    yield from rest()
+    yield from until(lambda: not sessions().unsettled() and not binding().busy(), 120.0)
+    yield from rest()
 
 
 def window() -> bpy.types.Window:
@@ -65,6 +93,24 @@ def middle() -> Place:
     return view.x + (view.width - covered) // 2, view.y + view.height // 2
 
 
+def look_from_front(distance: float = 9.0, height: float = 0.0, sidebar: bool = False) -> Iterator[None]:
+    """Without perspective; with the panel of Sinew beside it, if wanted."""
+    space = viewport().spaces.active
+    space.region_3d.view_perspective, space.region_3d.view_rotation = "ORTHO", FRONT
+    space.region_3d.view_location, space.region_3d.view_distance = (0.0, 0.0, height), distance
+    space.show_region_ui = sidebar
+    yield from rest()
+    if sidebar:
+        yield from open_tab()
+        yield from rest()
+
+
+def on_screen(point: Sequence[float]) -> Place:
+    """Where a point of the world is in the window."""
+    pixel = location_3d_to_region_2d(region(), viewport().spaces.active.region_3d, Vector(point))
+    return int(region().x + pixel.x), int(region().y + pixel.y)
+
+
 _NUMBERS = ("ZERO", "ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE")
 _KEYS = {" ": "SPACE", ".": "PERIOD", "-": "MINUS", **{str(n): key for n, key in enumerate(_NUMBERS)}}
 _CHARACTERS = {key: character for character, key in _KEYS.items()}
@@ -86,6 +132,15 @@ def only_head(size: float = 2.0) -> bpy.types.Object:
     bpy.ops.mesh.primitive_monkey_add(size=size)
     bpy.context.object.name = "Head"
     return bpy.context.object
+
+
+def head() -> bpy.types.Object:
+    return bpy.data.objects["Head"]
+
+
+def deformer():
+    """That of the head which the panel shows."""
+    return head().sinew.active
 
 
 def new_head(levels: int, regions: dict) -> None:
@@ -143,17 +198,43 @@ def choose(menu: Place, owner: bpy.types.bpy_struct, name: str, value: str) -> I
     yield from rest(3)
 
 
+def between(start: Place, end: Place, steps: int) -> list[Place]:
+    """The places on the way, with its end."""
+    (x, y), (right, up) = start, end
+    return [(x + (right - x) * step // steps, y + (up - y) * step // steps) for step in range(1, steps + 1)]
+
+
+def hold(way: Sequence[Place]) -> Iterator[None]:
+    """Press the left button at the first place, and move to the others without releasing it."""
+    move(*way[0])
+    yield
+    window().event_simulate("LEFTMOUSE", "PRESS", x=mouse[0], y=mouse[1])
+    yield
+    for place in way[1:]:
+        move(*place)
+        yield
+
+
+def release() -> None:
+    """Release the left button, where the mouse is."""
+    window().event_simulate("LEFTMOUSE", "RELEASE", x=mouse[0], y=mouse[1])
+
+
 def drag(start: Place, end: Place, steps: int = 4) -> Iterator[None]:
     """Hold the left button on the way."""
-    move(*start)
+    yield from hold([start, *between(start, end, steps)])
+    release()
     yield
-    window().event_simulate("LEFTMOUSE", "PRESS", x=start[0], y=start[1])
-    for step in range(1, steps + 1):
-        x, y = (a + (b - a) * step // steps for a, b in zip(start, end, strict=True))
-        move(x, y)
-        yield
-    window().event_simulate("LEFTMOUSE", "RELEASE", x=end[0], y=end[1])
-    yield
+
+
+def undo(redo: bool = False) -> Iterator[None]:
+    """One step back by the keyboard."""
+    press("Z", ctrl=True, shift=redo)
+    yield from rest(3)
+
+
+def redo() -> Iterator[None]:
+    yield from undo(redo=True)
 
 
 def until(condition: Callable[[], bool], seconds: float = 60.0) -> Iterator[None]:
@@ -170,13 +251,13 @@ def rest(steps: int = 2) -> Iterator[None]:
 
 
 def screenshot(name: str) -> None:
-    with in_view():
-        bpy.ops.screen.screenshot(filepath=str(OUTPUT / f"{name}.png"))
+    with bpy.context.temp_override(window=window()):
+        bpy.ops.screen.screenshot(filepath=str(pictures[0] / f"{name}.png"))
 
 
 def pixels(name: str) -> np.ndarray:
     """A screenshot, (rows, columns, 3) in 0..1, from below."""
-    image = bpy.data.images.load(str(OUTPUT / f"{name}.png"))
+    image = bpy.data.images.load(str(pictures[0] / f"{name}.png"))
     width, height = image.size
     rows = np.array(image.pixels[:], dtype=np.float32).reshape(height, width, -1)[:, :, :3]
     bpy.data.images.remove(image)
@@ -222,6 +303,18 @@ def apart(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.abs(one - other).max())
 
 
+def near(one: np.ndarray, other: np.ndarray, limit: float) -> None:
+    """Assert that two shapes differ by less; the other one may be the same vector for all points."""
+    assert other.shape in (one.shape, one.shape[1:])
+    off = apart(one, other)
+    assert off < limit, off
+
+
+def above(value: float, limit: float) -> None:
+    """Assert it, and tell the value."""
+    assert value > limit, value
+
+
 def select(obj: bpy.types.Object, where: Callable[[object], bool]) -> None:
     """Select the vertices at the points for which ``where(point)``, in Edit Mode."""
     edit = bmesh.from_edit_mesh(obj.data)
@@ -231,7 +324,23 @@ def select(obj: bpy.types.Object, where: Callable[[object], bool]) -> None:
     bmesh.update_edit_mesh(obj.data)
 
 
-def play(journey: Iterator[None], pause: float = 0.1) -> None:
+def run(*parts: Callable[[], Iterator[None]]) -> None:
+    """The parts of a session, one after the other."""
+
+    def journey() -> Iterator[None]:
+        for part in parts:
+            enable()
+            bpy.ops.wm.read_homefile(use_factory_startup=True)
+            pictures[0] = OUTPUT / part.__name__
+            pictures[0].mkdir(parents=True, exist_ok=True)
+            print("part:", part.__name__, time.strftime("%X"), flush=True)
+            yield from rest()
+            yield from part()
+
+    play(journey())
+
+
+def play(journey: Iterator[None]) -> None:
     """Take the steps of a journey, then end Blender, whatever happened."""
 
     def tick() -> float | None:
@@ -246,7 +355,7 @@ def play(journey: Iterator[None], pause: float = 0.1) -> None:
                 if sys.exc_info()[0] is not None:
                     seen["error"] = traceback.format_exc()
                 _finish()
-        return pause
+        return pace[0]
 
     preferences = bpy.context.preferences
     preferences.view.show_splash = preferences.view.show_tooltips = False

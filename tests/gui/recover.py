@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Opens the autosave that ``drive_stress.py`` left, and compares it with a plate made anew."""
+"""Opens the autosave that ``session_threads.py`` left, and compares it with a plate made anew."""
 
 import json
 import os

@@ -1,0 +1,555 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that stay while a thread works; playback, renders beside a viewport that lives on, autosave."""
+
+import os
+import sys
+import threading
+from collections.abc import Callable, Iterator
+
+import bpy
+import numpy as np
+from driving import (
+    MODULE,
+    OUTPUT,
+    above,
+    apart,
+    binding,
+    claim,
+    deformer,
+    enable,
+    head,
+    in_view,
+    middle,
+    move,
+    near,
+    only_head,
+    open_tab,
+    pace,
+    press,
+    rest,
+    run,
+    seen,
+    settled,
+    shown_points,
+    until,
+    viewport,
+    window,
+    works,
+)
+from mathutils import Matrix
+
+enable()
+
+from expected import Expected  # noqa: E402 - needs the add-on
+from probe import Probe  # noqa: E402
+from rigs.rig import Rig, grid_object, make_active  # noqa: E402
+
+QUICK = 0.1  # the margin of a cage that is made in a moment
+
+
+def plain(levels: int = 0) -> None:
+    """A head with a group at each side, alone in the scene."""
+    obj = only_head()
+    if levels:
+        obj.modifiers.new("Subdivision", "SUBSURF").levels = levels
+        bpy.ops.object.modifier_apply(modifier="Subdivision")
+    for name, side in (("Ear.L", 1.0), ("Ear.R", -1.0)):
+        members = [vertex.index for vertex in obj.data.vertices if side * vertex.co.x > 1.0]
+        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
+
+
+def held() -> None:
+    plain()
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Ear.R")
+    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Ear.L")
+
+
+def caged(method: str = "harmonic", faces: int = 100) -> None:
+    plain()
+    bpy.ops.sinew.cage_add(method=method, faces=faces, margin=QUICK)
+
+
+def inside_out() -> None:
+    caged("mean_value")
+    deformer().cage.data.flip_normals()
+
+
+def boxed() -> None:
+    plain()
+    bpy.ops.sinew.lattice_add()
+
+
+def wired() -> None:
+    with_curve()
+    bpy.ops.sinew.wire_add(curve="Wire")
+
+
+def with_curve() -> None:
+    plain()
+    curve = bpy.data.curves.new("Wire", "CURVE")
+    curve.dimensions = "3D"
+    spline = curve.splines.new("POLY")
+    spline.points.add(3)
+    for index, point in enumerate(spline.points):
+        point.co = (index - 1.5, -0.5, 0.2, 1.0)
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("Wire", curve))
+
+
+def twins() -> None:
+    plain()
+    other = bpy.data.objects.new("Twin", head().data.copy())
+    other.data.transform(other.matrix_world.Scale(1.5, 4))
+    bpy.context.scene.collection.objects.link(other)
+
+
+def invoked(name: str, **options: object):
+    """The operator, called as a button does."""
+    return lambda: getattr(bpy.ops.sinew, name)("INVOKE_DEFAULT", **options)
+
+
+def another_method() -> list[str]:
+    """An evaluation begins the bind, and a timer calls the operator that watches it."""
+    deformer().method = "thin_shell_nonlinear"
+    bpy.context.view_layer.update()
+    return ["RUNNING_MODAL"] if binding().busy() else []
+
+
+CASES = {
+    "handle_add": (plain, invoked("handle_add", kind="HANDLE", vertex_group="Ear.L")),
+    "handle_mirror": (held, invoked("handle_mirror")),
+    "bind": (held, invoked("bind")),
+    "watch": (held, another_method),
+    "cage_add": (plain, invoked("cage_add", faces=100, margin=QUICK)),
+    "cage_add harmonic": (plain, invoked("cage_add", faces=100, margin=QUICK, method="harmonic")),
+    "cage_set_rest": (lambda: caged("mean_value"), invoked("cage_set_rest")),
+    "cage_flip": (inside_out, invoked("cage_flip")),
+    "cage_faces": (caged, invoked("cage_faces", faces=60)),
+    "lattice_add": (plain, invoked("lattice_add")),
+    "lattice_set_rest": (boxed, invoked("lattice_set_rest")),
+    "point_add": (plain, invoked("point_add", source="CURSOR", method="rigid_cells")),
+    "wire_add": (with_curve, invoked("wire_add", curve="Wire")),
+    "control_set_rest": (wired, invoked("control_set_rest")),
+    "tool_add": (plain, invoked("tool_add")),
+    "morph": (twins, invoked("morph", target="Twin")),
+    "bake": (held, invoked("bake", target="SHAPE_KEYS", frame_start=1, frame_end=3)),
+}
+
+
+def waiting() -> Iterator[None]:
+    """Each operator that stays while a thread works, to its end and beyond.
+
+    An operator that Blender calls after its end is freed memory: that ends Blender, some events later.
+    """
+    viewport().spaces.active.show_region_ui = True
+    yield from rest()
+    yield from open_tab()
+    yield from rest()
+    yield from one_cage_at_a_time()
+    limit, binding().HEAVY = binding().HEAVY, 0.0  # now every mesh is above the limit
+    for name in CASES:
+        yield from to_its_end(name)
+    with claim("another file ends the operators that wait"):
+        for name in ("cage_add", "bind"):
+            prepare, call = CASES[name]
+            prepare()
+            yield from rest()
+            with in_view():
+                call()
+            bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+            yield from rest(4)
+        assert len(bpy.data.objects) == 0
+    binding().HEAVY = limit
+
+
+def to_its_end(name: str) -> Iterator[None]:
+    """One operator, with events before and after its end."""
+    print("case:", name, flush=True)  # the last one that is printed is the one that ends Blender
+    prepare, call = CASES[name]
+    prepare()
+    bpy.context.view_layer.objects.active = head()
+    yield from rest()
+    with in_view():
+        stays = list(call() or ())
+    if name == "cage_faces":  # asks first
+        yield from rest()
+        press("RET")
+        yield from until(works, 10.0)
+    yield from rest()
+    yield from until(lambda: not works() and deformer() is not None)
+    for step in range(6):  # what Blender has freed is called by events
+        move(middle()[0] + step, middle()[1])
+        yield
+    with claim("an operator that waits for threads ends once"):
+        assert stays == ["RUNNING_MODAL"], name
+        bound = [row.is_bound for row in head().sinew.deformers]
+        assert bound, name
+        assert all(bound), (name, bound)
+        assert deformer().status_level == "INFO", (name, deformer().status)
+
+
+def one_cage_at_a_time() -> Iterator[None]:
+    """A second click while a cage is made for two objects, the X in the panel of the other, another cage."""
+    plain(levels=2)
+    bpy.ops.mesh.primitive_cube_add(location=(3.0, 0.0, 0.0))
+    other = bpy.context.object
+    yield from rest()
+    with claim("objects get one cage at a time, and the panel of each cancels it"):
+        for cages in (0, 1):
+            for obj in (other, head()):
+                obj.select_set(True)
+                bpy.context.view_layer.objects.active = obj
+            with in_view():
+                bpy.ops.sinew.cage_add("INVOKE_DEFAULT", faces=200, method="harmonic")
+                for obj in (head(), other):
+                    bpy.context.view_layer.objects.active = obj
+                    assert not bpy.ops.sinew.cage_add.poll(), obj.name
+            yield from rest()
+            if cages == 0:
+                with in_view():
+                    bpy.ops.sinew.cancel()
+            yield from until(lambda: not works(), 60.0)
+            yield from rest(4)
+            assert sum(obj.name.startswith("Head Cage") for obj in bpy.data.objects) == cages
+            assert [len(obj.sinew.deformers) for obj in (head(), other)] == [cages, cages]
+        assert deformer().status_level == "INFO"
+        bpy.context.view_layer.objects.active = head()
+        assert bpy.ops.sinew.cage_faces.poll()
+
+
+def heavy() -> Iterator[None]:
+    """A mesh that binds in a thread: the window lives on, Esc cancels, Bind starts again."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=400, y_subdivisions=400)
+    obj = bpy.context.object
+    for name, side in (("Left", -1.0), ("Right", 1.0)):
+        members = [vertex.index for vertex in obj.data.vertices if vertex.co.x * side > 0.8]
+        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
+    with in_view():
+        bpy.ops.sinew.deformer_add(method="thin_shell")
+        bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Right")
+        bpy.ops.sinew.handle_add("INVOKE_DEFAULT", kind="HANDLE", vertex_group="Left")
+    made = obj.sinew.active
+
+    def is_done() -> bool:
+        return binding().job(made.uid) is None
+
+    with claim("a heavy mesh binds in a thread, and Esc cancels"):
+        assert not is_done()
+        yield from until(is_done)
+        assert "160,801 vertices, 1 handle, 1 fixed, " in made.status
+        yield
+        bpy.context.view_layer.objects.active = obj
+        obj.data.vertices[0].co.z += 0.5  # else the factor stays, and nothing is left to cancel
+        with in_view():
+            bpy.ops.sinew.bind("INVOKE_DEFAULT")
+        press("ESC")
+        yield from rest()
+        assert "cancelled" in made.status
+        with in_view():
+            bpy.ops.sinew.bind("INVOKE_DEFAULT")
+        yield from until(is_done)
+        yield
+        assert "bound in" in made.status
+
+
+# Where the user moves things at any moment, Blender itself, without any add-on, crashes about once in 50 such
+# frames: see docs/developer/decisions/unlocked-renders.md. So the engine gives the user a turn in each frame.
+# SINEW_STRESS_WILD=1 does without turns, SINEW_STRESS_FRAMES=1000 renders more.
+WILD = "SINEW_STRESS_WILD" in os.environ
+FRAMES = int(os.environ.get("SINEW_STRESS_FRAMES", "100"))
+STEP = 1.0 / FRAMES  # what the control rises in one frame
+# Cycles shows its image through OpenGL, from threads of its own: in Mesa's software driver that crashes
+# now and then, whatever it renders. So most frames go to an engine that draws nothing.
+CYCLES_FRAMES = FRAMES // 10
+TILT = 0.3
+FLOAT32 = 4e-6
+FOLLOWS = 2e-5  # five times that, in the small frame of what the lattice moves
+ITERATIVE = 1e-3  # what an iterative method's own tolerance leaves
+
+
+class Stage:
+    """The plate, and what it must show."""
+
+    def __init__(self) -> None:
+        for obj in list(bpy.data.objects):
+            bpy.data.objects.remove(obj)
+        self.rig = Rig(grid_object("Plate", cells=24))
+        self.rig.bind("thin_shell")
+        self.expected = Expected.of_rig(self.rig)
+        self.rig.obj.rotation_euler.x = TILT  # else the camera sees an edge
+        self.dragged = Rig(grid_object("Dragged", cells=16))
+        self.dragged.bind("arap")
+        self.dragged_expected = Expected.of_rig(self.dragged, "arap")
+        self.dragged.obj.location.x = 50.0
+        control = self.rig.control
+        self._add_follower(control)
+        for frame in (0, FRAMES):
+            control.location.z = STEP * frame
+            control.keyframe_insert("location", frame=frame)
+        for curve in control.animation_data.action.fcurves:
+            for key in curve.keyframe_points:
+                key.interpolation = "LINEAR"
+        scene = bpy.context.scene
+        scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+        scene.collection.objects.link(scene.camera)
+        scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 6.0
+        scene.camera.matrix_world = Matrix.Translation((0.0, -10.0, 0.0)) @ Matrix.Rotation(np.pi / 2, 4, "X")
+        scene.render.resolution_x = scene.render.resolution_y = 16
+        scene.render.resolution_percentage = 100
+        scene.render.filepath = str(OUTPUT / "frames" / "f")
+        scene.render.use_file_extension = True
+        if hasattr(scene, "cycles"):
+            scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.device = 1, False, "CPU"
+        make_active(self.dragged.obj)
+
+    def _add_follower(self, control: bpy.types.Object) -> None:
+        """A mesh that follows a lattice, which the control of the plate moves, too."""
+        self.lattice = bpy.data.objects.new("Lattice", bpy.data.lattices.new("Lattice"))
+        self.follower = grid_object("Follower", cells=4)
+        self.follower.scale = 0.2, 0.2, 0.2
+        bpy.context.scene.collection.objects.link(self.lattice)
+        for obj in (self.lattice, self.follower):
+            obj.location.x = 30.0
+        self.follower.modifiers.new("Lattice", "LATTICE").object = self.lattice
+        bpy.context.view_layer.update()
+        self.follower_rest = shown(self.follower)
+        make_active(self.lattice)
+        control.select_set(True)
+        bpy.ops.sinew.point_add(source="SELECTED", method="mls")
+
+    def follower_error(self, height: float, places: np.ndarray | None = None) -> float:
+        places = shown(self.follower) if places is None else places
+        rise = height / self.follower.scale.z * np.array((0.0, -np.sin(TILT), np.cos(TILT)))
+        return apart(places, self.follower_rest + rise)
+
+    def drag(self, moment: int) -> None:
+        """The user moves a control that has no keys.
+
+        Blender forbids a timer to write while the render makes an engine: then the move is left out.
+        """
+        try:
+            self.dragged.control.location.z = 0.01 * (moment % 100)
+        except AttributeError:
+            return
+        bpy.context.view_layer.update()
+
+    def dragged_error(self) -> float:
+        height = self.dragged.control.location.z
+        return apart(shown(self.dragged.obj), self.dragged_expected.lifted(height))
+
+    def assert_shows(self, height: float) -> None:
+        near(shown(self.rig.obj), self.expected.lifted(height), FLOAT32)
+
+
+def shown(obj: bpy.types.Object) -> np.ndarray:
+    return shown_points(obj).astype(float)
+
+
+class Turns:
+    """The user moves things while an engine is at work, as nearly always in a render that takes its time.
+
+    Between two of these tiny frames Blender frees a dependency graph and builds another, while a move would
+    look for it: so the engine waits for a turn of the user in each frame.
+    """
+
+    PATIENCE = 2.0  # seconds
+
+    def __init__(self) -> None:
+        self._open, self._taken = threading.Event(), threading.Event()
+
+    def give(self, *_args: object) -> None:
+        """In the engine: wait until the user has moved things."""
+        self._taken.clear()
+        self._open.set()
+        self._taken.wait(self.PATIENCE)
+        self._open.clear()
+
+    def take(self, act: Callable[[], None]) -> None:
+        """In the main thread: ``act`` if it is the user's turn."""
+        if self._open.is_set() or WILD:
+            self._open.clear()
+            act()
+            self._taken.set()
+
+
+def note_writers() -> list[bool]:
+    """Whether, from now on, each write to a shape mesh is done by the main thread."""
+    shape, found = sys.modules[f"{MODULE}.mesh_io.shape"], []
+    write = shape.write_positions
+
+    def noted(*arguments: object) -> None:
+        found.append(threading.current_thread() is threading.main_thread())
+        write(*arguments)
+
+    shape.write_positions = noted
+    return found
+
+
+def stress() -> Iterator[None]:
+    """Playback, viewport render, F12 during a drag, a long render while the viewport lives on, autosave."""
+    paths = bpy.context.preferences.filepaths
+    paths.temporary_directory, paths.auto_save_time = str(OUTPUT), 1
+    bpy.context.preferences.view.render_display_type = "NONE"
+    pace[0] = 0.02
+    stage = Stage()
+    for handlers in (bpy.app.handlers.render_complete, bpy.app.handlers.render_cancel):
+        handlers.append(count_ended)
+    yield
+    writers = note_writers()
+    bpy.context.scene.frame_set(FRAMES // 2)
+    bpy.ops.ed.undo_push(message="Middle")  # an autosave writes the last step of the history
+    seen["autosave_height"] = stage.rig.control.location.z
+    yield from playback(stage)
+    yield from viewport_render(stage)
+    yield from f12_during_a_drag(stage)
+    yield from unlocked(stage, Probe.bl_idname, FRAMES, writers)
+    yield from unlocked(stage, "CYCLES", CYCLES_FRAMES, writers)
+    # Blender autosaves by itself after a minute, without our handlers, and not while an operator runs.
+    for x in range(5):  # the ended render lets go with the next event
+        move(100 + x, 100)
+        yield
+    yield from until(lambda: any(OUTPUT.glob("*autosave.blend")), 90.0)
+    yield from until(lambda: False, 1.0)  # until it is written to its end
+    seen["autosave"] = str(next(OUTPUT.glob("*autosave.blend"), ""))
+
+
+def playback(stage: Stage) -> Iterator[None]:
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, FRAMES
+    scene.frame_set(1)
+    with claim("playback shows the pose of each frame"):
+        with in_view():
+            bpy.ops.screen.animation_play()
+        assert window().screen.is_animation_playing
+        for _ in range(40):
+            yield
+            stage.assert_shows(STEP * scene.frame_current)
+        above(scene.frame_current - 1, 9)
+    with in_view():
+        bpy.ops.screen.animation_play()
+    yield
+
+
+def viewport_render(stage: Stage) -> Iterator[None]:
+    """``render.opengl`` shows what the viewport shows."""
+    scene, rows = bpy.context.scene, []
+    for frame in (1, FRAMES):
+        scene.frame_set(frame)
+        yield
+        path = OUTPUT / f"viewport_{frame}.png"
+        scene.render.filepath, kept = str(path), scene.render.filepath
+        scene.render.resolution_x = scene.render.resolution_y = 96
+        with in_view():
+            bpy.ops.render.opengl(write_still=True, view_context=False)
+        scene.render.filepath = kept
+        scene.render.resolution_x = scene.render.resolution_y = 16
+        image = bpy.data.images.load(str(path))
+        pixels = np.array(image.pixels[:]).reshape(96, 96, -1)[:, :, :3].sum(axis=2)
+        different = np.abs(pixels - pixels[2, 2]) > 0.1
+        rows.append(float(np.flatnonzero(different.any(axis=1)).max()))
+        bpy.data.images.remove(image)
+    with claim("in a viewport render, 96 rows and 6 units high, the plate rises with the handle"):
+        rise = float(np.cos(TILT)) * STEP * (FRAMES - 1) * 96 / 6.0
+        assert abs(rows[1] - rows[0] - rise) < 1.5
+
+
+def f12_during_a_drag(stage: Stage) -> Iterator[None]:
+    """The control stands where no key has it; the render is of the keys, the viewport keeps the drag."""
+    scene = bpy.context.scene
+    scene.frame_set(10)
+    stage.rig.control.location.z = 0.7
+    yield
+    with claim("F12 shows the keys, and the viewport keeps the drag"):
+        stage.assert_shows(0.7)
+        Probe.seen, Probe.frames, Probe.subframes = [], [], (0.0,)
+        scene.render.engine = Probe.bl_idname
+        yield from rendered(lambda: None)
+        near(Probe.seen[-1]["Plate"], stage.expected.lifted(STEP * 10), FLOAT32)
+        stage.assert_shows(0.7)
+    scene.frame_set(10)
+    yield
+
+
+ended = [0]  # how many renders ended
+
+
+def count_ended(*_scene: bpy.types.Scene) -> None:
+    ended[0] += 1
+
+
+def rendered(act: Callable[[], None], **options: bool) -> Iterator[None]:
+    """Render as F12 does, until the job has ended; ``act`` in each moment.
+
+    The job begins only when Blender has ended other jobs, so that waiting counts renders that ended.
+    """
+    before = ended[0]
+    bpy.ops.render.render("INVOKE_DEFAULT", **options)
+
+    def is_done() -> bool:
+        if ended[0] > before and not bpy.app.is_job_running("RENDER"):
+            return True
+        act()
+        return False
+
+    yield from until(is_done, 350.0)
+
+
+def unlocked(stage: Stage, engine: str, last: int, writers: list[bool]) -> Iterator[None]:
+    """An animation, while the user orbits and poses another mesh, which is solved again and again."""
+    scene = bpy.context.scene
+    scene.render.engine = engine
+    scene.render.use_lock_interface = False
+    scene.frame_start, scene.frame_end = 1, last
+    scene.frame_set(1)
+    Probe.seen, Probe.frames, Probe.subframes = [], [], (0.0,)
+    done: list[int] = []
+    note = lambda scene, *_rest: done.append(scene.frame_current)  # noqa: E731
+    bpy.app.handlers.render_post.append(note)
+    moves, turns = 0, Turns()
+    if engine == Probe.bl_idname:
+        Probe.at_work = None if WILD else turns.give
+    elif not WILD:
+        bpy.app.handlers.render_stats.append(turns.give)  # Cycles tells how far it is
+
+    def pose() -> None:
+        nonlocal moves
+        for _ in range(5):
+            moves += 1
+            stage.drag(moves)
+
+    def live() -> None:
+        turns.take(pose)
+        viewport().spaces.active.region_3d.view_location.x = 0.01 * (moves % 50)
+        viewport().tag_redraw()
+
+    writers.clear()
+    with claim("many frames with an unlocked viewport do not crash"):
+        assert not scene.render.use_lock_interface
+        yield from rendered(live, animation=True)
+        assert len(done) == last
+        above(moves, 2 * last)
+    bpy.app.handlers.render_post.remove(note)
+    Probe.at_work = None
+    if turns.give in bpy.app.handlers.render_stats:
+        bpy.app.handlers.render_stats.remove(turns.give)
+    with claim("only the main thread writes shapes in an unlocked render, those of the render thread too"):
+        above(len(writers), 3 * last - 1)  # of two meshes in each frame, and of one in each move
+        assert all(writers)
+    yield from settled()
+    with claim("the viewport is right after an unlocked render"):
+        assert stage.dragged_error() < ITERATIVE
+        stage.assert_shows(STEP * scene.frame_current)
+        assert stage.follower_error(STEP * scene.frame_current) < FOLLOWS
+        for frame in (1, last // 2, last):
+            scene.frame_set(frame)
+            yield
+            stage.assert_shows(STEP * frame)
+    if engine == Probe.bl_idname:
+        with claim("each frame of an unlocked render is right"):
+            assert len(Probe.seen) == last
+            for frame, shapes in zip(Probe.frames, Probe.seen, strict=True):
+                near(shapes["Plate"], stage.expected.lifted(STEP * frame), FLOAT32)
+                assert stage.follower_error(STEP * frame, shapes["Follower"]) < FOLLOWS
+        Probe.seen = []
+
+
+run(waiting, heavy, stress)
