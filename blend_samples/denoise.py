@@ -12,6 +12,7 @@ For the brightness: C. Schied et al. "Spatiotemporal Variance-Guided Filtering."
 from __future__ import annotations
 
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import bpy
@@ -28,42 +29,38 @@ def render_clean(scene: bpy.types.Scene) -> np.ndarray:
         for part in ("color", "direct", "indirect"):
             setattr(layer, f"use_pass_{name}_{part}", True)
     layer.use_pass_normal = layer.use_pass_z = True
-    with tempfile.TemporaryDirectory() as folder:
-        route_passes(scene, Path(folder))
-        bpy.ops.render.render()
-        found = {name: read_pass(Path(folder), name) for name in PASSES}
-        scene.use_nodes = False
+    found = render_passes(scene, PASSES)
     diffuse = smooth(found["DiffDir"] + found["DiffInd"], found["Normal"], found["Depth"][..., :1], levels=4)
     glossy = smooth(found["GlossDir"] + found["GlossInd"], found["Normal"], found["Depth"][..., :1], levels=3)
     return found["DiffCol"] * diffuse + found["GlossCol"] * glossy
 
 
-def route_passes(scene: bpy.types.Scene, folder: Path) -> None:
-    """Let the compositor write each pass to a file of its own."""
+def render_passes(scene: bpy.types.Scene, names: Sequence[str]) -> dict[str, np.ndarray]:
+    """Render passes by name, (height, width, 3) each: written by the compositor."""
     scene.use_nodes = True
     tree = scene.node_tree
     tree.nodes.clear()
-    source = tree.nodes.new("CompositorNodeRLayers")
-    target = tree.nodes.new("CompositorNodeOutputFile")
-    target.base_path = str(folder)
-    target.format.file_format = "OPEN_EXR"
-    target.format.color_depth = "32"
+    source, target = (tree.nodes.new(f"CompositorNode{kind}") for kind in ("RLayers", "OutputFile"))
+    target.format.file_format, target.format.color_depth = "OPEN_EXR", "32"
     target.format.color_mode = "RGB"
     target.file_slots.clear()
-    for name in PASSES:
+    for name in names:
         target.file_slots.new(name)
         tree.links.new(source.outputs[name], target.inputs[name])
-
-
-def read_pass(folder: Path, name: str) -> np.ndarray:
-    """One pass (height, width, 3)."""
-    image = bpy.data.images.load(str(next(folder.glob(f"{name}*.exr"))))
-    image.colorspace_settings.name = "Non-Color"
-    pixels = np.empty(len(image.pixels), np.float32)
-    image.pixels.foreach_get(pixels)
-    width, height = image.size
-    bpy.data.images.remove(image)
-    return pixels.reshape(height, width, 4)[..., :3]
+    found = {}
+    with tempfile.TemporaryDirectory() as folder:
+        target.base_path = folder
+        bpy.ops.render.render()
+        for name in names:
+            image = bpy.data.images.load(str(next(Path(folder).glob(f"{name}*.exr"))))
+            image.colorspace_settings.name = "Non-Color"
+            width, height = image.size
+            pixels = np.empty((height, width, 4), np.float32)
+            image.pixels.foreach_get(pixels.ravel())
+            bpy.data.images.remove(image)
+            found[name] = pixels[..., :3]
+    scene.use_nodes = False
+    return found
 
 
 def smooth(light: np.ndarray, normal: np.ndarray, depth: np.ndarray, levels: int) -> np.ndarray:

@@ -30,7 +30,7 @@ def main() -> None:
             "The Sinew add-on is not enabled in this Blender: run blend_samples/run, which installs it."
         )
 
-    sample = importlib.import_module(f"blend_samples.{wanted.sample}")
+    sample = importlib.import_module("blend_samples.catalogue").find(wanted.sample)
     studio = importlib.import_module("blend_samples.studio")
     denoise = importlib.import_module("blend_samples.denoise")
     OUTPUT.mkdir(exist_ok=True)

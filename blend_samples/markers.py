@@ -9,6 +9,17 @@ import bpy
 from mathutils import Vector
 
 from .materials import FIXED_COLOUR, HANDLE_COLOUR, plain_material
+from .posing import add_object
+
+
+def handle_material() -> bpy.types.Material:
+    return plain_material("Handle", HANDLE_COLOUR, roughness=0.3)
+
+
+def add_ball(name: str, place: Sequence[float], radius: float) -> bpy.types.Object:
+    """A ball in the handles' colour that cannot be selected."""
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, radius=radius, location=place)
+    return dress(name, handle_material(), smooth=True)
 
 
 def add_pin(
@@ -16,9 +27,7 @@ def add_pin(
 ) -> None:
     """A ball at ``tip`` on a thin stem from ``foot`` (world space), carried by the control."""
     bpy.context.view_layer.update()
-    material = plain_material("Handle", HANDLE_COLOUR, roughness=0.3)
-    bpy.ops.mesh.primitive_uv_sphere_add(segments=32, ring_count=16, radius=radius, location=tip)
-    carry(bpy.context.object, control, f"{control.name} Pin", material)
+    parts = [add_ball(f"{control.name} Pin", tip, radius)]
     if foot is not None:
         start, end = Vector(foot), Vector(tip)
         bpy.ops.mesh.primitive_cylinder_add(
@@ -28,7 +37,9 @@ def add_pin(
             location=(start + end) / 2,
             rotation=(end - start).to_track_quat("Z", "Y").to_euler(),
         )
-        carry(bpy.context.object, control, f"{control.name} Stem", material)
+        parts.append(dress(f"{control.name} Stem", handle_material(), smooth=True))
+    for part in parts:
+        part.parent, part.matrix_parent_inverse = control, control.matrix_world.inverted()
 
 
 def add_lattice_points(lattice: bpy.types.Object, radius: float, frame: int) -> None:
@@ -43,11 +54,10 @@ def add_lattice_points(lattice: bpy.types.Object, radius: float, frame: int) -> 
     ]
     mesh = bpy.data.meshes.new(f"{lattice.name} Points")
     mesh.from_pydata(places, [], [])
-    carrier = bpy.data.objects.new(mesh.name, mesh)
-    bpy.context.scene.collection.objects.link(carrier)
+    carrier = add_object(mesh.name, mesh)
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=radius)
     ball = bpy.context.object
-    ball.data.materials.append(plain_material("Handle", HANDLE_COLOUR, roughness=0.3))
+    ball.data.materials.append(handle_material())
     ball.parent, carrier.instance_type = carrier, "VERTS"
     for obj in (carrier, ball):
         obj.hide_select = True
@@ -56,7 +66,7 @@ def add_lattice_points(lattice: bpy.types.Object, radius: float, frame: int) -> 
 def add_cage_edges(cage: bpy.types.Object, thickness: float) -> None:
     """The edges of a cage: a twin that shares its mesh, and so its poses, with a Wireframe on top."""
     if not cage.data.materials:
-        cage.data.materials.append(plain_material("Handle", HANDLE_COLOUR, roughness=0.3))
+        cage.data.materials.append(handle_material())
     edges = cage.copy()
     edges.name = f"{cage.name} Edges"
     bpy.context.scene.collection.objects.link(edges)
@@ -67,15 +77,13 @@ def add_cage_edges(cage: bpy.types.Object, thickness: float) -> None:
     edges.hide_set(True)  # the cage itself is edited, not these edges
 
 
-def carry(
-    marker: bpy.types.Object, control: bpy.types.Object, name: str, material: bpy.types.Material
-) -> None:
-    marker.name = name
+def dress(name: str, material: bpy.types.Material, smooth: bool = False) -> bpy.types.Object:
+    """Name and paint the object that an operator has just added; it cannot be selected."""
+    marker = bpy.context.object
+    marker.name, marker.hide_select = name, True
     marker.data.materials.append(material)
-    marker.data.polygons.foreach_set("use_smooth", [True] * len(marker.data.polygons))
-    marker.parent = control
-    marker.matrix_parent_inverse = control.matrix_world.inverted()
-    marker.hide_select = True
+    marker.data.polygons.foreach_set("use_smooth", [smooth] * len(marker.data.polygons))
+    return marker
 
 
 def add_pad(centre: Sequence[float], radius: float, height: float = 0.012) -> None:
@@ -83,9 +91,6 @@ def add_pad(centre: Sequence[float], radius: float, height: float = 0.012) -> No
     bpy.ops.mesh.primitive_cylinder_add(
         vertices=64, radius=radius, depth=height, location=(centre[0], centre[1], height / 2)
     )
-    pad = bpy.context.object
-    pad.name = "Fixed"
-    pad.hide_select = True
+    pad = dress("Fixed", plain_material("Fixed", FIXED_COLOUR, roughness=0.35))
     bevel = pad.modifiers.new("Bevel", "BEVEL")
     bevel.width, bevel.segments = 0.4 * height, 2
-    pad.data.materials.append(plain_material("Fixed", FIXED_COLOUR, roughness=0.35))

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import bpy
 
@@ -43,10 +43,38 @@ def ink_material() -> bpy.types.Material:
     return plain_material("Ink", (0.035, 0.035, 0.04), roughness=0.8, specular=0.1)
 
 
-def attribute(material: bpy.types.Material, name: str) -> bpy.types.Node:
+def add_node(
+    tree: bpy.types.NodeTree, kind: str, inputs: Mapping[str | int, object], **settings: object
+) -> bpy.types.NodeSocket:
+    """A shader node; of each input a value, or the socket to link it to. Returns its first output in use."""
+    node = tree.nodes.new(f"ShaderNode{kind}")
+    for name, value in settings.items():
+        setattr(node, name, value)
+    for key, value in inputs.items():
+        if isinstance(value, bpy.types.NodeSocket):
+            tree.links.new(value, node.inputs[key])
+        else:
+            node.inputs[key].default_value = value
+    return next(socket for socket in node.outputs if socket.enabled)
+
+
+def add_math(tree: bpy.types.NodeTree, operation: str, *inputs: object) -> bpy.types.NodeSocket:
+    return add_node(tree, "Math", dict(enumerate(inputs)), operation=operation)
+
+
+def attribute(material: bpy.types.Material, name: str, output: str = "Fac") -> bpy.types.NodeSocket:
+    """An attribute of the mesh; as a colour or a vector by the name of the output."""
     node = material.node_tree.nodes.new("ShaderNodeAttribute")
     node.attribute_name = name
-    return node
+    return node.outputs[output]
+
+
+def smooth_edge(
+    tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, low: float, high: float, least: float = 0.0
+) -> bpy.types.NodeSocket:
+    """From ``least`` where the value is at most ``low`` to 1 where it is at least ``high``."""
+    inputs = {"Value": value, "From Min": low, "From Max": high, "To Min": least}
+    return add_node(tree, "MapRange", inputs, interpolation_type="SMOOTHSTEP")
 
 
 def skin_material(
@@ -57,38 +85,24 @@ def skin_material(
     The attribute ``band`` shows in the handles' colour, as strongly as the object colour's alpha.
     """
     material, shader = principled(name, roughness)
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    colour = attribute(material, "Colour").outputs["Color"]
+    tree = material.node_tree
+    colour = attribute(material, "Colour", "Color")
     if band:
-        mark, owner, shown = (nodes.new(f"ShaderNode{kind}") for kind in ("MixRGB", "ObjectInfo", "Math"))
-        mark.inputs["Color2"].default_value = (*HANDLE_COLOUR, 1.0)
-        shown.operation = "MULTIPLY"
-        links.new(attribute(material, band).outputs["Fac"], shown.inputs[0])
-        links.new(owner.outputs["Alpha"], shown.inputs[1])
-        links.new(shown.outputs[0], mark.inputs["Fac"])
-        links.new(colour, mark.inputs["Color1"])
-        colour = mark.outputs["Color"]
-    links.new(colour, shader.inputs["Base Color"])
-    noise = nodes.new("ShaderNodeTexNoise")
-    noise.inputs["Scale"].default_value = grain
-    noise.inputs["Detail"].default_value = 2.0
-    relief = nodes.new("ShaderNodeBump")
-    relief.inputs["Strength"].default_value = bump
-    relief.inputs["Distance"].default_value = 0.01
-    links.new(attribute(material, "rest").outputs["Vector"], noise.inputs["Vector"])
-    links.new(noise.outputs["Fac"], relief.inputs["Height"])
-    links.new(relief.outputs["Normal"], shader.inputs["Normal"])
+        owner = tree.nodes.new("ShaderNodeObjectInfo")
+        shown = add_math(tree, "MULTIPLY", attribute(material, band), owner.outputs["Alpha"])
+        colour = add_node(tree, "MixRGB", {"Fac": shown, "Color1": colour, "Color2": (*HANDLE_COLOUR, 1.0)})
+    tree.links.new(colour, shader.inputs["Base Color"])
+    place = attribute(material, "rest", "Vector")
+    noise = add_node(tree, "TexNoise", {"Vector": place, "Scale": grain, "Detail": 2.0})
+    relief = add_node(tree, "Bump", {"Strength": bump, "Distance": 0.01, "Height": noise})
+    tree.links.new(relief, shader.inputs["Normal"])
     return material
 
 
 def eye_material(name: str, iris: Sequence[float], pupil: float, size: float) -> bpy.types.Material:
     """A wet eyeball; the attribute ``gaze`` is the angle from the line of sight in radians."""
     material, shader = principled(name, 0.08, 0.6)
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    scale = nodes.new("ShaderNodeMath")
-    scale.operation = "DIVIDE"
-    scale.inputs[1].default_value = 2.0
-    ramp = nodes.new("ShaderNodeValToRGB")
+    tree = material.node_tree
     stops = (
         (0.0, (0.004, 0.004, 0.006)),
         (pupil, (0.004, 0.004, 0.006)),
@@ -98,14 +112,14 @@ def eye_material(name: str, iris: Sequence[float], pupil: float, size: float) ->
         (size, tuple(0.20 * c for c in iris)),
         (size + 0.03, (0.80, 0.77, 0.72)),
     )
-    elements = ramp.color_ramp.elements
+    angle = add_math(tree, "DIVIDE", attribute(material, "gaze"), 2.0)
+    ramp = add_node(tree, "ValToRGB", {0: angle})
+    elements = ramp.node.color_ramp.elements
     while len(elements) < len(stops):
         elements.new(0.5)
-    for element, (angle, colour) in zip(elements, stops):
-        element.position, element.color = angle / 2.0, (*colour, 1.0)
-    links.new(attribute(material, "gaze").outputs["Fac"], scale.inputs[0])
-    links.new(scale.outputs[0], ramp.inputs[0])
-    links.new(ramp.outputs[0], shader.inputs["Base Color"])
+    for element, (at, colour) in zip(elements, stops):
+        element.position, element.color = at / 2.0, (*colour, 1.0)
+    tree.links.new(ramp, shader.inputs["Base Color"])
     return material
 
 
@@ -117,47 +131,33 @@ def patched_material(
     The attributes are smooth fields, zero on the border, so that borders are crisp on coarse meshes too.
     """
     material, shader = principled(name, roughness, specular=0.3)
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    colour = nodes.new("ShaderNodeRGB")
-    colour.outputs[0].default_value = (*base, 1.0)
-    material.diffuse_color = (*base, 1.0)
-    below = colour.outputs[0]
+    tree = material.node_tree
+    below = tree.nodes.new("ShaderNodeRGB").outputs[0]
+    below.default_value = material.diffuse_color = (*base, 1.0)
     for field, tint, softness in patches:
-        edge = nodes.new("ShaderNodeMapRange")
-        edge.interpolation_type = "SMOOTHSTEP"
-        edge.inputs["From Min"].default_value, edge.inputs["From Max"].default_value = -softness, softness
-        mix = nodes.new("ShaderNodeMixRGB")
-        mix.inputs["Color2"].default_value = (*tint, 1.0)
-        links.new(attribute(material, field).outputs["Fac"], edge.inputs["Value"])
-        links.new(edge.outputs[0], mix.inputs["Fac"])
-        links.new(below, mix.inputs["Color1"])
-        below = mix.outputs[0]
-    links.new(below, shader.inputs["Base Color"])
+        edge = smooth_edge(tree, attribute(material, field), -softness, softness)
+        below = add_node(tree, "MixRGB", {"Fac": edge, "Color1": below, "Color2": (*tint, 1.0)})
+    tree.links.new(below, shader.inputs["Base Color"])
+    return material
+
+
+def region_material(name: str, base: Sequence[float], ruled: bool = False) -> bpy.types.Material:
+    """A base on which the fields ``handle`` and ``fixed`` show the regions, with lines if it is ``ruled``."""
+    patches = (("handle", HANDLE_COLOUR, 0.002), ("fixed", FIXED_COLOUR, 0.002))
+    material = patched_material(name, base, patches, roughness=0.5)
+    if ruled:
+        rule_lines(material, cell=0.1, line=0.014)
     return material
 
 
 def rule_lines(material: bpy.types.Material, cell: float, line: float) -> None:
     """Fine darker lines on a material's colour, every ``cell`` units of the rest x and y."""
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    base = nodes["Principled BSDF"].inputs["Base Color"]
-    split = nodes.new("ShaderNodeSeparateXYZ")
-    links.new(attribute(material, "rest").outputs["Vector"], split.inputs[0])
-    near = nodes.new("ShaderNodeMath")
-    near.operation = "MINIMUM"
-    for k, axis in enumerate("XY"):
-        wave = nodes.new("ShaderNodeMath")  # 0 on a line, cell / 2 between two
-        wave.operation = "PINGPONG"
-        wave.inputs[1].default_value = cell / 2
-        links.new(split.outputs[axis], wave.inputs[0])
-        links.new(wave.outputs[0], near.inputs[k])
-    edge = nodes.new("ShaderNodeMapRange")
-    edge.interpolation_type = "SMOOTHSTEP"
-    edge.inputs["From Min"].default_value, edge.inputs["From Max"].default_value = 0.3 * line, 0.6 * line
-    edge.inputs["To Min"].default_value = 0.5
-    links.new(near.outputs[0], edge.inputs["Value"])
-    mix = nodes.new("ShaderNodeMixRGB")
-    mix.blend_type = "MULTIPLY"
-    mix.inputs["Fac"].default_value = 1.0
-    links.new(base.links[0].from_socket, mix.inputs["Color1"])
-    links.new(edge.outputs[0], mix.inputs["Color2"])
-    links.new(mix.outputs[0], base)
+    tree = material.node_tree
+    base = tree.nodes["Principled BSDF"].inputs["Base Color"]
+    split = tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(attribute(material, "rest", "Vector"), split.inputs[0])
+    # 0 on a line, cell / 2 between two
+    waves = [add_math(tree, "PINGPONG", split.outputs[axis], cell / 2) for axis in "XY"]
+    edge = smooth_edge(tree, add_math(tree, "MINIMUM", *waves), 0.3 * line, 0.6 * line, least=0.5)
+    inputs = {"Fac": 1.0, "Color1": base.links[0].from_socket, "Color2": edge}
+    tree.links.new(add_node(tree, "MixRGB", inputs, blend_type="MULTIPLY"), base)

@@ -35,11 +35,26 @@ class Move:
 REST = Move()
 
 
+def add_object(
+    name: str, data: bpy.types.ID | None, parent: bpy.types.Object | None = None
+) -> bpy.types.Object:
+    """A new object in the scene's collection; without data an empty."""
+    obj = bpy.data.objects.new(name, data)
+    obj.parent = parent
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
 def make_active(obj: bpy.types.Object) -> None:
     for other in bpy.context.selected_objects:
         other.select_set(False)
     obj.select_set(True)
     bpy.context.view_layer.objects.active = obj
+
+
+def places(count: int, spacing: float) -> list[float]:
+    """Where the objects of a row stand along x, about its middle."""
+    return [(k - 0.5 * (count - 1)) * spacing for k in range(count)]
 
 
 def line_up(
@@ -48,9 +63,9 @@ def line_up(
     """The object and copies of it in a row along x, one per label, each turned by ``heading`` degrees."""
     name, labels = first.name, list(labels)
     row = [first, *(first.copy() for _ in labels[1:])]
-    for k, (obj, label) in enumerate(zip(row, labels)):
+    for obj, label, x in zip(row, labels, places(len(row), spacing)):
         obj.name = f"{name} {label}"
-        obj.location.x = (k - 0.5 * (len(row) - 1)) * spacing
+        obj.location.x = x
         obj.rotation_euler.z = radians(heading)
         if obj != first:
             bpy.context.scene.collection.objects.link(obj)
@@ -96,6 +111,20 @@ def share_cage(cage: bpy.types.Object, obj: bpy.types.Object, method: str) -> bp
     bpy.context.scene.collection.objects.link(twin)
     bpy.context.view_layer.update()
     return add_cage(obj, method, source="OBJECT", cage=twin.name)
+
+
+def carry_cage(cage: bpy.types.Object, rig: bpy.types.Object) -> None:
+    """Parent the cage to the armature as Ctrl P, With Automatic Weights does."""
+    make_active(rig)
+    cage.select_set(True)
+    bpy.context.view_layer.update()
+    place = cage.matrix_world.copy()
+    expect(bpy.ops.object.parent_set(type="ARMATURE_AUTO"), "parent_set(type='ARMATURE_AUTO')")
+    bpy.context.view_layer.update()
+    if (cage.matrix_world.translation - place.translation).length > 1e-4:
+        raise SampleError("The cage did not stay in its place")
+    if any(not vertex.groups for vertex in cage.data.vertices):
+        raise SampleError("The armature leaves vertices of the cage behind")
 
 
 def add_lattice(
@@ -161,6 +190,15 @@ def animate(
         previous = control.rotation_quaternion.copy()
 
 
+def key_turns(joint: bpy.types.PoseBone, keys: Mapping[int, Sequence[float]]) -> None:
+    """Keyframe a bone: at each frame its turn in degrees about the axes of the armature."""
+    joint.rotation_mode = "QUATERNION"
+    axes = joint.bone.matrix_local.to_quaternion()
+    for frame, angles in keys.items():
+        joint.rotation_quaternion = axes.inverted() @ Move(turn=angles).matrix().to_quaternion() @ axes
+        joint.keyframe_insert("rotation_quaternion", frame=frame)
+
+
 def vertices(obj: bpy.types.Object) -> np.ndarray:
     """The vertices (n, 3) as they are stored, object space."""
     return stored(obj.data.vertices, "co").astype(np.float64)
@@ -179,6 +217,11 @@ def shape(obj: bpy.types.Object) -> np.ndarray:
     points = stored(mesh.vertices, "co")
     shown.to_mesh_clear()
     return points
+
+
+def shown_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
+    """A copy of the mesh as the modifiers leave it at the current frame."""
+    return bpy.data.meshes.new_from_object(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()))
 
 
 def stored(points: bpy.types.bpy_prop_collection, name: str) -> np.ndarray:

@@ -3,17 +3,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
 from math import cos, pi, radians, sin
 from pathlib import Path
 
 import bpy
 from mathutils import Vector
 
-from .materials import backdrop_material, ink_material
+from .materials import add_math, add_node, backdrop_material, ink_material
 
 FRAMES = (1, 96)
-WIDTH, HEIGHT = 1440, 600
+
+
+@dataclass(frozen=True)
+class Shot:
+    """How a sample is photographed: the camera sees ``width`` units at the target."""
+
+    target: Sequence[float]
+    width: float
+    elevation: float = 10.0  # degrees
+    distance: float = 24.0
+    lit: float = 0.9  # the height at which the lights point
+    light: float = 9.0  # the size of the lit place
+    picture: tuple[int, int] = (1440, 600)  # pixels
+    samples: int = 64
+    tint: Sequence[float] = (0.54, 0.485, 0.42)  # of the backdrop
+    text: float = 0.17  # the size of labels
+    front: float = -1.0  # their y
+    aside: float = 0.0  # how far to the right of an object
+    nearer: float = 1.0  # the x of objects times this, as the camera sees their middle
+    floor: float = 0.0  # the height that labels stand on
+
+    def set_up(self, scene: bpy.types.Scene, labels: Iterable[tuple[str, float]]) -> None:
+        """Add backdrop, camera, lights and a label for each object, by its x; and set up the renderer."""
+        add_backdrop(scene, 14.0, self.tint)
+        add_camera(scene, self.target, self.distance, self.elevation, self.width)
+        add_lights(scene, (0.0, 0.0, self.lit), self.light)
+        for text, x in labels:
+            add_label(scene, text, (self.nearer * x + self.aside, self.front, self.floor), self.text)
+        set_up_render(scene, self.samples, *self.picture)
+
+    def add_notes(self, scene: bpy.types.Scene, notes: Iterable[tuple[str, float]]) -> None:
+        """A second, smaller line below each label."""
+        for text, x in notes:
+            add_label(scene, text, (x + self.aside, self.front - 0.5, self.floor), 0.85 * self.text)
 
 
 def empty_scene(name: str) -> bpy.types.Scene:
@@ -35,7 +69,7 @@ def progress(text: str) -> None:
     print(f"> {text} ...", flush=True)
 
 
-def set_up_render(scene: bpy.types.Scene, samples: int, width: int = WIDTH, height: int = HEIGHT) -> None:
+def set_up_render(scene: bpy.types.Scene, samples: int, width: int, height: int) -> None:
     """Cycles on the CPU, few bounces. Debian's build has no denoiser: see ``denoise``."""
     render, cycles = scene.render, scene.cycles
     render.engine = "CYCLES"
@@ -66,9 +100,7 @@ def studio_collection(scene: bpy.types.Scene) -> bpy.types.Collection:
     return scene.collection.children["Studio"]
 
 
-def add_backdrop(
-    scene: bpy.types.Scene, behind: float, width: float = 80.0, tint: Sequence[float] = (0.54, 0.485, 0.42)
-) -> None:
+def add_backdrop(scene: bpy.types.Scene, behind: float, tint: Sequence[float], width: float = 80.0) -> None:
     """A floor at z = 0 that bends up into a wall at ``y = behind``, seen from -y."""
     radius = 6.0
     profile = [(-40.0, 0.0), (behind - radius, 0.0)]
@@ -93,20 +125,15 @@ def add_lights(scene: bpy.types.Scene, target: Sequence[float], size: float) -> 
     world = bpy.data.worlds.new("Sky")
     scene.world = world
     world.use_nodes = True
-    nodes, links = world.node_tree.nodes, world.node_tree.links
-    place = nodes.new("ShaderNodeTexCoord")
-    split = nodes.new("ShaderNodeSeparateXYZ")
-    ramp = nodes.new("ShaderNodeValToRGB")
-    ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[0].color = 0.35, (0.55, 0.50, 0.46, 1)
-    ramp.color_ramp.elements[1].position, ramp.color_ramp.elements[1].color = 1.0, (0.62, 0.72, 0.90, 1)
-    half = nodes.new("ShaderNodeMath")
-    half.operation = "MULTIPLY_ADD"
-    half.inputs[1].default_value = half.inputs[2].default_value = 0.5
-    links.new(place.outputs["Generated"], split.inputs[0])
-    links.new(split.outputs["Z"], half.inputs[0])
-    links.new(half.outputs[0], ramp.inputs[0])
-    links.new(ramp.outputs[0], nodes["Background"].inputs["Color"])
-    nodes["Background"].inputs["Strength"].default_value = 0.31
+    tree, background = world.node_tree, world.node_tree.nodes["Background"].inputs
+    split = tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(add_node(tree, "TexCoord", {}), split.inputs[0])
+    ramp = add_node(tree, "ValToRGB", {0: add_math(tree, "MULTIPLY_ADD", split.outputs["Z"], 0.5, 0.5)})
+    low, high = ramp.node.color_ramp.elements
+    low.position, low.color = 0.35, (0.55, 0.50, 0.46, 1)
+    high.position, high.color = 1.0, (0.62, 0.72, 0.90, 1)
+    tree.links.new(ramp, background["Color"])
+    background["Strength"].default_value = 0.31
     world.cycles.sampling_method = "NONE"  # smooth: chance finds it with less noise
 
     add_area(scene, "Key", target, size, (-0.75, -0.95, 1.25), 0.70, 46.0, (1.0, 0.93, 0.84))
@@ -187,14 +214,14 @@ def label_font() -> bpy.types.VectorFont:
 
 
 def open_at(scene: bpy.types.Scene, frame: int, posed: bpy.types.Object) -> None:
-    """Make the file open with the view through the camera and a control selected."""
+    """Make the file open with the view through the camera; a control is selected, or what has none."""
     scene.frame_set(frame)
     for other in scene.objects:
-        other.select_set(False)
-    deformer = posed.sinew.deformers[0]
-    for control in (deformer.cage, *(handle.control for handle in deformer.handles[:1])):
-        if control:
-            control.select_set(True)
+        other.select_set(other == posed and not posed.sinew.deformers)
+    for deformer in posed.sinew.deformers[:1]:
+        for control in (deformer.cage, *(handle.control for handle in deformer.handles[:1])):
+            if control:
+                control.select_set(True)
     bpy.context.view_layer.objects.active = posed
     for space in look_through_camera():
         space.shading.color_type = "VERTEX" if posed.data.color_attributes else "MATERIAL"

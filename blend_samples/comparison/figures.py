@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -84,94 +85,100 @@ def arc(angle: float = 90.0) -> Case:
 
 def all_figures(ours: Ours) -> Iterator[Figure]:
     """The figures whose methods are here, in the order of the tutorial."""
-    strip, shell = uneven_strip(), "thin_shell"
-    discretizations = ("uniform", "Uniform"), ("cotan", "Cotangent"), ("cotan_voronoi", "Cotangent + Area")
-    yield Figure(
-        "Figure 5: the Laplacian on uneven faces",
-        (
-            ("At rest", strip, strip.points),
-            *((name, strip, ours(shell, laplacian=kind)(strip)) for kind, name in discretizations),
-        ),
-    )
-    disc, spline = lifted_disc(), "spline_surface"
-    yield Figure(
-        "Figure 6: a grid of splines",
-        (
-            ("Spline Surface, degree 1", disc, ours(spline, degree=1)(disc)),
-            ("Spline Surface, 8 x 8", disc, ours(spline)(disc)),
-            ("Spline Surface, 20 x 20", disc, ours(spline, columns=20, rows=20)(disc)),
-            ("Thin Shell", disc, ours(shell)(disc)),
-        ),
-    )
-    ring = lifted_disc(hollow=True)
-    yield Figure(
-        "Figure 8: a dent inside the handle",
-        (
-            ("At rest", ring, ring.points),
-            ("Propagation, geodesic", ring, ours("propagation", field="geodesic")(ring)),
-            ("Propagation, harmonic", ring, ours("propagation")(ring)),
-            ("Thin Shell", ring, ours(shell)(ring)),
-        ),
-    )
-    lifted = plane()
-    yield Figure(
-        "Figure 10: the bumpy plane, lifted",
-        (
-            ("At rest", lifted, lifted.points),
-            ("Thin Shell", lifted, ours(shell)(lifted)),
-            ("and normal displacements", lifted, _around(ours, "normal_displacements")(lifted)),
-            ("As-Rigid-As-Possible", lifted, ours("arap")(lifted)),
-        ),
-    )
-    bent = bent_bumps()
-    yield Figure(
-        "Figure 13: details without and with local frames",
-        (
-            ("At rest", bent, bent.points),
-            ("Thin Shell", bent, ours(shell)(bent)),
-            ("and displacement vectors", bent, _around(ours, "displacement_vectors")(bent)),
-            ("As-Rigid-As-Possible", bent, ours("arap")(bent)),
-        ),
-    )
-    tight = bent_bumps(0.12, 140.0)
-    yield Figure(
-        "Figure 14: high bumps in a tight bend",
-        (
-            ("At rest", tight, tight.points),
-            *(
-                (name, tight, _around(ours, kind, wavelength=20.0)(tight))
-                for kind, name in (
-                    ("normal_displacements", "Normal displacements"),
-                    ("displacement_volumes", "Displacement volumes"),
-                    ("deformation_transfer", "Deformation transfer"),
-                )
-            ),
-        ),
-    )
-    tube = arc()
-    broken = apart(tube)
-    yield Figure(
-        "Figure 15: gradients of a cylinder, bent by 90°",
-        (
-            ("At rest", tube, tube.points),
-            ("Gradients at rest", tube, unrotated_gradients(tube)),
-            ("Turned triangles", broken, turned_triangles(tube)),
-            ("Gradient Editing", tube, ours("gradient_editing")(tube)),
-        ),
-    )
-    animal = beast()
-    yield Figure(
-        "Figure 16: a large edit in one step",
-        (
-            ("Thin Shell", animal, ours(shell)(animal)),
-            ("Gradient Editing", animal, ours("gradient_editing")(animal)),
-            ("Laplacian, implicit", animal, ours("laplacian_editing", transforms="implicit")(animal)),
-            ("As-Rigid-As-Possible", animal, ours("arap")(animal)),
-            ("Nonlinear Thin Shell", animal, ours("thin_shell_nonlinear")(animal)),
-        ),
-    )
+    for title, make, views in FIGURES:
+        case = make()
+        yield Figure(title, tuple((caption, *show(ours, case)) for caption, show in views))
 
 
-def _around(ours: Ours, details: str, **options: object) -> Solve:
+Show = Callable[[Ours, Case], tuple[Case, np.ndarray]]  # the mesh that is shown, and its points
+
+
+def _at_rest(_ours: Ours, case: Case) -> tuple[Case, np.ndarray]:
+    return case, case.points
+
+
+def _by(method: str, **options: object) -> Show:
+    return lambda ours, case: (case, ours(method, **options)(case))
+
+
+def _around(details: str, **options: object) -> Show:
     """Multiresolution around the thin shell."""
-    return ours("multiresolution", details=details, **options)
+    return _by("multiresolution", details=details, **options)
+
+
+REST, SHELL = ("At rest", _at_rest), ("Thin Shell", _by("thin_shell"))
+ARAP = "As-Rigid-As-Possible", _by("arap")
+GRADIENTS = "Gradient Editing", _by("gradient_editing")
+FIGURES: tuple[tuple[str, Callable[[], Case], tuple[tuple[str, Show], ...]], ...] = (
+    (
+        "Figure 5: the Laplacian on uneven faces",
+        uneven_strip,
+        (
+            REST,
+            ("Uniform", _by("thin_shell", laplacian="uniform")),
+            ("Cotangent", _by("thin_shell", laplacian="cotan")),
+            ("Cotangent + Area", _by("thin_shell", laplacian="cotan_voronoi")),
+        ),
+    ),
+    (
+        "Figure 6: a grid of splines",
+        lifted_disc,
+        (
+            ("Spline Surface, degree 1", _by("spline_surface", degree=1)),
+            ("Spline Surface, 8 x 8", _by("spline_surface")),
+            ("Spline Surface, 20 x 20", _by("spline_surface", columns=20, rows=20)),
+            SHELL,
+        ),
+    ),
+    (
+        "Figure 8: a dent inside the handle",
+        partial(lifted_disc, hollow=True),
+        (
+            REST,
+            ("Propagation, geodesic", _by("propagation", field="geodesic")),
+            ("Propagation, harmonic", _by("propagation")),
+            SHELL,
+        ),
+    ),
+    (
+        "Figure 10: the bumpy plane, lifted",
+        plane,
+        (REST, SHELL, ("and normal displacements", _around("normal_displacements")), ARAP),
+    ),
+    (
+        "Figure 13: details without and with local frames",
+        bent_bumps,
+        (REST, SHELL, ("and displacement vectors", _around("displacement_vectors")), ARAP),
+    ),
+    (
+        "Figure 14: high bumps in a tight bend",
+        partial(bent_bumps, 0.12, 140.0),
+        (
+            REST,
+            ("Normal displacements", _around("normal_displacements", wavelength=20.0)),
+            ("Displacement volumes", _around("displacement_volumes", wavelength=20.0)),
+            ("Deformation transfer", _around("deformation_transfer", wavelength=20.0)),
+        ),
+    ),
+    (
+        "Figure 15: gradients of a cylinder, bent by 90°",
+        arc,
+        (
+            REST,
+            ("Gradients at rest", lambda _ours, case: (case, unrotated_gradients(case))),
+            ("Turned triangles", lambda _ours, case: (apart(case), turned_triangles(case))),
+            GRADIENTS,
+        ),
+    ),
+    (
+        "Figure 16: a large edit in one step",
+        beast,
+        (
+            SHELL,
+            GRADIENTS,
+            ("Laplacian, implicit", _by("laplacian_editing", transforms="implicit")),
+            ARAP,
+            ("Nonlinear Thin Shell", _by("thin_shell_nonlinear")),
+        ),
+    ),
+)

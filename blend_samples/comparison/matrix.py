@@ -23,6 +23,12 @@ class Cell:
     distortion: Distortion | None
     refusal: str = ""
 
+    def numbers(self) -> dict[str, object]:
+        if self.distortion is None:
+            return {"refused": self.refusal}
+        found = self.distortion.as_dict().items()
+        return {key: None if value is None else float(f"{value:.4g}") for key, value in found}
+
 
 @dataclass
 class Matrix:
@@ -63,33 +69,19 @@ class Matrix:
             cell.shape for (_row, at), cell in self.cells.items() if at == name and cell.shape is not None
         ]
 
-    def numbers(self) -> dict[str, object]:
-        """What was measured, ready for JSON."""
-        return {
-            "columns": {
-                name: {
-                    "edit": case.name,
-                    "vertices": len(case.points),
-                    "triangles": len(case.triangles),
-                    "free_vertices": int(case.free.sum()),
-                }
-                for name, case in self.columns.items()
-            },
-            "rows": {row: {name: self._entry(row, name) for name in self.columns} for row in self.rows},
-        }
-
-    def _entry(self, row: str, column: str) -> dict[str, object]:
-        cell = self.cells[row, column]
-        if cell.distortion is None:
-            return {"refused": cell.refusal}
-        return {key: _rounded(value) for key, value in cell.distortion.as_dict().items()}
-
     def write(self, path: Path) -> None:
-        path.write_text(json.dumps(self.numbers(), indent=1) + "\n", encoding="utf-8")
-
-
-def _rounded(value: float | None) -> float | None:
-    return None if value is None else float(f"{value:.4g}")
+        """What was measured, as JSON: of each row and case the figures, or why there are none."""
+        columns = {
+            name: {
+                "edit": case.name,
+                "vertices": len(case.points),
+                "triangles": len(case.triangles),
+                "free_vertices": int(case.free.sum()),
+            }
+            for name, case in self.columns.items()
+        }
+        rows = {row: {name: self.cells[row, name].numbers() for name in columns} for row in self.rows}
+        path.write_text(json.dumps({"columns": columns, "rows": rows}, indent=1) + "\n", encoding="utf-8")
 
 
 def filled(cases: Iterable[tuple[str, Case]], rows: Iterable[tuple[str, Solve]], **options: object) -> Matrix:

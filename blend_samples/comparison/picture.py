@@ -6,11 +6,12 @@ from __future__ import annotations
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from math import radians
 
 import bpy
 import numpy as np
-from mathutils import Euler
+from mathutils import Euler, Vector
 
 from .. import materials, studio
 from .cases import Case
@@ -18,7 +19,9 @@ from .figures import Figure
 from .matrix import Cell, Matrix
 from .measures import Distortion, distortion
 
-PLAIN = (0.56, 0.52, 0.46)
+PLAIN, INSIDE = (0.70, 0.66, 0.58), (0.30, 0.10, 0.22)  # of the two sides of a surface
+PAPER = (0.90, 0.90, 0.885)
+KEY = Vector((-0.62, -0.52, 0.59)).normalized()  # where the light comes from
 PIXELS = 100  # per unit of the scene
 CELL, PICTURE, LINE, HEADING, MARGIN = 3.0, 2.1, 0.21, 0.36, 0.2
 TEXT, TITLE = 0.185, 0.235
@@ -110,19 +113,22 @@ def _strain(case: Case, shape: np.ndarray) -> Sequence[str]:
 
 
 def add_sheets(scene: bpy.types.Scene, sheets: Sequence[Sheet]) -> None:
-    """Fill the scene with the sheets, side by side, and light them alike."""
+    """Fill the scene with the sheets, side by side, on paper."""
+    ink = _glowing(materials.patched_material("Ink", (0.012, 0.012, 0.015), (), roughness=0.6))
     material = _material()
+    scene.world = bpy.data.worlds.new("Paper")
+    scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (*PAPER, 1.0)
     for number, sheet in enumerate(sheets):
         left = APART * number + MARGIN
         for across, head in enumerate(sheet.heads):
-            add_text(scene, head, (left + CELL * (across + 0.5), -MARGIN - TITLE), TITLE, "CENTER")
+            add_text(scene, head, (left + CELL * (across + 0.5), -MARGIN - TITLE), TITLE, "CENTER", ink)
         for down, (title, views) in enumerate(sheet.rows.items()):
             top = -sheet.top - sheet.row_height * down
-            add_text(scene, title, (left, top - 0.24), TITLE, "LEFT")
+            add_text(scene, title, (left, top - 0.24), TITLE, "LEFT", ink)
             for across, view in enumerate(views):
                 place = left + CELL * (across + 0.5), top - HEADING
-                _add_view(scene, f"{title} {across}", view, place, material)
-    _add_wall_and_light(scene, APART * len(sheets))
+                _add_view(scene, f"{title} {across}", view, place, material, ink)
 
 
 def look_at(scene: bpy.types.Scene, sheets: Sequence[Sheet], number: int) -> None:
@@ -174,11 +180,16 @@ class Frame:
 
 
 def _add_view(
-    scene: bpy.types.Scene, name: str, view: View, corner: tuple[float, float], material: bpy.types.Material
+    scene: bpy.types.Scene,
+    name: str,
+    view: View,
+    corner: tuple[float, float],
+    material: bpy.types.Material,
+    ink: bpy.types.Material,
 ) -> None:
     x, top = corner
     for number, line in enumerate(view.lines):
-        add_text(scene, line, (x, top - PICTURE - LINE * (number + 0.8)), TEXT, "CENTER")
+        add_text(scene, line, (x, top - PICTURE - LINE * (number + 0.8)), TEXT, "CENTER", ink)
     if view.shape is None:
         return
     case, mesh = view.case, bpy.data.meshes.new(name)
@@ -199,40 +210,60 @@ def _add_view(
 
 
 def _material() -> bpy.types.Material:
+    """Light from one side and the sky, computed from the normal, and so without noise."""
     patches = (("handle", materials.HANDLE_COLOUR, 0.05), ("fixed", materials.FIXED_COLOUR, 0.05))
     material = materials.patched_material("Surface", PLAIN, patches, roughness=0.6)
+    tree = material.node_tree
+    seen = tree.nodes.new("ShaderNodeNewGeometry").outputs
+    math = partial(materials.add_math, tree)
+    key, up, front = (
+        materials.add_node(tree, "VectorMath", {0: seen["Normal"], 1: way}, operation="DOT_PRODUCT")
+        for way in (KEY, (0, 0, 1), (0, -1, 0))
+    )
+    sky = math("MULTIPLY_ADD", up, 0.10, 0.22)
+    light = math("MULTIPLY_ADD", math("POWER", math("MAXIMUM", key, 0.0), 1.3), 0.85, sky)
+    facing = math("MULTIPLY_ADD", math("MINIMUM", math("MULTIPLY", front, 1.6), 1.0), 0.45, 0.55)
+    painted = tree.nodes["Principled BSDF"].inputs["Base Color"]
+    sides = {"Fac": seen["Backfacing"], "Color1": painted.links[0].from_socket, "Color2": (*INSIDE, 1.0)}
+    tree.links.new(materials.add_node(tree, "MixRGB", sides), painted)
     materials.rule_lines(material, cell=0.5, line=0.06)
+    return _glowing(material, math("MULTIPLY", light, facing))
+
+
+def _glowing(material: bpy.types.Material, light: bpy.types.NodeSocket | float = 1.0) -> bpy.types.Material:
+    """The material as a lamp of its colour."""
+    tree = material.node_tree
+    colour = tree.nodes["Principled BSDF"].inputs["Base Color"].links[0].from_socket
+    glow = materials.add_node(tree, "Emission", {"Color": colour, "Strength": light})
+    tree.links.new(glow, tree.nodes["Material Output"].inputs["Surface"])
     return material
 
 
-def add_text(scene: bpy.types.Scene, text: str, place: tuple[float, float], size: float, align: str) -> None:
+def set_up_render(scene: bpy.types.Scene) -> None:
+    """No light but what the camera sees itself, and colours as they are."""
+    studio.set_up_render(scene, 16, 1440, 600)
+    scene.cycles.use_adaptive_sampling, scene.cycles.max_bounces = False, 0
+    scene.cycles.filter_width = 1.0
+    scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
+    scene.view_settings.exposure = 0.0
+
+
+def add_text(
+    scene: bpy.types.Scene,
+    text: str,
+    place: tuple[float, float],
+    size: float,
+    align: str,
+    ink: bpy.types.Material,
+) -> None:
     curve = bpy.data.curves.new(text, "FONT")
     curve.body, curve.font, curve.size, curve.align_x = text, studio.label_font(), size, align
-    curve.materials.append(materials.ink_material())
+    curve.materials.append(ink)
     label = bpy.data.objects.new(f"Text {text}", curve)
     label.location = (place[0], -6.0, place[1])
     label.rotation_euler = (radians(90.0), 0.0, 0.0)
     label.hide_select, label.visible_shadow = True, False
     studio.studio_collection(scene).objects.link(label)
-
-
-def _add_wall_and_light(scene: bpy.types.Scene, width: float) -> None:
-    mesh = bpy.data.meshes.new("Wall")
-    corners = [(-20, 4, -60), (width + 20, 4, -60), (width + 20, 4, 20), (-20, 4, 20)]
-    mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
-    mesh.materials.append(materials.backdrop_material((0.78, 0.77, 0.74)))
-    wall = bpy.data.objects.new("Wall", mesh)
-    wall.hide_select = True
-    sun = bpy.data.lights.new("Sun", "SUN")
-    sun.energy, sun.angle = 2.6, radians(12.0)
-    lamp = bpy.data.objects.new("Sun", sun)
-    lamp.rotation_euler = Euler((radians(48.0), radians(-28.0), 0.0))
-    for obj in (wall, lamp):
-        studio.studio_collection(scene).objects.link(obj)
-    scene.world = bpy.data.worlds.new("Sky")
-    scene.world.use_nodes = True
-    background = scene.world.node_tree.nodes["Background"].inputs
-    background["Color"].default_value, background["Strength"].default_value = (0.75, 0.82, 0.95, 1.0), 0.55
 
 
 def laplacian_deform(case: Case) -> np.ndarray:

@@ -8,11 +8,14 @@ from dataclasses import replace
 import bpy
 import numpy as np
 
+from ..materials import eye_material, skin_material
+from ..posing import make_active, vertices
 from .objects import Sculpture, eye_colours, soften, to_object
 from .scatter import lobes
 from .sculpt import Clay, ball, neighbour_mean, vertex_normals, weld_lists
 from .shapes import Ellipsoid, Mirrored, Squashed, Tube, rotation, smoothstep
 
+PIECES, SHRUNK = 400, 0.9  # of a shattered dragon; each piece has this share of its size, so that gaps show
 SKIN, EYE = 0, 1  # material slots
 IRIS, PUPIL, IRIS_EDGE = (0.75, 0.33, 0.03), 0.46, 0.92  # colour; angles from the line of sight in radians
 
@@ -256,4 +259,46 @@ def sculpture(voxel: float = 0.0135) -> Sculpture:
 
 
 def build(name: str = "Dragon") -> bpy.types.Object:
-    return to_object(name, sculpture())
+    dragon = to_object(name, sculpture())
+    dragon.data.materials.append(skin_material("Skin", roughness=0.42, bump=0.25, grain=90.0))
+    dragon.data.materials.append(eye_material("Eye", IRIS, PUPIL, IRIS_EDGE))
+    return dragon
+
+
+def build_shattered(name: str = "Dragon") -> bpy.types.Object:
+    """The skin cut into pieces that share no vertex, as scans of many parts are, each shrunk a little."""
+    dragon = build(name)
+    mesh = dragon.data
+    centres = np.empty((len(mesh.polygons), 3), np.float32)
+    mesh.polygons.foreach_get("center", centres.ravel())
+    seeds = centres[np.random.default_rng(5).choice(len(centres), PIECES, replace=False)]
+    piece = np.concatenate(
+        [((part[:, None] - seeds) ** 2).sum(-1).argmin(1) for part in np.array_split(centres, 64)]
+    )
+    counts, of_corner = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.loops), np.int32)
+    mesh.polygons.foreach_get("loop_total", counts)
+    mesh.loops.foreach_get("edge_index", of_corner)
+    lowest, highest = np.full(len(mesh.edges), PIECES), np.full(len(mesh.edges), -1)
+    np.minimum.at(lowest, of_corner, np.repeat(piece, counts))
+    np.maximum.at(highest, of_corner, np.repeat(piece, counts))
+    for elements in (mesh.polygons, mesh.vertices):
+        elements.foreach_set("select", np.zeros(len(elements), dtype=bool))
+    mesh.edges.foreach_set("select", lowest != highest)
+    make_active(dragon)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.context.tool_settings.mesh_select_mode = (False, True, False)
+    bpy.ops.mesh.edge_split(type="EDGE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.tool_settings.mesh_select_mode = (True, False, False)
+
+    corners = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", corners)
+    owner = np.zeros(len(mesh.vertices), dtype=int)
+    owner[corners] = np.repeat(piece, counts)
+    points = vertices(dragon)
+    sums = np.stack([np.bincount(owner, points[:, axis], PIECES) for axis in range(3)], -1)
+    middles = sums / np.maximum(np.bincount(owner, minlength=PIECES), 1)[:, None]
+    points = middles[owner] + SHRUNK * (points - middles[owner])
+    mesh.vertices.foreach_set("co", points.astype(np.float32).ravel())
+    mesh.update()
+    return dragon

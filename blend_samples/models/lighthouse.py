@@ -8,7 +8,8 @@ from math import pi
 import bpy
 import numpy as np
 
-from .objects import keep_rest_positions
+from ..materials import plain_material
+from .objects import keep_rest_positions, mesh_object
 
 SEGMENTS = 16
 WALL, STRIPE, STONE, GLASS, DARK = range(5)  # material slots
@@ -59,13 +60,16 @@ def build(name: str = "Lighthouse") -> bpy.types.Object:
     faces += [((s + 1) % SEGMENTS, s, bottom) for s in range(SEGMENTS)]
     slots += [STONE] * SEGMENTS
 
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(points.tolist(), [], faces)
-    mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
-    mesh.polygons.foreach_set("material_index", slots)
+    surfaces = [
+        plain_material("Wall", (0.80, 0.77, 0.71), roughness=0.6),
+        plain_material("Stripe", (0.42, 0.035, 0.025), roughness=0.5),
+        plain_material("Stone", (0.27, 0.25, 0.23), roughness=0.7),
+        plain_material("Glass", (0.85, 0.62, 0.20), roughness=0.1, specular=0.6),
+        plain_material("Opening", (0.02, 0.022, 0.03), roughness=0.3),
+    ]
+    obj = mesh_object(name, points, faces, smooth=True, slots=slots, materials=surfaces)
+    mesh = obj.data
     for edge in mesh.edges:
         edge.crease = sharp.get(tuple(sorted(edge.vertices)), 0.0)
     keep_rest_positions(mesh)
-    obj = bpy.data.objects.new(name, mesh)
-    bpy.context.scene.collection.objects.link(obj)
     return obj

@@ -7,12 +7,23 @@ surface can move it as a whole.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
 from math import cos, pi, sin, tau
 
 import bpy
 import numpy as np
 
+from ..materials import plain_material
+from .objects import add_groups, grid_faces, mesh_object
+
+PARTS = "parts"
+PAINT = {
+    "Black": (0.018, 0.020, 0.024),
+    "Brass": (0.62, 0.30, 0.05),
+    "Red": (0.36, 0.020, 0.015),
+    "Steel": (0.30, 0.31, 0.33),
+}
 BOILER, RADIUS = 0.98, 0.36  # height of its axis, and its radius
 FRONT, BACK = 1.45, -0.75  # of the boiler
 DRIVERS = (-0.62, -0.08, 0.46)  # of the large wheels, along x
@@ -40,9 +51,17 @@ class Yard:
         for group in groups:
             self.groups.setdefault(group, []).extend(range(start, self.count))
 
+    def loft(self, sections: Sequence, material: int, *groups: str) -> None:
+        """A closed part through sections (k, m, 3), each a loop that turns right-handed about the way on."""
+        points = np.asarray(sections, float)
+        count, loop = points.shape[:2]
+        faces = [tuple(range(loop - 1, -1, -1)), tuple(range((count - 1) * loop, count * loop))]
+        faces += grid_faces(count, loop, around=True).tolist()
+        self.add(points.reshape(-1, 3), faces, material, *groups)
 
-def build() -> tuple[bpy.types.Object, int]:
-    """The object, with groups Drivers, Bogie, Cab and Chimney; and how many loose parts it has."""
+
+def build() -> bpy.types.Object:
+    """The object, with groups Drivers, Bogie, Cab and Chimney; its property ``parts`` counts them."""
     yard = Yard()
     _boiler(yard)
     _cab(yard)
@@ -55,14 +74,12 @@ def build() -> tuple[bpy.types.Object, int]:
             _wheel(yard, (x, side * GAUGE, 0.18), 0.17, 9, "Bogie")
     for side in (1.0, -1.0):
         _rods(yard, side)
-    mesh = bpy.data.meshes.new("Locomotive")
-    mesh.from_pydata(np.concatenate(yard.points).tolist(), [], yard.faces)
-    mesh.polygons.foreach_set("material_index", yard.materials)
-    obj = bpy.data.objects.new("Locomotive", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    for name, members in yard.groups.items():
-        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
-    return obj, yard.parts
+    paint = [plain_material(name, colour, roughness=0.32, specular=0.6) for name, colour in PAINT.items()]
+    points = np.concatenate(yard.points)
+    obj = mesh_object("Locomotive", points, yard.faces, slots=yard.materials, materials=paint)
+    add_groups(obj, yard.groups)
+    obj[PARTS] = yard.parts
+    return obj
 
 
 BLACK, BRASS, RED, STEEL = range(4)
@@ -156,25 +173,14 @@ def _wheel(yard: Yard, centre: tuple, radius: float, spokes: int, group: str) ->
     for k in range(segments):
         a, b = tau * k / segments, tau * (k + 0.97) / segments
         for inner, outer, width, material in ((0.90, 1.0, 0.05, STEEL), (0.78, 0.895, 0.035, RED)):
-            arc = [
-                middle + radius * r * np.array([cos(t), 0.0, sin(t)])
+            sections = [
+                [
+                    middle + radius * r * np.array([cos(t), 0.0, sin(t)]) + (0.0, y, 0.0)
+                    for r, y in _around_box((inner, outer), (-width / 2, width / 2))
+                ]
                 for t in (a, (a + b) / 2, b)
-                for r in (inner, outer)
             ]
-            points = np.array([p + (0.0, y, 0.0) for y in (-width / 2, width / 2) for p in arc])
-            faces = [
-                (0, 1, 3, 2),
-                (2, 3, 5, 4),
-                (6, 8, 9, 7),
-                (8, 10, 11, 9),
-                (0, 6, 7, 1),
-                (4, 5, 11, 10),
-                (1, 7, 9, 3),
-                (3, 9, 11, 5),
-                (0, 2, 8, 6),
-                (2, 4, 10, 8),
-            ]
-            yard.add(points, faces, material, group)
+            yard.loft(sections, material, group)
         bolt = middle + radius * 0.84 * np.array([cos(a + 0.1), 0.0, sin(a + 0.1)])
         _rivet(yard, bolt + (0.0, side * 0.018, 0.0), np.array([0.0, side, 0.0]), 0.009, group)
     for k in range(spokes):
@@ -202,72 +208,58 @@ def _around(x: float, angle: float, radius: float) -> np.ndarray:
     return np.array([x, 0.0, BOILER]) + radius * _outward(angle)
 
 
+def _around_box(first: tuple[float, float], second: tuple[float, float]) -> list[tuple[float, float]]:
+    """The corners of a rectangle, from its first side towards the second."""
+    (a, b), (c, d) = first, second
+    return [(a, c), (b, c), (b, d), (a, d)]
+
+
 def _curved(
     yard: Yard, along: tuple[float, float], angle: float, width: float, radius: float, material: int
 ) -> None:
-    steps = 3
-    turns = [angle + width * (k / steps - 0.5) for k in range(steps + 1)]
-    points = [_around(x, t, r) for t in turns for x in along for r in (radius - 0.012, radius)]
-    faces = [(0, 2, 3, 1), (4 * steps, 4 * steps + 1, 4 * steps + 3, 4 * steps + 2)]
-    for k in range(0, 4 * steps, 4):
-        ring = ((k, k + 2), (k + 2, k + 3), (k + 3, k + 1), (k + 1, k))
-        faces += [(b, a, a + 4, b + 4) for a, b in ring]
-    yard.add(np.array(points), faces, material)
+    turns = [angle + width * (k / 3 - 0.5) for k in range(4)]
+    corners = _around_box(along, (radius - 0.012, radius))
+    yard.loft([[_around(x, turn, r) for x, r in corners] for turn in turns], material)
 
 
 def _sector(yard: Yard, back: float, front: float, angle: float, width: float, radius: float) -> None:
     arc = [_around(0.0, angle + width * (k / 3 - 0.5), radius) for k in range(4)]
     flat = np.array([_around(0.0, angle, 0.02), *arc])
-    points = np.concatenate((flat + (back, 0.0, 0.0), flat + (front, 0.0, 0.0)))
-    faces = [(5, 6, 7, 8, 9), (4, 3, 2, 1, 0)]
-    faces += [(k, (k + 1) % 5, (k + 1) % 5 + 5, k + 5) for k in range(5)]
-    yard.add(points, faces, BLACK)
+    yard.loft([flat + (x, 0.0, 0.0) for x in (back, front)], BLACK)
 
 
 def _box(yard: Yard, centre: tuple, half: tuple, material: int, *groups: str, turn: float = 0.0) -> None:
-    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half
+    corners = np.array([[(x, y, z) for y, z in _around_box((-1, 1), (-1, 1))] for x in (-1, 1)]) * half
     spin = np.array([[1, 0, 0], [0, cos(turn), -sin(turn)], [0, sin(turn), cos(turn)]])
-    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
-    yard.add(corners @ spin.T + centre, faces, material, *groups)
+    yard.loft(corners @ spin.T + centre, material, *groups)
+
+
+def _axes(along: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Two directions across another one."""
+    first = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
+    first /= np.linalg.norm(first)
+    return first, np.cross(along, first)
 
 
 def _tube(yard: Yard, start, end, radius: float, material: int, *groups: str) -> None:
     start, end, sides = np.asarray(start, float), np.asarray(end, float), 10
-    along = (end - start) / np.linalg.norm(end - start)
-    first = np.cross(along, np.eye(3)[np.argmin(np.abs(along))])
-    first /= np.linalg.norm(first)
-    second = np.cross(along, first)
-    circle = [radius * (cos(tau * k / sides) * first + sin(tau * k / sides) * second) for k in range(sides)]
-    points = np.array([end_ + p for end_ in (start, end) for p in circle])
-    faces = [(k, (k + 1) % sides, (k + 1) % sides + sides, k + sides) for k in range(sides)]
-    faces += [tuple(range(sides - 1, -1, -1)), tuple(range(sides, 2 * sides))]
-    yard.add(points, faces, material, *groups)
+    first, second = _axes((end - start) / np.linalg.norm(end - start))
+    turns = [tau * k / sides for k in range(sides)]
+    circle = np.array([radius * (cos(turn) * first + sin(turn) * second) for turn in turns])
+    yard.loft([start + circle, end + circle], material, *groups)
 
 
 def _ring(yard: Yard, foot: tuple, radius: float, height: float, material: int, *groups: str) -> None:
+    corners = _around_box((0.0, height), (radius - 0.015, radius))
     for k in range(12):
-        a = tau * k / 12
-        arc = [(cos(a + tau * s), sin(a + tau * s)) for s in (0.0, 0.04, 0.08)]
-        points = np.array(
-            [
-                (foot[0] + r * x, foot[1] + r * y, foot[2] + z)
-                for x, y in arc
-                for r in (radius - 0.015, radius)
-                for z in (0.0, height)
-            ]
-        )
-        faces = [(0, 1, 3, 2), (8, 10, 11, 9)]
-        for j in (0, 4):
-            ring = ((j, j + 1), (j + 1, j + 3), (j + 3, j + 2), (j + 2, j))
-            faces += [(b, a_, a_ + 4, b + 4) for a_, b in ring]
-        yard.add(points, faces, material, *groups)
+        turns = [tau * (k / 12 + share) for share in (0.0, 0.04, 0.08)]
+        sections = [[foot + np.array([r * cos(t), r * sin(t), z]) for z, r in corners] for t in turns]
+        yard.loft(sections, material, *groups)
 
 
 def _rivet(yard: Yard, place: np.ndarray, out: np.ndarray, radius: float, *groups: str) -> None:
     """Half a ball."""
-    first = np.cross(out, np.eye(3)[np.argmin(np.abs(out))])
-    first /= np.linalg.norm(first)
-    second = np.cross(out, first)
+    first, second = _axes(out)
     sides, points = 6, []
     for level, height in ((1.0, 0.0), (0.75, 0.6)):
         for k in range(sides):

@@ -12,7 +12,8 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from ..materials import plain_material
-from ..posing import make_active
+from ..posing import add_object, make_active
+from .objects import grid_faces, mesh_object
 
 LENGTH = 0.95  # half of the hull's, along x
 MAST, YARD, FOOT = 1.86, 1.66, 0.80  # heights: top of the mast, upper and lower edge of the sail
@@ -73,7 +74,9 @@ def hull(name: str) -> bpy.types.Object:
     across = across[inside]
     faces = quads(len(stations), len(girth))
     deck = quads(int(inside.sum()) // len(girth), len(girth)) + len(planks)
-    obj = mesh_object(f"{name} Hull", np.concatenate((planks, across)), np.concatenate((faces, deck)))
+    obj = mesh_object(
+        f"{name} Hull", np.concatenate((planks, across)), np.concatenate((faces, deck)), smooth=True
+    )
     coat(obj.data, "Wood")
     thickness = obj.modifiers.new("Solidify", "SOLIDIFY")
     thickness.thickness, thickness.offset = 0.024, 0.0
@@ -81,28 +84,13 @@ def hull(name: str) -> bpy.types.Object:
 
 
 def quads(rows: int, columns: int) -> np.ndarray:
-    """The faces (m, 4) of a grid of points, row after row."""
-    k, j = np.meshgrid(np.arange(rows - 1), np.arange(columns - 1), indexing="ij")
-    corner = (k * columns + j).ravel()
-    return np.stack((corner, corner + columns, corner + columns + 1, corner + 1), axis=1)
-
-
-def mesh_object(name: str, points: np.ndarray, faces: np.ndarray) -> bpy.types.Object:
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(points.tolist(), [], faces.tolist())
-    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
-    return linked(name, mesh)
+    """The faces (m, 4) of a grid of points, row after row, seen from its other side."""
+    return grid_faces(rows, columns)[:, [0, 3, 2, 1]]
 
 
 def coat(data: bpy.types.ID, *paints: str) -> None:
     for paint in paints:
         data.materials.append(plain_material(paint, PAINT[paint], roughness=0.5))
-
-
-def linked(name: str, data: bpy.types.ID) -> bpy.types.Object:
-    obj = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(obj)
-    return obj
 
 
 def shields(name: str) -> bpy.types.Object:
@@ -126,7 +114,7 @@ def shields(name: str) -> bpy.types.Object:
     shapes.to_mesh(mesh)
     shapes.free()
     coat(mesh, "Red", "Linen", "Gold")
-    return linked(mesh.name, mesh)
+    return add_object(mesh.name, mesh)
 
 
 def keel() -> np.ndarray:
@@ -177,7 +165,7 @@ def tubes(name: str, radius: float, paint: str, lines: list[np.ndarray]) -> bpy.
     data.dimensions, data.bevel_depth, data.bevel_resolution, data.use_fill_caps = "3D", radius, 3, True
     add_lines(data, lines)
     coat(data, paint)
-    return linked(name, data)
+    return add_object(name, data)
 
 
 def add_lines(data: bpy.types.Curve, lines: list[np.ndarray]) -> None:
@@ -192,7 +180,7 @@ def sail_lattice(name: str) -> bpy.types.Object:
     """Blender's own lattice around the sail; its shape key blows the sail out."""
     data = bpy.data.lattices.new(f"{name} Sail Lattice")
     data.points_u, data.points_v, data.points_w = 2, 5, 6
-    obj = linked(data.name, data)
+    obj = add_object(data.name, data)
     obj.scale = 0.5, SAIL_WIDTH / 4.0, (YARD - FOOT) / 5.0  # Blender puts the points 1 apart
     obj.shape_key_add(name="Flat")
     wind = obj.shape_key_add(name="Wind")
@@ -214,7 +202,7 @@ def sail(name: str, lattice: bpy.types.Object) -> bpy.types.Object:
     rows, columns = 36, 43
     y, z = np.meshgrid(np.linspace(-0.5, 0.5, columns), np.linspace(-0.5, 0.5, rows))
     flat = np.stack((0.0 * y, SAIL_WIDTH * y, (YARD - FOOT) * z), axis=-1).reshape(-1, 3)
-    obj = mesh_object(f"{name} Sail", flat, quads(rows, columns))
+    obj = mesh_object(f"{name} Sail", flat, quads(rows, columns), smooth=True)
     coat(obj.data, "Linen", "Red")
     stripes = np.arange(len(obj.data.polygons)) % (columns - 1) // 6 % 2
     obj.data.polygons.foreach_set("material_index", stripes)
@@ -254,7 +242,7 @@ def text(name: str, words: str, size: float) -> bpy.types.Object:
     data.body, data.size, data.extrude = words, size, 0.006
     data.align_x, data.align_y, data.resolution_u = "CENTER", "CENTER", 8
     coat(data, "Gold")
-    return linked(name, data)
+    return add_object(name, data)
 
 
 def tail(name: str) -> bpy.types.Object:
@@ -270,7 +258,7 @@ def tail(name: str) -> bpy.types.Object:
     data = bpy.data.curves.new(f"{name} Tail", "CURVE")
     data.dimensions = "3D"
     add_lines(data, [strand() for _ in range(220)])
-    obj = linked(data.name, data)
+    obj = add_object(data.name, data)
     return to_hair(obj)
 
 

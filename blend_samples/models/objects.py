@@ -3,11 +3,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
+import bmesh
 import bpy
 import numpy as np
 
+from ..posing import add_object
 from .sculpt import neighbour_mean
 
 
@@ -45,11 +48,70 @@ def to_object(name: str, sculpture: Sculpture) -> bpy.types.Object:
         mesh.attributes.new(key, "FLOAT", "POINT").data.foreach_set("value", values.astype(np.float32))
     keep_rest_positions(mesh)
 
-    obj = bpy.data.objects.new(name, mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    for group, indices in sculpture.regions.items():
-        obj.vertex_groups.new(name=group).add([int(i) for i in indices], 1.0, "REPLACE")
+    obj = add_object(name, mesh)
+    add_groups(obj, sculpture.regions)
     return obj
+
+
+def mesh_object(
+    name: str,
+    points: np.ndarray | Sequence,
+    faces: np.ndarray | Sequence,
+    parent: bpy.types.Object | None = None,
+    smooth: bool = False,
+    slots: Sequence[int] | None = None,
+    materials: Iterable[bpy.types.Material] = (),
+) -> bpy.types.Object:
+    """An object in the scene's collection; ``slots`` are the material slots of the faces."""
+    mesh = bpy.data.meshes.new(name)
+    points, faces = (part.tolist() if isinstance(part, np.ndarray) else part for part in (points, faces))
+    mesh.from_pydata(points, [], faces)
+    mesh.polygons.foreach_set("use_smooth", [smooth] * len(faces))
+    if slots is not None:
+        mesh.polygons.foreach_set("material_index", np.asarray(slots, np.int32))
+    for material in materials:
+        mesh.materials.append(material)
+    return add_object(name, mesh, parent)
+
+
+def keep_vertices(mesh: bpy.types.Mesh, kept: np.ndarray) -> None:
+    """Delete the vertices that are not to stay, of bool (n,)."""
+    edit = bmesh.new()
+    edit.from_mesh(mesh)
+    edit.verts.ensure_lookup_table()
+    lost = [edit.verts[index] for index in np.flatnonzero(~kept)]
+    bmesh.ops.delete(edit, geom=lost, context="VERTS")
+    edit.to_mesh(mesh)
+    edit.free()
+
+
+def add_groups(obj: bpy.types.Object, regions: dict[str, np.ndarray]) -> None:
+    """Vertex groups of full weight: their vertices, by name."""
+    for group, indices in regions.items():
+        obj.vertex_groups.new(name=group).add(np.asarray(indices).tolist(), 1.0, "REPLACE")
+
+
+def grid_faces(rows: int, columns: int, around: bool = False) -> np.ndarray:
+    """The quads (m, 4) of a grid of points, row after row; ``around`` joins the last column to the first."""
+    number = np.arange(rows * columns).reshape(rows, columns)
+    beside = np.roll(number, -1, axis=1)
+    quads = np.stack((number[:-1], beside[:-1], beside[1:], number[1:]), axis=-1)
+    return quads[:, : columns if around else columns - 1].reshape(-1, 4)
+
+
+def disc(cells: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """A grid bent to a disc of radius 1: points (n, 2), quads (m, 4), and the vertices of its rim."""
+    u, v = square(cells).T
+    points = np.stack((u * np.sqrt(1 - v * v / 2), v * np.sqrt(1 - u * u / 2)), 1)
+    number = np.arange(len(points)).reshape(cells + 1, cells + 1)
+    rim = np.concatenate((number[:-1, 0], number[-1, :-1], number[:0:-1, -1], number[0, :0:-1]))
+    return points, grid_faces(cells + 1, cells + 1)[:, ::-1], rim
+
+
+def square(cells: int) -> np.ndarray:
+    """The points (n, 2) of the grid that ``disc`` bends, from -1 to 1."""
+    line = np.linspace(-1, 1, cells + 1)
+    return np.stack([side.ravel() for side in np.meshgrid(line, line, indexing="ij")], 1)
 
 
 def keep_rest_positions(mesh: bpy.types.Mesh) -> None:
@@ -72,3 +134,14 @@ def eye_colours(gaze: np.ndarray, iris: tuple[float, float, float], pupil: float
     white[gaze < edge] = iris
     white[gaze < pupil] = 0.004
     return white
+
+
+def stack_of_boxes(
+    name: str, floors: Sequence[tuple[float, float]], parent: bpy.types.Object
+) -> bpy.types.Object:
+    """A cage of boxes, one on the other: of each floor half its width, and its height."""
+    corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
+    points = [(x * half, y * half, z) for half, z in floors for x, y in corners]
+    sides = grid_faces(len(floors), 4, around=True)
+    faces = [(3, 2, 1, 0), tuple(range(len(points) - 4, len(points))), *sides.tolist()]
+    return mesh_object(name, points, faces, parent)

@@ -3,13 +3,11 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import bpy
 import numpy as np
 
-from ..materials import FIXED_COLOUR, HANDLE_COLOUR
-from .objects import Sculpture, to_object
+from ..materials import FIXED_COLOUR, HANDLE_COLOUR, patched_material, region_material
+from .objects import Sculpture, disc, grid_faces, to_object
 
 HEIGHT, RADIUS = 2.0, 0.22
 FOOT, HEAD = 0.3, 1.7  # between these heights it is free
@@ -17,30 +15,22 @@ GROOVES, WINDINGS = 7, 0.5
 CELLS = 40  # across the top; each ring has 4 * CELLS corners
 RINGS = 360
 PLAIN = (0.55, 0.50, 0.43)
+STRIPES, STRIPE = 3, (0.30, 0.035, 0.02)  # how many, and their colour
 
 
 def sculpture() -> Sculpture:
     """Rings from the floor upwards, then a grid bent to a disc as the top."""
-    line = np.linspace(-1, 1, CELLS + 1)
-    u, v = (w.ravel() for w in np.meshgrid(line, line, indexing="ij"))
-    disc = np.stack((u * np.sqrt(1 - v * v / 2), v * np.sqrt(1 - u * u / 2)), 1)
-    number = np.arange((CELLS + 1) ** 2).reshape(CELLS + 1, CELLS + 1)
-    top = np.stack((number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]), -1).reshape(-1, 4)
-    rim = np.concatenate((number[:-1, 0], number[-1, :-1], number[:0:-1, -1], number[0, :0:-1]))
-
+    top, quads, rim = disc(CELLS)
     heights = np.linspace(HEIGHT, 0.0, RINGS + 1)[1:]
-    angle = np.arctan2(disc[rim, 1], disc[rim, 0])
+    angle = np.arctan2(top[rim, 1], top[rim, 0])
     rings = np.empty((len(heights), len(rim), 3))
     for ring, height in zip(rings, heights):
         radius = RADIUS * (1.0 + relief(angle, height))
         ring[:, 0], ring[:, 1], ring[:, 2] = radius * np.cos(angle), radius * np.sin(angle), height
-    points = np.vstack((np.column_stack((RADIUS * disc, np.full(len(disc), HEIGHT))), rings.reshape(-1, 3)))
-    below = len(disc) + np.arange(len(heights) * len(rim)).reshape(len(heights), len(rim))
-    sides = [
-        np.stack((outer, np.roll(outer, -1), np.roll(inner, -1), inner), 1)
-        for inner, outer in pairwise(np.vstack((rim, below)))
-    ]
-    quads = np.vstack((top, *sides))
+    points = np.vstack((np.column_stack((RADIUS * top, np.full(len(top), HEIGHT))), rings.reshape(-1, 3)))
+    number = np.concatenate((rim, np.arange(len(top), len(points))))
+    sides = number[grid_faces(len(heights) + 1, len(rim), around=True)][:, [3, 2, 1, 0]]
+    quads = np.vstack((quads, sides))
     head, foot = np.flatnonzero(points[:, 2] >= HEAD), np.flatnonzero(points[:, 2] <= FOOT)
     colours = np.tile(PLAIN, (len(points), 1))
     colours[head], colours[foot] = HANDLE_COLOUR, FIXED_COLOUR
@@ -63,4 +53,19 @@ def relief(angle: np.ndarray, height: float) -> np.ndarray:
 
 
 def build(name: str = "Pillar") -> bpy.types.Object:
-    return to_object(name, sculpture())
+    """The pillar with its regions painted."""
+    pillar = to_object(name, sculpture())
+    pillar.data.materials.append(region_material("Pillar", PLAIN))
+    return pillar
+
+
+def build_striped(name: str = "Pillar") -> bpy.types.Object:
+    """The pillar with upright stripes, which show how it turns."""
+    made = sculpture()
+    x, y, _z = made.points.T
+    made.attributes["stripe"] = np.hypot(x, y) * np.cos(STRIPES * np.arctan2(y, x))
+    pillar = to_object(name, made)
+    pillar.data.materials.append(
+        patched_material("Pillar", PLAIN, (("stripe", STRIPE, 0.006),), roughness=0.5)
+    )
+    return pillar

@@ -3,13 +3,11 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import bpy
 import numpy as np
 
-from ..materials import FIXED_COLOUR, HANDLE_COLOUR
-from .objects import Sculpture, to_object
+from ..materials import FIXED_COLOUR, HANDLE_COLOUR, patched_material, region_material, rule_lines
+from .objects import Sculpture, disc, grid_faces, square, to_object
 
 HANDLE_RADIUS = 0.27
 FRAME = 0.82  # half the width of the free square; the plate itself reaches to 1
@@ -21,40 +19,43 @@ PLAIN = (0.62, 0.56, 0.46)
 
 def sculpture() -> Sculpture:
     """A grid bent to a disc, then rings from its circle to the square: edges follow both borders."""
-    line = np.linspace(-1, 1, CELLS + 1)
-    u, v = (w.ravel() for w in np.meshgrid(line, line, indexing="ij"))
-    disc = HANDLE_RADIUS * np.stack((u * np.sqrt(1 - v * v / 2), v * np.sqrt(1 - u * u / 2)), 1)
-    number = np.arange((CELLS + 1) ** 2).reshape(CELLS + 1, CELLS + 1)
-    quads = [
-        np.stack((number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]), -1).reshape(-1, 4)
-    ]
-
-    rim = np.concatenate((number[:-1, 0], number[-1, :-1], number[:0:-1, -1], number[0, :0:-1]))
-    circle, square = disc[rim], np.stack((u, v), 1)[rim]
+    points, inner, rim = disc(CELLS)
+    round_part, border = HANDLE_RADIUS * points, square(CELLS)[rim]
     t = np.linspace(0, 1, FREE_RINGS + 1)[1:, None, None]
-    free = (1 - t) * circle + t * FRAME * square
+    free = (1 - t) * round_part[rim] + t * FRAME * border
     grow = np.linspace(FRAME, 1, FRAME_RINGS + 1)[1:, None, None]
-    rings = np.concatenate((free, grow * square))
-    flat = np.vstack((disc, rings.reshape(-1, 2)))
-    ring_number = len(disc) + np.arange(len(rings) * len(rim)).reshape(len(rings), len(rim))
-    ring_number = np.vstack((rim, ring_number))
-    for inner, outer in pairwise(ring_number):
-        quads.append(np.stack((inner, outer, np.roll(outer, -1), np.roll(inner, -1)), 1))
-
+    rings = np.concatenate((free, grow * border))
+    flat = np.vstack((round_part, rings.reshape(-1, 2)))
+    number = np.concatenate((rim, np.arange(len(round_part), len(flat))))
+    outer = number[grid_faces(len(rings) + 1, len(rim), around=True)][:, [0, 3, 2, 1]]
     points = np.column_stack((flat, np.zeros(len(flat))))
-    handle = np.arange(len(disc))
+    handle = np.arange(len(round_part))
     fixed = np.flatnonzero(np.abs(flat).max(1) > FRAME - 1e-6)
     colours = np.tile(PLAIN, (len(points), 1))
     colours[handle], colours[fixed] = HANDLE_COLOUR, FIXED_COLOUR
-    all_quads = np.vstack(quads)
+    quads = np.vstack((inner, outer))
     fields = {
         "handle": HANDLE_RADIUS - np.linalg.norm(flat, axis=1),
         "fixed": np.abs(flat).max(1) - FRAME,
     }  # zero on the borders of the regions, so that the material can draw them sharply
-    return Sculpture(
-        points, all_quads, colours, np.zeros(len(all_quads)), fields, {"Handle": handle, "Frame": fixed}
-    )
+    regions = {"Handle": handle, "Frame": fixed}
+    return Sculpture(points, quads, colours, np.zeros(len(quads)), fields, regions)
 
 
 def build(name: str = "Plate") -> bpy.types.Object:
-    return to_object(name, sculpture())
+    """The plate just above the floor, with its regions painted."""
+    return _lying(name, region_material("Plate", PLAIN, ruled=True))
+
+
+def build_plain(name: str = "Plate") -> bpy.types.Object:
+    """The same in one colour."""
+    surface = patched_material("Plate", PLAIN, (), roughness=0.5)
+    rule_lines(surface, cell=0.1, line=0.014)
+    return _lying(name, surface)
+
+
+def _lying(name: str, surface: bpy.types.Material) -> bpy.types.Object:
+    plate = to_object(name, sculpture())
+    plate.data.materials.append(surface)
+    plate.location.z = 0.05
+    return plate

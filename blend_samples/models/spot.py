@@ -10,12 +10,22 @@ import numpy as np
 from mathutils import Vector, noise
 from mathutils.bvhtree import BVHTree
 
-from .objects import keep_rest_positions
+from ..materials import patched_material, plain_material
+from .objects import add_groups, keep_rest_positions, mesh_object
 from .sculpt import ball
 
 SOURCE = Path(__file__).with_name("spot.obj")
 EYE_RADIUS = 0.055
 HIDE, EYE = 0, 1  # material slots
+PINK = (0.72, 0.34, 0.27)
+PATCHES = (  # what is painted on the hide: field, colour, softness of its border
+    ("blot", (0.085, 0.035, 0.018), 0.012),
+    ("muzzle", PINK, 0.020),
+    ("nostril", (0.16, 0.05, 0.045), 0.006),
+    ("ear", PINK, 0.020),
+    ("hoof", (0.05, 0.032, 0.025), 0.006),
+    ("horn", (0.55, 0.42, 0.26), 0.010),
+)
 
 
 def read() -> tuple[np.ndarray, np.ndarray]:
@@ -74,17 +84,15 @@ def build(name: str = "Spot") -> bpy.types.Object:
     fields = paint(points)
     points = np.vstack(all_points)
 
-    mesh = bpy.data.meshes.new(name)
-    mesh.from_pydata(points.tolist(), [], all_faces)
-    mesh.polygons.foreach_set("use_smooth", [True] * len(all_faces))
-    mesh.polygons.foreach_set("material_index", [HIDE] * len(faces) + [EYE] * (len(all_faces) - len(faces)))
+    hide = patched_material("Hide", (0.80, 0.74, 0.66), PATCHES, roughness=0.5)
+    bead = plain_material("Bead", (0.005, 0.004, 0.004), roughness=0.06, specular=0.6)
+    slots = [HIDE] * len(faces) + [EYE] * (len(all_faces) - len(faces))
+    obj = mesh_object(name, points, all_faces, smooth=True, slots=slots, materials=[hide, bead])
+    mesh = obj.data
     for field, values in fields.items():
         padded = np.full(len(points), -1.0, np.float32)
         padded[: len(values)] = values
         mesh.attributes.new(field, "FLOAT", "POINT").data.foreach_set("value", padded)
     keep_rest_positions(mesh)
-    obj = bpy.data.objects.new(name, mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    for group, indices in regions.items():
-        obj.vertex_groups.new(name=group).add(indices.tolist(), 1.0, "REPLACE")
+    add_groups(obj, regions)
     return obj

@@ -7,7 +7,9 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from .objects import Sculpture, eye_colours, soften, to_object
+from ..materials import eye_material, skin_material
+from ..posing import add_object, vertices
+from .objects import Sculpture, add_groups, eye_colours, soften, to_object
 from .scatter import lobes
 from .sculpt import Clay, ball, neighbour_mean, vertex_normals, weld_lists
 from .shapes import Ellipsoid, Mirrored, Squashed, Tube, smoothstep
@@ -220,19 +222,17 @@ def skin_weights(points: np.ndarray) -> dict[str, np.ndarray]:
 def build(name: str = "Yeti") -> tuple[bpy.types.Object, bpy.types.Object]:
     """The mesh with its skin weights and elbow regions, and the armature that carries it."""
     body = to_object(name, sculpture())
-    points = np.empty(3 * len(body.data.vertices))
-    body.data.vertices.foreach_get("co", points)
-    points = points.reshape(-1, 3)
+    body.data.materials.append(skin_material("Skin", roughness=0.5, bump=0.2, grain=70.0, band="band"))
+    body.data.materials.append(eye_material("Eye", IRIS, PUPIL, IRIS_EDGE))
+    points = vertices(body)
     for bone, values in skin_weights(points).items():
         group = body.vertex_groups.new(name=bone)
         steps = np.round(np.clip(values, 0, 1) * 64).astype(int)  # one call per level, not per vertex
         for step in range(1, 65):
             group.add(np.flatnonzero(steps == step).tolist(), step / 64, "REPLACE")
-    for suffix, band in elbow_bands(points).items():
-        body.vertex_groups.new(name="Elbow" + suffix).add(np.flatnonzero(band > 0.5).tolist(), 1.0, "REPLACE")
-    side = np.abs(points[:, 1])
-    free = np.flatnonzero(np.abs(side - ELBOW) < 0.30)
-    body.vertex_groups.new(name="Joints").add(free.tolist(), 1.0, "REPLACE")
+    bands = elbow_bands(points).items()
+    add_groups(body, {"Elbow" + suffix: np.flatnonzero(band > 0.5) for suffix, band in bands})
+    add_groups(body, {"Joints": np.flatnonzero(np.abs(np.abs(points[:, 1]) - ELBOW) < 0.30)})
 
     armature = add_armature(f"{name} Rig")
     body.parent = armature
@@ -244,9 +244,8 @@ def build(name: str = "Yeti") -> tuple[bpy.types.Object, bpy.types.Object]:
 def add_armature(name: str) -> bpy.types.Object:
     data = bpy.data.armatures.new(name)
     data.display_type = "STICK"
-    rig = bpy.data.objects.new(name, data)
+    rig = add_object(name, data)
     rig.show_in_front = True
-    bpy.context.scene.collection.objects.link(rig)
     bpy.context.view_layer.objects.active = rig
     bpy.ops.object.mode_set(mode="EDIT")
     bones = dict(CENTRE_BONES)

@@ -22,13 +22,14 @@ from sinew.core import methods
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
+from first_stage import implicit_first_stage  # noqa: E402
+
 from blend_samples.comparison import CASES, Case, Matrix, distortion, filled, native_solve, registry_rows  # noqa: E402
 from blend_samples.comparison import igl_arap as libigl  # noqa: E402
 from blend_samples.comparison.cases import bar, branches, cylinder, plane  # noqa: E402
 from blend_samples.comparison.figures import beast, bent_bumps, lifted_disc, uneven_strip  # noqa: E402
 from blend_samples.comparison.numpy_rows import (  # noqa: E402
     apart,
-    implicit_first_stage,
     turned_triangles,
     unrotated_gradients,
 )

@@ -45,7 +45,7 @@ SUB_RANKS = {
     "local_global": {"arap": 0, "bodies": 1, "reduced": 1, "rows": 1, "": 2},
     "mesh": {"": 0, "frames": 1, "trees": 1},
     "operators": {"fits": 0, "": 1},
-    "core": {"": 0, "simd": 1},
+    "core": {"": 0, "simd": 1, "system": 1},
     "solvers": {"dense": 0, "optimization": 0, "supernodal": 0, "engines": 1, "": 2},
     "methods/space/lattice": {"grid": 0, "": 1},
     "methods/space/points": {"rbf": 0, "wires": 0, "": 1},

@@ -79,7 +79,7 @@ def _row_offences(root: Path, row: Row) -> Iterator[str]:
     if text and not any(f", {suite}," in text for suite in suites):
         yield f"{place}: {test} does not run {' or '.join(suites)}"
     bindings = "".join(path.read_text(encoding="utf-8") for path in files(root, "native/bindings", ".cpp"))
-    if not re.search(rf'(class_|bind_[a-z]+_method)<[^;]*?"{row.native}"', bindings):
+    if not re.search(rf'([a-z_]*[Cc]lass_?|bind_[a-z]+_method)<[^;]*?"{row.native}"', bindings):
         yield f"{place}: native/bindings binds no class {row.native}"
     if not any(_shows(path, row.id) for path in files(root, "blend_samples", ".py")):
         yield f'{place}: no sample in blend_samples is named after it or uses "{row.id}"'

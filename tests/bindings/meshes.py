@@ -18,6 +18,22 @@ def grid(n: int, jitter: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
     return points, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
 
 
+def bar(along: int, across: int) -> tuple[np.ndarray, np.ndarray]:
+    """An open tube of quads with a square section, around the x axis."""
+    ring = [(across / 2, y - across / 2) for y in range(across)]
+    ring += [(across / 2 - z, across / 2) for z in range(across)]
+    ring += [(-across / 2, across / 2 - y) for y in range(across)]
+    ring += [(z - across / 2, -across / 2) for z in range(across)]
+    points = np.array([(x, y, z) for x in range(along + 1) for y, z in ring], float)
+    k = len(ring)
+    faces = [
+        (k * x + i, k * x + (i + 1) % k, k * (x + 1) + (i + 1) % k, k * (x + 1) + i)
+        for x in range(along)
+        for i in range(k)
+    ]
+    return points, np.array(faces)
+
+
 def sphere(level: int) -> tuple[np.ndarray, np.ndarray]:
     """An octahedron refined onto the unit sphere; no obtuse triangle, so all cotangents are positive."""
     corners = [(1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0), (0, 0, 1), (0, 0, -1)]

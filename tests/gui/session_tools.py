@@ -286,9 +286,9 @@ def puppet() -> Iterator[None]:
     """An animator drags a hand and the hip of a mannequin in Pose Mode."""
     for obj in list(bpy.data.objects):
         bpy.data.objects.remove(obj)
-    from blend_samples.mannequins import mannequin
+    from blend_samples.models import mannequin
 
-    mannequin("Mannequin")
+    mannequin.build("Mannequin")
     skin = bpy.data.objects["Mannequin Skin"]
     bpy.context.view_layer.objects.active = skin
     bpy.ops.sinew.puppet_rig(armature=figure().name)

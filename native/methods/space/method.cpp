@@ -3,8 +3,8 @@
 
 #include "native/core/errors.h"
 #include "native/core/finite.h"
-#include "native/core/memory_advice.h"
 #include "native/core/parallel.h"
+#include "native/core/system/memory_advice.h"
 
 #include <atomic>
 #include <chrono>

@@ -2,9 +2,9 @@
 #include "native/solvers/dense/cholesky.h"
 
 #include "native/core/memory.h"
-#include "native/core/memory_advice.h"
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
+#include "native/core/system/memory_advice.h"
 #include "native/solvers/dense/kernels.h"
 
 #include <algorithm>

@@ -3,7 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/memory.h"
-#include "native/core/memory_advice.h"
+#include "native/core/system/memory_advice.h"
 #include "native/solvers/supernodal/factor.h"
 #include "native/solvers/supernodal/kernels.h"
 #include "native/solvers/supernodal/solve.h"

@@ -6,24 +6,8 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, grid, spread, turn
+from ..meshes import STILL, bar, grid, spread, turn
 from .prisms import Prisms
-
-
-def bar(along: int, across: int) -> tuple[np.ndarray, np.ndarray]:
-    """An open tube of quads with a square section, around the x axis."""
-    ring = [(across / 2, y - across / 2) for y in range(across)]
-    ring += [(across / 2 - z, across / 2) for z in range(across)]
-    ring += [(-across / 2, across / 2 - y) for y in range(across)]
-    ring += [(z - across / 2, -across / 2) for z in range(across)]
-    points = np.array([(x, y, z) for x in range(along + 1) for y, z in ring], float)
-    k = len(ring)
-    faces = [
-        (k * x + i, k * x + (i + 1) % k, k * (x + 1) + (i + 1) % k, k * (x + 1) + i)
-        for x in range(along)
-        for i in range(k)
-    ]
-    return points, np.array(faces)
 
 
 def triangles(quads: np.ndarray) -> np.ndarray:

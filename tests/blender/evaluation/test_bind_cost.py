@@ -12,7 +12,7 @@ import pytest
 from inside import ask_for_factor, calls_of, catch_up, finish, inner, use_threads
 from registry import BY_ID, ON_SURFACE, base_of, options_of
 from rigs.kinds import HandleRig, rig_for
-from rigs.rig import Rig, make_active, update
+from rigs.rig import Rig, make_active, subdivided, update
 
 CAPTURE = "_rest_meshes"  # evaluates copies of objects and makes a mesh of each
 
@@ -66,8 +66,7 @@ def test_adding_a_handle_evaluates_the_mesh_as_seldom_as_can_be(
 
 
 def test_renders_with_other_vertices_cost_one_capture_more(plate: Rig):
-    modifier = plate.obj.modifiers.new("Subdivision", "SUBSURF")
-    modifier.levels, modifier.render_levels = 0, 1
+    subdivided(plate.obj, 0, 1)
     found = add_handle(plate, "HANDLE", "Top")
     assert found[CAPTURE] == 2, found
     assert len(plate.deformer.rest_render.vertices) > len(plate.deformer.rest.vertices)

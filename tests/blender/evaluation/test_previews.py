@@ -82,15 +82,22 @@ def watched_until_final(plate: Rig) -> list[np.ndarray]:
     return shapes
 
 
-def test_undo_on_a_heavy_mesh_binds_nothing_and_creeps_nowhere(plate: Rig, monkeypatch):
-    """The shape that undo restores stays in view until the final one is there, which is the same."""
+@pytest.fixture
+def lifted_twice(plate: Rig, monkeypatch: pytest.MonkeyPatch) -> Rig:
+    """A heavy plate, each time by a half and with a step of undo."""
     plate.bind("arap")
-    plate.lift(0.5)
-    first = plate.points()
-    push("first")
-    plate.lift(0.5)
-    push("second")
+    plate.shown = []
+    for message in ("first", "second"):
+        plate.lift(0.5)
+        plate.shown.append(plate.points())
+        push(message)
     use_threads(monkeypatch)
+    return plate
+
+
+def test_undo_on_a_heavy_mesh_binds_nothing_and_creeps_nowhere(lifted_twice: Rig):
+    """The shape that undo restores stays in view until the final one is there, which is the same."""
+    plate = lifted_twice
     factor = factor_of(plate.deformer)
     with dragging():
         bpy.ops.ed.undo()
@@ -102,18 +109,13 @@ def test_undo_on_a_heavy_mesh_binds_nothing_and_creeps_nowhere(plate: Rig, monke
         assert "Refining" not in draw_panel().texts()
     assert factor_of(plate.deformer) is factor
     for shape in shapes:
-        assert np.abs(shape - first).max() < 1e-6
+        assert np.abs(shape - plate.shown[0]).max() < 1e-6
 
 
 @pytest.mark.parametrize("price", [0.0, 1e9])
-def test_a_drag_right_after_undo_shows_previews_again(plate: Rig, monkeypatch, price: float):
+def test_a_drag_right_after_undo_shows_previews_again(lifted_twice: Rig, price: float):
     """Each move asks for something else, so waiting for final shapes would show none of them."""
-    plate.bind("arap")
-    plate.lift(0.5)
-    push("first")
-    plate.lift(0.5)
-    push("second")
-    use_threads(monkeypatch)
+    plate = lifted_twice
     with dragging():
         bpy.ops.ed.undo()
         update()

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from inside import ask_for_factor, calls_of, catch_up, inner, settle, use_threads
 from registry import ON_SURFACE, WITH_HANDLES
-from rigs.rig import Rig, add_group, make_active, update
+from rigs.rig import Rig, add_group, on_all, press, update
 
 
 @pytest.fixture
@@ -31,14 +31,12 @@ def reused(plate: Rig) -> tuple[str, str]:
 
 
 def bind(plate: Rig) -> None:
-    make_active(plate.obj)
-    bpy.ops.sinew.bind()
+    press(plate.obj, "bind")
 
 
 def add_middle(plate: Rig) -> None:
     add_group(plate.obj, "Middle", lambda point: abs(point[0]) < 0.05 and abs(point[1]) < 0.05)
-    make_active(plate.obj)
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Middle")
+    press(plate.obj, "handle_add", kind="HANDLE", vertex_group="Middle")
 
 
 def paint(plate: Rig, value: float) -> None:
@@ -249,11 +247,7 @@ def test_a_bind_of_another_shape_takes_over_all_of_it(plate: Rig, copies: list[i
         plate.obj.data.vertices[60].co.z += 0.1
         plate.obj.data.update_tag()
     elif change == "faces":
-        make_active(plate.obj)
-        bpy.ops.object.mode_set(mode="EDIT")
-        bpy.ops.mesh.select_all(action="SELECT")
-        bpy.ops.mesh.quads_convert_to_tris()
-        bpy.ops.object.mode_set(mode="OBJECT")
+        on_all(plate.obj, bpy.ops.mesh.quads_convert_to_tris)
     else:
         plate.obj.vertex_groups.remove(plate.obj.vertex_groups["Base"])
         add_group(plate.obj, "Base", lambda point: point[1] < -0.5)

@@ -26,11 +26,14 @@ from rigs.rig import (
     close,
     evaluated_points,
     grid_object,
+    in_mode,
     key,
     make_active,
     move_world,
+    new_nodes,
     new_object,
     save,
+    subdivided,
 )
 from second_blender import another_blender, by_command_line, is_executable
 
@@ -43,9 +46,7 @@ CARRIED = 2e-3  # a rest shape that follows from another one of a bent surface
 
 
 def subdivision(obj: bpy.types.Object, levels: int = 2, render_levels: int = 2) -> bpy.types.Modifier:
-    modifier = obj.modifiers.new("Subdivision", "SUBSURF")
-    modifier.levels, modifier.render_levels = levels, render_levels
-    return modifier
+    return subdivided(obj, levels, render_levels)
 
 
 def multires(obj: bpy.types.Object) -> None:
@@ -87,14 +88,7 @@ def boolean(obj: bpy.types.Object) -> bpy.types.Modifier:
 
 def by_nodes(obj: bpy.types.Object) -> None:
     """Nodes that subdivide once more in renders, once a switch is on."""
-    tree = bpy.data.node_groups.new("Finer", "GeometryNodeTree")
-    if hasattr(tree, "interface"):
-        for way in ("INPUT", "OUTPUT"):
-            tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
-    else:
-        tree.inputs.new("NodeSocketGeometry", "Geometry")
-        tree.outputs.new("NodeSocketGeometry", "Geometry")
-    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    tree, start, end = new_nodes("Finer")
     finer = tree.nodes.new("GeometryNodeSubdivideMesh")
     asks, choice = tree.nodes.new("GeometryNodeIsViewport"), tree.nodes.new("GeometryNodeSwitch")
     choice.input_type = "INT"
@@ -102,8 +96,8 @@ def by_nodes(obj: bpy.types.Object) -> None:
     levels[0].default_value = levels[1].default_value = 1
     tree.links.new(asks.outputs[0], next(socket for socket in choice.inputs if socket.enabled))
     tree.links.new(next(socket for socket in choice.outputs if socket.enabled), finer.inputs["Level"])
-    tree.links.new(start.outputs[0], finer.inputs[0])
-    tree.links.new(finer.outputs[0], end.inputs[0])
+    tree.links.new(start, finer.inputs[0])
+    tree.links.new(finer.outputs[0], end)
     modifier = obj.modifiers.new("Finer", "NODES")
     modifier.node_group = tree
 
@@ -434,8 +428,7 @@ def test_a_control_without_faces_may_have_modifiers_in_viewports_alone(kind: str
     obj, control = grid_object("Plate", 5), getattr(point_objects, kind)()
     modifier = control.modifiers.new("Nodes", "NODES" if kind == "hair" else "CAST")
     modifier.show_render = False
-    make_active(obj)
-    control.select_set(True)
+    make_active(obj, control)
     assert bpy.ops.sinew.point_add(source="POINTS", method="mls") == {"FINISHED"}
     move_world(control, Matrix.Translation((0.0, 0.0, HEIGHT)))
     shown = evaluated_points(obj)
@@ -458,9 +451,7 @@ def opened(obj: bpy.types.Object) -> None:
     wide = obj.shape_key_add(name="Wide")
     for point in wide.data:
         point.co.x = 0.1 + 0.9 * point.co.x
-    for frame, value in ((1, 0.0), (10, 1.0)):
-        wide.value = value
-        wide.keyframe_insert("value", frame=frame)
+    key(wide, {1: {"value": 0.0}, 10: {"value": 1.0}})
     bpy.context.scene.frame_set(1)
 
 
@@ -500,13 +491,11 @@ def test_what_a_render_cannot_show_is_said(capfd: pytest.CaptureFixture, monkeyp
     level = boolean(rig.obj)
     rig.bind()
     rig.lift(HEIGHT)
-    make_active(level.id_data)
-    bpy.ops.object.mode_set(mode="EDIT")
-    level.render_levels = 2
-    capfd.readouterr()
-    render_points(rig.obj)
-    assert any(line.startswith("In the render: Topology changed") for line in notes_of(rig.deformer))
-    assert f"{rig.deformer.name}: In the render: Topology changed" in capfd.readouterr().out
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(level.id_data):
+        level.render_levels = 2
+        capfd.readouterr()
+        render_points(rig.obj)
+        assert any(line.startswith("In the render: Topology changed") for line in notes_of(rig.deformer))
+        assert f"{rig.deformer.name}: In the render: Topology changed" in capfd.readouterr().out
     render_points(rig.obj)
     assert not any("render" in line for line in notes_of(rig.deformer))

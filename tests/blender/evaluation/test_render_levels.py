@@ -10,7 +10,7 @@ from probe import exported_points
 from rigs.rig import (
     Rig,
     add_armature,
-    make_active,
+    press,
     reopen,
     update,
 )
@@ -63,6 +63,5 @@ def test_unbinding_frees_both_rest_meshes(plate: Rig):
     count = len(bpy.data.meshes)
     plate.bind("thin_shell")
     assert plate.deformer.rest_render is not None
-    make_active(plate.obj)
-    bpy.ops.sinew.deformer_remove()
+    press(plate.obj, "deformer_remove")
     assert len(bpy.data.meshes) == count

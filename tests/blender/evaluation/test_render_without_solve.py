@@ -27,6 +27,7 @@ from rigs.rig import (
     make_active,
     new_file,
     save,
+    subdivided,
     update,
 )
 from second_blender import look_elsewhere as elsewhere
@@ -59,6 +60,11 @@ def rendered(posed: HandleRig) -> HandleRig:
     return posed
 
 
+def seen_elsewhere(rig: HandleRig, *how: str) -> list[np.ndarray]:
+    """What another Blender shows of the rig, saved as it is now."""
+    return elsewhere(save(rig.folder / "shot.blend"), rig.name, rig.folder, *how)
+
+
 def agree(rig: HandleRig, seen: list[np.ndarray], height: float = 0.75) -> None:
     for shape in seen:
         assert close(shape, rig.at(height), rig.tolerance)
@@ -69,13 +75,11 @@ def agree(rig: HandleRig, seen: list[np.ndarray], height: float = 0.75) -> None:
 
 def test_a_render_without_the_add_on_shows_the_pose(posed: HandleRig):
     """That no render has shown before."""
-    path = save(posed.folder / "shot.blend")
-    agree(posed, elsewhere(path, posed.name, posed.folder), 0.5)
+    agree(posed, seen_elsewhere(posed), 0.5)
 
 
 def test_a_render_without_the_add_on_shows_no_older_pose(rendered: HandleRig):
-    path = save(rendered.folder / "shot.blend")
-    agree(rendered, elsewhere(path, rendered.name, rendered.folder))
+    agree(rendered, seen_elsewhere(rendered))
     assert rendered.renders(rendered.at(0.75))
     rendered.lift(0.25)
     assert rendered.renders(rendered.at(1.0))
@@ -83,8 +87,7 @@ def test_a_render_without_the_add_on_shows_no_older_pose(rendered: HandleRig):
 
 def test_a_script_may_save_right_after_it_has_moved_a_control(rendered: HandleRig):
     rendered.control.location.z += 0.25
-    path = save(rendered.folder / "shot.blend")
-    agree(rendered, elsewhere(path, rendered.name, rendered.folder), 1.0)
+    agree(rendered, seen_elsewhere(rendered), 1.0)
     rendered.height += 0.25
     assert rendered.is_right()
 
@@ -96,7 +99,7 @@ def test_factor_and_mask_are_those_of_the_viewport(posed_plate: HandleRig):
     plate.deformer.mask_group, plate.deformer.factor = "Left", 0.25
     shown = plate.points()
     assert not close(shown, plate.at(0.5), 0.1)
-    for shape in elsewhere(save(plate.folder / "shot.blend"), plate.name, plate.folder):
+    for shape in seen_elsewhere(plate):
         assert close(shape, shown)
 
 
@@ -116,8 +119,7 @@ def test_a_render_after_the_add_on_was_switched_off(rendered: HandleRig, addon_n
 def test_other_vertices_in_renders_than_in_the_viewport(plate: Rig, tmp_path: Path, below: str):
     """They are solved at the save, for what enters then."""
     bone = add_armature(plate.obj).pose.bones["high"] if below == "armature" else None
-    subdivision = plate.obj.modifiers.new("Subdivision", "SUBSURF")
-    subdivision.levels, subdivision.render_levels = 1, 2
+    subdivided(plate.obj, 1, 2)
     plate.bind("thin_shell")
     render_points(plate.obj)
     plate.lift(0.5)
@@ -136,7 +138,7 @@ def test_a_modifier_that_only_renders_show(posed_plate: HandleRig):
     plate = posed_plate
     plate.obj.modifiers[0].show_viewport = False
     plate.lift(0.25)
-    shown, rendered = elsewhere(save(plate.folder / "shot.blend"), plate.name, plate.folder)
+    shown, rendered = seen_elsewhere(plate)
     assert close(shown, plate.rest())
     assert close(rendered, plate.at(0.75))
 
@@ -147,8 +149,7 @@ def test_a_modifier_that_only_renders_show(posed_plate: HandleRig):
 def test_a_render_without_the_native_module(rendered: HandleRig, addon_name: str):
     """Also of a file that was saved without our handler."""
     with without_our_save_handler():
-        path = save(rendered.folder / "shot.blend")
-    agree(rendered, elsewhere(path, rendered.name, rendered.folder, addon_name, NO_MODULE))
+        agree(rendered, seen_elsewhere(rendered, addon_name, NO_MODULE))
 
 
 def test_a_linked_rig_without_an_override(rendered: HandleRig):
@@ -181,8 +182,7 @@ def test_live_is_off_since_the_file_was_opened(rendered: HandleRig):
 
 def test_live_is_off_and_renders_have_other_vertices(plate: Rig, tmp_path: Path):
     """They show the poses that the viewport shows."""
-    subdivision = plate.obj.modifiers.new("Subdivision", "SUBSURF")
-    subdivision.levels, subdivision.render_levels = 1, 2
+    subdivided(plate.obj, 1, 2)
     plate.bind("thin_shell").lift(0.25)
     render_points(plate.obj)
     plate.lift(0.25)
@@ -238,5 +238,5 @@ def test_a_second_deformer_above(posed_plate: HandleRig):
     plate.control.matrix_world = Matrix.Translation((0.1, 0.0, 0.3)) @ plate.control.matrix_world
     shown = plate.points()
     make_active(plate.obj)
-    for shape in elsewhere(save(plate.folder / "shot.blend"), plate.name, plate.folder):
+    for shape in seen_elsewhere(plate):
         assert close(shape, shown, FLOAT32)

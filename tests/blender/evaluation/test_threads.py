@@ -3,7 +3,7 @@
 
 import numpy as np
 import pytest
-from inside import ask_for_factor, catch_up, inner, use_threads
+from inside import ask_for_factor, catch_up, inner, settle, use_threads
 from rigs.rig import Rig, update
 
 MISTAKE = "a mistake in the code"
@@ -32,8 +32,7 @@ def finish(plate: Rig) -> None:
     job = inner.binding.job(plate.deformer.uid)
     if job is not None:
         job.thread.join()
-    catch_up()
-    update()
+    settle()
 
 
 @the_console_shows_it

@@ -25,8 +25,10 @@ from rigs.rig import (
     make_active,
     move_world,
     new_empty,
+    on_all,
     push,
     reopen,
+    subdivided,
     update,
 )
 
@@ -234,11 +236,7 @@ def test_a_mirroring_scale(rig: HandleRig, scale: tuple[float, float, float]):
 
 
 def flip_all(obj: bpy.types.Object) -> None:
-    make_active(obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.flip_normals()
-    bpy.ops.object.mode_set(mode="OBJECT")
+    on_all(obj, bpy.ops.mesh.flip_normals)
     settle()
 
 
@@ -248,8 +246,7 @@ def test_modifiers_that_number_their_vertices_anew_for_turned_faces(rig: HandleR
     if rig.obj.type != "MESH":
         pytest.skip("about faces")
     rig.obj.modifiers.new("Array", "ARRAY").relative_offset_displace = (0.0, 1.5, 0.0)
-    levels = rig.obj.modifiers.new("Subdivision", "SUBSURF")
-    levels.levels, levels.render_levels = 2, 3
+    subdivided(rig.obj, 2, 3)
     rig.bind_alone(rig.methods[0])
     carry(rig, MIRRORED)
     rig.lift(0.3)
@@ -339,8 +336,7 @@ def test_a_linked_copy_stays_where_it_is(placed: HandleRig):
     copy = duplicate(rig, linked=True)
     move_world(rig.control_of(copy), Matrix.Translation((0.0, 0.0, 0.1)))
     before = [world_points(rig, obj) for obj in (rig.obj, copy)]
-    make_active(rig.obj)
-    copy.select_set(True)
+    make_active(rig.obj, copy)
     assert bpy.ops.object.origin_set("EXEC_DEFAULT", True, type="ORIGIN_CURSOR") == {"FINISHED"}
     settle()
     for obj, shape in zip((rig.obj, copy), before, strict=True):
@@ -444,7 +440,6 @@ def test_the_cage_rests_again_where_it_is(placed: HandleRig):
 def test_a_mesh_moved_in_the_world_is_an_edit_on_top_of_the_pose(posed_plate: HandleRig):
     rig = posed_plate
     rig.obj.data.transform(Matrix.Translation((0.0, 0.0, 0.1)))
-    update()
     assert close(rig.points(), rig.at(0.5) + (0.0, 0.0, 0.1), EXACT)
 
 
@@ -456,7 +451,6 @@ def geometry_to_origin(obj: bpy.types.Object) -> None:
 def transformed(obj: bpy.types.Object) -> None:
     """By a script that does not touch the object."""
     obj.data.transform(Matrix.Translation((0.2, 0.0, 0.4)) @ Matrix.Rotation(0.4, 4, "X"))
-    update()
     push("moved")
 
 

@@ -29,6 +29,8 @@ from rigs.rig import (
     move_world,
     new_armature,
     new_empty,
+    new_nodes,
+    press,
     update,
 )
 from rigs.rig_of_lattice import lattice_object
@@ -78,30 +80,53 @@ def free(control: bpy.types.Object) -> bpy.types.Object:
 
 # --- what a follower may hang on
 
+CHAINS: dict[str, Callable[[str], Chain]] = {}
 
-def its_control_on_a_vertex(name: str) -> Chain:
-    base, follower = new_base(), new_follower(name).start("thin_shell")
+
+def hangs(bound: str = "before") -> Callable:
+    """The decorated function hangs a follower on the base; it is bound before that, after it, or by it."""
+
+    def add(hang: Callable[[HandleRig, HandleRig], None]) -> Callable:
+        def make(name: str) -> Chain:
+            base, follower = new_base(), new_follower(name)
+            if bound == "before":
+                follower.start("thin_shell")
+            hang(base, follower)
+            if bound == "after":
+                follower.bind("thin_shell")
+            return Chain(base.control, base.obj, follower.obj)
+
+        CHAINS[hang.__name__] = make
+        return hang
+
+    return add
+
+
+def chain_of_its_own(make: Callable[[str], Chain]) -> Callable[[str], Chain]:
+    CHAINS[make.__name__] = make
+    return make
+
+
+@hangs()
+def its_control_on_a_vertex(base: HandleRig, follower: HandleRig) -> None:
     on_vertex(follower.control, base, base.top[0])
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def its_control_on_three_vertices(name: str) -> Chain:
-    base, follower = new_base(), new_follower(name).start("thin_shell")
+@hangs()
+def its_control_on_three_vertices(base: HandleRig, follower: HandleRig) -> None:
     on_vertex(follower.control, base, 0, 60, 115)
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def its_control_on_a_child_of_a_vertex(name: str) -> Chain:
-    base, follower = new_base(), new_follower(name).start("thin_shell")
+@hangs()
+def its_control_on_a_child_of_a_vertex(base: HandleRig, follower: HandleRig) -> None:
     empty = new_empty("Between")
     on_vertex(empty, base, base.top[3])
     free(follower.control).parent = empty
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def its_control_is_carried_by_a_control_that_rides(name: str) -> Chain:
+@hangs()
+def its_control_is_carried_by_a_control_that_rides(base: HandleRig, follower: HandleRig) -> None:
     """On a second deformer of the first rig, whose shape the first one moves."""
-    base, follower = new_base(), new_follower(name).start("thin_shell")
     add_group(base.obj, "Spot", lambda point: point[1] > 0.75 and abs(point[0]) < 0.5)
     base.press("deformer_add", method="thin_shell")
     base.press("handle_add", kind="HANDLE", vertex_group="Spot")
@@ -109,53 +134,44 @@ def its_control_is_carried_by_a_control_that_rides(name: str) -> Chain:
     base.obj.sinew.active_deformer = 0
     free(follower.control).parent = control
     update()
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def its_control_copies_a_group(name: str) -> Chain:
-    base, follower = new_base(), new_follower(name).start("thin_shell")
+@hangs()
+def its_control_copies_a_group(base: HandleRig, follower: HandleRig) -> None:
     constrain(free(follower.control), "COPY_LOCATION", target=base.obj, subtarget="Top")
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def its_control_sticks_to_the_surface(name: str) -> Chain:
-    base, follower = new_base(), new_follower(name).start("thin_shell")
+@hangs()
+def its_control_sticks_to_the_surface(base: HandleRig, follower: HandleRig) -> None:
     constrain(free(follower.control), "SHRINKWRAP", target=base.obj)
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def its_control_is_armature_constrained_to_a_bone(name: str) -> Chain:
+@hangs()
+def its_control_is_armature_constrained_to_a_bone(base: HandleRig, follower: HandleRig) -> None:
     """Which sticks to the surface."""
-    base, follower = new_base(), new_follower(name).start("thin_shell")
     armature = new_armature(button=((0.0, 1.0, 0.0), (0.0, 1.5, 0.0)))
     constrain(armature.pose.bones["button"], "COPY_LOCATION", target=base.obj, subtarget="Top")
     control = free(follower.control)
     constraint = control.constraints.new("ARMATURE")
     target = constraint.targets.new()
     target.target, target.subtarget = armature, "button"
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def its_control_is_such_a_bone(name: str) -> Chain:
+@hangs(bound="by it")
+def its_control_is_such_a_bone(base: HandleRig, follower: HandleRig) -> None:
     """A child of one that copies a group."""
-    base, follower = new_base(), new_follower(name)
-    armature = new_armature(button=((0.0, 1.0, 0.0), (0.0, 1.5, 0.0)), tip=((0.0, 1.5, 0.0), (0.0, 2.0, 0.0)))
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bones = armature.data.edit_bones
-    bones["tip"].parent = bones["button"]
-    bpy.ops.object.mode_set(mode="OBJECT")
+    armature = new_armature(
+        button=((0.0, 1.0, 0.0), (0.0, 1.5, 0.0)), tip=((0.0, 1.5, 0.0), (0.0, 2.0, 0.0), "button")
+    )
     follower.bind("thin_shell")
     follower.deformer.handles[0].control, follower.deformer.handles[0].bone = armature, "tip"
-    make_active(follower.obj)
-    bpy.ops.sinew.bind()
+    press(follower.obj, "bind")
     constrain(armature.pose.bones["button"], "COPY_LOCATION", target=base.obj, subtarget="Top")
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def its_control_is_driven(name: str) -> Chain:
+@hangs()
+def its_control_is_driven(base: HandleRig, follower: HandleRig) -> None:
     """By where a child of a vertex is."""
-    base, follower = new_base(), new_follower(name).start("thin_shell")
     empty = new_empty("Between")
     on_vertex(empty, base, base.top[3])
     driver = follower.control.driver_add("location", 2).driver
@@ -164,81 +180,60 @@ def its_control_is_driven(name: str) -> Chain:
     variable.type = "TRANSFORMS"
     variable.targets[0].id, variable.targets[0].transform_type = empty, "LOC_Z"
     update()
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def it_is_itself_on_a_vertex(name: str) -> Chain:
+@hangs()
+def it_is_itself_on_a_vertex(base: HandleRig, follower: HandleRig) -> None:
     """And its control is not."""
-    base, follower = new_base(), new_follower(name).start("thin_shell")
     free(follower.control)
     on_vertex(follower.obj, base, base.top[3])
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def it_is_hooked_to_a_child_of_a_vertex(name: str) -> Chain:
+@hangs(bound="after")
+def it_is_hooked_to_a_child_of_a_vertex(base: HandleRig, follower: HandleRig) -> None:
     """Below us."""
-    base, follower = new_base(), new_follower(name)
     empty = new_empty("Between")
     on_vertex(empty, base, base.top[3])
     add_group(follower.obj, "Hooked", lambda point: abs(point[1]) < 0.5)
     hook = follower.obj.modifiers.new("Hook", "HOOK")
     hook.object, hook.vertex_group = empty, "Hooked"
-    follower.bind("thin_shell")
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def it_is_wrapped_onto_the_base(name: str) -> Chain:
+@hangs(bound="after")
+def it_is_wrapped_onto_the_base(base: HandleRig, follower: HandleRig) -> None:
     """Below us."""
-    base, follower = new_base(), new_follower(name)
     follower.obj.modifiers.new("Shrinkwrap", "SHRINKWRAP").target = base.obj
-    follower.bind("thin_shell")
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def it_takes_weights_from_the_base(name: str) -> Chain:
+@hangs(bound="after")
+def it_takes_weights_from_the_base(base: HandleRig, follower: HandleRig) -> None:
     """From what is nearest, for a displacement below us."""
-    base, follower = new_base(), new_follower(name)
     transfer = follower.obj.modifiers.new("Weights", "DATA_TRANSFER")
     transfer.object = base.obj
     transfer.use_vert_data, transfer.data_types_verts = True, {"VGROUP_WEIGHTS"}
     transfer.vert_mapping, transfer.layers_vgroup_select_src = "NEAREST", "ALL"
     displace = follower.obj.modifiers.new("Displace", "DISPLACE")
     displace.vertex_group, displace.mid_level, displace.strength = "Top", 0.0, 0.5
-    follower.bind("thin_shell")
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def it_is_moved_by_nodes_that_ask_for_the_base(name: str) -> Chain:
+@hangs(bound="after")
+def it_is_moved_by_nodes_that_ask_for_the_base(base: HandleRig, follower: HandleRig) -> None:
     """Below us: by the height of the first vertex of the base."""
-    base, follower = new_base(), new_follower(name)
-    group = bpy.data.node_groups.new("Follow", "GeometryNodeTree")
-    room_for_nodes(group)
-    entry, leave = group.nodes.new("NodeGroupInput"), group.nodes.new("NodeGroupOutput")
+    group, entry, leave = new_nodes("Follow")
     asked, box = group.nodes.new("GeometryNodeObjectInfo"), group.nodes.new("GeometryNodeBoundBox")
     moved = group.nodes.new("GeometryNodeSetPosition")
     asked.inputs["Object"].default_value = base.obj
     for start, end in (
-        (entry.outputs[0], moved.inputs["Geometry"]),
+        (entry, moved.inputs["Geometry"]),
         (asked.outputs["Geometry"], box.inputs["Geometry"]),
         (box.outputs["Max"], moved.inputs["Offset"]),
-        (moved.outputs[0], leave.inputs[0]),
+        (moved.outputs[0], leave),
     ):
         group.links.new(start, end)
     follower.obj.modifiers.new("Follow", "NODES").node_group = group
-    follower.bind("thin_shell")
-    return Chain(base.control, base.obj, follower.obj)
 
 
-def room_for_nodes(group: bpy.types.NodeTree) -> None:
-    """One geometry in, one out."""
-    if hasattr(group, "interface"):
-        for side in ("INPUT", "OUTPUT"):
-            group.interface.new_socket("Geometry", in_out=side, socket_type="NodeSocketGeometry")
-    else:
-        group.inputs.new("NodeSocketGeometry", "Geometry")
-        group.outputs.new("NodeSocketGeometry", "Geometry")
-
-
+@chain_of_its_own
 def its_cage_has_a_deformer(name: str) -> Chain:
     follower, cage = ball(name, 2), fine_box(2)
     base = Rig(cage).bind("thin_shell")
@@ -246,6 +241,7 @@ def its_cage_has_a_deformer(name: str) -> Chain:
     return Chain(base.control, base.obj, follower)
 
 
+@chain_of_its_own
 def its_cage_is_wrapped_onto_the_base(name: str) -> Chain:
     base, follower, cage = new_base(), ball(name, 2), fine_box(2)
     surround(follower, cage)
@@ -254,6 +250,7 @@ def its_cage_is_wrapped_onto_the_base(name: str) -> Chain:
     return Chain(base.control, base.obj, follower)
 
 
+@chain_of_its_own
 def it_follows_a_follower(name: str) -> Chain:
     base, between, follower = new_base(), HandleRig.new("Kept between"), new_follower(name)
     between.start("thin_shell")
@@ -272,6 +269,7 @@ def moved_lattice() -> tuple[bpy.types.Object, bpy.types.Object]:
     return lattice, cage
 
 
+@chain_of_its_own
 def it_is_below_a_lattice_that_a_cage_moves(name: str) -> Chain:
     """By Blender's own modifier, before ours."""
     base, cage = moved_lattice()
@@ -281,36 +279,13 @@ def it_is_below_a_lattice_that_a_cage_moves(name: str) -> Chain:
     return Chain(cage, base, follower.obj)
 
 
+@chain_of_its_own
 def its_lattice_has_a_deformer(name: str) -> Chain:
     """The lattice of the follower is moved by a cage itself."""
     base, cage = moved_lattice()
     follower = ball(name, 2)
-    make_active(follower)
-    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=base.name)
+    press(follower, "lattice_add", source="OBJECT", lattice=base.name)
     return Chain(cage, base, follower)
-
-
-CHAINS: list[Callable[[str], Chain]] = [
-    its_control_on_a_vertex,
-    its_control_on_three_vertices,
-    its_control_on_a_child_of_a_vertex,
-    its_control_is_carried_by_a_control_that_rides,
-    its_control_copies_a_group,
-    its_control_sticks_to_the_surface,
-    its_control_is_armature_constrained_to_a_bone,
-    its_control_is_such_a_bone,
-    its_control_is_driven,
-    it_is_itself_on_a_vertex,
-    it_is_hooked_to_a_child_of_a_vertex,
-    it_is_wrapped_onto_the_base,
-    it_takes_weights_from_the_base,
-    it_is_moved_by_nodes_that_ask_for_the_base,
-    its_cage_has_a_deformer,
-    its_cage_is_wrapped_onto_the_base,
-    it_is_below_a_lattice_that_a_cage_moves,
-    its_lattice_has_a_deformer,
-    it_follows_a_follower,
-]
 
 
 def owners() -> list[bpy.types.Object]:
@@ -336,10 +311,10 @@ def name(request: pytest.FixtureRequest) -> str:
     return request.param
 
 
-@pytest.fixture(params=CHAINS, ids=lambda row: row.__name__)
+@pytest.fixture(params=CHAINS)
 def chain(request: pytest.FixtureRequest, name: str) -> Chain:
     """Its control rises by one from frame 1 to frame 11."""
-    chain = request.param(name)
+    chain = CHAINS[request.param](name)
     key_heights(chain.control, {1: 0.0, 11: 1.0})
     return chain
 
@@ -388,23 +363,17 @@ def test_renders_show_what_the_viewport_shows(chain: Chain):
         assert difference(seen[chain.follower.name], expected[9 + subframe]) < EXACT
 
 
-@pytest.mark.parametrize(
-    "row",
-    [
-        its_control_on_a_vertex,
-        its_control_copies_a_group,
-        its_control_sticks_to_the_surface,
-        it_follows_a_follower,
-    ],
-    ids=lambda row: row.__name__,
-)
-def test_a_follower_is_solved_for_where_its_control_is(row: Callable[[str], Chain], name: str):
+FOLLOWED = ("on_a_vertex", "copies_a_group", "sticks_to_the_surface")
+
+
+@pytest.mark.parametrize("row", [*(f"its_control_{how}" for how in FOLLOWED), "it_follows_a_follower"])
+def test_a_follower_is_solved_for_where_its_control_is(row: str, name: str):
     """By the library, on Blender's own mesh, vertex groups and matrices."""
     follower = HandleRig.new("Model").start("thin_shell")
     poses, obj = follower.poses, follower.obj
     bpy.data.objects.remove(follower.control)
     bpy.data.objects.remove(obj)
-    chain = row(name)
+    chain = CHAINS[row](name)
     key_heights(chain.control, {1: 0.0, 11: 1.0})
     for frame in (11, 7, 2):
         shown = at(frame, chain.follower)
@@ -464,7 +433,7 @@ def frame_cost(chain_or_rigs: object, frame: int) -> dict[str, int]:
 
 def test_each_rig_of_a_chain_is_solved_once_per_frame():
     """Blender evaluates once more in between, and once at the end, as ever."""
-    chain = it_follows_a_follower("Before")
+    chain = CHAINS["it_follows_a_follower"]("Before")
     key_heights(chain.control, {1: 0.0, 11: 1.0})
     found = frame_cost(chain, 8)
     assert found["_answer"] == found["write_shape"] == 3, found
@@ -534,7 +503,6 @@ def test_rigs_in_a_circle_are_named_and_end(capfd: pytest.CaptureFixture):
         make_active(rig.obj)
         assert "One and Two follow each other in a circle" in draw_panel().texts()
     one.control.parent = None
-    update()
     make_active(two.obj)
     assert "follow each other" not in draw_panel().texts()
     shown = at(4, two.obj)

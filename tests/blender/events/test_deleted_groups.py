@@ -14,7 +14,7 @@ from inside import settle
 from mathutils import Matrix
 from probe import render_points
 from rigs.kinds import HandleRig
-from rigs.rig import Rig, add_group, close, make_active, move_world, reopen, update
+from rigs.rig import Rig, add_group, close, make_active, move_world, press, reopen, subdivided, update
 
 
 def in_front(point: np.ndarray) -> bool:
@@ -24,8 +24,7 @@ def in_front(point: np.ndarray) -> bool:
 def a_region(role: str, where) -> Callable[[Rig], None]:
     def add(plate: Rig) -> None:
         add_group(plate.obj, "Lost", where)
-        make_active(plate.obj)
-        bpy.ops.sinew.handle_add(kind=role, vertex_group="Lost")
+        press(plate.obj, "handle_add", kind=role, vertex_group="Lost")
 
     return add
 
@@ -102,8 +101,7 @@ def test_what_a_deleted_group_held_stays_in_renders_of_other_vertices(
     plate: Rig, what: str, levels: tuple[int, int]
 ):
     """Also while the viewport waits for a Rebind."""
-    modifier = plate.obj.modifiers.new("Subdivision", "SUBSURF")
-    modifier.levels = modifier.render_levels = 2
+    modifier = subdivided(plate.obj, 2, 2)
     plate.bind(LOST[what][0])
     LOST[what][1](plate)
     move_world(plate.control, Matrix.Translation((0.0, 0.0, 0.5)))

@@ -4,7 +4,7 @@
 import bpy
 import pytest
 from inside import CONTROL_READS, LOOKS, READS, WORK, calls_of, catch_up, functions, inner
-from rigs.rig import Rig, make_active, update
+from rigs.rig import Rig, linked, make_active, update
 
 UNRELATED = 1000
 
@@ -15,8 +15,7 @@ def crowd(count: int) -> list[bpy.types.Object]:
     mesh.vertices.add(1)
     made = []
     for number in range(count):
-        obj = bpy.data.objects.new(f"Unrelated {number}", mesh if number % 2 else None)
-        bpy.context.scene.collection.objects.link(obj)
+        obj = linked(bpy.data.objects.new(f"Unrelated {number}", mesh if number % 2 else None))
         made.append(obj)
     update()
     return made

@@ -33,11 +33,13 @@ from rigs.rig import (
     close,
     evaluated_points,
     grid_object,
+    in_mode,
     key_heights,
     linked,
     make_active,
     move_world,
     new_armature,
+    press,
     reopen,
     update,
 )
@@ -84,8 +86,7 @@ def duplicated_alone_and_given_a_control(rig: HandleRig) -> None:
 def copied_ten_times(rig: HandleRig) -> None:
     copies = [rig.obj]
     for _ in range(10):
-        make_active(copies[-1])
-        rig.control_of(copies[-1]).select_set(True)
+        make_active(copies[-1], rig.control_of(copies[-1]))
         bpy.ops.object.duplicate()
         copies.append(bpy.context.object)
     settle()
@@ -110,8 +111,7 @@ def copied_by_a_script_and_deleted_before_the_copy_has_shapes(rig: HandleRig) ->
 @EVENTS.on(ALL)
 def copied_and_pasted(rig: HandleRig) -> None:
     """Through a file of Blender's own."""
-    make_active(rig.obj)
-    rig.control.select_set(True)
+    make_active(rig.obj, rig.control)
     bpy.ops.view3d.copybuffer()
     bpy.ops.view3d.pastebuffer(autoselect=True)
     settle()
@@ -134,8 +134,7 @@ def a_copy_deleted(rig: HandleRig) -> None:
 def the_target_deleted(rig: HandleRig) -> None:
     """It leaves only orphans, which a purge takes."""
     name = rig.name
-    make_active(rig.obj)
-    rig.control.select_set(True)
+    make_active(rig.obj, rig.control)
     bpy.ops.object.delete()
     update()
     assert name not in bpy.data.objects
@@ -238,8 +237,7 @@ def its_deformer_removed(rig: HandleRig) -> None:
 @EVENTS.on(ALL, then=is_over)
 def unbound_with_its_control_active(rig: HandleRig) -> None:
     """Operators find the target from there."""
-    make_active(rig.control)
-    assert bpy.ops.sinew.unbind() == {"FINISHED"}
+    press(rig.control, "unbind")
     assert rig.is_at_rest()
     assert not rig.deformer.is_bound
 
@@ -415,10 +413,8 @@ def test_a_bone_renamed_exchanged_and_deleted(plate: Rig):
     assert close(plate.points(), expected.lifted(0.75))
     bones["other"].location.y = 0.25
     assert close(plate.points(), expected.lifted(1.0))
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    armature.data.edit_bones.remove(armature.data.edit_bones["other"])
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(armature):
+        armature.data.edit_bones.remove(armature.data.edit_bones["other"])
     assert close(plate.points(), expected.lifted(1.0), MATRIX)
     assert plate.deformer.handles[0].control_missing
 
@@ -447,8 +443,7 @@ def another_mesh_joined_to_the_target(rig: HandleRig) -> None:
     other = grid_object("Other", cells=2)
     other.location = (0.0, 0.0, 0.1)
     other.scale = (0.2, 0.2, 0.2)
-    make_active(rig.obj)
-    other.select_set(True)
+    make_active(rig.obj, other)
     bpy.ops.object.join()
     assert len(rig.rest()) == count + 9
 
@@ -482,8 +477,7 @@ def a_part_separated_from_the_target(rig: HandleRig) -> None:
     for obj in (rig.obj, part):
         assert rig.shows(rig.unmoved(obj), obj)
         assert obj.sinew.deformers[0].status == REBIND
-        make_active(obj)
-        bpy.ops.sinew.bind()
+        press(obj, "bind")
     assert rig.deformer.proxy != part.sinew.deformers[0].proxy
     rig.lift(0.25)
     for obj in (rig.obj, part):

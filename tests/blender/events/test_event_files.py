@@ -27,6 +27,7 @@ from rigs.rig import (
     make_active,
     new_empty,
     new_file,
+    press,
     reopen,
     save,
     update,
@@ -351,8 +352,7 @@ def made_local(rig: HandleRig) -> None:
     obj = owners()[0]
     assert obj.library is None
     goes_on(rig, obj, 0.5, MATRIX)
-    make_active(obj)
-    bpy.ops.sinew.bind()
+    press(obj, "bind")
     goes_on(rig, obj, 0.75, MATRIX)
 
 
@@ -380,8 +380,7 @@ def its_target_alone_made_local(rig: HandleRig) -> None:
     rig.set_control(local, rig.another_control(local))
     settle()
     if not rig.goes_on:
-        make_active(local)
-        assert bpy.ops.sinew.bind() == {"FINISHED"}
+        press(local, "bind")
     before = evaluated_points(local)
     assert close(before, rig.at(0.5) if rig.goes_on else rig.unmoved(local), MATRIX)
     rig.lift_of(local, 0.25)

@@ -17,8 +17,11 @@ from rigs.rig import (
     add_armature,
     change_in_edit_mode,
     close,
+    duplicated,
     key_heights,
     make_active,
+    on_all,
+    press,
     push,
     reopen,
     select,
@@ -106,29 +109,21 @@ def cut(rig: HandleRig) -> None:
     change_in_edit_mode(rig.obj, cut_a_hole)
 
 
-def operate(rig: HandleRig, operator, **keywords: object) -> None:
-    """On the whole mesh."""
-    enter(rig, "EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    operator(**keywords)
-    bpy.ops.object.mode_set(mode="OBJECT")
-
-
 @EDITS.on(MESHES)
 def reversed_in_order(rig: HandleRig) -> None:
     """The same number of vertices."""
-    operate(rig, bpy.ops.mesh.sort_elements, type="REVERSE", elements={"VERT"})
+    on_all(rig.obj, bpy.ops.mesh.sort_elements, type="REVERSE", elements={"VERT"})
 
 
 @EDITS.on(REGIONS)
 def triangulated(rig: HandleRig) -> None:
     """The same vertices, other faces. A ball has triangles already."""
-    operate(rig, bpy.ops.mesh.quads_convert_to_tris)
+    on_all(rig.obj, bpy.ops.mesh.quads_convert_to_tris)
 
 
 @EDITS.on(MESHES)
 def given_another_part(rig: HandleRig) -> None:
-    operate(rig, bpy.ops.mesh.primitive_cube_add, size=0.1, location=(0.0, 0.0, 0.3))
+    on_all(rig.obj, bpy.ops.mesh.primitive_cube_add, size=0.1, location=(0.0, 0.0, 0.3))
 
 
 @EDITS.on(MESHES)
@@ -207,8 +202,7 @@ def test_turned_faces_count_from_the_next_bind_on(plate: Rig):
         plate.obj.data.update_tag()
         settle()
         assert close(plate.points(), before) == (weight == 1.0)
-    make_active(plate.obj)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(plate.obj, "bind")
     assert not close(plate.points(), before, 0.01)
 
 
@@ -261,13 +255,9 @@ def its_vertices_moved_in_sculpt_mode(rig: HandleRig) -> None:
 @EVENTS.on(MESHES)
 def edited_beside_its_copy(rig: HandleRig) -> None:
     """Both in Edit Mode at once."""
-    make_active(rig.obj)
-    rig.control.select_set(True)
-    bpy.ops.object.duplicate()
-    copy = bpy.context.object
+    copy = duplicated(rig.obj, rig.control)
     catch_up()
-    make_active(rig.obj)
-    copy.select_set(True)
+    make_active(rig.obj, copy)
     bpy.ops.object.mode_set(mode="EDIT")
     assert rig.obj.mode == copy.mode == "EDIT"
     rig.lift(0.25)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scenes, view layers, exclusions, instances; controls hidden in every way, in viewport and render."""
 
+from collections.abc import Callable
+
 import bpy
 import pytest
 from events import ALL, REGIONS, Event, Table, every, is_over
@@ -28,8 +30,7 @@ def own_collection(*objects: bpy.types.Object) -> bpy.types.Collection:
     collection = bpy.data.collections.new("Hidden")
     bpy.context.scene.collection.children.link(collection)
     for obj in objects:
-        for other in obj.users_collection:
-            other.objects.unlink(obj)
+        unlink(obj)
         collection.objects.link(obj)
     update()
     return collection
@@ -39,35 +40,26 @@ def layer_collection(layer: bpy.types.ViewLayer | None = None) -> bpy.types.Laye
     return (layer or bpy.context.view_layer).layer_collection.children["Hidden"]
 
 
-def hide(obj: bpy.types.Object, way: str) -> None:
-    """Each way a user has."""
-    if way in ("hide_viewport", "hide_render"):
-        setattr(obj, way, True)
-    elif way == "eye":
-        obj.hide_set(True)
-    elif way == "excluded":
-        own_collection(obj)
-        layer_collection().exclude = True
-    elif way == "collection eye":
-        own_collection(obj)
-        layer_collection().hide_viewport = True
-    elif way in ("collection hide_viewport", "collection hide_render"):
-        setattr(own_collection(obj), way.split()[1], True)
-    elif way == "unlinked":
-        for collection in obj.users_collection:
-            collection.objects.unlink(obj)
+def own_layer_collection(obj: bpy.types.Object) -> bpy.types.LayerCollection:
+    own_collection(obj)
+    return layer_collection()
 
 
-WAYS = (
-    "hide_viewport",
-    "eye",
-    "excluded",
-    "collection hide_viewport",
-    "hide_render",
-    "collection eye",
-    "collection hide_render",
-    "unlinked",
-)
+def unlink(obj: bpy.types.Object) -> None:
+    for collection in obj.users_collection:
+        collection.objects.unlink(obj)
+
+
+WAYS: dict[str, Callable[[bpy.types.Object], None]] = {  # of hiding an object, as a user does
+    "hide_viewport": lambda obj: setattr(obj, "hide_viewport", True),
+    "eye": lambda obj: obj.hide_set(True),
+    "excluded": lambda obj: setattr(own_layer_collection(obj), "exclude", True),
+    "collection hide_viewport": lambda obj: setattr(own_collection(obj), "hide_viewport", True),
+    "hide_render": lambda obj: setattr(obj, "hide_render", True),
+    "collection eye": lambda obj: setattr(own_layer_collection(obj), "hide_viewport", True),
+    "collection hide_render": lambda obj: setattr(own_collection(obj), "hide_render", True),
+    "unlinked": unlink,
+}
 
 
 @pytest.fixture
@@ -97,7 +89,7 @@ def test_a_hidden_armature_still_moves_its_region(plate: Rig, way: str):
 
 def moves_though_hidden(rig: HandleRig, control: bpy.types.Object, mover, way: str) -> None:
     key_heights(mover, {1: 0.0, 11: 1.0})
-    hide(control, way)
+    WAYS[way](control)
     if way == "unlinked" and not rig.counts_in_no_scene:
         assert rig.shows(rig.at(0.0))
         assert rig.control_is_missing(rig.obj)
@@ -126,7 +118,7 @@ def test_a_target_hidden_in_the_viewport_is_right_in_renders_and_when_shown_agai
 ):
     """But an excluded or unlinked one is in no render either, as any object."""
     obj = animated.obj
-    hide(obj, way)
+    WAYS[way](obj)
     bpy.context.scene.frame_set(11)
     seen = render()[-1]
     if way in ("excluded", "unlinked"):
@@ -222,17 +214,18 @@ def test_a_scene_without_the_control(animated: HandleRig):
     assert close(render(second, animation=True)[-1][animated.name], animated.at(1.0), MATRIX)
 
 
-@pytest.mark.parametrize("kind", ["LINK_COPY", "FULL_COPY"])
-def test_a_copied_scene(posed: HandleRig, kind: str):
-    """A linked copy shows the same rig, a full copy has one of its own."""
+@pytest.mark.parametrize(("kind", "pause"), [("LINK_COPY", True), ("FULL_COPY", True), ("FULL_COPY", False)])
+def test_a_copied_scene(posed: HandleRig, kind: str, pause: bool):
+    """A linked copy shows the same rig, a full copy has one of its own, at once and after a pause."""
     first = bpy.context.scene
     bpy.ops.scene.new(type=kind)
     second = next(scene for scene in bpy.data.scenes if scene != first)
     copy = next(obj for obj in second.objects if obj.sinew.deformers)
     assert (copy == posed.obj) == (kind == "LINK_COPY")
-    for scene in (first, second):
-        scene.view_layers[0].update()
-    catch_up()
+    if pause:
+        for scene in (first, second):
+            scene.view_layers[0].update()
+        catch_up()
     posed.control_of(copy).location.z += 0.25
     for scene in (second, first):
         scene.view_layers[0].update()

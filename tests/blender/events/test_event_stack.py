@@ -32,13 +32,16 @@ from rigs.rig import (
     Rig,
     add_armature,
     add_group,
+    add_regions,
     apply_matrix,
     close,
     evaluated_points,
     grid_object,
     key_heights,
+    linked,
     make_active,
     move_world,
+    subdivided,
     update,
 )
 
@@ -54,9 +57,7 @@ def twist(obj: bpy.types.Object) -> bpy.types.Modifier:
 
 
 def subdivision(obj: bpy.types.Object, levels: int = 1, render_levels: int = 1) -> bpy.types.Modifier:
-    modifier = obj.modifiers.new("Subdivision", "SUBSURF")
-    modifier.levels, modifier.render_levels = levels, render_levels
-    return modifier
+    return subdivided(obj, levels, render_levels)
 
 
 def array(obj: bpy.types.Object) -> bpy.types.Modifier:
@@ -77,8 +78,7 @@ def by_blender(rig: Rig, points: np.ndarray, *modifiers: Add) -> np.ndarray:
     mesh = rig.obj.data.copy()
     mesh.vertices.foreach_set("co", points.astype(np.float32).ravel())
     mesh.update()
-    plain = bpy.data.objects.new("Plain", mesh)
-    bpy.context.scene.collection.objects.link(plain)
+    plain = linked(bpy.data.objects.new("Plain", mesh))
     for add in modifiers:
         add(plain)
     found = evaluated_points(plain)
@@ -212,7 +212,7 @@ def shape_keys_added_blended_and_removed(rig: HandleRig) -> None:
     obj.shape_key_clear()
 
 
-@EVENTS.on(REGIONS, then=is_over)
+@EVENTS.on(MESHES, then=is_over)
 def an_armature_added_before_it(rig: HandleRig) -> None:
     """The skin comes after the pose: the deformer then works on what the bones give it."""
     armature = add_armature(rig.obj)
@@ -367,10 +367,8 @@ def ours_copied(rig: HandleRig) -> None:
 @EVENTS.on(MESHES)
 def ours_copied_to_another_object(rig: HandleRig) -> None:
     """It shows the shape as a mirror does; the rig stays one."""
-    other = bpy.data.objects.new("Other", rig.obj.data.copy())
-    bpy.context.scene.collection.objects.link(other)
-    make_active(rig.obj)
-    other.select_set(True)
+    other = linked(bpy.data.objects.new("Other", rig.obj.data.copy()))
+    make_active(rig.obj, other)
     bpy.ops.object.make_links_data(type="MODIFIERS")
     settle()
     rig.lift(0.25)
@@ -405,9 +403,7 @@ class Two:
         extent = np.abs(rig.rest()).max()
         self.corner = add_group(obj, "Corner", lambda p: p[0] > 0.6 * extent and p[1] > 0.3 * extent)
         add_group(obj, "Rest", lambda p: p[0] < 0.3 * extent or p[1] < 0.1 * extent)
-        rig.press("deformer_add", method=method)
-        rig.press("handle_add", kind="HANDLE", vertex_group="Corner")
-        rig.press("handle_add", kind="FIXED", vertex_group="Rest")
+        add_regions(obj, method, {"Corner": "HANDLE", "Rest": "FIXED"})
         obj.sinew.deformers[1].handles[0].stands_on = "WORLD"  # as its pose is read there
         self.second = obj.sinew.deformers[1].handles[0].control
         entering, regions = rig.points(), {"handle": "Corner", "fixed": ("Rest",)}

@@ -22,6 +22,7 @@ from rigs.rig import (
     coordinates,
     evaluated_points,
     make_active,
+    press,
     reopen,
 )
 from sequences import MOST_UNDO, SEQUENCES, Sequence, run_sequences
@@ -111,8 +112,7 @@ class Artist(Sequence):
         target = bpy.context.object
         bpy.ops.mesh.primitive_cube_add(size=size, location=target.location)
         cage = bpy.context.object
-        make_active(target)
-        assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method=method) == {"FINISHED"}
+        press(target, "cage_add", source="OBJECT", cage=cage.name, method=method)
 
     @precondition(lambda self: self.in_object_mode and self.targets)
     @rule(pick=PICK, method=st.sampled_from(sorted(CLASSES)), size=st.sampled_from((1.0, 1.5, 2.0)))
@@ -182,8 +182,7 @@ class Artist(Sequence):
         obj, deformer = self.caged(pick)
         index = next(k for k, other in enumerate(obj.sinew.deformers) if other.uid == deformer.uid)
         obj.sinew.active_deformer = index
-        make_active(obj)
-        assert bpy.ops.sinew.cage_set_rest() == {"FINISHED"}
+        press(obj, "cage_set_rest")
         deformer = obj.sinew.deformers[index]
         held = coordinates(deformer.cage_rest.vertices)
         assert np.abs(held - self.in_frame(deformer.cage, obj)).max() < TOLERANCE

@@ -22,6 +22,7 @@ from rigs.rig import (
     load,
     make_active,
     new_empty,
+    press,
     save,
     update,
 )
@@ -165,8 +166,7 @@ class Artist(Sequence):
         new_target(shape)
         bpy.ops.sinew.deformer_add(method=method)
         bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Far")
-        make_active(bpy.data.objects[shape])
-        bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Near")
+        press(bpy.data.objects[shape], "handle_add", kind="FIXED", vertex_group="Near")
         self.start_over()
 
     @precondition(lambda self: self.in_object_mode and len(self.targets) < 3)

@@ -32,7 +32,9 @@ from rigs.rig import (
     make_active,
     move_world,
     new_empty,
+    press,
     push,
+    refused,
     reopen,
     update,
 )
@@ -166,23 +168,20 @@ def undone_and_redone(arm: Posed, _folder: Path) -> None:
 
 def bound_again_at_another_frame(arm: Posed, _folder: Path) -> None:
     go(7)
-    make_active(arm.obj)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(arm.obj, "bind")
 
 
 def given_another_handle_at_another_frame(arm: Posed, _folder: Path) -> None:
     add_group(arm.obj, "Near", lambda point: -0.75 < point[1] < -0.5)
     go(30)
-    make_active(arm.obj)
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Near")
+    press(arm.obj, "handle_add", kind="HANDLE", vertex_group="Near")
 
 
 def given_a_new_control_at_another_frame(arm: Posed, _folder: Path) -> None:
     bpy.data.objects.remove(arm.control)
     assert arm.is_right()  # the correction stays on the skin meanwhile
     go(7)
-    make_active(arm.obj)
-    assert bpy.ops.sinew.control_new() == {"FINISHED"}
+    press(arm.obj, "control_new")
 
 
 def moved_turned_and_applied(arm: Posed, _folder: Path) -> None:
@@ -193,7 +192,6 @@ def moved_turned_and_applied(arm: Posed, _folder: Path) -> None:
     go(7)
     arm.obj.matrix_world = bend
     arm.obj.data.transform(bend.inverted())
-    update()
     make_active(arm.obj)
     bpy.ops.object.transform_apply(location=True, rotation=True, scale=True)
 
@@ -324,8 +322,7 @@ def test_keyframes_are_converted(arm: Posed):
         shown[frame] = arm.far_edge()
     go(MADE)
     for on in ("WORLD", "SURFACE"):
-        make_active(arm.obj)
-        assert bpy.ops.sinew.handle_stand(on=on, index=0) == {"FINISHED"}
+        press(arm.obj, "handle_stand", on=on, index=0)
         assert handle.stands_on == on
         for frame in (7, 30):
             go(frame)
@@ -336,8 +333,7 @@ def test_keyframes_are_converted(arm: Posed):
 def test_where_nothing_moves_the_mesh_handles_stand_in_the_world(plate: Rig):
     plate.bind("thin_shell")
     assert plate.deformer.handles[0].stands_on == "WORLD"
-    with pytest.raises(RuntimeError, match="Nothing before Sinew moves this mesh"):
-        bpy.ops.sinew.handle_stand(on="SURFACE", index=0)
+    refused("Nothing before Sinew moves this mesh", "handle_stand", on="SURFACE", index=0)
 
 
 def test_objects_and_bones_of_the_user_stand_in_the_world(arm: Posed):
@@ -433,10 +429,8 @@ def test_the_other_side_follows_in_the_frame_of_its_own_surface(arm: Posed, live
     members = {side: add_group(arm.obj, f"Hand.{side}", where) for side, where in sides.items()}
     bpy.ops.sinew.deformer_add(method="thin_shell")
     for side in "LR" if live else "L":
-        make_active(arm.obj)
-        bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group=f"Hand.{side}")
-    make_active(arm.obj)
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+        press(arm.obj, "handle_add", kind="HANDLE", vertex_group=f"Hand.{side}")
+    press(arm.obj, "handle_add", kind="FIXED", vertex_group="Base")
     arm.deformer.use_mirror_x = live
     update()
     go(7)

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from inside import settle
-from rigs.rig import Rig, close, evaluated_points, make_active, push
+from rigs.rig import Rig, close, duplicated, evaluated_points, push
 
 
 @pytest.mark.parametrize("lost", [("VIEWPORT",), ("RENDER",), ("VIEWPORT", "RENDER")], ids=str)
@@ -33,9 +33,7 @@ def test_a_deformer_finds_its_hidden_shapes_again(plate: Rig, lost: tuple[str, .
 
 def test_a_copy_finds_its_own_shapes_again(plate: Rig):
     plate.bind()
-    make_active(plate.obj)
-    bpy.ops.object.duplicate()
-    copy = bpy.context.object
+    copy = duplicated(plate.obj)
     settle()
     plate.lift(0.5)
     shapes = [(obj.sinew.deformers[0].proxy.name, evaluated_points(obj)) for obj in (plate.obj, copy)]

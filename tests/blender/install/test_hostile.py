@@ -18,9 +18,9 @@ import pytest
 from error_log import ErrorLog
 from hypothesis import HealthCheck, Phase, given, note, seed, settings
 from hypothesis import strategies as st
-from inside import catch_up, inner
+from inside import catch_up, inner, settle
 from rigs.kinds import HandleRig
-from rigs.rig import Rig, add_group, make_active, new_object, reopen, update
+from rigs.rig import Rig, add_group, make_active, new_nodes, new_object, reopen, storage, update
 
 SEED = os.environ.get("SINEW_RANDOM_SEED")
 NAN, INF = math.nan, math.inf
@@ -31,12 +31,6 @@ STRANGE_NAMES = ("", LONG, "../../etc/passwd", 'a"]["b', "C:\\x", "Ü☃", "a\nb
 def other_mesh(name: str = "Mine") -> bpy.types.Object:
     """A mesh of the user's with as many vertices as a shape of the plate."""
     return new_object(name, [(float(index), 5.0, 5.0) for index in range(122)], [(0, 1, 2)])
-
-
-def storage(owner) -> object:
-    """Where Blender keeps the properties of a datablock's or group's class, as ID properties."""
-    system = getattr(owner, "bl_system_properties_get", None)
-    return system(do_create=True) if system else owner
 
 
 def raw(plate: Rig, *path: object) -> object:
@@ -89,8 +83,7 @@ def live_with_it(plate: Rig, folder: Path) -> None:
         (bpy.ops.sinew.deformer_remove, {}),
     ):
         press(operator, **keywords)
-        catch_up()
-        update()
+        settle()
         if bpy.context.object != plate.obj:
             make_active(plate.obj)
     assert_sound(plate)
@@ -214,15 +207,9 @@ def group_of_other_sockets(plate: Rig) -> None:
     """Our key on somebody's node group, and ours gone."""
     for group in list(bpy.data.node_groups):
         bpy.data.node_groups.remove(group)
-    group = bpy.data.node_groups.new("Theirs", "GeometryNodeTree")
+    group, start, end = new_nodes("Theirs")
     group["sinew_group_version"], group["sinew_group_kind"] = 1, "MESH 1"
-    for direction, node in (("INPUT", "NodeGroupInput"), ("OUTPUT", "NodeGroupOutput")):
-        if hasattr(group, "interface"):
-            group.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
-        else:
-            getattr(group, f"{direction.lower()}s").new("NodeSocketGeometry", "Geometry")
-        group.nodes.new(node)
-    group.links.new(group.nodes[0].outputs[0], group.nodes[1].inputs[0])
+    group.links.new(start, end)
     plate.obj.modifiers[-1].node_group = group
 
 
@@ -371,8 +358,7 @@ def test_hundreds_of_objects_that_claim_one_key_are_told_apart_in_time(posed: Ri
     for _ in range(300):
         bpy.context.scene.collection.objects.link(posed.obj.copy())
     start = time.process_time()
-    catch_up()
-    update()
+    settle()
     assert time.process_time() - start < 20.0
     keys = [deformer.uid for obj in bpy.data.objects for deformer in obj.sinew.deformers]
     assert len(set(keys)) == len(keys) == 301

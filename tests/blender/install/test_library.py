@@ -85,10 +85,12 @@ def test_an_override_made_by_a_script_can_be_posed_at_once(rig, tmp_path: Path):
     """Without a pause, and without a call of ours."""
     rig.start()
     rig.lift(0.5)
+    name = rig.name
     path = put_into_a_library(tmp_path / "library.blend", rig.obj, rig.control)
     collection = add_collection(path, link=True)
     collection.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
     obj = overridden()
+    assert obj.name == name
     rig.control_of(obj).location.z += 0.25
     assert rig.shows(rig.now(obj), obj, MATRIX)
     assert not rig.shows(rig.at(0.5), obj, 0.1)

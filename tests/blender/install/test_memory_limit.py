@@ -5,13 +5,12 @@ from __future__ import annotations
 
 import re
 
-import bpy
 import pytest
 from inside import inner
 from registry import METHODS, Control
 from rigs.cages import assert_goes_on, assert_rests, ball, box, motion_of, set_rest, surround
 from rigs.kinds import BY_CONTROL
-from rigs.rig import make_active
+from rigs.rig import press, refused, subdivided
 
 LIMIT = 0.0001  # gigabytes; shown as 0.1 MB
 OVERSHOT = 0.02  # surfaces that resist bending rise a little above the handle that lifts them
@@ -27,9 +26,7 @@ def test_a_bind_above_the_limit_names_both_sizes_and_waits_for_a_higher_one(pref
     rig = kind.large(cells=180) if method.is_space and method.control is Control.HANDLES else kind.large()
     rig.attach(method.id)
     obj = rig.obj
-    make_active(obj)
-    with pytest.raises(RuntimeError, match=r"needs [\d.]+ MB, the memory limit is 0\.1 MB"):
-        bpy.ops.sinew.bind()
+    refused(r"needs [\d.]+ MB, the memory limit is 0\.1 MB", "bind", obj)
     said = status.current(obj.sinew.active.uid)
     assert (said.level, said.remedy) == (status.Level.ERROR, status.Remedy.PREFERENCES)
     (needed,) = re.findall(r"needs ([\d.]+) MB, the memory limit is 0\.1 MB: raise the limit", said.text)
@@ -37,8 +34,7 @@ def test_a_bind_above_the_limit_names_both_sizes_and_waits_for_a_higher_one(pref
     rig.lift(0.5)
     assert_rests(obj)
     preferences.memory_limit = 1.0
-    make_active(obj)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(obj, "bind")
     assert motion_of(obj)[:, 2].max() == pytest.approx(0.5, abs=OVERSHOT)
     preferences.memory_limit = LIMIT
     rig.lift(0.5)
@@ -49,12 +45,9 @@ def test_a_finer_cage_above_the_limit_is_refused_until_it_is_coarse_again(prefer
     target, cage = ball(), box()
     deformer = surround(target, cage)
     preferences.memory_limit = LIMIT / 2
-    smoother = cage.modifiers.new("Subdivision", "SUBSURF")
-    smoother.levels = smoother.render_levels = 3
+    smoother = subdivided(cage, 3, 3)
     smoother.subdivision_type = "SIMPLE"
-    make_active(target)
-    with pytest.raises(RuntimeError, match="memory limit"):
-        bpy.ops.sinew.cage_set_rest()
+    refused("memory limit", "cage_set_rest", target)
     assert_rests(target)
     assert inner.status.current(deformer.uid).remedy.name == "PREFERENCES"
     cage.modifiers.clear()

@@ -14,8 +14,9 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import catch_up, inner
-from rigs.rig import base_points, evaluated_points, linked, make_active, reopen, update
+from inside import inner
+from libraries import add_collection, override
+from rigs.rig import base_points, evaluated_points, linked, press, reopen, update
 
 FILE = Path(__file__).parent / "before_controls.blend"
 FLOAT32 = 2e-6  # rounding at a size of 2
@@ -70,8 +71,7 @@ def test_it_shows_what_it_showed_with_its_cages_and_goes_on(
 def test_removing_the_deformer_removes_what_it_owns(opened, name: str) -> None:
     obj, (cage, owned) = bpy.data.objects[name], CAGES[name]
     rest = obj.sinew.active.cage_rest.name
-    make_active(obj)
-    assert bpy.ops.sinew.deformer_remove() == {"FINISHED"}
+    press(obj, "deformer_remove")
     assert (cage not in bpy.data.objects) == owned
     left = bpy.data.meshes.get(rest)
     # Blender 5 keeps a copy of the properties of older files under the add-on's name, and what it points to.
@@ -79,17 +79,10 @@ def test_removing_the_deformer_removes_what_it_owns(opened, name: str) -> None:
 
 
 def test_it_can_be_linked_and_overridden(scene, old: str) -> None:
-    with bpy.data.libraries.load(old, link=True) as (_there, here):
-        here.collections = ["Asset"]
-    scene.collection.children.link(here.collections[0])
-    update()
-    pear = here.collections[0].objects["Pear"]
+    pear = add_collection(old, link=True).objects["Pear"]
     shown = evaluated_points(pear)
     assert np.abs(shown - expected(pear)).max() < FLOAT32
-    here.collections[0].override_hierarchy_create(scene, bpy.context.view_layer)
-    update()
-    catch_up()
-    obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
+    obj = override(old)
     assert np.abs(evaluated_points(obj) - shown).max() < 1e-5
     cage = obj.sinew.active.cage
     assert cage.library is None
@@ -117,7 +110,6 @@ def test_a_handle_that_was_saved_posed_goes_on_from_there(opened) -> None:
     assert handle.stands_on == "WORLD"
     for height in (0.75, 0.0, 0.5):  # of the region; saved at 0.5
         handle.control.location.z = height
-        update()
         moved = evaluated_points(plate) - base_points(plate)
         assert np.abs(moved[members] - (0.0, 0.0, height)).max() < FLOAT32
         assert np.abs(moved).max() < height + FLOAT32

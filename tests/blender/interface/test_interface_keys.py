@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import bpy
 import pytest
 from inside import inner
-from rigs.rig import Rig
+from rigs.rig import Rig, refused
 from rigs.sheet import Sheet
 
 
@@ -179,8 +179,7 @@ def test_a_packaged_page_comes_first_then_the_one_of_a_checkout(monkeypatch, tmp
         (tmp_path / path).write_text("page", encoding="utf-8")
     assert help_room.manual_page("surface") == tmp_path / "addon/manual/surface.html"
     assert help_room.manual_page("baking") == tmp_path / "docs/manual/baking.md"
-    with pytest.raises(RuntimeError, match="install the Sinew zip again"):
-        bpy.ops.sinew.help(page="overlays")
+    refused("install the Sinew zip again", "help", page="overlays")
 
 
 def test_help_tells_the_path_where_there_is_no_window(monkeypatch, tmp_path, capfd):

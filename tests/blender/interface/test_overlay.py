@@ -16,7 +16,18 @@ from inside import inner
 from mathutils import Color, Matrix
 from overlays import OPACITY
 from rigs.cages import ball, box, mean_value, set_rest, surround
-from rigs.rig import Rig, add_group, base_points, in_mode, make_active, move_world, new_empty, update
+from rigs.rig import (
+    Rig,
+    add_group,
+    add_regions,
+    base_points,
+    in_mode,
+    move_world,
+    new_empty,
+    press,
+    refused,
+    update,
+)
 
 SLACK = 1e-4  # a fortieth of what a screen can show; Blender's own conversion is a fast approximation
 KINDS = ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "GRID", "BANDS", "GRAPH", "DISTORTION")
@@ -142,8 +153,7 @@ def test_soft_weights_fade(paint, plate: Rig):
 def test_around_a_support_is_fixed(paint, chosen, plate: Rig):
     soft = add_group(plate.obj, "Soft", lambda point: point[1] > -0.3)
     plate.bind(fixed=False)
-    make_active(plate.obj)
-    bpy.ops.sinew.handle_add(kind="SUPPORT", vertex_group="Soft")
+    press(plate.obj, "handle_add", kind="SUPPORT", vertex_group="Soft")
     picture = paint(plate.obj, overlay="REGIONS")
     assert_covers(picture, others(soft), chosen("overlay_fixed"))
     assert not covered(picture)[np.setdiff1d(soft, plate.top)].any()
@@ -210,9 +220,7 @@ def test_weights_painted_later_show_when_the_mesh_is_tagged(paint, bound_plate: 
 def stretched_plate(plate: Rig, *factors: float) -> bpy.types.Object:
     """All of the plate is one handle, scaled."""
     add_group(plate.obj, "All", lambda point: True)
-    make_active(plate.obj)
-    bpy.ops.sinew.deformer_add(method="thin_shell")
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="All")
+    add_regions(plate.obj, "thin_shell", {"All": "HANDLE"})
     move_world(plate.control, Matrix.Diagonal((*factors, 1.0)))
     return plate.obj
 
@@ -326,12 +334,10 @@ def test_a_mesh_that_lost_vertices_has_no_overlay_until_bound_again(paint, bound
 
 
 def test_nothing_bound_draws_nothing_and_has_nothing_to_select(paint, plate: Rig):
-    make_active(plate.obj)
-    bpy.ops.sinew.deformer_add(method="arap")
+    press(plate.obj, "deformer_add", method="arap")
     for kind in KINDS:
         assert paint(plate.obj, overlay=kind) is None
-    with pytest.raises(RuntimeError, match="poll"):
-        bpy.ops.sinew.select_distorted()
+    refused("poll", "select_distorted")
 
 
 def test_a_picture_is_made_anew_exactly_when_something_changed(paint, overlay, bound_plate: Rig):
@@ -389,8 +395,7 @@ def test_select_shows_the_most_distorted_vertex(plate: Rig):
         weight = 0.5 * np.linalg.norm(np.cross(*edges.T))
         total[corners] += weight * np.log(values[0])
         area[corners] += weight
-    make_active(plate.obj)
-    assert bpy.ops.sinew.select_distorted(measure="STRETCH") == {"FINISHED"}
+    press(plate.obj, "select_distorted", measure="STRETCH")
     assert plate.obj.mode == "EDIT"
     (selected,) = [vertex.index for vertex in bmesh.from_edit_mesh(mesh).verts if vertex.select]
     bpy.ops.object.mode_set(mode="OBJECT")

@@ -18,10 +18,12 @@ from rigs.rig import (
     add_armature,
     add_group,
     grid_object,
+    in_mode,
     linked,
     make_active,
     move_world,
-    push,
+    press,
+    refused,
     reopen,
     update,
 )
@@ -107,12 +109,9 @@ def test_a_lost_bone_gets_an_empty_too(plate: Rig):
     armature = add_armature(plate.obj)
     plate.obj.modifiers.remove(plate.obj.modifiers["Armature"])
     plate.bind(control_object="Rig", bone="high")
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    armature.data.edit_bones.remove(armature.data.edit_bones["high"])
-    bpy.ops.object.mode_set(mode="OBJECT")
-    make_active(plate.obj)
-    assert bpy.ops.sinew.control_new() == {"FINISHED"}
+    with in_mode(armature):
+        armature.data.edit_bones.remove(armature.data.edit_bones["high"])
+    press(plate.obj, "control_new")
     handle = plate.deformer.handles[0]
     assert (handle.control.type, handle.bone, handle.control_missing) == ("EMPTY", "", False)
     assert armature.name in bpy.data.objects
@@ -147,13 +146,11 @@ def test_the_pie_of_object_mode_adds_and_applies(bound_plate: Rig):
 def test_a_region_without_vertices_is_left_out_and_the_others_go_on(plate: Rig, spoil, said: str):
     add_group(plate.obj, "Side", lambda point: point[0] > 0.75 and abs(point[1]) < 0.3)
     plate.bind()
-    make_active(plate.obj)
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Side")
+    press(plate.obj, "handle_add", kind="FIXED", vertex_group="Side")
     plate.lift(0.5)
     held = plate.points()
     spoil(plate.obj)
-    make_active(plate.obj)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(plate.obj, "bind")
     assert plate.deformer.status_level == "INFO"
     assert notes_of(plate.deformer) == [f"Side is not used: its vertex group 'Side' {said}"]
     assert "1 handle, 1 fixed" in plate.deformer.status
@@ -165,9 +162,7 @@ def test_a_region_without_vertices_is_left_out_and_the_others_go_on(plate: Rig, 
 def test_without_any_region_that_has_vertices_the_panel_names_one(plate: Rig):
     plate.bind(fixed=False)
     plate.obj.vertex_groups.remove(plate.obj.vertex_groups["Top"])
-    make_active(plate.obj)
-    with pytest.raises(RuntimeError, match="'Top' is not on the mesh"):
-        bpy.ops.sinew.bind()
+    refused("'Top' is not on the mesh", "bind", plate.obj)
 
 
 # What is reported
@@ -220,8 +215,7 @@ def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(
 )
 def test_the_status_counts_regions_by_their_role(plate: Rig, kinds, said: str):
     for kind, group in zip(kinds, ("Top", "Base"), strict=False):
-        make_active(plate.obj)
-        bpy.ops.sinew.handle_add(kind=kind, vertex_group=group)
+        press(plate.obj, "handle_add", kind=kind, vertex_group=group)
     assert re.match(rf"121 vertices, {said}, bound in", plate.deformer.status), plate.deformer.status
 
 
@@ -242,45 +236,45 @@ def test_a_time_is_never_nothing(milliseconds: float, said: str):
 # What a message tells to press
 
 
-def cancelled(plate: Rig, monkeypatch) -> str:
+def cancelled(plate: Rig, monkeypatch) -> None:
     use_threads(monkeypatch)
     inner.bind.bind(plate.obj, plate.deformer, wait=False)
     inner.binding.cancel(plate.deformer.uid)
-    return plate.deformer.status
 
 
-def applied_without_modifier(plate: Rig, _monkeypatch) -> str:
+def without_modifier(plate: Rig, _monkeypatch) -> None:
     plate.obj.modifiers.clear()
-    with pytest.raises(RuntimeError) as refused:
-        bpy.ops.sinew.apply()
-    return str(refused.value)
 
 
-def baked_without_modifier(plate: Rig, _monkeypatch) -> str:
-    plate.obj.modifiers.clear()
-    with pytest.raises(RuntimeError) as refused:
-        bpy.ops.sinew.bake(target="SHAPE_KEYS")
-    return str(refused.value)
-
-
-def unbound(plate: Rig, _monkeypatch) -> str:
+def unbound(plate: Rig, _monkeypatch) -> None:
     bpy.ops.sinew.unbind()
-    return plate.deformer.status
 
 
-def baked_unbound(plate: Rig, _monkeypatch) -> str:
-    bpy.ops.sinew.unbind()
+def said_by(plate: Rig, press: str, **words: str) -> str:
+    """The refusal of a button, or without one the status."""
+    if not press:
+        return plate.deformer.status
     with pytest.raises(RuntimeError) as refused:
-        bpy.ops.sinew.bake(target="SHAPE_KEYS")
+        getattr(bpy.ops.sinew, press)(**words)
     return str(refused.value)
 
 
 @pytest.mark.parametrize(
-    "spoil", [cancelled, applied_without_modifier, baked_without_modifier, unbound, baked_unbound]
+    ("spoil", "press", "words"),
+    [
+        (cancelled, "", {}),
+        (unbound, "", {}),
+        (without_modifier, "apply", {}),
+        (without_modifier, "bake", {"target": "SHAPE_KEYS"}),
+        (unbound, "bake", {"target": "SHAPE_KEYS"}),
+    ],
 )
-def test_a_message_names_the_button_as_it_reads(bound_plate: Rig, monkeypatch, spoil):
+def test_a_message_names_the_button_as_it_reads(
+    bound_plate: Rig, monkeypatch, spoil, press: str, words: dict
+):
     make_active(bound_plate.obj)
-    said = re.search(r"press (Rebind|Bind)\b", spoil(bound_plate, monkeypatch))
+    spoil(bound_plate, monkeypatch)
+    said = re.search(r"press (Rebind|Bind)\b", said_by(bound_plate, press, **words))
     buttons = [
         keywords["text"]
         for name, args, keywords, _settings in draw_panel(WIDE).calls
@@ -337,13 +331,11 @@ def test_the_arrow_of_a_row_makes_the_row_active(bound_plate: Rig):
 
 def from_selection(plate: Rig, name: str = "") -> None:
     """A handle, as Edit Mode makes it: its group and its empty are made for it."""
-    make_active(plate.obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="DESELECT")
-    plate.obj.vertex_groups.active = plate.obj.vertex_groups["Top"]
-    bpy.ops.object.vertex_group_select()
-    bpy.ops.sinew.handle_add(kind="HANDLE", handle_name=name)
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(plate.obj):
+        bpy.ops.mesh.select_all(action="DESELECT")
+        plate.obj.vertex_groups.active = plate.obj.vertex_groups["Top"]
+        bpy.ops.object.vertex_group_select()
+        bpy.ops.sinew.handle_add(kind="HANDLE", handle_name=name)
     update()
 
 
@@ -365,8 +357,7 @@ def test_renaming_a_row_renames_what_was_made_for_it(plate: Rig, tmp_path: Path)
     assert np.abs(plate.points() - before).max() < 1e-6
     plate.deformer.handles[0].name = "Nose"
     assert plate.deformer.handles[0].vertex_group == "Nose"
-    make_active(plate.obj)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(plate.obj, "bind")
 
 
 def test_what_has_a_name_of_its_own_keeps_it(plate: Rig):
@@ -407,8 +398,7 @@ def test_a_copy_keeps_the_names_of_its_groups(plate: Rig):
 
 @pytest.mark.parametrize("method", [method.id for method in METHODS])
 def test_a_preset_brings_the_parameters_back(plate: Rig, method: str):
-    make_active(plate.obj)
-    bpy.ops.sinew.deformer_add(method=method)
+    press(plate.obj, "deformer_add", method=method)
     values, definition = plate.deformer.parameters, plate.deformer.definition
     defaults = {row.id: getattr(values, row.id) for row in definition.parameters}
     assert bpy.ops.sinew.preset_add(name="First") == {"FINISHED"}
@@ -439,29 +429,6 @@ def test_a_preset_is_applied_where_a_control_is_active(plate: Rig):
     path.unlink()
 
 
-def test_undo_takes_a_preset_and_a_new_control_back(plate: Rig):
-    plate.bind("thin_shell").lift(0.5)
-    held = plate.points()
-    make_active(plate.obj)
-    bpy.ops.sinew.preset_add(name="Undo")
-    plate.deformer.parameters.stretching = 0.5
-    bpy.data.objects.remove(plate.control)
-    push("before")
-    path = f"{bpy.utils.preset_paths('sinew/thin_shell')[0]}/Undo.py"
-    bpy.ops.sinew.preset_apply("EXEC_DEFAULT", True, filepath=path)
-    bpy.ops.sinew.control_new("EXEC_DEFAULT", True)
-    for _ in range(2):
-        assert plate.deformer.parameters.stretching == 0.0
-        assert plate.control.name == "Plate Top"
-        assert np.abs(plate.points() - held).max() < 1e-5
-        bpy.ops.ed.undo()
-        bpy.ops.ed.undo()
-        assert plate.deformer.parameters.stretching == 0.5
-        assert plate.control is None
-        bpy.ops.ed.redo()
-        bpy.ops.ed.redo()
-
-
 def test_the_panel_offers_presets(bound_plate: Rig):
     found = [keywords for name, _args, keywords, _settings in draw_panel().calls if name == "popover"]
     assert [keywords["panel"] for keywords in found] == [inner.ids.Panels.PRESETS]
@@ -472,8 +439,7 @@ def test_the_panel_offers_presets(bound_plate: Rig):
 
 def test_a_copied_modifier_says_what_to_do(bound_plate: Rig):
     other = grid_object("Other")
-    make_active(bound_plate.obj)
-    other.select_set(True)
+    make_active(bound_plate.obj, other)
     bpy.ops.object.make_links_data(type="MODIFIERS")
     make_active(other)
     assert [modifier.type for modifier in other.modifiers] == ["NODES"]
@@ -527,8 +493,7 @@ def test_after_tab_the_control_is_active_and_the_panel_stays(plate: Rig):
 
 
 def test_the_arrow_in_object_mode_makes_the_control_active(bound_plate: Rig):
-    make_active(bound_plate.obj)
-    bpy.ops.sinew.select_handle(index=0)
+    press(bound_plate.obj, "select_handle", index=0)
     assert bpy.context.view_layer.objects.active == bound_plate.control
     assert inner.operators.target_of(bpy.context) == bound_plate.obj
     assert "Handles" in draw_panel().texts()
@@ -546,11 +511,9 @@ def test_the_arrow_in_the_modifiers_tab_leaves_the_tab_where_it_is(bound_plate: 
 
 
 def test_the_mesh_stays_active_where_the_artist_selects_it_again(plate: Rig):
-    make_active(plate.obj)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.sinew.handle_add(kind="FIXED")
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(plate.obj):
+        bpy.ops.mesh.select_all(action="SELECT")
+        bpy.ops.sinew.handle_add(kind="FIXED")
     update()
     assert bpy.context.view_layer.objects.active == plate.obj
 
@@ -558,12 +521,10 @@ def test_the_mesh_stays_active_where_the_artist_selects_it_again(plate: Rig):
 def test_the_panel_stays_with_its_mesh_where_a_control_moves_two():
     first, second = Rig.plate(), Rig(grid_object("Second"))
     first.bind()
-    make_active(second.obj)
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top", control_object=first.control.name)
+    press(second.obj, "handle_add", kind="HANDLE", vertex_group="Top", control_object=first.control.name)
     assert bpy.context.view_layer.objects.active == first.control
     assert inner.operators.target_of(bpy.context) == second.obj
-    make_active(first.obj)
-    bpy.ops.sinew.select_handle(index=0)
+    press(first.obj, "select_handle", index=0)
     assert inner.operators.target_of(bpy.context) == first.obj
 
 

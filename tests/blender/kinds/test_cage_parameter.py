@@ -3,13 +3,13 @@
 
 from __future__ import annotations
 
-import bpy
 import numpy as np
 import pytest
 from expected import faces_of
 from inside import native
+from rigs.cages import box
 from rigs.kinds import HandleRig
-from rigs.rig import CORNERS, SIDES, close, update
+from rigs.rig import CORNERS, close, update
 
 METHOD = "subspace_laplacian"
 ITERATED = 1e-3  # where the cage differs in its last digits, the method may stop a step earlier
@@ -23,18 +23,9 @@ def rig() -> HandleRig:
     return rig
 
 
-def box(size: float) -> bpy.types.Object:
-    mesh = bpy.data.meshes.new("Box")
-    mesh.from_pydata([tuple(size * c for c in corner) for corner in CORNERS], [], SIDES)
-    obj = bpy.data.objects.new("Box", mesh)
-    bpy.context.scene.collection.objects.link(obj)
-    update()
-    return obj
-
-
 def test_the_native_object_gets_the_mesh_in_the_space_of_the_target(rig: HandleRig):
     own = rig.points()
-    cage = box(2.0)
+    cage = box(size=4.0)
     cage.location = (0.2, 0.1, 0.0)
     update()
     rig.deformer.parameters.cage = cage
@@ -51,13 +42,12 @@ def test_the_native_object_gets_the_mesh_in_the_space_of_the_target(rig: HandleR
 
 
 def test_an_edit_of_the_cage_binds_again(rig: HandleRig):
-    cage = box(2.0)
+    cage = box(size=4.0)
     rig.deformer.parameters.cage = cage
     before = rig.points()
     for vertex in cage.data.vertices:
         vertex.co.x *= 1.5
     cage.data.update()
-    update()
     assert np.abs(rig.points() - before).max() > 1e-4
     cage.scale = (1.0, 1.4, 1.0)
     moved = rig.points()
@@ -65,7 +55,7 @@ def test_an_edit_of_the_cage_binds_again(rig: HandleRig):
 
 
 def test_a_cage_that_does_not_contain_the_mesh_is_refused(rig: HandleRig):
-    rig.deformer.parameters.cage = box(0.3)
+    rig.deformer.parameters.cage = box(size=0.6)
     rig.points()
     assert rig.deformer.status_level == "ERROR"
     assert "outside" in rig.deformer.status

@@ -8,6 +8,7 @@ import pytest
 from inside import inner
 from registry import WITH_CAGE, WITH_HANDLES
 from rigs.cages import ball, box
+from rigs.rig import linked
 
 
 def members(protocol: type) -> Iterator[str]:
@@ -67,8 +68,7 @@ def test_an_object_made_for_a_deformer_goes_unless_another_uses_it(scene, owned:
     objects, deformers = inner.objects, []
     control = bpy.data.objects.new("Control", bpy.data.meshes.new("Control"))
     for name in ("One", "Two"):
-        target = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-        scene.collection.objects.link(target)
+        target = linked(bpy.data.objects.new(name, bpy.data.meshes.new(name)))
         deformers.append(target.sinew.deformers.add())
         row = deformers[-1].controls.add()
         row.kind, row.object, row.owned, row.rest = "lattice", control, owned, bpy.data.meshes.new("Rest")

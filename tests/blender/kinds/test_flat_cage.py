@@ -9,7 +9,15 @@ import pytest
 from mathutils import Matrix
 from rigs.cages import ball, place, surround, transform
 from rigs.point_objects import curve_object
-from rigs.rig import apply_matrix, base_points, evaluated_points, grid_object, make_active, new_object, update
+from rigs.rig import (
+    apply_matrix,
+    base_points,
+    evaluated_points,
+    grid_object,
+    new_object,
+    press,
+    update,
+)
 
 FLAT_METHODS = ("mean_value", "green")
 OTHERS = ("positive_mean_value", "harmonic")
@@ -17,8 +25,7 @@ SHARE = 2e-6  # of a unit: weights and coordinates have single precision
 
 
 def add_cage(obj: bpy.types.Object, method: str, **options: object) -> bpy.types.Object:
-    make_active(obj)
-    assert bpy.ops.sinew.cage_add(method=method, **options) == {"FINISHED"}
+    press(obj, "cage_add", method=method, **options)
     assert obj.sinew.active.is_bound
     return obj.sinew.active.cage
 

@@ -8,74 +8,40 @@ import numpy as np
 import pytest
 from inside import notes_of
 from mathutils import Matrix, Vector
-from registry import RIGID_ON_HANDLE_POINTS
-from rigs.point_objects import bezier
+from rigs.point_objects import add, add_bones, bezier
 from rigs.rig import (
     add_armature,
+    add_regions,
+    apply_matrix,
     base_points,
     evaluated_points,
+    fails,
     grid_object,
-    make_active,
     move_world,
+    new_armature,
     new_empty,
+    new_object,
+    press,
     update,
 )
 
 PLACES = ((-1, -1, 0), (1, -1, 0), (-1, 1, 0), (1, 1, 0.6), (0, 0, -0.5))
 
 
-def add(obj: bpy.types.Object, source: str, method: str = "rbf", *others: bpy.types.Object) -> list:
-    """Press the button with these objects selected; the handles of the object."""
-    make_active(obj)
-    for other in others:
-        other.select_set(True)
-    bpy.context.view_layer.objects.active = obj
-    assert bpy.ops.sinew.point_add(source=source, method=method) == {"FINISHED"}
-    return list(obj.sinew.active.handles)
-
-
 def empties() -> list[bpy.types.Object]:
-    found = []
-    for place in PLACES:
-        empty = new_empty(f"Point {len(found)}")
-        empty.location = place
-        found.append(empty)
-    update()
-    return found
-
-
-def moved_by(matrix: Matrix, points: np.ndarray) -> np.ndarray:
-    array = np.array(matrix)
-    return points @ array[:3, :3].T + array[:3, 3]
-
-
-@pytest.mark.parametrize(
-    "method", [name for name in RIGID_ON_HANDLE_POINTS if name != "multiresolution_space"]
-)
-def test_empties_together_carry_a_mesh_without_vertex_groups_rigidly(method: str):
-    plate, controls = grid_object(), empties()
-    before = base_points(plate)
-    handles = add(plate, "SELECTED", method, *controls)
-    assert [handle.control for handle in handles] == controls
-    assert not plate.vertex_groups
-    assert plate.sinew.active.status_level == "INFO", plate.sinew.active.status
-    assert np.abs(evaluated_points(plate) - before).max() < 1e-6
-    turn = Matrix.Translation((0.3, 1.0, -0.4)) @ Matrix.Rotation(1.1, 4, (0.3, 0.5, 0.8))
-    for control in controls:
-        move_world(control, turn)
-    assert np.abs(evaluated_points(plate) - moved_by(turn, before)).max() < 1e-5
+    return [new_empty(f"Point {number}", place) for number, place in enumerate(PLACES)]
 
 
 def test_one_empty_turns_the_space_around_it():
     plate, controls = grid_object(), empties()
-    add(plate, "SELECTED", "rbf", *controls)
+    add(plate, *controls, source="SELECTED", method="rbf")
     before = base_points(plate)
     near = np.abs(before - PLACES[0]).sum(axis=1).argmin()
     around = np.argsort(np.linalg.norm(before - before[near], axis=1))[1:3]
     controls[0].rotation_euler.z = 0.8
     shown = evaluated_points(plate)
     assert np.abs(shown[near] - before[near]).max() < 1e-4
-    turned = moved_by(
+    turned = apply_matrix(
         Matrix.Translation(PLACES[0]) @ Matrix.Rotation(0.8, 4, "Z") @ Matrix.Translation(-Vector(PLACES[0])),
         before[around],
     )
@@ -86,40 +52,20 @@ def test_one_empty_turns_the_space_around_it():
 def test_the_cursor_places_an_empty_of_its_own_and_undo_takes_it_back():
     plate = grid_object()
     bpy.context.scene.cursor.location = (0.5, 0.2, 0.1)
-    (handle,) = add(plate, "CURSOR")
+    (handle,) = add(plate, source="CURSOR", method="rbf").handles
     control = handle.control
     assert np.allclose(control.matrix_world.translation, (0.5, 0.2, 0.1))
     assert handle.owns_control
     control.location.z += 0.5
     assert np.abs(evaluated_points(plate) - base_points(plate) - (0, 0, 0.5)).max() < 1e-5
     name = control.name
-    make_active(plate)
-    assert bpy.ops.sinew.handle_remove() == {"FINISHED"}
+    press(plate, "handle_remove")
     assert name not in bpy.data.objects
-
-
-def text() -> bpy.types.Object:
-    obj = bpy.data.objects.new("Text", bpy.data.curves.new("Text", "FONT"))
-    obj.data.body = "Sinew"
-    bpy.context.scene.collection.objects.link(obj)
-    update()
-    return obj
-
-
-@pytest.mark.parametrize("make", [bezier, text])
-def test_points_move_curves_and_text(make):
-    obj, controls = make(), empties()
-    before = evaluated_points(obj)
-    add(obj, "SELECTED", "rbf", *controls)
-    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
-    for control in controls:
-        control.location.x += 0.7
-    assert np.abs(evaluated_points(obj) - before - (0.7, 0, 0)).max() < 1e-4
 
 
 def test_the_same_empties_move_several_objects():
     plate, other, controls = grid_object("One"), grid_object("Other"), empties()
-    add(plate, "SELECTED", "mls", other, *controls)
+    add(plate, other, *controls, source="SELECTED", method="mls")
     assert [handle.control for handle in other.sinew.active.handles] == controls
     controls[3].location.z += 1.0
     assert np.abs(evaluated_points(plate) - evaluated_points(other)).max() < 1e-6
@@ -127,16 +73,10 @@ def test_the_same_empties_move_several_objects():
 
 
 def test_empties_follow_the_points_of_an_object():
-    plate = grid_object()
-    mesh = bpy.data.meshes.new("Points")
-    mesh.from_pydata(PLACES, [(0, 1), (2, 3)], [])
-    points = bpy.data.objects.new("Points", mesh)
-    bpy.context.scene.collection.objects.link(points)
-    update()
-    handles = add(plate, "OBJECT", "rbf", points)
-    assert len(handles) == len(PLACES)
-    mesh.vertices[3].co.z += 1.0
-    mesh.update()
+    plate, points = grid_object(), new_object("Points", PLACES, edges=[(0, 1), (2, 3)])
+    assert len(add(plate, points, source="OBJECT", method="rbf").handles) == len(PLACES)
+    points.data.vertices[3].co.z += 1.0
+    points.data.update()
     shown = evaluated_points(plate)
     corner = np.abs(base_points(plate) - (1, 1, 0)).sum(axis=1).argmin()
     assert shown[corner, 2] > 0.3
@@ -145,19 +85,12 @@ def test_empties_follow_the_points_of_an_object():
 
 def test_bones_are_handle_points():
     plate = grid_object()
-    data = bpy.data.armatures.new("Rig")
-    rig = bpy.data.objects.new("Rig", data)
-    bpy.context.scene.collection.objects.link(rig)
-    make_active(rig)
-    bpy.ops.object.mode_set(mode="EDIT")
-    for number, place in enumerate(PLACES):
-        bone = data.edit_bones.new(f"Bone {number}")
-        bone.head, bone.tail = place, Vector(place) + Vector((0, 0, 0.3))
-    bpy.ops.object.mode_set(mode="POSE")
-    bpy.ops.pose.select_all(action="SELECT")
-    plate.select_set(True)
-    assert bpy.ops.sinew.point_add(source="SELECTED") == {"FINISHED"}
-    assert [handle.bone for handle in plate.sinew.active.handles] == [bone.name for bone in rig.pose.bones]
+    up = Vector((0, 0, 0.3))
+    rig = new_armature(
+        **{f"Bone {number}": (place, Vector(place) + up) for number, place in enumerate(PLACES)}
+    )
+    deformer = add_bones(plate, rig)
+    assert [handle.bone for handle in deformer.handles] == [bone.name for bone in rig.pose.bones]
     rig.location.x += 0.5
     assert np.abs(evaluated_points(plate) - base_points(plate) - (0.5, 0, 0)).max() < 1e-5
 
@@ -166,7 +99,7 @@ def test_points_at_one_place_that_go_apart_are_named():
     plate, controls = grid_object(), empties()
     controls[1].location = PLACES[0]
     update()
-    add(plate, "SELECTED", "rbf", *controls)
+    add(plate, *controls, source="SELECTED", method="rbf")
     assert plate.sinew.active.status_level == "INFO", plate.sinew.active.status
     controls[1].location.z += 0.5
     update()
@@ -181,10 +114,8 @@ def test_points_at_one_place_that_go_apart_are_named():
 
 def test_a_method_of_surfaces_refuses_points_and_says_what_to_do():
     plate, controls = grid_object(), empties()
-    make_active(plate)
-    bpy.ops.sinew.deformer_add(method="arap")
-    with pytest.raises(RuntimeError, match="Radial Basis Functions"):
-        add(plate, "SELECTED", "rbf", *controls)
+    press(plate, "deformer_add", method="arap")
+    fails("Radial Basis Functions", add, plate, *controls, source="SELECTED", method="rbf")
     assert not plate.sinew.active.handles
 
 
@@ -193,23 +124,19 @@ def test_two_points_carry_no_turn_and_the_panel_says_so():
     plate = grid_object()
     group = plate.vertex_groups.new(name="Line")
     group.add([0, 1], 1.0, "REPLACE")
-    make_active(plate)
-    bpy.ops.sinew.deformer_add(method="rbf")
-    assert bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Line") == {"FINISHED"}
-    assert any("on a line" in note for note in notes_of(plate.sinew.active))
+    deformer = add_regions(plate, "rbf", {"Line": "HANDLE"})
+    assert any("on a line" in note for note in notes_of(deformer))
 
 
 @pytest.mark.parametrize("make", [grid_object, bezier])
 def test_a_point_that_has_lost_its_empty_gets_another_one_where_it_was(make):
     obj, controls = make(), empties()
-    handles = add(obj, "SELECTED", "rbf", *controls)
+    handles = add(obj, *controls, source="SELECTED", method="rbf").handles
     controls[0].location.z += 0.5
     before = evaluated_points(obj)
     bpy.data.objects.remove(controls[0])
-    update()
     assert np.abs(evaluated_points(obj) - before).max() < 1e-5
-    make_active(obj)
-    assert bpy.ops.sinew.control_new() == {"FINISHED"}
+    press(obj, "control_new")
     assert np.abs(evaluated_points(obj) - before).max() < 1e-5
     assert not handles[0].control_missing
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
@@ -221,14 +148,13 @@ def test_points_on_a_mesh_that_bones_have_posed_go_on_from_its_pose():
     plate = grid_object()
     bone = add_armature(plate, split=5.0).pose.bones["low"]  # which carries all
     bone.rotation_mode, bone.rotation_euler, bone.location = "XYZ", (0.9, 0.1, 0.4), (0.2, 0.3, 0.1)
-    update()
     before = evaluated_points(plate)
     assert np.abs(before - base_points(plate)).max() > 1.0
     places = before[[0, 10, 110, 120, 60]] + np.outer((0, 0, 0, 0, 0.3), (0, 0, 1))
     controls = [new_empty(f"Point {k}", place) for k, place in enumerate(places)]
-    add(plate, "SELECTED", "rbf", *controls)
+    add(plate, *controls, source="SELECTED", method="rbf")
     assert np.abs(evaluated_points(plate) - before).max() < 1e-6
     turn = Matrix.Translation((0.3, 1.0, -0.4)) @ Matrix.Rotation(1.1, 4, (0.3, 0.5, 0.8))
     for control in controls:
         move_world(control, turn)
-    assert np.abs(evaluated_points(plate) - moved_by(turn, before)).max() < 1e-5
+    assert np.abs(evaluated_points(plate) - apply_matrix(turn, before)).max() < 1e-5

@@ -8,21 +8,25 @@ import itertools
 import bpy
 import numpy as np
 import pytest
-from inside import inner
+from inside import inner, notes_of
 from mathutils import Euler, Matrix
-from rigs.cages import ball
+from rigs.cages import SHEAR, ball, transform
 from rigs.rig import (
     MATRIX,
+    apply_matrix,
     base_points,
     close,
     evaluated_points,
     grid_object,
-    in_mode,
+    linked,
     make_active,
     new_object,
-    push,
+    on_all,
+    press,
+    refused,
     update,
 )
+from rigs.rig_of_curves import polyline
 from rigs.rig_of_lattice import bent, lattice_object, lattice_points, place, resolution, small_ball
 
 BLENDER = {"KEY_LINEAR", "KEY_CARDINAL", "KEY_CATMULL_ROM", "KEY_BSPLINE"}
@@ -40,9 +44,7 @@ def cloud() -> bpy.types.Object:
 
 def add(obj: bpy.types.Object, *others: bpy.types.Object, **options: object) -> bpy.types.Object:
     """Fit a lattice to objects; the lattice."""
-    make_active(obj)
-    for other in others:
-        other.select_set(True)
+    make_active(obj, *others)
     assert bpy.ops.sinew.lattice_add(**options) == {"FINISHED"}
     deformer = obj.sinew.active
     assert deformer.status_level == "INFO", deformer.status
@@ -50,8 +52,7 @@ def add(obj: bpy.types.Object, *others: bpy.types.Object, **options: object) -> 
 
 
 def use(obj: bpy.types.Object, lattice: bpy.types.Object, **parameters: object) -> None:
-    make_active(obj)
-    assert bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name) == {"FINISHED"}
+    press(obj, "lattice_add", source="OBJECT", lattice=lattice.name)
     for name, value in parameters.items():
         setattr(obj.sinew.active.parameters, name, value)
     update()
@@ -132,14 +133,7 @@ def test_a_flat_object_gets_a_lattice_with_room():
 def test_one_lattice_moves_several_objects_of_several_types():
     first, second = ball("First", 2), ball("Second", 2)
     second.location = (2.0, 0.0, 0.0)
-    curve = bpy.data.objects.new("Curve", bpy.data.curves.new("Curve", "CURVE"))
-    curve.data.dimensions = "3D"
-    spline = curve.data.splines.new("POLY")
-    spline.points.add(3)
-    for index, point in enumerate(spline.points):
-        point.co = (0.5 * index, 0.2, 0.3, 1.0)
-    bpy.context.scene.collection.objects.link(curve)
-    update()
+    curve = polyline(np.array([(0.5 * index, 0.2, 0.3) for index in range(4)]), "Curve")
     lattice = add(first, second, curve, resolution=(3, 3, 3))
     before = {obj.name: evaluated_points(obj) for obj in (first, second, curve)}
     assert all(obj.sinew.deformers[0].controls[0].object == lattice for obj in (first, second, curve))
@@ -162,30 +156,14 @@ def test_principal_axes_fit_a_leaning_shape_more_closely():
         lattice = add(obj, orientation=kind)
         volumes[kind] = abs(lattice.matrix_world.determinant())
         assert bpy.ops.sinew.deformer_remove.poll()
-        make_active(obj)
-        bpy.ops.sinew.deformer_remove()
+        press(obj, "deformer_remove")
     assert volumes["PRINCIPAL"] < 0.5 * volumes["OBJECT"]
     assert volumes["OBJECT"] == pytest.approx(volumes["WORLD"], rel=1e-4)
 
 
-def test_add_lattice_undoes_and_redoes_in_one_step():
-    obj = ball(levels=2)
-    push("ball")
-    lattice = add(obj).name
-    push("lattice")
-    bpy.ops.ed.undo()
-    assert lattice not in bpy.data.objects
-    assert not bpy.data.objects["Ball"].sinew.deformers
-    bpy.ops.ed.redo()
-    lift(bpy.data.objects[lattice])
-    assert not close(evaluated_points(bpy.data.objects["Ball"]), base_points(bpy.data.objects["Ball"]), 0.05)
-
-
 def test_objects_without_points_are_refused_with_a_report():
     obj = new_object("Nothing", [])
-    make_active(obj)
-    with pytest.raises(RuntimeError, match="has no points"):
-        bpy.ops.sinew.lattice_add()
+    refused("has no points", "lattice_add", obj)
     assert not obj.sinew.deformers
     assert not bpy.data.lattices
 
@@ -216,28 +194,8 @@ def test_shape_keys_modifiers_and_edits_of_the_lattice_pose_the_object(scene: bp
     hook.object.location.x = 0.5
     assert close(evaluated_points(obj), rest + (0.5, 0.0, 0.0), MATRIX)
     lattice.modifiers.clear()
-    with in_mode(lattice):
-        bpy.ops.lattice.select_all(action="SELECT")
-        bpy.ops.transform.translate(value=(0.0, 0.3, 0.0))
+    on_all(lattice, bpy.ops.transform.translate, value=(0.0, 0.3, 0.0))
     assert close(evaluated_points(obj), rest + (0.0, 0.3, 0.0), MATRIX)
-
-
-def test_another_resolution_says_so_and_set_rest_takes_it():
-    obj = small_ball(levels=2)
-    lattice = lattice_object((3, 3, 3))
-    use(obj, lattice)
-    lift(lattice)
-    evaluated_points(obj)
-    lattice.data.points_u = 5
-    update()
-    assert obj.sinew.active.status_level == "ERROR"
-    assert "5 x 3 x 3" in obj.sinew.active.status
-    make_active(obj)
-    assert bpy.ops.sinew.lattice_set_rest() == {"FINISHED"}
-    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
-    assert close(evaluated_points(obj), base_points(obj), MATRIX)
-    lift(lattice)
-    assert not close(evaluated_points(obj), base_points(obj), 0.02)
 
 
 def test_a_folded_lattice_names_its_points_and_select_shows_them():
@@ -246,22 +204,19 @@ def test_a_folded_lattice_names_its_points_and_select_shows_them():
     points = lattice_points(lattice)
     points[13] = (1.5, 0.0, 0.0)
     place(lattice, points)
-    make_active(obj)
-    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name)
+    press(obj, "lattice_add", source="OBJECT", lattice=lattice.name)
     deformer = obj.sinew.active
     assert deformer.status_level == "ERROR"
     assert "folded" in deformer.status
     line = inner.status.current(deformer.uid)
-    assert 13 in line.elements.indices
-    make_active(obj)
-    assert bpy.ops.sinew.select_problems() == {"FINISHED"}
+    assert (line.remedy.name, 13 in line.elements.indices) == ("LATTICE_REST", True)
+    press(obj, "select_problems")
     assert (bpy.context.object, lattice.mode) == (lattice, "EDIT")
     assert lattice.data.points[13].select
     assert not lattice.data.points[0].select
     bpy.ops.object.mode_set(mode="OBJECT")
     place(lattice, lattice_points(lattice_object((3, 3, 3), "Straight")))
-    make_active(obj)
-    assert bpy.ops.sinew.lattice_set_rest() == {"FINISHED"}
+    press(obj, "lattice_set_rest")
     assert deformer.status_level == "INFO", deformer.status
 
 
@@ -282,13 +237,11 @@ def test_meshes_of_hexahedra_hold_the_object_and_carry_affine_maps(shape: str):
     lattice = add(obj, shape=shape, resolution=(4, 2, 3))
     assert lattice.type == "MESH"
     assert lattice.display_type == "WIRE"
-    assert "outside" not in " ".join(_notes(obj)), "all points lie inside"
+    assert "outside" not in " ".join(notes_of(obj.sinew.active)), "all points lie inside"
     assert close(evaluated_points(obj), base_points(obj), 1e-5)
     world = obj.matrix_world.inverted() @ lattice.matrix_world
-    shear = Matrix(((1.0, 0.4, 0.0, 0.2), (0.0, 1.2, 0.1, 0.0), (0.0, 0.0, 0.8, -0.3), (0.0, 0.0, 0.0, 1.0)))
-    lattice.data.transform(world.inverted() @ shear @ world)
-    lattice.data.update()
-    expected = base_points(obj) @ np.array(shear.to_3x3()).T + np.array(shear.translation)
+    transform(lattice, world.inverted() @ SHEAR @ world)
+    expected = apply_matrix(SHEAR, base_points(obj))
     assert close(evaluated_points(obj), expected, 1e-4)
 
 
@@ -313,32 +266,23 @@ def test_hexahedra_that_come_apart_are_named():
             face = [box[k] for k in side]
             faces[frozenset(face)] = face
     obj, lattice = ball(levels=2), new_object("Cells", list(numbers), list(faces.values()))
-    make_active(obj)
-    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name)
+    press(obj, "lattice_add", source="OBJECT", lattice=lattice.name)
     hanging = f"{numbers[0, 0, -2]}, {numbers[0, 0, 2]}"
-    assert f"control points {hanging} lie on cells that they are no corners of" in " ".join(_notes(obj))
+    assert f"control points {hanging} lie on cells that they are no corners of" in " ".join(
+        notes_of(obj.sinew.active)
+    )
 
 
 def test_a_mesh_without_hexahedra_is_refused():
     obj = small_ball(levels=2)
     plane = grid_object("Plane", 2)
-    make_active(obj)
-    bpy.ops.sinew.lattice_add(source="OBJECT", lattice=plane.name)
+    press(obj, "lattice_add", source="OBJECT", lattice=plane.name)
     assert obj.sinew.active.status_level == "ERROR"
     assert "hexahedra" in obj.sinew.active.status
 
 
 def test_a_lattice_of_another_type_is_refused_and_leaves_nothing():
     obj = small_ball(levels=2)
-    empty = bpy.data.objects.new("Empty", None)
-    bpy.context.scene.collection.objects.link(empty)
-    make_active(obj)
-    with pytest.raises(RuntimeError, match="is no lattice"):
-        bpy.ops.sinew.lattice_add(source="OBJECT", lattice="Empty")
+    linked(bpy.data.objects.new("Empty", None))
+    refused("is no lattice", "lattice_add", obj, source="OBJECT", lattice="Empty")
     assert not obj.sinew.deformers
-
-
-def _notes(obj: bpy.types.Object) -> list[str]:
-    from inside import notes_of
-
-    return notes_of(obj.sinew.active)

@@ -8,15 +8,18 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import catch_up, inner
+from inside import inner, settle
 from libraries import add_collection, override, put_into_a_library
-from rigs.lattice_objects import FLOAT32, UP, follower, moved_up, points_of, refused
+from rigs.lattice_objects import FLOAT32, UP, follower, moved_up, points_of
 from rigs.point_objects import attach, bend, bind, lattice
 from rigs.rig import (
+    duplicated,
     evaluated_points,
+    linked,
     make_active,
     new_file,
-    push,
+    press,
+    refused,
     reopen,
     update,
 )
@@ -29,12 +32,8 @@ def test_duplicates(linked: bool):
     _, cage = bind(obj)
     cage.location.z = 1.0
     update()
-    make_active(obj)
-    bpy.ops.object.duplicate(linked=linked)
-    copy = bpy.context.object
-    update()
-    catch_up()
-    update()
+    copy = duplicated(obj, linked=linked)
+    settle()
     if linked:
         assert "shares its points with Lattice, which moves both" in copy.sinew.active.status
         assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
@@ -48,31 +47,28 @@ def test_duplicates(linked: bool):
     copy.sinew.active.factor = 0.5
     assert np.abs(evaluated_points(copy) - points_of(copy) - 0.5 * UP).max() < FLOAT32
     assert moved_up(obj)
-    make_active(copy)
-    bpy.ops.sinew.deformer_remove()
+    press(copy, "deformer_remove")
     assert copy.data.shape_keys is None
     assert moved_up(obj)
 
 
 def test_what_cannot_be_moved_says_why():
     obj = lattice()
-    other = bpy.data.objects.new("Other", obj.data)
-    bpy.context.scene.collection.objects.link(other)
+    other = linked(bpy.data.objects.new("Other", obj.data))
     attach(obj, "mean_value")
     assert obj.sinew.active.status == (
         "Lattice shares its points with Other - make it single-user first (Object > Relations)"
     )
     assert obj.data.shape_keys is None
     bpy.data.objects.remove(other)
-    make_active(obj)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(obj, "bind")
     obj.data.shape_keys.use_relative = False
     obj.update_tag()
     update()
     assert (
         obj.sinew.active.status == "The shape keys of Lattice are absolute - switch on Relative beside them"
     )
-    refused("are absolute")
+    refused("are absolute", "bind")
     assert obj.data.shape_keys is None, "as it was"
     assert bpy.ops.sinew.bind() == {"FINISHED"}
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
@@ -89,7 +85,6 @@ def test_apply_transform_takes_it_along():
     before = evaluated_points(obj) @ world[:3, :3].T + world[:3, 3]
     make_active(obj)
     bpy.ops.object.transform_apply()
-    update()
     assert np.abs(evaluated_points(obj) - before).max() < 1e-5
 
 
@@ -113,8 +108,7 @@ def test_what_sinew_writes_is_no_edit_of_the_artist():
     """Else each pose would be followed by a comparison of the rest shapes, and that by another."""
     obj = lattice()
     _, cage = bind(obj)
-    catch_up()
-    update()
+    settle()
     cage.location.z = 1.0
     update()
     update()
@@ -126,8 +120,7 @@ def test_what_sinew_writes_is_no_edit_of_the_artist():
     update()
     assert inner.sessions.has_edited()
     for _ in range(3):
-        catch_up()
-        update()
+        settle()
     assert not inner.sessions.has_edited()
 
 
@@ -160,27 +153,3 @@ def test_links_show_the_last_shape_and_overrides_are_posed(tmp_path: Path):
     obj.sinew.active.cage.location.z = 0.0
     assert np.abs(evaluated_points(obj) - shown + UP).max() < 2 * FLOAT32
     assert np.abs(evaluated_points(mesh) - followed + UP).max() < 4 * FLOAT32
-
-
-def test_undo_of_a_bind_and_of_a_removal():
-    obj = lattice()
-    rest = points_of(obj)
-    update()
-    push("Lattice")
-    _, cage = bind(obj)
-    cage.location.z = 1.0
-    update()
-    push("Moved")
-    make_active(obj)
-    bpy.ops.sinew.deformer_remove()
-    push("Removed")
-    for step, height in (
-        (bpy.ops.ed.undo, 1.0),
-        (bpy.ops.ed.undo, 0.0),
-        (bpy.ops.ed.redo, 1.0),
-        (bpy.ops.ed.redo, 0.0),
-    ):
-        step()
-        obj = bpy.data.objects["Lattice"]
-        assert np.abs(evaluated_points(obj) - rest - height * UP).max() < 2 * FLOAT32, (step, height)
-        assert (obj.data.shape_keys is not None) == (height > 0.0)

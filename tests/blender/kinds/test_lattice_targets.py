@@ -9,11 +9,11 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
-from inside import catch_up
+from inside import settle
 from mathutils import Vector
 from probe import render, render_points
 from rigs.cages import ball
-from rigs.lattice_objects import FLOAT32, UP, follower, held, key_of, moved_up, points_of, refused
+from rigs.lattice_objects import FLOAT32, UP, follower, held, key_of, moved_up, points_of
 from rigs.point_objects import bend, bind, lattice
 from rigs.rig import (
     curves_of,
@@ -22,6 +22,9 @@ from rigs.rig import (
     key,
     make_active,
     new_empty,
+    on_all,
+    press,
+    refused,
     update,
 )
 from rigs.sheet import draw_panel
@@ -56,16 +59,25 @@ def snapshot(obj: bpy.types.Object) -> list:
     ]
 
 
-def test_what_the_lattice_moves_follows_in_the_same_frame_in_viewports_and_renders():
+def assert_rises(
+    obj: bpy.types.Object, before: np.ndarray, cage: bpy.types.Object, tolerance: float = 4 * FLOAT32
+) -> None:
+    """From there it goes where an animated cage takes it, in each frame, in viewports and renders."""
+    key(cage, {1: {"location": (0, 0, 0)}, 11: {"location": (0, 0, 2)}})
+    for frame, height in ((11, 2.0), (1, 0.0), (6, 1.0)):
+        bpy.context.scene.frame_set(frame)
+        for shown in (evaluated_points(obj), render_points(obj)):
+            assert np.abs(shown - before - height * UP).max() < tolerance, frame
+
+
+@pytest.mark.parametrize("hidden", [False, True])
+def test_what_the_lattice_moves_follows_in_the_same_frame_in_viewports_and_renders(hidden: bool):
     obj = lattice()
     mesh = follower(obj)
     before = evaluated_points(mesh)
     _, cage = bind(obj)
-    key(cage, {1: {"location": (0, 0, 0)}, 11: {"location": (0, 0, 2)}})
-    for frame, height in ((11, 2.0), (1, 0.0), (6, 1.0)):
-        bpy.context.scene.frame_set(frame)
-        assert np.abs(evaluated_points(mesh) - before - height * UP).max() < 4 * FLOAT32, frame
-        assert np.abs(render_points(mesh) - before - height * UP).max() < 4 * FLOAT32, frame
+    obj.hide_viewport = obj.hide_render = hidden
+    assert_rises(mesh, before, cage)
 
 
 def test_an_animation_shows_each_frame_and_leaves_the_viewport_as_it_was():
@@ -120,8 +132,7 @@ def test_a_rebind_of_a_posed_lattice_changes_nothing():
     rest = points_of(obj)
     _, cage = bind(obj)
     expected = bend(cage)(rest)
-    make_active(obj)
-    bpy.ops.sinew.bind()
+    press(obj, "bind")
     assert np.abs(evaluated_points(obj) - expected).max() < 4 * FLOAT32
     assert np.abs(expected - rest).max() > 0.05
 
@@ -129,7 +140,6 @@ def test_a_rebind_of_a_posed_lattice_changes_nothing():
 @pytest.mark.parametrize("make", [lattice, with_keys])
 def test_without_its_deformers_a_lattice_is_what_it_was(make):
     obj = make()
-    update()
     before, shown = snapshot(obj), evaluated_points(obj)
     _, cage = bind(obj)
     _, other = bind(obj)
@@ -137,13 +147,10 @@ def test_without_its_deformers_a_lattice_is_what_it_was(make):
     other.location.x = 0.4
     bpy.context.scene.frame_set(3)
     assert np.abs(evaluated_points(obj) - shown).max() > 0.1
-    make_active(obj)
-    bpy.ops.sinew.deformer_remove()
+    press(obj, "deformer_remove")
     cage.location.z += 0.5
-    update()
     assert np.abs(evaluated_points(obj) - shown).max() > 0.1
-    make_active(obj)
-    bpy.ops.sinew.deformer_remove()
+    press(obj, "deformer_remove")
     assert snapshot(obj) == before
     assert np.array_equal(evaluated_points(obj), shown)
 
@@ -157,8 +164,7 @@ def test_unbind_lets_the_resolution_change_and_bind_takes_it(make):
     update()
     with pytest.raises(AttributeError):
         obj.data.points_u = 5
-    make_active(obj)
-    bpy.ops.sinew.unbind()
+    press(obj, "unbind")
     update()
     assert snapshot(obj) == before
     cage.location.z = 0.0
@@ -180,14 +186,11 @@ def test_other_points_ask_for_a_rebind(automatic: bool):
     other = bpy.data.lattices.new("Other")
     other.points_u = 7
     obj.data = other
-    update()
-    catch_up()
-    update()
+    settle()
     if not automatic:
         assert obj.sinew.active.status == "The shape key was deleted - Rebind"
         assert np.array_equal(evaluated_points(obj), points_of(obj))
-        make_active(obj)
-        bpy.ops.sinew.bind()
+        press(obj, "bind")
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     cage.location.z = 1.0
     assert moved_up(obj)
@@ -211,8 +214,7 @@ def test_edits_of_the_basis_go_on_from_where_they_were_put():
     assert np.abs(held(obj.data.shape_keys.reference_key) - rest - (0.5, 0.0, 0.0)).max() < FLOAT32
     assert np.abs(evaluated_points(obj) - rest - (0.5, 0.0, 2.0)).max() < 2 * FLOAT32
     shown = evaluated_points(mesh)
-    make_active(obj)
-    bpy.ops.sinew.deformer_remove()
+    press(obj, "deformer_remove")
     assert np.abs(evaluated_points(obj) - rest - (0.5, 0.0, 0.0)).max() < FLOAT32
     assert np.abs(evaluated_points(mesh) - shown + 2.0 * UP).max() < 4 * FLOAT32
 
@@ -225,9 +227,7 @@ def test_edits_of_other_keys_and_by_scripts_count_as_blender_counts_them():
     shown = evaluated_points(obj)
     make_active(obj)
     assert obj.active_shape_key.name == "Smile"
-    with in_mode(obj):
-        bpy.ops.lattice.select_all(action="SELECT")
-        bpy.ops.transform.translate(value=(0.5, 0.0, 0.0))
+    on_all(obj, bpy.ops.transform.translate, value=(0.5, 0.0, 0.0))
     assert np.abs(evaluated_points(obj) - shown - (0.25, 0.0, 0.0)).max() < 2 * FLOAT32
     obj.data.shape_keys.reference_key.data[0].co.x += 0.1  # half of which Smile takes back
     obj.data.update_tag()
@@ -248,7 +248,6 @@ def test_edits_of_the_key_itself_move_to_the_basis(pushed: bool):
     if hasattr(key_of(obj), "lock_shape"):  # Blender 4.2 and later: else nobody can edit it
         assert key_of(obj).lock_shape
         key_of(obj).lock_shape = False
-    update()
     with in_mode(obj):
         update()
         bpy.ops.lattice.select_all(action="SELECT")
@@ -279,12 +278,10 @@ def test_factor_mask_and_the_eye():
     expected[:3, 2] = 0.125
     assert np.abs(evaluated_points(obj) - rest - expected).max() < FLOAT32
     group.name = "Renamed"
-    update()
     assert np.abs(evaluated_points(obj) - rest - expected).max() < FLOAT32
     deformer.mask_group, deformer.factor = "", 1.0
     assert moved_up(obj)
     key_of(obj).mute = True
-    update()
     assert np.array_equal(evaluated_points(obj), rest)
     cage.location.z = 0.0
     update()
@@ -316,8 +313,7 @@ def test_a_renamed_key_is_found_and_a_deleted_one_is_made_again():
     update()
     assert obj.sinew.active.status == "The shape key was deleted - Rebind"
     cage.location.z = 0.0
-    make_active(obj)
-    bpy.ops.sinew.bind()
+    press(obj, "bind")
     cage.location.z = 1.0
     assert moved_up(obj)
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
@@ -326,8 +322,7 @@ def test_a_renamed_key_is_found_and_a_deleted_one_is_made_again():
 def test_a_lattice_follows_neither_itself_nor_what_follows_it():
     inner, outer = lattice(), lattice()
     inner.name, outer.name = "Inner", "Outer"
-    make_active(inner)
-    refused("Inner cannot be its own lattice", bpy.ops.sinew.lattice_add, source="OBJECT", lattice="Inner")
+    refused("Inner cannot be its own lattice", "lattice_add", inner, source="OBJECT", lattice="Inner")
     assert bpy.ops.sinew.lattice_add(source="OBJECT", lattice="Outer") == {"FINISHED"}
     make_active(outer)
     if outer.sinew.deformers:
@@ -335,9 +330,7 @@ def test_a_lattice_follows_neither_itself_nor_what_follows_it():
     cage = ball("Cage", 2)
     cage.scale = 3.0, 3.0, 3.0
     cage.modifiers.new("Lattice", "LATTICE").object = inner
-    update()
-    make_active(inner)
-    bpy.ops.sinew.cage_add(source="OBJECT", cage="Cage", method="mean_value")
+    press(inner, "cage_add", source="OBJECT", cage="Cage", method="mean_value")
     assert "follows its own shape" in " ".join(draw_panel().texts().split())
 
 
@@ -346,9 +339,7 @@ def test_an_outer_lattice_moves_inner_ones_and_other_objects_in_one_go():
     inner.name = "Inner"
     inside = follower(inner)
     before = [evaluated_points(obj) for obj in (inner, mesh, inside)]
-    make_active(inner)
-    mesh.select_set(True)
-    bpy.context.view_layer.objects.active = inner
+    make_active(inner, mesh)
     assert bpy.ops.sinew.lattice_add() == {"FINISHED"}
     outer = inner.sinew.active.controls[0].object
     assert mesh.sinew.active.controls[0].object == outer
@@ -365,31 +356,10 @@ def test_a_rig_that_follows_the_lattice_is_solved_after_it():
     plate = ball("Plate", 2)
     empty = new_empty("Point")
     empty.parent, empty.parent_type, empty.parent_vertices = carrier, "VERTEX", (0, 0, 0)
-    update()
-    make_active(plate)
-    empty.select_set(True)
-    bpy.context.view_layer.objects.active = plate
+    make_active(plate, empty)
     assert bpy.ops.sinew.point_add(source="SELECTED", method="mls") == {"FINISHED"}
     _, cage = bind(obj)
-    before = evaluated_points(plate)
-    key(cage, {1: {"location": (0, 0, 0)}, 11: {"location": (0, 0, 2)}})
-    for frame, height in ((11, 2.0), (1, 0.0), (6, 1.0)):
-        bpy.context.scene.frame_set(frame)
-        assert np.abs(evaluated_points(plate) - before - height * UP).max() < 1e-5, frame
-        assert np.abs(render_points(plate) - before - height * UP).max() < 1e-5, frame
-
-
-def test_a_hidden_lattice_goes_on():
-    obj = lattice()
-    mesh = follower(obj)
-    before = evaluated_points(mesh)
-    _, cage = bind(obj)
-    key(cage, {1: {"location": (0, 0, 0)}, 11: {"location": (0, 0, 2)}})
-    obj.hide_viewport = obj.hide_render = True
-    for frame, height in ((11, 2.0), (1, 0.0), (6, 1.0)):
-        bpy.context.scene.frame_set(frame)
-        assert np.abs(evaluated_points(mesh) - before - height * UP).max() < 4 * FLOAT32, frame
-        assert np.abs(render_points(mesh) - before - height * UP).max() < 4 * FLOAT32, frame
+    assert_rises(plate, evaluated_points(plate), cage, 1e-5)
 
 
 def test_apply_moves_the_points_or_makes_a_key():
@@ -400,13 +370,12 @@ def test_apply_moves_the_points_or_makes_a_key():
     obj.sinew.active.mask_group = "Part"
     bend(cage)
     shown = evaluated_points(obj)
-    make_active(obj)
-    bpy.ops.sinew.apply(as_shape_key=True, keep_deformer=True)
+    press(obj, "apply", as_shape_key=True, keep_deformer=True)
     made = obj.data.shape_keys.key_blocks[-1]
     assert (made.name, made.value) == (obj.sinew.active.name, 0.0)
     assert np.abs(held(made) - shown).max() < FLOAT32
     assert np.abs(evaluated_points(obj) - shown).max() < FLOAT32
-    refused("The lattice has shape keys, which keep its shape", bpy.ops.sinew.apply)
+    refused("The lattice has shape keys, which keep its shape", "apply")
     obj.shape_key_remove(made)
     assert bpy.ops.sinew.apply() == {"FINISHED"}
     assert obj.data.shape_keys is None

@@ -20,9 +20,10 @@ from rigs.rig import (
     base_points,
     close,
     evaluated_points,
-    make_active,
     move_world,
     new_empty,
+    press,
+    refused,
     update,
 )
 
@@ -105,9 +106,7 @@ def test_a_mirrored_cage_or_target_is_as_good_as_one_whose_scale_is_applied(meth
     assert close(evaluated_points(target), rest, MATRIX)
 
     cage.data.flip_normals()
-    make_active(target)
-    with pytest.raises(RuntimeError, match="inside out"):
-        bpy.ops.sinew.cage_set_rest()
+    refused("inside out", "cage_set_rest", target)
     assert_rests(target)
     assert bpy.ops.sinew.cage_flip() == {"FINISHED"}
     assert close(evaluated_points(target), rest, MATRIX)
@@ -116,13 +115,11 @@ def test_a_mirrored_cage_or_target_is_as_good_as_one_whose_scale_is_applied(meth
 @pytest.mark.parametrize("shape", ["BOX", "CYLINDER", "FITTED"])
 def test_a_mirrored_lattice_is_a_lattice(shape: str):
     target = ball()
-    make_active(target)
-    assert bpy.ops.sinew.lattice_add(shape=shape, resolution=(4, 2, 3)) == {"FINISHED"}
+    press(target, "lattice_add", shape=shape, resolution=(4, 2, 3))
     deformer, rest = target.sinew.active, base_points(target)
     lattice = deformer.controls[0].object
     lattice.scale.x *= -1.0
-    make_active(target)
-    assert bpy.ops.sinew.lattice_set_rest() == {"FINISHED"}
+    press(target, "lattice_set_rest")
     assert deformer.status_level == "INFO", deformer.status
     assert close(evaluated_points(target), rest, MATRIX)
     move_world(lattice, TURN)
@@ -146,8 +143,7 @@ def test_a_mirrored_mesh_is_a_cage_of_the_subspace_laplacian():
 
 def test_faces_of_an_automatic_cage_that_was_mirrored_can_be_changed():
     target = ball()
-    make_active(target)
-    assert bpy.ops.sinew.cage_add(faces=80, margin=0.06) == {"FINISHED"}
+    press(target, "cage_add", faces=80, margin=0.06)
     cage = target.sinew.active.cage
     cage.scale = MIRROR
     set_rest(target)

@@ -30,6 +30,7 @@ from rigs.rig import (
     new_armature,
     new_empty,
     save,
+    storage,
     update,
 )
 
@@ -184,21 +185,12 @@ def test_it_goes_on_when_the_library_is_back(lost, tmp_path: Path):
 # --- wrong types
 
 
-def camera() -> bpy.types.Object:
-    return linked(bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera")))
-
-
-def curve() -> bpy.types.Object:
-    return linked(bpy.data.objects.new("Curve", bpy.data.curves.new("Curve", "CURVE")))
-
-
-OTHERS = {"empty": lambda: new_empty("Nothing"), "camera": camera, "curve": curve, "armature": new_armature}
-
-
-def storage(owner) -> object:
-    """Where Blender keeps the properties of a class, as ID properties: a hostile file writes here."""
-    system = getattr(owner, "bl_system_properties_get", None)
-    return system(do_create=True) if system else owner
+OTHERS = {
+    "empty": lambda: new_empty("Nothing"),
+    "camera": lambda: linked(bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))),
+    "curve": lambda: linked(bpy.data.objects.new("Curve", bpy.data.curves.new("Curve", "CURVE"))),
+    "armature": new_armature,
+}
 
 
 @pytest.mark.parametrize("way", ["script", "file"])

@@ -60,7 +60,6 @@ def test_what_an_armature_moves_twice_is_said_and_mended(control: str, how: str)
     garment, armature = bpy.data.objects["Garment"], bpy.data.objects[armature_name]
     bone = armature.pose.bones[0]
     bone.location = 0.0, 0.3, 0.0
-    update()
     moved = evaluated_points(garment) - rest
     np.testing.assert_allclose(moved, np.broadcast_to((0.0, 0.0, 0.3), moved.shape), atol=1e-4)
     assert bpy.ops.sinew.armature_off() == {"CANCELLED"}

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -13,10 +12,9 @@ from inside import inner, native
 from mathutils import Matrix
 from probe import render_points
 from registry import BY_ID, RIGID_ON_HANDLE_POINTS
-from rigs.point_objects import MAKERS, add, add_bones, cloud, hair, moved_by_hand
+from rigs.point_objects import MAKERS, add, add_bones, moved_by_hand
 from rigs.rig import (
     FLOAT32,
-    MATRIX,
     add_armature,
     apply_matrix,
     base_points,
@@ -31,8 +29,8 @@ from rigs.rig import (
     new_armature,
     new_empty,
     new_object,
-    push,
-    reopen,
+    press,
+    refused,
     some_motion,
     update,
 )
@@ -128,7 +126,6 @@ def test_bones_act_from_head_to_tail():
     assert close(render_points(plate), expected, QUADRATURE)
     for handle in deformer.handles:  # a switch of each handle
         handle.acts_as = "PLACE"
-    update()
     assert np.abs(evaluated_points(plate) - expected).max() > 0.02, "bones turn the space at their heads"
 
 
@@ -195,8 +192,7 @@ def test_points_and_lines_of_a_lattice_as_its_modifiers_move_them():
     assert close(render_points(plate), expected, 1e-5)
     deformer.handles[0].acts_as = "SEGMENTS"
     empty.location.z = 0.0
-    make_active(plate)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(plate, "bind")
     empty.location.z = 0.4
     update()
     grid = coordinates(lattice.data.points, "co_deform")  # a unit apart
@@ -268,8 +264,7 @@ def test_points_together_carry_a_plate_rigidly(method: str, segments: bool):
     if segments and not BY_ID[method].takes_segments:
         pytest.skip("it takes no segments")
     plate, points = grid_object(), frame()
-    make_active(plate)
-    bpy.ops.sinew.deformer_add(method=method)
+    press(plate, "deformer_add", method=method)
     add(plate, points, segments=segments)
     before = base_points(plate)
     assert close(evaluated_points(plate), before, 1e-6)
@@ -296,17 +291,10 @@ def test_single_points_turn_with_the_edges_at_them(method: str):
     assert close(shown[end], apply_matrix(turn, rest[end]), 0.03)
 
 
-def test_a_point_cloud_moves_a_mesh():
-    points, plate = cloud(), grid_object()
-    add(plate, points, method="mls")
-    move_world(points, some_motion())
-    assert close(evaluated_points(plate), apply_matrix(some_motion(), base_points(plate)), 2e-5)
-
-
-def test_points_of_hair_move_a_mesh():
-    plate, points = grid_object(), hair()
-    add(plate, points, method="mls")
-    assert "points" in plate.sinew.active.status
+@pytest.mark.parametrize("kind", ["cloud", "hair"])
+def test_points_of_other_types_move_a_mesh(kind: str):
+    points, plate = MAKERS[kind](), grid_object()
+    assert "points" in add(plate, points, method="mls").status
     move_world(points, some_motion())
     assert close(evaluated_points(plate), apply_matrix(some_motion(), base_points(plate)), 2e-5)
 
@@ -326,74 +314,22 @@ def test_an_object_may_have_more_points_than_empties_are_made_for():
     )
 
 
-def test_undo_and_files_keep_the_points(tmp_path: Path):
-    plate, points = grid_object(), frame()
-    add(plate, points, method="mls", segments=True)
-    push("Bound")
-    points.data.vertices[0].co.z += 0.7
-    push("Moved")
-    moved = evaluated_points(plate)
-    bpy.ops.ed.undo()
-    assert close(evaluated_points(bpy.data.objects["Plate"]), base_points(bpy.data.objects["Plate"]), 1e-6)
-    bpy.ops.ed.redo()
-    assert close(evaluated_points(bpy.data.objects["Plate"]), moved, 1e-6)
-    reopen(tmp_path / "points.blend")
-    plate = bpy.data.objects["Plate"]
-    assert plate.sinew.active.handles[0].acts_as == "SEGMENTS"
-    assert close(evaluated_points(plate), moved, 1e-6)
-    bpy.data.objects["Frame"].data.vertices[0].co.z -= 0.7
-    bpy.data.objects["Frame"].data.update()
-    assert close(evaluated_points(plate), base_points(plate), 1e-6)
-
-
-def test_more_points_ask_for_a_rebind_and_then_go_on():
-    plate, points = grid_object(), frame()
-    deformer = add(plate, points)
-
-    def extend(mesh) -> None:
-        mesh.verts.new((0.0, 0.0, 1.0))
-
-    change_in_edit_mode(points, extend)
-    update()
-    assert deformer.status == "Frame has 5 points, at bind it had 4 - Rebind takes it as it is now"
-    assert close(evaluated_points(plate), base_points(plate))
-    make_active(plate)
-    bpy.ops.sinew.bind()
-    assert deformer.status_level == "INFO", deformer.status
-    move_world(points, some_motion())
-    assert close(evaluated_points(plate), apply_matrix(some_motion(), base_points(plate)), 2e-5)
-
-
-def test_apply_takes_the_points_at_rest_along():
-    plate, points = grid_object(), frame()
-    add(plate, points, method="mls")
-    points.data.vertices[0].co.z += 0.7
-    plate.rotation_euler.z, plate.scale = 0.6, (1.5, 1.5, 1.5)
-    update()
-    before = apply_matrix(plate.matrix_world, evaluated_points(plate))
-    make_active(plate)
-    bpy.ops.object.transform_apply()
-    assert close(apply_matrix(plate.matrix_world, evaluated_points(plate)), before, MATRIX)
-    points.data.vertices[0].co.z -= 0.7
-    points.data.update()
-    assert np.abs(evaluated_points(plate) - before).max() > 0.3
-
-
 def test_what_cannot_be_had_is_said():
     plate, points, empty = grid_object(), frame(), new_empty("Empty")
-    make_active(plate)
-    points.select_set(True)
-    with pytest.raises(RuntimeError, match="no segments - choose Moving Least Squares first"):
-        bpy.ops.sinew.point_add(source="POINTS", method="rbf", segments=True)
+    make_active(plate, points)
+    refused(
+        "no segments - choose Moving Least Squares first",
+        "point_add",
+        source="POINTS",
+        method="rbf",
+        segments=True,
+    )
     assert not plate.sinew.deformers
-    make_active(plate)
-    empty.select_set(True)
-    with pytest.raises(RuntimeError, match="those whose points are handles"):
-        bpy.ops.sinew.point_add(source="POINTS")
+    make_active(plate, empty)
+    refused("those whose points are handles", "point_add", source="POINTS")
     deformer = add(plate, empty, source="SELECTED")
     deformer.handles[0].acts_as = "POINTS"
-    with pytest.raises(RuntimeError, match="Empty has no points - let Empty act as a place"):
-        bpy.ops.sinew.bind()
+    refused("Empty has no points - let Empty act as a place", "bind")
     deformer.handles[0].acts_as = "PLACE"
     bpy.ops.sinew.bind()
     assert deformer.status_level == "INFO", deformer.status
@@ -402,15 +338,13 @@ def test_what_cannot_be_had_is_said():
 def test_segments_without_length_and_points_that_part_are_named():
     plate = grid_object()
     points = new_object("Points", [*CORNERS, CORNERS[0]], edges=[(0, 4)])
-    make_active(plate)
-    points.select_set(True)
+    make_active(plate, points)
     bpy.ops.sinew.point_add(source="POINTS", method="mls", segments=True)
     deformer = plate.sinew.active
     assert deformer.status_level == "ERROR"
     assert "between point 0 of Points and point 4 of Points has no length" in deformer.status
     deformer.handles[0].acts_as = "POINTS"
-    make_active(plate)
-    bpy.ops.sinew.bind()
+    press(plate, "bind")
     assert deformer.status_level == "INFO", deformer.status
     points.data.vertices[4].co.z += 0.5
     points.data.update()
@@ -508,10 +442,8 @@ def test_lost_points_keep_the_last_shape_and_a_new_control_is_a_place():
     points.data.update()
     before = evaluated_points(plate)
     bpy.data.objects.remove(points)
-    update()
     assert close(evaluated_points(plate), before)
-    make_active(plate)
-    assert bpy.ops.sinew.control_new() == {"FINISHED"}
+    press(plate, "control_new")
     assert deformer.handles[0].acts_as == "PLACE"
     move_world(deformer.handles[0].control, some_motion())
     assert close(evaluated_points(plate), apply_matrix(some_motion(), base_points(plate)), 2e-5)
@@ -524,8 +456,7 @@ def test_points_that_a_deformer_moves_carry_several_objects():
     empties = [new_empty(f"Empty {number}", corner) for number, corner in enumerate(CORNERS)]
     add(points, *empties, source="SELECTED", method="mls")
     for obj in (plate, other):
-        make_active(obj)
-        bpy.ops.sinew.deformer_add(method="rbf")
+        press(obj, "deformer_add", method="rbf")
         add(obj, points)
     rests = [in_target(obj, points) for obj in (plate, other)]
     empties[2].location.z += 0.8

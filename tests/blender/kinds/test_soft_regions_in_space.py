@@ -9,7 +9,7 @@ import pytest
 from inside import notes_of
 from registry import ON_HANDLE_POINTS
 from rigs.cages import ball
-from rigs.rig import base_points, evaluated_points, make_active, update
+from rigs.rig import add_regions, base_points, evaluated_points, update
 
 LIFT = 0.5
 
@@ -22,10 +22,7 @@ def painted(method: str) -> bpy.types.Object:
         group = obj.vertex_groups.new(name=name)
         for index in np.flatnonzero(weights):
             group.add([int(index)], float(weights[index]), "REPLACE")
-    make_active(obj)
-    bpy.ops.sinew.deformer_add(method=method)
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Upper")
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Lower")
+    add_regions(obj, method, {"Upper": "HANDLE", "Lower": "FIXED"})
     return obj
 
 
@@ -53,7 +50,6 @@ def test_the_weight_of_a_region_counts_as_soon_as_it_changes(method: str):
     obj = painted(method)
     deformer = obj.sinew.active
     deformer.handles[0].control.location.z += LIFT
-    update()
     before = lifted(obj)
     middle = np.abs(base_points(obj)[:, 2]) < 0.12
     deformer.handles[0].weight = 0.2
@@ -61,6 +57,5 @@ def test_the_weight_of_a_region_counts_as_soon_as_it_changes(method: str):
     assert deformer.status_level != "ERROR", deformer.status
     assert lifted(obj)[middle].mean() < before[middle].mean() - 1e-3
     deformer.handles[0].weight = 0.0
-    update()
     assert np.abs(lifted(obj)).max() < 1e-5  # the lower one alone holds it
     assert any("weight is 0" in note for note in (deformer.status, *notes_of(deformer)))

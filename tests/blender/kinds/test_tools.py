@@ -21,6 +21,7 @@ from rigs.rig import (
     key,
     linked,
     make_active,
+    press,
     reopen,
     update,
 )
@@ -55,8 +56,7 @@ def volume(obj: bpy.types.Object) -> float:
 
 def add(obj: bpy.types.Object, tool: str, **reach: float) -> bpy.types.PropertyGroup:
     """A tool in the middle of the object; its row in the list."""
-    make_active(obj)
-    assert bpy.ops.sinew.tool_add(tool=tool, location=obj.location) == {"FINISHED"}
+    press(obj, "tool_add", tool=tool, location=obj.location)
     make_active(obj)
     row = obj.sinew.active.controls[-1]
     for name, value in reach.items():
@@ -104,9 +104,7 @@ def walk(row, *places: tuple[float, float, float]) -> None:
     """Move the tool from stop to stop."""
     for place in places:
         row.object.location = place
-        update()
-        make_active(row.id_data)
-        assert bpy.ops.sinew.tool_stop() == {"FINISHED"}
+        press(row.id_data, "tool_stop")
 
 
 STOPS = ((0.5, 0.0, 0.0), (0.5, 0.5, 0.2))
@@ -134,8 +132,7 @@ def test_the_path_is_stored_and_a_frame_depends_on_it_alone(tmp_path: Path) -> N
     update()
     tool.location = END
     assert close(evaluated_points(obj), shape)
-    make_active(obj)
-    assert bpy.ops.sinew.tool_stop(clear=True) == {"FINISHED"}
+    press(obj, "tool_stop", clear=True)
     assert close(evaluated_points(obj), on_path(obj, (END,)), INTEGRATED)
 
 
@@ -163,9 +160,7 @@ def test_progress_and_tools_can_be_keyed() -> None:
     obj = grid_object(cells=20)
     row = add(obj, "drag", inner=0.3, outer=0.9)
     row.object.location = (0.6, 0.0, 0.0)
-    for frame, value in ((1, 0.0), (11, 1.0)):
-        row.progress = value
-        row.keyframe_insert("progress", frame=frame)
+    key(row, {1: {"progress": 0.0}, 11: {"progress": 1.0}})
     key(row.object, {1: {"location": (0.6, 0.0, 0.0)}, 21: {"location": (0.6, 0.0, 0.5)}})
     for frame, place in ((1, None), (11, (0.6, 0.0, row.object.location.z)), (21, (0.6, 0.0, 0.5))):
         bpy.context.scene.frame_set(frame)
@@ -179,9 +174,7 @@ def test_a_twist_by_stops_turns_more_than_once() -> None:
     row = add(obj, "twist", inner=-1.0, outer=1.0, width=1.0)
     for degrees in (150.0, 300.0):
         row.object.matrix_world = Matrix.Rotation(np.radians(degrees), 4, "Z")
-        update()
-        make_active(obj)
-        bpy.ops.sinew.tool_stop()
+        press(obj, "tool_stop")
     row.object.matrix_world = Matrix.Rotation(np.radians(450.0), 4, "Z")
     shape = evaluated_points(obj)
     level = np.isclose(base_points(obj)[:, 2], 0.0)
@@ -224,14 +217,10 @@ def test_a_tool_of_no_size_is_refused_by_name_and_one_scaled_to_nothing_later_is
     obj = grid_object()
     tool = linked(bpy.data.objects.new("Flat", None))
     tool.scale = (1.0, 1.0, 0.0)
-    update()
-    make_active(obj)
-    bpy.ops.sinew.tool_add(control="Flat")
+    press(obj, "tool_add", control="Flat")
     assert "Flat is flat" in obj.sinew.active.status
     tool.scale = (1.0, 1.0, 1.0)
-    update()
-    make_active(obj)
-    bpy.ops.sinew.unbind()
+    press(obj, "unbind")
     assert bpy.ops.sinew.bind() == {"FINISHED"}
     tool.scale = (0.0, 0.0, 0.0)
     tool.location.z = 0.3
@@ -244,9 +233,7 @@ def test_lengths_are_those_of_the_tool() -> None:
     obj.scale = (2.0, 2.0, 2.0)
     tool = linked(bpy.data.objects.new("Tool", None))
     tool.scale = (3.0, 3.0, 3.0)
-    update()
-    make_active(obj)
-    bpy.ops.sinew.tool_add(control="Tool", outer=0.5)
+    press(obj, "tool_add", control="Tool", outer=0.5)
     row = obj.sinew.active.controls[0]
     row.inner = 0.1
     tool.location.z = 0.4

@@ -18,7 +18,7 @@ from mathutils import Matrix
 from probe import render_points
 from registry import METHODS, other_values
 from rigs.kinds import HandleRig, rig_for
-from rigs.rig import MATRIX, add_group, apply_matrix, close, make_active, move_world, push, update
+from rigs.rig import MATRIX, add_group, apply_matrix, close, key, make_active, move_world, press, push, update
 
 ITERATED = 1e-3  # where a pose differs in its last digit, an iterative method may stop a step earlier
 PAINTABLE = [method for method in METHODS if method.paintable]
@@ -42,13 +42,9 @@ def expected(rig: HandleRig) -> Poses:
 
 def animate(rig: HandleRig) -> None:
     """From rest at frame 1 to a turn at frame 20."""
-    control = rig.control
-    control.rotation_mode = "XYZ"
-    for frame, share in ((1, 0.0), (20, 1.0)):
-        control.rotation_euler.x = 1.4 * share
-        control.location = (0.05 * share, -0.6 * share, 0.7 * share)
-        control.keyframe_insert("rotation_euler", frame=frame)
-        control.keyframe_insert("location", frame=frame)
+    rig.control.rotation_mode = "XYZ"
+    rest = {"rotation_euler": (0.0, 0.0, 0.0), "location": (0.0, 0.0, 0.0)}
+    key(rig.control, {1: rest, 20: {"rotation_euler": (1.4, 0.0, 0.0), "location": (0.05, -0.6, 0.7)}})
 
 
 def pose_directly(rig: HandleRig, basis: Matrix) -> np.ndarray:
@@ -154,8 +150,7 @@ def test_a_painted_parameter_whose_group_was_deleted_has_its_plain_value_and_say
         setattr(rig.deformer.parameters, f"{parameter.id}_group", "Left")
     assert not close(rig.points(), plain, 1e-5)
     rig.obj.vertex_groups.remove(rig.obj.vertex_groups["Left"])
-    make_active(rig.obj)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(rig.obj, "bind")
     assert close(rig.points(), plain, rig.exactness)
     assert rig.deformer.status_level == "INFO", rig.deformer.status
     said = "is not painted: vertex group 'Left' is not on the mesh - pick another"

@@ -19,6 +19,7 @@ from rigs.rig import (
     Rig,
     add_armature,
     add_group,
+    add_regions,
     apply_matrix,
     base_points,
     close,
@@ -28,6 +29,7 @@ from rigs.rig import (
     move_world,
     new_file,
     new_object,
+    press,
     push,
     reopen,
     update,
@@ -141,8 +143,7 @@ def test_a_region_on_an_eye_takes_it_out(suzanne: Suzanne):
     suzanne.bind()
     left, right = suzanne.eyes
     suzanne.obj.vertex_groups.new(name="Eye").add(left.tolist(), 1.0, "REPLACE")
-    make_active(suzanne.obj)
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Eye")
+    press(suzanne.obj, "handle_add", kind="FIXED", vertex_group="Eye")
     move_world(suzanne.control, BEND)
     rest, shape = suzanne.rest(), suzanne.points()
     assert "1 loose part follows the surface" in notes(suzanne)
@@ -155,8 +156,7 @@ def test_the_border_of_a_support_does_not_hold_them(suzanne: Suzanne):
     muzzle = [i for i in suzanne.head if suzanne.rest()[i, 2] > -0.5]
     suzanne.obj.vertex_groups.new(name="Support").add([int(i) for i in muzzle], 1.0, "REPLACE")
     suzanne.bind(fixed=False)
-    make_active(suzanne.obj)
-    bpy.ops.sinew.handle_add(kind="SUPPORT", vertex_group="Support")
+    press(suzanne.obj, "handle_add", kind="SUPPORT", vertex_group="Support")
     rest = suzanne.rest()
     move_world(suzanne.control, BEND)
     shape = suzanne.points()
@@ -234,12 +234,9 @@ def test_a_mesh_that_only_has_loose_parts_left_shows_them_where_they_enter(suzan
     bpy.ops.mesh.primitive_circle_add(vertices=8, radius=0.2, location=(3.0, 0.0, 0.0))
     bpy.ops.object.mode_set(mode="OBJECT")
     ring = add_group(obj, "Ring", lambda point: point[0] > 2.5)
-    make_active(obj)
-    bpy.ops.sinew.deformer_add(method="thin_shell")
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Ring")
+    add_regions(obj, "thin_shell", {"Ring": "HANDLE"})
     rest = base_points(obj)
     move_world(obj.sinew.active.handles[0].control, Matrix.Translation((0.0, 0.0, 1.0)))
-    update()
     shape = evaluated_points(obj)
     others = np.setdiff1d(np.arange(len(rest)), ring)
     assert close(shape[ring], rest[ring] + (0.0, 0.0, 1.0))
@@ -333,13 +330,8 @@ def test_a_sheet_on_another_follows_a_bump_that_is_smaller_than_its_frames(metho
     away = np.linalg.norm(rest[below, :2], axis=1)
     obj.vertex_groups.new(name="Top").add(below[away < 0.15].tolist(), 1.0, "REPLACE")
     obj.vertex_groups.new(name="Base").add(below[away > 0.7].tolist(), 1.0, "REPLACE")
-    make_active(obj)
-    bpy.ops.sinew.deformer_add(method=method)
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
-    make_active(obj)
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
+    add_regions(obj, method, {"Top": "HANDLE", "Base": "FIXED"})
     move_world(obj.sinew.active.handles[0].control, Matrix.Translation((0.0, 0.0, 0.2)))
-    update()
     moved = evaluated_points(obj) - rest
     assert moved[above, 2].max() > 0.98 * 0.2
     assert (evaluated_points(obj)[above, 2] > evaluated_points(obj)[below, 2]).all()
@@ -379,14 +371,9 @@ def test_a_part_on_the_mirror_plane_stays_on_it(part: str):
     }
     for name, where in groups.items():
         obj.vertex_groups.new(name=name).add(head[where(rest[head])].tolist(), 1.0, "REPLACE")
-    make_active(obj)
-    bpy.ops.sinew.deformer_add(method="thin_shell")
-    for name, kind in (("L", "HANDLE"), ("R", "HANDLE"), ("Base", "FIXED")):
-        make_active(obj)
-        bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
+    add_regions(obj, "thin_shell", {"L": "HANDLE", "R": "HANDLE", "Base": "FIXED"})
     for handle, side in zip(obj.sinew.active.handles, (1.0, -1.0), strict=False):
         move_world(handle.control, Matrix.Translation((0.3 * side, -0.4, 0.1)))
-    update()
     shape = evaluated_points(obj)
     assert np.linalg.norm((shape - rest)[inside].mean(axis=0)) > 0.02
     # Each vertex goes to the mirror image of where its own image goes; those of the plane stay on it.

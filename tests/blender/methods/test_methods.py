@@ -6,14 +6,13 @@ import numpy as np
 import pytest
 from inside import inner, notes_of
 from rigs.cages import ball
-from rigs.rig import Rig, base_points, make_active, push, update
+from rigs.rig import Rig, base_points, press, update
 
 
 def test_operators_and_session_functions_give_the_same(plate: Rig):
     plate.bind("arap").lift(0.3)
     by_operator = plate.points()
-    make_active(plate.obj)
-    bpy.ops.sinew.deformer_remove()
+    press(plate.obj, "deformer_remove")
     obj = plate.obj
     deformer = inner.deformers.add_deformer(obj, "arap")
     for region in (inner.handles.NewRegion("HANDLE", "Top"), inner.handles.NewRegion("FIXED", "Base")):
@@ -31,8 +30,7 @@ def test_one_call_rigs_a_region_and_binds_it(plate: Rig):
     assert obj.sinew.active is None
     plate.bind("arap").lift(0.3)
     by_operator = plate.points()
-    make_active(plate.obj)
-    bpy.ops.sinew.deformer_remove()
+    press(plate.obj, "deformer_remove")
     for kind, group in (("HANDLE", "Top"), ("FIXED", "Base")):
         handle, refusal = inner.rigging.rig_region(obj, inner.handles.NewRegion(kind, group), "arap")
         assert handle.kind == kind
@@ -83,24 +81,8 @@ def test_the_falloff_curve_that_the_artist_draws_is_how_the_motion_of_a_handle_f
     mapping.curves[0].points.new(0.5, 0.125).handle_type = "VECTOR"
     mapping.update()
     tree.update_tag()
-    update()
     faded = (plate.points() - plate.rest())[:, 2]
     np.testing.assert_allclose(faded, np.interp(shares, [0.0, 0.5, 1.0], [0.0, 0.125, 1.0]), atol=1e-3)
-
-
-def test_undo_and_redo_of_a_curve_that_is_drawn(plate: Rig):
-    plate.bind("propagation").lift(0.5)
-    make_active(plate.obj)
-    push("posed")
-    before = plate.points()
-    bpy.ops.sinew.curve_edit("EXEC_DEFAULT", True, parameter="transfer")
-    update()
-    assert plate.deformer.parameters.transfer is not None
-    for step, drawn in ((bpy.ops.ed.undo, False), (bpy.ops.ed.redo, True)):
-        step()
-        update()
-        assert (plate.deformer.parameters.transfer is not None) == drawn
-        np.testing.assert_allclose(plate.points(), before, atol=1e-6)
 
 
 def test_the_panel_says_what_a_surface_method_uses_instead():

@@ -16,7 +16,8 @@ from mathutils import Matrix
 from probe import render_points
 from registry import BY_ID, METHODS, Control, Moved, Reproduced
 from rigs.cages import ball
-from rigs.point_objects import MAKERS, TESSELLATED, cage_around, moved_by_hand
+from rigs.kinds import BY_CONTROL
+from rigs.point_objects import MAKERS, TESSELLATED, add, attach, moved_by_hand
 from rigs.rig import (
     apply_matrix,
     base_points,
@@ -24,6 +25,7 @@ from rigs.rig import (
     key,
     make_active,
     new_empty,
+    press,
     reopen,
     some_motion,
     update,
@@ -67,23 +69,18 @@ def by_handles(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
     points = evaluated_points(obj)
     places = points[np.unique([*points.argmin(axis=0), *points.argmax(axis=0)])]  # nothing is far outside
     empties = [new_empty(f"Point {number}", place) for number, place in enumerate(places)]
-    make_active(obj)
-    for empty in empties:
-        empty.select_set(True)
-    assert bpy.ops.sinew.point_add(source="SELECTED", method=method) == {"FINISHED"}
+    deformer = add(obj, *empties, source="SELECTED", method=method)
+    assert [handle.control for handle in deformer.handles] == empties
+    assert obj.type == "LATTICE" or not obj.vertex_groups
     return empties
 
 
 def by_cage(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
-    cage = cage_around(obj)
-    make_active(obj)
-    assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method=method) == {"FINISHED"}
-    return [cage]
+    return [attach(obj, method)]
 
 
 def by_lattice(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
-    make_active(obj)
-    assert bpy.ops.sinew.lattice_add() == {"FINISHED"}
+    press(obj, "lattice_add")
     lattice = obj.sinew.active.controls[0].object
     lattice.parent = None
     return [lattice]
@@ -91,15 +88,13 @@ def by_lattice(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
 
 def by_curves(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
     wire = polyline(np.array([(-1.0, 0.0, 0.0), (0.0, 0.2, 0.0), (1.0, 0.0, 0.0)]))
-    make_active(obj)
-    assert bpy.ops.sinew.wire_add(curve=wire.name, radius=1e4 * FAR) == {"FINISHED"}
+    press(obj, "wire_add", curve=wire.name, radius=1e4 * FAR)
     return [wire]
 
 
 def by_tools(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
     tool = new_empty("Tool")
-    make_active(obj)
-    assert bpy.ops.sinew.tool_add(control=tool.name, outer=FAR) == {"FINISHED"}
+    press(obj, "tool_add", control=tool.name, outer=FAR)
     obj.sinew.active.controls[0].inner = 0.5 * FAR
     return [tool]
 
@@ -114,8 +109,17 @@ ADDED = {
 
 
 def motion_for(method: str) -> Matrix:
-    is_rigid = BY_ID[method].reproduces not in (Reproduced.REST, Reproduced.TRANSLATIONS)
+    """What the method carries over from its controls to what they move."""
+    row = BY_ID[method]
+    if row.control in (Control.CAGE, Control.LATTICE):
+        return BY_CONTROL[row.control].carries
+    is_rigid = row.reproduces not in (Reproduced.REST, Reproduced.TRANSLATIONS)
     return some_motion() if is_rigid else Matrix.Translation((0.4, -0.2, 0.7))
+
+
+def key_place(control: bpy.types.Object, frame: int) -> None:
+    names = ("location", "rotation_euler", "scale")
+    key(control, {frame: {name: getattr(control, name).copy() for name in names}})
 
 
 def close(seen: np.ndarray, expected: np.ndarray) -> bool:
@@ -137,15 +141,9 @@ def test_every_space_method_moves_everything_in_viewports_and_renders(kind: str,
     expected = moved_by_hand(obj, lambda points: apply_matrix(motion, points))
     make_active(obj)
     for control in controls:
-        key(
-            control,
-            {1: {"location": control.location.copy(), "rotation_euler": control.rotation_euler.copy()}},
-        )
+        key_place(control, 1)
         control.matrix_world = motion @ control.matrix_world
-        key(
-            control,
-            {11: {"location": control.location.copy(), "rotation_euler": control.rotation_euler.copy()}},
-        )
+        key_place(control, 11)
     for frame, shape in ((11, expected), (1, rest), (11, expected)):
         bpy.context.scene.frame_set(frame)
         assert close(evaluated_points(obj), shape), frame
@@ -167,20 +165,3 @@ def test_a_file_keeps_what_moves_it(kind: str, tmp_path: Path):
     for handle in obj.sinew.active.handles:
         handle.control.location.z -= 0.5
     assert np.abs(evaluated_points(obj) - before).max() > 0.3
-
-
-@pytest.mark.parametrize("kind", [kind for kind in TARGETS if kind != "loose_parts"])
-def test_what_cannot_be_had_is_said_with_a_way_out(kind: str):
-    """Bakes that files cannot hold, and methods of surfaces."""
-    obj = TARGETS[kind]()
-    update()
-    by_handles(obj, "rbf")
-    make_active(obj)
-    is_lattice = kind == "lattice"
-    for operator, words in (
-        (bpy.ops.sinew.bake, {}),
-        (bpy.ops.sinew.deformer_add, {"method": "arap"}),
-        *([] if is_lattice else [(bpy.ops.sinew.apply, {"as_shape_key": True})]),
-    ):
-        with pytest.raises(RuntimeError, match="is a lattice" if is_lattice else "convert it to a mesh"):
-            operator(**words)

@@ -12,9 +12,9 @@ from rigs.rig import (
     add_group,
     apply_matrix,
     close,
-    make_active,
     move_world,
     new_empty,
+    press,
     some_motion,
     update,
 )
@@ -77,8 +77,7 @@ def test_adding_a_handle_to_a_posed_mesh_moves_nothing(plate: Rig):
     plate.bind().lift(0.5)
     add_group(plate.obj, "Side", lambda point: abs(point[1]) < 0.1 and point[0] > 0.7)
     before = plate.points()
-    make_active(plate.obj)
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Side")
+    press(plate.obj, "handle_add", kind="HANDLE", vertex_group="Side")
     members = plate.deformer.handles[-1]
     after = plate.points()
     side = [v.index for v in plate.obj.data.vertices if any(g.group == 2 and g.weight > 0 for g in v.groups)]

@@ -10,7 +10,16 @@ import numpy as np
 import pytest
 from inside import calls_of
 from rigs.puppets import pose
-from rigs.rig import base_points, close, evaluated_points, linked, make_active, new_object, update
+from rigs.rig import (
+    armature_object,
+    base_points,
+    close,
+    evaluated_points,
+    make_active,
+    new_object,
+    refused,
+    update,
+)
 
 LOOKS = ("rest_mesh", "rest_meshes", "_new_meshes", "group_weights")
 
@@ -32,18 +41,8 @@ def tube(radius: float = 0.08, rings: int = 40, sides: int = 12) -> bpy.types.Ob
 
 
 def arm() -> bpy.types.Object:
-    armature = linked(bpy.data.objects.new("Arm", bpy.data.armatures.new("Arm")))
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    edit = armature.data.edit_bones
-    parent = None
-    for k, name in enumerate(("first", "second")):
-        bone = edit.new(name)
-        bone.head, bone.tail, bone.parent = (0.0, 0.0, float(k)), (0.0, 0.0, k + 1.0), parent
-        parent = bone
-    bpy.ops.object.mode_set(mode="OBJECT")
-    update()
-    return armature
+    places = [(0.0, 0.0, float(k)) for k in range(3)]
+    return armature_object("Arm", {"first": places[:2], "second": (*places[1:], "first")})
 
 
 def rigged(**keywords) -> tuple[bpy.types.Object, bpy.types.Object]:
@@ -113,9 +112,7 @@ def test_the_mesh_and_its_armature_are_selected_in_any_order(active: str, mode: 
     other.name = "Other"
     bpy.ops.sinew.puppet_rig(armature=armature.name)
     obj = tube()
-    make_active(bpy.data.objects[active])
-    for chosen in (armature, obj):
-        chosen.select_set(True)
+    make_active(bpy.data.objects[active], armature, obj)
     if mode == "POSE" and active == "Arm":
         bpy.ops.object.mode_set(mode="POSE")
     assert bpy.ops.sinew.puppet_rig() == {"FINISHED"}
@@ -161,11 +158,8 @@ def test_rigging_is_refused_without_a_trace():
     armature.location.x = 10.0
     update()
     # Far away, no bone lies inside.
-    with pytest.raises(RuntimeError, match="No bone of Arm lies inside of Sleeve"):
-        bpy.ops.sinew.puppet_rig(armature=armature.name)
+    refused("No bone of Arm lies inside of Sleeve", "puppet_rig", armature=armature.name)
     assert not obj.sinew.deformers
     assert not obj.vertex_groups
-    with pytest.raises(RuntimeError, match="There is no object 'Nobody'"):
-        bpy.ops.sinew.puppet_rig(armature="Nobody")
-    with pytest.raises(RuntimeError, match="Select the mesh and one armature"):
-        bpy.ops.sinew.puppet_rig()
+    refused("There is no object 'Nobody'", "puppet_rig", armature="Nobody")
+    refused("Select the mesh and one armature", "puppet_rig")

@@ -15,11 +15,13 @@ from rigs.rig import (
     apply_matrix,
     base_points,
     change_in_edit_mode,
+    duplicated,
     evaluated_points,
     make_active,
     move_world,
     new_empty,
     new_object,
+    press,
     push,
     reopen,
     update,
@@ -29,52 +31,6 @@ METHODS = ("embedded_deformation", "rigid_cells")
 TURN = Matrix.Rotation(np.radians(40.0), 4, "Z")
 
 
-def carried(obj: bpy.types.Object, method: str, places: list[tuple]) -> list[bpy.types.Object]:
-    """A deformer of handles that have no region, each with an empty at its place."""
-    make_active(obj)
-    assert bpy.ops.sinew.deformer_add(method=method) == {"FINISHED"}
-    deformer = obj.sinew.active
-    empties = []
-    for place in places:
-        empties.append(new_empty(f"Control {len(empties)}", place))
-        handle = deformer.handles.add()
-        handle.name, handle.kind, handle.control = empties[-1].name, "HANDLE", empties[-1]
-    update()
-    make_active(obj)
-    assert bpy.ops.sinew.bind() == {"FINISHED"}, deformer.status
-    return empties
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_controls_without_a_region_turn_a_mesh(method: str, plate: Rig):
-    empties = carried(plate.obj, method, [(-0.8, 0.0, 0.0), (0.8, 0.0, 0.0)])
-    rest = base_points(plate.obj)
-    assert np.abs(evaluated_points(plate.obj) - rest).max() < 1e-6
-    for empty in empties:
-        move_world(empty, TURN)
-    update()
-    turned = rest @ np.array(TURN)[:3, :3].T
-    np.testing.assert_allclose(evaluated_points(plate.obj), turned, atol=1e-5)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_curve_follows_controls_rigidly(method: str, scene):
-    curve = bpy.data.curves.new("Curve", "CURVE")
-    curve.dimensions = "3D"
-    spline = curve.splines.new("POLY")
-    spline.points.add(39)
-    for index, point in enumerate(spline.points):
-        point.co = np.cos(0.2 * index), np.sin(0.2 * index), 0.05 * index, 1.0
-    obj = bpy.data.objects.new("Curve", curve)
-    bpy.context.scene.collection.objects.link(obj)
-    empties = carried(obj, method, [(1.0, 0.0, 0.0), (0.0, 0.0, 2.0)])
-    rest = evaluated_points(obj)
-    for empty in empties:
-        move_world(empty, TURN)
-    update()
-    np.testing.assert_allclose(evaluated_points(obj), rest @ np.array(TURN)[:3, :3].T, atol=1e-5)
-
-
 def test_embedded_deformation_edits_what_an_armature_has_posed(plate: Rig):
     """A handle at rest changes nothing; all handles turned rigidly turn the posed shape."""
     rig = add_armature(plate.obj)
@@ -82,7 +38,6 @@ def test_embedded_deformation_edits_what_an_armature_has_posed(plate: Rig):
     bone = rig.pose.bones[0]
     bone.rotation_mode = "XYZ"
     bone.rotation_euler = 0.6, 0.0, 0.3
-    update()
     posed = evaluated_points(plate.obj)
     assert np.abs(posed - base_points(plate.obj)).max() > 0.05, "the armature moves the plate"
     plate.deformer.factor = 0.0
@@ -130,11 +85,7 @@ def in_world(obj: bpy.types.Object) -> np.ndarray:
 
 def follow(objects: list, empties: list, method: str) -> None:
     """Let objects follow the same empties, by the button."""
-    update()
-    make_active(objects[0])
-    for obj in (*objects, *empties):
-        obj.select_set(True)
-    bpy.context.view_layer.objects.active = objects[0]
+    make_active(objects[0], *objects, *empties)
     assert bpy.ops.sinew.point_add(source="SELECTED", method=method) == {"FINISHED"}
     for obj in objects:
         assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
@@ -181,7 +132,6 @@ def test_objects_that_share_handles_move_like_one(method: str, scene):
     empties = [new_empty(str(place), np.add(place, inside)) for place in (places[0], places[-1])]
     follow([whole], empties, method)
     move_world(empties[1], Matrix.Translation((0.0, 0.3, 0.3)) @ TURN)
-    update()
     expected = np.split(evaluated_points(whole), starts[1:-1])
     assert np.abs(np.concatenate(expected) - points).max() > 0.3
     bpy.data.objects.remove(whole)
@@ -227,23 +177,18 @@ def test_objects_that_share_handles_go_on_when_one_of_them_changes(scene, tmp_pa
     change_in_edit_mode(
         objects[1], lambda edit: bmesh.ops.delete(edit, geom=list(edit.verts)[:40], context="VERTS")
     )
-    make_active(objects[1])
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(objects[1], "bind")
     move_world(empties[1], TURN)
-    update()
     seen = [evaluated_points(obj) for obj in objects]
     reopen(tmp_path / "shared.blend")
     objects = [bpy.data.objects[name] for name in ("One", "Other")]
     for obj, points in zip(objects, seen, strict=True):
         np.testing.assert_allclose(evaluated_points(obj), points, atol=1e-5)
-    make_active(objects[0])
-    bpy.ops.object.duplicate()
-    copy = bpy.context.object
+    copy = duplicated(objects[0])
     update()
     np.testing.assert_allclose(evaluated_points(copy), seen[0], atol=1e-5)
     bpy.data.objects.remove(objects[1])
-    make_active(objects[0])
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    press(objects[0], "bind")
     assert objects[0].sinew.active.status_level == "INFO"
     meshes = {
         row.rest for obj in (objects[0], copy) for row in obj.sinew.active.companions if not row.is_target

@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from inside import inner
-from rigs.rig import Rig, change_in_edit_mode, close, make_active, new_file
+from rigs.rig import Rig, change_in_edit_mode, close, make_active, new_file, press
 
 METHOD = "subdivision_editing"
 TOLD = "1 part is no subdivision: bent as a plain plate"
@@ -55,8 +55,7 @@ def test_a_part_without_levels_is_told_and_moves_as_well():
         edit.faces.remove(edit.faces[100])
 
     change_in_edit_mode(rig.obj, cut)
-    make_active(rig.obj)
-    bpy.ops.sinew.bind()
+    press(rig.obj, "bind")
     assert TOLD in notes(rig)
     rest = rig.rest()
     assert close(rig.points()[rig.top], rest[rig.top] + (0.0, 0.0, 1.0))

@@ -11,6 +11,7 @@ import pytest
 from mathutils import Matrix, Vector
 from rigs.rig import (
     add_group,
+    add_regions,
     apply_matrix,
     evaluated_points,
     make_active,
@@ -42,19 +43,15 @@ def egg(change: str) -> bpy.types.Object:
         add_group(obj, name, lambda point, side=side: point[0] * side > 2.2 and abs(point[1]) < 5)
     if change == "turned":
         obj.matrix_world = TURN
-        update()
         make_active(obj)
         assert bpy.ops.object.transform_apply(location=False, rotation=True, scale=False) == {"FINISHED"}
     return obj
 
 
 def posed(obj: bpy.types.Object, method: str, motion: Matrix) -> np.ndarray:
-    make_active(obj)
-    assert bpy.ops.sinew.deformer_add(method=method) == {"FINISHED"}
-    for name, kind in (("Fixed", "FIXED"), ("Moved", "HANDLE")):
-        assert bpy.ops.sinew.handle_add(kind=kind, vertex_group=name) == {"FINISHED"}
+    deformer = add_regions(obj, method, {"Fixed": "FIXED", "Moved": "HANDLE"})
     assert bpy.ops.sinew.bind() == {"FINISHED"}
-    move_world(obj.sinew.active.handles[1].control, motion)
+    move_world(deformer.handles[1].control, motion)
     return evaluated_points(obj)
 
 
@@ -77,13 +74,11 @@ def test_a_file_of_an_earlier_build_keeps_its_looks(scene, change: str) -> None:
     values = deformer.thin_shell_nonlinear
     values.tolerance, values.max_iterations = 1e-9, 1000
     deformer.property_unset("sizes")
-    update()
     old = evaluated_points(obj)
     assert np.abs(old - new).max() > 1e-3
     corners = [Vector(vertex.co) for vertex in obj.data.vertices]
     box = np.ptp(np.array(corners), axis=0)
     values.thickness, values.measure = values.thickness * float(np.linalg.norm(box)), "length"
-    update()
     assert np.abs(evaluated_points(obj) - old).max() < 1e-4
 
 
@@ -114,6 +109,5 @@ def test_a_file_of_an_earlier_build_keeps_the_default_of_its_time(
     setattr(getattr(new, method), parameter, former)
     for deformer in (new, old):
         deformer.property_unset("sizes")
-    update()
     assert np.array_equal(evaluated_points(old.id_data), evaluated_points(new.id_data))
     assert np.abs(evaluated_points(old.id_data) - rows["Old"]).max() > 1e-3

@@ -8,8 +8,21 @@ import bpy
 import numpy as np
 import pytest
 from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, footprint, played
-from inside import catch_up
-from rigs.rig import Rig, add_group, grid_object, make_active, update
+from inside import settle
+from libraries import overridden, override, put_into_a_library
+from rigs.rig import (
+    Rig,
+    add_group,
+    add_regions,
+    duplicated,
+    fails,
+    grid_object,
+    load,
+    make_active,
+    refused,
+    save,
+    update,
+)
 from rigs.sheet import WIDE, draw, draw_panel
 
 # Several
@@ -19,11 +32,7 @@ def two_deformers(plate: Rig) -> Rig:
     obj = plate.obj
     add_group(obj, "Corner", lambda point: point[0] > 0.75 and point[1] > 0.75)
     add_group(obj, "Rest", lambda point: point[0] < 0.3 or point[1] < 0.3)
-    make_active(obj)
-    bpy.ops.sinew.deformer_add(method="thin_shell")
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Corner")
-    make_active(obj)
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Rest")
+    add_regions(obj, "thin_shell", {"Corner": "HANDLE", "Rest": "FIXED"})
     animate(obj.sinew.deformers[1].handles[0].control, angle=20.0)
     return plate
 
@@ -52,8 +61,7 @@ def test_all_deformers_of_all_selected_meshes_are_baked_at_once(saved: Rig, targ
     other = Rig(grid_object("Second")).bind("arap")
     animate(other.control, angle=40.0)
     live = {rig.name: played(rig.obj) for rig in (saved, other)}
-    make_active(saved.obj)
-    other.obj.select_set(True)
+    make_active(saved.obj, other.obj)
     assert bpy.ops.sinew.bake(target=target, all_deformers=True) == {"FINISHED"}
     for rig in (saved, other):
         assert all(deformer.bake.is_baked for deformer in rig.obj.sinew.deformers)
@@ -68,8 +76,7 @@ def test_all_deformers_of_all_selected_meshes_are_baked_at_once(saved: Rig, targ
 
 def test_one_path_for_several_deformers_is_refused(saved: Rig, tmp_path: Path):
     two_deformers(saved)
-    with pytest.raises(RuntimeError, match="One file"):
-        bake(saved, "PC2", tmp_path / "x", all_deformers=True)
+    fails("One file", bake, saved, "PC2", tmp_path / "x", all_deformers=True)
 
 
 # Renames, copies, files
@@ -103,11 +110,8 @@ def test_shape_keys_that_the_user_renamed_stay(moving: Rig):
 def test_a_copy_plays_and_unbakes_by_itself(saved: Rig):
     live = played(saved.obj)
     bake(saved, "PC2")
-    make_active(saved.obj)
-    bpy.ops.object.duplicate()
-    copy = bpy.context.object
-    update()
-    catch_up()
+    copy = duplicated(saved.obj)
+    settle()
     assert_same(played(copy), live)
     make_active(copy)
     bpy.ops.sinew.unbake(delete_file=True)  # the original still plays it
@@ -119,8 +123,7 @@ def test_a_copy_plays_and_unbakes_by_itself(saved: Rig):
 def test_unbake_of_keys_on_a_shared_mesh_is_refused(moving: Rig):
     bake(moving, "SHAPE_KEYS")
     bpy.data.objects.new("Other", moving.obj.data)
-    with pytest.raises(RuntimeError, match="single-user"):
-        bpy.ops.sinew.unbake()
+    refused("single-user", "unbake")
     assert moving.deformer.bake.is_baked
 
 
@@ -228,34 +231,18 @@ def test_while_baked_the_rows_are_greyed_out_and_the_panel_says_why(saved: Rig, 
 
 
 def test_an_override_is_baked(saved: Rig, tmp_path: Path):
-    collection = bpy.data.collections.new("Asset")
-    bpy.context.scene.collection.children.link(collection)
-    for obj in (saved.obj, saved.control):
-        collection.objects.link(obj)
     live = played(saved.obj)
-    bpy.ops.wm.save_mainfile()
-    path = bpy.data.filepath
-    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-    with bpy.data.libraries.load(path, link=True) as (_there, here):
-        here.collections = ["Asset"]
-    scene = bpy.context.scene
-    scene.collection.children.link(here.collections[0])
-    update()
-    here.collections[0].override_hierarchy_create(scene, bpy.context.view_layer)
-    update()
-    catch_up()
-    obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot" / "over.blend"))
-    obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
-    shown = played(obj)
+    path = put_into_a_library(tmp_path / "shot" / "scene.blend", saved.obj, saved.control)
+    override(path)
+    save(tmp_path / "shot" / "over.blend")
+    shown = played(overridden())
     assert max(np.abs(shown[frame] - live[frame]).max() for frame in FRAMES) < 1e-5
-    make_active(obj)
+    make_active(overridden())
     assert bpy.ops.sinew.bake(target="PC2", frame_start=1, frame_end=8) == {"FINISHED"}
-    assert_same(played(obj), shown)
+    assert_same(played(overridden()), shown)
     bpy.ops.wm.save_mainfile()
-    bpy.ops.wm.open_mainfile(filepath=bpy.data.filepath)
-    obj = next(obj for obj in bpy.data.objects if obj.override_library and obj.sinew.deformers)
-    assert_same(played(obj), shown)
-    make_active(obj)
+    load(bpy.data.filepath)
+    assert_same(played(overridden()), shown)
+    make_active(overridden())
     bpy.ops.sinew.unbake()
-    assert_same(played(obj), shown)
+    assert_same(played(overridden()), shown)

@@ -4,15 +4,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
 from editing import placed_object
 from inside import finish, inner, use_threads
-from libraries import override, put_into_a_library
+from libraries import override, put_into_a_library, read
 from mathutils import Matrix, Vector
+from mouse import event
 from rigs.rig import (
     add_group,
     apply_matrix,
@@ -21,12 +21,11 @@ from rigs.rig import (
     curves_of,
     evaluated_points,
     grid_object,
+    linked,
     make_active,
     new_armature,
-    new_file,
     new_object,
-    push,
-    reopen,
+    press,
     update,
 )
 
@@ -231,8 +230,7 @@ def plate_with_button() -> bpy.types.Object:
     obj = grid_object(cells=20)
     bpy.ops.mesh.primitive_cube_add(size=0.05, location=(0.0, 0.0, 0.03))
     button = bpy.context.object
-    make_active(obj)
-    button.select_set(True)
+    make_active(obj, button)
     bpy.ops.object.join()
     return obj
 
@@ -326,37 +324,9 @@ def tip_of(obj: bpy.types.Object) -> bpy.types.PoseBone:
     add_group(obj, "Tip", lambda point: point[0] > 0.7)
     add_group(obj, "Base", lambda point: point[0] < -0.7)
     armature = new_armature(Bone=((0.8, 0.0, 0.0), (1.0, 0.1, 0.2)))
-    make_active(obj)
-    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
-    make_active(obj)
-    bpy.ops.sinew.handle_add(vertex_group="Tip", control_object=armature.name, bone="Bone")
+    press(obj, "handle_add", kind="FIXED", vertex_group="Base")
+    press(obj, "handle_add", vertex_group="Tip", control_object=armature.name, bone="Bone")
     return armature.pose.bones["Bone"]
-
-
-def test_undo_takes_back_a_drag_in_one_step_and_redo_makes_it_again():
-    obj = grid_object(cells=12)
-    push("made")
-    before = everything()
-    bpy.ops.sinew.drag("EXEC_DEFAULT", True, origin=(0.0, 0.0, 5.0), value=LIFT)
-    shape = evaluated_points(bpy.data.objects[obj.name])
-    bpy.ops.ed.undo()
-    assert everything() == before
-    bpy.ops.ed.redo()
-    obj = next(other for other in bpy.data.objects if other.type == "MESH" and other.sinew.deformers)
-    assert close(evaluated_points(obj), shape)
-
-
-def test_a_drag_is_saved(tmp_path: Path):
-    obj = grid_object(cells=12)
-    drag()
-    name, shape = obj.name, evaluated_points(obj)
-    reopen(tmp_path / "dragged.blend")
-    obj = bpy.data.objects[name]
-    assert close(evaluated_points(obj), shape)
-    make_active(obj)
-    drag(z=6.0, value=(0.0, 0.0, 0.25))
-    assert len([row for row in obj.sinew.active.handles if row.kind == "HANDLE"]) == 1
-    assert evaluated_points(obj)[:, 2].max() == pytest.approx(0.75, abs=1e-5)
 
 
 def test_automatic_keyframes_are_inserted():
@@ -393,10 +363,7 @@ def test_what_is_no_mesh():
 
 def test_what_is_linked(tmp_path: Path):
     path = put_into_a_library(tmp_path / "library.blend", grid_object())
-    new_file()
-    with bpy.data.libraries.load(path, link=True) as (_inside, wanted):
-        wanted.objects = ["Plate"]
-    bpy.context.scene.collection.objects.link(wanted.objects[0])
+    linked(read(path, True, "objects", "Plate"))
     update()
     refused("linked - make a library override")
 
@@ -466,21 +433,18 @@ class Finger:
     """A press on the middle of a plate that is seen from above, where a pixel is a centimetre."""
 
     def __init__(self, obj: bpy.types.Object, place=(0.0, 0.0, 0.0), wait: bool = True) -> None:
-        dragging = inner.dragging
         typed = inner.typed_motion
-        self.obj, self.outcomes = obj, dragging.Outcome
+        self.obj, self.outcomes = obj, inner.dragging.Outcome
         self.x, self.y = 500.0, 300.0
         self.view = typed.View(*np.eye(3), pixel=0.01, centre=(500.0, 300.0))
-        depsgraph = bpy.context.evaluated_depsgraph_get()
         hit = inner.surface.Hit(obj, np.array(place), np.array((0.0, 0.0, 1.0)))
-        self.drag = inner.drag.Drag(hit, depsgraph, inner.drag.Brush("arap", 0.25, 0.5), wait)
+        brush = inner.drag.Brush("arap", 0.25, 0.5)
+        self.drag = inner.drag.Drag(hit, bpy.context.evaluated_depsgraph_get(), brush, wait)
         motion = typed.TypedMotion(typed.Mode.TRANSLATE, self.view, np.eye(3), (self.x, self.y))
-        self.tool = dragging.Dragging(self.drag, motion, np.array(place), np.eye(3))
+        self.tool = inner.dragging.Dragging(self.drag, motion, np.array(place), np.eye(3))
 
     def send(self, kind: str, value: str = "PRESS"):
-        event = SimpleNamespace(type=kind, value=value, mouse_x=self.x, mouse_y=self.y, unicode="")
-        event.shift = event.ctrl = event.is_repeat = False
-        return self.tool.process(self.obj, event, self.view)
+        return self.tool.process(self.obj, event(kind, value, self.x, self.y), self.view)
 
     def move(self, x: float, y: float):
         self.x, self.y = self.x + x, self.y + y
@@ -511,7 +475,6 @@ def test_cancel_leaves_nothing_behind(key: str, before: str):
     elif before == "the handle":
         drag(value=(0.1, 0.0, 0.2))
     make_active(obj)
-    update()
     was, shape = everything(), evaluated_points(obj)
     status = [inner.status.current(row.uid).text for row in obj.sinew.deformers]
     finger = Finger(obj, (0.1, 0.0, 0.2) if before == "the handle" else (0.0, 0.0, 0.0))

@@ -11,7 +11,7 @@ import pytest
 from inside import inner
 from mathutils import Euler, Matrix
 from rigs.cages import ball
-from rigs.rig import add_group, base_points, make_active, new_object, update
+from rigs.rig import add_group, base_points, make_active, new_object, press, update
 from rigs.rig_of_curves import polyline, stroke_through
 from test_drag import drag
 
@@ -73,12 +73,12 @@ def test_each_of_several_curves_gets_a_radius_of_its_own(head: bpy.types.Object)
 @pytest.mark.parametrize(("place", "size"), [((0.0, 0.0, 2.0), BIG), (tuple(CENTRE), SMALL)])
 def test_a_field_reaches_as_the_part_asks_for(head: bpy.types.Object, place: tuple, size: float):
     bpy.context.scene.cursor.location = place
-    for press in (
+    for act in (
         lambda: bpy.ops.sinew.tool_add(tool="drag"),
         lambda: bpy.ops.sinew.tool_drag(path=stroke(0.1, np.array(place))),
     ):
         make_active(head)
-        assert press() == {"FINISHED"}
+        assert act() == {"FINISHED"}
         assert head.sinew.active.controls[-1].outer == pytest.approx(size / 3.0, rel=1e-3)
 
 
@@ -94,8 +94,7 @@ def test_the_rings_of_the_active_control_are_as_large_as_it_reaches(head: bpy.ty
     bpy.ops.sinew.wire_draw(stroke=stroke(0.4, middle), points=0)
     update()
     assert radii(middle) == pytest.approx([0.14], rel=0.1)
-    make_active(head)
-    bpy.ops.sinew.tool_add(tool="drag", location=middle, outer=0.8)
+    press(head, "tool_add", tool="drag", location=middle, outer=0.8)
     update()
     assert radii(middle) == pytest.approx([0.2] * 3 + [0.8] * 3, rel=1e-4)
     head.sinew.active.controls[-1].object.scale = (2.0, 2.0, 2.0)
@@ -106,16 +105,14 @@ def test_the_rings_of_the_active_control_are_as_large_as_it_reaches(head: bpy.ty
 def _handle(obj: bpy.types.Object) -> None:
     bpy.ops.sinew.deformer_add(method="arap")
     for name in ("One", "Two"):
-        make_active(obj)
-        assert bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group=name) == {"FINISHED"}
+        press(obj, "handle_add", kind="HANDLE", vertex_group=name)
 
 
 def _handle_beside_a_moved_one(obj: bpy.types.Object) -> None:
     bpy.ops.sinew.deformer_add(method="arap")
     bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="One")
     bpy.context.object.rotation_euler = (0.2, 0.3, 0.1)
-    make_active(obj)
-    bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Two")
+    press(obj, "handle_add", kind="HANDLE", vertex_group="Two")
 
 
 def _point(obj: bpy.types.Object) -> None:
@@ -130,8 +127,7 @@ def _drag(obj: bpy.types.Object) -> None:
 
 def _tool(obj: bpy.types.Object) -> None:
     for tool in ("drag", "twist", "bend"):
-        make_active(obj)
-        bpy.ops.sinew.tool_add(tool=tool)
+        press(obj, "tool_add", tool=tool)
 
 
 MAKERS: dict[str, Callable[[bpy.types.Object], None]] = {
@@ -160,7 +156,6 @@ def test_a_fresh_control_shows_no_minus_zero(maker: str, turned: bool):
     add_group(obj, "Two", lambda point: point[1] < -0.3)
     if turned:
         obj.matrix_world = Matrix.LocRotScale((0.0, 7.3, -2.1), Euler((0.3, -0.2, 0.5)), (1.0, 1.0, 1.0))
-    update()
     make_active(obj)
     before = set(bpy.data.objects)
     MAKERS[maker](obj)

@@ -3,14 +3,13 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import bmesh
 import bpy
 import numpy as np
 import pytest
 from editing import centre, edit, edited, grab, placed_object, selection
 from inside import inner, use_threads
+from mouse import event, front_view
 from registry import GRABBING
 from rigs.rig import grid_object
 
@@ -18,30 +17,17 @@ from rigs.rig import grid_object
 class Hand:
     """A person at the mouse and keyboard, before a front view where a pixel is a centimetre."""
 
-    def __init__(self, obj: bpy.types.Object, method: str = "thin_shell", **keywords) -> None:
-        grabbing = inner.grabbing
+    def __init__(self, obj: bpy.types.Object, method: str = "thin_shell", radius: float = 0.4) -> None:
         typed = inner.typed_motion
         self.obj, self.x, self.y = obj, 500.0, 300.0
-        self.outcomes = grabbing.Outcome
-        self.view = typed.View(
-            right=np.array((1.0, 0.0, 0.0)),
-            up=np.array((0.0, 0.0, 1.0)),
-            toward=np.array((0.0, -1.0, 0.0)),
-            pixel=0.01,
-            centre=(400.0, 300.0),
-        )
+        self.outcomes, self.view = inner.grabbing.Outcome, front_view()
         grab = inner.grab.Grab(obj, inner.methods.BY_ID[method])
-        pivot = grab.selection.mean(axis=0)
-        mode = typed.Mode(keywords.pop("mode", "TRANSLATE"))
-        motion = typed.TypedMotion(mode, self.view, np.eye(3), (self.x, self.y))
-        self.tool = grabbing.Grabbing(grab, motion, pivot, np.eye(3), keywords.pop("radius", 0.4))
+        motion = typed.TypedMotion(typed.Mode.TRANSLATE, self.view, np.eye(3), (self.x, self.y))
+        self.tool = inner.grabbing.Grabbing(grab, motion, grab.selection.mean(axis=0), np.eye(3), radius)
 
     def send(self, kind: str, value: str = "PRESS", **modifiers: bool):
-        event = SimpleNamespace(type=kind, value=value, mouse_x=self.x, mouse_y=self.y)
-        event.unicode = {"PERIOD": ".", "MINUS": "-", "ZERO": "0", "TWO": "2", "FIVE": "5"}.get(kind, "")
-        for name in ("shift", "ctrl", "is_repeat"):
-            setattr(event, name, modifiers.get(name, False))
-        return self.tool.process(self.obj, event, self.view)
+        text = {"PERIOD": ".", "MINUS": "-", "ZERO": "0", "TWO": "2", "FIVE": "5"}.get(kind, "")
+        return self.tool.process(self.obj, event(kind, value, self.x, self.y, text, **modifiers), self.view)
 
     def move(self, x: float, y: float, **modifiers: bool):
         self.x, self.y = self.x + x, self.y + y

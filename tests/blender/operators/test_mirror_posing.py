@@ -8,18 +8,18 @@ import numpy as np
 import pytest
 from inside import calls_of, evaluated_by, inner, settle
 from mathutils import Euler, Matrix, Quaternion, Vector
+from probe import render
 from rigs.rig import (
-    FLOAT32,
     Rig,
     add_group,
     curves_of,
     grid_object,
     key,
-    linked,
     make_active,
     move_world,
     new_armature,
     new_empty,
+    press,
     push,
     reopen,
     some_motion,
@@ -36,8 +36,7 @@ REST = {"location": (0.0, 0.0, 0.0), "rotation_euler": (0.0, 0.0, 0.0), "scale":
 
 def add_handle(plate: Rig, name: str, where, kind: str = "HANDLE", **keywords) -> None:
     add_group(plate.obj, name, where)
-    make_active(plate.obj)
-    bpy.ops.sinew.handle_add(kind=kind, vertex_group=name, **keywords)
+    press(plate.obj, "handle_add", kind=kind, vertex_group=name, **keywords)
     make_active(plate.obj)
 
 
@@ -75,12 +74,6 @@ def pose(obj: bpy.types.Object, **values) -> None:
 
 def is_at(obj: bpy.types.Object, values: dict, tolerance: float = 2e-6) -> bool:
     return all(np.allclose(getattr(obj, name), value, atol=tolerance) for name, value in values.items())
-
-
-def select(*objects: bpy.types.Object) -> None:
-    make_active(objects[0])
-    for obj in objects:
-        obj.select_set(True)
 
 
 @pytest.mark.parametrize(("one", "other"), [("Hand.L", "Hand.R"), ("Hand.R", "Hand.L")])
@@ -138,7 +131,7 @@ def test_it_is_saved(hands: Rig, tmp_path):
     ids=["move", "rotate", "scale"],
 )
 def test_blenders_transforms_are_followed(hands: Rig, act, expected):
-    select(left(hands))
+    make_active(left(hands))
     before = right(hands).matrix_world.copy()
     act()
     update()
@@ -157,7 +150,7 @@ def unmoved(matrix: Matrix) -> Matrix:
 
 def test_clearing_a_transform_clears_the_other(hands: Rig):
     pose(left(hands), **POSED)
-    select(left(hands))
+    make_active(left(hands))
     bpy.ops.object.location_clear()
     bpy.ops.object.rotation_clear()
     bpy.ops.object.scale_clear()
@@ -191,7 +184,7 @@ def test_the_other_control_may_turn_in_another_mode(hands: Rig, mode):
 
 
 def test_both_moved_at_once_keep_what_the_transform_gave_them(hands: Rig):
-    select(left(hands), right(hands))
+    make_active(left(hands), right(hands))
     bpy.ops.transform.translate(value=(0.1, 0.2, 0.3))
     update()
     assert is_at(left(hands), {"location": (0.1, 0.2, 0.3)})
@@ -266,35 +259,15 @@ def test_renders_and_other_updates_are_not_mirrored(hands: Rig):
     bpy.context.scene.frame_set(1)
     pose(right(hands), location=(0.0, 0.0, 0.0))
     scene = bpy.context.scene
-    scene.camera = linked(bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera")))
-    scene.render.resolution_x = scene.render.resolution_y = 8
-    scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 1, False
     for frame in (2, 3):
         scene.frame_set(frame)
-        bpy.ops.render.render(animation=False)
+        render()
         assert is_at(right(hands), REST)
     other = new_empty("Other")
     other.location.x = 1.0
     hands.obj.data.update_tag()
     update()
     assert is_at(right(hands), REST)
-
-
-def test_undo_takes_back_both_in_one_step(hands: Rig):
-    push("Before")
-    pose(left(hands), **POSED)
-    push("Move")
-    shape = hands.points()
-    bpy.ops.ed.undo()
-    update()
-    assert is_at(left(hands), REST)
-    assert is_at(right(hands), REST)
-    assert np.abs(hands.points() - hands.rest()).max() < 2e-5
-    bpy.ops.ed.redo()
-    update()
-    assert is_at(left(hands), POSED)
-    assert is_at(right(hands), MIRRORED)
-    assert np.abs(hands.points() - shape).max() < FLOAT32
 
 
 def push_before_the_partner_follows(message: str) -> None:
@@ -342,8 +315,7 @@ def test_controls_that_rest_otherwise_follow_as_mirror_does(hands: Rig, turned):
     update()
     for name, empty in zip(("Hand.L", "Hand.R"), ours, strict=True):
         by_name(hands, name).control = empty
-    make_active(hands.obj)
-    bpy.ops.sinew.bind()
+    press(hands.obj, "bind")
     assert np.abs(hands.points() - hands.rest()).max() < 2e-5
     for leader in ours:
         turn = Matrix.Translation((0.1, 0.2, 0.3)) @ Euler((0.3, -0.2, 0.4)).to_matrix().to_4x4()
@@ -364,8 +336,7 @@ def test_controls_on_bones_and_with_child_of_follow(hands: Rig):
     update()
     for name, empty in zip(("Hand.L", "Hand.R"), ours, strict=True):
         by_name(hands, name).control = empty
-    make_active(hands.obj)
-    bpy.ops.sinew.bind()
+    press(hands.obj, "bind")
     for leader in ours:
         leader.location.z += 0.2
         leader.rotation_euler.x += 0.3
@@ -418,8 +389,7 @@ def test_the_mirror_operator_moves_the_first_control_no_further(hands: Rig):
     pose(left(hands), **POSED)
     given = [np.array(getattr(left(hands), name)) for name in POSED]
     hands.deformer.active_handle = 0
-    make_active(hands.obj)
-    bpy.ops.sinew.handle_mirror()
+    press(hands.obj, "handle_mirror")
     update()
     assert all(
         np.array_equal(value, getattr(left(hands), name)) for name, value in zip(POSED, given, strict=True)
@@ -444,7 +414,7 @@ def test_automatic_keyframes_key_the_partner_too(hands: Rig, monkeypatch):
     scene.tool_settings.use_keyframe_insert_auto = True
     monkeypatch.setattr(bpy.context.preferences.edit, "use_keyframe_insert_available", False)
     scene.frame_set(1)
-    select(left(hands))
+    make_active(left(hands))
     bpy.ops.transform.translate(value=(0.1, 0.2, 0.3))
     settle()
     assert left(hands).animation_data is not None
@@ -481,7 +451,7 @@ def keys_of(obj: bpy.types.Object) -> dict[tuple[str, int], list[float]]:
 def test_inserting_keyframes_keys_the_partner_too(hands: Rig, one, other):
     """At rest, moved, moved once more; and one channel alone."""
     scene = bpy.context.scene
-    select(one(hands))
+    make_active(one(hands))
     scene.frame_set(1)
     insert_keyframes()
     assert set(map(tuple, keys_of(one(hands)).values())) == {(1.0,)}
@@ -508,15 +478,14 @@ def test_inserting_keyframes_keys_the_partner_too(hands: Rig, one, other):
 
 def test_only_what_is_keyed_by_hand_is_keyed_on_the_other_side(hands: Rig):
     """Not what a script names, nor what is keyed while both are selected or while the switch is off."""
-    select(control(hands, "Head"))
+    make_active(control(hands, "Head"))
     left(hands).keyframe_insert("location", frame=1)
-    update()
     settle()
     assert not keys_of(right(hands))
-    select(left(hands), right(hands))
+    make_active(left(hands), right(hands))
     insert_keyframes("Location")
     assert set(keys_of(right(hands))) == {("location", axis) for axis in range(3)}
-    select(left(hands))
+    make_active(left(hands))
     pose(left(hands), **POSED)
     bpy.context.scene.frame_set(5)  # what was not keyed is gone
     insert_keyframes("Scaling")

@@ -10,12 +10,14 @@ from rigs.rig import (
     FLOAT32,
     Rig,
     add_group,
+    add_regions,
     curves_of,
     key,
     linked,
-    make_active,
     move_world,
     new_empty,
+    press,
+    refused,
     update,
 )
 
@@ -28,12 +30,9 @@ def three_deformers(plate: Rig) -> bpy.types.Object:
     obj.modifiers.new("Between", "SMOOTH").factor = 0.0
     for name, where in (("Left", lambda p: p[0] < -0.75), ("Right", lambda p: p[0] > 0.75)):
         add_group(obj, name, where)
-        make_active(obj)
-        bpy.ops.sinew.deformer_add(method="thin_shell")
-        bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group=name)
+        add_regions(obj, "thin_shell", {name: "HANDLE"})
     for deformer, name in zip(obj.sinew.deformers, "ABC", strict=True):
         deformer.name = name
-    make_active(obj)
     return obj
 
 
@@ -67,8 +66,7 @@ def test_a_move_past_the_end_does_nothing(plate: Rig):
     assert bpy.ops.sinew.deformer_move(direction="DOWN", index=2) == {"CANCELLED"}
     assert bpy.ops.sinew.handle_move(direction="UP", index=0) == {"CANCELLED"}
     assert names(obj) == "ABC"
-    with pytest.raises(RuntimeError, match="3 deformers"):
-        bpy.ops.sinew.deformer_move(direction="UP", index=3)
+    refused("3 deformers", "deformer_move", direction="UP", index=3)
 
 
 def test_a_modifier_dragged_by_the_user_falls_in_line_with_the_list(plate: Rig):
@@ -217,8 +215,7 @@ def test_the_order_of_handles_changes_no_shape(plate: Rig):
     plate.lift(0.5)
     before = plate.points()
     control = plate.control
-    make_active(obj)
-    bpy.ops.sinew.handle_move(direction="DOWN", index=0)
+    press(obj, "handle_move", direction="DOWN", index=0)
     assert obj.sinew.active.active_handle == 0
     assert np.abs(plate.points() - before).max() < FLOAT32
     move_world(control, Matrix.Translation((0.0, 0.0, 0.25)))
@@ -237,7 +234,6 @@ def test_a_shared_action_slot_of_another_object_is_left_alone(plate: Rig):
     update()
     other.sinew.deformers[1].factor = 0.25
     other.sinew.deformers[1].keyframe_insert("factor", frame=1)
-    make_active(obj)
-    bpy.ops.sinew.deformer_move(direction="UP", index=1)
+    press(obj, "deformer_move", direction="UP", index=1)
     bag = action.layers[0].strips[0].channelbag(other.animation_data.action_slot)
     assert [curve.data_path for curve in bag.fcurves] == ["sinew.deformers[1].factor"]

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-from types import SimpleNamespace
 
 import bmesh
 import bpy
@@ -13,19 +12,22 @@ import pytest
 from expected import Expected
 from inside import inner
 from mathutils import Matrix
+from mouse import event, front_view
 from rigs.rig import (
     Rig,
     apply_matrix,
     base_points,
     close,
     evaluated_points,
+    fails,
     grid_object,
     linked,
     make_active,
     new_object,
-    push,
+    refused,
     update,
 )
+from rigs.rig_of_curves import polyline, stroke_through
 
 FRONT = Matrix.Rotation(math.radians(90.0), 4, "X")  # a camera that looks along y
 EDGE = 0.16  # length of the longest edge of the ball
@@ -54,14 +56,8 @@ def bump(angle: float) -> float:
 
 
 def curve(points: np.ndarray, name: str = "Stroke", closed: bool = False) -> bpy.types.Object:
-    data = bpy.data.curves.new(name, "CURVE")
-    data.dimensions = "3D"
-    line = data.splines.new("POLY")
-    line.use_cyclic_u = closed
-    line.points.add(len(points) - 1)
-    for point, place in zip(line.points, points, strict=True):
-        point.co = (*place, 1.0)
-    stroke = linked(bpy.data.objects.new(name, data))
+    stroke = polyline(points, name)
+    stroke.data.splines[0].use_cyclic_u = closed
     update()
     return stroke
 
@@ -189,22 +185,12 @@ def test_an_edited_stroke_redraws_its_key():
     sketch(stroke, reach=0.8)
     assert close(evaluated_points(obj), again)
     for name in ("Nothing", "Basis"):
-        with pytest.raises(RuntimeError, match=f"no shape key {name}"):
-            sketch(stroke, shape_key=name)
+        fails(f"no shape key {name}", sketch, stroke, shape_key=name)
 
 
 def test_a_drawn_stroke_may_be_kept_as_a_curve():
     obj = ball()
-    # Which members an element has differs between releases.
-    members = bpy.types.OperatorStrokeElement.bl_rna.properties
-    element = {
-        member.identifier: tuple(member.default_array)
-        if getattr(member, "is_array", False)
-        else member.default
-        for member in members
-        if member.identifier != "rna_type"
-    }
-    points = [{**element, "location": place} for place in arc(bump).tolist()]
+    points = stroke_through(arc(bump))
     answer = bpy.ops.sinew.silhouette_sketch(points=points, view=FRONT, reach=0.6, keep_stroke=True)
     assert answer == {"FINISHED"}
     drawn = evaluated_points(obj)
@@ -213,36 +199,6 @@ def test_a_drawn_stroke_may_be_kept_as_a_curve():
     make_active(obj)
     assert sketch(kept, reach=0.6, shape_key="Silhouette") == {"FINISHED"}
     assert close(evaluated_points(obj), drawn)
-
-
-def test_undo_and_redo_of_a_sketch():
-    obj = ball()
-    stroke = curve(arc(bump))
-    push("before")
-    before = evaluated_points(obj)
-    assert bpy.ops.sinew.silhouette_sketch("EXEC_DEFAULT", True, stroke=stroke.name, view=FRONT) == {
-        "FINISHED"
-    }
-    after = evaluated_points(bpy.data.objects["Ball"])
-    assert not close(after, before)
-    for _ in range(2):
-        bpy.ops.ed.undo()
-        assert key_names(bpy.data.objects["Ball"]) == []
-        assert close(evaluated_points(bpy.data.objects["Ball"]), before)
-        bpy.ops.ed.redo()
-        assert key_names(bpy.data.objects["Ball"]) == ["Basis", "Silhouette"]
-        assert close(evaluated_points(bpy.data.objects["Ball"]), after)
-
-
-def test_a_sketch_survives_saving_and_loading(tmp_path):
-    obj = ball()
-    sketch(curve(arc(bump)), reach=0.6)
-    after = evaluated_points(obj)
-    path = str(tmp_path / "sketch.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.open_mainfile(filepath=path)
-    assert close(evaluated_points(bpy.data.objects["Ball"]), after)
-    assert "Stroke" in bpy.data.objects
 
 
 def test_a_deformer_after_the_key_gets_the_redrawn_shape(plate: Rig):
@@ -319,8 +275,7 @@ def test_fixed_regions_stay_and_a_line_inside_one_is_refused():
     above[:, 1] = -3.0
     assert above[:, 2].min() > 0.5
     make_active(obj)
-    with pytest.raises(RuntimeError, match="Fixed regions"):
-        sketch(curve(above, "Above"))
+    fails("Fixed regions", sketch, curve(above, "Above"))
     assert key_names(obj) == ["Basis", "Silhouette"]
     obj.sinew.deformers[0].handles[0].kind = "SUPPORT"
     assert sketch(bpy.data.objects["Above"], reach=0.2) == {"FINISHED"}
@@ -372,62 +327,43 @@ def test_what_is_no_stroke_is_refused(message: str):
     obj = ball()
     stroke = REFUSED[message]()
     make_active(obj)
-    with pytest.raises(RuntimeError, match=message):
-        sketch(stroke)
+    fails(message, sketch, stroke)
     assert key_names(obj) == []
 
 
 def test_what_is_no_view_or_no_target_is_refused():
     obj = ball()
     stroke = curve(arc(bump))
-    with pytest.raises(RuntimeError, match="no camera"):
-        bpy.ops.sinew.silhouette_sketch(stroke=stroke.name)
-    with pytest.raises(RuntimeError, match="scaled to zero"):
-        sketch(stroke, Matrix.Scale(0.0, 4))
-    with pytest.raises(RuntimeError, match="not a number"):
-        sketch(stroke, Matrix.Diagonal((math.nan, 1.0, 1.0, 1.0)))
-    with pytest.raises(RuntimeError, match="There is no object Nothing"):
-        bpy.ops.sinew.silhouette_sketch(stroke="Nothing", view=FRONT)
-    with pytest.raises(RuntimeError, match="There is no stroke"):
-        bpy.ops.sinew.silhouette_sketch(view=FRONT)
+    refused("no camera", "silhouette_sketch", stroke=stroke.name)
+    fails("scaled to zero", sketch, stroke, Matrix.Scale(0.0, 4))
+    fails("not a number", sketch, stroke, Matrix.Diagonal((math.nan, 1.0, 1.0, 1.0)))
+    refused("There is no object Nothing", "silhouette_sketch", stroke="Nothing", view=FRONT)
+    refused("There is no stroke", "silhouette_sketch", view=FRONT)
     for edge in obj.data.edges:
         edge.select = False
-    with pytest.raises(RuntimeError, match="No edges are selected"):
-        sketch(stroke, line="EDGES")
+    fails("No edges are selected", sketch, stroke, line="EDGES")
     obj.data.vertices[3].co.x = math.nan
-    with pytest.raises(RuntimeError, match="invalid coordinates"):
-        sketch(stroke)
+    fails("invalid coordinates", sketch, stroke)
     assert key_names(obj) == []
     make_active(stroke)
-    with pytest.raises(RuntimeError, match="poll"):
-        sketch(stroke)
+    fails("poll", sketch, stroke)
     empty = new_object("Empty", [(0.0, 0.0, 0.0)])
     make_active(empty)
-    with pytest.raises(RuntimeError, match="has no faces"):
-        sketch(stroke)
+    fails("has no faces", sketch, stroke)
 
 
 class Hand:
     """A person at the mouse, before a front view where a pixel is a centimetre."""
 
     def __init__(self, obj: bpy.types.Object, replaced: str = "") -> None:
-        typed, sketching = inner.typed_motion, inner.sketching
+        sketching = inner.sketching
         self.obj, self.outcomes, self.stages = obj, sketching.Outcome, sketching.Stage
-        self.view = typed.View(
-            right=np.array((1.0, 0.0, 0.0)),
-            up=np.array((0.0, 0.0, 1.0)),
-            toward=np.array((0.0, -1.0, 0.0)),
-            pixel=0.01,
-            centre=(400.0, 300.0),
-        )
+        self.view = front_view()
         self.tool = sketching.Sketching(inner.sketch.Sketch(obj, False, replaced), np.zeros(3), 0.0)
 
     def send(self, kind: str, value: str = "PRESS", place=(0.0, 0.0), **modifiers: bool):
-        event = SimpleNamespace(type=kind, value=value)
-        event.mouse_x, event.mouse_y = 400.0 + 100.0 * place[0], 300.0 + 100.0 * place[1]
-        for name in ("shift", "ctrl", "is_repeat"):
-            setattr(event, name, modifiers.get(name, False))
-        return self.tool.process(self.obj, event, self.view)
+        x, y = 400.0 + 100.0 * place[0], 300.0 + 100.0 * place[1]
+        return self.tool.process(self.obj, event(kind, value, x, y, **modifiers), self.view)
 
     def draw(self, points: np.ndarray) -> None:
         places = points[:, (0, 2)]

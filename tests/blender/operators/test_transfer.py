@@ -26,8 +26,7 @@ def stout(source: bpy.types.Object, shape) -> bpy.types.Object:
 def transfer(
     source: bpy.types.Object, target: bpy.types.Object, path: Path | None, /, **keywords
 ) -> set[str]:
-    make_active(target)
-    source.select_set(True)
+    make_active(target, source)
     if path is not None:
         keywords["filepath"] = str(path)
     return bpy.ops.sinew.transfer_deformation(**keywords)

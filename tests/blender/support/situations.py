@@ -14,7 +14,7 @@ import installed
 from rigs.cages import ball, box, surround
 from rigs.point_objects import bezier, hair, lattice, text
 from rigs.puppets import figure
-from rigs.rig import Rig, make_active
+from rigs.rig import Rig, make_active, press
 from rigs.sheet import WIDE, DrawContext, Sheet
 
 # isort: split
@@ -239,8 +239,7 @@ def lattice_around() -> None:
 def wire() -> None:
     obj = Rig.plate().obj
     curve = bezier()
-    make_active(obj)
-    bpy.ops.sinew.wire_add(curve=curve.name, radius=1.0)
+    press(obj, "wire_add", curve=curve.name, radius=1.0)
     make_active(obj)
 
 

@@ -2,6 +2,7 @@
 #include "native/core/options.h"
 
 #include "native/core/errors.h"
+#include "native/core/types.h"
 
 #include <gtest/gtest.h>
 

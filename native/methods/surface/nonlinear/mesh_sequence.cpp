@@ -2,7 +2,7 @@
 #include "native/methods/surface/nonlinear/mesh_sequence.h"
 
 #include "native/core/errors.h"
-#include "native/core/jobs.h"
+#include "native/core/system/jobs.h"
 
 #include <atomic>
 #include <cmath>

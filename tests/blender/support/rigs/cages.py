@@ -10,7 +10,7 @@ from expected import faces_of
 from inside import native
 from mathutils import Matrix
 
-from rigs.rig import CORNERS, FLOAT32, SIDES, base_points, evaluated_points, make_active, new_object
+from rigs.rig import CORNERS, FLOAT32, SIDES, base_points, evaluated_points, new_object, press
 
 SHEAR = Matrix(((1.0, 0.4, 0.0, 0.2), (0.0, 1.2, 0.1, 0.0), (0.0, 0.0, 0.8, -0.3), (0.0, 0.0, 0.0, 1.0)))
 TURN = Matrix.Translation((0.3, 0.1, -0.2)) @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8)) @ Matrix.Scale(1.3, 4)
@@ -40,8 +40,7 @@ def fine_box(cuts: int) -> bpy.types.Object:
 
 def surround(target: bpy.types.Object, cage: bpy.types.Object, method: str = "mean_value"):
     """The deformer; a refusal is in its status."""
-    make_active(target)
-    assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method=method) == {"FINISHED"}
+    press(target, "cage_add", source="OBJECT", cage=cage.name, method=method)
     return target.sinew.active
 
 
@@ -101,8 +100,7 @@ def assert_goes_on(target: bpy.types.Object, cage: bpy.types.Object) -> None:
 
 def selected(target: bpy.types.Object, kind: str, line: int = -1) -> tuple[bpy.types.Object, set[int]]:
     """What Select shows: of which object, and the indices of its vertices or faces."""
-    make_active(target)
-    assert bpy.ops.sinew.select_problems(line=line) == {"FINISHED"}
+    press(target, "select_problems", line=line)
     shown = bpy.context.object
     bpy.ops.object.mode_set(mode="OBJECT")
     elements = shown.data.polygons if kind == "face" else shown.data.vertices
@@ -111,5 +109,4 @@ def selected(target: bpy.types.Object, kind: str, line: int = -1) -> tuple[bpy.t
 
 def set_rest(target: bpy.types.Object) -> None:
     """The cage as it is now is its rest."""
-    make_active(target)
-    assert bpy.ops.sinew.cage_set_rest() == {"FINISHED"}
+    press(target, "cage_set_rest")

@@ -23,10 +23,11 @@ from rigs.rig import (
     close,
     evaluated_points,
     grid_object,
-    make_active,
     move_world,
     new_empty,
+    on_all,
     points_of,
+    press,
 )
 
 
@@ -134,8 +135,7 @@ class HandleRig(Rig):
 
     def press(self, operator: str, **keywords: object) -> None:
         """A button of ours, with the target active."""
-        make_active(self.obj)
-        assert getattr(bpy.ops.sinew, operator)(**keywords) == {"FINISHED"}
+        press(self.obj, operator, **keywords)
 
     @property
     def held(self) -> np.ndarray:
@@ -169,11 +169,7 @@ class HandleRig(Rig):
 
     def change_topology(self) -> None:
         """In Edit Mode, as a user does: four faces from one."""
-        make_active(self.obj)
-        bpy.ops.object.mode_set(mode="EDIT")
-        bpy.ops.mesh.select_all(action="SELECT")
-        bpy.ops.mesh.subdivide()
-        bpy.ops.object.mode_set(mode="OBJECT")
+        on_all(self.obj, bpy.ops.mesh.subdivide)
 
 
 class CageRig(HandleRig):
@@ -277,11 +273,7 @@ class CurveRig(CageRig):
         return point_objects.unmoved(obj)
 
     def change_topology(self) -> None:
-        make_active(self.obj)
-        bpy.ops.object.mode_set(mode="EDIT")
-        bpy.ops.curve.select_all(action="SELECT")
-        bpy.ops.curve.subdivide()
-        bpy.ops.object.mode_set(mode="OBJECT")
+        on_all(self.obj, bpy.ops.curve.subdivide)
 
 
 RIGS = {

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-import pytest
 
 from rigs.rig import coordinates, evaluated_points, new_object
 
@@ -36,8 +35,3 @@ def follower(obj: bpy.types.Object, name: str = "Follower") -> bpy.types.Object:
 
 def moved_up(obj: bpy.types.Object) -> bool:
     return bool(np.abs(evaluated_points(obj) - points_of(obj) - UP).max() < FLOAT32)
-
-
-def refused(match: str, operator=bpy.ops.sinew.bind, **words: object) -> None:
-    with pytest.raises(RuntimeError, match=match):
-        operator(**words)

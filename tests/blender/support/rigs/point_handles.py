@@ -70,8 +70,7 @@ def new_class(base: type) -> type:
             if method not in self.methods:  # beside the points, by regions
                 return super().bind(method, fixed, **keywords)
             points = new_object(f"{self.name} Points", PLACES, edges=EDGES.tolist())
-            make_active(self.obj)
-            points.select_set(True)
+            make_active(self.obj, points)
             bpy.ops.sinew.point_add(source="POINTS", method=method, segments=True)
             make_active(self.obj)
             assert self.deformer.status_level == "INFO", self.deformer.status

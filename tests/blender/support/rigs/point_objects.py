@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from mathutils import Vector
 
-from rigs.rig import CORNERS, SIDES, in_mode, make_active, new_object, update
+from rigs.rig import CORNERS, SIDES, in_mode, make_active, new_object, press, update
 from rigs.rig import evaluated_points as shown
 
 TESSELLATED = 1e-5  # Blender sums its curves up in float32, a dozen steps per segment
@@ -220,8 +220,7 @@ def attach(obj: bpy.types.Object, method: str, cage: bpy.types.Object | None = N
     """Add a cage; a refusal of the bind is in the status."""
     update()
     cage = cage or cage_around(obj)
-    make_active(obj)
-    assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method=method) == {"FINISHED"}
+    press(obj, "cage_add", source="OBJECT", cage=cage.name, method=method)
     return cage
 
 
@@ -292,10 +291,7 @@ def controls_of(obj: bpy.types.Object) -> np.ndarray:
 
 def add(obj: bpy.types.Object, *others: bpy.types.Object, source: str = "POINTS", **words: object):
     """Press the button with these objects selected; the deformer."""
-    make_active(obj)
-    for other in others:
-        other.select_set(True)
-    bpy.context.view_layer.objects.active = obj
+    make_active(obj, *others)
     assert bpy.ops.sinew.point_add(source=source, **words) == {"FINISHED"}
     make_active(obj)
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status

@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from rigs.rig import linked, make_active, update
+from rigs.rig import armature_object, press, update
 
 BONES = {  # head, tail and parent
     "hip": ((0.0, 0.0, 1.0), (0.0, 0.0, 1.2), ""),
@@ -26,15 +26,7 @@ FEET = ("foot.L", "foot.R")
 
 
 def figure(mode: str = "QUATERNION") -> bpy.types.Object:
-    armature = linked(bpy.data.objects.new("Figure", bpy.data.armatures.new("Figure")))
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    edit = armature.data.edit_bones
-    for name, (head, tail, parent) in BONES.items():
-        bone = edit.new(name)
-        bone.head, bone.tail = head, tail
-        bone.parent = edit[parent] if parent else None
-    bpy.ops.object.mode_set(mode="OBJECT")
+    armature = armature_object("Figure", BONES)
     for bone in armature.pose.bones:
         bone.rotation_mode = mode
     update()
@@ -56,6 +48,5 @@ def end_of(armature: bpy.types.Object, name: str, end: str = "tail") -> np.ndarr
 
 
 def pose(armature: bpy.types.Object, bone: str, value=(0.0, 0.0, 0.0), **keywords) -> None:
-    make_active(armature)
-    assert bpy.ops.sinew.puppet_pose(bone=bone, value=value, **keywords) == {"FINISHED"}
+    press(armature, "puppet_pose", bone=bone, value=value, **keywords)
     update()

@@ -11,6 +11,7 @@ from pathlib import Path
 import bmesh
 import bpy
 import numpy as np
+import pytest
 from mathutils import Matrix, Vector
 
 FLOAT32 = 4e-6  # a few roundings of coordinates near 1
@@ -118,6 +119,14 @@ def in_mode(obj: bpy.types.Object, mode: str = "EDIT") -> Iterator[None]:
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
+def on_all(obj: bpy.types.Object, operator: Callable, **keywords: object) -> None:
+    """An operator of Edit Mode, on all points of a mesh, a curve or a lattice."""
+    kind = {"CURVE": bpy.ops.curve, "LATTICE": bpy.ops.lattice}.get(obj.type, bpy.ops.mesh)
+    with in_mode(obj):
+        kind.select_all(action="SELECT")
+        assert operator(**keywords) == {"FINISHED"}
+
+
 def grid_object(name: str = "Plate", cells: int = 10) -> bpy.types.Object:
     """A square of ``cells`` x ``cells`` quads from -1 to 1 in the plane z = 0."""
     line = np.linspace(-1.0, 1.0, cells + 1)
@@ -133,12 +142,67 @@ def grid_object(name: str = "Plate", cells: int = 10) -> bpy.types.Object:
     return obj
 
 
-def make_active(obj: bpy.types.Object) -> None:
-    """Select one object."""
+def make_active(obj: bpy.types.Object, *others: bpy.types.Object) -> None:
+    """Select these objects and no others; the first one is active."""
     update()
-    for other in bpy.context.view_layer.objects:
-        other.select_set(other == obj)
+    for each in bpy.context.view_layer.objects:
+        each.select_set(each == obj or each in others)
     bpy.context.view_layer.objects.active = obj
+
+
+def press(obj: bpy.types.Object, operator: str, /, **keywords: object) -> None:
+    """A button of ours, with that object active and nothing else selected."""
+    make_active(obj)
+    assert getattr(bpy.ops.sinew, operator)(**keywords) == {"FINISHED"}
+
+
+def fails(match: str, act: Callable, /, *arguments: object, **keywords: object) -> None:
+    """What ends in an operator says why it does nothing."""
+    with pytest.raises(RuntimeError, match=match):
+        act(*arguments, **keywords)
+
+
+def refused(match: str, operator: str, on: bpy.types.Object | None = None, /, **keywords: object) -> None:
+    """A button of ours says why it does nothing, with an object active, or with what is."""
+    if on is not None:
+        make_active(on)
+    with pytest.raises(RuntimeError, match=match):
+        getattr(bpy.ops.sinew, operator)(**keywords)
+
+
+def duplicated(*objects: bpy.types.Object, linked: bool = False) -> bpy.types.Object:
+    """The copy of the first of these objects, by Blender's operator; nothing is evaluated yet."""
+    make_active(*objects)
+    bpy.ops.object.duplicate(linked=linked)
+    return bpy.context.object
+
+
+def subdivided(obj: bpy.types.Object, levels: int = 1, render_levels: int = 1) -> bpy.types.Modifier:
+    """Its new Subdivision modifier."""
+    modifier = obj.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels, modifier.render_levels = levels, render_levels
+    return modifier
+
+
+def new_nodes(name: str) -> tuple[bpy.types.NodeTree, bpy.types.NodeSocket, bpy.types.NodeSocket]:
+    """A group of geometry nodes, the geometry that enters, and the one that leaves."""
+    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    for way, sockets in (("INPUT", "inputs"), ("OUTPUT", "outputs")):
+        if hasattr(tree, "interface"):
+            tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+        else:
+            getattr(tree, sockets).new("NodeSocketGeometry", "Geometry")
+    start, end = tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+    return tree, start.outputs[0], end.inputs[0]
+
+
+def add_regions(obj: bpy.types.Object, method: str, regions: dict[str, str]):
+    """A new deformer with regions: their roles by vertex group."""
+    press(obj, "deformer_add", method=method)
+    for group, kind in regions.items():
+        press(obj, "handle_add", kind=kind, vertex_group=group)
+    make_active(obj)
+    return obj.sinew.active
 
 
 def add_group(obj: bpy.types.Object, name: str, where) -> np.ndarray:
@@ -148,15 +212,22 @@ def add_group(obj: bpy.types.Object, name: str, where) -> np.ndarray:
     return np.array(members)
 
 
-def new_armature(**bones: tuple[tuple[float, float, float], tuple[float, float, float]]) -> bpy.types.Object:
-    """The armature ``Rig`` with bones by name: head and tail."""
-    armature = linked(bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig")))
-    make_active(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    for name, (head, tail) in bones.items():
-        bone = armature.data.edit_bones.new(name)
-        bone.head, bone.tail = head, tail
-    bpy.ops.object.mode_set(mode="OBJECT")
+def armature_object(name: str, bones: dict[str, tuple]) -> bpy.types.Object:
+    """An armature with bones by name: head, tail, and the name of the parent where there is one."""
+    armature = linked(bpy.data.objects.new(name, bpy.data.armatures.new(name)))
+    with in_mode(armature):
+        made = armature.data.edit_bones
+        for bone, (head, tail, *parent) in bones.items():
+            new = made.new(bone)
+            new.head, new.tail = head, tail
+            new.parent = made[parent[0]] if any(parent) else None
+    update()
+    return armature
+
+
+def new_armature(**bones: tuple) -> bpy.types.Object:
+    """The armature ``Rig``, whose bones turn by Euler angles."""
+    armature = armature_object("Rig", bones)
     for bone in armature.pose.bones:
         bone.rotation_mode = "XYZ"
     return armature
@@ -302,15 +373,16 @@ def new_file() -> None:
     bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
 
 
+def storage(owner: object) -> object:
+    """Where Blender keeps the properties of a class, as ID properties: a hostile file writes here."""
+    system = getattr(owner, "bl_system_properties_get", None)
+    return system(do_create=True) if system else owner
+
+
 def some_motion() -> Matrix:
     """A rigid motion without symmetry."""
     turn = Matrix.Rotation(math.radians(50.0), 4, (0.3, 0.9, -0.2))
     return Matrix.Translation((0.4, -0.2, 0.7)) @ turn
-
-
-def some_affine() -> Matrix:
-    """An affine map with shear and unequal scale."""
-    return Matrix(((1.2, 0.3, 0.0, 0.1), (-0.2, 0.8, 0.4, 0.0), (0.1, 0.0, 1.5, 0.5), (0.0, 0.0, 0.0, 1.0)))
 
 
 def in_pose_mode(armature: bpy.types.Object, bone: str, mesh: bpy.types.Object | None = None) -> None:

@@ -11,7 +11,7 @@ from mathutils import Matrix
 from registry import BY_ID, Control, options_of, with_control
 
 from rigs.object_rigs import object_class
-from rigs.rig import apply_matrix, base_points, grid_object, linked, make_active
+from rigs.rig import apply_matrix, base_points, grid_object, linked, make_active, press
 
 RADIUS = 1.1  # of the wire, in its own space
 
@@ -96,8 +96,7 @@ def new_class(base: type) -> type:
         def attach(self, method: str) -> None:
             edge = base_points(self.obj)
             wire = polyline(edge[edge[:, 1] > 0.99], f"{self.name} Wire")
-            make_active(self.obj)
-            bpy.ops.sinew.wire_add(curve=wire.name, radius=RADIUS)
+            press(self.obj, "wire_add", curve=wire.name, radius=RADIUS)
             make_active(self.obj)
             self.choose(method)
 

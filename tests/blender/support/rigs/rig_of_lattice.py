@@ -11,7 +11,7 @@ from registry import BY_ID, Control, options_of, with_control
 
 from rigs.cages import ball
 from rigs.object_rigs import object_class
-from rigs.rig import add_group, apply_matrix, base_points, linked, make_active, update
+from rigs.rig import add_group, apply_matrix, base_points, linked, press, update
 
 WITH_LATTICE = with_control(Control.LATTICE)
 TYPES = {
@@ -132,8 +132,7 @@ def new_class(base: type) -> type:
 
         def attach(self, method: str) -> None:
             lattice = lattice_object()
-            make_active(self.obj)
-            assert bpy.ops.sinew.lattice_add(source="OBJECT", lattice=lattice.name) == {"FINISHED"}
+            press(self.obj, "lattice_add", source="OBJECT", lattice=lattice.name)
 
         def bind_alone(self, method: str) -> None:
             self.bind(method)

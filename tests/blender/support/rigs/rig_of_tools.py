@@ -11,7 +11,7 @@ from mathutils import Matrix
 from registry import BY_ID, Control, options_of, with_control
 
 from rigs.object_rigs import object_class
-from rigs.rig import apply_matrix, base_points, grid_object, make_active, new_empty
+from rigs.rig import apply_matrix, base_points, grid_object, make_active, new_empty, press
 
 PLACE = (0.0, 0.0, 0.0)
 OUTER = 0.9
@@ -67,8 +67,7 @@ def new_class(base: type) -> type:
 
         def attach(self, method: str) -> None:
             tool = new_empty(f"{self.name} Tool", PLACE)
-            make_active(self.obj)
-            bpy.ops.sinew.tool_add(control=tool.name, outer=OUTER)
+            press(self.obj, "tool_add", control=tool.name, outer=OUTER)
             make_active(self.obj)
             self.choose(method)
 

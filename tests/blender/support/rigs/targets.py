@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from registry import BY_ID, WITH_HANDLES
 
-from rigs.rig import make_active
+from rigs.rig import linked, make_active
 
 GROUPS = ("Far", "Near", "Middle", "Soft", "Nobody")
 
@@ -65,8 +65,7 @@ def new_target(shape: str) -> bpy.types.Object:
     points, faces = SHAPES[shape]()
     mesh = bpy.data.meshes.new(shape)
     mesh.from_pydata(points, [], faces)
-    obj = bpy.data.objects.new(shape, mesh)
-    bpy.context.scene.collection.objects.link(obj)
+    obj = linked(bpy.data.objects.new(shape, mesh))
     groups = {name: obj.vertex_groups.new(name=name) for name in GROUPS}
     for index, (_x, y, _z) in enumerate(points):
         for name, weight in (

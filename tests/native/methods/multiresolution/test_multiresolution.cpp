@@ -8,7 +8,7 @@
 #include "native/methods/surface/nonlinear/arap.h"
 #include "tests/native/allocations.h"
 #include "tests/native/methods/multiresolution/bumpy_plate.h"
-#include "tests/native/methods/surface/contract.h"
+#include "tests/native/methods/surface/fixture.h"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,8 @@ namespace sinew::test_multiresolution {
 
 namespace {
 
-const Poses bent{shapes::still(), shapes::turn({0, 1, 0}, 40, {6, 0, 0}, {-1, 0.5, 2})};
+using Fixture = SurfaceFixture<sinew::Multiresolution, MultiresolutionOptions>;
+const Poses& bent = Fixture::bent;
 
 template <class Base>
 auto around(const MultiresolutionOptions& options = {})
@@ -29,40 +30,26 @@ auto around(const MultiresolutionOptions& options = {})
     };
 }
 
-Poses drag(double t)
-{
-    const double angle = 2 * shapes::pi * t;
-    return {shapes::still(), shapes::turn({0, 1, 0}, 60 * std::sin(angle), {9, 4, 0},
-                                          {2 * std::cos(angle) - 2, std::sin(angle), 0})};
-}
-
 SurfaceTraits traits()
 {
     // Not separate: the wavelength is in mean edge lengths of the whole mesh.
-    return {
-        .name = "Multiresolution",
-        .variants = {{"vectors", around<ThinShell>(), 2, false},
-                     {"normals", around<ThinShell>({.details = DetailKind::normal_displacements}), 2, false},
-                     {"volumes", around<ThinShell>({.details = DetailKind::displacement_volumes}), 3, false},
-                     {"transfer", around<ThinShell>({.details = DetailKind::deformation_transfer}), 3, false},
-                     {"two bands", around<ThinShell>({.bands = 2}), 3, false}},
-        .mesh = shapes::hill(8, 8),
-        .large = shapes::hill(10, 9),
-        .depth = 1.5,
-        .bent = bent,
-        .drag = drag,
-        .drag_steps = 48,
-        .follow = 3.0, // details turn, too
-        .slack = 0.0,
-        .rest = 1e-13,
-        .incoming = 1e-12,
-        // One held vertex leaves a condition of 1e6, and bands are solved one after the other.
-        .translation = 1e-9,
-        .similar = 1e-9,
-        .scaled = 1e-9,
-        .updates = "wavelength",
-        .updated = around<ThinShell>({.wavelength = 5.0}),
-        .other = around<GradientEditing>()};
+    SurfaceTraits made = Fixture::linear(
+        "Multiresolution",
+        {{"vectors", around<ThinShell>(), 2, false},
+         {"normals", around<ThinShell>({.details = DetailKind::normal_displacements}), 2, false},
+         {"volumes", around<ThinShell>({.details = DetailKind::displacement_volumes}), 3, false},
+         {"transfer", around<ThinShell>({.details = DetailKind::deformation_transfer}), 3, false},
+         {"two bands", around<ThinShell>({.bands = 2}), 3, false}});
+    made.many.reset();
+    made.follow = 3.0; // details turn, too
+    made.rest = 1e-13;
+    made.incoming = 1e-12;
+    // One held vertex leaves a condition of 1e6, and bands are solved one after the other.
+    made.translation = made.similar = made.scaled = 1e-9;
+    made.updates = "wavelength";
+    made.updated = around<ThinShell>({.wavelength = 5.0});
+    made.other = around<GradientEditing>();
+    return made;
 }
 
 SurfaceTraits rigid_traits()

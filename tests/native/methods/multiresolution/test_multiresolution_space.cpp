@@ -5,6 +5,7 @@
 #include "native/methods/space/points/rbf.h"
 #include "native/methods/space/points/space_propagation.h"
 #include "tests/native/methods/space/contract.h"
+#include "tests/native/methods/space/handle_points/fixture.h"
 #include "tests/native/refusals.h"
 
 #include <gtest/gtest.h>
@@ -14,6 +15,8 @@
 namespace sinew::test_multiresolution_space {
 
 namespace {
+
+using handles::posed, handles::warped;
 
 constexpr WeightPrecision doubles = WeightPrecision::double_precision;
 constexpr DetailKind every_coding[] = {DetailKind::displacement_vectors, DetailKind::normal_displacements,
@@ -37,15 +40,6 @@ HandlePoints ends_of(const SurfaceMesh& mesh)
     return HandlePoints(view(places), counts);
 }
 
-Points posed(const HandlePoints& handles, const std::vector<Pose>& poses)
-{
-    Points control = handles.control();
-    for (int h = 0; h < handles.handle_count(); ++h)
-        for (int r = handles.column(h); r < handles.column(h + 1); ++r)
-            control.row(r) = apply(poses[h], Vector3(control.row(r).transpose())).transpose();
-    return control;
-}
-
 template <class Base>
 std::shared_ptr<MultiresolutionSpace> around(const SurfaceMesh& mesh, std::shared_ptr<Base> base,
                                              const MultiresolutionOptions& options = {})
@@ -56,14 +50,6 @@ std::shared_ptr<MultiresolutionSpace> around(const SurfaceMesh& mesh, std::share
 std::shared_ptr<Rbf> smooth_base(const SurfaceMesh& mesh)
 {
     return std::make_shared<Rbf>(ends_of(mesh), RbfOptions{.precision = doubles});
-}
-
-Points warped(MultiresolutionSpace& method, const Points& points, const Points& control)
-{
-    method.bind(view(points));
-    Points out(points.rows(), 3);
-    method.warp(view(control), {}, out.data());
-    return out;
 }
 
 SpaceTraits traits()

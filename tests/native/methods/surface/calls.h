@@ -24,4 +24,50 @@ inline Points solve(const SurfaceMethod& method, const Poses& poses, SolveReques
     return positions;
 }
 
+/// The end at `along` goes to the end of a circular arc.
+inline Poses bend(double degrees, double along = 12, double depth = 2)
+{
+    const double angle = degrees * shapes::pi / 180, radius = (along - 2 * depth) / angle;
+    const Vector3 end(depth + radius * std::sin(angle), radius * (1 - std::cos(angle)), 0);
+    const Vector3 from(along - depth, 0, 0);
+    return {shapes::still(), shapes::turn({0, 0, 1}, degrees, from, end - from)};
+}
+
+inline Poses twist(double degrees) { return {shapes::still(), shapes::turn({1, 0, 0}, degrees)}; }
+
+inline std::vector<Handle> softened(std::vector<Handle> handles, double weight)
+{
+    handles[1].weights.assign(handles[1].vertices.size(), weight);
+    return handles;
+}
+
+inline void expect_falling_energy(const SurfaceMethod& method, const Poses& poses)
+{
+    double before = std::numeric_limits<double>::infinity();
+    for (int k = 0; k <= 16; ++k) {
+        Points q;
+        const SolveReport report = method.solve({.poses = poses, .max_iterations = k, .tolerance = 0.0}, q);
+        EXPECT_LE(report.iterations, std::max(k, 1));
+        EXPECT_LE(report.energy, before * (1 + 1e-12)) << "iteration " << k;
+        before = report.energy;
+    }
+}
+
+/// The bar at rest is as good a start as the method's own, with enough iterations.
+/// \param energy  how near the energies come, as a share
+inline void expect_starts_meet(const SurfaceMethod& method, double depth, int iterations, double energy = 1.0)
+{
+    const Points rest = method.rest().points();
+    const double along = rest.col(0).maxCoeff();
+    for (const Poses& poses : {bend(90, along, depth), twist(135)}) {
+        Points own, other;
+        SolveRequest request{.poses = poses, .max_iterations = iterations, .tolerance = 1e-15};
+        const double least = method.solve(request, own).energy;
+        request.start.emplace(view(rest));
+        request.max_iterations = 2 * iterations;
+        EXPECT_NEAR(method.solve(request, other).energy, least, energy * least);
+        EXPECT_LT(shapes::distance(own, other), 1e-4 * shapes::size(rest));
+    }
+}
+
 } // namespace sinew::calls

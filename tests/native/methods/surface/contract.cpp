@@ -10,7 +10,7 @@ namespace sinew::surface_contract {
 namespace {
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-using calls::bound, calls::Method, calls::solve;
+using calls::bound, calls::Method, calls::softened, calls::solve;
 
 double worst_gap(const Points& from, const Points& q, const std::vector<int>& vertices, const Pose& pose)
 {
@@ -27,12 +27,6 @@ void expect_near(const Points& found, const Points& expected, double tolerance)
     } else {
         EXPECT_LT(shapes::distance(found, expected), tolerance);
     }
-}
-
-std::vector<Handle> softened(std::vector<Handle> handles, double weight)
-{
-    handles[1].weights.assign(handles[1].vertices.size(), weight);
-    return handles;
 }
 
 } // namespace
@@ -88,22 +82,6 @@ TEST_P(SurfaceContract, rigid_motion_of_all_handles_is_exact_from_the_start)
         EXPECT_LT(shapes::distance(solve(*method, {pose, pose}, {.max_iterations = 0}), expected),
                   *traits().rigid * shapes::size(expected));
     }
-}
-
-TEST_P(SurfaceContract, turns_with_the_coordinate_system)
-{
-    const Pose seen_from = shapes::turn({1, 2, 3}, 70, {0, 0, 0}, {5, -1, 2});
-    const Matrix3 R = seen_from.leftCols<3>();
-    Poses seen;
-    for (const Pose& pose : traits().bent) {
-        const Matrix3 A = R * pose.leftCols<3>() * R.transpose();
-        seen.push_back(shapes::affine(A, R * pose.col(3) + seen_from.col(3) - A * seen_from.col(3)));
-    }
-    const SurfaceVariant& variant = traits().variants.front();
-    const SurfaceMesh elsewhere = shapes::moved(mesh(), shapes::transformed(mesh().points(), seen_from));
-    const Points there = solve(*bound(variant, elsewhere, ends()), seen);
-    const Points here = solve(*bound(variant, mesh(), ends()), traits().bent);
-    EXPECT_LT(shapes::distance(there, shapes::transformed(here, seen_from)), traits().similar);
 }
 
 TEST_P(SurfaceContract, does_not_mind_the_size_of_the_mesh)

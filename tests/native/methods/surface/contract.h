@@ -23,6 +23,7 @@ struct SurfaceVariant
     std::function<std::shared_ptr<SurfaceMethod>(const SurfaceMesh&)> make;
     int factorizations = 1; ///< of one set_handles()
     bool separate = true;   ///< no part of the mesh feels another one
+    double affine = 0.0;    ///< how exact one affine map of all handles is; 0: it is not reproduced
 };
 
 /// What a method promises beyond what all surface methods do, and how exactly. Tolerances are lengths on
@@ -56,6 +57,18 @@ struct SurfaceTraits
     double soft = 1e-4; ///< gap at a handle of weight 1 - 1e-6
     double all_soft = 1e9; ///< gap where all handles have the weight 0.7
     int soft_iterations = 100;
+    double rides = 0.0; ///< what a handle that moves with the incoming shape changes; 0: not asked
+    bool turns_incoming = false; ///< with a shape that enters turned, all is turned, up to `similar`
+    bool parts_apart = false; ///< parts with handles do not feel other parts with handles, up to `apart`
+    int half_turns = 0; ///< vertices of `mesh` whose way a rule chooses where a handle turns by 180 degrees
+    bool iterative = false; ///< each iteration lowers the energy
+    int settles = 0;        ///< iterations after which unrelated starts meet; 0: they need not
+    int settling = 1;       ///< for how many of the variants
+    /// Where solves after the first one allocate no block of one number per vertex; none: they may.
+    std::optional<SurfaceMesh> many{};
+    bool many_enter = false; ///< also with a shape that enters
+    bool many_soft = false;  ///< also with a soft handle
+    std::string allocates{}; ///< the variant that may: its coarse mesh is the mesh itself
     std::string updates{}; ///< an option of which rebind() updates the factor, and
     std::function<std::shared_ptr<SurfaceMethod>(const SurfaceMesh&)>
         updated{}; ///< ... an object with another value

@@ -27,6 +27,13 @@ struct Bound : Green
 
 Points warped(const Green& green, const Points& pose) { return warped_by(green, view(pose)); }
 
+Points warped(const SurfaceMesh& cage, const Points& points, const Points& pose, const GreenOptions& options)
+{
+    Green green(Cage(cage), options);
+    green.bind(view(points));
+    return warped(green, pose);
+}
+
 Points posed(const SurfaceMesh& cage, const Pose& pose) { return shapes::transformed(cage.points(), pose); }
 
 const Vector3 x0(0.1, 0.2, 0.3);
@@ -155,18 +162,103 @@ TEST(Green, has_the_known_answers_to_a_shear_and_a_stretch)
     EXPECT_LT((stretched - Eigen::RowVector3d(.124066, .244992, .482952)).norm(), 1e-6);
 }
 
-TEST(Green, reproduces_similarities_inside_outside_and_on_the_cage)
+/// Faces as triangles, and quads as bilinear patches.
+class GreenOfFaces : public testing::TestWithParam<GreenFaces>
+{
+protected:
+    static GreenOptions options(GreenOutside outside = GreenOutside::nearest, int exit_face = -1)
+    {
+        return {cages::doubles, outside, exit_face, GetParam()};
+    }
+};
+
+INSTANTIATE_TEST_SUITE_P(, GreenOfFaces, testing::Values(GreenFaces::triangles, GreenFaces::quads),
+                         [](const auto& info) {
+                             return info.param == GreenFaces::quads ? "quads" : "triangles";
+                         });
+
+TEST_P(GreenOfFaces, reproduce_similarities_inside_outside_and_on_the_cage)
 {
     const SurfaceMesh two = shapes::joined(shapes::cube(), shapes::octahedron(), {4, 1, 0});
-    for (const SurfaceMesh& cage : {shapes::octahedron(), shapes::u_prism(), shapes::bumpy_sphere(2), two}) {
-        Points points(400, 3);
-        points << shapes::points_around(cage, 200, 1.0), shapes::points_around(cage, 200, 2.0);
+    for (const SurfaceMesh& cage : {shapes::cube(), shapes::octahedron(), quad_ball(2, 0.2),
+                                    quad_ball(4, 0.05), shapes::u_prism(), shapes::bumpy_sphere(2), two}) {
         const Points near = shapes::points_near(cage, {0.0, 1e-13, 1e-11, 1e-9, 1e-4});
-        Points all(points.rows() + near.rows(), 3);
-        all << points, near;
-        const Bound green(cage, all);
+        Points all(400 + near.rows(), 3);
+        all << shapes::points_around(cage, 200, 1.0), shapes::points_around(cage, 200, 2.0), near;
         const Pose pose = shapes::affine(2.5 * shapes::rotation({1, 2, -1}, 130), {3, -1, 2});
-        EXPECT_LT(shapes::distance(warped(green, posed(cage, pose)), shapes::transformed(all, pose)), 1e-10);
+        EXPECT_LT(
+            shapes::distance(warped(cage, all, posed(cage, pose), options()), shapes::transformed(all, pose)),
+            1e-10);
+    }
+}
+
+TEST_P(GreenOfFaces, are_harmonic_and_sum_to_one)
+{
+    // phi and psi are harmonic functions: the mean of six neighbours is the middle, to h^4.
+    constexpr double h = 0.01;
+    Points star = x0.transpose().replicate(7, 1);
+    for (int k = 0; k < 6; ++k)
+        star(1 + k, k / 2) += k % 2 ? h : -h;
+    for (const SurfaceMesh& cage : {shapes::bumpy_sphere(1), quad_ball(2, 0.2)}) {
+        Green green(Cage(cage), options());
+        green.bind(view(star));
+        const RowMatrix W = green.weights().dense();
+        EXPECT_LT((W.leftCols(cage.vertex_count()).rowwise().sum().array() - 1.0).abs().maxCoeff(), 1e-14);
+        const RowMatrix laplacian = W.middleRows(1, 6).colwise().sum() - 6.0 * W.row(0);
+        EXPECT_LT(laplacian.cwiseAbs().maxCoeff(), 1e-7); // h^4 / 12 times a fourth derivative of some 10
+    }
+}
+
+TEST_P(GreenOfFaces, continue_through_one_face_if_asked)
+{
+    const SurfaceMesh cage = shapes::cube();
+    Points x(2, 3);
+    x << 0.5, 0.5, 1.5, 0.5, 0.5, -0.5; // above the top, below the bottom
+    Points pose = cage.points();
+    pose.row(6) += Eigen::RowVector3d(0.3, -0.2, 0.4);
+    EXPECT_EQ(Green(Cage(cage), options()).bind(view(x)).outside, (std::vector<int>{0, 1}));
+    const Points nearest = warped(cage, x, pose, options()),
+                 top = warped(cage, x, pose, options(GreenOutside::face, 1));
+    EXPECT_GT((nearest.row(1) - top.row(1)).norm(), 0.1);
+    EXPECT_EQ(warped(cage, x, pose, options(GreenOutside::face, 1)), top);
+    if (GetParam() == GreenFaces::quads) {
+        EXPECT_LT((nearest.row(0) - top.row(0)).norm(), 1e-15);
+    }
+    EXPECT_THROW(Green(Cage(cage), options(GreenOutside::face, 6)), InvalidOption);
+    EXPECT_THROW(Green(Cage(cage), options(GreenOutside::face, -1)), InvalidOption);
+}
+
+TEST_P(GreenOfFaces, stay_finite_far_away)
+{
+    Points x(3, 3);
+    x << 1e2, 3, 5, 1e100, -1e100, 3, 0, 0, -1e300;
+    for (const SurfaceMesh& cage : {shapes::bumpy_sphere(1), quad_ball(2, 0.2)}) {
+        Green green(Cage(cage), options());
+        green.bind(view(x));
+        EXPECT_TRUE(green.weights().dense().allFinite());
+    }
+}
+
+TEST_P(GreenOfFaces, take_poses_that_flatten_faces_and_dented_cages)
+{
+    const Points x = shapes::points_around(shapes::cube(), 50, 1.2);
+    Points dented = shapes::cube().points();
+    dented.row(6) = 0.9 * dented.row(4) + 0.05 * (dented.row(5) + dented.row(7));
+    for (const SurfaceMesh& cage : {shapes::cube(), shapes::moved(shapes::cube(), dented)}) {
+        Points pose = cage.points();
+        pose.row(6) = pose.row(5);
+        EXPECT_TRUE(warped(cage, x, pose, options()).allFinite());
+        pose.setZero();
+        EXPECT_LT(warped(cage, x, pose, options()).cwiseAbs().maxCoeff(), 1e-14)
+            << "a cage in one point takes all there";
+        pose = 1e100 * cage.points();
+        EXPECT_TRUE(warped(cage, x, pose, options()).allFinite());
+        pose = 1e-100 * cage.points();
+        EXPECT_LT(warped(cage, x, pose, options()).cwiseAbs().maxCoeff(), 1e-14);
+        const Pose turn = shapes::affine(0.5 * shapes::rotation({1, 1, 0}, 40));
+        EXPECT_LT(
+            shapes::distance(warped(cage, x, posed(cage, turn), options()), shapes::transformed(x, turn)),
+            1e-12);
     }
 }
 
@@ -181,22 +273,6 @@ TEST(Green, phi_sums_to_one_inside)
     EXPECT_LT((W.leftCols(cage.vertex_count()).rowwise().sum().array() - 1.0).abs().maxCoeff(), 1e-13);
     MeanValue others{Cage(cage)};
     EXPECT_EQ(others.bind(view(points)).outside, report.outside);
-}
-
-TEST(Green, is_harmonic)
-{
-    // phi and psi are harmonic functions: the mean of six neighbours is the middle, to h^4.
-    const SurfaceMesh cage = shapes::bumpy_sphere(1);
-    constexpr double h = 0.01;
-    Points star(7, 3);
-    for (int k = 0; k < 7; ++k)
-        star.row(k) = x0.transpose();
-    for (int k = 0; k < 6; ++k)
-        star(1 + k, k / 2) += k % 2 ? h : -h;
-    const Bound green(cage, star);
-    const RowMatrix W = green.weights().dense();
-    const RowMatrix laplacian = W.middleRows(1, 6).colwise().sum() - 6.0 * W.row(0);
-    EXPECT_LT(laplacian.cwiseAbs().maxCoeff(), 1e-7); // h^4 / 12 times a fourth derivative of some 10
 }
 
 TEST(Green, passes_a_face_smoothly)
@@ -227,25 +303,6 @@ TEST(Green, passes_a_face_smoothly)
     }
 }
 
-TEST(Green, continues_through_one_face_if_asked)
-{
-    const SurfaceMesh cage = shapes::cube();
-    Points x(2, 3);
-    x << 0.5, 0.5, 1.5, 0.5, 0.5, -0.5; // above the top, below the bottom
-    Points pose = cage.points();
-    pose.row(6) += Eigen::RowVector3d(0.3, -0.2, 0.4);
-    const auto through = [&](const GreenOptions& options) {
-        Green green(Cage(cage), options);
-        EXPECT_EQ(green.bind(view(x)).outside, (std::vector<int>{0, 1}));
-        return warped(green, pose);
-    };
-    const Points nearest = through(doubles()), top = through(doubles(GreenOutside::face, 1));
-    EXPECT_GT((nearest.row(1) - top.row(1)).norm(), 0.1);
-    EXPECT_EQ(through(doubles(GreenOutside::face, 1)), top);
-    EXPECT_THROW(Green(Cage(cage), doubles(GreenOutside::face, 6)), InvalidOption);
-    EXPECT_THROW(Green(Cage(cage), doubles(GreenOutside::face, -1)), InvalidOption);
-}
-
 TEST(Green, takes_points_on_faces_for_inside)
 {
     for (const SurfaceMesh& mesh : {shapes::bumpy_sphere(1), shapes::u_prism()}) {
@@ -262,22 +319,6 @@ TEST(Green, takes_points_on_faces_for_inside)
         Points warped = warped_by(green, view(mesh.points()));
         EXPECT_LT((warped - points).cwiseAbs().maxCoeff(), 1e-11); // moved in by 1e-12 of the cage's size
     }
-}
-
-TEST(Green, takes_poses_that_flatten_faces)
-{
-    const SurfaceMesh cage = shapes::cube();
-    const Points x = shapes::points_around(cage, 50, 1.2);
-    const Bound green(cage, x);
-    Points pose = cage.points();
-    pose.row(6) = pose.row(5);
-    EXPECT_TRUE(warped(green, pose).allFinite());
-    pose.setZero();
-    EXPECT_LT(warped(green, pose).cwiseAbs().maxCoeff(), 1e-14) << "a cage in one point takes all there";
-    pose = 1e100 * cage.points();
-    EXPECT_TRUE(warped(green, pose).allFinite());
-    pose = 1e-100 * cage.points();
-    EXPECT_LT(warped(green, pose).cwiseAbs().maxCoeff(), 1e-14);
 }
 
 TEST(Green, leaves_out_faces_without_area)
@@ -298,44 +339,6 @@ TEST(Green, winds_twice_where_parts_overlap)
     EXPECT_TRUE(green.bind(view(x)).outside.empty());
     const Pose pose = shapes::affine(1.5 * shapes::rotation({0, 1, 1}, 70), {1, 2, 3});
     EXPECT_LT(shapes::distance(warped(green, posed(cage, pose)), shapes::transformed(x, pose)), 1e-12);
-}
-
-TEST(Green, stays_finite_far_away)
-{
-    Points x(3, 3);
-    x << 1e2, 3, 5, 1e100, -1e100, 3, 0, 0, -1e300;
-    const Bound green(shapes::bumpy_sphere(1), x);
-    EXPECT_TRUE(green.weights().dense().allFinite());
-}
-
-// Quads as bilinear patches.
-
-namespace {
-
-Points warped(const SurfaceMesh& cage, const Points& points, const Points& pose, const GreenOptions& options)
-{
-    Green green(Cage(cage), options);
-    green.bind(view(points));
-    return warped(green, pose);
-}
-
-} // namespace
-
-TEST(GreenQuads, reproduce_similarities_inside_outside_and_on_the_cage)
-{
-    const SurfaceMesh two = shapes::joined(shapes::cube(), shapes::octahedron(), {4, 1, 0});
-    for (const SurfaceMesh& cage :
-         {shapes::cube(), quad_ball(2, 0.2), quad_ball(4, 0.05), shapes::u_prism(), two}) {
-        Points points(400, 3);
-        points << shapes::points_around(cage, 200, 1.0), shapes::points_around(cage, 200, 2.0);
-        const Points near = shapes::points_near(cage, {0.0, 1e-13, 1e-11, 1e-9, 1e-4});
-        Points all(points.rows() + near.rows(), 3);
-        all << points, near;
-        const Pose pose = shapes::affine(2.5 * shapes::rotation({1, 2, -1}, 130), {3, -1, 2});
-        EXPECT_LT(
-            shapes::distance(warped(cage, all, posed(cage, pose), patches()), shapes::transformed(all, pose)),
-            1e-10);
-    }
 }
 
 TEST(GreenQuads, follow_the_symmetry_of_the_cage)
@@ -367,23 +370,6 @@ TEST(GreenQuads, follow_the_symmetry_of_the_cage)
     EXPECT_GT(bias(doubles()), 1e-2) << "the diagonals of triangles show";
 }
 
-TEST(GreenQuads, are_harmonic_and_sum_to_one)
-{
-    const SurfaceMesh cage = quad_ball(2, 0.2);
-    constexpr double h = 0.01;
-    Points star(7, 3);
-    for (int k = 0; k < 7; ++k)
-        star.row(k) = x0.transpose();
-    for (int k = 0; k < 6; ++k)
-        star(1 + k, k / 2) += k % 2 ? h : -h;
-    Green green(Cage(cage), patches());
-    green.bind(view(star));
-    const RowMatrix W = green.weights().dense();
-    EXPECT_LT((W.leftCols(cage.vertex_count()).rowwise().sum().array() - 1.0).abs().maxCoeff(), 1e-14);
-    const RowMatrix laplacian = W.middleRows(1, 6).colwise().sum() - 6.0 * W.row(0);
-    EXPECT_LT(laplacian.cwiseAbs().maxCoeff(), 1e-7); // h^4 / 12 times a fourth derivative of some 10
-}
-
 TEST(GreenQuads, pass_a_patch_without_a_kink)
 {
     const SurfaceMesh cage = quad_ball(2, 0.2);
@@ -406,45 +392,6 @@ TEST(GreenQuads, pass_a_patch_without_a_kink)
         EXPECT_LT((x.row(i) - x.row(2)).norm(), 2e-8); // ten times the distance that it is moved in
     const auto inner = x.row(1) - x.row(0), outer = x.row(4) - x.row(3);
     EXPECT_LT((inner - outer).norm() / step, 1e-2); // the second derivative is some ten per unit
-}
-
-TEST(GreenQuads, continue_through_one_patch_if_asked)
-{
-    const SurfaceMesh cage = shapes::cube();
-    Points x(2, 3);
-    x << 0.5, 0.5, 1.5, 0.5, 0.5, -0.5;
-    Points pose = cage.points();
-    pose.row(6) += Eigen::RowVector3d(0.3, -0.2, 0.4);
-    const Points nearest = warped(cage, x, pose, patches()),
-                 top = warped(cage, x, pose, patches(GreenOutside::face, 1));
-    EXPECT_GT((nearest.row(1) - top.row(1)).norm(), 0.1);
-    EXPECT_LT((nearest.row(0) - top.row(0)).norm(), 1e-15);
-    EXPECT_THROW(Green(Cage(cage), patches(GreenOutside::face, 6)), InvalidOption);
-}
-
-TEST(GreenQuads, take_messy_cages_and_flattened_poses)
-{
-    const Points x = shapes::points_around(shapes::cube(), 50, 1.2);
-    Points dented = shapes::cube().points();
-    dented.row(6) = 0.9 * dented.row(4) + 0.05 * (dented.row(5) + dented.row(7));
-    for (const SurfaceMesh& cage : {shapes::cube(), shapes::moved(shapes::cube(), dented)}) {
-        Points pose = cage.points();
-        pose.row(6) = pose.row(5);
-        EXPECT_TRUE(warped(cage, x, pose, patches()).allFinite());
-        pose.setZero();
-        EXPECT_LT(warped(cage, x, pose, patches()).cwiseAbs().maxCoeff(), 1e-14);
-        pose = 1e100 * cage.points();
-        EXPECT_TRUE(warped(cage, x, pose, patches()).allFinite());
-        const Pose turn = shapes::affine(0.5 * shapes::rotation({1, 1, 0}, 40));
-        EXPECT_LT(
-            shapes::distance(warped(cage, x, posed(cage, turn), patches()), shapes::transformed(x, turn)),
-            1e-12);
-    }
-    Points far(3, 3);
-    far << 1e2, 3, 5, 1e100, -1e100, 3, 0, 0, -1e300;
-    Green green(Cage(quad_ball(2, 0.2)), patches());
-    green.bind(view(far));
-    EXPECT_TRUE(green.weights().dense().allFinite());
 }
 
 TEST(GreenQuads, of_triangles_are_the_triangles)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/space/cage/mean_value.h"
 
-#include "tests/native/long_doubles.h"
 #include "tests/native/methods/space/cage/cages.h"
 
 #include <gtest/gtest.h>
@@ -24,39 +23,6 @@ double affine_error(const SurfaceMesh& cage, const Points& points)
     const RowMatrix W = weights_of(cage, points);
     const double sums = (W.rowwise().sum().array() - 1.0).abs().maxCoeff();
     return std::max(sums, shapes::distance(W * cage.points(), points));
-}
-
-/// Ju, Schaefer & Warren 2005 on the sphere, in long doubles: three angles a triangle. Loses 1e-19 over the
-/// distance from planes, and more where lines of edges are near.
-Eigen::VectorXd on_the_sphere(const SurfaceMesh& cage, const Vector3& x)
-{
-    const LongDoubles with_all_bits;
-    using Long = long double;
-    using Ray = Eigen::Matrix<Long, 3, 1>;
-    std::vector<Long> w(static_cast<std::size_t>(cage.vertex_count()), 0.0L);
-    for (const Triangle& t : cage.triangles()) {
-        std::array<Ray, 3> u, n;
-        std::array<Long, 3> d;
-        for (int i = 0; i < 3; ++i) {
-            u[i] = cage.point(t[i]).cast<Long>() - x.cast<Long>();
-            d[i] = u[i].norm();
-            u[i] /= d[i];
-        }
-        Ray mean = Ray::Zero();
-        for (int i = 0; i < 3; ++i) {
-            n[i] = u[(i + 1) % 3].cross(u[(i + 2) % 3]);
-            mean += std::atan2(n[i].norm(), u[(i + 1) % 3].dot(u[(i + 2) % 3])) / n[i].norm() * n[i];
-        }
-        for (int i = 0; i < 3; ++i)
-            w[t[i]] += n[i].dot(mean) / (n[i].dot(u[i]) * d[i]);
-    }
-    Long sum = 0.0L;
-    for (Long one : w)
-        sum += one;
-    Eigen::VectorXd result(cage.vertex_count());
-    for (int v = 0; v < cage.vertex_count(); ++v)
-        result[v] = static_cast<double>(w[v] / sum);
-    return result;
 }
 
 SpaceTraits traits()
@@ -105,21 +71,6 @@ TEST(MeanValue, reproduces_affine_maps_inside_and_outside)
                            Case{shapes::bumpy_sphere(3), 1.5, 1e-11},
                            Case{shapes::joined(shapes::cube(), shapes::octahedron(), {4, 1, 0}), 1.5, 1e-11}})
         EXPECT_LT(affine_error(at.cage, shapes::points_around(at.cage, 200, at.reach)), at.tolerance);
-}
-
-TEST(MeanValue, is_that_of_the_sphere_however_near_the_faces_and_their_planes)
-{
-    for (const SurfaceMesh& cage : {shapes::bumpy_sphere(1), shapes::u_prism()}) {
-        const auto expect_equal = [&](const Points& points, double tolerance) {
-            const RowMatrix W = weights_of(cage, points);
-            for (Eigen::Index i = 0; i < points.rows(); ++i)
-                EXPECT_LT((W.row(i).transpose() - on_the_sphere(cage, points.row(i))).cwiseAbs().maxCoeff(),
-                          tolerance);
-        };
-        expect_equal(shapes::points_around(cage, 100, 1.5, 4), 1e-12);
-        for (const double distance : {1e-4, 1e-7, 1e-10}) // what long doubles leave of the oracle
-            expect_equal(shapes::points_near(cage, {distance}), 1e-11 + 1e-16 / distance);
-    }
 }
 
 TEST(MeanValue, is_piecewise_linear_on_the_cage)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/space/handle_points/handle_points.h"
 
+#include "tests/native/methods/space/handle_points/fixture.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
@@ -13,21 +14,14 @@ namespace sinew::test_handle_points {
 
 namespace {
 
+using handles::posed;
+
 /// A region, a point, and a region that holds the place of the point.
 Points places()
 {
     Points points(8, 3);
     points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 5, 5, 2, 0, 0, 3, 0, 1, 2, 2, 2, 5, 5, 5;
     return points;
-}
-
-Points posed(const HandlePoints& handles, const std::vector<Pose>& poses)
-{
-    Points control = handles.control();
-    for (int h = 0; h < handles.handle_count(); ++h)
-        for (int r = handles.column(h); r < handles.column(h + 1); ++r)
-            control.row(r) = apply(poses[h], Vector3(control.row(r).transpose())).transpose();
-    return control;
 }
 
 } // namespace

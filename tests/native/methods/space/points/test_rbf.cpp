@@ -3,9 +3,9 @@
 #include "native/methods/space/points/rbf/near_centres.h"
 
 #include "tests/native/methods/space/contract.h"
+#include "tests/native/methods/space/handle_points/fixture.h"
 #include "tests/native/refusals.h"
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,6 +14,9 @@
 namespace sinew::test_rbf {
 
 namespace {
+
+using handles::moved, handles::posed, handles::random_points, handles::regions, handles::three_poses,
+    handles::warped;
 
 constexpr WeightPrecision doubles = WeightPrecision::double_precision;
 
@@ -24,95 +27,6 @@ Points cube_points()
     for (int i = 0; i < 27; ++i)
         points.row(i) << 0.5 * (i / 9), 0.5 * (i / 3 % 3), 0.5 * (i % 3);
     return points;
-}
-
-Points random_points(int count, double reach, std::uint64_t seed)
-{
-    shapes::Random random(seed);
-    Points points(count, 3);
-    for (int i = 0; i < count; ++i)
-        points.row(i) = reach * random.vector().transpose();
-    return points;
-}
-
-Points warped(Rbf& rbf, const Points& points, const Points& control)
-{
-    rbf.bind(view(points));
-    Points out(points.rows(), 3);
-    rbf.warp(view(control), {}, out.data());
-    return out;
-}
-
-double phi(RbfFunction function, double r)
-{
-    const double t = std::max(0.0, 1.0 - r);
-    switch (function) {
-    case RbfFunction::triharmonic:
-        return r * r * r;
-    case RbfFunction::biharmonic:
-        return -r;
-    case RbfFunction::wendland_c0:
-        return t * t;
-    case RbfFunction::wendland_c2:
-        return std::pow(t, 4) * (4 * r + 1);
-    case RbfFunction::wendland_c4:
-        return std::pow(t, 6) * (35 * r * r + 18 * r + 3) / 3;
-    }
-    return 0.0;
-}
-
-/// The saddle point system of the textbooks, solved by LU: shares no code with the method.
-/// \param radius  a length
-Points by_a_dense_system(const Points& centres, const Points& moves, const Points& points,
-                         RbfFunction function, int degree, double radius)
-{
-    const auto monomials = [&](const Eigen::RowVector3d& x) {
-        Eigen::RowVectorXd row(10);
-        row << 1, x[0], x[1], x[2], x[0] * x[0], x[1] * x[1], x[2] * x[2], x[0] * x[1], x[1] * x[2],
-            x[2] * x[0];
-        return Eigen::RowVectorXd(row.head(degree < 0 ? 0 : degree == 0 ? 1 : degree == 1 ? 4 : 10));
-    };
-    const Eigen::RowVector3d corner = centres.colwise().minCoeff();
-    const double size = (centres.colwise().maxCoeff() - corner).maxCoeff();
-    const Points c = (centres.rowwise() - corner) / size, p = (points.rowwise() - corner) / size;
-    const auto n = c.rows(), q = monomials(c.row(0)).cols();
-    const auto row = [&](const Eigen::RowVector3d& x) {
-        Eigen::RowVectorXd values(n + q);
-        for (Eigen::Index j = 0; j < n; ++j)
-            values[j] = phi(function, (x - c.row(j)).norm() * (is_compact(function) ? size / radius : 1.0));
-        values.tail(q) = monomials(x);
-        return values;
-    };
-    MatrixX A = MatrixX::Zero(n + q, n + q), b = MatrixX::Zero(n + q, 3);
-    for (Eigen::Index i = 0; i < n; ++i) {
-        A.row(i) = row(c.row(i));
-        A.col(i).tail(q) = A.row(i).tail(q).transpose();
-    }
-    b.topRows(n) = moves;
-    const MatrixX x = A.fullPivLu().solve(b);
-    Points result = points;
-    for (Eigen::Index i = 0; i < p.rows(); ++i)
-        result.row(i) += row(p.row(i)) * x;
-    return result;
-}
-
-/// Two regions of a bar, and a point of its own.
-HandlePoints regions(int each = 60)
-{
-    Points points = random_points(2 * each + 1, 1.0, 7);
-    points.topRows(each).col(0).array() -= 3.0;
-    points.middleRows(each, each).col(0).array() += 3.0;
-    points.row(2 * each) << 0, 2, 0;
-    return HandlePoints(view(points), {each, each, 1});
-}
-
-Points posed(const HandlePoints& handles, const std::vector<Pose>& poses)
-{
-    Points control = handles.control();
-    for (int h = 0; h < handles.handle_count(); ++h)
-        for (int r = handles.column(h); r < handles.column(h + 1); ++r)
-            control.row(r) = apply(poses[h], Vector3(control.row(r).transpose())).transpose();
-    return control;
 }
 
 SpaceTraits of_points()
@@ -198,58 +112,31 @@ TEST(Rbf, has_the_known_values_of_a_bump)
     EXPECT_EQ(found.leftCols(2).cwiseAbs().maxCoeff(), 0.0);
 }
 
-TEST(Rbf, equals_the_dense_saddle_point_system)
-{
-    const Points centres = random_points(80, 2.0, 11), moves = random_points(80, 1.0, 12),
-                 points = random_points(200, 2.5, 13);
-    struct Case
-    {
-        RbfFunction function;
-        int asked, degree;
-    };
-    for (const Case& at : {Case{RbfFunction::triharmonic, 2, 2}, Case{RbfFunction::triharmonic, 0, 1},
-                           Case{RbfFunction::biharmonic, 2, 1}, Case{RbfFunction::biharmonic, 0, 0},
-                           Case{RbfFunction::wendland_c0, 1, 1}, Case{RbfFunction::wendland_c2, 0, 0},
-                           Case{RbfFunction::wendland_c2, -1, -1}, Case{RbfFunction::wendland_c4, 2, 1}}) {
-        Rbf rbf(HandlePoints(view(centres)), {.function = at.function, .degree = at.asked, .radius = 0.7});
-        const double radius = 0.7 * HandlePoints(view(centres)).size();
-        const Points expected = by_a_dense_system(centres, moves, points, at.function, at.degree, radius);
-        EXPECT_LT(shapes::distance(warped(rbf, points, centres + moves), expected), 1e-9) // LU's rounding
-            << static_cast<int>(at.function) << " " << at.asked;
-    }
-}
-
 TEST(Rbf, regions_move_as_their_points_one_by_one)
 {
     const HandlePoints handles = regions(150);
     const Points points = random_points(200, 3.0, 5);
-    const std::vector<Pose> poses{shapes::still(), shapes::turn({1, 2, 3}, 70, {3, 0, 0}, {0, 1, 0}),
-                                  shapes::shift(0, 0.5, 0.2)};
     Rbf together(handles, {.precision = doubles}), apart{HandlePoints(view(handles.points()))};
-    Points moved = handles.points();
-    for (int i = 0; i < handles.point_count(); ++i)
-        moved.row(i) = apply(poses[handles.handle_of(i)], Vector3(moved.row(i).transpose())).transpose();
-    EXPECT_LT(shapes::distance(warped(together, points, posed(handles, poses)), warped(apart, points, moved)),
-              1e-10);
-    EXPECT_LT(shapes::distance(warped(together, handles.points(), posed(handles, poses)), moved), 1e-11);
+    const Points goals = moved(handles, three_poses);
+    EXPECT_LT(
+        shapes::distance(warped(together, points, posed(handles, three_poses)), warped(apart, points, goals)),
+        1e-10);
+    EXPECT_LT(shapes::distance(warped(together, handles.points(), posed(handles, three_poses)), goals),
+              1e-11);
 }
 
 TEST(Rbf, an_incremental_fit_is_within_its_bound)
 {
     const HandlePoints handles = regions(900);
-    const std::vector<Pose> poses{shapes::still(), shapes::turn({1, 2, 3}, 70, {3, 0, 0}, {0, 1, 0}),
-                                  shapes::shift(0, 0.5, 0.2)};
-    const Points control = posed(handles, poses);
+    const Points control = posed(handles, three_poses);
     const double longest = (control - handles.control()).rowwise().norm().maxCoeff();
-    Points moved = handles.points();
-    for (int i = 0; i < handles.point_count(); ++i)
-        moved.row(i) = apply(poses[handles.handle_of(i)], Vector3(moved.row(i).transpose())).transpose();
+    const Points goals = moved(handles, three_poses);
     Eigen::Index last = 0;
     for (const double tolerance : {1e-2, 1e-3, 1e-4}) {
         Rbf rbf(handles, {.tolerance = tolerance, .precision = doubles});
         const Points found = warped(rbf, handles.points(), control);
         EXPECT_LE(rbf.error(), tolerance * 1.001);
-        EXPECT_LE(shapes::distance(found, moved), rbf.error() * longest);
+        EXPECT_LE(shapes::distance(found, goals), rbf.error() * longest);
         EXPECT_LT(rbf.centres().rows(), 1700) << "of 1801";
         EXPECT_GT(rbf.centres().rows(), last) << "more centres for a smaller error";
         last = rbf.centres().rows();
@@ -303,52 +190,6 @@ TEST(Rbf, compact_functions_without_polynomials_leave_what_is_far_away)
     const Points found = warped(rbf, points, Points(centres.rowwise() + Eigen::RowVector3d(0, 0, 1)));
     EXPECT_EQ(found.row(0), points.row(0));
     EXPECT_GT(found(1, 2), 0.5);
-}
-
-TEST(Rbf, compact_functions_equal_the_sum_over_all_centres)
-{
-    // Some points are far away from all centres; their order has nothing to do with where they are.
-    Points centres = random_points(400, 1.0, 31);
-    centres.topRows(100) *= 0.1;
-    const Points moves = random_points(400, 0.1, 32), points = random_points(1003, 1.4, 33);
-    struct Case
-    {
-        RbfFunction function;
-        int degree;
-        double radius; ///< a length
-    };
-    const HandlePoints handles(view(centres));
-    for (const Case& at : {Case{RbfFunction::wendland_c0, 1, 0.4}, Case{RbfFunction::wendland_c2, -1, 0.16},
-                           Case{RbfFunction::wendland_c2, 1, 0.04}, Case{RbfFunction::wendland_c4, 0, 0.2},
-                           Case{RbfFunction::wendland_c2, 1, 1.8}}) {
-        Rbf rbf(handles,
-                {.function = at.function, .degree = at.degree, .radius = at.radius / handles.size()});
-        const Points expected = by_a_dense_system(centres, moves, points, at.function, at.degree, at.radius);
-        // Rounding of the weights: the largest radius makes the system nearly singular.
-        EXPECT_LT(shapes::distance(warped(rbf, points, centres + moves), expected),
-                  at.radius > 1.0 ? 1e-7 : 1e-12)
-            << static_cast<int>(at.function) << " " << at.radius;
-    }
-}
-
-TEST(Rbf, compact_regions_equal_the_sum_over_all_centres)
-{
-    const HandlePoints handles = regions(250);
-    const Points points = random_points(1003, 4.0, 5);
-    const std::vector<Pose> poses{shapes::still(), shapes::turn({1, 2, 3}, 70, {3, 0, 0}, {0, 1, 0}),
-                                  shapes::shift(0, 0.5, 0.2)};
-    Points moves = handles.points();
-    for (int i = 0; i < handles.point_count(); ++i)
-        moves.row(i) = apply(poses[handles.handle_of(i)], Vector3(moves.row(i).transpose())).transpose();
-    moves -= handles.points();
-    for (const double radius : {0.05, 0.2}) {
-        Rbf rbf(handles,
-                {.function = RbfFunction::wendland_c2, .degree = 1, .radius = radius, .precision = doubles});
-        EXPECT_LT(shapes::distance(warped(rbf, points, posed(handles, poses)),
-                                   by_a_dense_system(handles.points(), moves, points,
-                                                     RbfFunction::wendland_c2, 1, radius * handles.size())),
-                  1e-11); // 4 functions of a region, of which each has a rounding of its own
-    }
 }
 
 TEST(Rbf, every_kernel_and_degree_takes_handles_of_any_shape)
@@ -480,14 +321,11 @@ TEST(Rbf, points_that_nearly_coincide_are_met_in_the_mean)
 TEST(Rbf, refuses_options_and_handles_that_make_no_sense)
 {
     const Points points = cube_points();
-    const auto made = [&](const RbfOptions& options) { Rbf(HandlePoints(view(points)), options); };
-    EXPECT_THROW(made({.degree = 3}), InvalidOption);
-    EXPECT_THROW(made({.degree = -2}), InvalidOption);
-    EXPECT_THROW(made({.radius = 0.0}), InvalidOption);
-    EXPECT_THROW(made({.radius = 1e-300}), InvalidOption);
-    EXPECT_THROW(made({.radius = std::nan("")}), InvalidOption);
-    EXPECT_THROW(made({.tolerance = std::nan("")}), InvalidOption);
-    EXPECT_THROW(made({.tolerance = -1.0}), InvalidOption);
+    for (const RbfOptions& options :
+         {RbfOptions{.degree = 3}, RbfOptions{.degree = -2}, RbfOptions{.radius = 0.0},
+          RbfOptions{.radius = 1e-300}, RbfOptions{.radius = std::nan("")},
+          RbfOptions{.tolerance = std::nan("")}, RbfOptions{.tolerance = -1.0}})
+        EXPECT_THROW(Rbf(HandlePoints(view(points)), options), InvalidOption);
     EXPECT_THROW(HandlePoints(view(Points(0, 3))), InvalidConstraint);
     Points broken = points;
     broken(3, 1) = std::nan("");

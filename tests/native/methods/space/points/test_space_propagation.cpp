@@ -3,6 +3,7 @@
 
 #include "native/methods/surface/linear/propagation.h"
 #include "tests/native/methods/space/contract.h"
+#include "tests/native/methods/space/handle_points/fixture.h"
 #include "tests/native/refusals.h"
 
 #include <gtest/gtest.h>
@@ -13,44 +14,12 @@ namespace sinew::test_space_propagation {
 
 namespace {
 
-Points random_points(int count, double reach, std::uint64_t seed)
-{
-    shapes::Random random(seed);
-    Points points(count, 3);
-    for (int i = 0; i < count; ++i)
-        points.row(i) = reach * random.vector().transpose();
-    return points;
-}
-
-HandlePoints regions()
-{
-    Points points = random_points(61, 1.0, 7);
-    points.topRows(30).col(0).array() -= 3.0;
-    points.middleRows(30, 30).col(0).array() += 3.0;
-    points.row(60) << 0, 2, 0;
-    return HandlePoints(view(points), {30, 30, 1});
-}
-
-Points posed(const HandlePoints& handles, const std::vector<Pose>& poses)
-{
-    Points control = handles.control();
-    for (int h = 0; h < handles.handle_count(); ++h)
-        for (int r = handles.column(h); r < handles.column(h + 1); ++r)
-            control.row(r) = apply(poses[h], Vector3(control.row(r).transpose())).transpose();
-    return control;
-}
-
-Points warped(SpacePropagation& method, const Points& points, const Points& control)
-{
-    method.bind(view(points));
-    Points out(points.rows(), 3);
-    method.warp(view(control), {}, out.data());
-    return out;
-}
+using handles::moved, handles::posed, handles::random_points, handles::regions, handles::three_poses,
+    handles::warped;
 
 SpaceTraits traits()
 {
-    const HandlePoints handles = regions();
+    const HandlePoints handles = regions(30);
     return {.name = "SpacePropagation",
             .variants = {{"straight", [=] { return std::make_shared<SpacePropagation>(handles); }},
                          {"eased",
@@ -73,7 +42,7 @@ INSTANTIATE_TEST_SUITE_P(SpacePropagation, SpaceContract, testing::Values(traits
 
 TEST(SpacePropagation, reproduces_affine_maps_of_all_handles)
 {
-    const HandlePoints handles = regions();
+    const HandlePoints handles = regions(30);
     const Points points = random_points(200, 3.0, 4);
     Matrix3 shear;
     shear << 1.2, 0.3, 0, -0.4, 0.8, 0.1, 0.5, 0.2, 2;
@@ -136,21 +105,18 @@ TEST(SpacePropagation, a_turn_fades_by_the_closed_form_of_two_handles)
 
 TEST(SpacePropagation, points_of_a_handle_go_where_it_takes_them)
 {
-    const HandlePoints handles = regions();
-    const std::vector<Pose> poses{shapes::still(), shapes::turn({1, 2, 3}, 70, {3, 0, 0}, {0, 1, 0}),
-                                  shapes::shift(0, 0.5, 0.2)};
-    Points moved = handles.points();
-    for (int i = 0; i < handles.point_count(); ++i)
-        moved.row(i) = apply(poses[handles.handle_of(i)], Vector3(moved.row(i).transpose())).transpose();
+    const HandlePoints handles = regions(30);
     SpacePropagation method(handles);
-    EXPECT_LT(shapes::distance(warped(method, handles.points(), posed(handles, poses)), moved), 1e-14 * 8);
+    EXPECT_LT(shapes::distance(warped(method, handles.points(), posed(handles, three_poses)),
+                               moved(handles, three_poses)),
+              1e-14 * 8);
 }
 
 TEST(SpacePropagation, refuses_what_makes_no_sense)
 {
-    EXPECT_THROW(SpacePropagation(regions(), {{1.0}}), InvalidOption);
-    EXPECT_THROW(SpacePropagation(regions(), {{0.0, std::nan("")}}), InvalidOption);
-    SpacePropagation method(regions());
+    EXPECT_THROW(SpacePropagation(regions(30), {{1.0}}), InvalidOption);
+    EXPECT_THROW(SpacePropagation(regions(30), {{0.0, std::nan("")}}), InvalidOption);
+    SpacePropagation method(regions(30));
     const MemoryLimit limit(100);
     EXPECT_THROW(method.bind(view(random_points(1000, 1.0, 1))), OutOfMemory);
 }

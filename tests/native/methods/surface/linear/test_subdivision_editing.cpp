@@ -2,11 +2,10 @@
 #include "native/methods/surface/linear/subdivision_editing.h"
 
 #include "native/methods/surface/linear/thin_shell.h"
+#include "native/operators/laplacian.h"
 #include "native/subdivision/subdivision_surface.h"
-#include "tests/native/allocations.h"
 #include "tests/native/dense.h"
-#include "tests/native/methods/surface/contract.h"
-#include "tests/native/methods/surface/linear/dense_operators.h"
+#include "tests/native/methods/surface/fixture.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
@@ -22,15 +21,6 @@ namespace {
 
 using Faces = std::vector<std::vector<int>>;
 
-const Poses bent{shapes::still(), shapes::turn({0, 1, 0}, 40, {18, 0, 0}, {-1, 0.5, 2})};
-
-auto maker(Coarsening coarsening, int levels = 1)
-{
-    return [=](const SurfaceMesh& mesh) {
-        return std::make_shared<SubdivisionEditing>(mesh, SubdivisionEditingOptions{coarsening, levels});
-    };
-}
-
 /// Quads over a hill without symmetry, with noise on every vertex.
 SurfaceMesh rough_hill(int columns, int rows)
 {
@@ -42,36 +32,6 @@ SurfaceMesh rough_hill(int columns, int rows)
         p.row(i) += 0.1 * random.vector().transpose();
     }
     return shapes::moved(plain, p);
-}
-
-SurfaceTraits traits()
-{
-    const auto drag = [](double t) {
-        const double angle = 2 * shapes::pi * t;
-        return Poses{shapes::still(), shapes::turn({0, 1, 0}, 60 * std::sin(angle), {14, 4, 0},
-                                                   {2 * std::cos(angle) - 2, std::sin(angle), 0})};
-    };
-    return {
-        .name = "SubdivisionEditing",
-        .variants = {{"automatic", maker(Coarsening::automatic), 3}, // the level, the control mesh, the band
-                     {"two levels", maker(Coarsening::levels, 2), 4},
-                     {"no level", maker(Coarsening::levels, 0), 1}},
-        .mesh = rough_hill(24, 16),
-        .large = rough_hill(28, 20),
-        .depth = 1.5,
-        .bent = bent,
-        .drag = drag,
-        .drag_steps = 48,
-        .follow = 2.0, // where the surface bends outwards, it goes farther than the handle
-        .slack = 0.0,
-        .rest = 1e-13, // each level takes its details apart and puts them together
-        .incoming = 1e-13,
-        .translation = 1e-9,
-        .rigid = 1e-11, // rounding errors, carried through all levels
-        .similar = 1e-9,
-        .scaled = 1e-9,
-        .updates = "coarsening",
-        .updated = maker(Coarsening::levels, 1)};
 }
 
 SubdivisionSurface subdivided(const SurfaceMesh& mesh, SubdivisionScheme scheme, int level)
@@ -152,21 +112,6 @@ SurfaceMesh polygons()
                         {{0, 1, 4, 3}, {1, 2, 5, 4}, {3, 4, 5, 7, 6}, {2, 8, 5}});
 }
 
-SubdivisionEditing bound(const SurfaceMesh& mesh, int levels,
-                         const std::vector<Handle>& handles = {{{0}, {}}})
-{
-    SubdivisionEditing editing(mesh, {Coarsening::levels, levels});
-    editing.set_handles(handles);
-    return editing;
-}
-
-Points solved(const SurfaceMethod& method, const Poses& poses)
-{
-    Points positions;
-    method.solve({poses}, positions);
-    return positions;
-}
-
 struct Case
 {
     SurfaceMesh mesh;
@@ -183,18 +128,52 @@ std::vector<Case> control_meshes()
             {shapes::sphere(1), triangles}};
 }
 
+class SubdivisionEditing : public SurfaceFixture<sinew::SubdivisionEditing, SubdivisionEditingOptions>
+{
+public:
+    static SurfaceTraits traits()
+    {
+        SurfaceTraits made = linear("SubdivisionEditing", {{"automatic", maker({Coarsening::automatic, 1}),
+                                                            3}, // the level, the control mesh, the band
+                                                           {"two levels", maker({Coarsening::levels, 2}), 4},
+                                                           {"no level", maker({Coarsening::levels, 0}), 1}});
+        made.mesh = rough_hill(24, 16);
+        made.large = rough_hill(28, 20);
+        made.many = rough_hill(96, 64);
+        made.bent = bent;
+        made.many_enter = true;
+        made.rest = made.incoming = 1e-13; // each level takes its details apart and puts them together
+        made.translation = 1e-9;
+        made.rigid = 1e-11; // rounding errors, carried through all levels
+        made.similar = made.scaled = 1e-9;
+        made.updates = "coarsening";
+        made.updated = maker({Coarsening::levels, 1});
+        return made;
+    }
+    static Method bound(const SurfaceMesh& mesh, int levels, const std::vector<Handle>& handles = {{{0}, {}}})
+    {
+        return SurfaceFixture::bound(mesh, {Coarsening::levels, levels}, handles);
+    }
+    static Points solved(const SurfaceMethod& method, const Poses& poses)
+    {
+        return solve(method, poses).positions;
+    }
+
+    inline static const Poses bent{shapes::still(), shapes::turn({0, 1, 0}, 40, {18, 0, 0}, {-1, 0.5, 2})};
+};
+
 } // namespace
 
-INSTANTIATE_TEST_SUITE_P(SubdivisionEditing, SurfaceContract, testing::Values(traits()));
+INSTANTIATE_TEST_SUITE_P(SubdivisionEditing, SurfaceContract, testing::Values(SubdivisionEditing::traits()));
 
-TEST(SubdivisionEditing, finds_the_control_meshes_of_opensubdiv)
+TEST_F(SubdivisionEditing, finds_the_control_meshes_of_opensubdiv)
 {
     int number = 0;
     for (const auto& [control, scheme] : control_meshes()) {
         for (int level : {1, 2, 3}) {
             SCOPED_TRACE(std::to_string(number) + " at level " + std::to_string(level));
             const SurfaceMesh fine = refined(control, scheme, level);
-            const SubdivisionEditing editing = bound(fine, level);
+            const Method editing = bound(fine, level);
             EXPECT_EQ(editing.level_counts(), std::vector<int>{level});
             const SurfaceMesh found = editing.control_mesh();
             EXPECT_EQ(sorted_faces(found), sorted_faces(control));
@@ -206,7 +185,7 @@ TEST(SubdivisionEditing, finds_the_control_meshes_of_opensubdiv)
     }
 }
 
-TEST(SubdivisionEditing, finds_control_meshes_whatever_the_order_of_the_vertices)
+TEST_F(SubdivisionEditing, finds_control_meshes_whatever_the_order_of_the_vertices)
 {
     const SurfaceMesh control = shapes::bar(5, 2);
     for (std::uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 8}) {
@@ -219,7 +198,7 @@ TEST(SubdivisionEditing, finds_control_meshes_whatever_the_order_of_the_vertices
     }
 }
 
-TEST(SubdivisionEditing, regular_meshes_keep_their_lowest_vertex)
+TEST_F(SubdivisionEditing, regular_meshes_keep_their_lowest_vertex)
 {
     // Each of the four colourings of a torus is a subdivision.
     for (std::uint64_t seed : {1, 2, 3}) {
@@ -236,7 +215,7 @@ TEST(SubdivisionEditing, regular_meshes_keep_their_lowest_vertex)
     EXPECT_EQ(bound(torus(4, 4), 9).level_counts(), std::vector<int>{0});
 }
 
-TEST(SubdivisionEditing, the_control_mesh_is_the_nearest_one_by_dense_least_squares)
+TEST_F(SubdivisionEditing, the_control_mesh_is_the_nearest_one_by_dense_least_squares)
 {
     for (const auto& [control, scheme] : {control_meshes()[1], control_meshes()[6], control_meshes()[7]}) {
         SurfaceMesh fine = refined(control, scheme, 1);
@@ -251,7 +230,7 @@ TEST(SubdivisionEditing, the_control_mesh_is_the_nearest_one_by_dense_least_squa
     }
 }
 
-TEST(SubdivisionEditing, what_alternates_on_a_cube_is_lost_and_stays_at_rest)
+TEST_F(SubdivisionEditing, what_alternates_on_a_cube_is_lost_and_stays_at_rest)
 {
     // Catmull-Clark takes the shape that alternates from corner to corner of a cube to zero, so that a
     // control mesh is not unique. The fit does not add any of it.
@@ -261,7 +240,7 @@ TEST(SubdivisionEditing, what_alternates_on_a_cube_is_lost_and_stays_at_rest)
     EXPECT_TRUE(solved(bound(fine, 1, shapes::ends(fine, 0.2)), bent).allFinite());
 }
 
-TEST(SubdivisionEditing, moves_the_control_mesh_as_a_dense_plate_does)
+TEST_F(SubdivisionEditing, moves_the_control_mesh_as_a_dense_plate_does)
 {
     // Translations have T = 1; without details, the surface is S (y + u), where no band reaches.
     const SurfaceMesh control = rough_hill(12, 3);
@@ -270,8 +249,8 @@ TEST(SubdivisionEditing, moves_the_control_mesh_as_a_dense_plate_does)
     const std::vector<Handle> handles = shapes::ends(fine, 2.6);
     const Eigen::RowVector3d move(1, -2, 3);
     const MatrixX S = MatrixX(surface.matrix());
-    const MatrixX L = dense_laplacian(control, Discretization::cotan_voronoi);
-    const VectorX m = dense_mass(control, Discretization::cotan_voronoi);
+    const MatrixX L = laplacian_matrix(control, Discretization::cotan_voronoi);
+    const VectorX m = mass_vector(control, Discretization::cotan_voronoi);
     MatrixX K = L * m.cwiseInverse().asDiagonal() * L, b = MatrixX::Zero(K.rows(), 3);
     const VectorX diagonal = K.diagonal();
     // The mean shift of what both handles hold.
@@ -300,7 +279,7 @@ TEST(SubdivisionEditing, moves_the_control_mesh_as_a_dense_plate_does)
     EXPECT_LT(gap, 1e-8) << "pulls are 1e6 times as stiff as the plate";
 }
 
-TEST(SubdivisionEditing, without_levels_is_a_thin_shell)
+TEST_F(SubdivisionEditing, without_levels_is_a_thin_shell)
 {
     const SurfaceMesh mesh = rough_hill(12, 8);
     const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
@@ -310,7 +289,7 @@ TEST(SubdivisionEditing, without_levels_is_a_thin_shell)
     EXPECT_LT(shapes::distance(solved(bound(mesh, 0, handles), lift), solved(shell, lift)), 1e-10);
 }
 
-TEST(SubdivisionEditing, details_turn_with_the_surface)
+TEST_F(SubdivisionEditing, details_turn_with_the_surface)
 {
     // Studs on a flat strip that is bent upwards stand on the bent strip as they stood on the flat one.
     const SurfaceMesh flat = shapes::quad_grid(64, 16, 0.25);
@@ -341,7 +320,7 @@ TEST(SubdivisionEditing, details_turn_with_the_surface)
     EXPECT_LT(worst, 0.01) << "a tenth; details that keep their directions are wrong by 0.08 here";
 }
 
-TEST(SubdivisionEditing, sculpted_meshes_rest_and_move_rigidly_with_all_their_details)
+TEST_F(SubdivisionEditing, sculpted_meshes_rest_and_move_rigidly_with_all_their_details)
 {
     for (const auto& [control, scheme] : control_meshes()) {
         SurfaceMesh fine = refined(control, scheme, 2);
@@ -353,7 +332,7 @@ TEST(SubdivisionEditing, sculpted_meshes_rest_and_move_rigidly_with_all_their_de
         }
         fine = shapes::moved(fine, sculpted);
         const std::vector<Handle> handles{{{0, 1}, {}}, {{fine.vertex_count() - 1}, {0.5}}};
-        const SubdivisionEditing editing = bound(fine, 2, handles);
+        const Method editing = bound(fine, 2, handles);
         const Pose pose = shapes::turn({1, 2, -0.5}, 170, {3, 7, 1}, {3, -2, 1});
         for (const Points& y : {sculpted, incoming}) {
             Points q;
@@ -365,7 +344,7 @@ TEST(SubdivisionEditing, sculpted_meshes_rest_and_move_rigidly_with_all_their_de
     }
 }
 
-TEST(SubdivisionEditing, a_part_that_cannot_be_undone_stays_whole_and_the_others_do_not_mind)
+TEST_F(SubdivisionEditing, a_part_that_cannot_be_undone_stays_whole_and_the_others_do_not_mind)
 {
     const SurfaceMesh ball = shapes::sphere(3),
                       box = refined(shapes::cube(), SubdivisionScheme::catmull_clark, 3);
@@ -375,7 +354,7 @@ TEST(SubdivisionEditing, a_part_that_cannot_be_undone_stays_whole_and_the_others
     const SurfaceMesh all = shapes::joined(shapes::joined(ball, holed, {0, 9, 0}), box, {0, 18, 0});
     const int n = ball.vertex_count(), m = box.vertex_count();
     const std::vector<Handle> handles{{{0, n, n + m}, {}}, {{1, n + 1, n + m + 1}, {}}};
-    SubdivisionEditing editing(all, {Coarsening::levels, 2});
+    Method editing(all, {Coarsening::levels, 2});
     const BindReport report = editing.set_handles(handles);
     EXPECT_EQ(editing.level_counts(), (std::vector<int>{2, 0, 2}));
     EXPECT_EQ(report.irregular_parts, 1);
@@ -385,12 +364,12 @@ TEST(SubdivisionEditing, a_part_that_cannot_be_undone_stays_whole_and_the_others
     const Points q = solved(editing, poses);
     EXPECT_LT(shapes::distance(q.topRows(n), solved(bound(ball, 2, {{{0}, {}}, {{1}, {}}}), poses)), 1e-9);
     // With nothing to undo, nothing is told; and a small part is not an irregular one.
-    EXPECT_EQ(SubdivisionEditing(all, {Coarsening::levels, 0}).set_handles(handles).irregular_parts, 0);
+    EXPECT_EQ(Method(all, {Coarsening::levels, 0}).set_handles(handles).irregular_parts, 0);
     const SurfaceMesh small = refined(shapes::cube(), SubdivisionScheme::catmull_clark, 1);
-    EXPECT_EQ(SubdivisionEditing(small).set_handles({{{0}, {}}}).irregular_parts, 0);
+    EXPECT_EQ(Method(small).set_handles({{{0}, {}}}).irregular_parts, 0);
 }
 
-TEST(SubdivisionEditing, tiny_and_odd_parts_are_no_subdivisions)
+TEST_F(SubdivisionEditing, tiny_and_odd_parts_are_no_subdivisions)
 {
     const std::vector<SurfaceMesh> odd{
         shapes::mesh({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2, 3}}),
@@ -407,7 +386,7 @@ TEST(SubdivisionEditing, tiny_and_odd_parts_are_no_subdivisions)
         SCOPED_TRACE(k);
         std::vector<int> all(odd[k].vertex_count());
         std::iota(all.begin(), all.end(), 0);
-        SubdivisionEditing editing(odd[k], {Coarsening::levels, 5});
+        Method editing(odd[k], {Coarsening::levels, 5});
         for (const std::vector<int>& vertices : {std::vector<int>{0}, all}) {
             editing.set_handles({{vertices, std::vector<double>(vertices.size(), 0.5)}});
             EXPECT_EQ(std::ranges::count(editing.level_counts(), 0), std::ssize(editing.level_counts()));
@@ -428,7 +407,7 @@ TEST(SubdivisionEditing, tiny_and_odd_parts_are_no_subdivisions)
     EXPECT_EQ(bound(shapes::quad_grid(2, 2), 1).level_counts(), std::vector<int>{1});
 }
 
-TEST(SubdivisionEditing, parts_without_area_are_solved_or_refused)
+TEST_F(SubdivisionEditing, parts_without_area_are_solved_or_refused)
 {
     for (double thickness : {0.0, 1e-9, 1.0}) {
         Points p = shapes::grid_points(8, 8);
@@ -444,7 +423,7 @@ TEST(SubdivisionEditing, parts_without_area_are_solved_or_refused)
     }
 }
 
-TEST(SubdivisionEditing, two_handles_may_hold_the_vertices_of_one_quad)
+TEST_F(SubdivisionEditing, two_handles_may_hold_the_vertices_of_one_quad)
 {
     // And so two handles pull at each control point, which neither holds alone.
     const SurfaceMesh mesh = rough_hill(24, 16);
@@ -452,7 +431,7 @@ TEST(SubdivisionEditing, two_handles_may_hold_the_vertices_of_one_quad)
     for (int v = 0; v < mesh.vertex_count(); ++v)
         (v % 25 < 12 ? left : right).vertices.push_back(v);
     right.vertices.resize(right.vertices.size() - 20);
-    const SubdivisionEditing editing = bound(mesh, 3, {left, right});
+    const Method editing = bound(mesh, 3, {left, right});
     const Points q = solved(editing, bent);
     for (int v : left.vertices)
         EXPECT_EQ(q.row(v), mesh.points().row(v));
@@ -462,7 +441,7 @@ TEST(SubdivisionEditing, two_handles_may_hold_the_vertices_of_one_quad)
     EXPECT_LT(shapes::distance(q, mesh.points()), 40);
 }
 
-TEST(SubdivisionEditing, leaves_its_handles_without_a_crease)
+TEST_F(SubdivisionEditing, leaves_its_handles_without_a_crease)
 {
     // The border of the handle lies across the faces of the control mesh.
     const SurfaceMesh mesh = shapes::quad_grid(48, 32);
@@ -486,15 +465,10 @@ TEST(SubdivisionEditing, leaves_its_handles_without_a_crease)
         EXPECT_LT(sharpest(solved(bound(mesh, levels, handles), lift)), 2.5 * smooth) << levels;
 }
 
-TEST(SubdivisionEditing, refuses_levels_below_zero)
-{
-    EXPECT_THROW(SubdivisionEditing(shapes::cube(), {Coarsening::levels, -1}), InvalidOption);
-}
-
-TEST(SubdivisionEditing, levels_above_the_memory_limit_are_refused_before_they_are_made)
+TEST_F(SubdivisionEditing, levels_above_the_memory_limit_are_refused_before_they_are_made)
 {
     const SurfaceMesh mesh = rough_hill(128, 128);
-    SubdivisionEditing editing(mesh, {Coarsening::levels, 5});
+    Method editing(mesh, {Coarsening::levels, 5});
     editing.set_handles(shapes::ends(mesh, 1.5));
     const Points before = solved(editing, bent);
     for (std::int64_t limit : {1'000, 1'000'000, 5'000'000}) {
@@ -504,22 +478,9 @@ TEST(SubdivisionEditing, levels_above_the_memory_limit_are_refused_before_they_a
     }
 }
 
-TEST(SubdivisionEditing, solves_after_the_first_allocate_nothing_in_proportion_to_the_mesh)
+TEST_F(SubdivisionEditing, refuses_levels_below_zero)
 {
-    if (!allocations::counted())
-        GTEST_SKIP() << "nobody counts here";
-    const SurfaceMesh mesh = rough_hill(96, 64);
-    for (int levels : {0, 1, 3}) {
-        const SubdivisionEditing editing = bound(mesh, levels, shapes::ends(mesh, 1.5));
-        Points positions;
-        const allocations::Count count(mesh.vertex_count());
-        editing.solve({bent, view(mesh.points())}, positions);
-        const int first = count.so_far();
-        EXPECT_GT(first, 0);
-        for (int k = 0; k < 3; ++k)
-            editing.solve({bent, view(mesh.points())}, positions);
-        EXPECT_EQ(count.so_far(), first);
-    }
+    expect_refused(shapes::cube(), {{Coarsening::levels, -1}});
 }
 
 } // namespace sinew::test_subdivision_editing

@@ -3,7 +3,6 @@
 #include "native/methods/surface/linear/thin_shell.h"
 
 #include "native/solvers/engines/cholmod_factor.h"
-#include "tests/native/methods/surface/linear/dense_shell.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
@@ -176,18 +175,6 @@ TEST_P(ThinShellUpdates, above_the_memory_limit_are_refused)
     const std::string text = refusal<OutOfMemory>(bind).what();
     EXPECT_NE(text.find("the memory limit is 0.1 MB"), std::string::npos) << text;
     EXPECT_EQ(solve(shell, bent), before);
-}
-
-TEST_P(ThinShellUpdates, equal_dense_matrices_built_from_angles)
-{
-    const SurfaceMesh small = shapes::hill(14, 12);
-    const std::vector<Handle> both = shapes::ends(small, 1.5);
-    const std::vector<Handle> three = with(both, {7 * 15 + 7});
-    ThinShell shell(small, options);
-    shell.set_handles(both);
-    shell.set_handles(three);
-    DenseShell oracle(small, options, three);
-    EXPECT_LT(shapes::distance(solve(shell, raised), oracle.solve(raised)), 1e-6); // condition 1e6
 }
 
 INSTANTIATE_TEST_SUITE_P(basis, ThinShellUpdates, testing::Bool());

@@ -5,11 +5,10 @@
 #include "native/mesh/trees/triangle_tree.h"
 #include "native/methods/surface/linear/laplacian_editing.h"
 #include "native/methods/surface/linear/thin_shell.h"
+#include "native/operators/laplacian.h"
 #include "native/solvers/smallest_factor.h"
-#include "tests/native/allocations.h"
 #include "tests/native/dense.h"
-#include "tests/native/methods/surface/contract.h"
-#include "tests/native/methods/surface/linear/dense_operators.h"
+#include "tests/native/methods/surface/fixture.h"
 #include "tests/native/methods/surface/linear/study_tube.h"
 #include "tests/native/shapes.h"
 
@@ -23,17 +22,6 @@
 namespace sinew::test_volumetric_graph_laplacian {
 
 namespace {
-
-using Options = VolumetricGraphLaplacianOptions;
-
-const Poses bent{shapes::still(), shapes::turn({0, 1, 0}, 40, {6, 0, 0}, {-1, 0.5, 2})};
-
-auto maker(const Options& options)
-{
-    return [options](const SurfaceMesh& mesh) {
-        return std::make_shared<VolumetricGraphLaplacian>(mesh, options);
-    };
-}
 
 /// A crooked egg, long in x, without any symmetry that leaves a choice to rounding; with inner points in a
 /// shell and a lattice.
@@ -49,18 +37,6 @@ SurfaceMesh egg(int level)
     return shapes::moved(ball, p);
 }
 
-Points solved(const SurfaceMesh& mesh, const std::vector<Handle>& handles, const SolveRequest& request,
-              const Options& options = {}, SolveReport* report = nullptr)
-{
-    VolumetricGraphLaplacian method(mesh, options);
-    method.set_handles(handles);
-    Points positions;
-    const SolveReport found = method.solve(request, positions);
-    if (report)
-        *report = found;
-    return positions;
-}
-
 Points on_the_surface_only(const SurfaceMesh& mesh, const std::vector<Handle>& handles, const Poses& poses)
 {
     LaplacianEditing method(mesh, {.transforms = LocalTransforms::from_handles});
@@ -70,47 +46,45 @@ Points on_the_surface_only(const SurfaceMesh& mesh, const std::vector<Handle>& h
     return positions;
 }
 
-SurfaceTraits traits(const std::string& name, const SurfaceMesh& mesh, const SurfaceMesh& large)
+class VolumetricGraphLaplacian
+    : public SurfaceFixture<sinew::VolumetricGraphLaplacian, VolumetricGraphLaplacianOptions>
 {
-    Options heavy, uniform;
-    heavy.volume = 20;
-    uniform.laplacian = Discretization::uniform;
-    const auto drag = [](double t) {
-        const double angle = 2 * shapes::pi * t;
-        return Poses{shapes::still(), shapes::turn({0, 1, 0}, 60 * std::sin(angle), {9, 4, 0},
-                                                   {2 * std::cos(angle) - 2, std::sin(angle), 0})};
-    };
-    return {.name = name,
-            .variants = {{"volume 1", maker({}), 2},
-                         {"volume 20", maker(heavy), 2},
-                         {"no volume", maker({.volume = 0}), 2},
-                         {"uniform", maker(uniform), 2}},
-            .mesh = mesh,
-            .large = large,
-            .depth = 1.5,
-            .bent = bent,
-            .drag = drag,
-            .drag_steps = 48,
-            .follow = 3.0, // where the surface bends outwards, it goes farther than the handle
-            .slack = 0.0,
-            .rest = 1e-11,
-            .incoming = 1e-11,
-            .translation = 1e-9,
-            .rigid = 1e-9,
-            .similar = 1e-8,
-            .scaled = 1e-8,
-            .updates = "volume",
-            .updated = maker(heavy),
-            .other = maker(uniform)};
-}
+public:
+    static SurfaceTraits traits(const std::string& name, const SurfaceMesh& mesh, const SurfaceMesh& large,
+                                int half_turns)
+    {
+        Options heavy, uniform;
+        heavy.volume = 20;
+        uniform.laplacian = Discretization::uniform;
+        SurfaceTraits made = linear(name, {{"volume 1", maker(), 2, true, 1e-8},
+                                           {"volume 20", maker(heavy), 2, true, 1e-8},
+                                           {"no volume", maker({.volume = 0}), 2, true, 1e-8},
+                                           {"uniform", maker(uniform), 2, true, 1e-8}});
+        made.mesh = mesh;
+        made.large = large;
+        made.many = egg(5);
+        made.follow = 3.0;
+        made.rest = made.incoming = 1e-11;
+        made.translation = made.rigid.emplace(1e-9);
+        made.similar = made.scaled = 1e-8;
+        made.rides = 1e-9;
+        made.turns_incoming = made.parts_apart = made.many_enter = true;
+        made.half_turns = half_turns;
+        made.updates = "volume";
+        made.updated = maker(heavy);
+        made.other = maker(uniform);
+        return made;
+    }
+};
 
 } // namespace
 
 INSTANTIATE_TEST_SUITE_P(VolumetricGraphLaplacian, SurfaceContract,
-                         testing::Values(traits("Sheet", shapes::hill(8, 8), shapes::hill(10, 9)),
-                                         traits("Body", egg(3), egg(4))));
+                         testing::Values(VolumetricGraphLaplacian::traits("Sheet", shapes::hill(8, 8),
+                                                                          shapes::hill(10, 9), 81),
+                                         VolumetricGraphLaplacian::traits("Body", egg(3), egg(4), 258)));
 
-TEST(VolumetricGraphLaplacian, solves_what_dense_matrices_do)
+TEST_F(VolumetricGraphLaplacian, solves_what_dense_matrices_do)
 {
     shapes::Random random(6);
     for (const SurfaceMesh& mesh : {egg(3), shapes::bar(8, 6)})
@@ -121,7 +95,7 @@ TEST(VolumetricGraphLaplacian, solves_what_dense_matrices_do)
                     const int n = mesh.vertex_count();
                     std::vector<Handle> handles = shapes::ends(mesh, 2);
                     handles[1].weights.assign(handles[1].vertices.size(), weight);
-                    VolumetricGraphLaplacian method(mesh, {.volume = alpha, .laplacian = kind});
+                    Method method(mesh, {.volume = alpha, .laplacian = kind});
                     method.set_handles(handles);
                     const int nodes = n + static_cast<int>(method.inner_points().rows());
                     ASSERT_GT(nodes, n + 15);
@@ -139,8 +113,8 @@ TEST(VolumetricGraphLaplacian, solves_what_dense_matrices_do)
                             D.row(i) = -W.row(i) / sum;
                             D(i, i) = 1;
                         }
-                    const MatrixX surface = dense_laplacian(mesh, kind);
-                    const VectorX m = dense_mass(mesh, kind);
+                    const MatrixX surface = laplacian_matrix(mesh, kind);
+                    const VectorX m = mass_vector(mesh, kind);
                     L.topLeftCorner(n, n) = dense::with_positive_weights(surface);
                     L += MatrixX(W.rowwise().sum().asDiagonal()) - W;
                     MatrixX A = alpha / m.mean() * D.transpose() * D;
@@ -208,7 +182,7 @@ TEST(VolumetricGraphLaplacian, solves_what_dense_matrices_do)
                 }
 }
 
-TEST(VolumetricGraphLaplacian, keeps_more_of_the_volume_of_a_bent_tube_than_the_surface_alone)
+TEST_F(VolumetricGraphLaplacian, keeps_more_of_the_volume_of_a_bent_tube_than_the_surface_alone)
 {
     const SurfaceMesh mesh = study_tube();
     const std::vector<Handle> handles = shapes::ends(mesh, study_depth);
@@ -225,29 +199,13 @@ TEST(VolumetricGraphLaplacian, keeps_more_of_the_volume_of_a_bent_tube_than_the_
         << ".0555 to .0563 for other centres of cells; the isometric bend of the axis has .0580";
 }
 
-TEST(VolumetricGraphLaplacian, one_affine_map_of_all_handles_is_exact)
-{
-    const SurfaceMesh mesh = egg(3);
-    Matrix3 A;
-    A << 1.2, 0.3, 0, -0.4, 0.8, 0.1, 0.5, 0.2, -2; // it reflects
-    const Pose pose = shapes::affine(A, {1, 2, 3});
-    for (double weight : {1.0, 0.3}) {
-        std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-        handles.push_back({{45}, {}});
-        handles[1].weights.assign(handles[1].vertices.size(), weight);
-        EXPECT_LT(shapes::distance(solved(mesh, handles, {.poses = Poses(3, pose)}),
-                                   shapes::transformed(mesh.points(), pose)),
-                  1e-8);
-    }
-}
-
-TEST(VolumetricGraphLaplacian, without_volume_or_without_an_inside_is_laplacian_editing_from_handles)
+TEST_F(VolumetricGraphLaplacian, without_volume_or_without_an_inside_is_laplacian_editing_from_handles)
 {
     const SurfaceMesh sheet = shapes::hill(8, 8), body = egg(3);
     EXPECT_LT(shapes::distance(solved(body, shapes::ends(body, 1.5), {.poses = bent}, {.volume = 0}),
                                on_the_surface_only(body, shapes::ends(body, 1.5), bent)),
               1e-9);
-    VolumetricGraphLaplacian method(sheet);
+    Method method(sheet);
     method.set_handles(shapes::ends(sheet, 1.5));
     EXPECT_EQ(method.inner_points().rows(), 0);
     Points q;
@@ -255,7 +213,7 @@ TEST(VolumetricGraphLaplacian, without_volume_or_without_an_inside_is_laplacian_
     EXPECT_LT(shapes::distance(q, on_the_surface_only(sheet, shapes::ends(sheet, 1.5), bent)), 1e-9);
 }
 
-TEST(VolumetricGraphLaplacian, keeps_the_volume_of_a_scan_with_a_hole)
+TEST_F(VolumetricGraphLaplacian, keeps_the_volume_of_a_scan_with_a_hole)
 {
     const SurfaceMesh tube = study_tube();
     shapes::Polygons faces;
@@ -277,7 +235,7 @@ TEST(VolumetricGraphLaplacian, keeps_the_volume_of_a_scan_with_a_hole)
             v = number[v];
         }
     const SurfaceMesh scan = shapes::mesh(points, faces);
-    VolumetricGraphLaplacian method(scan);
+    Method method(scan);
     const std::vector<Handle> handles = shapes::ends(scan, study_depth);
     method.set_handles(handles);
     const Points inner = method.inner_points();
@@ -293,7 +251,7 @@ TEST(VolumetricGraphLaplacian, keeps_the_volume_of_a_scan_with_a_hole)
               rms_edge_ratio(scan, on_the_surface_only(scan, handles, {shapes::still(), study_bend()})));
 }
 
-TEST(VolumetricGraphLaplacian, fills_parts_that_are_turned_inside_out)
+TEST_F(VolumetricGraphLaplacian, fills_parts_that_are_turned_inside_out)
 {
     const SurfaceMesh mesh = egg(3);
     shapes::Polygons faces = shapes::faces_of(mesh);
@@ -305,11 +263,11 @@ TEST(VolumetricGraphLaplacian, fills_parts_that_are_turned_inside_out)
               1e-9);
 }
 
-TEST(VolumetricGraphLaplacian, joins_every_inner_point_to_the_surface)
+TEST_F(VolumetricGraphLaplacian, joins_every_inner_point_to_the_surface)
 {
     for (const SurfaceMesh& mesh : {egg(3), egg(4), study_tube(), shapes::bar(20, 6), shapes::messy()}) {
         const int n = mesh.vertex_count();
-        VolumetricGraphLaplacian method(mesh);
+        Method method(mesh);
         method.set_handles({{{0, 1, 2}, {}}});
         const auto edges = method.graph_edges();
         std::vector<bool> joined(n + method.inner_points().rows(), false);
@@ -324,96 +282,34 @@ TEST(VolumetricGraphLaplacian, joins_every_inner_point_to_the_surface)
     }
 }
 
-TEST(VolumetricGraphLaplacian, turns_with_a_rigid_incoming_pose)
+TEST_F(VolumetricGraphLaplacian, handles_of_a_part_that_overlaps_do_not_count)
 {
-    const SurfaceMesh mesh = egg(3);
-    const Pose G = shapes::turn({1, 2, -0.5}, 120, {3, 7, 1}, {3, -2, 1});
-    const Points incoming = shapes::transformed(mesh.points(), G);
-    const Matrix3 R = G.leftCols<3>();
-    Poses seen;
-    for (const Pose& pose : bent) {
-        const Matrix3 A = R * pose.leftCols<3>() * R.transpose();
-        seen.push_back(shapes::affine(A, R * pose.col(3) + G.col(3) - A * G.col(3)));
-    }
-    EXPECT_LT(
-        shapes::distance(solved(mesh, shapes::ends(mesh, 1.5), {.poses = seen, .incoming = view(incoming)}),
-                         shapes::transformed(solved(mesh, shapes::ends(mesh, 1.5), {.poses = bent}), G)),
-        1e-8);
-}
-
-TEST(VolumetricGraphLaplacian, a_handle_that_rides_on_what_posed_the_mesh_does_not_turn_details_twice)
-{
-    const SurfaceMesh mesh = egg(3);
-    const Pose pose = shapes::turn({1, 2, -0.5}, 120, {3, 7, 1}, {3, -2, 1});
-    const Points incoming = shapes::transformed(mesh.points(), pose);
-    const Points q = solved(mesh, shapes::ends(mesh, 1.5),
-                            {.poses = {shapes::still(), pose},
-                             .incoming = view(incoming),
-                             .from_rest = std::vector<bool>{false, true}});
-    EXPECT_LT(shapes::distance(q, incoming), 1e-9);
-}
-
-TEST(VolumetricGraphLaplacian, handles_of_other_parts_do_not_count)
-{
-    const SurfaceMesh mesh = egg(3), both = shapes::joined(mesh, mesh, {0, 3, 0}); // they overlap
+    const SurfaceMesh mesh = egg(3), both = shapes::joined(mesh, mesh, {0, 3, 0});
     const int n = mesh.vertex_count();
-    std::vector<Handle> handles = shapes::ends(mesh, 1.5), more = handles;
+    std::vector<Handle> more = shapes::ends(mesh, 1.5);
     more.push_back({{n + 3, n + 40}, {}});
-    more.push_back({{n + 70}, {}});
-    const Poses poses{bent[0], bent[1], shapes::turn({1, 0, 1}, 140), shapes::turn({0, 1, 1}, -150)};
-    EXPECT_LT(shapes::distance(solved(both, more, {.poses = poses}).topRows(n),
-                               solved(mesh, handles, {.poses = bent})),
+    EXPECT_LT(shapes::distance(
+                  solved(both, more, {.poses = {bent[0], bent[1], shapes::turn({1, 0, 1}, 140)}}).topRows(n),
+                  solved(mesh, shapes::ends(mesh, 1.5), {.poses = bent})),
               1e-9);
 }
 
-TEST(VolumetricGraphLaplacian, says_where_a_rule_chose_the_way_of_half_a_turn)
+TEST_F(VolumetricGraphLaplacian, refuses_a_volume_that_is_no_weight)
 {
-    const SurfaceMesh mesh = egg(3);
-    for (const auto& [degrees, vertices] : {std::pair{179.0, 0}, {180.0, 258}}) {
-        SolveReport report;
-        solved(mesh, shapes::ends(mesh, 1.5), {.poses = {shapes::still(), shapes::turn({1, 2, 0}, degrees)}},
-               {}, &report);
-        EXPECT_EQ(report.half_turns, vertices);
-    }
+    expect_refused(shapes::cube(), {{.volume = -1.0}, {.volume = nan}, {.volume = infinity}});
 }
 
-TEST(VolumetricGraphLaplacian, refuses_a_volume_that_is_no_weight)
-{
-    for (double volume : {-1.0, std::nan(""), std::numeric_limits<double>::infinity()})
-        EXPECT_THROW(VolumetricGraphLaplacian(shapes::cube(), {.volume = volume}), InvalidOption);
-}
-
-TEST(VolumetricGraphLaplacian, has_factors_of_less_than_four_thin_shells)
+TEST_F(VolumetricGraphLaplacian, has_factors_of_less_than_four_thin_shells)
 {
     if (smallest_factor() != Ordering::nested_dissection)
         GTEST_SKIP() << "minimum degree has larger factors than nested dissection";
     const SurfaceMesh mesh = egg(6);
     ThinShell shell(mesh);
-    VolumetricGraphLaplacian method(mesh);
+    Method method(mesh);
     const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
     const auto alone = static_cast<double>(shell.set_handles(handles).factor_bytes),
                together = static_cast<double>(method.set_handles(handles).factor_bytes);
     EXPECT_LT(together, 4.0 * alone) << "measured: 3.85";
-}
-
-TEST(VolumetricGraphLaplacian, solves_after_the_first_allocate_nothing_in_proportion_to_the_mesh)
-{
-    if (!allocations::counted())
-        GTEST_SKIP() << "nobody counts here";
-    const SurfaceMesh mesh = egg(5);
-    const Points incoming = shapes::transformed(mesh.points(), bent[1]);
-    VolumetricGraphLaplacian method(mesh);
-    method.set_handles(shapes::ends(mesh, 1.5));
-    for (const auto& shape : {std::optional<PointsView>(), std::optional(view(incoming))}) {
-        Points positions;
-        const allocations::Count count(sizeof(double) * mesh.vertex_count());
-        method.solve({.poses = bent, .incoming = shape}, positions);
-        const int first = count.so_far();
-        EXPECT_GT(first, 0);
-        for (int k = 0; k < 3; ++k)
-            method.solve({.poses = bent, .incoming = shape}, positions);
-        EXPECT_EQ(count.so_far(), first);
-    }
 }
 
 } // namespace sinew::test_volumetric_graph_laplacian

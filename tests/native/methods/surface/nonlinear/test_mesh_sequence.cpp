@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/surface/nonlinear/mesh_sequence.h"
 
-#include "tests/native/methods/surface/contract.h"
+#include "tests/native/methods/surface/fixture.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
@@ -20,51 +20,7 @@ namespace {
 
 constexpr int length = 24;
 
-auto maker(const ArapOptions& options)
-{
-    return [options](const SurfaceMesh& mesh) { return std::make_shared<MeshSequence>(mesh, options); };
-}
-
-Poses bend(double degrees)
-{
-    const double angle = degrees * shapes::pi / 180, radius = 8 / angle;
-    const Vector3 end(2 + radius * std::sin(angle), radius * (1 - std::cos(angle)), 0);
-    return {shapes::still(), shapes::turn({0, 0, 1}, degrees, {10, 0, 0}, end - Vector3(10, 0, 0))};
-}
-
-/// Poses without a frame: what Arap promises, with the tolerances of its test.
-SurfaceTraits traits()
-{
-    const auto drag = [](double s) {
-        const double t = 0.5 - 0.5 * std::cos(2 * shapes::pi * s);
-        return Poses{shapes::still(), shapes::turn({0.2, 1, 0.5}, 100 * t, {18, 0, 0},
-                                                   {-4 * t, 3 * t, 2 * std::sin(2 * shapes::pi * s)})};
-    };
-    return {.name = "MeshSequence",
-            .variants = {{"default", maker({}), 2, false},
-                         {"rims", maker({.smoothness = 0, .cells = ArapOptions::Cells::rims}), 1}},
-            .mesh = shapes::bar(12, 3),
-            .large = shapes::bar(20, 5),
-            .depth = 2,
-            .bent = bend(60),
-            .drag = drag,
-            .drag_steps = 30,
-            .follow = 1.5,
-            .slack = 0.02,
-            .rest = 1e-12,
-            .incoming = 1e-11,
-            .noise = 0.2,
-            .translation = 1e-9,
-            .rigid = 1e-11,
-            .held = 2e-13,
-            .alone = 1e-13,
-            .similar = 0.01,
-            .scaled = 0.01,
-            .apart = 0.05,
-            .messy = 30.0,
-            .all_soft = 1.0,
-            .other = maker({.rigidity = {2.0}})};
-}
+using calls::bend;
 
 /// An animation that bends, twists, swells and carries a bar about; `share` of its length, [0, 1).
 Points animated(const SurfaceMesh& mesh, double share)
@@ -87,21 +43,32 @@ Points animated(const SurfaceMesh& mesh, double share)
 
 SurfaceMesh bar() { return shapes::bar(length, 4); }
 
-MeshSequence bound(const SurfaceMesh& mesh, const std::vector<Handle>& handles)
+class MeshSequence : public SurfaceFixture<sinew::MeshSequence, ArapOptions>
 {
-    MeshSequence sequence(mesh);
-    sequence.set_handles(handles);
-    return sequence;
-}
-
-MeshSequence bound(const SurfaceMesh& mesh) { return bound(mesh, shapes::ends(mesh, 2)); }
+public:
+    /// Poses without a frame: what Arap promises, with the tolerances of its test.
+    static SurfaceTraits traits()
+    {
+        SurfaceTraits made = nonlinear(
+            "MeshSequence", {{"default", maker(), 2, false},
+                             {"rims", maker({.smoothness = 0, .cells = ArapOptions::Cells::rims}), 1}});
+        made.other = maker({.rigidity = {2.0}});
+        return made;
+    }
+    static Method bound(const SurfaceMesh& mesh, const std::vector<Handle>& handles)
+    {
+        return SurfaceFixture::bound(mesh, {}, handles);
+    }
+    static Method bound(const SurfaceMesh& mesh) { return bound(mesh, shapes::ends(mesh, 2)); }
+};
 
 SolveRequest entering(const Points& shape, int handles = 2)
 {
     return {.poses = Poses(handles, shapes::still()), .incoming = view(shape)};
 }
 
-Points frame_of(const MeshSequence& sequence, double frame, const EditKeys& keys, const SolveRequest& request)
+Points frame_of(const sinew::MeshSequence& sequence, double frame, const EditKeys& keys,
+                const SolveRequest& request)
 {
     Points positions;
     sequence.solve_frame(frame, keys, request, positions);
@@ -153,12 +120,12 @@ EditKeys some_keys()
 
 } // namespace
 
-INSTANTIATE_TEST_SUITE_P(MeshSequence, SurfaceContract, testing::Values(traits()));
+INSTANTIATE_TEST_SUITE_P(MeshSequence, SurfaceContract, testing::Values(MeshSequence::traits()));
 
-TEST(MeshSequence, no_edits_reproduce_the_sequence)
+TEST_F(MeshSequence, no_edits_reproduce_the_sequence)
 {
     const SurfaceMesh mesh = bar();
-    const MeshSequence sequence = bound(mesh);
+    const Method sequence = bound(mesh);
     const EditKeys none, still({{0, 1, shapes::still()}, {50, 1, shapes::still()}});
     for (int f = 0; f < 60; f += 7) {
         const Points shape = animated(mesh, f / 60.0);
@@ -169,11 +136,11 @@ TEST(MeshSequence, no_edits_reproduce_the_sequence)
     }
 }
 
-TEST(MeshSequence, edits_at_keys_are_met_in_the_moving_frame)
+TEST_F(MeshSequence, edits_at_keys_are_met_in_the_moving_frame)
 {
     const SurfaceMesh mesh = bar();
     const std::vector<Handle> ends = shapes::ends(mesh, 2);
-    const MeshSequence sequence = bound(mesh, ends);
+    const Method sequence = bound(mesh, ends);
     shapes::Random random(4);
     std::vector<EditKey> all;
     for (int f : {5, 20, 41})
@@ -193,11 +160,11 @@ TEST(MeshSequence, edits_at_keys_are_met_in_the_moving_frame)
     }
 }
 
-TEST(MeshSequence, an_edit_is_carried_by_what_carries_the_handle)
+TEST_F(MeshSequence, an_edit_is_carried_by_what_carries_the_handle)
 {
     // The same shape, elsewhere: the edited shape goes along, for an edit that was made at another frame.
     const SurfaceMesh mesh = bar();
-    const MeshSequence sequence = bound(mesh);
+    const Method sequence = bound(mesh);
     const Points here = animated(mesh, .2);
     const Pose carried = shapes::turn({1, -2, .5}, 130, {3, 7, 1}, {30, -20, 10});
     const Points there = shapes::transformed(here, carried);
@@ -209,11 +176,11 @@ TEST(MeshSequence, an_edit_is_carried_by_what_carries_the_handle)
               0.01);
 }
 
-TEST(MeshSequence, a_rigid_edit_of_all_handles_is_rigid_in_every_frame)
+TEST_F(MeshSequence, a_rigid_edit_of_all_handles_is_rigid_in_every_frame)
 {
     const SurfaceMesh mesh = bar();
     const std::vector<Handle> ends = shapes::ends(mesh, 2);
-    const MeshSequence sequence = bound(mesh, ends);
+    const Method sequence = bound(mesh, ends);
     const Pose whole = shapes::turn({1, 2, -.5}, 70, {3, 7, 1}, {5, -2, 3});
     std::vector<EditKey> all;
     for (int f = 0; f < 60; f += 6)
@@ -232,11 +199,11 @@ TEST(MeshSequence, a_rigid_edit_of_all_handles_is_rigid_in_every_frame)
     }
 }
 
-TEST(MeshSequence, frames_are_as_smooth_in_time_as_the_edit_of_the_handle)
+TEST_F(MeshSequence, frames_are_as_smooth_in_time_as_the_edit_of_the_handle)
 {
     const SurfaceMesh mesh = bar();
     const std::vector<Handle> ends = shapes::ends(mesh, 2);
-    const MeshSequence sequence = bound(mesh, ends);
+    const Method sequence = bound(mesh, ends);
     const int frames = 60;
     std::vector<Points> all, handle;
     for (int f = 0; f < frames; ++f) {
@@ -262,11 +229,11 @@ TEST(MeshSequence, frames_are_as_smooth_in_time_as_the_edit_of_the_handle)
     EXPECT_LT(jitter(all), 0.02);
 }
 
-TEST(MeshSequence, frames_in_parallel_have_the_same_bits_as_one_by_one)
+TEST_F(MeshSequence, frames_in_parallel_have_the_same_bits_as_one_by_one)
 {
     const SurfaceMesh mesh = bar();
-    MeshSequence sequence = bound(mesh);
-    const MeshSequence farm = bound(mesh); // another machine
+    Method sequence = bound(mesh);
+    const Method farm = bound(mesh); // another machine
     const EditKeys keys = some_keys();
     std::vector<double> numbers;
     std::vector<Points> shapes, found(30);
@@ -289,11 +256,11 @@ TEST(MeshSequence, frames_in_parallel_have_the_same_bits_as_one_by_one)
     EXPECT_EQ(sequence.set_handles(shapes::ends(mesh, 2)).factorizations, 4); // two per bind, none per frame
 }
 
-TEST(MeshSequence, what_poses_edit_becomes_a_key)
+TEST_F(MeshSequence, what_poses_edit_becomes_a_key)
 {
     // A control that was moved, in the middle of keys: with the key, it may rest.
     const SurfaceMesh mesh = bar();
-    const MeshSequence sequence = bound(mesh);
+    const Method sequence = bound(mesh);
     const Points shape = animated(mesh, .35);
     SolveRequest request = entering(shape);
     request.poses[1] = shapes::turn({1, 1, 0}, 25, {22, 1, 0}, {1, 2, -1});
@@ -311,11 +278,11 @@ TEST(MeshSequence, what_poses_edit_becomes_a_key)
     EXPECT_LT((to - from - (apply(request.poses[1], rest) - rest)).norm(), 1e-11);
 }
 
-TEST(MeshSequence, a_control_that_follows_the_animation_edits_by_what_it_does_beyond)
+TEST_F(MeshSequence, a_control_that_follows_the_animation_edits_by_what_it_does_beyond)
 {
     const SurfaceMesh mesh = bar();
     const std::vector<Handle> ends = shapes::ends(mesh, 2);
-    const MeshSequence sequence = bound(mesh, ends);
+    const Method sequence = bound(mesh, ends);
     const Points shape = animated(mesh, .6);
     SolveRequest request = entering(shape);
     request.from_rest = std::vector<bool>{false, true};
@@ -334,11 +301,11 @@ TEST(MeshSequence, a_control_that_follows_the_animation_edits_by_what_it_does_be
         1e-9);
 }
 
-TEST(MeshSequence, a_handle_of_one_vertex_turns_with_the_faces_around_it)
+TEST_F(MeshSequence, a_handle_of_one_vertex_turns_with_the_faces_around_it)
 {
     const SurfaceMesh mesh = bar();
     const int tip = mesh.vertex_count() - 1;
-    const MeshSequence sequence =
+    const Method sequence =
         bound(mesh, {{shapes::where(mesh, [](const Vector3& p) { return p.x() < 2; }), {}}, {{tip}, {}}});
     const Pose carried = shapes::turn({1, 0, 2}, 110, {1, 1, 1}, {4, 0, 0});
     const Points shape = shapes::transformed(mesh.points(), carried);
@@ -348,21 +315,21 @@ TEST(MeshSequence, a_handle_of_one_vertex_turns_with_the_faces_around_it)
     EXPECT_LT((found.row(tip) - shape.row(tip) - up.transpose()).norm(), 1e-12);
 }
 
-TEST(MeshSequence, a_line_of_vertices_moves_and_does_not_turn)
+TEST_F(MeshSequence, a_line_of_vertices_moves_and_does_not_turn)
 {
     const Points line = shapes::points_of({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}});
     const SurfaceMesh mesh = shapes::over(line, {{0, 1, 2}});
-    const MeshSequence sequence = bound(mesh, {{{0}, {}}});
+    const Method sequence = bound(mesh, {{{0}, {}}});
     const Points shape = shapes::transformed(line, shapes::turn({0, 0, 1}, 90, {0, 0, 0}, {5, 0, 0}));
     const EditKeys key({{3, 0, shapes::shift(1, 0, 0)}});
     const Points found = frame_of(sequence, 3, key, entering(shape, 1));
     EXPECT_LT((found.row(0) - shape.row(0) - Eigen::RowVector3d(1, 0, 0)).norm(), 1e-12);
 }
 
-TEST(MeshSequence, ten_threads_and_a_bind_between_do_no_harm)
+TEST_F(MeshSequence, ten_threads_and_a_bind_between_do_no_harm)
 {
     const SurfaceMesh mesh = bar();
-    MeshSequence sequence = bound(mesh);
+    Method sequence = bound(mesh);
     const Points shape = animated(mesh, .5);
     const Points expected = frame_of(sequence, 30, some_keys(), entering(shape));
     std::mutex mutex;
@@ -380,23 +347,23 @@ TEST(MeshSequence, ten_threads_and_a_bind_between_do_no_harm)
     EXPECT_EQ(wrong, 0);
 }
 
-TEST(MeshSequence, a_rebind_takes_the_moving_frames_over)
+TEST_F(MeshSequence, a_rebind_takes_the_moving_frames_over)
 {
     const SurfaceMesh mesh = bar();
-    MeshSequence former = bound(mesh), next(mesh);
+    Method former = bound(mesh), next(mesh);
     const Points shape = animated(mesh, .5);
     const Points expected = frame_of(former, 30, some_keys(), entering(shape));
     EXPECT_EQ(next.rebind(former, shapes::ends(mesh, 2)).reuse, Reuse::kept);
     EXPECT_EQ(frame_of(next, 30, some_keys(), entering(shape)), expected);
     EXPECT_EQ(frame_of(former, 30, {}, entering(shape, 0)), shape); // it has no handles any more
-    EXPECT_EQ(frame_of(MeshSequence(mesh), 30, {}, entering(shape, 0)), shape);
+    EXPECT_EQ(frame_of(Method(mesh), 30, {}, entering(shape, 0)), shape);
 }
 
-TEST(MeshSequence, refuses_what_does_not_fit_and_names_it)
+TEST_F(MeshSequence, refuses_what_does_not_fit_and_names_it)
 {
     const double nan = std::numeric_limits<double>::quiet_NaN();
     const SurfaceMesh mesh = bar();
-    const MeshSequence sequence = bound(mesh);
+    const Method sequence = bound(mesh);
     const Points shape = animated(mesh, .5);
     const auto says = [](const Error& error, const std::string& words) {
         EXPECT_NE(std::string(error.what()).find(words), std::string::npos) << error.what();

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/surface/nonlinear/primo.h"
 
-#include "tests/native/methods/surface/contract.h"
+#include "tests/native/methods/surface/fixture.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
@@ -14,39 +14,7 @@ namespace sinew::test_primo {
 
 namespace {
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-struct Solution
-{
-    Points positions;
-    SolveReport report;
-};
-
-Solution solve(const Primo& primo, const Poses& poses, SolveRequest request = {})
-{
-    Solution solution;
-    request.poses = poses;
-    solution.report = primo.solve(request, solution.positions);
-    return solution;
-}
-
-Primo bound(const SurfaceMesh& mesh, const PrimoOptions& options, const std::vector<Handle>& handles)
-{
-    Primo primo(mesh, options);
-    primo.set_handles(handles);
-    return primo;
-}
-
-/// The end at `along` goes to the end of a circular arc.
-Poses bend(double degrees, double along = 12, double depth = 2)
-{
-    const double angle = degrees * shapes::pi / 180, radius = (along - 2 * depth) / angle;
-    const Vector3 end(depth + radius * std::sin(angle), radius * (1 - std::cos(angle)), 0);
-    const Vector3 from(along - depth, 0, 0);
-    return {shapes::still(), shapes::turn({0, 0, 1}, degrees, from, end - from)};
-}
-
-Poses twist(double degrees) { return {shapes::still(), shapes::turn({1, 0, 0}, degrees)}; }
+using calls::bend, calls::twist;
 
 /// A bar around the x axis, so that it twists about its middle.
 SurfaceMesh centred_bar(int along, int across)
@@ -67,73 +35,38 @@ SurfaceMesh triangulated(const SurfaceMesh& mesh)
 
 double rms(const Points& a, const Points& b) { return std::sqrt((a - b).squaredNorm() / a.rows()); }
 
-auto maker(const PrimoOptions& options)
+class Primo : public SurfaceFixture<sinew::Primo, PrimoOptions>
 {
-    return [options](const SurfaceMesh& mesh) { return std::make_shared<Primo>(mesh, options); };
-}
-
-SurfaceTraits traits()
-{
-    const std::vector<SurfaceVariant> all{{"default", maker({}), 2, false}, // a bind has one mean height
-                                          {"low", maker({.height = {0.005}}), 2, false},
-                                          {"high", maker({.height = {0.3}}), 2, false}};
-    const auto drag = [](double s) {
-        const double t = 0.5 - 0.5 * std::cos(2 * shapes::pi * s);
-        return Poses{shapes::still(), shapes::turn({0.2, 1, 0.5}, 100 * t, {18, 0, 0},
-                                                   {-4 * t, 3 * t, 2 * std::sin(2 * shapes::pi * s)})};
-    };
-    return {.name = "Primo",
-            .variants = all,
-            .mesh = shapes::bar(12, 3),
-            .large = shapes::bar(20, 5),
-            .depth = 2,
-            .bent = bend(60),
-            .drag = drag,
-            .drag_steps = 30,
-            .follow = 1.5, // the surface between two handles follows the faster one;
-            .slack = 0.02, // a buckle would jump by its size
-            .rest = 1e-12, // one linear solve of condition 1e3 for positions of size 12
-            .incoming = 1e-11, // the prisms stand on what enters: nothing is strained
-            .noise = 0.2,
-            .translation = 1e-9,
-            .rigid = 1e-11, // rounding of a solve at size 40
-            .held = 2e-13,
-            .alone = 1e-13,
-            // Bodies get other numbers, so that it stops at another iteration, each within 1 % of how far the
-            // surface moves.
-            .similar = 0.1,
-            .scaled = 0.01, // as do the last bits of the rest shape
-            .apart = 0.05,
-            .messy = 30.0,
-            .all_soft = 1.0,
-            .other = maker({.height = {0.1}})};
-}
+public:
+    static SurfaceTraits traits()
+    {
+        SurfaceTraits made = nonlinear("Primo", {{"default", maker(), 2, false}, // a bind has one mean height
+                                                 {"low", maker({.height = {0.005}}), 2, false},
+                                                 {"high", maker({.height = {0.3}}), 2, false}});
+        // Bodies get other numbers, so that it stops at another iteration, each within 1 % of how far the
+        // surface moves.
+        made.similar = 0.1;
+        made.iterative = true;
+        made.other = maker({.height = {0.1}});
+        return made;
+    }
+};
 
 } // namespace
 
-INSTANTIATE_TEST_SUITE_P(Primo, SurfaceContract, testing::Values(traits()));
+INSTANTIATE_TEST_SUITE_P(Primo, SurfaceContract, testing::Values(Primo::traits()));
 
-TEST(Primo, two_starts_end_in_one_shape)
+TEST_F(Primo, two_starts_end_in_one_shape)
 {
     for (const SurfaceMesh& mesh : {centred_bar(20, 5), triangulated(centred_bar(20, 5))})
-        for (const Poses& poses : {bend(90, 20), twist(135)}) {
-            const Primo primo = bound(mesh, {}, shapes::ends(mesh, 2));
-            const SolveRequest deep{.max_iterations = 1000, .tolerance = 1e-13};
-            const Solution ours = solve(primo, poses, deep);
-            SolveRequest from_rest = deep; // the bar at rest, with the handles where they are to be
-            const Points rest = mesh.points();
-            from_rest.start.emplace(view(rest));
-            const Solution other = solve(primo, poses, from_rest);
-            EXPECT_LT(shapes::distance(ours.positions, other.positions), 1e-4 * shapes::size(mesh.points()));
-            EXPECT_NEAR(ours.report.energy, other.report.energy, 1e-7 * ours.report.energy);
-        }
+        calls::expect_starts_meet(bound(mesh, {}, shapes::ends(mesh, 2)), 2, 1000, 1e-7);
 }
 
-TEST(Primo, four_iterations_are_within_one_percent)
+TEST_F(Primo, four_iterations_are_within_one_percent)
 {
     for (const SurfaceMesh& mesh : {triangulated(centred_bar(40, 10)), centred_bar(40, 10)})
         for (const Poses& poses : {bend(90, 40), twist(135)}) {
-            const Primo primo = bound(mesh, {}, shapes::ends(mesh, 2));
+            const Method primo = bound(mesh, {}, shapes::ends(mesh, 2));
             const Points limit = solve(primo, poses, {.max_iterations = 1000, .tolerance = 1e-12}).positions;
             const double moved = rms(limit, mesh.points());
             EXPECT_LT(rms(solve(primo, poses, {.max_iterations = 4, .tolerance = 0.0}).positions, limit),
@@ -142,35 +75,14 @@ TEST(Primo, four_iterations_are_within_one_percent)
         }
 }
 
-TEST(Primo, energy_never_rises_along_the_iterations)
-{
-    const SurfaceMesh mesh = shapes::bar(12, 3);
-    std::vector<Handle> soft = shapes::ends(mesh, 2);
-    soft[1].weights.assign(soft[1].vertices.size(), 0.9);
-    for (double height : {0.005, 0.05, 0.3})
-        for (const std::vector<Handle>& handles : {shapes::ends(mesh, 2), soft}) {
-            const Primo primo = bound(mesh, {.height = {height}}, handles);
-            for (const Poses& poses :
-                 {bend(120), twist(135), Poses{shapes::still(), shapes::shift(-6, 8, 0)}}) {
-                double before = std::numeric_limits<double>::infinity();
-                for (int k = 0; k <= 16; ++k) {
-                    const SolveReport s = solve(primo, poses, {.max_iterations = k, .tolerance = 0.0}).report;
-                    EXPECT_LE(s.iterations, k);
-                    EXPECT_LE(s.energy, before * (1 + 1e-12)) << "iteration " << k;
-                    before = s.energy;
-                }
-            }
-        }
-}
-
-TEST(Primo, higher_prisms_bend_less)
+TEST_F(Primo, higher_prisms_bend_less)
 {
     // A strip hangs between two handles, one of which tilts: the higher the prisms, the farther along it the
     // strip keeps the tilt.
     const SurfaceMesh mesh = shapes::quad_grid(30, 4);
     double before = std::numeric_limits<double>::infinity();
     for (double height : {0.003, 0.01, 0.03, 0.1}) {
-        const Primo primo = bound(mesh, {.height = {height}}, shapes::ends(mesh, 1));
+        const Method primo = bound(mesh, {.height = {height}}, shapes::ends(mesh, 1));
         const Solution s =
             solve(primo, {shapes::still(), shapes::turn({0, 1, 0}, 40, {29, 2, 0})}, {.max_iterations = 300});
         double most = 0.0; // the largest angle between neighbouring edges along the middle of the strip
@@ -184,10 +96,10 @@ TEST(Primo, higher_prisms_bend_less)
     }
 }
 
-TEST(Primo, an_affine_pose_takes_its_handle_and_the_surface_along)
+TEST_F(Primo, an_affine_pose_takes_its_handle_and_the_surface_along)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3);
-    const Primo primo = bound(mesh, {}, shapes::ends(mesh, 2));
+    const Method primo = bound(mesh, {}, shapes::ends(mesh, 2));
     const std::vector<int> moved = shapes::ends(mesh, 2)[1].vertices;
     for (const Vector3& scale : {Vector3(1, 2, 1.5), Vector3(0.5, 0.5, 0.5), Vector3(1, 1, -1)}) {
         const Pose pose = shapes::affine(scale.asDiagonal());
@@ -206,19 +118,19 @@ TEST(Primo, an_affine_pose_takes_its_handle_and_the_surface_along)
         }
 }
 
-TEST(Primo, counts_faces_that_are_turned_over)
+TEST_F(Primo, counts_faces_that_are_turned_over)
 {
     const SurfaceMesh mesh = shapes::quad_grid(4, 4);
     std::vector<int> fixed = shapes::where(
         mesh, [](const Vector3& p) { return p.x() == 0 || p.x() == 4 || p.y() == 0 || p.y() == 4; });
     fixed.push_back(13); // the next one to the right of the middle
-    const Primo primo = bound(mesh, {.height = {0.5}}, {{fixed, {}}, {{12}, {}}});
+    const Method primo = bound(mesh, {.height = {0.5}}, {{fixed, {}}, {{12}, {}}});
     EXPECT_EQ(solve(primo, {shapes::still(), shapes::shift(0.2, 0, 0)}).report.inverted_faces, 0);
     // The middle goes beyond its neighbour, which stays.
     EXPECT_GT(solve(primo, {shapes::still(), shapes::shift(4, 0, 0)}).report.inverted_faces, 0);
 }
 
-TEST(Primo, a_painted_height_stiffens_its_region)
+TEST_F(Primo, a_painted_height_stiffens_its_region)
 {
     const SurfaceMesh mesh = shapes::quad_grid(30, 4);
     std::vector<double> painted(mesh.vertex_count(), 0.005);
@@ -240,7 +152,7 @@ TEST(Primo, a_painted_height_stiffens_its_region)
         solve(bound(mesh, {.height = painted}, shapes::ends(mesh, 1)), bend(60, 30)).positions.allFinite());
 }
 
-TEST(Primo, faces_of_many_corners_stay_stiff)
+TEST_F(Primo, faces_of_many_corners_stay_stiff)
 {
     // A drum: two polygons of 24 corners and a wall of quads.
     std::vector<Vector3> points;
@@ -255,26 +167,30 @@ TEST(Primo, faces_of_many_corners_stay_stiff)
             faces.push_back({4 * k + z, 4 * ((k + 1) % 24) + z, 4 * ((k + 1) % 24) + z + 1, 4 * k + z + 1});
     }
     const SurfaceMesh drum = shapes::mesh(points, faces);
-    const Primo primo = bound(drum, {}, {{faces[0], {}}, {{3}, {}}}); // the bottom, and a vertex of the top
+    const Method primo = bound(drum, {}, {{faces[0], {}}, {{3}, {}}}); // the bottom, and a vertex of the top
     const Solution s = solve(primo, {shapes::still(), shapes::shift(0.5, 0, 0.5)}, {.max_iterations = 200});
     // The lid is nearly as it was: its vertices are means of where it and two faces of the wall take them.
     for (int k = 1; k < 24; ++k)
         EXPECT_NEAR((s.positions.row(4 * k + 3) - s.positions.row(4 * ((k + 12) % 24) + 3)).norm(), 2.0, 0.2);
 }
 
-TEST(Primo, refuses_options_that_mean_nothing)
+TEST_F(Primo, refuses_options_that_mean_nothing)
 {
     const SurfaceMesh mesh = shapes::cube();
-    for (double bad : {-1.0, nan, std::numeric_limits<double>::infinity()}) {
-        EXPECT_THROW(Primo(mesh, {.height = {bad}}), InvalidOption);
-        EXPECT_THROW(Primo(mesh, {.tolerance = bad}), InvalidOption);
-    }
-    for (const std::vector<double>& bad : {std::vector{0.0}, std::vector(8, 0.0), {}, std::vector{1.0, 1.0}})
-        EXPECT_THROW(Primo(mesh, {.height = bad}), InvalidOption);
-    EXPECT_THROW(Primo(mesh, {.max_iterations = 0}), InvalidOption);
+    expect_refused(mesh, {{.height = {-1.0}},
+                          {.height = {nan}},
+                          {.height = {infinity}},
+                          {.height = {0.0}},
+                          {.height = std::vector(8, 0.0)},
+                          {.height = {}},
+                          {.height = {1.0, 1.0}},
+                          {.tolerance = -1.0},
+                          {.tolerance = nan},
+                          {.tolerance = infinity},
+                          {.max_iterations = 0}});
     std::vector<double> paint(8, 1.0);
     paint[2] = -1;
-    const auto make = [&] { Primo(mesh, {.height = paint}); };
+    const auto make = [&] { Method(mesh, {.height = paint}); };
     expect_elements(refusal<InvalidOption>(make), Error::Element::vertex, {2});
 }
 

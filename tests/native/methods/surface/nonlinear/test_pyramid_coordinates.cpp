@@ -2,7 +2,7 @@
 #include "native/methods/surface/nonlinear/pyramid_coordinates.h"
 
 #include "native/operators/fits/rotation_fit.h"
-#include "tests/native/methods/surface/contract.h"
+#include "tests/native/methods/surface/fixture.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
@@ -15,84 +15,11 @@ namespace sinew::test_pyramid_coordinates {
 
 namespace {
 
-struct Solution
-{
-    Points positions;
-    SolveReport report;
-};
-
-Solution solve(const PyramidCoordinates& method, const Poses& poses, SolveRequest request = {})
-{
-    Solution solution;
-    request.poses = poses;
-    solution.report = method.solve(request, solution.positions);
-    return solution;
-}
-
-PyramidCoordinates bound(const SurfaceMesh& mesh, const std::vector<Handle>& handles,
-                         const PyramidCoordinatesOptions& options = {})
-{
-    PyramidCoordinates method(mesh, options);
-    method.set_handles(handles);
-    return method;
-}
+using calls::bend, calls::twist;
 
 PyramidCoordinatesOptions toward(const SurfaceMesh& target)
 {
     return {.target_shape = std::make_shared<const SurfaceMesh>(target)};
-}
-
-/// The end at `along` goes to the end of a circular arc.
-Poses bend(double degrees, double along = 12, double depth = 2)
-{
-    const double angle = degrees * shapes::pi / 180, radius = (along - 2 * depth) / angle;
-    const Vector3 end(depth + radius * std::sin(angle), radius * (1 - std::cos(angle)), 0);
-    const Vector3 from(along - depth, 0, 0);
-    return {shapes::still(), shapes::turn({0, 0, 1}, degrees, from, end - from)};
-}
-
-Poses twist(double degrees) { return {shapes::still(), shapes::turn({1, 0, 0}, degrees)}; }
-
-auto maker(const PyramidCoordinatesOptions& options)
-{
-    return [options](const SurfaceMesh& mesh) { return std::make_shared<PyramidCoordinates>(mesh, options); };
-}
-
-SurfaceTraits traits()
-{
-    // Beyond 55 degrees the hollow bar kinks like a tube, at once.
-    const auto drag = [](double s) {
-        const double t = 0.5 - 0.5 * std::cos(2 * shapes::pi * s);
-        return Poses{shapes::still(), shapes::turn({0.2, 1, 0.5}, 45 * t, {18, 0, 0},
-                                                   {-2 * t, 2 * t, std::sin(2 * shapes::pi * s)})};
-    };
-    return {.name = "PyramidCoordinates",
-            // One alpha serves the cascade on the whole mesh.
-            .variants = {{"default", maker({}), 1, false},
-                         {"similarity", maker({.similarity = true}), 1, false},
-                         {"side 0.5", maker({.side = 0.5}), 1, false}},
-            .mesh = shapes::bar(12, 3),
-            .large = shapes::bar(20, 5), // for a hierarchy of more than one level
-            .depth = 2,
-            .bent = bend(60),
-            .drag = drag,
-            .drag_steps = 30,
-            .follow = 1.5, // the surface between two handles follows the faster one;
-            .slack = 0.02, // a buckle would jump by its size
-            .rest = 1e-12, // one linear solve of condition 1e3 for positions of size 12
-            .incoming = 1e-11, // edges are taken from what enters: nothing is strained
-            .noise = 0.2,
-            .translation = 1e-9,
-            .rigid = 1e-11, // rounding of a solve at size 40
-            .held = 2e-13,
-            .alone = 1e-13,
-            .similar = 0.01, // rounding differs, and so may the iteration at which it stops:
-            .scaled = 0.01,  // by a decrease below 1e-5
-            .apart = 0.05,
-            .messy = 30.0,
-            .degenerate_faces = 0,
-            .all_soft = 1.0,
-            .other = maker({.side = 0.2})};
 }
 
 /// A bar that is thick in the middle and bent by 60 degrees.
@@ -108,16 +35,45 @@ SurfaceMesh changed_bar(const SurfaceMesh& bar)
     return shapes::moved(bar, points);
 }
 
+class PyramidCoordinates : public SurfaceFixture<sinew::PyramidCoordinates, PyramidCoordinatesOptions>
+{
+public:
+    static SurfaceTraits traits()
+    {
+        // One alpha serves the cascade on the whole mesh. Beyond 55 degrees the hollow bar kinks like a tube,
+        // at once.
+        SurfaceTraits made =
+            nonlinear("PyramidCoordinates", {{"default", maker(), 1, false},
+                                             {"similarity", maker({.similarity = true}), 1, false},
+                                             {"side 0.5", maker({.side = 0.5}), 1, false}});
+        made.drag = [](double s) {
+            const double t = 0.5 - 0.5 * std::cos(2 * shapes::pi * s);
+            return Poses{shapes::still(), shapes::turn({0.2, 1, 0.5}, 45 * t, {18, 0, 0},
+                                                       {-2 * t, 2 * t, std::sin(2 * shapes::pi * s)})};
+        };
+        made.iterative = true;
+        made.degenerate_faces = 0;
+        made.settles = 2000;
+        made.settling = 2;
+        made.other = maker({.side = 0.2});
+        return made;
+    }
+};
+
+class PyramidMorphing : public PyramidCoordinates
+{
+};
+
 } // namespace
 
-INSTANTIATE_TEST_SUITE_P(PyramidCoordinates, SurfaceContract, testing::Values(traits()));
+INSTANTIATE_TEST_SUITE_P(PyramidCoordinates, SurfaceContract, testing::Values(PyramidCoordinates::traits()));
 
-TEST(PyramidCoordinates, turns_all_handles_by_170_degrees_exactly)
+TEST_F(PyramidCoordinates, turns_all_handles_by_170_degrees_exactly)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3);
     const Pose pose = shapes::turn({1, 2, -0.5}, 170, {3, 7, 1}, {30, -20, 10});
     for (const bool similarity : {false, true}) {
-        const PyramidCoordinates method = bound(mesh, shapes::ends(mesh, 2), {.similarity = similarity});
+        const Method method = bound(mesh, {.similarity = similarity}, shapes::ends(mesh, 2));
         const double bent = solve(method, bend(60)).report.energy;
         const Solution s = solve(method, {pose, pose});
         EXPECT_LT(shapes::distance(s.positions, shapes::transformed(mesh.points(), pose)), 1e-12 * 40);
@@ -125,11 +81,11 @@ TEST(PyramidCoordinates, turns_all_handles_by_170_degrees_exactly)
     }
 }
 
-TEST(PyramidCoordinates, grows_with_its_handles_where_rings_may_grow)
+TEST_F(PyramidCoordinates, grows_with_its_handles_where_rings_may_grow)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3);
-    const PyramidCoordinates rigid = bound(mesh, shapes::ends(mesh, 2));
-    const PyramidCoordinates similar = bound(mesh, shapes::ends(mesh, 2), {.similarity = true});
+    const Method rigid = bound(mesh, {}, shapes::ends(mesh, 2));
+    const Method similar = bound(mesh, {.similarity = true}, shapes::ends(mesh, 2));
     for (const double scale : {0.6, 1.7}) {
         const Pose pose = shapes::affine(scale * shapes::rotation({1, 2, -0.5}, 100), {3, 1, 2});
         const Points wanted = shapes::transformed(mesh.points(), pose);
@@ -146,52 +102,14 @@ TEST(PyramidCoordinates, grows_with_its_handles_where_rings_may_grow)
     EXPECT_LT(solve(similar, one).report.energy, 0.5 * solve(rigid, one).report.energy);
 }
 
-TEST(PyramidCoordinates, unrelated_starts_meet)
-{
-    const SurfaceMesh mesh = shapes::bar(20, 5);
-    const double size = shapes::size(mesh.points());
-    const Points rest = mesh.points();
-    for (const bool similarity : {false, true})
-        for (const Poses& poses : {bend(90, 20), twist(135)}) {
-            const PyramidCoordinates method = bound(mesh, shapes::ends(mesh, 2), {.similarity = similarity});
-            const Points limit = solve(method, poses, {.max_iterations = 2000, .tolerance = 1e-14}).positions;
-            const Points other =
-                solve(method, poses, {.start = view(rest), .max_iterations = 4000, .tolerance = 1e-14})
-                    .positions;
-            EXPECT_LT(shapes::distance(limit, other), 1e-4 * size) << similarity;
-        }
-}
-
-TEST(PyramidCoordinates, energy_never_rises_along_the_iterations)
-{
-    const SurfaceMesh mesh = shapes::bar(12, 3);
-    std::vector<Handle> soft = shapes::ends(mesh, 2);
-    soft[1].weights.assign(soft[1].vertices.size(), 0.9);
-    for (const bool similarity : {false, true})
-        for (const std::vector<Handle>& handles : {shapes::ends(mesh, 2), soft}) {
-            const PyramidCoordinates method = bound(mesh, handles, {.similarity = similarity});
-            for (const Poses& poses :
-                 {bend(120), twist(135), Poses{shapes::still(), shapes::shift(-6, 8, 0)}}) {
-                double before = std::numeric_limits<double>::infinity();
-                for (int k = 0; k <= 16; ++k) {
-                    const SolveReport s =
-                        solve(method, poses, {.max_iterations = k, .tolerance = 0.0}).report;
-                    EXPECT_LE(s.iterations, k);
-                    EXPECT_LE(s.energy, before * (1 + 1e-12)) << "iteration " << k;
-                    before = s.energy;
-                }
-            }
-        }
-}
-
-TEST(PyramidCoordinates, a_few_iterations_reach_the_limit_on_coarse_and_fine_meshes)
+TEST_F(PyramidCoordinates, a_few_iterations_reach_the_limit_on_coarse_and_fine_meshes)
 {
     // Creases without a bound and heights that weigh alike on all meshes need 30 to 50 on the finer one.
     for (const int across : {6, 24}) {
         const SurfaceMesh mesh = shapes::bar(4 * across, across);
         Points rest = mesh.points();
         const std::vector<Handle> handles = shapes::ends(mesh, 0.2 * across);
-        const PyramidCoordinates method = bound(mesh, handles);
+        const Method method = bound(mesh, {}, handles);
         for (const Poses& poses : {bend(90, 4 * across, 0.2 * across), twist(135)}) {
             const Points limit = solve(method, poses, {.max_iterations = 1000, .tolerance = 1e-12}).positions;
             const Points reached = solve(method, poses, {.max_iterations = 15, .tolerance = 0.0}).positions;
@@ -200,13 +118,13 @@ TEST(PyramidCoordinates, a_few_iterations_reach_the_limit_on_coarse_and_fine_mes
     }
 }
 
-TEST(PyramidCoordinates, bends_alike_on_coarse_and_fine_meshes)
+TEST_F(PyramidCoordinates, bends_alike_on_coarse_and_fine_meshes)
 {
     std::vector<double> middles;
     for (const int across : {4, 8, 16}) {
         const SurfaceMesh mesh =
             shapes::moved(shapes::bar(4 * across, across), shapes::bar(4 * across, across).points() / across);
-        const PyramidCoordinates method = bound(mesh, shapes::ends(mesh, 0.25));
+        const Method method = bound(mesh, {}, shapes::ends(mesh, 0.25));
         const Points shape = solve(method, {shapes::still(), shapes::shift(-1, 1.5, 0)},
                                    {.max_iterations = 400, .tolerance = 1e-10})
                                  .positions;
@@ -223,7 +141,7 @@ TEST(PyramidCoordinates, bends_alike_on_coarse_and_fine_meshes)
     EXPECT_NEAR(middles[2], middles[1], 0.03); // of a bar of 4 x 1 x 1
 }
 
-TEST(PyramidCoordinates, names_the_vertices_whose_ring_overlaps)
+TEST_F(PyramidCoordinates, names_the_vertices_whose_ring_overlaps)
 {
     // A vertex pulled far out of its ring, which the projection of some rings beside it shows outside.
     SurfaceMesh plane = shapes::grid(6, 6);
@@ -231,14 +149,14 @@ TEST(PyramidCoordinates, names_the_vertices_whose_ring_overlaps)
     const int middle = 3 * 7 + 3;
     points.row(middle) += Eigen::RowVector3d(2.5, 0, 0.1);
     const SurfaceMesh folded = shapes::moved(plane, points);
-    PyramidCoordinates method(folded);
+    Method method(folded);
     const std::vector<Handle> handles{
         {shapes::where(folded, [](const Vector3& p) { return p.x() < 0.5; }), {}}};
     EXPECT_TRUE(method.folded_rings().empty());
     method.set_handles(handles);
     EXPECT_TRUE(std::ranges::binary_search(method.folded_rings(), middle));
-    EXPECT_TRUE(bound(plane, handles).folded_rings().empty());
-    PyramidCoordinates to_folded(plane, toward(folded));
+    EXPECT_TRUE(bound(plane, {}, handles).folded_rings().empty());
+    Method to_folded(plane, toward(folded));
     to_folded.set_handles(handles);
     EXPECT_EQ(to_folded.folded_rings(), method.folded_rings());
     EXPECT_LT(shapes::distance(solve(method, {shapes::still()}).positions, points), 1e-12);
@@ -246,20 +164,16 @@ TEST(PyramidCoordinates, names_the_vertices_whose_ring_overlaps)
     EXPECT_LT(shapes::distance(solve(method, {pose}).positions, shapes::transformed(points, pose)), 1e-11);
 }
 
-TEST(PyramidCoordinates, refuses_options_out_of_range)
+TEST_F(PyramidCoordinates, refuses_options_out_of_range)
 {
-    const SurfaceMesh mesh = shapes::octahedron();
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-    for (const PyramidCoordinatesOptions& options :
-         {PyramidCoordinatesOptions{.side = 0}, PyramidCoordinatesOptions{.side = nan},
-          PyramidCoordinatesOptions{.max_iterations = 0}, PyramidCoordinatesOptions{.tolerance = -1}})
-        EXPECT_THROW(PyramidCoordinates(mesh, options), InvalidOption);
+    expect_refused(shapes::octahedron(),
+                   {{.side = 0}, {.side = nan}, {.max_iterations = 0}, {.tolerance = -1}});
 }
 
-TEST(PyramidMorphing, goes_from_one_shape_to_the_other)
+TEST_F(PyramidMorphing, goes_from_one_shape_to_the_other)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3), target = changed_bar(mesh);
-    const PyramidCoordinates method = bound(mesh, shapes::ends(mesh, 2), toward(target));
+    const Method method = bound(mesh, toward(target), shapes::ends(mesh, 2));
     const Poses still{shapes::still(), shapes::still()};
     EXPECT_LT(shapes::distance(solve(method, still).positions, mesh.points()), 1e-11);
     EXPECT_LT(shapes::distance(solve(method, still, {.extra = Morph{1.0}}).positions, target.points()),
@@ -282,26 +196,26 @@ TEST(PyramidMorphing, goes_from_one_shape_to_the_other)
               0.01); // where it stops differs
 }
 
-TEST(PyramidMorphing, needs_no_handle)
+TEST_F(PyramidMorphing, needs_no_handle)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3), target = changed_bar(mesh);
-    PyramidCoordinates method(mesh, toward(target));
+    Method method(mesh, toward(target));
     method.set_handles({});
     EXPECT_EQ(solve(method, {}).positions, mesh.points());
     EXPECT_LT(shapes::distance(solve(method, {}, {.extra = Morph{1.0}}).positions, target.points()), 1e-10);
     // Lengths do not shrink half-way, as they do on straight lines between shapes that are turned.
     const Pose turned = shapes::turn({0, 0, 1}, 150, {6, 0, 0});
-    PyramidCoordinates turning(mesh, toward(shapes::moved(mesh, shapes::transformed(mesh.points(), turned))));
+    Method turning(mesh, toward(shapes::moved(mesh, shapes::transformed(mesh.points(), turned))));
     turning.set_handles({});
     const Points half = solve(turning, {}, {.extra = Morph{0.5}}).positions;
     const Pose halfway = shapes::turn({0, 0, 1}, 75, {6, 0, 0});
     EXPECT_LT(shapes::distance(half, shapes::transformed(mesh.points(), halfway)), 1e-9);
 }
 
-TEST(PyramidMorphing, takes_the_target_along_with_what_enters)
+TEST_F(PyramidMorphing, takes_the_target_along_with_what_enters)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3), target = changed_bar(mesh);
-    const PyramidCoordinates method = bound(mesh, shapes::ends(mesh, 2), toward(target));
+    const Method method = bound(mesh, toward(target), shapes::ends(mesh, 2));
     const Pose walk = shapes::turn({0, 0, 1}, 40, {1, 0, 0}, {5, 6, 7});
     const Points incoming = shapes::transformed(mesh.points(), walk);
     const Poses still{shapes::still(), shapes::still()};
@@ -313,7 +227,7 @@ TEST(PyramidMorphing, takes_the_target_along_with_what_enters)
               1e-11);
 }
 
-TEST(PyramidMorphing, morphs_parts_without_a_handle_and_loose_vertices)
+TEST_F(PyramidMorphing, morphs_parts_without_a_handle_and_loose_vertices)
 {
     const SurfaceMesh one = shapes::bar(6, 2), both = shapes::joined(one, shapes::octahedron(), {0, 9, 0});
     Points points = both.points();
@@ -322,7 +236,7 @@ TEST(PyramidMorphing, morphs_parts_without_a_handle_and_loose_vertices)
         points.row(v) = 2 * points.row(v) + Eigen::RowVector3d(0, 0, 3);
     const SurfaceMesh target = shapes::moved(both, points);
     std::vector<Handle> handles = shapes::ends(one, 1);
-    const PyramidCoordinates method = bound(both, handles, toward(target));
+    const Method method = bound(both, toward(target), handles);
     const Poses still{shapes::still(), shapes::still()};
     EXPECT_LT(shapes::distance(solve(method, still, {.extra = Morph{1.0}}).positions, points), 1e-10);
     EXPECT_LT(shapes::distance(solve(method, still).positions.bottomRows(6), both.points().bottomRows(6)),
@@ -331,24 +245,24 @@ TEST(PyramidMorphing, morphs_parts_without_a_handle_and_loose_vertices)
     EXPECT_LT(shapes::distance(half.bottomRows(6), 0.5 * (points + both.points()).bottomRows(6)), 1e-9);
 }
 
-TEST(PyramidMorphing, refuses_another_mesh_and_factors_out_of_range)
+TEST_F(PyramidMorphing, refuses_another_mesh_and_factors_out_of_range)
 {
     const SurfaceMesh mesh = shapes::octahedron();
-    EXPECT_THROW(PyramidCoordinates(mesh, toward(shapes::cube())), InvalidMesh);
+    EXPECT_THROW(Method(mesh, toward(shapes::cube())), InvalidMesh);
     auto faces = shapes::faces_of(mesh);
     std::swap(faces[2][0], faces[2][1]);
     const auto error =
-        refusal<InvalidMesh>([&] { PyramidCoordinates(mesh, toward(shapes::over(mesh.points(), faces))); });
+        refusal<InvalidMesh>([&] { Method(mesh, toward(shapes::over(mesh.points(), faces))); });
     expect_elements(error, Error::Element::face, {2});
-    const PyramidCoordinates method = bound(mesh, {{{0}, {}}}, toward(mesh));
-    for (const double t : {-0.1, 1.1, std::numeric_limits<double>::quiet_NaN()})
+    const Method method = bound(mesh, toward(mesh), {{{0}, {}}});
+    for (const double t : {-0.1, 1.1, nan})
         EXPECT_THROW(solve(method, {shapes::still()}, {.extra = Morph{t}}), InvalidOption);
 }
 
-TEST(PyramidMorphing, frames_depend_on_the_factor_alone)
+TEST_F(PyramidMorphing, frames_depend_on_the_factor_alone)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3), target = changed_bar(mesh);
-    const PyramidCoordinates method = bound(mesh, shapes::ends(mesh, 2), toward(target));
+    const Method method = bound(mesh, toward(target), shapes::ends(mesh, 2));
     const Points alone = solve(method, bend(60), {.extra = Morph{0.4}}).positions;
     for (const double t : {0.0, 0.9, 0.2})
         solve(method, twist(90 * t), {.extra = Morph{t}});

@@ -2,8 +2,7 @@
 #include "native/methods/surface/nonlinear/thin_shell_nonlinear.h"
 
 #include "native/core/errors.h"
-#include "tests/native/methods/surface/contract.h"
-#include "tests/native/methods/surface/nonlinear/shell_oracle.h"
+#include "tests/native/methods/surface/fixture.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
@@ -22,131 +21,38 @@ namespace {
 using Options = ThinShellNonlinearOptions;
 using Measure = Options::Measure;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using calls::bend;
 
-struct Solution
+class ThinShellNonlinear : public SurfaceFixture<sinew::ThinShellNonlinear, ThinShellNonlinearOptions>
 {
-    Points positions;
-    SolveReport report;
+public:
+    static SurfaceTraits traits()
+    {
+        const Options thick{.measure = Measure::length, .thickness = {2.0}},
+            stiff{.measure = Measure::stiffness, .stretching = {2.0}, .bending = {0.5}};
+        SurfaceTraits made = nonlinear("ThinShellNonlinear",
+                                       {{"default", maker(), 1, false},
+                                        {"a thick sheet", maker(thick), 1, false},
+                                        {"a sheet without thickness", maker({.thickness = {0.0}}), 1, false},
+                                        {"stiffnesses", maker(stiff), 1, false}});
+        made.follow = 3.0; // a wall of the bar that buckles snaps, also with a thousand iterations
+        made.slack = 0.1;
+        made.similar = 0.1; // rounding cuts the squares of the bar along one diagonal or the other
+        made.apart = 0.1;
+        made.iterative = true;
+        made.other = maker({.thickness = {0.05}});
+        return made;
+    }
 };
-
-Solution solve(const ThinShellNonlinear& shell, const Poses& poses, SolveRequest request = {})
-{
-    Solution solution;
-    request.poses = poses;
-    solution.report = shell.solve(request, solution.positions);
-    return solution;
-}
-
-ThinShellNonlinear bound(const SurfaceMesh& mesh, const Options& options, const std::vector<Handle>& handles)
-{
-    ThinShellNonlinear shell(mesh, options);
-    shell.set_handles(handles);
-    return shell;
-}
-
-/// The end at `along` goes to the end of a circular arc.
-Poses bend(double degrees, double along, double depth)
-{
-    const double angle = degrees * shapes::pi / 180, radius = (along - 2 * depth) / angle;
-    const Vector3 end(depth + radius * std::sin(angle), radius * (1 - std::cos(angle)), 0);
-    const Vector3 from(along - depth, 0, 0);
-    return {shapes::still(), shapes::turn({0, 0, 1}, degrees, from, end - from)};
-}
-
-/// The end turns about the middle of the bar.
-Poses twist(double degrees, double across)
-{
-    return {shapes::still(), shapes::turn({1, 0, 0}, degrees, {0, across / 2, across / 2})};
-}
-
-auto maker(const Options& options)
-{
-    return [options](const SurfaceMesh& mesh) { return std::make_shared<ThinShellNonlinear>(mesh, options); };
-}
-
-SurfaceTraits traits()
-{
-    const auto drag = [](double s) {
-        const double t = 0.5 - 0.5 * std::cos(2 * shapes::pi * s);
-        return Poses{shapes::still(), shapes::turn({0.2, 1, 0.5}, 100 * t, {18, 0, 0},
-                                                   {-4 * t, 3 * t, 2 * std::sin(2 * shapes::pi * s)})};
-    };
-    return {.name = "ThinShellNonlinear",
-            .variants = {{"default", maker({}), 1, false},
-                         {"a thick sheet", maker({.measure = Measure::length, .thickness = {2.0}}), 1, false},
-                         {"a sheet without thickness", maker({.thickness = {0.0}}), 1, false},
-                         {"stiffnesses",
-                          maker({.measure = Measure::stiffness, .stretching = {2.0}, .bending = {0.5}}), 1,
-                          false}},
-            .mesh = shapes::bar(12, 3),
-            .large = shapes::bar(20, 5), // for a hierarchy of more than one level
-            .depth = 2,
-            .bent = bend(60, 12, 2),
-            .drag = drag,
-            .drag_steps = 30,
-            .follow = 3.0, // a wall of the bar that buckles snaps, also with a thousand iterations
-            .slack = 0.1,
-            .rest = 1e-12, // one linear solve of condition 1e3 for positions of size 12
-            .incoming = 1e-11, // edges are taken from what enters: nothing is strained
-            .noise = 0.2,
-            .translation = 1e-9,
-            .rigid = 1e-11, // rounding of a solve at size 40
-            .held = 2e-13,
-            .alone = 1e-13,
-            .similar = 0.1, // rounding cuts the squares of the bar along one diagonal or the other
-            .scaled = 0.01, // rounding differs, and so may the iteration at which it stops
-            .apart = 0.1,
-            .messy = 30.0,
-            .all_soft = 1.0,
-            .other = maker({.thickness = {0.05}})};
-}
 
 } // namespace
 
-INSTANTIATE_TEST_SUITE_P(ThinShellNonlinear, SurfaceContract, testing::Values(traits()));
+INSTANTIATE_TEST_SUITE_P(ThinShellNonlinear, SurfaceContract, testing::Values(ThinShellNonlinear::traits()));
 
-TEST(ThinShellNonlinear, energy_is_that_of_the_definition)
-{
-    // Acute triangles, obtuse ones, and right angles on both sides of each edge.
-    for (const SurfaceMesh& mesh : {shapes::sphere(1), shapes::hill(4, 4), shapes::bar(4, 2)})
-        for (const double t : {0.01, 0.3, 2.0}) {
-            shapes::Random random(6);
-            Points q = mesh.points();
-            for (int i = 0; i < q.rows(); ++i)
-                q.row(i) += 0.3 * random.vector().transpose();
-            const ThinShellNonlinear shell =
-                bound(mesh, {.measure = Measure::length, .thickness = {t}}, {{{0}, {}}});
-            const double expected = ShellOracle(mesh, 1.0, t * t).energy(q);
-            EXPECT_NEAR(shell.energy(view(q)), expected, 1e-11 * expected) << t;
-        }
-}
-
-TEST(ThinShellNonlinear, ends_where_the_energy_of_the_definition_is_stationary)
-{
-    const SurfaceMesh mesh = shapes::sphere(2);
-    const std::vector<Handle> handles{
-        {shapes::where(mesh, [](const Vector3& p) { return p.z() < -0.8; }), {}},
-        {shapes::where(mesh, [](const Vector3& p) { return p.z() > 0.8; }), {}}};
-    const Poses poses{shapes::still(), shapes::turn({1, 0, 0}, 30, {0, 0, 1}, {0.2, 0.4, 0.3})};
-    const ThinShellNonlinear shell = bound(mesh, {.measure = Measure::length, .thickness = {0.1}}, handles);
-    const Solution end = solve(shell, poses, {.max_iterations = 2000, .tolerance = 1e-14});
-    const Solution rough = solve(shell, poses, {.max_iterations = 0});
-    const ShellOracle oracle(mesh, 1.0, 0.01);
-    double at_start = 0.0, at_end = 0.0;
-    for (int v = 0; v < mesh.vertex_count(); v += 7) {
-        if (std::abs(mesh.point(v).z()) > 0.8)
-            continue;
-        at_start += oracle.slope_at(rough.positions, v, 1e-5);
-        at_end += oracle.slope_at(end.positions, v, 1e-5);
-    }
-    EXPECT_LT(at_end, 1e-3 * at_start); // differences of E = 0.1 over steps of 1e-5, and half its digits
-}
-
-TEST(ThinShellNonlinear, a_rigid_motion_by_170_degrees_costs_nothing)
+TEST_F(ThinShellNonlinear, a_rigid_motion_by_170_degrees_costs_nothing)
 {
     const SurfaceMesh mesh = shapes::bar(20, 5);
-    const ThinShellNonlinear shell = bound(mesh, {}, shapes::ends(mesh, 2));
+    const Method shell = bound(mesh, {}, shapes::ends(mesh, 2));
     const double bent = solve(shell, bend(90, 20, 2)).report.energy;
     const Pose pose = shapes::turn({1, 2, 3}, 170, {1, 2, 3}, {5, 6, 7});
     const Solution turned = solve(shell, {pose, pose});
@@ -155,50 +61,20 @@ TEST(ThinShellNonlinear, a_rigid_motion_by_170_degrees_costs_nothing)
     EXPECT_LE(shell.energy(view(mesh.points())), 1e-24 * bent);
 }
 
-TEST(ThinShellNonlinear, energy_never_rises_along_the_iterations)
+TEST_F(ThinShellNonlinear, unrelated_starts_meet)
 {
-    const SurfaceMesh mesh = shapes::bar(12, 3);
-    std::vector<Handle> soft = shapes::ends(mesh, 2);
-    soft[1].weights.assign(soft[1].vertices.size(), 0.9);
-    for (const double t : {0.0, 0.02, 0.2})
-        for (const auto& handles : {shapes::ends(mesh, 2), soft}) {
-            const ThinShellNonlinear shell = bound(mesh, {.thickness = {t}}, handles);
-            for (const Poses& poses :
-                 {bend(120, 12, 2), twist(135, 3), Poses{shapes::still(), shapes::shift(-6, 8, 0)}}) {
-                double before = std::numeric_limits<double>::infinity();
-                for (int k = 0; k <= 16; ++k) {
-                    const SolveReport s = solve(shell, poses, {.max_iterations = k, .tolerance = 0.0}).report;
-                    EXPECT_LE(s.iterations, k);
-                    EXPECT_LE(s.energy, before * (1 + 1e-12)) << "iteration " << k;
-                    before = s.energy;
-                }
-            }
-        }
+    const SurfaceMesh bar = shapes::bar(20, 5);
+    const SurfaceMesh centred = shapes::moved(bar, bar.points().rowwise() - Eigen::RowVector3d(0, 2.5, 2.5));
+    calls::expect_starts_meet(bound(centred, {}, shapes::ends(centred, 1)), 1, 2000, 1e-8);
 }
 
-TEST(ThinShellNonlinear, unrelated_starts_meet)
-{
-    const SurfaceMesh mesh = shapes::bar(20, 5);
-    const Points rest = mesh.points();
-    const ThinShellNonlinear shell = bound(mesh, {}, shapes::ends(mesh, 1));
-    for (const Poses& poses : {bend(90, 20, 1), twist(135, 5)}) {
-        const SolveRequest long_solve{.max_iterations = 2000, .tolerance = 1e-15};
-        SolveRequest from_rest = long_solve;
-        from_rest.start.emplace(view(rest));
-        const Solution one = solve(shell, poses, long_solve), other = solve(shell, poses, from_rest);
-        EXPECT_NEAR(one.report.energy, other.report.energy, 1e-8 * one.report.energy);
-        EXPECT_LT(shapes::distance(one.positions, other.positions), 1e-4 * shapes::size(rest));
-    }
-}
-
-TEST(ThinShellNonlinear, a_folded_hinge_costs_what_its_angle_says)
+TEST_F(ThinShellNonlinear, a_folded_hinge_costs_what_its_angle_says)
 {
     // Two right triangles, |e|^2 / A = 1. The cell folds as a sheet of k_b does for small angles.
     const SurfaceMesh mesh =
         shapes::mesh({{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, -1, 0}}, {{0, 1, 2}, {1, 0, 3}});
     const auto energy = [&](double bending, double angle) {
-        const ThinShellNonlinear shell =
-            bound(mesh, {.measure = Measure::stiffness, .bending = {bending}}, {{{0}, {}}});
+        const Method shell = bound(mesh, {.measure = Measure::stiffness, .bending = {bending}}, {{{0}, {}}});
         Points q = mesh.points();
         q.row(3) << 0.5, -std::cos(angle), std::sin(angle);
         return shell.energy(view(q));
@@ -213,7 +89,7 @@ TEST(ThinShellNonlinear, a_folded_hinge_costs_what_its_angle_says)
     EXPECT_NEAR(energy(0.0, 0.01), 0.5 * 0.25 * 1e-4, 1e-8);
 }
 
-TEST(ThinShellNonlinear, a_lifted_annulus_tends_to_the_plate)
+TEST_F(ThinShellNonlinear, a_lifted_annulus_tends_to_the_plate)
 {
     // Rings of nearly equilateral triangles between the radii 1 and 2; the inner border is lifted a little,
     // both are clamped. The plate's middle rises by .45843; the hinges of this pattern come to .4550.
@@ -242,7 +118,7 @@ TEST(ThinShellNonlinear, a_lifted_annulus_tends_to_the_plate)
     const std::vector<Handle> handles{
         {shapes::where(mesh, [&](const Vector3& p) { return radius(p) < 1 + 0.3 * h; }), {}},
         {shapes::where(mesh, [&](const Vector3& p) { return radius(p) > 2 - 0.3 * h; }), {}}};
-    const ThinShellNonlinear shell = bound(mesh, {.measure = Measure::length, .thickness = {1.0}}, handles);
+    const Method shell = bound(mesh, {.measure = Measure::length, .thickness = {1.0}}, handles);
     const Points q = solve(shell, {shapes::shift(0, 0, lift), shapes::still()},
                            {.max_iterations = 300, .tolerance = 1e-14})
                          .positions;
@@ -257,7 +133,7 @@ TEST(ThinShellNonlinear, a_lifted_annulus_tends_to_the_plate)
     EXPECT_NEAR(basis.colPivHouseholderQr().solve(height)[0], 0.4550, 1e-3);
 }
 
-TEST(ThinShellNonlinear, rolling_and_re_rolling_a_sheet_cost_what_curvature_says)
+TEST_F(ThinShellNonlinear, rolling_and_re_rolling_a_sheet_cost_what_curvature_says)
 {
     const int n = 24;
     const SurfaceMesh flat = shapes::grid(n, n, 2.0 / n);
@@ -272,16 +148,16 @@ TEST(ThinShellNonlinear, rolling_and_re_rolling_a_sheet_cost_what_curvature_says
     const double rolled = 2.0 * (n - 1) / n;
     EXPECT_NEAR(bound(flat, options, {{{0}, {}}}).energy(view(one)), rolled, 0.01 * rolled);
     // From one cylinder to the other across: the mean curvature is the same, and II is not.
-    const ThinShellNonlinear roll = bound(shapes::moved(flat, one), options, {{{0}, {}}});
+    const Method roll = bound(shapes::moved(flat, one), options, {{{0}, {}}});
     EXPECT_NEAR(roll.energy(view(other)), 2 * rolled, 0.01 * 2 * rolled);
     EXPECT_LT(roll.energy(view(one)), 1e-20);
 }
 
-TEST(ThinShellNonlinear, names_vertices_where_the_sheet_is_too_thin_for_the_mesh)
+TEST_F(ThinShellNonlinear, names_vertices_where_the_sheet_is_too_thin_for_the_mesh)
 {
     const SurfaceMesh mesh = shapes::grid(8, 8);
     const auto thin = [&](const Options& options) {
-        ThinShellNonlinear shell(mesh, options);
+        Method shell(mesh, options);
         return shell.set_handles({{{0}, {}}}).thin_vertices;
     };
     EXPECT_TRUE(thin({.measure = Measure::length, .thickness = {1.0}}).empty());
@@ -296,7 +172,7 @@ TEST(ThinShellNonlinear, names_vertices_where_the_sheet_is_too_thin_for_the_mesh
     EXPECT_GE(thin(painted).size(), 27u);
 }
 
-TEST(ThinShellNonlinear, painted_stiffness_decides_where_a_sheet_bends)
+TEST_F(ThinShellNonlinear, painted_stiffness_decides_where_a_sheet_bends)
 {
     const SurfaceMesh mesh = shapes::grid(33, 5, 0.25);
     const std::vector<Handle> handles = shapes::ends(mesh, 0.5);
@@ -347,7 +223,7 @@ double spread_size(const SurfaceMesh& mesh)
     return 4 * std::sqrt(square / area - (sum / area).squaredNorm());
 }
 
-TEST(ThinShellNonlinear, measures_are_ways_to_say_the_same)
+TEST_F(ThinShellNonlinear, measures_are_ways_to_say_the_same)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3);
     const double size = spread_size(mesh);
@@ -362,7 +238,7 @@ TEST(ThinShellNonlinear, measures_are_ways_to_say_the_same)
     EXPECT_LT(shapes::distance(length, pair), 1e-9); // four times both stiffnesses
 }
 
-TEST(ThinShellNonlinear, a_region_painted_black_stays_solvable)
+TEST_F(ThinShellNonlinear, a_region_painted_black_stays_solvable)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3);
     std::vector<double> paint(mesh.vertex_count(), 1.0);
@@ -375,7 +251,7 @@ TEST(ThinShellNonlinear, a_region_painted_black_stays_solvable)
             solve(bound(mesh, options, shapes::ends(mesh, 2)), bend(60, 12, 2)).positions.allFinite());
 }
 
-TEST(ThinShellNonlinear, triangles_at_one_edge_of_several_all_hold_together)
+TEST_F(ThinShellNonlinear, triangles_at_one_edge_of_several_all_hold_together)
 {
     // Three wings at an edge, a lone triangle that touches them at a corner, and a face without area.
     const SurfaceMesh mesh = shapes::mesh({{0, 0, 0},
@@ -387,44 +263,31 @@ TEST(ThinShellNonlinear, triangles_at_one_edge_of_several_all_hold_together)
                                            {2, 0, 1},
                                            {0, 0, 0.5}},
                                           {{0, 1, 2}, {0, 1, 3}, {1, 0, 4}, {2, 5, 6}, {0, 7, 1}});
-    const ThinShellNonlinear shell = bound(mesh, {}, {{{2}, {}}, {{3}, {}}, {{4}, {}}});
+    const Method shell = bound(mesh, {}, {{{2}, {}}, {{3}, {}}, {{4}, {}}});
     const Pose pose = shapes::turn({1, 1, 0}, 120, {}, {1, 2, 3});
     const Solution s = solve(shell, {pose, pose, pose}, {.max_iterations = 500, .tolerance = 1e-16});
     // Three points fix a rotation, which the start takes from the poses.
     EXPECT_LT(shapes::distance(s.positions, shapes::transformed(mesh.points(), pose)), 1e-6);
 }
 
-TEST(ThinShellNonlinear, refuses_options_that_mean_nothing)
+TEST_F(ThinShellNonlinear, refuses_options_and_points_that_mean_nothing)
 {
-    const SurfaceMesh mesh = shapes::cube();
-    for (double bad : {-1.0, nan, std::numeric_limits<double>::infinity()}) {
-        EXPECT_THROW(ThinShellNonlinear(mesh, {.thickness = {bad}}), InvalidOption);
-        EXPECT_THROW(ThinShellNonlinear(mesh, {.tolerance = bad}), InvalidOption);
-        EXPECT_THROW(ThinShellNonlinear(mesh, {.bending = {bad}}), InvalidOption); // though it does not count
-        EXPECT_THROW(ThinShellNonlinear(mesh, {.measure = Measure::stiffness, .stretching = {bad}}),
-                     InvalidOption);
-        EXPECT_THROW(ThinShellNonlinear(mesh, {.measure = Measure::stiffness, .bending = {bad}}),
-                     InvalidOption);
-    }
-    EXPECT_THROW(ThinShellNonlinear(mesh, {.measure = Measure::stiffness, .stretching = {0.0}}),
-                 InvalidOption);
-    EXPECT_THROW(ThinShellNonlinear(mesh, {.thickness = {1.0, 1.0}}), InvalidOption);
-    EXPECT_THROW(ThinShellNonlinear(mesh, {.max_iterations = 0}), InvalidOption);
+    std::vector<Options> bad{{.measure = Measure::stiffness, .stretching = {0.0}},
+                             {.thickness = {1.0, 1.0}},
+                             {.max_iterations = 0}};
+    for (double number : {-1.0, nan, infinity})
+        for (const Options& options : {Options{.thickness = {number}}, Options{.tolerance = number},
+                                       Options{.bending = {number}}, // though it does not count
+                                       Options{.measure = Measure::stiffness, .stretching = {number}},
+                                       Options{.measure = Measure::stiffness, .bending = {number}}})
+            bad.push_back(options);
+    expect_refused(shapes::cube(), bad);
     std::vector<double> paint(8, 1.0);
     paint[2] = -1;
-    const auto make = [&] { ThinShellNonlinear(mesh, {.thickness = paint}); };
+    const auto make = [&] { Method(shapes::cube(), {.thickness = paint}); };
     expect_elements(refusal<InvalidOption>(make), Error::Element::vertex, {2});
-}
-
-TEST(ThinShellNonlinear, energy_refuses_points_that_do_not_fit)
-{
     const SurfaceMesh mesh = shapes::bar(4, 2);
-    const ThinShellNonlinear shell = bound(mesh, {}, shapes::ends(mesh, 1));
-    Points broken = mesh.points();
-    broken(3, 0) = nan;
-    const Points other = Points::Zero(4, 3);
-    EXPECT_THROW(shell.energy(view(other)), InvalidConstraint);
-    EXPECT_THROW(shell.energy(view(broken)), InvalidConstraint);
+    expect_other_points_refused(bound(mesh, {}, shapes::ends(mesh, 1)));
 }
 
 } // namespace sinew::test_thin_shell_nonlinear

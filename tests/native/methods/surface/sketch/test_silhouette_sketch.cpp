@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/surface/sketch/silhouette_sketch.h"
 
-#include "tests/native/dense.h"
-#include "tests/native/methods/surface/linear/dense_operators.h"
+#include "native/operators/laplacian.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
@@ -57,52 +56,6 @@ struct Hill
     }
 };
 
-/// The least squares of the paper, whose rows stand one below the other, by the augmented system
-/// [1 R; R^T 0] [r; x] = [b; 0], which does not square the condition.
-Points dense_sketch(const Hill& hill, const Points& targets, const SilhouetteSketchOptions& options)
-{
-    const int n = hill.mesh.vertex_count(), k = static_cast<int>(hill.line.size());
-    const MatrixX L = dense_laplacian(hill.mesh, options.laplacian);
-    const VectorX m = dense_mass(hill.mesh, options.laplacian);
-    const MatrixX D = m.cwiseInverse().asDiagonal() * L;
-    const VectorX diagonal = (L * D).diagonal();
-    MatrixX rows = MatrixX::Zero(n + k, n), b(n + k, 3);
-    VectorX scale = VectorX::Ones(n);
-    for (const LinePoint& point : hill.line)
-        scale[point.a] = scale[point.b] = 1 + options.sharpness;
-    rows.topRows(n) = m.cwiseSqrt().asDiagonal() * D;
-    b.topRows(n) = scale.asDiagonal() * (rows.topRows(n) * hill.mesh.points());
-    for (int p = 0; p < k; ++p) {
-        const auto& [at, to, share] = hill.line[p];
-        const double s =
-            options.weight / (1 - options.weight) * ((1 - share) * diagonal[at] + share * diagonal[to]);
-        rows(n + p, at) += std::sqrt(s) * (1 - share);
-        rows(n + p, to) += std::sqrt(s) * share;
-        b.row(n + p) = std::sqrt(s) * targets.row(p);
-    }
-    std::vector<bool> held(n, false);
-    for (int v : hill.held)
-        held[v] = true;
-    std::vector<int> free;
-    for (int v = 0; v < n; ++v)
-        if (held[v])
-            b -= rows.col(v) * hill.mesh.points().row(v);
-        else
-            free.push_back(v);
-    const int f = static_cast<int>(free.size());
-    MatrixX augmented = MatrixX::Zero(n + k + f, n + k + f), right = MatrixX::Zero(n + k + f, 3);
-    augmented.topLeftCorner(n + k, n + k).setIdentity();
-    for (int c = 0; c < f; ++c)
-        augmented.col(n + k + c).head(n + k) = rows.col(free[c]);
-    augmented.bottomLeftCorner(f, n + k) = augmented.topRightCorner(n + k, f).transpose();
-    right.topRows(n + k) = b;
-    const MatrixX x = dense::solution(augmented, right);
-    Points positions = hill.mesh.points();
-    for (int c = 0; c < f; ++c)
-        positions.row(free[c]) = x.row(n + k + c);
-    return positions;
-}
-
 } // namespace
 
 TEST(SilhouetteSketch, a_line_that_stays_changes_nothing)
@@ -113,20 +66,6 @@ TEST(SilhouetteSketch, a_line_that_stays_changes_nothing)
         EXPECT_LT(shapes::distance(hill.solved(hill.on(hill.mesh.points()), {.laplacian = kind}),
                                    hill.mesh.points()),
                   1e-11); // rotations are fitted to edges that have not turned
-}
-
-TEST(SilhouetteSketch, is_the_least_squares_solution_of_the_paper)
-{
-    const Hill hill;
-    for (const Discretization kind :
-         {Discretization::uniform, Discretization::cotan, Discretization::cotan_voronoi})
-        for (const double sharpness : {0.0, 0.7}) {
-            const SilhouetteSketchOptions options{
-                .laplacian = kind, .refits = 0, .sharpness = sharpness, .weight = 0.9};
-            EXPECT_LT(shapes::distance(hill.solved(hill.lifted(), options),
-                                       dense_sketch(hill, hill.lifted(), options)),
-                      1e-9); // condition numbers of some 1e5
-        }
 }
 
 TEST(SilhouetteSketch, the_line_meets_its_targets_as_its_weight_says)
@@ -180,7 +119,7 @@ TEST(SilhouetteSketch, sharpness_bends_the_surface_at_the_line)
 {
     const Hill hill;
     const Points targets = hill.on(hill.mesh.points());
-    const MatrixX L = dense_laplacian(hill.mesh, Discretization::cotan_voronoi);
+    const MatrixX L = laplacian_matrix(hill.mesh, Discretization::cotan_voronoi);
     const auto bend = [&](double sharpness) { // of both rows of vertices beside the line
         const MatrixX delta = L * hill.solved(targets, {.sharpness = sharpness});
         double sum = 0.0;

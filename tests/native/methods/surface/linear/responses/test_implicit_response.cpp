@@ -4,7 +4,6 @@
 #include "native/methods/surface/linear/thin_shell.h"
 #include "native/methods/surface/substeps.h"
 #include "native/operators/laplacian.h"
-#include "tests/native/methods/surface/linear/dense_implicit.h"
 #include "tests/native/methods/surface/linear/study_tube.h"
 #include "tests/native/shapes.h"
 
@@ -16,14 +15,12 @@ namespace sinew::test_implicit_response {
 
 namespace {
 
-constexpr std::array every{Discretization::uniform, Discretization::cotan, Discretization::cotan_voronoi};
-
 /// What a bind computes before.
 struct Operators
 {
-    explicit Operators(const SurfaceMesh& mesh, Discretization kind = Discretization::cotan_voronoi)
-        : rest(mesh), L(laplacian_matrix(mesh, kind, {}, least_area_for_order(2))),
-          mass(divisible_mass(mesh, kind, least_area_for_order(2))),
+    explicit Operators(const SurfaceMesh& mesh)
+        : rest(mesh), L(laplacian_matrix(mesh, Discretization::cotan_voronoi, {}, least_area_for_order(2))),
+          mass(divisible_mass(mesh, Discretization::cotan_voronoi, least_area_for_order(2))),
           delta(mass.cwiseInverse().asDiagonal() * (L * mesh.points()))
     {
         for (int v = 0; v < mesh.vertex_count(); ++v)
@@ -77,16 +74,6 @@ VectorX rows_of(const Points& points) { return points.reshaped<Eigen::RowMajor>(
 
 } // namespace
 
-TEST(ImplicitResponse, has_the_residual_of_similarities_fitted_by_decompositions)
-{
-    for (const SurfaceMesh& mesh : {shapes::hill(6, 5), shapes::bar(4, 2)})
-        for (Discretization kind : every) {
-            const MatrixX expected = DenseImplicit(mesh, kind).residual();
-            EXPECT_LT((MatrixX(Operators(mesh, kind).residual()) - expected).cwiseAbs().maxCoeff(),
-                      1e-10 * expected.cwiseAbs().maxCoeff());
-        }
-}
-
 TEST(ImplicitResponse, vanishes_for_translations_and_scales_and_misses_rotations_by_1_minus_cos)
 {
     const SurfaceMesh mesh = bumpy_tube();
@@ -105,39 +92,6 @@ TEST(ImplicitResponse, vanishes_for_translations_and_scales_and_misses_rotations
     };
     for (double angle : {.01, .1, 2.0})
         EXPECT_NEAR(constant(angle) / constant(1.0), 1.0, 1e-6);
-}
-
-TEST(ImplicitResponse, is_what_dense_matrices_find)
-{
-    const Pose pose = shapes::turn({0, 1, 0}, 50, {6, 0, 0}, {-1, 0.5, 2});
-    for (const SurfaceMesh& mesh : {shapes::hill(7, 6), shapes::bar(5, 2)})
-        for (Discretization kind : every) {
-            std::vector<Handle> handles = shapes::ends(mesh, 1.1);
-            handles.push_back({{20, 21}, {.4, .8}});
-            const Poses poses{shapes::still(), pose, shapes::shift(0, 0, 1)};
-            const Matrix3 frame = shapes::rotation({0, 1, 0}, 25);
-            EXPECT_LT(
-                shapes::distance(Operators(mesh, kind).displaced(handles, poses, frame),
-                                 Operators::centred(DenseImplicit(mesh, kind).solve(handles, poses, frame))),
-                1e-6);
-        }
-}
-
-TEST(ImplicitResponse, of_more_handles_than_a_basis_has_is_solved_for_in_each_frame)
-{
-    const SurfaceMesh mesh = shapes::hill(9, 8);
-    std::vector<Handle> handles;
-    Poses poses;
-    shapes::Random random(3);
-    for (int v = 0; v < 80; v += 4) {
-        handles.push_back({{v}, {}});
-        poses.push_back(shapes::turn(random.vector(), 20, mesh.point(v), 0.3 * random.vector()));
-    }
-    handles[7].weights = {.5};
-    EXPECT_LT(shapes::distance(Operators(mesh).displaced(handles, poses),
-                               Operators::centred(DenseImplicit(mesh, Discretization::cotan_voronoi)
-                                                      .solve(handles, poses, Matrix3::Identity()))),
-              1e-8);
 }
 
 TEST(ImplicitResponse, is_linear_in_the_poses_and_scales_with_all_handles)

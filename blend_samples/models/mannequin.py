@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mannequin of wood with its bones."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+from mathutils import Vector
+
+from ..materials import plain_material
+from ..posing import add_object, make_active
+from ..studio import progress
+
+# Bones of the left side and the middle: head, tail, parent, and the radius of the limb at both ends.
+BONES = {
+    "hip": ((0.0, 0.0, 0.98), (0.0, 0.0, 1.12), "", 0.13, 0.12),
+    "spine": ((0.0, 0.0, 1.12), (0.0, 0.015, 1.28), "hip", 0.12, 0.13),
+    "chest": ((0.0, 0.015, 1.28), (0.0, 0.0, 1.50), "spine", 0.13, 0.09),
+    "neck": ((0.0, 0.0, 1.50), (0.0, -0.01, 1.60), "chest", 0.05, 0.055),
+    "head": ((0.0, -0.01, 1.60), (0.0, -0.01, 1.80), "neck", 0.085, 0.09),
+    "upper.L": ((0.17, 0.0, 1.45), (0.43, 0.02, 1.45), "chest", 0.055, 0.045),
+    "lower.L": ((0.43, 0.02, 1.45), (0.68, 0.0, 1.45), "upper.L", 0.045, 0.035),
+    "hand.L": ((0.68, 0.0, 1.45), (0.84, 0.0, 1.45), "lower.L", 0.035, 0.025),
+    "thigh.L": ((0.10, 0.0, 0.94), (0.11, -0.02, 0.52), "hip", 0.085, 0.06),
+    "shin.L": ((0.11, -0.02, 0.52), (0.11, 0.0, 0.09), "thigh.L", 0.06, 0.04),
+    "foot.L": ((0.11, 0.0, 0.09), (0.11, -0.18, 0.035), "shin.L", 0.04, 0.035),
+}
+
+
+def all_bones() -> Iterator[tuple[str, Vector, Vector, str, float, float]]:
+    for name, (head, tail, parent, first, last) in BONES.items():
+        yield name, Vector(head), Vector(tail), parent, first, last
+        if name.endswith(".L"):
+            mirrored = [Vector((-end[0], end[1], end[2])) for end in (head, tail)]
+            yield name[:-1] + "R", *mirrored, parent.replace(".L", ".R"), first, last
+
+
+def rig_of(skin: bpy.types.Object) -> bpy.types.Object:
+    """The armature of a mannequin."""
+    return bpy.data.objects[skin.name.replace("Skin", "Rig")]
+
+
+def build(label: str, x: float = 0.0) -> bpy.types.Object:
+    """Tapered limbs, made one surface, and beside it the armature inside, which ``rig_of`` finds."""
+    progress(f"modelling {label}")
+    balls = bpy.data.metaballs.new(f"{label} Clay")
+    balls.resolution = balls.render_resolution = 0.022
+    balls.threshold = 0.1
+    for _name, head, tail, _parent, first, last in all_bones():
+        steps = max(4, round((tail - head).length / 0.02))
+        for k in range(steps + 1):
+            ball = balls.elements.new(type="BALL")
+            ball.co = head.lerp(tail, k / steps)
+            ball.radius = 1.25 * (first + (last - first) * k / steps)
+    for k in range(16):  # shoulders, where there are no bones
+        ball = balls.elements.new(type="BALL")
+        ball.co, ball.radius = (-0.17 + 0.34 * k / 15, 0.0, 1.45), 0.085
+    clay = add_object(f"{label} Clay", balls)
+    bpy.context.view_layer.update()
+    mesh = bpy.data.meshes.new_from_object(clay.evaluated_get(bpy.context.evaluated_depsgraph_get()))
+    bpy.data.objects.remove(clay)
+    mesh.name = f"{label} Skin"
+    skin = add_object(mesh.name, mesh)
+    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    mesh.materials.clear()
+    mesh.materials.append(plain_material("Wood", (0.46, 0.27, 0.13), roughness=0.45))
+
+    data = bpy.data.armatures.new(f"{label} Rig")
+    data.display_type = "STICK"
+    rig = add_object(f"{label} Rig", data)
+    make_active(rig)
+    bpy.ops.object.mode_set(mode="EDIT")
+    for name, head, tail, parent, _first, _last in all_bones():
+        bone = data.edit_bones.new(name)
+        bone.head, bone.tail = head, tail
+        bone.parent = data.edit_bones[parent] if parent else None
+    bpy.ops.object.mode_set(mode="OBJECT")
+    skin.location.x = rig.location.x = x
+    bpy.context.view_layer.update()
+    return skin

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every surface method on the meshes that artists have: n-gons in parts, a rough scan, 100,000 vertices.
+
+Nothing here names a method.
+"""
+
+import numpy as np
+import pytest
+
+import sinew_native as sn
+
+from ..meshes import STILL, ends, grid, moved, shift, turn
+from ..methods import EVERY_SURFACE_METHOD, called, made
+
+Polygons = tuple[np.ndarray, list[list[int]]]
+EVERY_METHOD = pytest.mark.parametrize(("method", "options"), EVERY_SURFACE_METHOD, ids=called)
+
+
+def honeycomb(columns: int, rows: int) -> Polygons:
+    """A hill of hexagons with a ragged border."""
+    y, x = np.mgrid[: rows + 1, : 2 * columns + 2].astype(float)
+    z = 0.1 * columns * np.sin(3 * x / columns) * np.cos(2 * y / rows)
+    points = np.stack([x, y - 0.3 * ((x + y) % 2), z], -1).reshape(-1, 3)
+    width = 2 * columns + 2
+    below = [(2 * i + j % 2, j) for j in range(rows) for i in range(columns)]
+    faces = [
+        [j * width + i + k for k in range(3)] + [(j + 1) * width + i + k for k in (2, 1, 0)] for i, j in below
+    ]
+    used = np.unique(faces)
+    place = np.zeros(len(points), dtype=int)
+    place[used] = np.arange(len(used))
+    return points[used], place[np.array(faces)].tolist()
+
+
+def tube(rings: int, around: int, radius: float) -> Polygons:
+    """A closed tube along x of quads, with two n-gons as lids."""
+    step = 2 * np.pi * radius / around
+    angles = 2 * np.pi * np.arange(around) / around
+    ring = np.stack([0 * angles, radius * np.cos(angles), radius * np.sin(angles)], 1)
+    points = np.concatenate([ring + (k * step, 0.0, 0.0) for k in range(rings)])
+    k, a = (part.ravel() for part in np.mgrid[: rings - 1, :around])
+    b = (a + 1) % around
+    quads = np.stack([k * around + a, k * around + b, (k + 1) * around + b, (k + 1) * around + a], 1)
+    lids = [list(range(around))[::-1], [(rings - 1) * around + i for i in range(around)]]
+    return points, quads.tolist() + lids
+
+
+def mesh_of(points: np.ndarray, faces: list[list[int]]) -> sn.SurfaceMesh:
+    counts = np.array([len(face) for face in faces], dtype=np.int32)
+    return sn.SurfaceMesh(points, (counts, np.concatenate(faces).astype(np.int32)))
+
+
+def check(method: type, options: dict, mesh: sn.SurfaceMesh, handles: list[np.ndarray], scale: float) -> None:
+    """Bend it and move it: handles are met, everything is finite, and what moves as a whole keeps its shape.
+
+    Iterative methods take a few steps only.
+    """
+    points = mesh.points
+    surface = made(method, mesh, **options)
+    report = surface.set_handles(handles)
+    pose = turn((0, 1, 0), 30, points[handles[1]].mean(0), (-0.02 * scale, 0.01 * scale, 0.03 * scale))
+    positions, solved = surface.solve(np.stack([STILL, pose]), max_iterations=2)
+    assert np.isfinite(positions).all()
+    assert np.isfinite([solved.energy, solved.residual]).all()
+    np.testing.assert_array_equal(positions[report.free_vertices], points[report.free_vertices])
+    for handle, where in zip(handles, (STILL, pose), strict=True):
+        np.testing.assert_allclose(positions[handle], moved(where, points[handle]), atol=1e-12 * scale)
+    free = np.setdiff1d(np.arange(len(points)), np.concatenate([*handles, report.free_vertices]))
+    assert np.abs(positions[free] - points[free]).max() < 3 * scale, "nothing flies off"
+
+    whole = shift(0.3 * scale, -0.2 * scale, 0.1 * scale)
+    positions, _ = surface.solve(np.stack([whole, whole]))
+    expected = moved(whole, points)
+    expected[report.free_vertices] = points[report.free_vertices]
+    np.testing.assert_allclose(positions, expected, atol=1e-6 * scale)
+
+
+@EVERY_METHOD
+def test_n_gons_in_two_parts_one_with_a_border(method: type, options: dict) -> None:
+    sheet, hexagons = honeycomb(9, 12)
+    closed, quads = tube(24, 12, 2.0)
+    closed += (0.0, 6.0, 12.0)
+    points = np.concatenate([sheet, closed])
+    mesh = mesh_of(points, hexagons + [[len(sheet) + v for v in face] for face in quads])
+    found = mesh.diagnose()
+    assert found.component_count == 2
+    assert len(found.non_manifold_edges) == 0
+    parts = [np.arange(len(sheet)), np.arange(len(sheet), len(points))]
+    handles = [np.concatenate([part[ends(points[part], 2.1)[k]] for part in parts]) for k in (0, 1)]
+    check(method, options, mesh, handles, 20.0)
+
+
+@EVERY_METHOD
+def test_a_scan_that_is_no_manifold(method: type, options: dict) -> None:
+    """With noise, a hole, fins on inner edges, faces twice and turned over, a pinch, a crumb and a stray."""
+    n = 24
+    points, triangles = grid(n)
+    rng = np.random.default_rng(8)
+    points[:, 2] += rng.normal(scale=0.15, size=len(points))
+    faces = triangles.tolist()
+    middle = points[triangles].mean(1)
+    hole = np.linalg.norm(middle[:, :2] - (15.0, 8.0), axis=1) < 2.5
+    faces = [face for face, gone in zip(faces, hole, strict=True) if not gone]
+    count = len(points)
+    fins = []
+    for at in (3 * (n + 1) + 8, 12 * (n + 1) + 10, 18 * (n + 1) + 14):
+        faces.append([at, at + 1, count + len(fins)])
+        fins.append(points[at] + (0.5, 0.1, 1.5))
+    faces += [faces[100], faces[200][::-1], faces[300], faces[300]]
+    for k in range(400, 420):
+        faces[k] = faces[k][::-1]
+    pinch = 12 * (n + 1) + 6
+    above = points[pinch] + ((0.6, 0.0, 1.0), (-0.6, 0.3, 1.0))
+    crumb = points[pinch] + (0.0, 4.0, 3.0) + rng.normal(scale=0.3, size=(3, 3))
+    points = np.concatenate([points, fins, above, crumb, [(40.0, 40.0, 0.0)]])
+    first = count + len(fins)
+    faces += [[pinch, first, first + 1], [first + 2, first + 3, first + 4]]
+    points[7 * (n + 1) + 9] = points[7 * (n + 1) + 8]  # two vertices in one place
+    mesh = mesh_of(points, faces)
+    found = mesh.diagnose()
+    assert len(found.non_manifold_edges) > 3
+    assert found.component_count > 3  # vertices in the hole are loose
+    x = points[:first, 0]
+    handles = [np.flatnonzero(x <= 2.5), np.flatnonzero(x >= n - 2.5)]
+    check(method, options, mesh, handles, float(n))
+
+
+@pytest.mark.slow
+@EVERY_METHOD
+def test_a_hundred_thousand_vertices(method: type, options: dict) -> None:
+    """By the method's defaults. With other options a quarter as many, as one of them takes half a minute."""
+    length = 25 if options else 50
+    points, faces = tube(8 * length, 5 * length, length / 10)
+    assert len(points) == (25_000 if options else 100_000)
+    check(method, options, mesh_of(points, faces), ends(points, 1.0), length)

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Methods that handle points control, against the formulas of their papers in NumPy."""
+
+import numpy as np
+import pytest
+
+import sinew_native as sn
+
+from ..meshes import STILL, moved, shift, turn
+
+KERNELS = {
+    "triharmonic": lambda r: r**3,
+    "biharmonic": lambda r: -r,
+    "wendland_c0": lambda r: np.maximum(1 - r, 0) ** 2,
+    "wendland_c2": lambda r: np.maximum(1 - r, 0) ** 4 * (4 * r + 1),
+    "wendland_c4": lambda r: np.maximum(1 - r, 0) ** 6 * (35 * r * r + 18 * r + 3) / 3,
+}
+POSES = np.stack([STILL, turn((1, 2, 3), 70, (3, 0, 0), (0, 1, 0)), shift(0, 0.5, 0.2)])
+
+
+def cloud(count: int, reach: float, seed: int) -> np.ndarray:
+    return np.random.default_rng(seed).uniform(-reach, reach, (count, 3))
+
+
+def regions(each: int) -> tuple[np.ndarray, list[int], np.ndarray]:
+    """Two regions and a point of its own, their counts, and where the poses take them."""
+    points = cloud(2 * each + 1, 1.0, 7)
+    points[:each, 0] -= 3.0
+    points[each:-1, 0] += 3.0
+    points[-1] = (0, 2, 0)
+    parts = np.split(points, [each, 2 * each])
+    return points, [each, each, 1], np.concatenate([moved(pose, p) for pose, p in zip(POSES, parts)])
+
+
+def posed(control: np.ndarray) -> np.ndarray:
+    """A region has four control points, a single point has one."""
+    return np.concatenate([moved(pose, c) for pose, c in zip(POSES, np.split(control, [4, 8]))])
+
+
+def size_of(points: np.ndarray) -> float:
+    return sn.diameter(points)
+
+
+def by_a_dense_system(centres, moves, points, kernel: str, degree: int, radius: float) -> np.ndarray:
+    """The saddle point system of the textbooks; `radius` is a length."""
+    corner, size = centres.min(0), np.ptp(centres, axis=0).max()
+    scale = size / radius if kernel.startswith("wendland") else 1.0
+
+    def rows(x: np.ndarray) -> np.ndarray:
+        away = np.linalg.norm((x[:, None] - centres) / size, axis=2)
+        x = (x - corner) / size
+        monomials = np.column_stack([np.ones(len(x)), x, x**2, x * np.roll(x, -1, axis=1)])
+        return np.column_stack([KERNELS[kernel](away * scale), monomials[:, : (0, 1, 4, 10)[degree + 1]]])
+
+    A = rows(centres)
+    n, q = len(centres), A.shape[1] - len(centres)
+    A = np.concatenate([A, np.column_stack([A[:, n:].T, np.zeros((q, q))])])
+    return points + rows(points) @ np.linalg.solve(A, np.concatenate([moves, np.zeros((q, 3))]))
+
+
+@pytest.mark.parametrize(
+    ("kernel", "asked", "degree"),
+    [
+        ("triharmonic", 2, 2),
+        ("triharmonic", 0, 1),
+        ("biharmonic", 2, 1),
+        ("biharmonic", 0, 0),
+        ("wendland_c0", 1, 1),
+        ("wendland_c2", 0, 0),
+        ("wendland_c2", -1, -1),
+        ("wendland_c4", 2, 1),
+    ],
+)
+def test_rbf_solves_the_saddle_point_system(kernel: str, asked: int, degree: int) -> None:
+    centres, moves, points = cloud(80, 2.0, 11), cloud(80, 1.0, 12), cloud(200, 2.5, 13)
+    rbf = sn.Rbf(centres, kernel=kernel, degree=asked, radius=0.7)
+    rbf.bind(points)
+    expected = by_a_dense_system(centres, moves, points, kernel, degree, 0.7 * size_of(centres))
+    np.testing.assert_allclose(rbf.warp(centres + moves), expected, rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("kernel", "degree", "radius"),
+    [
+        ("wendland_c0", 1, 0.4),
+        ("wendland_c2", -1, 0.16),
+        ("wendland_c2", 1, 0.04),
+        ("wendland_c4", 0, 0.2),
+        ("wendland_c2", 1, 1.8),
+    ],
+)
+def test_compact_functions_equal_the_sum_over_all_centres(kernel: str, degree: int, radius: float) -> None:
+    """Some points are far from all centres; their order has nothing to do with where they are."""
+    centres = cloud(400, 1.0, 31)
+    centres[:100] *= 0.1
+    moves, points = cloud(400, 0.1, 32), cloud(1003, 1.4, 33)
+    rbf = sn.Rbf(centres, kernel=kernel, degree=degree, radius=radius / size_of(centres))
+    rbf.bind(points)
+    expected = by_a_dense_system(centres, moves, points, kernel, degree, radius)
+    # The largest radius makes the system nearly singular.
+    np.testing.assert_allclose(
+        rbf.warp(centres + moves), expected, rtol=0, atol=1e-7 if radius > 1 else 1e-12
+    )
+
+
+@pytest.mark.parametrize("radius", [0.05, 0.2])
+def test_compact_regions_equal_the_sum_over_all_centres(radius: float) -> None:
+    centres, counts, goals = regions(250)
+    points = cloud(1003, 4.0, 5)
+    rbf = sn.Rbf(centres, counts, kernel="wendland_c2", degree=1, radius=radius, precision="double")
+    rbf.bind(points)
+    lengths = radius * size_of(centres)
+    expected = by_a_dense_system(centres, goals - centres, points, "wendland_c2", 1, lengths)
+    # Four functions of a region, of which each has a rounding of its own.
+    np.testing.assert_allclose(rbf.warp(posed(rbf.control)), expected, rtol=0, atol=1e-11)
+
+
+def least_squares(p, q, share, v, maps: str, alpha: float) -> np.ndarray:
+    """Where the map fitted at v takes it (Schaefer et al. 2006; Zhu & Gortler 2007)."""
+    w = share * np.linalg.norm(p - v, axis=1) ** (-2 * alpha)
+    p_star, q_star = w @ p / w.sum(), w @ q / w.sum()
+    P, Q = p - p_star, q - q_star
+    spread, N = P.T @ (w[:, None] * P), P.T @ (w[:, None] * Q)
+    if maps == "affine":
+        return N.T @ np.linalg.inv(spread) @ (v - p_star) + q_star
+    U, _, Vt = np.linalg.svd(N)
+    R = Vt.T @ np.diag([1, 1, np.sign(np.linalg.det(U @ Vt))]) @ U.T
+    scale = np.trace(R @ N) / np.trace(spread) if maps == "similarity" else 1.0
+    return scale * R @ (v - p_star) + q_star
+
+
+MAPS = ("affine", "similarity", "rigid")
+
+
+@pytest.mark.parametrize("alpha", [1.0, 2.0, 0.7])
+@pytest.mark.parametrize("maps", MAPS)
+def test_mls_is_what_the_papers_say_at_every_point(maps: str, alpha: float) -> None:
+    p, points = cloud(30, 1.0, 1), cloud(150, 1.5, 3)
+    q = p + cloud(30, 0.4, 2)
+    mls = sn.Mls(p, maps=maps, alpha=alpha, precision="double")
+    mls.bind(points)
+    expected = [least_squares(p, q, np.ones(30), v, maps, alpha) for v in points]
+    np.testing.assert_allclose(mls.warp(q), expected, rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("maps", MAPS)
+def test_points_of_a_region_share_its_weight_and_move_by_one_map(maps: str) -> None:
+    p, counts, q = regions(40)
+    points, share = cloud(150, 3.0, 5), np.repeat(1 / np.array(counts), counts)
+    mls = sn.Mls(p, counts, maps=maps, alpha=1.3, precision="double")
+    mls.bind(points)
+    expected = [least_squares(p, q, share, v, maps, 1.3) for v in points]
+    np.testing.assert_allclose(mls.warp(posed(mls.control)), expected, rtol=0, atol=1e-10)
+
+
+@pytest.mark.parametrize("alpha", [1.0, 2.0])
+@pytest.mark.parametrize("maps", MAPS)
+def test_a_segment_weighs_as_the_many_points_on_it(maps: str, alpha: float) -> None:
+    ends = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0.2), (1, 1, 0.5), (0.4, 0.3, 1)], float)
+    control, many = ends + cloud(5, 0.3, 9), 20_000
+    t = ((np.arange(many) + 0.5) / many)[:, None]
+    p, q = (np.concatenate([x[0] + t * (x[1] - x[0]), x[2:]]) for x in (ends, control))
+    share = np.ones(many + 3)
+    share[:many] = 1 / size_of(ends) / many  # the length, 1, as a share of the size of all handles
+    points = cloud(60, 1.0, 4) + 0.5
+    mls = sn.Mls(ends, maps=maps, alpha=alpha, segments=[[0, 1]], precision="double")
+    mls.bind(points)
+    expected = [least_squares(p, q, share, v, maps, alpha) for v in points]
+    np.testing.assert_allclose(mls.warp(control), expected, rtol=0, atol=2e-3)  # 8 nodes on each side
