@@ -1,65 +1,39 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The tool of the toolbar; overlays, handles in their list, weights by brush, new vertices, heavy drags."""
 
-import sys
 import time
 from collections.abc import Iterator
 
 import addon_utils
 import bpy
+import installed
 import numpy as np
-from driving import (
-    MODULE,
+from driving import above, apart, claim, near, rest, run, settled, until
+from editing import select
+from expected import members_of
+from hand import between, click, drag, hold, keys, move, press, redo, release, undo, write
+from inside import inner
+from mathutils import Color, Vector
+from rigs.rig import base_points, new_empty
+from scenes import deformer, head, heavy_grid, shown, smooth_head
+from window import (
     Place,
-    above,
-    apart,
-    between,
-    binding,
-    claim,
-    click,
-    deformer,
     differing,
-    drag,
-    head,
-    hold,
     in_view,
     look_from_front,
     middle,
-    move,
-    near,
-    new_head,
     on_screen,
-    press,
-    redo,
     region,
-    release,
-    rest,
-    run,
     screenshot,
-    select,
-    sessions,
-    settled,
-    shown_points,
-    undo,
-    until,
+    units_per_pixel,
+    view,
     view_pixels,
     viewport,
     window,
-    write,
 )
-from mathutils import Color, Vector
 
 FLOAT32 = 2e-6  # of a head 4 units wide that is not dragged
 DRAGGED = 4e-6
-
-
-def shown() -> np.ndarray:
-    return shown_points(head())
-
-
-def base() -> np.ndarray:
-    return np.array([vertex.co for vertex in head().data.vertices])
-
 
 EAR, NOSE = (1.7, 0.0, 0.35), (0.0, 0.0, -0.3)  # as seen from the front
 NOTHING = ([], [], 0, [])
@@ -75,14 +49,13 @@ def left_behind() -> tuple:
 
 def drag_surface() -> Iterator[None]:
     """One ear up and out, in one go, and then further by the same handle."""
-    new_head(1, {})
-    yield from look_from_front()
-    bpy.ops.ed.undo_push(message="Head")
+    smooth_head(1)
+    look_from_front()
     with in_view():
         bpy.ops.wm.tool_set_by_id(name="sinew.drag")
     yield from rest()
-    before, start = shown(), on_screen(EAR)
-    end = (start[0] + 50, start[1] + 70)
+    before, start, unit = shown(), on_screen(EAR), units_per_pixel()
+    end, lower = (start[0] + 50, start[1] + 70), (start[0] + 50, start[1] + 30)
     with claim("a drag makes a handle that follows the mouse"):
         assert left_behind() == NOTHING
         move(start[0] - 2, start[1])
@@ -90,18 +63,15 @@ def drag_surface() -> Iterator[None]:
         move(*start)
         yield from rest(3)
         screenshot("drag-1-hover")
-        yield from hold([start, *between(start, end, 3)])
+        yield from hold([start, *between(start, end)])
         screenshot("drag-2-dragging")
         yield
-        release()
-        yield from rest(3)
+        yield from release()
         after = shown()
         assert left_behind() == ONE_HANDLE
-        pixel = 1.0 / (on_screen((1.0, 0.0, 0.0))[0] - on_screen((0.0, 0.0, 0.0))[0])
-        group = head().vertex_groups["Handle"].index
-        members = [v.index for v in head().data.vertices if any(g.group == group for g in v.groups)]
+        members, _weights = members_of(head(), "Handle")
         above(len(members), 3)
-        near(after[members] - before[members], np.array((50.0, 0.0, 70.0)) * pixel, pixel)
+        near(after[members] - before[members], np.array((50.0, 0.0, 70.0)) * unit, unit)
         moved = np.abs(after - before).max(axis=1) > 1e-5
         assert 0.01 < moved.mean() < 0.5
         assert not moved[before[:, 0] < 0.0].any()
@@ -111,23 +81,18 @@ def drag_surface() -> Iterator[None]:
         assert last.bl_idname == "SINEW_OT_drag"
     repeated = {name: getattr(last, name) for name in ("radius", "reach", "method", "mode")}
     repeated |= {name: tuple(getattr(last, name)) for name in ("origin", "direction", "value")}
-    yield from drag(end, (end[0], end[1] - 40))
-    yield from rest(3)
+    yield from drag(end, lower)
     again = shown()
     with claim("the next drag there takes the same handle"):
         assert left_behind() == ONE_HANDLE
-        near(again[members] - after[members], np.array((0.0, 0.0, -40.0)) * pixel, pixel)
+        near(again[members] - after[members], np.array((0.0, 0.0, -40.0)) * unit, unit)
     with claim("Esc puts everything back after a drag of another place, and of the handle"):
-        for start, rows in ((on_screen(NOSE), 4), ((end[0], end[1] - 40), 2)):
-            move(*start)
-            yield from rest()
-            yield from hold([start, *between(start, (start[0], start[1] + 60), 3)])
+        for start, rows in ((on_screen(NOSE), 4), (lower, 2)):
+            yield from hold([start, *between(start, (start[0], start[1] + 60))])
             assert len(left_behind()[0]) == rows
             above(apart(shown(), again), 0.01)
-            press("ESC")
-            yield
-            release()
-            yield from rest(3)
+            yield from keys("ESC")
+            yield from release()
             assert left_behind() == ONE_HANDLE
             near(shown(), again, DRAGGED)
     with claim("a drag is one step of undo"):
@@ -148,10 +113,10 @@ def drag_surface() -> Iterator[None]:
 
 
 REGIONS = {
-    "Ear.L": ("HANDLE", lambda point: point.x > 1.6),
-    "Ear.R": ("HANDLE", lambda point: point.x < -1.6),
-    "Muzzle": ("HANDLE", lambda point: point.z < -0.9 and point.y < -0.3),
-    "Back": ("FIXED", lambda point: point.y > 0.35 and abs(point.x) < 1.2),
+    "Ear.L": ("HANDLE", lambda point: point[0] > 1.6),
+    "Ear.R": ("HANDLE", lambda point: point[0] < -1.6),
+    "Muzzle": ("HANDLE", lambda point: point[2] < -0.9 and point[1] < -0.3),
+    "Back": ("FIXED", lambda point: point[1] > 0.35 and abs(point[0]) < 1.2),
 }
 LIFT = 0.45
 SLANTED = (0.0, 0.0, 0.383, 0.924)  # from behind and above
@@ -192,10 +157,10 @@ def mode(name: str) -> None:
 def handles() -> Iterator[None]:
     """A posed head with three handles and a fixed region, seen from the front."""
     viewport().spaces.active.show_region_hud = False  # the panel for the last operation is in no picture
-    new_head(2, REGIONS)
+    smooth_head(2, REGIONS)
     deformer().handles[0].control.matrix_world.translation.z += LIFT
     deformer().handles[2].control.matrix_world.translation.x -= 0.3
-    yield from look_from_front(distance=5.8, height=0.25)
+    look_from_front(distance=5.8, height=0.25)
     bpy.ops.ed.undo_push(message="Pose")
     yield from settled()
     yield from overlays()
@@ -208,10 +173,6 @@ def handles() -> Iterator[None]:
     yield from edit_topology()
     yield from heavy_drag()
     yield from disable()
-
-
-def overlay():
-    return sys.modules[f"{MODULE}.ui.overlays.overlay"]
 
 
 def look(name: str, **wanted: object) -> Iterator[None]:
@@ -231,19 +192,16 @@ def in_picture(vertex: int) -> Place:
 
 def nearest(where) -> int:
     """The vertex nearest to the viewer among those for which ``where(x, y, z)`` at rest."""
-    turn, points = viewport().spaces.active.region_3d.view_matrix, shown()
+    turn, points = view().view_matrix, shown()
     chosen = [vertex.index for vertex in head().data.vertices if where(*vertex.co)]
     return max(chosen, key=lambda index: (turn @ Vector(points[index])).z)
 
 
 def most_stretched() -> int:
     """The vertex around which the area grew most, among those that the viewer sees from the front."""
-    result, measure = (
-        sys.modules[f"{MODULE}.{name}"] for name in ("session.results.result", "core.geometry.distortion")
-    )
-    values = result.measured(head(), deformer(), measure.Measure.AREA).values
+    values = inner.result.measured(head(), deformer(), inner.distortion.Measure.AREA).values
     evaluated = head().evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices
-    turn = viewport().spaces.active.region_3d.view_matrix.to_3x3()
+    turn = view().view_matrix.to_3x3()
     return max(range(len(evaluated)), key=lambda i: values[i] * ((turn @ evaluated[i].normal).z > 0.8))
 
 
@@ -255,7 +213,7 @@ def overlays() -> Iterator[None]:
     """What each overlay paints is tested without a window; here it is drawn."""
     for obj in bpy.context.view_layer.objects:
         obj.hide_set(obj != head())
-    viewport().spaces.active.region_3d.view_rotation = SLANTED
+    view().view_rotation = SLANTED
     head().select_set(False)
     yield from look("off")
     spots = {name: in_picture(nearest(where)) for name, where in SPOTS.items()}
@@ -275,7 +233,7 @@ def overlays() -> Iterator[None]:
     mode("OBJECT")
     yield from look("area", overlay="DISTORTION", measure="AREA", distortion_range=1.25)
     spots["stretched"] = in_picture(most_stretched())
-    preferences = bpy.context.preferences.addons[MODULE].preferences
+    preferences = bpy.context.preferences.addons[installed.name()].preferences
     share = preferences.overlay_opacity
     with claim("regions have the colours of their swatches, over what the viewport shows without overlays"):
         for spot, linear in (("ear", deformer().handles[0].colour), ("back", preferences.overlay_fixed)):
@@ -292,35 +250,36 @@ def overlays() -> Iterator[None]:
     with claim("X-ray shows each place once: the far side of the ear does not add to the near side"):
         assert abs(redness(colour("regions", "ear")) - redness(colour("x-ray", "ear"))) < 0.08
     with claim("redraws without a change paint nothing"):
-        painted = overlay().cache.computed
+        painted = inner.overlay.cache.computed
         for _ in range(4):
             yield from look("idle")
-        assert overlay().cache.computed == painted
+        assert inner.overlay.cache.computed == painted
     with claim("overlays show while they are on"):
         yield from look("off-again", show_overlay=False)
-        assert not overlay().is_drawing()
+        assert not inner.overlay.is_drawing()
         above(differing("regions", "off", 0.02), 0.05)
         above(differing("area", "off", 0.02), 0.05)
         assert differing("off-again", "off", 0.02) < STEADY
     for obj in bpy.context.view_layer.objects:
         obj.hide_set(False)
-    yield from look_from_front(distance=5.8, height=0.25)
+    look_from_front(distance=5.8, height=0.25)
     bpy.context.view_layer.objects.active = head()
     yield from rest()
 
 
 def disable() -> Iterator[None]:
     """With an overlay on; without the toolbar, which loses our tool."""
+    overlay = inner.overlay
     viewport().spaces.active.show_region_toolbar = False
     yield from rest()
     yield from look("last", show_overlay=False)
     yield from look("last-regions", show_overlay=True, overlay="REGIONS")
     with claim("disabling the add-on clears the picture"):
         above(differing("last-regions", "last", 0.02), 10.0 * STEADY)
-        addon_utils.disable(MODULE)
+        addon_utils.disable(installed.name())
         yield from rest(3)
         screenshot("disabled")
-        assert not overlay().is_drawing()
+        assert not overlay.is_drawing()
         assert differing("disabled", "last", 0.02) < STEADY
 
 
@@ -337,7 +296,7 @@ def wide_panel() -> Iterator[None]:
     editor.spaces.active.context = "MODIFIER"
     yield from rest()
     yield from click(945, editor.y + editor.height - 117)
-    yield from rest(3)
+    yield from rest()
     screenshot("1-panel")
 
 
@@ -355,7 +314,6 @@ def use_and_select() -> Iterator[None]:
         near(shown(), posed, FLOAT32)
     with claim("the arrow selects the control alone"):
         yield from click(SELECT, row(1))
-        yield from rest()
         assert [obj.name for obj in bpy.context.view_layer.objects if obj.select_get()] == ["Head Ear.R"]
 
 
@@ -366,7 +324,7 @@ def weight() -> Iterator[None]:
         yield from settled()
         assert 0.0 < deformer().handles[0].weight < 1.0
         above(apart(shown(), posed), 0.001)
-        press("Z", ctrl=True)
+        yield from undo()
         yield from settled()
         assert deformer().handles[0].weight == 1.0
         near(shown(), posed, FLOAT32)
@@ -376,16 +334,13 @@ def rename_and_order() -> Iterator[None]:
     posed, ordered = shown(), ["ear", "Ear.R", "Muzzle", "Back"]
     with claim("a region is renamed in place, and its group stays"):
         yield from click(NAME, row(0), ctrl=True)
-        yield from rest()
         write("ear")
         yield
-        press("RET")
-        yield from rest()
+        yield from keys("RET")
         assert names() == ordered
         assert deformer().handles[0].vertex_group == "Ear.L"
     with claim("regions move up and down, and the shape stays"):
         yield from click(CONTROL, row(2))
-        yield from rest()
         assert deformer().active_handle == 2
         for button, order in ((MOVE_UP, ["ear", "Muzzle", "Ear.R", "Back"]), (MOVE_DOWN, ordered)):
             yield from click(BESIDE, button)
@@ -396,27 +351,20 @@ def rename_and_order() -> Iterator[None]:
 
 def missing_control() -> Iterator[None]:
     """Deleted by the user; another picked in the list."""
-    other = bpy.data.objects.new("Other", None)
-    other.location = (1.0, 2.0, 3.0)
-    bpy.context.scene.collection.objects.link(other)
-    posed = shown()
+    other, posed = new_empty("Other", (1.0, 2.0, 3.0)), shown()
     with claim("a deleted control leaves the region as it is"):
         yield from click(SELECT, row(0))
-        yield from rest()
-        move(*middle())
-        press("X")
-        yield from rest()
-        press("RET")
+        yield from keys("X", "RET", at=middle())
         yield from settled()
         assert deformer().handles[0].control_missing
         near(shown(), posed, FLOAT32)
     screenshot("2-control-missing")
     with claim("another control is picked in the list"):
         yield from click(CONTROL, row(0))
-        yield from rest(3)
+        yield
         write("other")
         yield from rest()
-        press("RET")
+        yield from keys("RET")
         yield from settled()
         assert deformer().handles[0].control == other
         near(shown(), posed, FLOAT32)
@@ -424,16 +372,6 @@ def missing_control() -> Iterator[None]:
         yield from settled()
         rise = (shown() - posed)[:, 2].max()
         assert abs(rise - 0.25) < 1e-5, rise
-
-
-def weights(group: int) -> dict[int, float]:
-    """Of the vertices in a group, by index."""
-    return {
-        vertex.index: entry.weight
-        for vertex in head().data.vertices
-        for entry in vertex.groups
-        if entry.group == group
-    }
 
 
 def paint() -> Iterator[None]:
@@ -448,13 +386,12 @@ def paint() -> Iterator[None]:
     unified.weight, unified.size = 0.0, 25
     bpy.context.scene.tool_settings.weight_paint.brush.strength = 1.0
     yield from rest()
-    group = head().vertex_groups["Ear.L"].index
-    held = weights(group)
-    x, y = on_screen(posed[min(held, key=lambda index: posed[index][2])])
+    members, held = members_of(head(), "Ear.L")
+    x, y = on_screen(posed[members[posed[members, 2].argmin()]])
     with claim("a brush stroke takes effect when it ends"):
         yield from drag((x - 15, y + 5), (x + 15, y + 20), steps=6)
         yield from settled()
-        above(sum(held.values()) - sum(weights(group).values()), 1.0)
+        above(held.sum() - members_of(head(), "Ear.L")[1].sum(), 1.0)
         live = shown()
         above(apart(live, posed), 0.01)
         mode("OBJECT")
@@ -471,8 +408,7 @@ def subdivide_muzzle() -> Iterator[None]:
     with in_view():
         bpy.ops.mesh.subdivide()
     yield from rest()
-    move(*middle())
-    press("TAB")
+    yield from keys("TAB", at=middle())
     yield from settled()
 
 
@@ -483,83 +419,73 @@ def edit_topology() -> Iterator[None]:
         """How far the bound mesh is lifted."""
         yield from until(lambda: deformer().status_level == "INFO")
         assert deformer().status_level == "INFO"
-        assert f"{len(base()):,} vertices" in deformer().status
-        return float((shown() - base())[:, 2].max())
+        assert f"{len(head().data.vertices):,} vertices" in deformer().status
+        return float((shown() - base_points(head()))[:, 2].max())
 
     with claim("new vertices show rest, and the button binds again"):
         yield from subdivide_muzzle()
         assert (deformer().status_level, deformer().status) == ("ERROR", "Topology changed - Rebind")
-        assert (shown() == base().astype(np.float32)).all()
+        assert (shown() == base_points(head())).all()
         screenshot("4-topology")
         yield from click(*REBIND)
         lifted = yield from is_bound_anew()
         assert abs(lifted - LIFT - 0.25) < 0.05, lifted
     with claim("automatic rebind needs no button"):
-        count = len(base())
+        count = len(head().data.vertices)
         deformer().auto_rebind = True
         yield from subdivide_muzzle()
         again = yield from is_bound_anew()
-        above(len(base()), count)
+        above(len(head().data.vertices), count)
         assert abs(again - lifted) < 0.01, again
 
 
 def heavy_drag() -> Iterator[None]:
-    """A grid of 160,801 vertices: a thread answers while the mouse moves on."""
+    """A thread answers while the mouse moves on."""
     bpy.data.objects.remove(head())
-    bpy.ops.mesh.primitive_grid_add(x_subdivisions=400, y_subdivisions=400, size=4.0)
-    obj = bpy.context.object
-    obj.name = "Head"
-    for name, side in (("Left", -1.0), ("Right", 1.0)):
-        members = [vertex.index for vertex in obj.data.vertices if vertex.co.x * side > 1.6]
-        obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
     with in_view():
-        bpy.ops.sinew.deformer_add(method="arap")
-        bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Right")
+        obj = heavy_grid("arap", size=4.0)
         bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Left")
+    obj.name = "Head"
     bpy.context.view_layer.objects.active = obj  # and its control is selected, so that the panel stays
     yield from rest()
     properties().spaces.active.context = "MODIFIER"
     with in_view():
         bpy.ops.ed.undo_push(message="Before the heavy drag")
-    viewport().spaces.active.region_3d.view_rotation = (0.8, 0.53, 0.15, 0.24)
-    before, here = shown(), middle()
+    view().view_rotation = (0.8, 0.53, 0.15, 0.24)
+    before, (x, y) = shown(), middle()
     in_thread = unsettled = False
-    move(*here)
-    yield from rest()
-    press("G")
-    yield
-    press("Z")
+    yield from keys("G", "Z", at=(x, y))
     for step in range(1, 13):
-        move(here[0], here[1] + 8 * step)
+        move(x, y + 8 * step)
         yield
         lift = float((shown() - before)[:, 2].max())
-        in_thread |= binding().busy()
-        unsettled |= deformer().uid in sessions().unsettled()
-    press("LEFTMOUSE")
-    yield from rest()
+        in_thread |= inner.binding.busy()
+        unsettled |= deformer().uid in inner.sessions.unsettled()
+    yield from keys("LEFTMOUSE")
     with claim("a preview is marked until it is final"):
-        assert sessions().is_refining(deformer().uid)
+        assert inner.sessions.is_refining(deformer().uid)
     screenshot("6-refining")
     yield from settled()
     with claim("a heavy drag is answered by a thread while the mouse still moves, and settles"):
         assert in_thread
         assert unsettled
         above(lift, 0.0)
-        assert not sessions().unsettled()
+        assert not inner.sessions.unsettled()
         height = deformer().handles[1].control.matrix_world.translation.z
         above(height, 0.1)
         assert abs((shown() - before)[:, 2].max() - height) < 0.05
     with claim("undo of a heavy drag binds nothing and shows no preview"):
-        factor, dragged = sessions().find(deformer().uid).bound.factor, shown()
+        uid, dragged = deformer().uid, shown()
+        factor = inner.sessions.find(uid).bound.factor
         press("Z", ctrl=True)
         yield from until(lambda: apart(shown(), dragged) > 0.1)
         end, quiet = time.monotonic() + 120.0, 0
         while quiet < 5 and time.monotonic() < end:
             near(shown(), before, HEAVY_SHAPE)
-            assert binding().job(deformer().uid) is None
-            quiet = 0 if sessions().is_refining(deformer().uid) else quiet + 1
+            assert inner.binding.job(uid) is None
+            quiet = 0 if inner.sessions.is_refining(uid) else quiet + 1
             yield
-        assert sessions().find(deformer().uid).bound.factor is factor
+        assert inner.sessions.find(uid).bound.factor is factor
 
 
 run(drag_surface, handles)

@@ -1,54 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Cages, lattices and wires, posed by keys in Edit Mode; drags by a lattice and a vector field."""
 
-from collections.abc import Callable, Iterable, Iterator
-from itertools import pairwise
+from collections.abc import Callable, Iterator
 
 import bmesh
 import bpy
 import numpy as np
-from driving import (
+from driving import above, apart, claim, near, rest, run, until, works
+from editing import select
+from hand import between, hold, keys, move, open_sidebar, polyline, press, release, stroke, undo
+from mathutils import Vector
+from scenes import deformer, head, only_head, shown, smooth_head
+from window import (
     Place,
-    above,
-    apart,
-    between,
-    claim,
-    deformer,
+    button,
     differing,
-    head,
-    hold,
     in_view,
     look_from_front,
     middle,
-    move,
-    near,
-    new_head,
     on_screen,
-    only_head,
-    open_tab,
-    press,
-    release,
-    rest,
-    run,
     screenshot,
-    select,
-    shown_points,
-    undo,
-    until,
+    units_per_pixel,
     viewport,
-    works,
-    write,
 )
-from mathutils import Vector
 
 FLOAT32 = 4e-6  # of a head 4 units wide
-NOSE, EAR = (0.0, 0.0, -0.3), (1.7, 0.0, 0.35)  # as seen from the front
+NOSE, EAR, EYE = (0.0, 0.0, -0.3), (1.7, 0.0, 0.35), (-0.6, 0.0, 0.6)  # as seen from the front
 BROW = ((-1.0, 0.72), (-0.6, 0.85), (-0.2, 0.7))
 ASIDE = ((0.0, -0.1), (0.5, 0.1), (0.8, 0.7))
-
-
-def shown() -> np.ndarray:
-    return shown_points(head())
 
 
 def moved(before: np.ndarray) -> float:
@@ -59,33 +38,22 @@ def is_well() -> bool:
     return deformer().status_level == "INFO"
 
 
-def smooth_head(levels: int, sidebar: bool = False) -> Iterator[None]:
-    """A head without a deformer, from the front."""
-    new_head(levels, {})
-    yield from look_from_front(sidebar=sidebar)
-    bpy.ops.ed.undo_push(message="Head")
-    yield from rest()
+def head_from_front(levels: int) -> Iterator[None]:
+    """Without a deformer, beside the panel of Sinew."""
+    smooth_head(levels)
+    look_from_front()
+    yield from open_sidebar()
 
 
 def pull(name: str, choose: Callable[[], None], height: str, far: float) -> Iterator[np.ndarray]:
     """Move the points that ``choose()`` selects in Edit Mode of a control; returns the shape."""
     at_rest = shown()
-    move(*middle())
-    yield
-    press("TAB")
+    yield from keys("TAB", at=middle())
     yield from until(lambda: bpy.data.objects[name].mode == "EDIT")
     choose()
-    yield from rest()
-    move(*middle())
-    yield
-    press("G")
-    yield
-    press("Z")
-    write(height)
-    yield from rest()
+    yield from keys("G", "Z", height, at=middle())
     on_the_way = shown()
-    press("RET")
-    yield from rest()
+    yield from keys("RET")
     posed = shown()
     screenshot("3-edit-mode")
     with claim("the mesh follows edits of a cage and a lattice while they happen"):
@@ -93,13 +61,10 @@ def pull(name: str, choose: Callable[[], None], height: str, far: float) -> Iter
         off = np.abs(posed - at_rest)
         assert off[at_rest[:, 0] < far].max() < 0.25 * off.max()
     with claim("undo and redo in Edit Mode of a cage and a lattice take the mesh along"):
-        press("Z", ctrl=True)
-        yield from until(lambda: moved(at_rest) < 1e-6, 10.0)
-        near(shown(), at_rest, FLOAT32)
-        press("Z", ctrl=True, shift=True)
-        yield from until(lambda: moved(posed) < 1e-6, 10.0)
-        near(shown(), posed, FLOAT32)
-        press("TAB")
+        for step, shape in (("ctrl Z", at_rest), ("ctrl shift Z", posed), ("TAB", posed)):
+            yield from keys(step)
+            yield from until(lambda shape=shape: moved(shape) < 1e-6, 10.0)
+            near(shown(), shape, FLOAT32)
         yield from until(lambda: bpy.data.objects[name].mode == "OBJECT")
         near(shown(), posed, FLOAT32)
     return posed
@@ -109,13 +74,10 @@ def cage() -> Iterator[None]:
     """An automatic cage, with other coordinates, its weights drawn."""
     only_head().modifiers.new("Subdivision", "SUBSURF").levels = 2
     bpy.ops.object.shade_smooth()
-    viewport().spaces.active.show_region_ui = True
-    yield from rest()
-    yield from open_tab()
-    yield from rest()
+    yield from open_sidebar()
     with in_view():
         bpy.ops.view3d.view_selected()
-        bpy.ops.sinew.cage_add("INVOKE_DEFAULT", faces=200)
+    button("cage_add", faces=200)
     yield from until(lambda: deformer() is not None and deformer().is_bound)
     made, name = deformer().cage, deformer().cage.name
     with claim("the cage is made and waits to be edited"):
@@ -139,8 +101,7 @@ def cage() -> Iterator[None]:
             assert abs(moved(at_rest) - 0.5) < 0.2, method
         posed = shown()
     yield from weights_of_cage()
-    with in_view():
-        bpy.ops.sinew.cage_set_rest("INVOKE_DEFAULT")
+    button("cage_set_rest")
     yield from until(lambda: moved(at_rest) < 1e-6, 20.0)
     with claim("Set Rest puts the mesh at rest, and a deleted cage leaves it there"):
         near(shown(), at_rest, FLOAT32)
@@ -161,8 +122,7 @@ def change_faces() -> Iterator[None]:
         for cancel in (True, False):
             move(*middle())
             yield
-            with in_view():
-                bpy.ops.sinew.cage_faces("INVOKE_DEFAULT", faces=120)
+            button("cage_faces", faces=120)
             yield from rest()
             press("RET")
             yield from until(works, 10.0)
@@ -174,8 +134,7 @@ def change_faces() -> Iterator[None]:
             yield from rest(4)
             assert is_well()
             assert count() == before if cancel else 118 <= count() <= 121, count()
-        press("Z", ctrl=True)
-        yield from rest(4)
+        yield from undo()
         assert count() == before
 
 
@@ -191,11 +150,10 @@ def weights_of_cage() -> Iterator[None]:
 
 def lattice() -> Iterator[None]:
     """Add Lattice, and a corner pulled in its Edit Mode."""
-    yield from smooth_head(1, sidebar=True)
+    yield from head_from_front(1)
     viewport().spaces.active.shading.type = "SOLID"
     at_rest = shown()
-    with in_view():
-        bpy.ops.sinew.lattice_add("INVOKE_DEFAULT", resolution=(4, 4, 4))
+    button("lattice_add", resolution=(4, 4, 4))
     yield from until(lambda: deformer() is not None and deformer().is_bound)
     name = deformer().controls[0].object.name
     with claim("the lattice fits and waits to be edited"):
@@ -218,56 +176,49 @@ def lattice() -> Iterator[None]:
 
 def surface() -> Iterator[None]:
     """The nose dragged by an inverse lattice, an ear with its image, a typed number, Esc and undo."""
-    yield from smooth_head(1, sidebar=True)
+    yield from head_from_front(1)
     head().select_set(True)
     with in_view():
         bpy.ops.sinew.deformer_add(method="inverse_ffd")
         bpy.ops.wm.tool_set_by_id(name="sinew.drag")
     deformer().use_mirror_x = True
-    bpy.ops.ed.undo_push(message="Head")
+    bpy.ops.ed.undo_push(message="Deformer")
     yield from rest()
-    at_rest = shown()
-    pixel = 1.0 / (on_screen((1.0, 0.0, 0.0))[0] - on_screen((0.0, 0.0, 0.0))[0])
+    at_rest, unit = shown(), units_per_pixel()
 
     def pull_from(point: tuple[float, float, float], right: int, up: int) -> Iterator[None]:
         x, y = on_screen(point)
-        move(x, y)
-        yield from rest()
-        yield from hold([(x, y), *between((x, y), (x + right, y + up), 3)])
+        yield from hold([(x, y), *between((x, y), (x + right, y + up))])
 
     def handles() -> list[str]:
         return sorted(handle.name for handle in deformer().handles)
 
     yield from pull_from(NOSE, 0, -60)
-    release()
-    yield from rest(3)
+    yield from release()
     nose = shown()
     with claim("the surface is dragged at the very place"):
         assert handles() == ["Point"]
         assert not head().vertex_groups
         assert is_well()
         height = deformer().handles[0].control.matrix_world.translation.z
-        assert abs(height - NOSE[2] + 60 * pixel) < 2.0 * pixel, height
+        assert abs(height - NOSE[2] + 60 * unit) < 2.0 * unit, height
         above(apart(nose, at_rest), 0.2)
     yield from pull_from(EAR, 20, 50)
     yield from rest()
     screenshot("5-ears")
-    for key, character in (("X", ""), ("NUMPAD_PERIOD", "."), ("THREE", "3")):
-        press(key, character)
-    yield from rest()
-    release()
-    yield from rest(3)
+    yield from keys("X")
+    press("NUMPAD_PERIOD", ".")
+    yield from keys("3")
+    yield from release()
     ears, names = shown(), ["Point", "Point.L", "Point.R"]
     with claim("the other side follows also a typed number"):
         assert handles() == names
         left, right = (row.control.matrix_world.translation for row in list(deformer().handles)[1:3])
         assert (left * Vector((-1, 1, 1)) - right).length < 1e-5
         above(apart(ears, nose), 0.1)
-    yield from pull_from((-0.6, 0.0, 0.6), -40, 0)
-    press("ESC")
-    yield
-    release()
-    yield from rest(3)
+    yield from pull_from(EYE, -40, 0)
+    yield from keys("ESC")
+    yield from release()
     with claim("Esc and undo leave nothing of a drag by a lattice behind"):
         assert handles() == names
         near(shown(), ears, FLOAT32)
@@ -276,38 +227,16 @@ def surface() -> Iterator[None]:
         near(shown(), nose, FLOAT32)
 
 
-def drawn(places: Iterable[tuple[float, float]]) -> list[Place]:
-    """The way of the mouse along a polyline on the head."""
-    corners = np.array(list(places))
-    parts = [np.linspace(a, b, 8, endpoint=False) for a, b in pairwise(corners)]
-    return [on_screen((x, -1.2, z)) for x, z in np.concatenate([*parts, corners[-1:]])]
-
-
-def stroke(places: Iterable[tuple[float, float]], picture: str = "") -> Iterator[None]:
-    """Hold the left button along a polyline."""
-    yield from hold(drawn(places))
-    if picture:
-        screenshot(picture)
-        yield
-    release()
-    yield from rest(3)
-
-
 def raise_from(place: Place, up: int) -> Iterator[None]:
     """G, and the mouse goes up."""
-    move(*place)
-    yield from rest()
-    press("G")
+    yield from keys("G", at=place)
+    yield from keys("LEFTMOUSE", at=(place[0], place[1] + up))
     yield
-    move(place[0], place[1] + up)
-    yield from rest()
-    press("LEFTMOUSE")
-    yield from rest(3)
 
 
-def wire_along_edges() -> Iterator[None]:
-    """Select edges in Edit Mode, Add Wire, and move the wire with G."""
-    yield from smooth_head(2, sidebar=True)
+def wires() -> Iterator[None]:
+    """Select edges in Edit Mode, Add Wire, and move the wire with G; then draw another one."""
+    yield from head_from_front(2)
     before = shown()
     bpy.ops.object.mode_set(mode="EDIT")
     edit = bmesh.from_edit_mesh(head().data)
@@ -318,8 +247,7 @@ def wire_along_edges() -> Iterator[None]:
     with in_view():
         bpy.ops.mesh.loop_multi_select(ring=False)
     yield from rest(3)
-    with in_view():
-        bpy.ops.sinew.wire_add("INVOKE_DEFAULT")
+    button("wire_add")
     yield from rest(3)
     bpy.ops.object.mode_set(mode="OBJECT")
     yield from rest(3)
@@ -331,7 +259,7 @@ def wire_along_edges() -> Iterator[None]:
             other.select_set(False)
         wire.select_set(True)
         bpy.context.view_layer.objects.active = wire
-        yield from raise_from(on_screen((0.0, -1.2, 0.5)), 60)
+        yield from raise_from(on_screen((0.0, 0.0, 0.5)), 60)
         above(moved(before), 0.1)
         yield from undo()
         near(shown(), before, FLOAT32)
@@ -343,13 +271,12 @@ def wire_by_stroke() -> Iterator[None]:
     bpy.context.view_layer.objects.active = head()
     before = shown()
     count = 0 if deformer() is None else len(deformer().controls)  # the undo may have taken the first
-    move(*on_screen((0.0, -1.2, 0.0)))
+    move(*on_screen((0.0, 0.0, 0.0)))
     yield from rest()
-    with in_view():
-        bpy.ops.sinew.wire_draw("INVOKE_DEFAULT")
+    button("wire_draw")
     yield from rest()
     yield from stroke(((9.0, 9.0), (9.1, 9.1)))  # beside the head: nothing
-    yield from stroke(BROW, "wire-4-drawing")
+    yield from stroke(BROW)
     rows = deformer().controls
     wire = rows[-1].object
     with claim("a stroke on the surface becomes a wire that is posed in its Edit Mode"):
@@ -363,28 +290,24 @@ def wire_by_stroke() -> Iterator[None]:
         for index, point in enumerate(wire.data.splines[0].bezier_points):
             point.select_control_point = point.select_left_handle = point.select_right_handle = index == 2
         yield from rest()
-        yield from raise_from(on_screen((-0.6, -1.2, 0.8)), 45)
+        yield from raise_from(on_screen((-0.6, 0.0, 0.8)), 45)
         above(moved(before), 0.05)
 
 
 def vector_field() -> Iterator[None]:
     """Drag the nose along a bent path, then undo, drag again, and escape."""
-    yield from smooth_head(2, sidebar=True)
+    yield from head_from_front(2)
     before = shown()
 
-    def start(place: tuple[float, float, float]) -> Iterator[None]:
-        move(*on_screen(place))
+    def start(x: float) -> Iterator[None]:
+        move(*on_screen((x, 0.0, -0.1)))
         yield from rest()
-        with in_view():
-            bpy.ops.sinew.tool_drag("INVOKE_DEFAULT")
+        button("tool_drag")
         yield from rest()
 
-    yield from start((0.0, -1.2, -0.1))
-    move(*on_screen((0.02, -1.2, -0.1)))
-    yield from rest()
-    press("WHEELUPMOUSE")
-    yield from rest()
-    yield from stroke(ASIDE, "field-2-dragging")
+    yield from start(0.0)
+    yield from keys("WHEELUPMOUSE", at=on_screen((0.02, 0.0, -0.1)))
+    yield from stroke(ASIDE)
     after, row = shown(), deformer().controls[0]
     with claim("a drag of a vector field stores its path"):
         assert len(row.rest.vertices) // 4 - 1 >= 3
@@ -402,16 +325,14 @@ def vector_field() -> Iterator[None]:
         yield from undo()
         assert not head().sinew.deformers
         near(shown(), before, FLOAT32)
-        yield from start((0.02, -1.2, -0.1))
-        yield from hold(drawn(ASIDE)[:10])
+        yield from start(0.02)
+        yield from hold(polyline(ASIDE)[:10])
         above(moved(before), 0.05)
-        press("ESC")
-        yield from rest(3)
-        release()
-        yield from rest(2)
+        yield from keys("ESC")
+        yield from release()
         assert not head().sinew.deformers
         assert [obj.name for obj in bpy.data.objects if obj.type == "EMPTY"] == []
         near(shown(), before, FLOAT32)
 
 
-run(cage, lattice, surface, wire_along_edges, vector_field)
+run(cage, lattice, surface, wires, vector_field)

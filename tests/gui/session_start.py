@@ -1,57 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a blank file to a rendered pose and back, the preferences, the panel, and counts of renders."""
 
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import addon_utils
-import bmesh
 import bpy
+import installed
 import numpy as np
 from bpy_extras.object_utils import world_to_camera_view
-from driving import (
-    MODELS,
-    MODULE,
-    above,
-    apart,
-    choose,
-    claim,
-    click,
-    differing,
-    drag,
-    enable,
-    in_view,
-    middle,
-    move,
-    near,
-    open_tab,
-    pictures,
-    pixels,
-    press,
-    redo,
-    region,
-    rest,
-    run,
-    screenshot,
-    select,
-    sessions,
-    shown_points,
-    undo,
-    until,
-    viewport,
-    write,
-)
+from driving import above, apart, claim, near, rest, run, settled, until
+from editing import edited, select, selection
+from expected import members_of
+from hand import between, choose, click, drag, glide, keys, move, open_sidebar, press, redo, undo
+from inside import inner, notes_of
 from mathutils import Vector
-
-enable()
-
-from probe import Probe  # noqa: E402 - needs the add-on
-from rigs.rig import Rig, evaluated_points  # noqa: E402
+from probe import Probe
+from rigs.rig import Rig, base_points, curves_of, evaluated_points, subdivided
+from scenes import MODELS, empty_scene, new_camera, shown
+from window import differing, in_view, middle, pictures, pixels, region, screenshot, view, viewport
 
 # Where things are in a window of 1280 x 800 pixels, from its lower left corner.
 HEAD = (370, 626), (600, 456)
 HOOVES = (100, 200), (470, 126)
+HERE = (480, 300)
 MENU = (600, 760)
 MENU_ADD_HANDLE = (640, 736)
 METHOD = (930, 585)
@@ -69,25 +41,12 @@ def deformer():
     return cow().sinew.active
 
 
-def regions() -> list[tuple[str, str]]:
-    return [(handle.kind, handle.vertex_group) for handle in deformer().handles]
-
-
 def control() -> bpy.types.Object:
     return deformer().handles[0].control
 
 
-def shown() -> np.ndarray:
-    return shown_points(cow())
-
-
-def base() -> np.ndarray:
-    return np.array([vertex.co for vertex in cow().data.vertices])
-
-
-def final() -> Iterator[None]:
-    yield from rest()
-    yield from until(lambda: not sessions().unsettled())
+def regions() -> list[tuple[str, str]]:
+    return [(handle.kind, handle.vertex_group) for handle in deformer().handles]
 
 
 def journey() -> Iterator[None]:
@@ -103,71 +62,38 @@ def journey() -> Iterator[None]:
 
 def blank_file() -> Iterator[None]:
     """A new file, the model of a cow in place of the cube, seen from the side."""
-    move(*middle())
-    press("N", ctrl=True)
-    yield from rest()
-    press("RET")
-    yield from rest(3)
-    press("X")
-    yield from rest()
-    press("RET")
-    yield from rest()
+    yield from keys("ctrl N", "RET", at=middle())
+    yield from keys("X", "RET")
     with claim("the new file has a cube, which X deletes"):
         assert [obj.name for obj in bpy.data.objects if obj.type == "MESH"] == []
     bpy.ops.wm.obj_import(filepath=str(MODELS / "spot.obj"))
     with in_view():
         bpy.ops.object.shade_smooth()
     bpy.ops.ed.undo_push(message="Import")
-    press("NUMPAD_3")
-    yield from rest()
-    press("N")
-    yield from rest()
-    yield from open_tab()
-    yield from rest()
-    view = viewport().spaces.active.region_3d
-    view.view_location, view.view_distance = (0.0, 0.51, 0.25), 2.65
+    yield from keys("NUMPAD_3")
+    yield from open_sidebar()
+    view().view_location, view().view_distance = (0.0, 0.51, 0.25), 2.65
     yield from rest()
 
 
 def mark_regions() -> Iterator[None]:
     """The head by the header's menu, the hooves by the pie."""
-    move(*middle())
-    press("TAB")
-    yield from rest()
-    press("Z", alt=True)
-    yield
-    press("A", alt=True)
-    yield
-    press("B")
+    yield from keys("TAB", "alt Z", "alt A", "B", at=middle())
     yield from drag(*HEAD)
-    yield
     yield from click(*MENU)
-    yield from rest()
     move(*MENU_ADD_HANDLE)
     yield from rest()
     screenshot("1-menu")
-    press("LEFTMOUSE")
-    yield from rest()
+    yield from keys("LEFTMOUSE")
     with claim("the menu makes a handle of the selection"):
         assert regions() == REGIONS[:1]
-    press("A", alt=True)
-    yield
-    press("B")
+    yield from keys("alt A", "B")
     yield from drag(*HOOVES)
-    yield
-    move(300, 330)
-    press("Y", shift=True)
-    yield from rest()
-    move(400, 330)
-    yield from rest()
-    press("LEFTMOUSE")
-    yield from rest()
+    yield from keys("shift Y", at=(300, 330))
+    yield from keys("LEFTMOUSE", at=(400, 330))
     with claim("the pie menu adds what stays"):
         assert regions() == REGIONS
-    press("Z", alt=True)
-    yield
-    press("TAB")
-    yield from rest(3)
+    yield from keys("alt Z", "TAB")
     with claim("back in Object Mode the control alone is selected"):
         assert cow().mode == "OBJECT"
         assert [obj.name for obj in bpy.context.view_layer.objects if obj.select_get()] == ["spot Handle"]
@@ -178,134 +104,97 @@ def mark_regions() -> Iterator[None]:
 
 def pose() -> Iterator[None]:
     """Move, turn and scale the head; undo and redo."""
-    ready, here = shown(), (480, 300)
-    group = cow().vertex_groups["Fixed"].index
-    hooves = [v.index for v in cow().data.vertices if any(entry.group == group for entry in v.groups)]
+    ready = shown(cow())
+    hooves, _weights = members_of(cow(), "Fixed")
     with claim("the surface follows the drag, and the final answer the preview"):
-        move(*here)
-        press("G")
-        yield
-        for step in range(1, 5):
-            move(here[0] + 8 * step, here[1] + 20 * step)
-            yield
-        above(apart(shown(), ready), 0.2)
+        yield from keys("G", at=HERE)
+        yield from glide(between(HERE, (512, 380)))
+        above(apart(shown(cow()), ready), 0.2)
         press("LEFTMOUSE")
-        yield from final()
-        assert not sessions().unsettled()
-        above(apart(shown(), ready), 0.2)
-        assert (shown()[hooves] == ready[hooves]).all()
-    moved = shown()
+        yield from settled()
+        assert not inner.sessions.unsettled()
+        above(apart(shown(cow()), ready), 0.2)
+        assert (shown(cow())[hooves] == ready[hooves]).all()
+    moved = shown(cow())
     screenshot("4-moved")
-    yield
-    move(600, 420)
-    press("R")
-    yield
-    for place in ((610, 330), (590, 250)):
-        move(*place)
-        yield
+    yield from keys("R", at=(600, 420))
+    yield from glide([(610, 330), (590, 250)])
     press("LEFTMOUSE")
-    yield from final()
-    turned = shown()
+    yield from settled()
+    turned = shown(cow())
     with claim("undo takes turn and drag back, and redo brings them"):
         above(apart(turned, moved), 0.05)
         yield from undo()
-        yield from final()
-        near(shown(), moved, FLOAT32)
+        yield from settled()
+        near(shown(cow()), moved, FLOAT32)
         yield from undo()
-        near(shown(), ready, FLOAT32)
+        near(shown(cow()), ready, FLOAT32)
         screenshot("5-undone")
         yield from redo()
         yield from redo()
-        yield from final()
-        near(shown(), turned, FLOAT32)
+        yield from settled()
+        near(shown(cow()), turned, FLOAT32)
     with claim("the picture changes, and comes back"):
         above(differing("4-moved", "3-ready"), 0.03)
         assert differing("5-undone", "3-ready") < 0.002
     with claim("the surface follows when the control is scaled"):
-        move(*middle())
-        press("S")
-        yield
-        write("1.25")
-        yield
-        press("RET")
-        yield from final()
-        above(apart(shown(), turned), 0.05)
+        yield from keys("S", "1.25", "RET", at=middle())
+        yield from settled()
+        above(apart(shown(cow()), turned), 0.05)
         assert np.allclose(control().scale, 1.25, rtol=1e-6)
     screenshot("6-posed")
 
 
 def settings() -> Iterator[None]:
     """Method and Factor in the panel."""
-    arap = shown()
+    arap = shown(cow())
     with claim("another method from the menu keeps the regions and shows at once"):
         yield from choose(METHOD, deformer(), "method", "thin_shell")
         assert deformer().method == "thin_shell"
         assert regions() == REGIONS
-        above(apart(shown(), arap), 0.01)
-    yield
-    full = shown()
+        above(apart(shown(cow()), arap), 0.01)
+    full = shown(cow())
     with claim("the slider blends between rest and pose"):
         yield from drag(*FACTOR)
-        yield from rest()
         assert 0.0 < deformer().factor < 1.0
-        near(shown(), base() + deformer().factor * (full - base()), FLOAT32)
+        base = base_points(cow())
+        near(shown(cow()), base + deformer().factor * (full - base), FLOAT32)
     with claim("undo takes the settings back"):
         yield from undo()
         yield from undo()
-        yield from final()
+        yield from settled()
         assert (deformer().method, deformer().factor) == ("arap", 1.0)
-        near(shown(), arap, FLOAT32)
-
-
-def key(entry: int) -> Iterator[None]:
-    """Insert Keyframe; the fifth entry is Location, Rotation and Scale, then Blender remembers."""
-    move(*middle())
-    press("I")
-    yield from rest()
-    for _ in range(entry - 1):
-        press("DOWN_ARROW")
-    yield
-    press("RET")
-    yield from rest()
+        near(shown(cow()), arap, FLOAT32)
 
 
 def animate() -> Iterator[None]:
     """Home at the first frame, posed at the last."""
-    posed, far = control().matrix_world.copy(), shown()
-    with claim("clearing the transform of a control brings the mesh to rest"):
-        for reset in ("G", "R", "S"):
-            move(*middle())
-            press(reset, alt=True)
-            yield from rest()
-        yield from final()
-        near(shown(), base(), FLOAT32)
-    yield from key(5)
     scene = bpy.context.scene
-    scene.frame_end = LAST
-    press("RIGHT_ARROW", shift=True)
-    yield from rest()
-    control().matrix_world = posed
-    yield from rest()
-    yield from key(1)
+    posed, far, base = control().matrix_world.copy(), shown(cow()), base_points(cow())
+    with claim("clearing the transform of a control brings the mesh to rest"):
+        yield from keys("alt G", "alt R", "alt S", at=middle())
+        yield from settled()
+        near(shown(cow()), base, FLOAT32)
     with claim("keyed controls animate the surface"):
-        keyed = {curve.data_path for curve in control().animation_data.action.fcurves}
+        # The fifth entry of the menu is Location, Rotation and Scale; then Blender remembers.
+        yield from keys("I", *["DOWN_ARROW"] * 4, "RET")
+        scene.frame_end = LAST
+        yield from keys("shift RIGHT_ARROW")
+        control().matrix_world = posed
+        yield from keys("I", "RET", at=middle())
+        keyed = {curve.data_path for curve in curves_of(control())}
         assert keyed == {"location", "rotation_euler", "scale"}
         assert scene.frame_current == LAST
-        near(shown(), far, FLOAT32)
-        press("LEFT_ARROW", shift=True)
-        yield from rest()
+        near(shown(cow()), far, FLOAT32)
+        yield from keys("shift LEFT_ARROW")
         assert scene.frame_current == 1
-        near(shown(), base(), FLOAT32)
-        for _ in range(LAST // 2):
-            press("RIGHT_ARROW")
-            yield
-        yield from rest()
-        stepped, frame = shown(), scene.frame_current
-        above(min(apart(stepped, base()), apart(stepped, far)), 0.05)
-        press("RIGHT_ARROW", shift=True)
-        yield from rest()
+        near(shown(cow()), base, FLOAT32)
+        yield from keys(*["RIGHT_ARROW"] * (LAST // 2))
+        stepped, frame = shown(cow()), scene.frame_current
+        above(min(apart(stepped, base), apart(stepped, far)), 0.05)
+        yield from keys("shift RIGHT_ARROW")
         scene.frame_set(frame)
-        assert (shown() == stepped).all()
+        assert (shown(cow()) == stepped).all()
 
 
 def look() -> None:
@@ -324,27 +213,25 @@ def look() -> None:
     colour.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.5, 0.29, 0.16, 1.0)
     cow().data.materials.clear()
     cow().data.materials.append(colour)
-    render = scene.render
-    render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 16, False
-    render.resolution_x, render.resolution_y, render.film_transparent = 380, 380, True
+    scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 16, False
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.film_transparent = 380, 380, True
 
 
-def outline() -> list[float]:
+def outline() -> np.ndarray:
     """The shape that the window shows, where the camera sees it: left, lowest, right, highest pixel."""
     scene, matrix = bpy.context.scene, cow().matrix_world
-    places = [world_to_camera_view(scene, scene.camera, matrix @ Vector(point)) for point in shown()]
-    across = [place.x * scene.render.resolution_x for place in places]
-    up = [place.y * scene.render.resolution_y for place in places]
-    return [min(across), min(up), max(across), max(up)]
+    places = [world_to_camera_view(scene, scene.camera, matrix @ Vector(point)) for point in shown(cow())]
+    corners = np.array(places)[:, :2] * (scene.render.resolution_x, scene.render.resolution_y)
+    return np.concatenate([corners.min(axis=0), corners.max(axis=0)])
 
 
-def silhouette(path: str) -> list[float]:
+def silhouette(path: str) -> np.ndarray:
     """The same of a picture with a transparent background."""
     image = bpy.data.images.load(path)
     width, height = image.size
     covered = np.array(image.pixels[:]).reshape(height, width, 4)[:, :, 3] > 0.5
     across, up = np.flatnonzero(covered.any(axis=0)), np.flatnonzero(covered.any(axis=1))
-    return [float(edge) for edge in (across[0], up[0], across[-1] + 1, up[-1] + 1)]
+    return np.array([across[0], up[0], across[-1] + 1, up[-1] + 1])
 
 
 def render() -> Iterator[None]:
@@ -357,15 +244,14 @@ def render() -> Iterator[None]:
         for frame in (1, LAST // 2, LAST):
             bpy.context.scene.frame_set(frame)
             yield
-            before = shown()
-            move(*middle())
-            press("F12")
+            before = shown(cow())
+            yield from keys("F12", at=middle())
             yield from until(lambda frame=frame: frame in ended)
             yield from rest()
             path = str(pictures[0] / f"rendered-{frame}.png")
             bpy.data.images["Render Result"].save_render(path)
-            near(np.array(silhouette(path)), np.array(outline()), 1.5)
-            assert (shown() == before).all()
+            near(silhouette(path), outline(), 1.5)
+            assert (shown(cow()) == before).all()
             heights.append(outline()[3])
         assert heights[0] + 10.0 < heights[1] < heights[2] - 10.0, heights
 
@@ -379,77 +265,63 @@ def undo_all() -> Iterator[None]:
         steps += 1
     yield from rest()
     if cow().mode == "EDIT":
-        move(*middle())
-        press("TAB")
-        yield from rest()
+        yield from keys("TAB", at=middle())
     with claim("undo leads back to the bare mesh"):
         assert not cow().sinew.deformers
         assert not cow().modifiers
         assert not cow().vertex_groups
         assert not [obj for obj in bpy.data.objects if obj.type == "EMPTY"]
-        assert (shown() == base().astype(np.float32)).all()
-
-
-def edited() -> np.ndarray:
-    """What Edit Mode shows, float32 (n, 3), in the mesh's own space."""
-    return np.array([vertex.co for vertex in bmesh.from_edit_mesh(cow().data).verts], dtype=np.float32)
+        assert (shown(cow()) == base_points(cow())).all()
 
 
 def grab_region() -> Iterator[None]:
-    """A pose of the moment by key and number, and undone. What Esc restores is tested without a window."""
-    move(*middle())
-    press("TAB")
-    yield from rest()
-    select(cow(), lambda point: point.y > 0.75)
+    """A pose of the moment by key and number, undone; another one given up."""
+    yield from keys("TAB", at=middle())
+    members = select(cow(), lambda point: point.y > 0.75)
     bpy.ops.ed.undo_push(message="Select")
-    before, here = edited(), (480, 300)
-    members = [v.index for v in bmesh.from_edit_mesh(cow().data).verts if v.select]
-    world = np.array(cow().matrix_world)[:3, :3]
+    before, chosen = edited(cow()), selection(cow())
+    way = [(520, 330), (560, 360)]
     with claim("Grab Region starts by its key, and the surface follows"):
-        move(*here)
-        press("Y", alt=True)
-        yield
-        for step in (1, 2):
-            move(here[0] + 40 * step, here[1] + 30 * step)
-            yield
-        above(apart(edited(), before), 0.1)
+        yield from keys("alt Y", at=HERE)
+        yield from glide(way)
+        above(apart(edited(cow()), before), 0.1)
     with claim("axis, number and Enter move the selection by just that, and the rest follows"):
-        press("X")
-        write("0.5")
-        yield from rest()
-        press("RET")
-        yield from rest()
-        moved = (edited() - before).astype(float) @ world.T
+        yield from keys("X", "0.5", "RET")
+        moved = (edited(cow()) - before).astype(float) @ np.array(cow().matrix_world)[:3, :3].T
         near(moved[members], np.array((0.5, 0.0, 0.0)), 1e-6)
         above(moved.any(axis=1).sum() - len(members), 500)
         last = bpy.context.window_manager.operators[-1]
         assert (last.bl_idname, last.mode) == ("SINEW_OT_grab_region", "TRANSLATE")
         assert [round(number, 5) for number in last.value] == [0.5, 0.0, 0.0]
-    with claim("one undo takes a grab back"):
-        press("Z", ctrl=True)
-        yield from rest()
-        assert (edited() == before).all()
+    with claim("one undo takes a grab back, and Esc restores every bit"):
+        yield from undo()
+        assert (edited(cow()) == before).all()
+        yield from keys("alt Y", at=HERE)
+        yield from glide(way)
+        yield from keys("X", "0.5", "ESC")
+        assert edited(cow()).tobytes() == before.tobytes()
+        assert selection(cow()) == chosen
 
 
 def preferences() -> Iterator[None]:
     """*Check This Installation* in the preferences of the add-on."""
-    area = viewport()
+    area, name = viewport(), installed.name()
     area.type = "PREFERENCES"
     bpy.context.preferences.active_section = "ADDONS"
     bpy.context.window_manager.addon_search = "Sinew"
-    addon = next(module for module in addon_utils.modules() if module.__name__ == MODULE)
+    addon = next(module for module in addon_utils.modules() if module.__name__ == name)
     addon_utils.module_bl_info(addon)["show_expanded"] = True
     yield from rest(8)
-    check = sys.modules[f"{MODULE}.backend"].last_check
+    check = inner.backend.last_check
     yield from click(area.x + 610, area.y + area.height - 330)
     yield from until(lambda: check().report != "")
     move(area.x + 20, area.y + 20)
     yield from rest(4)
     screenshot("checked")
-    found, report = check(), Path(check().report)
-    text = report.read_text(encoding="utf-8")
-    report.unlink()
     with claim("the button checks the installation and tells where the report lies"):
+        found, report = check(), Path(check().report)
+        text = report.read_text(encoding="utf-8")
+        report.unlink()
         above(found.asked, 100)
         assert found.wrong == 0
         assert found.summary == f"All {found.asked} known answers are right"
@@ -466,32 +338,26 @@ def sidebar(name: str) -> np.ndarray:
 
 def panel() -> Iterator[None]:
     """In a sidebar as wide as Blender makes it, the picture of a list changes with the frames of its keys."""
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    empty_scene()
     bpy.ops.mesh.primitive_monkey_add()
-    viewport().spaces.active.show_region_ui = True
-    yield from rest()
-    yield from open_tab()
+    yield from open_sidebar()
     with in_view():
         bpy.ops.screen.screen_full_area()
     yield from rest(4)
     with in_view():
         bpy.ops.sinew.deformer_add(method="mesh_sequence")
-    keys = bpy.context.object.sinew.active.keys
+    rows = bpy.context.object.sinew.active.keys
     for frame in (1, 8, 128, 1024):  # frame 1 is the current one, so its row has another icon
-        keys.add().frame = frame
+        rows.add().frame = frame
     place = region("UI")
-    move(place.x + place.width // 3, place.y + place.height // 3)
-    yield
-    for _ in range(15):  # down to the end of the panel
-        press("WHEELDOWNMOUSE")
-        yield
-    yield from rest(4)
+    yield from keys(
+        *["WHEELDOWNMOUSE"] * 15, at=(place.x + place.width // 3, place.y + place.height // 3)
+    )  # down to the end of the panel
     before = sidebar("1-keys")
     with claim("each key shows its frame: the lines of pixels that change are digits of one row"):
         width = place.width / bpy.context.preferences.system.ui_scale
         assert abs(width - 220.0) < 1.0, width
-        for row in keys[1:]:
+        for row in rows[1:]:
             row.frame += 5
             place.tag_redraw()
             yield from rest(4)
@@ -499,7 +365,7 @@ def panel() -> Iterator[None]:
             lines = int((np.abs(after - before).max(axis=2) > 0.1).any(axis=1).sum())
             assert 4 <= lines <= 20, (row.frame, lines)
             before = after
-        assert [key.frame for key in keys] == [1, 13, 133, 1029]
+        assert [row.frame for row in rows] == [1, 13, 133, 1029]
 
 
 EXACT = 1e-5
@@ -508,8 +374,7 @@ EXACT = 1e-5
 def sheet(level: int) -> Rig:
     """A lifted handle on a sheet that has a level in the viewport and in renders."""
     rig = Rig.plate(5)
-    modifier = rig.obj.modifiers.new("Subdivision", "SUBSURF")
-    modifier.levels = modifier.render_levels = level
+    subdivided(rig.obj, level, level)
     rig.bind()
     rig.lift(0.5)
     return rig
@@ -517,8 +382,7 @@ def sheet(level: int) -> Rig:
 
 def counts() -> Iterator[None]:
     """F12 after settings that count in renders alone were changed."""
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    empty_scene()
     wanted = {}
     for level in (0, 1, 3):
         rig = sheet(level)
@@ -526,10 +390,7 @@ def counts() -> Iterator[None]:
         wanted[level] = evaluated_points(rig.obj)
         bpy.data.objects.remove(rig.obj)
     rig = sheet(2)
-    scene = bpy.context.scene
-    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    scene.collection.objects.link(scene.camera)
-    scene.render.resolution_x = scene.render.resolution_y = 8
+    new_camera(8)
     yield from rest(8)
     modifier = rig.obj.modifiers[0]
 
@@ -539,15 +400,12 @@ def counts() -> Iterator[None]:
             setattr(modifier, name, value)
         yield from rest(10 if wait else 0)
         Probe.seen.clear()
-        scene.render.engine = Probe.bl_idname
+        bpy.context.scene.render.engine = Probe.bl_idname
         with in_view():
             bpy.ops.render.render("INVOKE_DEFAULT")
         yield from until(lambda: Probe.seen and not bpy.app.is_job_running("RENDER"))
         yield from rest()
         return Probe.seen[-1][rig.name]
-
-    def notes() -> list[str]:
-        return [line.text for line in sys.modules[f"{MODULE}.core.status"].notes(rig.deformer.uid)]
 
     with claim("F12 is bound for its own counts"):
         for level, settings in (
@@ -564,9 +422,9 @@ def counts() -> Iterator[None]:
     with claim("a render that nothing was bound for says so, and the next is right"):
         at_once = yield from change(wait=False, render_levels=1)
         assert at_once.shape != wanted[1].shape or apart(at_once, wanted[1]) > 0.1
-        assert "In the render: Topology changed - Rebind" in notes()
+        assert "In the render: Topology changed - Rebind" in notes_of(rig.deformer)
         near((yield from change()), wanted[1], EXACT)
-        assert not any("render" in line for line in notes())
+        assert not any("render" in line for line in notes_of(rig.deformer))
     for frame in range(1, 31):
         modifier.render_levels = 1 + frame // 6 % 2
         modifier.keyframe_insert("render_levels", frame=frame)

@@ -2,46 +2,24 @@
 """Mirrored posing by mouse and keys, a rig that rides on another, Puppet Drag, and Silhouette Sketch."""
 
 import sys
-from collections.abc import Iterator
-from itertools import pairwise
+from collections.abc import Callable, Iterator
 
 import bpy
 import numpy as np
-from driving import (
-    MODELS,
-    Place,
-    above,
-    apart,
-    claim,
-    deformer,
-    head,
-    hold,
-    in_view,
-    look_from_front,
-    middle,
-    move,
-    near,
-    new_head,
-    on_screen,
-    press,
-    redo,
-    release,
-    rest,
-    run,
-    screenshot,
-    shown_points,
-    undo,
-    until,
-    viewport,
-)
+from driving import above, apart, claim, near, rest, run, until
+from expected import members_of
+from hand import glide, keys, move, open_sidebar, redo, stroke, undo
+from rigs.rig import base_points, curves_of, make_active
+from scenes import MODELS, add_regions, deformer, empty_scene, head, shown, smooth_head
+from window import button, look_from_front, middle, on_screen, screenshot, viewport
 
 sys.path.insert(0, str(MODELS.parents[1]))
 
 FLOAT32 = 4e-6  # of a head 4 units wide
 FLIP = np.array((-1.0, 1.0, 1.0))
 REGIONS = {
-    "Ear": ("HANDLE", lambda point: point.x > 1.6),
-    "Back": ("FIXED", lambda point: point.y > 0.35 and abs(point.x) < 1.2),
+    "Ear": ("HANDLE", lambda point: point[0] > 1.6),
+    "Back": ("FIXED", lambda point: point[1] > 0.35 and abs(point[0]) < 1.2),
 }
 
 
@@ -58,61 +36,42 @@ def assert_mirrored() -> None:
     """The controls, and the ears that are shown."""
     left, right = places()
     near(left * FLIP, right, FLOAT32)
-    base = np.round([vertex.co for vertex in head().data.vertices], 4) + 0.0
+    base = np.round(base_points(head()), 4) + 0.0
     where = {tuple(place): index for index, place in enumerate(base)}
     images = np.array([where.get(tuple(place * FLIP + 0.0), -1) for place in base])
     paired = (images >= 0) & (np.abs(base[:, 0]) > 1.65)
-    points = shown_points(head())
-    near(points[paired], points[images[paired]] * FLIP, FLOAT32)
+    near(shown()[paired], shown()[images[paired]] * FLIP, FLOAT32)
 
 
-def choose(side: str) -> None:
-    with in_view():
-        bpy.ops.object.select_all(action="DESELECT")
-    ear(side).select_set(True)
-    bpy.context.view_layer.objects.active = ear(side)
-
-
-def typed(*names: str) -> Iterator[None]:
-    move(*middle())
-    yield
-    for name in names:
-        press(name)
-        yield
-    yield from rest()
-
-
-def grab(up: int = 12) -> Iterator[int]:
-    """G, and the mouse goes up and aside; yields a number after each of four steps, else None."""
+def grab(up: int = 12, check: Callable[[], object] = lambda: None) -> Iterator[None]:
+    """G, and the mouse goes up and aside, with a check after each of four steps."""
     x, y = middle()
-    move(x, y)
-    yield
-    press("G")
-    yield
+    yield from keys("G", at=(x, y))
     for step in range(1, 5):
         move(x + 6 * step, y + up * step)
         yield from rest()
-        yield step
+        check()
 
 
 def mirror() -> Iterator[None]:
     """A head whose left ear is a handle without a side in its name; Mirror makes the right one."""
     viewport().spaces.active.show_region_hud = False
-    new_head(1, REGIONS)
+    smooth_head(1, REGIONS)
     deformer().active_handle = 0
     bpy.ops.sinew.handle_mirror(tolerance=0.01)
     with claim("Mirror names the ears"):
         assert [handle.name for handle in deformer().handles] == ["Ear.L", "Back", "Ear.R"]
-    yield from look_from_front(sidebar=True)
+    look_from_front()
+    yield from open_sidebar()
     deformer().use_mirror_x = True
-    choose("L")
+    make_active(ear("L"))
     bpy.ops.ed.undo_push(message="X-Axis Mirror")
     yield from rest()
     yield from mirrored_drag()
     yield from mirrored_clear()
     yield from mirrored_cancel()
-    yield from typed("G", "Z", "ONE", "RET")
     with claim("the other ear follows typed numbers"):
+        yield from keys("G", "Z", "1", "RET", at=middle())
         assert_mirrored()
     yield from mirrored_keys()
     yield from ridden()
@@ -120,15 +79,15 @@ def mirror() -> Iterator[None]:
 
 def mirrored_drag() -> Iterator[None]:
     heights = []
+
+    def check() -> None:
+        heights.append(places()[0, 1])
+        above(np.abs(places()[0]).max(), 0.01)
+        assert_mirrored()
+
     with claim("the other ear follows each step of a drag"):
-        for step in grab():
-            if step:
-                heights.append(places()[0, 1])
-                above(np.abs(places()[0]).max(), 0.01)
-                assert_mirrored()
-            yield
-        press("LEFTMOUSE")
-        yield from rest()
+        yield from grab(check=check)
+        yield from keys("LEFTMOUSE")
         assert_mirrored()
         assert len(set(heights)) == len(heights) == 4
     dragged = places()
@@ -143,15 +102,12 @@ def mirrored_drag() -> Iterator[None]:
 def mirrored_clear() -> Iterator[None]:
     """Alt+G, for which Blender takes its step of undo before the other side follows; another step; undo."""
     dragged = places()
-    choose("L")
+    make_active(ear("L"))
     bpy.ops.ed.undo_push(message="Select")
-    move(*middle())
-    yield
-    press("G", alt=True)
-    yield from rest()
     with claim("clearing one ear clears both at every step of undo"):
+        yield from keys("alt G", at=middle())
         assert np.abs(places()).max() < 1e-12
-        choose("R")
+        make_active(ear("R"))
         ear("R").rotation_euler.x = ear("L").rotation_euler.x = 0.25
         yield from rest()
         bpy.ops.ed.undo_push(message="Turn")
@@ -169,7 +125,7 @@ def mirrored_cancel() -> Iterator[None]:
     ear("R").location.z += 0.5
     yield from rest()
     deformer().use_mirror_x = True
-    choose("L")
+    make_active(ear("L"))
     bpy.ops.ed.undo_push(message="Pose")
     yield from rest()
     before = places()
@@ -177,15 +133,13 @@ def mirrored_cancel() -> Iterator[None]:
     with claim("Esc gives both ears back"):
         above(apart(before[0] * FLIP, before[1]), FLOAT32)
         near(places()[0] * FLIP, places()[1], FLOAT32)
-        press("ESC")
-        yield from rest()
+        yield from keys("ESC")
         assert (places() == before).all()
 
 
 def keyframes(side: str) -> dict[str, list[tuple[float, float]]]:
     """Frames and values, by channel."""
-    animation = ear(side).animation_data
-    curves = [] if animation is None or animation.action is None else animation.action.fcurves
+    curves = curves_of(ear(side))
     return {f"{c.data_path} {c.array_index}": [tuple(key.co) for key in c.keyframe_points] for c in curves}
 
 
@@ -193,15 +147,12 @@ def mirrored_keys() -> Iterator[None]:
     """I, and Location in its menu: as it is, then moved on another frame, then moved again on that frame."""
     found = []
     with claim("the key I keys both sides"):
-        for frame, key, frames in ((1, "", [1.0]), (11, "ONE", [1.0, 11.0]), (11, "TWO", [1.0, 11.0])):
+        for frame, height, frames in ((1, "", [1.0]), (11, "1", [1.0, 11.0]), (11, "2", [1.0, 11.0])):
             bpy.context.scene.frame_set(frame)
-            choose("L")
+            make_active(ear("L"))
             yield from rest()
-            yield from typed(*(("G", "Z", key, "RET") if key else ()))
-            press("I")
-            yield from rest()
-            press("L")
-            yield from rest()
+            yield from keys(*(("G", "Z", height, "RET") if height else ()), at=middle())
+            yield from keys("I", "L")
             left, right = keyframes("L"), keyframes("R")
             assert left.keys() == right.keys() == {f"location {axis}" for axis in range(3)}
             for axis in range(3):
@@ -219,38 +170,35 @@ def ridden() -> Iterator[None]:
     deformer().use_mirror_x = False
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8, location=(2.0, 0.0, 1.5))
     flag = bpy.context.object
-    for name, kind, side in (("Mast", "FIXED", -1.0), ("Tip", "HANDLE", 1.0)):
-        members = [vertex.index for vertex in flag.data.vertices if vertex.co.x == side]
-        flag.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
-        bpy.context.view_layer.objects.active = flag
-        bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
-    control = flag.sinew.active.handles[1].control
+    ends = {
+        "Mast": ("FIXED", lambda point: point[0] == -1.0),
+        "Tip": ("HANDLE", lambda point: point[0] == 1.0),
+    }
+    add_regions(flag, ends)
+    members, _weights = members_of(flag, "Tip")
+    control, base = flag.sinew.active.handles[1].control, base_points(flag)[members]
     rested = np.array(control.matrix_world.translation)
-    base = np.array([vertex.co for vertex in flag.data.vertices])[members]
     vertex = max(head().data.vertices, key=lambda one: one.co.x).index
     control.parent, control.parent_type, control.parent_vertices = head(), "VERTEX", (vertex, 0, 0)
     control.location = (0.0, 0.0, 0.0)
-    choose("L")
+    make_active(ear("L"))
     yield from rest(4)
+    heights = []
 
-    def height() -> float:
-        """That of the vertex. The control is at the vertex that is shown, and the tip at the control."""
-        carrier, place = shown_points(head())[vertex], np.array(control.matrix_world.translation)
+    def check() -> None:
+        """The control is at the vertex that is shown, and the tip at the control."""
+        carrier, place = shown()[vertex], np.array(control.matrix_world.translation)
         near(place, carrier, FLOAT32)
-        near(shown_points(flag)[members] - base, place - rested, FLOAT32)
-        return float(carrier[2])
+        near(shown(flag)[members] - base, place - rested, FLOAT32)
+        heights.append(float(carrier[2]))
 
     with claim("a rig that rides on a vertex is right at each step of a drag"):
-        heights = [height()]
-        for step in grab(up=-12):
-            if step:
-                heights.append(height())
-            yield
-        press("LEFTMOUSE")
-        yield from rest()
-        height()
+        check()
+        yield from grab(up=-12, check=check)
         assert len(heights) == 5
         assert (np.diff(heights) < -0.01).all(), heights
+        yield from keys("LEFTMOUSE")
+        check()
 
 
 HAND, HIP = "hand.L", "hip"
@@ -261,6 +209,10 @@ STANDS = 1e-3  # what pinned feet give way: they count a thousand times as much 
 
 def figure() -> bpy.types.Object:
     return bpy.data.objects["Mannequin Rig"]
+
+
+def skin() -> bpy.types.Object:
+    return bpy.data.objects["Mannequin Skin"]
 
 
 def tail(name: str) -> np.ndarray:
@@ -282,83 +234,73 @@ def select_bones(*names: str) -> None:
     bones.active = bones[names[-1]]
 
 
+def pull(name: str, by: tuple[float, float, float]) -> Iterator[None]:
+    """Puppet Drag of a bone, from its tail; the mouse stays where it ends."""
+    select_bones(name)
+    start = tail(name)
+    move(*on_screen(start))
+    yield from rest()
+    button("puppet_pose")
+    yield from rest()
+    yield from glide([on_screen(start + share * np.array(by)) for share in np.linspace(0.25, 1.0, 4)])
+    yield from rest()
+
+
 def puppet() -> Iterator[None]:
     """An animator drags a hand and the hip of a mannequin in Pose Mode."""
-    for obj in list(bpy.data.objects):
-        bpy.data.objects.remove(obj)
+    empty_scene()
     from blend_samples.models import mannequin
 
     mannequin.build("Mannequin")
-    skin = bpy.data.objects["Mannequin Skin"]
-    bpy.context.view_layer.objects.active = skin
+    bpy.context.view_layer.objects.active = skin()
     bpy.ops.sinew.puppet_rig(armature=figure().name)
-    yield from until(lambda: skin.sinew.active.is_bound)
+    yield from until(lambda: skin().sinew.active.is_bound)
     figure().show_in_front = True
     bpy.context.view_layer.objects.active = figure()
     bpy.ops.object.mode_set(mode="POSE")
-    yield from look_from_front(distance=4.2, height=0.95)
+    look_from_front(distance=4.2, height=0.95)
     bpy.ops.ed.undo_push(message="Mannequin")
     yield from rest(3)
-
-    def skin_points() -> np.ndarray:
-        return shown_points(bpy.data.objects["Mannequin Skin"])
-
-    def pull(name: str, by: tuple[float, float, float]) -> Iterator[None]:
-        """Puppet Drag of the active bone, from its tail; the mouse stays where it ends."""
-        select_bones(name)
-        start = tail(name)
-        move(*on_screen(start))
-        yield from rest()
-        with in_view():
-            bpy.ops.sinew.puppet_pose("INVOKE_DEFAULT")
-        yield from rest()
-        for share in np.linspace(0.25, 1.0, 4):
-            move(*on_screen(start + share * np.array(by)))
-            yield
-        yield from rest()
-
-    still, stood, long = skin_points(), feet(), lengths()
+    still, stood, long = shown(skin()), feet(), lengths()
     select_bones("foot.L", "foot.R")
     with claim("the feet are pinned by a command"):
-        with in_view():
-            bpy.ops.sinew.puppet_pin(action="PIN")
+        button("puppet_pin", action="PIN")
         assert sorted(bone.name for bone in figure().pose.bones if bone.sinew.pin) == ["foot.L", "foot.R"]
     bpy.context.scene.tool_settings.use_keyframe_insert_auto = True
     shapes = []
     for name, by in ((HAND, (-0.3, 0.0, 0.4)), (HIP, (0.0, 0.0, -0.3))):
         before = tail(name)
         yield from pull(name, by)
-        screenshot(f"dragged-{name}")
-        press("LEFTMOUSE")
-        yield from rest(3)
+        yield from keys("LEFTMOUSE")
+        yield
         with claim("a dragged bone follows the mouse, and the feet stay"):
             near(tail(name), before + by, REACHED)
             near(feet(), stood, STANDS)
             near(lengths(), long, THROUGH_BONES)
-        shapes.append(skin_points())
+        shapes.append(shown(skin()))
         if name == HAND:
             with claim("the skin follows, and Auto Keying keys the bones that follow"):
                 above(apart(shapes[0], still), 0.3)
-                paths = {curve.data_path for curve in figure().animation_data.action.fcurves}
-                assert {HAND, "lower.L", "upper.L"} <= {path.split('"')[1] for path in paths}
+                keyed = {curve.data_path.split('"')[1] for curve in curves_of(figure())}
+                assert {HAND, "lower.L", "upper.L"} <= keyed
     reached, crouched = shapes
     with claim("a drag of a puppet is one step of undo"):
         yield from undo()
-        near(skin_points(), reached, THROUGH_BONES)
+        near(shown(skin()), reached, THROUGH_BONES)
         yield from redo()
-        near(skin_points(), crouched, THROUGH_BONES)
+        near(shown(skin()), crouched, THROUGH_BONES)
     yield from pull(HAND, (0.2, 0.0, -0.4))
     with claim("Esc puts a puppet back"):
-        above(apart(skin_points(), crouched), 0.1)
-        press("ESC")
-        yield from rest(3)
-        near(skin_points(), crouched, THROUGH_BONES)
+        above(apart(shown(skin()), crouched), 0.1)
+        yield from keys("ESC")
+        yield
+        near(shown(skin()), crouched, THROUGH_BONES)
         assert bpy.context.mode == "POSE"
 
 
 # From below the ear around it to above, as seen from the front: an ear that is larger and ends in a point.
 STROKE = ((1.3, -0.25), (1.75, -0.1), (2.2, 0.2), (2.65, 0.75), (2.1, 0.85), (1.6, 0.85), (1.2, 0.75))
-
+ELSEWHERE = ((10.3, -0.25), (-2.4, 1.9), (-2.0, 2.1))
 ELEMENT = {  # of a stroke, as Blender wants it whole
     "name": "",
     "mouse": (0.0, 0.0),
@@ -379,54 +321,38 @@ def shape_keys() -> list[str]:
     return [] if found is None else [key.name for key in found.key_blocks]
 
 
-def sketch(corners: tuple[tuple[float, float], ...], picture: str = "") -> Iterator[None]:
-    """Hold the button along a polyline."""
-    ways = [np.linspace(a, b, 5, endpoint=False) for a, b in pairwise(np.array(corners))]
-    points = np.concatenate([*ways, corners[-1:]])
-    way: list[Place] = [on_screen((x, 0.0, z)) for x, z in points]
-    yield from hold(way)
-    if picture:
-        screenshot(picture)
-        yield
-    release()
-    yield from rest(3)
-
-
 def start_sketch() -> Iterator[None]:
     move(*on_screen((0.0, 0.0, 0.0)))
     yield from rest()
-    with in_view():
-        bpy.ops.sinew.silhouette_sketch("INVOKE_DEFAULT")
+    button("silhouette_sketch")
     yield from rest()
 
 
 def silhouette() -> Iterator[None]:
     """The outline of an ear is drawn anew."""
-    new_head(2, {})
-    yield from look_from_front()
-    bpy.ops.ed.undo_push(message="Head")
+    smooth_head(2)
+    look_from_front()
     yield from rest()
-    before = shown_points(head())
+    before = shown()
     screenshot("1-before")
     yield from start_sketch()
-    yield from sketch(STROKE, "2-drawn")
+    yield from stroke(STROKE, "2-drawn")
     with claim("the surface follows a sketch when the button is released"):
         assert shape_keys() == ONE_KEY
-        above(apart(shown_points(head()), before), 0.3)
+        above(apart(shown(), before), 0.3)
 
     def changed() -> np.ndarray:
-        return np.abs(shown_points(head()) - before).max(axis=1) > 1e-6
+        return np.abs(shown() - before).max(axis=1) > 1e-6
 
     with claim("the wheel changes how much follows a sketch"):
         narrow = changed().sum()
-        press("WHEELDOWNMOUSE")
-        yield from rest()
+        yield from keys("WHEELDOWNMOUSE")
         above(changed().sum(), narrow)
-    wider = shown_points(head())
-    press("RET")
-    yield from rest(3)
+    wider = shown()
+    yield from keys("RET")
+    yield
     screenshot("4-kept")
-    kept, last = shown_points(head()), bpy.context.window_manager.operators[-1]
+    kept, last = shown(), bpy.context.window_manager.operators[-1]
     with claim("confirming a sketch keeps what is shown"):
         assert shape_keys() == ONE_KEY
         near(kept, wider, FLOAT32)
@@ -437,24 +363,26 @@ def silhouette() -> Iterator[None]:
     repeated["view"] = [tuple(row) for row in last.view]
     points = [{**ELEMENT, "location": tuple(point.location)} for point in last.points]
     with claim("a sketch is one step of undo"):
-        for step, keys, shape in ((undo, [], before), (redo, ONE_KEY, kept), (undo, [], before)):
+        for step, names, shape in ((undo, [], before), (redo, ONE_KEY, kept), (undo, [], before)):
             yield from step()
-            assert shape_keys() == keys
-            near(shown_points(head()), shape, FLOAT32)
+            assert shape_keys() == names
+            near(shown(), shape, FLOAT32)
     bpy.ops.sinew.silhouette_sketch("EXEC_DEFAULT", True, points=points, **repeated)
     yield from rest(3)
     with claim("Adjust Last Operation repeats a sketch"):
         assert shape_keys() == ONE_KEY
-        near(shown_points(head()), kept, 1e-4)  # points and reach went through float32
+        near(shown(), kept, 1e-4)  # points and reach went through float32
     yield from undo()
     yield from start_sketch()
-    with claim("Esc puts everything back after a sketch"):
-        yield from sketch(STROKE)
-        assert shape_keys() == ONE_KEY
-        press("ESC")
-        yield from rest(3)
+    with claim("a sketch elsewhere changes nothing, and Esc puts everything back"):
+        yield from stroke(ELSEWHERE)
         assert shape_keys() == []
-        near(shown_points(head()), before, FLOAT32)
+        yield from stroke(STROKE)
+        assert shape_keys() == ONE_KEY
+        yield from keys("ESC")
+        yield
+        assert shape_keys() == []
+        near(shown(), before, FLOAT32)
 
 
 run(mirror, puppet, silhouette)
