@@ -24,7 +24,7 @@ from window import OUTPUT, pictures
 enable()  # what the sessions import after this module needs it
 
 seen: dict[str, object] = {"claims": {}}  # what the tests read; of each claim, what went wrong each time
-pace = [0.1]  # seconds from one step to the next
+pace = [0.05]  # seconds from one step to the next
 
 _FAILURES = (AssertionError, AttributeError, LookupError, RuntimeError)  # something is missing, or refused
 
@@ -33,6 +33,7 @@ _FAILURES = (AssertionError, AttributeError, LookupError, RuntimeError)  # somet
 def claim(text: str) -> Iterator[None]:
     """Note whether the assertions inside hold. The session goes on, whether they do or not."""
     outcomes = seen["claims"].setdefault(text, [])
+    print(time.strftime("%X"), text, flush=True)  # the last one that is printed is the one that ends Blender
     try:
         yield
     except _FAILURES as error:
@@ -93,7 +94,7 @@ def run(*parts: Callable[[], Iterator[None]]) -> None:
             bpy.ops.wm.read_homefile(use_factory_startup=True)
             pictures[0] = OUTPUT / part.__name__
             pictures[0].mkdir(parents=True, exist_ok=True)
-            print("part:", part.__name__, time.strftime("%X"), flush=True)
+            print(time.strftime("%X"), part.__name__, flush=True)
             yield from rest()
             yield from part()
 

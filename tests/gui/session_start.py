@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From a blank file to a rendered pose and back, the preferences, the panel, and counts of renders."""
+"""From a blank file to a rendered pose and back; the preferences; the panel."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,11 +13,10 @@ from driving import above, apart, claim, near, rest, run, settled, until
 from editing import edited, select, selection
 from expected import members_of
 from hand import between, choose, click, drag, glide, keys, move, open_sidebar, press, redo, undo
-from inside import inner, notes_of
+from inside import inner
 from mathutils import Vector
-from probe import Probe
-from rigs.rig import Rig, base_points, curves_of, evaluated_points, subdivided
-from scenes import MODELS, empty_scene, new_camera, shown
+from rigs.rig import base_points, curves_of
+from scenes import MODELS, empty_scene, shown
 from window import differing, in_view, middle, pictures, pixels, region, screenshot, view, viewport
 
 # Where things are in a window of 1280 x 800 pixels, from its lower left corner.
@@ -368,77 +367,4 @@ def panel() -> Iterator[None]:
         assert [row.frame for row in rows] == [1, 13, 133, 1029]
 
 
-EXACT = 1e-5
-
-
-def sheet(level: int) -> Rig:
-    """A lifted handle on a sheet that has a level in the viewport and in renders."""
-    rig = Rig.plate(5)
-    subdivided(rig.obj, level, level)
-    rig.bind()
-    rig.lift(0.5)
-    return rig
-
-
-def counts() -> Iterator[None]:
-    """F12 after settings that count in renders alone were changed."""
-    empty_scene()
-    wanted = {}
-    for level in (0, 1, 3):
-        rig = sheet(level)
-        yield from rest()
-        wanted[level] = evaluated_points(rig.obj)
-        bpy.data.objects.remove(rig.obj)
-    rig = sheet(2)
-    new_camera(8)
-    yield from rest(8)
-    modifier = rig.obj.modifiers[0]
-
-    def change(wait: bool = True, **settings: object) -> Iterator[np.ndarray]:
-        """Change the modifier; what a render beside the window then shows."""
-        for name, value in settings.items():
-            setattr(modifier, name, value)
-        yield from rest(10 if wait else 0)
-        Probe.seen.clear()
-        bpy.context.scene.render.engine = Probe.bl_idname
-        with in_view():
-            bpy.ops.render.render("INVOKE_DEFAULT")
-        yield from until(lambda: Probe.seen and not bpy.app.is_job_running("RENDER"))
-        yield from rest()
-        return Probe.seen[-1][rig.name]
-
-    with claim("F12 is bound for its own counts"):
-        for level, settings in (
-            (3, {"render_levels": 3}),
-            (1, {"render_levels": 1}),
-            (0, {"show_render": False}),
-            (3, {"show_render": True, "levels": 1, "render_levels": 3}),
-        ):
-            near((yield from change(**settings)), wanted[level], EXACT)
-    with claim("the viewport waits for Rebind meanwhile"):
-        assert rig.deformer.status == "Topology changed - Rebind"
-    modifier.levels = 2
-    yield from rest(10)
-    with claim("a render that nothing was bound for says so, and the next is right"):
-        at_once = yield from change(wait=False, render_levels=1)
-        assert at_once.shape != wanted[1].shape or apart(at_once, wanted[1]) > 0.1
-        assert "In the render: Topology changed - Rebind" in notes_of(rig.deformer)
-        near((yield from change()), wanted[1], EXACT)
-        assert not any("render" in line for line in notes_of(rig.deformer))
-    for frame in range(1, 31):
-        modifier.render_levels = 1 + frame // 6 % 2
-        modifier.keyframe_insert("render_levels", frame=frame)
-    yield from rest(10)
-    with claim("playback of frames that have one of two counts in renders binds no renders"):
-        found = set()
-        with in_view():
-            bpy.ops.screen.animation_play()
-        for _ in range(40):
-            found.add(len(rig.deformer.rest_in("RENDER").vertices))
-            yield
-        with in_view():
-            bpy.ops.screen.animation_play()
-        assert len(found) == 1
-
-
-run(journey, preferences, panel, counts)
+run(journey, preferences, panel)

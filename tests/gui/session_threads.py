@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that stay while a thread works; playback, renders beside a viewport that lives on, autosave."""
+"""Operators that stay while a thread works; renders of other counts; playback and renders beside a viewport
+that lives on; autosave.
+"""
 
 import os
 import threading
@@ -10,10 +12,19 @@ import numpy as np
 from driving import OUTPUT, above, apart, claim, near, pace, rest, run, seen, settled, until, works
 from expected import Expected
 from hand import glide, keys, open_sidebar, press
-from inside import inner
+from inside import inner, notes_of
 from mathutils import Matrix
 from probe import Probe
-from rigs.rig import Rig, add_group, grid_object, key_heights, linked, make_active
+from rigs.rig import (
+    Rig,
+    add_group,
+    evaluated_points,
+    grid_object,
+    key_heights,
+    linked,
+    make_active,
+    subdivided,
+)
 from scenes import deformer, empty_scene, head, heavy_grid, new_camera, only_head, shown
 from window import button, in_view, middle, pictures, view, viewport, window
 
@@ -221,6 +232,79 @@ def transfer() -> Iterator[None]:
         assert not list(pictures[0].iterdir())
         assert not target.modifiers
         assert bpy.context.scene.frame_current == 3
+
+
+EXACT = 1e-5
+
+
+def sheet(level: int) -> Rig:
+    """A lifted handle on a sheet that has a level in the viewport and in renders."""
+    rig = Rig.plate(5)
+    subdivided(rig.obj, level, level)
+    rig.bind()
+    rig.lift(0.5)
+    return rig
+
+
+def counts() -> Iterator[None]:
+    """F12 after settings that count in renders alone were changed."""
+    empty_scene()
+    wanted = {}
+    for level in (0, 1, 3):
+        rig = sheet(level)
+        yield from rest()
+        wanted[level] = evaluated_points(rig.obj)
+        bpy.data.objects.remove(rig.obj)
+    rig = sheet(2)
+    new_camera(8)
+    yield from rest(8)
+    modifier = rig.obj.modifiers[0]
+
+    def change(wait: bool = True, **settings: object) -> Iterator[np.ndarray]:
+        """Change the modifier; what a render beside the window then shows."""
+        for name, value in settings.items():
+            setattr(modifier, name, value)
+        yield from rest(10 if wait else 0)
+        Probe.seen.clear()
+        bpy.context.scene.render.engine = Probe.bl_idname
+        with in_view():
+            bpy.ops.render.render("INVOKE_DEFAULT")
+        yield from until(lambda: Probe.seen and not bpy.app.is_job_running("RENDER"))
+        yield from rest()
+        return Probe.seen[-1][rig.name]
+
+    with claim("F12 is bound for its own counts"):
+        for level, settings in (
+            (3, {"render_levels": 3}),
+            (1, {"render_levels": 1}),
+            (0, {"show_render": False}),
+            (3, {"show_render": True, "levels": 1, "render_levels": 3}),
+        ):
+            near((yield from change(**settings)), wanted[level], EXACT)
+    with claim("the viewport waits for Rebind meanwhile"):
+        assert rig.deformer.status == "Topology changed - Rebind"
+    modifier.levels = 2
+    yield from rest(10)
+    with claim("a render that nothing was bound for says so, and the next is right"):
+        at_once = yield from change(wait=False, render_levels=1)
+        assert at_once.shape != wanted[1].shape or apart(at_once, wanted[1]) > 0.1
+        assert "In the render: Topology changed - Rebind" in notes_of(rig.deformer)
+        near((yield from change()), wanted[1], EXACT)
+        assert not any("render" in line for line in notes_of(rig.deformer))
+    for frame in range(1, 31):
+        modifier.render_levels = 1 + frame // 6 % 2
+        modifier.keyframe_insert("render_levels", frame=frame)
+    yield from rest(10)
+    with claim("playback of frames that have one of two counts in renders binds no renders"):
+        found = set()
+        with in_view():
+            bpy.ops.screen.animation_play()
+        for _ in range(40):
+            found.add(len(rig.deformer.rest_in("RENDER").vertices))
+            yield
+        with in_view():
+            bpy.ops.screen.animation_play()
+        assert len(found) == 1
 
 
 # Where the user moves things at any moment, Blender itself, without any add-on, crashes about once in 50 such
@@ -499,4 +583,4 @@ def unlocked(stage: Stage, engine: str, last: int, writers: list[bool]) -> Itera
         Probe.seen = []
 
 
-run(waiting, heavy, transfer, stress)
+run(waiting, heavy, transfer, counts, stress)

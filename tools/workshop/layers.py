@@ -239,7 +239,7 @@ QUICK_BLENDER = (
     "-k",
     "test_every_method or [handles or -handles or [cage or -cage",
 )
-QUICK_SESSION = "[shapes- or [shapes]"  # of those in windows
+QUICK_SESSION = "[start- or [start]"  # of those in windows
 QUICK = (
     Layer("lint", 240, partial(lint, quick=True), without="clang-tidy on committed sources"),
     Layer("native", 300, native_quick, without="the count of instructions"),
