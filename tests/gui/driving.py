@@ -89,29 +89,29 @@ def run(*parts: Callable[[], Iterator[None]]) -> None:
     """Take the steps of the parts, one part after the other, then end Blender, whatever happened."""
 
     def steps() -> Iterator[None]:
-        for part in parts:
-            enable()
-            bpy.ops.wm.read_homefile(use_factory_startup=True)
-            pictures[0] = OUTPUT / part.__name__
-            pictures[0].mkdir(parents=True, exist_ok=True)
-            print(time.strftime("%X"), part.__name__, flush=True)
-            yield from rest()
-            yield from part()
+        try:
+            for part in parts:
+                enable()
+                bpy.ops.wm.read_homefile(use_factory_startup=True)
+                pictures[0] = OUTPUT / part.__name__
+                pictures[0].mkdir(parents=True, exist_ok=True)
+                print(time.strftime("%X"), part.__name__, flush=True)
+                yield from rest()
+                try:
+                    yield from part()
+                except _FAILURES:  # the next part may be right
+                    seen["error"] = seen.get("error", "") + traceback.format_exc()
+        finally:  # the test reads the reason
+            if sys.exc_info()[0] is not None:
+                seen["error"] = traceback.format_exc()
+            (OUTPUT / "seen.json").write_text(json.dumps(seen, indent=1), encoding="utf-8")
+            sys.stdout.flush()
+            os._exit(0)
 
     journey = steps()
 
-    def tick() -> float | None:
-        going_on = False
-        try:
-            next(journey)
-            going_on = True
-        except StopIteration:
-            pass
-        finally:  # the test reads the reason
-            if not going_on:
-                if sys.exc_info()[0] is not None:
-                    seen["error"] = traceback.format_exc()
-                _finish()
+    def tick() -> float:
+        next(journey)
         return pace[0]
 
     preferences = bpy.context.preferences
@@ -121,9 +121,3 @@ def run(*parts: Callable[[], Iterator[None]]) -> None:
     preferences.system.viewport_aa = "FXAA" if smooth else "OFF"
     preferences.system.use_overlay_smooth_wire = preferences.system.use_edit_mode_smooth_wire = smooth
     bpy.app.timers.register(tick, first_interval=1.5, persistent=True)
-
-
-def _finish() -> None:
-    (OUTPUT / "seen.json").write_text(json.dumps(seen, indent=1), encoding="utf-8")
-    sys.stdout.flush()
-    os._exit(0)

@@ -312,6 +312,7 @@ def use_and_select() -> Iterator[None]:
         yield from settled()
         assert deformer().handles[0].enabled
         near(shown(), posed, FLOAT32)
+    head().select_set(True)
     with claim("the arrow selects the control alone"):
         yield from click(SELECT, row(1))
         assert [obj.name for obj in bpy.context.view_layer.objects if obj.select_get()] == ["Head Ear.R"]
