@@ -103,7 +103,7 @@ def run(*parts: Callable[[], Iterator[None]]) -> None:
                     seen["error"] = seen.get("error", "") + traceback.format_exc()
         finally:  # the test reads the reason
             if sys.exc_info()[0] is not None:
-                seen["error"] = traceback.format_exc()
+                seen["error"] = seen.get("error", "") + traceback.format_exc()
             (OUTPUT / "seen.json").write_text(json.dumps(seen, indent=1), encoding="utf-8")
             sys.stdout.flush()
             os._exit(0)
