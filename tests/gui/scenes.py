@@ -63,9 +63,10 @@ def deformer():
 
 
 def heavy_grid(method: str, size: float) -> bpy.types.Object:
-    """160,801 vertices in the plane, fixed at the right, with a group for a handle at the left."""
+    """160,801 vertices in a plane as the head, fixed at the right, with a group for a handle at the left."""
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=400, y_subdivisions=400, size=size)
     obj = bpy.context.object
+    obj.name = "Head"
     add_group(obj, "Left", lambda point: point[0] < -0.4 * size)
     add_group(obj, "Right", lambda point: point[0] > 0.4 * size)
     bpy.ops.sinew.deformer_add(method=method)

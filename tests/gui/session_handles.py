@@ -446,7 +446,6 @@ def heavy_drag() -> Iterator[None]:
     with in_view():
         obj = heavy_grid("arap", size=4.0)
         bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Left")
-    obj.name = "Head"
     bpy.context.view_layer.objects.active = obj  # and its control is selected, so that the panel stays
     yield from rest()
     properties().spaces.active.context = "MODIFIER"
