@@ -1,0 +1,388 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mirrored posing by mouse and keys, a rig that rides on another, Puppet Drag, and Silhouette Sketch."""
+
+import sys
+from collections.abc import Callable, Iterator
+
+import bpy
+import numpy as np
+from driving import above, apart, claim, near, rest, run, until
+from expected import members_of
+from hand import glide, keys, move, open_sidebar, redo, stroke, undo
+from rigs.rig import base_points, curves_of, make_active
+from scenes import MODELS, add_regions, deformer, empty_scene, head, shown, smooth_head
+from window import button, look_from_front, middle, on_screen, screenshot, viewport
+
+sys.path.insert(0, str(MODELS.parents[1]))
+
+FLOAT32 = 4e-6  # of a head 4 units wide
+FLIP = np.array((-1.0, 1.0, 1.0))
+REGIONS = {
+    "Ear": ("HANDLE", lambda point: point[0] > 1.6),
+    "Back": ("FIXED", lambda point: point[1] > 0.35 and abs(point[0]) < 1.2),
+}
+
+
+def ear(side: str) -> bpy.types.Object:
+    return next(handle.control for handle in deformer().handles if handle.name == f"Ear.{side}")
+
+
+def places() -> np.ndarray:
+    """Of the left and the right control."""
+    return np.array([ear(side).location for side in "LR"])
+
+
+def assert_mirrored() -> None:
+    """The controls, and the ears that are shown."""
+    left, right = places()
+    near(left * FLIP, right, FLOAT32)
+    base = np.round(base_points(head()), 4) + 0.0
+    where = {tuple(place): index for index, place in enumerate(base)}
+    images = np.array([where.get(tuple(place * FLIP + 0.0), -1) for place in base])
+    paired = (images >= 0) & (np.abs(base[:, 0]) > 1.65)
+    near(shown()[paired], shown()[images[paired]] * FLIP, FLOAT32)
+
+
+def grab(up: int = 12, check: Callable[[], object] = lambda: None) -> Iterator[None]:
+    """G, and the mouse goes up and aside, with a check after each of four steps."""
+    x, y = middle()
+    yield from keys("G", at=(x, y))
+    for step in range(1, 5):
+        move(x + 6 * step, y + up * step)
+        yield from rest()
+        check()
+
+
+def mirror() -> Iterator[None]:
+    """A head whose left ear is a handle without a side in its name; Mirror makes the right one."""
+    viewport().spaces.active.show_region_hud = False
+    smooth_head(1, REGIONS)
+    deformer().active_handle = 0
+    bpy.ops.sinew.handle_mirror(tolerance=0.01)
+    with claim("Mirror names the ears"):
+        assert [handle.name for handle in deformer().handles] == ["Ear.L", "Back", "Ear.R"]
+    look_from_front()
+    yield from open_sidebar()
+    deformer().use_mirror_x = True
+    make_active(ear("L"))
+    bpy.ops.ed.undo_push(message="X-Axis Mirror")
+    yield from rest()
+    yield from mirrored_drag()
+    yield from mirrored_clear()
+    yield from mirrored_cancel()
+    with claim("the other ear follows typed numbers"):
+        yield from keys("G", "Z", "1", "RET", at=middle())
+        assert_mirrored()
+    yield from mirrored_keys()
+    yield from ridden()
+
+
+def mirrored_drag() -> Iterator[None]:
+    heights = []
+
+    def check() -> None:
+        heights.append(places()[0, 1])
+        above(np.abs(places()[0]).max(), 0.01)
+        assert_mirrored()
+
+    with claim("the other ear follows each step of a drag"):
+        yield from grab(check=check)
+        yield from keys("LEFTMOUSE")
+        assert_mirrored()
+        assert len(set(heights)) == len(heights) == 4
+    dragged = places()
+    with claim("one step of undo takes both ears back, and redo brings both"):
+        yield from undo()
+        assert np.abs(places()).max() < 1e-12
+        assert_mirrored()
+        yield from redo()
+        near(places(), dragged, 1e-6)
+
+
+def mirrored_clear() -> Iterator[None]:
+    """Alt+G, for which Blender takes its step of undo before the other side follows; another step; undo."""
+    dragged = places()
+    make_active(ear("L"))
+    bpy.ops.ed.undo_push(message="Select")
+    with claim("clearing one ear clears both at every step of undo"):
+        yield from keys("alt G", at=middle())
+        assert np.abs(places()).max() < 1e-12
+        make_active(ear("R"))
+        ear("R").rotation_euler.x = ear("L").rotation_euler.x = 0.25
+        yield from rest()
+        bpy.ops.ed.undo_push(message="Turn")
+        yield from rest()
+        yield from undo()
+        assert np.abs(places()).max() < 1e-12
+        yield from undo()
+        near(places(), dragged, 1e-6)
+
+
+def mirrored_cancel() -> Iterator[None]:
+    """The right ear is posed by itself; a drag of the left one takes it along, and Esc gives both back."""
+    deformer().use_mirror_x = False
+    yield from rest()
+    ear("R").location.z += 0.5
+    yield from rest()
+    deformer().use_mirror_x = True
+    make_active(ear("L"))
+    bpy.ops.ed.undo_push(message="Pose")
+    yield from rest()
+    before = places()
+    yield from grab()
+    with claim("Esc gives both ears back"):
+        above(apart(before[0] * FLIP, before[1]), FLOAT32)
+        near(places()[0] * FLIP, places()[1], FLOAT32)
+        yield from keys("ESC")
+        assert (places() == before).all()
+
+
+def keyframes(side: str) -> dict[str, list[tuple[float, float]]]:
+    """Frames and values, by channel."""
+    curves = curves_of(ear(side))
+    return {f"{c.data_path} {c.array_index}": [tuple(key.co) for key in c.keyframe_points] for c in curves}
+
+
+def mirrored_keys() -> Iterator[None]:
+    """I, and Location in its menu: as it is, then moved on another frame, then moved again on that frame."""
+    found = []
+    with claim("the key I keys both sides"):
+        for frame, height, frames in ((1, "", [1.0]), (11, "1", [1.0, 11.0]), (11, "2", [1.0, 11.0])):
+            bpy.context.scene.frame_set(frame)
+            make_active(ear("L"))
+            yield from rest()
+            yield from keys(*(("G", "Z", height, "RET") if height else ()), at=middle())
+            yield from keys("I", "L")
+            left, right = keyframes("L"), keyframes("R")
+            assert left.keys() == right.keys() == {f"location {axis}" for axis in range(3)}
+            for axis in range(3):
+                channel = f"location {axis}"
+                near(np.array(left[channel]) * (1.0, FLIP[axis]), np.array(right[channel]), FLOAT32)
+            assert [frame for frame, _value in left["location 2"]] == frames
+            found.append(left)
+        assert found[1] != found[2]
+    for side in "LR":
+        ear(side).animation_data_clear()
+
+
+def ridden() -> Iterator[None]:
+    """A flag whose control is a child of a vertex of the ear that is dragged."""
+    deformer().use_mirror_x = False
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8, location=(2.0, 0.0, 1.5))
+    flag = bpy.context.object
+    ends = {
+        "Mast": ("FIXED", lambda point: point[0] == -1.0),
+        "Tip": ("HANDLE", lambda point: point[0] == 1.0),
+    }
+    add_regions(flag, ends)
+    members, _weights = members_of(flag, "Tip")
+    control, base = flag.sinew.active.handles[1].control, base_points(flag)[members]
+    rested = np.array(control.matrix_world.translation)
+    vertex = max(head().data.vertices, key=lambda one: one.co.x).index
+    control.parent, control.parent_type, control.parent_vertices = head(), "VERTEX", (vertex, 0, 0)
+    control.location = (0.0, 0.0, 0.0)
+    make_active(ear("L"))
+    yield from rest(4)
+    heights = []
+
+    def check() -> None:
+        """The control is at the vertex that is shown, and the tip at the control."""
+        carrier, place = shown()[vertex], np.array(control.matrix_world.translation)
+        near(place, carrier, FLOAT32)
+        near(shown(flag)[members] - base, place - rested, FLOAT32)
+        heights.append(float(carrier[2]))
+
+    with claim("a rig that rides on a vertex is right at each step of a drag"):
+        check()
+        yield from grab(up=-12, check=check)
+        assert len(heights) == 5
+        assert (np.diff(heights) < -0.01).all(), heights
+        yield from keys("LEFTMOUSE")
+        check()
+
+
+HAND, HIP = "hand.L", "hip"
+THROUGH_BONES = 1e-5  # float32 of a figure 1.8 units high, through the matrices of a chain of bones
+REACHED = 0.02  # of a drag of half a unit: a pixel is a two-hundredth, and joints resist a little
+STANDS = 1e-3  # what pinned feet give way: they count a thousand times as much as what is dragged
+
+
+def figure() -> bpy.types.Object:
+    return bpy.data.objects["Mannequin Rig"]
+
+
+def skin() -> bpy.types.Object:
+    return bpy.data.objects["Mannequin Skin"]
+
+
+def tail(name: str) -> np.ndarray:
+    return np.array(figure().matrix_world @ figure().pose.bones[name].tail)
+
+
+def feet() -> np.ndarray:
+    return np.array([tail("foot.L"), tail("foot.R")])
+
+
+def lengths() -> np.ndarray:
+    return np.array([(bone.tail - bone.head).length for bone in figure().pose.bones])
+
+
+def select_bones(*names: str) -> None:
+    bones = figure().data.bones
+    for bone in bones:
+        bone.select = bone.name in names
+    bones.active = bones[names[-1]]
+
+
+def pull(name: str, by: tuple[float, float, float]) -> Iterator[None]:
+    """Puppet Drag of a bone, from its tail; the mouse stays where it ends."""
+    select_bones(name)
+    start = tail(name)
+    move(*on_screen(start))
+    yield from rest()
+    button("puppet_pose")
+    yield from rest()
+    yield from glide([on_screen(start + share * np.array(by)) for share in np.linspace(0.25, 1.0, 4)])
+    yield from rest()
+
+
+def puppet() -> Iterator[None]:
+    """An animator drags a hand and the hip of a mannequin in Pose Mode."""
+    empty_scene()
+    from blend_samples.models import mannequin
+
+    mannequin.build("Mannequin")
+    bpy.context.view_layer.objects.active = skin()
+    bpy.ops.sinew.puppet_rig(armature=figure().name)
+    yield from until(lambda: skin().sinew.active.is_bound)
+    figure().show_in_front = True
+    bpy.context.view_layer.objects.active = figure()
+    bpy.ops.object.mode_set(mode="POSE")
+    look_from_front(distance=4.2, height=0.95)
+    bpy.ops.ed.undo_push(message="Mannequin")
+    yield from rest(3)
+    still, stood, long = shown(skin()), feet(), lengths()
+    select_bones("foot.L", "foot.R")
+    with claim("the feet are pinned by a command"):
+        button("puppet_pin", action="PIN")
+        assert sorted(bone.name for bone in figure().pose.bones if bone.sinew.pin) == ["foot.L", "foot.R"]
+    bpy.context.scene.tool_settings.use_keyframe_insert_auto = True
+    shapes = []
+    for name, by in ((HAND, (-0.3, 0.0, 0.4)), (HIP, (0.0, 0.0, -0.3))):
+        before = tail(name)
+        yield from pull(name, by)
+        yield from keys("LEFTMOUSE")
+        yield
+        with claim("a dragged bone follows the mouse, and the feet stay"):
+            near(tail(name), before + by, REACHED)
+            near(feet(), stood, STANDS)
+            near(lengths(), long, THROUGH_BONES)
+        shapes.append(shown(skin()))
+        if name == HAND:
+            with claim("the skin follows, and Auto Keying keys the bones that follow"):
+                above(apart(shapes[0], still), 0.3)
+                keyed = {curve.data_path.split('"')[1] for curve in curves_of(figure())}
+                assert {HAND, "lower.L", "upper.L"} <= keyed
+    reached, crouched = shapes
+    with claim("a drag of a puppet is one step of undo"):
+        yield from undo()
+        near(shown(skin()), reached, THROUGH_BONES)
+        yield from redo()
+        near(shown(skin()), crouched, THROUGH_BONES)
+    yield from pull(HAND, (0.2, 0.0, -0.4))
+    with claim("Esc puts a puppet back"):
+        above(apart(shown(skin()), crouched), 0.1)
+        yield from keys("ESC")
+        yield
+        near(shown(skin()), crouched, THROUGH_BONES)
+        assert bpy.context.mode == "POSE"
+
+
+# From below the ear around it to above, as seen from the front: an ear that is larger and ends in a point.
+STROKE = ((1.3, -0.25), (1.75, -0.1), (2.2, 0.2), (2.65, 0.75), (2.1, 0.85), (1.6, 0.85), (1.2, 0.75))
+ELSEWHERE = ((10.3, -0.25), (-2.4, 1.9), (-2.0, 2.1))
+ELEMENT = {  # of a stroke, as Blender wants it whole
+    "name": "",
+    "mouse": (0.0, 0.0),
+    "mouse_event": (0.0, 0.0),
+    "pen_flip": False,
+    "is_start": False,
+    "pressure": 1.0,
+    "size": 1.0,
+    "time": 0.0,
+    "x_tilt": 0.0,
+    "y_tilt": 0.0,
+}
+ONE_KEY = ["Basis", "Silhouette"]
+
+
+def shape_keys() -> list[str]:
+    found = head().data.shape_keys
+    return [] if found is None else [key.name for key in found.key_blocks]
+
+
+def start_sketch() -> Iterator[None]:
+    move(*on_screen((0.0, 0.0, 0.0)))
+    yield from rest()
+    button("silhouette_sketch")
+    yield from rest()
+
+
+def silhouette() -> Iterator[None]:
+    """The outline of an ear is drawn anew."""
+    smooth_head(2)
+    look_from_front()
+    yield from rest()
+    before = shown()
+    screenshot("1-before")
+    yield from start_sketch()
+    yield from stroke(STROKE, "2-drawn")
+    with claim("the surface follows a sketch when the button is released"):
+        assert shape_keys() == ONE_KEY
+        above(apart(shown(), before), 0.3)
+
+    def changed() -> np.ndarray:
+        return np.abs(shown() - before).max(axis=1) > 1e-6
+
+    with claim("the wheel changes how much follows a sketch"):
+        narrow = changed().sum()
+        yield from keys("WHEELDOWNMOUSE")
+        above(changed().sum(), narrow)
+    wider = shown()
+    yield from keys("RET")
+    yield
+    screenshot("4-kept")
+    kept, last = shown(), bpy.context.window_manager.operators[-1]
+    with claim("confirming a sketch keeps what is shown"):
+        assert shape_keys() == ONE_KEY
+        near(kept, wider, FLOAT32)
+        assert before[:, 0].max() < 2.2 < kept[:, 0].max() < 2.75
+        assert not changed()[before[:, 0] < 0.0].any()
+        assert last.bl_idname == "SINEW_OT_silhouette_sketch"
+    repeated = {name: getattr(last, name) for name in ("reach", "unlimited", "sharpness", "perspective")}
+    repeated["view"] = [tuple(row) for row in last.view]
+    points = [{**ELEMENT, "location": tuple(point.location)} for point in last.points]
+    with claim("a sketch is one step of undo"):
+        for step, names, shape in ((undo, [], before), (redo, ONE_KEY, kept), (undo, [], before)):
+            yield from step()
+            assert shape_keys() == names
+            near(shown(), shape, FLOAT32)
+    bpy.ops.sinew.silhouette_sketch("EXEC_DEFAULT", True, points=points, **repeated)
+    yield from rest(3)
+    with claim("Adjust Last Operation repeats a sketch"):
+        assert shape_keys() == ONE_KEY
+        near(shown(), kept, 1e-4)  # points and reach went through float32
+    yield from undo()
+    yield from start_sketch()
+    with claim("a sketch elsewhere changes nothing, and Esc puts everything back"):
+        yield from stroke(ELSEWHERE)
+        assert shape_keys() == []
+        yield from stroke(STROKE)
+        assert shape_keys() == ONE_KEY
+        yield from keys("ESC")
+        yield
+        assert shape_keys() == []
+        near(shown(), before, FLOAT32)
+
+
+run(mirror, puppet, silhouette)
