@@ -4,12 +4,14 @@
 import textwrap
 from types import SimpleNamespace
 
+import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
 from bpy.types import AddonPreferences, Context, UILayout
 
 from .. import compat
 from ..backend import availability, last_check, limit_memory, limit_threads
-from ..core.methods import DEFAULT_METHOD, METHODS
+from ..core.labels import Names, choose, items_of
+from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS
 from ..ids import Operators
 from .shortcuts import find_items
 
@@ -18,6 +20,7 @@ _GIGABYTE = 1024**3
 
 DEFAULTS = SimpleNamespace(
     method=DEFAULT_METHOD,
+    names=Names.TASKS.name,
     auto_rebind=False,
     drag_budget=40.0,
     threads=0,
@@ -37,6 +40,18 @@ def apply_limits(values: "SinewPreferences | SimpleNamespace") -> None:
     """Tell the native module how much of the machine it may use."""
     limit_threads(values.threads)
     limit_memory(round(values.memory_limit * _GIGABYTE))
+
+
+def _names_changed(values: "SinewPreferences", _context: Context) -> None:
+    apply_names(values)
+
+
+def apply_names(values: "SinewPreferences | SimpleNamespace") -> None:
+    """Show methods by the chosen names, at once in all windows."""
+    choose(Names[values.names])
+    for window in getattr(bpy.context.window_manager, "windows", ()):
+        for area in window.screen.areas:
+            area.tag_redraw()
 
 
 def _overlay_colour(name: str, default: tuple[float, float, float], description: str):
@@ -64,8 +79,18 @@ class SinewPreferences(AddonPreferences):
     method: EnumProperty(
         name="Method",
         description="The method that Add Handle and Add Deformer start with; each deformer can change it",
-        items=tuple((method.id, method.label, method.summary, "NONE", method.number) for method in METHODS),
-        default=DEFAULTS.method,
+        items=items_of(METHODS),
+        default=BY_ID[DEFAULT_METHOD].number,
+    )
+    names: EnumProperty(
+        name="Names",
+        description="What methods are called, in all panels, menus and messages",
+        items=(
+            (Names.TASKS.name, "Tasks", "By what they are for, such as Natural Bend", 0),
+            (Names.LITERATURE.name, "Literature", "By what is published about them", 1),
+        ),
+        default=DEFAULTS.names,
+        update=_names_changed,
     )
     auto_rebind: BoolProperty(
         name="Automatic Rebind",
@@ -140,6 +165,7 @@ class SinewPreferences(AddonPreferences):
         layout.use_property_split = True
         column = layout.column()
         column.prop(self, "method", text="New Deformers")
+        column.prop(self, "names")
         column.prop(self, "auto_rebind")
         layout.separator()
         column = layout.column()

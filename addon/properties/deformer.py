@@ -16,17 +16,18 @@ from bpy.props import (
 from bpy.types import Context, Mesh, Modifier, Object, PropertyGroup
 
 from ..core import status
+from ..core.labels import items_of
 from ..core.methods import (
     BY_ID,
     DEFAULT_METHOD,
     METHODS,
-    Control,
     Curve,
     Method,
     Pointer,
     group_property,
 )
 from ..core.names import unique_name, without_number
+from ..core.tasks import TASKS, task_of
 from ..ids import Keys
 from .bake import SinewBake
 from .companion import SinewCompanion
@@ -57,27 +58,21 @@ PLAYBACK = (
 )
 
 
-def method_items() -> tuple[tuple, ...]:
-    """The items of the method menu, with one heading per kind of control."""
-    items: list[tuple] = []
-    for control in Control:
-        rows = [method for method in METHODS if method.control is control]
-        items += [("", control.value, "")] * bool(rows)
-        for method in rows:
-            description = f"{method.summary}. {method.paper}, section {method.section}"
-            items.append((method.id, method.label, description, "NONE", method.number))
-    return tuple(items)
+method_items = items_of(METHODS, headed=True)
 
-
-# Earlier builds gave these names to new deformers, so nobody chose them.
-_GIVEN = {"Sinew", "Cage", *(method.label for method in METHODS)}
+# Sinew gives, or gave, these names to new deformers, so nobody chose them.
+_GIVEN = {
+    "Sinew",
+    *(task.deformer for task in TASKS),
+    *(name for method in METHODS for name in (method.label, method.known_as)),
+}
 
 
 def _method_changed(deformer: "SinewDeformer", context: Context) -> None:
-    """Name the deformer after its method, as long as nobody has given it a name."""
+    """Name the deformer after the task of its method, as long as nobody has given it a name."""
     if without_number(deformer.name) in _GIVEN:
         others = [other.name for other in deformer.id_data.sinew.deformers if other.uid != deformer.uid]
-        deformer.name = unique_name(deformer.definition.label, others)
+        deformer.name = unique_name(task_of(deformer.definition).deformer, others)
     evaluate_again(deformer, context)
 
 
@@ -125,14 +120,14 @@ class SinewDeformer(PropertyGroup):
         name="Name",
         default="Sinew",
         description="Name of the deformer in the list; double-click it there to rename it. Until then it is "
-        "that of the method",
+        "that of the task",
     )
     method: setting(
         EnumProperty,
         update=_method_changed,
         name="Method",
-        items=method_items(),
-        default=DEFAULT_METHOD,
+        items=method_items,
+        default=BY_ID[DEFAULT_METHOD].number,
         description="How the mesh follows its controls",
     )
     cage: setting(

@@ -13,6 +13,7 @@ from bpy.props import (
 )
 from bpy.types import NodeTree, Object, PropertyGroup
 
+from ..core.labels import items_of
 from ..core.methods import (
     METHODS,
     Bool,
@@ -92,7 +93,8 @@ def _group_of(method: Method) -> type:
         annotations[BASE] = setting(
             EnumProperty,
             name="Base Method",
-            items=tuple((base.id, base.label, base.summary, "NONE", base.number) for base in wrapped(method)),
+            items=items_of(wrapped(method)),
+            default=wrapped(method)[0].number,
             description="The method that moves the surface before this method adds to it",
         )
     names = {"__annotations__": annotations, "__doc__": method.summary, "__module__": __name__}

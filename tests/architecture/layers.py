@@ -34,6 +34,8 @@ INNER_RANKS = {
         "methods": 3,
         "geometry": 3,
         "transform": 3,
+        "labels": 4,
+        "tasks": 4,
     },
     "session": {
         "state": 0,

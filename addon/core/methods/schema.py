@@ -327,10 +327,21 @@ def following(shells: int, vertices: int) -> float:
     return 2e-4 * shells + 1e-5 * vertices
 
 
+_NEEDED = {Control.CAGE: "a cage", Control.CURVES: "a curve"}
+_USUAL_POINTS, _USUAL_SIZE = 20_000, 300  # of a mesh, and of what moves it
+_SLOWER = (0.13, 0.4)  # seconds from which a bind is medium, and slow
+
+
 @dataclass(frozen=True, kw_only=True)
 class Method:
     """One row of the registry, which says only what differs from most. Files store ``number``, so never reuse
     or change it.
+
+    ``label``: what artists call it; ``known_as``: what the literature does (``core.names`` says which of them
+    Sinew shows). ``search``: further words that find it. ``summary``: its tooltip, and ``fails``: where it is
+    the wrong choice, each a sentence whose subject is the method. ``also_needs``: what it needs of its first
+    requirement, or beside all that ``needs`` knows from the other fields. ``picture``: the sample, and after
+    a colon which part of it, that shows the method.
 
     ``iterative``: ``solve`` takes ``max_iterations`` and ``start``, so that a drag can show an early step.
     ``bind_seconds``: about how long a bind takes on two cores, without that of a base method, from the number
@@ -357,12 +368,17 @@ class Method:
     id: str
     number: int
     label: str
+    known_as: str
+    search: str
     family: Family
     control: Control = Control.HANDLES
     native: str
     section: str
     paper: str
     summary: str
+    fails: str
+    also_needs: str = ""
+    picture: str
     iterative: bool = False
     moves: frozenset[Moved] = frozenset({Moved.MESH})
     bind_seconds: BindSeconds
@@ -390,6 +406,24 @@ class Method:
     def adds_displacements(self) -> bool:
         """Its poses move the rest shape, and the displacements are added to what enters."""
         return self.is_space and not self.moves_incoming
+
+    @cached_property
+    def needs(self) -> str:
+        """What must be there before the method can work, in words; empty if it takes anything."""
+        found = [
+            "" if Moved.POINTS in self.moves else "a surface",
+            _NEEDED.get(self.control, ""),
+            "an animation" if self.keyed else "",
+            self.also_needs,
+        ]
+        return ", ".join(filter(None, found))
+
+    @cached_property
+    def cost(self) -> int:
+        """How long a bind of a usual mesh takes: 1 quick, 2 medium, 3 slow."""
+        options = {parameter.id: parameter.default for parameter in self.parameters}
+        seconds = self.bind_seconds(_USUAL_POINTS, _USUAL_SIZE, options)
+        return 1 + sum(seconds >= limit for limit in _SLOWER)
 
     @cached_property
     def references(self) -> tuple[Parameter, ...]:

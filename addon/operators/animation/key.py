@@ -27,7 +27,7 @@ class OnKeys(OnDeformer):
         return super().refusal(context) or (
             ""
             if target_of(context).sinew.active.definition.keyed
-            else "Choose a method that has keys, such as Mesh Sequence"
+            else f"Choose a method that has keys: {keys.with_keys()}"
         )
 
 

@@ -249,10 +249,7 @@ class SINEW_OT_cage_flip(OnCage, BindsAll, Operator):
 
 
 class SINEW_OT_cage_outside_follow(OnCage, BindingOperator, Operator):
-    """Let what lies outside the cage follow it, too.
-
-    Harmonic and Positive Mean Value set Outside to Mean Value; Green sets it to the nearest face
-    """
+    """Let what lies outside the cage follow it, too, by the setting Outside"""
 
     bl_idname = Operators.CAGE_OUTSIDE
     bl_label = "Let Outside Follow"

@@ -5,7 +5,7 @@ from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from ... import bake
-from ...core.methods import DEFAULT_METHOD
+from ...core.methods import BY_ID, DEFAULT_METHOD
 from ...ids import Operators
 from ...preferences import preferences
 from ...properties import method_items
@@ -24,8 +24,8 @@ class SINEW_OT_deformer_add(OnTarget, Operator):
 
     method: EnumProperty(
         name="Method",
-        items=method_items(),
-        default=DEFAULT_METHOD,
+        items=method_items,
+        default=BY_ID[DEFAULT_METHOD].number,
         description="How the surface follows its handles. It can be changed later, and the handles stay",
     )
 

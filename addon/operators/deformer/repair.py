@@ -5,6 +5,7 @@ from bpy.props import BoolProperty
 from bpy.types import Context, Object, Operator
 
 from ...core.errors import SinewError
+from ...core.labels import label_of
 from ...ids import Operators
 from ...session.actions import bind, refining, repair
 from ...session.actions.handles import overlaps
@@ -137,7 +138,7 @@ class SINEW_OT_refine(OnDeformer, Operator):
         if reason:
             return reason
         method = target_of(context).sinew.active.definition
-        return "" if method.finer else f"{method.label} has nothing that could be finer"
+        return "" if method.finer else f"{label_of(method)} has nothing that could be finer"
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

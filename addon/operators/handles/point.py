@@ -5,7 +5,8 @@ from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Object, Operator
 
 from ...core.errors import SinewError
-from ...core.methods import DEFAULT_POINT_METHOD, METHODS, Control
+from ...core.labels import items_of
+from ...core.methods import BY_ID, DEFAULT_POINT_METHOD, METHODS, Control
 from ...ids import Operators
 from ...session.actions import rigging
 from ...session.actions.handles import points as edit_handles_points
@@ -60,8 +61,8 @@ class SINEW_OT_point_add(OnTarget, BindingOperator, Operator):
     )
     method: EnumProperty(
         name="Method",
-        items=tuple((method.id, method.label, method.summary, method.number) for method in _METHODS),
-        default=DEFAULT_POINT_METHOD,
+        items=items_of(_METHODS),
+        default=BY_ID[DEFAULT_POINT_METHOD].number,
         description="How space follows the handles, for an object that has no deformer yet",
     )
 

@@ -8,6 +8,7 @@ import bpy
 from bpy.types import Context, Event, Object, Operator
 from gpu_extras.presets import draw_circle_2d
 
+from ...core.labels import label_of
 from ...core.methods import BY_ID
 from ...ids import Operators
 from ...session.edit_mode.grab import NOTHING_FREE, Grab
@@ -101,7 +102,7 @@ class SINEW_OT_grab_region(Offered, MotionProperties, ViewportTool, Operator):
         tool, settings = self.tool, context.scene.unit_settings
         reach = "whole surface" if math.isinf(tool.radius) else f"radius {length_text(settings, tool.radius)}"
         motion = tool.typed.header(lambda value: length_text(settings, value))
-        return f"{motion}   {BY_ID[self.method].label}, {reach}"
+        return f"{motion}   {label_of(BY_ID[self.method])}, {reach}"
 
 
 def _draw_circle(tool: Grabbing) -> None:

@@ -1,0 +1,187 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What artists want to do, and the methods that do it. Panels, menus and the manual follow these rows."""
+
+from dataclasses import KW_ONLY, dataclass
+
+from .methods import BY_ID, Method
+
+
+@dataclass(frozen=True)
+class Task:
+    """Something that an artist wants to do.
+
+    ``deformer``: what a deformer that was made for it is called. ``purpose``: what it is for. ``methods``:
+    their ids, the recommended one first; none if nothing stays behind. ``other_names``: what other programs
+    call it, which finds the recommended method. ``page``: the page of the manual.
+    """
+
+    id: str
+    label: str
+    deformer: str
+    purpose: str
+    _: KW_ONLY
+    methods: tuple[str, ...] = ()
+    other_names: tuple[str, ...] = ()
+    page: str
+
+    @property
+    def recommended(self) -> Method | None:
+        """The method that a deformer of this task starts with."""
+        return BY_ID[self.methods[0]] if self.methods else None
+
+    @property
+    def more(self) -> tuple[Method, ...]:
+        """The other methods that are chosen by themselves, and not put around another one by a switch."""
+        return tuple(BY_ID[method] for method in self.methods[1:] if not BY_ID[method].wraps)
+
+
+TASKS = (
+    Task(
+        "limb",
+        "Bend a Limb",
+        "Limb",
+        "arms, legs, tails, necks",
+        methods=(
+            "arap",
+            "subspace_laplacian",
+            "laplacian_editing",
+            "gradient_editing",
+            "rotation_invariant_coordinates",
+            "handle_aware_isolines",
+            "hierarchical_smoothing",
+            "volumetric_graph_laplacian",
+            "multiresolution",
+        ),
+        other_names=("Cluster", "Bulge", "Muscle"),
+        page="surface",
+    ),
+    Task(
+        "joint",
+        "Correct a Joint",
+        "Joint",
+        "an elbow that bones have bent",
+        methods=("arap",),
+        other_names=("Corrective Shape", "Delta Mush"),
+        page="correct-an-elbow",
+    ),
+    Task(
+        "sheet",
+        "Shape a Sheet",
+        "Sheet",
+        "flags, leaves, skirts",
+        methods=(
+            "thin_shell",
+            "primo",
+            "thin_shell_nonlinear",
+            "spline_surface",
+            "propagation",
+            "subdivision_editing",
+        ),
+        page="surface",
+    ),
+    Task(
+        "box",
+        "Put in a Box",
+        "Box",
+        "everything, several objects",
+        methods=("ffd",),
+        other_names=("Squash and Stretch", "FFD Box"),
+        page="lattice",
+    ),
+    Task(
+        "cage",
+        "Wrap in a Cage",
+        "Cage",
+        "characters, props",
+        methods=("mean_value", "positive_mean_value", "harmonic", "green"),
+        other_names=("Wrap Deformer", "Mesh Deform"),
+        page="cage",
+    ),
+    Task(
+        "parts",
+        "Move Loose Parts",
+        "Parts",
+        "text, hair, scans, props of parts",
+        methods=(
+            "mls",
+            "rbf",
+            "embedded_deformation",
+            "rigid_cells",
+            "space_propagation",
+            "inverse_ffd",
+            "multiresolution_space",
+        ),
+        other_names=("Proportional Drag", "Soft Selection", "Puppet Pin"),
+        page="handle-points",
+    ),
+    Task(
+        "lines",
+        "Lift Brows, Folds",
+        "Brows",
+        "brows, lips, cloth folds",
+        methods=("wires",),
+        page="wires-and-fields",
+    ),
+    Task(
+        "clay",
+        "Push like Clay",
+        "Clay",
+        "push, twist, bend, volume stays",
+        methods=("vector_field",),
+        other_names=("Soft Modification", "Taper"),
+        page="wires-and-fields",
+    ),
+    Task(
+        "figure",
+        "Pose by Bones",
+        "Figure",
+        "a figure and its skin",
+        methods=("mesh_puppetry",),
+        other_names=("Skin Weights",),
+        page="puppet",
+    ),
+    Task(
+        "animation",
+        "Edit an Animation",
+        "Animation",
+        "a shot, a cache",
+        methods=("mesh_sequence",),
+        other_names=("Jiggle",),
+        page="animate",
+    ),
+    Task(
+        "morph",
+        "Morph to a Mesh",
+        "Morph",
+        "between two twins",
+        methods=("pyramid_coordinates",),
+        other_names=("Blend Shape",),
+        page="baking",
+    ),
+    Task("once", "Shape It Once", "", "no modifier", page="grab-region"),
+)
+
+
+def task_of(method: Method) -> Task:
+    """The task that a method is for; for a method of several tasks the first one."""
+    return next(task for task in TASKS if method.id in task.methods)
+
+
+def found(wanted: str) -> tuple[tuple[Task, Method | None], ...]:
+    """The methods in whose words all wanted words occur, each once, with the first task that leads to it.
+
+    First come those that have the words as whole words of their own, of these the recommended ones. A task
+    without a method stands for itself.
+    """
+    words = wanted.lower().split()
+    hits: dict[str, tuple[tuple[bool, bool], Task, Method | None]] = {}
+    for task in TASKS:
+        for place, method in enumerate([BY_ID[name] for name in task.methods] or [None]):
+            own = f"{method.label} {method.known_as} {method.search}" if method else ""
+            others = " ".join(task.other_names) if place == 0 else ""
+            text = f"{task.label} {task.purpose} {own} {others}".lower()
+            if all(word in text for word in words):
+                is_own = set(words) <= set(own.lower().split())
+                key = method.id if method else task.id
+                hits.setdefault(key, ((not is_own, place > 0), task, method))
+    return tuple((task, method) for _rank, task, method in sorted(hits.values(), key=lambda hit: hit[0]))
