@@ -44,7 +44,7 @@ class Remedy(Flag):
 
 @dataclass(frozen=True)
 class Status:
-    """One line, the elements that **Select** shows, and the remedies that buttons offer.
+    """One line, the elements that **Show** selects, and the remedies that buttons offer.
 
     ``left_out``: it tells what could not be used, so scripts and reports have to tell it, too.
     """

@@ -70,7 +70,7 @@ class SinewPreferences(AddonPreferences):
         description="Which of the settings below are shown",
         items=(
             ("GENERAL", "General", "Defaults of new deformers, and how much of the machine Sinew may use", 0),
-            ("OVERLAYS", "Overlays", "Colours of regions and of distortion in the viewport", 1),
+            ("OVERLAYS", "Show", "Colours of regions and of distortion in the viewport", 1),
             ("KEYMAP", "Keymap", "Keyboard shortcuts of the add-on in the 3D Viewport", 2),
         ),
         default="GENERAL",
@@ -78,7 +78,7 @@ class SinewPreferences(AddonPreferences):
     )
     method: EnumProperty(
         name="Method",
-        description="The method that Add Handle and Add Deformer start with; each deformer can change it",
+        description="The method that Make Handle and Add Deformer start with; each deformer can change it",
         items=items_of(METHODS),
         default=BY_ID[DEFAULT_METHOD].number,
     )
@@ -135,7 +135,7 @@ class SinewPreferences(AddonPreferences):
         update=_limits_changed,
     )
     overlay_fixed: _overlay_colour(
-        "Fixed", DEFAULTS.overlay_fixed, "Colour of regions that stay where they are; handles have their own"
+        "Still", DEFAULTS.overlay_fixed, "Colour of regions that stay where they are; handles have their own"
     )
     overlay_compressed: _overlay_colour(
         "Compressed", DEFAULTS.overlay_compressed, "Colour of parts that became smaller than at rest"

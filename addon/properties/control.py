@@ -51,10 +51,10 @@ class SinewControl(PropertyGroup):
     domain: setting(
         PointerProperty,
         update=_domain_changed,
-        name="Domain",
+        name="Beside",
         type=Object,
         poll=lambda control, obj: obj.type == "CURVE" and obj not in (control.object, control.id_data),
-        description="A curve beside a wire. In its direction, the wire reaches only as far as that",
+        description="Let the wire reach no farther than this curve, in its direction",
     )
     has_domain: record(BoolProperty, description="Whether the rest shape holds the domain curve, too")
     enabled: setting(

@@ -26,7 +26,7 @@ from ..core.methods import (
     Pointer,
     group_property,
 )
-from ..core.names import unique_name, without_number
+from ..core.names import is_numbered, numbered
 from ..core.tasks import TASKS, task_of
 from ..ids import Keys
 from .bake import SinewBake
@@ -70,9 +70,9 @@ _GIVEN = {
 
 def _method_changed(deformer: "SinewDeformer", context: Context) -> None:
     """Name the deformer after the task of its method, as long as nobody has given it a name."""
-    if without_number(deformer.name) in _GIVEN:
+    if is_numbered(deformer.name, _GIVEN):
         others = [other.name for other in deformer.id_data.sinew.deformers if other.uid != deformer.uid]
-        deformer.name = unique_name(task_of(deformer.definition).deformer, others)
+        deformer.name = numbered(task_of(deformer.definition).deformer, others)
     evaluate_again(deformer, context)
 
 
@@ -152,7 +152,7 @@ class SinewDeformer(PropertyGroup):
         set=_set_cage_levels,
         options={"SKIP_SAVE"},
         description="Levels of the cage's Subdivision modifier, which makes it smooth; 0 removes it. "
-        "This changes the vertices of the cage, so press Set Rest Cage afterwards",
+        "This changes the vertices of the cage, so press New Rest afterwards",
     )
     owns_cage: record(
         BoolProperty, description="Whether the cage was made for this deformer, and is removed with it"
@@ -171,7 +171,7 @@ class SinewDeformer(PropertyGroup):
     use_mirror_x: setting(
         BoolProperty,
         options=set(),  # cannot be animated
-        name="X-Axis Mirror",
+        name="Mirror",
         description="When you move a control whose name has a side, such as Hand.L, the control of the other "
         "side follows as its mirror image across the local X axis of the mesh",
     )

@@ -19,11 +19,11 @@ from .setting import evaluate_again, record, setting
 
 ROLES = (
     ("HANDLE", "Handle", "Follows a control: an empty, any object, or a bone", "EMPTY_AXIS", 0),
-    ("FIXED", "Fixed", "Stays where it is", "PINNED", 1),
+    ("FIXED", "Still", "Stays where it is", "PINNED", 1),
     (
         "SUPPORT",
-        "Support",
-        "May move, while everything outside of it and of the handles is fixed",
+        "Free Area",
+        "May move, while everything outside of it and of the handles holds still",
         "MOD_MESHDEFORM",
         2,
     ),
@@ -100,7 +100,7 @@ class SinewHandle(PropertyGroup):
         name="Role",
         items=ROLES,
         default="HANDLE",
-        description="Handle follows a control. Fixed stays. Support: only these vertices may move",
+        description="Say whether the region follows a control, holds still, or is all that may move",
     )
     vertex_group: setting(
         StringProperty,

@@ -87,12 +87,12 @@ class SinewScene(PropertyGroup):
     """The settings of Sinew that a scene stores"""
 
     show_overlay: BoolProperty(
-        name="Overlays",
+        name="Show",
         update=_changed,
         description="Draw regions, painted values or distortion over the meshes that Sinew deforms",
     )
     overlay: EnumProperty(
-        name="Show", items=OVERLAYS, update=_changed, description="What the colours stand for"
+        name="Colours", items=OVERLAYS, update=_changed, description="What the colours stand for"
     )
     parameter: EnumProperty(
         name="Parameter", items=_parameters(), update=_changed, description="Which painted parameter is shown"

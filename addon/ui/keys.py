@@ -60,7 +60,7 @@ class SINEW_PT_keys(ActiveDeformerPanel, Panel):
         side.separator()
         side.operator(Operators.KEY_JUMP, text="", icon="PREV_KEYFRAME").to = "PREVIOUS"
         side.operator(Operators.KEY_JUMP, text="", icon="NEXT_KEYFRAME").to = "NEXT"
-        layout.operator(Operators.KEY_ADD, text="Key without an Edit", icon="KEYFRAME").blank = True
+        layout.operator(Operators.KEY_ADD, text="Key None", icon="KEYFRAME").blank = True
         frames = range(context.scene.frame_start, context.scene.frame_end + 1)
         missing = bake.missing_frames(context.scene, target_of(context), deformer, frames)
         for text in (*keys.key_notes(deformer), *missing):

@@ -22,10 +22,10 @@ class SINEW_MT_edit_mesh(Menu):
 
     def draw(self, _context: Context) -> None:
         layout = invoking(self.layout)
-        add_entry(layout, "HANDLE", "Add Handle", "ADD")
-        add_entry(layout, "HANDLE", "Add Handle to Selected Object or Bone", "HOOK", control="SELECTED")
-        add_entry(layout, "FIXED", "Add Fixed", "PINNED")
-        add_entry(layout, "SUPPORT", "Set Support", "MOD_MESHDEFORM")
+        add_entry(layout, "HANDLE", "Make Handle", "ADD")
+        add_entry(layout, "HANDLE", "Make Handle on Selected Object or Bone", "HOOK", control="SELECTED")
+        add_entry(layout, "FIXED", "Hold Still", "PINNED")
+        add_entry(layout, "SUPPORT", "Free Around It", "MOD_MESHDEFORM")
         layout.separator()
         _draw_common(layout)
 
@@ -56,8 +56,8 @@ class SINEW_MT_add_region(Menu):
         if obj is not None and obj.mode == "EDIT":
             add_entry(layout, "HANDLE", "Handle", "ADD")
             add_entry(layout, "HANDLE", "Handle to Selected Object or Bone", "HOOK", control="SELECTED")
-            add_entry(layout, "FIXED", "Fixed", "PINNED")
-            add_entry(layout, "SUPPORT", "Support", "MOD_MESHDEFORM")
+            add_entry(layout, "FIXED", "Hold Still", "PINNED")
+            add_entry(layout, "SUPPORT", "Free Around It", "MOD_MESHDEFORM")
             layout.separator()
         for role, name in Menus.FOR_GROUPS.items():
             layout.menu(name, icon=_ADDING[role][1])
@@ -74,7 +74,7 @@ class SINEW_MT_add(Menu):
         for role, name in Menus.FOR_GROUPS.items():
             layout.menu(name, icon=_ADDING[role][1])
         layout.separator()
-        for source, text in (("AUTO", "Add Cage"), ("OBJECT", "Use Selected as Cage")):
+        for source, text in (("AUTO", "Wrap in a Cage"), ("OBJECT", "Cage from Selected")):
             layout.operator(Operators.CAGE_ADD, text=text, icon="MESH_CUBE").source = source
         layout.operator(Operators.LATTICE_ADD, icon="LATTICE_DATA")
         layout.separator()
@@ -121,8 +121,8 @@ class SINEW_MT_manual(Menu):
 
 _ADDING = {
     "HANDLE": ("Handle from Vertex Group", "ADD"),
-    "FIXED": ("Fixed from Vertex Group", "PINNED"),
-    "SUPPORT": ("Support from Vertex Group", "MOD_MESHDEFORM"),
+    "FIXED": ("Still from Vertex Group", "PINNED"),
+    "SUPPORT": ("Free Area from Vertex Group", "MOD_MESHDEFORM"),
 }
 
 
@@ -177,7 +177,7 @@ def _draw_common(layout: UILayout) -> None:
     layout.operator(Operators.UNBIND, icon="X")
     layout.operator(Operators.CANCEL, icon="CANCEL")
     layout.separator()
-    layout.operator(Operators.SELECT_PROBLEMS, text="Select Problems", icon="ERROR")
+    layout.operator(Operators.SELECT_PROBLEMS, text="Show Problems", icon="ERROR")
     layout.operator(Operators.SELECT_DISTORTED, icon="MOD_CLOTH")
     layout.operator(Operators.REPAIR, icon="TOOL_SETTINGS")
     layout.operator(Operators.PART_REGIONS, icon="SELECT_DIFFERENCE")

@@ -70,7 +70,7 @@ class SINEW_PT_sinew(SidebarPanel, Panel):
 class SINEW_PT_advanced(ActiveDeformerPanel, Panel):
     """Settings that are seldom changed"""
 
-    bl_label = "Advanced"
+    bl_label = "Settings"
     bl_order = 40
 
     def draw(self, context: Context) -> None:

@@ -29,13 +29,13 @@ class SINEW_MT_pie(Menu):
 
 def _draw_edit_mode(pie: UILayout) -> None:
     """Blender places the entries left, right, below and above, then in the corners from the upper left."""
-    add_entry(pie, "HANDLE", "Add Handle", "ADD")
-    add_entry(pie, "FIXED", "Add Fixed", "PINNED")
+    add_entry(pie, "HANDLE", "Make Handle", "ADD")
+    add_entry(pie, "FIXED", "Hold Still", "PINNED")
     pie.operator(Operators.BIND, icon="FILE_REFRESH")
     pie.operator(Operators.GRAB_REGION, icon="VIEW_PAN")
-    add_entry(pie, "SUPPORT", "Set Support", "MOD_MESHDEFORM")
-    add_entry(pie, "HANDLE", "Add Handle to Selected Object or Bone", "HOOK", control="SELECTED")
-    pie.operator(Operators.SELECT_PROBLEMS, text="Select Problems", icon="ERROR")
+    add_entry(pie, "SUPPORT", "Free Around It", "MOD_MESHDEFORM")
+    add_entry(pie, "HANDLE", "Make Handle on Selected Object or Bone", "HOOK", control="SELECTED")
+    pie.operator(Operators.SELECT_PROBLEMS, text="Show Problems", icon="ERROR")
     pie.operator(Operators.SELECT_HANDLE, icon="RESTRICT_SELECT_OFF")
 
 
@@ -46,7 +46,7 @@ def _draw_other_modes(pie: UILayout) -> None:
     pie.operator(Operators.BAKE, icon="RENDER_ANIMATION")
     pie.menu(Menus.ADD, icon="ADD")
     pie.operator(Operators.REPAIR, icon="TOOL_SETTINGS")
-    pie.operator(Operators.SELECT_PROBLEMS, text="Select Problems", icon="ERROR")
+    pie.operator(Operators.SELECT_PROBLEMS, text="Show Problems", icon="ERROR")
     pie.operator(Operators.APPLY, icon="CHECKMARK")
 
 

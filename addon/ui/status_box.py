@@ -50,12 +50,12 @@ class Button:
 
 REMEDIES: dict[Remedy, Button] = {
     Remedy.BIND: Button(Operators.BIND, "Rebind", "FILE_REFRESH"),
-    Remedy.CAGE_REST: Button(Operators.CAGE_REST, "Set Rest Cage", "MESH_CUBE"),
-    Remedy.LATTICE_REST: Button(Operators.LATTICE_REST, "Set Rest Lattice", "PIVOT_BOUNDBOX"),
+    Remedy.CAGE_REST: Button(Operators.CAGE_REST, "New Rest", "MESH_CUBE"),
+    Remedy.LATTICE_REST: Button(Operators.LATTICE_REST, "New Rest", "PIVOT_BOUNDBOX"),
     Remedy.FLIP_CAGE: Button(Operators.CAGE_FLIP, "Flip", "NORMALS_FACE"),
     Remedy.OUTSIDE: Button(Operators.CAGE_OUTSIDE, "Follow", "MOD_MESHDEFORM"),
     Remedy.REPAIR: Button(Operators.REPAIR, "Repair", "TOOL_SETTINGS"),
-    Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Part Regions", "NONE"),
+    Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Unshare", "NONE"),
     Remedy.REFINE: Button(Operators.REFINE, "Refine", "MESH_GRID"),
     Remedy.ARMATURE_OFF: Button(Operators.ARMATURE_OFF, "Turn Off Armature", "MOD_ARMATURE"),
     Remedy.KEEP_INSIDE: Button(Operators.KEEP_INSIDE, "Keep Inside Parts", "PINNED"),
@@ -94,7 +94,7 @@ def draw_message(context: Context, layout: UILayout, line: Status, problem: int 
     if wide:
         buttons.alignment = "RIGHT"
     if problem >= 0:
-        select = buttons.operator(Operators.SELECT_PROBLEMS, text="Select", icon="RESTRICT_SELECT_OFF")
+        select = buttons.operator(Operators.SELECT_PROBLEMS, text="Show", icon="RESTRICT_SELECT_OFF")
         select.line = problem
     draw_remedy(buttons, line.remedy)
 

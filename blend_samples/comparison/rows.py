@@ -23,7 +23,8 @@ def registry_rows(methods: ModuleType, native: ModuleType) -> Iterator[tuple[str
     """A row per method that handles or a lattice steer, with its defaults, in the menu's order.
 
     ``methods`` is the add-on's ``core.methods``, ``native`` the compiled module. So a method that the
-    registry gains is in the matrix, by its name in the literature. One that edits animations is left out: on a still mesh it is another row.
+    registry gains is in the matrix, by its name in the literature. One that edits animations is left out:
+    on a still mesh it is another row.
     """
     for method in methods.METHODS:
         if method.keyed or method.control not in (methods.Control.HANDLES, methods.Control.LATTICE):

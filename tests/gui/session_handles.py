@@ -37,7 +37,7 @@ DRAGGED = 4e-6
 
 EAR, NOSE = (1.7, 0.0, 0.35), (0.0, 0.0, -0.3)  # as seen from the front
 NOTHING = ([], [], 0, [])
-ONE_HANDLE = ([("SUPPORT", "Support"), ("HANDLE", "Handle")], ["Support", "Handle"], 1, ["Head Handle"])
+ONE_HANDLE = ([("SUPPORT", "Free Area"), ("HANDLE", "Handle")], ["Free Area", "Handle"], 1, ["Head Handle"])
 
 
 def left_behind() -> tuple:

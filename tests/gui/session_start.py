@@ -28,7 +28,7 @@ MENU_ADD_HANDLE = (640, 736)
 METHOD = (930, 585)
 FACTOR = (975, 232), (940, 232)
 LAST = 12  # frame
-REGIONS = [("HANDLE", "Handle"), ("FIXED", "Fixed")]
+REGIONS = [("HANDLE", "Handle"), ("FIXED", "Still")]
 FLOAT32 = 2e-6  # of a model 2 units long
 
 
@@ -96,7 +96,7 @@ def mark_regions() -> Iterator[None]:
     with claim("back in Object Mode the control alone is selected"):
         assert cow().mode == "OBJECT"
         assert [obj.name for obj in bpy.context.view_layer.objects if obj.select_get()] == ["spot Handle"]
-        assert "2,930 vertices, 1 handle, 1 fixed, " in deformer().status
+        assert "2,930 vertices, 1 handle, 1 still, " in deformer().status
         assert "bound in" in deformer().status
     screenshot("3-ready")
 
@@ -104,7 +104,7 @@ def mark_regions() -> Iterator[None]:
 def pose() -> Iterator[None]:
     """Move, turn and scale the head; undo and redo."""
     ready = shown(cow())
-    hooves, _weights = members_of(cow(), "Fixed")
+    hooves, _weights = members_of(cow(), "Still")
     with claim("the surface follows the drag, and the final answer the preview"):
         yield from keys("G", at=HERE)
         yield from glide(between(HERE, (512, 380)))
@@ -280,7 +280,7 @@ def grab_region() -> Iterator[None]:
     bpy.ops.ed.undo_push(message="Select")
     before, chosen = edited(cow()), selection(cow())
     way = [(520, 330), (560, 360)]
-    with claim("Grab Region starts by its key, and the surface follows"):
+    with claim("Grab Once starts by its key, and the surface follows"):
         yield from keys("alt Y", at=HERE)
         yield from glide(way)
         above(apart(edited(cow()), before), 0.1)

@@ -202,7 +202,7 @@ def heavy() -> Iterator[None]:
     with claim("a heavy mesh binds in a thread, and Esc cancels"):
         assert not is_done()
         yield from until(is_done)
-        assert "160,801 vertices, 1 handle, 1 fixed, " in made.status
+        assert "160,801 vertices, 1 handle, 1 still, " in made.status
         yield
         bpy.context.view_layer.objects.active = obj
         obj.data.vertices[0].co.z += 0.5  # else the factor stays, and nothing is left to cancel

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mirrored posing by mouse and keys, a rig that rides on another, Puppet Drag, and Silhouette Sketch."""
+"""Mirrored posing by mouse and keys, a rig that rides on another, Sinew Drag: Bones, and Draw Outline."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -65,7 +65,7 @@ def mirror() -> Iterator[None]:
     yield from open_sidebar()
     deformer().use_mirror_x = True
     make_active(ear("L"))
-    bpy.ops.ed.undo_push(message="X-Axis Mirror")
+    bpy.ops.ed.undo_push(message="Mirror")
     yield from rest()
     yield from mirrored_drag()
     yield from mirrored_clear()
@@ -235,7 +235,7 @@ def select_bones(*names: str) -> None:
 
 
 def pull(name: str, by: tuple[float, float, float]) -> Iterator[None]:
-    """Puppet Drag of a bone, from its tail; the mouse stays where it ends."""
+    """Sinew Drag: Bones of a bone, from its tail; the mouse stays where it ends."""
     select_bones(name)
     start = tail(name)
     move(*on_screen(start))

@@ -69,12 +69,12 @@ __all__ = (
     "wrapped",
 )
 
-DEFAULT_METHOD = "arap"  # the method of a deformer that Add Handle makes
-DEFAULT_CAGE_METHOD = "mean_value"  # the method of a deformer that Add Cage makes
+DEFAULT_METHOD = "arap"  # the method of a deformer that Make Handle makes
+DEFAULT_CAGE_METHOD = "mean_value"  # the method of a deformer that Wrap in a Cage makes
 DEFAULT_PUPPET_METHOD = "mesh_puppetry"
-DEFAULT_POINT_METHOD = "rbf"  # the method of a deformer that Add Handle Points makes
+DEFAULT_POINT_METHOD = "rbf"  # the method of a deformer that Add Points makes
 DEFAULT_GRIP_METHOD = "inverse_ffd"  # the method that Sinew Drag gives to what is no mesh, such as text
-DEFAULT_TOOL_METHOD = "vector_field"  # the method of a deformer that Add Tool and Field Drag make
+DEFAULT_TOOL_METHOD = "vector_field"  # the method of a deformer that Add Tool and Sinew Drag: Clay make
 DEFAULT_WIRE_METHOD = "wires"  # the method of a deformer that Add Wire makes
 # The methods that a method is put around until the artist chooses another one.
 DEFAULT_BASES = frozenset({"thin_shell", "rbf"})

@@ -62,7 +62,7 @@ ROWS = (
                 step=1.0,
                 rebinds=True,
                 unit="mean edge lengths",
-                label="Wavelength",
+                label="Detail Size",
                 description="Bumps that are shorter than this count as details. "
                 "Raise it until the base is as smooth as what you want to bend",
             ),

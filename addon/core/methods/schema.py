@@ -80,7 +80,7 @@ class Parameter:
 
     ``rebinds``: the parameter is a keyword of the native constructor, so a change needs another bind.
     Otherwise it is a keyword of ``solve``. ``advanced``: it is seldom changed, so the panel shows it under
-    Advanced. ``only_with``: a choice of the same method, and its values with which the method uses this
+    Settings. ``only_with``: a choice of the same method, and its values with which the method uses this
     parameter; the panel hides it with others. ``unit``: what a number counts or measures, in words. Blender
     shows a "length" and an "angle" in the units of the scene. ``earlier``: a former default, and from which
     ``SinewDeformer.defaults`` on the present one holds.

@@ -27,7 +27,7 @@ ROWS = (
                 maximum=100.0,
                 soft_maximum=8.0,
                 rebinds=True,
-                label="Sharing",
+                label="Dominance",
                 description="Where several wires reach, the one with the longest move prevails, the more so "
                 "the larger this is. 0 takes the mean of all moves",
             ),

@@ -53,7 +53,7 @@ ROWS = (
                     *_SPLINES,
                     (
                         "blender",
-                        "As in Blender",
+                        "Blender's Lattice",
                         "What the interpolation types of the lattice say: the shape of Blender's modifier",
                     ),
                 ),

@@ -230,7 +230,7 @@ ROWS = (
                     ),
                 ),
                 rebinds=True,
-                label="Quads As",
+                label="Quads",
                 description="What the faces of the cage with four corners are",
             ),
             *CAGE_PARAMETERS,

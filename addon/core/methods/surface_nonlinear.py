@@ -129,7 +129,7 @@ ROWS = (
                 precision=5,
                 rebinds=True,
                 unit="share of the rest area",
-                label="Smooth Rotations",
+                label="Evenness",
                 description="How much neighbouring parts rotate together, as a share of the surface's area. "
                 "0 gives the energy of the paper, which buckles on fine meshes",
             ),
@@ -149,7 +149,7 @@ ROWS = (
                 rebinds=True,
                 advanced=True,
                 unit="share of the energy",
-                label="Point Handles",
+                label="Round Points",
                 description="How smooth the surface is also around handles of a single vertex, which "
                 "otherwise leave a spike. 0.5 to 0.9 is right for them, 0 for handles of many vertices. "
                 "Only with cells of spokes",
@@ -294,7 +294,7 @@ ROWS = (
                 "cage",
                 rebinds=True,
                 label="Cage",
-                description="A closed mesh around the parts that have handles, such as one of Add Cage. "
+                description="A closed mesh around the parts that have handles, such as Wrap in a Cage makes. "
                 "Without one, each part gets its own, which is not shown",
             ),
             Int(

@@ -46,7 +46,7 @@ class SINEW_OT_key_add(OnKeys, Operator):
     """
 
     bl_idname = Operators.KEY_ADD
-    bl_label = "Key the Present Edit"
+    bl_label = "Key Edit"
 
     blank: once(
         BoolProperty, "Blank", "Edit nothing in this frame, whatever the controls and the other keys do"

@@ -31,7 +31,7 @@ class SINEW_OT_morph(Offered, BindingOperator, Operator):
     """
 
     bl_idname = Operators.MORPH
-    bl_label = "Morph to Mesh"
+    bl_label = "Morph to a Mesh"
 
     target: once(
         StringProperty,

@@ -20,7 +20,7 @@ class SINEW_OT_transfer_deformation(Offered, FrameByFrame, Operator):
     """
 
     bl_idname = Operators.TRANSFER
-    bl_label = "Transfer Deformation"
+    bl_label = "Copy the Motion"
     doing, did = "transferring", "Transferred"
     cancelled = "The transfer was cancelled - everything is as it was"
 

@@ -112,7 +112,7 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
     """Let a closed mesh around this one move it. Edit, pose or animate the cage like any other mesh"""
 
     bl_idname = Operators.CAGE_ADD
-    bl_label = "Add Cage"
+    bl_label = "Wrap in a Cage"
     bl_options = {"REGISTER", "UNDO"}
 
     CANCELLED = "No cage was made"
@@ -235,7 +235,7 @@ class SINEW_OT_cage_set_rest(OnCage, BindsAll, Operator):
     """
 
     bl_idname = Operators.CAGE_REST
-    bl_label = "Set Rest Cage"
+    bl_label = "New Rest"
 
 
 class SINEW_OT_cage_flip(OnCage, BindsAll, Operator):
@@ -276,7 +276,7 @@ class SINEW_OT_cage_faces(OnCage, _MakesCage, Operator):
     """Make the automatic cage anew, with more faces or fewer, as long as it is neither posed nor edited"""
 
     bl_idname = Operators.CAGE_FACES
-    bl_label = "Change Faces"
+    bl_label = "Cage Faces"
     bl_options = {"REGISTER", "UNDO"}
 
     CANCELLED = "The cage stays as it was"

@@ -115,7 +115,7 @@ class SINEW_OT_lattice_set_rest(OnDeformer, BindsAll, Operator):
     """
 
     bl_idname = Operators.LATTICE_REST
-    bl_label = "Set Rest Lattice"
+    bl_label = "New Rest"
 
     @classmethod
     def refusal(cls, context: Context) -> str:

@@ -14,7 +14,7 @@ from ..reporting import reports_errors
 
 # Identifier, label and description; the identifier is the name of the page's file.
 PAGES = (
-    ("surface", "Pose a Surface", "From a selection to a pose: handles, fixed regions, support, methods"),
+    ("surface", "Pose a Surface", "From a selection to a pose: handles, still regions, free areas, methods"),
     ("correct-an-elbow", "Correct an Elbow", "Corrections of a posed figure, which ride on its surface"),
     ("cage", "Pose with a Cage", "Let a coarse closed mesh around yours move it"),
     ("clothes", "Clothes", "A dressed figure in one cage, which its bones move"),
@@ -25,9 +25,9 @@ PAGES = (
     ("animate", "Animate and Render", "Keyframes, drivers, renders, several deformers in one stack"),
     ("troubles", "When Things Go Wrong", "What each warning means, and what to do about it"),
     ("baking", "Bake and Apply", "Store shapes in shape keys, caches, or the mesh itself"),
-    ("overlays", "Overlays", "Colours of regions, of influence, and of distortion"),
-    ("grab-region", "Grab Region", "Move vertices once, without a handle that stays"),
-    ("silhouette-sketch", "Silhouette Sketch", "Draw the outline of a mesh anew, and its surface follows"),
+    ("overlays", "Show", "Colours of regions, of influence, and of distortion"),
+    ("grab-region", "Grab Once", "Move vertices once, without a handle that stays"),
+    ("silhouette-sketch", "Draw Outline", "Draw the outline of a mesh anew, and its surface follows"),
     ("puppet", "Puppets", "Drag a bone, and the figure and its skin follow"),
     ("scripting", "Scripting", "Operators, properties, and the Python module"),
 )

@@ -105,7 +105,7 @@ class SINEW_OT_part_regions(OnDeformer, Operator):
     """
 
     bl_idname = Operators.PART_REGIONS
-    bl_label = "Part Regions"
+    bl_label = "Unshare"
     MESHES_ONLY = True
 
     @reports_errors

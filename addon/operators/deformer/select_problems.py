@@ -16,10 +16,10 @@ from ..target import target_of
 
 
 class SINEW_OT_select_problems(OnDeformer, Operator):
-    """Select, in Edit Mode, the vertices or faces of the mesh or of its cage that the status names"""
+    """Show, in Edit Mode, the vertices or faces of the mesh or of its cage that the status names"""
 
     bl_idname = Operators.SELECT_PROBLEMS
-    bl_label = "Select"
+    bl_label = "Show"
 
     line: IntProperty(
         name="Line",

@@ -20,8 +20,6 @@ from ..reporting import reports_errors
 from ..target import handle_index, object_mode, object_named, show_control, target_of
 from ..waiting import BindingOperator
 
-_LABELS = {identifier: label for identifier, label, *_rest in HANDLE_ROLES}
-
 
 class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
     """Make the selected vertices a region; outside Edit Mode, those of the active vertex group.
@@ -30,14 +28,14 @@ class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
     """
 
     bl_idname = Operators.HANDLE_ADD
-    bl_label = "Add Handle"
+    bl_label = "Make Handle"
     MESHES_ONLY = True
 
     kind: EnumProperty(
         name="Role",
         items=HANDLE_ROLES,
         default="HANDLE",
-        description="Handle follows a control. Fixed stays. Support: only these vertices may move",
+        description="Say whether the region follows a control, holds still, or is all that may move",
     )
     vertex_group: StringProperty(
         name="Vertex Group",
@@ -83,7 +81,7 @@ class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
         if not group:
             if obj.mode != "EDIT":
                 raise SinewError("Choose a vertex group, or select vertices in Edit Mode")
-            group = selection.group_from_selection(obj, self.handle_name or _LABELS[self.kind])
+            group = selection.group_from_selection(obj, self.kind, self.handle_name)
         with object_mode(context, obj):
             handle, refusal = rigging.rig_region(
                 obj,

@@ -54,7 +54,7 @@ class SINEW_OT_point_add(OnTarget, BindingOperator, Operator):
     """
 
     bl_idname = Operators.POINT_ADD
-    bl_label = "Add Handle Points"
+    bl_label = "Add Points"
 
     source: EnumProperty(
         name="Where", items=_SOURCES, default="CURSOR", description="What the handles follow"

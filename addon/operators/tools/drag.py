@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Drag Surface: in Object Mode, make a handle where one presses on a mesh, or take one that is there."""
+"""Sinew Drag: in Object Mode, make a handle where one presses on a mesh, or take one that is there."""
 
 import math
 from collections.abc import Callable
@@ -45,7 +45,7 @@ class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
     """
 
     bl_idname = Operators.DRAG
-    bl_label = "Drag Surface"
+    bl_label = "Sinew Drag"
     bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING", "INTERNAL"}  # it begins with a press
 
     KEYS = _KEYS

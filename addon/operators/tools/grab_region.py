@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grab Region: pose vertices once, in Edit Mode."""
+"""Grab Once: pose vertices once, in Edit Mode."""
 
 import math
 from functools import partial
@@ -37,7 +37,7 @@ class SINEW_OT_grab_region(Offered, MotionProperties, ViewportTool, Operator):
     """
 
     bl_idname = Operators.GRAB_REGION
-    bl_label = "Grab Region"
+    bl_label = "Grab Once"
     bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING"}
 
     KEYS = _KEYS
@@ -88,7 +88,7 @@ class SINEW_OT_grab_region(Offered, MotionProperties, ViewportTool, Operator):
         """Report what an artist may not expect."""
         if obj.data.use_mirror_x or obj.data.use_mirror_y or obj.data.use_mirror_z:
             self.report(
-                {"INFO"}, "Grab Region ignores the Mirror option of the mesh - the other side stays as it is"
+                {"INFO"}, "Grab Once ignores the Mirror option of the mesh - the other side stays as it is"
             )
         if grab.lost:
             count = "1 vertex has" if grab.lost == 1 else f"{grab.lost:,} vertices have"

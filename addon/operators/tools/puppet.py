@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Puppet Drag: drag a bone of an armature, and the figure follows. Pins, and the handles of bones."""
+"""Sinew Drag: Bones: drag a bone of an armature, and the figure follows. Pins, and the handles of bones."""
 
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
@@ -35,7 +35,7 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
     """Drag the active bone, and let the figure follow: joints keep their limits, pinned bones stay"""
 
     bl_idname = Operators.PUPPET_POSE
-    bl_label = "Puppet Drag"
+    bl_label = "Sinew Drag: Bones"
     bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING"}
 
     KEYS = _KEYS
@@ -134,7 +134,7 @@ class SINEW_OT_puppet_pin(Offered, Operator):
     """Pin the selected bones, or release them: pinned ones stay while another bone is dragged"""
 
     bl_idname = Operators.PUPPET_PIN
-    bl_label = "Pin Bones"
+    bl_label = "Pin"
 
     action: once(
         EnumProperty,
@@ -171,7 +171,7 @@ class SINEW_OT_puppet_rig(Offered, BindingOperator, Operator):
     """Let the bones of an armature move the mesh: each holds the vertex group of its name, or its limb"""
 
     bl_idname = Operators.PUPPET_RIG
-    bl_label = "Handles from Bones"
+    bl_label = "Skin by Bones"
 
     armature: once(
         StringProperty, "Armature", "The name of the armature; if empty, the other selected object"

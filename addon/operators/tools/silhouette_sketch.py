@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Silhouette Sketch: draw the outline of a mesh anew, and its surface follows."""
+"""Draw Outline: draw the outline of a mesh anew, and its surface follows."""
 
 import math
 from functools import partial
@@ -54,7 +54,7 @@ class SINEW_OT_silhouette_sketch(Offered, ViewportTool, Operator):
     """
 
     bl_idname = Operators.SILHOUETTE_SKETCH
-    bl_label = "Silhouette Sketch"
+    bl_label = "Draw Outline"
     bl_options = {"REGISTER", "UNDO", "BLOCKING"}
 
     KEYS = _KEYS

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Field Drag: press on the surface and drag it like clay. The path of the mouse becomes that of a tool."""
+"""Sinew Drag on Clay: press on the surface and drag it. The path of the mouse becomes that of a tool."""
 
 from enum import Enum
 from functools import partial
@@ -174,7 +174,7 @@ class SINEW_OT_tool_drag(OnTarget, ViewportTool, Operator):
     """Drag the surface like clay: its volume stays, and it never cuts itself. The path is kept"""
 
     bl_idname = Operators.TOOL_DRAG
-    bl_label = "Field Drag"
+    bl_label = "Sinew Drag: Clay"
     bl_options = {"REGISTER", "UNDO", "BLOCKING"}
     MESHES_ONLY = True
 

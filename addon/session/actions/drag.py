@@ -35,6 +35,7 @@ from .bind import bind, unbind
 from .deformers import add_deformer, remove_deformer
 from .handles import surface_points
 from .handles.handles import NewRegion, add_handle, remove_handle
+from .handles.region_names import name_of_region
 from .rigging import rig_region
 
 _CHANNELS = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
@@ -193,9 +194,9 @@ class Drag:
             self._was_bound = deformer.is_bound
             _make_active(obj, deformer)
             if plan.support is not None:
-                group = _new_group(obj, "Support", plan.support)
+                group = _new_group(obj, "SUPPORT", plan.support)
                 self._made.append(add_handle(obj, deformer, NewRegion("SUPPORT", group, owns_group=True)).uid)
-            group = _new_group(obj, "Handle", plan.region)
+            group = _new_group(obj, "HANDLE", plan.region)
             handle, refusal = rig_region(obj, NewRegion("HANDLE", group, owns_group=True), wait=wait)
             self._made.append(handle.uid)
             if refusal is not None:
@@ -304,9 +305,11 @@ def _make_active(obj: Object, deformer: SinewDeformer) -> None:
     obj.sinew.active_deformer = list(obj.sinew.deformers).index(deformer)
 
 
-def _new_group(obj: Object, name: str, members: np.ndarray) -> str:
-    """A new vertex group of the vertices in a mask (n,)."""
-    group = obj.vertex_groups.new(name=name)
+def _new_group(obj: Object, role: str, members: np.ndarray) -> str:
+    """A new vertex group of the vertices in a mask (n,), for a region with a role."""
+    points = np.empty((len(obj.data.vertices), 3), dtype=np.float32)
+    obj.data.vertices.foreach_get("co", points.ravel())
+    group = obj.vertex_groups.new(name=name_of_region(obj, role, points, members))
     group.add(np.flatnonzero(members).tolist(), 1.0, "REPLACE")
     return group.name
 

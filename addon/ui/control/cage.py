@@ -24,7 +24,7 @@ class SINEW_MT_cage(Menu):
 
     def draw(self, _context: Context) -> None:
         layout = invoking(self.layout)
-        for source, text in (("AUTO", "Add Automatic Cage"), ("OBJECT", "Use Selected Object as Cage")):
+        for source, text in (("AUTO", "Wrap in a Cage"), ("OBJECT", "Cage from Selected")):
             layout.operator(Operators.CAGE_ADD, text=text, icon="MESH_CUBE").source = source
         layout.separator()
         layout.operator(Operators.CAGE_FACES, icon="MOD_DECIM")
@@ -71,4 +71,4 @@ def _draw_add(layout: UILayout, obj: Object) -> None:
         return
     column = layout.column(align=True)
     column.operator(Operators.CAGE_ADD, icon="MESH_CUBE").source = "AUTO"
-    column.operator(Operators.CAGE_ADD, text="Use Selected as Cage", icon="MESH_ICOSPHERE").source = "OBJECT"
+    column.operator(Operators.CAGE_ADD, text="Cage from Selected", icon="MESH_ICOSPHERE").source = "OBJECT"

@@ -22,11 +22,11 @@ class SINEW_MT_wires(Menu):
 
     def draw(self, _context: Context) -> None:
         layout = invoking(self.layout)
-        for source, text in (("CURVES", "Use Selected Curves as Wires"), ("EDGES", "Add Wire along Edges")):
+        for source, text in (("CURVES", "Wires from Selected"), ("EDGES", "Wire along Edges")):
             layout.operator(Operators.WIRE_ADD, text=text, icon="CURVE_DATA").source = source
         layout.operator(Operators.WIRE_DRAW, icon="GREASEPENCIL")
         layout.separator()
-        layout.operator(Operators.ROW_REST, text="Set Rest Wires", icon="PIVOT_BOUNDBOX")
+        layout.operator(Operators.ROW_REST, text="New Rest", icon="PIVOT_BOUNDBOX")
         layout.operator(Operators.ROW_REMOVE, text="Remove Wire", icon="REMOVE")
 
 
@@ -50,13 +50,13 @@ def draw(_context: Context, layout: UILayout, obj: Object, deformer: SinewDeform
     column.prop(row, "domain")
     for parameter in deformer.definition.control_parameters:
         column.prop(row, parameter.id)
-    layout.operator(Operators.ROW_REST, text="Set Rest Wires", icon="PIVOT_BOUNDBOX")
+    layout.operator(Operators.ROW_REST, text="New Rest", icon="PIVOT_BOUNDBOX")
 
 
 def _draw_add(layout: UILayout, obj: Object) -> None:
     column = layout.column(align=True)
     along = obj.mode == "EDIT" and targets.is_mesh(obj)
-    text = "Add Wire along Edges" if along else "Use Selected as Wires"
+    text = "Wire along Edges" if along else "Wires from Selected"
     column.operator(Operators.WIRE_ADD, text=text, icon="CURVE_DATA").source = "AUTO"
     if targets.is_mesh(obj):
         column.operator(Operators.WIRE_DRAW, icon="GREASEPENCIL")

@@ -126,7 +126,7 @@ def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
         _draw_add_points(layout)
         return
     if obj.mode == "EDIT":
-        hint = "Select the vertices to move, then Add Handle; those to keep, then Add Fixed"
+        hint = "Select the vertices to move, then Make Handle; those to keep, then Hold Still"
     else:
         hint = "Enter Edit Mode and select vertices, or choose a vertex group here"
     draw_text(context, layout, hint, "INFO")
@@ -177,11 +177,11 @@ def _draw_mirror(context: Context, layout: UILayout, deformer: SinewDeformer) ->
 def _draw_add_buttons(context: Context, layout: UILayout, obj: Object) -> None:
     """Draw the buttons that add regions: from the selection in Edit Mode, else from a vertex group."""
     column = layout.column(align=True)
-    _draw_add(column, obj, "HANDLE", "Add Handle", "ADD")
+    _draw_add(column, obj, "HANDLE", "Make Handle", "ADD")
     beside = obj.mode == "EDIT" or columns(context) >= _WIDE_MENUS
     others = column.row(align=True) if beside else column
-    _draw_add(others, obj, "FIXED", "Add Fixed", "PINNED")
-    _draw_add(others, obj, "SUPPORT", "Set Support", "MOD_MESHDEFORM")
+    _draw_add(others, obj, "FIXED", "Hold Still", "PINNED")
+    _draw_add(others, obj, "SUPPORT", "Free Around It", "MOD_MESHDEFORM")
 
 
 def _draw_add(layout: UILayout, obj: Object, role: str, text: str, icon: str) -> None:

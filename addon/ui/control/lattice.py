@@ -29,7 +29,7 @@ class SINEW_MT_lattice(Menu):
             adding = layout.operator(Operators.LATTICE_ADD, text=text, icon=icon)
             adding.source, adding.shape = "FIT", shape
         layout.operator(
-            Operators.LATTICE_ADD, text="Use Selected Lattice", icon="LATTICE_DATA"
+            Operators.LATTICE_ADD, text="Lattice from Selected", icon="LATTICE_DATA"
         ).source = "OBJECT"
         layout.separator()
         layout.operator(Operators.LATTICE_REST, icon="PIVOT_BOUNDBOX")
@@ -72,5 +72,5 @@ def _draw_add(layout: UILayout) -> None:
         adding = column.operator(Operators.LATTICE_ADD, text=text, icon=icon)
         adding.source, adding.shape = "FIT", shape
     column.operator(
-        Operators.LATTICE_ADD, text="Use Selected as Lattice", icon="LATTICE_DATA"
+        Operators.LATTICE_ADD, text="Lattice from Selected", icon="LATTICE_DATA"
     ).source = "OBJECT"

@@ -12,6 +12,7 @@ from .curves import active_row, draw_rows
 
 ABOVE_PARAMETERS = True
 PANELS = ()
+_ALONG = {"inner": "Bottom", "outer": "Top"}  # what the reach of a twist or a bend is called
 _TOOLS = (("drag", "Add Drag"), ("twist", "Add Twist"), ("bend", "Add Bend"))
 
 
@@ -30,7 +31,7 @@ class SINEW_MT_tools(Menu):
         layout.separator()
         layout.operator(Operators.TOOL_STOP, icon="KEYFRAME").clear = False
         layout.operator(Operators.TOOL_STOP, text="Remove Stops", icon="X").clear = True
-        layout.operator(Operators.ROW_REST, text="Set Rest Tools", icon="PIVOT_BOUNDBOX")
+        layout.operator(Operators.ROW_REST, text="New Rest", icon="PIVOT_BOUNDBOX")
         layout.operator(Operators.ROW_REMOVE, text="Remove Tool", icon="REMOVE")
 
 
@@ -53,7 +54,8 @@ def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeform
     column.prop(row, "object", text="Object")
     for parameter in deformer.definition.control_parameters:
         if parameter.id != "width" or row.tools != "drag":
-            column.prop(row, parameter.id)
+            text = parameter.label if row.tools == "drag" else _ALONG.get(parameter.id, parameter.label)
+            column.prop(row, parameter.id, text=text)
     count = rows.stop_count(row)
     if count:
         draw_text(context, layout, f"Its path has {count} stops", "CURVE_PATH")

@@ -166,7 +166,7 @@ def _draw_legend() -> None:
 class SINEW_PT_overlays(SidebarPanel, Panel):
     """Colours over the mesh: regions, painted values, distortion"""
 
-    bl_label = "Overlays"
+    bl_label = "Show"
     bl_parent_id = ROOT
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 20

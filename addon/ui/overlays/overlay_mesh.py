@@ -200,14 +200,14 @@ def _regions(
         handle = by_key.get(key)
         if handle is None and key != _SUPPORT:
             continue
-        strength, name, colour = 1.0, "Fixed", settings.fixed
+        strength, name, colour = 1.0, "Still", settings.fixed
         if handle is not None:
             strength = _strength(shape, handle, members)
             if handle.kind == "HANDLE":
                 name, colour = handle.name, colours.on_screen(handle.colour)
         parts.append((members, strength, colour))
         rows[name] = colour
-    rows = {**{name: colour for name, colour in rows.items() if name != "Fixed"}, **_only(rows, "Fixed")}
+    rows = {**{name: colour for name, colour in rows.items() if name != "Still"}, **_only(rows, "Still")}
     mask = result.weights(obj, deformer, deformer.mask_group)
     if mask is not None:
         rows["Masked out"] = colours.HIDDEN

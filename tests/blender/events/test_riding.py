@@ -423,7 +423,7 @@ def test_the_region_panel_has_the_switch(arm: Posed, plate: Rig):
 
 @pytest.mark.parametrize("live", [True, False])
 def test_the_other_side_follows_in_the_frame_of_its_own_surface(arm: Posed, live: bool):
-    """By X-Axis Mirror while the arm is bent, or by Mirror where both sides are posed alike."""
+    """By Mirror while the arm is bent, or by Mirror where both sides are posed alike."""
     go(1)
     sides = {side: (lambda point, s=s: s * point[0] > 0.5 and point[1] > 0.75) for side, s in _SIDES.items()}
     members = {side: add_group(arm.obj, f"Hand.{side}", where) for side, where in sides.items()}

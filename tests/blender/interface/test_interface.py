@@ -131,7 +131,7 @@ def test_a_mesh_without_a_deformer_offers_the_first_step(plate: Rig):
 def test_the_panel_tells_vertices_regions_and_times(bound_plate: Rig):
     bound_plate.lift()
     said = draw_panel(WIDE).texts()
-    assert re.search(rf"121 vertices, 1 handle, 1 fixed, bound in {TIME}, solve {TIME}", said), said
+    assert re.search(rf"121 vertices, 1 handle, 1 still, bound in {TIME}, solve {TIME}", said), said
 
 
 @pytest.mark.parametrize("width", [NARROW, WIDE])

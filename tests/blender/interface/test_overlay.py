@@ -102,7 +102,7 @@ def test_a_control_grid_moves_with_the_handles(paint, plate: Rig):
     assert lifted[:, 2].max() > 0.9
     assert np.abs(lifted[:, 2]).min() < 0.1
     plate.deformer.method = "thin_shell"
-    assert paint(plate.obj, overlay="GRID").legend.note == "Thin Shell has no control grid"
+    assert paint(plate.obj, overlay="GRID").legend.note == "Soft Sheet has no control grid"
 
 
 def test_bands_lie_between_the_handles(paint, plate: Rig):
@@ -117,7 +117,7 @@ def test_bands_lie_between_the_handles(paint, plate: Rig):
     assert is_even(picture, plate.base)
     assert not is_even(picture, np.concatenate((plate.top, plate.base)))
     plate.deformer.method = "thin_shell"
-    assert paint(plate.obj, overlay="BANDS").legend.note == "Thin Shell has no bands"
+    assert paint(plate.obj, overlay="BANDS").legend.note == "Soft Sheet has no bands"
 
 
 def test_regions_have_their_colours_on_the_whole_mesh(paint, chosen, bound_plate: Rig):
@@ -127,7 +127,7 @@ def test_regions_have_their_colours_on_the_whole_mesh(paint, chosen, bound_plate
     assert_covers(picture, bound_plate.top, colour_of(bound_plate))
     assert_covers(picture, bound_plate.base, chosen("overlay_fixed"))
     assert not covered(picture)[others(bound_plate.top, bound_plate.base)].any()
-    assert list(dict(picture.legend.rows)) == ["Top", "Fixed"]
+    assert list(dict(picture.legend.rows)) == ["Top", "Still"]
     rest = bound_plate.rest()
     next_to = np.flatnonzero(np.abs(rest[:, 1] - 0.6) < 1e-5)
     assert len(next_to) == 11
@@ -559,7 +559,7 @@ def test_no_cage_weights_without_a_cage_or_while_another_method_is_bound(paint, 
     """The latter as in a window, where a thread binds the method just chosen."""
     picture = paint(bound_plate.obj, overlay="CAGE")
     assert not picture.colours[:, 3].any()
-    assert picture.legend.note == "Thin Shell has no cage"
+    assert picture.legend.note == "Soft Sheet has no cage"
     with inner.sessions.suspended():
         bound_plate.deformer.method = "green"
     assert inner.result.influence(bound_plate.deformer) is None

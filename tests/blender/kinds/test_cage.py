@@ -345,7 +345,7 @@ def test_faces_of_a_cage_with_work_in_it_are_not_changed(spoil: Callable, said: 
 
 
 def test_faces_of_a_mesh_that_was_chosen_as_cage_are_not_changed(caged: Caged):
-    refused("was not made by Add Cage", "cage_faces", caged[0], faces=30)
+    refused("was not made by Wrap in a Cage", "cage_faces", caged[0], faces=30)
 
 
 def test_an_automatic_cage_of_a_mesh_without_symmetry_says_by_how_much(capfd: pytest.CaptureFixture):

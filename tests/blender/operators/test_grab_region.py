@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grab Region by its properties, as scripts and Adjust Last Operation call it."""
+"""Grab Once by its properties, as scripts and Adjust Last Operation call it."""
 
 from __future__ import annotations
 
@@ -185,7 +185,7 @@ def test_a_selected_vertex_of_a_fixed_region_stays():
     grab(mode="TRANSLATE", value=(0.0, 0.0, 0.4), radius=0.3)
     assert np.array_equal(edited(obj)[members], before[members])
     select(obj, lambda point: point.x < -0.5)
-    refused("belong to Fixed regions", "grab_region", value=(0.0, 0.0, 1.0))
+    refused("belong to Still regions", "grab_region", value=(0.0, 0.0, 1.0))
 
 
 def loose_object() -> bpy.types.Object:
@@ -256,7 +256,7 @@ def test_mirror_is_said_not_to_be_followed(capfd: pytest.CaptureFixture):
     before = edited(obj)
     grab(value=(0.0, 0.0, 0.5), radius=0.4)
     assert np.array_equal(edited(obj)[before[:, 0] < 0.0], before[before[:, 0] < 0.0])
-    assert "Grab Region ignores the Mirror option" in capfd.readouterr().out
+    assert "Grab Once ignores the Mirror option" in capfd.readouterr().out
 
 
 def test_object_mode_is_refused_with_what_to_do():

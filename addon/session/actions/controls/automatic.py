@@ -42,7 +42,7 @@ def put(cage: Object, obj: Object, shape: Shape) -> None:
 
 
 def is_automatic(cage: Object) -> bool:
-    """Whether Add Cage made this cage, by its mark."""
+    """Whether Wrap in a Cage made this cage, by its mark."""
     return cage.type == "MESH" and cage.data is not None and Keys.CAGE_ORIGIN in cage.data
 
 
@@ -69,7 +69,7 @@ def check_cage(deformer: SinewDeformer) -> dict:
     if libraries.is_lost(cage):
         raise CageError(libraries.explain(cage))
     if not is_automatic(cage):
-        raise CageError(f"{cage.name} was not made by Add Cage - remesh or decimate it, then Set Rest Cage")
+        raise CageError(f"{cage.name} was not made by Wrap in a Cage - remesh or decimate it, then New Rest")
     mesh = cage.data
     if cage.library is not None or mesh.library is not None or mesh.users > 1:
         raise CageError(f"{cage.name} shares its mesh - make it single-user and local first")
@@ -79,7 +79,7 @@ def check_cage(deformer: SinewDeformer) -> dict:
     if options.pop("print") != _print(mesh) or mesh.shape_keys is not None or len(cage.vertex_groups):
         raise CageError(
             f"{cage.name} was edited, and that would be lost - its faces can be changed as long as it is "
-            "as Add Cage made it"
+            "as Wrap in a Cage made it"
         )
     for obj, row in moved_by(cage):
         if obj.library is not None or obj.name not in bpy.context.scene.objects:

@@ -48,7 +48,7 @@ __all__ = (
     "use",
 )
 
-MISSING = "No regions yet - select vertices in Edit Mode, then Add Handle or Add Fixed"
+MISSING = "No regions yet - select vertices in Edit Mode, then Make Handle or Hold Still"
 MARKS_REGIONS = True
 _NAMED = 3  # regions without vertices; the panel counts the others
 

@@ -29,7 +29,7 @@ class ToolsKind(SeveralKind):
 
     KIND = "tools"
     TYPES = ()
-    MISSING = "No tools yet - press Add Tool, or drag the surface with Field Drag"
+    MISSING = "No tools yet - press Add Tool, or drag the surface with Sinew Drag: Clay"
     NOUN = "tool"
     POINTS = "points"
     WANTED = "a tool is any object"
