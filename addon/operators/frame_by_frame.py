@@ -46,14 +46,14 @@ class FrameByFrame(StaysInWindow):
     frame_start: once(
         IntProperty,
         "Start",
-        "First frame; if it is not given, the first frame of the scene",
+        "Set the first frame; if it is not given, the first frame of the scene",
         min=-MAX_FRAME,
         max=MAX_FRAME,
     )
     frame_end: once(
         IntProperty,
         "End",
-        "Last frame; if it is not given, the last frame of the scene",
+        "Set the last frame; if it is not given, the last frame of the scene",
         min=-MAX_FRAME,
         max=MAX_FRAME,
     )

@@ -67,7 +67,7 @@ class SinewPreferences(AddonPreferences):
 
     section: EnumProperty(
         name="Section",
-        description="Which of the settings below are shown",
+        description="Choose which of the settings below are shown",
         items=(
             ("GENERAL", "General", "Defaults of new deformers, and how much of the machine Sinew may use", 0),
             ("OVERLAYS", "Show", "Colours of regions and of distortion in the viewport", 1),
@@ -78,13 +78,14 @@ class SinewPreferences(AddonPreferences):
     )
     method: EnumProperty(
         name="Method",
-        description="The method that Make Handle and Add Deformer start with; each deformer can change it",
+        description="Choose the method that Make Handle and Add Deformer start with; each deformer can "
+        "change it",
         items=items_of(METHODS),
         default=BY_ID[DEFAULT_METHOD].number,
     )
     names: EnumProperty(
         name="Names",
-        description="What methods are called, in all panels, menus and messages",
+        description="Choose what methods are called, in all panels, menus and messages",
         items=(
             (Names.TASKS.name, "Tasks", "By what they are for, such as Natural Bend", 0),
             (Names.LITERATURE.name, "Literature", "By what is published about them", 1),
@@ -94,16 +95,15 @@ class SinewPreferences(AddonPreferences):
     )
     auto_rebind: BoolProperty(
         name="Automatic Rebind",
-        description="New deformers bind again automatically when their mesh, or an object whose points move "
-        "it, gains or loses points. "
-        "Turn it on if you switch between modelling and posing",
+        description="Bind new deformers again by themselves when their mesh, or an object whose points move "
+        "it, gains or loses points, as you switch between modelling and posing",
         default=DEFAULTS.auto_rebind,
     )
     drag_budget: FloatProperty(
         name="Drag Budget",
-        description="Milliseconds that an iterative method may spend on each redraw during a drag. "
-        "The exact shape follows when you stop. Lower values are smoother, higher values are closer to the "
-        "exact shape",
+        description="Set the milliseconds that an iterative method may spend on each redraw during a drag; "
+        "the exact shape follows when you stop; lower values are smoother, higher values are "
+        "closer to the exact shape",
         default=DEFAULTS.drag_budget,
         min=1.0,
         max=10000.0,
@@ -114,8 +114,8 @@ class SinewPreferences(AddonPreferences):
     )
     threads: IntProperty(
         name="Threads",
-        description="At most this many processor threads for binding and solving; 0 uses all of them. "
-        "Lower it to leave some of them to a render",
+        description="Use at most this many processor threads for binding and solving; 0 uses all of them; "
+        "lower it to leave some of them to a render",
         default=DEFAULTS.threads,
         min=0,
         max=1024,
@@ -124,8 +124,8 @@ class SinewPreferences(AddonPreferences):
     )
     memory_limit: FloatProperty(
         name="Memory Limit",
-        description="Refuse to bind a mesh that needs more memory than this, in gigabytes; 0 sets no limit. "
-        "Set it if a large bind must not slow down the machine",
+        description="Refuse to bind a mesh that needs more memory than this, in gigabytes; 0 sets no "
+        "limit; set it if a large bind must not slow down the machine",
         default=DEFAULTS.memory_limit,
         min=0.0,
         max=100000.0,
@@ -135,17 +135,21 @@ class SinewPreferences(AddonPreferences):
         update=_limits_changed,
     )
     overlay_fixed: _overlay_colour(
-        "Still", DEFAULTS.overlay_fixed, "Colour of regions that stay where they are; handles have their own"
+        "Still",
+        DEFAULTS.overlay_fixed,
+        "Choose the colour of regions that stay where they are; handles have their own",
     )
     overlay_compressed: _overlay_colour(
-        "Compressed", DEFAULTS.overlay_compressed, "Colour of parts that became smaller than at rest"
+        "Compressed",
+        DEFAULTS.overlay_compressed,
+        "Choose the colour of parts that became smaller than at rest",
     )
     overlay_stretched: _overlay_colour(
-        "Stretched", DEFAULTS.overlay_stretched, "Colour of parts that became larger than at rest"
+        "Stretched", DEFAULTS.overlay_stretched, "Choose the colour of parts that became larger than at rest"
     )
     overlay_opacity: FloatProperty(
         name="Opacity",
-        description="How much of the mesh an overlay covers; lower it to keep the shading visible",
+        description="Set how much of the mesh an overlay covers; lower it to keep the shading visible",
         default=DEFAULTS.overlay_opacity,
         min=0.0,
         max=1.0,

@@ -119,8 +119,7 @@ class SinewDeformer(PropertyGroup):
         update=None,
         name="Name",
         default="Sinew",
-        description="Name of the deformer in the list; double-click it there to rename it. Until then it is "
-        "that of the task",
+        description="Name the deformer in the list; until you do, it has the name of its task",
     )
     method: setting(
         EnumProperty,
@@ -128,7 +127,7 @@ class SinewDeformer(PropertyGroup):
         name="Method",
         items=method_items,
         default=BY_ID[DEFAULT_METHOD].number,
-        description="How the mesh follows its controls",
+        description="Set how the mesh follows its controls",
     )
     cage: setting(
         PointerProperty,
@@ -136,7 +135,7 @@ class SinewDeformer(PropertyGroup):
         type=Object,
         poll=_may_be_cage,
         update=_cage_changed,
-        description="The closed mesh around this one that moves it, with its own modifiers applied",
+        description="Choose the closed mesh around this one that moves it, with its own modifiers applied",
     )
     cage_rest: record(
         PointerProperty,
@@ -151,8 +150,7 @@ class SinewDeformer(PropertyGroup):
         get=_cage_levels,
         set=_set_cage_levels,
         options={"SKIP_SAVE"},
-        description="Levels of the cage's Subdivision modifier, which makes it smooth; 0 removes it. "
-        "This changes the vertices of the cage, so press New Rest afterwards",
+        description="Smooth the cage by so many levels of a Subdivision modifier; press New Rest afterwards",
     )
     owns_cage: record(
         BoolProperty, description="Whether the cage was made for this deformer, and is removed with it"
@@ -172,8 +170,8 @@ class SinewDeformer(PropertyGroup):
         BoolProperty,
         options=set(),  # cannot be animated
         name="Mirror",
-        description="When you move a control whose name has a side, such as Hand.L, the control of the other "
-        "side follows as its mirror image across the local X axis of the mesh",
+        description="Let the control of the other side follow as a mirror image, across the local X axis "
+        "of the mesh, where names have a side, such as Hand L",
     )
     factor: setting(
         FloatProperty,
@@ -182,19 +180,19 @@ class SinewDeformer(PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        description="How much of the deformation is shown",
+        description="Set how much of the deformation is shown",
     )
     mask_group: setting(
         StringProperty,
         name="Mask",
-        description="Vertex group that limits where the deformation is shown; if empty, it is shown "
-        "everywhere",
+        description="Choose the vertex group that limits where the deformation is shown; if empty, it is "
+        "shown everywhere",
     )
     loose_parts: setting(
         EnumProperty,
         name="Loose Parts",
         items=LOOSE_PARTS,
-        description="What the parts of the mesh do that no region touches",
+        description="Choose what the parts of the mesh do that no region touches",
     )
     sizes: record(
         EnumProperty,
@@ -211,7 +209,7 @@ class SinewDeformer(PropertyGroup):
         BoolProperty,
         name="Live",
         default=True,
-        description="Follow the controls. If it is off, the last shape stays",
+        description="Follow the controls; if it is off, the last shape stays",
     )
     playback: setting(
         EnumProperty,
@@ -219,15 +217,14 @@ class SinewDeformer(PropertyGroup):
         options=set(),  # cannot be animated
         name="Playback",
         items=PLAYBACK,
-        description="What the viewports show while frames play or you scrub. "
-        "Renders and bakes are always full",
+        description="Play faster by drafts in viewports; renders and bakes are always full",
     )
     auto_rebind: setting(
         BoolProperty,
         update=None,
         name="Automatic Rebind",
-        description="Bind again automatically when the mesh, or an object whose points move it, gains or "
-        "loses points. Regions are vertex groups, so they are kept; such an object rests as it is then",
+        description="Bind again by itself when the mesh, or an object whose points move it, gains or loses "
+        "points",
     )
     topology_changed: record(BoolProperty)
     proxy: record(PointerProperty, type=Object)
@@ -253,7 +250,7 @@ class SinewDeformer(PropertyGroup):
     bake: setting(PointerProperty, update=None, type=SinewBake)
     status: StringProperty(
         name="Status",
-        description="What the deformer is doing, or what is wrong and what to do about it",
+        description="Say what the deformer is doing, or what is wrong and what to do about it",
         options={"SKIP_SAVE"},
         get=lambda deformer: status.told(deformer.uid),
     )

@@ -86,8 +86,7 @@ def _group_of(method: Method) -> type:
         annotations[group_property(parameter)] = setting(
             StringProperty,
             name=f"{parameter.label} Group",
-            description=f"Vertex group that scales {parameter.label} per vertex; if empty, it is the same "
-            "everywhere",
+            description=f"Paint {parameter.label} by a vertex group; if empty, it is the same everywhere",
         )
     if method.wraps:
         annotations[BASE] = setting(
@@ -95,7 +94,7 @@ def _group_of(method: Method) -> type:
             name="Base Method",
             items=items_of(wrapped(method)),
             default=wrapped(method)[0].number,
-            description="The method that moves the surface before this method adds to it",
+            description="Choose the method that moves the surface before this method adds to it",
         )
     names = {"__annotations__": annotations, "__doc__": method.summary, "__module__": __name__}
     return type(f"SINEW_PG_{method.id}", (PropertyGroup,), names)

@@ -50,7 +50,7 @@ ROWS = (
                 DETAILS,
                 rebinds=True,
                 label="Details",
-                description="How the details are stored and put back on the base",
+                description="Set how the details are stored and put back on the base",
             ),
             Float(
                 "wavelength",
@@ -63,8 +63,7 @@ ROWS = (
                 rebinds=True,
                 unit="mean edge lengths",
                 label="Detail Size",
-                description="Bumps that are shorter than this count as details. "
-                "Raise it until the base is as smooth as what you want to bend",
+                description="Set up to which size bumps count as details, in mean lengths of edges",
             ),
             Int(
                 "bands",
@@ -76,8 +75,8 @@ ROWS = (
                 advanced=True,
                 unit="bands",
                 label="Bands",
-                description="Each further band takes details of twice the wavelength off the base, "
-                "and turns finer details with coarser ones",
+                description="Turn fine details with coarser ones, by so many bands that each hold details "
+                "of twice the size",
             ),
         ),
     ),

@@ -263,8 +263,8 @@ def iterations(default: int, soft_maximum: int = 100, **others: Any) -> Int:
     usual: dict[str, Any] = {
         "unit": "iterations",
         "label": "Iterations",
-        "description": "The largest number of steps per frame. "
-        "While you drag, fewer steps are computed; the others follow when you stop",
+        "description": "Limit the steps of a frame; while you drag fewer are computed, and the others "
+        "follow when you stop",
     }
     return Int(
         "max_iterations", default, minimum=1, soft_maximum=soft_maximum, advanced=True, **usual | others
@@ -293,7 +293,7 @@ def stored_precision(of: str) -> Choice:
         rebinds=True,
         advanced=True,
         label="Precision",
-        description=f"The precision with which {of} are stored",
+        description=f"Save memory, or store {of} more exactly",
     )
 
 
@@ -305,7 +305,8 @@ def laplacian(default: str = "cotan_voronoi", choices: int = 3) -> Choice:
         LAPLACIANS[:choices],
         rebinds=True,
         label="Laplacian",
-        description="How the faces are taken into account",
+        description="Make the shape depend less on how the faces divide the surface, by looking at their "
+        "angles and sizes",
     )
 
 

@@ -28,8 +28,8 @@ ROWS = (
                 soft_maximum=8.0,
                 rebinds=True,
                 label="Dominance",
-                description="Where several wires reach, the one with the longest move prevails, the more so "
-                "the larger this is. 0 takes the mean of all moves",
+                description="Let the wire with the longest move prevail where several reach; 0 takes the "
+                "mean of all",
             ),
             Float(
                 "smoothing",
@@ -40,8 +40,8 @@ ROWS = (
                 advanced=True,
                 unit="share of the distance",
                 label="Smoothing",
-                description="How much farther than the nearest place of a wire other places count. With 0 "
-                "only the nearest counts, and the shape tears inside a bent wire",
+                description="Set how much farther than the nearest place of a wire other places count; "
+                "with 0 only the nearest counts, and the shape tears inside a bent wire",
             ),
         ),
         control_parameters=(
@@ -53,7 +53,7 @@ ROWS = (
                 unit="length",
                 rebinds=True,
                 label="Radius",
-                description="How far from the wire points follow it, in the space of the curve",
+                description="Set how far from the wire points follow it, in the space of the curve",
             ),
             Float(
                 "scale",
@@ -63,7 +63,7 @@ ROWS = (
                 soft_maximum=3.0,
                 rebinds=True,
                 label="Scale",
-                description="Scales the distances from the wire near it, also while the wire rests",
+                description="Scale the distances from the wire near it, also while the wire rests",
             ),
             Float(
                 "rotation",
@@ -72,7 +72,7 @@ ROWS = (
                 soft_maximum=1.0,
                 rebinds=True,
                 label="Rotation",
-                description="How much of the turn of the wire points follow. With 0 they only move",
+                description="Set how much of the turn of the wire points follow; with 0 they only move",
             ),
         ),
     ),

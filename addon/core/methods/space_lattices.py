@@ -11,7 +11,7 @@ _SPLINES = (
     (
         "bezier",
         "Bezier",
-        "One polynomial along each axis: each point reaches everything. Up to 16 points along an axis",
+        "One polynomial along each axis: each point reaches everything; up to 16 points along an axis",
     ),
 )
 
@@ -59,7 +59,7 @@ ROWS = (
                 ),
                 rebinds=True,
                 label="Interpolation",
-                description="How the points of the lattice blend. Hexahedra blend within their cells",
+                description="Choose how the points of the lattice blend",
             ),
             Int(
                 "degree",
@@ -71,8 +71,8 @@ ROWS = (
                 only_with=("basis", ("bspline",)),
                 unit="degree of the polynomials",
                 label="Degree",
-                description="1 is straight from point to point; higher degrees are smoother and reach "
-                "farther. An axis with fewer points has a lower degree",
+                description="Smooth the lattice by higher degrees, which reach farther; 1 is straight from "
+                "point to point",
             ),
             Choice(
                 "outside",
@@ -88,7 +88,7 @@ ROWS = (
                 rebinds=True,
                 only_with=("basis", ("bspline", "bezier")),
                 label="Outside",
-                description="What happens outside the lattice",
+                description="Choose what happens outside the lattice",
             ),
             Int(
                 "continuity",
@@ -101,8 +101,8 @@ ROWS = (
                 only_with=("outside", ("freeze",)),
                 unit="continuous derivatives",
                 label="Continuity",
-                description="How smoothly the deformation ends at the border, if all outside stays: that "
-                "many planes of points and one more stay beside each border",
+                description="Set how smoothly the motion ends at the border, where so many planes of "
+                "points and one more stay",
             ),
             Int(
                 "smooth",
@@ -114,7 +114,8 @@ ROWS = (
                 advanced=True,
                 unit="steps of subdivision",
                 label="Smooth",
-                description="How often a lattice of hexahedra is subdivided; 0 bends at each of its faces",
+                description="Set how often a lattice of hexahedra is subdivided; 0 bends at each of its "
+                "faces",
             ),
         ),
     ),
@@ -145,7 +146,7 @@ ROWS = (
                 rebinds=True,
                 unit="control points along each axis",
                 label="Resolution",
-                description="Points of the hidden lattice along each axis: more let a drag reach less far",
+                description="Let a drag reach less far by more points of the hidden lattice along each axis",
             ),
             Choice(
                 "basis",
@@ -154,7 +155,7 @@ ROWS = (
                 rebinds=True,
                 advanced=True,
                 label="Interpolation",
-                description="How the points of the hidden lattice blend",
+                description="Set how the points of the hidden lattice blend",
             ),
             Int(
                 "degree",
@@ -167,7 +168,7 @@ ROWS = (
                 only_with=("basis", ("bspline",)),
                 unit="degree of the polynomials",
                 label="Degree",
-                description="Higher degrees are smoother and reach farther",
+                description="Smooth the hidden lattice by higher degrees, which reach farther",
             ),
             Float(
                 "cut_off",
@@ -180,8 +181,8 @@ ROWS = (
                 advanced=True,
                 unit="share of the most visible direction",
                 label="Cut-Off",
-                description="Moves of the lattice that the handles hardly see stay still. A higher value is "
-                "calmer where handles are close to each other, and meets them less exactly",
+                description="Calm the shape where handles are close to each other; higher values meet them "
+                "less exactly",
             ),
             Box(
                 "frame",
@@ -189,8 +190,8 @@ ROWS = (
                 rebinds=True,
                 advanced=True,
                 label="Box",
-                description="An empty whose cube, of size 1, the hidden lattice fills; without one, it fills "
-                "a box around the surface, along the axes of that",
+                description="Choose an empty whose cube of size 1 the hidden lattice fills; without one, "
+                "it fills a box around the surface",
             ),
         ),
     ),

@@ -29,8 +29,8 @@ CAGE_PARAMETERS = (
         advanced=True,
         unit="weight of a cage vertex",
         label="Sparse Threshold",
-        description="Leave out weights below this value, so that each point follows only the near part of "
-        "the cage: faster, but less exact. 0 keeps all weights",
+        description="Speed up large cages by letting each point follow only the near part of the cage; 0 "
+        "keeps all weights",
     ),
     stored_precision("the weights"),
 )
@@ -48,7 +48,7 @@ OUTSIDE_REFUSED = Choice(
     ),
     rebinds=True,
     label="Outside",
-    description="What happens to vertices outside the cage",
+    description="Choose what happens to vertices outside the cage",
 )
 
 QUALITIES = (
@@ -133,8 +133,8 @@ ROWS = (
                 True,
                 rebinds=True,
                 label="Exact",
-                description="Compute the weights exactly. Turn it off to estimate them with rays: faster, "
-                "but a little rough",
+                description="Compute the weights exactly, instead of estimating them with rays: smoother, "
+                "but slower",
             ),
             Int(
                 "directions",
@@ -145,7 +145,7 @@ ROWS = (
                 rebinds=True,
                 unit="rays per point",
                 label="Rays",
-                description="The number of rays per point, if the weights are not exact",
+                description="Set the number of rays per point, if the weights are not exact",
             ),
             OUTSIDE_REFUSED,
             *CAGE_PARAMETERS,
@@ -176,7 +176,7 @@ ROWS = (
                 QUALITIES,
                 rebinds=True,
                 label="Quality",
-                description="How exactly the weights are computed at bind",
+                description="Set how exactly the weights are computed at bind",
             ),
             OUTSIDE_REFUSED,
             *CAGE_PARAMETERS,
@@ -215,7 +215,7 @@ ROWS = (
                 ),
                 rebinds=True,
                 label="Outside",
-                description="What happens to vertices outside the cage",
+                description="Choose what happens to vertices outside the cage",
             ),
             Choice(
                 "faces",
@@ -231,7 +231,7 @@ ROWS = (
                 ),
                 rebinds=True,
                 label="Quads",
-                description="What the faces of the cage with four corners are",
+                description="Choose what the faces of the cage with four corners are",
             ),
             *CAGE_PARAMETERS,
         ),

@@ -11,12 +11,12 @@ _ITERATIONS = iterations(
     maximum=1000,
     rebinds=True,
     unit="iterations per frame",
-    description="The most iterations per frame. Fewer are taken where the shape no longer changes",
+    description="Limit the iterations of a frame; fewer are taken where the shape no longer changes",
 )
 _TOLERANCE = tolerance(
     soft_maximum=0.01,
     rebinds=True,
-    description="A frame is done when two iterations in succession lower the energy by a smaller share",
+    description="Stop when two iterations in a row lower the energy by a smaller share",
 )
 
 
@@ -61,7 +61,7 @@ ROWS = (
                 rebinds=True,
                 unit="nodes of the graph",
                 label="Nodes",
-                description="How many nodes the graph has. More of them bend finer, and take longer",
+                description="Set how many nodes the graph has; more of them bend finer, and take longer",
             ),
             Float(
                 "rotation",
@@ -73,7 +73,7 @@ ROWS = (
                 advanced=True,
                 unit="weight",
                 label="Rigidity",
-                description="How strongly nodes only turn, instead of stretching and shearing",
+                description="Set how strongly nodes only turn, instead of stretching and shearing",
             ),
             Float(
                 "regularity",
@@ -85,7 +85,7 @@ ROWS = (
                 advanced=True,
                 unit="weight",
                 label="Smoothness",
-                description="How strongly neighbouring nodes move alike",
+                description="Set how strongly neighbouring nodes move alike",
             ),
             Float(
                 "pulls",
@@ -96,8 +96,8 @@ ROWS = (
                 rebinds=True,
                 unit="weight",
                 label="Handle Strength",
-                description="How strongly handles pull the nodes around them. Higher values come closer to "
-                "the handles, and let the shape stretch more",
+                description="Set how strongly handles pull the nodes around them; higher values come "
+                "closer to the handles, and let the shape stretch more",
             ),
             _ITERATIONS,
             _TOLERANCE,
@@ -133,8 +133,7 @@ ROWS = (
                 rebinds=True,
                 unit="cells",
                 label="Cells",
-                description="About how many cubes fill the shape. More of them keep thinner parts apart, and "
-                "take longer",
+                description="Keep thinner parts apart by more cubes that fill the shape, which take longer",
             ),
             Int(
                 "levels",
@@ -146,7 +145,8 @@ ROWS = (
                 advanced=True,
                 unit="doublings",
                 label="Coarsening",
-                description="How often cells inside of closed surfaces may double their size",
+                description="Save time inside closed surfaces, where cells may double their size so many "
+                "times",
             ),
             _ITERATIONS,
             _TOLERANCE,

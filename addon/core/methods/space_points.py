@@ -63,7 +63,7 @@ ROWS = (
                 ),
                 rebinds=True,
                 label="Kernel",
-                description="How the influence of a handle point changes with the distance",
+                description="Choose how the pull of a marker fades with the distance",
             ),
             Float(
                 "radius",
@@ -76,8 +76,8 @@ ROWS = (
                 unit="size of all handles",
                 share_of=Size.HANDLES,
                 label="Radius",
-                description="How far a handle point reaches, relative to the diameter of a ball around all "
-                "of them",
+                description="Set how far a handle point reaches, relative to the diameter of a ball around "
+                "all of them",
             ),
             Int(
                 "degree",
@@ -89,9 +89,8 @@ ROWS = (
                 advanced=True,
                 unit="degree",
                 label="Degree",
-                description="Maps of space up to this degree are kept as they are: 0 for moves, 1 for affine "
-                "maps. The triharmonic kernel uses at least 1, the others at most 1. With -1, a compact "
-                "kernel leaves everything beyond its radius at rest",
+                description="Keep moves (0) or stretches and shears, too (1 and 2) as they are; -1 lets a "
+                "compact kernel leave all beyond its radius at rest",
             ),
             Float(
                 "tolerance",
@@ -104,8 +103,8 @@ ROWS = (
                 advanced=True,
                 unit="share of the longest move",
                 label="Tolerance",
-                description="Handles of many points are met up to this share of their longest move, with as "
-                "few radial functions as that takes. 0 meets all exactly, which takes long",
+                description="Speed up handles of many points, which are met up to this share of their "
+                "longest move; 0 meets all exactly",
             ),
             stored_precision("the functions of handles"),
         ),
@@ -134,8 +133,8 @@ ROWS = (
                 ((0.0, 0.0), (1.0, 1.0)),
                 rebinds=True,
                 label="Falloff Curve",
-                description="How much of the motion of a handle is left, from the other handles (left) "
-                "to the handle itself (right)",
+                description="Draw how much of the motion of a handle is left, from the other handles "
+                "(left) to the handle itself (right)",
             ),
         ),
     ),
@@ -187,7 +186,7 @@ ROWS = (
                 ),
                 rebinds=True,
                 label="Maps",
-                description="The maps that are fitted to the handles at each point",
+                description="Choose what each point may do: turn, turn and grow, or shear, too",
             ),
             Float(
                 "alpha",
@@ -201,8 +200,8 @@ ROWS = (
                 rebinds=True,
                 label="Falloff",
                 unit="exponent",
-                description="The larger, the more each point follows only the nearest handles. Regions of "
-                "many points need more than 1.5: with less, far points of a region outweigh its border",
+                description="Let each point follow more only the nearest handles; regions of many points "
+                "need more than 1.5",
             ),
             stored_precision("the weights of handles"),
         ),

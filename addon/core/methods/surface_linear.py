@@ -30,8 +30,8 @@ CONTINUITY = Float(
     rebinds=True,
     unit="derivatives kept",
     label="Continuity",
-    description="How smoothly the surface leaves this region: 0 allows a crease, 1 keeps the slope, "
-    "2 keeps the curvature",
+    description="Set how smoothly the surface leaves this region: 0 allows a crease, 1 keeps the slope, 2 "
+    "keeps the curvature",
 )
 
 FIELD = Choice(
@@ -48,7 +48,7 @@ FIELD = Choice(
     ),
     rebinds=True,
     label="Falloff",
-    description="How the turn of a handle fades over the surface towards the other regions",
+    description="Set how the turn of a handle fades over the surface towards the other regions",
 )
 
 
@@ -63,7 +63,7 @@ def _substeps(which: str, only_with: tuple[str, tuple[str, ...]] | None = None) 
         only_with=only_with,
         unit="steps",
         label="Substeps",
-        description="In how many steps the handles go from rest to their poses. " + which,
+        description="Take the handles from rest to their poses in so many steps; " + which,
     )
 
 
@@ -103,8 +103,8 @@ ROWS = (
                 rebinds=True,
                 unit="relative weight",
                 label="Stretching",
-                description="k_s: how much the surface resists being stretched, like a rubber skin. "
-                "Raise it for a tighter, straighter transition",
+                description="Tighten the surface like a rubber skin, so that it goes straighter from one "
+                "region to the other",
             ),
             Float(
                 "bending",
@@ -114,8 +114,7 @@ ROWS = (
                 rebinds=True,
                 unit="relative weight",
                 label="Bending",
-                description="k_b: how much the surface resists being bent, like a thin plate. "
-                "It keeps the transition smooth at the border of a handle",
+                description="Stiffen the surface like a thin plate, so that it leaves handles smoothly",
             ),
             Float(
                 "variation",
@@ -125,13 +124,12 @@ ROWS = (
                 rebinds=True,
                 unit="relative weight",
                 label="Variation",
-                description="How much the surface resists a change of its curvature. "
-                "It gives the roundest shapes, and needs wider handles",
+                description="Round the surface most by resisting changes of its curvature, which needs "
+                "wider handles",
             ),
             laplacian(),
             _substeps(
-                "Each step binds the shape of the last one, so a frame takes as many binds. "
-                "More steps keep twists from collapsing, and stretch bends",
+                "more steps keep twists from collapsing, and a frame takes as many binds",
             ),
         ),
     ),
@@ -191,8 +189,8 @@ ROWS = (
                 ((0.0, 0.0), (1.0, 1.0)),
                 rebinds=True,
                 label="Falloff Curve",
-                description="How much of the motion of a handle is left, from the other regions (left) "
-                "to the handle itself (right)",
+                description="Draw how much of the motion of a handle is left, from the other regions "
+                "(left) to the handle itself (right)",
             ),
         ),
     ),
@@ -225,13 +223,13 @@ ROWS = (
                     (
                         "implicit",
                         "Implicit",
-                        "Details turn as their neighbourhoods do, found together with their places. "
-                        "Takes about 20 times as long to bind",
+                        "Details turn as their neighbourhoods do, found together with their places; takes "
+                        "about 20 times as long to bind",
                     ),
                 ),
                 rebinds=True,
                 label="Details",
-                description="How the details of the surface are turned",
+                description="Set how the details of the surface are turned",
             ),
             replace(FIELD, only_with=("transforms", ("explicit",))),
             Int(
@@ -243,8 +241,7 @@ ROWS = (
                 unit="solves",
                 only_with=("transforms", ("estimated",)),
                 label="Refits",
-                description="Of Estimated: how often the turns are estimated again from the last solution. "
-                "Each costs as much as a thin shell",
+                description="Bring twists closer to rigid by estimating the turns so many times again",
             ),
             Choice(
                 "second_stage",
@@ -258,14 +255,15 @@ ROWS = (
                     (
                         "length",
                         "Length",
-                        "Transforms the details and restores their lengths, as the paper does",
+                        "Transforms the details and restores their lengths",
                     ),
                 ),
                 rebinds=True,
                 advanced=True,
                 only_with=("transforms", ("implicit",)),
                 label="Second Stage",
-                description="Of Implicit: what is done with the transformations",
+                description="Keep the size of details by what is done with how they are found to turn and "
+                "grow",
             ),
             Bool(
                 "mean_frame",
@@ -274,13 +272,11 @@ ROWS = (
                 advanced=True,
                 only_with=("transforms", ("estimated", "implicit")),
                 label="Mean Frame",
-                description="Of Estimated and Implicit: sees the handles from the mean of their turns, "
-                "so that each of two handles turns by half of the angle between them",
+                description="Improve large turns by looking from the middle of the turns of all handles",
             ),
             laplacian(),
             _substeps(
-                "Of Estimated: each step starts from the shape of the last one. Of None and Implicit: each "
-                "step binds it, so a frame takes as many binds. Helps where two handles twist the surface",
+                "more steps help where two handles twist the surface, and may take as many binds",
                 only_with=("transforms", ("none", "estimated", "implicit")),
             ),
         ),
@@ -310,8 +306,8 @@ ROWS = (
                 rebinds=True,
                 unit="levels",
                 label="Levels",
-                description="How often the surface between the regions is thinned out, at most. "
-                "With few levels, only fine details turn",
+                description="Set how often the surface between the regions is thinned out, at most; with "
+                "few levels, only fine details turn",
             ),
             Int(
                 "relaxations",
@@ -321,8 +317,8 @@ ROWS = (
                 rebinds=True,
                 unit="sweeps",
                 label="Relaxations",
-                description="How often each level is smoothed. More make the transition at the border "
-                "of a region rounder, and take longer",
+                description="Round the way out of each region by smoothing each level more often, which "
+                "takes longer",
             ),
         ),
     ),
@@ -352,8 +348,8 @@ ROWS = (
                 rebinds=True,
                 unit="polynomial degree",
                 label="Degree",
-                description="1 joins straight pieces with creases; a higher degree is smoother, and each "
-                "control point moves a larger rectangle",
+                description="Smooth the sheet by higher degrees, which reach farther; 1 joins straight "
+                "pieces with creases",
             ),
             Int(
                 "columns",
@@ -364,8 +360,8 @@ ROWS = (
                 rebinds=True,
                 unit="control points",
                 label="Columns",
-                description="Control points along the longer side of the plane, or along u of the UV map; "
-                "at least one more than the degree",
+                description="Set the control points along the longer side of the plane, or along u of the "
+                "UV map",
             ),
             Int(
                 "rows",
@@ -376,20 +372,19 @@ ROWS = (
                 rebinds=True,
                 unit="control points",
                 label="Rows",
-                description="Control points across it, or along v of the UV map; at least one more than the "
-                "degree",
+                description="Set the control points across it, or along v of the UV map",
             ),
             GridPoints(
                 "grid",
                 label="Grid Object",
-                description="The mesh whose points move those of the control grid, which New Grid makes; if "
-                "empty, the regions alone move them",
+                description="Choose the mesh whose points move those of the control grid; if empty, the "
+                "regions alone move them",
             ),
             UvMap(
                 "uv_map",
                 rebinds=True,
                 label="UV Map",
-                description="Where the grid lies; if empty, on the plane that fits the surface best",
+                description="Choose where the grid lies; if empty, on the plane that fits the surface best",
             ),
             Float(
                 "smoothing",
@@ -400,8 +395,7 @@ ROWS = (
                 rebinds=True,
                 unit="relative weight",
                 label="Smoothing",
-                description="How much the control grid resists being bent. With 0 it follows the regions by "
-                "least squares alone, and may overshoot",
+                description="Calm the control grid, which overshoots with 0",
             ),
             Float(
                 "margin",
@@ -411,8 +405,8 @@ ROWS = (
                 advanced=True,
                 unit="share of the size",
                 label="Margin",
-                description="How far the grid reaches into handles and fixed regions, as a share of the size "
-                "of the free surface. More makes the surface leave them more smoothly",
+                description="Leave regions more smoothly by letting the grid reach into them, as a share "
+                "of the size of the free surface",
             ),
         ),
     ),
@@ -441,7 +435,8 @@ ROWS = (
                 rebinds=True,
                 unit="relative weight",
                 label="Volume",
-                description="How much the points inside count beside the surface. 0 leaves the surface alone",
+                description="Set how much the points inside count beside the surface; 0 leaves the surface "
+                "alone",
             ),
             laplacian(),
         ),
@@ -476,8 +471,8 @@ ROWS = (
                 ),
                 rebinds=True,
                 label="Coarsening",
-                description="On which level of the subdivided mesh the handles pull. Coarse levels carry "
-                "large details, which then turn with the surface; fine ones follow the handles more closely",
+                description="Choose the level that handles pull: coarse ones turn large details along, "
+                "fine ones follow more closely",
             ),
             Int(
                 "levels",
@@ -488,8 +483,8 @@ ROWS = (
                 unit="levels",
                 only_with=("coarsening", ("levels",)),
                 label="Levels",
-                description="How often subdivision is undone, where the mesh has so many levels. "
-                "0 bends the mesh itself as a plate",
+                description="Set how often subdivision is undone, where the mesh has so many levels; 0 "
+                "bends the mesh itself as a plate",
             ),
         ),
     ),

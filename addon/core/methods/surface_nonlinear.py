@@ -57,7 +57,7 @@ ROWS = (
                 MEASURES,
                 rebinds=True,
                 label="Stiffness From",
-                description="What says how stiff the sheet is",
+                description="Choose what says how stiff the sheet is",
             ),
             Float(
                 "thickness",
@@ -72,8 +72,7 @@ ROWS = (
                 share_of=Size.SURFACE,
                 share_with=("measure", "share"),
                 label="Thickness",
-                description="How thick the sheet is: a thin one bends like paper, a thick one stretches. "
-                "Paint a vertex group to let thin parts fold",
+                description="Set how thick the sheet is: a thin one bends like paper, a thick one stretches",
             ),
             Float(
                 "stretching",
@@ -85,7 +84,7 @@ ROWS = (
                 only_with=("measure", ("stiffness",)),
                 unit="relative weight",
                 label="Stretching",
-                description="k_s: how much the sheet resists being stretched",
+                description="Set how much the sheet resists being stretched",
             ),
             Float(
                 "bending",
@@ -97,8 +96,7 @@ ROWS = (
                 only_with=("measure", ("stiffness",)),
                 unit="area, times that of Stretching",
                 label="Bending",
-                description="k_b: how much the sheet resists being bent. The thickness is the square root of "
-                "Bending by Stretching",
+                description="Set how much the sheet resists being bent",
             ),
             iterations(60),
             tolerance(),
@@ -130,8 +128,8 @@ ROWS = (
                 rebinds=True,
                 unit="share of the rest area",
                 label="Evenness",
-                description="How much neighbouring parts rotate together, as a share of the surface's area. "
-                "0 gives the energy of the paper, which buckles on fine meshes",
+                description="Let neighbouring parts turn evenly, as a share of the area of the surface; "
+                "with 0, fine meshes buckle",
             ),
             Choice(
                 "cells",
@@ -139,7 +137,7 @@ ROWS = (
                 CELLS,
                 rebinds=True,
                 label="Cells",
-                description="Which edges each vertex keeps rigid",
+                description="Make the surface firmer by keeping more edges around each vertex rigid",
             ),
             Float(
                 "point_handles",
@@ -150,9 +148,8 @@ ROWS = (
                 advanced=True,
                 unit="share of the energy",
                 label="Round Points",
-                description="How smooth the surface is also around handles of a single vertex, which "
-                "otherwise leave a spike. 0.5 to 0.9 is right for them, 0 for handles of many vertices. "
-                "Only with cells of spokes",
+                description="Avoid spikes at handles of a single vertex by 0.5 to 0.9; 0 is right for "
+                "handles of many vertices",
             ),
             Float(
                 "rigidity",
@@ -163,8 +160,8 @@ ROWS = (
                 rebinds=True,
                 unit="relative weight",
                 label="Rigidity",
-                description="How firmly a region keeps its shape. "
-                "Paint a vertex group to let soft parts deform more than hard ones",
+                description="Set how firmly the surface keeps its shape, everywhere or as a vertex group "
+                "is painted",
             ),
             iterations(40),
             tolerance(),
@@ -199,9 +196,7 @@ ROWS = (
                 unit="share of the size",
                 share_of=Size.SURFACE,
                 label="Height",
-                description="How far the prisms on the faces reach above and below the surface, as a share "
-                "of the size of the part that they are on. Higher prisms resist bending and twisting more. "
-                "Paint a vertex group to let regions bend that are less thick",
+                description="Stiffen bends and twists by a thicker sheet, as a share of the size of the part",
             ),
             iterations(40),
             tolerance(),
@@ -232,14 +227,14 @@ ROWS = (
                 soft_maximum=1.0,
                 unit="share of the way",
                 label="Morph",
-                description="How far the surface morphs to the target shape. Can be keyed; needs no new bind",
+                description="Key how far the surface morphs to the target shape",
             ),
             MeshShape(
                 "target_shape",
                 rebinds=True,
                 label="Target Shape",
-                description="A mesh with the same faces to morph to, without its modifiers and shape keys. "
-                "Bind again after editing it",
+                description="Choose the mesh with the same faces to morph to, without its modifiers and "
+                "shape keys",
             ),
             Float(
                 "side",
@@ -250,16 +245,15 @@ ROWS = (
                 rebinds=True,
                 unit="weight of a ring's edges; that of heights is 1 at 1,000 vertices",
                 label="Edge Stiffness",
-                description="How firmly edges keep their lengths, in comparison with how firmly the surface "
-                "keeps its curvature. Lower it to let the surface stretch",
+                description="Set how firmly edges keep their lengths; lower it to let the surface stretch",
             ),
             Bool(
                 "similarity",
                 False,
                 rebinds=True,
                 label="Let Regions Grow",
-                description="Whether regions may grow or shrink, up to twice or half their size, where "
-                "handles pull them apart or are scaled",
+                description="Choose whether regions may grow or shrink, up to twice or half their size, "
+                "where handles pull them apart or are scaled",
             ),
             iterations(40),
             tolerance(),
@@ -288,14 +282,14 @@ ROWS = (
                 True,
                 rebinds=True,
                 label="Keep Volume",
-                description="Parts that are closed, or nearly, keep their volume exactly",
+                description="Keep the volume of parts that are closed, or nearly, exactly",
             ),
             MeshObject(
                 "cage",
                 rebinds=True,
                 label="Cage",
-                description="A closed mesh around the parts that have handles, such as Wrap in a Cage makes. "
-                "Without one, each part gets its own, which is not shown",
+                description="Choose a closed mesh around the parts that have handles; without one, each "
+                "part gets its own, which is not shown",
             ),
             Int(
                 "cage_faces",
@@ -306,8 +300,8 @@ ROWS = (
                 rebinds=True,
                 unit="triangles",
                 label="Cage Faces",
-                description="How fine the cage is that each part gets: 12 or more faces, or 0 for 160, and "
-                "more beside small handles. More faces bend more freely, and take more memory and time",
+                description="Bend more freely with more faces of the cage that each part gets; 0 is 160, "
+                "and more beside small handles",
             ),
             Float(
                 "bending",
@@ -318,7 +312,7 @@ ROWS = (
                 rebinds=True,
                 unit="share of the rest area",
                 label="Bending",
-                description="How stiff the surface is in bends, as a share of its area",
+                description="Set how stiff the surface is in bends, as a share of its area",
             ),
             Int(
                 "clusters",
@@ -330,7 +324,7 @@ ROWS = (
                 advanced=True,
                 unit="clusters per part",
                 label="Clusters",
-                description="How many groups of vertices turn each as one",
+                description="Bend finer with more groups of vertices that turn each as one",
             ),
             iterations(60, soft_maximum=200),
             tolerance(1e-5, precision=7),
@@ -363,14 +357,13 @@ ROWS = (
                 rebinds=True,
                 unit="share of the rest area",
                 label="Bending",
-                description="How much bends and bumps of the surface are kept, beside the lengths of its "
-                "edges. More of it makes the skin around joints rounder",
+                description="Set how much bends and bumps of the surface are kept, beside the lengths of "
+                "its edges; more of it makes the skin around joints rounder",
             ),
             iterations(
                 20,
                 soft_maximum=50,
-                description="The largest number of steps per frame. "
-                "A few are enough for joints; long free parts take more",
+                description="Limit the steps of a frame; joints need few, long free parts more",
             ),
             tolerance(),
         ),
@@ -402,8 +395,8 @@ ROWS = (
                 rebinds=True,
                 unit="bands between two handles",
                 label="Bands",
-                description="How many bands between two handles turn each as one. "
-                "More of them bend more evenly, and take more memory and time",
+                description="Set how many bands between two handles turn each as one; more of them bend "
+                "more evenly, and take more memory and time",
             ),
             Choice(
                 "field",
@@ -415,15 +408,14 @@ ROWS = (
                 ),
                 rebinds=True,
                 label="Isolines",
-                description="What bounds the bands",
+                description="Choose what bounds the bands",
             ),
             iterations(
                 200,
                 soft_maximum=500,
                 unit="turns",
                 label="Turns",
-                description="The largest number of times that the rotations are fitted per frame. "
-                "Each takes some microseconds",
+                description="Limit how many times the rotations are fitted per frame",
             ),
             tolerance(
                 1e-6,

@@ -18,7 +18,7 @@ _SKIP = {"SKIP_SAVE"}
 
 _ALL = {
     "name": "All Deformers",
-    "description": "All deformers of the mesh, and of the other selected meshes",
+    "description": "Bake all deformers of the mesh, and of the other selected meshes",
     "options": _SKIP,
 }
 
@@ -48,13 +48,13 @@ class SINEW_OT_bake(OnDeformer, FrameByFrame, Operator):
         name="Target",
         items=BAKE_TARGETS,
         default="PC2",
-        description="What the shapes are written to. Use caches for long shots and shape keys for single "
-        "poses",
+        description="Choose what the shapes are written to; use caches for long shots and shape keys for "
+        "single poses",
     )
     filepath: once(
         StringProperty,
         "Path",
-        "The file to write; if empty, a file in the folder sinew_cache beside the .blend file",
+        "Choose the file to write; if empty, a file in the folder sinew_cache beside the .blend file",
         subtype="FILE_PATH",
     )
     all_deformers: BoolProperty(**_ALL)

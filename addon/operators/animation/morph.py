@@ -36,15 +36,15 @@ class SINEW_OT_morph(Offered, BindingOperator, Operator):
     target: once(
         StringProperty,
         "Target Shape",
-        "The name of the mesh object to morph to; if empty, the other selected one",
+        "Give the name of the mesh object to morph to; if empty, the other selected one",
     )
     morph: FloatProperty(
-        name="Morph", default=1.0, min=0.0, max=1.0, description="How far to morph, from 0 to 1"
+        name="Morph", default=1.0, min=0.0, max=1.0, description="Set how far to morph, from 0 to 1"
     )
     key: once(
         BoolProperty,
         "Key",
-        "Key Morph: 0 at the first frame of the scene, and the value above at the last one",
+        "Key Morph from 0 at the first frame of the scene to the value above at the last one",
         default=False,
     )
 

@@ -27,12 +27,12 @@ class SINEW_OT_transfer_deformation(Offered, FrameByFrame, Operator):
     source: once(
         StringProperty,
         "Source",
-        "The name of the mesh object that is deformed already; if empty, the other selected one",
+        "Give the name of the mesh object that is deformed already; if empty, the other selected one",
     )
     filepath: once(
         StringProperty,
         "Path",
-        "The PC2 file to write; if empty, one in the folder sinew_cache beside the .blend file",
+        "Choose the PC2 file to write; if empty, one in the folder sinew_cache beside the .blend file",
         subtype="FILE_PATH",
     )
 

@@ -31,7 +31,8 @@ _FACES = {
     "min": 12,
     "max": 100_000,
     "soft_max": 1000,
-    "description": "How many triangles the automatic cage has; fewer are easier to pose, more follow closer",
+    "description": "Set how many triangles the automatic cage has; fewer are easier to pose, more follow "
+    "closer",
 }
 
 
@@ -129,11 +130,11 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
             ("OBJECT", "Selected Object", "The other selected mesh becomes the cage", 1),
         ),
         default="AUTO",
-        description="Where the cage comes from",
+        description="Choose where the cage comes from",
     )
     method: method_choice(
         CAGE_METHODS,
-        "How points follow the cage. It can be changed later, and the cage stays",
+        "Set how points follow the cage; it can be changed later, and the cage stays",
         name="Coordinates",
         default=DEFAULT_CAGE_METHOD,
     )
@@ -146,7 +147,7 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         soft_max=0.1,
         precision=3,
         step=1,
-        description="How far from the mesh the automatic cage starts, as a share of the mesh's size",
+        description="Set how far from the mesh the automatic cage starts, as a share of the mesh's size",
     )
     quads: BoolProperty(
         name="Quads", description="Join the triangles of the automatic cage in pairs, where that is safe"
@@ -156,7 +157,9 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         default=True,
         description="Give a symmetric mesh a symmetric cage",
     )
-    cage: once(StringProperty, "Cage", "The name of a mesh object; if empty, the other selected mesh is used")
+    cage: once(
+        StringProperty, "Cage", "Give the name of a mesh object; if empty, the other selected mesh is used"
+    )
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         return (

@@ -22,7 +22,7 @@ class SINEW_OT_curve_edit(OnDeformer, Operator):
     bl_label = "Draw Curve"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    parameter: StringProperty(name="Parameter", description="The identifier of the curve to draw")
+    parameter: StringProperty(name="Parameter", description="Give the identifier of the curve to draw")
     reset: once(BoolProperty, "Reset", "Discard the drawn curve and use the default")
 
     @classmethod

@@ -26,7 +26,7 @@ class SINEW_OT_deformer_add(OnTarget, Operator):
         name="Method",
         items=method_items,
         default=BY_ID[DEFAULT_METHOD].number,
-        description="How the surface follows its handles. It can be changed later, and the handles stay",
+        description="Set how the surface follows its handles; it can be changed later, and the handles stay",
     )
 
     def invoke(self, context: Context, _event: object) -> set[str]:
@@ -46,7 +46,7 @@ class SINEW_OT_deformer_remove(OnDeformer, Operator):
     bl_idname = Operators.DEFORMER_REMOVE
     bl_label = "Remove Deformer"
 
-    index: row_index("Which deformer; -1 is the active one")
+    index: row_index("Choose which deformer; -1 is the active one")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -54,7 +54,7 @@ class SINEW_OT_help(Operator):
     bl_idname = Operators.HELP
     bl_label = "Sinew Manual"
 
-    page: once(EnumProperty, "Page", "What to read about", items=PAGES, default="surface")
+    page: once(EnumProperty, "Page", "Choose what to read about", items=PAGES, default="surface")
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_help") -> str:

@@ -40,8 +40,8 @@ class SINEW_OT_repair(OnTarget, Operator):
     )
     distance: distance(
         "Merge Distance",
-        "The largest distance between vertices that are merged; 0 merges only vertices at "
-        "exactly the same place",
+        "Set the largest distance between vertices that are merged; 0 merges only vertices at exactly the "
+        "same place",
         default=0.0,
         soft_max=0.1,
         precision=5,

@@ -14,7 +14,7 @@ class SINEW_OT_report_renders(Operator):
     bl_label = "Report Renders"
     bl_options = {"INTERNAL"}  # Sinew calls it after a render
 
-    text: StringProperty(name="Text", description="What to report")
+    text: StringProperty(name="Text", description="Say what to report")
 
     def execute(self, _context: Context) -> set[str]:
         self.report({"WARNING"}, self.text)

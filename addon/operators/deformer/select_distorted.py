@@ -25,7 +25,7 @@ class SINEW_OT_select_distorted(OnDeformer, Operator):
     bl_label = "Select Most Distorted"
     MESHES_ONLY = True
 
-    measure: EnumProperty(name="Measure", description="The measure of distortion", items=MEASURES)
+    measure: EnumProperty(name="Measure", description="Choose the measure of distortion", items=MEASURES)
 
     @classmethod
     def refusal(cls, context: Context) -> str:

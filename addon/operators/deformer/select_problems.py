@@ -25,7 +25,7 @@ class SINEW_OT_select_problems(OnDeformer, Operator):
         name="Line",
         default=-1,
         min=-1,
-        description="Index of the status line; -1 for the first warning",
+        description="Choose the status line by its index; -1 is the first warning",
     )
 
     @reports_errors

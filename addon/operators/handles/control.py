@@ -18,7 +18,7 @@ class SINEW_OT_control_new(OnDeformer, Operator):
     bl_idname = Operators.CONTROL_NEW
     bl_label = "New Control"
 
-    index: row_index("Which handle; -1 is every handle that has lost its control", options={"SKIP_SAVE"})
+    index: row_index("Choose the handle; -1 is every one that has lost its control", options={"SKIP_SAVE"})
 
     @classmethod
     def refusal(cls, context: Context) -> str:

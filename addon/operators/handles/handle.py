@@ -39,14 +39,16 @@ class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
     )
     vertex_group: StringProperty(
         name="Vertex Group",
-        description="An existing vertex group; if empty, the selected vertices in Edit Mode, else the "
-        "active group",
+        description="Choose a vertex group; if empty, the selected vertices in Edit Mode, else the active "
+        "group",
     )
-    handle_name: once(StringProperty, "Name", "Name of the region; if empty, the name of its vertex group")
+    handle_name: once(
+        StringProperty, "Name", "Give the name of the region; if empty, the name of its vertex group"
+    )
     weight: once(
         FloatProperty,
         "Weight",
-        "1 holds the region exactly; a lower weight lets it give way",
+        "Let the region give way by a weight below 1",
         default=1.0,
         min=0.0,
         max=1.0,
@@ -55,7 +57,7 @@ class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
     control: once(
         EnumProperty,
         "Control",
-        "What will move the region, for a handle",
+        "Choose what will move the region, for a handle",
         items=(
             ("AUTO", "Automatic", "The active bone in Pose and Weight Paint Mode, else a new empty", 2),
             ("NEW", "New Empty", "An empty at the region, aligned with its mean normal", 0),
@@ -68,8 +70,10 @@ class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
         ),
         default="AUTO",
     )
-    control_object: once(StringProperty, "Control Object", "The name of the object that will move the region")
-    bone: once(StringProperty, "Bone", "The name of a pose bone, if the control is an armature")
+    control_object: once(
+        StringProperty, "Control Object", "Give the name of the object that will move the region"
+    )
+    bone: once(StringProperty, "Bone", "Give the name of a pose bone, if the control is an armature")
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -155,7 +159,7 @@ class SINEW_OT_handle_remove(OnDeformer, Operator):
     bl_idname = Operators.HANDLE_REMOVE
     bl_label = "Remove Handle"
 
-    index: row_index("Which handle; -1 is the active one")
+    index: row_index("Choose which handle; -1 is the active one")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -181,7 +185,7 @@ class SINEW_OT_select_handle(OnDeformer, Operator):
     bl_idname = Operators.SELECT_HANDLE
     bl_label = "Select Handle"
 
-    index: row_index("Which handle; -1 is the active one")
+    index: row_index("Choose which handle; -1 is the active one")
     extend: once(BoolProperty, "Extend", "Add to the selection")
 
     @reports_errors

@@ -29,7 +29,7 @@ class SINEW_OT_handle_mirror(OnDeformer, BindingOperator, Operator):
 
     side: EnumProperty(
         name="Side",
-        description="Which handles are mirrored, and to where",
+        description="Choose which handles are mirrored, and to where",
         items=(
             ("ACTIVE", "Active Handle", "Mirror the active handle to the other side", 0),
             (
@@ -51,11 +51,11 @@ class SINEW_OT_handle_mirror(OnDeformer, BindingOperator, Operator):
     )
     painted_groups: BoolProperty(
         name="Painted Groups",
-        description="Also make the mask and the vertex groups of painted parameters symmetric",
+        description="Make the mask and the vertex groups of painted parameters symmetric, too",
     )
     tolerance: distance(
         "Tolerance",
-        "How far a vertex may lie from the mirror image of another",
+        "Set how far a vertex may lie from the mirror image of another",
         default=0.001,
         soft_max=0.1,
         precision=5,

@@ -57,13 +57,13 @@ class SINEW_OT_point_add(OnTarget, BindingOperator, Operator):
     bl_label = "Add Points"
 
     source: EnumProperty(
-        name="Where", items=_SOURCES, default="CURSOR", description="What the handles follow"
+        name="Where", items=_SOURCES, default="CURSOR", description="Choose what the handles follow"
     )
     method: EnumProperty(
         name="Method",
         items=items_of(_METHODS),
         default=BY_ID[DEFAULT_POINT_METHOD].number,
-        description="How space follows the handles, for an object that has no deformer yet",
+        description="Set how space follows the handles, for an object that has no deformer yet",
     )
 
     segments: BoolProperty(

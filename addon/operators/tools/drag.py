@@ -54,7 +54,7 @@ class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
 
     method: method_choice(
         REGION_METHODS,
-        "Method of a new deformer; an existing deformer keeps its own",
+        "Choose the method of a new deformer; an existing one keeps its own",
         default=DEFAULT_METHOD,
         options={"SKIP_SAVE"},
     )
@@ -62,7 +62,7 @@ class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
         name="Origin",
         subtype="XYZ",
         options={"SKIP_SAVE", "HIDDEN"},
-        description="Where the line of sight begins that meets the surface",
+        description="Choose where the line of sight begins that meets the surface",
     )
     direction: FloatVectorProperty(
         name="Direction",
@@ -78,11 +78,11 @@ class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
         min=1,
         soft_max=300,
         options={"HIDDEN"},
-        description="How large a new handle is on the screen; vertices within it move as one piece",
+        description="Set how large a new handle is on the screen; vertices within it move as one piece",
     )
     radius: distance(
         "Radius",
-        "How far from the place, along the surface, vertices belong to a new handle",
+        "Set how far from the place, along the surface, vertices belong to a new handle",
         default=0.25,
         soft_min=0.001,
         options={"SKIP_SAVE"},
@@ -92,7 +92,7 @@ class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
         default=3.0,
         min=1.0,
         soft_max=20.0,
-        description="How many radii far the surface follows a new handle, unless other regions hold it",
+        description="Set how many radii far the surface follows a new handle, unless other regions hold it",
     )
 
     @classmethod

@@ -45,7 +45,7 @@ class SINEW_OT_grab_region(Offered, MotionProperties, ViewportTool, Operator):
 
     radius: distance(
         "Radius",
-        "How far from the selection, along the surface, vertices follow; the others stay",
+        "Set how far from the selection, along the surface, vertices follow; the others stay",
         default=1.0,
         soft_min=0.001,
     )

@@ -42,11 +42,11 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
 
     armature: StringProperty(
         name="Armature",
-        description="The name of the armature; if empty, the active one",
+        description="Give the name of the armature; if empty, the active one",
         options={"SKIP_SAVE", "HIDDEN"},
     )
-    bone: once(StringProperty, "Bone", "The name of the bone to drag; if empty, the active one")
-    part: once(EnumProperty, "Part", "Which point of the bone is dragged", items=_PARTS, default="AUTO")
+    bone: once(StringProperty, "Bone", "Give the name of the bone to drag; if empty, the active one")
+    part: once(EnumProperty, "Part", "Choose the point that is dragged", items=_PARTS, default="AUTO")
     balance: BoolProperty(
         name="Balance",
         description="Keep the centre of mass over what is pinned, for example two feet",
@@ -139,7 +139,7 @@ class SINEW_OT_puppet_pin(Offered, Operator):
     action: once(
         EnumProperty,
         "Action",
-        "What to do with the selected bones",
+        "Choose what to do with the selected bones",
         items=(
             ("TOGGLE", "Toggle", "Pin the bones, or release them if all are pinned", "NONE", 0),
             ("PIN", "Pin", "Pin the bones", "NONE", 1),
@@ -174,10 +174,13 @@ class SINEW_OT_puppet_rig(Offered, BindingOperator, Operator):
     bl_label = "Skin by Bones"
 
     armature: once(
-        StringProperty, "Armature", "The name of the armature; if empty, the other selected object"
+        StringProperty, "Armature", "Give the name of the armature; if empty, the other selected object"
     )
     method: method_choice(
-        REGION_METHODS, "How the mesh follows the bones", default=DEFAULT_PUPPET_METHOD, options={"SKIP_SAVE"}
+        REGION_METHODS,
+        "Choose how the mesh follows",
+        default=DEFAULT_PUPPET_METHOD,
+        options={"SKIP_SAVE"},
     )
     automatic: once(
         BoolProperty,
@@ -190,7 +193,7 @@ class SINEW_OT_puppet_rig(Offered, BindingOperator, Operator):
         min=0.0,
         max=0.45,
         subtype="FACTOR",
-        description="How much of a bone's length is left free at each joint, by automatic regions",
+        description="Set how much of a bone's length is left free at each joint, by automatic regions",
     )
 
     @classmethod

@@ -183,7 +183,7 @@ class SINEW_OT_tool_drag(OnTarget, ViewportTool, Operator):
     path: CollectionProperty(type=OperatorStrokeElement, options={"SKIP_SAVE", "HIDDEN"})
     radius: distance(
         "Radius",
-        "How far the drag reaches; 0 for a third of the size of the part that is pressed",
+        "Set how far the drag reaches; 0 for a third of the size of the part that is pressed",
         options={"SKIP_SAVE"},
     )
 
