@@ -73,6 +73,16 @@ def test_the_names_of_other_programs_lead_to_a_task(words: str, task: str):
         assert hits[0][0] is wanted
 
 
+def test_the_manual_lists_the_tasks_and_both_names_of_their_methods():
+    listed = []
+    for task in tasks.TASKS:
+        rows = [BY_ID[name] for name in task.methods]
+        both = [row.label if row.label == row.known_as else f"{row.label} ({row.known_as})" for row in rows]
+        methods = ", ".join(both) or "no method: nothing stays behind"
+        listed.append(f"| {task.label} | {task.purpose} | {methods} |")
+    assert "\n".join(listed) in (MANUAL / "README.md").read_text(encoding="utf-8")
+
+
 def test_a_task_without_a_method_is_found_and_nonsense_finds_nothing():
     assert ("once", None) in [(task.id, method) for task, method in tasks.found("once")]
     assert tasks.found("xylophone") == ()

@@ -19,7 +19,7 @@ PAGES = (
     ("cage", "Pose with a Cage", "Let a coarse closed mesh around yours move it"),
     ("clothes", "Clothes", "A dressed figure in one cage, which its bones move"),
     ("lattice", "Pose with a Lattice", "Let a box of points around one object or several move them"),
-    ("wires-and-fields", "Wires and Vector Fields", "Curves and tools that move what is near them"),
+    ("wires-and-fields", "Wires and Clay", "Curves and tools that move what is near them"),
     ("handle-points", "Pose with Handle Points", "Let empties, bones and points of objects move space"),
     ("drag", "Sinew Drag", "Press on the surface in Object Mode, and drag"),
     ("animate", "Animate and Render", "Keyframes, drivers, renders, several deformers in one stack"),

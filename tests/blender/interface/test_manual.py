@@ -172,7 +172,7 @@ def shown_by_sinew() -> frozenset[str]:
     tool = inner.drag_tool.SINEW_WT_drag.bl_label
     remedies = {button.text for button in inner.status_box.REMEDIES.values()}
     kinds = {method.control.value for method in METHODS}
-    methods = {method.label for method in METHODS}
+    methods = {name for method in METHODS for name in (method.label, method.known_as)}
     own = {bpy.types.SINEW_PT_sinew.bl_label, tool, inner.status_box.REFINING.partition(" - ")[0]}
     preferences = set(messages.sentences(messages.ADDON / "preferences" / "page.py"))
     return frozenset().union(
@@ -228,6 +228,13 @@ def test_what_needs_no_deformer_is_not_said_to_be_beside_the_list_of_deformers()
     SITUATIONS["a mesh"]()
     early = {operator_rna(f"sinew.{name}").name for name in dir(bpy.ops.sinew) if polls(f"sinew.{name}")}
     assert not said & early
+
+
+def test_the_manual_calls_methods_as_the_interface_does():
+    """Names of the literature stand only where the page says so: in the table of tasks."""
+    known = {method.known_as for method in METHODS if method.known_as != method.label}
+    told = [name for page in MANUAL for name in names(page) if name.text in known]
+    assert not [str(name) for name in told]
 
 
 def test_each_name_in_bold_is_shown_by_sinew():
@@ -303,7 +310,7 @@ NOT_LISTED = {
         "Where the incoming indices are kept",
         "... alone moves no handle - name the vertices that follow it",
         "... is a ... of ... already",
-        "... has no keys - choose Mesh Sequence",
+        "... has no keys - choose ...",
         "... is not bound - press Bind first",
         "... does not follow its controls now - the panel says why",
         "... stands on the surface and moves with it",
@@ -340,26 +347,26 @@ def test_each_message_of_the_status_box_is_on_a_page():
 
 # Buttons that need a gesture, a selection of two, or a fault: the tests that press them.
 ELSEWHERE = {
-    "Make Handle on Selected Object or Bone": "test_handles.py",
-    "Wire along Edges": "test_wires.py",
+    "Cage from Selected": "test_cage.py",
+    "Copy the Motion": "test_transfer.py",
+    "Draw Outline": "test_silhouette_sketch.py",
     "Draw Wire": "test_wires.py",
-    "Sinew Drag: Clay": "test_tools.py",
     "Grab Once": "test_grab_region.py",
-    "Skin by Bones": "test_puppet_skin.py",
     "Keep Inside Parts": "test_loose_parts.py",
+    "Lattice from Selected": "test_lattice.py",
+    "Make Handle on Selected Object or Bone": "test_handles.py",
     "Morph to a Mesh": "test_morph.py",
     "New Grid": "test_control_grid.py",
-    "Unshare": "test_repair.py",
-    "Sinew Drag: Bones": "test_puppet.py",
     "Refine": "test_space_nonlinear.py",
     "Repair": "test_repair.py",
-    "Select": "test_bad_input.py",
-    "Draw Outline": "test_silhouette_sketch.py",
+    "Show": "test_bad_input.py",
+    "Sinew Drag: Bones": "test_puppet.py",
+    "Sinew Drag: Clay": "test_tools.py",
+    "Skin by Bones": "test_puppet_skin.py",
     "Surface": "test_riding.py",
-    "Copy the Motion": "test_transfer.py",
     "Turn Off Armature": "test_moved_twice.py",
-    "Cage from Selected": "test_cage.py",
-    "Lattice from Selected": "test_lattice.py",
+    "Unshare": "test_repair.py",
+    "Wire along Edges": "test_wires.py",
     "Wires from Selected": "test_wires.py",
 }
 
