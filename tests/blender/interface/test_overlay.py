@@ -195,7 +195,7 @@ def test_painted_parameter_and_its_numbers(paint, plate: Rig):
     assert is_even(picture, firm)
     assert is_even(picture, others(firm))
     assert not is_even(picture)
-    other = paint(plate.obj, parameter="bending")  # As-Rigid-As-Possible has none: its own is shown
+    other = paint(plate.obj, parameter="bending")  # Natural Bend has none: its own is shown
     assert other.legend.title == "Rigidity"
 
 

@@ -115,7 +115,7 @@ def test_points_at_one_place_that_go_apart_are_named():
 def test_a_method_of_surfaces_refuses_points_and_says_what_to_do():
     plate, controls = grid_object(), empties()
     press(plate, "deformer_add", method="arap")
-    fails("Radial Basis Functions", add, plate, *controls, source="SELECTED", method="rbf")
+    fails("Smooth Points", add, plate, *controls, source="SELECTED", method="rbf")
     assert not plate.sinew.active.handles
 
 

@@ -318,7 +318,7 @@ def test_what_cannot_be_had_is_said():
     plate, points, empty = grid_object(), frame(), new_empty("Empty")
     make_active(plate, points)
     refused(
-        "no segments - choose Moving Least Squares first",
+        "no segments - choose Rigid Points first",
         "point_add",
         source="POINTS",
         method="rbf",

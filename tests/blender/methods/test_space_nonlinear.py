@@ -65,7 +65,7 @@ def test_a_graph_moves_with_the_handles(paint, plate: Rig, method: str):
     assert lifted[:, 2].max() > 0.9
     assert lifted[:, 2].min() < 0.1
     plate.deformer.method = "thin_shell"
-    assert paint(plate.obj, overlay="GRAPH").legend.note == "Thin Shell has no graph"
+    assert paint(plate.obj, overlay="GRAPH").legend.note == "Soft Sheet has no graph"
 
 
 def ball(name: str, place: tuple, radius: float = 0.3) -> bpy.types.Object:

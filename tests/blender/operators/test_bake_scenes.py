@@ -90,19 +90,19 @@ def test_unbake_finds_its_modifier_after_renames_and_leaves_others(saved: Rig, t
     mine.cache_format, mine.filepath = "PC2", "//other.pc2"
     mine.show_viewport = False
     obj.modifiers[1].name = "Played"
-    mine.name = "Thin Shell Cache"
+    mine.name = "Sheet Cache"
     saved.deformer.name = "Renamed"
     saved.obj.modifiers[0].name = "Ours"
     make_active(obj)
     bpy.ops.sinew.unbake()
-    assert [modifier.name for modifier in obj.modifiers] == ["Ours", "Thin Shell Cache"]
+    assert [modifier.name for modifier in obj.modifiers] == ["Ours", "Sheet Cache"]
     assert_same(played(obj), live)
 
 
 def test_shape_keys_that_the_user_renamed_stay(moving: Rig):
     bake(moving, "SHAPE_KEYS")
     keys = moving.obj.data.shape_keys.key_blocks
-    keys["Thin Shell 3"].name = "Smile"
+    keys["Sheet 3"].name = "Smile"
     bpy.ops.sinew.unbake()
     assert [key.name for key in moving.obj.data.shape_keys.key_blocks] == ["Basis", "Smile"]
 
