@@ -29,6 +29,7 @@ from .mesh import (
 from .modifiers import move_modifier
 from .nodes import enabled_socket
 from .shape_keys import read_key, remove_data, write_key
+from .translation import told
 
 __all__ = (
     "action_curves",
@@ -59,6 +60,7 @@ __all__ = (
     "set_text_size",
     "smooth_colour_shader",
     "text_width",
+    "told",
     "write_key",
     "write_lattice",
     "write_positions",

@@ -6,6 +6,8 @@ import bpy
 import rna_keymap_ui
 from bpy.types import KeyConfig, KeyMap, KeyMapItem, UILayout
 
+from .translation import told
+
 
 def draw_progress(layout: UILayout, fraction: float, text: str) -> None:
     """Draw a progress bar, with ``fraction`` from 0 to 1.
@@ -13,9 +15,9 @@ def draw_progress(layout: UILayout, fraction: float, text: str) -> None:
     Before 4.0, Blender has no bar: then it is a text.
     """
     if hasattr(layout, "progress"):
-        layout.progress(factor=fraction, text=f"{fraction:.0%} {text}")
+        layout.progress(factor=fraction, text=f"{fraction:.0%} {told(text)}")
     else:
-        layout.label(text=f"{fraction:.0%} {text}", icon="SORTTIME")
+        layout.label(text=f"{fraction:.0%} {told(text)}", icon="SORTTIME")
 
 
 def text_width(text: str, points: float) -> float:

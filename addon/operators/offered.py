@@ -5,12 +5,14 @@ from typing import ClassVar
 
 from bpy.types import Context
 
+from .. import compat
 from ..properties import deformers_of
 from ..session.targets import targets
+from .reporting import Reports
 from .target import explain_no_target, target_of
 
 
-class Offered:
+class Offered(Reports):
     """Mixin for an operator that can be undone, and that Blender offers where nothing refuses it."""
 
     bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
@@ -19,7 +21,7 @@ class Offered:
     def poll(cls, context: Context) -> bool:
         reason = cls.refusal(context)
         if reason:
-            cls.poll_message_set(reason)
+            cls.poll_message_set(compat.told(reason))
         return not reason
 
     @classmethod

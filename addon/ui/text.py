@@ -23,11 +23,14 @@ def columns(context: Context) -> int:
 
 
 def draw_text(context: Context, layout: UILayout, text: str, icon: str = "NONE", beside: int = 0) -> None:
-    """Draw a sentence on as many lines as it needs. ``beside`` is the width of what is drawn beside it."""
+    """Draw a sentence in the language of the interface, on as many lines as it needs.
+
+    ``beside`` is the width of what is drawn beside it.
+    """
     column = layout.column(align=True)
     room, line = width_of(context) - beside - (_ICON if icon != "NONE" else 0), ""
     points = context.preferences.ui_styles[0].widget.points
-    for word in text.split():
+    for word in compat.told(text).split():
         longer = f"{line} {word}" if line else word
         if line and compat.text_width(longer, points) > room:
             column.label(text=line, icon=icon)

@@ -127,7 +127,7 @@ class SINEW_OT_bake(OnDeformer, FrameByFrame, Operator):
     def _export(self, context: Context) -> set[str]:
         objects = list(dict.fromkeys(obj for obj, _deformer in _chosen(context, self.all_deformers)))
         path = bake.export_alembic(context, objects, self.frames(context), self.filepath)
-        self.report({"INFO"}, f"Wrote {path}")
+        self.tell({"INFO"}, f"Wrote {path}")
         return {"FINISHED"}
 
     def _browse(self, context: Context) -> set[str]:
@@ -180,5 +180,5 @@ class SINEW_OT_unbake(OnDeformer, Operator):
             chosen = [pair for pair in chosen if pair[1].bake.is_baked]
         warnings = [line for obj, deformer in chosen for line in bake.unbake(obj, deformer, self.delete_file)]
         for line in warnings:
-            self.report({"WARNING"}, line)
+            self.tell({"WARNING"}, line)
         return {"FINISHED"}

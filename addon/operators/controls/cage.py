@@ -6,6 +6,7 @@ from collections.abc import Callable
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Object, Operator
 
+from ... import compat
 from ...core.errors import SinewError
 from ...core.methods import DEFAULT_CAGE_METHOD
 from ...ids import Operators
@@ -71,16 +72,16 @@ class _MakesCage(OnTarget, BindingOperator):
         if work is None:
             return super().look(context, is_cancelled)
         if is_cancelled or making.cage_work(self._targets[0][0]) is not work:
-            self.report({"WARNING"}, self.CANCELLED)
+            self.tell({"WARNING"}, self.CANCELLED)
             return {"CANCELLED"}
         if not work.done:
             context.workspace.status_text_set(
-                f"Sinew is making a cage: {work.fraction:.0%} {work.stage}   (Esc cancels)"
+                compat.told(f"Sinew is making a cage: {work.fraction:.0%} {work.stage}   (Esc cancels)")
             )
             return {"PASS_THROUGH"}
         self._forget_work()
         if work.error is not None:
-            self.report({"ERROR"}, str(work.error))
+            self.tell({"ERROR"}, str(work.error))
             return {"CANCELLED"}
         return self.watched(context, self.run(context, wait=False, shape=work.result))
 

@@ -123,5 +123,5 @@ class SINEW_OT_tool_stop(OnRows, BindingOperator, Operator):
         else:
             rows.stop_here(obj, deformer, row)
         context.view_layer.update()
-        self.report({"INFO"}, f"{row.name} has {rows.stop_count(row)} stops on its path")
+        self.tell({"INFO"}, f"{row.name} has {rows.stop_count(row)} stops on its path")
         return {"FINISHED"}

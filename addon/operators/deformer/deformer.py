@@ -56,6 +56,6 @@ class SINEW_OT_deformer_remove(OnDeformer, Operator):
         with object_mode(context, obj):
             if deformer.bake.is_baked:
                 for line in bake.unbake(obj, deformer):
-                    self.report({"WARNING"}, line)
+                    self.tell({"WARNING"}, line)
             deformers.remove_deformer(obj, index)
         return {"FINISHED"}

@@ -10,7 +10,7 @@ from bpy.types import Context, Operator
 from ...core.errors import SinewError
 from ...ids import Operators
 from ..arguments import once
-from ..reporting import reports_errors
+from ..reporting import Reports, reports_errors
 
 # Identifier, label and description; the identifier is the name of the page's file.
 PAGES = (
@@ -45,7 +45,7 @@ def manual_page(page: str) -> Path:
     )
 
 
-class SINEW_OT_help(Operator):
+class SINEW_OT_help(Reports, Operator):
     """Open the page of the manual about this panel in the web browser. It needs no network.
 
     The manual was installed with the add-on
@@ -66,7 +66,7 @@ class SINEW_OT_help(Operator):
     def execute(self, _context: Context) -> set[str]:
         path = manual_page(self.page)
         if bpy.app.background:
-            self.report({"INFO"}, str(path))
+            self.tell({"INFO"}, str(path))
         else:
             bpy.ops.wm.url_open(url=path.as_uri())
         return {"FINISHED"}

@@ -5,9 +5,10 @@ from bpy.props import StringProperty
 from bpy.types import Context, Operator
 
 from ...ids import Operators
+from ..reporting import Reports
 
 
-class SINEW_OT_report_renders(Operator):
+class SINEW_OT_report_renders(Reports, Operator):
     """Report which deformers showed the rest shape in the last render, and why"""
 
     bl_idname = Operators.REPORT_RENDERS
@@ -17,5 +18,5 @@ class SINEW_OT_report_renders(Operator):
     text: StringProperty(name="Text", description="Say what to report")
 
     def execute(self, _context: Context) -> set[str]:
-        self.report({"WARNING"}, self.text)
+        self.tell({"WARNING"}, self.text)
         return {"FINISHED"}

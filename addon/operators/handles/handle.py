@@ -106,7 +106,7 @@ class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
         try:
             select_control(context, obj, handle)
         except SinewError as error:
-            self.report({"WARNING"}, str(error))
+            self.tell({"WARNING"}, str(error))
 
     def _chosen_control(self, context: Context, obj: Object) -> tuple[Object | None, str]:
         if self.kind != "HANDLE":
@@ -141,7 +141,7 @@ class SINEW_OT_keep_inside(OnDeformer, BindingOperator, Operator):
         obj = target_of(context)
         vertices = selection.parts_inside(obj.sinew.active)
         if not len(vertices):
-            self.report({"INFO"}, "No loose part that follows the surface lies inside")
+            self.tell({"INFO"}, "No loose part that follows the surface lies inside")
             return {"CANCELLED"}
         control, bone = _active_bone(obj, context.object)
         with object_mode(context, obj):
@@ -172,7 +172,7 @@ class SINEW_OT_handle_remove(OnDeformer, Operator):
                 if deformer.handles:
                     bind.bind(obj, deformer)
         except SinewError as error:  # the region is removed all the same
-            self.report({"WARNING"}, str(error))
+            self.tell({"WARNING"}, str(error))
         return {"FINISHED"}
 
 

@@ -87,7 +87,7 @@ class SINEW_OT_point_add(OnTarget, BindingOperator, Operator):
                 noun = "handle" if points != "PLACE" else "handle point"
                 self.report_bind(refusal, deformer.uid, f"1 {noun}" if count == 1 else f"{count} {noun}s")
                 for text in twice.explain(deformer.id_data, deformer):
-                    self.report({"WARNING"}, text)
+                    self.tell({"WARNING"}, text)
         return {"FINISHED"}
 
     def _controls(self, context: Context, active: Object) -> tuple[bool, list[tuple[Object, str]]]:

@@ -48,5 +48,5 @@ class SINEW_OT_handle_stand(OnDeformer, Operator):
         if count:
             frames = "1 frame was" if count == 1 else f"{count} frames were"
             told += f"; the keys of {frames} converted, and frames between them may differ"
-        self.report({"INFO"}, told)
+        self.tell({"INFO"}, told)
         return {"FINISHED"}

@@ -9,6 +9,7 @@ import bpy
 import numpy as np
 from bpy.types import Context, Event, Object, UILayout
 
+from ... import compat
 from ...core.errors import SinewError
 from ...core.transform.typed_motion import View
 from ...session.state.background import Work
@@ -103,11 +104,11 @@ class ViewportTool(StaysInWindow):
         try:
             outcome = self.tool.process(obj, event, view_of(context, self.tool.pivot))
         except SinewError as error:
-            self.report({"ERROR"}, str(error))
+            self.tell({"ERROR"}, str(error))
             self._restore(obj)
             return self._leave(context, {"CANCELLED"})
         if self.tool.notice:
-            self.report({"WARNING"}, self.tool.notice)
+            self.tell({"WARNING"}, self.tool.notice)
             self.tool.notice = ""
         if outcome is Outcome.CONFIRMED:
             self.store_result(context)
@@ -130,17 +131,19 @@ class ViewportTool(StaysInWindow):
             return
         job = self.tool.job
         if job is None:
-            context.area.header_text_set(self.header(context))
+            context.area.header_text_set(compat.told(self.header(context)))
             context.area.tag_redraw()
         else:
-            context.area.header_text_set(f"Sinew is working: {job.fraction:.0%} {job.stage}   (Esc cancels)")
+            context.area.header_text_set(
+                compat.told(f"Sinew is working: {job.fraction:.0%} {job.stage}   (Esc cancels)")
+            )
 
     def _restore(self, obj: Object) -> None:
         """Put everything back as far as possible, after an error."""
         try:
             self.tool.restore(obj)
         except SinewError as error:
-            self.report({"WARNING"}, str(error))
+            self.tell({"WARNING"}, str(error))
 
     def _leave(self, context: Context, result: set[str]) -> set[str]:
         self.leave(context)

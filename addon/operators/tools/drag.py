@@ -124,7 +124,7 @@ class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
         if hit is None:
             hit = _beside_mouse(context, event.mouse_x, event.mouse_y, self.direction, self.pixels)
         if hit is None:
-            self.report({"INFO"}, _NOTHING)
+            self.tell({"INFO"}, _NOTHING)
             return {"CANCELLED"}
         view = view_of(context, hit.place)
         if not self.properties.is_property_set("radius"):
@@ -167,7 +167,7 @@ class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
         brush = Brush(self.choose_method(context).id, self.radius, reach)
         drag = Drag(hit, context.evaluated_depsgraph_get(), brush, wait)
         if not drag.is_held:
-            self.report({"INFO"}, _NOT_HELD)
+            self.tell({"INFO"}, _NOT_HELD)
         return drag
 
     def _keep(self, context: Context, obj: Object, drag: Drag) -> None:
@@ -177,7 +177,7 @@ class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
         try:
             select_control(context, obj, drag.handle_of(obj))
         except SinewError as error:
-            self.report({"WARNING"}, str(error))
+            self.tell({"WARNING"}, str(error))
 
 
 def handle_radius(context: Context, hit: Hit, pixels: int) -> float:

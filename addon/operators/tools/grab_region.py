@@ -87,16 +87,16 @@ class SINEW_OT_grab_region(Offered, MotionProperties, ViewportTool, Operator):
     def _report_limits(self, obj: Object, grab: Grab) -> None:
         """Report what an artist may not expect."""
         if obj.data.use_mirror_x or obj.data.use_mirror_y or obj.data.use_mirror_z:
-            self.report(
+            self.tell(
                 {"INFO"}, "Grab Once ignores the Mirror option of the mesh - the other side stays as it is"
             )
         if grab.lost:
             count = "1 vertex has" if grab.lost == 1 else f"{grab.lost:,} vertices have"
-            self.report(
+            self.tell(
                 {"WARNING"}, f"{count} invalid coordinates (NaN or infinite) and will not move - use Repair"
             )
         if grab.moves_alone:
-            self.report({"WARNING"}, NOTHING_FREE)
+            self.tell({"WARNING"}, NOTHING_FREE)
 
     def header(self, context: Context) -> str:
         tool, settings = self.tool, context.scene.unit_settings

@@ -111,9 +111,7 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
         options = PuppetOptions(Part(self.part), self.balance, self.from_rest)
         drag = PuppetDrag(armature, self.bone, context.evaluated_depsgraph_get(), options)
         if drag.ignored:
-            self.report(
-                {"WARNING"}, f"Constraints of {drag.ignored[0]} move it further - mute them to drag it"
-            )
+            self.tell({"WARNING"}, f"Constraints of {drag.ignored[0]} move it further - mute them to drag it")
         return armature, drag
 
     def _finish(self, context: Context, armature: Object, drag: PuppetDrag) -> None:
@@ -122,12 +120,10 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
             drag.key(armature)
         length = np.linalg.norm(self.value)
         if drag.overhang > 0.0:
-            self.report({"WARNING"}, "The centre of mass cannot reach what is pinned")
+            self.tell({"WARNING"}, "The centre of mass cannot reach what is pinned")
         elif drag.gap > _BEHIND * max(length, 1e-9):
             text = length_text(context.scene.unit_settings, drag.gap)
-            self.report(
-                {"INFO"}, f"{drag.bone} is {text} behind: its joints, pinned bones or posture hold it"
-            )
+            self.tell({"INFO"}, f"{drag.bone} is {text} behind: its joints, pinned bones or posture hold it")
 
 
 class SINEW_OT_puppet_pin(Offered, Operator):
@@ -161,9 +157,7 @@ class SINEW_OT_puppet_pin(Offered, Operator):
         pin = self.action == "PIN" or (self.action == "TOGGLE" and not all(bone.sinew.pin for bone in chosen))
         for bone in chosen:
             bone.sinew.pin = pin
-        self.report(
-            {"INFO"}, f"{len(chosen)} bone{'s' * (len(chosen) > 1)} {'pinned' if pin else 'released'}"
-        )
+        self.tell({"INFO"}, f"{len(chosen)} bone{'s' * (len(chosen) > 1)} {'pinned' if pin else 'released'}")
         return {"FINISHED"}
 
 

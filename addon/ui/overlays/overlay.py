@@ -12,6 +12,7 @@ from bpy.types import Context, Depsgraph, Mesh, Object, Panel, SpaceView3D, UILa
 from bpy.utils import register_classes_factory
 
 from ...core.geometry.distortion import Measure
+from ...core.labels import label_of
 from ...ids import Operators
 from ...operators import target_of
 from ...properties import SinewDeformer
@@ -200,7 +201,7 @@ class SINEW_PT_overlays(SidebarPanel, Panel):
 def _draw_parameters(layout: UILayout, wanted: settings.SinewScene, deformer: SinewDeformer) -> None:
     paintable = deformer.definition.paintable
     if not paintable:
-        layout.label(text=f"{deformer.definition.label} has no parameter to paint", icon="INFO")
+        layout.label(text=f"{label_of(deformer.definition)} has no parameter to paint", icon="INFO")
         return
     column = layout.column(align=True)
     column.use_property_split = False

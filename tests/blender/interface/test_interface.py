@@ -401,7 +401,7 @@ def flaws(where: str, label: str, text: str) -> list[str]:
 
 
 UNFIT = re.compile(r"\b(the papers?|section|et al|k_[sb]|tutorial)\b")
-OF_BLENDER = "Unique name used in the code and scripting"  # of a property that every group has
+OF_BLENDER = bpy.types.PropertyGroup.bl_rna.properties["name"].description
 VERBS = re.compile(
     r"("
     "Add|Apply|Avoid|Bake|Bend|Bind|Bring|Calm|Cancel|Choose|Collapse|Colour|Compute|Cover|Deform|"

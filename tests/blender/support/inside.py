@@ -88,6 +88,7 @@ MODULES = {
     "status_box": "ui.status_box",
     "surface": "session.datablocks.surface",
     "text": "ui.text",
+    "translation": "compat.translation",
     "typed_motion": "core.transform.typed_motion",
     "ui": "ui",
     "ui_control_handles": "ui.control.handles",
