@@ -78,47 +78,6 @@ def test_a_row_that_an_earlier_build_named_follows_its_method(given: str):
     assert deformer.name == "Box"
 
 
-# Names of methods, by tasks or as in the literature
-
-
-@pytest.fixture
-def literature():
-    chosen = inner.preferences.preferences(bpy.context)
-    chosen.names = "LITERATURE"
-    yield
-    chosen.names = "TASKS"
-
-
-def shown_names(deformer) -> tuple[str, ...]:
-    """What the menus of methods show: of a deformer, of a base, of the preferences."""
-    name = bpy.types.UILayout.enum_item_name
-    around = deformer.multiresolution
-    preferences = inner.preferences.preferences(bpy.context)
-    return (
-        name(deformer, "method", "arap"),
-        name(around, "base", "arap"),
-        name(preferences, "method", "arap"),
-        bpy.types.UILayout.enum_item_description(deformer, "method", "arap").splitlines()[-1],
-    )
-
-
-def test_artists_read_names_by_tasks(plate: Rig):
-    plate.bind("arap")
-    label = "Natural Bend"
-    assert shown_names(plate.deformer) == (label, label, label, "Known as As-Rigid-As-Possible")
-    refused("Choose a method that has keys: Keyed Bend", "key_add", plate.obj)
-
-
-def test_who_knows_the_literature_reads_its_names_at_once(plate: Rig, literature, tmp_path: Path):
-    plate.bind("arap")
-    label = "As-Rigid-As-Possible"
-    assert shown_names(plate.deformer) == (label, label, label, "Known as Natural Bend")
-    refused("Choose a method that has keys: Mesh Sequence", "key_add", plate.obj)
-    assert (plate.deformer.method, plate.deformer.name) == ("arap", "Limb"), "what files store stays"
-    reopen(tmp_path / "literature.blend")
-    assert plate.deformer.method == "arap"
-
-
 # Lost controls
 
 
@@ -581,42 +540,3 @@ def test_undo_after_tab_leaves_the_control_active(plate: Rig):
     bpy.ops.ed.undo()
     update()
     assert bpy.context.view_layer.objects.active == plate.control
-
-
-# Languages
-
-
-@pytest.fixture
-def german(monkeypatch: pytest.MonkeyPatch):
-    """A table as someone may add it, in use."""
-    translation = inner.translation
-    words = {
-        "Nothing is selected - select the vertices of the region first": "Nichts ist ausgewählt",
-        "Choose a method that has keys: ...": "Nimm eine Methode mit Keys: {0}",
-        "... vertices": "{0} Punkte",
-        "1 handle": "1 Griff",
-    }
-    monkeypatch.setitem(translation.LANGUAGES, "de_DE", words)
-    monkeypatch.setattr(translation, "_locale", lambda: "de_DE")
-    translation.register()
-    yield translation
-    translation.unregister()
-
-
-def test_a_language_is_added_with_one_table(plate: Rig, german, capfd: pytest.CaptureFixture):
-    """Whole sentences, sentences around names and numbers, clauses of a list; all else stays."""
-    plate.bind("thin_shell")
-    refused("Nimm eine Methode mit Keys: Keyed Bend", "key_add", plate.obj)
-    assert german.told("1,234 vertices, 1 handle, bound in 3 ms") == "1,234 Punkte, 1 Griff, bound in 3 ms"
-    assert german.told("Nobody has this sentence") == "Nobody has this sentence"
-    with in_mode(plate.obj):
-        bpy.ops.mesh.select_all(action="DESELECT")
-        with pytest.raises(RuntimeError, match="Nichts ist ausgewählt"):
-            bpy.ops.sinew.handle_add()
-    make_active(plate.obj)
-    assert "121 Punkte, 1 Griff" in draw_panel(WIDE).texts()
-
-
-def test_without_a_table_nothing_changes(plate: Rig):
-    assert not inner.translation.LANGUAGES
-    assert inner.translation.told("1 handle, 1 still") == "1 handle, 1 still"

@@ -57,6 +57,7 @@ MODULES = {
     "mirroring": "session.evaluation.mirroring",
     "modified": "session.targets.modified",
     "motion": "core.transform.motion",
+    "names": "core.names",
     "native": "backend.native",
     "objects": "session.controls.objects",
     "operators": "operators",
