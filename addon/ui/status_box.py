@@ -115,7 +115,7 @@ def draw_status(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
     """Draw the status at the end of the panel, and Bind below it."""
     job = binding.job(deformer.uid)
     if job is not None:
-        draw_progress(layout.box().column(), job, "binding")
+        draw_progress(layout.box().column(), job, "Binding")
         return
     cage = making.cage_work(deformer.id_data.name)
     if cage is not None and deformer.definition.control is not Control.CAGE:  # else its own button tells
@@ -149,7 +149,7 @@ def headline(deformer: SinewDeformer) -> Status:
         return NATIVE_MISSING
     main = status.current(deformer.uid)
     if not main.text:
-        return Status(Level.INFO, "Bound" if deformer.is_bound else "Not bound - press Bind")
+        return Status(Level.INFO, "Follows" if deformer.is_bound else "At rest - press Bind")
     known = sessions.find(deformer.uid)
     if deformer.bake.is_baked:
         return main
@@ -158,7 +158,7 @@ def headline(deformer: SinewDeformer) -> Status:
     if main.level is Level.INFO and sessions.is_refining(deformer.uid):
         return Status(Level.INFO, REFINING)
     if main.level is Level.INFO and deformer.is_bound and known is not None and known.solve_milliseconds:
-        text = f"{main.text}, solve {binding.duration(known.solve_milliseconds)}"
+        text = f"Follows, {binding.duration(known.solve_milliseconds)}"
         return Status(main.level, text, main.elements, main.remedy)
     return main
 

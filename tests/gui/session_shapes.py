@@ -103,7 +103,7 @@ def cage() -> Iterator[None]:
     yield from weights_of_cage()
     button("cage_set_rest")
     yield from until(lambda: moved(at_rest) < 1e-6, 20.0)
-    with claim("Set Rest puts the mesh at rest, and a deleted cage leaves it there"):
+    with claim("New Rest puts the mesh at rest, and a deleted cage leaves it there"):
         near(shown(), at_rest, FLOAT32)
         bpy.data.objects.remove(bpy.data.objects[name])
         yield from rest()

@@ -59,4 +59,4 @@ class SINEW_OT_control_set_rest(OnRows, BindsAll, Operator):
     """
 
     bl_idname = Operators.ROW_REST
-    bl_label = "Set Rest"
+    bl_label = "New Rest"

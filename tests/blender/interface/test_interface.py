@@ -128,10 +128,14 @@ def test_a_mesh_without_a_deformer_offers_the_first_step(plate: Rig):
     assert "sinew.deformer_add" in sheet.operator_names()
 
 
-def test_the_panel_tells_vertices_regions_and_times(bound_plate: Rig):
+def test_the_panel_says_that_the_mesh_follows_and_how_fast(bound_plate: Rig):
+    """What a bind took in, scripts and the report read."""
     bound_plate.lift()
     said = draw_panel(WIDE).texts()
-    assert re.search(rf"121 vertices, 1 handle, 1 still, bound in {TIME}, solve {TIME}", said), said
+    assert re.search(rf"Follows, {TIME}", said), said
+    assert re.search(rf"121 vertices, 1 handle, 1 still, bound in {TIME}", bound_plate.deformer.status)
+    bpy.ops.sinew.unbind()
+    assert "At rest" in draw_panel(WIDE).texts()
 
 
 @pytest.mark.parametrize("width", [NARROW, WIDE])

@@ -91,8 +91,8 @@ def check_cage(deformer: SinewDeformer) -> dict:
             raise CageError(f"{row.name} of {obj.name} is baked - Unbake it first")
         if row.is_bound and not _is_unposed(obj, row):
             raise CageError(
-                f"{cage.name} is posed, and the pose of {obj.name} would be lost - move it back, or Set Rest "
-                "Cage"
+                f"{cage.name} is posed, and the pose of {obj.name} would be lost - move it back, or "
+                "press New Rest"
             )
     return {**options, "quads": bool(options["quads"]), "flat": bool(options.get("flat", False))}
 
