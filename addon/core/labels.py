@@ -3,6 +3,7 @@
 
 from collections.abc import Callable, Iterable, Iterator
 from enum import Enum
+from types import SimpleNamespace
 
 from .methods import Control, Method
 
@@ -14,17 +15,17 @@ class Names(Enum):
     LITERATURE = "Literature"
 
 
-_chosen = [Names.TASKS]
+_choice = SimpleNamespace(names=Names.TASKS)
 
 
 def choose(names: Names) -> None:
     """Show methods by these names from now on, wherever Sinew shows one."""
-    _chosen[0] = names
+    _choice.names = names
 
 
 def chosen() -> Names:
     """The names in use."""
-    return _chosen[0]
+    return _choice.names
 
 
 def label_of(method: Method) -> str:

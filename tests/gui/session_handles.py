@@ -37,7 +37,12 @@ DRAGGED = 4e-6
 
 EAR, NOSE = (1.7, 0.0, 0.35), (0.0, 0.0, -0.3)  # as seen from the front
 NOTHING = ([], [], 0, [])
-ONE_HANDLE = ([("SUPPORT", "Free Area"), ("HANDLE", "Handle")], ["Free Area", "Handle"], 1, ["Head Handle"])
+ONE_HANDLE = (
+    [("SUPPORT", "Free Area"), ("HANDLE", "Handle L")],
+    ["Free Area", "Handle L"],
+    1,
+    ["Head Handle L"],
+)
 
 
 def left_behind() -> tuple:
@@ -69,13 +74,13 @@ def drag_surface() -> Iterator[None]:
         yield from release()
         after = shown()
         assert left_behind() == ONE_HANDLE
-        members, _weights = members_of(head(), "Handle")
+        members, _weights = members_of(head(), "Handle L")
         above(len(members), 3)
         near(after[members] - before[members], np.array((50.0, 0.0, 70.0)) * unit, unit)
         moved = np.abs(after - before).max(axis=1) > 1e-5
         assert 0.01 < moved.mean() < 0.5
         assert not moved[before[:, 0] < 0.0].any()
-        assert bpy.context.view_layer.objects.active.name == "Head Handle"
+        assert bpy.context.view_layer.objects.active.name == "Head Handle L"
     last = bpy.context.window_manager.operators[-1]
     with claim("the operator of a drag can be adjusted"):
         assert last.bl_idname == "SINEW_OT_drag"
