@@ -111,6 +111,7 @@ def german(monkeypatch: pytest.MonkeyPatch):
         "Choose a method that has keys: ...": "Nimm eine Methode mit Keys: {0}",
         "... vertices": "{0} Punkte",
         "1 handle": "1 Griff",
+        "Follows": "Folgt",
     }
     monkeypatch.setitem(translation.LANGUAGES, "de_DE", words)
     monkeypatch.setattr(translation, "_locale", lambda: "de_DE")
@@ -130,7 +131,7 @@ def test_a_language_is_added_with_one_table(plate: Rig, german, capfd: pytest.Ca
         with pytest.raises(RuntimeError, match="Nichts ist ausgewählt"):
             bpy.ops.sinew.handle_add()
     make_active(plate.obj)
-    assert "121 Punkte, 1 Griff" in draw_panel(WIDE).texts()
+    assert "Folgt, " in draw_panel(WIDE).texts()
 
 
 def test_without_a_table_nothing_changes(plate: Rig):
