@@ -59,16 +59,19 @@ def test_frames_meet_their_keys_in_the_moving_frames() -> None:
 
 
 def test_a_frame_alone_has_the_bits_of_all_of_them() -> None:
-    method, points, _ = bound(sn.MeshSequence, 12)
+    method, points, handles = bound(sn.MeshSequence, 12)
+    farm, _, _ = bound(sn.MeshSequence, 12)  # another machine
     frames = np.array([3.5, 17.0, 8.0])
     animation = shapes(points, frames)
-    together, _ = method.solve_frames(frames, animation, keys=KEYS)
-    for frame, shape, expected in zip(frames, animation, together, strict=True):
-        alone, _ = method.solve_frame(frame, keys=KEYS, incoming=shape)
+    together, reports = method.solve_frames(frames, animation, keys=KEYS)
+    for frame, shape, expected, told in zip(frames, animation, together, reports, strict=True):
+        alone, report = farm.solve_frame(frame, keys=KEYS, incoming=shape)
         np.testing.assert_array_equal(alone, expected)
+        assert report.iterations == told.iterations
         poses = method.poses(frame, keys=KEYS, incoming=shape)
         arap, _, _ = bound(sn.Arap, 12)
         np.testing.assert_array_equal(arap.solve(poses, incoming=shape)[0], expected)
+    assert method.set_handles(handles).factorizations == 4, "two per bind, none per frame"
 
 
 def test_poses_edit_further_and_become_a_key() -> None:
@@ -92,6 +95,9 @@ def test_still_poses_edit_nothing() -> None:
         found, _ = method.solve_frame(6, poses=poses, incoming=shape, from_rest=from_rest)
         np.testing.assert_allclose(found, shape, atol=1e-10)
     np.testing.assert_array_equal(method.still_poses(incoming=shape), [STILL, STILL])
+    still = KEYS[[0, 2]]
+    np.testing.assert_array_equal(method.poses(6, keys=still, incoming=shape), [STILL, STILL])
+    np.testing.assert_allclose(method.solve_frame(6, keys=still, incoming=shape)[0], shape, atol=1e-10)
 
 
 def test_edits_between_keys() -> None:

@@ -118,25 +118,39 @@ def test_face_varying_values_are_refined_by_their_own_matrix() -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "error", "words"),
+    ("options", "error", "words", "elements"),
     [
-        ({"scheme": "doo_sabin"}, sn.InvalidOption, "'catmull_clark', 'loop', 'bilinear'"),
-        ({"boundary_smooth": "x"}, sn.InvalidOption, "boundary_smooth"),
-        ({"uv_smooth": "x"}, sn.InvalidOption, "uv_smooth"),
-        ({"scheme": "loop"}, sn.InvalidMesh, "other faces are 0, 1, 2"),
-        ({"level": 11}, sn.InvalidOption, "not in 0 to 10"),
-        ({"creases": ([(0, 7)], 1.0)}, sn.InvalidOption, "no edge joins"),
-        ({"creases": ([0, 1], 1.0)}, sn.InvalidOption, "pairs"),
-        ({"creases": ([(0, 1)], [1.0, 2.0])}, sn.InvalidOption, "2 sharpnesses for 1"),
-        ({"creases": 3}, TypeError, "pair"),
-        ({"corners": ([8], 1.0)}, sn.InvalidOption, "the mesh has no vertices 8"),
-        ({"corners": ([0], -1.0)}, sn.InvalidOption, "below 0"),
-        ({"face_varying": [0, 1]}, sn.InvalidOption, "2 indices for 24"),
+        ({"scheme": "doo_sabin"}, sn.InvalidOption, "'catmull_clark', 'loop', 'bilinear'", []),
+        ({"boundary_smooth": "x"}, sn.InvalidOption, "boundary_smooth", []),
+        ({"uv_smooth": "x"}, sn.InvalidOption, "uv_smooth", []),
+        ({"scheme": "loop"}, sn.InvalidMesh, "other faces are 0, 1, 2", list(range(6))),
+        ({"level": 11}, sn.InvalidOption, "not in 0 to 10", []),
+        ({"level": -1}, sn.InvalidOption, "not in 0 to 10", []),
+        ({"creases": ([(0, 7)], 1.0)}, sn.InvalidOption, "no edge joins", [0, 7]),
+        ({"creases": ([(0, 99)], 1.0)}, sn.InvalidOption, "99", None),
+        ({"creases": ([(0, 1)], -1.0)}, sn.InvalidOption, "below 0", None),
+        ({"creases": ([(0, 1)], np.nan)}, sn.InvalidOption, "sharpness", None),
+        ({"creases": ([0, 1], 1.0)}, sn.InvalidOption, "pairs", []),
+        ({"creases": ([(0, 1)], [1.0, 2.0])}, sn.InvalidOption, "2 sharpnesses for 1", []),
+        ({"creases": 3}, TypeError, "pair", None),
+        ({"corners": ([3, 8], 1.0)}, sn.InvalidOption, "the mesh has no vertices 8", [8]),
+        ({"corners": ([0], -1.0)}, sn.InvalidOption, "below 0", None),
+        ({"face_varying": [0, 1]}, sn.InvalidOption, "2 indices for 24", []),
+        ({"face_varying": [-1] * 24}, sn.InvalidOption, "face_varying", None),
     ],
 )
-def test_refusals_name_what_is_wrong(options: dict, error: type, words: str) -> None:
-    with pytest.raises(error, match=words):
+def test_refusals_name_what_is_wrong(
+    options: dict, error: type, words: str, elements: list[int] | None
+) -> None:
+    with pytest.raises(error, match=words) as refused:
         cube(**options)
+    assert elements is None or refused.value.elements == elements
+
+
+def test_faces_with_a_corner_twice_are_named() -> None:
+    with pytest.raises(sn.InvalidMesh) as refused:
+        sn.SubdivisionSurface(sn.SurfaceMesh(CUBE, [[0, 1, 3], [1, 1, 5]]))
+    assert (refused.value.element_kind, refused.value.elements) == ("face", [1])
 
 
 @pytest.mark.parametrize("points", [CUBE[:7], CUBE[:, :2], CUBE.ravel()])
