@@ -5,12 +5,12 @@
 #include "tests/native/dense.h"
 #include "tests/native/refusals.h"
 #include "tests/native/solvers/matrices.h"
+#include "tests/native/threads.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <string>
-#include <thread>
 
 namespace sinew::test_spd_factor {
 
@@ -186,16 +186,7 @@ TEST_P(EveryFactor, solves_from_several_threads_give_the_same_bits)
     factor.factorize(A);
     const MatrixX b = random.dense(static_cast<int>(A.rows()), 3);
     const MatrixX alone = factor.solve(b);
-    std::vector<int> wrong(4, 0);
-    std::vector<std::thread> threads;
-    for (int& count : wrong)
-        threads.emplace_back([&] {
-            for (int repeat = 0; repeat < 20; ++repeat)
-                count += factor.solve(b) != alone;
-        });
-    for (std::thread& thread : threads)
-        thread.join();
-    EXPECT_EQ(wrong, std::vector<int>(4, 0));
+    expect_in_threads(4, 20, [&] { return factor.solve(b); }, alone);
 }
 
 INSTANTIATE_TEST_SUITE_P(SpdFactor, EveryFactor,

@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
 namespace sinew::test_subdivision_surface {
 
 namespace {
@@ -27,14 +25,6 @@ SubdivisionSurface subdivided(const SurfaceMesh& mesh, SubdivisionScheme scheme,
     options.level = level;
     options.limit = limit;
     return SubdivisionSurface(mesh, options);
-}
-
-template <class E, class Change>
-E refused(const SurfaceMesh& mesh, Change change)
-{
-    SubdivisionOptions options;
-    change(options);
-    return refusal<E>([&] { const SubdivisionSurface surface(mesh, options); });
 }
 
 constexpr SubdivisionScheme schemes[] = {SubdivisionScheme::catmull_clark, SubdivisionScheme::loop,
@@ -218,38 +208,6 @@ TEST(SubdivisionSurface, level_zero_and_no_faces_are_the_mesh_itself)
     const SubdivisionSurface surface = subdivided(loose, SubdivisionScheme::catmull_clark, 3, true);
     EXPECT_EQ(refined(surface, loose.points()), loose.points());
     EXPECT_EQ(surface.normals(view(loose.points())), Points::Zero(2, 3));
-}
-
-TEST(SubdivisionSurface, refuses_what_it_cannot_subdivide_by_name)
-{
-    const SurfaceMesh messy = shapes::messy(), cube = shapes::cube();
-    const int twice = messy.face_count() - 3;
-    EXPECT_EQ(refused<InvalidMesh>(messy, [](auto&) {}).elements(), std::vector{twice});
-    EXPECT_EQ(
-        refused<InvalidMesh>(cube, [](auto& o) { o.scheme = SubdivisionScheme::loop; }).elements().size(),
-        6u);
-    for (int level : {-1, 11})
-        refused<InvalidOption>(cube, [&](auto& o) { o.level = level; });
-    const auto crease = [](std::array<int, 2> edge, double sharpness) {
-        return [=](SubdivisionOptions& o) {
-            o.crease_edges = {edge};
-            o.crease_sharpness = {sharpness};
-        };
-    };
-    EXPECT_EQ(refused<InvalidOption>(cube, crease({0, 6}, 1)).elements(), (std::vector{0, 6}));
-    refused<InvalidOption>(cube, crease({0, 99}, 1));
-    refused<InvalidOption>(cube, crease({0, 1}, -1));
-    refused<InvalidOption>(cube, crease({0, 1}, std::numeric_limits<double>::quiet_NaN()));
-    refused<InvalidOption>(cube, [](auto& o) { o.crease_edges = {{0, 1}}; });
-    EXPECT_EQ(refused<InvalidOption>(cube,
-                                     [](auto& o) {
-                                         o.corner_vertices = {3, 8};
-                                         o.corner_sharpness = {1, 1};
-                                     })
-                  .elements(),
-              std::vector{8});
-    refused<InvalidOption>(cube, [](auto& o) { o.face_varying = {0, 1}; });
-    refused<InvalidOption>(cube, [](auto& o) { o.face_varying.assign(24, -1); });
 }
 
 TEST(SubdivisionSurface, announces_its_memory)
