@@ -25,6 +25,14 @@ Matrix3 turn_between(const Points& before, const Points& after)
     return fit_rotation((after.rowwise() - to).transpose() * (before.rowwise() - from));
 }
 
+/// How far one shape is from the other, moved rigidly as closely as can be.
+double off_rigid(const Points& before, const Points& after)
+{
+    const Eigen::RowVector3d from = before.colwise().mean(), to = after.colwise().mean();
+    return shapes::distance(after.rowwise() - to,
+                            (before.rowwise() - from) * turn_between(before, after).transpose());
+}
+
 /// The largest change of an edge's length, as a share of it.
 double worst_stretch(const Carried& carried, int part, const Points& moved)
 {
@@ -123,18 +131,15 @@ TEST(Attachments, a_ball_in_a_bent_tube_keeps_its_shape_and_its_distance_to_the_
     const Carried carried(scenes::tube_and_balls());
     for (double radius : {20.0, 10.0, 5.0}) {
         const Points moved = carried.moved([&](const Vector3& p) { return scenes::rolled(p, radius); });
-        const Points before = carried.scene.piece(carried.mesh.points(), 1),
-                     after = carried.scene.piece(moved, 1);
-        const Matrix3 R = turn_between(before, after);
-        const Eigen::RowVector3d from = before.colwise().mean(), to = after.colwise().mean();
-        EXPECT_LT(shapes::distance((after.rowwise() - to), (before.rowwise() - from) * R.transpose()), 1e-6);
+        const Points after = carried.scene.piece(moved, 1);
+        EXPECT_LT(off_rigid(carried.scene.piece(carried.mesh.points(), 1), after), 1e-6);
         double wall = 1; // the bent tube is a torus of this radius
         for (Eigen::Index v = 0; v < after.rows(); ++v) {
             const double across = std::hypot(after(v, 0) - 5, radius - after(v, 2)) - radius;
             wall = std::min(wall, 1 - std::hypot(across, after(v, 1)));
         }
         EXPECT_NEAR(wall, .4, .01 * .4) << radius;
-        EXPECT_LT((to - Eigen::RowVector3d(5, 0, 0)).norm(), .03 / radius);
+        EXPECT_LT((after.colwise().mean() - Eigen::RowVector3d(5, 0, 0)).norm(), .03 / radius);
     }
 }
 
@@ -177,11 +182,8 @@ TEST(Attachments, an_iris_rides_on_the_eye_and_all_of_it_is_one_rigid_body)
     EXPECT_EQ(carried.ride(5).host, 4);
     const Points moved = carried.moved(scenes::twisted);
     const int first = carried.scene.firsts[1], count = carried.scene.firsts[4] - first;
-    const Points before = carried.mesh.points().middleRows(first, count),
-                 after = moved.middleRows(first, count);
-    const Matrix3 R = turn_between(before, after);
-    const Eigen::RowVector3d from = before.colwise().mean(), to = after.colwise().mean();
-    EXPECT_LT(shapes::distance(after.rowwise() - to, (before.rowwise() - from) * R.transpose()), 1e-10);
+    EXPECT_LT(off_rigid(carried.mesh.points().middleRows(first, count), moved.middleRows(first, count)),
+              1e-10);
 }
 
 TEST(Attachments, a_part_midway_between_two_limbs_follows_one_of_them_whole)
@@ -222,11 +224,7 @@ TEST(Attachments, between_rigid_and_bending_there_is_no_jump)
             {scenes::tube(1, 10), scenes::block({length, .2, .04}, {5, 0, 1.04}, {cells, 2, 1})});
         const Points moved =
             carried.scene.piece(carried.moved([](const Vector3& p) { return scenes::rolled(p, 7); }), 1);
-        const Points rest = carried.scene.piece(carried.mesh.points(), 1);
-        const Matrix3 R = turn_between(rest, moved);
-        const Eigen::RowVector3d from = rest.colwise().mean(), to = moved.colwise().mean();
-        const double bent =
-            shapes::distance(moved.rowwise() - to, (rest.rowwise() - from) * R.transpose()) / length;
+        const double bent = off_rigid(carried.scene.piece(carried.mesh.points(), 1), moved) / length;
         EXPECT_LT(std::abs(bent - before), .03) << length;
         before = bent;
     }

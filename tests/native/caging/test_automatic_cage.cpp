@@ -2,9 +2,8 @@
 #include "native/caging/automatic_cage.h"
 
 #include "native/caging/cage_diagnosis.h"
-#include "native/core/errors.h"
-#include "native/core/parallel.h"
 #include "native/mesh/frames/surface_frame.h"
+#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
@@ -68,27 +67,12 @@ void expect_good(const AutomaticCage& cage, const SurfaceMesh& target)
     EXPECT_GT(cage.report.clearance, 0.0);
 }
 
-SurfaceMesh torus(int around, int across)
-{
-    std::vector<Vector3> points;
-    shapes::Polygons faces;
-    for (int i = 0; i < around; ++i)
-        for (int j = 0; j < across; ++j) {
-            const double u = 2 * shapes::pi * i / around, v = 2 * shapes::pi * j / across;
-            points.emplace_back((3 + std::cos(v)) * std::cos(u), (3 + std::cos(v)) * std::sin(u),
-                                std::sin(v));
-            const auto at = [&](int k, int l) { return k % around * across + l % across; };
-            faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
-        }
-    return shapes::mesh(points, faces);
-}
-
 } // namespace
 
 TEST(AutomaticCage, encloses_in_as_many_faces_as_asked)
 {
-    const SurfaceMesh targets[] = {shapes::sphere(3), shapes::bar(8, 2), shapes::hill(12, 12), torus(40, 20),
-                                   shapes::messy()};
+    const SurfaceMesh targets[] = {shapes::sphere(3), shapes::bar(8, 2), shapes::hill(12, 12),
+                                   shapes::torus(40, 20), shapes::messy()};
     for (const SurfaceMesh& target : targets)
         for (int faces : {60, 150}) {
             const AutomaticCage cage = automatic_cage(target, {.faces = faces, .margin = wide});
@@ -112,7 +96,7 @@ TEST(AutomaticCage, leaves_out_vertices_without_a_face)
 
 TEST(AutomaticCage, keeps_parts_and_holes)
 {
-    const SurfaceMesh ring = torus(40, 20);
+    const SurfaceMesh ring = shapes::torus(40, 20);
     const AutomaticCage cage = automatic_cage(ring, {.faces = 200, .margin = 0.03});
     expect_good(cage, ring);
     const SurfaceMesh around = mesh_of(cage);
@@ -248,7 +232,7 @@ TEST(AutomaticCage, no_diagonal_of_a_quad_is_an_edge_or_a_diagonal_of_another)
 {
     using Symmetry = AutomaticCageOptions::Symmetry;
     for (const SurfaceMesh& target :
-         {shapes::sphere(2), shapes::bar(8, 2), shapes::hill(12, 12), torus(40, 20)})
+         {shapes::sphere(2), shapes::bar(8, 2), shapes::hill(12, 12), shapes::torus(40, 20)})
         for (int faces : sizes_of_cages)
             for (Symmetry symmetry : {Symmetry::none, Symmetry::x, Symmetry::y}) {
                 const AutomaticCage cage = automatic_cage(
@@ -271,7 +255,7 @@ TEST(AutomaticCage, says_how_many_faces_were_asked_for_and_why_there_are_more)
 {
     for (int faces : {12, 60}) {
         const AutomaticCageReport report =
-            automatic_cage(torus(40, 20), {.faces = faces, .margin = wide}).report;
+            automatic_cage(shapes::torus(40, 20), {.faces = faces, .margin = wide}).report;
         EXPECT_EQ(report.wanted, faces);
         EXPECT_EQ(report.reached, report.faces <= faces + 1);
         EXPECT_EQ(report.reason.empty(), report.reached);
@@ -322,10 +306,9 @@ TEST(AutomaticCage, takes_flat_open_and_loose_targets_of_any_scale)
 TEST(AutomaticCage, is_the_same_on_any_number_of_threads)
 {
     const SurfaceMesh target = shapes::hill(12, 12);
-    limit_threads(1);
-    const AutomaticCage one = automatic_cage(target, {.faces = 80, .margin = wide});
-    limit_threads(0);
     const AutomaticCage many = automatic_cage(target, {.faces = 80, .margin = wide});
+    const ThreadLimit limit(1);
+    const AutomaticCage one = automatic_cage(target, {.faces = 80, .margin = wide});
     EXPECT_EQ(one.points, many.points);
     EXPECT_EQ(one.corners, many.corners);
 }

@@ -14,7 +14,8 @@ namespace {
 
 using Element = Error::Element;
 
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
+                 infinite = std::numeric_limits<double>::infinity();
 
 /// Two parts: 0-5 and 6-8.
 const Components two_parts{2, {0, 0, 0, 0, 0, 0, 1, 1, 1}};
@@ -106,7 +107,6 @@ TEST(Regions, the_report_counts)
 
 TEST(Regions, refuse_what_fits_no_mesh_and_name_it)
 {
-    const double infinite = std::numeric_limits<double>::infinity();
     expect_elements(refused({{{0}, {}}, {{}, {}}}), Element::handle, {1});
     expect_elements(refused({{{0, 1}, {1.0}}}), Element::handle, {0});
     expect_elements(refused({{{0, 1, 2}, {}}, {{2, 3, 1}, {}}}), Element::vertex, {2, 1});
@@ -132,32 +132,6 @@ TEST(Targets, apply_the_pose_to_the_incoming_point_or_to_the_rest)
     EXPECT_TRUE(targets.position(1, 1).isApprox(Vector3(0, 1, 2)));
     const Targets at_rest{poses, view(rest), {}, nullptr};
     EXPECT_TRUE(at_rest.position(0, 1).isApprox(Vector3(1, 0, 2)));
-}
-
-TEST(Targets, refuse_what_does_not_fit)
-{
-    const Points rest = shapes::points_of({{1, 0, 0}, {0, 1, 0}});
-    Points incoming = rest;
-    const Poses good{shapes::still(), shapes::still()};
-    const auto check = [&](const Poses& poses, std::optional<PointsView> points = {},
-                           const std::vector<bool>* flags = nullptr) {
-        Targets{poses, view(rest), points, flags}.check(2);
-    };
-    EXPECT_NO_THROW(check(good, view(incoming)));
-    refusal<InvalidConstraint>([&] { check({shapes::still()}); });
-
-    Poses bad = good;
-    bad[1](2, 3) = nan;
-    expect_elements(refusal<InvalidConstraint>([&] { check(bad); }), Element::handle, {1});
-
-    const std::vector<bool> one_flag{true};
-    refusal<InvalidConstraint>([&] { check(good, {}, &one_flag); });
-
-    const Points three = Points::Zero(3, 3);
-    refusal<InvalidConstraint>([&] { check(good, view(three)); });
-
-    incoming(1, 0) = nan;
-    expect_elements(refusal<InvalidConstraint>([&] { check(good, view(incoming)); }), Element::vertex, {1});
 }
 
 } // namespace sinew::test_regions

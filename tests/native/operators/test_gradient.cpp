@@ -33,14 +33,6 @@ TEST(Gradient, of_a_linear_function_is_its_slope_within_each_triangle)
     }
 }
 
-TEST(Gradient, lies_in_its_triangle_for_any_function)
-{
-    const SurfaceMesh mesh = shapes::hill(5, 5);
-    const VectorX gradient = gradient_matrix(mesh) * shapes::Random(1).dense(mesh.vertex_count(), 1);
-    for (std::size_t t = 0; t < mesh.triangles().size(); ++t)
-        EXPECT_LT(std::abs(gradient.segment<3>(3 * t).dot(normal(mesh, mesh.triangles()[t]))), 1e-13);
-}
-
 TEST(Gradient, is_zero_on_triangles_without_area)
 {
     const SurfaceMesh mesh =

@@ -3,7 +3,6 @@
 
 #include "native/core/errors.h"
 #include "native/mesh/components.h"
-#include "native/operators/gradient.h"
 #include "tests/native/dense.h"
 #include "tests/native/shapes.h"
 
@@ -18,9 +17,8 @@ namespace {
 
 constexpr std::array every{Discretization::uniform, Discretization::cotan, Discretization::cotan_voronoi};
 constexpr auto cotan = Discretization::cotan;
+using dense::largest;
 constexpr auto voronoi = Discretization::cotan_voronoi;
-
-double largest(const MatrixX& m) { return m.cwiseAbs().maxCoeff(); }
 
 double total_area(const SurfaceMesh& mesh)
 {
@@ -73,21 +71,6 @@ TEST(Laplacian, of_the_coordinates_is_zero_inside_a_planar_mesh)
     for (int j = 1; j < 6; ++j)
         for (int i = 1; i < 8; ++i)
             EXPECT_LT(Lx.row(j * 9 + i).norm(), 1e-13); // rounding of weights up to 5 times lengths of 5
-}
-
-TEST(Laplacian, is_the_gradient_squared)
-{
-    for (const SurfaceMesh& mesh : {shapes::hill(7, 6), shapes::sphere(2), shapes::bar(4, 2)}) {
-        const MatrixX G = gradient_matrix(mesh);
-        VectorX D(G.rows());
-        for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
-            const auto& [a, b, c] = mesh.triangles()[t];
-            D.segment<3>(3 * t).setConstant(
-                0.5 * (mesh.point(b) - mesh.point(a)).cross(mesh.point(c) - mesh.point(a)).norm());
-        }
-        const MatrixX L = laplacian_matrix(mesh, cotan);
-        EXPECT_LT(largest(L - G.transpose() * D.asDiagonal() * G), 1e-13 * largest(L));
-    }
 }
 
 TEST(Laplacian, weights_of_a_square_grid_are_one_half_at_the_border_and_zero_on_diagonals)

@@ -47,10 +47,7 @@ TEST(BoneRegions, DistancesGoAlongTheSurface)
     EXPECT_EQ(std::ranges::count_if(regions[1], of_second), one.vertex_count());
     EXPECT_TRUE(std::ranges::none_of(regions[0], of_second));
     // The same where all faces look inward.
-    std::vector<std::vector<int>> faces = shapes::faces_of(both);
-    for (std::vector<int>& face : faces)
-        std::ranges::reverse(face);
-    EXPECT_EQ(bone_regions(shapes::over(both.points(), faces), Skeleton(heads, tails, {-1, -1})), regions);
+    EXPECT_EQ(bone_regions(shapes::inside_out(both), Skeleton(heads, tails, {-1, -1})), regions);
 }
 
 TEST(BoneRegions, ABoneOutsideHoldsNothing)

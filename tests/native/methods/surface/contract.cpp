@@ -245,10 +245,7 @@ TEST_P(SurfaceContract, each_part_follows_its_own_handles)
 
 TEST_P(SurfaceContract, an_incoming_pose_passes_through_where_no_handle_moves)
 {
-    Points incoming = mesh().points();
-    shapes::Random random(3);
-    for (int i = 0; i < incoming.rows(); ++i)
-        incoming.row(i) += traits().noise * random.vector().transpose();
+    const Points incoming = shapes::Random(3).shaken(mesh().points(), traits().noise);
     for (const SurfaceVariant& variant : traits().variants) {
         SCOPED_TRACE(variant.name);
         const Method method = bound(variant, mesh(), ends());
@@ -489,6 +486,10 @@ TEST_P(SurfaceContract, refuses_what_does_not_fit_a_solve)
     EXPECT_THROW(solve(*method, bent, {.max_iterations = -1}), InvalidOption);
     EXPECT_THROW(solve(*method, bent, {.tolerance = -1.0}), InvalidOption);
     EXPECT_THROW(solve(*method, bent, {.tolerance = nan}), InvalidOption);
+    Poses turned = bent;
+    turned[1](2, 3) = nan;
+    const auto broken_pose = [&] { solve(*method, turned); };
+    expect_elements(refusal<InvalidConstraint>(broken_pose), Error::Element::handle, {1});
     const auto broken_enters = [&] { solve(*method, bent, {.incoming = view(broken)}); };
     expect_elements(refusal<InvalidConstraint>(broken_enters), Error::Element::vertex, {4});
 }

@@ -5,7 +5,6 @@
 #include "tests/native/methods/space/lattice/lattices.h"
 #include "tests/native/refusals.h"
 
-#include <Eigen/SVD>
 #include <gtest/gtest.h>
 
 namespace sinew::test_inverse_ffd {
@@ -55,38 +54,6 @@ TEST(InverseFfd, dragging_the_middle_of_a_quadratic_lattice)
         EXPECT_NEAR(moves(0, 1) / 0.5, 8.0 / 27.0, 1e-12);
         EXPECT_EQ(moves.col(0).cwiseAbs().maxCoeff(), 0.0);
         EXPECT_NEAR(warped(method, dragged)(0, 1), 1.0, 1e-14);
-    }
-}
-
-TEST(InverseFfd, is_the_pseudo_inverse_of_a_dense_decomposition)
-{
-    // More and fewer constraints than control points, some of them twice.
-    for (const int count : {5, 40, 200}) {
-        Points handles = in_box(count, {0, 0, 0}, {1, 1, 1}, 8);
-        handles.row(1) = handles.row(0);
-        InverseFfd method(view(handles), chosen(4));
-        method.bind(view(handles));
-        // The functions, one control point after the other, by plain lattices.
-        const Points rest = box({4, 4, 4});
-        Ffd lattice(RestGrid(view(rest), {4, 4, 4}, options(LatticeBasis::bspline, 3)));
-        lattice.bind(view(handles));
-        MatrixX B(count, 64);
-        for (int c = 0; c < 64; ++c) {
-            Points posed = rest;
-            posed(c, 2) += 1.0;
-            B.col(c) = (warped(lattice, posed) - handles).col(2);
-        }
-        Eigen::JacobiSVD<MatrixX> svd(B, Eigen::ComputeThinU | Eigen::ComputeThinV);
-        svd.setThreshold(1e-3);
-        shapes::Random random(2);
-        Points q(count, 3);
-        for (int i = 0; i < count; ++i)
-            q.row(i) = random.vector().transpose();
-        const Points expected = svd.solve(MatrixX(q));
-        EXPECT_EQ(method.rank(), svd.rank()) << count;
-        // Squares of singular values lose half of the digits of the smallest ones kept.
-        EXPECT_LT(shapes::distance(method.control_moves(view(Points(handles + q))), expected),
-                  1e-7 * expected.cwiseAbs().maxCoeff());
     }
 }
 

@@ -79,25 +79,6 @@ SpaceTraits of_regions()
 INSTANTIATE_TEST_SUITE_P(RbfPoints, SpaceContract, testing::Values(of_points()));
 INSTANTIATE_TEST_SUITE_P(RbfRegions, SpaceContract, testing::Values(of_regions()));
 
-TEST(Rbf, twenty_seven_centres_reproduce_any_quadratic)
-{
-    const Points centres = cube_points(), points = random_points(100, 1.0, 2);
-    shapes::Random random(8);
-    const MatrixX a = random.dense(10, 3);
-    const auto quadratic = [&](const Points& at) {
-        Points moved = at;
-        for (Eigen::Index i = 0; i < at.rows(); ++i) {
-            const Eigen::RowVector3d x = at.row(i);
-            Eigen::RowVectorXd m(10);
-            m << 1, x, x.cwiseProduct(x), x[0] * x[1], x[1] * x[2], x[2] * x[0];
-            moved.row(i) += m * a;
-        }
-        return moved;
-    };
-    Rbf rbf{HandlePoints(view(centres))};
-    EXPECT_LT(shapes::distance(warped(rbf, points, quadratic(centres)), quadratic(points)), 1e-13 * 20);
-}
-
 TEST(Rbf, has_the_known_values_of_a_bump)
 {
     Points points(3, 3);

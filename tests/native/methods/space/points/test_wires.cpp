@@ -39,14 +39,7 @@ Points stacked(const Points& a, const Points& b)
     return both;
 }
 
-Points scattered(int count, double size = 1.5)
-{
-    shapes::Random random(3);
-    Points points(count, 3);
-    for (int i = 0; i < count; ++i)
-        points.row(i) = size * random.vector().transpose();
-    return points;
-}
+Points scattered(int count, double size = 1.5) { return shapes::Random(3).points(count, size); }
 
 Points warped(const WireOptions& options, const Points& rest, const Points& control, const Points& points)
 {
@@ -88,10 +81,7 @@ INSTANTIATE_TEST_SUITE_P(Wires, SpaceContract, testing::Values(traits()));
 TEST(Wires, points_on_a_wire_follow_it_and_those_outside_stay)
 {
     const Points rest = arc(9), points = stacked(rest, stacked(one(1.51, 0, 0), one(-1, -1, 0)));
-    Points posed = rest;
-    shapes::Random random(1);
-    for (int v = 0; v < posed.rows(); ++v)
-        posed.row(v) += random.vector().transpose();
+    const Points posed = shapes::Random(1).shaken(rest, 1.0);
     for (const double smoothing : {0.0, 0.2, 1.0}) {
         const Points out =
             warped({.radius = {0.5}, .scale = {3.0}, .smoothing = smoothing}, rest, posed, points);

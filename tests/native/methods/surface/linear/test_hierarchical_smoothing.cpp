@@ -87,10 +87,7 @@ TEST_F(HierarchicalSmoothing, details_are_reconstructed_exactly_on_all_levels)
     Method smoothing(mesh);
     smoothing.set_handles(shapes::ends(mesh, 0.3));
     EXPECT_GT(smoothing.level_count(), 6);
-    Points incoming = mesh.points();
-    shapes::Random random(4);
-    for (int v = 0; v < incoming.rows(); ++v)
-        incoming.row(v) += 0.05 * random.vector().transpose();
+    const Points incoming = shapes::Random(4).shaken(mesh.points(), 0.05);
     for (const Points& y : {mesh.points(), incoming}) {
         Points q;
         smoothing.solve({.poses = Poses(2, shapes::still()), .incoming = view(y)}, q);

@@ -13,25 +13,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace sinew::test_subdivision_editing {
 
 namespace {
 
-using Faces = std::vector<std::vector<int>>;
+using Faces = shapes::Polygons;
+using shapes::torus;
 
 /// Quads over a hill without symmetry, with noise on every vertex.
 SurfaceMesh rough_hill(int columns, int rows)
 {
     const SurfaceMesh plain = shapes::quad_grid(columns, rows);
     Points p = plain.points();
-    shapes::Random random(5);
-    for (int i = 0; i < p.rows(); ++i) {
+    for (int i = 0; i < p.rows(); ++i)
         p(i, 2) = 2 * std::sin(3.0 * p(i, 0) / columns) * std::cos(2.0 * p(i, 1) / rows);
-        p.row(i) += 0.1 * random.vector().transpose();
-    }
-    return shapes::moved(plain, p);
+    return shapes::moved(plain, shapes::Random(5).shaken(p, 0.1));
 }
 
 SubdivisionSurface subdivided(const SurfaceMesh& mesh, SubdivisionScheme scheme, int level)
@@ -65,10 +62,7 @@ Faces sorted_faces(const SurfaceMesh& mesh)
 SurfaceMesh shuffled(const SurfaceMesh& mesh, std::uint64_t seed)
 {
     shapes::Random random(seed);
-    std::vector<int> place(mesh.vertex_count());
-    std::iota(place.begin(), place.end(), 0);
-    for (int v = mesh.vertex_count(); v-- > 1;)
-        std::swap(place[v], place[random.below(v + 1)]);
+    const std::vector<int> place = random.shuffled(mesh.vertex_count());
     Points points(mesh.vertex_count(), 3);
     for (int v = 0; v < mesh.vertex_count(); ++v)
         points.row(place[v]) = mesh.points().row(v);
@@ -81,20 +75,6 @@ SurfaceMesh shuffled(const SurfaceMesh& mesh, std::uint64_t seed)
     for (std::size_t f = faces.size(); f-- > 1;)
         std::swap(faces[f], faces[random.below(static_cast<int>(f) + 1)]);
     return shapes::over(points, faces);
-}
-
-SurfaceMesh torus(int around, int across)
-{
-    std::vector<Vector3> p;
-    Faces faces;
-    for (int i = 0; i < around; ++i)
-        for (int j = 0; j < across; ++j) {
-            const double a = 2 * shapes::pi * i / around, b = 2 * shapes::pi * j / across;
-            p.emplace_back((3 + std::cos(b)) * std::cos(a), (3 + std::cos(b)) * std::sin(a), std::sin(b));
-            const auto at = [&](int s, int t) { return (i + s) % around * across + (j + t) % across; };
-            faces.push_back({at(0, 0), at(1, 0), at(1, 1), at(0, 1)});
-        }
-    return shapes::mesh(p, faces);
 }
 
 /// A pentagon, a triangle and quads in an open surface, no vertex of which is like another.
@@ -218,12 +198,9 @@ TEST_F(SubdivisionEditing, regular_meshes_keep_their_lowest_vertex)
 TEST_F(SubdivisionEditing, the_control_mesh_is_the_nearest_one_by_dense_least_squares)
 {
     for (const auto& [control, scheme] : {control_meshes()[1], control_meshes()[6], control_meshes()[7]}) {
-        SurfaceMesh fine = refined(control, scheme, 1);
-        Points sculpted = fine.points();
-        shapes::Random random(9);
-        for (int v = 0; v < sculpted.rows(); ++v)
-            sculpted.row(v) += 0.2 * random.vector().transpose();
-        fine = shapes::moved(fine, sculpted);
+        const SurfaceMesh smooth = refined(control, scheme, 1);
+        const Points sculpted = shapes::Random(9).shaken(smooth.points(), 0.2);
+        const SurfaceMesh fine = shapes::moved(smooth, sculpted);
         const MatrixX P = MatrixX(subdivided(control, scheme, 1).matrix());
         const MatrixX expected = dense::solution(P.transpose() * P, P.transpose() * sculpted);
         EXPECT_LT(shapes::distance(bound(fine, 1).control_mesh().points(), expected), 1e-11);
@@ -323,14 +300,10 @@ TEST_F(SubdivisionEditing, details_turn_with_the_surface)
 TEST_F(SubdivisionEditing, sculpted_meshes_rest_and_move_rigidly_with_all_their_details)
 {
     for (const auto& [control, scheme] : control_meshes()) {
-        SurfaceMesh fine = refined(control, scheme, 2);
-        Points sculpted = fine.points(), incoming = sculpted;
-        shapes::Random random(3);
-        for (int v = 0; v < sculpted.rows(); ++v) {
-            sculpted.row(v) += 0.05 * random.vector().transpose();
-            incoming.row(v) += 0.2 * random.vector().transpose();
-        }
-        fine = shapes::moved(fine, sculpted);
+        const SurfaceMesh smooth = refined(control, scheme, 2);
+        const Points sculpted = shapes::Random(3).shaken(smooth.points(), 0.05),
+                     incoming = shapes::Random(4).shaken(smooth.points(), 0.2);
+        const SurfaceMesh fine = shapes::moved(smooth, sculpted);
         const std::vector<Handle> handles{{{0, 1}, {}}, {{fine.vertex_count() - 1}, {0.5}}};
         const Method editing = bound(fine, 2, handles);
         const Pose pose = shapes::turn({1, 2, -0.5}, 170, {3, 7, 1}, {3, -2, 1});
@@ -348,9 +321,7 @@ TEST_F(SubdivisionEditing, a_part_that_cannot_be_undone_stays_whole_and_the_othe
 {
     const SurfaceMesh ball = shapes::sphere(3),
                       box = refined(shapes::cube(), SubdivisionScheme::catmull_clark, 3);
-    Faces cut = shapes::faces_of(box);
-    cut.pop_back(); // one quad is missing
-    const SurfaceMesh holed = shapes::over(box.points(), cut);
+    const SurfaceMesh holed = shapes::without_face(box, box.face_count() - 1);
     const SurfaceMesh all = shapes::joined(shapes::joined(ball, holed, {0, 9, 0}), box, {0, 18, 0});
     const int n = ball.vertex_count(), m = box.vertex_count();
     const std::vector<Handle> handles{{{0, n, n + m}, {}}, {{1, n + 1, n + m + 1}, {}}};
@@ -384,8 +355,7 @@ TEST_F(SubdivisionEditing, tiny_and_odd_parts_are_no_subdivisions)
         shapes::joined(shapes::octahedron(), shapes::quad_grid(1, 1), {5, 0, 0})};
     for (std::size_t k = 0; k < odd.size(); ++k) {
         SCOPED_TRACE(k);
-        std::vector<int> all(odd[k].vertex_count());
-        std::iota(all.begin(), all.end(), 0);
+        const std::vector<int> all = shapes::numbers(0, odd[k].vertex_count());
         Method editing(odd[k], {Coarsening::levels, 5});
         for (const std::vector<int>& vertices : {std::vector<int>{0}, all}) {
             editing.set_handles({{vertices, std::vector<double>(vertices.size(), 0.5)}});

@@ -30,12 +30,7 @@ SurfaceMesh polygon()
 SurfaceMesh tilted() { return shapes::moved(polygon(), shapes::transformed(polygon().points(), placed())); }
 
 /// A square with a square hole, of eight faces.
-SurfaceMesh ring()
-{
-    shapes::Polygons faces = shapes::faces_of(shapes::quad_grid(3, 3));
-    faces.erase(faces.begin() + 4);
-    return shapes::over(shapes::quad_grid(3, 3).points(), faces);
-}
+SurfaceMesh ring() { return shapes::without_face(shapes::quad_grid(3, 3), 4); }
 
 /// Places in a box around the flag, at heights of up to `height`.
 Points around_flag(int count, double height, double reach = 0.3)
@@ -199,16 +194,11 @@ TEST(FlatGreen, is_conformal_inside)
         pose.row(v).head<2>() += 0.5 * random.vector().head<2>().transpose();
     constexpr double h = 1e-5;
     const double places[][2] = {{0.5, 0.5}, {2, 0.7}, {3.6, 2}, {0.7, 2.2}};
+    const int steps[][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}};
     Points x(16, 3);
     for (int i = 0; i < 4; ++i)
         for (int k = 0; k < 4; ++k)
-            x.row(4 * i + k) << places[i][0] + (k == 0   ? h
-                                                : k == 1 ? -h
-                                                         : 0),
-                places[i][1] + (k == 2   ? h
-                                : k == 3 ? -h
-                                         : 0),
-                0;
+            x.row(4 * i + k) << places[i][0] + h * steps[k][0], places[i][1] + h * steps[k][1], 0;
     const Points y = warped<Green>(cage, x, pose), z = warped<MeanValue>(cage, x, pose);
     const auto defect = [&](const Points& p, int i) {
         const Eigen::RowVector3d dx = (p.row(4 * i) - p.row(4 * i + 1)) / (2 * h),

@@ -4,6 +4,7 @@
 #include "native/local_global/rows/row_problem.h"
 #include "native/mesh/components.h"
 #include "native/methods/surface/nonlinear/pyramids/morph.h"
+#include "tests/native/differences.h"
 #include "tests/native/shapes.h"
 #include "tests/native/wide_kernels.h"
 
@@ -100,16 +101,8 @@ TEST(PyramidProblem, gradient_is_that_of_the_energy)
         PyramidProblem problem(own.cells, own.shape, scaled, own.noisy, own.pulls, buffers);
         Points x = own.at(own.noisy), g, scratch;
         problem.evaluate(x, g);
-        const double step = 1e-5;
-        for (int p = 0; p < x.rows(); p += 3)
-            for (int axis = 0; axis < 3; ++axis) {
-                Points forth = x, back = x;
-                forth(p, axis) += step;
-                back(p, axis) -= step;
-                const double slope =
-                    (problem.evaluate(forth, scratch) - problem.evaluate(back, scratch)) / (2 * step);
-                EXPECT_NEAR(g(p, axis), slope, 1e-7 * g.norm());
-            }
+        const auto F = [&](const Points& there) { return problem.evaluate(there, scratch); };
+        expect_gradient(F, x, g, 1e-5, 1e-7 * g.norm(), 3);
     }
 }
 
@@ -204,10 +197,8 @@ TEST(PyramidMorph, mixes_weights_heights_and_edges)
 {
     const SurfaceMesh mesh = shapes::hill(8, 7);
     const Scene own(mesh);
-    Points other = shapes::transformed(mesh.points(), shapes::turn({1, 2, 3}, 50));
-    shapes::Random random(9);
-    for (int i = 0; i < other.rows(); ++i)
-        other.row(i) += 0.05 * random.vector().transpose();
+    const Points other =
+        shapes::Random(9).shaken(shapes::transformed(mesh.points(), shapes::turn({1, 2, 3}, 50)), 0.05);
     const PyramidMorph morph(own.rings, own.weights.shares, other);
     const Rings::Weights its = own.rings.mean_value_weights(view(other));
     PyramidShape shape;
