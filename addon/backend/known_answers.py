@@ -13,18 +13,7 @@ from types import MappingProxyType
 import numpy as np
 
 from ..core.methods import Bool, Choice, Control, Method, Parameter, Reproduced, wrapped
-from .recipes import (
-    Base,
-    Cage,
-    ControlParts,
-    ControlPoints,
-    HandlePoints,
-    Handles,
-    LatticePoints,
-    Recipe,
-    Shape,
-    handle_points,
-)
+from .recipes import Base, ControlPoints, Faces, HandlePoints, Recipe, Regions, Shape
 
 # Lengths, on shapes 4 units wide. Weights in single precision are wrong by 1e-7, and are multiplied by moves
 # of up to 6 units.
@@ -119,14 +108,14 @@ def _with_handles(method: Method, options: dict[str, object], solve: dict[str, o
     points = points * (2.0, 1.0, 1.0)
     ends = [np.flatnonzero(points[:, 0] < -1.2), np.flatnonzero(points[:, 0] > 1.2)]
     middle = np.flatnonzero(points[:, 0] == 0.0)
-    control: Handles | HandlePoints = handle_points(
-        method, np.concatenate([points[end] for end in ends]), tuple(map(len, ends))
+    control: Regions | HandlePoints = HandlePoints(
+        np.concatenate([points[end] for end in ends]), tuple(map(len, ends))
     )
     if not method.is_space:
         own: dict[str, Sequence[object]] = {
             parameter.id: [parameter.default] * 2 for parameter in method.handle_parameters
         }
-        control = Handles(ends, [None, None], own)
+        control = Regions(ends, [None, None], own)
     apart = np.stack((_STILL, _STILL))
     apart[1, 0, 3] = _APART
     bent = np.stack((_STILL, _MAPS[Reproduced.RIGID_MOTIONS]))
@@ -156,7 +145,7 @@ def _in_cage(method: Method, options: dict[str, object], solve: dict[str, object
     centre = len(core)
     target = Shape(np.concatenate((0.5 * core, np.zeros((1, 3)), 0.65 * star[:6])), faces)
     motions = _motions(method, target.points, lambda matrix: _moved(matrix, star))
-    recipe = Recipe(method, target, options, Cage(star, star_faces))
+    recipe = Recipe(method, target, options, ControlPoints(star, faces=Faces(*star_faces)))
     yield Rig("points in a star", recipe, solve, tuple(motions))
     if method.reproduces is not Reproduced.AFFINE_MAPS:
         return
@@ -168,7 +157,7 @@ def _in_cage(method: Method, options: dict[str, object], solve: dict[str, object
         lifted,
         lambda shape: shape[centre] - (0.0, 0.0, 1.0 / 6.0),
     )
-    recipe = Recipe(method, target, options, Cage(2.0 * corners, corner_faces))
+    recipe = Recipe(method, target, options, ControlPoints(2.0 * corners, faces=Faces(*corner_faces)))
     yield Rig("points in an octahedron", recipe, solve, (sixth,), every_option=False)
 
 
@@ -177,7 +166,7 @@ def _in_lattice(method: Method, options: dict[str, object], solve: dict[str, obj
     points, faces = ball(2)
     line = np.linspace(-2.0, 2.0, 5)
     control = np.stack(np.meshgrid(line, line, line, indexing="ij"), axis=-1)[..., ::-1].reshape(-1, 3)
-    lattice = LatticePoints(control, (5, 5, 5), ("linear",) * 3)
+    lattice = ControlPoints(control, {"resolution": (5, 5, 5), "interpolation": ("linear",) * 3})
     recipe = Recipe(method, Shape(points, faces), options, lattice)
     if options.get("outside") == "freeze":  # only the middle point moves, which holds nothing of the ball
         answers = [KnownAnswer("rest", control, lambda shape: shape - points)]
@@ -190,7 +179,7 @@ def _in_lattice(method: Method, options: dict[str, object], solve: dict[str, obj
     eighth = KnownAnswer("an eighth of the middle point", lifted, lambda shape: shape[0] - (0.0, 0.0, 0.125))
     middle = Shape(np.zeros((1, 3)), (np.zeros(0, dtype=np.int32), np.zeros(0, dtype=np.int32)))
     quadratic = {**options, "basis": "bezier", "outside": "follow"}
-    recipe = Recipe(method, middle, quadratic, LatticePoints(cube, (3, 3, 3), ("linear",) * 3))
+    recipe = Recipe(method, middle, quadratic, ControlPoints(cube, {"resolution": (3, 3, 3)}))
     yield Rig("the middle of a quadratic lattice", recipe, solve, (eighth,), every_option=False)
 
 
@@ -210,7 +199,7 @@ def _along_wires(method: Method, options: dict[str, object], solve: dict[str, ob
     control = np.concatenate((line + (0.0, 1.2, 0.3), line[:5] - (0.0, 1.2, 0.0)))
     own = {"counts": np.array((9, 5)), "radius": np.array((1e5, 1e5))}
     motions = _motions(method, points, lambda matrix: _moved(matrix, control))
-    recipe = Recipe(method, Shape(points, faces), options, ControlParts(control, own))
+    recipe = Recipe(method, Shape(points, faces), options, ControlPoints(control, own))
     yield Rig("a ball beside two wires", recipe, solve, tuple(motions))
 
 
@@ -219,7 +208,7 @@ def _with_tools(method: Method, options: dict[str, object], solve: dict[str, obj
     points, faces = ball(2)
     frame = np.concatenate((np.zeros((1, 3)), np.eye(3)))
     shape = Shape(points, faces)
-    dragged = ControlParts(frame, {"inner": np.array((1.5,)), "outer": np.array((3.0,))})
+    dragged = ControlPoints(frame, {"inner": np.array((1.5,)), "outer": np.array((3.0,))})
     motions = _motions(method, points, lambda matrix: _moved(matrix, frame))
     yield Rig("a ball in a tool", Recipe(method, shape, options, dragged), solve, tuple(motions))
     own = {"tools": ("twist",), "inner": (0.0,), "outer": (0.5,), "width": (2.0,)}
@@ -231,7 +220,7 @@ def _with_tools(method: Method, options: dict[str, object], solve: dict[str, obj
         _moved(quarter, frame),
         lambda found: (found - half)[sure],
     )
-    recipe = Recipe(method, shape, options, ControlParts(frame, own))
+    recipe = Recipe(method, shape, options, ControlPoints(frame, own))
     yield Rig("a ball that is twisted", recipe, solve, (twisted,))
 
 

@@ -27,7 +27,7 @@ from ..core.geometry import frames
 from ..core.methods import following
 from ..core.status import Remedy
 from .loader import Availability, load
-from .recipes import Bound, HandlePoses, Handles, Progress, Recipe, Shape, SolveReport
+from .recipes import Bound, HandlePoints, Progress, Recipe, Regions, Shape, SolveReport
 
 _limits: dict[str, int] = {}  # the limits that are set, by the native function that sets each
 
@@ -154,7 +154,7 @@ class Factor:
             self._solves += 1
         try:
             with _translated(self._native):
-                return self.recipe.control.solve(method, poses, **options)
+                return self.recipe.control.solve(self._native, self.recipe, method, poses, **options)
         finally:
             with self._lock:
                 self._solves -= 1
@@ -185,10 +185,10 @@ class Factor:
         with self._lock:
             method = self._bound_method()
         control = self.recipe.control
-        if not isinstance(control, HandlePoses) or self.recipe.method.draws != "GRAPH":
+        if not isinstance(control, HandlePoints) or self.recipe.method.draws != "GRAPH":
             return None
         with _translated(self._native):
-            return control.network(method, poses, **options)
+            return control.network(self._native, self.recipe, method, poses, **options)
 
     @property
     def folded_rings(self) -> np.ndarray:
@@ -356,7 +356,7 @@ def connected_parts(count: int, faces: tuple[np.ndarray, np.ndarray]) -> np.ndar
 def bind_seconds(recipe: Recipe) -> float:
     """About how long a bind of this recipe takes, with that of the loose parts that follow."""
     control = recipe.control
-    if not isinstance(control, Handles) or control.free_parts == "stay":
+    if not isinstance(control, Regions) or control.free_parts == "stay":
         return recipe.seconds
     parts = connected_parts(len(recipe.target.points), recipe.target.faces)
     sizes = np.bincount(parts)

@@ -10,9 +10,8 @@ from typing import Any, ClassVar, Protocol
 import numpy as np
 
 from ..core.elements import Elements, Owner
-from ..core.errors import CageError, ConstraintError
+from ..core.errors import ConstraintError, SinewError
 from ..core.geometry.frames import transformed
-from ..core.geometry.turns import turned_poses
 from ..core.methods import MeshShape, Method, Posed, Size
 from ..core.status import Remedy
 
@@ -116,7 +115,7 @@ class Bound:
 
 
 @dataclass(frozen=True)
-class Handles:
+class Regions:
     """The regions of a surface: vertices, weights and ``options`` of each, as ``set_handles`` takes them.
 
     ``free_parts`` says what the parts do that no region touches: 'stay' or 'follow'.
@@ -149,46 +148,110 @@ class Handles:
             return made.set_handles(self.vertices, **words)
         return made.rebind(former.method, self.vertices, **words)
 
-    def solve(self, method: Any, poses: np.ndarray, **options) -> tuple[np.ndarray, SolveReport]:
+    def solve(
+        self, _native, _recipe: "Recipe", method: Any, poses: np.ndarray, **options
+    ) -> tuple[np.ndarray, SolveReport]:
         """Positions (n, 3) for ``poses`` (k, 3, 4), and a report; of a ``frame`` if the method has keys."""
         if "keys" in options:
             return method.solve_frame(poses=poses, **options)
         return method.solve(poses, **options)
 
 
+def _weights(made: Any, points: np.ndarray, former: Bound | None, progress: Progress | None) -> Any:
+    """Compute the weights of points for a space method, or reuse those of ``former``; the native report."""
+    return made.bind(points, progress) if former is None else made.rebind(former.method, points, progress)
+
+
+@dataclass(frozen=True)
+class Faces:
+    """The faces (``counts``, ``corners``) of a control: a mesh of its points, which the native class takes.
+
+    A ``closed`` mesh lies around the target.
+    """
+
+    counts: np.ndarray
+    corners: np.ndarray
+    closed: bool = True
+
+    def mesh(self, native, points: np.ndarray) -> Any:
+        """The native mesh of these points."""
+        return native.SurfaceMesh(points, (self.counts, self.corners))
+
+    def are_inside_out(self, native, points: np.ndarray) -> bool:
+        """Whether all faces of a closed mesh look inwards."""
+        if not self.closed:
+            return False
+        mesh = self.mesh(native, points)
+        return 0 < len(native.diagnose_cage(mesh).inverted_faces) == mesh.face_count
+
+
+@dataclass(frozen=True)
+class Refusal:
+    """What a control means that the native module refuses: an ``error`` with a ``remedy``.
+
+    ``flip`` is the remedy where its faces are inside out.
+    """
+
+    error: type[SinewError] = ConstraintError
+    remedy: Remedy = Remedy.NONE
+    flip: Remedy = Remedy.NONE
+
+
+@dataclass(frozen=True)
+class CageReport:
+    """What a bind to closed faces found: points ``outside``, and faces that cross others (indices)."""
+
+    outside: np.ndarray
+    crossing: np.ndarray
+
+
 @dataclass(frozen=True)
 class ControlPoints:
-    """The points (c, 3) float64 of a control at rest, in the frame of the target, for a space method."""
+    """The points (c, 3) float64 of controls at rest, in the frame of the target, for a space method.
+
+    ``own`` are keywords of the native class that describe the controls: most have one value for each of them.
+    With ``faces``, that class is made of a mesh instead of the points.
+    """
 
     points: np.ndarray
+    own: Mapping[str, Any] = field(default_factory=dict)
+    faces: Faces | None = None
+    refusal: Refusal = Refusal()
 
     @property
     def size(self) -> int:
-        """How many points there are."""
-        return len(self.points)
+        """How many points there are; of closed faces how many triangles they are cut into."""
+        if self.faces is None or not self.faces.closed:
+            return len(self.points)
+        return len(self.faces.corners) - 2 * len(self.faces.counts)
 
     def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
         """The native method, still without bound points."""
-        return make(native, recipe.method, self.points, recipe.options)
-
-    def bound_points(self, recipe: "Recipe") -> np.ndarray:
-        """The points of the target, as the native method takes them."""
-        return recipe.target.points
+        with self._naming_control(native):
+            control = self.points if self.faces is None else self.faces.mesh(native, self.points)
+            return make(native, recipe.method, control, {**recipe.options, **self.own})
 
     def can_reuse(self, recipe: "Recipe", made: Any, former: object) -> bool:
         """Whether the bound method ``former`` has the weights that the method ``made`` would compute."""
-        return made.can_reuse(former, self.bound_points(recipe))
+        return made.can_reuse(former, recipe.target.points)
 
     def bind(
-        self, _native, recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
+        self, native, recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
     ) -> object:
         """Compute the weights of the target's points, or reuse those of ``former``, and return the report."""
-        if former is None:
-            return made.bind(self.bound_points(recipe), progress)
-        return made.rebind(former.method, self.bound_points(recipe), progress)
+        with self._naming_control(native):
+            report = _weights(made, recipe.target.points, former, progress)
+        if self.faces is None or not self.faces.closed:
+            return report
+        if former is not None:
+            return former.report
+        found = native.diagnose_cage(self.faces.mesh(native, self.points))
+        return CageReport(report.outside, np.unique(found.crossing_faces))
 
     def solve(
         self,
+        _native,
+        _recipe: "Recipe",
         method: Any,
         pose: np.ndarray,
         *,
@@ -199,104 +262,16 @@ class ControlPoints:
         """Positions (n, 3) for a ``pose`` (c, 3) of the points. There is nothing to report."""
         return method.warp(pose, out=out, incoming=incoming), None
 
-
-@dataclass(frozen=True)
-class LatticePoints(ControlPoints):
-    """A lattice at rest: points in rows along u, then v, then w, or with ``faces`` the corners of hexahedra.
-
-    ``resolution`` is how many points there are along each axis; ``interpolation`` names Blender's function
-    along each of them, by the native module's names. ``faces`` are (counts, corners). ``axes`` (3, 3) are the
-    directions of axes that have one point only, as rows; None if all have more.
-    """
-
-    resolution: tuple[int, int, int]
-    interpolation: tuple[str, str, str]
-    faces: tuple[np.ndarray, np.ndarray] | None = None
-    axes: np.ndarray | None = None
-
-    def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
-        """The native method, still without bound points. An error about the lattice names its points."""
-        words = {"resolution": self.resolution, "interpolation": self.interpolation, "axes": self.axes}
+    @contextmanager
+    def _naming_control(self, native) -> Iterator[None]:
+        """Turn errors about a mesh into errors about the control, which is that mesh."""
         try:
-            lattice = self.points if self.faces is None else native.SurfaceMesh(self.points, self.faces)
-            return make(native, recipe.method, lattice, words | recipe.options)
+            yield
         except native.InvalidMesh as error:
             elements = Elements(Owner.CONTROL, error.element_kind, error.elements)
-            raise ConstraintError(str(error), elements, Remedy.LATTICE_REST) from error
-
-
-@dataclass(frozen=True)
-class HandlePoints(ControlPoints):
-    """Points that move with handles, handle after handle: ``counts`` (k,) is how many each of them has.
-
-    ``weights`` (c,) in (0, 1] is how strongly each point is held. The points of a handle move by one map, or
-    each by itself if the handle is ``apart`` (k,): then each is a handle of the native method. ``edges``
-    (e, 2) join points of such handles; those that are ``segments`` (e,) act as a whole, if the method takes
-    segments. The native class is made of the points and weights alone.
-    """
-
-    counts: tuple[int, ...]
-    weights: np.ndarray
-    apart: tuple[bool, ...]
-    edges: np.ndarray
-    segments: np.ndarray
-
-    def make(self, native, recipe: "Recipe", mesh: object) -> Any:
-        """The native method, still without bound points."""
-        options = {"weights": self.native_weights} | recipe.options
-        return make(native, recipe.method, self.points, options, mesh)
-
-    @cached_property
-    def native_counts(self) -> np.ndarray:
-        """How many points each handle of the native method has."""
-        return np.repeat(np.where(self.apart, 1, self.counts), self._rows)
-
-    @property
-    def native_weights(self) -> np.ndarray | None:
-        """The weights, or None if all points are held fully."""
-        return None if (self.weights == 1.0).all() else self.weights
-
-    @cached_property
-    def _rows(self) -> np.ndarray:
-        """How many handles of the native method each handle is, (k,)."""
-        return np.where(self.apart, self.counts, 1)
-
-    def located(self, row: int) -> tuple[int, int | None]:
-        """As ``Recipe.located``."""
-        ends = np.cumsum(self._rows)
-        handle = int(np.searchsorted(ends, row, side="right"))
-        if handle == len(ends):
-            return row, None
-        return handle, int(row - ends[handle] + self._rows[handle]) if self.apart[handle] else None
-
-    def solve(
-        self,
-        method: Any,
-        pose: np.ndarray,
-        *,
-        from_rest: np.ndarray | None = None,
-        placed: np.ndarray | None = None,
-        **options,
-    ) -> tuple[np.ndarray, None]:
-        """Positions (n, 3) for a ``pose`` (k, 3, 4) of the handles.
-
-        ``placed`` (p, 3) are the points of those that are apart. The same displacements are added to the
-        incoming shape whatever ``from_rest`` says.
-        """
-        posed, rows = self._posed(method, pose)
-        if placed is not None:
-            posed[np.repeat(self.apart, rows)] = placed
-        return super().solve(method, posed, **options)
-
-    def _posed(self, _method: Any, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The control of the native method in a pose, and how many of its rows (k,) each handle has."""
-        ends = np.cumsum(self.counts)[:-1]
-        posed = np.empty_like(self.points)
-        parts = zip(np.split(posed, ends), np.split(self.points, ends), pose, strict=True)
-        for part, points, matrix in parts:
-            np.matmul(points, matrix[:, :3].T, out=part)
-            part += matrix[:, 3]
-        return posed, np.array(self.counts)
+            inside_out = self.faces is not None and self.faces.are_inside_out(native, self.points)
+            remedy = self.refusal.flip if inside_out else self.refusal.remedy
+            raise self.refusal.error(str(error), elements, remedy) from error
 
 
 @dataclass(frozen=True)
@@ -309,38 +284,125 @@ class Around:
     frame: np.ndarray
     points: np.ndarray
 
+    def poses(self, poses: np.ndarray) -> np.ndarray:
+        """The same motions (k, 3, 4) there."""
+        whole = np.broadcast_to(np.eye(4), (len(poses), 4, 4)).copy()
+        whole[:, :3] = poses
+        return (self.frame @ whole @ np.linalg.inv(self.frame))[:, :3]
+
     def back(self, points: np.ndarray) -> np.ndarray:
         """Points (n, 3) in the frame of the target."""
         return transformed(np.linalg.inv(self.frame), points)
 
 
 @dataclass(frozen=True)
-class HandlePoses(HandlePoints):
-    """The same for a method that takes the poses of the handles, and is built around a shape: that of the
-    target and of all objects that share handles with it.
+class Apart:
+    """That each point of a handle moves by itself. ``edges`` (e, 2) join the handle's points; they act as a
+    whole where they are ``segments``, which only some methods take.
     """
 
-    around: Around | None
+    edges: np.ndarray
+    segments: bool = False
+
+
+@dataclass(frozen=True)
+class HandlePoints:
+    """Points (c, 3) that move with handles, handle after handle: ``counts`` (k,) is how many each has.
+
+    ``weights`` (c,) in (0, 1] is how strongly each point is held; None if all are held fully. The points of a
+    handle move by one map, or each by itself if its row is in ``apart``: then each is a handle of the native
+    method. ``around``: the shape of several objects that they move, if there are several. ``of_boxes``:
+    segments count per length of the longest side of the box along the axes around all points, as in earlier
+    builds.
+    """
+
+    points: np.ndarray
+    counts: tuple[int, ...]
+    weights: np.ndarray | None = None
+    apart: Mapping[int, Apart] = field(default_factory=dict)
+    around: Around | None = None
+    of_boxes: bool = False
+
+    @cached_property
+    def _segments(self) -> np.ndarray:
+        """(s, 2) the points at the ends of all segments."""
+        found = [
+            joined.edges + sum(self.counts[:row]) for row, joined in self.apart.items() if joined.segments
+        ]
+        return np.concatenate(found) if found else np.zeros((0, 2), dtype=int)
+
+    @property
+    def size(self) -> int:
+        """How many points there are. For `bind_seconds`, a segment costs as much as 12 points."""
+        return len(self.points) + 12 * len(self._segments)
+
+    @cached_property
+    def _is_apart(self) -> np.ndarray:
+        """Which handles are apart, (k,)."""
+        return np.isin(np.arange(len(self.counts)), list(self.apart))
+
+    @cached_property
+    def _rows(self) -> np.ndarray:
+        """How many handles of the native method each handle is, (k,)."""
+        return np.where(self._is_apart, self.counts, 1)
+
+    @cached_property
+    def native_counts(self) -> np.ndarray:
+        """How many points each handle of the native method has."""
+        return np.repeat(np.where(self._is_apart, 1, self.counts), self._rows)
+
+    def located(self, row: int) -> tuple[int, int | None]:
+        """As ``Recipe.located``."""
+        ends = np.cumsum(self._rows)
+        handle = int(np.searchsorted(ends, row, side="right"))
+        if handle == len(ends):
+            return row, None
+        return handle, int(row - ends[handle] + self._rows[handle]) if handle in self.apart else None
 
     def make(self, native, recipe: "Recipe", mesh: object) -> Any:
-        """The native method, still without bound points."""
-        points = self.points
-        if self.around is not None:
-            mesh = native.SurfaceMesh(self.around.shape.points, self.around.shape.faces)
-            points = transformed(self.around.frame, points)
-        own = {"points": points, "counts": self.native_counts, "weights": self.native_weights}
-        return make(native, recipe.method, mesh, own | recipe.options)
+        """The native method, still without bound points; one around another gets the mesh, too."""
+        method, options = recipe.method, recipe.options
+        given = self._given(native, method, options)
+        if method.posed is Posed.POSES:
+            points = self.points
+            if self.around is not None:
+                mesh = native.SurfaceMesh(self.around.shape.points, self.around.shape.faces)
+                points = transformed(self.around.frame, points)
+            return make(native, method, mesh, {"points": points, **given})
+        base = options.get("base")
+        if isinstance(base, Base):
+            around = self._given(native, base.method, base.options)
+            given |= {"base": Base(base.method, around), "mesh": mesh}
+        return make(native, method, self.points, given, mesh)
 
-    def bound_points(self, recipe: "Recipe") -> np.ndarray:
+    def _given(self, native, method: Method, options: Mapping[str, object]) -> dict[str, object]:
+        given = {"counts": self.native_counts, "weights": self.weights, **options}
+        if method.takes_segments and len(self._segments):
+            given["segments"] = self._segments
+            if self.of_boxes:  # that is a shorter length, so all else counts less
+                held = np.ones(len(self.points)) if self.weights is None else self.weights
+                less = BoxShare(held, Size.HANDLES).of(native, self.points)
+                is_end = np.isin(np.arange(len(self.points)), self._segments)
+                given["weights"] = np.where(is_end, held, less)
+        return given
+
+    def _bound_points(self, recipe: "Recipe") -> np.ndarray:
         """The points of the target, as the native method takes them."""
         return recipe.target.points if self.around is None else self.around.points
+
+    def can_reuse(self, recipe: "Recipe", made: Any, former: object) -> bool:
+        """Whether the bound method ``former`` has the weights that the method ``made`` would compute."""
+        return made.can_reuse(former, self._bound_points(recipe))
 
     def bind(
         self, native, recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
     ) -> object:
-        """As above; where handles have no place beside each other, the error has the remedy for that."""
+        """Compute the weights of the target's points, or reuse those of ``former``, and return the report.
+
+        Where handles have no place beside each other, the error has the remedy for that.
+        """
         try:
-            return super().bind(native, recipe, made, former, progress)
+            return _weights(made, self._bound_points(recipe), former, progress)
         except native.InvalidConstraint as error:
             elements = Elements(Owner.TARGET, error.element_kind, error.elements)
             has_remedy = recipe.method.finer and elements.element == "handle"
@@ -348,18 +410,17 @@ class HandlePoses(HandlePoints):
 
     def solve(
         self,
+        native,
+        recipe: "Recipe",
         method: Any,
         pose: np.ndarray,
         *,
-        from_rest: np.ndarray | None = None,
-        placed: np.ndarray | None = None,
-        incoming: np.ndarray | None = None,
         out: np.ndarray | None = None,
         progress: Progress | None = None,
         **options,
     ) -> tuple[np.ndarray, None]:
-        """As above; a point that is placed turns as what is around it does."""
-        given = self._native_poses(pose, from_rest, placed, incoming) | options
+        """Positions (n, 3) for a ``pose`` (k, 3, 4) of the handles. ``options`` are those of ``network``."""
+        given = self._posed(native, recipe, pose, **options)
         if self.around is None:
             return method.warp_poses(**given, out=out), None
         solved = self.around.back(method.warp_poses(**given))
@@ -369,184 +430,61 @@ class HandlePoses(HandlePoints):
         return out, None
 
     def network(
+        self, native, recipe: "Recipe", method: Any, pose: np.ndarray, **options
+    ) -> tuple[np.ndarray, np.ndarray]:
+        """What moves the shape between the handles: nodes, and pairs of them.
+
+        ``options``: the ``incoming`` shape (n, 3); ``from_rest`` (k,), whether the pose of a handle applies
+        to the rest shape; and ``placed`` (p, 3), the points of those that are apart.
+        """
+        nodes, pairs = method.network(**self._posed(native, recipe, pose, **options))
+        return nodes if self.around is None else self.around.back(nodes), pairs
+
+    def _posed(
         self,
-        method: Any,
+        native,
+        recipe: "Recipe",
         pose: np.ndarray,
         *,
         from_rest: np.ndarray | None = None,
         placed: np.ndarray | None = None,
         incoming: np.ndarray | None = None,
-    ) -> tuple[np.ndarray, np.ndarray]:
-        """What moves the shape between the handles, for a pose as ``solve`` takes it: nodes, and pairs."""
-        nodes, pairs = method.network(**self._native_poses(pose, from_rest, placed, incoming))
-        return nodes if self.around is None else self.around.back(nodes), pairs
-
-    def _native_poses(
-        self,
-        pose: np.ndarray,
-        from_rest: np.ndarray | None,
-        placed: np.ndarray | None,
-        incoming: np.ndarray | None,
     ) -> dict[str, np.ndarray | None]:
         """The keywords that the native method takes."""
-        poses, flags = self._own_poses(pose, from_rest, placed)
+        if self.apart:
+            pose = np.repeat(pose, self._rows, axis=0)
+            from_rest = None if from_rest is None else np.repeat(from_rest, self._rows)
+        if placed is not None:
+            turns = recipe.method.posed is Posed.POSES
+            of_points = self._turned(native, placed) if turns else self._moved(placed)
+            pose[np.repeat(self._is_apart, self._rows)] = of_points
         if self.around is not None:
-            frame, whole = self.around.frame, np.broadcast_to(np.eye(4), (len(poses), 4, 4)).copy()
-            whole[:, :3] = poses
-            poses = (frame @ whole @ np.linalg.inv(frame))[:, :3]
+            pose = self.around.poses(pose)
             if incoming is not None:
-                incoming = transformed(frame, incoming.astype(np.float64))
-        return {"poses": poses, "from_rest": flags, "incoming": incoming}
+                incoming = transformed(self.around.frame, incoming.astype(np.float64))
+        return {"poses": pose, "from_rest": from_rest, "incoming": incoming}
 
-    def _own_poses(
-        self, pose: np.ndarray, from_rest: np.ndarray | None, placed: np.ndarray | None
-    ) -> tuple[np.ndarray, np.ndarray | None]:
-        """The poses of the handles of the native method, in the frame of the target."""
-        if placed is None:
-            return pose, from_rest
-        rows = np.repeat(pose, self._rows, axis=0)
-        posed = self.points.copy()
-        posed[np.repeat(self.apart, self.counts)] = placed
-        first, row = 0, 0
-        for count, apart, number in zip(self.counts, self.apart, self._rows, strict=True):
-            last = first + count
-            if apart:
-                own = self.edges[(self.edges[:, 0] >= first) & (self.edges[:, 0] < last)] - first
-                rows[row : row + number] = turned_poses(self.points[first:last], posed[first:last], own)
-            first, row = last, row + number
-        return rows, None if from_rest is None else np.repeat(from_rest, self._rows)
+    @cached_property
+    def _points_apart(self) -> np.ndarray:
+        """The points (p, 3) of handles that are apart."""
+        return self.points[np.repeat(self._is_apart, self.counts)]
 
+    def _moved(self, placed: np.ndarray) -> np.ndarray:
+        """A translation (p, 3, 4) for each point that is apart: all that a method takes whose points do not
+        turn.
+        """
+        poses = np.tile(np.eye(3, 4), (len(placed), 1, 1))
+        poses[:, :, 3] = placed - self._points_apart
+        return poses
 
-@dataclass(frozen=True)
-class ControlParts(ControlPoints):
-    """Points of several controls, one after the other. ``own`` are keywords with one value per control."""
-
-    own: Mapping[str, Any]
-
-    def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
-        """The native method, still without bound points."""
-        return make(native, recipe.method, self.points, {**recipe.options, **self.own})
-
-
-@dataclass(frozen=True)
-class HandleMaps(HandlePoints):
-    """Handle points for methods that take one affine map per handle.
-
-    ``of_boxes``: segments count per length of the longest side of the box along the axes around all points,
-    as in earlier builds.
-    """
-
-    of_boxes: bool = False
-
-    def make(self, native, recipe: "Recipe", mesh: object) -> Any:
-        """The native method, still without bound points; one around another gets the mesh, too."""
-        given = self._given(native, recipe.method, recipe.options)
-        base = given.get("base")
-        if isinstance(base, Base):
-            around = self._given(native, base.method, base.options)
-            given |= {"base": make(native, base.method, self.points, around), "mesh": mesh}
-        return make(native, recipe.method, self.points, given)
-
-    @property
-    def size(self) -> int:
-        """How many points there are. For `bind_seconds`, a segment costs as much as 12 points."""
-        return len(self.points) + 12 * int(self.segments.sum())
-
-    def _given(self, native, method: Method, options: Mapping[str, object]) -> dict[str, object]:
-        given = {"counts": self.native_counts, "weights": self.native_weights, **options}
-        if method.takes_segments and self.segments.any():
-            given["segments"] = ends = self.edges[self.segments]
-            if self.of_boxes:  # that is a shorter length, so all else counts less
-                less = BoxShare(self.weights, Size.HANDLES).of(native, self.points)
-                is_end = np.isin(np.arange(len(self.points)), ends)
-                given["weights"] = np.where(is_end, self.weights, less)
-        return given
-
-    def _posed(self, method: Any, pose: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        counts = np.array(self.counts)
-        rows = np.where(self.apart, counts, np.where(counts == 1, 1, 4))
-        maps = np.repeat(pose, rows, axis=0)
-        return np.einsum("rij,rj->ri", maps[:, :, :3], method.control) + maps[:, :, 3], rows
-
-
-_NO_EDGES, _NO_SEGMENTS = np.zeros((0, 2), dtype=int), np.zeros(0, dtype=bool)
-
-
-def handle_points(
-    method: Method,
-    points: np.ndarray,
-    counts: tuple[int, ...],
-    apart: tuple[bool, ...] = (),
-    edges: np.ndarray = _NO_EDGES,
-    segments: np.ndarray = _NO_SEGMENTS,
-    weights: np.ndarray | None = None,
-    around: Around | None = None,
-    of_boxes: bool = False,
-) -> HandlePoints:
-    """The control of a space method that handles move: ``counts`` of ``points`` (c, 3) belong to each.
-
-    By default none is ``apart``, and all are held fully. ``around``: the shape of several objects that
-    they move, if there are several. ``of_boxes``: see ``HandleMaps``.
-    """
-    held = np.ones(len(points)) if weights is None else weights
-    given = points, counts, held, apart or (False,) * len(counts), edges, segments
-    if method.posed is Posed.POSES:
-        return HandlePoses(*given, around)
-    return HandleMaps(*given, of_boxes) if method.posed is Posed.CONTROL else HandlePoints(*given)
-
-
-@dataclass(frozen=True)
-class CageReport:
-    """What a bind to a cage found: the vertices ``outside`` the cage, and its faces that cross others
-    (indices).
-    """
-
-    outside: np.ndarray
-    crossing: np.ndarray
-
-
-@dataclass(frozen=True)
-class Cage(ControlPoints):
-    """The rest cage around a target, in the frame of the target. ``faces`` are (counts, corners)."""
-
-    faces: tuple[np.ndarray, np.ndarray]
-
-    @property
-    def size(self) -> int:
-        """How many triangles the faces of the cage are cut into."""
-        counts, corners = self.faces
-        return len(corners) - 2 * len(counts)
-
-    def make(self, native, recipe: "Recipe", _mesh: object) -> Any:
-        """The native method, still without bound points."""
-        cage = native.SurfaceMesh(self.points, self.faces)
-        with _naming_cage(native, cage):
-            return make(native, recipe.method, cage, recipe.options)
-
-    def bind(
-        self, native, recipe: "Recipe", made: Any, former: Bound | None, progress: Progress | None
-    ) -> object:
-        """Compute the weights of the target's points, or reuse those of ``former``, and return the report."""
-        points = recipe.target.points
-        if former is not None:
-            made.rebind(former.method, points, progress)
-            return former.report
-        cage = native.SurfaceMesh(self.points, self.faces)
-        with _naming_cage(native, cage):
-            outside = made.bind(points, progress).outside
-        return CageReport(outside, np.unique(native.diagnose_cage(cage).crossing_faces))
-
-
-@contextmanager
-def _naming_cage(native, cage: Any) -> Iterator[None]:
-    """Turn the error about a mesh into an error about the cage."""
-    try:
-        yield
-    except native.InvalidMesh as error:
-        inside_out = 0 < len(native.diagnose_cage(cage).inverted_faces) == cage.face_count
-        remedy = Remedy.FLIP_CAGE if inside_out else Remedy.CAGE_REST
-        elements = Elements(Owner.CONTROL, error.element_kind, error.elements)
-        raise CageError(str(error), elements, remedy) from error
+    def _turned(self, native, placed: np.ndarray) -> np.ndarray:
+        """A pose (p, 3, 4) for each point that is apart, which turns as what is around it does."""
+        rows = sorted(self.apart)
+        ends = np.cumsum([self.counts[row] for row in rows])[:-1]
+        parts = zip(rows, np.split(self._points_apart, ends), np.split(placed, ends), strict=True)
+        return np.concatenate(
+            [native.turned_poses(rest, posed, self.apart[row].edges) for row, rest, posed in parts]
+        )
 
 
 def _seconds(method: Method, points: int, size: int, options: dict[str, object]) -> float:
@@ -566,12 +504,12 @@ class Recipe:
     method: Method
     target: Shape
     options: dict[str, object]
-    control: Handles | ControlPoints
+    control: Regions | ControlPoints | HandlePoints
 
     @property
     def seconds(self) -> float:
         """About how long the bind takes, by the registry's rows; with that of a base method."""
-        around = self.control.around if isinstance(self.control, HandlePoses) else None
+        around = self.control.around if isinstance(self.control, HandlePoints) else None
         shape = self.target if around is None else around.shape
         return _seconds(self.method, len(shape.points), self.control.size, self.options)
 

@@ -21,7 +21,7 @@ from ..ids import VERSION
 from . import known_answers
 from .known_answers import KnownAnswer, Rig
 from .native import Factor, automatic_cage, availability, build_factor, limits
-from .recipes import Cage, Recipe, Shape
+from .recipes import ControlPoints, Faces, Recipe, Shape
 
 # Whatever a module throws that was built for something else, or broken on its way.
 _FAILURES = (
@@ -152,7 +152,8 @@ def _cage_results(method: Method) -> Iterator[_Result]:
     def wrong() -> float:
         points, faces = known_answers.ball(3)
         around, counts, corners, _told = automatic_cage(points, faces, faces=60, margin=0.1)
-        cage, options = Cage(around, (counts, corners)), known_answers.values(method, True)
+        cage = ControlPoints(around, faces=Faces(counts, corners))
+        options = known_answers.values(method, True)
         report: Any = build_factor(Recipe(method, Shape(points, faces), options, cage)).report
         return float(len(report.outside) + len(report.crossing))
 

@@ -10,6 +10,7 @@ from bpy.types import Context, Event
 
 from ..core.errors import SinewError
 from ..properties import MAX_FRAME
+from .arguments import once
 from .modal.staying import StaysInWindow
 from .reporting import reports_errors
 
@@ -42,27 +43,21 @@ class FrameByFrame(StaysInWindow):
     did: ClassVar[str]
     cancelled: ClassVar[str]
 
-    frame_start: IntProperty(
-        name="Start",
+    frame_start: once(
+        IntProperty,
+        "Start",
+        "First frame; if it is not given, the first frame of the scene",
         min=-MAX_FRAME,
         max=MAX_FRAME,
-        description="First frame; if it is not given, the first frame of the scene",
-        options=_SKIP,
     )
-    frame_end: IntProperty(
-        name="End",
+    frame_end: once(
+        IntProperty,
+        "End",
+        "Last frame; if it is not given, the last frame of the scene",
         min=-MAX_FRAME,
         max=MAX_FRAME,
-        description="Last frame; if it is not given, the last frame of the scene",
-        options=_SKIP,
     )
-    step: IntProperty(
-        name="Step",
-        default=1,
-        min=1,
-        description="Take every n-th frame; the frames between are blended",
-        options=_SKIP,
-    )
+    step: once(IntProperty, "Step", "Take every n-th frame; the frames between are blended", default=1, min=1)
 
     @abstractmethod
     def job(self, context: Context) -> Job:

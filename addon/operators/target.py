@@ -69,45 +69,12 @@ def explain_no_target(context: Context) -> tuple[str, bool]:
     )
 
 
-def has_target(operator: type, context: Context, mesh: bool = False) -> bool:
-    """For ``poll``: whether there is an editable object to work on. ``mesh`` accepts meshes only."""
-    obj = target_of(context)
-    if obj is None:
-        operator.poll_message_set(explain_no_target(context)[0])
-        return False
-    if obj.library is not None:
-        operator.poll_message_set("This object is linked - make a library override first")
-        return False
-    if mesh and not targets.is_mesh(obj):
-        label = targets.label(obj)
-        remedy = "" if obj.type == "LATTICE" else ", or convert it to a mesh"
-        operator.poll_message_set(
-            f"{obj.name} is a {label} object without regions - add a cage, a lattice, wires or handle "
-            f"points{remedy}"
-        )
-        return False
-    return True
-
-
-def has_deformer(operator: type, context: Context, mesh: bool = False) -> bool:
-    """For ``poll``: whether there is an editable object with a deformer. ``mesh`` accepts meshes only."""
-    if not has_target(operator, context, mesh):
-        return False
-    if not deformers_of(target_of(context)):
-        operator.poll_message_set("Add a deformer first")
-        return False
-    return True
-
-
-def has_live_deformer(operator: type, context: Context) -> bool:
-    """For ``poll``: whether the active deformer is not baked, and there is one."""
-    if not has_deformer(operator, context):
-        return False
-    active = target_of(context).sinew.active
-    if active.bake.is_baked:
-        operator.poll_message_set(f"{active.name} is baked - Unbake it first")
-        return False
-    return True
+def object_named(context: Context, name: str) -> Object:
+    """The object of this name in the scene."""
+    found = context.scene.objects.get(name)
+    if found is None:
+        raise SinewError(f"There is no object '{name}' in the scene")
+    return found
 
 
 def deformer_index(obj: Object, index: int) -> int:

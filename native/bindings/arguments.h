@@ -25,7 +25,7 @@ namespace py = pybind11;
 // numbers raise a TypeError. A wrong shape raises InvalidMesh, InvalidConstraint or InvalidOption, depending
 // on the argument.
 
-/// A type as a stub writes it.
+/// A type, as signatures and the types for editors write it.
 template <std::size_t n>
 struct TypeText
 {
@@ -55,7 +55,6 @@ using OptionalArrayOrMesh = Typed<"numpy.typing.ArrayLike | SurfaceMesh | None">
 using Names = Typed<"str | collections.abc.Sequence[str]">;
 using Callback = Typed<"collections.abc.Callable[[float, str], bool | None] | None">;
 using Out = Typed<"numpy.typing.NDArray[numpy.float32] | None">; ///< an array to write into
-using Floats = Typed<"numpy.typing.NDArray[numpy.float64]">;
 using Singles = Typed<"numpy.typing.NDArray[typing.Any]">; ///< of double precision, or what `out` was
 using Solved = Typed<"tuple[numpy.typing.NDArray[typing.Any], SolveReport]">;
 

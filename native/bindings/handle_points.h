@@ -4,10 +4,12 @@
 #include "native/bindings/arguments.h"
 #include "native/bindings/method_binding.h"
 #include "native/bindings/options.h"
+#include "native/bindings/warped.h"
 #include "native/methods/space/handle_points/handle_points.h"
 #include "native/methods/space/method.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -47,6 +49,38 @@ inline std::vector<Described> described_handle_points()
 constexpr const char* refused_handle_points = "Raises InvalidConstraint for points that are not finite or "
                                               "none, or counts that do not fit; InvalidOption.";
 
+/// Gives the class of a method on handle points warp_poses(), which poses the handles in native code.
+/// \param posed  what warp() takes of the handles.
+template <class Method>
+void define_warp_poses(py::class_<Method, SpaceMethod, std::shared_ptr<Method>>& defined,
+                       Points (HandlePoints::*posed)(const Poses&) const)
+{
+    defined.def(
+        "warp_poses",
+        [posed](const Method& method, const ArrayLike& given, const Out& out, const OptionalArray& incoming,
+                const OptionalFlags& from_rest) -> Singles {
+            const Poses maps = poses(given);
+            flags(from_rest, maps.size());
+            const OptionalPoints entering(incoming, "incoming");
+            return warped(method, out, [&](PositionsOut positions, std::optional<Eigen::Index> room) {
+                method.warp(view((method.handles().*posed)(maps)), entering.view, positions, room);
+            });
+        },
+        py::arg("poses"), py::arg("out") = py::none(), py::kw_only(), py::arg("incoming") = py::none(),
+        py::arg("from_rest") = py::none(),
+        R"(Where posed handles move the bound points -> (n, 3). As warp() of the control that they pose.
+
+poses      (k, 3, 4) affine map of each handle in object space, from its rest to its posed state. One of a single point
+           moves it, and turns nothing.
+out        None, or a writable C-contiguous (n, 3) float32 array to write into, which is returned.
+incoming   (n, 3) the shape to deform in this frame; None for the bound points.
+from_rest  None, one flag or one per handle, as HandleMethod.warp_poses() takes them. Here they change nothing: the same
+           displacements are added to each incoming shape.
+
+Raises InvalidConstraint for a wrong count or shape, a number that is not finite, two handles that take one point to
+two places, or before bind().)");
+}
+
 /// The class of a method on handle points, with what all of them have, without a constructor.
 template <class Method>
 py::class_<Method, SpaceMethod, std::shared_ptr<Method>> points_class(py::module_& module, const char* name,
@@ -61,6 +95,7 @@ py::class_<Method, SpaceMethod, std::shared_ptr<Method>> points_class(py::module
         },
         R"((r, 3) the control at rest, whose pose warp() takes: the point of a handle of one point; of any other
 four points, a centre and a step from it along each axis, to which the handle's map is applied.)");
+    define_warp_poses(result, &HandlePoints::posed_control);
     return result;
 }
 

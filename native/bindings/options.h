@@ -81,7 +81,8 @@ struct Argument<std::vector<E>>
     }
 };
 
-/// A number, or one for each of several elements. A default of several numbers is None.
+/// A number, or one for each of several elements. A default of several numbers is None; elsewhere None is
+/// refused.
 template <>
 struct Argument<std::vector<double>>
 {
@@ -92,7 +93,7 @@ struct Argument<std::vector<double>>
     }
     static void read(const type& given, const char* name, std::vector<double>& values)
     {
-        if (!given.is_none())
+        if (!given.is_none() || values.size() == 1)
             values = numbers(given, name);
     }
 };

@@ -63,7 +63,7 @@ def build(backend, method_id: str = "thin_shell", **changes):
         BY_ID[method_id],
         backend.Shape(arguments["points"], arguments["faces"]),
         base_option(backend, BY_ID[method_id]) | arguments["options"],
-        backend.Handles(arguments["handles"], arguments["weights"]),
+        backend.Regions(arguments["handles"], arguments["weights"]),
     )
     return backend.build_factor(recipe, arguments.get("progress"))
 
@@ -99,7 +99,7 @@ def test_a_bind_within_a_bind_of_the_same_object_is_refused(backend):
     """In its progress callback, which cannot wait for the bind that it belongs to."""
     factor = build(backend)
     recipe = dataclasses.replace(
-        factor.recipe, control=backend.Handles([np.arange(4), np.arange(8, 16)], None)
+        factor.recipe, control=backend.Regions([np.arange(4), np.arange(8, 16)], None)
     )
     prepared = factor.prepare_rebind(recipe)
     refusals = []

@@ -1,16 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Handles whose points go where they like: what the native module gets, and how single points turn."""
+"""Handles whose points go where they like: what the native module gets."""
 
 import numpy as np
 import pytest
 from rows import default_options
 
-from sinew.core.geometry.turns import turned_poses
 from sinew.core.methods import METHODS, Control, Posed
 
 POINTS = np.random.default_rng(3).uniform(-1.0, 1.0, (12, 3))
-CHAIN = np.array([(k, k + 1) for k in range(11)])
-NO_EDGES = np.zeros((0, 2), dtype=int)
+CHAIN = np.array([(k, k + 1) for k in range(8)])
 BY_HANDLES = [m for m in METHODS if m.is_space and m.control is Control.HANDLES and not m.wraps]
 
 
@@ -25,52 +23,12 @@ def moved(points: np.ndarray, turn: np.ndarray, by=(0.4, -0.2, 0.7)) -> np.ndarr
     return points @ turn.T + by
 
 
-@pytest.mark.parametrize("edges", [NO_EDGES, CHAIN], ids=["cloud", "chain"])
-@pytest.mark.parametrize("angle", [0.0, 0.7, 3.0])
-def test_points_that_move_rigidly_turn_with_all(edges: np.ndarray, angle: float):
-    turn = rotation((0.3, 0.9, -0.2), angle)
-    poses = turned_poses(POINTS, moved(POINTS, turn), edges)
-    # A billionth of no turn is in the fit.
-    assert np.abs(poses[:, :, :3] - turn).max() < 1e-7
-    assert np.abs(poses[:, :, 3] - (0.4, -0.2, 0.7)).max() < 1e-7
-
-
-def test_a_point_turns_as_its_edges_do_and_always_goes_where_it_is():
-    """The far half of a chain turns: so do its points, and no others but the one between."""
-    places = np.column_stack((np.arange(12.0), np.sin(np.arange(12.0)), np.cos(2.0 * np.arange(12.0))))
-    turn = rotation((0.0, 1.0, 0.0), 1.2)
-    posed = np.where(np.arange(12)[:, None] > 5, (places - places[5]) @ turn.T + places[5], places)
-    poses = turned_poses(places, posed, CHAIN)
-    assert np.abs(np.einsum("nij,nj->ni", poses[:, :, :3], places) + poses[:, :, 3] - posed).max() < 1e-12
-    two_edges = np.arange(12) > 5
-    assert np.abs(poses[6:11, :, :3] - turn).max() < 2e-2  # the turn of the whole counts a thousandth
-    assert np.abs(poses[1:5, :, :3] - np.eye(3)).max() < 2e-2
-    assert np.abs(poses[two_edges][0, :, :3] - np.eye(3)).max() > 0.5
-
-
-def test_points_on_a_line_turn_as_little_as_they_can():
-    line = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
-    turn = rotation((0.0, 1.0, 0.0), 0.8)
-    poses = turned_poses(line, line @ turn.T, np.array([(0, 1)]))
-    assert np.abs(poses[:, :, :3] - turn).max() < 1e-6
-    (pose,) = turned_poses(line[:1], line[:1] + 2.0, NO_EDGES)
-    assert np.abs(pose - np.column_stack((np.eye(3), (2.0, 2.0, 2.0)))).max() < 1e-12
-
-
-def test_coincident_points_and_edges_without_length_give_numbers():
-    points = np.zeros((3, 3))
-    assert np.isfinite(turned_poses(points, np.eye(3), np.array([(0, 1), (1, 2)]))).all()
-
-
 @pytest.fixture
 def mixed(backend):
     """A handle of three points that move by one map, and the others apart, joined in a chain."""
 
     def control(method):
-        edges = np.array([(k, k + 1) for k in range(3, 11)])
-        return backend.handle_points(
-            method, POINTS, (3, 9), (False, True), edges, np.full(len(edges), method.takes_segments)
-        )
+        return backend.HandlePoints(POINTS, (3, 9), apart={1: backend.Apart(CHAIN, method.takes_segments)})
 
     return control
 
@@ -95,10 +53,8 @@ def test_points_apart_and_regions_together_reproduce_what_the_method_promises(ba
     assert np.abs(found - moved(points, turn)).max() < 1e-5
 
 
-@pytest.mark.parametrize("posed", list(Posed))
-def test_a_handle_of_the_native_method_is_found_again(mixed, posed: Posed):
-    method = next(method for method in METHODS if method.posed is posed)
-    control = mixed(method)
+def test_a_handle_of_the_native_method_is_found_again(mixed):
+    control = mixed(BY_HANDLES[0])
     assert control.native_counts.tolist() == [3] + [1] * 9
     assert control.located(0) == (0, None)
     assert [control.located(row) for row in (1, 9)] == [(1, 0), (1, 8)]
@@ -111,7 +67,8 @@ def test_a_space_method_that_handles_move_says_how(backend):
         is_posed = method.is_space and method.control is Control.HANDLES
         assert (method.posed is not None) == is_posed, method.id
         made = getattr(native, method.native)
-        assert (method.posed is Posed.POSES) == hasattr(made, "warp_poses"), method.id
+        assert (method.posed is Posed.POSES) == issubclass(made, native.HandleMethod), method.id
+        assert hasattr(made, "warp_poses") == is_posed, method.id
         assert not method.takes_segments or method.posed is Posed.CONTROL
 
 

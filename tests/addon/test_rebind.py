@@ -34,9 +34,9 @@ def calls(backend, count_native) -> Counter:
 def recipe(backend, method: str, handles=ENDS, points=POINTS, faces=FACES, **options):
     row = BY_ID[method]
     if row.is_space:
-        control = backend.handle_points(row, points[np.concatenate(handles)], tuple(map(len, handles)))
+        control = backend.HandlePoints(points[np.concatenate(handles)], tuple(map(len, handles)))
     else:
-        control = backend.Handles(
+        control = backend.Regions(
             tuple(members.copy() for members in handles),
             (None,) * len(handles),
             {parameter.id: (parameter.default,) * len(handles) for parameter in row.handle_parameters},

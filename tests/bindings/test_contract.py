@@ -37,7 +37,7 @@ def is_property(node: ast.FunctionDef) -> bool:
 
 
 def callables() -> Iterator[tuple[str, ast.FunctionDef, object]]:
-    """Every function and method of the stubs with its counterpart."""
+    """Every function and method of the types with its counterpart."""
     for name, node in FUNCTIONS.items():
         yield name, node, getattr(sn, name, None)
     for owner, node in CLASSES.items():
@@ -291,6 +291,14 @@ def test_a_rebind_names_an_option_that_changed(name: str, option: str, default: 
     )
     assert (report.reuse == "kept") == is_read_by_solves
     assert report.changed == ("" if is_read_by_solves else option)
+
+
+@pytest.mark.parametrize(
+    ("name", "option"), [(name, option) for name, option, default, _ in OPTIONS if isinstance(default, float)]
+)
+def test_none_is_no_number(name: str, option: str) -> None:
+    with pytest.raises(TypeError):
+        methods.made(PUBLIC[name], CUBE, **{option: None})
 
 
 def classes() -> list[str]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Methods around another method, which moves a smooth base of the surface."""
 
-from .schema import Choice, Control, Family, Float, Int, Method, Moved, factorising
+from .schema import Choice, Family, Float, Int, Method, factorising
 
 DETAILS = (
     (
@@ -33,13 +33,10 @@ ROWS = (
         number=20,
         label="Multiresolution",
         family=Family.MULTIRESOLUTION,
-        control=Control.HANDLES,
         native="Multiresolution",
         section="4.4",
         paper="Kobbelt et al. 1998, Botsch, Pauly, Kobbelt et al. 2008",
         summary="Moves a smooth base by any other method and puts the details back",
-        iterative=False,
-        moves=frozenset({Moved.MESH}),
         bind_seconds=factorising(0.06),
         wraps=(Family.SURFACE_LINEAR, Family.SURFACE_NONLINEAR),
         parameters=(

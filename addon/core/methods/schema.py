@@ -42,11 +42,11 @@ class Moved(Enum):
 
 
 class Posed(Enum):
-    """How handles move a space method: what its native class is made of, and what poses it.
+    """What the poses of handles do to a space method: ``warp_poses`` of its native class takes them.
 
-    POINTS: of the handle points and their ``weights``; ``warp`` takes them where the maps of the handles pose
-    them. CONTROL: of these and their ``counts``; ``warp`` takes its ``control`` posed so. POSES: of the
-    surface and all of them; ``warp_poses`` takes the maps.
+    POINTS: they move the handle points, which are all that counts. CONTROL: those of handles of several
+    points act as affine maps, and single points only move. POSES: those of single points turn, too; such a
+    class is made of the surface and the handle points.
     """
 
     POINTS = "points"
@@ -232,6 +232,83 @@ class UvMap(Parameter):
     default: None = None
 
 
+# Parameters that several methods have
+
+LAPLACIANS = (
+    (
+        "uniform",
+        "Uniform",
+        "Treats all neighbours equally: for messy meshes, whose angles and areas mean nothing",
+    ),
+    ("cotan", "Cotangent", "Takes the angles of the faces into account, but not their sizes"),
+    (
+        "cotan_voronoi",
+        "Cotangent + Area",
+        "Takes the angles and sizes of the faces into account: depends least on how the mesh is divided",
+    ),
+)
+
+PRECISIONS = (
+    (
+        "single",
+        "Single",
+        "Half the memory, and half the time per frame; errors of a ten-millionth of the cage's size",
+    ),
+    ("double", "Double", "As exact as the coordinates themselves"),
+)
+
+
+def iterations(default: int, soft_maximum: int = 100, **others: Any) -> Int:
+    """The largest number of steps of a frame of an iterative method."""
+    usual: dict[str, Any] = {
+        "unit": "iterations",
+        "label": "Iterations",
+        "description": "The largest number of steps per frame. "
+        "While you drag, fewer steps are computed; the others follow when you stop",
+    }
+    return Int(
+        "max_iterations", default, minimum=1, soft_maximum=soft_maximum, advanced=True, **usual | others
+    )
+
+
+def tolerance(default: float = 1e-4, **others: Any) -> Float:
+    """When the steps of a frame of an iterative method stop."""
+    usual: dict[str, Any] = {
+        "maximum": 1.0,
+        "soft_maximum": 0.001,
+        "precision": 6,
+        "unit": "share of the energy",
+        "label": "Tolerance",
+        "description": "Stop when two steps in a row lower the energy by less than this share of it",
+    }
+    return Float("tolerance", default, advanced=True, **usual | others)
+
+
+def stored_precision(of: str) -> Choice:
+    """With how many digits a space method stores its weights: ``of`` says which."""
+    return Choice(
+        "precision",
+        "single",
+        PRECISIONS,
+        rebinds=True,
+        advanced=True,
+        label="Precision",
+        description=f"The precision with which {of} are stored",
+    )
+
+
+def laplacian(default: str = "cotan_voronoi", choices: int = 3) -> Choice:
+    """The weights of the Laplacian of a surface: the first of them, as many as the method can use."""
+    return Choice(
+        "laplacian",
+        default,
+        LAPLACIANS[:choices],
+        rebinds=True,
+        label="Laplacian",
+        description="How the faces are taken into account",
+    )
+
+
 BindSeconds = Callable[[int, int, Mapping[str, Any]], float]
 
 
@@ -250,9 +327,10 @@ def following(shells: int, vertices: int) -> float:
     return 2e-4 * shells + 1e-5 * vertices
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Method:
-    """One row of the registry. Files store ``number``, so never reuse or change it.
+    """One row of the registry, which says only what differs from most. Files store ``number``, so never reuse
+    or change it.
 
     ``iterative``: ``solve`` takes ``max_iterations`` and ``start``, so that a drag can show an early step.
     ``bind_seconds``: about how long a bind takes on two cores, without that of a base method, from the number
@@ -280,13 +358,13 @@ class Method:
     number: int
     label: str
     family: Family
-    control: Control
+    control: Control = Control.HANDLES
     native: str
     section: str
     paper: str
     summary: str
-    iterative: bool
-    moves: frozenset[Moved]
+    iterative: bool = False
+    moves: frozenset[Moved] = frozenset({Moved.MESH})
     bind_seconds: BindSeconds
     reproduces: Reproduced = Reproduced.TRANSLATIONS
     symmetric: bool = True

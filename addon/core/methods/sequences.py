@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Methods that edit animations: their handles are edited at keys, and the frames between follow."""
 
-from .schema import Control, Family, Method, Moved, Reproduced, factorising
+from .schema import Family, Method, Reproduced, factorising
 from .surface_nonlinear import ROWS as _SURFACE_NONLINEAR
 
 _ARAP = next(row for row in _SURFACE_NONLINEAR if row.id == "arap")
@@ -13,13 +13,11 @@ ROWS = (
         number=27,
         label="Mesh Sequence",
         family=Family.SURFACE_NONLINEAR,
-        control=Control.HANDLES,
         native="MeshSequence",
         section="6",
         paper="Xu et al. 2007",
         summary="Edits some frames of an animated mesh, and the frames between follow",
         iterative=True,
-        moves=frozenset({Moved.MESH}),
         bind_seconds=factorising(0.12),
         reproduces=Reproduced.RIGID_MOTIONS,
         keyed=True,

@@ -14,7 +14,6 @@ ROWS = (
         section="5.4",
         paper="Singh & Fiume 1998",
         summary="Curves carry what lies within their radius, such as brows, lips and folds; the rest stays",
-        iterative=False,
         moves=frozenset(Moved),
         bind_seconds=per_pair(1.5e-8),
         parameters=(

@@ -20,7 +20,6 @@ ROWS = (
         section="7",
         paper="Angelidis et al. 2006, von Funck et al. 2006",
         summary="Drags, twists and bends like clay: volumes stay, and the surface never cuts itself",
-        iterative=False,
         moves=frozenset(Moved),
         reproduces=Reproduced.RIGID_MOTIONS,
         bind_seconds=lambda points, size, _options: 1e-8 * points + 1e-9 * points * size,

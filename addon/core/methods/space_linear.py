@@ -4,15 +4,18 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .schema import Bool, Choice, Control, Family, Float, Int, Method, Moved, Reproduced, per_pair
-
-PRECISIONS = (
-    (
-        "single",
-        "Single",
-        "Half the memory, and half the time per frame; errors of a ten-millionth of the cage's size",
-    ),
-    ("double", "Double", "As exact as the coordinates themselves"),
+from .schema import (
+    Bool,
+    Choice,
+    Control,
+    Family,
+    Float,
+    Int,
+    Method,
+    Moved,
+    Reproduced,
+    per_pair,
+    stored_precision,
 )
 
 CAGE_PARAMETERS = (
@@ -29,15 +32,7 @@ CAGE_PARAMETERS = (
         description="Leave out weights below this value, so that each point follows only the near part of "
         "the cage: faster, but less exact. 0 keeps all weights",
     ),
-    Choice(
-        "precision",
-        "single",
-        PRECISIONS,
-        rebinds=True,
-        advanced=True,
-        label="Precision",
-        description="The precision with which the weights are stored",
-    ),
+    stored_precision("the weights"),
 )
 
 OUTSIDE_REFUSED = Choice(
@@ -104,7 +99,6 @@ ROWS = (
         section="5.4",
         paper="Ju, Schaefer & Warren 2005; Floater 2003",
         summary="Works inside and outside the cage; limbs that lie side by side pull at each other",
-        iterative=False,
         moves=frozenset(Moved),
         bind_seconds=per_pair(1e-8),
         reproduces=Reproduced.AFFINE_MAPS,
@@ -121,7 +115,6 @@ ROWS = (
         section="5.4",
         paper="Lipman, Kopf, Cohen-Or & Levin 2007",
         summary="Each point follows only the visible part of the cage, so limbs do not pull at each other",
-        iterative=False,
         moves=frozenset(Moved),
         bind_seconds=_positive_seconds,
         reproduces=Reproduced.AFFINE_MAPS,
@@ -159,7 +152,6 @@ ROWS = (
         section="5.4",
         paper="Joshi, Meyer, DeRose, Green & Sanocki 2007",
         summary="Influence spreads inside the cage, along limbs and never across gaps; smooth inside",
-        iterative=False,
         moves=frozenset(Moved),
         bind_seconds=_harmonic_seconds,
         reproduces=Reproduced.AFFINE_MAPS,
@@ -186,7 +178,6 @@ ROWS = (
         section="5.4",
         paper="Lipman, Levin & Cohen-Or 2008; Thiery & Boubekeur 2022",
         summary="Keeps details in shape: parts rotate instead of shearing, and bulge a little out of it",
-        iterative=False,
         moves=frozenset(Moved),
         bind_seconds=_green_seconds,
         reproduces=Reproduced.SIMILARITIES,

@@ -4,31 +4,18 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .schema import Control, Family, Float, Int, Method, Moved, Posed, Reproduced
+from .schema import Family, Float, Int, Method, Moved, Posed, Reproduced, iterations, tolerance
 
-_ITERATIONS = Int(
-    "max_iterations",
+_ITERATIONS = iterations(
     40,
-    minimum=1,
     maximum=1000,
-    soft_maximum=100,
     rebinds=True,
-    advanced=True,
     unit="iterations per frame",
-    label="Iterations",
     description="The most iterations per frame. Fewer are taken where the shape no longer changes",
 )
-_TOLERANCE = Float(
-    "tolerance",
-    1e-4,
-    minimum=0.0,
-    maximum=1.0,
+_TOLERANCE = tolerance(
     soft_maximum=0.01,
-    precision=6,
     rebinds=True,
-    advanced=True,
-    unit="share of the energy",
-    label="Tolerance",
     description="A frame is done when two iterations in succession lower the energy by a smaller share",
 )
 
@@ -49,12 +36,10 @@ ROWS = (
         number=44,
         label="Embedded Deformation",
         family=Family.SPACE_NONLINEAR,
-        control=Control.HANDLES,
         native="EmbeddedDeformation",
         section="7",
         paper="Sumner, Schmid & Pauly 2007",
         summary="A graph of local motions takes anything along: scans of many parts, animations, clouds",
-        iterative=False,
         draws="GRAPH",
         moves=frozenset(Moved),
         posed=Posed.POSES,
@@ -119,12 +104,10 @@ ROWS = (
         number=45,
         label="Rigid Cells",
         family=Family.SPACE_NONLINEAR,
-        control=Control.HANDLES,
         native="RigidCells",
         section="7",
         paper="Botsch, Pauly, Wicke & Gross 2007",
         summary="Cubes that fill the shape stay rigid and hold together: it bends like a solid body",
-        iterative=False,
         draws="GRAPH",
         moves=frozenset(Moved),
         posed=Posed.POSES,

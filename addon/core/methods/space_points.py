@@ -7,7 +7,6 @@ from typing import Any
 from . import multiresolution
 from .schema import (
     Choice,
-    Control,
     Curve,
     Family,
     Float,
@@ -19,8 +18,8 @@ from .schema import (
     Size,
     factorising,
     per_pair,
+    stored_precision,
 )
-from .space_linear import PRECISIONS
 
 _DENSE = 3e-11  # seconds per cube of the handle points, for their system
 _FIT = 1e-7  # seconds per square of the centres that a fit chooses
@@ -41,13 +40,11 @@ ROWS = (
         number=30,
         label="Radial Basis Functions",
         family=Family.SPACE_LINEAR,
-        control=Control.HANDLES,
         native="Rbf",
         section="5.3",
         paper="Duchon 1977, Botsch & Kobbelt 2005",
         summary="The smoothest deformation of space that meets all handles: for loose parts, curves and "
         "point clouds",
-        iterative=False,
         moves=frozenset(Moved),
         bind_seconds=_rbf_seconds,
         posed=Posed.CONTROL,
@@ -107,15 +104,7 @@ ROWS = (
                 description="Handles of many points are met up to this share of their longest move, with as "
                 "few radial functions as that takes. 0 meets all exactly, which takes long",
             ),
-            Choice(
-                "precision",
-                "single",
-                PRECISIONS,
-                rebinds=True,
-                advanced=True,
-                label="Precision",
-                description="The precision with which the functions of handles are stored",
-            ),
+            stored_precision("the functions of handles"),
         ),
         reproduces=Reproduced.AFFINE_MAPS,
     ),
@@ -124,13 +113,11 @@ ROWS = (
         number=32,
         label="Space Propagation",
         family=Family.SPACE_LINEAR,
-        control=Control.HANDLES,
         native="SpacePropagation",
         section="5.2",
         paper="Pauly et al. 2003",
         summary="Lets the motion of a handle fade with the distance by a curve, for any points: quick, and "
         "never stiff",
-        iterative=False,
         moves=frozenset(Moved),
         bind_seconds=per_pair(2e-8),
         posed=Posed.CONTROL,
@@ -151,13 +138,10 @@ ROWS = (
         number=35,
         label="Multiresolution in Space",
         family=Family.MULTIRESOLUTION,
-        control=Control.HANDLES,
         native="MultiresolutionSpace",
         section="5.3",
         paper="Marinov, Botsch & Kobbelt 2007",
         summary="Moves a smooth base by a space method and puts the details back, turned with it",
-        iterative=False,
-        moves=frozenset({Moved.MESH}),
         bind_seconds=factorising(0.06),
         reproduces=Reproduced.RIGID_MOTIONS,
         posed=Posed.CONTROL,
@@ -169,12 +153,10 @@ ROWS = (
         number=31,
         label="Moving Least Squares",
         family=Family.SPACE_NONLINEAR,
-        control=Control.HANDLES,
         native="Mls",
         section="7",
         paper="Schaefer, McPhail & Warren 2006, Zhu & Gortler 2007",
         summary="Each point moves by the rigid map that fits the handles near it best: details turn along",
-        iterative=False,
         moves=frozenset(Moved),
         bind_seconds=per_pair(8e-9),
         posed=Posed.CONTROL,
@@ -208,15 +190,7 @@ ROWS = (
                 description="The larger, the more each point follows only the nearest handles. Regions of "
                 "many points need more than 1.5: with less, far points of a region outweigh its border",
             ),
-            Choice(
-                "precision",
-                "single",
-                PRECISIONS,
-                rebinds=True,
-                advanced=True,
-                label="Precision",
-                description="The precision with which the weights of handles are stored",
-            ),
+            stored_precision("the weights of handles"),
         ),
     ),
 )

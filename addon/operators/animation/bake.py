@@ -8,9 +8,11 @@ from bpy.types import Context, Event, Object, Operator
 from ... import bake
 from ...ids import Operators
 from ...properties import BAKE_TARGETS, SinewDeformer
+from ..arguments import once
 from ..frame_by_frame import FrameByFrame
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import has_deformer, target_of
+from ..target import target_of
 
 _SKIP = {"SKIP_SAVE"}
 
@@ -30,7 +32,7 @@ def _chosen(context: Context, everything: bool) -> list[tuple[Object, SinewDefor
     return [(obj, deformer) for obj in (target, *others) for deformer in obj.sinew.deformers]
 
 
-class SINEW_OT_bake(FrameByFrame, Operator):
+class SINEW_OT_bake(OnDeformer, FrameByFrame, Operator):
     """Store the deformed mesh frame by frame, so that it plays without the add-on, on a render farm for
     example.
 
@@ -39,7 +41,6 @@ class SINEW_OT_bake(FrameByFrame, Operator):
 
     bl_idname = Operators.BAKE
     bl_label = "Bake"
-    bl_options = {"REGISTER", "UNDO"}
     doing, did = "baking", "Baked"
     cancelled = "The bake was cancelled - everything is as it was"
 
@@ -50,37 +51,31 @@ class SINEW_OT_bake(FrameByFrame, Operator):
         description="What the shapes are written to. Use caches for long shots and shape keys for single "
         "poses",
     )
-    filepath: StringProperty(
-        name="Path",
+    filepath: once(
+        StringProperty,
+        "Path",
+        "The file to write; if empty, a file in the folder sinew_cache beside the .blend file",
         subtype="FILE_PATH",
-        description="The file to write; if empty, a file in the folder sinew_cache beside the .blend file",
-        options=_SKIP,
     )
     all_deformers: BoolProperty(**_ALL)
-    exact_keys: BoolProperty(
-        name="Exact Shape Keys",
+    exact_keys: once(
+        BoolProperty,
+        "Exact Shape Keys",
+        "Add one more shape key that cancels the basis, so that each frame is exact to the last bit",
         default=True,
-        description="Add one more shape key that cancels the basis, so that each frame is exact to the "
-        "last bit",
-        options=_SKIP,
     )
-    again: BoolProperty(
-        name="Again",
-        description="Bake what is baked once more: the same frames, to the same target and file",
-        options=_SKIP,
+    again: once(
+        BoolProperty, "Again", "Bake what is baked once more: the same frames, to the same target and file"
     )
     choose_path: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default="*.pc2;*.mdd;*.abc", options={"HIDDEN", "SKIP_SAVE"})
     check_existing: BoolProperty(default=True, options={"HIDDEN", "SKIP_SAVE"})
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context):
-            return False
-        if target_of(context).mode != "OBJECT":
-            cls.poll_message_set("Go to Object Mode to bake")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if target_of(context).mode == "OBJECT" else "Go to Object Mode to bake"
+        )
 
     def invoke(self, context: Context, _event: Event) -> set[str]:
         if bpy.app.background:
@@ -157,32 +152,26 @@ class SINEW_OT_bake(FrameByFrame, Operator):
         return {"CANCELLED"}  # undo records the bake that was just started, not this call
 
 
-class SINEW_OT_unbake(Operator):
+class SINEW_OT_unbake(OnDeformer, Operator):
     """Let the deformer follow its controls again, and remove what Bake added to the mesh"""
 
     bl_idname = Operators.UNBAKE
     bl_label = "Unbake"
-    bl_options = {"REGISTER", "UNDO"}
 
     all_deformers: BoolProperty(**_ALL)
-    delete_file: BoolProperty(
-        name="Delete File",
-        description="Delete the cache file too, which undo cannot bring back",
-        options=_SKIP,
-    )
+    delete_file: once(BoolProperty, "Delete File", "Delete the cache file too, which undo cannot bring back")
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context):
-            return False
+    def refusal(cls, context: Context) -> str:
+        reason = super().refusal(context)
+        if reason:
+            return reason
         target = target_of(context)
         if target.mode != "OBJECT":
-            cls.poll_message_set("Go to Object Mode to unbake")
-            return False
-        if not any(deformer.bake.is_baked for deformer in target.sinew.deformers):
-            cls.poll_message_set("Nothing is baked")
-            return False
-        return True
+            return "Go to Object Mode to unbake"
+        return (
+            "" if any(deformer.bake.is_baked for deformer in target.sinew.deformers) else "Nothing is baked"
+        )
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

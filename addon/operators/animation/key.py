@@ -9,19 +9,26 @@ from ...core.errors import SinewError
 from ...ids import Operators
 from ...properties import MAX_FRAME, SinewDeformer
 from ...session.actions import keys
+from ..arguments import once
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import has_deformer, object_mode, target_of
+from ..target import object_mode, target_of
 
 _INDEX = {"name": "Index", "default": -1, "min": -1, "description": "Which key; -1 is the active one"}
 
 
-def _has_keys(operator: type, context: Context) -> bool:
-    if not has_deformer(operator, context, mesh=True):
-        return False
-    if not target_of(context).sinew.active.definition.keyed:
-        operator.poll_message_set("Choose a method that has keys, such as Mesh Sequence")
-        return False
-    return True
+class OnKeys(OnDeformer):
+    """Mixin for an operator on the keys of the active deformer."""
+
+    MESHES_ONLY = True
+
+    @classmethod
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            ""
+            if target_of(context).sinew.active.definition.keyed
+            else "Choose a method that has keys, such as Mesh Sequence"
+        )
 
 
 def _key_index(deformer: SinewDeformer, index: int) -> int:
@@ -32,7 +39,7 @@ def _key_index(deformer: SinewDeformer, index: int) -> int:
     return chosen
 
 
-class SINEW_OT_key_add(Operator):
+class SINEW_OT_key_add(OnKeys, Operator):
     """Keep the present edit of all handles as a key of this frame.
 
     The controls stay where they are. What they do from there on edits further
@@ -40,17 +47,10 @@ class SINEW_OT_key_add(Operator):
 
     bl_idname = Operators.KEY_ADD
     bl_label = "Key the Present Edit"
-    bl_options = {"REGISTER", "UNDO"}
 
-    blank: BoolProperty(
-        name="Blank",
-        description="Edit nothing in this frame, whatever the controls and the other keys do",
-        options={"SKIP_SAVE"},
+    blank: once(
+        BoolProperty, "Blank", "Edit nothing in this frame, whatever the controls and the other keys do"
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return _has_keys(cls, context)
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -60,18 +60,13 @@ class SINEW_OT_key_add(Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_key_remove(Operator):
+class SINEW_OT_key_remove(OnKeys, Operator):
     """Remove a key. The other keys edit its frames then"""
 
     bl_idname = Operators.KEY_REMOVE
     bl_label = "Remove Key"
-    bl_options = {"REGISTER", "UNDO"}
 
     index: IntProperty(**_INDEX)
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return _has_keys(cls, context)
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -81,19 +76,14 @@ class SINEW_OT_key_remove(Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_key_move(Operator):
+class SINEW_OT_key_move(OnKeys, Operator):
     """Move a key to another frame; a key that is there already is replaced"""
 
     bl_idname = Operators.KEY_MOVE
     bl_label = "Move Key"
-    bl_options = {"REGISTER", "UNDO"}
 
     index: IntProperty(**_INDEX)
     frame: IntProperty(name="Frame", min=-MAX_FRAME, max=MAX_FRAME, description="The new frame of the key")
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return _has_keys(cls, context)
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -103,7 +93,7 @@ class SINEW_OT_key_move(Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_key_jump(Operator):
+class SINEW_OT_key_jump(OnKeys, Operator):
     """Go to the frame of a key"""
 
     bl_idname = Operators.KEY_JUMP
@@ -120,10 +110,6 @@ class SINEW_OT_key_jump(Operator):
         description="Which key",
     )
     index: IntProperty(**_INDEX)
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return _has_keys(cls, context)
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

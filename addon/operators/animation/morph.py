@@ -9,6 +9,8 @@ from ...core.errors import SinewError
 from ...core.methods import METHODS, MeshShape
 from ...ids import Operators
 from ...session.actions import bind, deformers
+from ..arguments import once
+from ..offered import Offered
 from ..reporting import reports_errors
 from ..waiting import BindingOperator
 
@@ -21,7 +23,7 @@ _METHOD, _SHAPE = next(
 )
 
 
-class SINEW_OT_morph(BindingOperator, Operator):
+class SINEW_OT_morph(Offered, BindingOperator, Operator):
     """Morph the active mesh to the other selected mesh, which has the same faces.
 
     Both meshes count without modifiers and shape keys. The setting Morph of the deformer can be keyed;
@@ -30,33 +32,28 @@ class SINEW_OT_morph(BindingOperator, Operator):
 
     bl_idname = Operators.MORPH
     bl_label = "Morph to Mesh"
-    bl_options = {"REGISTER", "UNDO"}
 
-    target: StringProperty(
-        name="Target Shape",
-        description="The name of the mesh object to morph to; if empty, the other selected one",
-        options={"SKIP_SAVE"},
+    target: once(
+        StringProperty,
+        "Target Shape",
+        "The name of the mesh object to morph to; if empty, the other selected one",
     )
     morph: FloatProperty(
         name="Morph", default=1.0, min=0.0, max=1.0, description="How far to morph, from 0 to 1"
     )
-    key: BoolProperty(
-        name="Key",
+    key: once(
+        BoolProperty,
+        "Key",
+        "Key Morph: 0 at the first frame of the scene, and the value above at the last one",
         default=False,
-        description="Key Morph: 0 at the first frame of the scene, and the value above at the last one",
-        options={"SKIP_SAVE"},
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
+    def refusal(cls, context: Context) -> str:
         obj = context.object
         if obj is None or obj.type != "MESH" or obj.mode != "OBJECT":
-            cls.poll_message_set("In Object Mode, select the mesh to morph to, then the one to morph")
-            return False
-        if obj.library is not None:
-            cls.poll_message_set("This object is linked - make a library override first")
-            return False
-        return True
+            return "In Object Mode, select the mesh to morph to, then the one to morph"
+        return "" if obj.library is None else "This object is linked - make a library override first"
 
     def draw(self, _context: Context) -> None:
         self.layout.use_property_split = True

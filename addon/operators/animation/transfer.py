@@ -8,10 +8,12 @@ from bpy.types import Context, Event, Object, Operator
 from ... import bake
 from ...core.errors import SinewError
 from ...ids import Operators
+from ..arguments import once
 from ..frame_by_frame import FrameByFrame
+from ..offered import Offered
 
 
-class SINEW_OT_transfer_deformation(FrameByFrame, Operator):
+class SINEW_OT_transfer_deformation(Offered, FrameByFrame, Operator):
     """Deform the active mesh as the other selected mesh is deformed, frame by frame.
 
     Both have the same faces, and other proportions. A Mesh Cache modifier plays the result
@@ -19,35 +21,29 @@ class SINEW_OT_transfer_deformation(FrameByFrame, Operator):
 
     bl_idname = Operators.TRANSFER
     bl_label = "Transfer Deformation"
-    bl_options = {"REGISTER", "UNDO"}
     doing, did = "transferring", "Transferred"
     cancelled = "The transfer was cancelled - everything is as it was"
 
-    source: StringProperty(
-        name="Source",
-        description="The name of the mesh object that is deformed already; if empty, the other selected one",
-        options={"SKIP_SAVE"},
+    source: once(
+        StringProperty,
+        "Source",
+        "The name of the mesh object that is deformed already; if empty, the other selected one",
     )
-    filepath: StringProperty(
-        name="Path",
+    filepath: once(
+        StringProperty,
+        "Path",
+        "The PC2 file to write; if empty, one in the folder sinew_cache beside the .blend file",
         subtype="FILE_PATH",
-        description="The PC2 file to write; if empty, one in the folder sinew_cache beside the .blend file",
-        options={"SKIP_SAVE"},
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
+    def refusal(cls, context: Context) -> str:
         obj = context.object
         if obj is None or obj.type != "MESH":
-            cls.poll_message_set("Select the mesh that is deformed, then the one to deform")
-            return False
+            return "Select the mesh that is deformed, then the one to deform"
         if obj.library is not None:
-            cls.poll_message_set("This object is linked - make a library override first")
-            return False
-        if obj.mode != "OBJECT":
-            cls.poll_message_set("Go to Object Mode to transfer")
-            return False
-        return True
+            return "This object is linked - make a library override first"
+        return "" if obj.mode == "OBJECT" else "Go to Object Mode to transfer"
 
     def invoke(self, context: Context, _event: Event) -> set[str]:
         return self.execute(context) if bpy.app.background else self.begin(context)

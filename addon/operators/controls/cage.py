@@ -18,9 +18,11 @@ from ...session.actions.controls.cages import CAGE_METHODS
 from ...session.actions.controls.making import BEING_MADE
 from ...session.evaluation import binding
 from ...session.state.background import Work
+from ..arguments import method_choice, once
 from ..deformer.sharing import BindsAll
+from ..offered import OnDeformer, OnTarget
 from ..reporting import reports_errors
-from ..target import has_deformer, has_target, object_mode, selected_targets, show_control, target_of
+from ..target import object_mode, object_named, selected_targets, show_control, target_of
 from ..waiting import BindingOperator
 
 _FACES = {
@@ -33,7 +35,7 @@ _FACES = {
 }
 
 
-class _MakesCage(BindingOperator):
+class _MakesCage(OnTarget, BindingOperator):
     """Base of operators that make an automatic cage. In a window, a thread makes it if that takes long.
 
     ``run`` gets the shape that the thread has made, else it makes one.
@@ -45,13 +47,10 @@ class _MakesCage(BindingOperator):
     _targets: tuple[tuple[str, str], ...] = ()  # what the thread works for; others may be active by now
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_target(cls, context):
-            return False
-        if making.cage_work(target_of(context).name) is not None:
-            cls.poll_message_set(BEING_MADE)
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if making.cage_work(target_of(context).name) is None else BEING_MADE
+        )
 
     def carry_out(self, context: Context, margin: float) -> set[str]:
         """Make the cage, with this margin, while Blender stays responsive."""
@@ -132,11 +131,11 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         default="AUTO",
         description="Where the cage comes from",
     )
-    method: EnumProperty(
+    method: method_choice(
+        CAGE_METHODS,
+        "How points follow the cage. It can be changed later, and the cage stays",
         name="Coordinates",
-        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in CAGE_METHODS),
         default=DEFAULT_CAGE_METHOD,
-        description="How points follow the cage. It can be changed later, and the cage stays",
     )
     faces: IntProperty(**_FACES)
     margin: FloatProperty(
@@ -157,11 +156,7 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         default=True,
         description="Give a symmetric mesh a symmetric cage",
     )
-    cage: StringProperty(
-        name="Cage",
-        description="The name of a mesh object; if empty, the other selected mesh is used",
-        options={"SKIP_SAVE"},
-    )
+    cage: once(StringProperty, "Cage", "The name of a mesh object; if empty, the other selected mesh is used")
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         return (
@@ -206,10 +201,7 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
 
     def _chosen(self, context: Context, obj: Object) -> Object:
         if self.cage:
-            cage = context.scene.objects.get(self.cage)
-            if cage is None:
-                raise SinewError(f"There is no object '{self.cage}' in the scene")
-            return cage
+            return object_named(context, self.cage)
         others = [other for other in context.selected_objects if other != obj and other.type == "MESH"]
         if len(others) != 1:
             raise SinewError("Select the cage and then the mesh, which becomes the active object")
@@ -226,17 +218,17 @@ def show_only(context: Context, obj: Object, control: Object) -> None:
     show_control(context, obj, control)
 
 
-def _has_cage(operator: type, context: Context) -> bool:
-    """For ``poll``: whether the active deformer has a cage."""
-    if not has_deformer(operator, context):
-        return False
-    if target_of(context).sinew.active.cage is None:
-        operator.poll_message_set("Add a cage first")
-        return False
-    return True
+class OnCage(OnDeformer):
+    """Mixin for an operator on the cage of the active deformer."""
+
+    @classmethod
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "Add a cage first" if target_of(context).sinew.active.cage is None else ""
+        )
 
 
-class SINEW_OT_cage_set_rest(BindsAll, Operator):
+class SINEW_OT_cage_set_rest(OnCage, BindsAll, Operator):
     """Take the current shape of the cage as its rest shape, for all objects that it moves.
 
     They go back to rest; later edits pose them
@@ -244,29 +236,19 @@ class SINEW_OT_cage_set_rest(BindsAll, Operator):
 
     bl_idname = Operators.CAGE_REST
     bl_label = "Set Rest Cage"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return _has_cage(cls, context)
 
 
-class SINEW_OT_cage_flip(BindsAll, Operator):
+class SINEW_OT_cage_flip(OnCage, BindsAll, Operator):
     """Flip the faces of a cage that is inside out, and bind to its current shape"""
 
     bl_idname = Operators.CAGE_FLIP
     bl_label = "Flip Cage"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return _has_cage(cls, context)
 
     def change(self, _obj: Object, deformer: SinewDeformer) -> list[Target]:
         return cages.flip_cage(deformer)
 
 
-class SINEW_OT_cage_outside_follow(BindingOperator, Operator):
+class SINEW_OT_cage_outside_follow(OnCage, BindingOperator, Operator):
     """Let what lies outside the cage follow it, too.
 
     Harmonic and Positive Mean Value set Outside to Mean Value; Green sets it to the nearest face
@@ -274,16 +256,14 @@ class SINEW_OT_cage_outside_follow(BindingOperator, Operator):
 
     bl_idname = Operators.CAGE_OUTSIDE
     bl_label = "Let Outside Follow"
-    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not _has_cage(cls, context):
-            return False
-        if not sharing.refuses_outside(target_of(context).sinew.active):
-            cls.poll_message_set("What lies outside this cage follows already")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            ""
+            if sharing.refuses_outside(target_of(context).sinew.active)
+            else "What lies outside this cage follows already"
+        )
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -295,7 +275,7 @@ class SINEW_OT_cage_outside_follow(BindingOperator, Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_cage_faces(_MakesCage, Operator):
+class SINEW_OT_cage_faces(OnCage, _MakesCage, Operator):
     """Make the automatic cage anew, with more faces or fewer, as long as it is neither posed nor edited"""
 
     bl_idname = Operators.CAGE_FACES
@@ -307,10 +287,6 @@ class SINEW_OT_cage_faces(_MakesCage, Operator):
     faces: IntProperty(**_FACES)
 
     _is_confirmed = False  # whether the dialog was shown, which calls ``execute``
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return super().poll(context) and _has_cage(cls, context)
 
     def invoke(self, context: Context, _event: Event) -> set[str]:
         return self._ask(context)

@@ -8,11 +8,13 @@ from ...core.errors import OptionError
 from ...core.methods import Curve
 from ...ids import Operators
 from ...session.datablocks import references
+from ..arguments import once
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import has_deformer, target_of
+from ..target import target_of
 
 
-class SINEW_OT_curve_edit(Operator):
+class SINEW_OT_curve_edit(OnDeformer, Operator):
     """Draw this curve by moving its points, starting with the current curve"""
 
     bl_idname = Operators.CURVE_EDIT
@@ -20,13 +22,7 @@ class SINEW_OT_curve_edit(Operator):
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
     parameter: StringProperty(name="Parameter", description="The identifier of the curve to draw")
-    reset: BoolProperty(
-        name="Reset", description="Discard the drawn curve and use the default", options={"SKIP_SAVE"}
-    )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
+    reset: once(BoolProperty, "Reset", "Discard the drawn curve and use the default")
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_curve_edit") -> str:

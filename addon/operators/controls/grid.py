@@ -5,11 +5,12 @@ from bpy.types import Context, Operator
 
 from ...ids import Operators
 from ...session.actions.controls import grids
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import has_deformer, object_mode, show_control, target_of
+from ..target import object_mode, show_control, target_of
 
 
-class SINEW_OT_grid_new(Operator):
+class SINEW_OT_grid_new(OnDeformer, Operator):
     """Make a mesh of the control grid whose points you can drag in Edit Mode, or key and hook as any others.
 
     If there is one already, it starts anew, and moves nothing at first
@@ -17,16 +18,15 @@ class SINEW_OT_grid_new(Operator):
 
     bl_idname = Operators.GRID_NEW
     bl_label = "New Grid"
-    bl_options = {"REGISTER", "UNDO"}
+    MESHES_ONLY = True
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context, mesh=True):
-            return False
-        if not grids.has_grid(target_of(context).sinew.active):
-            cls.poll_message_set("Choose Spline Surface: other methods have no control grid")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            ""
+            if grids.has_grid(target_of(context).sinew.active)
+            else "Choose Spline Surface: other methods have no control grid"
+        )
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

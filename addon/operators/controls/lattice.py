@@ -9,21 +9,22 @@ from ...ids import Operators
 from ...session.actions import rigging
 from ...session.actions.controls import lattices as edit_lattices
 from ...session.actions.controls.lattices import LATTICE_METHODS, LatticeShape
+from ..arguments import once
 from ..deformer.sharing import BindsAll
+from ..offered import OnDeformer, OnTarget
 from ..reporting import reports_errors
-from ..target import has_deformer, has_target, object_mode, selected_targets, target_of
+from ..target import object_mode, object_named, selected_targets, target_of
 from ..waiting import BindingOperator
 from .cage import show_only
 
 _LATTICES = ("LATTICE", "MESH")
 
 
-class SINEW_OT_lattice_add(BindingOperator, Operator):
+class SINEW_OT_lattice_add(OnTarget, BindingOperator, Operator):
     """Let a lattice around the selected objects move them. Edit, pose or animate it like any lattice"""
 
     bl_idname = Operators.LATTICE_ADD
     bl_label = "Add Lattice"
-    bl_options = {"REGISTER", "UNDO"}
 
     source: EnumProperty(
         name="Source",
@@ -74,16 +75,11 @@ class SINEW_OT_lattice_add(BindingOperator, Operator):
         step=1,
         description="How far the new lattice stands out, as a share of its longest side",
     )
-    lattice: StringProperty(
-        name="Lattice",
-        description="The name of a lattice object, or of a mesh of hexahedra; if empty, the other selected "
-        "one is used",
-        options={"SKIP_SAVE"},
+    lattice: once(
+        StringProperty,
+        "Lattice",
+        "The name of a lattice object, or of a mesh of hexahedra; if empty, the other selected one is used",
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_target(cls, context)
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -104,10 +100,7 @@ class SINEW_OT_lattice_add(BindingOperator, Operator):
 
     def _chosen(self, context: Context, active: Object) -> Object:
         if self.lattice:
-            lattice = context.scene.objects.get(self.lattice)
-            if lattice is None:
-                raise SinewError(f"There is no object '{self.lattice}' in the scene")
-            return lattice
+            return object_named(context, self.lattice)
         others = [other for other in context.selected_objects if other != active and other.type in _LATTICES]
         lattices = [other for other in others if other.type == "LATTICE"]
         if len(lattices) != 1 and len(others) != 1:
@@ -115,7 +108,7 @@ class SINEW_OT_lattice_add(BindingOperator, Operator):
         return (lattices or others)[0]
 
 
-class SINEW_OT_lattice_set_rest(BindsAll, Operator):
+class SINEW_OT_lattice_set_rest(OnDeformer, BindsAll, Operator):
     """Take the current shape and resolution of the lattice as its rest, for all objects that it moves.
 
     They go back to rest; later edits of the lattice pose them
@@ -123,14 +116,12 @@ class SINEW_OT_lattice_set_rest(BindsAll, Operator):
 
     bl_idname = Operators.LATTICE_REST
     bl_label = "Set Rest Lattice"
-    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context):
-            return False
-        deformer = target_of(context).sinew.active
-        if not any(row.kind == "lattice" and row.object is not None for row in deformer.controls):
-            cls.poll_message_set("Add a lattice first")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        reason = super().refusal(context)
+        if reason:
+            return reason
+        controls = target_of(context).sinew.active.controls
+        has_lattice = any(row.kind == "lattice" and row.object is not None for row in controls)
+        return "" if has_lattice else "Add a lattice first"

@@ -3,56 +3,48 @@
 
 import bpy
 import numpy as np
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatVectorProperty, StringProperty
 from bpy.types import Context, Object, Operator
 from mathutils import Vector
 
-from ...core.errors import SinewError
 from ...core.methods import BY_ID, DEFAULT_TOOL_METHOD
 from ...ids import Operators
 from ...session.actions.controls import control_list as rows
 from ...session.datablocks.parts import ShownParts
-from ..handles.rows import has_rows
+from ..arguments import distance, once
+from ..handles.rows import OnRows
+from ..offered import OnTarget
 from ..reporting import reports_errors
-from ..target import has_target, object_mode, target_of
+from ..target import object_mode, object_named, target_of
 from ..waiting import BindingOperator
 from .cage import show_only
 
 (_TOOL,) = (row for row in BY_ID[DEFAULT_TOOL_METHOD].control_parameters if row.id == "tools")
 
 
-class SINEW_OT_tool_add(BindingOperator, Operator):
+class SINEW_OT_tool_add(OnTarget, BindingOperator, Operator):
     """Add an empty that drags, twists or bends what is around it, and keeps volumes"""
 
     bl_idname = Operators.TOOL_ADD
     bl_label = "Add Tool"
-    bl_options = {"REGISTER", "UNDO"}
 
     tool: EnumProperty(name="Tool", items=_TOOL.items, default="drag", description=_TOOL.description)
-    control: StringProperty(
-        name="Control",
-        options={"SKIP_SAVE"},
-        description="The name of an object to use as the tool; if empty, a new empty is made",
+    control: once(
+        StringProperty, "Control", "The name of an object to use as the tool; if empty, a new empty is made"
     )
-    location: FloatVectorProperty(
-        name="Location",
-        subtype="XYZ",
-        options={"SKIP_SAVE"},
-        description="Where the new tool is, in the world. If it is not given: at the 3D cursor for a Drag, "
+    location: once(
+        FloatVectorProperty,
+        "Location",
+        "Where the new tool is, in the world. If it is not given: at the 3D cursor for a Drag, "
         "and in the middle of the object for the others",
+        subtype="XYZ",
     )
-    outer: FloatProperty(
-        name="Outer",
-        subtype="DISTANCE",
-        min=0.0,
-        options={"SKIP_SAVE"},
-        description="How far the tool reaches; 0 for a third of the size of the object, or for a Drag of the "
+    outer: distance(
+        "Outer",
+        "How far the tool reaches; 0 for a third of the size of the object, or for a Drag of the "
         "part beside it",
+        options={"SKIP_SAVE"},
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_target(cls, context)
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -82,10 +74,7 @@ class SINEW_OT_tool_add(BindingOperator, Operator):
         """The object that is to be the tool; None if a new one is to be made."""
         if not self.control:
             return None
-        control = context.scene.objects.get(self.control)
-        if control is None:
-            raise SinewError(f"There is no object '{self.control}' in the scene")
-        return control
+        return object_named(context, self.control)
 
     def _place(self, context: Context, obj: Object) -> np.ndarray:
         """Where the tool is, (3,) in the world."""
@@ -106,27 +95,21 @@ class SINEW_OT_tool_add(BindingOperator, Operator):
         return ShownParts(obj, bpy.context.evaluated_depsgraph_get()).size_at(place)
 
 
-class SINEW_OT_tool_stop(BindingOperator, Operator):
+class SINEW_OT_tool_stop(OnRows, BindingOperator, Operator):
     """Add a way point to the path of the active tool at its current place, or remove all of them"""
 
     bl_idname = Operators.TOOL_STOP
     bl_label = "Add Stop"
-    bl_options = {"REGISTER", "UNDO"}
 
-    clear: BoolProperty(
-        name="Straight",
-        options={"SKIP_SAVE"},
-        description="Remove all stops, so that the tool goes straight from rest to where it is",
+    clear: once(
+        BoolProperty, "Straight", "Remove all stops, so that the tool goes straight from rest to where it is"
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_rows(cls, context):
-            return False
-        if target_of(context).sinew.active.method != DEFAULT_TOOL_METHOD:
-            cls.poll_message_set("Only tools have a path")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if target_of(context).sinew.active.method == DEFAULT_TOOL_METHOD else "Only tools have a path"
+        )
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:

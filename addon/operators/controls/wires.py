@@ -10,8 +10,10 @@ from ...ids import Operators
 from ...session.actions.controls import control_list as rows
 from ...session.actions.controls import wires as edit_wires
 from ...session.targets import targets
+from ..arguments import once
+from ..offered import OnTarget
 from ..reporting import reports_errors
-from ..target import has_target, object_mode, target_of
+from ..target import object_mode, object_named, target_of
 from ..waiting import BindingOperator
 from .cage import show_only
 
@@ -34,35 +36,28 @@ POINTS = {
 }
 
 
-class SINEW_OT_wire_add(BindingOperator, Operator):
+class SINEW_OT_wire_add(OnTarget, BindingOperator, Operator):
     """Let curves move what lies near them: the selected curves, or a new one along the selected edges"""
 
     bl_idname = Operators.WIRE_ADD
     bl_label = "Add Wire"
-    bl_options = {"REGISTER", "UNDO"}
 
-    source: EnumProperty(
-        name="Source",
+    source: once(
+        EnumProperty,
+        "Source",
+        "Where the wires come from",
         items=(
             ("AUTO", "Automatic", "The selected edges in Edit Mode, else the selected curves", 0),
             ("CURVES", "Selected Curves", "The other selected curve objects become wires", 1),
             ("EDGES", "Selected Edges", "A new curve along the selected rows and rings of edges", 2),
         ),
         default="AUTO",
-        options={"SKIP_SAVE"},
-        description="Where the wires come from",
     )
-    curve: StringProperty(
-        name="Curve",
-        description="The name of a curve object; if empty, the other selected curves are used",
-        options={"SKIP_SAVE"},
+    curve: once(
+        StringProperty, "Curve", "The name of a curve object; if empty, the other selected curves are used"
     )
     points: IntProperty(**POINTS)
     radius: FloatProperty(**RADIUS)
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_target(cls, context)
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -79,10 +74,7 @@ class SINEW_OT_wire_add(BindingOperator, Operator):
 
     def _chosen(self, context: Context, obj: Object) -> list[Object]:
         if self.curve:
-            wire = context.scene.objects.get(self.curve)
-            if wire is None:
-                raise SinewError(f"There is no object '{self.curve}' in the scene")
-            return [wire]
+            return [object_named(context, self.curve)]
         wires = [other for other in context.selected_objects if other != obj and other.type == "CURVE"]
         if not wires:
             raise SinewError("Select the curves and then the object that they move, which becomes active")

@@ -6,31 +6,24 @@ from bpy.types import Context, Operator
 
 from ...ids import Operators
 from ...session.actions import apply
+from ..arguments import once
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import deformer_index, has_deformer, object_mode, target_of
+from ..target import deformer_index, object_mode, target_of
 
 
-class SINEW_OT_apply(Operator):
+class SINEW_OT_apply(OnDeformer, Operator):
     """Make the current shape the shape of the mesh, or a shape key of it, and remove the deformer"""
 
     bl_idname = Operators.APPLY
     bl_label = "Apply"
-    bl_options = {"REGISTER", "UNDO"}
 
-    as_shape_key: BoolProperty(
-        name="As Shape Key",
-        description="Add the shape as a new shape key instead of changing the mesh",
-        options={"SKIP_SAVE"},
+    as_shape_key: once(
+        BoolProperty, "As Shape Key", "Add the shape as a new shape key instead of changing the mesh"
     )
-    keep_deformer: BoolProperty(
-        name="Keep Deformer",
-        description="Leave the deformer on the mesh, to make more shape keys with it",
-        options={"SKIP_SAVE"},
+    keep_deformer: once(
+        BoolProperty, "Keep Deformer", "Leave the deformer on the mesh, to make more shape keys with it"
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

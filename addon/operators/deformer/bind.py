@@ -5,21 +5,17 @@ from bpy.types import Context, Operator
 
 from ...ids import Operators
 from ...session.actions import bind
+from ..offered import OnLiveDeformer
 from ..reporting import reports_errors
-from ..target import has_live_deformer, target_of
+from ..target import target_of
 from ..waiting import BindingOperator
 
 
-class SINEW_OT_bind(BindingOperator, Operator):
+class SINEW_OT_bind(OnLiveDeformer, BindingOperator, Operator):
     """Take the current shape of the mesh as its rest shape, and prepare it to follow its controls"""
 
     bl_idname = Operators.BIND
     bl_label = "Bind"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_live_deformer(cls, context)
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -30,7 +26,7 @@ class SINEW_OT_bind(BindingOperator, Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_unbind(Operator):
+class SINEW_OT_unbind(OnLiveDeformer, Operator):
     """Show the rest shape again. Regions and settings stay.
 
     The next Bind takes the places of the controls at that time as their rest
@@ -38,11 +34,6 @@ class SINEW_OT_unbind(Operator):
 
     bl_idname = Operators.UNBIND
     bl_label = "Unbind"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_live_deformer(cls, context)
 
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)

@@ -8,11 +8,12 @@ from ...ids import Operators
 from ...session.actions.controls import making
 from ...session.evaluation import binding
 from ...session.evaluation.binding import CANCELLED
-from ..target import has_target, target_of
+from ..offered import OnTarget
+from ..target import target_of
 from ..waiting import WaitsForBind
 
 
-class SINEW_OT_cancel(Operator):
+class SINEW_OT_cancel(OnTarget, Operator):
     """Cancel the bind, or the making of a cage, that is running.
 
     After a bind the mesh shows its rest shape; Bind starts again
@@ -23,16 +24,16 @@ class SINEW_OT_cancel(Operator):
     bl_options = {"REGISTER"}
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_target(cls, context):
-            return False
+    def refusal(cls, context: Context) -> str:
+        reason = super().refusal(context)
+        if reason:
+            return reason
         obj = target_of(context)
         active = obj.sinew.active
         is_bound_now = active is not None and binding.job(active.uid) is not None
-        if not is_bound_now and making.cage_work(obj.name) is None:
-            cls.poll_message_set("Nothing is being bound or made")
-            return False
-        return True
+        return (
+            "" if is_bound_now or making.cage_work(obj.name) is not None else "Nothing is being bound or made"
+        )
 
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)

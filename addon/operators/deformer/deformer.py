@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Add and remove deformers."""
 
-from bpy.props import EnumProperty, IntProperty
+from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from ... import bake
@@ -10,16 +10,17 @@ from ...ids import Operators
 from ...preferences import preferences
 from ...properties import method_items
 from ...session.actions import deformers
+from ..arguments import row_index
+from ..offered import OnDeformer, OnTarget
 from ..reporting import reports_errors
-from ..target import deformer_index, has_deformer, has_target, object_mode, target_of
+from ..target import deformer_index, object_mode, target_of
 
 
-class SINEW_OT_deformer_add(Operator):
+class SINEW_OT_deformer_add(OnTarget, Operator):
     """Add a Sinew deformer to the mesh"""
 
     bl_idname = Operators.DEFORMER_ADD
     bl_label = "Add Deformer"
-    bl_options = {"REGISTER", "UNDO"}
 
     method: EnumProperty(
         name="Method",
@@ -27,10 +28,6 @@ class SINEW_OT_deformer_add(Operator):
         default=DEFAULT_METHOD,
         description="How the surface follows its handles. It can be changed later, and the handles stay",
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_target(cls, context)
 
     def invoke(self, context: Context, _event: object) -> set[str]:
         if not self.properties.is_property_set("method"):
@@ -43,18 +40,13 @@ class SINEW_OT_deformer_add(Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_deformer_remove(Operator):
+class SINEW_OT_deformer_remove(OnDeformer, Operator):
     """Remove the deformer, its controls and its hidden data. The mesh shows its rest shape again"""
 
     bl_idname = Operators.DEFORMER_REMOVE
     bl_label = "Remove Deformer"
-    bl_options = {"REGISTER", "UNDO"}
 
-    index: IntProperty(name="Index", default=-1, min=-1, description="Which deformer; -1 is the active one")
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
+    index: row_index("Which deformer; -1 is the active one")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

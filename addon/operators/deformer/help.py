@@ -9,6 +9,7 @@ from bpy.types import Context, Operator
 
 from ...core.errors import SinewError
 from ...ids import Operators
+from ..arguments import once
 from ..reporting import reports_errors
 
 # Identifier, label and description; the identifier is the name of the page's file.
@@ -53,9 +54,7 @@ class SINEW_OT_help(Operator):
     bl_idname = Operators.HELP
     bl_label = "Sinew Manual"
 
-    page: EnumProperty(
-        name="Page", description="What to read about", items=PAGES, default="surface", options={"SKIP_SAVE"}
-    )
+    page: once(EnumProperty, "Page", "What to read about", items=PAGES, default="surface")
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_help") -> str:

@@ -1,13 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Move deformers and handles up and down in their lists."""
 
-from bpy.props import EnumProperty, IntProperty
+from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from ...ids import Operators
 from ...session.actions import order
+from ..arguments import row_index
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import deformer_index, handle_index, has_deformer, target_of
+from ..target import deformer_index, handle_index, target_of
 
 DIRECTIONS = (
     ("UP", "Up", "Towards the top of the list", "TRIA_UP", 0),
@@ -21,7 +23,7 @@ def _neighbour(index: int, direction: str, count: int) -> int:
     return target if 0 <= target < count else -1
 
 
-class SINEW_OT_deformer_move(Operator):
+class SINEW_OT_deformer_move(OnDeformer, Operator):
     """Move the deformer in the list, and its modifier in the stack. The upper deformer is applied first.
 
     Other modifiers keep their places; keyframes and drivers move with their deformer
@@ -29,16 +31,11 @@ class SINEW_OT_deformer_move(Operator):
 
     bl_idname = Operators.DEFORMER_MOVE
     bl_label = "Move Deformer"
-    bl_options = {"REGISTER", "UNDO"}
 
     direction: EnumProperty(
         name="Direction", items=DIRECTIONS, description="Whether to move up or down in the list"
     )
-    index: IntProperty(name="Index", default=-1, min=-1, description="Which deformer; -1 is the active one")
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
+    index: row_index("Which deformer; -1 is the active one")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -51,21 +48,16 @@ class SINEW_OT_deformer_move(Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_handle_move(Operator):
+class SINEW_OT_handle_move(OnDeformer, Operator):
     """Move the region in the list. The order does not affect the shape"""
 
     bl_idname = Operators.HANDLE_MOVE
     bl_label = "Move Handle"
-    bl_options = {"REGISTER", "UNDO"}
 
     direction: EnumProperty(
         name="Direction", items=DIRECTIONS, description="Whether to move up or down in the list"
     )
-    index: IntProperty(name="Index", default=-1, min=-1, description="Which handle; -1 is the active one")
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
+    index: row_index("Which handle; -1 is the active one")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

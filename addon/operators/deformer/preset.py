@@ -13,8 +13,10 @@ from bpy.types import Context, Operator
 from ...core.errors import SinewError
 from ...core.methods import BY_ID
 from ...ids import Operators, Panels
+from ..arguments import once
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import has_deformer, target_of
+from ..target import target_of
 
 # A line of a preset. It is read, and never run as Blender runs its own presets.
 _SETTING = re.compile(r"^deformer\.(\w+)\.(\w+) = (.+)$", re.MULTILINE)
@@ -25,7 +27,7 @@ def preset_folder(context: Context) -> str:
     return f"sinew/{target_of(context).sinew.active.definition.id}"
 
 
-class SINEW_OT_preset_add(AddPresetBase, Operator):
+class SINEW_OT_preset_add(AddPresetBase, OnDeformer, Operator):
     """Keep the parameters of the method as a preset, or remove a preset"""
 
     bl_idname = Operators.PRESET_ADD
@@ -33,10 +35,6 @@ class SINEW_OT_preset_add(AddPresetBase, Operator):
 
     preset_menu = Panels.PRESETS
     preset_defines = ("deformer = bpy.context.object.sinew.active",)
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
 
     @property
     def preset_subdir(self) -> str:
@@ -54,20 +52,14 @@ class SINEW_OT_preset_add(AddPresetBase, Operator):
             return super().execute(context)
 
 
-class SINEW_OT_preset_apply(Operator):
+class SINEW_OT_preset_apply(OnDeformer, Operator):
     """Give the method the parameters of this preset"""
 
     bl_idname = Operators.PRESET_APPLY
     bl_label = "Apply Method Preset"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    filepath: StringProperty(
-        name="File Path", subtype="FILE_PATH", description="The file of the preset", options={"SKIP_SAVE"}
-    )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
+    filepath: once(StringProperty, "File Path", "The file of the preset", subtype="FILE_PATH")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Remedies: mend the mesh, separate regions that share vertices, use more cells, and move a mesh once."""
 
-from bpy.props import BoolProperty, FloatProperty
+from bpy.props import BoolProperty
 from bpy.types import Context, Object, Operator
 
 from ...core.errors import SinewError
@@ -9,11 +9,13 @@ from ...ids import Operators
 from ...session.actions import bind, refining, repair
 from ...session.actions.handles import overlaps
 from ...session.actions.repair import RepairOptions
+from ..arguments import distance
+from ..offered import OnDeformer, OnTarget
 from ..reporting import reports_errors
-from ..target import has_deformer, has_target, object_mode, target_of
+from ..target import object_mode, target_of
 
 
-class SINEW_OT_repair(Operator):
+class SINEW_OT_repair(OnTarget, Operator):
     """Mend the defects of the mesh that can be mended safely, and bind again.
 
     Vertex groups, shape keys and UV maps stay. All other defects are counted and stay as they are
@@ -21,7 +23,7 @@ class SINEW_OT_repair(Operator):
 
     bl_idname = Operators.REPAIR
     bl_label = "Repair"
-    bl_options = {"REGISTER", "UNDO"}
+    MESHES_ONLY = True
 
     not_finite: BoolProperty(
         name="Lost Positions",
@@ -35,15 +37,13 @@ class SINEW_OT_repair(Operator):
         description="Merge vertices of open borders that lie at the same place; "
         "closed parts that touch stay separate",
     )
-    distance: FloatProperty(
-        name="Merge Distance",
+    distance: distance(
+        "Merge Distance",
+        "The largest distance between vertices that are merged; 0 merges only vertices at "
+        "exactly the same place",
         default=0.0,
-        min=0.0,
         soft_max=0.1,
         precision=5,
-        subtype="DISTANCE",
-        description="The largest distance between vertices that are merged; 0 merges only vertices at "
-        "exactly the same place",
     )
     degenerate: BoolProperty(
         name="Zero-Area Faces",
@@ -64,13 +64,10 @@ class SINEW_OT_repair(Operator):
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_target(cls, context, mesh=True):
-            return False
-        if target_of(context).mode not in ("OBJECT", "EDIT"):
-            cls.poll_message_set("Repair works in Object and Edit Mode")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if target_of(context).mode in ("OBJECT", "EDIT") else "Repair works in Object and Edit Mode"
+        )
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -100,17 +97,7 @@ class SINEW_OT_repair(Operator):
         row.prop(self, "distance")
 
 
-class _OfMeshes:
-    """What works on a mesh with a deformer."""
-
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context, mesh=True)
-
-
-class SINEW_OT_part_regions(_OfMeshes, Operator):
+class SINEW_OT_part_regions(OnDeformer, Operator):
     """Remove vertices that two regions share from the second region, and bind again.
 
     If one region lies completely inside another, it keeps them, and the outer region loses them
@@ -118,6 +105,7 @@ class SINEW_OT_part_regions(_OfMeshes, Operator):
 
     bl_idname = Operators.PART_REGIONS
     bl_label = "Part Regions"
+    MESHES_ONLY = True
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -134,7 +122,7 @@ class SINEW_OT_part_regions(_OfMeshes, Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_refine(Operator):
+class SINEW_OT_refine(OnDeformer, Operator):
     """Double the number of cells until each handle has one of its own, and bind.
 
     Objects that share the handles get the same number
@@ -142,16 +130,14 @@ class SINEW_OT_refine(Operator):
 
     bl_idname = Operators.REFINE
     bl_label = "Refine"
-    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context):
-            return False
+    def refusal(cls, context: Context) -> str:
+        reason = super().refusal(context)
+        if reason:
+            return reason
         method = target_of(context).sinew.active.definition
-        if not method.finer:
-            cls.poll_message_set(f"{method.label} has nothing that could be finer")
-        return bool(method.finer)
+        return "" if method.finer else f"{method.label} has nothing that could be finer"
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -162,7 +148,7 @@ class SINEW_OT_refine(Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_armature_off(_OfMeshes, Operator):
+class SINEW_OT_armature_off(OnDeformer, Operator):
     """Turn off the Armature modifiers of this mesh whose armature also moves a control of Sinew.
 
     The control carries the mesh along, so it moved twice as far
@@ -170,6 +156,7 @@ class SINEW_OT_armature_off(_OfMeshes, Operator):
 
     bl_idname = Operators.ARMATURE_OFF
     bl_label = "Turn Off Armature"
+    MESHES_ONLY = True
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -11,10 +11,11 @@ from ...ids import Operators
 from ...properties.scene import MEASURES
 from ...session.actions import selection
 from ...session.results import result
-from ..target import has_deformer, target_of
+from ..offered import OnDeformer
+from ..target import target_of
 
 
-class SINEW_OT_select_distorted(Operator):
+class SINEW_OT_select_distorted(OnDeformer, Operator):
     """Select, in Edit Mode, the vertex around which the surface is distorted most.
 
     To reduce the distortion, add a handle there, or let more of the surface move
@@ -22,18 +23,15 @@ class SINEW_OT_select_distorted(Operator):
 
     bl_idname = Operators.SELECT_DISTORTED
     bl_label = "Select Most Distorted"
-    bl_options = {"REGISTER", "UNDO"}
+    MESHES_ONLY = True
 
     measure: EnumProperty(name="Measure", description="The measure of distortion", items=MEASURES)
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context, mesh=True):
-            return False
-        if not target_of(context).sinew.active.is_bound:
-            cls.poll_message_set("Bind the deformer first")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if target_of(context).sinew.active.is_bound else "Bind the deformer first"
+        )
 
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)

@@ -10,16 +10,16 @@ from ...ids import Operators
 from ...session.actions import selection
 from ...session.controls import kinds
 from ...session.targets import targets
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import has_deformer, target_of
+from ..target import target_of
 
 
-class SINEW_OT_select_problems(Operator):
+class SINEW_OT_select_problems(OnDeformer, Operator):
     """Select, in Edit Mode, the vertices or faces of the mesh or of its cage that the status names"""
 
     bl_idname = Operators.SELECT_PROBLEMS
     bl_label = "Select"
-    bl_options = {"REGISTER", "UNDO"}
 
     line: IntProperty(
         name="Line",
@@ -27,10 +27,6 @@ class SINEW_OT_select_problems(Operator):
         min=-1,
         description="Index of the status line; -1 for the first warning",
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -7,8 +7,9 @@ from ...ids import Operators
 from ...properties import SinewDeformer
 from ...session.actions import bind, rigging, sharing
 from ...session.actions.controls.around import Target
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import has_deformer, target_of
+from ..target import target_of
 from ..waiting import BindingOperator
 
 
@@ -33,7 +34,7 @@ class BindsAll(BindingOperator):
         return {"FINISHED"}
 
 
-class SINEW_OT_settings_share(BindingOperator, Operator):
+class SINEW_OT_settings_share(OnDeformer, BindingOperator, Operator):
     """Give the other objects that the same cage, lattice, wires or tools move these settings: the method with
     its parameters, and Factor.
 
@@ -42,16 +43,12 @@ class SINEW_OT_settings_share(BindingOperator, Operator):
 
     bl_idname = Operators.SETTINGS_SHARE
     bl_label = "Copy to All Targets"
-    bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context):
-            return False
-        if not sharing.sharing(target_of(context).sinew.active):
-            cls.poll_message_set("The control moves no other object")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if sharing.sharing(target_of(context).sinew.active) else "The control moves no other object"
+        )
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:

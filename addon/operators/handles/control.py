@@ -1,39 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Give new controls to handles that have lost theirs."""
 
-from bpy.props import IntProperty
 from bpy.types import Context, Operator
 
 from ...ids import Operators
 from ...session.actions.handles import handles
+from ..arguments import row_index
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import handle_index, has_deformer, object_mode, target_of
+from ..target import handle_index, object_mode, target_of
 from .handle import select_control
 
 
-class SINEW_OT_control_new(Operator):
+class SINEW_OT_control_new(OnDeformer, Operator):
     """Make a new empty for a handle that has lost its control, where its region is now"""
 
     bl_idname = Operators.CONTROL_NEW
     bl_label = "New Control"
-    bl_options = {"REGISTER", "UNDO"}
 
-    index: IntProperty(
-        name="Index",
-        default=-1,
-        min=-1,
-        description="Which handle; -1 is every handle that has lost its control",
-        options={"SKIP_SAVE"},
-    )
+    index: row_index("Which handle; -1 is every handle that has lost its control", options={"SKIP_SAVE"})
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context):
-            return False
-        if not any(handle.control_missing for handle in target_of(context).sinew.active.handles):
-            cls.poll_message_set("Every handle has its control")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            ""
+            if any(handle.control_missing for handle in target_of(context).sinew.active.handles)
+            else "Every handle has its control"
+        )
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

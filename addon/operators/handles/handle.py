@@ -2,7 +2,7 @@
 """Add, remove and select handles."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy.types import Context, Object, Operator
 
 from ... import compat
@@ -14,14 +14,16 @@ from ...session.actions import bind, rigging, selection
 from ...session.actions.handles import handles
 from ...session.actions.handles.handles import NewRegion
 from ...session.controls.handles import riding
+from ..arguments import once, row_index
+from ..offered import OnDeformer, OnTarget
 from ..reporting import reports_errors
-from ..target import handle_index, has_deformer, has_target, object_mode, show_control, target_of
+from ..target import handle_index, object_mode, object_named, show_control, target_of
 from ..waiting import BindingOperator
 
 _LABELS = {identifier: label for identifier, label, *_rest in HANDLE_ROLES}
 
 
-class SINEW_OT_handle_add(BindingOperator, Operator):
+class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
     """Make the selected vertices a region; outside Edit Mode, those of the active vertex group.
 
     In Pose and Weight Paint Mode the active bone becomes its control, in other modes a new empty
@@ -29,7 +31,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
 
     bl_idname = Operators.HANDLE_ADD
     bl_label = "Add Handle"
-    bl_options = {"REGISTER", "UNDO"}
+    MESHES_ONLY = True
 
     kind: EnumProperty(
         name="Role",
@@ -42,23 +44,20 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
         description="An existing vertex group; if empty, the selected vertices in Edit Mode, else the "
         "active group",
     )
-    handle_name: StringProperty(
-        name="Name",
-        description="Name of the region; if empty, the name of its vertex group",
-        options={"SKIP_SAVE"},
-    )
-    weight: FloatProperty(
-        name="Weight",
+    handle_name: once(StringProperty, "Name", "Name of the region; if empty, the name of its vertex group")
+    weight: once(
+        FloatProperty,
+        "Weight",
+        "1 holds the region exactly; a lower weight lets it give way",
         default=1.0,
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        options={"SKIP_SAVE"},
-        description="1 holds the region exactly; a lower weight lets it give way",
     )
-    control: EnumProperty(
-        name="Control",
-        description="What will move the region, for a handle",
+    control: once(
+        EnumProperty,
+        "Control",
+        "What will move the region, for a handle",
         items=(
             ("AUTO", "Automatic", "The active bone in Pose and Weight Paint Mode, else a new empty", 2),
             ("NEW", "New Empty", "An empty at the region, aligned with its mean normal", 0),
@@ -70,22 +69,9 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
             ),
         ),
         default="AUTO",
-        options={"SKIP_SAVE"},
     )
-    control_object: StringProperty(
-        name="Control Object",
-        description="The name of the object that will move the region",
-        options={"SKIP_SAVE"},
-    )
-    bone: StringProperty(
-        name="Bone",
-        description="The name of a pose bone, if the control is an armature",
-        options={"SKIP_SAVE"},
-    )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_target(cls, context, mesh=True)
+    control_object: once(StringProperty, "Control Object", "The name of the object that will move the region")
+    bone: once(StringProperty, "Bone", "The name of a pose bone, if the control is an armature")
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -124,10 +110,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
         if self.kind != "HANDLE":
             return None, ""
         if self.control_object:
-            control = context.scene.objects.get(self.control_object)
-            if control is None:
-                raise SinewError(f"There is no object '{self.control_object}' in the scene")
-            return control, self.bone
+            return object_named(context, self.control_object), self.bone
         if self.control == "AUTO":
             return _active_bone(obj, context.object)
         if self.control == "NEW":
@@ -140,7 +123,7 @@ class SINEW_OT_handle_add(BindingOperator, Operator):
         return control, active.name if active else ""
 
 
-class SINEW_OT_keep_inside(BindingOperator, Operator):
+class SINEW_OT_keep_inside(OnDeformer, BindingOperator, Operator):
     """Make the loose parts that lie inside, such as eyes and teeth, a region, so that they leave the surface.
 
     In Pose Mode the active bone becomes its control. Otherwise it is fixed: it stays at rest, or where an
@@ -149,11 +132,7 @@ class SINEW_OT_keep_inside(BindingOperator, Operator):
 
     bl_idname = Operators.KEEP_INSIDE
     bl_label = "Keep Inside Parts"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context, mesh=True)
+    MESHES_ONLY = True
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -172,18 +151,13 @@ class SINEW_OT_keep_inside(BindingOperator, Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_handle_remove(Operator):
+class SINEW_OT_handle_remove(OnDeformer, Operator):
     """Remove the region, and the control and the vertex group that were made for it"""
 
     bl_idname = Operators.HANDLE_REMOVE
     bl_label = "Remove Handle"
-    bl_options = {"REGISTER", "UNDO"}
 
-    index: IntProperty(name="Index", default=-1, min=-1, description="Which handle; -1 is the active one")
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
+    index: row_index("Which handle; -1 is the active one")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -200,7 +174,7 @@ class SINEW_OT_handle_remove(Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_select_handle(Operator):
+class SINEW_OT_select_handle(OnDeformer, Operator):
     """Select the control of the region; in Edit Mode its vertices, in Weight Paint Mode its vertex group.
 
     A control that is a bone is selected in Pose Mode
@@ -208,14 +182,9 @@ class SINEW_OT_select_handle(Operator):
 
     bl_idname = Operators.SELECT_HANDLE
     bl_label = "Select Handle"
-    bl_options = {"REGISTER", "UNDO"}
 
-    index: IntProperty(name="Index", default=-1, min=-1, description="Which handle; -1 is the active one")
-    extend: BoolProperty(name="Extend", description="Add to the selection", options={"SKIP_SAVE"})
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
+    index: row_index("Which handle; -1 is the active one")
+    extend: once(BoolProperty, "Extend", "Add to the selection")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

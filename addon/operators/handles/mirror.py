@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Copy handles and their weights to the other side of the mesh."""
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty
+from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Operator
 
 from ...core.sides import Side
@@ -9,12 +9,14 @@ from ...ids import Operators
 from ...session.actions import rigging
 from ...session.actions.handles import mirror
 from ...session.actions.handles.mirror import Mirrored, MirrorOptions
+from ..arguments import distance
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import handle_index, has_deformer, object_mode, target_of
+from ..target import handle_index, object_mode, target_of
 from ..waiting import BindingOperator
 
 
-class SINEW_OT_handle_mirror(BindingOperator, Operator):
+class SINEW_OT_handle_mirror(OnDeformer, BindingOperator, Operator):
     """Mirror handles across the local X axis of the mesh: Hand.L to Hand.R, with weights, control and pose.
 
     The other side is found by its name, or made. A handle without a side in its name is named by the side
@@ -23,7 +25,7 @@ class SINEW_OT_handle_mirror(BindingOperator, Operator):
 
     bl_idname = Operators.HANDLE_MIRROR
     bl_label = "Mirror Handle"
-    bl_options = {"REGISTER", "UNDO"}
+    MESHES_ONLY = True
 
     side: EnumProperty(
         name="Side",
@@ -51,24 +53,19 @@ class SINEW_OT_handle_mirror(BindingOperator, Operator):
         name="Painted Groups",
         description="Also make the mask and the vertex groups of painted parameters symmetric",
     )
-    tolerance: FloatProperty(
-        name="Tolerance",
+    tolerance: distance(
+        "Tolerance",
+        "How far a vertex may lie from the mirror image of another",
         default=0.001,
-        min=0.0,
         soft_max=0.1,
         precision=5,
-        subtype="DISTANCE",
-        description="How far a vertex may lie from the mirror image of another",
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_deformer(cls, context, mesh=True):
-            return False
-        if not target_of(context).sinew.active.handles:
-            cls.poll_message_set("Add a handle first")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if target_of(context).sinew.active.handles else "Add a handle first"
+        )
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:

@@ -11,8 +11,9 @@ from ...session.actions import rigging
 from ...session.actions.handles import points as edit_handles_points
 from ...session.controls import twice
 from ...session.targets.targets import can_be_moved
+from ..offered import OnTarget
 from ..reporting import reports_errors
-from ..target import has_target, object_mode, target_of
+from ..target import object_mode, target_of
 from ..waiting import BindingOperator
 
 _METHODS = tuple(
@@ -45,7 +46,7 @@ _SOURCES = (
 )
 
 
-class SINEW_OT_point_add(BindingOperator, Operator):
+class SINEW_OT_point_add(OnTarget, BindingOperator, Operator):
     """Add handles that move the space around them: no vertex groups are needed, and curves follow, too.
 
     All selected objects follow the same empties and bones
@@ -53,7 +54,6 @@ class SINEW_OT_point_add(BindingOperator, Operator):
 
     bl_idname = Operators.POINT_ADD
     bl_label = "Add Handle Points"
-    bl_options = {"REGISTER", "UNDO"}
 
     source: EnumProperty(
         name="Where", items=_SOURCES, default="CURSOR", description="What the handles follow"
@@ -70,10 +70,6 @@ class SINEW_OT_point_add(BindingOperator, Operator):
         default=False,
         description="Use bones and edges as line handles, if the method supports them",
     )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_target(cls, context)
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:

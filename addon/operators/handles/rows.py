@@ -1,47 +1,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Remove a wire or a tool from the list, and let all of them rest where they are."""
 
-from bpy.props import IntProperty
 from bpy.types import Context, Operator
 
 from ...core.errors import SinewError
 from ...ids import Operators
 from ...session.actions import bind, rigging
 from ...session.actions.controls import control_list as rows
+from ..arguments import row_index
 from ..deformer.sharing import BindsAll
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import has_deformer, object_mode, target_of
+from ..target import object_mode, target_of
 from ..waiting import BindingOperator
 
 
-def has_rows(operator: type, context: Context) -> bool:
-    """For ``poll``: whether the active deformer has wires or tools."""
-    if not has_deformer(operator, context):
-        return False
-    if not rows.rows_of(target_of(context).sinew.active):
-        operator.poll_message_set("Add a wire or a tool first")
-        return False
-    return True
+class OnRows(OnDeformer):
+    """Mixin for an operator on the wires or tools of the active deformer."""
+
+    @classmethod
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if rows.rows_of(target_of(context).sinew.active) else "Add a wire or a tool first"
+        )
 
 
-class SINEW_OT_control_remove(BindingOperator, Operator):
+class SINEW_OT_control_remove(OnRows, BindingOperator, Operator):
     """Remove this control from the list. The object goes too, if it was made for the deformer"""
 
     bl_idname = Operators.ROW_REMOVE
     bl_label = "Remove Control"
-    bl_options = {"REGISTER", "UNDO"}
 
-    index: IntProperty(
-        name="Index",
-        default=-1,
-        min=-1,
-        options={"SKIP_SAVE"},
-        description="Which control of the list, counted from 0; -1 is the active one",
-    )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_rows(cls, context)
+    index: row_index("Which control of the list, counted from 0; -1 is the active one", options={"SKIP_SAVE"})
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -62,7 +52,7 @@ class SINEW_OT_control_remove(BindingOperator, Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_control_set_rest(BindsAll, Operator):
+class SINEW_OT_control_set_rest(OnRows, BindsAll, Operator):
     """Take the current shape of all wires, or the current place of all tools, as their rest.
 
     All that the same ones move goes back to rest; later edits pose it
@@ -70,8 +60,3 @@ class SINEW_OT_control_set_rest(BindsAll, Operator):
 
     bl_idname = Operators.ROW_REST
     bl_label = "Set Rest"
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_rows(cls, context)

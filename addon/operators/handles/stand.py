@@ -1,46 +1,37 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Let the control of a handle ride on the surface that enters, or stay in the world."""
 
-from bpy.props import BoolProperty, EnumProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Operator
 
 from ...ids import Operators
 from ...properties import STANDS_ON
 from ...session.actions.handles import standing
 from ...session.controls.handles import riding
+from ..arguments import once, row_index
+from ..offered import OnDeformer
 from ..reporting import reports_errors
-from ..target import handle_index, has_deformer, target_of
+from ..target import handle_index, target_of
 
 
-class SINEW_OT_handle_stand(Operator):
+class SINEW_OT_handle_stand(OnDeformer, Operator):
     """Choose what the control of the handle stands on. The shape of this frame stays as it is"""
 
     bl_idname = Operators.HANDLE_STAND
     bl_label = "Stands On"
-    bl_options = {"REGISTER", "UNDO"}
 
-    on: EnumProperty(
-        name="Stands On",
+    on: once(
+        EnumProperty,
+        "Stands On",
+        "Whether the control stays in the world, or rides on the surface that enters",
         items=STANDS_ON,
-        options={"SKIP_SAVE"},
-        description="Whether the control stays in the world, or rides on the surface that enters",
     )
     convert_keyframes: BoolProperty(
         name="Convert Keyframes",
         default=True,
         description="Rewrite the keyframes of the control, so that the shape stays in each of their frames",
     )
-    index: IntProperty(
-        name="Index",
-        default=-1,
-        min=-1,
-        description="Which handle; -1 is the active one",
-        options={"SKIP_SAVE"},
-    )
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return has_deformer(cls, context)
+    index: row_index("Which handle; -1 is the active one", options={"SKIP_SAVE"})
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_handle_stand") -> str:

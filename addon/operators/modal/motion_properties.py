@@ -5,17 +5,15 @@ import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty
 from bpy.types import Context, Event
 
-from ...core.methods import BY_ID, DEFAULT_METHOD, METHODS, Method
+from ...core.methods import BY_ID, DEFAULT_METHOD, Method
 from ...core.transform.motion import Mode, Motion
 from ...core.transform.typed_motion import TypedMotion, View
 from ...preferences import preferences
-from ...session.controls import kinds
+from ..arguments import REGION_METHODS, method_choice, once
 from .shell import Keys
 from .view import typed_units
 
-_METHODS = tuple(
-    method for method in METHODS if kinds.marks_regions(method) and not method.is_space and not method.wraps
-)
+_METHODS = tuple(method for method in REGION_METHODS if not method.is_space)
 _MODES = (
     ("TRANSLATE", "Move", "Move what was grabbed", "NONE", 0),
     ("ROTATE", "Rotate", "Turn what was grabbed about its centre", "NONE", 1),
@@ -39,39 +37,21 @@ MOTION_KEYS: Keys = (
 class MotionValues:
     """Mixin for an operator that moves something: the motion as properties."""
 
-    mode: EnumProperty(
-        name="Mode",
+    mode: once(
+        EnumProperty,
+        "Mode",
+        "Whether this moves, turns or scales at the start",
         items=_MODES,
         default="TRANSLATE",
-        options={"SKIP_SAVE"},
-        description="Whether this moves, turns or scales at the start",
     )
-    value: FloatVectorProperty(
-        name="Move", subtype="TRANSLATION", description="How far along each axis", options={"SKIP_SAVE"}
+    value: once(FloatVectorProperty, "Move", "How far along each axis", subtype="TRANSLATION")
+    angle: once(FloatProperty, "Angle", "The turn about the axis", subtype="ANGLE")
+    axis: once(FloatVectorProperty, "Axis", "What this turns about", subtype="XYZ", default=(0.0, 0.0, 1.0))
+    scale: once(
+        FloatVectorProperty, "Scale", "The factor along each axis", subtype="XYZ", default=(1.0, 1.0, 1.0)
     )
-    angle: FloatProperty(
-        name="Angle", subtype="ANGLE", description="The turn about the axis", options={"SKIP_SAVE"}
-    )
-    axis: FloatVectorProperty(
-        name="Axis",
-        subtype="XYZ",
-        default=(0.0, 0.0, 1.0),
-        description="What this turns about",
-        options={"SKIP_SAVE"},
-    )
-    scale: FloatVectorProperty(
-        name="Scale",
-        subtype="XYZ",
-        default=(1.0, 1.0, 1.0),
-        description="The factor along each axis",
-        options={"SKIP_SAVE"},
-    )
-    orientation: EnumProperty(
-        name="Orientation",
-        items=_ORIENTATIONS,
-        default="GLOBAL",
-        options={"SKIP_SAVE"},
-        description="Which axes X, Y and Z mean",
+    orientation: once(
+        EnumProperty, "Orientation", "Which axes X, Y and Z mean", items=_ORIENTATIONS, default="GLOBAL"
     )
 
     @property
@@ -125,13 +105,7 @@ class MotionProperties(MotionValues):
 
     LENGTHS: tuple[str, ...] = ()
 
-    method: EnumProperty(
-        name="Method",
-        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
-        default=DEFAULT_METHOD,
-        description="How the surface follows",
-        options={"SKIP_SAVE"},
-    )
+    method: method_choice(_METHODS, "How the surface follows", default=DEFAULT_METHOD, options={"SKIP_SAVE"})
     unlimited: BoolProperty(
         name="Whole Surface",
         description="Everything that is connected follows, at any distance, unless a region holds it",

@@ -7,13 +7,13 @@ from functools import partial
 
 import bpy
 import numpy as np
-from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
+from bpy.props import FloatProperty, FloatVectorProperty, IntProperty
 from bpy.types import Context, Event, Object, Operator, SpaceView3D
 from bpy_extras import view3d_utils
 
 from ...core.errors import SinewError
 from ...core.geometry import frames
-from ...core.methods import DEFAULT_GRIP_METHOD, DEFAULT_METHOD, METHODS
+from ...core.methods import DEFAULT_GRIP_METHOD, DEFAULT_METHOD
 from ...ids import Operators
 from ...session.actions.drag import Brush, Drag
 from ...session.controls import kinds
@@ -21,15 +21,16 @@ from ...session.datablocks import parts, surface
 from ...session.datablocks.surface import Hit
 from ...session.evaluation import binding
 from ...session.targets import targets
+from ..arguments import REGION_METHODS, distance, method_choice
 from ..handles.handle import select_control
 from ..modal.motion_properties import MOTION_KEYS, MotionProperties
 from ..modal.ring import draw_line, ring
 from ..modal.shell import Keys, ViewportTool
 from ..modal.view import axes_of, length_text, view_of
+from ..offered import Offered
 from ..reporting import reports_errors
 from .dragging import Dragging
 
-_METHODS = tuple(method for method in METHODS if kinds.marks_regions(method) and not method.wraps)
 _KEYS: Keys = ((("MOUSE_LMB",), "Release to Keep"), (("MOUSE_RMB",), "Cancel"), *MOTION_KEYS)
 _OF_PART = 0.25  # the most of its part that a new handle takes
 HANDLE, REACH = (1.0, 1.0, 1.0, 0.9), (1.0, 1.0, 1.0, 0.3)  # the colours of the two rings
@@ -37,7 +38,7 @@ _NOT_HELD = "Nothing holds this part, so all of it moves - click on it to make h
 _NOTHING = "There is nothing to drag at this place - press on a surface, or on a curve, hair or a cloud"
 
 
-class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
+class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
     """Drag the surface: a handle is made where you press, or taken if there is one, and moves with the mouse.
 
     A click alone makes a handle that stays, and holds what is around it
@@ -51,11 +52,10 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
     LENGTHS = ("radius", "reach")
     running = False  # while the mouse drags, nothing else needs to be drawn at it
 
-    method: EnumProperty(
-        name="Method",
-        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
+    method: method_choice(
+        REGION_METHODS,
+        "Method of a new deformer; an existing deformer keeps its own",
         default=DEFAULT_METHOD,
-        description="Method of a new deformer; an existing deformer keeps its own",
         options={"SKIP_SAVE"},
     )
     origin: FloatVectorProperty(
@@ -80,14 +80,12 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
         options={"HIDDEN"},
         description="How large a new handle is on the screen; vertices within it move as one piece",
     )
-    radius: FloatProperty(
-        name="Radius",
-        subtype="DISTANCE",
+    radius: distance(
+        "Radius",
+        "How far from the place, along the surface, vertices belong to a new handle",
         default=0.25,
-        min=0.0,
         soft_min=0.001,
         options={"SKIP_SAVE"},
-        description="How far from the place, along the surface, vertices belong to a new handle",
     )
     reach: FloatProperty(
         name="Reach",
@@ -98,11 +96,8 @@ class SINEW_OT_drag(MotionProperties, ViewportTool, Operator):
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Go to Object Mode to drag a surface")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return "" if context.mode == "OBJECT" else "Go to Object Mode to drag a surface"
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -5,16 +5,17 @@ import math
 from functools import partial
 
 import bpy
-from bpy.props import FloatProperty
 from bpy.types import Context, Event, Object, Operator
 from gpu_extras.presets import draw_circle_2d
 
 from ...core.methods import BY_ID
 from ...ids import Operators
 from ...session.edit_mode.grab import NOTHING_FREE, Grab
+from ..arguments import distance
 from ..modal.motion_properties import MOTION_KEYS, MotionProperties
 from ..modal.shell import Keys, ViewportTool
 from ..modal.view import axes_of, length_text, pivot_of, view_of
+from ..offered import Offered
 from ..reporting import reports_errors
 from .grabbing import Grabbing
 
@@ -28,7 +29,7 @@ _KEYS: Keys = (
 _CIRCLE = (1.0, 1.0, 1.0, 0.6)
 
 
-class SINEW_OT_grab_region(MotionProperties, ViewportTool, Operator):
+class SINEW_OT_grab_region(Offered, MotionProperties, ViewportTool, Operator):
     """Move, rotate or scale the selected vertices; the surface around them follows by a Sinew method.
 
     It works like proportional editing, but the surface keeps its details. Use it for single poses
@@ -41,21 +42,18 @@ class SINEW_OT_grab_region(MotionProperties, ViewportTool, Operator):
     KEYS = _KEYS
     LENGTHS = ("radius",)
 
-    radius: FloatProperty(
-        name="Radius",
-        subtype="DISTANCE",
+    radius: distance(
+        "Radius",
+        "How far from the selection, along the surface, vertices follow; the others stay",
         default=1.0,
-        min=0.0,
         soft_min=0.001,
-        description="How far from the selection, along the surface, vertices follow; the others stay",
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if context.mode != "EDIT_MESH":
-            cls.poll_message_set("Go to Edit Mode of a mesh and select the vertices to grab")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        if context.mode == "EDIT_MESH":
+            return ""
+        return "Go to Edit Mode of a mesh and select the vertices to grab"
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -7,16 +7,17 @@ from bpy.types import Context, Event, Object, Operator
 
 from ... import compat
 from ...core.errors import SinewError
-from ...core.methods import DEFAULT_PUPPET_METHOD, METHODS
+from ...core.methods import DEFAULT_PUPPET_METHOD
 from ...ids import Operators
 from ...session.actions.puppet import bones, rigging
 from ...session.actions.puppet.posing import Part, PuppetDrag, PuppetOptions
-from ...session.controls import kinds
+from ..arguments import REGION_METHODS, method_choice, once
 from ..modal.motion_properties import MOTION_KEYS, MotionValues
 from ..modal.shell import Keys, ViewportTool
 from ..modal.view import axes_of, length_text, view_of
+from ..offered import Offered
 from ..reporting import reports_errors
-from ..target import object_mode, show_control, target_of
+from ..target import object_mode, object_named, show_control, target_of
 from ..waiting import BindingOperator
 from .puppeteering import Puppeteering
 
@@ -27,11 +28,10 @@ _PARTS = (
     ("HEAD", "Head", "The head of the bone", "NONE", 2),
     ("WHOLE", "Whole Bone", "Head, tail and roll, so that the bone turns only if you turn it", "NONE", 3),
 )
-_METHODS = tuple(method for method in METHODS if kinds.marks_regions(method) and not method.wraps)
 _BEHIND = 1e-2  # a gap of this share of the motion is worth a word
 
 
-class SINEW_OT_puppet_pose(MotionValues, ViewportTool, Operator):
+class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
     """Drag the active bone, and let the figure follow: joints keep their limits, pinned bones stay"""
 
     bl_idname = Operators.PUPPET_POSE
@@ -45,39 +45,22 @@ class SINEW_OT_puppet_pose(MotionValues, ViewportTool, Operator):
         description="The name of the armature; if empty, the active one",
         options={"SKIP_SAVE", "HIDDEN"},
     )
-    bone: StringProperty(
-        name="Bone",
-        description="The name of the bone to drag; if empty, the active one",
-        options={"SKIP_SAVE"},
-    )
-    part: EnumProperty(
-        name="Part",
-        items=_PARTS,
-        default="AUTO",
-        options={"SKIP_SAVE"},
-        description="Which point of the bone is dragged",
-    )
+    bone: once(StringProperty, "Bone", "The name of the bone to drag; if empty, the active one")
+    part: once(EnumProperty, "Part", "Which point of the bone is dragged", items=_PARTS, default="AUTO")
     balance: BoolProperty(
         name="Balance",
         description="Keep the centre of mass over what is pinned, for example two feet",
     )
-    from_rest: BoolProperty(
-        name="From Rest",
-        options={"SKIP_SAVE"},
-        description="Let joints stay close to their rest, instead of how they are now",
+    from_rest: once(
+        BoolProperty, "From Rest", "Let joints stay close to their rest, instead of how they are now"
     )
-    key: BoolProperty(
-        name="Insert Keyframes",
-        options={"SKIP_SAVE"},
-        description="Key the bones that follow, as Auto Keying does",
-    )
+    key: once(BoolProperty, "Insert Keyframes", "Key the bones that follow, as Auto Keying does")
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if context.object is None or context.object.type != "ARMATURE":
-            cls.poll_message_set("Select an armature, and the bone to drag in Pose Mode")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        if context.object is not None and context.object.type == "ARMATURE":
+            return ""
+        return "Select an armature, and the bone to drag in Pose Mode"
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -118,9 +101,7 @@ class SINEW_OT_puppet_pose(MotionValues, ViewportTool, Operator):
     def _begin(self, context: Context) -> tuple[Object, PuppetDrag]:
         armature = context.object
         if self.armature:
-            armature = context.scene.objects.get(self.armature)
-            if armature is None:
-                raise SinewError(f"There is no object '{self.armature}' in the scene")
+            armature = object_named(context, self.armature)
         bones.require_bones(armature)
         if not self.bone:
             active = armature.data.bones.active
@@ -149,31 +130,27 @@ class SINEW_OT_puppet_pose(MotionValues, ViewportTool, Operator):
             )
 
 
-class SINEW_OT_puppet_pin(Operator):
+class SINEW_OT_puppet_pin(Offered, Operator):
     """Pin the selected bones, or release them: pinned ones stay while another bone is dragged"""
 
     bl_idname = Operators.PUPPET_PIN
     bl_label = "Pin Bones"
-    bl_options = {"REGISTER", "UNDO"}
 
-    action: EnumProperty(
-        name="Action",
+    action: once(
+        EnumProperty,
+        "Action",
+        "What to do with the selected bones",
         items=(
             ("TOGGLE", "Toggle", "Pin the bones, or release them if all are pinned", "NONE", 0),
             ("PIN", "Pin", "Pin the bones", "NONE", 1),
             ("RELEASE", "Release", "Release the bones", "NONE", 2),
         ),
         default="TOGGLE",
-        options={"SKIP_SAVE"},
-        description="What to do with the selected bones",
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if context.mode != "POSE":
-            cls.poll_message_set("Select bones in Pose Mode")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return "" if context.mode == "POSE" else "Select bones in Pose Mode"
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -190,29 +167,22 @@ class SINEW_OT_puppet_pin(Operator):
         return {"FINISHED"}
 
 
-class SINEW_OT_puppet_rig(BindingOperator, Operator):
+class SINEW_OT_puppet_rig(Offered, BindingOperator, Operator):
     """Let the bones of an armature move the mesh: each holds the vertex group of its name, or its limb"""
 
     bl_idname = Operators.PUPPET_RIG
     bl_label = "Handles from Bones"
-    bl_options = {"REGISTER", "UNDO"}
 
-    armature: StringProperty(
-        name="Armature",
-        description="The name of the armature; if empty, the other selected object",
-        options={"SKIP_SAVE"},
+    armature: once(
+        StringProperty, "Armature", "The name of the armature; if empty, the other selected object"
     )
-    method: EnumProperty(
-        name="Method",
-        items=tuple((row.id, row.label, row.summary, "NONE", row.number) for row in _METHODS),
-        default=DEFAULT_PUPPET_METHOD,
-        description="How the mesh follows the bones",
-        options={"SKIP_SAVE"},
+    method: method_choice(
+        REGION_METHODS, "How the mesh follows the bones", default=DEFAULT_PUPPET_METHOD, options={"SKIP_SAVE"}
     )
-    automatic: BoolProperty(
-        name="Automatic Regions",
-        options={"SKIP_SAVE"},
-        description="Make new vertex groups by distance, even if there are groups with the names of bones",
+    automatic: once(
+        BoolProperty,
+        "Automatic Regions",
+        "Make new vertex groups by distance, even if there are groups with the names of bones",
     )
     margin: FloatProperty(
         name="Margin",
@@ -224,11 +194,10 @@ class SINEW_OT_puppet_rig(BindingOperator, Operator):
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not any(obj.type == "MESH" for obj in (context.object, *context.selected_objects) if obj):
-            cls.poll_message_set("Select a mesh and its armature")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        objects = (context.object, *context.selected_objects)
+        has_mesh = any(obj.type == "MESH" for obj in objects if obj)
+        return "" if has_mesh else "Select a mesh and its armature"
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:

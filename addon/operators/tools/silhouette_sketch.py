@@ -22,9 +22,11 @@ from ...core.geometry import frames
 from ...ids import Operators
 from ...session.edit_mode import sketch as tools_sketch
 from ...session.edit_mode.sketch import Sight, Sketch
+from ..arguments import distance, once
 from ..modal.ring import draw_line
 from ..modal.shell import Keys, ViewportTool
 from ..modal.view import axes_of, length_text
+from ..offered import Offered
 from ..reporting import reports_errors
 from .sketching import Sketching, Stage
 
@@ -45,7 +47,7 @@ _LINE = (1.0, 1.0, 1.0, 0.6)
 _NAME = "Silhouette Stroke"
 
 
-class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
+class SINEW_OT_silhouette_sketch(Offered, ViewportTool, Operator):
     """Draw the outline of the mesh anew with a stroke; the surface around follows and keeps its details.
 
     Begin and end on the outline. The result is a shape key
@@ -57,11 +59,7 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
 
     KEYS = _KEYS
 
-    stroke: StringProperty(
-        name="Stroke",
-        description="The name of a curve object to take as the stroke",
-        options={"SKIP_SAVE"},
-    )
+    stroke: once(StringProperty, "Stroke", "The name of a curve object to take as the stroke")
     points: CollectionProperty(type=OperatorStrokeElement, options={"SKIP_SAVE", "HIDDEN"})
     view: FloatVectorProperty(
         name="View",
@@ -76,55 +74,48 @@ class SINEW_OT_silhouette_sketch(ViewportTool, Operator):
         options={"SKIP_SAVE", "HIDDEN"},
         description="Whether the view by a matrix is that of a near eye rather than orthographic",
     )
-    shape_key: StringProperty(
-        name="Shape Key",
-        description="The name of a shape key to redraw, for example after its stroke was edited; "
+    shape_key: once(
+        StringProperty,
+        "Shape Key",
+        "The name of a shape key to redraw, for example after its stroke was edited; "
         "if empty, a new one is made",
-        options={"SKIP_SAVE"},
     )
     line: EnumProperty(name="Line", items=_LINES, description="What the stroke redraws")
-    reach: FloatProperty(
-        name="Reach",
-        subtype="DISTANCE",
+    reach: distance(
+        "Reach",
+        "How far from the line, along the surface, vertices follow; the others stay. "
+        "By default a quarter of the length of the line, or as far as it moves",
         default=1.0,
-        min=0.0,
         soft_min=0.001,
         options={"SKIP_SAVE"},
-        description="How far from the line, along the surface, vertices follow; the others stay. "
-        "By default a quarter of the length of the line, or as far as it moves",
     )
-    unlimited: BoolProperty(
-        name="Whole Surface",
-        options={"SKIP_SAVE"},
-        description="Everything that is connected with the line follows, at any distance",
+    unlimited: once(
+        BoolProperty, "Whole Surface", "Everything that is connected with the line follows, at any distance"
     )
     use_hidden: BoolProperty(
         name="Hidden Lines",
         description="Also redraw silhouettes that the mesh itself hides in this view",
     )
-    sharpness: FloatProperty(
-        name="Sharpness",
+    sharpness: once(
+        FloatProperty,
+        "Sharpness",
+        "How much curvature is added along the line, as a multiple of its own: "
+        "a crease above 0, a softer line below",
         min=-1.0,
         soft_min=0.0,
         soft_max=3.0,
-        options={"SKIP_SAVE"},
-        description="How much curvature is added along the line, as a multiple of its own: "
-        "a crease above 0, a softer line below",
     )
-    keep_stroke: BoolProperty(
-        name="Keep Stroke",
-        options={"SKIP_SAVE"},
-        description="Leave the stroke in the scene as a curve, which can be edited and sketched with again",
+    keep_stroke: once(
+        BoolProperty,
+        "Keep Stroke",
+        "Leave the stroke in the scene as a curve, which can be edited and sketched with again",
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if context.mode != "OBJECT" or context.object is None or context.object.type != "MESH":
-            cls.poll_message_set(
-                "Go to Object Mode and make the mesh active whose outline you want to redraw"
-            )
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        if context.mode == "OBJECT" and context.object is not None and context.object.type == "MESH":
+            return ""
+        return "Go to Object Mode and make the mesh active whose outline you want to redraw"
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

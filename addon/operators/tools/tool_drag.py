@@ -6,7 +6,7 @@ from functools import partial
 
 import bpy
 import numpy as np
-from bpy.props import CollectionProperty, FloatProperty
+from bpy.props import CollectionProperty
 from bpy.types import Context, Event, Object, Operator, OperatorStrokeElement
 from mathutils import Vector
 
@@ -19,12 +19,14 @@ from ...session.actions import deformers, rigging
 from ...session.actions.controls import control_list as rows
 from ...session.datablocks.parts import ShownParts
 from ...session.datablocks.surface import Hit
+from ..arguments import distance
 from ..modal.moving import CANCEL, NAVIGATE
 from ..modal.ring import draw_line, ring
 from ..modal.shell import Keys, Outcome, ViewportTool
 from ..modal.view import length_text
+from ..offered import OnTarget
 from ..reporting import reports_errors
-from ..target import has_target, target_of
+from ..target import target_of
 from .drag import surface_under
 from .grabbing import RESIZE
 
@@ -168,32 +170,28 @@ def lead(
     return True
 
 
-class SINEW_OT_tool_drag(ViewportTool, Operator):
+class SINEW_OT_tool_drag(OnTarget, ViewportTool, Operator):
     """Drag the surface like clay: its volume stays, and it never cuts itself. The path is kept"""
 
     bl_idname = Operators.TOOL_DRAG
     bl_label = "Field Drag"
     bl_options = {"REGISTER", "UNDO", "BLOCKING"}
+    MESHES_ONLY = True
 
     KEYS = _KEYS
 
     path: CollectionProperty(type=OperatorStrokeElement, options={"SKIP_SAVE", "HIDDEN"})
-    radius: FloatProperty(
-        name="Radius",
-        subtype="DISTANCE",
-        min=0.0,
+    radius: distance(
+        "Radius",
+        "How far the drag reaches; 0 for a third of the size of the part that is pressed",
         options={"SKIP_SAVE"},
-        description="How far the drag reaches; 0 for a third of the size of the part that is pressed",
     )
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_target(cls, context, mesh=True):
-            return False
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Go to Object Mode to drag the surface")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if context.mode == "OBJECT" else "Go to Object Mode to drag the surface"
+        )
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

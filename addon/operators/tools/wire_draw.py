@@ -19,8 +19,9 @@ from ..modal.moving import CANCEL, NAVIGATE, WHEEL
 from ..modal.ring import draw_line, ring
 from ..modal.shell import Keys, Outcome, ViewportTool
 from ..modal.view import length_text
+from ..offered import OnTarget
 from ..reporting import reports_errors
-from ..target import has_target, target_of
+from ..target import target_of
 from ..waiting import BindingOperator
 from .drag import surface_under
 
@@ -103,12 +104,13 @@ class Drawing:
             self.normal = hit.normal
 
 
-class SINEW_OT_wire_draw(ViewportTool, BindingOperator, Operator):
+class SINEW_OT_wire_draw(OnTarget, ViewportTool, BindingOperator, Operator):
     """Draw a stroke on the surface. It becomes a curve that moves what lies near it"""
 
     bl_idname = Operators.WIRE_DRAW
     bl_label = "Draw Wire"
     bl_options = {"REGISTER", "UNDO", "BLOCKING"}
+    MESHES_ONLY = True
 
     KEYS = _KEYS
 
@@ -117,13 +119,10 @@ class SINEW_OT_wire_draw(ViewportTool, BindingOperator, Operator):
     radius: FloatProperty(**RADIUS)
 
     @classmethod
-    def poll(cls, context: Context) -> bool:
-        if not has_target(cls, context, mesh=True):
-            return False
-        if context.mode != "OBJECT":
-            cls.poll_message_set("Go to Object Mode to draw on the surface")
-            return False
-        return True
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if context.mode == "OBJECT" else "Go to Object Mode to draw on the surface"
+        )
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

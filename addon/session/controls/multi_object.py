@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
 
-from ...backend import ControlParts, Recipe, Shape
+from ...backend import ControlPoints, Recipe, Shape
 from ...core.elements import NO_ELEMENTS, Elements
 from ...core.geometry import frames
 from ...core.status import Remedy
@@ -54,10 +54,10 @@ class SeveralKind(ObjectKind):
         """What is bound of a row, for its ``rest`` in the frame of the target."""
         raise TypeError(f"{type(self).__name__} has no parts")
 
-    def merged(self, parts: Sequence[Part]) -> ControlParts:
+    def merged(self, parts: Sequence[Part]) -> ControlPoints:
         """What is bound of all rows."""
         values = {name: [part.own[name] for part in parts] for name in parts[0].own}
-        return ControlParts(np.concatenate([part.points for part in parts]), values)
+        return ControlPoints(np.concatenate([part.points for part in parts]), values)
 
     def posed(self, evaluation: Evaluation, row: SinewControl, points: np.ndarray) -> np.ndarray:
         """What moves the target, for the points (c, 3) of a row in the frame of the target."""

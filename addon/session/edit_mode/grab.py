@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from bpy.types import Object
 
-from ...backend import Factor, Handles, Progress, Recipe, Shape, build_factor
+from ...backend import Factor, Progress, Recipe, Regions, Shape, build_factor
 from ...core.errors import ConstraintError
 from ...core.geometry import frames
 from ...core.methods import Method
@@ -123,7 +123,7 @@ class Grab:
         options = {row.id: row.native_default for row in self._method.parameters if row.rebinds}
         handles = [places for places in (region.handle, region.fixed) if len(places)]
         target = Shape(region.rest, region.faces)
-        held = Handles(handles, [None] * len(handles), free_parts="follow")
+        held = Regions(handles, [None] * len(handles), free_parts="follow")
         return Recipe(self._method, target, options, held)
 
     def _bind(self, region: Region, progress: Progress | None) -> Factor:

@@ -2,10 +2,13 @@
 #include "native/bindings/arguments.h"
 #include "native/bindings/options.h"
 #include "native/operators/fits/rotation_fit.h"
+#include "native/operators/fits/turned_poses.h"
 #include "native/operators/gradient.h"
 #include "native/operators/laplacian.h"
 
 #include <pybind11/eigen.h>
+
+#include <algorithm>
 
 namespace sinew::bindings {
 
@@ -25,6 +28,23 @@ py::array_t<double> fit_rotations(const ArrayLike& object)
         Eigen::Map<RowMatrix3>(R.mutable_data() + 9 * k) = fit_rotation(in);
     }
     return R;
+}
+
+py::array_t<double> turned(const ArrayLike& rest, const ArrayLike& posed, const OptionalArray& edges)
+{
+    const FloatArray before = floats(rest, "rest"), after = floats(posed, "posed");
+    const PointsView from = points<InvalidConstraint>(before, "rest"),
+                     to = points<InvalidConstraint>(after, "posed");
+    const auto lines = edges.is_none() ? std::vector<std::array<int, 2>>{} : index_pairs(edges, "edges");
+    Poses poses;
+    {
+        const py::gil_scoped_release unlocked;
+        poses = turned_poses(from, to, lines);
+    }
+    py::array_t<double> result({static_cast<py::ssize_t>(poses.size()), py::ssize_t{3}, py::ssize_t{4}});
+    for (std::size_t i = 0; i < poses.size(); ++i)
+        std::copy_n(poses[i].data(), 12, result.mutable_data() + 12 * i);
+    return result;
 }
 
 } // namespace
@@ -65,6 +85,18 @@ void bind_operators(py::module_& module)
     module.def("fit_rotations", &fit_rotations, py::arg("S"),
                "(k, 3, 3) -> (k, 3, 3) rotations R (det +1) that maximise trace(R^T S); exact for "
                "reflected and rank-deficient S. Raises InvalidOption for another shape.");
+    module.def(
+        "turned_poses", &turned, py::arg("rest"), py::arg("posed"), py::arg("edges") = py::none(),
+        R"(How points turn that are only known to move -> (n, 3, 4) rigid motions, each from rest to posed.
+
+rest   (n, 3) the points at rest.
+posed  (n, 3) where they are.
+edges  None, or (e, 2) lines between the points.
+
+A motion turns as the edges at the point do, by the best rotation; a little as all points do, too, which decides where
+the edges leave a turn open, and alone for a point without edges.
+
+Raises InvalidConstraint for a wrong shape, a number that is not finite, or an edge of a point that is not there.)");
 }
 
 } // namespace sinew::bindings

@@ -2,6 +2,7 @@
 """The check of an installation: it asks every method, and shows a module that gives wrong answers."""
 
 import dataclasses
+import inspect
 import io
 import re
 from pathlib import Path
@@ -36,9 +37,12 @@ def break_methods(backend, monkeypatch: pytest.MonkeyPatch) -> None:
         return shape * np.nan, report
 
     monkeypatch.setattr(module.SurfaceMethod, "solve", no_number)
-    for owner, name in ((module.SpaceMethod, "warp"), (module.HandleMethod, "warp_poses")):
-        right = getattr(owner, name)
-        monkeypatch.setattr(owner, name, lambda *args, right=right, **options: right(*args, **options) + 1e-3)
+    for owner in filter(inspect.isclass, vars(module).values()):
+        for name in {"warp", "warp_poses"} & vars(owner).keys():
+            right = getattr(owner, name)
+            monkeypatch.setattr(
+                owner, name, lambda *args, right=right, **options: right(*args, **options) + 1e-3
+            )
 
 
 def test_every_answer_of_every_method_is_right(backend):

@@ -58,6 +58,41 @@ def test_handles_of_several_points_are_posed_by_their_control(method: type) -> N
         made.warp(HANDLES)
 
 
+@pytest.mark.parametrize(
+    "method", [sn.Rbf, sn.Mls, sn.SpacePropagation, sn.MultiresolutionSpace, sn.InverseFfd]
+)
+def test_poses_do_what_the_posed_control_does(method: type) -> None:
+    """A method of points takes them where the poses of their handles do."""
+    counts = [20, 1, 39]
+    made = method(HANDLES, **more_of(method, counts), counts=counts)
+    made.bind(POINTS)
+    poses = np.array([np.column_stack((TURN, (0.1, 0.2, k))) for k in (-0.3, 0.0, 0.4)])
+    control, rows = (HANDLES, counts) if method is sn.InverseFfd else (made.control, [4, 1, 4])
+    maps = np.repeat(poses, rows, axis=0)
+    posed = np.einsum("rij,rj->ri", maps[:, :, :3], control) + maps[:, :, 3]
+    incoming = POINTS + 0.1
+    for entering in (None, incoming):
+        expected = made.warp(posed, incoming=entering)
+        for from_rest in (None, True, [True, False, True]):
+            found = made.warp_poses(poses, incoming=entering, from_rest=from_rest)
+            assert np.abs(found - expected).max() < 1e-12
+    out = np.zeros((len(POINTS), 3), np.float32)
+    assert made.warp_poses(poses, out) is out
+    assert np.abs(out - made.warp(posed)).max() < 1e-5
+    assert np.array_equal(made.warp_poses(np.tile(np.eye(3, 4), (3, 1, 1)), incoming=incoming), incoming)
+    with pytest.raises(sn.InvalidConstraint, match="poses: 2 given for 3 handles"):
+        made.warp_poses(poses[:2])
+    with pytest.raises(sn.InvalidConstraint, match="finite"):
+        made.warp_poses(np.full_like(poses, np.nan))
+
+
+def more_of(method: type, counts: list[int]) -> dict[str, object]:
+    """What the class takes beside its handles."""
+    if method is not sn.MultiresolutionSpace:
+        return {}
+    return {"base": sn.Rbf(HANDLES, counts), "mesh": sn.SurfaceMesh(POINTS, np.zeros((0, 3), int))}
+
+
 def test_multiresolution_puts_details_back_on_the_base_of_any_of_them() -> None:
     x, y = (w.ravel() for w in np.meshgrid(np.arange(12.0), np.arange(9.0)))
     points = np.stack((x, y, 0.3 * np.sin(2 * x) * np.cos(y)), -1)

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import bpy
 import pytest
 from inside import LOOKS, READS, calls_of, inner
-from registry import BY_ID, WITH_HANDLES, Posed
+from registry import BY_ID, WITH_HANDLES
 from rigs.kinds import HandleRig
 from rigs.rig import Rig, add_armature, update
 
@@ -61,8 +61,7 @@ def test_a_moved_control_is_one_solve_and_one_write(method: str, native: Counter
     native.clear()
     found = calls_of(lambda: plate.lift(0.1))
     row = BY_ID[method]
-    by_points = "warp_poses" if row.posed is Posed.POSES else "warp"
-    assert native == {by_points if row.is_space else "solve_frame" if row.keyed else "solve": 1}
+    assert native == {"warp_poses" if row.is_space else "solve_frame" if row.keyed else "solve": 1}
     assert found["write_shape"] == found["write_positions"] == found["_answer"] == 1, found
     assert found["read_poses"] == 1, found
     assert not (READS | LOOKS) & found.keys(), found

@@ -2,7 +2,6 @@
 """Undo and redo of every operator, of settings and of control moves, also across binds and topology edits."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -17,7 +16,6 @@ from registry import BY_ID
 from rigs.kinds import HandleRig
 from rigs.rig import (
     Rig,
-    add_group,
     close,
     in_mode,
     linked,
@@ -25,251 +23,34 @@ from rigs.rig import (
     move_world,
     new_file,
     push,
-    refused,
     reopen,
     update,
 )
-from test_undo_of_controls import BUTTONS
+from test_undo_of_buttons import BUTTONS
 
 LIFT = Matrix.Translation((0.0, 0.0, 0.5))
 
 
-def run(operator: str, **keywords: object) -> None:
-    """As a button does: with its own undo step."""
-    assert getattr(bpy.ops.sinew, operator)("EXEC_DEFAULT", True, **keywords) == {"FINISHED"}
-
-
-def structure(plate: Rig) -> str:
-    """Everything that undo has to bring back, but the shape; as text, for undo makes new Python objects."""
-    obj = plate.obj
-    found = {
-        "objects": sorted(other.name for other in bpy.data.objects),
-        "meshes": sorted((mesh.name, len(mesh.polygons)) for mesh in bpy.data.meshes),
-        "modifiers": [modifier.name for modifier in obj.modifiers],
-        "groups": [group.name for group in obj.vertex_groups],
-        "drivers": len(obj.animation_data.drivers) if obj.animation_data else 0,
-        "mode": obj.mode,
-        "base": plate.rest().tolist(),
-        "deformers": [
-            (
-                deformer.uid,
-                deformer.name,
-                deformer.method,
-                deformer.is_bound,
-                deformer.factor,
-                [
-                    (handle.uid, handle.name, handle.kind, handle.vertex_group, handle.weight, handle.control)
-                    for handle in deformer.handles
-                ],
-            )
-            for deformer in obj.sinew.deformers
-        ],
-    }
-    return repr(found)
-
-
-def everything_moved(plate: Rig, _expected: Expected) -> np.ndarray:
-    return plate.rest() + (0.0, 0.0, 0.5)
-
-
-def at_rest(plate: Rig, _expected: Expected) -> np.ndarray:
-    return plate.rest()
-
-
-def unchanged(_plate: Rig, expected: Expected) -> np.ndarray:
-    return expected.shape(LIFT)
-
-
-def bound_anew(*fixed: str) -> Callable[[Rig, Expected], np.ndarray]:
-    """A fresh solve on the mesh and the groups of now, lifted by a half, where these are fixed besides."""
-
-    def solve(plate: Rig, _expected: Expected) -> np.ndarray:
-        at_rest = plate.control.copy()  # an object in no scene keeps the matrix it is given
-        at_rest.parent = None
-        at_rest.matrix_world = LIFT.inverted() @ plate.control.matrix_world
-        expected = Expected(plate.obj, at_rest, fixed=("Base", *fixed))
-        bpy.data.objects.remove(at_rest)
-        return expected.shape(LIFT)
-
-    return solve
-
-
-def add_middle(plate: Rig) -> None:
-    add_group(plate.obj, "Middle", lambda point: abs(point[1]) < 0.15)
-
-
-def add_left_side(plate: Rig) -> None:
-    add_group(plate.obj, "Side.L", lambda point: point[0] > 0.75 and abs(point[1]) < 0.3)
-    run("handle_add", kind="FIXED", vertex_group="Side.L")
-
-
-def add_empty_deformer(plate: Rig) -> None:
-    run("deformer_add", method="thin_shell")
-    plate.obj.sinew.active_deformer = 0
-
-
-def add_loose_vertex(plate: Rig) -> None:
-    plate.obj.data.vertices.add(1)
-    run("bind")
-
-
-def let_regions_overlap(plate: Rig) -> None:
-    """Base takes a vertex of Top, which refuses the bind."""
-    plate.obj.vertex_groups["Base"].add([int(plate.top[0])], 1.0, "REPLACE")
-    refused("share 1 vertex", "bind")
-
-
-def add_box(plate: Rig, inside_out: bool = False) -> None:
-    """A cube around the plate, wherever the pose takes that."""
-    bpy.ops.mesh.primitive_cube_add(size=6.0)
-    bpy.context.object.name = "Cage"
-    if inside_out:
-        bpy.context.object.data.flip_normals()
-    make_active(plate.obj)
-
-
-def cage_it(plate: Rig, inside_out: bool = False, **automatic: float) -> None:
-    """Behind the deformer with handles, which stays the active one."""
-    add_box(plate, inside_out)
-    bpy.ops.sinew.cage_add(**(automatic or {"source": "OBJECT", "cage": "Cage"}))
-    make_active(plate.obj)
-    plate.obj.sinew.active_deformer = 0
-
-
-def on_cage(operator: str, **keywords) -> None:
-    bpy.context.object.sinew.active_deformer = 1
-    run(operator, **keywords)
-    bpy.context.object.sinew.active_deformer = 0
-
-
-def add_cage() -> None:
-    target = bpy.context.object
-    run("cage_add", source="OBJECT", cage="Cage")
-    target.sinew.active_deformer = 0
-
-
-def bake_keys() -> None:
-    run("bake", target="SHAPE_KEYS", frame_start=1, frame_end=2)
-
-
-@dataclass(frozen=True)
-class Case:
-    """What a user presses on a posed plate, and what is seen before and then."""
-
-    press: Callable[[], None]
-    shape: Callable[[Rig, Expected], np.ndarray]
-    prepare: Callable[[Rig], object] = lambda _plate: None
-    before: Callable[[Rig, Expected], np.ndarray] = unchanged
-
-
-OPERATORS = {
-    "deformer_add": Case(lambda: run("deformer_add", method="thin_shell"), unchanged),
-    "deformer_remove": Case(lambda: run("deformer_remove"), at_rest),
-    "deformer_move": Case(
-        lambda: run("deformer_move", direction="DOWN", index=0), unchanged, add_empty_deformer
-    ),
-    "cage_add": Case(add_cage, unchanged, add_box),
-    "cage_set_rest": Case(lambda: on_cage("cage_set_rest"), unchanged, cage_it),
-    "cage_flip": Case(lambda: on_cage("cage_flip"), unchanged, lambda plate: cage_it(plate, True)),
-    "cage_faces": Case(lambda: on_cage("cage_faces", faces=30), unchanged, lambda of: cage_it(of, faces=60)),
-    "handle_add": Case(
-        lambda: run("handle_add", kind="FIXED", vertex_group="Middle"), bound_anew("Middle"), add_middle
-    ),
-    "handle_remove": Case(lambda: run("handle_remove", index=1), everything_moved),
-    "handle_move": Case(lambda: run("handle_move", direction="DOWN", index=0), unchanged),
-    "handle_mirror": Case(
-        lambda: run("handle_mirror", side="LEFT_TO_RIGHT"),
-        bound_anew("Side.L", "Side.R"),
-        add_left_side,
-        bound_anew("Side.L"),
-    ),
-    "bind": Case(lambda: run("bind"), unchanged),
-    "unbind": Case(lambda: run("unbind"), at_rest),
-    "apply": Case(lambda: run("apply"), unchanged),
-    "bake": Case(bake_keys, unchanged),
-    "unbake": Case(lambda: run("unbake"), unchanged),
-    "repair": Case(lambda: run("repair"), bound_anew(), add_loose_vertex),
-    "part_regions": Case(lambda: run("part_regions"), bound_anew(), let_regions_overlap, at_rest),
-    "select_handle": Case(lambda: run("select_handle", index=0), unchanged),
-    "drag": Case(lambda: run("drag", origin=(0.0, 0.9, 5.0), value=(0.0, 0.0, -0.5)), at_rest),
-}
-BEFORE_THE_PRESS = {"unbake": bake_keys}  # of the pose, not of the rest shape
-
-
-def pose(plate: Rig, name: str = "", loose_parts: str = "FOLLOW") -> Expected:
+def pose(plate: Rig) -> Expected:
     """Bound and lifted by a half, with an undo step of its own."""
     plate.bind()
-    plate.deformer.loose_parts = loose_parts
-    expected = Expected.of_rig(plate, free_parts=loose_parts.lower())
-    if name:
-        OPERATORS[name].prepare(plate)
-    if name == "repair":
-        expected.rebind(plate.obj)
+    expected = Expected.of_rig(plate)
     push("bound")
     plate.lift(0.5)
     make_active(plate.obj)
-    BEFORE_THE_PRESS.get(name, lambda: None)()
     push("posed")
     return expected
-
-
-@pytest.mark.parametrize("name", OPERATORS)
-def test_undo_and_redo_of(plate: Rig, name: str):
-    case = OPERATORS[name]
-    expected = pose(plate, name)
-    before, shape_before = structure(plate), case.before(plate, expected)
-    assert close(plate.points(), shape_before)
-    case.press()
-    after, shape = structure(plate), case.shape(plate, expected)
-    assert close(plate.points(), shape)
-    for _ in range(2):
-        bpy.ops.ed.undo()
-        assert structure(plate) == before
-        assert close(plate.points(), shape_before)
-        bpy.ops.ed.redo()
-        assert structure(plate) == after
-        assert close(plate.points(), shape)
-    bpy.ops.ed.undo()
-    if case.before is unchanged and name not in BEFORE_THE_PRESS:
-        plate.lift(0.25)  # and it lives on
-        assert close(plate.points(), expected.shape(Matrix.Translation((0.0, 0.0, 0.75))))
 
 
 def test_every_operator_has_its_undo_tested():
     """Those that change nothing leave no step. Some are tested where the operator is."""
     names = set(dir(bpy.ops.sinew))
     with_undo = {n for n in names if "UNDO" in getattr(getattr(bpy.types, f"SINEW_OT_{n}"), "bl_options", ())}
-    elsewhere = {"control_new", "preset_apply", "curve_edit", "transfer_deformation", "silhouette_sketch"}
-    elsewhere |= {"key_add", "key_move", "key_remove", "morph", "grid_new", "handle_stand", "settings_share"}
-    elsewhere |= {"puppet_pin", "puppet_pose", "puppet_rig", "cage_outside_follow"}
+    elsewhere = {"transfer_deformation", "handle_stand", "puppet_pin", "puppet_rig"}
     elsewhere |= {"armature_off", "refine", "keep_inside"}
-    assert with_undo == {*OPERATORS, *IN_EDIT_MODE, *elsewhere, *BUTTONS}
+    assert with_undo == {*elsewhere, *(names & set(BUTTONS))}
     without = {"cancel", "check_installation", "help", "key_jump", "preset_add", "report_renders", "watch"}
     assert names - with_undo <= without
-
-
-IN_EDIT_MODE = {
-    "select_problems": lambda: run("select_problems"),
-    "select_distorted": lambda: run("select_distorted"),
-    "grab_region": lambda: run("grab_region", value=(0.0, 0.0, 0.2), radius=0.4),
-}
-
-
-@pytest.mark.parametrize("name", ["select_problems", "select_distorted"])
-def test_undo_and_redo_of_what_enters_edit_mode(plate: Rig, name: str):
-    """It selects there; undo leaves Edit Mode again."""
-    with in_mode(plate.obj):
-        bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
-    expected = pose(plate, loose_parts="STAY")
-    IN_EDIT_MODE[name]()
-    assert plate.obj.mode == "EDIT"
-    bpy.ops.ed.undo()
-    assert plate.obj.mode == "OBJECT"
-    assert close(plate.points(), expected.shape(LIFT))
-    bpy.ops.ed.redo()
-    if plate.obj.mode == "EDIT":
-        bpy.ops.object.mode_set(mode="OBJECT")
-    assert close(plate.points(), expected.shape(LIFT))
 
 
 def test_undo_and_redo_of_grab_region_on_a_target(plate: Rig):
@@ -277,7 +58,7 @@ def test_undo_and_redo_of_grab_region_on_a_target(plate: Rig):
     expected, at_rest = pose(plate), plate.rest()
     edit(plate.obj, lambda point: abs(point.x) < 0.1 and abs(point.y) < 0.1)
     push("selected")
-    IN_EDIT_MODE["grab_region"]()
+    bpy.ops.sinew.grab_region("EXEC_DEFAULT", True, value=(0.0, 0.0, 0.2), radius=0.4)
     bpy.ops.object.mode_set(mode="OBJECT")
     grabbed = plate.rest()
     assert np.linalg.norm(grabbed - at_rest, axis=1).max() == pytest.approx(0.2, abs=1e-6)
@@ -378,7 +159,11 @@ def test_undo_and_redo_of_weights(plate: Rig):
     plate.deformer.handles[0].weight = 0.25
     push("weight")
     plate.obj.vertex_groups["Top"].add([int(index) for index in plate.top], 0.25, "REPLACE")
-    soft = bound_anew()(plate, expected)
+    at_rest = plate.control.copy()  # an object in no scene keeps the matrix it is given
+    at_rest.parent = None
+    at_rest.matrix_world = LIFT.inverted() @ plate.control.matrix_world
+    soft = Expected(plate.obj, at_rest).shape(LIFT)
+    bpy.data.objects.remove(at_rest)
     assert np.abs(soft - expected.shape(LIFT)).max() > 1e-3
     assert close(plate.points(), soft)
     bpy.ops.ed.undo()

@@ -212,7 +212,7 @@ def shape_keys_added_blended_and_removed(rig: HandleRig) -> None:
     obj.shape_key_clear()
 
 
-@EVENTS.on(REGIONS, then=is_over)
+@EVENTS.on(MESHES, then=is_over)
 def an_armature_added_before_it(rig: HandleRig) -> None:
     """The skin comes after the pose: the deformer then works on what the bones give it."""
     armature = add_armature(rig.obj)

@@ -225,13 +225,6 @@ def test_indices_out_of_range(plate: Rig):
     refused("there is no number 7", "deformer_remove", plate.obj, index=7)
 
 
-def test_apply_below_another_modifier_is_refused(plate: Rig):
-    plate.obj.modifiers.new("Solid", "SOLIDIFY")
-    plate.bind()
-    refused("Solid", "apply", plate.obj)
-    assert len(plate.obj.sinew.deformers) == 1
-
-
 def test_cancel_in_the_middle_of_a_bind(plate: Rig):
     plate.bind().lift(0.5)
     stages = []
@@ -282,19 +275,6 @@ def test_native_module_missing(plate: Rig, tmp_path: Path, monkeypatch: pytest.M
     bpy.ops.sinew.bind()
     assert plate.deformer.status_level == "INFO"
     assert_lifted(plate, 0.75)
-
-
-def test_the_wheel_is_named_when_the_module_does_not_load(monkeypatch: pytest.MonkeyPatch):
-    loader = inner.loader
-
-    def nowhere(name: str):
-        raise ModuleNotFoundError(name)
-
-    monkeypatch.setattr(loader.importlib, "import_module", nowhere)
-    found = loader.load()
-    assert found.module is None
-    assert "sinew_native-" in found.remedy
-    assert "cp3" in found.remedy
 
 
 def test_another_version_of_the_module_asks_for_a_restart(monkeypatch: pytest.MonkeyPatch):

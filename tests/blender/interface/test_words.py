@@ -23,7 +23,6 @@ from rigs.rig import (
     make_active,
     move_world,
     press,
-    push,
     refused,
     reopen,
     update,
@@ -428,28 +427,6 @@ def test_a_preset_is_applied_where_a_control_is_active(plate: Rig):
     bpy.ops.sinew.preset_apply(filepath=str(path))
     assert plate.deformer.parameters.bending == 0.5
     path.unlink()
-
-
-def test_undo_takes_a_preset_and_a_new_control_back(plate: Rig):
-    plate.bind("thin_shell").lift(0.5)
-    held = plate.points()
-    press(plate.obj, "preset_add", name="Undo")
-    plate.deformer.parameters.stretching = 0.5
-    bpy.data.objects.remove(plate.control)
-    push("before")
-    path = f"{bpy.utils.preset_paths('sinew/thin_shell')[0]}/Undo.py"
-    bpy.ops.sinew.preset_apply("EXEC_DEFAULT", True, filepath=path)
-    bpy.ops.sinew.control_new("EXEC_DEFAULT", True)
-    for _ in range(2):
-        assert plate.deformer.parameters.stretching == 0.0
-        assert plate.control.name == "Plate Top"
-        assert np.abs(plate.points() - held).max() < 1e-5
-        bpy.ops.ed.undo()
-        bpy.ops.ed.undo()
-        assert plate.deformer.parameters.stretching == 0.5
-        assert plate.control is None
-        bpy.ops.ed.redo()
-        bpy.ops.ed.redo()
 
 
 def test_the_panel_offers_presets(bound_plate: Rig):

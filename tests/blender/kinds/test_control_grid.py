@@ -20,11 +20,8 @@ from rigs.rig import (
     in_mode,
     key,
     linked,
-    load,
     make_active,
     press,
-    push,
-    save,
     update,
 )
 
@@ -165,33 +162,6 @@ def test_it_follows_in_edit_mode(sheet: Rig):
         inside = sheet.points()
     assert np.abs(inside[:, 2]).max() > 0.2
     assert close(sheet.points(), inside)
-
-
-def test_undo_and_redo(sheet: Rig):
-    push("before")
-    before = sheet.points()
-    make_active(sheet.obj)
-    bpy.ops.sinew.grid_new("EXEC_DEFAULT", True)
-    drag(sheet, at_middle())
-    push("dragged")
-    after = sheet.points()
-    assert not close(after, before, 0.1)
-    for _ in range(2):
-        bpy.ops.ed.undo()
-        assert close(sheet.points(), before)
-        bpy.ops.ed.redo()
-        assert close(sheet.points(), after)
-
-
-def test_it_survives_saving_and_loading(sheet: Rig, tmp_path):
-    new_grid(sheet)
-    moves = drag(sheet, at_middle())
-    after = sheet.points()
-    load(save(tmp_path / "grid.blend"))
-    assert close(sheet.points(), after)
-    drag(sheet, {3: (0.0, 0.0, 0.4)})
-    moves[3] += (0.0, 0.0, 0.4)
-    assert close(sheet.points(), expected(sheet, moves).lifted(0.0), TOLERANCE)
 
 
 def test_apply_of_the_target_keeps_the_shape_in_the_world(sheet: Rig):

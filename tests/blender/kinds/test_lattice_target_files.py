@@ -19,7 +19,6 @@ from rigs.rig import (
     make_active,
     new_file,
     press,
-    push,
     refused,
     reopen,
     update,
@@ -154,24 +153,3 @@ def test_links_show_the_last_shape_and_overrides_are_posed(tmp_path: Path):
     obj.sinew.active.cage.location.z = 0.0
     assert np.abs(evaluated_points(obj) - shown + UP).max() < 2 * FLOAT32
     assert np.abs(evaluated_points(mesh) - followed + UP).max() < 4 * FLOAT32
-
-
-def test_undo_of_a_bind_and_of_a_removal():
-    obj = lattice()
-    rest = points_of(obj)
-    push("Lattice")
-    _, cage = bind(obj)
-    cage.location.z = 1.0
-    push("Moved")
-    press(obj, "deformer_remove")
-    push("Removed")
-    for step, height in (
-        (bpy.ops.ed.undo, 1.0),
-        (bpy.ops.ed.undo, 0.0),
-        (bpy.ops.ed.redo, 1.0),
-        (bpy.ops.ed.redo, 0.0),
-    ):
-        step()
-        obj = bpy.data.objects["Lattice"]
-        assert np.abs(evaluated_points(obj) - rest - height * UP).max() < 2 * FLOAT32, (step, height)
-        assert (obj.data.shape_keys is not None) == (height > 0.0)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -16,7 +15,6 @@ from registry import BY_ID, RIGID_ON_HANDLE_POINTS
 from rigs.point_objects import MAKERS, add, add_bones, moved_by_hand
 from rigs.rig import (
     FLOAT32,
-    MATRIX,
     add_armature,
     apply_matrix,
     base_points,
@@ -32,9 +30,7 @@ from rigs.rig import (
     new_empty,
     new_object,
     press,
-    push,
     refused,
-    reopen,
     some_motion,
     update,
 )
@@ -316,41 +312,6 @@ def test_an_object_may_have_more_points_than_empties_are_made_for():
     assert close(
         evaluated_points(plate), warped("mls", rest, in_target(plate, points), base_points(plate)), 1e-5
     )
-
-
-def test_undo_and_files_keep_the_points(tmp_path: Path):
-    plate, points = grid_object(), frame()
-    add(plate, points, method="mls", segments=True)
-    push("Bound")
-    points.data.vertices[0].co.z += 0.7
-    push("Moved")
-    moved = evaluated_points(plate)
-    bpy.ops.ed.undo()
-    assert close(evaluated_points(bpy.data.objects["Plate"]), base_points(bpy.data.objects["Plate"]), 1e-6)
-    bpy.ops.ed.redo()
-    assert close(evaluated_points(bpy.data.objects["Plate"]), moved, 1e-6)
-    reopen(tmp_path / "points.blend")
-    plate = bpy.data.objects["Plate"]
-    assert plate.sinew.active.handles[0].acts_as == "SEGMENTS"
-    assert close(evaluated_points(plate), moved, 1e-6)
-    bpy.data.objects["Frame"].data.vertices[0].co.z -= 0.7
-    bpy.data.objects["Frame"].data.update()
-    assert close(evaluated_points(plate), base_points(plate), 1e-6)
-
-
-def test_apply_takes_the_points_at_rest_along():
-    plate, points = grid_object(), frame()
-    add(plate, points, method="mls")
-    points.data.vertices[0].co.z += 0.7
-    plate.rotation_euler.z, plate.scale = 0.6, (1.5, 1.5, 1.5)
-    update()
-    before = apply_matrix(plate.matrix_world, evaluated_points(plate))
-    make_active(plate)
-    bpy.ops.object.transform_apply()
-    assert close(apply_matrix(plate.matrix_world, evaluated_points(plate)), before, MATRIX)
-    points.data.vertices[0].co.z -= 0.7
-    points.data.update()
-    assert np.abs(evaluated_points(plate) - before).max() > 0.3
 
 
 def test_what_cannot_be_had_is_said():

@@ -33,7 +33,6 @@ from rigs.rig import (
     new_empty,
     new_object,
     press,
-    push,
     refused,
     update,
 )
@@ -284,25 +283,6 @@ def test_outside_can_be_set_for_all_targets_of_a_cage():
     assert bpy.ops.sinew.settings_share() == {"FINISHED"}
     for obj in objects:
         assert_goes_on(obj, cage)
-
-
-def test_undo_and_redo_of_outside_and_of_common_settings():
-    body, suit, cage = ball("Body"), ball("Suit"), box()
-    for obj in (body, suit):
-        obj.data.vertices[3].co.z = 5.0
-        surround(obj, cage, "harmonic")
-    cage.location.z = 0.5
-    rest = [base_points(obj) for obj in (body, suit)]
-    make_active(body)
-    push("refused")
-    for name in ("cage_outside_follow", "settings_share"):
-        assert getattr(bpy.ops.sinew, name)() == {"FINISHED"}
-        push(name)
-    for step, expected in (("", 2), ("undo", 1), ("undo", 0), ("redo", 1), ("redo", 2)):
-        if step:
-            getattr(bpy.ops.ed, step)()
-        shapes = [evaluated_points(bpy.data.objects[name]) for name in ("Body", "Suit")]
-        assert sum(points[0, 2] > base[0, 2] + 0.4 for points, base in zip(shapes, rest)) == expected
 
 
 def test_clothes_that_are_put_into_a_cage_later_get_room_by_change_faces():

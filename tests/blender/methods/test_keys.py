@@ -23,7 +23,6 @@ from rigs.rig import (
     make_active,
     move_world,
     press,
-    push,
     refused,
     reopen,
     update,
@@ -241,28 +240,6 @@ def test_a_frame_changed_in_the_list_moves_the_key(swaying: Rig):
     swaying.deformer.keys[1].frame = 5
     go(5)
     assert np.abs(swaying.points() - entering(swaying, [5])[5]).max() > 0.3
-
-
-@pytest.mark.parametrize("press", ["key_add", "key_move", "key_remove"])
-def test_undo_and_redo_of(swaying: Rig, press: str):
-    keyed(swaying)
-    go(10)
-    if press == "key_add":
-        move_world(swaying.control, rise(0.3))
-    make_active(swaying.obj)
-    push("before")
-    shape, keys = swaying.points(), frames_of(swaying)
-    words = {"key_add": {}, "key_move": {"index": 1, "frame": 5}, "key_remove": {"index": 1}}[press]
-    assert getattr(bpy.ops.sinew, press)("EXEC_DEFAULT", True, **words) == {"FINISHED"}
-    after, keys_after = swaying.points(), frames_of(swaying)
-    for _ in range(2):
-        bpy.ops.ed.undo()
-        assert (frames_of(swaying), alike(swaying, swaying.points(), shape)) == (keys, True)
-        bpy.ops.ed.redo()
-        assert (frames_of(swaying), alike(swaying, swaying.points(), after)) == (keys_after, True)
-    bpy.ops.ed.undo()
-    move_world(swaying.control, rise(0.1))  # and it lives on
-    assert np.abs(swaying.points() - shape).max() > 0.05
 
 
 def test_keys_are_saved_and_a_farm_sees_the_same_bits(swaying: Rig, addon_name: str, tmp_path: Path):

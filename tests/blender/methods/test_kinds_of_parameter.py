@@ -123,16 +123,18 @@ class Around:
 
 class Nearest:
     made = []
-    def __init__(self, points, weights):
+    def __init__(self, points, counts, weights):
         assert weights is None, "all are held fully"
-        self.rest = points.copy()
+        self.rest, self.counts = points.copy(), counts
         Nearest.made.append(points.tolist())
     def can_reuse(self, former, points):
         return False
     def bind(self, points, progress):
         self.points = points
         self.nearest = np.argmin(np.linalg.norm(points[:, None] - self.rest, axis=2), axis=1)
-    def warp(self, posed, out=None, incoming=None):
+    def warp_poses(self, poses, out=None, *, incoming=None, from_rest=None):
+        maps = np.repeat(poses, self.counts, axis=0)
+        posed = np.einsum("cij,cj->ci", maps[:, :, :3], self.rest) + maps[:, :, 3]
         moved = (self.points if incoming is None else incoming) + (posed - self.rest)[self.nearest]
         if out is None:
             return moved

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from inside import inner, notes_of
 from rigs.cages import ball
-from rigs.rig import Rig, base_points, make_active, press, push, update
+from rigs.rig import Rig, base_points, press, update
 
 
 def test_operators_and_session_functions_give_the_same(plate: Rig):
@@ -83,21 +83,6 @@ def test_the_falloff_curve_that_the_artist_draws_is_how_the_motion_of_a_handle_f
     tree.update_tag()
     faded = (plate.points() - plate.rest())[:, 2]
     np.testing.assert_allclose(faded, np.interp(shares, [0.0, 0.5, 1.0], [0.0, 0.125, 1.0]), atol=1e-3)
-
-
-def test_undo_and_redo_of_a_curve_that_is_drawn(plate: Rig):
-    plate.bind("propagation").lift(0.5)
-    make_active(plate.obj)
-    push("posed")
-    before = plate.points()
-    bpy.ops.sinew.curve_edit("EXEC_DEFAULT", True, parameter="transfer")
-    update()
-    assert plate.deformer.parameters.transfer is not None
-    for step, drawn in ((bpy.ops.ed.undo, False), (bpy.ops.ed.redo, True)):
-        step()
-        update()
-        assert (plate.deformer.parameters.transfer is not None) == drawn
-        np.testing.assert_allclose(plate.points(), before, atol=1e-6)
 
 
 def test_the_panel_says_what_a_surface_method_uses_instead():

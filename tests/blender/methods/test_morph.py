@@ -9,7 +9,7 @@ import pytest
 from inside import notes_of
 from probe import render_points
 from rigs.kinds import HandleRig
-from rigs.rig import base_points, close, evaluated_points, fails, linked, make_active, press, push
+from rigs.rig import base_points, close, evaluated_points, fails, linked, make_active, press
 from rigs.sheet import draw, draw_panel
 
 METHOD = "pyramid_coordinates"
@@ -116,22 +116,6 @@ def test_the_panel_says_that_parts_stay_at_rest_only_where_they_do(
     assert said == (f"{stay} loose parts stay at rest" if stay else ""), notes_of(deformer)
     if targeted and not held:
         assert close(shown, base_points(other), EXACT)
-
-
-def test_undo_takes_the_morph_back_and_redo_brings_it(pair: tuple):
-    obj, other = pair
-    there = base_points(other)
-    push("before")
-    assert morph(obj, other) == {"FINISHED"}
-    push("morph")
-    bpy.ops.ed.undo()
-    plain = bpy.data.objects["Plain"]
-    assert len(plain.sinew.deformers) == 0
-    assert close(evaluated_points(plain), base_points(plain), EXACT)
-    bpy.ops.ed.redo()
-    plain = bpy.data.objects["Plain"]
-    assert [deformer.method for deformer in plain.sinew.deformers] == [METHOD]
-    assert close(evaluated_points(plain), there, EXACT)
 
 
 def test_the_factor_is_keyed_and_no_frame_binds_anew(pair: tuple):

@@ -22,7 +22,6 @@ from rigs.rig import (
     make_active,
     new_empty,
     new_file,
-    push,
     reopen,
     update,
 )
@@ -387,19 +386,6 @@ def test_bones_are_keyed_if_asked_or_with_auto_keying():
     bpy.context.scene.frame_set(10)
     assert close(end_of(armature, "hip"), high, 1e-5)
     assert high[2] > low[2] + 0.15
-
-
-def test_undo_takes_back_a_pose_in_one_step_and_redo_poses_again():
-    armature = standing()
-    push("made")
-    before = channels(armature)
-    make_active(armature)
-    bpy.ops.sinew.puppet_pose("EXEC_DEFAULT", True, bone="hip", value=(0.0, 0.0, -0.3))
-    after = channels(bpy.data.objects["Figure"])
-    bpy.ops.ed.undo()
-    assert (channels(bpy.data.objects["Figure"]) == before).all()
-    bpy.ops.ed.redo()
-    assert (channels(bpy.data.objects["Figure"]) == after).all()
 
 
 def test_pins_are_saved(tmp_path: Path):

@@ -26,8 +26,6 @@ from rigs.rig import (
     new_armature,
     new_object,
     press,
-    push,
-    reopen,
     update,
 )
 
@@ -329,32 +327,6 @@ def tip_of(obj: bpy.types.Object) -> bpy.types.PoseBone:
     press(obj, "handle_add", kind="FIXED", vertex_group="Base")
     press(obj, "handle_add", vertex_group="Tip", control_object=armature.name, bone="Bone")
     return armature.pose.bones["Bone"]
-
-
-def test_undo_takes_back_a_drag_in_one_step_and_redo_makes_it_again():
-    obj = grid_object(cells=12)
-    push("made")
-    before = everything()
-    bpy.ops.sinew.drag("EXEC_DEFAULT", True, origin=(0.0, 0.0, 5.0), value=LIFT)
-    shape = evaluated_points(bpy.data.objects[obj.name])
-    bpy.ops.ed.undo()
-    assert everything() == before
-    bpy.ops.ed.redo()
-    obj = next(other for other in bpy.data.objects if other.type == "MESH" and other.sinew.deformers)
-    assert close(evaluated_points(obj), shape)
-
-
-def test_a_drag_is_saved(tmp_path: Path):
-    obj = grid_object(cells=12)
-    drag()
-    name, shape = obj.name, evaluated_points(obj)
-    reopen(tmp_path / "dragged.blend")
-    obj = bpy.data.objects[name]
-    assert close(evaluated_points(obj), shape)
-    make_active(obj)
-    drag(z=6.0, value=(0.0, 0.0, 0.25))
-    assert len([row for row in obj.sinew.active.handles if row.kind == "HANDLE"]) == 1
-    assert evaluated_points(obj)[:, 2].max() == pytest.approx(0.75, abs=1e-5)
 
 
 def test_automatic_keyframes_are_inserted():

@@ -13,7 +13,7 @@ import pytest
 from editing import centre, edit, edited, grab, placed_object, select
 from mathutils import Matrix
 from registry import GRABBING
-from rigs.rig import add_group, apply_matrix, grid_object, make_active, new_object, push, refused
+from rigs.rig import add_group, apply_matrix, grid_object, make_active, new_object, refused
 
 
 def in_world(obj: bpy.types.Object) -> np.ndarray:
@@ -348,20 +348,6 @@ def test_shape_keys_of_a_mesh_that_grew_in_edit_mode_survive():
         blocks = obj.data.shape_keys.key_blocks
         left.append(np.array([[point.co[:] for point in key.data] for key in blocks]))
     assert np.array_equal(left[0], left[1])
-
-
-def test_undo_and_redo():
-    obj = grid_object()
-    edit(obj, centre)
-    push("selected")
-    before = edited(obj)
-    grab(value=(0.0, 0.0, 0.5), radius=0.4)
-    after = edited(obj)
-    push("grabbed")
-    bpy.ops.ed.undo()
-    assert np.array_equal(edited(bpy.data.objects["Plate"]), before)
-    bpy.ops.ed.redo()
-    assert np.array_equal(edited(bpy.data.objects["Plate"]), after)
 
 
 def test_other_objects_in_edit_mode_stay():

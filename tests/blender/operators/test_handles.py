@@ -22,7 +22,6 @@ from rigs.rig import (
     move_world,
     new_armature,
     press,
-    push,
     refused,
     select_bone,
     update,
@@ -75,24 +74,6 @@ def test_nothing_selected_is_refused():
     bpy.ops.object.mode_set(mode="OBJECT")
     assert len(obj.vertex_groups) == 0
     assert len(obj.sinew.deformers) == 0
-
-
-def test_undo_in_edit_mode_takes_the_handle_back():
-    obj = grid_object()
-    edit(obj, lambda point: point.y > 0.75)
-    push("selected")
-    bpy.ops.sinew.handle_add(kind="HANDLE")
-    bpy.ops.ed.undo_push(message="handle")
-    bpy.ops.ed.undo()
-    obj = bpy.data.objects["Plate"]
-    assert len(obj.sinew.deformers) == 0
-    assert "Plate Handle" not in bpy.data.objects
-    bpy.ops.ed.redo()
-    obj = bpy.data.objects["Plate"]
-    assert len(obj.sinew.deformers[0].handles) == 1
-    assert obj.sinew.deformers[0].handles[0].control is not None
-    if obj.mode == "EDIT":
-        bpy.ops.object.mode_set(mode="OBJECT")
 
 
 def test_control_of_a_selected_bone_or_object():

@@ -22,7 +22,6 @@ from rigs.rig import (
     new_armature,
     new_empty,
     press,
-    push,
     refused,
     reopen,
     select,
@@ -482,27 +481,6 @@ def test_a_group_that_a_bone_needs_keeps_its_name(hand: Rig):
     assert handle_names(hand)[2:] == ["Foot.L", "Foot.R"]
     assert by_name(hand, "Foot.L").vertex_group == "Foot"
     assert by_name(hand, "Foot.R").vertex_group == "Foot.R"
-
-
-def test_naming_the_sides_is_one_step_of_undo(hand: Rig):
-    add_region(hand, "Foot", low_corner(1.0), "HANDLE")
-
-    def names() -> tuple:
-        groups = [group.name for group in hand.obj.vertex_groups]
-        return handle_names(hand), groups, sorted(obj.name for obj in bpy.data.objects if obj.type == "EMPTY")
-
-    push("Add Handle")
-    before, shape = names(), hand.points()
-    bpy.ops.sinew.handle_mirror()
-    push("Mirror Handle")
-    after = names()
-    assert before != after
-    bpy.ops.ed.undo()
-    assert names() == before
-    assert np.abs(hand.points() - shape).max() < FLOAT32
-    bpy.ops.ed.redo()
-    assert names() == after
-    assert hand.deformer.status_level == "INFO"
 
 
 def test_a_region_on_the_centre_line_stays_one_handle_and_is_said_to(hand: Rig, capfd):

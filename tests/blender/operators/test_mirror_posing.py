@@ -10,7 +10,6 @@ from inside import calls_of, evaluated_by, inner, settle
 from mathutils import Euler, Matrix, Quaternion, Vector
 from probe import render
 from rigs.rig import (
-    FLOAT32,
     Rig,
     add_group,
     curves_of,
@@ -269,23 +268,6 @@ def test_renders_and_other_updates_are_not_mirrored(hands: Rig):
     hands.obj.data.update_tag()
     update()
     assert is_at(right(hands), REST)
-
-
-def test_undo_takes_back_both_in_one_step(hands: Rig):
-    push("Before")
-    pose(left(hands), **POSED)
-    push("Move")
-    shape = hands.points()
-    bpy.ops.ed.undo()
-    update()
-    assert is_at(left(hands), REST)
-    assert is_at(right(hands), REST)
-    assert np.abs(hands.points() - hands.rest()).max() < 2e-5
-    bpy.ops.ed.redo()
-    update()
-    assert is_at(left(hands), POSED)
-    assert is_at(right(hands), MIRRORED)
-    assert np.abs(hands.points() - shape).max() < FLOAT32
 
 
 def push_before_the_partner_follows(message: str) -> None:

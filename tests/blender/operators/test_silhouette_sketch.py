@@ -24,7 +24,6 @@ from rigs.rig import (
     linked,
     make_active,
     new_object,
-    push,
     refused,
     update,
 )
@@ -200,36 +199,6 @@ def test_a_drawn_stroke_may_be_kept_as_a_curve():
     make_active(obj)
     assert sketch(kept, reach=0.6, shape_key="Silhouette") == {"FINISHED"}
     assert close(evaluated_points(obj), drawn)
-
-
-def test_undo_and_redo_of_a_sketch():
-    obj = ball()
-    stroke = curve(arc(bump))
-    push("before")
-    before = evaluated_points(obj)
-    assert bpy.ops.sinew.silhouette_sketch("EXEC_DEFAULT", True, stroke=stroke.name, view=FRONT) == {
-        "FINISHED"
-    }
-    after = evaluated_points(bpy.data.objects["Ball"])
-    assert not close(after, before)
-    for _ in range(2):
-        bpy.ops.ed.undo()
-        assert key_names(bpy.data.objects["Ball"]) == []
-        assert close(evaluated_points(bpy.data.objects["Ball"]), before)
-        bpy.ops.ed.redo()
-        assert key_names(bpy.data.objects["Ball"]) == ["Basis", "Silhouette"]
-        assert close(evaluated_points(bpy.data.objects["Ball"]), after)
-
-
-def test_a_sketch_survives_saving_and_loading(tmp_path):
-    obj = ball()
-    sketch(curve(arc(bump)), reach=0.6)
-    after = evaluated_points(obj)
-    path = str(tmp_path / "sketch.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.open_mainfile(filepath=path)
-    assert close(evaluated_points(bpy.data.objects["Ball"]), after)
-    assert "Stroke" in bpy.data.objects
 
 
 def test_a_deformer_after_the_key_gets_the_redrawn_shape(plate: Rig):

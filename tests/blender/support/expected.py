@@ -66,26 +66,18 @@ def on_handle_points(
 
     The base of one around another is its native object, or its row with options; else the first one.
     """
-    places, options = np.concatenate(parts), options | {"weights": weights}
-    if row.posed is Posed.CONTROL:
-        options["counts"] = [len(points) for points in parts]
+    places, held = np.concatenate(parts), {"counts": [len(points) for points in parts], "weights": weights}
+    options = options | held
+    if row.posed is Posed.POSES:
+        return new_native(row, mesh, options | {"points": places})
     if row.wraps:
         base = options.get("base") or (base_of(row), options_of(base_of(row), {})[0])
         if isinstance(base, tuple):
-            given = {"counts": options["counts"], "weights": weights}
-            base = new_native(base[0], places, base[1] | given)
+            base = new_native(base[0], places, base[1] | held)
         options |= {"mesh": mesh, "base": base}
     if any(parameter.id == "frame" for parameter in row.parameters) and options.get("frame") is None:
         options["frame"] = mesh  # the lattice is along the axes of the surface
     return new_native(row, places, options)
-
-
-def control_points(row: object, solver: object, parts: list[np.ndarray], poses: list) -> np.ndarray:
-    """What ``warp`` of a space method takes for the poses of its handles."""
-    if row.posed is Posed.CONTROL:
-        ends = np.cumsum([4 if len(points) > 1 else 1 for points in parts])[:-1]
-        parts = np.split(solver.control, ends)
-    return np.concatenate([apply_matrix(pose, points) for pose, points in zip(poses, parts, strict=True)])
 
 
 def space_warp(
@@ -101,17 +93,9 @@ def space_warp(
     Each of the ``members`` is held by its strength.
     """
     mesh, weights = native().SurfaceMesh(rest, faces), np.concatenate(strengths)
-    if row.posed is Posed.POSES:
-        made = getattr(native(), row.native)
-        counts = [len(own) for own in members]
-        solver = made(mesh, np.concatenate(members), counts, weights=weights, **options)
-        solver.bind(rest)
-        return lambda poses, incoming: solver.warp_poses(poses, incoming=incoming)
     solver = on_handle_points(row, members, options, mesh, weights)
     solver.bind(rest)
-    return lambda poses, incoming: solver.warp(
-        control_points(row, solver, members, list(poses)), incoming=incoming
-    )
+    return lambda poses, incoming: solver.warp_poses(poses, incoming=incoming)
 
 
 class Poses(ABC):

@@ -5,7 +5,7 @@ import bmesh
 import numpy as np
 from bpy.types import Mesh, Object
 
-from ....backend import Cage, CageReport
+from ....backend import CageReport, ControlPoints, Faces, Refusal
 from ....core.elements import Elements, Owner
 from ....core.errors import CageError
 from ....core.status import Level, Remedy, Status
@@ -29,8 +29,9 @@ class CageKind(ObjectKind):
     def row(self, settings: SinewDeformer) -> StoredCage:
         return StoredCage(settings)
 
-    def bound_to(self, rest: RestShape) -> Cage:
-        return Cage(rest.points, (rest.counts, rest.corners))
+    def bound_to(self, rest: RestShape) -> ControlPoints:
+        refusal = Refusal(self.ERROR, self.REST_REMEDY, Remedy.FLIP_CAGE)
+        return ControlPoints(rest.points, faces=Faces(rest.counts, rest.corners), refusal=refusal)
 
     def in_words(self, rest: RestShape) -> str:
         faces = "1 face" if len(rest.counts) == 1 else f"{len(rest.counts):,} faces"

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
 
-from ....backend import ControlParts
+from ....backend import ControlPoints
 from ....compat import read_edges, read_positions
 from ....core.geometry import frames
 from ....core.geometry.polylines import Lines, lengths, lines_of, resampled
@@ -93,12 +93,12 @@ class CurvesKind(SeveralKind):
         }
         return Part(points, own)
 
-    def merged(self, parts: Sequence[Part]) -> ControlParts:
+    def merged(self, parts: Sequence[Part]) -> ControlPoints:
         whole = super().merged(parts)
         splines = [len(counts) for counts in whole.own["counts"]]
         own = {name: np.repeat(whole.own[name], splines) for name in ("radius", "scale", "rotation")}
         own |= {name: np.concatenate(whole.own[name]) for name in ("counts", "closed", "domain")}
-        return ControlParts(whole.points, own)
+        return ControlPoints(whole.points, own)
 
     def take_row_rest(self, obj: Object, row: SinewControl) -> None:
         super().take_row_rest(obj, row)

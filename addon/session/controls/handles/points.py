@@ -85,8 +85,7 @@ def bound_counts(bound: Bound) -> dict[int, int]:
     control = bound.factor.recipe.control
     if not isinstance(control, HandlePoints):
         return {}
-    rows = zip(control.apart, control.counts, strict=True)
-    return {row: count for row, (apart, count) in enumerate(rows) if apart}
+    return {row: control.counts[row] for row in control.apart}
 
 
 def now(evaluation: Evaluation, handle: SinewHandle, place: Place | None, expected: int) -> np.ndarray | None:

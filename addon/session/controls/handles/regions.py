@@ -7,7 +7,7 @@ This only reads Blender's data.
 import numpy as np
 from bpy.types import Mesh
 
-from ....backend import HandlePoints, Handles, Recipe, Shape, connected_parts, handle_points
+from ....backend import Apart, HandlePoints, Recipe, Regions, Shape, connected_parts
 from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError
 from ....core.methods import Posed
@@ -24,7 +24,6 @@ from .poses import rest_of
 _IMPLIED = "support"  # the key of the fixed region around a support
 _REACH = 0.02  # of the size of the target: how far such points are from the place of a control
 _NO_VERTICES = np.empty(0, dtype=np.intp)
-_Joined = tuple[np.ndarray, bool]  # the edges (e, 2) of points, and whether they are handles as a whole
 _NOUNS = (("HANDLE", "handle", "handles"), ("FIXED", "fixed", "fixed"), ("SUPPORT", "support", "supports"))
 
 
@@ -80,7 +79,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     holder = np.full(count, -1)
     labels: list[str] = []
     points: list[np.ndarray] = []
-    apart: dict[int, _Joined] = {}
+    apart: dict[int, Apart] = {}
     support: np.ndarray | None = None
     of_supports: list[tuple] = []
     for handle in settings.handles:
@@ -94,7 +93,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
                 )
             if apart_points.are_apart(settings, handle):
                 at_rest, edges = apart_points.at_rest(settings, handle)
-                apart[len(points)] = edges, apart_points.key(settings, handle)[1]
+                apart[len(points)] = Apart(edges, apart_points.key(settings, handle)[1])
                 points.append(at_rest.points)
             else:
                 points.append(_points_of_control(rest_of(handle), rest.points, method.posed is Posed.CONTROL))
@@ -150,7 +149,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
             options(settings, rest),
             _handle_points(settings, rest, points, weights, apart)
             if method.is_space
-            else Handles(
+            else Regions(
                 tuple(indices),
                 tuple(weights),
                 {row.id: values for row, values in zip(method.handle_parameters, zip(*own, strict=True))},
@@ -175,23 +174,16 @@ def _handle_points(
     rest: RestShape,
     points: list[np.ndarray],
     weights: list[np.ndarray | None],
-    apart: dict[int, _Joined],
+    apart: dict[int, Apart],
 ) -> HandlePoints:
-    """The points (c, 3) and weights (c,) of each handle; of those that are ``apart``, rows with edges."""
+    """The points (c, 3) and weights (c,) of each handle; and which rows are ``apart``."""
     counts = tuple(map(len, points))
-    starts = np.cumsum((0, *counts))
-    edges = [edges + starts[row] for row, (edges, _whole) in apart.items()]
-    whole = [np.full(len(edges), whole) for edges, whole in apart.values()]
-    return handle_points(
-        settings.definition,
+    held = np.concatenate([np.ones(n) if w is None else w for n, w in zip(counts, weights, strict=True)])
+    return HandlePoints(
         np.concatenate(points),
         counts,
-        tuple(row in apart for row in range(len(points))),
-        np.concatenate(edges) if apart else np.zeros((0, 2), dtype=int),
-        np.concatenate(whole) if apart else np.zeros(0, dtype=bool),
-        np.concatenate(
-            [np.ones(n) if held is None else held for n, held in zip(counts, weights, strict=True)]
-        ),
+        None if (held == 1.0).all() else held,
+        apart,
         companions.around(settings, rest),
         settings.sizes == "BOX",
     )

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from bpy.types import Depsgraph, Lattice, Mesh, Object
 
-from ....backend import ControlPoints, LatticePoints
+from ....backend import ControlPoints, Faces, Refusal
 from ....compat import read_faces, read_lattice
 from ....core.elements import Elements
 from ....core.errors import ConstraintError
@@ -140,15 +140,17 @@ class LatticeKind(ObjectKind):
         found = super().request(settings, mesh, rest, key, base_count)
         stored = self.row(settings).rest
         points = found.recipe.control.points
-        described = _described(stored)
+        described, refusal = _described(stored), Refusal(self.ERROR, self.REST_REMEDY)
         if described is None:
-            lattice = LatticePoints(points, (0, 0, 0), ("bspline",) * 3, read_faces(stored))
+            faces = Faces(*read_faces(stored), closed=False)
+            lattice = ControlPoints(points, faces=faces, refusal=refusal)
         else:
             resolution, types = described
             u, v, w = (_INTERPOLATION[name] for name in self._types_in_use(settings) or types)
             count = int(np.prod(resolution))
             axes = points[count + 1 :] - points[count] if len(points) > count else None
-            lattice = LatticePoints(points[:count], resolution, (u, v, w), axes=axes)
+            own = {"resolution": resolution, "interpolation": (u, v, w), "axes": axes}
+            lattice = ControlPoints(points[:count], own, refusal=refusal)
         return replace(found, recipe=replace(found.recipe, control=lattice), control=_in_words(lattice))
 
     def notes(self, report: Any, request: BindInput) -> tuple[Status, ...]:
@@ -163,10 +165,10 @@ class LatticeKind(ObjectKind):
         control = self.row(evaluation.deformer).object
         lattice = bound.factor.recipe.control
         if control is not None and control.type == "LATTICE" and lattice.faces is None:
-            now = _resolution(control.data)
-            if now != lattice.resolution:
+            now, then = _resolution(control.data), lattice.own["resolution"]
+            if now != then:
                 raise self.ERROR(
-                    f"The lattice has {_by(now)} points, at bind it had {_by(lattice.resolution)} - "
+                    f"The lattice has {_by(now)} points, at bind it had {_by(then)} - "
                     f"{self.REST_BUTTON} takes it as it is now",
                     remedy=self.REST_REMEDY,
                 )
@@ -208,9 +210,9 @@ def _by(resolution: tuple[int, int, int]) -> str:
     return " x ".join(map(str, resolution))
 
 
-def _in_words(lattice: LatticePoints) -> str:
+def _in_words(lattice: ControlPoints) -> str:
     if lattice.faces is None:
-        return f"a lattice of {_by(lattice.resolution)}"
+        return f"a lattice of {_by(lattice.own['resolution'])}"
     return f"a lattice of {len(lattice.points):,} points"
 
 

@@ -117,6 +117,18 @@ RowMatrix HandlePoints::all_shares() const
     return all;
 }
 
+Points HandlePoints::moved(const Points& rest, const std::vector<int>& begins, const Poses& poses) const
+{
+    if (static_cast<int>(poses.size()) != handle_count())
+        throw InvalidConstraint("poses: " + std::to_string(poses.size()) + " given for " +
+                                std::to_string(handle_count()) + " handles");
+    Points posed(rest.rows(), 3);
+    for (int h = 0; h < handle_count(); ++h)
+        for (int i = begins[h]; i < begins[h + 1]; ++i)
+            posed.row(i) = apply(poses[h], rest.row(i).transpose()).transpose();
+    return posed;
+}
+
 Pose HandlePoints::map(PointsView posed, int handle) const
 {
     const int first = columns_[handle];

@@ -63,6 +63,11 @@ public:
     /// (c, columns) the shares of all points: the right-hand sides of a linear method.
     RowMatrix all_shares() const;
 
+    /// The control, and the points, (r, 3) and (c, 3), where each handle moves them by its pose.
+    /// \throw InvalidConstraint  there is another number of poses than of handles.
+    Points posed_control(const Poses& poses) const { return moved(control_, columns_, poses); }
+    Points posed_points(const Poses& poses) const { return moved(points_, begins_, poses); }
+
     /// How a posed control moves a handle: x -> A x + t. A of a handle of one point is the identity.
     Pose map(PointsView posed, int handle) const;
 
@@ -77,6 +82,8 @@ public:
 
 private:
     Vector3 posed_point(PointsView posed, int point) const;
+    /// Rows [begins[h], begins[h + 1]) are moved by the pose of handle h.
+    Points moved(const Points& rest, const std::vector<int>& begins, const Poses& poses) const;
 
     Points points_, control_;
     std::vector<int> begins_, columns_, handle_of_;

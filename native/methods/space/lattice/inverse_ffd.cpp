@@ -5,7 +5,6 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/mesh/frames/surface_frame.h"
-#include "native/methods/space/handle_points/handle_points.h"
 #include "native/methods/space/lattice/grid/placing.h"
 
 #include <algorithm>
@@ -62,6 +61,15 @@ std::vector<int> coinciding(const Points& points)
     return found;
 }
 
+/// \throw InvalidConstraint  there is none, or one is not finite.
+PointsView checked(PointsView handles, const char* name)
+{
+    if (handles.rows() == 0)
+        throw InvalidConstraint("there is no handle: an inverse lattice needs at least one");
+    check_pose_of(name, handles, static_cast<int>(handles.rows()));
+    return handles;
+}
+
 } // namespace
 
 Pose InverseFfd::box_around(const SurfaceMesh& surface)
@@ -76,25 +84,22 @@ Pose InverseFfd::box_around(const SurfaceMesh& surface)
 }
 
 InverseFfd::InverseFfd(PointsView handles, const InverseFfdOptions& options)
-    : handles_(handles), options_(options)
+    : options_(options), handles_(checked(handles, control_name()), options.counts, options.weights)
 {
-    if (handles_.rows() == 0)
-        throw InvalidConstraint("there is no handle: an inverse lattice needs at least one");
-    check_pose_of(control_name(), view(handles_), static_cast<int>(handles_.rows()));
     for (int count : options.resolution)
         if (count < 2 || count > most_points)
             throw InvalidOption("resolution: " + std::to_string(count) + " is not between 2 and " +
                                 std::to_string(most_points));
     if (!(options.cut_off > 0.0 && options.cut_off < 1.0))
         throw InvalidOption("cut_off must lie between 0 and 1");
-    require_weights(options.weights, handles_.rows());
     for (int count : options.resolution)
         AxisBasis(options.basis, count, options.degree, LatticeOutside::follow);
 }
 
 void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress& progress)
 {
-    const Pose box = options_.frame ? *options_.frame : sinew::box_around(points, handles_);
+    const Points& handles = handles_.points();
+    const Pose box = options_.frame ? *options_.frame : sinew::box_around(points, handles);
     const auto& n = options_.resolution;
     Points rest(n[0] * n[1] * n[2], 3);
     for (int k = 0, row = 0; k < n[2]; ++k)
@@ -107,7 +112,7 @@ void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress&
     of_grid.degree = options_.degree;
     auto grid = std::make_shared<const RestGrid>(view(rest), n, of_grid);
 
-    const Eigen::Index count = handles_.rows(), controls = rest.rows();
+    const Eigen::Index count = handles.rows(), controls = rest.rows();
     const Eigen::Index fewer = std::min(count, controls);
     require_memory(static_cast<std::int64_t>(sizeof(double)) * (2 * count * controls + 2 * fewer * fewer),
                    "the inverse of the lattice");
@@ -116,7 +121,7 @@ void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress&
                               : VectorX(VectorX::Map(options_.weights.data(), count).cwiseSqrt());
     MatrixX B(count, controls); // the rows of constraints that count less are shorter
     for (Eigen::Index c = 0; c < count; ++c)
-        B.row(c) = roots[c] * grid->weights(grid->place(handles_.row(c).transpose())).transpose();
+        B.row(c) = roots[c] * grid->weights(grid->place(handles.row(c).transpose())).transpose();
     progress.tick(0.0, "inverting the lattice");
     // B^+ = B^T (B B^T)^+ = (B^T B)^+ B^T by the eigenvectors of the smaller product, whose eigenvalues are
     // the squares of the singular values.
@@ -129,7 +134,7 @@ void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress&
     MatrixX inverse = count <= controls ? MatrixX(B.transpose() * inner) : MatrixX(inner * B.transpose());
     inverse *= roots.asDiagonal();
 
-    std::vector<int> twice = coinciding(handles_);
+    std::vector<int> twice = coinciding(handles);
     std::erase_if(twice, [&](int c) { return roots[c] < 1.0; }); // painted regions share points on purpose
     if (!twice.empty())
         report.remarks.push_back(
@@ -145,8 +150,8 @@ void InverseFfd::compute(PointsView points, SpaceReport& report, const Progress&
 
 Points InverseFfd::moves_for(PointsView posed) const
 {
-    check_pose_of(control_name(), posed, static_cast<int>(handles_.rows()));
-    return inverse_ * MatrixX(posed - handles_);
+    check_pose_of(control_name(), posed, handles_.point_count());
+    return inverse_ * MatrixX(posed - handles_.points());
 }
 
 Points InverseFfd::lattice() const
@@ -179,8 +184,8 @@ std::vector<std::string> InverseFfd::changed_settings(const SpaceMethod& former)
     const InverseFfdOptions &a = options_, &b = other.options_;
     const bool same = a.resolution == b.resolution && a.basis == b.basis && a.degree == b.degree &&
                       a.cut_off == b.cut_off && a.frame == b.frame;
-    return names_of({{"handles", handles_.rows() != other.handles_.rows() || handles_ != other.handles_ ||
-                                     a.weights != b.weights},
+    const Points &own = handles_.points(), &theirs = other.handles_.points();
+    return names_of({{"handles", own.rows() != theirs.rows() || own != theirs || a.weights != b.weights},
                      {"lattice", !same}});
 }
 

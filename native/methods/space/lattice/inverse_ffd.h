@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/mesh/surface_mesh.h"
+#include "native/methods/space/handle_points/handle_points.h"
 #include "native/methods/space/lattice/grid/rest_grid.h"
 #include "native/methods/space/method.h"
 
@@ -25,6 +26,8 @@ struct InverseFfdOptions
     std::optional<Pose> frame;
     /// (c) in (0, 1], how much the squared error at each constraint counts; empty where all are 1.
     std::vector<double> weights{};
+    /// (k) how many constraints each handle has, which moves them by one pose; empty if each is a handle.
+    std::vector<int> counts{};
 };
 
 /// Inverse free-form deformation: the points that the artist drags are constraints, and the control points of
@@ -52,7 +55,8 @@ class InverseFfd : public SpaceMethod
 {
 public:
     /// \param handles  (c, 3) the constraints at rest, c >= 1.
-    /// \throw InvalidConstraint  there is none, some are not finite, or there is another number of weights.
+    /// \throw InvalidConstraint  there is none, some are not finite, there is another number of weights, or
+    ///                           the counts do not sum to c.
     /// \throw InvalidOption      an option is out of range.
     explicit InverseFfd(PointsView handles, const InverseFfdOptions& options = {});
 
@@ -60,6 +64,7 @@ public:
     /// loose vertices count nothing.
     static Pose box_around(const SurfaceMesh& surface);
 
+    const HandlePoints& handles() const { return handles_; }
     /// (l, 3) the control points at rest, once points are bound.
     Points lattice() const;
     /// (l, 3) how far the control points move for dragged constraints (c, 3).
@@ -78,8 +83,8 @@ protected:
 private:
     Points moves_for(PointsView posed) const;
 
-    Points handles_;
     InverseFfdOptions options_;
+    HandlePoints handles_; ///< of options_.counts and weights
     std::shared_ptr<const RestGrid> grid_;
     PlacedPoints placed_;
     MatrixX inverse_; ///< (l, c) B^+

@@ -68,6 +68,7 @@ struct SurfaceTraits
     std::optional<SurfaceMesh> many{};
     bool many_enter = false; ///< also with a shape that enters
     bool many_soft = false;  ///< also with a soft handle
+    std::string allocates{}; ///< the variant that may: its coarse mesh is the mesh itself
     std::string updates{}; ///< an option of which rebind() updates the factor, and
     std::function<std::shared_ptr<SurfaceMethod>(const SurfaceMesh&)>
         updated{}; ///< ... an object with another value

@@ -26,6 +26,7 @@ public:
             {{"hierarchy", maker({64, 4})}, {"one level", maker({0, 4})}, {"unrelaxed", maker({64, 0})}});
         made.mesh = shapes::hill(16, 10);
         made.large = shapes::hill(20, 18);
+        made.allocates = "one level";
         made.rest = made.incoming = 1e-13; // each level takes its details apart and puts them together
         made.translation = 1e-8; // a single vertex leaves turns to the Laplacian of 1e-8
         made.rigid = 1e-11; // rounding errors, carried through all levels

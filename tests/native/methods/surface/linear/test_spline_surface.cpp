@@ -157,7 +157,8 @@ TEST_F(SplineSurface, no_moves_of_grid_points_change_no_bit_and_moves_that_do_no
     const Method surface = bound(mesh, {.degree = 2, .columns = 6, .rows = 5, .margin = 9.0},
                                  calls::softened(shapes::ends(mesh, 2.5), 0.6));
     const Points none = Points::Zero(60, 3), few = Points::Zero(59, 3); // two grids
-    EXPECT_EQ(solve(surface, bent, {.extra = GridMoves{view(none)}}).positions, solve(surface, bent).positions);
+    EXPECT_EQ(solve(surface, bent, {.extra = GridMoves{view(none)}}).positions,
+              solve(surface, bent).positions);
     Points broken = none;
     broken(7, 1) = nan;
     EXPECT_THROW(solve(surface, bent, {.extra = GridMoves{view(few)}}), InvalidConstraint);

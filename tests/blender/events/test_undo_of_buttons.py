@@ -1,0 +1,411 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Undo and redo of every button: one step, which takes back and brings again all that was seen and listed.
+
+What it has made is in the saved file, too.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from editing import centre, edit, edited
+from mathutils import Matrix, Vector
+from registry import BY_ID, ON_HANDLE_POINTS
+from rigs.cages import ball, box, place, surround
+from rigs.point_objects import cage_around, lattice
+from rigs.puppets import standing
+from rigs.rig import (
+    Rig,
+    add_group,
+    add_regions,
+    base_points,
+    change_in_edit_mode,
+    evaluated_points,
+    grid_object,
+    key,
+    make_active,
+    move_world,
+    press,
+    push,
+    refused,
+    reopen,
+    update,
+)
+from rigs.rig_of_curves import polyline, stroke_through
+
+LINE = np.column_stack((np.linspace(-1.0, 1.0, 6), np.zeros((6, 2))))
+UP = [(0.0, 0.0, 0.1 * k) for k in range(5)]
+BLOCKS = ("objects", "meshes", "curves", "lattices", "node_groups")
+NEAR = 1e-5  # a pose that is solved once more
+
+
+def run(operator: str, **options: object) -> None:
+    """As a button does: with its own undo step."""
+    assert getattr(bpy.ops.sinew, operator)("EXEC_DEFAULT", True, **options) == {"FINISHED"}
+
+
+def button(operator: str, **options: object) -> Callable[[], None]:
+    return lambda: run(operator, **options)
+
+
+# The scenes. Each leaves active what the button is pressed on.
+
+
+def on_plate(operator: str, **options: object) -> Rig:
+    """The plate, after one button."""
+    plate = Rig(grid_object())
+    press(plate.obj, operator, **options)
+    make_active(plate.obj)
+    return plate
+
+
+def posed(then: Callable[[Rig], object] = lambda plate: None) -> Callable[[], None]:
+    """A bound plate that is lifted, after something else."""
+
+    def prepare() -> None:
+        plate = lifted("thin_shell")
+        then(plate)
+        make_active(plate.obj)
+        plate.obj.sinew.active_deformer = 0
+
+    return prepare
+
+
+def add_middle(plate: Rig) -> None:
+    add_group(plate.obj, "Middle", lambda point: abs(point[1]) < 0.15)
+
+
+def add_left_side(plate: Rig) -> None:
+    add_group(plate.obj, "Side.L", lambda point: point[0] > 0.75 and abs(point[1]) < 0.3)
+    press(plate.obj, "handle_add", kind="FIXED", vertex_group="Side.L")
+
+
+def add_loose_vertex(plate: Rig) -> None:
+    plate.obj.data.vertices.add(1)
+    press(plate.obj, "bind")
+
+
+def let_regions_overlap(plate: Rig) -> None:
+    """Base takes a vertex of Top, which refuses the bind."""
+    plate.obj.vertex_groups["Base"].add([int(plate.top[0])], 1.0, "REPLACE")
+    refused("share 1 vertex", "bind", plate.obj)
+
+
+def in_a_cage(inside_out: bool = False, **automatic: object) -> Callable[[], None]:
+    """A ball in a cage that is posed, or inside out, or automatic and at rest."""
+
+    def prepare() -> None:
+        if automatic:
+            press(ball(), "cage_add", **automatic)
+        else:
+            cage = box()
+            if inside_out:
+                cage.data.flip_normals()
+            surround(ball(), cage)
+            cage.location.z += 0.2
+        make_active(bpy.data.objects["Ball"])
+
+    return prepare
+
+
+def send_the_cage_nowhere() -> None:
+    place(bpy.data.objects["Cage"], [(math.nan,) * 3] * 8)
+    push("lost")
+
+
+def a_lattice_in_a_box() -> None:
+    """Its shape key shows what moves it."""
+    obj = lattice()
+    cage_around(obj)
+    make_active(obj)
+
+
+def a_caged_lattice() -> None:
+    a_lattice_in_a_box()
+    run("cage_add", source="OBJECT", cage="Cage")
+    bpy.data.objects["Cage"].location.z = 1.0
+    make_active(bpy.data.objects["Lattice"])
+
+
+def with_lattice() -> None:
+    lattice = on_plate("lattice_add", resolution=(3, 3, 2)).deformer.controls[0].object
+    lattice.location.z += 0.3
+
+
+def a_curve() -> None:
+    polyline(LINE, "Wire")
+    grid_object()
+
+
+def with_wire() -> None:
+    polyline(LINE, "Wire")
+    on_plate("wire_add", curve="Wire", radius=0.6)
+    bpy.data.objects["Wire"].location.z = 0.3
+
+
+def with_tool() -> None:
+    plate = on_plate("tool_add", tool="drag", location=(0.0, 0.0, 0.0))
+    plate.deformer.controls[0].object.location.z = 0.2
+
+
+def lifted(method: str) -> Rig:
+    plate = Rig.plate().bind(method)
+    plate.lift(0.5)
+    make_active(plate.obj)
+    return plate
+
+
+def with_grid() -> None:
+    make_active(lifted("spline_surface").obj)
+    run("grid_new")
+
+
+def drag_a_point() -> None:
+    def change(mesh) -> None:
+        mesh.verts[40].co += Vector((0.1, -0.05, 0.8))
+
+    change_in_edit_mode(bpy.data.objects["Plate"].sinew.active.spline_surface.grid, change)
+    push("dragged")
+
+
+def two_of_one_topology() -> None:
+    other = grid_object("Other")
+    other.data.transform(Matrix.Translation((0.3, 0.0, 0.8)))
+    make_active(grid_object(), other)
+
+
+def with_keys() -> None:
+    plate = Rig.plate()
+    plate.obj.shape_key_add(name="Basis")
+    sway = plate.obj.shape_key_add(name="Sway")
+    for point in sway.data:
+        point.co.z = 0.5 * point.co.y
+    key(sway, {1: {"value": 0.0}, 20: {"value": 1.0}})
+    plate.bind("mesh_sequence")
+    for frame in (1, 10):
+        bpy.context.scene.frame_set(frame)
+        move_world(plate.control, Matrix.Translation((0.0, 0.0, 0.5)))
+        press(plate.obj, "key_add")
+
+
+def with_an_edit() -> None:
+    with_keys()
+    bpy.context.scene.frame_set(5)
+    move_world(bpy.data.objects["Plate"].sinew.active.handles[0].control, Matrix.Translation((0.0, 0.2, 0.3)))
+
+
+def with_a_preset() -> None:
+    plate = lifted("thin_shell")
+    for folder in bpy.utils.preset_paths("sinew/thin_shell"):
+        (Path(folder) / "Undo.py").unlink(missing_ok=True)
+    press(plate.obj, "preset_add", name="Undo")
+    plate.deformer.parameters.stretching = 0.5
+
+
+def apply_the_preset() -> None:
+    (folder,) = bpy.utils.preset_paths("sinew/thin_shell")
+    run("preset_apply", filepath=f"{folder}/Undo.py")
+
+
+def without_its_control() -> None:
+    plate = lifted("thin_shell")
+    bpy.data.objects.remove(plate.control)
+
+
+def refused_outside() -> None:
+    """Two balls of which a vertex is outside of their common cage, which is posed."""
+    cage = box()
+    for name in ("Suit", "Body"):
+        obj = ball(name)
+        obj.data.vertices[3].co.z = 5.0
+        surround(obj, cage, "harmonic")
+    cage.location.z = 0.5
+    make_active(obj)
+
+
+def allowed_outside() -> None:
+    refused_outside()
+    run("cage_outside_follow")
+
+
+def with_a_stroke() -> None:
+    """Along the outline of a ball, but farther out."""
+    angles = np.linspace(-1.0, 1.0, 61)
+    radii = 0.6 + 0.2 * np.cos(0.5 * math.pi * angles)
+    polyline(np.column_stack((radii * np.cos(angles), np.full(61, -3.0), radii * np.sin(angles))), "Stroke")
+    ball()
+
+
+def figure_on_its_feet() -> None:
+    make_active(standing())
+
+
+def selected(where: Callable) -> Callable[[], object]:
+    return lambda: edit(grid_object(), where)
+
+
+def with_nameless_sides() -> None:
+    """A handle on the left, whose name does not say so."""
+    obj = grid_object()
+    left = [vertex.index for vertex in obj.data.vertices if vertex.co.x > 0.7 and vertex.co.y < -0.7]
+    obj.vertex_groups.new(name="Foot").add(left, 1.0, "REPLACE")
+    add_regions(obj, "thin_shell", {"Foot": "HANDLE"})
+
+
+def draggable(method: str = "") -> Callable[[], None]:
+    options = {"method": method} if method else {}
+    return button("drag", origin=(0.0, 0.0, 5.0), value=(0.0, 0.0, 0.5), radius=0.25, reach=2.0, **options)
+
+
+BAKE = {"target": "SHAPE_KEYS", "frame_start": 1, "frame_end": 2}
+FRONT = Matrix.Rotation(math.radians(90.0), 4, "X")  # a camera that looks along y
+BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
+    "deformer_add": (posed(), button("deformer_add", method="thin_shell")),
+    "deformer_remove": (posed(), button("deformer_remove")),
+    "deformer_move": (
+        posed(lambda plate: press(plate.obj, "deformer_add", method="arap")),
+        button("deformer_move", direction="DOWN", index=0),
+    ),
+    "cage_add": (posed(lambda _plate: box(size=6.0)), button("cage_add", source="OBJECT", cage="Cage")),
+    "cage_set_rest": (in_a_cage(), button("cage_set_rest")),
+    "cage_flip": (in_a_cage(inside_out=True), button("cage_flip")),
+    "cage_faces": (in_a_cage(faces=60), button("cage_faces", faces=30)),
+    "a cage sent nowhere": (in_a_cage(), send_the_cage_nowhere),
+    "cage_add around a lattice": (a_lattice_in_a_box, button("cage_add", source="OBJECT", cage="Cage")),
+    "deformer_remove of a lattice": (a_caged_lattice, button("deformer_remove")),
+    "handle_add": (posed(add_middle), button("handle_add", kind="FIXED", vertex_group="Middle")),
+    "handle_remove": (posed(), button("handle_remove", index=1)),
+    "handle_move": (posed(), button("handle_move", direction="DOWN", index=0)),
+    "handle_mirror": (posed(add_left_side), button("handle_mirror", side="LEFT_TO_RIGHT")),
+    "bind": (posed(lambda plate: press(plate.obj, "unbind")), button("bind")),
+    "unbind": (posed(), button("unbind")),
+    "apply": (posed(), button("apply")),
+    "bake": (posed(), button("bake", **BAKE)),
+    "unbake": (posed(lambda plate: press(plate.obj, "bake", **BAKE)), button("unbake")),
+    "repair": (posed(add_loose_vertex), button("repair")),
+    "part_regions": (posed(let_regions_overlap), button("part_regions")),
+    "select_handle": (posed(), button("select_handle", index=0)),
+    "select_problems": (posed(let_regions_overlap), button("select_problems")),
+    "select_distorted": (posed(), button("select_distorted")),
+    "drag of a handle": (posed(), button("drag", origin=(0.0, 0.9, 5.0), value=(0.0, 0.0, -0.5))),
+    "lattice_add": (grid_object, button("lattice_add", resolution=(3, 3, 2))),
+    "lattice_set_rest": (with_lattice, button("lattice_set_rest")),
+    "wire_add": (a_curve, button("wire_add", curve="Wire", radius=0.6)),
+    "wire_draw": (
+        grid_object,
+        lambda: run("wire_draw", points=5, stroke=stroke_through(LINE[1:-1])),
+    ),
+    "control_remove": (with_wire, button("control_remove", index=0)),
+    "control_set_rest": (with_wire, button("control_set_rest")),
+    "tool_add": (grid_object, button("tool_add", tool="twist")),
+    "tool_stop": (with_tool, button("tool_stop")),
+    "tool_drag": (grid_object, lambda: run("tool_drag", radius=0.8, path=stroke_through(UP))),
+    "point_add": (grid_object, button("point_add", source="CURSOR")),
+    "grid_new": (lambda: lifted("spline_surface"), button("grid_new")),
+    "a point of the grid": (with_grid, drag_a_point),
+    "morph": (two_of_one_topology, button("morph")),
+    "curve_edit": (lambda: lifted("propagation"), button("curve_edit", parameter="transfer")),
+    "key_add": (with_an_edit, button("key_add")),
+    "key_move": (with_keys, button("key_move", index=1, frame=5)),
+    "key_remove": (with_keys, button("key_remove", index=1)),
+    "preset_apply": (with_a_preset, apply_the_preset),
+    "control_new": (without_its_control, button("control_new")),
+    "cage_outside_follow": (refused_outside, button("cage_outside_follow")),
+    "settings_share": (allowed_outside, button("settings_share")),
+    "puppet_pose": (
+        lambda: make_active(standing()),
+        button("puppet_pose", bone="hip", value=(0.0, 0.0, -0.3)),
+    ),
+    "silhouette_sketch": (with_a_stroke, button("silhouette_sketch", stroke="Stroke", view=FRONT)),
+    "handle_add in Edit Mode": (selected(lambda point: point.y > 0.75), button("handle_add", kind="HANDLE")),
+    "grab_region": (selected(centre), button("grab_region", value=(0.0, 0.0, 0.5), radius=0.4)),
+    "handle_mirror that names both sides": (with_nameless_sides, button("handle_mirror")),
+    "drag": (grid_object, draggable()),
+    **{
+        f"drag by {method}": (lambda: grid_object(cells=20), draggable(method))
+        for method in ON_HANDLE_POINTS
+        if not BY_ID[method].wraps
+    },
+}
+
+
+def plain(value: object) -> str:
+    """Undo makes other Python objects of the same datablocks."""
+    return value.name if isinstance(value, bpy.types.ID) else str(value)
+
+
+def own_names(blocks: Iterable[bpy.types.ID]) -> Iterator[str]:
+    """Of those in use, which a file keeps; the numbers of hidden ones may differ."""
+    for block in blocks:
+        if block.users:
+            yield block.name.partition(".0")[0] if block.name.startswith(".Sinew") else block.name
+
+
+def words() -> list[object]:
+    """What the panel lists, and what there is in the file besides shapes."""
+    update()
+    found: list[object] = [sorted(own_names(getattr(bpy.data, kind))) for kind in BLOCKS]
+    for obj in bpy.context.scene.objects:
+        keys = getattr(obj.data, "shape_keys", None)
+        found += [
+            obj.name,
+            obj.mode,
+            obj.select_get(),
+            [group.name for group in obj.vertex_groups],
+            list(obj.modifiers.keys()),
+        ]
+        found += [keys.key_blocks.keys() if keys else []]
+        for row in obj.sinew.deformers:
+            values = [plain(getattr(row.parameters, each.id)) for each in row.definition.parameters]
+            found += [row.name, row.method, row.is_bound and row.status_level, values]
+            found += [(each.name, each.kind, each.vertex_group, plain(each.control)) for each in row.handles]
+            found += [(plain(each.object), each.rest and len(each.rest.vertices)) for each in row.controls]
+            found += [each.frame for each in row.keys]
+    return found
+
+
+def shapes() -> Iterator[np.ndarray]:
+    """Of each object, and where it is."""
+    for obj in bpy.context.scene.objects:
+        yield np.array(obj.matrix_world)
+        if obj.mode == "EDIT":
+            yield edited(obj)
+        elif obj.type in ("MESH", "CURVE", "LATTICE"):
+            yield evaluated_points(obj)
+        if obj.type == "MESH":
+            yield base_points(obj)
+        for bone in obj.pose.bones if obj.pose else ():
+            yield np.array(bone.matrix)
+
+
+def assert_seen(expected: tuple[list, list]) -> None:
+    assert words() == expected[0]
+    for seen, shape in zip(shapes(), expected[1], strict=True):
+        np.testing.assert_allclose(seen, shape, rtol=0.0, atol=NEAR)
+
+
+@pytest.mark.parametrize("name", BUTTONS)
+def test_undo_and_redo_of(name: str, tmp_path: Path):
+    prepare, press_it = BUTTONS[name]
+    prepare()
+    push("prepared")
+    before = words(), list(shapes())
+    press_it()
+    after = words(), list(shapes())
+    with pytest.raises(AssertionError):  # it changes something
+        assert_seen(before)
+    for _ in range(2):
+        bpy.ops.ed.undo()
+        assert_seen(before)
+        bpy.ops.ed.redo()
+        assert_seen(after)
+    if bpy.context.mode == "EDIT_MESH":
+        bpy.ops.object.mode_set(mode="OBJECT")
+        after = words(), list(shapes())
+    reopen(tmp_path / "made.blend")
+    assert_seen(after)
