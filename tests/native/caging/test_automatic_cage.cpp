@@ -8,7 +8,6 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <map>
 #include <set>
 
@@ -154,30 +153,6 @@ TEST(AutomaticCage, mirrors_where_the_target_does)
         hill);
 }
 
-// The surface is symmetric, its vertices are not: a ball, turned about y.
-TEST(AutomaticCage, mirrors_to_the_last_bit_where_the_sides_are_divided_differently)
-{
-    const double c = std::cos(0.3), s = std::sin(0.3);
-    Matrix3 turn;
-    turn << c, 0, s, 0, 1, 0, -s, 0, c;
-    const SurfaceMesh ball = shapes::sphere(4);
-    Points points = ball.points() * turn.transpose();
-    points.col(1) *= 1.5;
-    points.col(2) = points.col(2).array() + 0.2 * points.col(1).array().square(); // bent: y, z are no planes
-    points.col(1).array() += 0.3 * points.col(1).array().abs();
-    const SurfaceMesh target = shapes::moved(ball, points);
-    const AutomaticCage cage = automatic_cage(target, {.faces = 80, .margin = wide});
-    expect_good(cage, target);
-    ASSERT_EQ(cage.report.mirror_axis, 0);
-    EXPECT_GT(cage.report.asymmetry, 1e-5);
-    EXPECT_LT(cage.report.asymmetry, 5e-3);
-    std::set<std::array<double, 3>> all;
-    for (const auto& p : cage.points.rowwise())
-        all.insert({p[0], p[1], p[2]});
-    for (const auto& [x, y, z] : all)
-        EXPECT_TRUE(all.contains({-x, y, z}));
-}
-
 TEST(AutomaticCage, says_how_much_the_sides_differ)
 {
     const SurfaceMesh bar = shapes::bar(8, 2);
@@ -311,37 +286,6 @@ TEST(AutomaticCage, is_the_same_on_any_number_of_threads)
     const AutomaticCage one = automatic_cage(target, {.faces = 80, .margin = wide});
     EXPECT_EQ(one.points, many.points);
     EXPECT_EQ(one.corners, many.corners);
-}
-
-TEST(AutomaticCage, ticks_forward_and_stops_when_told)
-{
-    const SurfaceMesh target = shapes::sphere(2);
-    double last = 0.0;
-    std::set<std::string> stages;
-    automatic_cage(target, {.faces = 60, .margin = wide}, Progress([&](double fraction, const char* stage) {
-                       EXPECT_GE(fraction, last);
-                       EXPECT_LE(fraction, 1.0);
-                       last = fraction;
-                       stages.insert(stage);
-                       return true;
-                   }));
-    EXPECT_EQ(last, 1.0);
-    EXPECT_EQ(stages, (std::set<std::string>{"wrapping", "simplifying", "tightening", "checking"}));
-    for (const std::string& stage : stages)
-        EXPECT_THROW(automatic_cage(target, {.faces = 60, .margin = wide},
-                                    Progress([&](double, const char* now) { return now != stage; })),
-                     Cancelled);
-}
-
-TEST(AutomaticCage, refuses_by_name)
-{
-    const SurfaceMesh target = shapes::sphere(1);
-    EXPECT_THROW(automatic_cage(target, {.faces = 11}), InvalidOption);
-    EXPECT_THROW(automatic_cage(target, {.faces = 100'001}), InvalidOption);
-    for (double margin : {0.0, -1.0, 0.3, std::numeric_limits<double>::quiet_NaN()})
-        EXPECT_THROW(automatic_cage(target, {.margin = margin}), InvalidOption);
-    EXPECT_THROW(automatic_cage(shapes::mesh({{1, 2, 3}, {1, 2, 3}}, {})), InvalidMesh);
-    EXPECT_THROW(automatic_cage(shapes::mesh({{-1e308, 0, 0}, {1e308, 0, 0}}, {})), InvalidMesh);
 }
 
 } // namespace sinew::test_automatic_cage

@@ -4,7 +4,6 @@
 #include "tests/native/refusals.h"
 #include "tests/native/threads.h"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -244,7 +243,8 @@ TEST_P(SpaceContract, a_cancelled_bind_changes_nothing_and_progress_never_falls)
         const Points before = warped(*method, control);
         for (int stop : {1, 2, 3, all - 1, all}) {
             int ticks = 0;
-            const Progress stops([&](double, const char*) { return ++ticks < std::min(stop, all); });
+            // A busy machine makes other ticks of the same work, but the last one says that all is done.
+            const Progress stops([&](double done, const char*) { return ++ticks < stop && done < 1.0; });
             EXPECT_THROW(method->bind(view(traits().points), stops), Cancelled);
             EXPECT_EQ(warped(*method, control), before) << "cancelled at tick " << stop;
         }

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <limits>
 
 namespace sinew::test_cage_coordinates {
 

@@ -2,12 +2,10 @@
 #include "native/methods/space/nonlinear/vector_field.h"
 
 #include "tests/native/methods/space/contract.h"
-#include "tests/native/refusals.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 namespace sinew::test_vector_field {
 
@@ -152,42 +150,6 @@ TEST(VectorField, linear_p_and_q_translate_exactly_by_any_rule)
         for (int i = 0; i < v.rows(); ++i)
             EXPECT_LT((v.row(i).transpose() - pose.col(3)).norm(), 1e-15);
     }
-}
-
-TEST(VectorField, twists_by_the_closed_form)
-{
-    const Points points = scattered(300);
-    const Points out = warped(tool(FieldTool::twist), {shapes::turn({0, 0, 1}, 100)}, points);
-    for (int i = 0; i < points.rows(); ++i) {
-        const auto b = [](double x) {
-            const double u = std::clamp(x, 0.0, 1.0);
-            return 4 * u * u * u * (1 - u) + u * u * u * u;
-        };
-        const double around = std::hypot(points(i, 0), points(i, 1));
-        const double share = b((points(i, 2) - 0.4) / 0.8) * (1 - b(around / 1.5 - 1));
-        const Vector3 expected = shapes::rotation({0, 0, 1}, 100 * share) * points.row(i).transpose();
-        EXPECT_LT((out.row(i).transpose() - expected).norm(), 1e-14);
-    }
-}
-
-TEST(VectorField, a_twist_counts_every_turn_of_the_path)
-{
-    std::vector<Pose> turns;
-    for (int k = 1; k <= 5; ++k)
-        turns.push_back(shapes::turn({0, 0, 1}, 150 * k));
-    Points high(1, 3);
-    high << 1, 0, 2;
-    const Points half = [&] {
-        Points at(1, 3);
-        at << 1, 0, 0.4 + 0.8 * 0.5; // b(1/2) = 5/16
-        return at;
-    }();
-    const Points out = warped(tool(FieldTool::twist), turns, half);
-    const Vector3 expected = shapes::rotation({0, 0, 1}, 750.0 * 5 / 16) * half.row(0).transpose();
-    EXPECT_LT((out.row(0).transpose() - expected).norm(), 1e-13);
-    EXPECT_LT(shapes::distance(warped(tool(FieldTool::twist), turns, high),
-                               shapes::transformed(high, shapes::turn({0, 0, 1}, 750))),
-              1e-13);
 }
 
 TEST(VectorField, bends_what_is_above_rigidly_and_keeps_what_is_below)
@@ -340,41 +302,6 @@ TEST(VectorField, a_scaled_tool_reaches_farther)
     EXPECT_GT(shapes::distance(warped(tool(FieldTool::drag), {grown}, point), point), 1e-3);
     const Pose gone = shapes::affine(Matrix3::Zero(), {0.5, 0, 0});
     EXPECT_TRUE(warped(tool(FieldTool::drag), {gone}, scattered(100)).allFinite());
-}
-
-TEST(VectorField, refuses_what_is_no_tool)
-{
-    const auto made = [](const Points& frames, const VectorFieldOptions& options) {
-        return VectorField(frames, options);
-    };
-    const Points two = at_rest(2);
-    EXPECT_THROW(made(Points(0, 3), {}), InvalidOption);
-    EXPECT_THROW(made(two.topRows(7), {}), InvalidOption);
-    EXPECT_THROW(made(two, {.counts = {1}}), InvalidOption);
-    EXPECT_THROW(made(two, {.counts = {2, 1}}), InvalidOption);
-    EXPECT_THROW(made(two, {.counts = {2, 0}}), InvalidOption);
-    EXPECT_THROW(made(two, {.inner = {1.0}}), InvalidOption);
-    EXPECT_THROW(made(two, {.inner = {-0.1}}), InvalidOption);
-    EXPECT_NO_THROW(made(two, {.tools = {FieldTool::bend}, .inner = {-0.1}}));
-    EXPECT_THROW(made(two, {.width = {0.0}}), InvalidOption);
-    EXPECT_THROW(made(two, {.outer = {std::numeric_limits<double>::infinity()}}), InvalidOption);
-    EXPECT_THROW(made(two, {.outer = {1.0, 2.0, 3.0}}), InvalidOption);
-    EXPECT_THROW(made(two, {.order = 3}), InvalidOption);
-    EXPECT_THROW(made(two, {.steps = -1}), InvalidOption);
-    EXPECT_THROW(made(two, {.tolerance = 0.0}), InvalidOption);
-    Points bad(12, 3);
-    bad << frame(), frame(), frame(shapes::shift(1, 0, 0));
-    expect_elements(refusal<InvalidConstraint>([&] { made(bad, {.counts = {1, 2}}); }),
-                    Error::Element::handle, {1});
-    Points flat = at_rest(1);
-    flat.row(3).setZero();
-    expect_elements(refusal<InvalidConstraint>([&] { made(flat, {}); }), Error::Element::handle, {0});
-    flat(3, 0) = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_THROW(made(flat, {}), InvalidConstraint);
-    const VectorField field(at_rest(1));
-    const Points still = at_rest(1);
-    EXPECT_EQ(field.piece_count(view(still)), 0);
-    EXPECT_THROW(field.velocities(view(still), 0, 0.5, view(still)), InvalidConstraint);
 }
 
 } // namespace sinew::test_vector_field
