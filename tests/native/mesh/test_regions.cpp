@@ -1,29 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/regions.h"
 
-#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
-
-#include <limits>
 
 namespace sinew::test_regions {
 
 namespace {
 
-using Element = Error::Element;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN(),
-                 infinite = std::numeric_limits<double>::infinity();
-
 /// Two parts: 0-5 and 6-8.
 const Components two_parts{2, {0, 0, 0, 0, 0, 0, 1, 1, 1}};
-
-InvalidConstraint refused(const std::vector<Handle>& handles)
-{
-    return refusal<InvalidConstraint>([&] { Regions(handles, two_parts); });
-}
 
 } // namespace
 
@@ -103,22 +90,6 @@ TEST(Regions, the_report_counts)
     EXPECT_EQ(report.free_vertices, (std::vector{6, 7, 8}));
     EXPECT_EQ(Regions({}, two_parts).report().free_parts, 2);
     EXPECT_EQ(Regions({}, two_parts).report().free_vertices.size(), 9u);
-}
-
-TEST(Regions, refuse_what_fits_no_mesh_and_name_it)
-{
-    expect_elements(refused({{{0}, {}}, {{}, {}}}), Element::handle, {1});
-    expect_elements(refused({{{0, 1}, {1.0}}}), Element::handle, {0});
-    expect_elements(refused({{{0, 1, 2}, {}}, {{2, 3, 1}, {}}}), Element::vertex, {2, 1});
-    for (int bad : {-1, 9, std::numeric_limits<int>::max()}) {
-        const InvalidConstraint error = refused({{{0}, {}}, {{1, bad}, {}}});
-        expect_elements(error, Element::handle, {1});
-        EXPECT_NE(std::string(error.what()).find(std::to_string(bad)), std::string::npos);
-    }
-    for (double bad : {-0.1, 1.1, nan, infinite})
-        expect_elements(refused({{{4, 5, 1}, {0.5, bad, bad}}}), Element::vertex, {5, 1});
-    for (double bad : {-0.1, 2.1, nan})
-        expect_elements(refused({{{0}, {}}, {{1}, {}, bad}}), Element::handle, {1});
 }
 
 TEST(Targets, apply_the_pose_to_the_incoming_point_or_to_the_rest)

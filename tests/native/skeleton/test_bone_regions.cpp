@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/skeleton/bone_regions.h"
 
-#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
@@ -59,13 +58,6 @@ TEST(BoneRegions, ABoneOutsideHoldsNothing)
     const auto regions = bone_regions(mesh, Skeleton(heads, tails, {-1, -1}));
     EXPECT_EQ(static_cast<int>(regions[0].size()), mesh.vertex_count());
     EXPECT_TRUE(regions[1].empty());
-}
-
-TEST(BoneRegions, RefusesAMarginOutOfRange)
-{
-    const SurfaceMesh mesh = shapes::cube();
-    for (double margin : {-0.1, 0.5})
-        refusal<InvalidOption>([&] { bone_regions(mesh, in_a_bar(), margin); });
 }
 
 } // namespace sinew::test_bone_regions

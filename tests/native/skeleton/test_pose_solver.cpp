@@ -2,7 +2,6 @@
 #include "native/skeleton/pose_solver.h"
 
 #include "native/skeleton/pose_problem.h"
-#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/skeleton/bodies.h"
 
@@ -10,13 +9,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace sinew::test_pose_solver {
 
 namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 PoseRequest tip_to(const Skeleton& skeleton, const Vector3& goal)
 {
@@ -431,32 +427,6 @@ TEST(PoseSolver, NothingToDoIsTheBasePosture)
     const Solved solved = solve(skeleton, {});
     EXPECT_EQ(solved.posture.turns, skeleton.rest().turns);
     EXPECT_TRUE(solved.report.converged);
-}
-
-TEST(PoseSolver, Refusals)
-{
-    const Skeleton skeleton = bodies::chain(3);
-    const auto refused = [&](const auto& change) {
-        PoseRequest request = tip_to(skeleton, {1, 0, 2});
-        change(request);
-        return std::string(refusal<InvalidConstraint>([&] { solve(skeleton, request); }).what());
-    };
-    EXPECT_EQ(refused([](PoseRequest& request) { request.targets[0].bone = 3; }),
-              "target 0: there is no bone 3");
-    EXPECT_EQ(refused([](PoseRequest& request) { request.targets[0].goal.x() = nan; }),
-              "target 0: its point or its goal is not finite");
-    EXPECT_EQ(refused([](PoseRequest& request) { request.targets[0].weight = 0; }),
-              "target 0: its weight is not a positive number");
-    refused([](PoseRequest& request) { request.locked = {true}; });
-    refused([](PoseRequest& request) { request.base = Posture{Points::Zero(1, 3), Points::Zero(1, 3)}; });
-    refused([](PoseRequest& request) { request.balance = Balance{Points::Zero(3, 3)}; });
-    refused([](PoseRequest& request) { request.balance = Balance{square(1), Vector3::Zero()}; });
-    refused([](PoseRequest& request) { request.balance = Balance{square(1), Vector3::UnitZ(), {1, 2}}; });
-    refused([](PoseRequest& request) { request.balance = Balance{square(1), Vector3::UnitZ(), {0, 0, 0}}; });
-    refused([](PoseRequest& request) { request.balance = Balance{square(1), Vector3::UnitZ(), {1, -1, 1}}; });
-    refusal<InvalidOption>([&] { solve(skeleton, {}, {.rest = -1.0}); });
-    refusal<InvalidOption>([&] { solve(skeleton, {}, {.max_iterations = 0}); });
-    refusal<InvalidOption>([&] { solve(skeleton, {}, {.swing = -1.0}); });
 }
 
 } // namespace sinew::test_pose_solver

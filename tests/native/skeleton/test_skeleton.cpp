@@ -1,21 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/skeleton/skeleton.h"
 
-#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 #include "tests/native/skeleton/bodies.h"
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
 namespace sinew::test_skeleton {
-
-namespace {
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
-} // namespace
 
 TEST(Skeleton, RestIsTheIdentity)
 {
@@ -50,41 +41,6 @@ TEST(Skeleton, WhereTwoAxesAreOneAPostureComesBackFromItsRotation)
     posture.turns.row(0) << 0.4, shapes::pi / 2, -0.3;
     const std::vector<Matrix3> R = one.rotations(posture);
     EXPECT_LT((one.rotations(one.posture(R))[0] - R[0]).norm(), 1e-14);
-}
-
-TEST(Skeleton, Refusals)
-{
-    const Points none(0, 3), one = Points::Zero(1, 3);
-    Points up = Points::Zero(1, 3);
-    up(0, 2) = 1;
-    EXPECT_STREQ(refusal<InvalidConstraint>([&] { Skeleton(none, none, {}); }).what(),
-                 "the skeleton has no bones");
-    refusal<InvalidConstraint>([&] { Skeleton(one, up, {-1, 0}); });
-    refusal<InvalidConstraint>([&] { Skeleton(one, one, {-1}); }); // no length
-    refusal<InvalidConstraint>([&] { Skeleton(one, up, {0}); });
-    refusal<InvalidConstraint>([&] { Skeleton(one, up, {-2}); });
-    refusal<InvalidConstraint>([&] { Skeleton(one, up, {-1}, {2 * Matrix3::Identity()}); });
-    refusal<InvalidConstraint>([&] { Skeleton(one, up, {-1}, {-Matrix3::Identity()}); });
-    Points lost = up;
-    lost(0, 0) = nan;
-    refusal<InvalidConstraint>([&] { Skeleton(one, lost, {-1}); });
-    Joint joint;
-    joint.lower[1] = 1;
-    joint.upper[1] = 0;
-    EXPECT_STREQ(refusal<InvalidOption>([&] { Skeleton(one, up, {-1}, {}, {joint}); }).what(),
-                 "bone 0: the lower limit about y is above the upper one");
-    joint = {};
-    joint.most = -1;
-    refusal<InvalidOption>([&] { Skeleton(one, up, {-1}, {}, {joint}); });
-    joint = {};
-    joint.order = {0, 0, 1};
-    refusal<InvalidOption>([&] { Skeleton(one, up, {-1}, {}, {joint}); });
-    joint = {};
-    joint.stiffness = 0;
-    refusal<InvalidOption>([&] { Skeleton(one, up, {-1}, {}, {joint}); });
-    const Skeleton skeleton(one, up, {-1});
-    refusal<InvalidConstraint>([&] { skeleton.poses({Points::Zero(2, 3), Points::Zero(2, 3)}); });
-    refusal<InvalidConstraint>([&] { skeleton.posture({Matrix3::Zero()}); });
 }
 
 } // namespace sinew::test_skeleton

@@ -6,7 +6,6 @@
 #include "tests/native/wide_kernels.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <cmath>
