@@ -448,9 +448,4 @@ TEST_F(SubdivisionEditing, levels_above_the_memory_limit_are_refused_before_they
     }
 }
 
-TEST_F(SubdivisionEditing, refuses_levels_below_zero)
-{
-    expect_refused(shapes::cube(), {{Coarsening::levels, -1}});
-}
-
 } // namespace sinew::test_subdivision_editing

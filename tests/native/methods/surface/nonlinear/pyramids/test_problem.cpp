@@ -2,15 +2,12 @@
 #include "native/methods/surface/nonlinear/pyramids/problem.h"
 
 #include "native/local_global/rows/row_problem.h"
-#include "native/mesh/components.h"
 #include "native/methods/surface/nonlinear/pyramids/morph.h"
 #include "tests/native/differences.h"
 #include "tests/native/shapes.h"
 #include "tests/native/wide_kernels.h"
 
 #include <gtest/gtest.h>
-
-#include <memory>
 
 namespace sinew::test_problem {
 
@@ -165,32 +162,6 @@ TEST(Rings, coordinates_do_not_change_by_motions_and_sizes)
     const Rings::Weights again = rings.mean_value_weights(view(grown));
     for (std::size_t a = 0; a < weights.shares.size(); ++a)
         EXPECT_NEAR(again.shares[a], weights.shares[a], 1e-13);
-}
-
-TEST(Rings, known_weights)
-{
-    // In a regular ring all weights are equal; a vertex off the middle of a square has those of mean values.
-    const SurfaceMesh plane = shapes::mesh({{0.25, 0, 3}, {1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}},
-                                           {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}});
-    const Rings rings(plane);
-    const Rings::Weights weights = rings.mean_value_weights(view(plane.points()));
-    Vector3 mean = Vector3::Zero();
-    for (int a = rings.offsets()[0]; a < rings.offsets()[1]; ++a) {
-        EXPECT_GT(weights.shares[a], 0);
-        mean += weights.shares[a] * plane.point(rings.neighbours()[a]);
-    }
-    EXPECT_LT((mean - Vector3(0.25, 0, 0)).norm(), 1e-15);
-    const auto tangent = [](Vector3 a, Vector3 b) {
-        return std::tan(0.5 * std::acos(a.normalized().dot(b.normalized())));
-    };
-    const Vector3 own(0.25, 0, 0), right = Vector3(1, 1, 0) - own, left = Vector3(-1, 1, 0) - own,
-                                   below = Vector3(1, -1, 0) - own, behind = Vector3(-1, -1, 0) - own;
-    const double near = (tangent(right, left) + tangent(below, right)) / right.norm(),
-                 far = (tangent(right, left) + tangent(left, behind)) / left.norm();
-    EXPECT_NEAR(weights.shares[0], near / (2 * (near + far)), 1e-15);
-    // Corners lie on the border: equal weights.
-    for (int a = rings.offsets()[1]; a < rings.offsets()[2]; ++a)
-        EXPECT_DOUBLE_EQ(weights.shares[a], 1.0 / 3.0);
 }
 
 TEST(PyramidMorph, mixes_weights_heights_and_edges)
