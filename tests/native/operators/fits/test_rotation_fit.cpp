@@ -3,7 +3,6 @@
 
 #include "tests/native/shapes.h"
 
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 namespace sinew::test_rotation_fit {
