@@ -47,20 +47,59 @@ def test_gradient_is_libigls(surface) -> None:
     points, faces, mesh = surface
     G = sn.gradient(mesh)
     assert G.shape == (3 * len(faces), len(points))
-    assert sn.divergence(mesh).shape == G.shape[::-1]
+    L = sn.laplacian(mesh, "cotan")
+    assert abs(sn.divergence(mesh) @ G - L).max() < 1e-12 * abs(L).max()
+    assert abs(sn.divergence(mesh).sum(0)).max() < 1e-12, "no field has a source as a whole"
     theirs = igl.grad(points, faces.astype(np.int64))  # all x, then all y, then all z
     ours = np.asarray(G.todense()).reshape(len(faces), 3, -1).transpose(1, 0, 2).reshape(3 * len(faces), -1)
     np.testing.assert_allclose(ours, theirs.todense(), atol=1e-12 * abs(theirs).max())
 
 
-def test_rotations_are_those_of_numpys_svd() -> None:
-    S = np.random.default_rng(3).normal(size=(500, 3, 3))
+@pytest.mark.parametrize("kind", ["uniform", "cotan", "cotan_voronoi"])
+def test_powers_are_products_of_laplacians_and_inverse_masses(kind: str) -> None:
+    mesh = sn.SurfaceMesh(*grid(5))
+    L, D = sn.laplacian(mesh, kind).toarray(), np.diag(1 / sn.mass(mesh, kind))
+    for order, expected in enumerate((L, L @ D @ L, L @ D @ L @ D @ L), 1):
+        close = {"rtol": 0, "atol": 1e-13 * abs(expected).max()}  # the same products, summed in another order
+        np.testing.assert_allclose(sn.laplacian_power(mesh, order, kind).toarray(), expected, **close)
+
+
+def matrices() -> dict[str, np.ndarray]:
+    """(k, 3, 3) of any kind, many of them without a single nearest rotation."""
+    rng, small = np.random.default_rng(3), [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-4, 1e-3, 1e-2]
+    singular = [
+        each
+        for e in small
+        for each in (
+            (1, e, e), (1, e, 0), (1, 1, e), (1, 1 + e, -1), (1, e, -e), (1, 0.5, -0.5 - e),
+            (1, 0.5 + e, -0.5), (1, 1, -1 + e), (1, 1 + e, 1), (e, e, -e), (1, 0.3, e), (1, 0.3, -e),
+        )
+    ]  # fmt: skip
+    U, V = np.linalg.qr(rng.normal(size=(2, 20, len(singular), 3, 3)))[0]
+    a, b, c, d = rng.uniform(-1, 1, (4, 200, 3))
+    rank_one = np.einsum("ki,kj->kij", a, b)
+    sides = np.stack(np.meshgrid((-1.0, 0, 1), (-1.0, 0, 1, 2), (-1.0, 0, 1)), -1).reshape(-1, 3)
+    return {
+        "random": rng.normal(size=(20_000, 3, 3)),
+        "nearly tied": (U * np.array(singular)[:, None] @ V.swapaxes(-1, -2)).reshape(-1, 3, 3),
+        "of rank one and two": np.concatenate([rank_one, rank_one + np.einsum("ki,kj->kij", c, d)]),
+        "diagonal": np.eye(3) * sides[:, None],
+    }
+
+
+@pytest.mark.parametrize("kind", matrices())
+def test_rotations_have_the_largest_trace_by_numpys_svd(kind: str) -> None:
+    S = matrices()[kind]
     R = sn.fit_rotations(S)
-    U, _, Vt = np.linalg.svd(S)
-    U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
-    # The nearest rotation is as well conditioned as the gap of the two smallest singular values.
-    np.testing.assert_allclose(np.einsum("kij,kij->k", R, S), np.einsum("kij,kij->k", U @ Vt, S), rtol=1e-12)
-    np.testing.assert_allclose(np.linalg.det(R), 1, atol=1e-13)
+    U, sizes, Vt = np.linalg.svd(S)
+    sizes[:, 2] *= np.sign(np.linalg.det(U @ Vt))
+    lost = sizes.sum(1) - np.einsum("kij,kij->k", R, S)
+    assert (lost <= 1e-13 * np.linalg.norm(S, axis=(1, 2))).all()
+    np.testing.assert_allclose(R @ R.swapaxes(1, 2), np.tile(np.eye(3), (len(S), 1, 1)), atol=1e-14)
+    np.testing.assert_allclose(np.linalg.det(R), 1, atol=1e-14)
+    if kind == "random":  # gaps of singular values down to 1e-3 or so
+        for scale in (1e-140, 1e-50, 1e50, 1e140):
+            np.testing.assert_allclose(sn.fit_rotations(scale * S[:100]), R[:100], atol=1e-10)
 
 
 BACKENDS = ("automatic", "supernodal", "simplicial", "ldlt")

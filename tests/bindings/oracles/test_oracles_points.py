@@ -97,22 +97,47 @@ def test_compact_functions_equal_the_sum_over_all_centres(kernel: str, degree: i
     rbf = sn.Rbf(centres, kernel=kernel, degree=degree, radius=radius / size_of(centres))
     rbf.bind(points)
     expected = by_a_dense_system(centres, moves, points, kernel, degree, radius)
+    found = rbf.warp(centres + moves)
     # The largest radius makes the system nearly singular.
-    np.testing.assert_allclose(
-        rbf.warp(centres + moves), expected, rtol=0, atol=1e-7 if radius > 1 else 1e-12
-    )
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-7 if radius > 1 else 1e-12)
+    if degree == -1:
+        far = np.linalg.norm(points[:, None] - centres, axis=2).min(1) > radius
+        np.testing.assert_array_equal(found[far], points[far])
 
 
-@pytest.mark.parametrize("radius", [0.05, 0.2])
-def test_compact_regions_equal_the_sum_over_all_centres(radius: float) -> None:
+@pytest.mark.parametrize(
+    ("kernel", "degree", "radius"),
+    [("wendland_c2", 1, 0.05), ("wendland_c2", 1, 0.2), ("triharmonic", 2, 1.0)],
+)
+def test_regions_equal_the_sum_over_all_centres(kernel: str, degree: int, radius: float) -> None:
     centres, counts, goals = regions(250)
-    points = cloud(1003, 4.0, 5)
-    rbf = sn.Rbf(centres, counts, kernel="wendland_c2", degree=1, radius=radius, precision="double")
+    points = np.concatenate([cloud(1003, 4.0, 5), centres])
+    rbf = sn.Rbf(
+        centres, counts, kernel=kernel, degree=degree, radius=radius, tolerance=0, precision="double"
+    )
     rbf.bind(points)
     lengths = radius * size_of(centres)
-    expected = by_a_dense_system(centres, goals - centres, points, "wendland_c2", 1, lengths)
+    expected = by_a_dense_system(centres, goals - centres, points, kernel, degree, lengths)
     # Four functions of a region, of which each has a rounding of its own.
-    np.testing.assert_allclose(rbf.warp(posed(rbf.control)), expected, rtol=0, atol=1e-11)
+    found = rbf.warp(posed(rbf.control))
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(found[1003:], goals, rtol=0, atol=1e-11)
+
+
+def test_propagation_fades_a_turn_by_the_closed_form_of_two_handles() -> None:
+    """By the share of the distance to the handle that stays, of both; of one pose of both nothing fades."""
+    places = np.array([(0, 0, 0), (0, 1, 0), (0, 0, 1), (4, 0, 0), (4, 1, 0), (4, 0, 1)], float)
+    points, middle, move = cloud(60, 2.0, 3) + (2, 0, 0), places[3:].mean(0), np.array([0.3, -0.2, 0.5])
+    method = sn.SpacePropagation(places, [3, 3])
+    method.bind(points)
+    still, turned = np.split(method.control, 2)
+    found = method.warp(np.concatenate([still, moved(turn((0, 0, 1), 80, middle, move), turned)]))
+    away = np.linalg.norm(points[:, None] - places, axis=2).reshape(-1, 2, 3).min(2)
+    share = away[:, 0] / away.sum(1)
+    expected = [moved(turn((0, 0, 1), 80 * s, middle, s * move), x) for s, x in zip(share, points)]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6)  # shares in single precision
+    shear = np.array([(1.2, 0.3, 0, 1), (-0.4, 0.8, 0.1, 2), (0.5, 0.2, 2, 3)])
+    np.testing.assert_allclose(method.warp(moved(shear, method.control)), moved(shear, points), atol=1e-11)
 
 
 def least_squares(p, q, share, v, maps: str, alpha: float) -> np.ndarray:

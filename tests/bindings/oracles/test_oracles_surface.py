@@ -506,3 +506,40 @@ def test_a_silhouette_sketch_is_the_least_squares_solution_of_the_paper(kind: st
     words = {"laplacian": kind, "refits": 0, "sharpness": sharpness, "weight": weight}
     found = sn.SilhouetteSketch(rest.mesh, edges, shares, np.flatnonzero(held), **words).solve(targets)
     np.testing.assert_allclose(found, x, rtol=0, atol=1e-9)  # condition numbers of some 1e5
+
+
+@pytest.mark.parametrize(
+    ("name", "scheme"),
+    [("bar", "catmull_clark"), ("hill", "catmull_clark"), ("hill", "loop"), ("sphere", "loop")],
+)
+def test_the_control_mesh_of_subdivision_editing_is_the_nearest_one(name: str, scheme: str) -> None:
+    surface = sn.SubdivisionSurface(Rest(name).mesh, scheme=scheme, level=1)
+    smooth = surface.refine(MESHES[name][0])
+    sculpted = smooth + np.random.default_rng(9).uniform(-0.2, 0.2, smooth.shape)
+    editing = sn.SubdivisionEditing(sn.SurfaceMesh(sculpted, surface.faces), coarsening="levels", levels=1)
+    editing.set_handles([[0]])
+    expected = lstsq(surface.matrix.toarray(), sculpted)[0]
+    np.testing.assert_allclose(editing.control_mesh().points, expected, rtol=0, atol=1e-11)
+
+
+def test_subdivision_editing_moves_its_control_mesh_as_a_thin_plate() -> None:
+    """Translations turn no detail: where no band reaches, far from handles, there is S (y + u) alone."""
+    rest, move = Rest("bar"), np.array([1.0, -2.0, 3.0])
+    surface = sn.SubdivisionSurface(rest.mesh, level=2)
+    S = surface.matrix.toarray()
+    fine = S @ rest.points
+    handles = ends(fine, 1.3)
+    editing = sn.SubdivisionEditing(sn.SurfaceMesh(fine, surface.faces), coarsening="levels", levels=2)
+    editing.set_handles(handles)
+    L, held = rest.laplacian("cotan_voronoi"), np.concatenate(handles)
+    K = L @ (L / rest.mass("cotan_voronoi")[:, None])
+    goals = np.repeat([np.zeros(3), move], [len(handle) for handle in handles], axis=0)
+    mean, pulls = goals.mean(0), (1e4 * S[held] @ np.diag(K))[:, None] * S[held]
+    u = np.linalg.solve(K + S[held].T @ pulls, pulls.T @ (goals - mean))
+    expected = S @ (rest.points + u + mean)
+    found, _ = editing.solve([STILL, shift(*move)])
+    free = abs(fine[:, 0] - 3) < 0.6
+    assert free.sum() > 50
+    assert np.linalg.norm(expected - fine, axis=1)[free].max() > 1
+    # Pulls are 1e6 times as stiff as the plate.
+    np.testing.assert_allclose(found[free], expected[free], rtol=0, atol=1e-8)

@@ -45,9 +45,11 @@ def by_numpy(points, rest, posed, radius: float, scale: float = 1.0, rotation: f
 def test_several_wires_are_those_of_the_loop(exponent: float) -> None:
     rng = np.random.default_rng(4)
     points = rng.uniform(-1, 1, (2000, 3))
-    rest = [np.cumsum(rng.normal(0, 0.2, (9, 3)), axis=0) for _ in range(3)]
+    rest = [np.cumsum(rng.normal(0, 0.2, (9, 3)), axis=0) for _ in range(4)]
     posed = [wire + rng.normal(0, 0.2, wire.shape) for wire in rest]
-    radius, scale, rotation = [0.9, 0.6, 1.2], [1.0, 1.8, 0.4], [1.0, 0.3, 0.0]
+    if exponent:
+        posed[3] = rest[3]  # which holds nothing back; without an exponent, all in reach count alike
+    radius, scale, rotation = [0.9, 0.6, 1.2, 1.5], [1.0, 1.8, 0.4, 1.0], [1.0, 0.3, 0.0, 1.0]
     moves = [by_numpy(points, *each) for each in zip(rest, posed, radius, scale, rotation, strict=True)]
     weights = [
         np.where((length := np.linalg.norm(move, axis=1, keepdims=True)) > 0, length**exponent, 0.0)
@@ -59,7 +61,7 @@ def test_several_wires_are_those_of_the_loop(exponent: float) -> None:
     expected = points + sum(w * m for w, m in zip(weights, moves, strict=True)) / total
     wires = sn.Wires(
         np.concatenate(rest),
-        [9, 9, 9],
+        [9, 9, 9, 9],
         radius=radius,
         scale=scale,
         rotation=rotation,
@@ -70,6 +72,14 @@ def test_several_wires_are_those_of_the_loop(exponent: float) -> None:
     np.testing.assert_allclose(wires.warp(np.concatenate(posed)), expected, atol=1e-12)
 
 
+def test_beside_a_straight_wire_there_is_nothing_to_smooth() -> None:
+    rest = np.linspace((-5, 0, 0), (5, 0, 0), 41)
+    points, posed = np.random.default_rng(3).uniform(-1.5, 1.5, (300, 3)), rest + (0, 1, 0)
+    wires = sn.Wires(rest, radius=1.25)
+    wires.bind(points)
+    np.testing.assert_allclose(wires.warp(posed) - points, by_numpy(points, rest, posed, 1.25), atol=1e-14)
+
+
 def test_counts_flags_and_values_come_as_numbers_or_one_per_curve() -> None:
     line = np.array([(0.0, 0, 0), (1, 0, 0), (1, 1, 0)])
     twice = np.concatenate((line, line + (0, 0, 3)))
@@ -77,6 +87,7 @@ def test_counts_flags_and_values_come_as_numbers_or_one_per_curve() -> None:
     assert (wires.curve_count, wires.sample_count) == (2, 6)
     for wrong in (
         {"counts": [3, 2]},
+        {"counts": [5, 1]},
         {"closed": [True, False, True]},
         {"radius": [1.0, 2.0, 3.0]},
         {"domain": line},
@@ -84,6 +95,12 @@ def test_counts_flags_and_values_come_as_numbers_or_one_per_curve() -> None:
     ):
         with pytest.raises(sn.Error):
             sn.Wires(twice, **{"counts": [3, 3], **wrong})
+    for few in (line[:0], line[:1]):
+        with pytest.raises(sn.Error):
+            sn.Wires(few)
     with pytest.raises(sn.InvalidConstraint, match="no length") as refused:
         sn.Wires(np.concatenate((line, np.ones((3, 3)))), [3, 3])
     assert (refused.value.element_kind, list(refused.value.elements)) == ("handle", [1])
+    with pytest.raises(sn.InvalidConstraint) as refused:
+        sn.Wires([*line, (0, np.inf, 0)])
+    assert (refused.value.element_kind, list(refused.value.elements)) == ("vertex", [3])

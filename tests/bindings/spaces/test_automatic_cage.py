@@ -123,16 +123,20 @@ def test_progress_may_cancel() -> None:
     mesh = sn.SurfaceMesh(*sphere(2))
     seen = []
     sn.automatic_cage(mesh, 60, WIDE, progress=lambda share, stage: seen.append((share, stage)))
-    assert seen[-1][0] == 1.0
-    with pytest.raises(sn.Cancelled, match="wrapping"):
-        sn.automatic_cage(mesh, 60, WIDE, progress=lambda share, stage: False)
+    shares, stages = zip(*seen)
+    assert shares[-1] == 1.0
+    assert list(shares) == sorted(shares)
+    assert list(dict.fromkeys(stages)) == ["wrapping", "simplifying", "tightening", "checking"]
+    for stage in set(stages):
+        with pytest.raises(sn.Cancelled, match=stage):
+            sn.automatic_cage(mesh, 60, WIDE, progress=lambda _share, now, stage=stage: now != stage)
 
 
 @pytest.mark.parametrize(
     ("keywords", "error"),
     [
-        ({"faces": 3}, sn.InvalidOption),
-        ({"margin": 0.0}, sn.InvalidOption),
+        *(({"faces": count}, sn.InvalidOption) for count in (3, 11, 100_001)),
+        *(({"margin": share}, sn.InvalidOption) for share in (0.0, -1.0, 0.3, np.nan)),
         ({"symmetry": "w"}, sn.InvalidOption),
         ({"progress": 3}, TypeError),
     ],
@@ -140,6 +144,12 @@ def test_progress_may_cancel() -> None:
 def test_options_out_of_range_are_refused(keywords: dict, error: type) -> None:
     with pytest.raises(error, match=next(iter(keywords))):
         sn.automatic_cage(sn.SurfaceMesh(*sphere(1)), **keywords)
+
+
+@pytest.mark.parametrize("points", [[(1, 2, 3), (1, 2, 3)], [(-1e308, 0, 0), (1e308, 0, 0)]])
+def test_targets_without_a_size_are_refused(points: list) -> None:
+    with pytest.raises(sn.InvalidMesh):
+        sn.automatic_cage(sn.SurfaceMesh(points, []))
 
 
 def test_diagnosis_names_elements() -> None:

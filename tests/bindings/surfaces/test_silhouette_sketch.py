@@ -22,6 +22,7 @@ def border() -> tuple[np.ndarray, np.ndarray]:
 def test_the_outline_of_a_sheet_is_its_border_and_goes_where_it_is_drawn() -> None:
     edges, _shares = border()
     assert len(edges) == 4 * (len(np.unique(POINTS[:, 0])) - 1)
+    np.testing.assert_array_equal(edges[:, 0], edges[:, 1])
     right = POINTS[POINTS[:, 0] == POINTS[:, 0].max()]
     stroke = right[np.argsort(right[:, 1])] + (0.5, 0.0, 7.0)
     edges, shares, targets = sn.fit_stroke(MESH, stroke, ABOVE, nearness=1.0)
@@ -47,19 +48,38 @@ def test_what_does_not_fit_is_refused() -> None:
     edges, shares = border()
     stroke = POINTS[:3]
     assert sn.fit_stroke(MESH, stroke + 1e3, ABOVE) is None
-    for wrong in (POINTS[:1], stroke[:, :2], np.full_like(stroke, np.nan), stroke[[0, 0]]):
-        with pytest.raises(sn.InvalidConstraint, match="stroke"):
+    for wrong, words in (
+        (POINTS[:1], "it has fewer than two points"),
+        (stroke[:, :2], ""),
+        (np.full_like(stroke, np.nan), "NaN or infinite coordinates"),
+        (stroke[[0, 0]] + [[0, 0, 0], [0, 0, 2]], "it has no length in this view"),
+    ):
+        with pytest.raises(sn.InvalidConstraint, match=f"stroke: {words}"):
             sn.fit_stroke(MESH, wrong, ABOVE)
+    with pytest.raises(sn.InvalidConstraint, match="stroke: a point is behind the viewer"):
+        sn.fit_stroke(MESH, stroke, ABOVE, POINTS.min(0) - 9)
     for axes, eye in ((np.eye(2), None), (2 * ABOVE, None), (ABOVE, (0.0, 0.0)), (ABOVE, np.full(3, np.inf))):
         with pytest.raises(sn.InvalidOption, match=r"axes|eye"):
             sn.silhouette_lines(MESH, axes, eye)
     with pytest.raises(sn.InvalidConstraint, match="edges"):
         sn.fit_stroke(MESH, stroke, ABOVE, edges=[0, 1])
+    with pytest.raises(sn.InvalidConstraint) as refused:
+        sn.SilhouetteSketch(MESH, [(0, 81)], [0.5], [])
+    assert refused.value.elements == [81]
+    with pytest.raises(sn.InvalidConstraint) as refused:
+        sn.SilhouetteSketch(MESH, [(0, 1)], [0.5], [-1])
+    assert refused.value.elements == [-1]
+    with pytest.raises(sn.InvalidConstraint, match="a share is not in"):
+        sn.SilhouetteSketch(MESH, [(0, 1)], [1.5], [])
+    with pytest.raises(sn.InvalidConstraint, match="no vertex of it"):
+        sn.SilhouetteSketch(MESH, np.zeros((0, 2), int), [], [])
     with pytest.raises(sn.InvalidConstraint, match="shares"):
         sn.SilhouetteSketch(MESH, edges, shares[1:], [])
     with pytest.raises(sn.InvalidConstraint, match="no vertex of it"):
         sn.SilhouetteSketch(MESH, edges, shares, np.arange(len(POINTS)))
-    with pytest.raises(sn.InvalidOption, match="weight"):
-        sn.SilhouetteSketch(MESH, edges, shares, [], weight=1.0)
-    with pytest.raises(sn.InvalidConstraint, match="targets"):
-        sn.SilhouetteSketch(MESH, edges, shares, []).solve(POINTS[:2])
+    for option in ({"weight": 1.0}, {"weight": -0.1}, {"refits": -1}, {"sharpness": -2.0}):
+        with pytest.raises(sn.InvalidOption, match=next(iter(option))):
+            sn.SilhouetteSketch(MESH, edges, shares, [], **option)
+    for wrong in (POINTS[:2], np.full((len(edges), 3), np.nan)):
+        with pytest.raises(sn.InvalidConstraint, match="targets"):
+            sn.SilhouetteSketch(MESH, edges, shares, []).solve(wrong)

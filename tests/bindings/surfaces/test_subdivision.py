@@ -49,6 +49,80 @@ def test_loop_follows_the_published_rules() -> None:
     assert surface.faces.shape == (4 * len(faces), 3)
 
 
+def catmull_clark_once(points: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, list]:
+    """The rules for a closed mesh of quads: moved vertices, and new ones of edges and faces in any order."""
+    middles = points[faces].mean(1)
+    around: dict[int, list] = {}
+    beside: dict[tuple, list] = {}
+    for face, middle in zip(faces, middles):
+        for a, b in zip(face, np.roll(face, -1)):
+            around.setdefault(a, []).append(middle)
+            beside.setdefault((min(a, b), max(a, b)), []).append(middle)
+    moved = np.empty_like(points)
+    for v, own in around.items():
+        n, ends = len(own), [points[list(edge)].mean(0) for edge in beside if v in edge]
+        moved[v] = (np.mean(own, 0) + 2 * np.mean(ends, 0) + (n - 3) * points[v]) / n
+    edges = [(points[list(edge)].sum(0) + np.sum(both, 0)) / 4 for edge, both in beside.items()]
+    return moved, [*edges, *middles]
+
+
+def test_catmull_clark_follows_the_published_rules() -> None:
+    points = CUBE + np.random.default_rng(1).normal(0, 0.1, CUBE.shape)
+    once = sn.SubdivisionSurface(sn.SurfaceMesh(points, QUADS), level=1)
+    for surface, own in ((once, points), (cube(level=1), CUBE)):
+        moved, others = catmull_clark_once(own, QUADS)
+        fine = surface.refine(own)
+        np.testing.assert_allclose(fine[:8], moved, atol=1e-15)
+        assert {tuple(p) for p in fine[8:].round(12)} == {tuple(p) for p in np.round(others, 12)}
+    # And of valence four: the same rules on what has come out.
+    again = sn.SubdivisionSurface(sn.SurfaceMesh(fine, once.faces), level=1)
+    np.testing.assert_allclose(again.refine(fine)[:26], catmull_clark_once(fine, once.faces)[0], atol=1e-15)
+
+
+@pytest.mark.parametrize("scheme", ["catmull_clark", "loop", "bilinear"])
+def test_a_limit_does_not_depend_on_the_level_and_level_zero_is_the_mesh(scheme: str) -> None:
+    points, faces = sphere(1)
+    points = points + np.random.default_rng(1).normal(0, 0.1, points.shape)
+    mesh = sn.SurfaceMesh(points, faces)
+
+    def surface(**options) -> np.ndarray:
+        return sn.SubdivisionSurface(mesh, scheme=scheme, **options).refine(points)
+
+    coarse, fine = (surface(level=level, limit=True) for level in (1, 3))
+    np.testing.assert_allclose(fine[: len(coarse)], coarse, atol=1e-14)
+    np.testing.assert_array_equal(surface(level=0), points)
+
+
+def test_limits_are_those_of_the_published_masks() -> None:
+    """(n^2 P + 4 sum of edge neighbours + sum of face opposites) / n (n + 5), and that of Loop."""
+    across = 1 - 2 * CUBE  # to the opposite corner
+    expected = (9 * CUBE + 4 * (3 * CUBE + across) + 3 * CUBE + 2 * across) / 24
+    np.testing.assert_allclose(cube(level=0, limit=True).refine(CUBE), expected, atol=1e-15)
+    points, faces = sphere(0)  # the neighbours of a corner of the octahedron sum to zero
+    smooth = sn.SubdivisionSurface(sn.SurfaceMesh(points, faces), scheme="loop", level=0, limit=True)
+    beta = (5 / 8 - 9 / 64) / 4
+    np.testing.assert_allclose(smooth.refine(points), points / (1 + 32 * beta / 3), atol=1e-15)
+
+
+def test_sharp_rims_and_corners_stay_and_open_corners_by_choice() -> None:
+    flat = [
+        edge
+        for edge in np.argwhere(np.triu((CUBE[:, None] != CUBE).sum(2) == 1))
+        if np.ptp(CUBE[edge, 2]) == 0
+    ]
+    rims = cube(level=3, creases=(flat, 10.0)).refine(CUBE)
+    assert (rims[:, 2].min(), rims[:, 2].max()) == (0.0, 1.0)
+    fixed = cube(level=3, creases=(flat, 10.0), corners=(range(8), 10.0)).refine(CUBE)
+    np.testing.assert_array_equal(fixed[:8], CUBE)
+    sheet = np.array([(x, y, 0.0) for y in range(3) for x in range(4)])
+    quads = np.array([(v, v + 1, v + 5, v + 4) for v in (0, 1, 2, 4, 5, 6)])
+    for words, kept in (({}, False), ({"boundary_smooth": "preserve_corners"}, True)):
+        fine = sn.SubdivisionSurface(sn.SurfaceMesh(sheet, quads), level=2, **words).refine(sheet)
+        assert (fine[0] == sheet[0]).all() == kept
+    halved = sn.SubdivisionSurface(sn.SurfaceMesh(sheet, quads), scheme="bilinear", level=2).refine(sheet)
+    assert {tuple(p) for p in halved} == {(x / 4, y / 4, 0.0) for x in range(13) for y in range(9)}
+
+
 @pytest.mark.parametrize(
     "options", [{}, {"limit": True}, {"scheme": "bilinear"}, {"creases": ([(0, 1)], 2.5)}]
 )
@@ -89,6 +163,7 @@ def test_normals_of_a_smooth_cube_look_outward() -> None:
         top = np.argmax(fine[:, axis])
         np.testing.assert_allclose(normals[top], np.eye(3)[axis], atol=1e-12)
     assert middle.max() < 0.1
+    assert np.einsum("ni,ni->n", normals, fine - 0.5).min() > 0.1
 
 
 def test_polygons_at_level_zero() -> None:
@@ -98,6 +173,9 @@ def test_polygons_at_level_zero() -> None:
     np.testing.assert_array_equal(counts, faces[0])
     np.testing.assert_array_equal(corners, faces[1])
     assert sn.SubdivisionSurface(sn.SurfaceMesh(points, faces), level=1).faces.shape == (26, 4)
+    loose = sn.SubdivisionSurface(sn.SurfaceMesh(points, []), level=3, limit=True)
+    np.testing.assert_array_equal(loose.refine(points), points)
+    np.testing.assert_array_equal(loose.normals(points), 0 * points)
 
 
 def test_face_varying_values_are_refined_by_their_own_matrix() -> None:
@@ -118,25 +196,54 @@ def test_face_varying_values_are_refined_by_their_own_matrix() -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "error", "words"),
+    ("smooth", "kept"), [("none", True), ("preserve_boundaries", True), ("smooth_all", False)]
+)
+def test_face_varying_values_keep_their_seams_and_corners_unless_all_is_smoothed(
+    smooth: str, kept: bool
+) -> None:
+    sheet = np.array([(x, y, 0.0) for y in range(2) for x in range(3)])
+    mesh = sn.SurfaceMesh(sheet, [(0, 1, 4, 3), (1, 2, 5, 4)])
+    matrix = sn.SubdivisionSurface(mesh, level=1, face_varying=range(8), uv_smooth=smooth).face_varying_matrix
+    assert matrix.shape == (18, 8)
+    np.testing.assert_allclose(matrix.sum(axis=1), 1.0, atol=1e-15)
+    assert set(matrix @ np.repeat([0.0, 1.0], 4)) == {0.0, 1.0}, "no refined value mixes both islands"
+    assert (matrix[0, 0] == 1.0) == kept
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "words", "elements"),
     [
-        ({"scheme": "doo_sabin"}, sn.InvalidOption, "'catmull_clark', 'loop', 'bilinear'"),
-        ({"boundary_smooth": "x"}, sn.InvalidOption, "boundary_smooth"),
-        ({"uv_smooth": "x"}, sn.InvalidOption, "uv_smooth"),
-        ({"scheme": "loop"}, sn.InvalidMesh, "other faces are 0, 1, 2"),
-        ({"level": 11}, sn.InvalidOption, "not in 0 to 10"),
-        ({"creases": ([(0, 7)], 1.0)}, sn.InvalidOption, "no edge joins"),
-        ({"creases": ([0, 1], 1.0)}, sn.InvalidOption, "pairs"),
-        ({"creases": ([(0, 1)], [1.0, 2.0])}, sn.InvalidOption, "2 sharpnesses for 1"),
-        ({"creases": 3}, TypeError, "pair"),
-        ({"corners": ([8], 1.0)}, sn.InvalidOption, "the mesh has no vertices 8"),
-        ({"corners": ([0], -1.0)}, sn.InvalidOption, "below 0"),
-        ({"face_varying": [0, 1]}, sn.InvalidOption, "2 indices for 24"),
+        ({"scheme": "doo_sabin"}, sn.InvalidOption, "'catmull_clark', 'loop', 'bilinear'", []),
+        ({"boundary_smooth": "x"}, sn.InvalidOption, "boundary_smooth", []),
+        ({"uv_smooth": "x"}, sn.InvalidOption, "uv_smooth", []),
+        ({"scheme": "loop"}, sn.InvalidMesh, "other faces are 0, 1, 2", list(range(6))),
+        ({"level": 11}, sn.InvalidOption, "not in 0 to 10", []),
+        ({"level": -1}, sn.InvalidOption, "not in 0 to 10", []),
+        ({"creases": ([(0, 7)], 1.0)}, sn.InvalidOption, "no edge joins", [0, 7]),
+        ({"creases": ([(0, 99)], 1.0)}, sn.InvalidOption, "99", None),
+        ({"creases": ([(0, 1)], -1.0)}, sn.InvalidOption, "below 0", None),
+        ({"creases": ([(0, 1)], np.nan)}, sn.InvalidOption, "sharpness", None),
+        ({"creases": ([0, 1], 1.0)}, sn.InvalidOption, "pairs", []),
+        ({"creases": ([(0, 1)], [1.0, 2.0])}, sn.InvalidOption, "2 sharpnesses for 1", []),
+        ({"creases": 3}, TypeError, "pair", None),
+        ({"corners": ([3, 8], 1.0)}, sn.InvalidOption, "the mesh has no vertices 8", [8]),
+        ({"corners": ([0], -1.0)}, sn.InvalidOption, "below 0", None),
+        ({"face_varying": [0, 1]}, sn.InvalidOption, "2 indices for 24", []),
+        ({"face_varying": [-1] * 24}, sn.InvalidOption, "face_varying", None),
     ],
 )
-def test_refusals_name_what_is_wrong(options: dict, error: type, words: str) -> None:
-    with pytest.raises(error, match=words):
+def test_refusals_name_what_is_wrong(
+    options: dict, error: type, words: str, elements: list[int] | None
+) -> None:
+    with pytest.raises(error, match=words) as refused:
         cube(**options)
+    assert elements is None or refused.value.elements == elements
+
+
+def test_faces_with_a_corner_twice_are_named() -> None:
+    with pytest.raises(sn.InvalidMesh) as refused:
+        sn.SubdivisionSurface(sn.SurfaceMesh(CUBE, [[0, 1, 3], [1, 1, 5]]))
+    assert (refused.value.element_kind, refused.value.elements) == ("face", [1])
 
 
 @pytest.mark.parametrize("points", [CUBE[:7], CUBE[:, :2], CUBE.ravel()])

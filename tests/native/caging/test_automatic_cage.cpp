@@ -2,14 +2,12 @@
 #include "native/caging/automatic_cage.h"
 
 #include "native/caging/cage_diagnosis.h"
-#include "native/core/errors.h"
-#include "native/core/parallel.h"
 #include "native/mesh/frames/surface_frame.h"
+#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <map>
 #include <set>
 
@@ -68,27 +66,12 @@ void expect_good(const AutomaticCage& cage, const SurfaceMesh& target)
     EXPECT_GT(cage.report.clearance, 0.0);
 }
 
-SurfaceMesh torus(int around, int across)
-{
-    std::vector<Vector3> points;
-    shapes::Polygons faces;
-    for (int i = 0; i < around; ++i)
-        for (int j = 0; j < across; ++j) {
-            const double u = 2 * shapes::pi * i / around, v = 2 * shapes::pi * j / across;
-            points.emplace_back((3 + std::cos(v)) * std::cos(u), (3 + std::cos(v)) * std::sin(u),
-                                std::sin(v));
-            const auto at = [&](int k, int l) { return k % around * across + l % across; };
-            faces.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
-        }
-    return shapes::mesh(points, faces);
-}
-
 } // namespace
 
 TEST(AutomaticCage, encloses_in_as_many_faces_as_asked)
 {
-    const SurfaceMesh targets[] = {shapes::sphere(3), shapes::bar(8, 2), shapes::hill(12, 12), torus(40, 20),
-                                   shapes::messy()};
+    const SurfaceMesh targets[] = {shapes::sphere(3), shapes::bar(8, 2), shapes::hill(12, 12),
+                                   shapes::torus(40, 20), shapes::messy()};
     for (const SurfaceMesh& target : targets)
         for (int faces : {60, 150}) {
             const AutomaticCage cage = automatic_cage(target, {.faces = faces, .margin = wide});
@@ -112,7 +95,7 @@ TEST(AutomaticCage, leaves_out_vertices_without_a_face)
 
 TEST(AutomaticCage, keeps_parts_and_holes)
 {
-    const SurfaceMesh ring = torus(40, 20);
+    const SurfaceMesh ring = shapes::torus(40, 20);
     const AutomaticCage cage = automatic_cage(ring, {.faces = 200, .margin = 0.03});
     expect_good(cage, ring);
     const SurfaceMesh around = mesh_of(cage);
@@ -170,30 +153,6 @@ TEST(AutomaticCage, mirrors_where_the_target_does)
         hill);
 }
 
-// The surface is symmetric, its vertices are not: a ball, turned about y.
-TEST(AutomaticCage, mirrors_to_the_last_bit_where_the_sides_are_divided_differently)
-{
-    const double c = std::cos(0.3), s = std::sin(0.3);
-    Matrix3 turn;
-    turn << c, 0, s, 0, 1, 0, -s, 0, c;
-    const SurfaceMesh ball = shapes::sphere(4);
-    Points points = ball.points() * turn.transpose();
-    points.col(1) *= 1.5;
-    points.col(2) = points.col(2).array() + 0.2 * points.col(1).array().square(); // bent: y, z are no planes
-    points.col(1).array() += 0.3 * points.col(1).array().abs();
-    const SurfaceMesh target = shapes::moved(ball, points);
-    const AutomaticCage cage = automatic_cage(target, {.faces = 80, .margin = wide});
-    expect_good(cage, target);
-    ASSERT_EQ(cage.report.mirror_axis, 0);
-    EXPECT_GT(cage.report.asymmetry, 1e-5);
-    EXPECT_LT(cage.report.asymmetry, 5e-3);
-    std::set<std::array<double, 3>> all;
-    for (const auto& p : cage.points.rowwise())
-        all.insert({p[0], p[1], p[2]});
-    for (const auto& [x, y, z] : all)
-        EXPECT_TRUE(all.contains({-x, y, z}));
-}
-
 TEST(AutomaticCage, says_how_much_the_sides_differ)
 {
     const SurfaceMesh bar = shapes::bar(8, 2);
@@ -248,7 +207,7 @@ TEST(AutomaticCage, no_diagonal_of_a_quad_is_an_edge_or_a_diagonal_of_another)
 {
     using Symmetry = AutomaticCageOptions::Symmetry;
     for (const SurfaceMesh& target :
-         {shapes::sphere(2), shapes::bar(8, 2), shapes::hill(12, 12), torus(40, 20)})
+         {shapes::sphere(2), shapes::bar(8, 2), shapes::hill(12, 12), shapes::torus(40, 20)})
         for (int faces : sizes_of_cages)
             for (Symmetry symmetry : {Symmetry::none, Symmetry::x, Symmetry::y}) {
                 const AutomaticCage cage = automatic_cage(
@@ -271,7 +230,7 @@ TEST(AutomaticCage, says_how_many_faces_were_asked_for_and_why_there_are_more)
 {
     for (int faces : {12, 60}) {
         const AutomaticCageReport report =
-            automatic_cage(torus(40, 20), {.faces = faces, .margin = wide}).report;
+            automatic_cage(shapes::torus(40, 20), {.faces = faces, .margin = wide}).report;
         EXPECT_EQ(report.wanted, faces);
         EXPECT_EQ(report.reached, report.faces <= faces + 1);
         EXPECT_EQ(report.reason.empty(), report.reached);
@@ -322,43 +281,11 @@ TEST(AutomaticCage, takes_flat_open_and_loose_targets_of_any_scale)
 TEST(AutomaticCage, is_the_same_on_any_number_of_threads)
 {
     const SurfaceMesh target = shapes::hill(12, 12);
-    limit_threads(1);
-    const AutomaticCage one = automatic_cage(target, {.faces = 80, .margin = wide});
-    limit_threads(0);
     const AutomaticCage many = automatic_cage(target, {.faces = 80, .margin = wide});
+    const ThreadLimit limit(1);
+    const AutomaticCage one = automatic_cage(target, {.faces = 80, .margin = wide});
     EXPECT_EQ(one.points, many.points);
     EXPECT_EQ(one.corners, many.corners);
-}
-
-TEST(AutomaticCage, ticks_forward_and_stops_when_told)
-{
-    const SurfaceMesh target = shapes::sphere(2);
-    double last = 0.0;
-    std::set<std::string> stages;
-    automatic_cage(target, {.faces = 60, .margin = wide}, Progress([&](double fraction, const char* stage) {
-                       EXPECT_GE(fraction, last);
-                       EXPECT_LE(fraction, 1.0);
-                       last = fraction;
-                       stages.insert(stage);
-                       return true;
-                   }));
-    EXPECT_EQ(last, 1.0);
-    EXPECT_EQ(stages, (std::set<std::string>{"wrapping", "simplifying", "tightening", "checking"}));
-    for (const std::string& stage : stages)
-        EXPECT_THROW(automatic_cage(target, {.faces = 60, .margin = wide},
-                                    Progress([&](double, const char* now) { return now != stage; })),
-                     Cancelled);
-}
-
-TEST(AutomaticCage, refuses_by_name)
-{
-    const SurfaceMesh target = shapes::sphere(1);
-    EXPECT_THROW(automatic_cage(target, {.faces = 11}), InvalidOption);
-    EXPECT_THROW(automatic_cage(target, {.faces = 100'001}), InvalidOption);
-    for (double margin : {0.0, -1.0, 0.3, std::numeric_limits<double>::quiet_NaN()})
-        EXPECT_THROW(automatic_cage(target, {.margin = margin}), InvalidOption);
-    EXPECT_THROW(automatic_cage(shapes::mesh({{1, 2, 3}, {1, 2, 3}}, {})), InvalidMesh);
-    EXPECT_THROW(automatic_cage(shapes::mesh({{-1e308, 0, 0}, {1e308, 0, 0}}, {})), InvalidMesh);
 }
 
 } // namespace sinew::test_automatic_cage

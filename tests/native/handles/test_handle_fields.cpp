@@ -2,7 +2,6 @@
 #include "native/handles/handle_fields.h"
 
 #include "native/operators/laplacian.h"
-#include "tests/native/dense.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
@@ -73,28 +72,6 @@ TEST(HandleFields, are_linear_along_a_regular_tube)
             EXPECT_NEAR(bound(v, 0), 1 - s, 1e-12);
         }
     }
-}
-
-TEST(HandleFields, of_harmonic_kind_are_those_of_a_dense_solve)
-{
-    const SurfaceMesh mesh = shapes::hill(8, 8);
-    std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-    handles.push_back({{40, 41}, {0.3, 1.0}});
-    const Bound bound(mesh, handles, Field::harmonic);
-    const MatrixX L = dense::with_positive_weights(laplacian_matrix(mesh, Discretization::cotan));
-    const int n = mesh.vertex_count();
-    MatrixX A = L, b = MatrixX::Zero(n, 3);
-    for (int v = 0; v < n; ++v)
-        if (const int hard = bound.regions.hard(v); hard >= 0) {
-            A.row(v) = VectorX::Unit(n, v).transpose();
-            b(v, hard) = 1.0;
-        }
-    A(40, 40) += 0.3 / 0.7 * L(40, 40);
-    b(40, 2) = 0.3 / 0.7 * L(40, 40);
-    const MatrixX expected = dense::solution(A, b);
-    for (int v = 0; v < n; ++v)
-        for (int h = 0; h < 3; ++h)
-            EXPECT_NEAR(bound(v, h), expected(v, h), 1e-12);
 }
 
 TEST(HandleFields, of_harmonic_kind_stay_between_their_handles_where_angles_are_obtuse)

@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 namespace sinew::test_diagnosis {
 
 namespace {
@@ -40,9 +38,7 @@ TEST(Diagnosis, an_open_surface_is_clean_and_its_border_one_loop_in_order)
 TEST(Diagnosis, every_border_is_a_loop_of_its_own)
 {
     // A 3 x 3 grid without its middle face: outer border of 12, inner of 4.
-    auto faces = shapes::faces_of(shapes::quad_grid(3, 3));
-    faces.erase(faces.begin() + 4);
-    const Diagnosis found = diagnose(shapes::over(shapes::grid_points(3, 3), faces));
+    const Diagnosis found = diagnose(shapes::without_face(shapes::quad_grid(3, 3), 4));
     ASSERT_EQ(found.boundary_loops.size(), 2u);
     EXPECT_EQ(found.boundary_loops[0].size(), 12u);
     EXPECT_EQ(found.boundary_loops[1].size(), 4u);
@@ -85,9 +81,7 @@ TEST(Diagnosis, finds_edges_that_both_faces_run_the_same_way)
 {
     const Diagnosis found = diagnose(shapes::mesh(wing, {{0, 1, 2}, {0, 1, 3}}));
     EXPECT_EQ(found.inconsistent_edges, (Edges{{0, 1}}));
-    auto faces = shapes::faces_of(shapes::cube());
-    std::ranges::reverse(faces[2]);
-    EXPECT_EQ(diagnose(shapes::over(shapes::cube().points(), faces)).inconsistent_edges,
+    EXPECT_EQ(diagnose(shapes::flipped(shapes::cube(), {2})).inconsistent_edges,
               (Edges{{0, 1}, {0, 4}, {1, 5}, {4, 5}}));
 }
 

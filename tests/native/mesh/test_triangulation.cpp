@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numeric>
 
 namespace sinew::test_triangulation {
 
@@ -34,8 +33,7 @@ Vector3 area_vector(const Points& p, const std::vector<int>& loop)
 Cut cut(const std::vector<Vector3>& corners)
 {
     const Points points = shapes::points_of(corners);
-    std::vector<int> loop(corners.size());
-    std::iota(loop.begin(), loop.end(), 0);
+    const std::vector<int> loop = shapes::numbers(0, static_cast<int>(corners.size()));
     Cut result;
     triangulate(points, loop, result.triangles);
     const Vector3 whole = area_vector(points, loop);

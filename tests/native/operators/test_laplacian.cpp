@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/operators/laplacian.h"
 
-#include "native/core/errors.h"
 #include "native/mesh/components.h"
-#include "native/operators/gradient.h"
 #include "tests/native/dense.h"
 #include "tests/native/shapes.h"
 
@@ -18,9 +16,8 @@ namespace {
 
 constexpr std::array every{Discretization::uniform, Discretization::cotan, Discretization::cotan_voronoi};
 constexpr auto cotan = Discretization::cotan;
+using dense::largest;
 constexpr auto voronoi = Discretization::cotan_voronoi;
-
-double largest(const MatrixX& m) { return m.cwiseAbs().maxCoeff(); }
 
 double total_area(const SurfaceMesh& mesh)
 {
@@ -40,18 +37,6 @@ SurfaceMesh slivers()
     return shapes::moved(shapes::grid(6, 6), p);
 }
 
-/// Weighted root mean square of | -Delta x - 2 H n | on the unit sphere, where H n = x.
-double curvature_error(int level)
-{
-    const SurfaceMesh sphere = shapes::sphere(level);
-    const VectorX mass = mass_vector(sphere, voronoi);
-    const Points Lx = laplacian_matrix(sphere, voronoi) * sphere.points();
-    double square = 0.0;
-    for (int i = 0; i < sphere.vertex_count(); ++i)
-        square += mass[i] * (Lx.row(i) / mass[i] - 2 * sphere.points().row(i)).squaredNorm();
-    return std::sqrt(square / mass.sum());
-}
-
 } // namespace
 
 TEST(Laplacian, is_symmetric_and_of_a_constant_zero)
@@ -64,30 +49,6 @@ TEST(Laplacian, is_symmetric_and_of_a_constant_zero)
             // The same terms, summed otherwise.
             EXPECT_LE(largest(L - SparseMatrix(L.transpose())), 1e-15 * largest(L));
         }
-}
-
-TEST(Laplacian, of_the_coordinates_is_zero_inside_a_planar_mesh)
-{
-    const SurfaceMesh plane = shapes::grid(8, 6, 0.7, 0.3);
-    const Points Lx = laplacian_matrix(plane, cotan) * plane.points();
-    for (int j = 1; j < 6; ++j)
-        for (int i = 1; i < 8; ++i)
-            EXPECT_LT(Lx.row(j * 9 + i).norm(), 1e-13); // rounding of weights up to 5 times lengths of 5
-}
-
-TEST(Laplacian, is_the_gradient_squared)
-{
-    for (const SurfaceMesh& mesh : {shapes::hill(7, 6), shapes::sphere(2), shapes::bar(4, 2)}) {
-        const MatrixX G = gradient_matrix(mesh);
-        VectorX D(G.rows());
-        for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
-            const auto& [a, b, c] = mesh.triangles()[t];
-            D.segment<3>(3 * t).setConstant(
-                0.5 * (mesh.point(b) - mesh.point(a)).cross(mesh.point(c) - mesh.point(a)).norm());
-        }
-        const MatrixX L = laplacian_matrix(mesh, cotan);
-        EXPECT_LT(largest(L - G.transpose() * D.asDiagonal() * G), 1e-13 * largest(L));
-    }
 }
 
 TEST(Laplacian, weights_of_a_square_grid_are_one_half_at_the_border_and_zero_on_diagonals)
@@ -162,15 +123,6 @@ TEST(Laplacian, thin_triangles_that_are_not_degenerate_keep_their_cotangents)
     EXPECT_NEAR(L(0, 1), -0.5 * std::tan(std::atan(h / 0.5) - std::atan(0.5 / h)), 1e-6);
 }
 
-TEST(Laplacian, of_a_unit_sphere_is_twice_the_mean_curvature_normal)
-{
-    const double coarse = curvature_error(2), middle = curvature_error(3), fine = curvature_error(4);
-    // The six vertices of valence four spoil second order; the mean error still falls with h.
-    EXPECT_LT(middle, 0.6 * coarse);
-    EXPECT_LT(fine, 0.6 * middle);
-    EXPECT_LT(fine, 0.02);
-}
-
 TEST(Laplacian, scales_each_element)
 {
     const SurfaceMesh mesh = shapes::hill(4, 4);
@@ -238,41 +190,6 @@ TEST(Mass, is_zero_at_loose_vertices_and_raised_before_it_divides)
     EXPECT_DOUBLE_EQ(raised[loose], 1e-6 * mass.mean());
     EXPECT_EQ(raised[12], mass[12]);
     EXPECT_GT(divisible_mass(SurfaceMesh(Points::Zero(3, 3), {}, {}), voronoi).minCoeff(), 0.0);
-}
-
-TEST(LaplacianPower, is_L_times_inverse_mass_times_L)
-{
-    const SurfaceMesh mesh = shapes::hill(5, 4);
-    for (Discretization kind : every) {
-        const MatrixX L = laplacian_matrix(mesh, kind);
-        const MatrixX D = divisible_mass(mesh, kind).cwiseInverse().asDiagonal();
-        const MatrixX second = L * D * L, third = L * D * L * D * L;
-        EXPECT_EQ(MatrixX(laplacian_power(mesh, 1, kind)), L);
-        // The same products, summed in another order.
-        EXPECT_LT(largest(MatrixX(laplacian_power(mesh, 2, kind)) - second), 1e-13 * largest(second));
-        EXPECT_LT(largest(MatrixX(laplacian_power(mesh, 3, kind)) - third), 1e-13 * largest(third));
-    }
-}
-
-TEST(LaplacianPower, is_symmetric_and_semi_definite)
-{
-    const SurfaceMesh mesh = shapes::hill(5, 4);
-    for (int order : {1, 2, 3})
-        for (Discretization kind : every) {
-            const SparseMatrix power = laplacian_power(mesh, order, kind);
-            const MatrixX dense = power;
-            EXPECT_LT(largest(dense - dense.transpose()), 1e-14 * largest(dense));
-            const VectorX values = dense::eigenvalues(power);
-            EXPECT_GT(values.minCoeff(), -1e-13 * values.maxCoeff());
-            EXPECT_LT(std::abs(values[0]), 1e-12 * values.maxCoeff()); // constants
-            EXPECT_GT(values[1], 0.0);
-        }
-}
-
-TEST(LaplacianPower, refuses_an_order_below_one)
-{
-    EXPECT_THROW(laplacian_power(shapes::cube(), 0, cotan), InvalidOption);
-    EXPECT_THROW(laplacian_power(shapes::cube(), -1, cotan), InvalidOption);
 }
 
 } // namespace sinew::test_laplacian

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/skeleton/bone_regions.h"
 
-#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
@@ -47,10 +46,7 @@ TEST(BoneRegions, DistancesGoAlongTheSurface)
     EXPECT_EQ(std::ranges::count_if(regions[1], of_second), one.vertex_count());
     EXPECT_TRUE(std::ranges::none_of(regions[0], of_second));
     // The same where all faces look inward.
-    std::vector<std::vector<int>> faces = shapes::faces_of(both);
-    for (std::vector<int>& face : faces)
-        std::ranges::reverse(face);
-    EXPECT_EQ(bone_regions(shapes::over(both.points(), faces), Skeleton(heads, tails, {-1, -1})), regions);
+    EXPECT_EQ(bone_regions(shapes::inside_out(both), Skeleton(heads, tails, {-1, -1})), regions);
 }
 
 TEST(BoneRegions, ABoneOutsideHoldsNothing)
@@ -62,13 +58,6 @@ TEST(BoneRegions, ABoneOutsideHoldsNothing)
     const auto regions = bone_regions(mesh, Skeleton(heads, tails, {-1, -1}));
     EXPECT_EQ(static_cast<int>(regions[0].size()), mesh.vertex_count());
     EXPECT_TRUE(regions[1].empty());
-}
-
-TEST(BoneRegions, RefusesAMarginOutOfRange)
-{
-    const SurfaceMesh mesh = shapes::cube();
-    for (double margin : {-0.1, 0.5})
-        refusal<InvalidOption>([&] { bone_regions(mesh, in_a_bar(), margin); });
 }
 
 } // namespace sinew::test_bone_regions

@@ -5,12 +5,12 @@
 #include "tests/native/dense.h"
 #include "tests/native/refusals.h"
 #include "tests/native/solvers/matrices.h"
+#include "tests/native/threads.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
 #include <string>
-#include <thread>
 
 namespace sinew::test_spd_factor {
 
@@ -186,16 +186,7 @@ TEST_P(EveryFactor, solves_from_several_threads_give_the_same_bits)
     factor.factorize(A);
     const MatrixX b = random.dense(static_cast<int>(A.rows()), 3);
     const MatrixX alone = factor.solve(b);
-    std::vector<int> wrong(4, 0);
-    std::vector<std::thread> threads;
-    for (int& count : wrong)
-        threads.emplace_back([&] {
-            for (int repeat = 0; repeat < 20; ++repeat)
-                count += factor.solve(b) != alone;
-        });
-    for (std::thread& thread : threads)
-        thread.join();
-    EXPECT_EQ(wrong, std::vector<int>(4, 0));
+    expect_in_threads(4, 20, [&] { return factor.solve(b); }, alone);
 }
 
 INSTANTIATE_TEST_SUITE_P(SpdFactor, EveryFactor,
@@ -214,13 +205,6 @@ TEST(SpdFactor, of_no_unknowns_solves_nothing)
     EXPECT_EQ(factor.nonzeros(), 0);
 }
 
-TEST(SpdFactor, refuses_a_right_side_of_another_length)
-{
-    SpdFactor factor;
-    factor.factorize(matrices::diagonal({1, 2}));
-    EXPECT_THROW(factor.solve(MatrixX(3, 1)), InvalidConstraint);
-}
-
 TEST(SpdFactor, moves_with_its_factor)
 {
     SpdFactor first;
@@ -228,17 +212,6 @@ TEST(SpdFactor, moves_with_its_factor)
     first.factorize(A);
     const SpdFactor second = std::move(first);
     EXPECT_LT(error_of(second, A, MatrixX::Ones(20, 1)), well_conditioned);
-}
-
-TEST(SpdFactor, solves_all_columns_as_it_solves_one)
-{
-    shapes::Random random(6);
-    SpdFactor factor;
-    factor.factorize(matrices::shuffled_grid(12));
-    const MatrixX b = random.dense(144, 5);
-    const MatrixX together = factor.solve(b);
-    for (int c = 0; c < 5; ++c) // blocked kernels sum in another order: rounding only
-        EXPECT_LT((together.col(c) - factor.solve(b.col(c))).cwiseAbs().maxCoeff(), 1e-12);
 }
 
 } // namespace sinew::test_spd_factor

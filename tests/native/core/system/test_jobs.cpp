@@ -8,7 +8,6 @@
 #include <atomic>
 #include <chrono>
 #include <stdexcept>
-#include <thread>
 #include <vector>
 
 namespace sinew::test_jobs {

@@ -15,9 +15,7 @@ TEST(EnclosingBall, holds_all_points_and_is_the_smallest)
     EXPECT_EQ(enclosing_ball(shapes::points_of({{3, 4, 5}, {3, 4, 5}})).radius, 0.0);
     shapes::Random random(3);
     for (int trial = 0; trial < 20; ++trial) {
-        Points points(40, 3);
-        for (int i = 0; i < points.rows(); ++i)
-            points.row(i) = random.vector().transpose();
+        const Points points = random.points(40);
         const Ball ball = enclosing_ball(points);
         int touching = 0;
         for (int i = 0; i < points.rows(); ++i) {

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/multiresolution/transfer/mesh_transfer.h"
 
-#include "native/core/errors.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
-
-#include <limits>
 
 namespace sinew::test_mesh_transfer {
 
@@ -76,26 +73,6 @@ TEST(MeshTransfer, steps_are_in_proportion_to_the_size)
     const Points step = source.points().rowwise() + Eigen::RowVector3d(1, 2, 3);
     const Points found = transferred(source, target, step);
     EXPECT_LT(shapes::distance(found, target.points().rowwise() + Eigen::RowVector3d(3, 6, 9)), 1e-11);
-}
-
-TEST(MeshTransfer, refuses_other_faces_and_names_them)
-{
-    const SurfaceMesh source = shapes::sphere(1), other = shapes::sphere(2);
-    EXPECT_THROW(MeshTransfer(source, other), InvalidMesh);
-    shapes::Polygons faces = shapes::faces_of(source);
-    std::swap(faces[3][0], faces[3][1]);
-    try {
-        MeshTransfer(source, shapes::over(source.points(), faces));
-        ADD_FAILURE() << "nothing was refused";
-    } catch (const InvalidMesh& error) {
-        EXPECT_EQ(error.elements(), std::vector{3});
-        EXPECT_EQ(error.element_kind(), Error::Element::face);
-    }
-    const MeshTransfer transfer(source, source);
-    Points found, points = source.points();
-    EXPECT_THROW(transfer.transfer(view(other.points()), found), InvalidConstraint);
-    points(2, 1) = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_THROW(transfer.transfer(view(points), found), InvalidConstraint);
 }
 
 } // namespace sinew::test_mesh_transfer

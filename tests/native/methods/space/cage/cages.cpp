@@ -30,11 +30,7 @@ SurfaceMesh u_prism()
 SurfaceMesh bumpy_sphere(int level, double bumps)
 {
     const SurfaceMesh round = sphere(level);
-    Points p = round.points();
-    Random random(11);
-    for (Eigen::Index i = 0; i < p.rows(); ++i)
-        p.row(i) += bumps * random.vector().transpose();
-    return moved(round, p);
+    return moved(round, Random(11).shaken(round.points(), bumps));
 }
 
 Points points_around(const SurfaceMesh& cage, int count, double reach, std::uint64_t seed)

@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cmath>
 
 namespace sinew::test_green {
 
@@ -133,19 +132,6 @@ SpaceTraits refusing()
 INSTANTIATE_TEST_SUITE_P(Green, SpaceContract,
                          testing::Values(traits(), refusing(), with_patches(), with_both()));
 
-TEST(Green, has_the_known_coordinates_in_the_octahedron)
-{
-    Points x(2, 3);
-    x << x0.transpose(), 0, 0, 0;
-    const Bound green(shapes::octahedron(), x);
-    const RowMatrix W = green.weights().dense();
-    Eigen::RowVectorXd phi(6);
-    phi << .179152, .117171, .228739, .099816, .288111, .087011;
-    EXPECT_LT((W.row(0).head(6) - phi).cwiseAbs().maxCoeff(), 6e-7); // the digits given
-    EXPECT_LT((W.row(1).head(6).array() - 1.0 / 6).abs().maxCoeff(), 1e-15);
-    EXPECT_LT((green.face_weights().row(1).array() - 0.09963226).abs().maxCoeff(), 5e-9);
-}
-
 TEST(Green, has_the_known_answers_to_a_shear_and_a_stretch)
 {
     Points x(1, 3);
@@ -262,19 +248,6 @@ TEST_P(GreenOfFaces, take_poses_that_flatten_faces_and_dented_cages)
     }
 }
 
-TEST(Green, phi_sums_to_one_inside)
-{
-    const SurfaceMesh cage = shapes::u_prism();
-    const Points points = shapes::points_around(cage, 300, 1.0);
-    Green green(Cage(cage), doubles());
-    const SpaceReport report = green.bind(view(points));
-    const RowMatrix W = green.weights().dense();
-    // with the continuation, outside too
-    EXPECT_LT((W.leftCols(cage.vertex_count()).rowwise().sum().array() - 1.0).abs().maxCoeff(), 1e-13);
-    MeanValue others{Cage(cage)};
-    EXPECT_EQ(others.bind(view(points)).outside, report.outside);
-}
-
 TEST(Green, passes_a_face_smoothly)
 {
     // Through the face that the outside is continued by, the map is analytic: no jump, no kink.
@@ -339,35 +312,6 @@ TEST(Green, winds_twice_where_parts_overlap)
     EXPECT_TRUE(green.bind(view(x)).outside.empty());
     const Pose pose = shapes::affine(1.5 * shapes::rotation({0, 1, 1}, 70), {1, 2, 3});
     EXPECT_LT(shapes::distance(warped(green, posed(cage, pose)), shapes::transformed(x, pose)), 1e-12);
-}
-
-TEST(GreenQuads, follow_the_symmetry_of_the_cage)
-{
-    // The mirror takes quads to quads, but each diagonal of those that it cuts to the other one.
-    const SurfaceMesh cage = quad_ball(1, 0.0);
-    const auto mirrored = [](Points p) {
-        p.col(1) = -p.col(1);
-        return p;
-    };
-    Points pose = cage.points();
-    for (Eigen::Index v = 0; v < pose.rows(); ++v) {
-        const auto p = cage.points().row(v);
-        if (p.x() > 0.0 && p.z() > 0.0)
-            pose.row(v) += Eigen::RowVector3d(0.4, -0.4 * p.y(), 0.2);
-    }
-    const Points there = mirrored(cage.points()), mirrored_pose = mirrored(pose);
-    for (int v = 0; v < cage.vertex_count(); ++v)
-        for (int w = 0; w < cage.vertex_count(); ++w)
-            if ((there.row(v) - cage.points().row(w)).norm() < 1e-9) {
-                EXPECT_LT((mirrored_pose.row(v) - pose.row(w)).norm(), 1e-12) << "the pose is symmetric";
-            }
-    const Points points = shapes::points_around(cage, 200, 1.0);
-    const auto bias = [&](const GreenOptions& options) {
-        return shapes::distance(mirrored(warped(cage, points, pose, options)),
-                                warped(cage, mirrored(points), pose, options));
-    };
-    EXPECT_LT(bias(patches()), 1e-13);
-    EXPECT_GT(bias(doubles()), 1e-2) << "the diagonals of triangles show";
 }
 
 TEST(GreenQuads, pass_a_patch_without_a_kink)

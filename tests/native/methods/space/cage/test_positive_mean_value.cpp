@@ -5,8 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 namespace sinew::test_positive_mean_value {
 
 namespace {
@@ -38,35 +36,6 @@ RowMatrix weights(const SurfaceMesh& cage, const Points& points,
 void expect_barycentric(const RowMatrix& w, const SurfaceMesh& cage, const Points& points)
 {
     cages::expect_barycentric(w, cage, points, 1e-9);
-}
-
-/// By rays whose first faces are found one by one, and hat functions solved for: shares no code with ours.
-Eigen::RowVectorXd by_rays(const SurfaceMesh& cage, const Vector3& x, int count)
-{
-    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(cage.vertex_count());
-    for (int k = 0; k < count; ++k) {
-        const double z = 1 - (2 * k + 1) / static_cast<double>(count);
-        const double turn = 2.399963229728653 * k; // the golden angle
-        const double r = std::sqrt(1 - z * z);
-        const Vector3 d(r * std::cos(turn), r * std::sin(turn), z);
-        double nearest = 1e300;
-        Eigen::RowVectorXd hit = Eigen::RowVectorXd::Zero(cage.vertex_count());
-        for (const Triangle& t : cage.triangles()) {
-            // x + s d = a + u (b - a) + v (c - a), by Cramer's rule.
-            const Vector3 ab = cage.point(t[1]) - cage.point(t[0]), ac = cage.point(t[2]) - cage.point(t[0]);
-            const Vector3 ax = x - cage.point(t[0]), p = d.cross(ac), q = ax.cross(ab);
-            const double s = ac.dot(q) / ab.dot(p), u = ax.dot(p) / ab.dot(p), v = d.dot(q) / ab.dot(p);
-            if (!(s > 0 && s < nearest && u >= 0 && v >= 0 && u + v <= 1))
-                continue;
-            nearest = s;
-            hit.setZero();
-            hit[t[0]] = 1 - u - v;
-            hit[t[1]] = u;
-            hit[t[2]] = v;
-        }
-        sum += hit / nearest;
-    }
-    return sum / sum.sum();
 }
 
 SpaceTraits traits()
@@ -109,23 +78,6 @@ TEST(PositiveMeanValue, is_positive_where_mean_values_are_not)
     expect_barycentric(w, u, x);
     for (int v : {2, 3, 10, 11}) // the top of the other arm is out of sight
         EXPECT_LT(w(0, v), 1e-15);
-}
-
-TEST(PositiveMeanValue, agrees_with_rays_in_concave_cages)
-{
-    Points x(3, 3);
-    x << .5, 2.5, .5, 1.5, .5, .5, .2, .3, .7;
-    const RowMatrix u = weights(cages::u_prism(), x);
-    const SurfaceMesh bumpy = cages::bumpy(1, 0.3, 4);
-    const Points y = cages::in_ball(3, 0.15);
-    const RowMatrix b = weights(bumpy, y);
-    for (int i = 0; i < 3; ++i) {
-        // 20000 rays have a spacing of .025; what an edge cuts wrongly is its square times the edges in
-        // sight.
-        EXPECT_LT((u.row(i) - by_rays(cages::u_prism(), x.row(i).transpose(), 20000)).cwiseAbs().maxCoeff(),
-                  3e-4);
-        EXPECT_LT((b.row(i) - by_rays(bumpy, y.row(i).transpose(), 20000)).cwiseAbs().maxCoeff(), 3e-4);
-    }
 }
 
 TEST(PositiveMeanValue, is_barycentric_close_to_the_cage)
@@ -191,12 +143,6 @@ TEST(PositiveMeanValue, sees_one_part_of_a_cage_at_a_time)
     const RowMatrix w = weights(two, x);
     expect_barycentric(w, two, x);
     EXPECT_LT(largest(w.rightCols(6)), 1e-15);
-}
-
-TEST(PositiveMeanValue, refuses_odd_and_too_few_directions)
-{
-    for (int count : {9, 0, -1024})
-        EXPECT_THROW(PositiveMeanValue(Cage(shapes::cube()), rays(count)), InvalidOption);
 }
 
 TEST(PositiveMeanValue, takes_faces_without_area)

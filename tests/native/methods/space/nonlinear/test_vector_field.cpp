@@ -2,12 +2,10 @@
 #include "native/methods/space/nonlinear/vector_field.h"
 
 #include "tests/native/methods/space/contract.h"
-#include "tests/native/refusals.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 namespace sinew::test_vector_field {
 
@@ -31,14 +29,7 @@ Points path(const std::vector<Pose>& poses)
 
 Points at_rest(std::size_t frames) { return path(std::vector<Pose>(frames, shapes::still())); }
 
-Points scattered(int count, double size = 1.6)
-{
-    shapes::Random random(4);
-    Points points(count, 3);
-    for (int i = 0; i < count; ++i)
-        points.row(i) = size * random.vector().transpose();
-    return points;
-}
+Points scattered(int count, double size = 1.6) { return shapes::Random(4).points(count, size); }
 
 VectorFieldOptions tool(FieldTool kind, double inner = 0.4, double outer = 1.2)
 {
@@ -119,39 +110,6 @@ SpaceTraits traits()
 
 INSTANTIATE_TEST_SUITE_P(VectorField, SpaceContract, testing::Values(traits()));
 
-TEST(VectorField, has_no_divergence)
-{
-    constexpr double step = 1e-5;
-    const Points points = scattered(400);
-    for (const FieldTool kind : every_tool) {
-        const VectorField field(at_rest(1), tool(kind));
-        const Points control = path({some_pose()});
-        ASSERT_EQ(field.piece_count(view(control)), 1);
-        for (const double time : {0.0, 0.3, 1.0}) {
-            Points ahead[3], behind[3];
-            for (int k = 0; k < 3; ++k) {
-                Points moved = points;
-                moved.col(k).array() += step;
-                ahead[k] = field.velocities(view(control), 0, time, view(moved));
-                moved.col(k).array() -= 2 * step;
-                behind[k] = field.velocities(view(control), 0, time, view(moved));
-            }
-            int alive = 0;
-            for (int i = 0; i < points.rows(); ++i) {
-                double divergence = 0.0, slope = 0.0;
-                for (int k = 0; k < 3; ++k) {
-                    divergence += (ahead[k](i, k) - behind[k](i, k)) / (2 * step);
-                    slope = std::max(slope, (ahead[k] - behind[k]).row(i).norm() / (2 * step));
-                }
-                alive += slope > 0.1;
-                // The field has kinks where a region ends: there a difference is off by its own step.
-                EXPECT_LT(std::abs(divergence), 1e-8 + 1e-4 * slope) << i;
-            }
-            EXPECT_GT(alive, 50);
-        }
-    }
-}
-
 TEST(VectorField, moves_the_inner_ball_rigidly_and_nothing_outside)
 {
     const Points points = scattered(3000);
@@ -192,42 +150,6 @@ TEST(VectorField, linear_p_and_q_translate_exactly_by_any_rule)
         for (int i = 0; i < v.rows(); ++i)
             EXPECT_LT((v.row(i).transpose() - pose.col(3)).norm(), 1e-15);
     }
-}
-
-TEST(VectorField, twists_by_the_closed_form)
-{
-    const Points points = scattered(300);
-    const Points out = warped(tool(FieldTool::twist), {shapes::turn({0, 0, 1}, 100)}, points);
-    for (int i = 0; i < points.rows(); ++i) {
-        const auto b = [](double x) {
-            const double u = std::clamp(x, 0.0, 1.0);
-            return 4 * u * u * u * (1 - u) + u * u * u * u;
-        };
-        const double around = std::hypot(points(i, 0), points(i, 1));
-        const double share = b((points(i, 2) - 0.4) / 0.8) * (1 - b(around / 1.5 - 1));
-        const Vector3 expected = shapes::rotation({0, 0, 1}, 100 * share) * points.row(i).transpose();
-        EXPECT_LT((out.row(i).transpose() - expected).norm(), 1e-14);
-    }
-}
-
-TEST(VectorField, a_twist_counts_every_turn_of_the_path)
-{
-    std::vector<Pose> turns;
-    for (int k = 1; k <= 5; ++k)
-        turns.push_back(shapes::turn({0, 0, 1}, 150 * k));
-    Points high(1, 3);
-    high << 1, 0, 2;
-    const Points half = [&] {
-        Points at(1, 3);
-        at << 1, 0, 0.4 + 0.8 * 0.5; // b(1/2) = 5/16
-        return at;
-    }();
-    const Points out = warped(tool(FieldTool::twist), turns, half);
-    const Vector3 expected = shapes::rotation({0, 0, 1}, 750.0 * 5 / 16) * half.row(0).transpose();
-    EXPECT_LT((out.row(0).transpose() - expected).norm(), 1e-13);
-    EXPECT_LT(shapes::distance(warped(tool(FieldTool::twist), turns, high),
-                               shapes::transformed(high, shapes::turn({0, 0, 1}, 750))),
-              1e-13);
 }
 
 TEST(VectorField, bends_what_is_above_rigidly_and_keeps_what_is_below)
@@ -380,41 +302,6 @@ TEST(VectorField, a_scaled_tool_reaches_farther)
     EXPECT_GT(shapes::distance(warped(tool(FieldTool::drag), {grown}, point), point), 1e-3);
     const Pose gone = shapes::affine(Matrix3::Zero(), {0.5, 0, 0});
     EXPECT_TRUE(warped(tool(FieldTool::drag), {gone}, scattered(100)).allFinite());
-}
-
-TEST(VectorField, refuses_what_is_no_tool)
-{
-    const auto made = [](const Points& frames, const VectorFieldOptions& options) {
-        return VectorField(frames, options);
-    };
-    const Points two = at_rest(2);
-    EXPECT_THROW(made(Points(0, 3), {}), InvalidOption);
-    EXPECT_THROW(made(two.topRows(7), {}), InvalidOption);
-    EXPECT_THROW(made(two, {.counts = {1}}), InvalidOption);
-    EXPECT_THROW(made(two, {.counts = {2, 1}}), InvalidOption);
-    EXPECT_THROW(made(two, {.counts = {2, 0}}), InvalidOption);
-    EXPECT_THROW(made(two, {.inner = {1.0}}), InvalidOption);
-    EXPECT_THROW(made(two, {.inner = {-0.1}}), InvalidOption);
-    EXPECT_NO_THROW(made(two, {.tools = {FieldTool::bend}, .inner = {-0.1}}));
-    EXPECT_THROW(made(two, {.width = {0.0}}), InvalidOption);
-    EXPECT_THROW(made(two, {.outer = {std::numeric_limits<double>::infinity()}}), InvalidOption);
-    EXPECT_THROW(made(two, {.outer = {1.0, 2.0, 3.0}}), InvalidOption);
-    EXPECT_THROW(made(two, {.order = 3}), InvalidOption);
-    EXPECT_THROW(made(two, {.steps = -1}), InvalidOption);
-    EXPECT_THROW(made(two, {.tolerance = 0.0}), InvalidOption);
-    Points bad(12, 3);
-    bad << frame(), frame(), frame(shapes::shift(1, 0, 0));
-    expect_elements(refusal<InvalidConstraint>([&] { made(bad, {.counts = {1, 2}}); }),
-                    Error::Element::handle, {1});
-    Points flat = at_rest(1);
-    flat.row(3).setZero();
-    expect_elements(refusal<InvalidConstraint>([&] { made(flat, {}); }), Error::Element::handle, {0});
-    flat(3, 0) = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_THROW(made(flat, {}), InvalidConstraint);
-    const VectorField field(at_rest(1));
-    const Points still = at_rest(1);
-    EXPECT_EQ(field.piece_count(view(still)), 0);
-    EXPECT_THROW(field.velocities(view(still), 0, 0.5, view(still)), InvalidConstraint);
 }
 
 } // namespace sinew::test_vector_field

@@ -4,11 +4,9 @@
 
 #include "tests/native/methods/space/contract.h"
 #include "tests/native/methods/space/handle_points/fixture.h"
-#include "tests/native/refusals.h"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <limits>
 
 namespace sinew::test_rbf {
@@ -79,25 +77,6 @@ SpaceTraits of_regions()
 INSTANTIATE_TEST_SUITE_P(RbfPoints, SpaceContract, testing::Values(of_points()));
 INSTANTIATE_TEST_SUITE_P(RbfRegions, SpaceContract, testing::Values(of_regions()));
 
-TEST(Rbf, twenty_seven_centres_reproduce_any_quadratic)
-{
-    const Points centres = cube_points(), points = random_points(100, 1.0, 2);
-    shapes::Random random(8);
-    const MatrixX a = random.dense(10, 3);
-    const auto quadratic = [&](const Points& at) {
-        Points moved = at;
-        for (Eigen::Index i = 0; i < at.rows(); ++i) {
-            const Eigen::RowVector3d x = at.row(i);
-            Eigen::RowVectorXd m(10);
-            m << 1, x, x.cwiseProduct(x), x[0] * x[1], x[1] * x[2], x[2] * x[0];
-            moved.row(i) += m * a;
-        }
-        return moved;
-    };
-    Rbf rbf{HandlePoints(view(centres))};
-    EXPECT_LT(shapes::distance(warped(rbf, points, quadratic(centres)), quadratic(points)), 1e-13 * 20);
-}
-
 TEST(Rbf, has_the_known_values_of_a_bump)
 {
     Points points(3, 3);
@@ -110,19 +89,6 @@ TEST(Rbf, has_the_known_values_of_a_bump)
     EXPECT_NEAR(found(1, 2), 0.2463043, 5e-8);
     EXPECT_NEAR(found(2, 2), 1.0, 1e-13);
     EXPECT_EQ(found.leftCols(2).cwiseAbs().maxCoeff(), 0.0);
-}
-
-TEST(Rbf, regions_move_as_their_points_one_by_one)
-{
-    const HandlePoints handles = regions(150);
-    const Points points = random_points(200, 3.0, 5);
-    Rbf together(handles, {.precision = doubles}), apart{HandlePoints(view(handles.points()))};
-    const Points goals = moved(handles, three_poses);
-    EXPECT_LT(
-        shapes::distance(warped(together, points, posed(handles, three_poses)), warped(apart, points, goals)),
-        1e-10);
-    EXPECT_LT(shapes::distance(warped(together, handles.points(), posed(handles, three_poses)), goals),
-              1e-11);
 }
 
 TEST(Rbf, an_incremental_fit_is_within_its_bound)
@@ -178,18 +144,6 @@ TEST(Rbf, flat_handles_lose_the_maps_that_they_do_not_carry_and_the_report_says_
                       1e-9);
         }
     }
-}
-
-TEST(Rbf, compact_functions_without_polynomials_leave_what_is_far_away)
-{
-    Points centres(3, 3);
-    centres << 0, 0, 0, 1, 0, 0, 0, 1, 0;
-    Points points(2, 3);
-    points << 3, 3, 3, 0.1, 0, 0;
-    Rbf rbf(HandlePoints(view(centres)), {.function = RbfFunction::wendland_c2, .degree = -1, .radius = 0.9});
-    const Points found = warped(rbf, points, Points(centres.rowwise() + Eigen::RowVector3d(0, 0, 1)));
-    EXPECT_EQ(found.row(0), points.row(0));
-    EXPECT_GT(found(1, 2), 0.5);
 }
 
 TEST(Rbf, every_kernel_and_degree_takes_handles_of_any_shape)
@@ -290,19 +244,6 @@ TEST(NearCentres, runs_hold_all_that_are_within_reach_and_few_others)
     EXPECT_EQ(all.centres(), centres);
 }
 
-TEST(Rbf, names_handles_that_pull_one_place_apart)
-{
-    Points points(5, 3);
-    points << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 1, 0, 0;
-    const Points still = random_points(10, 1.0, 3);
-    Rbf rbf{HandlePoints(view(points))};
-    Points together = points.rowwise() + Eigen::RowVector3d(0, 0, 1);
-    EXPECT_LT(shapes::distance(warped(rbf, points, together), together), 1e-12);
-    together(4, 1) += 0.5;
-    expect_elements(refusal<InvalidConstraint>([&] { warped(rbf, still, together); }), Error::Element::handle,
-                    {1, 4});
-}
-
 TEST(Rbf, points_that_nearly_coincide_are_met_in_the_mean)
 {
     Points points = random_points(30, 1.0, 5);
@@ -316,27 +257,6 @@ TEST(Rbf, points_that_nearly_coincide_are_met_in_the_mean)
     EXPECT_TRUE(found.allFinite());
     EXPECT_LT(shapes::distance(found.middleRows(1, 28), moved.middleRows(1, 28)), 1e-3);
     EXPECT_NEAR(found(0, 2), points(0, 2), 1e-3);
-}
-
-TEST(Rbf, refuses_options_and_handles_that_make_no_sense)
-{
-    const Points points = cube_points();
-    for (const RbfOptions& options :
-         {RbfOptions{.degree = 3}, RbfOptions{.degree = -2}, RbfOptions{.radius = 0.0},
-          RbfOptions{.radius = 1e-300}, RbfOptions{.radius = std::nan("")},
-          RbfOptions{.tolerance = std::nan("")}, RbfOptions{.tolerance = -1.0}})
-        EXPECT_THROW(Rbf(HandlePoints(view(points)), options), InvalidOption);
-    EXPECT_THROW(HandlePoints(view(Points(0, 3))), InvalidConstraint);
-    Points broken = points;
-    broken(3, 1) = std::nan("");
-    expect_elements(refusal<InvalidConstraint>([&] { HandlePoints(view(broken), {2, 25}); }),
-                    Error::Element::handle, {1});
-    expect_elements(refusal<InvalidConstraint>([&] { HandlePoints(view(points), {2, 0, 25}); }),
-                    Error::Element::handle, {1});
-    EXPECT_THROW(HandlePoints(view(points), {2, 24}), InvalidConstraint);
-    const MemoryLimit limit(1000);
-    Rbf rbf{HandlePoints(view(points))};
-    EXPECT_THROW(rbf.bind(view(points)), OutOfMemory);
 }
 
 } // namespace sinew::test_rbf

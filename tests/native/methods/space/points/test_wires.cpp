@@ -2,7 +2,6 @@
 #include "native/methods/space/points/wires.h"
 
 #include "tests/native/methods/space/contract.h"
-#include "tests/native/refusals.h"
 
 #include <gtest/gtest.h>
 
@@ -39,14 +38,7 @@ Points stacked(const Points& a, const Points& b)
     return both;
 }
 
-Points scattered(int count, double size = 1.5)
-{
-    shapes::Random random(3);
-    Points points(count, 3);
-    for (int i = 0; i < count; ++i)
-        points.row(i) = size * random.vector().transpose();
-    return points;
-}
+Points scattered(int count, double size = 1.5) { return shapes::Random(3).points(count, size); }
 
 Points warped(const WireOptions& options, const Points& rest, const Points& control, const Points& points)
 {
@@ -88,86 +80,13 @@ INSTANTIATE_TEST_SUITE_P(Wires, SpaceContract, testing::Values(traits()));
 TEST(Wires, points_on_a_wire_follow_it_and_those_outside_stay)
 {
     const Points rest = arc(9), points = stacked(rest, stacked(one(1.51, 0, 0), one(-1, -1, 0)));
-    Points posed = rest;
-    shapes::Random random(1);
-    for (int v = 0; v < posed.rows(); ++v)
-        posed.row(v) += random.vector().transpose();
+    const Points posed = shapes::Random(1).shaken(rest, 1.0);
     for (const double smoothing : {0.0, 0.2, 1.0}) {
         const Points out =
             warped({.radius = {0.5}, .scale = {3.0}, .smoothing = smoothing}, rest, posed, points);
         EXPECT_LT(shapes::distance(out.topRows(9), posed), 1e-14) << smoothing;
         EXPECT_EQ(out.bottomRows(2), points.bottomRows(2)) << "outside the radius";
     }
-}
-
-TEST(Wires, a_straight_wire_has_the_closed_form)
-{
-    // Moved along y by 1, without a turn: x' = x + f(d / r) e_y with f(t) = (1 - t^2)^2.
-    const Points rest = line(41, {-5, 0, 0}, {5, 0, 0}), points = scattered(300);
-    Points posed = rest;
-    posed.col(1).array() += 1.0;
-    const Points out = warped({.radius = {1.25}}, rest, posed, points);
-    for (int i = 0; i < points.rows(); ++i) {
-        const double t = std::hypot(points(i, 1), points(i, 2)) / 1.25;
-        const double falloff = t < 1 ? (1 - t * t) * (1 - t * t) : 0.0;
-        EXPECT_LT((out.row(i) - points.row(i) - falloff * Eigen::RowVector3d::UnitY()).norm(), 1e-14);
-    }
-}
-
-TEST(Wires, scale_and_turn_are_those_of_the_paper)
-{
-    // A wire along x that is turned by 90 degrees to y about its middle. At the middle nothing moves, so x is
-    // scaled by 1 + (s - 1) F and turned by F times 90 degrees.
-    const Points rest = line(21, {-1, 0, 0}, {1, 0, 0});
-    const Points posed = shapes::transformed(rest, shapes::turn({0, 0, 1}, 90));
-    const double falloff = (1 - 0.25) * (1 - 0.25);
-    const Vector3 turned = shapes::rotation({0, 0, 1}, 90 * falloff) * Vector3(0, 0.5, 0);
-    const Points out = warped({.scale = {2.0}, .smoothing = 0.0}, rest, posed, one(0, 0.5, 0));
-    EXPECT_LT((out.row(0).transpose() - (1 + falloff) * turned).norm(), 1e-14);
-    const Points still = warped({.rotation = {0.0}, .smoothing = 0.0}, rest, posed, one(0, 0.5, 0));
-    EXPECT_LT((still - one(0, 0.5, 0)).norm(), 1e-15) << "without rotation only places count";
-}
-
-TEST(Wires, the_parameter_counts_and_not_the_length)
-{
-    // The second half of the wire is stretched. The sample in the middle stays the middle of the parameter.
-    const Points rest = line(3, {0, 0, 0}, {2, 0, 0});
-    Points posed = rest;
-    posed.row(2) << 11, 0, 0;
-    const Points out = warped({}, rest, posed, stacked(one(1, 0, 0), one(1.5, 0, 0)));
-    EXPECT_LT(shapes::distance(out, stacked(one(1, 0, 0), one(6, 0, 0))), 1e-14);
-}
-
-TEST(Wires, coincident_wires_do_not_add_up)
-{
-    const Points rest = arc(9), points = scattered(200);
-    Points posed = rest;
-    posed.col(2).array() += 0.7;
-    posed.row(3) << 1, 1, 1;
-    const Points alone = warped({}, rest, posed, points);
-    for (const double m : {0.0, 1.0, 2.5}) {
-        const Points twice =
-            warped({.counts = {9, 9}, .exponent = m}, stacked(rest, rest), stacked(posed, posed), points);
-        EXPECT_LT(shapes::distance(twice, alone), 1e-14) << m;
-    }
-}
-
-TEST(Wires, several_wires_blend_by_the_power_of_their_moves)
-{
-    // Two long wires on both sides of the point, which both have it in the middle of their radius.
-    const Points rest = stacked(line(2, {-9, -.5, 0}, {9, -.5, 0}), line(2, {-9, .5, 0}, {9, .5, 0}));
-    Points posed = rest;
-    posed.topRows(2).col(2).array() += 1.0;
-    posed.bottomRows(2).col(2).array() += 3.0;
-    const double f = 0.5625, a = f, b = 3 * f;
-    for (const double m : {0.0, 1.0, 2.0, 5.5}) {
-        const Points out = warped({.counts = {2, 2}, .exponent = m}, rest, posed, one(0, 0, 0));
-        const double expected = (a * std::pow(a, m) + b * std::pow(b, m)) / (std::pow(a, m) + std::pow(b, m));
-        EXPECT_NEAR(out(0, 2), expected, 1e-14) << m;
-    }
-    posed.bottomRows(2) = rest.bottomRows(2);
-    EXPECT_NEAR(warped({.counts = {2, 2}}, rest, posed, one(0, 0, 0))(0, 2), a, 1e-15)
-        << "a wire that stays does not hold the point back";
 }
 
 TEST(Wires, is_continuous_where_the_nearest_point_jumps)
@@ -258,31 +177,6 @@ TEST(Wires, doubled_samples_and_turned_wires_stay_finite)
     EXPECT_TRUE(out.allFinite());
     posed.setZero(); // contracted to a point
     EXPECT_TRUE(warped({.radius = {2.0}}, rest, posed, scattered(200, 2.0)).allFinite());
-}
-
-TEST(Wires, refuses_what_is_no_wire)
-{
-    Points rest = stacked(line(3, {0, 0, 0}, {1, 0, 0}), stacked(line(2, {5, 5, 5}, {5, 5, 5}), arc(3)));
-    const auto made = [&](const WireOptions& options) { return Wires(rest, options); };
-    expect_elements(refusal<InvalidConstraint>([&] { made({.counts = {3, 2, 3}}); }), Error::Element::handle,
-                    {1});
-    EXPECT_THROW(made({.counts = {3, 2}}), InvalidOption);
-    EXPECT_THROW(made({.counts = {7, 1}}), InvalidOption);
-    EXPECT_THROW(made({.radius = {0.0}}), InvalidOption);
-    EXPECT_THROW(made({.radius = {1.0, 2.0}}), InvalidOption);
-    EXPECT_THROW(made({.rotation = {1.5}}), InvalidOption);
-    EXPECT_THROW(made({.scale = {std::numeric_limits<double>::quiet_NaN()}}), InvalidOption);
-    EXPECT_THROW(made({.domain = rest.topRows(4)}), InvalidOption);
-    EXPECT_THROW(made({.exponent = -1.0}), InvalidOption);
-    EXPECT_THROW(made({.smoothing = -0.1}), InvalidOption);
-    EXPECT_THROW(Wires(Points(0, 3)), Error);
-    EXPECT_THROW(Wires(rest.topRows(1)), Error);
-    rest(4, 1) = std::numeric_limits<double>::infinity();
-    expect_elements(refusal<InvalidConstraint>([&] { made({}); }), Error::Element::vertex, {4});
-    const MemoryLimit limit(1000);
-    Wires wires(arc(9));
-    const Points many = scattered(1000, 0.5);
-    EXPECT_THROW(wires.bind(view(many)), OutOfMemory);
 }
 
 TEST(Wires, says_what_it_costs)

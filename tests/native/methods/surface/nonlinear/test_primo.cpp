@@ -2,27 +2,17 @@
 #include "native/methods/surface/nonlinear/primo.h"
 
 #include "tests/native/methods/surface/fixture.h"
-#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <memory>
 
 namespace sinew::test_primo {
 
 namespace {
 
 using calls::bend, calls::twist;
-
-/// A bar around the x axis, so that it twists about its middle.
-SurfaceMesh centred_bar(int along, int across)
-{
-    const SurfaceMesh bar = shapes::bar(along, across);
-    const double middle = 0.5 * bar.points().col(1).maxCoeff() + 0.5 * bar.points().col(1).minCoeff();
-    return shapes::moved(bar, bar.points().rowwise() - Eigen::RowVector3d(0, middle, middle));
-}
 
 /// Each face cut into triangles.
 SurfaceMesh triangulated(const SurfaceMesh& mesh)
@@ -58,13 +48,13 @@ INSTANTIATE_TEST_SUITE_P(Primo, SurfaceContract, testing::Values(Primo::traits()
 
 TEST_F(Primo, two_starts_end_in_one_shape)
 {
-    for (const SurfaceMesh& mesh : {centred_bar(20, 5), triangulated(centred_bar(20, 5))})
+    for (const SurfaceMesh& mesh : {shapes::bar(20, 5), triangulated(shapes::bar(20, 5))})
         calls::expect_starts_meet(bound(mesh, {}, shapes::ends(mesh, 2)), 2, 1000, 1e-7);
 }
 
 TEST_F(Primo, four_iterations_are_within_one_percent)
 {
-    for (const SurfaceMesh& mesh : {triangulated(centred_bar(40, 10)), centred_bar(40, 10)})
+    for (const SurfaceMesh& mesh : {triangulated(shapes::bar(40, 10)), shapes::bar(40, 10)})
         for (const Poses& poses : {bend(90, 40), twist(135)}) {
             const Method primo = bound(mesh, {}, shapes::ends(mesh, 2));
             const Points limit = solve(primo, poses, {.max_iterations = 1000, .tolerance = 1e-12}).positions;
@@ -118,18 +108,6 @@ TEST_F(Primo, an_affine_pose_takes_its_handle_and_the_surface_along)
         }
 }
 
-TEST_F(Primo, counts_faces_that_are_turned_over)
-{
-    const SurfaceMesh mesh = shapes::quad_grid(4, 4);
-    std::vector<int> fixed = shapes::where(
-        mesh, [](const Vector3& p) { return p.x() == 0 || p.x() == 4 || p.y() == 0 || p.y() == 4; });
-    fixed.push_back(13); // the next one to the right of the middle
-    const Method primo = bound(mesh, {.height = {0.5}}, {{fixed, {}}, {{12}, {}}});
-    EXPECT_EQ(solve(primo, {shapes::still(), shapes::shift(0.2, 0, 0)}).report.inverted_faces, 0);
-    // The middle goes beyond its neighbour, which stays.
-    EXPECT_GT(solve(primo, {shapes::still(), shapes::shift(4, 0, 0)}).report.inverted_faces, 0);
-}
-
 TEST_F(Primo, a_painted_height_stiffens_its_region)
 {
     const SurfaceMesh mesh = shapes::quad_grid(30, 4);
@@ -172,26 +150,6 @@ TEST_F(Primo, faces_of_many_corners_stay_stiff)
     // The lid is nearly as it was: its vertices are means of where it and two faces of the wall take them.
     for (int k = 1; k < 24; ++k)
         EXPECT_NEAR((s.positions.row(4 * k + 3) - s.positions.row(4 * ((k + 12) % 24) + 3)).norm(), 2.0, 0.2);
-}
-
-TEST_F(Primo, refuses_options_that_mean_nothing)
-{
-    const SurfaceMesh mesh = shapes::cube();
-    expect_refused(mesh, {{.height = {-1.0}},
-                          {.height = {nan}},
-                          {.height = {infinity}},
-                          {.height = {0.0}},
-                          {.height = std::vector(8, 0.0)},
-                          {.height = {}},
-                          {.height = {1.0, 1.0}},
-                          {.tolerance = -1.0},
-                          {.tolerance = nan},
-                          {.tolerance = infinity},
-                          {.max_iterations = 0}});
-    std::vector<double> paint(8, 1.0);
-    paint[2] = -1;
-    const auto make = [&] { Method(mesh, {.height = paint}); };
-    expect_elements(refusal<InvalidOption>(make), Error::Element::vertex, {2});
 }
 
 } // namespace sinew::test_primo

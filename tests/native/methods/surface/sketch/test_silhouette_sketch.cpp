@@ -2,13 +2,11 @@
 #include "native/methods/surface/sketch/silhouette_sketch.h"
 
 #include "native/operators/laplacian.h"
-#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 namespace sinew::test_silhouette_sketch {
 
@@ -160,28 +158,6 @@ TEST(SilhouetteSketch, copes_with_a_messy_mesh)
     SilhouetteSketch(mesh, line, held).solve(view(targets), found);
     EXPECT_TRUE(found.allFinite());
     EXPECT_LT(shapes::distance(found, mesh.points()), 3 * shapes::size(mesh.points()));
-}
-
-TEST(SilhouetteSketch, refuses_what_does_not_fit)
-{
-    const Hill hill;
-    const auto refused = [&](const std::vector<LinePoint>& line, const std::vector<int>& held) {
-        return refusal<InvalidConstraint>([&] { SilhouetteSketch(hill.mesh, line, held); });
-    };
-    expect_elements(refused({{0, 72, 0.5}}, {}), Error::Element::vertex, {72});
-    expect_elements(refused({{0, 1, 0.5}}, {-1}), Error::Element::vertex, {-1});
-    EXPECT_STREQ(refused({{0, 1, 1.5}}, {}).what(), "line: a share is not in 0..1");
-    EXPECT_STREQ(refused({{0, 1, 0.5}}, {0, 1}).what(), "line: there is no vertex of it that may move");
-    EXPECT_STREQ(refused({}, {}).what(), "line: there is no vertex of it that may move");
-    for (const SilhouetteSketchOptions& options :
-         {SilhouetteSketchOptions{.refits = -1}, SilhouetteSketchOptions{.sharpness = -2},
-          SilhouetteSketchOptions{.weight = 1}, SilhouetteSketchOptions{.weight = -0.1}})
-        EXPECT_THROW(SilhouetteSketch(hill.mesh, hill.line, hill.held, options), InvalidOption);
-    const SilhouetteSketch sketch(hill.mesh, hill.line, hill.held);
-    Points targets = hill.lifted(), found;
-    EXPECT_THROW(sketch.solve(view(Points(targets.topRows(2))), found), InvalidConstraint);
-    targets(0, 0) = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_THROW(sketch.solve(view(targets), found), InvalidConstraint);
 }
 
 } // namespace sinew::test_silhouette_sketch
