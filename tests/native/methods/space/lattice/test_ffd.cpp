@@ -4,7 +4,6 @@
 #include "tests/native/methods/space/contract.h"
 #include "tests/native/methods/space/lattice/lattices.h"
 #include "tests/native/refusals.h"
-#include "tests/native/wide_kernels.h"
 
 #include <gtest/gtest.h>
 
@@ -150,27 +149,6 @@ TEST(Ffd, names_the_points_outside)
     EXPECT_EQ(method.bind(view(points)).outside, std::vector{2});
     Ffd cells(Hexahedra(boxes({2, 2, 2}), 1));
     EXPECT_EQ(cells.bind(view(points)).outside, std::vector{2});
-}
-
-TEST(Ffd, every_kernel_gives_the_same_bits)
-{
-    shapes::Random random(7);
-    const MatrixX moves = random.dense(3, 16 * 16 * 16), local = random.dense(8, 3);
-    for (const int width : {1, 2, 4, 5, 16}) {
-        const MatrixX rows = random.dense(width * 6, 3);
-        BlendCell cell{};
-        for (int axis = 0; axis < 3; ++axis)
-            cell.axes[axis] = {rows.col(axis).data(), width, 5};
-        cell.moves = moves.data();
-        cell.strides[0] = 48;
-        cell.strides[1] = 768;
-        std::array<double, 24> expected{}, found{};
-        BlendKernels::baseline.blend(cell, local.data(), expected.data());
-        for (const BlendKernels* kernels : wide_kernels<BlendKernels>()) {
-            kernels->blend(cell, local.data(), found.data());
-            EXPECT_EQ(found, expected) << width;
-        }
-    }
 }
 
 TEST(Hexahedra, are_found_in_boxes_and_between_them)
