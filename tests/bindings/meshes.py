@@ -18,6 +18,14 @@ def grid(n: int, jitter: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
     return points, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
 
 
+def quad_grid(columns: int, rows: int, spacing: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Squares of the plane, row by row."""
+    j, i = np.mgrid[: rows + 1, : columns + 1].reshape(2, -1)
+    first = np.flatnonzero((i < columns) & (j < rows))
+    points = spacing * np.column_stack([i, j, 0.0 * i])
+    return points, first[:, None] + (0, 1, columns + 2, columns + 1)
+
+
 def bar(along: int, across: int) -> tuple[np.ndarray, np.ndarray]:
     """An open tube of quads with a square section, around the x axis."""
     ring = [(across / 2, y - across / 2) for y in range(across)]

@@ -127,15 +127,19 @@ def test_points_outside_are_those_that_the_shape_says(method: type) -> None:
     assert len(outside) > 100
 
 
-@pytest.mark.parametrize(("method", "options"), POSITIVE)
+PREVIEW = (sn.PositiveMeanValue, {"exact": False})
+
+
+@pytest.mark.parametrize(("method", "options"), [*POSITIVE, PREVIEW, (sn.Green, {"outside": "error"})])
 def test_points_outside_are_refused_or_fall_back_on_mean_values(method: type, options: dict) -> None:
     points = np.array([(0.5, 0.5, 0.5), (1.5, 2, 0.5), (0.2, 0.9, 0.4), (9, 9, 9), (0.5, 0.5, -0.1)])
-    with pytest.raises(sn.PointsOutside) as refused:
+    with pytest.raises(sn.PointsOutside, match="outside") as refused:
         bound(method, u_prism(), points, **options)
-    assert refused.value.elements == [1, 3, 4]
-    both = bound(method, u_prism(), points, outside="mean_value", **options).vertex_weights
-    plain = bound(sn.MeanValue, u_prism(), points).vertex_weights
-    np.testing.assert_allclose(both[[1, 3, 4]], plain[[1, 3, 4]], rtol=0, atol=1e-12)
+    assert (refused.value.elements, refused.value.element_kind) == ([1, 3, 4], "vertex")
+    if "outside" not in options:
+        both = bound(method, u_prism(), points, outside="mean_value", **options).vertex_weights
+        plain = bound(sn.MeanValue, u_prism(), points).vertex_weights
+        np.testing.assert_allclose(both[[1, 3, 4]], plain[[1, 3, 4]], rtol=0, atol=1e-12)
 
 
 @pytest.mark.parametrize(("method", "options"), POSITIVE)

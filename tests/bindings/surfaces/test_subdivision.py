@@ -9,7 +9,7 @@ import sinew_native as sn
 
 from .. import limits
 from ..cages import CUBE, QUADS
-from ..meshes import messy, moved, sphere
+from ..meshes import messy, moved, quad_grid, sphere
 
 
 def cube(**options) -> sn.SubdivisionSurface:
@@ -118,8 +118,7 @@ def test_limits_are_those_of_the_published_masks(n: int) -> None:
     np.testing.assert_allclose(loop[0], [own, *np.full(n, (1 - own) / n), 0], atol=1e-13)
 
 
-SHEET = np.array([(x, y, 0.0) for y in range(3) for x in range(4)])
-CELLS = np.array([(v, v + 1, v + 5, v + 4) for v in (0, 1, 2, 4, 5, 6)])
+SHEET, CELLS = quad_grid(3, 2)
 
 
 @pytest.mark.parametrize(
@@ -181,9 +180,8 @@ def test_affine_maps_pass_through_on_any_mesh(scheme: str, limit: bool) -> None:
 
 
 def test_memory_is_announced() -> None:
-    side = np.array([(x, y, 0.0) for y in range(31) for x in range(31)])
-    first = np.flatnonzero((side[:, 0] < 30) & (side[:, 1] < 30))
-    mesh = sn.SurfaceMesh(side, first[:, None] + (0, 1, 32, 31))
+    side, quads = quad_grid(30, 30)
+    mesh = sn.SurfaceMesh(side, quads)
     with limits.memory(1 << 20):
         with pytest.raises(sn.OutOfMemory):
             sn.SubdivisionSurface(mesh, level=4)

@@ -8,7 +8,7 @@ import sinew_native as sn
 
 from .. import limits
 from ..cages import CUBE, QUADS
-from ..meshes import STILL, closed_bar, ends, grid, moved, shift, sphere, torus, turn
+from ..meshes import STILL, closed_bar, ends, grid, moved, quad_grid, shift, sphere, torus, turn
 
 LIFT = [STILL, shift(1, -2, 3)]
 PLAN = [
@@ -23,13 +23,6 @@ PLAN = [
     (6, 1, 0),
 ]
 POLYGONS = (np.array(PLAN, float), ([4, 4, 5, 3], [0, 1, 4, 3, 1, 2, 5, 4, 3, 4, 5, 7, 6, 2, 8, 5]))
-
-
-def quad_grid(columns: int, rows: int, spacing: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
-    j, i = np.mgrid[: rows + 1, : columns + 1].reshape(2, -1)
-    first = np.flatnonzero((i < columns) & (j < rows))
-    points = spacing * np.column_stack([i, j, 0.0 * i])
-    return points, first[:, None] + (0, 1, columns + 2, columns + 1)
 
 
 def rough_hill(columns: int, rows: int) -> tuple[np.ndarray, np.ndarray]:
