@@ -16,7 +16,9 @@ SHEAR = np.column_stack([[(1.2, 0.3, 0), (-0.4, 0.8, 0.1), (0.5, 0.2, 2)], (1, -
 SIMILAR = np.column_stack([2.5 * turn((1, 2, -1), 130)[:, :3], (3, -1, 2)])
 GREEN = [(sn.Green, {"faces": "triangles"}), (sn.Green, {"faces": "quads"})]
 BOTH_GREEN = pytest.mark.parametrize("faces", ["triangles", "quads"])
-POSITIVE = [(sn.PositiveMeanValue, {}), (sn.Harmonic, {"quality": "fast", "solver": "boundary"})]
+BOUNDARY = {"quality": "fast", "solver": "boundary"}
+LATTICE = {"quality": "fast", "solver": "lattice"}
+POSITIVE = [(sn.PositiveMeanValue, {}), (sn.Harmonic, BOUNDARY), (sn.Harmonic, LATTICE)]
 
 
 def quad_ball(n: int, bumps: float) -> sn.SurfaceMesh:
@@ -237,17 +239,16 @@ def trilinear(points: np.ndarray) -> np.ndarray:
     return np.where(CUBE > 0.5, points[:, None], 1 - points[:, None]).prod(2)
 
 
-@pytest.mark.parametrize("quality", ["fast", "medium"])
-def test_harmonic_weights_are_trilinear_in_a_cube_of_quads(quality: str) -> None:
+@pytest.mark.parametrize("words", [BOUNDARY, BOUNDARY | {"quality": "medium"}, LATTICE])
+def test_harmonic_weights_are_trilinear_in_a_cube_of_quads(words: dict) -> None:
     points = np.random.default_rng(1).uniform(0, 1, (500, 3))
-    words = {"quality": quality, "solver": "boundary"}
     weights = bound(sn.Harmonic, CAGES["cube"], points, **words).vertex_weights
     np.testing.assert_allclose(weights, trilinear(points), rtol=0, atol=1e-4)  # a grid of Blender's: 3e-3
     expect_barycentric(weights, CAGES["cube"], points)
 
 
 def test_harmonic_weights_are_harmonic_and_come_to_the_data_on_the_cage() -> None:
-    words = dict(POSITIVE[1][1])
+    words = BOUNDARY
     assert bound(sn.Harmonic, u_prism(), inside_u(500, 0.05), **words).vertex_weights.max() < 1
     # The mend adds what is not harmonic, of the order of the error.
     assert (

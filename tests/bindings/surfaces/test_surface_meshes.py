@@ -169,6 +169,7 @@ SHEET, CELLS = quad_grid(3, 3)
         (WING, [(0, 1, 2), (1, 0, 3), (0, 1, 4)], {"non_manifold_vertices": []}),
         # The third has an area of 1e-6 under a longest edge of 1e6: 1e-18 of its square.
         (THIN, [(0, 1, 3), (0, 1, 2), (0, 0, 3), (0, 2, 4)], {"degenerate_faces": [1, 2, 3]}),
+        (THIN, ([4, 3], [0, 1, 2, 3, 0, 1, 2]), {"degenerate_faces": [1]}),  # a corner on a side is no matter
         (WING, [(0, 1, 2), (1, 2, 0), (1, 0, 3), (2, 1, 0), (0, 3, 1)], {"duplicate_faces": [1, 3, 4]}),
         (WING, [(0, 1, 2), (0, 1, 3)], {"inconsistent_edges": [(0, 1)]}),
         (
