@@ -243,20 +243,6 @@ SurfaceMesh bar(int along, int across)
     return mesh(p, faces);
 }
 
-SurfaceMesh torus(int around, int across)
-{
-    std::vector<Vector3> p;
-    Polygons faces;
-    for (int i = 0; i < around; ++i)
-        for (int j = 0; j < across; ++j) {
-            const double a = 2 * pi * i / around, b = 2 * pi * j / across;
-            p.emplace_back((3 + std::cos(b)) * std::cos(a), (3 + std::cos(b)) * std::sin(a), std::sin(b));
-            const auto at = [&](int s, int t) { return (i + s) % around * across + (j + t) % across; };
-            faces.push_back({at(0, 0), at(1, 0), at(1, 1), at(0, 1)});
-        }
-    return mesh(p, faces);
-}
-
 SurfaceMesh messy()
 {
     const SurfaceMesh base = hill(8, 8);

@@ -102,9 +102,6 @@ SurfaceMesh sphere(int level);
 /// A closed bar along x of quads, `across` on each short side; cells are unit cubes' sides.
 SurfaceMesh bar(int along, int across);
 
-/// Of quads, outward, around the z axis at distance 3, with the radius 1.
-SurfaceMesh torus(int around, int across);
-
 /// A hill with a doubled face, a face without area, a needle, a face with a corner twice, a fin
 /// on an inner edge, a part of its own and a loose vertex.
 SurfaceMesh messy();

@@ -118,6 +118,16 @@ def half_square(rows: np.ndarray, weights: np.ndarray) -> float:
     return 0.5 * float((weights[:, None] * rows**2).sum())
 
 
+def gradients(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(t, 3, n) derivatives on each triangle: grad . u = f_j - f_i, grad . v = f_k - f_i, grad . n = 0."""
+    G = np.zeros((len(triangles), 3, len(points)))
+    for own, (i, j, k) in zip(G, triangles, strict=True):
+        u, v = points[j] - points[i], points[k] - points[i]
+        slopes = np.linalg.inv([u, v, np.cross(u, v)])
+        own[:, j], own[:, k], own[:, i] = slopes[:, 0], slopes[:, 1], -slopes[:, 0] - slopes[:, 1]
+    return G
+
+
 def affine(seed: int, degrees: float) -> tuple[np.ndarray, Rotation, np.ndarray]:
     """A pose of a rotation after a symmetric stretch, and both."""
     rng = np.random.default_rng(seed)
@@ -148,12 +158,7 @@ def entering(rest: Rest, size: float) -> list[np.ndarray]:
 @pytest.mark.parametrize("name", ["hill", "bar", "sphere"])
 def test_gradient_editing_turns_gradients_by_its_field(name: str) -> None:
     rest = Rest(name)
-    G = np.zeros((len(rest.triangles), 3, rest.n))
-    for t, corners in enumerate(rest.triangles):  # grad . u = f_j - f_i, grad . v = f_k - f_i, grad . n = 0
-        i, j, k = corners
-        u, v = rest.points[j] - rest.points[i], rest.points[k] - rest.points[i]
-        slopes = np.linalg.inv([u, v, np.cross(u, v)])
-        G[t][:, j], G[t][:, k], G[t][:, i] = slopes[:, 0], slopes[:, 1], -slopes[:, 0] - slopes[:, 1]
+    G = gradients(rest.points, rest.triangles)
     area = np.repeat(igl.doublearea(rest.points, rest.triangles) / 2, 3)
     rows = G.reshape(-1, rest.n)
     L = rows.T @ (area[:, None] * rows)

@@ -258,37 +258,3 @@ def test_cages_and_choices_that_do_not_fit_are_refused(method: type) -> None:
 def test_unknown_choices_are_refused(method: type, options: dict) -> None:
     with pytest.raises(sn.InvalidOption):
         method(sn.SurfaceMesh(CUBE, QUADS), **options)
-
-
-OUTSIDE = np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 2]])
-
-
-@pytest.mark.parametrize(
-    "coordinates",
-    [
-        sn.Green(sn.SurfaceMesh(CUBE, QUADS), outside="error"),
-        sn.Harmonic(sn.SurfaceMesh(CUBE, QUADS)),
-        sn.PositiveMeanValue(sn.SurfaceMesh(CUBE, QUADS)),
-        sn.PositiveMeanValue(sn.SurfaceMesh(CUBE, QUADS), exact=False),
-    ],
-)
-def test_points_outside_are_refused_and_named(coordinates: sn.SpaceMethod) -> None:
-    with pytest.raises(sn.PointsOutside, match="outside") as refusal:
-        coordinates.bind(OUTSIDE)
-    assert (refusal.value.elements, refusal.value.element_kind) == ([1], "vertex")
-
-
-@pytest.mark.parametrize(
-    ("method", "options"),
-    [
-        (sn.MeanValue, {}),
-        (sn.Green, {}),
-        (sn.Green, {"outside": "face", "exit_face": 1}),
-        (sn.Harmonic, {"outside": "mean_value"}),
-        (sn.PositiveMeanValue, {"outside": "mean_value"}),
-    ],
-)
-def test_points_outside_may_be_bound(method: type, options: dict) -> None:
-    coordinates = method(sn.SurfaceMesh(CUBE, QUADS), **options)
-    assert coordinates.bind(OUTSIDE).outside.tolist() == [1]
-    np.testing.assert_allclose(coordinates.warp(CUBE + 1), OUTSIDE + 1, rtol=0, atol=1e-6)

@@ -7,6 +7,7 @@ from scipy.interpolate import RBFInterpolator
 
 import sinew_native as sn
 
+from .. import limits
 from ..figures import animal
 from ..meshes import grid
 
@@ -226,12 +227,8 @@ def test_refusals_name_handles() -> None:
 @pytest.mark.parametrize("method", [sn.Rbf, sn.Mls, sn.SpacePropagation, sn.Wires])
 def test_what_memory_does_not_hold_is_refused(method: type) -> None:
     made = method(HANDLES)
-    sn.limit_memory(1000)
-    try:
-        with pytest.raises(sn.OutOfMemory):
-            made.bind(np.tile(POINTS, (10, 1)))
-    finally:
-        sn.limit_memory(0)
+    with limits.memory(1000), pytest.raises(sn.OutOfMemory):
+        made.bind(np.tile(POINTS, (10, 1)))
 
 
 def about(axis: int, degrees: float, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -7,8 +7,9 @@ import scipy.sparse as sparse
 
 import sinew_native as sn
 
+from .. import limits
 from ..cages import CUBE, QUADS
-from ..meshes import sphere
+from ..meshes import messy, moved, quad_grid, sphere
 
 
 def cube(**options) -> sn.SubdivisionSurface:
@@ -93,15 +94,100 @@ def test_a_limit_does_not_depend_on_the_level_and_level_zero_is_the_mesh(scheme:
     np.testing.assert_array_equal(surface(level=0), points)
 
 
-def test_limits_are_those_of_the_published_masks() -> None:
-    """(n^2 P + 4 sum of edge neighbours + sum of face opposites) / n (n + 5), and that of Loop."""
-    across = 1 - 2 * CUBE  # to the opposite corner
-    expected = (9 * CUBE + 4 * (3 * CUBE + across) + 3 * CUBE + 2 * across) / 24
-    np.testing.assert_allclose(cube(level=0, limit=True).refine(CUBE), expected, atol=1e-15)
-    points, faces = sphere(0)  # the neighbours of a corner of the octahedron sum to zero
-    smooth = sn.SubdivisionSurface(sn.SurfaceMesh(points, faces), scheme="loop", level=0, limit=True)
-    beta = (5 / 8 - 9 / 64) / 4
-    np.testing.assert_allclose(smooth.refine(points), points / (1 + 32 * beta / 3), atol=1e-15)
+def masks(points: np.ndarray, faces: np.ndarray, scheme: str, **sharp) -> np.ndarray:
+    """How the limit of each vertex is made of all of them (n, n)."""
+    mesh = sn.SurfaceMesh(points, faces)
+    return sn.SubdivisionSurface(mesh, scheme=scheme, level=0, limit=True, **sharp).matrix.toarray()
+
+
+@pytest.mark.parametrize("n", [3, 4, 5, 8])
+def test_limits_are_those_of_the_published_masks(n: int) -> None:
+    """E. Halstead et al. 1993 for quads, C. Loop 1987 for triangles, where n faces meet at vertex 0."""
+    k, points = np.arange(n), np.random.default_rng(4).normal(size=(2 * n + 2, 3))
+    rim = 1 + np.arange(2 * n + 3) % (2 * n)  # every second vertex around is one of an edge
+    top = np.stack([0 * k, rim[2 * k], rim[2 * k + 1], rim[2 * k + 2]], 1)
+    bottom = np.stack([0 * k + 2 * n + 1, rim[2 * k + 3], rim[2 * k + 2], rim[2 * k + 1]], 1)
+    quads = masks(points, np.concatenate([top, bottom]), "catmull_clark")
+    near = np.tile([4.0, 1.0], n) / (n * (n + 5))
+    np.testing.assert_allclose(quads[0], [n / (n + 5), *near, 0], atol=1e-13)
+    ring = np.stack([1 + k, 1 + (k + 1) % n], 1)
+    fans = [np.insert(ring, 0, 0, axis=1), np.insert(ring[:, ::-1], 0, n + 1, axis=1)]
+    beta = (5 / 8 - (3 / 8 + np.cos(2 * np.pi / n) / 4) ** 2) / n
+    own = 1 / (1 + 8 * n * beta / 3)
+    loop = masks(points[: n + 2], np.concatenate(fans), "loop")
+    np.testing.assert_allclose(loop[0], [own, *np.full(n, (1 - own) / n), 0], atol=1e-13)
+
+
+SHEET, CELLS = quad_grid(3, 2)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "sharp", "vertex", "expected"),
+    [
+        (sphere(0), {"creases": ([(0, 2), (0, 3)], 10.0)}, 0, {0: 2 / 3, 2: 1 / 6, 3: 1 / 6}),
+        (sphere(0), {"creases": ([(0, 2), (0, 3), (0, 4)], 10.0)}, 0, {0: 1}),
+        (sphere(0), {"corners": ([0], 10.0)}, 0, {0: 1}),
+        ((CUBE, QUADS), {"creases": ([(0, 1), (0, 2)], 10.0)}, 0, {0: 2 / 3, 1: 1 / 6, 2: 1 / 6}),
+        ((SHEET, CELLS), {}, 1, {1: 2 / 3, 0: 1 / 6, 2: 1 / 6}),  # on the border
+        ((SHEET, CELLS), {"corners": ([6], 10.0)}, 6, {6: 1}),
+    ],
+)
+def test_limits_of_creases_borders_and_corners_are_those_of_curves(
+    mesh, sharp, vertex: int, expected
+) -> None:
+    points, faces = mesh
+    row = masks(points, faces, "loop" if faces.shape[1] == 3 else "catmull_clark", **sharp)[vertex]
+    np.testing.assert_allclose(row, [expected.get(v, 0) for v in range(len(points))], atol=1e-14)
+
+
+@pytest.mark.parametrize(("scheme", "mesh"), [("loop", sphere(0)), ("catmull_clark", (CUBE, QUADS))])
+def test_limits_are_where_many_levels_lead(scheme: str, mesh) -> None:
+    """What OpenSubdiv's own rules give far down, with sharpness of every kind that is left."""
+    points, faces = mesh
+    creases = [faces[f][k : k + 2] for f, k in ((0, 0), (1, 0), (1, 1), (3, 1))]
+    sharp = {"creases": (creases, [10.0, 3.3, 1.5, 0.4]), "corners": ([faces[1][2]], 2.7)}
+
+    def refined(level: int, limit: bool = False) -> np.ndarray:
+        surface = sn.SubdivisionSurface(
+            sn.SurfaceMesh(points, faces), scheme=scheme, level=level, limit=limit, **sharp
+        )
+        return surface.refine(points)
+
+    far, farther = refined(7), refined(8)
+    for level in (0, 1, 2):
+        limit = refined(level, limit=True)
+        left, last = (
+            np.linalg.norm(shape[: len(limit)] - farther[: len(limit)], axis=1).max()
+            for shape in (limit, far)
+        )
+        # What is left shrinks by a factor of at most 0.7 a level (valence 5 or less).
+        assert left < 0.7 / 0.3 * last + 1e-14
+        assert left < 2e-3
+
+
+@pytest.mark.parametrize("scheme", ["catmull_clark", "bilinear"])
+@pytest.mark.parametrize("limit", [False, True])
+def test_affine_maps_pass_through_on_any_mesh(scheme: str, limit: bool) -> None:
+    points, faces = messy()
+    faces = faces[[len(set(face)) == 3 for face in faces]]  # a corner twice is refused
+    sharp = {"creases": ([(0, 1), (10, 11)], [2.5, 10.0]), "corners": ([30], 1.5)}
+    surface = sn.SubdivisionSurface(sn.SurfaceMesh(points, faces), scheme=scheme, limit=limit, **sharp)
+    np.testing.assert_allclose(surface.matrix.sum(axis=1), 1.0, atol=1e-14)
+    pose = np.random.default_rng(2).uniform(-1, 1, (3, 4))
+    np.testing.assert_allclose(
+        surface.refine(moved(pose, points)), moved(pose, surface.refine(points)), atol=1e-12
+    )
+
+
+def test_memory_is_announced() -> None:
+    side, quads = quad_grid(30, 30)
+    mesh = sn.SurfaceMesh(side, quads)
+    with limits.memory(1 << 20):
+        with pytest.raises(sn.OutOfMemory):
+            sn.SubdivisionSurface(mesh, level=4)
+        assert sn.SubdivisionSurface(mesh, level=0).vertex_count == len(side)
+    with pytest.raises(sn.OutOfMemory):
+        sn.SubdivisionSurface(mesh, level=10)  # 9e8 vertices
 
 
 def test_sharp_rims_and_corners_stay_and_open_corners_by_choice() -> None:
@@ -114,12 +200,10 @@ def test_sharp_rims_and_corners_stay_and_open_corners_by_choice() -> None:
     assert (rims[:, 2].min(), rims[:, 2].max()) == (0.0, 1.0)
     fixed = cube(level=3, creases=(flat, 10.0), corners=(range(8), 10.0)).refine(CUBE)
     np.testing.assert_array_equal(fixed[:8], CUBE)
-    sheet = np.array([(x, y, 0.0) for y in range(3) for x in range(4)])
-    quads = np.array([(v, v + 1, v + 5, v + 4) for v in (0, 1, 2, 4, 5, 6)])
     for words, kept in (({}, False), ({"boundary_smooth": "preserve_corners"}, True)):
-        fine = sn.SubdivisionSurface(sn.SurfaceMesh(sheet, quads), level=2, **words).refine(sheet)
-        assert (fine[0] == sheet[0]).all() == kept
-    halved = sn.SubdivisionSurface(sn.SurfaceMesh(sheet, quads), scheme="bilinear", level=2).refine(sheet)
+        fine = sn.SubdivisionSurface(sn.SurfaceMesh(SHEET, CELLS), level=2, **words).refine(SHEET)
+        assert (fine[0] == SHEET[0]).all() == kept
+    halved = sn.SubdivisionSurface(sn.SurfaceMesh(SHEET, CELLS), scheme="bilinear", level=2).refine(SHEET)
     assert {tuple(p) for p in halved} == {(x / 4, y / 4, 0.0) for x in range(13) for y in range(9)}
 
 

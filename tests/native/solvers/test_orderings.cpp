@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <limits>
 #include <set>
 
 namespace sinew::test_orderings {
@@ -105,6 +106,20 @@ TEST(Orderings, the_factor_has_the_entries_that_elimination_predicts)
             SpdFactor factor({.backend = backend, .ordering = ordering});
             factor.factorize(matrix);
             EXPECT_EQ(factor.nonzeros(), fill_in(matrix, elimination_order(matrix, ordering)));
+        }
+}
+
+// Other refusals and solutions of factors are in tests/bindings/oracles/test_factors.py.
+TEST(SpdFactor, refuses_what_is_no_number)
+{
+    std::vector backends{FactorBackend::automatic, FactorBackend::ldlt};
+    if (have_cholmod())
+        backends.insert(backends.end(), {FactorBackend::supernodal, FactorBackend::simplicial});
+    const SparseMatrix wrong = matrices::diagonal({1, std::numeric_limits<double>::quiet_NaN(), 1});
+    for (Ordering ordering : available())
+        for (FactorBackend backend : backends) {
+            SpdFactor factor({.backend = backend, .ordering = ordering});
+            EXPECT_THROW(factor.factorize(wrong), FactorizationFailed);
         }
 }
 

@@ -71,11 +71,16 @@ Points points_near(const SurfaceMesh& cage, const std::vector<double>& distances
 
 namespace sinew::cages {
 
+namespace {
+
+/// Whether a point lies in it, at least `depth` from its surface.
 bool in_u_prism(const Vector3& p, double depth)
 {
     const bool box = p.minCoeff() > depth && p.x() < 3 - depth && p.y() < 3 - depth && p.z() < 1 - depth;
     return box && !(p.x() > 1 - depth && p.x() < 2 + depth && p.y() > 1 - depth);
 }
+
+} // namespace
 
 Points inside_u_prism(int count, double depth, std::uint64_t seed)
 {
