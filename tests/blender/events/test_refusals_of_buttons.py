@@ -411,6 +411,7 @@ FRAMES = [
     row("bake", "press Bind", BOUND, unbound, **KEYS),
     row("bake", "Save the file first", BOUND, target="PC2"),
     row("bake", "Save the file first", BOUND, target="PC2", filepath="//cache/plate.pc2"),
+    row("bake", r"Cannot write .*plate", BOUND, target="PC2", filepath=f"{__file__}/in-no-folder/plate.pc2"),
     row("unbake", "single-user", BOUND, each(baked, shares_its_mesh)),
     row("key_add", "is not bound - press Bind first", with_keys, unbound),
     row("key_add", "is not live", with_keys, sets("sinew.deformers[0].live", False)),
