@@ -109,7 +109,7 @@ TEST(Orderings, the_factor_has_the_entries_that_elimination_predicts)
         }
 }
 
-// Other refusals and solutions of factors are in tests/bindings/oracles/test_factors.py.
+// Other refusals and solutions of factors are in tests/bindings/test_factors.py.
 TEST(SpdFactor, refuses_what_is_no_number)
 {
     std::vector backends{FactorBackend::automatic, FactorBackend::ldlt};

@@ -10,7 +10,7 @@ from scipy.sparse.linalg import spsolve
 
 import sinew_native as sn
 
-from .. import limits
+from . import limits
 
 BACKENDS = ("automatic", "supernodal", "simplicial", "ldlt")
 ORDERINGS = ("natural", "reverse_cuthill_mckee", "minimum_degree", "nested_dissection")
