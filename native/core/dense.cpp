@@ -3,6 +3,8 @@
 
 #include <Eigen/Eigenvalues>
 
+#include <cmath>
+
 namespace sinew {
 
 namespace {
@@ -60,7 +62,18 @@ MatrixX transposed_product(const MatrixX& A, const MatrixX& B) { return A.transp
 
 Eigen::Quaterniond smallest_turn(const Vector3& from, const Vector3& to)
 {
-    return Eigen::Quaterniond::FromTwoVectors(from, to); // for opposite ones by singular values
+    const Vector3 a = from.normalized(), b = to.normalized();
+    const double cosine = b.dot(a);
+    Eigen::Quaterniond turn;
+    if (cosine < -1.0 + 1e-12) { // opposite
+        turn.w() = 0.0;
+        turn.vec() = a.unitOrthogonal();
+    } else {
+        const double twice = std::sqrt((1.0 + cosine) * 2.0);
+        turn.w() = 0.5 * twice;
+        turn.vec() = a.cross(b) * (1.0 / twice);
+    }
+    return turn;
 }
 
 } // namespace sinew

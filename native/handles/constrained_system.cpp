@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/handles/constrained_system.h"
 
+#include "native/core/dense.h"
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
 
@@ -168,7 +169,7 @@ LinearResponse ConstrainedSystem::respond(const MatrixX& constraints) const
             const auto target = constraints.row(static_cast<Eigen::Index>(row));
             soft += stiffness(row) * target.transpose() * target;
         }
-        const MatrixX cross = d.transpose() * *b;
+        const MatrixX cross = transposed_product(d, *b);
         response.energy += soft - cross - cross.transpose();
     }
     response.residual = std::move(forms.residual);

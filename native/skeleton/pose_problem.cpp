@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/skeleton/pose_problem.h"
 
+#include "native/core/dense.h"
 #include "native/core/errors.h"
 #include "native/core/finite.h"
 #include "native/operators/fits/rotation_fit.h"
@@ -407,7 +408,7 @@ void PoseProblem::linearize(const VectorX& multipliers, Slopes& slopes)
             for (int u = first_[b]; u < first_[b + 1]; ++u)
                 rows.block<3, 1>(3 * t, u) = scale * column(unknowns_[u], axes[u], point);
     }
-    slopes.gradient += rows.transpose() * residuals;
+    slopes.gradient += transposed_times(rows, residuals);
 
     slopes.sides.setZero(multipliers.size(), this->size());
     if (support_) {

@@ -18,6 +18,14 @@ def grid(n: int, jitter: float = 0.2) -> tuple[np.ndarray, np.ndarray]:
     return points, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])
 
 
+def quad_grid(columns: int, rows: int, spacing: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Squares of the plane, row by row."""
+    j, i = np.mgrid[: rows + 1, : columns + 1].reshape(2, -1)
+    first = np.flatnonzero((i < columns) & (j < rows))
+    points = spacing * np.column_stack([i, j, 0.0 * i])
+    return points, first[:, None] + (0, 1, columns + 2, columns + 1)
+
+
 def bar(along: int, across: int) -> tuple[np.ndarray, np.ndarray]:
     """An open tube of quads with a square section, around the x axis."""
     ring = [(across / 2, y - across / 2) for y in range(across)]
@@ -32,6 +40,43 @@ def bar(along: int, across: int) -> tuple[np.ndarray, np.ndarray]:
         for i in range(k)
     ]
     return points, np.array(faces)
+
+
+def closed_bar(along: int, across: int) -> tuple[np.ndarray, tuple[list[int], np.ndarray]]:
+    """The same with a polygon at each end: points, and faces as counts and corners."""
+    points, quads = bar(along, across)
+    k = 4 * across
+    lids = [np.arange(k)[::-1], len(points) - k + np.arange(k)]
+    return points, ([4] * len(quads) + [k, k], np.concatenate([quads.ravel(), *lids]))
+
+
+def torus(around: int, across: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of quads, outward, around the z axis at distance 3, with the radius 1."""
+    a, b = np.mgrid[:around, :across].reshape(2, -1)
+    u, v = 2 * np.pi * a / around, 2 * np.pi * b / across
+    far = 3 + np.cos(v)
+    next_a, next_b = (a + 1) % around * across, (b + 1) % across
+    faces = np.stack([a * across + b, next_a + b, next_a + next_b, a * across + next_b], 1)
+    return np.column_stack([far * np.cos(u), far * np.sin(u), np.sin(v)]), faces
+
+
+def messy() -> tuple[np.ndarray, np.ndarray]:
+    """A hill with a doubled face, one without area, a needle, one with a corner twice, a fin on an inner
+    edge, a part of its own and a loose vertex.
+    """
+    points, faces = grid(8)
+    n = len(points)
+    middle, near, fin = points[10:12].mean(0), points[30] + (0, 1e-9, 1e-9), points[50] + (0, 0, 2)
+    more = [middle, near, fin, (20, 0, 0), (21, 0, 0), (20, 1, 0), (0, 20, 0)]
+    odd = [faces[20], (10, 11, n), (30, 31, n + 1), (40, 40, 41), (50, 51, n + 2), (n + 3, n + 4, n + 5)]
+    return np.concatenate([points, more]), np.concatenate([faces, odd])
+
+
+def joined(*meshes: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    """All in one, faces of as many corners each."""
+    firsts = np.cumsum([0] + [len(points) for points, _ in meshes])
+    faces = [first + faces for first, (_, faces) in zip(firsts, meshes)]
+    return np.concatenate([points for points, _ in meshes]), np.concatenate(faces)
 
 
 def sphere(level: int) -> tuple[np.ndarray, np.ndarray]:

@@ -13,7 +13,7 @@ import pytest
 
 import sinew_native as sn
 
-from . import methods
+from . import meshes, methods
 
 TYPES = Path(sn.__file__).with_name("sinew_native.pyi")  # by the build, from the signatures of the module
 NODES = ast.parse(TYPES.read_text(encoding="utf-8")).body
@@ -299,6 +299,60 @@ def test_a_rebind_names_an_option_that_changed(name: str, option: str, default: 
 def test_none_is_no_number(name: str, option: str) -> None:
     with pytest.raises(TypeError):
         methods.made(PUBLIC[name], CUBE, **{option: None})
+
+
+def described(name: str) -> dict[str, str]:
+    """What the docstring of a constructor says about its options."""
+    text = inspect.getdoc(PUBLIC[name].__init__)
+    return dict(re.findall(r"^(\w+) {2,}(.*(?:\n {4,}.*)*)", text, re.MULTILINE))
+
+
+def beyond(words: str) -> list[float]:
+    """Numbers outside the range that these words state first, if any."""
+    number = r"(-?\d+(?:\.\d+)?)"
+    ranges = rf">= {number}|> {number}|in \[{number}, {number}([\])])|(?<!\S){number} to {number}\b"
+    stated = re.search(ranges, words)
+    if not stated:
+        return []
+    least, bound, low, high, end, first, last = stated.groups()
+    if low:
+        return [float(low) - 0.1, float(high) + (0.1 if end == "]" else 0.0)]
+    return [float(bound)] if bound else [float(first) - 1, float(last) + 1] if first else [float(least) - 1]
+
+
+NUMBERS = [
+    (name, option, type(default), beyond(described(name).get(option, "")))
+    for name, option, default, _ in OPTIONS
+    if type(default) in (int, float) and option not in ("exit_face", "threshold")  # which may be any
+]
+PAINTED = [
+    (name, option)
+    for name in subclasses(sn.SurfaceMethod)
+    for option, words in described(name).items()
+    if "(n,) painted" in words
+]
+
+
+@pytest.mark.parametrize(("name", "option", "kind", "outside"), NUMBERS)
+def test_numbers_outside_the_range_of_an_option_are_refused(name, option, kind, outside) -> None:
+    assert outside or option in ("inner", "outer", "scale"), "the docstring states no range"
+    for value in [*map(kind, outside), *((np.nan, np.inf) if kind is float else ())]:
+        with pytest.raises(sn.InvalidOption, match=option):
+            methods.made(PUBLIC[name], CUBE, **{option: value})
+
+
+@pytest.mark.parametrize(("name", "option"), PAINTED)
+def test_paint_that_means_nothing_is_refused_and_named_and_black_is_solved(name: str, option: str) -> None:
+    for value in (-1.0, np.nan, np.inf, [], [1.0, 1.0], np.ones((8, 1))):
+        with pytest.raises(sn.InvalidOption, match=option):
+            methods.made(PUBLIC[name], CUBE, **{option: value})
+    with pytest.raises(sn.InvalidOption) as refused:
+        methods.made(PUBLIC[name], CUBE, **{option: [1, 1, -1, 1, 1, np.inf, 1, 1]})
+    assert (refused.value.elements, refused.value.element_kind) == ([2, 5], "vertex")
+    black = np.repeat([1.0, 0.0, 1.0], 27)
+    for other in [{}] + [{"measure": "stiffness"}] * ("measure" in described(name)):
+        surface, _points, _handles = methods.bound(PUBLIC[name], **{option: black}, **other)
+        assert np.isfinite(surface.solve(meshes.BENT)[0]).all()
 
 
 def classes() -> list[str]:

@@ -26,12 +26,13 @@ def with_value(array: np.ndarray, index: tuple[int, ...], value: float) -> np.nd
         (np.zeros((0, 3)), [], "", []),
         (with_value(POINTS, (7, 1), NAN), FACES, "vertex", [7]),
         (with_value(POINTS, (3, 2), -INF), FACES, "vertex", [3]),
+        (with_value(POINTS, (1, 2), INF), FACES, "vertex", [1]),
         (POINTS, [[0, 1, 2], [0, 1, 25]], "face", [1]),
         (POINTS, [[0, 1, -1]], "face", [0]),
         (POINTS, np.array([[0, 1, 2**40]]), "face", [0]),
         (POINTS, np.array([[0, 1, 2**63 + 1]], np.uint64), "face", [0]),
         (POINTS, [[0, 1]], "face", [0]),
-        (POINTS, ([3, 2], [0, 1, 2, 3, 4]), "face", [1]),
+        (POINTS, ([3, 2, 3, 0], [0, 1, 2, 3, 4, 0, 1, 2]), "face", [1, 3]),
         (POINTS, ([3], [0, 1, 2, 3]), "", []),
         (POINTS, ([3, 3], [0, 1, 2]), "", []),
         (POINTS, ([-3], [0, 1, 2]), "face", [0]),
@@ -57,8 +58,9 @@ HANDLES = {
     "no vertices": ([[0], []], None, "handle", [1]),
     "negative index": ([[0], [-1]], None, "handle", [1]),
     "huge index": ([[0], [2**40]], None, "handle", [1]),
-    "two hard handles": ([[0, 1, 2], [2, 3]], None, "vertex", [2]),
+    "two hard handles": ([[0, 1, 2], [2, 3, 1]], None, "vertex", [2, 1]),
     "weight not a number": ([[0, 1], [2]], [[NAN, 0.5], None], "vertex", [0]),
+    "weights out of range": ([[4, 5, 1, 7]], [[0.5, 1.1, -0.1, INF]], "vertex", [5, 1, 7]),
     "too many weights": ([[0, 1], [2]], [[0.5, 0.5, 0.5], None], "handle", [0]),
     "weights for one handle": ([[0, 1], [2]], [None], "", []),
 }
@@ -75,7 +77,7 @@ def test_bad_handles_are_refused_and_nothing_is_lost(name: str) -> None:
     np.testing.assert_array_equal(surface.solve(BENT)[0], before)
 
 
-@pytest.mark.parametrize("continuity", [NAN, [1.0], [1, 2, 2], [[1, 1]]])
+@pytest.mark.parametrize("continuity", [NAN, -0.1, [1, 2.1], [1.0], [1, 2, 2], [[1, 1]]])
 def test_bad_continuity_is_refused(continuity) -> None:
     surface, _, handles = bound(sn.ThinShell)
     with pytest.raises(sn.InvalidConstraint):
@@ -95,9 +97,10 @@ def test_bad_arrays_and_flags_are_refused_by_a_solve() -> None:
         for value in values:
             with pytest.raises(sn.InvalidConstraint):
                 arap.solve(**{"poses": BENT} | {name: value})
-    for value in one_axis_less:
-        with pytest.raises(sn.InvalidConstraint):
-            arap.energy(value)
+    for method in (arap, bound(sn.ThinShellNonlinear)[0]):
+        for value in (*one_axis_less, with_value(points, (3, 0), NAN)):
+            with pytest.raises(sn.InvalidConstraint):
+                method.energy(value)
     with pytest.raises(sn.InvalidConstraint) as caught:
         arap.solve(BENT, incoming=with_value(points, (6, 0), NAN))
     assert caught.value.elements == [6]
@@ -106,15 +109,20 @@ def test_bad_arrays_and_flags_are_refused_by_a_solve() -> None:
 @pytest.mark.parametrize(
     ("make", "options"),
     [
-        (sn.ThinShell, {"bending": NAN}),
-        (sn.ThinShell, {"bending": []}),
-        (sn.ThinShell, {"bending": np.ones((25, 1))}),
+        (sn.ThinShell, {"bending": 0.0}),  # nor are the other stiffnesses more
+        (sn.ThinShell, {"bending": np.zeros(25)}),
         (sn.ThinShell, {"laplacian": "cotangent"}),
-        (sn.Arap, {"smoothness": -1}),
+        (sn.Propagation, {"transfer": []}),
+        (sn.Propagation, {"transfer": [1.0]}),
+        (sn.Propagation, {"transfer": [0.0, NAN, 1.0]}),
+        (sn.RotationInvariantCoordinates, {"laplacian": "cotan_voronoi"}),
         (sn.Arap, {"cells": "elements"}),
-        (sn.Arap, {"rigidity": [1.0] * 3}),
-        (sn.Arap, {"max_iterations": -5}),
-        (sn.Arap, {"tolerance": NAN}),
+        (sn.Arap, {"cells": "rims", "point_handles": 0.5}),
+        (sn.Arap, {"rigidity": 0.0}),
+        (sn.Arap, {"rigidity": np.zeros(25)}),
+        (sn.Primo, {"height": 0.0}),
+        (sn.Primo, {"height": np.zeros(25)}),
+        (sn.ThinShellNonlinear, {"measure": "stiffness", "stretching": 0.0}),
         (sn.laplacian, {"discretization": "cotangent"}),
         (sn.laplacian_power, {"order": 0}),
     ],
@@ -124,10 +132,16 @@ def test_bad_options_are_refused(make, options: dict) -> None:
         make(sn.SurfaceMesh(POINTS, FACES), **options)
 
 
-def test_bad_paint_is_named_and_bad_matrices_are_refused() -> None:
-    with pytest.raises(sn.InvalidOption) as caught:
-        sn.Arap(sn.SurfaceMesh(POINTS, FACES), rigidity=with_value(np.ones(25), (4,), -1))
-    assert (caught.value.element_kind, caught.value.elements) == ("vertex", [4])
+def test_a_refused_stiffness_leaves_the_last_one() -> None:
+    shell, _, _ = bound(sn.ThinShell)
+    before, _ = shell.solve(BENT)
+    for wrong in ((-1.0, 1.0), (0.0, NAN), (0.0, 0.0), (0.0, [1.0, 1.0]), (0.0, 1.0, INF)):
+        with pytest.raises(sn.InvalidOption):
+            shell.set_stiffness(*wrong)
+        np.testing.assert_array_equal(shell.solve(BENT)[0], before)
+
+
+def test_bad_matrices_are_refused() -> None:
     for bad in (np.zeros((3, 3)), np.zeros((2, 3, 4)), np.full((1, 3, 3), NAN)):
         with pytest.raises(sn.InvalidOption):
             sn.fit_rotations(bad)

@@ -3,6 +3,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
+#include <Eigen/SVD>
 
 namespace sinew::dense {
 
@@ -26,6 +27,15 @@ MatrixX eigenvectors(const MatrixX& symmetric)
 {
     return Eigen::SelfAdjointEigenSolver<MatrixX>(symmetric).eigenvectors();
 }
+
+Matrix3 rotation_of(const Matrix3& S)
+{
+    const Eigen::JacobiSVD<Matrix3> svd(S, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const Vector3 sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1);
+    return svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+}
+
+double largest(const MatrixX& matrix) { return matrix.cwiseAbs().maxCoeff(); }
 
 MatrixX with_positive_weights(const MatrixX& L)
 {

@@ -20,6 +20,11 @@ VectorX eigenvalues(const MatrixX& symmetric);
 /// The eigenvectors of a symmetric matrix as columns, that of the smallest eigenvalue first.
 MatrixX eigenvectors(const MatrixX& symmetric);
 
+/// The rotation R of the largest trace(R^T S), by singular values.
+Matrix3 rotation_of(const Matrix3& S);
+
+double largest(const MatrixX& matrix);
+
 /// A Laplacian whose negative weights became positive ones of a millionth of their size.
 MatrixX with_positive_weights(const MatrixX& L);
 

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <numeric>
 
 namespace sinew::shapes {
 
@@ -38,12 +39,50 @@ MatrixX Random::dense(int rows, int columns)
     return m;
 }
 
+std::vector<int> Random::shuffled(int count)
+{
+    std::vector<int> order = numbers(0, count);
+    for (int i = count - 1; i > 0; --i)
+        std::swap(order[i], order[below(i + 1)]);
+    return order;
+}
+
+Points Random::points(int count, double reach)
+{
+    Points found(count, 3);
+    for (int i = 0; i < count; ++i)
+        found.row(i) = reach * vector().transpose();
+    return found;
+}
+
+Points Random::shaken(Points points, double by)
+{
+    for (Eigen::Index i = 0; i < points.rows(); ++i)
+        points.row(i) += by * vector().transpose();
+    return points;
+}
+
 Points points_of(const std::vector<Vector3>& list)
 {
     Points points(list.size(), 3);
     for (std::size_t i = 0; i < list.size(); ++i)
         points.row(i) = list[i].transpose();
     return points;
+}
+
+std::vector<Vector3> list_of(const Points& points)
+{
+    std::vector<Vector3> list;
+    for (Eigen::Index i = 0; i < points.rows(); ++i)
+        list.emplace_back(points.row(i).transpose());
+    return list;
+}
+
+std::vector<int> numbers(int begin, int end)
+{
+    std::vector<int> all(end - begin);
+    std::iota(all.begin(), all.end(), begin);
+    return all;
 }
 
 SurfaceMesh over(const Points& points, const Polygons& faces)
@@ -70,6 +109,23 @@ Polygons faces_of(const SurfaceMesh& of)
 }
 
 SurfaceMesh moved(const SurfaceMesh& of, const Points& points) { return over(points, faces_of(of)); }
+
+SurfaceMesh flipped(const SurfaceMesh& of, const std::vector<int>& faces)
+{
+    Polygons all = faces_of(of);
+    for (int f : faces)
+        std::ranges::reverse(all[f]);
+    return over(of.points(), all);
+}
+
+SurfaceMesh inside_out(const SurfaceMesh& of) { return flipped(of, numbers(0, of.face_count())); }
+
+SurfaceMesh without_face(const SurfaceMesh& of, int face)
+{
+    Polygons faces = faces_of(of);
+    faces.erase(faces.begin() + face);
+    return over(of.points(), faces);
+}
 
 SurfaceMesh octahedron()
 {
@@ -136,9 +192,7 @@ SurfaceMesh hill(int columns, int rows)
 SurfaceMesh sphere(int level)
 {
     const SurfaceMesh start = octahedron();
-    std::vector<Vector3> p;
-    for (int i = 0; i < start.vertex_count(); ++i)
-        p.push_back(start.point(i));
+    std::vector<Vector3> p = list_of(start.points());
     std::vector<Triangle> triangles = start.triangles();
     for (int k = 0; k < level; ++k) {
         std::map<std::pair<int, int>, int> middles;
@@ -192,9 +246,7 @@ SurfaceMesh bar(int along, int across)
 SurfaceMesh messy()
 {
     const SurfaceMesh base = hill(8, 8);
-    std::vector<Vector3> p;
-    for (int i = 0; i < base.vertex_count(); ++i)
-        p.push_back(base.point(i));
+    std::vector<Vector3> p = list_of(base.points());
     Polygons faces = faces_of(base);
     const auto add = [&](const Vector3& x) {
         p.push_back(x);

@@ -44,12 +44,23 @@ public:
     Matrix3 matrix();
     Matrix3 rotation();
     MatrixX dense(int rows, int columns);
+    /// 0 to count - 1 in another order.
+    std::vector<int> shuffled(int count);
+    /// In a box of this reach to all sides.
+    Points points(int count, double reach = 1.0);
+    /// Each point moved by up to `by` along each axis.
+    Points shaken(Points points, double by);
 
 private:
     std::uint64_t state_;
 };
 
 Points points_of(const std::vector<Vector3>& list);
+
+std::vector<Vector3> list_of(const Points& points);
+
+/// From `begin` on, below `end`.
+std::vector<int> numbers(int begin, int end);
 
 SurfaceMesh over(const Points& points, const Polygons& faces);
 
@@ -59,6 +70,14 @@ Polygons faces_of(const SurfaceMesh& of);
 
 /// The same faces over other points.
 SurfaceMesh moved(const SurfaceMesh& of, const Points& points);
+
+/// Some faces turned round.
+SurfaceMesh flipped(const SurfaceMesh& of, const std::vector<int>& faces);
+
+/// All of them.
+SurfaceMesh inside_out(const SurfaceMesh& of);
+
+SurfaceMesh without_face(const SurfaceMesh& of, int face);
 
 /// +x -x +y -y +z -z, corners at distance 1.
 SurfaceMesh octahedron();

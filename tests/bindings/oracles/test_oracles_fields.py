@@ -115,12 +115,52 @@ def test_tools_act_one_after_the_other() -> None:
     assert both.tool_count == 2
 
 
+def test_a_twist_counts_every_turn_of_the_path() -> None:
+    """By the closed form: around, the width of 1.5 fades to nothing at twice that."""
+    points = np.random.default_rng(4).uniform(-1.6, 1.6, (300, 3))
+    for degrees in ([100.0], [150.0, 300.0, 450.0, 600.0, 750.0]):
+        turns = np.radians(degrees)
+        field = sn.VectorField(
+            np.tile(FRAME, (len(turns), 1)), tools="twist", inner=INNER, outer=OUTER, width=1.5
+        )
+        field.bind(points)
+        found = field.warp(np.concatenate([FRAME @ rotation((0, 0, 1), angle).T for angle in turns]))
+        around = np.linalg.norm(points[:, :2], axis=1)
+        part = share((points[:, 2] - INNER) / (OUTER - INNER)) * (1 - share(around / 1.5 - 1))
+        expected = [rotation((0, 0, 1), turns[-1] * s) @ x for s, x in zip(part, points)]
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13)
+
+
 def test_refusals_name_tools() -> None:
     flat = FRAME.copy()
     flat[3] = 0.0
+    unknown = FRAME * (1, 1, np.nan)
     with pytest.raises(sn.InvalidConstraint, match="flat") as refused:
         sn.VectorField(np.concatenate((FRAME, flat)), [1, 1])
     assert (refused.value.element_kind, list(refused.value.elements)) == ("handle", [1])
-    for wrong in ({"tools": "pull"}, {"order": 3}, {"inner": 2.0}, {"width": 0.0}, {"counts": [2]}):
+    for frames in (
+        unknown,
+        np.concatenate((FRAME, FRAME + (1, 0, 0))),
+    ):  # at rest, the frames of a path are one
+        with pytest.raises(sn.InvalidConstraint):
+            sn.VectorField(frames)
+    for frames in (FRAME[:0], FRAME[:3]):
+        with pytest.raises(sn.InvalidOption):
+            sn.VectorField(frames)
+    for wrong in (
+        {"tools": "pull"},
+        {"order": 3},
+        {"steps": -1},
+        {"inner": 2.0},
+        {"inner": -0.1},  # of a drag
+        {"outer": [1.0, 2.0, 3.0]},
+        {"width": 0.0},
+        {"counts": [2]},
+        {"counts": [1, 0]},
+    ):
         with pytest.raises(sn.InvalidOption):
             sn.VectorField(FRAME, **wrong)
+    field = sn.VectorField(FRAME)
+    assert field.piece_count(FRAME) == 0
+    with pytest.raises(sn.InvalidConstraint):
+        field.velocities(FRAME, 0, 0.5, FRAME)

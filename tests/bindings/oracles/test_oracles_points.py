@@ -97,22 +97,47 @@ def test_compact_functions_equal_the_sum_over_all_centres(kernel: str, degree: i
     rbf = sn.Rbf(centres, kernel=kernel, degree=degree, radius=radius / size_of(centres))
     rbf.bind(points)
     expected = by_a_dense_system(centres, moves, points, kernel, degree, radius)
+    found = rbf.warp(centres + moves)
     # The largest radius makes the system nearly singular.
-    np.testing.assert_allclose(
-        rbf.warp(centres + moves), expected, rtol=0, atol=1e-7 if radius > 1 else 1e-12
-    )
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-7 if radius > 1 else 1e-12)
+    if degree == -1:
+        far = np.linalg.norm(points[:, None] - centres, axis=2).min(1) > radius
+        np.testing.assert_array_equal(found[far], points[far])
 
 
-@pytest.mark.parametrize("radius", [0.05, 0.2])
-def test_compact_regions_equal_the_sum_over_all_centres(radius: float) -> None:
+@pytest.mark.parametrize(
+    ("kernel", "degree", "radius"),
+    [("wendland_c2", 1, 0.05), ("wendland_c2", 1, 0.2), ("triharmonic", 2, 1.0)],
+)
+def test_regions_equal_the_sum_over_all_centres(kernel: str, degree: int, radius: float) -> None:
     centres, counts, goals = regions(250)
-    points = cloud(1003, 4.0, 5)
-    rbf = sn.Rbf(centres, counts, kernel="wendland_c2", degree=1, radius=radius, precision="double")
+    points = np.concatenate([cloud(1003, 4.0, 5), centres])
+    rbf = sn.Rbf(
+        centres, counts, kernel=kernel, degree=degree, radius=radius, tolerance=0, precision="double"
+    )
     rbf.bind(points)
     lengths = radius * size_of(centres)
-    expected = by_a_dense_system(centres, goals - centres, points, "wendland_c2", 1, lengths)
+    expected = by_a_dense_system(centres, goals - centres, points, kernel, degree, lengths)
     # Four functions of a region, of which each has a rounding of its own.
-    np.testing.assert_allclose(rbf.warp(posed(rbf.control)), expected, rtol=0, atol=1e-11)
+    found = rbf.warp(posed(rbf.control))
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(found[1003:], goals, rtol=0, atol=1e-11)
+
+
+def test_propagation_fades_a_turn_by_the_closed_form_of_two_handles() -> None:
+    """By the share of the distance to the handle that stays, of both; of one pose of both nothing fades."""
+    places = np.array([(0, 0, 0), (0, 1, 0), (0, 0, 1), (4, 0, 0), (4, 1, 0), (4, 0, 1)], float)
+    points, middle, move = cloud(60, 2.0, 3) + (2, 0, 0), places[3:].mean(0), np.array([0.3, -0.2, 0.5])
+    method = sn.SpacePropagation(places, [3, 3])
+    method.bind(points)
+    still, turned = np.split(method.control, 2)
+    found = method.warp(np.concatenate([still, moved(turn((0, 0, 1), 80, middle, move), turned)]))
+    away = np.linalg.norm(points[:, None] - places, axis=2).reshape(-1, 2, 3).min(2)
+    share = away[:, 0] / away.sum(1)
+    expected = [moved(turn((0, 0, 1), 80 * s, middle, s * move), x) for s, x in zip(share, points)]
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6)  # shares in single precision
+    shear = np.array([(1.2, 0.3, 0, 1), (-0.4, 0.8, 0.1, 2), (0.5, 0.2, 2, 3)])
+    np.testing.assert_allclose(method.warp(moved(shear, method.control)), moved(shear, points), atol=1e-11)
 
 
 def least_squares(p, q, share, v, maps: str, alpha: float) -> np.ndarray:
@@ -167,3 +192,98 @@ def test_a_segment_weighs_as_the_many_points_on_it(maps: str, alpha: float) -> N
     mls.bind(points)
     expected = [least_squares(p, q, share, v, maps, alpha) for v in points]
     np.testing.assert_allclose(mls.warp(control), expected, rtol=0, atol=2e-3)  # 8 nodes on each side
+
+
+def bump(points: np.ndarray, **options: object) -> np.ndarray:
+    """How high the points go if the middle of {0, .5, 1}^3 goes up by one."""
+    places = np.array([(x, y, z) for x in (0, 0.5, 1) for y in (0, 0.5, 1) for z in (0, 0.5, 1)])
+    raised = places.copy()
+    raised[13, 2] += 1
+    rbf = sn.Rbf(places, **options)
+    rbf.bind(points)
+    return rbf.warp(raised) - points
+
+
+def test_rbf_has_the_known_values_of_a_bump() -> None:
+    found = bump(np.array([(0.25, 0.5, 0.5), (0.25, 0.25, 0.25), (0.5, 0.5, 0.5)]))
+    np.testing.assert_allclose(found[:, 2], (0.5833126, 0.2463043, 1), rtol=0, atol=5e-8)  # the digits given
+    np.testing.assert_array_equal(found[:, :2], 0)
+
+
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("radius", [1e-9, 0.5, 1e9])
+def test_points_anywhere_stay_finite(kernel: str, radius: float) -> None:
+    points = np.array([(1e200, 0, 0), (-1e300, 1e300, 0), (0, 0, 1e308), (0.5, 0.5, 0.5)])
+    found = bump(points, kernel=kernel, radius=radius)
+    assert np.isfinite(found).all()
+    if radius < 1:  # else all centres are nearly one
+        assert found[3, 2] == pytest.approx(1, abs=1e-12)
+
+
+def test_an_incremental_fit_is_within_its_bound_by_ever_more_centres() -> None:
+    points, counts, goals = regions(900)
+    last = 0
+    for tolerance in (1e-2, 1e-3, 1e-4):
+        rbf = sn.Rbf(points, counts, tolerance=tolerance, precision="double")
+        report = rbf.bind(points)
+        longest = np.linalg.norm(posed(rbf.control) - rbf.control, axis=1).max()
+        off = np.linalg.norm(rbf.warp(posed(rbf.control)) - goals, axis=1).max()
+        assert off <= report.error * longest
+        assert report.error <= 1.001 * tolerance
+        assert last < len(rbf.centres) < 1700
+        last = len(rbf.centres)
+
+
+CLOUD = cloud(60, 1.0, 51)
+LINE = np.column_stack([np.linspace(-1, 1, 60), np.full((60, 2), -0.2)])
+FLAT = {
+    "anywhere": (CLOUD, ""),
+    "plane": (CLOUD * (1, 1, 0) + (0, 0, 0.3), "in a plane"),
+    "line": (LINE, "on a line"),
+    "sphere": (CLOUD / np.linalg.norm(CLOUD, axis=1, keepdims=True), "quadratic maps"),
+    "one point": (CLOUD[:1], "at one place"),
+    "two points": (CLOUD[:2], "on a line"),
+    "twice": (np.tile(CLOUD[:30], (2, 1)), None),
+    "one place": (np.full((60, 3), 0.7), None),
+    "almost a plane": (CLOUD * (1, 1, 1e-7), None),
+}
+
+
+@pytest.mark.parametrize("degree", [-1, 0, 1, 2])
+@pytest.mark.parametrize("kernel", KERNELS)
+@pytest.mark.parametrize("name", FLAT)
+def test_handles_of_any_shape_are_met_and_what_they_do_not_carry_is_told(name, kernel, degree) -> None:
+    points, says = FLAT[name]
+    moves = cloud(60, 0.2, 52)[: len(points)]
+    if name == "twice":
+        moves = np.tile(moves[:30], (2, 1))
+    if name == "one place":
+        moves = moves[:1]
+    rbf = sn.Rbf(points, kernel=kernel, degree=degree, radius=0.4, precision="double")
+    report = rbf.bind(np.concatenate([points, cloud(101, 3.0, 53)]))
+    if degree == 2 and says is not None and (says != "quadratic maps" or kernel == "triharmonic"):
+        assert len(report.remarks) == bool(says)
+        assert says in "".join(report.remarks)
+    found = rbf.warp(points + moves)
+    assert np.isfinite(found).all()
+    # Rounding of weights that are up to 1e8 times the moves, for the smoothest functions.
+    np.testing.assert_allclose(found[: len(points)], points + moves, rtol=0, atol=1e-6)
+    if degree >= 0:
+        rbf.bind(CLOUD)
+        np.testing.assert_allclose(rbf.warp(points + (1, 2, 3)), CLOUD + (1, 2, 3), rtol=0, atol=1e-6)
+    if len(points) == 60:  # in two regions
+        pair = sn.Rbf(points, [30, 30], kernel=kernel, degree=degree, radius=0.4, precision="double")
+        pair.bind(points)
+        np.testing.assert_allclose(pair.warp(pair.control + 0.1), points + 0.1, rtol=0, atol=1e-6)
+
+
+def test_points_that_nearly_coincide_are_met_in_the_mean() -> None:
+    points = cloud(30, 1.0, 5)
+    points[29] = points[0] + (1e-9, 0, 0)
+    raised = points.copy()
+    raised[[0, 29], 2] += 0.1, -0.1
+    rbf = sn.Rbf(points)
+    assert rbf.bind(points).remarks
+    found = rbf.warp(raised)
+    np.testing.assert_allclose(found[1:29], raised[1:29], rtol=0, atol=1e-3)
+    np.testing.assert_allclose(found[0], points[0], rtol=0, atol=1e-3)

@@ -6,7 +6,7 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, bar, grid, sphere, turn
+from ..meshes import STILL, bar, grid, sphere, spread, turn
 from .joint_shell import JointShell
 
 POINTS, FACES = sphere(3)
@@ -65,7 +65,32 @@ def test_reported_energy_is_that_of_the_returned_shape() -> None:
         assert report.energy == pytest.approx(oracle.energy(shape), rel=1e-9)
 
 
-def test_a_thin_sheet_is_named() -> None:
-    coarse = sn.ThinShellNonlinear(sn.SurfaceMesh(*sphere(1)), thickness=0.001).set_handles([np.arange(3)])
-    assert len(coarse.thin_vertices) == len(sphere(1)[0])
-    assert len(shells(0.2)[0].set_handles(POLES).thin_vertices) == 0
+def test_vertices_where_the_sheet_is_too_thin_for_the_mesh_are_named() -> None:
+    points, faces = grid(8, jitter=0.0)
+    points *= (1, 1, 0)
+
+    def thin(thickness: float | np.ndarray) -> np.ndarray:
+        shell = sn.ThinShellNonlinear(sn.SurfaceMesh(points, faces), measure="length", thickness=thickness)
+        return shell.set_handles([[0]]).thin_vertices
+
+    assert len(thin(1.0)) == 0
+    assert len(thin(0.1)) == 79  # two corners lie at no inner edge
+    named = thin(np.where(points[:, 0] < 3.5, 0.0, 1.0))
+    assert points[named, 0].max() < 4.5
+    assert len(named) >= 27
+
+
+def test_measures_are_ways_to_say_the_same() -> None:
+    points, faces = bar(12, 3)
+    handles = [np.flatnonzero(points[:, 0] <= 2), np.flatnonzero(points[:, 0] >= 10)]
+    size = spread(points, faces)
+    shapes = []
+    for words in (
+        {"thickness": 0.05},
+        {"measure": "length", "thickness": 0.05 * size},
+        {"measure": "stiffness", "stretching": 4.0, "bending": 0.01 * size**2},  # four times both
+    ):
+        shell = sn.ThinShellNonlinear(sn.SurfaceMesh(points, faces), **words)
+        shell.set_handles(handles)
+        shapes.append(shell.solve([STILL, turn((0, 0, 1), 60, (10, 0, 0), (-2, 4, 0))])[0])
+    np.testing.assert_allclose(shapes[1:], [shapes[0]] * 2, rtol=0, atol=1e-6)

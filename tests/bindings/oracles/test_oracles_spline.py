@@ -45,15 +45,25 @@ def test_few_handles_move_the_spline_of_scipys_pseudo_inverse(degree: int) -> No
     np.testing.assert_allclose(points + displaced, expected, atol=1e-8)
 
 
-def test_the_grid_of_a_flat_sheet_is_even() -> None:
+def test_the_grid_of_a_flat_sheet_is_even_and_moves_with_the_handles() -> None:
     points, faces = grid(20)
-    surface = sn.SplineSurface(sn.SurfaceMesh(points * (1, 1, 0), faces))
+    points *= (1, 1, 0)
+    surface = sn.SplineSurface(sn.SurfaceMesh(points, faces), columns=8, rows=7)
+    assert surface.control_grids(np.zeros((0, 3, 4))) == [], "there are no handles yet"
     surface.set_handles([np.flatnonzero(points[:, 0] < 1.5), np.flatnonzero(points[:, 0] > 18.5)])
     [control] = surface.control_grids([STILL, STILL])
-    control = control.reshape(8, 8, 3)
-    for axis in (0, 1):
+    assert control.shape == (7, 8, 3)
+    # 4 and 5 spans of degree 3 bound the region, and the grid goes one span farther on each side.
+    for axis, span in ((0, 20 / 4), (1, 20 / 5)):
         steps = np.diff(control, axis=axis)
-        assert np.ptp(steps, axis=(0, 1)).max() < 1e-5  # of 4
+        assert np.ptp(steps, axis=(0, 1)).max() < 1e-5
+        assert np.linalg.norm(steps[0, 0]) == pytest.approx(span, rel=1e-3)
+    [moved] = surface.control_grids([shift(1, 2, 3)] * 2)
+    np.testing.assert_allclose(moved, control + (1, 2, 3), atol=1e-6)
+    [entered] = surface.control_grids([STILL, STILL], incoming=points + (0, 0, 4))
+    np.testing.assert_allclose(entered, control + (0, 0, 4), atol=1e-6)
+    with pytest.raises(sn.InvalidConstraint):
+        surface.control_grids([STILL])
 
 
 def test_a_map_is_read_from_any_real_array_and_vertices_without_a_place_are_named() -> None:
@@ -66,7 +76,7 @@ def test_a_map_is_read_from_any_real_array_and_vertices_without_a_place_are_name
         surface.set_handles(handles)
         shapes.append(surface.solve(poses)[0])
     np.testing.assert_allclose(shapes[1:], [shapes[0]] * 2, atol=1e-5)  # float32 in the second
-    for wrong in (points, points[:5, :2], np.zeros((0, 2))):
+    for wrong in (points, points[:5, :2], np.zeros((0, 2)), np.full((49, 2), np.inf)):
         with pytest.raises(sn.InvalidOption, match="uv_map"):
             sn.SplineSurface(mesh, uv_map=wrong)
     lost = points[:, :2].copy()
@@ -74,6 +84,9 @@ def test_a_map_is_read_from_any_real_array_and_vertices_without_a_place_are_name
     with pytest.raises(sn.InvalidOption, match="3, 20") as caught:
         sn.SplineSurface(mesh, uv_map=lost).set_handles(handles)
     assert (caught.value.element_kind, list(caught.value.elements)) == ("vertex", [3, 20])
+    lost = points[:, :2].copy()
+    lost[0] = np.nan  # deep in a handle, where no grid goes
+    sn.SplineSurface(mesh, uv_map=lost, margin=0.0).set_handles([np.flatnonzero(points[:, 0] < 3.5), [48]])
 
 
 def test_moved_points_of_the_grid_add_scipys_spline_and_held_vertices_stay() -> None:
@@ -103,9 +116,11 @@ def test_moved_points_of_the_grid_add_scipys_spline_and_held_vertices_stay() -> 
     single = np.empty((len(points), 3), dtype=np.float32)
     surface.solve(poses, grid=moves, out=single)
     np.testing.assert_allclose(single, found, atol=1e-5)
+    np.testing.assert_array_equal(surface.solve(poses, grid=0 * moves)[0], surface.solve(poses)[0])
     near = np.ones((rows * columns, 3))
     found, _ = surface.solve(poses, grid=near)
     np.testing.assert_array_equal(found[held], points[held])
     for wrong in (moves[1:], np.full_like(moves, np.nan)):
-        with pytest.raises(sn.InvalidConstraint, match="grid"):
-            surface.solve(poses, grid=wrong)
+        for call in (surface.solve, surface.control_grids):
+            with pytest.raises(sn.InvalidConstraint, match="grid"):
+                call(poses, grid=wrong)

@@ -118,6 +118,16 @@ def half_square(rows: np.ndarray, weights: np.ndarray) -> float:
     return 0.5 * float((weights[:, None] * rows**2).sum())
 
 
+def gradients(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """(t, 3, n) derivatives on each triangle: grad . u = f_j - f_i, grad . v = f_k - f_i, grad . n = 0."""
+    G = np.zeros((len(triangles), 3, len(points)))
+    for own, (i, j, k) in zip(G, triangles, strict=True):
+        u, v = points[j] - points[i], points[k] - points[i]
+        slopes = np.linalg.inv([u, v, np.cross(u, v)])
+        own[:, j], own[:, k], own[:, i] = slopes[:, 0], slopes[:, 1], -slopes[:, 0] - slopes[:, 1]
+    return G
+
+
 def affine(seed: int, degrees: float) -> tuple[np.ndarray, Rotation, np.ndarray]:
     """A pose of a rotation after a symmetric stretch, and both."""
     rng = np.random.default_rng(seed)
@@ -148,12 +158,7 @@ def entering(rest: Rest, size: float) -> list[np.ndarray]:
 @pytest.mark.parametrize("name", ["hill", "bar", "sphere"])
 def test_gradient_editing_turns_gradients_by_its_field(name: str) -> None:
     rest = Rest(name)
-    G = np.zeros((len(rest.triangles), 3, rest.n))
-    for t, corners in enumerate(rest.triangles):  # grad . u = f_j - f_i, grad . v = f_k - f_i, grad . n = 0
-        i, j, k = corners
-        u, v = rest.points[j] - rest.points[i], rest.points[k] - rest.points[i]
-        slopes = np.linalg.inv([u, v, np.cross(u, v)])
-        G[t][:, j], G[t][:, k], G[t][:, i] = slopes[:, 0], slopes[:, 1], -slopes[:, 0] - slopes[:, 1]
+    G = gradients(rest.points, rest.triangles)
     area = np.repeat(igl.doublearea(rest.points, rest.triangles) / 2, 3)
     rows = G.reshape(-1, rest.n)
     L = rows.T @ (area[:, None] * rows)
@@ -506,3 +511,40 @@ def test_a_silhouette_sketch_is_the_least_squares_solution_of_the_paper(kind: st
     words = {"laplacian": kind, "refits": 0, "sharpness": sharpness, "weight": weight}
     found = sn.SilhouetteSketch(rest.mesh, edges, shares, np.flatnonzero(held), **words).solve(targets)
     np.testing.assert_allclose(found, x, rtol=0, atol=1e-9)  # condition numbers of some 1e5
+
+
+@pytest.mark.parametrize(
+    ("name", "scheme"),
+    [("bar", "catmull_clark"), ("hill", "catmull_clark"), ("hill", "loop"), ("sphere", "loop")],
+)
+def test_the_control_mesh_of_subdivision_editing_is_the_nearest_one(name: str, scheme: str) -> None:
+    surface = sn.SubdivisionSurface(Rest(name).mesh, scheme=scheme, level=1)
+    smooth = surface.refine(MESHES[name][0])
+    sculpted = smooth + np.random.default_rng(9).uniform(-0.2, 0.2, smooth.shape)
+    editing = sn.SubdivisionEditing(sn.SurfaceMesh(sculpted, surface.faces), coarsening="levels", levels=1)
+    editing.set_handles([[0]])
+    expected = lstsq(surface.matrix.toarray(), sculpted)[0]
+    np.testing.assert_allclose(editing.control_mesh().points, expected, rtol=0, atol=1e-11)
+
+
+def test_subdivision_editing_moves_its_control_mesh_as_a_thin_plate() -> None:
+    """Translations turn no detail: where no band reaches, far from handles, there is S (y + u) alone."""
+    rest, move = Rest("bar"), np.array([1.0, -2.0, 3.0])
+    surface = sn.SubdivisionSurface(rest.mesh, level=2)
+    S = surface.matrix.toarray()
+    fine = S @ rest.points
+    handles = ends(fine, 1.3)
+    editing = sn.SubdivisionEditing(sn.SurfaceMesh(fine, surface.faces), coarsening="levels", levels=2)
+    editing.set_handles(handles)
+    L, held = rest.laplacian("cotan_voronoi"), np.concatenate(handles)
+    K = L @ (L / rest.mass("cotan_voronoi")[:, None])
+    goals = np.repeat([np.zeros(3), move], [len(handle) for handle in handles], axis=0)
+    mean, pulls = goals.mean(0), (1e4 * S[held] @ np.diag(K))[:, None] * S[held]
+    u = np.linalg.solve(K + S[held].T @ pulls, pulls.T @ (goals - mean))
+    expected = S @ (rest.points + u + mean)
+    found, _ = editing.solve([STILL, shift(*move)])
+    free = abs(fine[:, 0] - 3) < 0.6
+    assert free.sum() > 50
+    assert np.linalg.norm(expected - fine, axis=1)[free].max() > 1
+    # Pulls are 1e6 times as stiff as the plate.
+    np.testing.assert_allclose(found[free], expected[free], rtol=0, atol=1e-8)

@@ -7,7 +7,7 @@ import pytest
 import sinew_native as sn
 
 from ..cages import CUBE, QUADS, bound, u_prism
-from ..meshes import sphere
+from ..meshes import sphere, turn
 from ..oracles.cage_oracles import (
     exact_green,
     exact_mean_value,
@@ -85,7 +85,7 @@ def near(cage: sn.SurfaceMesh, distance: float, count: int = 4) -> np.ndarray:
     return np.array(found)
 
 
-@pytest.mark.parametrize("distance", [1e-3, 1e-6, 1e-10])
+@pytest.mark.parametrize("distance", [1e-3, 1e-6, 1e-10, 1e-13])
 def test_mean_value_is_exact_however_near_the_faces(distance: float) -> None:
     for cage in (sn.SurfaceMesh(*bumpy(0, 1)), u_prism()):
         points = near(cage, distance)
@@ -107,6 +107,97 @@ def test_green_is_exact_however_near_the_faces(distance: float) -> None:
             exact = exact_green(cage.points, cage.triangles, points[i])
             for ours, theirs in zip(weights, exact, strict=True):
                 np.testing.assert_allclose(ours[i], theirs, rtol=0, atol=2e-12)
+
+
+PLACE = [(0.1, 0.2, 0.3), (0.0, 0.0, 0.0)]
+
+
+@pytest.mark.parametrize(
+    ("method", "options", "weights", "tolerance"),
+    [
+        (sn.MeanValue, {}, (0.18652452, 0.08652452, 0.26392439, 0.06392439, 0.34955109, 0.04955109), 5e-9),
+        (sn.PositiveMeanValue, {}, (0.186525, 0.086525, 0.263924, 0.063924, 0.349551, 0.049551), 6e-7),
+        (sn.Green, {}, (0.179152, 0.117171, 0.228739, 0.099816, 0.288111, 0.087011), 6e-7),
+        (sn.Harmonic, {"solver": "boundary"}, (0.19001, 0.09001, 0.26375, 0.06375, 0.34624, 0.04624), 1.5e-5),
+        (sn.Harmonic, {"solver": "lattice"}, (0.19001, 0.09001, 0.26375, 0.06375, 0.34624, 0.04624), 3e-4),
+    ],
+)
+def test_weights_in_the_octahedron_are_the_known_ones(method, options, weights, tolerance) -> None:
+    """To the digits given; a lattice is of second order."""
+    coordinates = bound(method, sn.SurfaceMesh(*sphere(0)), np.array(PLACE), **options)
+    np.testing.assert_allclose(coordinates.vertex_weights[0], weights, rtol=0, atol=tolerance)
+    np.testing.assert_allclose(coordinates.vertex_weights[1], 1 / 6, rtol=0, atol=tolerance)
+    if method is sn.Green:
+        np.testing.assert_allclose(coordinates.face_weights[1], 0.09963226, rtol=0, atol=5e-9)
+
+
+def by_rays(vertices: np.ndarray, triangles: np.ndarray, x: np.ndarray, count: int = 20_000) -> np.ndarray:
+    """The first face along each ray of a spiral counts, by its hat functions over its distance."""
+    k = np.arange(count)
+    z, angle = 1 - (2 * k + 1) / count, 2.399963229728653 * k  # the golden angle
+    way = np.stack([np.sqrt(1 - z * z) * np.cos(angle), np.sqrt(1 - z * z) * np.sin(angle), z], 1)
+    way = way @ turn((1, 2, 3), 10)[:, :3]  # off the planes of the faces
+    nearest, hats = np.full(count, np.inf), np.zeros((count, len(vertices)))
+    for corners in triangles:
+        a, b, c = vertices[corners]  # x + s way = a + u (b - a) + v (c - a)
+        sides = np.stack(np.broadcast_arrays(way, a - b, a - c), 2)
+        s, u, v = np.linalg.solve(sides, np.broadcast_to(a - x, way.shape)[..., None])[..., 0].T
+        first = (s > 0) & (s < nearest) & (u >= 0) & (v >= 0) & (u + v <= 1)
+        nearest[first], hats[first] = s[first], 0
+        hats[np.ix_(first, corners)] = np.stack([1 - u - v, u, v], 1)[first]
+    total = (hats / nearest[:, None]).sum(0)
+    return total / total.sum()
+
+
+def test_positive_mean_value_is_what_rays_see_first() -> None:
+    """20,000 rays are .025 apart; an edge cuts the square of that wrongly, times the edges in sight."""
+    points, faces = sphere(1)
+    spiky = sn.SurfaceMesh(points * np.random.default_rng(4).uniform(0.3, 1, (len(points), 1)), faces)
+    far = np.array([(0.5, 2.5, 0.5), (1.5, 0.5, 0.5), (0.2, 0.3, 0.7)])
+    for cage, places in ((u_prism(), far), (spiky, 0.1 * far / 2.5)):
+        weights = bound(sn.PositiveMeanValue, cage, places).vertex_weights
+        for x, ours in zip(places, weights, strict=True):
+            np.testing.assert_allclose(ours, by_rays(cage.points, cage.triangles, x), rtol=0, atol=3e-4)
+    assert bound(sn.MeanValue, u_prism(), far).vertex_weights.min() == pytest.approx(-0.0068, abs=5e-5)
+
+
+FLAG = np.array([(0, 0, 0), (4, 0, 0), (4, 3, 0), (2.5, 1, 0), (1, 3, 0), (0, 2.5, 0)])
+
+
+def test_flat_mean_value_is_the_integral_of_the_border_over_all_directions() -> None:
+    """Seen from a point in a convex cage, of the hat of each vertex over the distance."""
+    corners, x = np.array([(0, 0, 0), (3, -0.5, 0), (4, 2, 0), (1, 3, 0)]), np.array([(1.7, 1.1, 0)])
+    angle = 2 * np.pi * (np.arange(400_000) + 0.5) / 400_000
+    ray, total = np.stack([np.cos(angle), np.sin(angle), 0 * angle], 1), np.zeros(4)
+    for e, (a, b) in enumerate(zip(corners - x, np.roll(corners, -1, 0) - x)):
+        to_a, to_b = np.cross(a, ray)[:, 2], np.cross(ray, b)[:, 2]
+        seen = (to_a >= 0) & (to_b >= 0)
+        share = (to_a / (to_a + to_b))[seen, None]
+        distance = np.linalg.norm((1 - share) * a + share * b, axis=1)[:, None]
+        total[[e, (e + 1) % 4]] += ((1 - share) / distance).sum(), (share / distance).sum()
+    ours = bound(sn.MeanValue, sn.SurfaceMesh(corners, [[0, 1, 2, 3]]), x).vertex_weights
+    np.testing.assert_allclose(ours[0], total / total.sum(), rtol=0, atol=1e-9)
+
+
+def test_flat_green_are_the_layers_of_its_identity() -> None:
+    """The unit of length adds a constant to the poles, which a closed outline does not feel."""
+    x = np.array([(1.2, 1.1, 0), (3.4, 0.7, 0)])
+    green = bound(sn.Green, sn.SurfaceMesh(FLAG, [range(6)]), x)
+    node, weight = np.polynomial.legendre.leggauss(200)
+    t, size = (node[:, None] + 1) / 2, np.linalg.norm(np.ptp(FLAG, axis=0))
+    edges = [(0, 1), (5, 0), (1, 2), (2, 3), (3, 4), (4, 5)]  # by their lower vertex
+    for place, phi, psi in zip(x, green.vertex_weights, green.face_weights, strict=True):
+        vertices = np.zeros(6)
+        for e, (i, j) in enumerate(edges):
+            a, b = FLAG[i], FLAG[j]
+            r, share = a + t * (b - a) - place, weight * np.linalg.norm(b - a) / (4 * np.pi)
+            outward = np.cross(b - a, (0, 0, 1)) / np.linalg.norm(b - a)
+            layer = share * (r @ outward) / (r**2).sum(1)
+            vertices[[i, j]] += (1 - t[:, 0]) @ layer, t[:, 0] @ layer
+            pole = -(share * np.log(np.linalg.norm(r, axis=1) / size)).sum()
+            assert psi[e] == pytest.approx(pole, abs=1e-11)
+        np.testing.assert_allclose(phi, vertices, rtol=0, atol=1e-11)
+        assert phi.sum() == pytest.approx(1.0, abs=1e-14)
 
 
 SPACE_METHODS = (sn.MeanValue, sn.Green, sn.PositiveMeanValue, sn.Harmonic)
@@ -161,43 +252,9 @@ def test_cages_and_choices_that_do_not_fit_are_refused(method: type) -> None:
         (sn.Harmonic, {"outside": "zero"}),
         (sn.Harmonic, {"solver": "grid"}),
         (sn.PositiveMeanValue, {"outside": "zero"}),
-        (sn.PositiveMeanValue, {"exact": False, "directions": 7}),
+        *((sn.PositiveMeanValue, {"exact": False, "directions": count}) for count in (7, 9, 0, -1024)),
     ],
 )
 def test_unknown_choices_are_refused(method: type, options: dict) -> None:
     with pytest.raises(sn.InvalidOption):
         method(sn.SurfaceMesh(CUBE, QUADS), **options)
-
-
-OUTSIDE = np.array([[0.5, 0.5, 0.5], [0.5, 0.5, 2]])
-
-
-@pytest.mark.parametrize(
-    "coordinates",
-    [
-        sn.Green(sn.SurfaceMesh(CUBE, QUADS), outside="error"),
-        sn.Harmonic(sn.SurfaceMesh(CUBE, QUADS)),
-        sn.PositiveMeanValue(sn.SurfaceMesh(CUBE, QUADS)),
-        sn.PositiveMeanValue(sn.SurfaceMesh(CUBE, QUADS), exact=False),
-    ],
-)
-def test_points_outside_are_refused_and_named(coordinates: sn.SpaceMethod) -> None:
-    with pytest.raises(sn.PointsOutside, match="outside") as refusal:
-        coordinates.bind(OUTSIDE)
-    assert (refusal.value.elements, refusal.value.element_kind) == ([1], "vertex")
-
-
-@pytest.mark.parametrize(
-    ("method", "options"),
-    [
-        (sn.MeanValue, {}),
-        (sn.Green, {}),
-        (sn.Green, {"outside": "face", "exit_face": 1}),
-        (sn.Harmonic, {"outside": "mean_value"}),
-        (sn.PositiveMeanValue, {"outside": "mean_value"}),
-    ],
-)
-def test_points_outside_may_be_bound(method: type, options: dict) -> None:
-    coordinates = method(sn.SurfaceMesh(CUBE, QUADS), **options)
-    assert coordinates.bind(OUTSIDE).outside.tolist() == [1]
-    np.testing.assert_allclose(coordinates.warp(CUBE + 1), OUTSIDE + 1, rtol=0, atol=1e-6)

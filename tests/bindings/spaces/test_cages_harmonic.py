@@ -94,15 +94,20 @@ def test_finite_differences_converge_to_harmonic() -> None:
 
 def test_the_report_tells_the_quality() -> None:
     x = np.random.default_rng(0).uniform((0.05, 0.05, 0.05), (0.95, 2.95, 0.95), (20, 3))
-    steps = []
-    for quality in ("fast", "medium"):
-        harmonic = sn.Harmonic(surface(), quality=quality, solver="boundary")
-        assert harmonic.unknowns == 0
-        steps.append((harmonic.bind(x).error, harmonic.residual_rms, harmonic.unknowns))
-    (error, rms, unknowns), (finer_error, finer_rms, more) = steps
-    assert unknowns <= 1000 < more <= 2000
-    assert 0 < finer_error < error
-    assert 0 < finer_rms < rms <= harmonic.residual_max < 0.02
-    lattice = sn.Harmonic(surface(), solver="lattice")
-    lattice.bind(x)
-    assert lattice.residual_max == 0
+    for solver in ("boundary", "lattice"):
+        steps, weights = [], []
+        for quality in ("fast", "medium"):
+            harmonic = sn.Harmonic(surface(), quality=quality, solver=solver, precision="double")
+            assert harmonic.unknowns == 0
+            steps.append((harmonic.bind(x).error, harmonic.residual_rms, harmonic.unknowns))
+            weights.append(harmonic.vertex_weights)
+        (error, rms, unknowns), (finer_error, finer_rms, more) = steps
+        assert 0 < finer_error < error
+        assert unknowns < more
+        difference = np.abs(weights[1] - weights[0]).max()
+        assert 0.02 * error < difference < 2 * error
+        if solver == "boundary":
+            assert unknowns <= 1000 < more <= 2000
+            assert 0 < finer_rms < rms <= harmonic.residual_max < 0.02
+        else:
+            assert harmonic.residual_max == 0

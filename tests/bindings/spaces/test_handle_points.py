@@ -7,6 +7,7 @@ from scipy.interpolate import RBFInterpolator
 
 import sinew_native as sn
 
+from .. import limits
 from ..figures import animal
 from ..meshes import grid
 
@@ -205,15 +206,29 @@ def test_refusals_name_handles() -> None:
     for wrong in ([], [60, 1], [59]):
         with pytest.raises(sn.InvalidConstraint):
             sn.Rbf(HANDLES, wrong)
+    for transfer in ([1.0], [0.0, np.nan]):
+        with pytest.raises(sn.InvalidOption):
+            sn.SpacePropagation(HANDLES, transfer=transfer)
     for weights in ([0.5], np.full(60, 1.5), np.zeros(60)):
         with pytest.raises((sn.InvalidConstraint, sn.InvalidOption), match="weights"):
             sn.Rbf(HANDLES, weights=weights)
     for options in ({"kernel": "gauss"}, {"degree": 5}, {"radius": 0.0}):
         with pytest.raises(sn.InvalidOption):
             sn.Rbf(HANDLES, **options)
+    for handles, counts, elements in ((HANDLES, [2, 58], []), (twice, None, [0, 3])):
+        with pytest.raises(sn.InvalidConstraint) as caught:
+            sn.Mls(handles, counts, segments=[[0, 3]])
+        assert list(caught.value.elements) == elements
     with pytest.raises(sn.InvalidConstraint):
         sn.Mls(HANDLES, segments=[[0, 60]])
     assert sn.Mls(HANDLES * (1, 1, 0), maps="affine").maps == "rigid"
+
+
+@pytest.mark.parametrize("method", [sn.Rbf, sn.Mls, sn.SpacePropagation, sn.Wires])
+def test_what_memory_does_not_hold_is_refused(method: type) -> None:
+    made = method(HANDLES)
+    with limits.memory(1000), pytest.raises(sn.OutOfMemory):
+        made.bind(np.tile(POINTS, (10, 1)))
 
 
 def about(axis: int, degrees: float, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

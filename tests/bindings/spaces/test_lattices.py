@@ -7,6 +7,7 @@ import pytest
 import sinew_native as sn
 
 SPLINES = pytest.importorskip("scipy.interpolate")
+BINOMIAL = pytest.importorskip("scipy.stats").binom
 POINTS = np.random.default_rng(4).uniform(0.0, 1.0, (200, 3))
 SHEAR = np.array(((1.2, 0.3, 0.0), (-0.4, 0.8, 0.1), (0.5, 0.2, 2.0)))
 
@@ -34,16 +35,54 @@ def along(count: int, degree: int, places: np.ndarray) -> np.ndarray:
     return SPLINES.BSpline(knots, np.eye(count), degree)(t)
 
 
-@pytest.mark.parametrize("degree", [1, 2, 3, 4, 5])
-def test_splines_are_scipys(degree: int) -> None:
-    counts = (6, 7, 9)
-    rest = lattice(*counts)
-    posed = rest + np.random.default_rng(degree).uniform(-0.3, 0.3, rest.shape)
-    u, v, w = (along(count, degree, POINTS[:, axis]) for axis, count in enumerate(counts))
+def bernstein(count: int, places: np.ndarray) -> np.ndarray:
+    return BINOMIAL.pmf(np.arange(count), count - 1, places[:, None])
+
+
+def convolved(count: int, a: float, places: np.ndarray) -> np.ndarray:
+    """Cubic convolution of evenly spaced points; those beyond an end are as the end, as in Blender."""
+    neighbours = np.arange(-3 * count, 4 * count)
+    d = abs((count - 1) * np.clip(places, -2, 3)[:, None] - neighbours)
+    near, far = ((2 - a) * d + a - 3) * d * d + 1, ((5 - d) * d - 8) * a * d + 4 * a
+    weights = np.where(d < 1, near, np.where(d < 2, far, 0))
+    return weights @ np.eye(count)[np.clip(neighbours, 0, count - 1)]
+
+
+@pytest.mark.parametrize(
+    ("counts", "options", "functions", "reach"),
+    [
+        *(((6, 7, 9), {"degree": d}, lambda n, x, d=d: along(n, d, x), 0.0) for d in (1, 2, 3, 4, 5)),
+        *((n, {"basis": "bezier"}, bernstein, 0.0) for n in ((2, 3, 4), (5, 6, 2), (9, 1, 16))),
+        *(
+            (
+                (4, 5, 3),
+                {"basis": "blender", "interpolation": [name] * 3},
+                lambda n, x, a=a: convolved(n, a, x),
+                9,
+            )
+            for name, a in (("cardinal", 0.71), ("catmull_rom", 0.5))
+        ),
+    ],
+)
+def test_lattices_blend_by_the_functions_of_each_axis(counts, options, functions, reach) -> None:
+    rest, points = lattice(*counts), POINTS + reach * (POINTS[:, :1] - 0.5)
+    posed = rest + np.random.default_rng(1).uniform(-0.3, 0.3, rest.shape)
+    u, v, w = (functions(count, points[:, axis]) for axis, count in enumerate(counts))
     moves = (posed - rest).reshape(*counts[::-1], 3)
-    expected = POINTS + np.einsum("pi,pj,pk,kjic->pc", u, v, w, moves)
-    found = bound(rest, POINTS, resolution=counts, degree=degree).warp(posed)
-    np.testing.assert_allclose(found, expected, atol=1e-13)
+    expected = points + np.einsum("pi,pj,pk,kjic->pc", u, v, w, moves)
+    found = bound(rest, points, resolution=counts, **options).warp(posed)
+    np.testing.assert_allclose(found, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("continuity", [0, 1, 2])
+def test_frozen_borders_end_the_deformation_with_continuous_derivatives(continuity: int) -> None:
+    """Four points inside, one on the border and one outside: the move grows with a power of the distance."""
+    points, rest = np.full((6, 3), 0.5), lattice(11, 1, 1)
+    points[:, 0] = 1 + 1e-3 * np.arange(-4, 2)
+    method = bound(rest, points, resolution=(11, 1, 1), outside="freeze", continuity=continuity)
+    moved = (method.warp(rest + (1, 0, 0)) - points)[:, 0]
+    assert moved[4] == moved[5] == 0 < moved[0]
+    assert np.log2(moved[0] / moved[2]) == pytest.approx(continuity + 1, abs=0.1)
 
 
 @pytest.mark.parametrize("options", [{"basis": "bspline"}, {"basis": "bezier"}, {"degree": 2}])
@@ -126,6 +165,11 @@ def test_a_folded_lattice_and_a_flat_one_are_named() -> None:
             sn.Ffd(wrong)
         assert refused.value.element_kind == "vertex"
         assert some in refused.value.elements
+    assert refused.value.elements == list(range(27))
+    rest[4, 1] = np.nan
+    with pytest.raises(sn.InvalidMesh) as refused:
+        sn.Ffd(rest)
+    assert (refused.value.element_kind, refused.value.elements) == ("vertex", [4])
 
 
 @pytest.mark.parametrize(
@@ -138,6 +182,8 @@ def test_a_folded_lattice_and_a_flat_one_are_named() -> None:
         {"basis": "blender", "interpolation": ["linear"]},
         {"outside": "away"},
         {"outside": "freeze", "continuity": 3},
+        {"outside": "freeze", "continuity": 1},  # leaves no plane that moves
+        {"outside": "freeze", "continuity": -1},
         {"resolution": (4, 4, 5)},
         {"resolution": (4, 16)},
         {"axes": np.eye(2)},
@@ -152,6 +198,32 @@ def test_options_out_of_range_are_refused(wrong: dict) -> None:
 def test_sixty_points_need_their_arrangement() -> None:
     with pytest.raises(sn.InvalidOption, match="no cube"):
         sn.Ffd(lattice(3, 4, 5))
+    with pytest.raises(sn.InvalidOption):
+        sn.Ffd(lattice(17, 1, 1), resolution=(17, 1, 1), basis="bezier")
+
+
+def responses(method: sn.InverseFfd, handles: np.ndarray, count: int) -> np.ndarray:
+    """How far each handle goes if one control point of count^3 goes by one."""
+    rest = method.lattice
+    forward = bound(rest, handles, resolution=(count, count, count))
+    moved = [forward.warp(rest + np.outer(row, (1.0, 0.0, 0.0))) for row in np.eye(count**3)]
+    return np.stack([shape[:, 0] - handles[:, 0] for shape in moved], 1)
+
+
+@pytest.mark.parametrize("count", [5, 40, 200])
+def test_the_inverse_leaves_out_small_singular_values(count: int) -> None:
+    """With more and fewer handles than control points, one of them twice."""
+    random = np.random.default_rng(8)
+    handles, drag = random.uniform(0.0, 1.0, (count, 3)), random.uniform(-1.0, 1.0, (count, 3))
+    handles[1] = handles[0]
+    method = sn.InverseFfd(handles, resolution=4, cut_off=1e-3)
+    method.bind(POINTS)
+    B = responses(method, handles, 4)
+    expected = np.linalg.pinv(B, rcond=1e-3) @ drag
+    assert method.rank == np.linalg.matrix_rank(B, tol=1e-3 * np.linalg.norm(B, 2))
+    # Squares of singular values lose half of the digits of the smallest ones kept.
+    found = method.control_moves(handles + drag)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-7 * np.abs(expected).max())
 
 
 def test_the_inverse_meets_its_handles_by_the_least_moves() -> None:
@@ -164,11 +236,20 @@ def test_the_inverse_meets_its_handles_by_the_least_moves() -> None:
     forward = bound(rest, handles, resolution=(6, 6, 6))
     np.testing.assert_allclose(forward.warp(rest + moves) - handles, drag, atol=1e-9)
     np.testing.assert_allclose(method.warp(handles + drag)[:5], handles + drag, atol=1e-9)
-    B = np.stack(
-        [forward.warp(rest + np.outer(row, (1.0, 0.0, 0.0)))[:, 0] - handles[:, 0] for row in np.eye(216)], 1
-    )
-    np.testing.assert_allclose(moves, np.linalg.pinv(B) @ drag, atol=1e-8)
+    np.testing.assert_allclose(moves, np.linalg.pinv(responses(method, handles, 6)) @ drag, atol=1e-8)
     assert method.rank == 5
+
+
+def test_an_inverse_lattice_needs_handles_and_a_lattice_of_its_range() -> None:
+    for handles, elements in ((np.zeros((0, 3)), []), (np.array([(0, 0, 0), (np.inf, 0, 0)]), [1])):
+        with pytest.raises(sn.InvalidConstraint) as refused:
+            sn.InverseFfd(handles)
+        assert list(refused.value.elements) == elements
+    for wrong in ({"resolution": (1, 5, 5)}, {"resolution": (5, 17, 5)}, {"degree": 0}, {"cut_off": 0.0}):
+        with pytest.raises(sn.InvalidOption):
+            sn.InverseFfd(POINTS[:1], **wrong)
+    with pytest.raises(sn.InvalidConstraint):
+        sn.InverseFfd(POINTS[:1]).control_moves(POINTS[:1])  # before bind()
 
 
 def test_handles_at_one_place_are_met_in_the_mean_and_reported() -> None:
@@ -191,11 +272,7 @@ def test_where_handles_cannot_all_be_met_their_weights_count() -> None:
     method = sn.InverseFfd(handles, weights=weights, resolution=2, cut_off=1e-6)
     assert method.bind(POINTS).remarks == []
     drag = random.uniform(-0.2, 0.2, handles.shape)
-    forward = bound(method.lattice, handles, resolution=(2, 2, 2))
-    rest = method.lattice
-    B = np.stack(
-        [forward.warp(rest + np.outer(row, (1.0, 0.0, 0.0)))[:, 0] - handles[:, 0] for row in np.eye(8)], 1
-    )
+    B = responses(method, handles, 2)
     expected = np.linalg.solve(B.T @ (weights[:, None] * B), B.T @ (weights[:, None] * drag))
     np.testing.assert_allclose(method.control_moves(handles + drag), expected, atol=1e-9)
     twice = sn.InverseFfd(np.concatenate((handles, handles[:2])), weights=[*weights, 0.5, 1.0])

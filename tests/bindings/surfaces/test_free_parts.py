@@ -28,16 +28,6 @@ def dressed() -> tuple[sn.SurfaceMesh, list[np.ndarray]]:
 
 
 @METHODS
-def test_by_default_free_parts_stay(method: type) -> None:
-    mesh, handles = dressed()
-    made = make(method, mesh)
-    report = made.set_handles(handles)
-    assert (report.free_parts, len(report.rides), len(report.riding_vertices)) == (2, 0, 0)
-    positions, _ = made.solve([STILL, shift(0, 0, 3)])
-    np.testing.assert_array_equal(positions[report.free_vertices], mesh.points[report.free_vertices])
-
-
-@METHODS
 def test_the_report_says_what_rides_on_what(method: type) -> None:
     mesh, handles = dressed()
     made = make(method, mesh)
@@ -56,31 +46,6 @@ def test_the_report_says_what_rides_on_what(method: type) -> None:
     out = np.empty((n + 36, 3), np.float32)
     made.solve([STILL, shift(0, 0, 9)], out=out)
     np.testing.assert_array_equal(out, positions.astype(np.float32))
-
-
-@METHODS
-def test_what_rides_goes_from_the_incoming_shape(method: type) -> None:
-    mesh, handles = dressed()
-    made = make(method, mesh)
-    made.set_handles(handles, free_parts="follow")
-    entering = mesh.points @ turn((1, 2, 3), 50)[:, :3].T + (4, 5, 6)
-    positions, _ = made.solve([STILL, STILL], incoming=entering)
-    np.testing.assert_allclose(positions, entering, atol=1e-10)
-    pose = shift(1, 2, 3)
-    positions, _ = made.solve([pose, pose], incoming=entering)
-    np.testing.assert_allclose(positions, entering + (1, 2, 3), atol=1e-6)  # as exact as the method itself
-
-
-@METHODS
-def test_other_free_parts_keep_the_factor(method: type) -> None:
-    mesh, handles = dressed()
-    first, second = make(method, mesh), make(method, mesh)
-    factorizations = first.set_handles(handles).factorizations
-    report = second.rebind(first, handles, free_parts="follow")
-    assert (report.reuse, report.changed, report.factorizations) == ("updated", "free_parts", factorizations)
-    assert (report.free_parts, len(report.rides)) == (0, 2)
-    again = make(method, mesh)
-    assert again.rebind(second, handles, free_parts="follow").reuse == "kept"
 
 
 def test_other_stiffnesses_keep_what_rides() -> None:

@@ -41,10 +41,11 @@ def energy_and_residuals(turns, goal, count, rest=1e-4, angles=False):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("goal", [(1.8, 0.0, 2.6), (0.5, -1.2, 3.0), (5.0, 2.0, 1.0), (-1.0, 2.0, -1.5)])
-def test_the_minimum_is_scipys(goal):
+@pytest.mark.parametrize("pole", [0.05, 0.2, 0.4])
+def test_the_minimum_is_scipys_from_unrelated_starts(goal, pole):
     count = 4
     turns, _moves, report = chain(count).solve(
-        [count - 1], [count * UP], [goal], max_iterations=500, tolerance=1e-13
+        [count - 1], [count * UP], [goal], max_iterations=500, tolerance=1e-13, pole=pole
     )
     start = np.zeros((count, 3))
     start[:, 0] = 1e-3
@@ -247,6 +248,53 @@ def test_poses_of_a_skeleton_are_poses_of_handles():
     assert np.degrees(np.arccos(cosines.min())) < 45
 
 
+ONE = {"heads": [(0, 0, 0)], "tails": [UP], "parents": [-1]}
+FREE = ((-1, -1, -1), (1, 1, 1))
+
+
+@pytest.mark.parametrize(
+    ("error", "given"),
+    [
+        (sn.InvalidConstraint, {"parents": [-1, 0]}),
+        (sn.InvalidConstraint, {"tails": [(0, 0, 0)]}),  # no length
+        (sn.InvalidConstraint, {"tails": [(np.nan, 0, 1)]}),
+        (sn.InvalidConstraint, {"parents": [0]}),
+        (sn.InvalidConstraint, {"parents": [-2]}),
+        (sn.InvalidConstraint, {"axes": [2 * np.eye(3)]}),
+        (sn.InvalidConstraint, {"axes": [-np.eye(3)]}),
+        (sn.InvalidOption, {"most": -1.0}),
+        (sn.InvalidOption, {"stiffness": 0.0}),
+    ],
+)
+def test_skeletons_that_are_none_are_refused(error: type, given: dict) -> None:
+    with pytest.raises(error):
+        sn.Skeleton(**ONE | given)
+
+
+@pytest.mark.parametrize(
+    ("error", "words", "given"),
+    [
+        (sn.InvalidConstraint, "target 0: there is no bone 3", {"bones": [3]}),
+        (sn.InvalidConstraint, "target 0: its point or its goal is not finite", {"goals": [(np.nan, 0, 2)]}),
+        (sn.InvalidConstraint, "target 0: its weight is not a positive number", {"weights": 0.0}),
+        (sn.InvalidConstraint, "", {"locked": [True]}),
+        (sn.InvalidConstraint, "", {"turns": np.zeros((1, 3))}),
+        (sn.InvalidConstraint, "", {"support": np.zeros((3, 3))}),
+        (sn.InvalidConstraint, "", {"support": np.eye(3), "up": (0, 0, 0)}),
+        (sn.InvalidConstraint, "", {"support": np.eye(3), "masses": [1, 2]}),
+        (sn.InvalidConstraint, "", {"support": np.eye(3), "masses": [0, 0, 0]}),
+        (sn.InvalidConstraint, "", {"support": np.eye(3), "masses": [1, -1, 1]}),
+        (sn.InvalidOption, "rest", {"rest": -1.0}),
+        (sn.InvalidOption, "max_iterations", {"max_iterations": 0}),
+        (sn.InvalidOption, "swing", {"swing": -1.0}),
+    ],
+)
+def test_requests_that_mean_nothing_are_refused(error: type, words: str, given: dict) -> None:
+    request = {"bones": [2], "points": [3 * UP], "goals": [(1, 0, 2)]}
+    with pytest.raises(error, match=words or None):
+        chain(3).solve(**request | given)
+
+
 def test_refusals_say_what_is_wrong():
     with pytest.raises(sn.InvalidConstraint, match="the skeleton has no bones"):
         sn.Skeleton(np.zeros((0, 3)), np.zeros((0, 3)), [])
@@ -271,6 +319,9 @@ def test_refusals_say_what_is_wrong():
         skeleton.solve([1], [UP], [UP], support=[UP, 2 * UP, 3 * UP])
     with pytest.raises(sn.InvalidConstraint, match="2 rows"):
         chain(3).poses(np.zeros((2, 3)))
-    with pytest.raises(sn.InvalidOption, match="margin"):
-        skeleton.regions(sn.SurfaceMesh([UP, 2 * UP, (1, 0, 0)], [[0, 1, 2]]), margin=0.5)
+    with pytest.raises(sn.InvalidConstraint):
+        chain(1).turns(np.zeros((1, 3, 3)))
+    for margin in (-0.1, 0.5):
+        with pytest.raises(sn.InvalidOption, match="margin"):
+            skeleton.regions(sn.SurfaceMesh([UP, 2 * UP, (1, 0, 0)], [[0, 1, 2]]), margin=margin)
     assert repr(skeleton) == "<Skeleton: 2 bones>"

@@ -1,13 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Edits of animations through the Python module, next to NumPy's own arithmetic and SciPy's rotations."""
+"""Edits of animations, next to NumPy."""
 
 import numpy as np
 import pytest
-from scipy.spatial.transform import Rotation
 
 import sinew_native as sn
 
-from ..meshes import STILL, ends, grid, shift, turn
+from ..meshes import STILL, ends, grid, moved, shift, turn
 from ..methods import bound
 
 KEYS = np.array(
@@ -27,48 +26,116 @@ def shapes(points: np.ndarray, frames: np.ndarray) -> np.ndarray:
     return np.array(found)
 
 
-def fitted(before: np.ndarray, after: np.ndarray) -> np.ndarray:
-    """The rotation (3, 3) between two sets of points, by SciPy."""
-    rotation, _ = Rotation.align_vectors(after - after.mean(0), before - before.mean(0))
-    return rotation.as_matrix()
-
-
-def patch(faces: np.ndarray, handle: np.ndarray) -> np.ndarray:
-    """The corners of the triangles at a handle, with repetitions as often as they hold its vertices."""
-    times = np.isin(faces, handle).sum(1)
-    return np.repeat(faces, times, axis=0).ravel()
+def moving_frame(points, faces, handle, shape) -> tuple[np.ndarray, np.ndarray]:
+    """The rotation of the triangles at a handle, each as often as it has its vertices, and the centre."""
+    corners = np.repeat(faces, np.isin(faces, handle).sum(1), axis=0).ravel()
+    before, after = points[corners], shape[corners]
+    U, _, Vt = np.linalg.svd((after - after.mean(0)).T @ (before - before.mean(0)))
+    U[:, 2] *= np.sign(np.linalg.det(U @ Vt))
+    return U @ Vt, shape[handle].mean(0)
 
 
 def test_frames_meet_their_keys_in_the_moving_frames() -> None:
     method, points, handles = bound(sn.MeshSequence, 12)
-    _, faces = grid(12)
-    frames = np.arange(21.0)
+    rng, frames = np.random.default_rng(4), np.arange(21.0)
     animation = shapes(points, frames)
     found, reports = method.solve_frames(frames, animation, keys=KEYS)
     assert found.shape == animation.shape
     assert all(report.converged for report in reports)
-    for frame in (0, 20):
-        np.testing.assert_allclose(found[frame], animation[frame], atol=1e-10)
-    corners = patch(faces, handles[1])
-    edit = KEYS[1, 2:].reshape(3, 4)
-    shape = animation[10]
-    Q, centre = fitted(points[corners], shape[corners]), shape[handles[1]].mean(0)
-    local = (shape[handles[1]] - centre) @ Q
-    expected = (local @ edit[:, :3].T + edit[:, 3]) @ Q.T + centre
-    np.testing.assert_allclose(found[10][handles[1]], expected, atol=1e-7)  # SciPy's fit has half the digits
+    np.testing.assert_allclose(found[[0, 20]], animation[[0, 20]], atol=1e-10)
+    keys = [
+        (frame, h, turn(rng.normal(size=3), 60, move=rng.uniform(-2, 2, 3)) * (1.2, 1, 0.8, 1))
+        for frame in (2, 9, 15)
+        for h in (0, 1)
+    ]
+    found, _ = method.solve_frames(frames, animation, keys=[(f, h, *edit.ravel()) for f, h, edit in keys])
+    for frame, h, edit in keys:
+        shape, handle = animation[frame], handles[h]
+        Q, centre = moving_frame(points, grid(12)[1], handle, shape)
+        expected = moved(edit, (shape[handle] - centre) @ Q) @ Q.T + centre
+        np.testing.assert_allclose(found[frame][handle], expected, rtol=0, atol=1e-11)
+
+
+def test_an_edit_is_carried_by_what_carries_the_handle() -> None:
+    """The same shape, elsewhere: the edited shape goes along, for an edit that was made at another frame."""
+    method, points, _ = bound(sn.MeshSequence, 12)
+    here, carried = shapes(points, [7.0])[0], turn((1, -2, 0.5), 130, (3, 7, 1), (30, -20, 10))
+    edited, _ = method.solve_frame(7, keys=KEYS, incoming=here)
+    assert np.abs(edited - here).max() > 1
+    found, _ = method.solve_frame(7, keys=KEYS, incoming=moved(carried, here))
+    # The iteration may end a step earlier: by a decrease below 1e-4.
+    np.testing.assert_allclose(found, moved(carried, edited), rtol=0, atol=0.01)
+
+
+def test_a_rigid_edit_of_all_handles_is_rigid_in_every_frame() -> None:
+    method, points, handles = bound(sn.MeshSequence, 12)
+    frames, whole = np.arange(0.0, 21.0, 4.0), turn((1, 2, -0.5), 70, (3, 7, 1), (5, -2, 3))
+    animation, keys = shapes(points, frames), []
+    for frame, shape in zip(frames, animation):
+        for h, handle in enumerate(handles):
+            Q, centre = moving_frame(points, grid(12)[1], handle, shape)
+            edit = Q.T @ np.column_stack([whole[:, :3] @ Q, moved(whole, centre) - centre])
+            keys.append((frame, h, *edit.ravel()))
+    found, _ = method.solve_frames(frames, animation, keys=keys)
+    np.testing.assert_allclose(found, moved(whole, animation), rtol=0, atol=1e-9)
+
+
+def test_frames_are_as_smooth_in_time_as_the_edit_of_the_handle() -> None:
+    method, points, handles = bound(sn.MeshSequence, 12)
+    frames = np.linspace(0, 20, 61)
+    animation = shapes(points, frames)
+    edit = method.solve_frames(frames, animation, keys=KEYS)[0] - animation
+
+    def jitter(of: np.ndarray) -> float:
+        """The second difference in time, as a share of the edit, both as root mean squares."""
+        return np.sqrt((np.diff(of, 2, axis=0) ** 2).mean() / (of**2).mean())
+
+    assert jitter(edit) < 1.2 * jitter(edit[:, handles[1]])
+    assert jitter(edit) < 0.02
+
+
+def test_a_control_that_follows_the_animation_edits_by_what_it_does_beyond() -> None:
+    method, points, handles = bound(sn.MeshSequence, 12)
+    shape, follows = shapes(points, [6.0])[0], [False, True]
+    first, second = method.still_poses(incoming=shape, from_rest=follows)
+    np.testing.assert_array_equal(first, STILL)
+    # Ten degrees about an axis of the control, in its frame: the same as a key.
+    own = turn((0, 0, 1), 10, points[handles[1]].mean(0))
+    posed = second[:, :3] @ own + np.column_stack([np.zeros((3, 3)), second[:, 3]])
+    found, _ = method.solve_frame(6, poses=[first, posed], from_rest=follows, incoming=shape)
+    keys = [(6, 1, *turn((0, 0, 1), 10).ravel())]
+    expected, _ = method.solve_frame(6, keys=keys, incoming=shape)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9)
+
+
+def test_a_handle_of_one_vertex_turns_with_the_faces_around_it_and_one_on_a_line_does_not() -> None:
+    points, faces = grid(8)
+    carried, lift = turn((1, 0, 2), 110, (1, 1, 1), (4, 0, 0)), np.array((0, 0, 2.0))
+    for mesh, handles, turned in (
+        (sn.SurfaceMesh(points, faces), [range(9), [80]], carried[:, :3] @ lift),
+        (sn.SurfaceMesh(np.outer([0, 1, 2], [1.0, 0, 0]), [[0, 1, 2]]), [[1], [0]], lift),
+    ):
+        method = sn.MeshSequence(mesh)
+        method.set_handles(handles)
+        shape, tip = moved(carried, mesh.points), handles[1][0]
+        found, _ = method.solve_frame(0, keys=[(0, 1, *shift(*lift).ravel())], incoming=shape)
+        np.testing.assert_allclose(found[tip] - shape[tip], turned, rtol=0, atol=1e-12)
 
 
 def test_a_frame_alone_has_the_bits_of_all_of_them() -> None:
-    method, points, _ = bound(sn.MeshSequence, 12)
+    method, points, handles = bound(sn.MeshSequence, 12)
+    farm, _, _ = bound(sn.MeshSequence, 12)  # another machine
     frames = np.array([3.5, 17.0, 8.0])
     animation = shapes(points, frames)
-    together, _ = method.solve_frames(frames, animation, keys=KEYS)
-    for frame, shape, expected in zip(frames, animation, together, strict=True):
-        alone, _ = method.solve_frame(frame, keys=KEYS, incoming=shape)
+    together, reports = method.solve_frames(frames, animation, keys=KEYS)
+    for frame, shape, expected, told in zip(frames, animation, together, reports, strict=True):
+        alone, report = farm.solve_frame(frame, keys=KEYS, incoming=shape)
         np.testing.assert_array_equal(alone, expected)
+        assert report.iterations == told.iterations
         poses = method.poses(frame, keys=KEYS, incoming=shape)
         arap, _, _ = bound(sn.Arap, 12)
         np.testing.assert_array_equal(arap.solve(poses, incoming=shape)[0], expected)
+    assert method.set_handles(handles).factorizations == 4, "two per bind, none per frame"
 
 
 def test_poses_edit_further_and_become_a_key() -> None:
@@ -92,18 +159,9 @@ def test_still_poses_edit_nothing() -> None:
         found, _ = method.solve_frame(6, poses=poses, incoming=shape, from_rest=from_rest)
         np.testing.assert_allclose(found, shape, atol=1e-10)
     np.testing.assert_array_equal(method.still_poses(incoming=shape), [STILL, STILL])
-
-
-def test_edits_between_keys() -> None:
-    keys = sn.EditKeys(KEYS)
-    assert keys.handle_count == 2
-    assert repr(keys) == "<EditKeys: 2 handles>"
-    np.testing.assert_array_equal(keys.at(1, 10), KEYS[1, 2:].reshape(3, 4))
-    np.testing.assert_array_equal(keys.at(0, 10), STILL)
-    np.testing.assert_array_equal(keys.at(-1, 10), STILL)
-    middle = keys.at(1, 5)  # half the move and half the turn, by symmetry
-    np.testing.assert_allclose(middle, turn((0, 1, 0), 20, move=(0.25, 0, 1)), atol=1e-12)
-    assert sn.EditKeys([]).handle_count == 0
+    still = KEYS[[0, 2]]
+    np.testing.assert_array_equal(method.poses(6, keys=still, incoming=shape), [STILL, STILL])
+    np.testing.assert_allclose(method.solve_frame(6, keys=still, incoming=shape)[0], shape, atol=1e-10)
 
 
 def test_what_means_nothing_is_refused() -> None:
@@ -111,10 +169,12 @@ def test_what_means_nothing_is_refused() -> None:
     animation = shapes(points, [1.0, 2.0])
     with pytest.raises(sn.InvalidOption, match=r"\(m, 14\)"):
         method.solve_frame(1, keys=KEYS[:, :5])
-    with pytest.raises(sn.InvalidOption, match="two keys at frame 10"):
-        sn.EditKeys(KEYS[[0, 1, 1]])
-    with pytest.raises(sn.InvalidOption, match="names handle -1"):
-        sn.EditKeys([(0, 0.5, *STILL.ravel())])
+    for call in (method.solve_frame, method.edits):
+        with pytest.raises(sn.InvalidConstraint, match="frame"):
+            call(np.nan, incoming=points)
+    for call in (method.solve_frame, method.edits, method.poses):
+        with pytest.raises(sn.InvalidConstraint, match="2 handles"):
+            call(1, poses=[STILL] * 3, incoming=points)
     one = sn.MeshSequence(method.rest)
     one.set_handles([[0, 1, 2]])
     with pytest.raises(sn.InvalidConstraint, match="there is no handle 1; the mesh has 1"):

@@ -7,8 +7,9 @@ import scipy.sparse as sparse
 
 import sinew_native as sn
 
+from .. import limits
 from ..cages import CUBE, QUADS
-from ..meshes import sphere
+from ..meshes import messy, moved, quad_grid, sphere
 
 
 def cube(**options) -> sn.SubdivisionSurface:
@@ -47,6 +48,163 @@ def test_loop_follows_the_published_rules() -> None:
     left = {tuple(point) for point in fine[len(points) :].round(12)}
     assert left == {tuple(point) for point in np.array(list(middles.values())).round(12)}
     assert surface.faces.shape == (4 * len(faces), 3)
+
+
+def catmull_clark_once(points: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, list]:
+    """The rules for a closed mesh of quads: moved vertices, and new ones of edges and faces in any order."""
+    middles = points[faces].mean(1)
+    around: dict[int, list] = {}
+    beside: dict[tuple, list] = {}
+    for face, middle in zip(faces, middles):
+        for a, b in zip(face, np.roll(face, -1)):
+            around.setdefault(a, []).append(middle)
+            beside.setdefault((min(a, b), max(a, b)), []).append(middle)
+    moved = np.empty_like(points)
+    for v, own in around.items():
+        n, ends = len(own), [points[list(edge)].mean(0) for edge in beside if v in edge]
+        moved[v] = (np.mean(own, 0) + 2 * np.mean(ends, 0) + (n - 3) * points[v]) / n
+    edges = [(points[list(edge)].sum(0) + np.sum(both, 0)) / 4 for edge, both in beside.items()]
+    return moved, [*edges, *middles]
+
+
+def test_catmull_clark_follows_the_published_rules() -> None:
+    points = CUBE + np.random.default_rng(1).normal(0, 0.1, CUBE.shape)
+    once = sn.SubdivisionSurface(sn.SurfaceMesh(points, QUADS), level=1)
+    for surface, own in ((once, points), (cube(level=1), CUBE)):
+        moved, others = catmull_clark_once(own, QUADS)
+        fine = surface.refine(own)
+        np.testing.assert_allclose(fine[:8], moved, atol=1e-15)
+        assert {tuple(p) for p in fine[8:].round(12)} == {tuple(p) for p in np.round(others, 12)}
+    # And of valence four: the same rules on what has come out.
+    again = sn.SubdivisionSurface(sn.SurfaceMesh(fine, once.faces), level=1)
+    np.testing.assert_allclose(again.refine(fine)[:26], catmull_clark_once(fine, once.faces)[0], atol=1e-15)
+
+
+@pytest.mark.parametrize("scheme", ["catmull_clark", "loop", "bilinear"])
+def test_a_limit_does_not_depend_on_the_level_and_level_zero_is_the_mesh(scheme: str) -> None:
+    points, faces = sphere(1)
+    points = points + np.random.default_rng(1).normal(0, 0.1, points.shape)
+    mesh = sn.SurfaceMesh(points, faces)
+
+    def surface(**options) -> np.ndarray:
+        return sn.SubdivisionSurface(mesh, scheme=scheme, **options).refine(points)
+
+    coarse, fine = (surface(level=level, limit=True) for level in (1, 3))
+    np.testing.assert_allclose(fine[: len(coarse)], coarse, atol=1e-14)
+    np.testing.assert_array_equal(surface(level=0), points)
+
+
+def masks(points: np.ndarray, faces: np.ndarray, scheme: str, **sharp) -> np.ndarray:
+    """How the limit of each vertex is made of all of them (n, n)."""
+    mesh = sn.SurfaceMesh(points, faces)
+    return sn.SubdivisionSurface(mesh, scheme=scheme, level=0, limit=True, **sharp).matrix.toarray()
+
+
+@pytest.mark.parametrize("n", [3, 4, 5, 8])
+def test_limits_are_those_of_the_published_masks(n: int) -> None:
+    """E. Halstead et al. 1993 for quads, C. Loop 1987 for triangles, where n faces meet at vertex 0."""
+    k, points = np.arange(n), np.random.default_rng(4).normal(size=(2 * n + 2, 3))
+    rim = 1 + np.arange(2 * n + 3) % (2 * n)  # every second vertex around is one of an edge
+    top = np.stack([0 * k, rim[2 * k], rim[2 * k + 1], rim[2 * k + 2]], 1)
+    bottom = np.stack([0 * k + 2 * n + 1, rim[2 * k + 3], rim[2 * k + 2], rim[2 * k + 1]], 1)
+    quads = masks(points, np.concatenate([top, bottom]), "catmull_clark")
+    near = np.tile([4.0, 1.0], n) / (n * (n + 5))
+    np.testing.assert_allclose(quads[0], [n / (n + 5), *near, 0], atol=1e-13)
+    ring = np.stack([1 + k, 1 + (k + 1) % n], 1)
+    fans = [np.insert(ring, 0, 0, axis=1), np.insert(ring[:, ::-1], 0, n + 1, axis=1)]
+    beta = (5 / 8 - (3 / 8 + np.cos(2 * np.pi / n) / 4) ** 2) / n
+    own = 1 / (1 + 8 * n * beta / 3)
+    loop = masks(points[: n + 2], np.concatenate(fans), "loop")
+    np.testing.assert_allclose(loop[0], [own, *np.full(n, (1 - own) / n), 0], atol=1e-13)
+
+
+SHEET, CELLS = quad_grid(3, 2)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "sharp", "vertex", "expected"),
+    [
+        (sphere(0), {"creases": ([(0, 2), (0, 3)], 10.0)}, 0, {0: 2 / 3, 2: 1 / 6, 3: 1 / 6}),
+        (sphere(0), {"creases": ([(0, 2), (0, 3), (0, 4)], 10.0)}, 0, {0: 1}),
+        (sphere(0), {"corners": ([0], 10.0)}, 0, {0: 1}),
+        ((CUBE, QUADS), {"creases": ([(0, 1), (0, 2)], 10.0)}, 0, {0: 2 / 3, 1: 1 / 6, 2: 1 / 6}),
+        ((SHEET, CELLS), {}, 1, {1: 2 / 3, 0: 1 / 6, 2: 1 / 6}),  # on the border
+        ((SHEET, CELLS), {"corners": ([6], 10.0)}, 6, {6: 1}),
+    ],
+)
+def test_limits_of_creases_borders_and_corners_are_those_of_curves(
+    mesh, sharp, vertex: int, expected
+) -> None:
+    points, faces = mesh
+    row = masks(points, faces, "loop" if faces.shape[1] == 3 else "catmull_clark", **sharp)[vertex]
+    np.testing.assert_allclose(row, [expected.get(v, 0) for v in range(len(points))], atol=1e-14)
+
+
+@pytest.mark.parametrize(("scheme", "mesh"), [("loop", sphere(0)), ("catmull_clark", (CUBE, QUADS))])
+def test_limits_are_where_many_levels_lead(scheme: str, mesh) -> None:
+    """What OpenSubdiv's own rules give far down, with sharpness of every kind that is left."""
+    points, faces = mesh
+    creases = [faces[f][k : k + 2] for f, k in ((0, 0), (1, 0), (1, 1), (3, 1))]
+    sharp = {"creases": (creases, [10.0, 3.3, 1.5, 0.4]), "corners": ([faces[1][2]], 2.7)}
+
+    def refined(level: int, limit: bool = False) -> np.ndarray:
+        surface = sn.SubdivisionSurface(
+            sn.SurfaceMesh(points, faces), scheme=scheme, level=level, limit=limit, **sharp
+        )
+        return surface.refine(points)
+
+    far, farther = refined(7), refined(8)
+    for level in (0, 1, 2):
+        limit = refined(level, limit=True)
+        left, last = (
+            np.linalg.norm(shape[: len(limit)] - farther[: len(limit)], axis=1).max()
+            for shape in (limit, far)
+        )
+        # What is left shrinks by a factor of at most 0.7 a level (valence 5 or less).
+        assert left < 0.7 / 0.3 * last + 1e-14
+        assert left < 2e-3
+
+
+@pytest.mark.parametrize("scheme", ["catmull_clark", "bilinear"])
+@pytest.mark.parametrize("limit", [False, True])
+def test_affine_maps_pass_through_on_any_mesh(scheme: str, limit: bool) -> None:
+    points, faces = messy()
+    faces = faces[[len(set(face)) == 3 for face in faces]]  # a corner twice is refused
+    sharp = {"creases": ([(0, 1), (10, 11)], [2.5, 10.0]), "corners": ([30], 1.5)}
+    surface = sn.SubdivisionSurface(sn.SurfaceMesh(points, faces), scheme=scheme, limit=limit, **sharp)
+    np.testing.assert_allclose(surface.matrix.sum(axis=1), 1.0, atol=1e-14)
+    pose = np.random.default_rng(2).uniform(-1, 1, (3, 4))
+    np.testing.assert_allclose(
+        surface.refine(moved(pose, points)), moved(pose, surface.refine(points)), atol=1e-12
+    )
+
+
+def test_memory_is_announced() -> None:
+    side, quads = quad_grid(30, 30)
+    mesh = sn.SurfaceMesh(side, quads)
+    with limits.memory(1 << 20):
+        with pytest.raises(sn.OutOfMemory):
+            sn.SubdivisionSurface(mesh, level=4)
+        assert sn.SubdivisionSurface(mesh, level=0).vertex_count == len(side)
+    with pytest.raises(sn.OutOfMemory):
+        sn.SubdivisionSurface(mesh, level=10)  # 9e8 vertices
+
+
+def test_sharp_rims_and_corners_stay_and_open_corners_by_choice() -> None:
+    flat = [
+        edge
+        for edge in np.argwhere(np.triu((CUBE[:, None] != CUBE).sum(2) == 1))
+        if np.ptp(CUBE[edge, 2]) == 0
+    ]
+    rims = cube(level=3, creases=(flat, 10.0)).refine(CUBE)
+    assert (rims[:, 2].min(), rims[:, 2].max()) == (0.0, 1.0)
+    fixed = cube(level=3, creases=(flat, 10.0), corners=(range(8), 10.0)).refine(CUBE)
+    np.testing.assert_array_equal(fixed[:8], CUBE)
+    for words, kept in (({}, False), ({"boundary_smooth": "preserve_corners"}, True)):
+        fine = sn.SubdivisionSurface(sn.SurfaceMesh(SHEET, CELLS), level=2, **words).refine(SHEET)
+        assert (fine[0] == SHEET[0]).all() == kept
+    halved = sn.SubdivisionSurface(sn.SurfaceMesh(SHEET, CELLS), scheme="bilinear", level=2).refine(SHEET)
+    assert {tuple(p) for p in halved} == {(x / 4, y / 4, 0.0) for x in range(13) for y in range(9)}
 
 
 @pytest.mark.parametrize(
@@ -89,6 +247,7 @@ def test_normals_of_a_smooth_cube_look_outward() -> None:
         top = np.argmax(fine[:, axis])
         np.testing.assert_allclose(normals[top], np.eye(3)[axis], atol=1e-12)
     assert middle.max() < 0.1
+    assert np.einsum("ni,ni->n", normals, fine - 0.5).min() > 0.1
 
 
 def test_polygons_at_level_zero() -> None:
@@ -98,6 +257,9 @@ def test_polygons_at_level_zero() -> None:
     np.testing.assert_array_equal(counts, faces[0])
     np.testing.assert_array_equal(corners, faces[1])
     assert sn.SubdivisionSurface(sn.SurfaceMesh(points, faces), level=1).faces.shape == (26, 4)
+    loose = sn.SubdivisionSurface(sn.SurfaceMesh(points, []), level=3, limit=True)
+    np.testing.assert_array_equal(loose.refine(points), points)
+    np.testing.assert_array_equal(loose.normals(points), 0 * points)
 
 
 def test_face_varying_values_are_refined_by_their_own_matrix() -> None:
@@ -118,25 +280,54 @@ def test_face_varying_values_are_refined_by_their_own_matrix() -> None:
 
 
 @pytest.mark.parametrize(
-    ("options", "error", "words"),
+    ("smooth", "kept"), [("none", True), ("preserve_boundaries", True), ("smooth_all", False)]
+)
+def test_face_varying_values_keep_their_seams_and_corners_unless_all_is_smoothed(
+    smooth: str, kept: bool
+) -> None:
+    sheet = np.array([(x, y, 0.0) for y in range(2) for x in range(3)])
+    mesh = sn.SurfaceMesh(sheet, [(0, 1, 4, 3), (1, 2, 5, 4)])
+    matrix = sn.SubdivisionSurface(mesh, level=1, face_varying=range(8), uv_smooth=smooth).face_varying_matrix
+    assert matrix.shape == (18, 8)
+    np.testing.assert_allclose(matrix.sum(axis=1), 1.0, atol=1e-15)
+    assert set(matrix @ np.repeat([0.0, 1.0], 4)) == {0.0, 1.0}, "no refined value mixes both islands"
+    assert (matrix[0, 0] == 1.0) == kept
+
+
+@pytest.mark.parametrize(
+    ("options", "error", "words", "elements"),
     [
-        ({"scheme": "doo_sabin"}, sn.InvalidOption, "'catmull_clark', 'loop', 'bilinear'"),
-        ({"boundary_smooth": "x"}, sn.InvalidOption, "boundary_smooth"),
-        ({"uv_smooth": "x"}, sn.InvalidOption, "uv_smooth"),
-        ({"scheme": "loop"}, sn.InvalidMesh, "other faces are 0, 1, 2"),
-        ({"level": 11}, sn.InvalidOption, "not in 0 to 10"),
-        ({"creases": ([(0, 7)], 1.0)}, sn.InvalidOption, "no edge joins"),
-        ({"creases": ([0, 1], 1.0)}, sn.InvalidOption, "pairs"),
-        ({"creases": ([(0, 1)], [1.0, 2.0])}, sn.InvalidOption, "2 sharpnesses for 1"),
-        ({"creases": 3}, TypeError, "pair"),
-        ({"corners": ([8], 1.0)}, sn.InvalidOption, "the mesh has no vertices 8"),
-        ({"corners": ([0], -1.0)}, sn.InvalidOption, "below 0"),
-        ({"face_varying": [0, 1]}, sn.InvalidOption, "2 indices for 24"),
+        ({"scheme": "doo_sabin"}, sn.InvalidOption, "'catmull_clark', 'loop', 'bilinear'", []),
+        ({"boundary_smooth": "x"}, sn.InvalidOption, "boundary_smooth", []),
+        ({"uv_smooth": "x"}, sn.InvalidOption, "uv_smooth", []),
+        ({"scheme": "loop"}, sn.InvalidMesh, "other faces are 0, 1, 2", list(range(6))),
+        ({"level": 11}, sn.InvalidOption, "not in 0 to 10", []),
+        ({"level": -1}, sn.InvalidOption, "not in 0 to 10", []),
+        ({"creases": ([(0, 7)], 1.0)}, sn.InvalidOption, "no edge joins", [0, 7]),
+        ({"creases": ([(0, 99)], 1.0)}, sn.InvalidOption, "99", None),
+        ({"creases": ([(0, 1)], -1.0)}, sn.InvalidOption, "below 0", None),
+        ({"creases": ([(0, 1)], np.nan)}, sn.InvalidOption, "sharpness", None),
+        ({"creases": ([0, 1], 1.0)}, sn.InvalidOption, "pairs", []),
+        ({"creases": ([(0, 1)], [1.0, 2.0])}, sn.InvalidOption, "2 sharpnesses for 1", []),
+        ({"creases": 3}, TypeError, "pair", None),
+        ({"corners": ([3, 8], 1.0)}, sn.InvalidOption, "the mesh has no vertices 8", [8]),
+        ({"corners": ([0], -1.0)}, sn.InvalidOption, "below 0", None),
+        ({"face_varying": [0, 1]}, sn.InvalidOption, "2 indices for 24", []),
+        ({"face_varying": [-1] * 24}, sn.InvalidOption, "face_varying", None),
     ],
 )
-def test_refusals_name_what_is_wrong(options: dict, error: type, words: str) -> None:
-    with pytest.raises(error, match=words):
+def test_refusals_name_what_is_wrong(
+    options: dict, error: type, words: str, elements: list[int] | None
+) -> None:
+    with pytest.raises(error, match=words) as refused:
         cube(**options)
+    assert elements is None or refused.value.elements == elements
+
+
+def test_faces_with_a_corner_twice_are_named() -> None:
+    with pytest.raises(sn.InvalidMesh) as refused:
+        sn.SubdivisionSurface(sn.SurfaceMesh(CUBE, [[0, 1, 3], [1, 1, 5]]))
+    assert (refused.value.element_kind, refused.value.elements) == ("face", [1])
 
 
 @pytest.mark.parametrize("points", [CUBE[:7], CUBE[:, :2], CUBE.ravel()])

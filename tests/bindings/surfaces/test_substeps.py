@@ -24,6 +24,9 @@ def test_substeps_keep_rest_and_handles(method: type, options: dict[str, object]
     surface = bound(method, options)
     still, _ = surface.solve(np.stack([STILL, STILL]), substeps=3)
     np.testing.assert_allclose(still, POINTS, atol=1e-9)
+    entering = POINTS + (1, 2, 3)
+    still, _ = surface.solve(np.stack([STILL, STILL]), incoming=entering, substeps=3)
+    np.testing.assert_allclose(still, entering, atol=1e-9)
     positions, report = surface.solve(BENT, substeps=3)
     assert report.converged
     assert np.isfinite(positions).all()
@@ -52,8 +55,11 @@ def test_what_makes_no_sense_is_refused() -> None:
     with pytest.raises(sn.InvalidConstraint, match="flat in the middle") as refused:
         shell.solve(np.stack([STILL, mirror]), substeps=4)
     assert (refused.value.elements, refused.value.element_kind) == ([1], "handle")
+    shares: list[float] = []
     with pytest.raises(sn.Cancelled):
-        shell.solve(BENT, substeps=3, progress=lambda share, _stage: share < 0.5)
+        shell.solve(BENT, substeps=3, progress=lambda share, _stage: shares.append(share) or share < 0.5)
+    assert shares == sorted(shares)
+    assert shares[0] < 0.5
     pose = turn((1, 2, 3), 100, (4, 5, 6), (1, 2, 3))
     implicit = bound(sn.LaplacianEditing, {"transforms": "implicit"})
     found, _ = implicit.solve(np.stack([pose, pose]), substeps=3)

@@ -12,7 +12,7 @@ import pytest
 from inside import ask_for_factor, calls_of, catch_up, finish, inner, use_threads
 from registry import BY_ID, ON_SURFACE, base_of, options_of
 from rigs.kinds import HandleRig, rig_for
-from rigs.rig import Rig, make_active, subdivided, update
+from rigs.rig import Rig, close, make_active, subdivided, update
 
 CAPTURE = "_rest_meshes"  # evaluates copies of objects and makes a mesh of each
 
@@ -114,6 +114,7 @@ def test_a_refusal_is_shown_by_one_call(
     found = calls_of(lambda: refused(plate))
     assert found["fail"] == 1, found
     assert plate.deformer.status_level == "ERROR"
+    assert close(plate.points(), plate.rest())
 
 
 def refuse(*_arguments: object, **_options: object) -> None:

@@ -177,20 +177,6 @@ def test_a_region_that_returns_while_a_thread_binds_is_bound_again(plate: Rig, h
     np.testing.assert_allclose(plate.points(), shown, atol=1e-6)
 
 
-def test_a_frame_reads_the_rig_only_when_the_target_changed(plate: Rig):
-    """Moving a control: one solve, one write, and no look at modifiers, groups or copies."""
-    plate.bind("thin_shell")
-    for _ in range(2):
-        plate.lift(0.1)
-    found = calls_of(lambda: plate.lift(0.1))
-    assert found["write_positions"] == found["write_shape"] == found["shape_array"] == 1, found
-    looks = {"modifier_input", "tell_copies_apart", "follow_renamed_groups", "_layout", "read_incoming"}
-    assert not looks & found.keys(), found
-    plate.obj.update_tag()
-    found = calls_of(update)
-    assert looks <= found.keys(), found  # so that the names above are names
-
-
 def test_a_bind_captures_and_reads_the_mesh_once(plate: Rig):
     plate.bind("thin_shell")
     plate.lift(0.5)

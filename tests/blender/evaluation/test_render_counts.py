@@ -16,12 +16,10 @@ from expected import Expected
 from inside import notes_of, settle
 from mathutils import Matrix
 from probe import Probe, exported_points, render, render_points
-from registry import WITH_CAGE
 from rigs.kinds import RIGS, point_objects
 from rigs.rig import (
     Rig,
     add_armature,
-    apply_matrix,
     base_points,
     close,
     evaluated_points,
@@ -32,6 +30,7 @@ from rigs.rig import (
     move_world,
     new_nodes,
     new_object,
+    press,
     save,
     subdivided,
 )
@@ -375,23 +374,14 @@ def test_two_deformers_are_bound_for_renders():
     assert off(*shapes) < CARRIED
 
 
-def test_other_types_of_targets_too(tmp_path: Path):
-    """Text that renders tessellate otherwise, in a cage that shears it."""
-    obj = point_objects.text()
-    obj.data.resolution_u = 4
-    point_objects.bind(obj, WITH_CAGE[0])
-    shear = Matrix(((1.0, 0.3, 0.0, 0.0), (0.0, 1.0, 0.2, 0.0), (0.0, 0.0, 1.0, 0.0), (0.0, 0.0, 0.0, 1.0)))
-    cage = obj.sinew.active.cage
-    cage.data.transform(shear)
-    cage.data.update()
-    rest = render_points(obj).shape
-    obj.data.render_resolution_u = 9
-    seen, written = render_points(obj), exported_points(obj, tmp_path)
-    obj.data.resolution_u = 9
-    wanted = point_objects.moved_by_hand(obj, lambda points: apply_matrix(shear, points))
-    assert seen.shape != rest
-    assert off(seen, wanted) < EXACT
-    assert off(written, wanted) < EXACT
+def test_a_deformer_that_is_removed_leaves_no_rest_for_renders():
+    plate = Rig.plate(5)
+    subdivision(plate.obj, 0, 1)
+    count = len(bpy.data.meshes)
+    plate.bind()
+    assert plate.deformer.rest_render is not None
+    press(plate.obj, "deformer_remove")
+    assert len(bpy.data.meshes) == count
 
 
 # --- the controls

@@ -79,16 +79,6 @@ def test_changing_the_frame_solves_nothing_when_nothing_of_ours_moves(crowded):
     assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=1e-6)
 
 
-def test_moving_the_control_solves_once(crowded):
-    """So that the counts above count something."""
-    plate, _others = crowded
-    found = calls_of(lambda: plate.lift(0.1))
-    assert found["write_shape"] == 1, found
-    assert plate.points()[plate.top, 2] == pytest.approx(0.6, abs=1e-6)
-    found = calls_of(update)
-    assert not WORK & found.keys(), found
-
-
 def test_objects_that_are_not_ours_get_no_settings(crowded):
     """Blender makes settings where they are read, in render threads too, and saves them with the file."""
     plate, others = crowded

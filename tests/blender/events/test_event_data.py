@@ -257,29 +257,6 @@ def its_node_group_deleted(rig: HandleRig) -> None:
     assert len([modifier for modifier in rig.obj.modifiers if modifier.node_group]) == 1
 
 
-@EVENTS.on(REGIONS)
-def a_vertex_group_deleted(rig: HandleRig) -> None:
-    """The bound shape stays. Bind leaves the region out and says which group is gone."""
-    rig.obj.vertex_groups.remove(rig.obj.vertex_groups["Base"])
-    assert rig.is_right()
-    rig.press("bind")
-    assert "1 handle, bound in" in rig.deformer.status
-    assert rig.shows(rig.rest() + (0.0, 0.0, rig.height))
-    add_group(rig.obj, "Base", lambda point: point[1] < -0.75)
-    rig.press("bind")
-
-
-@EVENTS.on(MESHES)
-def the_group_of_its_mask_deleted(rig: HandleRig) -> None:
-    """As in any modifier whose group is gone, all vertices count again."""
-    add_group(rig.obj, "Left", lambda point: point[0] < 0.0)
-    rig.deformer.mask_group = "Left"
-    assert not rig.is_right()
-    rig.obj.vertex_groups.remove(rig.obj.vertex_groups["Left"])
-    rig.obj.update_tag()
-    assert rig.is_right()
-
-
 @EVENTS.on(ALL)
 def its_animation_cleared(rig: HandleRig) -> None:
     """The driver that keeps hidden controls evaluated lives there; it comes back."""

@@ -84,23 +84,6 @@ def recovered_from_an_autosave(rig: HandleRig) -> None:
 
 
 @EVENTS.on(ALL)
-def recovered_from_an_autosave_without_our_save_handler(rig: HandleRig) -> None:
-    """An autosave runs no handler, so copies in it still share their shapes, and their control."""
-    make_active(rig.obj)
-    bpy.ops.object.duplicate()
-    copy, handlers = bpy.context.object.name, list(bpy.app.handlers.save_pre)
-    bpy.app.handlers.save_pre.clear()
-    try:
-        autosave = save(rig.folder / "1234_autosave.blend", copy=True)
-    finally:
-        bpy.app.handlers.save_pre.extend(handlers)
-    bpy.ops.wm.recover_auto_save(filepath=autosave)
-    settle()
-    rig.lift(0.25)
-    assert rig.shows(rig.at(0.75), bpy.data.objects[copy])
-
-
-@EVENTS.on(ALL)
 def its_copy_saved_before_a_pause(rig: HandleRig) -> None:
     """Our save handler tells them apart."""
     make_active(rig.obj)

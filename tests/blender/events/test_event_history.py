@@ -7,7 +7,6 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from editing import edit
 from events import ALL, MESHES, REGIONS, Event, Table, every
 from expected import Expected
 from inside import bind_in_thread, evaluated_by, finish, inner
@@ -46,31 +45,10 @@ def test_every_operator_has_its_undo_tested():
     """Those that change nothing leave no step. Some are tested where the operator is."""
     names = set(dir(bpy.ops.sinew))
     with_undo = {n for n in names if "UNDO" in getattr(getattr(bpy.types, f"SINEW_OT_{n}"), "bl_options", ())}
-    elsewhere = {"transfer_deformation", "handle_stand", "puppet_pin", "puppet_rig"}
-    elsewhere |= {"armature_off", "refine", "keep_inside"}
+    elsewhere = {"handle_stand", "puppet_pin", "puppet_rig", "armature_off", "refine", "keep_inside"}
     assert with_undo == {*elsewhere, *(names & set(BUTTONS))}
     without = {"cancel", "check_installation", "help", "key_jump", "preset_add", "report_renders", "watch"}
     assert names - with_undo <= without
-
-
-def test_undo_and_redo_of_grab_region_on_a_target(plate: Rig):
-    """It edits the mesh itself, which the deformer follows as it follows any edit."""
-    expected, at_rest = pose(plate), plate.rest()
-    edit(plate.obj, lambda point: abs(point.x) < 0.1 and abs(point.y) < 0.1)
-    push("selected")
-    bpy.ops.sinew.grab_region("EXEC_DEFAULT", True, value=(0.0, 0.0, 0.2), radius=0.4)
-    bpy.ops.object.mode_set(mode="OBJECT")
-    grabbed = plate.rest()
-    assert np.linalg.norm(grabbed - at_rest, axis=1).max() == pytest.approx(0.2, abs=1e-6)
-    assert close(plate.points(), expected.now(plate.obj, plate.control, incoming=grabbed))
-    bpy.ops.object.mode_set(mode="EDIT")
-    push("Edit Mode")
-    bpy.ops.ed.undo()
-    bpy.ops.ed.undo()
-    if plate.obj.mode == "EDIT":
-        bpy.ops.object.mode_set(mode="OBJECT")
-    assert close(plate.rest(), at_rest)
-    assert close(plate.points(), expected.shape(LIFT))
 
 
 def set_factor(rig: HandleRig) -> np.ndarray:
@@ -272,26 +250,6 @@ def test_history_of_a_drag_and_of_what_drives_it(plate: Rig):
     last = len(story.steps) - 1
     story.walk(last, 0)
     story.walk(0, last)
-
-
-def test_undo_of_deleting_a_vertex_and_redo_after_the_rebind(plate: Rig):
-    plate.bind()
-    expected = Expected.of_rig(plate)
-    plate.lift(0.5)
-    make_active(plate.obj)
-    story = Story(plate)
-    story.tell("posed", expected.lifted(0.5))
-    edit(plate.obj, lambda point: abs(point.x) < 0.1 and abs(point.y) < 0.5)
-    bpy.ops.mesh.delete(type="VERT")
-    bpy.ops.object.mode_set(mode="OBJECT")
-    story.tell("hole", plate.rest())
-    move_world(plate.control, LIFT.inverted())
-    holed = Expected.of_rig(plate)
-    move_world(plate.control, LIFT)
-    bpy.ops.sinew.bind()
-    story.tell("rebound", holed.lifted(0.5))
-    for start, end in ((2, 0), (0, 2), (2, 1), (1, 2)):
-        story.walk(start, end)
 
 
 # --- while a thread binds: what the user does meanwhile, and what is seen then

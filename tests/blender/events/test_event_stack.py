@@ -177,6 +177,8 @@ def test_a_constructive_modifier_put_before_ours(posed: HandleRig, add: Add, aut
         fresh.bind()
         fresh.lift(0.5)
         assert posed.shows(fresh.points())
+    else:
+        assert posed.shows(posed.poses.warp(entering) + (0.0, 0.0, 0.5), tolerance=1e-5)
     posed.obj.modifiers.remove(posed.obj.modifiers[0])
     settle()
     (rebinds_by_itself if automatic else says_rebind)(posed)

@@ -7,13 +7,14 @@ What it has made is in the saved file, too.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
-from editing import centre, edit, edited
+from baking import CACHES
+from editing import centre, edit
 from mathutils import Matrix, Vector
 from registry import BY_ID, ON_HANDLE_POINTS
 from rigs.cages import ball, box, place, surround
@@ -23,9 +24,7 @@ from rigs.rig import (
     Rig,
     add_group,
     add_regions,
-    base_points,
     change_in_edit_mode,
-    evaluated_points,
     grid_object,
     key,
     make_active,
@@ -34,14 +33,12 @@ from rigs.rig import (
     push,
     refused,
     reopen,
-    update,
 )
 from rigs.rig_of_curves import polyline, stroke_through
+from seen import assert_seen, seen
 
 LINE = np.column_stack((np.linspace(-1.0, 1.0, 6), np.zeros((6, 2))))
 UP = [(0.0, 0.0, 0.1 * k) for k in range(5)]
-BLOCKS = ("objects", "meshes", "curves", "lattices", "node_groups")
-NEAR = 1e-5  # a pose that is solved once more
 
 
 def run(operator: str, **options: object) -> None:
@@ -241,12 +238,13 @@ def with_a_stroke() -> None:
     ball()
 
 
-def figure_on_its_feet() -> None:
-    make_active(standing())
-
-
 def selected(where: Callable) -> Callable[[], object]:
     return lambda: edit(grid_object(), where)
+
+
+def selected_on_a_target() -> None:
+    posed()()
+    edit(bpy.context.object, centre)
 
 
 def with_nameless_sides() -> None:
@@ -262,7 +260,10 @@ def draggable(method: str = "") -> Callable[[], None]:
     return button("drag", origin=(0.0, 0.0, 5.0), value=(0.0, 0.0, 0.5), radius=0.25, reach=2.0, **options)
 
 
-BAKE = {"target": "SHAPE_KEYS", "frame_start": 1, "frame_end": 2}
+FRAMES = {"frame_start": 1, "frame_end": 2}
+BAKE = {"target": "SHAPE_KEYS", **FRAMES}
+FILE = {"filepath": f"{bpy.app.tempdir}undone", **FRAMES}
+GRAB = {"value": (0.0, 0.0, 0.5), "radius": 0.4}
 FRONT = Matrix.Rotation(math.radians(90.0), 4, "X")  # a camera that looks along y
 BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "deformer_add": (posed(), button("deformer_add", method="thin_shell")),
@@ -287,6 +288,12 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "apply": (posed(), button("apply")),
     "bake": (posed(), button("bake", **BAKE)),
     "unbake": (posed(lambda plate: press(plate.obj, "bake", **BAKE)), button("unbake")),
+    **{f"bake to {target}": (posed(), button("bake", target=target, **FILE)) for target in CACHES},
+    "unbake of a file": (
+        posed(lambda plate: press(plate.obj, "bake", target="PC2", **FILE)),
+        button("unbake"),
+    ),
+    "transfer_deformation": (two_of_one_topology, button("transfer_deformation", **FILE)),
     "repair": (posed(add_loose_vertex), button("repair")),
     "part_regions": (posed(let_regions_overlap), button("part_regions")),
     "select_handle": (posed(), button("select_handle", index=0)),
@@ -323,7 +330,8 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     ),
     "silhouette_sketch": (with_a_stroke, button("silhouette_sketch", stroke="Stroke", view=FRONT)),
     "handle_add in Edit Mode": (selected(lambda point: point.y > 0.75), button("handle_add", kind="HANDLE")),
-    "grab_region": (selected(centre), button("grab_region", value=(0.0, 0.0, 0.5), radius=0.4)),
+    "grab_region": (selected(centre), button("grab_region", **GRAB)),
+    "grab_region on a target": (selected_on_a_target, button("grab_region", **GRAB)),
     "handle_mirror that names both sides": (with_nameless_sides, button("handle_mirror")),
     "drag": (grid_object, draggable()),
     **{
@@ -334,69 +342,14 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
 }
 
 
-def plain(value: object) -> str:
-    """Undo makes other Python objects of the same datablocks."""
-    return value.name if isinstance(value, bpy.types.ID) else str(value)
-
-
-def own_names(blocks: Iterable[bpy.types.ID]) -> Iterator[str]:
-    """Of those in use, which a file keeps; the numbers of hidden ones may differ."""
-    for block in blocks:
-        if block.users:
-            yield block.name.partition(".0")[0] if block.name.startswith(".Sinew") else block.name
-
-
-def words() -> list[object]:
-    """What the panel lists, and what there is in the file besides shapes."""
-    update()
-    found: list[object] = [sorted(own_names(getattr(bpy.data, kind))) for kind in BLOCKS]
-    for obj in bpy.context.scene.objects:
-        keys = getattr(obj.data, "shape_keys", None)
-        found += [
-            obj.name,
-            obj.mode,
-            obj.select_get(),
-            [group.name for group in obj.vertex_groups],
-            list(obj.modifiers.keys()),
-        ]
-        found += [keys.key_blocks.keys() if keys else []]
-        for row in obj.sinew.deformers:
-            values = [plain(getattr(row.parameters, each.id)) for each in row.definition.parameters]
-            found += [row.name, row.method, row.is_bound and row.status_level, values]
-            found += [(each.name, each.kind, each.vertex_group, plain(each.control)) for each in row.handles]
-            found += [(plain(each.object), each.rest and len(each.rest.vertices)) for each in row.controls]
-            found += [each.frame for each in row.keys]
-    return found
-
-
-def shapes() -> Iterator[np.ndarray]:
-    """Of each object, and where it is."""
-    for obj in bpy.context.scene.objects:
-        yield np.array(obj.matrix_world)
-        if obj.mode == "EDIT":
-            yield edited(obj)
-        elif obj.type in ("MESH", "CURVE", "LATTICE"):
-            yield evaluated_points(obj)
-        if obj.type == "MESH":
-            yield base_points(obj)
-        for bone in obj.pose.bones if obj.pose else ():
-            yield np.array(bone.matrix)
-
-
-def assert_seen(expected: tuple[list, list]) -> None:
-    assert words() == expected[0]
-    for seen, shape in zip(shapes(), expected[1], strict=True):
-        np.testing.assert_allclose(seen, shape, rtol=0.0, atol=NEAR)
-
-
 @pytest.mark.parametrize("name", BUTTONS)
 def test_undo_and_redo_of(name: str, tmp_path: Path):
     prepare, press_it = BUTTONS[name]
     prepare()
     push("prepared")
-    before = words(), list(shapes())
+    before = seen()
     press_it()
-    after = words(), list(shapes())
+    after = seen()
     with pytest.raises(AssertionError):  # it changes something
         assert_seen(before)
     for _ in range(2):
@@ -406,6 +359,6 @@ def test_undo_and_redo_of(name: str, tmp_path: Path):
         assert_seen(after)
     if bpy.context.mode == "EDIT_MESH":
         bpy.ops.object.mode_set(mode="OBJECT")
-        after = words(), list(shapes())
+        after = seen()
     reopen(tmp_path / "made.blend")
     assert_seen(after)

@@ -17,7 +17,6 @@ from rigs.rig import (
     close,
     grid_object,
     make_active,
-    new_empty,
     new_object,
     press,
     refused,
@@ -46,16 +45,6 @@ def test_all_vertices_constrained(plate: Rig):
     add_regions(plate.obj, "thin_shell", {"All": "HANDLE"})
     plate.lift(0.5)
     assert np.abs(plate.points() - plate.rest() - (0.0, 0.0, 0.5)).max() < 4e-6
-
-
-def test_empty_group(plate: Rig):
-    plate.obj.vertex_groups.new(name="Empty")
-    plate.bind()
-    refused("'Empty' has no vertices", "handle_add", plate.obj, kind="HANDLE", vertex_group="Empty")
-    assert len(plate.deformer.handles) == 2
-    assert plate.deformer.status_level == "INFO"
-    plate.lift(0.5)  # the old pose goes on
-    assert_lifted(plate)
 
 
 def weigh(obj: bpy.types.Object, name: str, weight: float) -> None:
@@ -145,14 +134,6 @@ def test_zero_area_mesh(plate: Rig):
     assert_lifted(plate)
 
 
-@pytest.mark.parametrize("method", WITH_HANDLES)
-def test_mesh_without_vertices(method: str):
-    obj = new_object("Empty", [])
-    obj.vertex_groups.new(name="Group")
-    press(obj, "deformer_add", method=method)
-    refused("The mesh has no vertices", "handle_add", kind="HANDLE", vertex_group="Group")
-
-
 def test_messy_mesh_binds_and_follows():
     """A duplicate face, a zero-area face, a loose vertex, a non-manifold edge, a loose edge."""
     mesh = grid_object().data
@@ -205,26 +186,6 @@ def test_target_scaled_to_zero_says_so(plate: Rig):
     assert plate.deformer.status_level == "INFO"
 
 
-def test_unknown_control_and_bone(plate: Rig):
-    refused(
-        "no object 'Nobody'",
-        "handle_add",
-        plate.obj,
-        kind="HANDLE",
-        vertex_group="Top",
-        control_object="Nobody",
-    )
-    new_empty("Other")
-    refused(
-        "no bone 'arm'", "handle_add", kind="HANDLE", vertex_group="Top", control_object="Other", bone="arm"
-    )
-
-
-def test_indices_out_of_range(plate: Rig):
-    plate.bind()
-    refused("there is no number 7", "deformer_remove", plate.obj, index=7)
-
-
 def test_cancel_in_the_middle_of_a_bind(plate: Rig):
     plate.bind().lift(0.5)
     stages = []
@@ -241,17 +202,6 @@ def test_cancel_in_the_middle_of_a_bind(plate: Rig):
     assert len(plate.deformer.handles) == 2
     press(plate.obj, "bind")
     assert_lifted(plate)
-
-
-def test_cancel_of_a_bind_in_a_thread(plate: Rig, monkeypatch: pytest.MonkeyPatch):
-    binding = inner.binding
-    plate.bind()
-    monkeypatch.setattr(binding, "may_wait", lambda _count: True)
-    inner.bind.bind(plate.obj, plate.deformer, wait=False)
-    inner.binding.cancel(plate.deformer.uid)
-    assert inner.binding.job(plate.deformer.uid) is None
-    assert plate.deformer.status == inner.binding.CANCELLED
-    assert_at_rest(plate)
 
 
 def test_native_module_missing(plate: Rig, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):

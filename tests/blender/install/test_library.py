@@ -9,9 +9,8 @@ import bpy
 import pytest
 from inside import settle
 from libraries import add_collection, overridden, override, put_into_a_library, read
-from rigs.cages import ball, surround
 from rigs.point_objects import TESSELLATED, bind, outline, shown
-from rigs.rig import FLOAT32, MATRIX, close, evaluated_points, key_heights, make_active, reopen
+from rigs.rig import FLOAT32, MATRIX, close, make_active, reopen
 
 
 def test_a_linked_text_shows_the_last_solution_and_an_override_can_be_posed(tmp_path: Path):
@@ -33,20 +32,6 @@ def test_a_linked_text_shows_the_last_solution_and_an_override_can_be_posed(tmp_
     assert close(moved, posed + (0.0, 0.0, 0.25), TESSELLATED)
     reopen(tmp_path / "shot.blend")
     assert close(shown(overridden()), moved, TESSELLATED)
-
-
-def test_an_animated_cage_of_another_file_moves_a_mesh_of_this_one(tmp_path: Path):
-    bpy.ops.mesh.primitive_cube_add(size=2.0)
-    key_heights(bpy.context.object, {1: 0.0, 11: 0.5})
-    path = put_into_a_library(tmp_path / "cage.blend", bpy.context.object)
-    cage = read(path, True, "objects", "Cube")
-    bpy.context.scene.collection.objects.link(cage)
-    bpy.context.scene.frame_set(1)  # the cage still stands where its file left it
-    target = ball()
-    surround(target, cage)
-    rest = evaluated_points(target)
-    bpy.context.scene.frame_set(11)
-    assert close(evaluated_points(target), rest + (0.0, 0.0, 0.5), MATRIX)
 
 
 # --- hidden shapes stay hidden

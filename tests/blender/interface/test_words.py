@@ -327,7 +327,7 @@ def test_the_arrow_of_a_row_makes_the_row_active(bound_plate: Rig):
         bpy.ops.object.mode_set(mode=mode)
         bound_plate.deformer.active_handle = 1
         bpy.ops.sinew.select_handle(index=0)
-        assert bound_plate.deformer.active_handle == 0, mode
+        assert (bound_plate.deformer.active_handle, bound_plate.obj.mode) == (0, mode)
         assert bound_plate.obj.vertex_groups.active.name == "Top"
 
 

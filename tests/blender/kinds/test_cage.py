@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable
 
 import bmesh
 import bpy
@@ -15,13 +14,11 @@ from mathutils import Matrix
 from registry import WITH_CAGE
 from rigs.cages import (
     SHEAR,
-    add_raising_key,
     assert_goes_on,
     assert_rests,
     ball,
     box,
     cross,
-    mean_value,
     motion_of,
     selected,
     set_rest,
@@ -30,21 +27,14 @@ from rigs.cages import (
 )
 from rigs.point_objects import poly
 from rigs.rig import (
-    CORNERS,
     FLOAT32,
-    SIDES,
-    add_armature,
     apply_matrix,
     base_points,
     evaluated_points,
-    linked,
     make_active,
-    move_world,
     new_empty,
-    new_object,
     press,
     refused,
-    subdivided,
     update,
 )
 
@@ -57,61 +47,6 @@ def caged() -> Caged:
     target, cage = ball(), box()
     surround(target, cage)
     return target, cage
-
-
-def raise_top(mesh: bmesh.types.BMesh) -> None:
-    for vertex in mesh.verts:
-        if vertex.co.z > 0.0:
-            vertex.co.z += 0.5
-
-
-def in_edit_mode(_target, cage: bpy.types.Object) -> None:
-    make_active(cage)
-    bpy.ops.object.mode_set(mode="EDIT")
-    raise_top(bmesh.from_edit_mesh(cage.data))
-    bmesh.update_edit_mesh(cage.data)
-
-
-def after_edit_mode(target: bpy.types.Object, cage: bpy.types.Object) -> None:
-    in_edit_mode(target, cage)
-    bpy.ops.object.mode_set(mode="OBJECT")
-
-
-def by_a_shape_key(_target, cage: bpy.types.Object) -> None:
-    add_raising_key(cage, 0.5).value = 1.0
-
-
-def by_a_bone(_target, cage: bpy.types.Object) -> None:
-    add_armature(cage).pose.bones["high"].location.x = 0.7
-
-
-def by_its_object(target: bpy.types.Object, cage: bpy.types.Object) -> None:
-    """The target is elsewhere, too."""
-    target.location, target.rotation_euler.z, target.scale.x = (0.3, 0.0, 0.1), 0.4, 1.5
-    move_world(cage, Matrix.Translation((0.2, 0.5, -0.1)) @ Matrix.Rotation(0.6, 4, (0.0, 0.6, 0.8)))
-
-
-POSES = (in_edit_mode, after_edit_mode, by_a_shape_key, by_a_bone, by_its_object)
-
-
-@pytest.mark.parametrize("pose", POSES, ids=lambda pose: pose.__name__)
-def test_whatever_poses_the_cage_moves_the_mesh(caged: Caged, pose: Callable):
-    """To where coordinates of the rest take what Blender shows of the cage."""
-    target, cage = caged
-    coordinates = mean_value(cage, base_points(target))
-    pose(target, cage)
-    update()
-    relative = target.matrix_world.inverted() @ cage.matrix_world
-    expected = coordinates.warp(apply_matrix(relative, evaluated_points(cage)))
-    assert np.abs(evaluated_points(target) - expected).max() < 2 * FLOAT32
-    assert np.abs(motion_of(target)).max() > 0.1
-
-
-def test_a_hidden_cage_still_moves_it(caged: Caged):
-    target, cage = caged
-    cage.hide_viewport = True
-    add_raising_key(cage, 0.5).value = 1.0
-    assert np.abs(motion_of(target) - (0.0, 0.0, 0.5)).max() < FLOAT32
 
 
 def test_a_subdivided_cage_is_a_cage():
@@ -216,54 +151,6 @@ def test_points_outside_are_said_alike_by_all_methods_and_can_follow(method: str
     assert_goes_on(target, cage)
 
 
-def test_harmonic_errs_a_tenth_of_mesh_deform():
-    """In a cube, where both should be trilinear: each corner moved by 1, Mesh Deform at precision 5."""
-    corners = 0.5 * (np.array(CORNERS) + 1.0)
-    points = np.random.default_rng(0).uniform(0.02, 0.98, (1000, 3))
-    cage = new_object("Cage", corners, SIDES)
-    ours, theirs = (new_object(name, points, [(0, 1, 2)]) for name in ("Ours", "Theirs"))
-    modifier = theirs.modifiers.new("Mesh Deform", "MESH_DEFORM")
-    modifier.object, modifier.precision = cage, 5
-    with bpy.context.temp_override(object=theirs, active_object=theirs):
-        bpy.ops.object.meshdeform_bind(modifier=modifier.name)
-    surround(ours, cage, "harmonic")
-
-    exact = np.prod(np.where(corners > 0.5, points[:, None], 1.0 - points[:, None]), axis=2)
-    worst = {obj.name: 0.0 for obj in (ours, theirs)}
-    for corner, place in enumerate(corners):
-        cage.data.vertices[corner].co.z = place[2] + 1.0
-        cage.data.update()
-        for obj in (ours, theirs):
-            found = evaluated_points(obj)[:, 2] - points[:, 2]
-            worst[obj.name] = max(worst[obj.name], np.abs(found - exact[:, corner]).max())
-        cage.data.vertices[corner].co.z = place[2]
-    assert 1e-4 < worst["Theirs"] < 0.1
-    assert worst["Ours"] <= 0.1 * worst["Theirs"], worst
-
-
-@pytest.mark.parametrize("first", ["Sinew", "Subdivision"])
-def test_before_and_after_a_subdivision_of_the_mesh(caged: Caged, first: str):
-    """Warped at control level and then subdivided, or subdivided and then warped: as the stack says."""
-    target, cage = caged
-    subdivided(target)
-    smooth = evaluated_points(target)
-    if first == "Subdivision":
-        make_active(target)
-        bpy.ops.object.modifier_move_to_index(modifier="Subdivision", index=0)
-        bpy.ops.sinew.bind()
-    coordinates = mean_value(cage, smooth if first == "Subdivision" else base_points(target))
-    cage.data.vertices[0].co = (-1.6, -0.7, -1.3)
-    cage.data.update()
-    expected = coordinates.warp(base_points(cage))
-    if first == "Sinew":
-        plain = linked(bpy.data.objects.new("Plain", target.data.copy()))
-        plain.data.vertices.foreach_set("co", expected.astype(np.float32).ravel())
-        plain.modifiers.new("Subdivision", "SUBSURF").levels = 1
-        expected = evaluated_points(plain)
-    assert np.abs(evaluated_points(target) - expected).max() < FLOAT32
-    assert len(expected) > 500
-
-
 def test_a_cage_with_more_faces_than_asked_for_says_so(capfd: pytest.CaptureFixture):
     apart, edit = ball(), bmesh.new()
     for place in ((3.0, 3.0, 3.0), (3.0, -3.0, -3.0), (-3.0, 3.0, -3.0), (-3.0, -3.0, 3.0)):  # four each
@@ -298,54 +185,6 @@ def test_faces_of_an_automatic_cage_can_be_changed_as_long_as_it_is_as_made():
     cage.location.x += 0.5
     moved = np.linalg.norm(evaluated_points(target) - rest, axis=1)
     assert np.abs(moved - 0.5).max() < 1e-4  # it is bound, and takes the ball along
-
-
-def posed(cage: bpy.types.Object) -> None:
-    cage.location.x += 0.5
-
-
-def edited(cage: bpy.types.Object) -> None:
-    cage.data.vertices[0].co.x += 0.1
-    cage.data.update()
-    assert bpy.ops.sinew.cage_set_rest() == {"FINISHED"}
-
-
-def keyed(cage: bpy.types.Object) -> None:
-    cage.shape_key_add()
-
-
-def shared(cage: bpy.types.Object) -> None:
-    linked(bpy.data.objects.new("Twin", cage.data))
-
-
-def left_in_edit_mode(cage: bpy.types.Object) -> None:
-    make_active(cage)
-    bpy.ops.object.mode_set(mode="EDIT")
-
-
-@pytest.mark.parametrize(
-    ("spoil", "said"),
-    [
-        (posed, "is posed"),
-        (edited, "was edited"),
-        (keyed, "was edited"),
-        (shared, "shares its mesh"),
-        (left_in_edit_mode, "is in Edit Mode"),
-    ],
-)
-def test_faces_of_a_cage_with_work_in_it_are_not_changed(spoil: Callable, said: str):
-    target = spotted()
-    cage = target.sinew.active.cage
-    spoil(cage)
-    update()
-    refused(said, "cage_faces", faces=30)
-    if bpy.context.mode == "EDIT_MESH":
-        bpy.ops.object.mode_set(mode="OBJECT")
-    assert len(cage.data.polygons) == 80
-
-
-def test_faces_of_a_mesh_that_was_chosen_as_cage_are_not_changed(caged: Caged):
-    refused("was not made by Wrap in a Cage", "cage_faces", caged[0], faces=30)
 
 
 def test_an_automatic_cage_of_a_mesh_without_symmetry_says_by_how_much(capfd: pytest.CaptureFixture):

@@ -16,9 +16,6 @@ from rigs.rig import (
     base_points,
     change_in_edit_mode,
     close,
-    evaluated_points,
-    in_mode,
-    key,
     linked,
     make_active,
     press,
@@ -122,46 +119,6 @@ def test_the_object_may_stand_anywhere_and_be_hidden_and_its_turn_and_scale_coun
     grid.matrix_world = turn
     linear = np.array(turn)[:3, :3]
     assert close(sheet.points(), expected(sheet, moves @ linear.T).lifted(0.0), TOLERANCE)
-
-
-@pytest.mark.parametrize("hidden", [False, True], ids=["shown", "hidden"])
-def test_shape_keys_animate_the_points(sheet: Rig, hidden: bool):
-    grid = new_grid(sheet)
-    grid.hide_viewport = hidden
-    grid.shape_key_add(name="Basis")
-    up = grid.shape_key_add(name="Up")
-    up.data[SIDE * SIDE // 2].co.z += 1.0
-    key(up, {1: {"value": 0.0}, 11: {"value": 1.0}})
-    moves = np.zeros((SIDE * SIDE, 3))
-    rest = sheet.rest()
-    for frame in (11, 6, 1):
-        bpy.context.scene.frame_set(frame)
-        share = up.value
-        moves[SIDE * SIDE // 2, 2] = share
-        assert close(sheet.points(), expected(sheet, moves).lifted(0.0), TOLERANCE)
-    assert close(sheet.points(), rest, 1e-6)
-
-
-def test_a_modifier_of_the_grid_moves_its_points(sheet: Rig):
-    grid = new_grid(sheet)
-    grid.vertex_groups.new(name="Some").add(range(20, 50), 1.0, "REPLACE")
-    lift = grid.modifiers.new("Lift", "DISPLACE")
-    lift.direction, lift.mid_level, lift.strength, lift.vertex_group = "Z", 0.0, 0.3, "Some"
-    moves = evaluated_points(grid) - base_points(grid)
-    assert np.abs(moves[20:50, 2] - 0.3).max() < 1e-6
-    assert close(sheet.points(), expected(sheet, moves).lifted(0.0), TOLERANCE)
-
-
-def test_it_follows_in_edit_mode(sheet: Rig):
-    grid = new_grid(sheet)
-    with in_mode(grid):
-        edit = bmesh.from_edit_mesh(grid.data)
-        edit.verts.ensure_lookup_table()
-        edit.verts[SIDE * SIDE // 2].co.z += 0.8
-        bmesh.update_edit_mesh(grid.data)
-        inside = sheet.points()
-    assert np.abs(inside[:, 2]).max() > 0.2
-    assert close(sheet.points(), inside)
 
 
 def test_apply_of_the_target_keeps_the_shape_in_the_world(sheet: Rig):

@@ -15,7 +15,6 @@ from rigs.rig import (
     apply_matrix,
     base_points,
     evaluated_points,
-    fails,
     grid_object,
     move_world,
     new_armature,
@@ -110,13 +109,6 @@ def test_points_at_one_place_that_go_apart_are_named():
     controls[1].location.z -= 0.5
     update()
     assert plate.sinew.active.status_level == "INFO"
-
-
-def test_a_method_of_surfaces_refuses_points_and_says_what_to_do():
-    plate, controls = grid_object(), empties()
-    press(plate, "deformer_add", method="arap")
-    fails("Smooth Points", add, plate, *controls, source="SELECTED", method="rbf")
-    assert not plate.sinew.active.handles
 
 
 def test_two_points_carry_no_turn_and_the_panel_says_so():

@@ -18,12 +18,9 @@ from rigs.rig import (
     close,
     evaluated_points,
     grid_object,
-    linked,
     make_active,
     new_object,
-    on_all,
     press,
-    refused,
     update,
 )
 from rigs.rig_of_curves import polyline
@@ -161,43 +158,6 @@ def test_principal_axes_fit_a_leaning_shape_more_closely():
     assert volumes["OBJECT"] == pytest.approx(volumes["WORLD"], rel=1e-4)
 
 
-def test_objects_without_points_are_refused_with_a_report():
-    obj = new_object("Nothing", [])
-    refused("has no points", "lattice_add", obj)
-    assert not obj.sinew.deformers
-    assert not bpy.data.lattices
-
-
-def test_shape_keys_modifiers_and_edits_of_the_lattice_pose_the_object(scene: bpy.types.Scene):
-    obj = small_ball(levels=2)
-    lattice = lattice_object((3, 3, 3))
-    use(obj, lattice)
-    rest = evaluated_points(obj)
-    lattice.shape_key_add(name="Basis")
-    key = lattice.shape_key_add(name="Up")
-    for point in key.data:
-        point.co.z += 0.25
-    key.value = 1.0
-    assert close(evaluated_points(obj), rest + (0.0, 0.0, 0.25), MATRIX)
-    key.value = 0.0
-    key.keyframe_insert("value", frame=1)
-    key.value = 1.0
-    key.keyframe_insert("value", frame=11)
-    scene.frame_set(11)
-    assert close(evaluated_points(obj), rest + (0.0, 0.0, 0.25), MATRIX)
-    scene.frame_set(1)
-    assert close(evaluated_points(obj), rest, MATRIX)
-    hook = lattice.modifiers.new("Hook", "HOOK")
-    hook.object = bpy.data.objects.new("Hook", None)
-    scene.collection.objects.link(hook.object)
-    hook.vertex_indices_set(range(27))
-    hook.object.location.x = 0.5
-    assert close(evaluated_points(obj), rest + (0.5, 0.0, 0.0), MATRIX)
-    lattice.modifiers.clear()
-    on_all(lattice, bpy.ops.transform.translate, value=(0.0, 0.3, 0.0))
-    assert close(evaluated_points(obj), rest + (0.0, 0.3, 0.0), MATRIX)
-
-
 def test_a_folded_lattice_names_its_points_and_select_shows_them():
     obj = small_ball(levels=2)
     lattice = lattice_object((3, 3, 3))
@@ -279,10 +239,3 @@ def test_a_mesh_without_hexahedra_is_refused():
     press(obj, "lattice_add", source="OBJECT", lattice=plane.name)
     assert obj.sinew.active.status_level == "ERROR"
     assert "hexahedra" in obj.sinew.active.status
-
-
-def test_a_lattice_of_another_type_is_refused_and_leaves_nothing():
-    obj = small_ball(levels=2)
-    linked(bpy.data.objects.new("Empty", None))
-    refused("is no lattice", "lattice_add", obj, source="OBJECT", lattice="Empty")
-    assert not obj.sinew.deformers

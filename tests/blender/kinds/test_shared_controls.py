@@ -33,12 +33,9 @@ from rigs.rig import (
     new_empty,
     new_object,
     press,
-    refused,
     update,
 )
 from rigs.rig_of_curves import polyline
-
-Placed = Callable[[bpy.types.Object], None]
 
 
 def scaled_ball(name: str, size: float, at: tuple = (0.0, 0.0, 0.0)) -> bpy.types.Object:
@@ -163,25 +160,6 @@ def test_faces_of_a_shared_cage_can_be_changed(active: int):
     transform(cage, Matrix.Translation((0.0, 0.0, 0.3)))
     for obj, points in zip(objects, before):
         assert close(evaluated_points(obj), points + (0.0, 0.0, 0.3), MATRIX)
-
-
-def other_posed(suit: bpy.types.Object, _cage: bpy.types.Object) -> None:
-    suit.location.z += 0.5
-
-
-def other_gone(suit: bpy.types.Object, _cage: bpy.types.Object) -> None:
-    bpy.context.scene.collection.objects.unlink(suit)
-
-
-@pytest.mark.parametrize(
-    ("spoil", "said"), [(other_posed, "pose of Suit"), (other_gone, "moves Suit as well")]
-)
-def test_faces_of_a_shared_cage_with_work_in_it_are_not_changed(spoil: Callable, said: str):
-    body, suit, cage = in_one_cage()
-    spoil(suit, cage)
-    make_active(body)
-    refused(said, "cage_faces", faces=30)
-    assert len(cage.data.polygons) > 60
 
 
 def test_a_flip_turns_a_shared_cage_once():

@@ -31,7 +31,7 @@ from rigs.rig_of_tools import FRAME
 INTEGRATED = 3e-5  # the tolerance of the flow, on each piece of a path
 
 
-def bar(levels: int = 5) -> bpy.types.Object:
+def bar(levels: int = 4) -> bpy.types.Object:
     """A closed bar along z of height 4."""
     mesh = bpy.data.meshes.new("Bar")
     shape = bmesh.new()
@@ -44,14 +44,6 @@ def bar(levels: int = 5) -> bpy.types.Object:
     obj = linked(bpy.data.objects.new("Bar", mesh))
     make_active(obj)
     return obj
-
-
-def volume(obj: bpy.types.Object) -> float:
-    shape = bmesh.new()
-    shape.from_object(obj, bpy.context.evaluated_depsgraph_get())
-    found = shape.calc_volume()
-    shape.free()
-    return found
 
 
 def add(obj: bpy.types.Object, tool: str, **reach: float) -> bpy.types.PropertyGroup:
@@ -72,29 +64,23 @@ def straight(points: np.ndarray, frames: np.ndarray, **options: object) -> np.nd
     return field.warp(frames)
 
 
-def test_a_twist_is_that_of_the_library_and_keeps_the_volume() -> None:
+POSE = Matrix.Translation((0.3, 0.0, 0.2)) @ Matrix.Rotation(0.8, 4, "X")
+MORE_THAN_ONCE = [Matrix.Rotation(np.radians(degrees), 4, "Z") for degrees in (150.0, 300.0, 450.0)]
+
+
+@pytest.mark.parametrize(
+    ("tool", "inner", "stops"),
+    [("twist", -1.2, MORE_THAN_ONCE), ("bend", -1.2, [POSE]), ("drag", 0.0, [POSE])],
+)
+def test_tools_are_those_of_the_library(tool: str, inner: float, stops: list[Matrix]) -> None:
     obj = bar()
-    reach = {"inner": -1.0, "outer": 1.0, "width": 1.0}
-    row = add(obj, "twist", **reach)
-    before = volume(obj)
-    turn = Matrix.Rotation(1.2, 4, "Z")
-    row.object.matrix_world = turn
-    posed = apply_matrix(turn, FRAME)
-    expected = straight(base_points(obj), posed, tools="twist", **reach)
-    assert close(evaluated_points(obj), expected)
-    top = base_points(obj)[:, 2] > 1.0
-    assert close(evaluated_points(obj)[top], apply_matrix(turn, base_points(obj))[top])
-    assert abs(volume(obj) / before - 1.0) < 2e-3  # of faces of 1/8: the surface itself keeps all
-
-
-@pytest.mark.parametrize("tool", ["bend", "drag"])
-def test_bend_and_drag_are_those_of_the_library(tool: str) -> None:
-    obj = bar(4)
-    reach = {"inner": 0.0 if tool == "drag" else -1.2, "outer": 1.2, "width": 0.9}
+    reach = {"inner": inner, "outer": 1.2, "width": 0.9}
     row = add(obj, tool, **reach)
-    pose = Matrix.Translation((0.3, 0.0, 0.2)) @ Matrix.Rotation(0.8, 4, "X")
-    row.object.matrix_world = pose
-    posed = apply_matrix(pose, FRAME)
+    for stop in stops:
+        row.object.matrix_world = stop
+        if stop is not stops[-1]:
+            press(obj, "tool_stop")
+    posed = np.concatenate([apply_matrix(stop, FRAME) for stop in stops])
     expected = straight(base_points(obj), posed, tools=tool, **reach)
     assert close(evaluated_points(obj), expected, INTEGRATED)
     assert np.abs(expected - base_points(obj)).max() > 0.3
@@ -167,20 +153,6 @@ def test_progress_and_tools_can_be_keyed() -> None:
         place = place and tuple(row.object.evaluated_get(bpy.context.evaluated_depsgraph_get()).location)
         expected = base_points(obj) if place is None else on_path(obj, (place,))
         assert close(evaluated_points(obj), expected, INTEGRATED), frame
-
-
-def test_a_twist_by_stops_turns_more_than_once() -> None:
-    obj = bar(4)
-    row = add(obj, "twist", inner=-1.0, outer=1.0, width=1.0)
-    for degrees in (150.0, 300.0):
-        row.object.matrix_world = Matrix.Rotation(np.radians(degrees), 4, "Z")
-        press(obj, "tool_stop")
-    row.object.matrix_world = Matrix.Rotation(np.radians(450.0), 4, "Z")
-    shape = evaluated_points(obj)
-    level = np.isclose(base_points(obj)[:, 2], 0.0)
-    share = 5.0 / 16.0  # of the turn, in the middle
-    turned = apply_matrix(Matrix.Rotation(np.radians(450.0 * share), 4, "Z"), base_points(obj))
-    assert close(shape[level], turned[level], 1e-5)
 
 
 def test_a_drag_from_a_script_leaves_a_path() -> None:

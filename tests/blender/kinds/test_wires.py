@@ -3,13 +3,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import bpy
 import numpy as np
 import pytest
 from inside import native
-from mathutils import Matrix
 from probe import render_points
 from rigs.rig import (
     FLOAT32,
@@ -18,15 +15,10 @@ from rigs.rig import (
     evaluated_points,
     grid_object,
     in_mode,
-    key,
     linked,
     make_active,
-    new_empty,
-    on_all,
     points_of,
     press,
-    refused,
-    reopen,
     update,
 )
 from rigs.rig_of_curves import places_of, polyline, stroke_through
@@ -85,69 +77,6 @@ def expected(
     wires = native().Wires(np.concatenate(rest), [len(one) for one in rest], radius=radius)
     wires.bind(points)
     return wires.warp(np.concatenate(posed))
-
-
-def key_shape(wire: bpy.types.Object) -> None:
-    wire.shape_key_add(name="Basis")
-    key = wire.shape_key_add(name="Up")
-    for index, point in enumerate(key.data):
-        moved = np.array(point.co) + (0.0, 0.1, 0.3 + 0.05 * index)
-        if hasattr(point, "handle_left"):
-            shift = moved - np.array(point.co)
-            point.handle_left = np.array(point.handle_left) + shift
-            point.handle_right = np.array(point.handle_right) + shift
-        point.co = moved
-    key.value = 0.8
-
-
-def hook(wire: bpy.types.Object) -> None:
-    hooked = new_empty("Hook")
-    modifier = wire.modifiers.new("Hook", "HOOK")
-    modifier.object = hooked
-    modifier.falloff_type = "NONE"
-    modifier.vertex_indices_set([0, 1, 2, 3])
-    hooked.location.z = 0.5
-
-
-def move(wire: bpy.types.Object) -> None:
-    wire.matrix_world = Matrix.Translation((0.1, 0.0, 0.4)) @ Matrix.Rotation(0.4, 4, "X")
-
-
-def edit(wire: bpy.types.Object) -> None:
-    on_all(wire, bpy.ops.transform.translate, value=(0.0, 0.0, 0.3))
-
-
-@pytest.mark.parametrize("pose", [key_shape, hook, move, edit], ids=lambda pose: pose.__name__)
-@pytest.mark.parametrize("kind", ["BEZIER", "NURBS", "POLY"])
-def test_every_type_of_curve_follows_everything_that_poses_it(kind: str, pose) -> None:
-    wire = curve(kind)
-    rest = drawn(wire)
-    plate = wired(wire)
-    assert close(evaluated_points(plate), base_points(plate))
-    pose(wire)
-    posed = drawn(wire)
-    assert np.abs(posed - rest).max() > 0.05
-    assert close(evaluated_points(plate), expected(base_points(plate), (rest, posed)), DRAWN)
-
-
-def test_a_wire_follows_shape_keys_through_frames_and_files(tmp_path: Path) -> None:
-    wire = curve("BEZIER")
-    rest = drawn(wire)
-    plate = wired(wire)
-    key_shape(wire)
-    up = wire.data.shape_keys.key_blocks["Up"]
-    key(up, {1: {"value": 0.0}, 11: {"value": 1.0}})
-    shapes = {}
-    for frame in (1, 6, 11):
-        bpy.context.scene.frame_set(frame)
-        shapes[frame] = expected(base_points(plate), (rest, drawn(wire)))
-        assert close(evaluated_points(plate), shapes[frame], DRAWN)
-        assert close(render_points(plate), shapes[frame], DRAWN)
-    reopen(tmp_path / "wire.blend")
-    plate = bpy.data.objects["Plate"]
-    for frame in (11, 1, 6):
-        bpy.context.scene.frame_set(frame)
-        assert close(evaluated_points(plate), shapes[frame], DRAWN)
 
 
 def test_several_wires_share_a_deformer_and_one_wire_steers_several_targets() -> None:
@@ -275,16 +204,6 @@ def test_a_curve_that_shows_faces_is_refused_by_name(what: str) -> None:
     setattr(wire.data, what, 0.0)
     press(plate, "bind")
     assert plate.sinew.active.is_bound
-
-
-def test_the_target_itself_and_other_objects_are_no_wires() -> None:
-    plate, empty = grid_object(), new_empty("Empty")
-    make_active(plate)
-    for name in (empty.name, plate.name, "Nothing"):
-        with pytest.raises(RuntimeError):
-            bpy.ops.sinew.wire_add(curve=name)
-        assert not plate.sinew.deformers
-    refused("Select the curves", "wire_add")
 
 
 def test_renders_with_another_resolution_show_the_same() -> None:

@@ -9,19 +9,6 @@ from rigs.cages import ball
 from rigs.rig import Rig, base_points, press, update
 
 
-def test_operators_and_session_functions_give_the_same(plate: Rig):
-    plate.bind("arap").lift(0.3)
-    by_operator = plate.points()
-    press(plate.obj, "deformer_remove")
-    obj = plate.obj
-    deformer = inner.deformers.add_deformer(obj, "arap")
-    for region in (inner.handles.NewRegion("HANDLE", "Top"), inner.handles.NewRegion("FIXED", "Base")):
-        inner.handles.add_handle(obj, deformer, region)
-    inner.bind.bind(obj, deformer)
-    plate.lift(0.3)
-    assert np.array_equal(plate.points(), by_operator)
-
-
 def test_one_call_rigs_a_region_and_binds_it(plate: Rig):
     """As Make Handle does. A refused bind leaves the region, an unknown group leaves nothing."""
     errors, obj = inner.errors, plate.obj
@@ -41,18 +28,6 @@ def test_one_call_rigs_a_region_and_binds_it(plate: Rig):
     assert isinstance(refusal, errors.ConstraintError)
     assert len(plate.deformer.handles) == 3
     assert plate.deformer.status_level == "ERROR"
-
-
-def test_register_and_unregister_leave_no_trace(addon):
-    handlers = {
-        event: len(getattr(bpy.app.handlers, event))
-        for event in ("depsgraph_update_post", "frame_change_post", "load_post")
-    }
-    addon.unregister()
-    assert not hasattr(bpy.types.Object, "sinew")
-    assert not any("sinew" in handler.__module__ for handler in bpy.app.handlers.load_post)
-    addon.register()
-    assert {event: len(getattr(bpy.app.handlers, event)) for event in handlers} == handlers
 
 
 def test_the_panel_counts_details_without_a_height():

@@ -7,8 +7,6 @@ promises that, else a translation by a control that reaches everything.
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import bpy
 import numpy as np
 import pytest
@@ -26,7 +24,6 @@ from rigs.rig import (
     make_active,
     new_empty,
     press,
-    reopen,
     some_motion,
     update,
 )
@@ -148,20 +145,3 @@ def test_every_space_method_moves_everything_in_viewports_and_renders(kind: str,
         bpy.context.scene.frame_set(frame)
         assert close(evaluated_points(obj), shape), frame
         assert close(render_points(obj), shape), frame
-
-
-@pytest.mark.parametrize("kind", TARGETS)
-def test_a_file_keeps_what_moves_it(kind: str, tmp_path: Path):
-    obj = TARGETS[kind]()
-    name = obj.name
-    update()
-    controls = by_handles(obj, "mls")
-    for control in controls:
-        control.location.z += 0.5
-    before = evaluated_points(obj)
-    reopen(tmp_path / "moved.blend")
-    obj = bpy.data.objects[name]
-    assert close(evaluated_points(obj), before)
-    for handle in obj.sinew.active.handles:
-        handle.control.location.z -= 0.5
-    assert np.abs(evaluated_points(obj) - before).max() > 0.3

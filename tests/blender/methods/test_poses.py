@@ -84,15 +84,3 @@ def test_adding_a_handle_to_a_posed_mesh_moves_nothing(plate: Rig):
     assert members.control.matrix_world.translation.z == pytest.approx(before[side, 2].mean(), abs=1e-4)
     # The region becomes rigid, so a little may change, not the pose.
     assert np.abs(after - before).max() < 0.05
-
-
-def test_support_holds_all_else(plate: Rig):
-    plate.bind(fixed=False)
-    inside = add_group(plate.obj, "Soft", lambda point: point[1] > 0.0)
-    bpy.ops.sinew.handle_add(kind="SUPPORT", vertex_group="Soft")
-    plate.lift(0.5)
-    outside = np.setdiff1d(np.arange(len(plate.rest())), inside)
-    points, rest = plate.points(), plate.rest()
-    assert close(points[outside], rest[outside])
-    assert close(points[plate.top], rest[plate.top] + (0.0, 0.0, 0.5))
-    assert points[inside, 2].max() > 0.1

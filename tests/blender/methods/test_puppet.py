@@ -17,11 +17,10 @@ from rigs.puppets import BONES, FEET, end_of, figure, pose, standing
 from rigs.rig import (
     close,
     curves_of,
-    grid_object,
     linked,
-    make_active,
     new_empty,
     new_file,
+    refused,
     reopen,
     update,
 )
@@ -42,14 +41,6 @@ def lengths(armature: bpy.types.Object) -> np.ndarray:
     return np.array(
         [np.linalg.norm(end_of(armature, name) - end_of(armature, name, "head")) for name in BONES]
     )
-
-
-def refused(rig: bpy.types.Object, match: str, **keywords) -> None:
-    before = channels(rig)
-    make_active(rig)
-    with pytest.raises(RuntimeError, match=match):
-        bpy.ops.sinew.puppet_pose(**{"bone": "hand.L", "value": (0.0, 0.0, 0.1), **keywords})
-    assert (channels(rig) == before).all()
 
 
 # Dragging
@@ -322,7 +313,7 @@ def test_the_target_of_a_chain_holds_its_bone():
     constraint.mute = True  # the pose alone holds it there, too
     assert close(end_of(armature, "shin.L"), np.array(BONES["shin.L"][1]), 1e-3)
     constraint.mute = False
-    refused(armature, "shin.L follows its target Target", bone="shin.L")
+    refused("shin.L follows its target Target", "puppet_pose", bone="shin.L", value=(0.0, 0.0, 0.1))
 
 
 def test_balance_keeps_the_centre_of_mass_over_the_feet():
@@ -338,10 +329,6 @@ def test_balance_keeps_the_centre_of_mass_over_the_feet():
     assert centres[0][1] < support[1] or abs(centres[0][0]) > support[0]  # it would fall
     assert abs(centres[1][0]) <= support[0]
     assert support[1] <= centres[1][1] <= support[2]
-
-
-def test_balance_without_feet_is_refused():
-    refused(figure(), "Balance needs something to stand on", balance=True)
 
 
 def test_bones_are_pinned_and_released():
@@ -398,42 +385,18 @@ def test_pins_are_saved(tmp_path: Path):
 # What is refused
 
 
-def test_an_armature_without_bones():
-    armature = linked(bpy.data.objects.new("Bare", bpy.data.armatures.new("Bare")))
-    refused(armature, "Bare has no bones - add some in Edit Mode", bone="")
-
-
-def test_bones_that_are_not_there_and_motions_that_are_none():
+def test_bones_that_do_not_inherit_rotation_are_in_the_way_of_their_own_chain_alone():
     armature = figure()
-    refused(armature, "Figure has no bone 'tail'", bone="tail")
-    refused(armature, "There is no object 'Nobody'", armature="Nobody")
-    refused(armature, "not a finite number", value=(float("nan"), 0.0, 0.0))
-
-
-def test_bones_that_are_scaled_or_do_not_inherit_rotation():
-    armature = figure()
-    armature.pose.bones["lower.L"].scale = (1.0, 2.0, 1.0)
-    update()
-    refused(armature, "Scaled bones cannot be posed: lower.L")
-    armature.pose.bones["lower.L"].scale = (1.0, 1.0, 1.0)
     armature.data.bones["chest"].use_inherit_rotation = False
     update()
-    refused(armature, "Bones that do not inherit rotation cannot be posed: chest")
-    pose(armature, "thigh.L", (0.1, 0.0, 0.0))  # they are not in its way
+    pose(armature, "thigh.L", (0.1, 0.0, 0.0))
 
 
 def test_linked_armatures(tmp_path: Path):
     path = put_into_a_library(tmp_path / "library.blend", figure())
     armature = linked(read(path, True, "objects", "Figure"))
-    make_active(armature)
-    with pytest.raises(RuntimeError, match="Figure is linked - make a library override first"):
-        bpy.ops.sinew.puppet_pose(bone="hand.L", value=(0.0, 0.0, 0.1))
-
-
-def test_something_else_is_no_puppet():
-    make_active(grid_object())
-    with pytest.raises(RuntimeError, match="Select an armature"):
-        bpy.ops.sinew.puppet_pose(value=(0.0, 0.0, 0.1))
+    said = "Figure is linked - make a library override first"
+    refused(said, "puppet_pose", armature, bone="hand.L", value=(0.0, 0.0, 0.1))
 
 
 # The mouse

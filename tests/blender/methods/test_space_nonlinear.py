@@ -10,10 +10,7 @@ import pytest
 from inside import inner
 from mathutils import Matrix
 from rigs.rig import (
-    Rig,
-    add_armature,
     apply_matrix,
-    base_points,
     change_in_edit_mode,
     duplicated,
     evaluated_points,
@@ -29,43 +26,6 @@ from rigs.rig import (
 
 METHODS = ("embedded_deformation", "rigid_cells")
 TURN = Matrix.Rotation(np.radians(40.0), 4, "Z")
-
-
-def test_embedded_deformation_edits_what_an_armature_has_posed(plate: Rig):
-    """A handle at rest changes nothing; all handles turned rigidly turn the posed shape."""
-    rig = add_armature(plate.obj)
-    plate.bind("embedded_deformation")
-    bone = rig.pose.bones[0]
-    bone.rotation_mode = "XYZ"
-    bone.rotation_euler = 0.6, 0.0, 0.3
-    posed = evaluated_points(plate.obj)
-    assert np.abs(posed - base_points(plate.obj)).max() > 0.05, "the armature moves the plate"
-    plate.deformer.factor = 0.0
-    update()
-    np.testing.assert_allclose(posed, evaluated_points(plate.obj), atol=1e-6)
-
-
-@pytest.mark.parametrize("method", METHODS)
-def test_a_graph_moves_with_the_handles(paint, plate: Rig, method: str):
-    plate.bind(method)
-
-    def points() -> np.ndarray:
-        """The middle of the bead of each node; beads come after the bars."""
-        picture = paint(plate.obj, overlay="GRAPH")
-        count = int(picture.legend.note.split()[0].replace(",", ""))
-        assert np.isfinite(picture.points).all()
-        assert picture.triangles.max() == len(picture.points) - 1
-        return picture.points[-6 * count :].reshape(count, 6, 3).mean(axis=1)
-
-    at_rest = points()
-    assert len(at_rest) > 20
-    assert np.abs(at_rest[:, 2]).max() < 0.2  # the plate is flat, and cells are cubes
-    plate.lift(1.0)
-    lifted = points() - at_rest
-    assert lifted[:, 2].max() > 0.9
-    assert lifted[:, 2].min() < 0.1
-    plate.deformer.method = "thin_shell"
-    assert paint(plate.obj, overlay="GRAPH").legend.note == "Soft Sheet has no graph"
 
 
 def ball(name: str, place: tuple, radius: float = 0.3) -> bpy.types.Object:

@@ -119,32 +119,6 @@ def test_shape_keys_are_made_one_after_another_with_the_deformer_kept(posed: Rig
     assert posed.points()[posed.top, 2].max() == pytest.approx(1.1, abs=1e-5)
 
 
-def test_a_shared_mesh_is_refused(posed: Rig):
-    bpy.data.objects.new("Other", posed.obj.data)
-    for keywords in ({}, {"as_shape_key": True}):
-        refused("single-user", "apply", **keywords)
-    assert len(posed.obj.sinew.deformers) == 1
-
-
-@pytest.mark.parametrize("as_shape_key", [False, True])
-def test_vertices_that_earlier_modifiers_made_cannot_be_applied(plate: Rig, as_shape_key: bool):
-    subdivision = plate.obj.modifiers.new("Fine", "SUBSURF")
-    subdivision.levels = subdivision.render_levels = 1
-    plate.bind().lift(0.5)
-    shown = plate.points()
-    refused("Fine made - apply those first", "apply", plate.obj, as_shape_key=as_shape_key)
-    assert subdivision.show_viewport
-    assert np.array_equal(plate.points(), shown)
-
-
-def test_a_baked_or_switched_off_deformer_is_refused(posed: Rig, tmp_path):
-    bpy.ops.sinew.bake(target="PC2", filepath=str(tmp_path / "x"), frame_start=1, frame_end=2)
-    refused("Unbake", "apply")
-    bpy.ops.sinew.unbake()
-    posed.obj.modifiers[0].show_viewport = False
-    refused("switched off", "apply")
-
-
 def test_apply_in_edit_mode_comes_back_to_edit_mode(posed: Rig):
     shown = posed.points()
     bpy.ops.object.mode_set(mode="EDIT")

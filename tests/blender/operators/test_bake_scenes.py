@@ -7,7 +7,7 @@ import addon_utils
 import bpy
 import numpy as np
 import pytest
-from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, footprint, played
+from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, played
 from inside import settle
 from libraries import overridden, override, put_into_a_library
 from rigs.rig import (
@@ -19,7 +19,6 @@ from rigs.rig import (
     grid_object,
     load,
     make_active,
-    refused,
     save,
     update,
 )
@@ -117,38 +116,6 @@ def test_a_copy_plays_and_unbakes_by_itself(saved: Rig):
     bpy.ops.sinew.unbake(delete_file=True)  # the original still plays it
     assert not copy.sinew.deformers[0].bake.is_baked
     assert saved.deformer.bake.is_baked
-    assert_same(played(saved.obj), live)
-
-
-def test_unbake_of_keys_on_a_shared_mesh_is_refused(moving: Rig):
-    bake(moving, "SHAPE_KEYS")
-    bpy.data.objects.new("Other", moving.obj.data)
-    refused("single-user", "unbake")
-    assert moving.deformer.bake.is_baked
-
-
-@pytest.mark.parametrize("target", TARGETS)
-def test_undo_and_redo_of_bake_and_unbake(saved: Rig, target: str):
-    bpy.context.preferences.edit.use_global_undo = True
-    bpy.ops.ed.undo_push(message="Before")
-    live, before = played(saved.obj), footprint(saved)
-    bake(saved, target)
-    bpy.ops.ed.undo_push(message="Bake")
-    baked = footprint(saved)
-    make_active(saved.obj)
-    bpy.ops.sinew.unbake()
-    bpy.ops.ed.undo_push(message="Unbake")
-    bpy.ops.ed.undo()
-    assert footprint(saved) == {**baked, "frame": bpy.context.scene.frame_current}
-    assert_same(played(saved.obj), live)
-    bpy.ops.ed.undo()
-    assert footprint(saved) == {**before, "frame": bpy.context.scene.frame_current}
-    assert_same(played(saved.obj), live)
-    bpy.ops.ed.redo()
-    assert saved.deformer.bake.is_baked
-    assert_same(played(saved.obj), live)
-    bpy.ops.ed.redo()
-    assert not saved.deformer.bake.is_baked
     assert_same(played(saved.obj), live)
 
 

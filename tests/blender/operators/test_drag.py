@@ -350,22 +350,6 @@ def test_automatic_keyframes_are_inserted():
 # What is refused
 
 
-def test_nothing_there():
-    grid_object()
-    refused("There is nothing to drag at this place", origin=(5.0, 5.0, 5.0))
-    refused("no direction", direction=(0.0, 0.0, 0.0))
-
-
-def test_no_finite_motion():
-    grid_object()
-    refused("not a finite number", value=(float("nan"), 0.0, 0.0))
-
-
-def test_what_is_no_mesh():
-    bpy.ops.surface.primitive_nurbs_surface_sphere_add()
-    refused("convert it to a mesh|There is nothing to drag", origin=(0.0, 0.0, 9.0))
-
-
 def test_what_is_linked(tmp_path: Path):
     path = put_into_a_library(tmp_path / "library.blend", grid_object())
     linked(read(path, True, "objects", "Plate"))
@@ -395,32 +379,6 @@ def test_other_modes():
     if bpy.context.mode == "OBJECT":
         refused("is in Edit Mode")
     make_active(obj)
-
-
-@pytest.mark.parametrize("state", ["hidden", "not live", "no control", "unbound", "error"])
-def test_a_deformer_that_would_not_show_it(state: str):
-    obj = grid_object(cells=12)
-    control = drag(value=(0.0, 0.0, 0.0))
-    make_active(obj)
-    if state == "hidden":
-        obj.modifiers[-1].show_viewport = False
-        words = "is hidden - show it"
-    elif state == "not live":
-        obj.sinew.active.live = False
-        words = "switch Live on"
-    elif state == "no control":
-        bpy.data.objects.remove(control)
-        words = "New Control"
-    elif state == "unbound":
-        bpy.ops.sinew.unbind()
-        words = "press Bind first"
-    else:
-        obj.sinew.active.auto_rebind = False
-        obj.data.vertices.add(1)
-        obj.data.update()
-        words = "shows an error"
-    update()
-    refused(words)
 
 
 def test_what_is_displayed_as_wire_is_seen_through():

@@ -101,11 +101,6 @@ def test_a_turned_and_scaled_object_is_dragged_in_the_world(method: str):
     assert (shown - place - Vector(LIFT)).length < 0.02  # a face is curved a little
 
 
-def test_what_cannot_be_dragged_leaves_nothing_behind(method: str):
-    grid_object(cells=20)
-    refused("nothing to drag at this place", origin=(5.0, 5.0, 5.0), method=method)
-
-
 KINDS = [kind for kind in MAKERS if kind != "nurbs"]  # a NURBS curve does not pass through its points
 
 

@@ -23,8 +23,6 @@ from rigs.rig import (
     grid_object,
     linked,
     make_active,
-    new_object,
-    refused,
     update,
 )
 from rigs.rig_of_curves import polyline, stroke_through
@@ -311,45 +309,6 @@ def test_sharpness_lifts_the_line_above_what_is_beside_it():
         for leftover in list(bpy.data.objects):
             bpy.data.objects.remove(leftover)
     assert heights[1] > 1.05 * heights[0]
-
-
-REFUSED = {
-    "There is no silhouette near": lambda: curve(arc() + (9.0, 0.0, 0.0)),
-    "too short": lambda: curve(arc(largest=0.0)),
-    "stroke is too short": lambda: curve(arc()[:1]),
-    "not a finite number": lambda: curve(arc(lambda angle: math.nan)),
-    "is a mesh object - choose a curve": lambda: grid_object("Stroke"),
-}
-
-
-@pytest.mark.parametrize("message", REFUSED)
-def test_what_is_no_stroke_is_refused(message: str):
-    obj = ball()
-    stroke = REFUSED[message]()
-    make_active(obj)
-    fails(message, sketch, stroke)
-    assert key_names(obj) == []
-
-
-def test_what_is_no_view_or_no_target_is_refused():
-    obj = ball()
-    stroke = curve(arc(bump))
-    refused("no camera", "silhouette_sketch", stroke=stroke.name)
-    fails("scaled to zero", sketch, stroke, Matrix.Scale(0.0, 4))
-    fails("not a number", sketch, stroke, Matrix.Diagonal((math.nan, 1.0, 1.0, 1.0)))
-    refused("There is no object Nothing", "silhouette_sketch", stroke="Nothing", view=FRONT)
-    refused("There is no stroke", "silhouette_sketch", view=FRONT)
-    for edge in obj.data.edges:
-        edge.select = False
-    fails("No edges are selected", sketch, stroke, line="EDGES")
-    obj.data.vertices[3].co.x = math.nan
-    fails("invalid coordinates", sketch, stroke)
-    assert key_names(obj) == []
-    make_active(stroke)
-    fails("poll", sketch, stroke)
-    empty = new_object("Empty", [(0.0, 0.0, 0.0)])
-    make_active(empty)
-    fails("has no faces", sketch, stroke)
 
 
 class Hand:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -11,7 +12,7 @@ import numpy as np
 import pytest
 from baking import FRAMES, STRETCHES, animate, played, stretch_time
 from inside import inner
-from rigs.rig import Rig, base_points, linked, make_active, new_object, push, save
+from rigs.rig import Rig, base_points, linked, make_active, new_object, save
 from second_blender import look_elsewhere
 
 
@@ -40,8 +41,17 @@ def pair(plate: Rig) -> tuple[Rig, bpy.types.Object]:
     return plate, stout(plate.obj, lambda co: 2.0 * co)
 
 
-def test_a_target_of_twice_the_size_moves_as_the_source_at_every_frame(pair, tmp_path: Path):
+SPOILED: dict[str, Callable[[bpy.types.Object], object]] = {
+    "as it is": lambda target: None,
+    "with its faces turned": lambda target: target.data.flip_normals(),
+    **{f"in time {old}:{new}": lambda _, old=old, new=new: stretch_time(old, new) for old, new in STRETCHES},
+}
+
+
+@pytest.mark.parametrize("how", SPOILED)
+def test_a_target_of_twice_the_size_moves_as_the_source_at_every_frame(pair, tmp_path: Path, how: str):
     plate, target = pair
+    SPOILED[how](target)
     bpy.context.scene.frame_set(3)
     assert transfer(plate.obj, target, tmp_path / "stout") == {"FINISHED"}
     assert bpy.context.scene.frame_current == 3
@@ -49,26 +59,7 @@ def test_a_target_of_twice_the_size_moves_as_the_source_at_every_frame(pair, tmp
     moved = played(target)
     for frame, points in played(plate.obj).items():
         assert np.abs(moved[frame] - 2.0 * points).max() < 1e-5, frame  # float32
-    assert np.abs(moved[FRAMES[-1]] - moved[FRAMES[0]]).max() > 1.0
-
-
-def test_faces_of_the_target_may_be_turned(pair, tmp_path: Path):
-    plate, target = pair
-    target.data.flip_normals()
-    assert transfer(plate.obj, target, tmp_path / "stout") == {"FINISHED"}
-    moved = played(target)
-    for frame, points in played(plate.obj).items():
-        assert np.abs(moved[frame] - 2.0 * points).max() < 1e-5, frame
-
-
-@pytest.mark.parametrize("stretch", STRETCHES)
-def test_time_stretching_plays_a_transfer_at_the_frames_of_the_scene(pair, tmp_path: Path, stretch):
-    plate, target = pair
-    stretch_time(*stretch)
-    transfer(plate.obj, target, tmp_path / "stout")
-    moved = played(target)
-    for frame, points in played(plate.obj).items():
-        assert np.abs(moved[frame] - 2.0 * points).max() < 1e-5, frame
+    assert np.abs(moved[FRAMES[-1]] - moved[FRAMES[0]]).max() > 0.5
 
 
 def test_another_transfer_replaces_the_first_and_the_other_modifiers_stay(pair, tmp_path: Path):
@@ -82,17 +73,6 @@ def test_another_transfer_replaces_the_first_and_the_other_modifiers_stay(pair, 
     assert sorted(path.name for path in tmp_path.iterdir()) == ["stout.pc2"]
     for frame, points in played(plate.obj, (2, 4, 6)).items():
         assert np.abs(played(target, (frame,))[frame] - 2.0 * points).max() < 1e-5
-
-
-def test_undo_takes_the_modifier_away(pair, tmp_path: Path):
-    plate, target = pair
-    push("before")
-    transfer(plate.obj, target, tmp_path / "stout")
-    push("after")
-    bpy.ops.ed.undo()
-    assert not bpy.data.objects["Stout"].modifiers
-    bpy.ops.ed.redo()
-    assert len(bpy.data.objects["Stout"].modifiers) == 1
 
 
 def test_what_cannot_be_transferred_is_said_and_changes_nothing(pair, tmp_path: Path):

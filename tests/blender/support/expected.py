@@ -47,6 +47,11 @@ def in_frame(obj: bpy.types.Object, control: bpy.types.Object) -> np.ndarray:
     return np.linalg.inv(np.array(obj.matrix_world)) @ np.array(control.matrix_world, dtype=np.float64)
 
 
+def scale_of(obj: bpy.types.Object, control: bpy.types.Object) -> float:
+    """How long a length of the control is in the space of the object."""
+    return float(np.cbrt(abs(np.linalg.det(in_frame(obj, control)[:3, :3]))))
+
+
 def new_native(row: object, target: object, options: dict[str, object]) -> object:
     """The native object of a row; one around another gets its first base, unless the options have one."""
     base = base_of(row)
@@ -168,6 +173,39 @@ class Expected(Poses):
         if self._row.is_space:
             return self._solver(rows, incoming)
         return self._solver.solve(rows, incoming=incoming, **self._steps)[0]
+
+
+class ByPoints(Poses):
+    """What the points of a control make of those of an object, by a native object that is bound anew to them.
+
+    ``points`` (c, 3) are those of the control, in its own frame, and ``rest`` what they were bound at, if
+    that differs; ``told`` is what the native object has to know besides the options of the method.
+    """
+
+    def __init__(
+        self,
+        obj: bpy.types.Object,
+        control: bpy.types.Object,
+        method: str,
+        points: np.ndarray,
+        rest: np.ndarray | None = None,
+        told: dict[str, object] | None = None,
+        **options: object,
+    ) -> None:
+        super().__init__(obj, control)
+        row = BY_ID[method]
+        chosen, _none = options_of(row, options)
+        self._points = apply_matrix(self._at_rest, points)
+        at_rest = self._points if rest is None else apply_matrix(self._at_rest, rest)
+        self.native = new_native(row, at_rest, chosen | (told or {}))
+        self.rebind(obj)
+
+    def rebind(self, obj: bpy.types.Object, points: np.ndarray | None = None) -> None:
+        """Take the points of the object as they are now."""
+        self.native.bind(base_points(obj) if points is None else points)
+
+    def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
+        return self.native.warp(apply_matrix(pose, self._points), incoming=incoming)
 
 
 class ExpectedInCage(Poses):

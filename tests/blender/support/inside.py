@@ -292,6 +292,7 @@ def without_the_add_on() -> Iterator[None]:
     addon_utils.disable(name)
     try:
         assert handlers_of_ours() == 0
+        assert not hasattr(bpy.types.Object, "sinew")
         yield
     finally:
         addon_utils.enable(name)

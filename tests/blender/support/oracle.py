@@ -2,9 +2,8 @@
 """The shape that the properties of a scene describe, computed by mathematics of its own.
 
 It reads settings, rest meshes, vertex groups and Blender's evaluated matrices, and follows the modifier stack
-in NumPy. The thin shell is a dense solve of the published formulas (``DENSE``). Methods with many minima stop
-by a tolerance, so there, and for every row without a formula here, a new native object is asked: its contract
-is that equal poses give equal shapes, whatever came before.
+in NumPy. A new native object says what a method makes of these: its contract is that equal poses give
+equal shapes, whatever came before. That its shapes are those of the formulas, the tests of the bindings show.
 
 Triangles only, so that no choice of diagonals comes in.
 """
@@ -13,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field
-from functools import partial
 
 import bpy
 import numpy as np
@@ -121,12 +119,8 @@ class Oracle:
             options = options_of(deformer, BY_ID[deformer.method], weights)
             before = rest if displaces else incoming.astype(np.float64)
             poses, flags = self._poses(obj, deformer, regions, depsgraph, rest, before)
-            by_native = partial(self._solve_natively, BY_ID[deformer.method], deformer.loose_parts.lower())
-            solve = DENSE.get(deformer.method, by_native)
-            moved, error = solve(rest, faces, options, regions, poses, flags, before)
-            loose = ~np.isin(part, part[np.concatenate([region.members for region in regions])])
-            if solve is not by_native and loose.any():
-                moved[loose] = by_native(rest, faces, options, regions, poses, flags, before)[0][loose]
+            row, free_parts = BY_ID[deformer.method], deformer.loose_parts.lower()
+            moved, error = self._solve(row, free_parts, rest, faces, options, regions, poses, flags, before)
         except Refusal as refusal:
             answer.refused[deformer.uid] = str(refusal)
             return False
@@ -185,7 +179,7 @@ class Oracle:
             flags.append(handle.from_rest and not rides)
         return np.array(poses), np.array(flags)
 
-    def _solve_natively(
+    def _solve(
         self, row, free_parts, rest, faces, options, regions, poses, flags, before
     ) -> tuple[np.ndarray, float]:
         """Solve with a new native object, which has no history."""
@@ -212,7 +206,7 @@ class Oracle:
         moved, _report = solver.solve(poses, incoming=incoming, from_rest=flags, **steps)
         # Where a pose or an incoming shape differs in its last digit, the steps may stop one earlier.
         exact = incoming is None and not any(r.handle is not None and is_missing(r.handle) for r in regions)
-        return moved, 0.0 if exact else 3e-3 * np.abs(moved - before).max()
+        return moved, 0.0 if exact else (3e-3 if row.iterative else 1e-5) * np.abs(moved - before).max()
 
 
 def carried(rest: np.ndarray, now: np.ndarray, linear: np.ndarray) -> np.ndarray:
@@ -374,55 +368,6 @@ def options_of(deformer, row, weights: Weights) -> dict[str, object]:
     return options
 
 
-def elements_of(faces: np.ndarray, kind: str) -> np.ndarray:
-    """What a Laplacian sums over: (m, 3) triangles, or (m, 2) edges."""
-    if kind != "uniform":
-        return faces
-    pairs = np.concatenate((faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]))
-    return np.unique(np.sort(pairs, axis=1), axis=0)
-
-
-def corner_dots(points: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(m, 3) inner products of the two edges at each corner, and twice the areas (m,)."""
-    p = points[faces]
-    ahead, back = np.roll(p, -1, axis=1) - p, np.roll(p, 1, axis=1) - p
-    return (ahead * back).sum(axis=2), np.linalg.norm(np.cross(ahead[:, 0], back[:, 0]), axis=1)
-
-
-def laplacian(points, faces, kind: str, scale: np.ndarray) -> np.ndarray:
-    """(n, n), weak and semi-definite; ``scale`` one factor an element."""
-    L = np.zeros((len(points), len(points)))
-    if kind == "uniform":
-        pairs, weights = elements_of(faces, kind), scale
-    else:
-        dots, areas = corner_dots(points, faces)
-        pairs = np.concatenate([faces[:, [(k + 1) % 3, (k + 2) % 3]] for k in range(3)])
-        weights = np.concatenate([scale * 0.5 * dots[:, k] / areas for k in range(3)])
-    np.add.at(L, (pairs[:, 0], pairs[:, 1]), -weights)
-    np.add.at(L, (pairs[:, 1], pairs[:, 0]), -weights)
-    return L - np.diag(L.sum(axis=1))
-
-
-def masses(points, faces, kind: str) -> np.ndarray:
-    """(n,) neighbours, ones, or mixed Voronoi areas."""
-    n = len(points)
-    if kind == "cotan":
-        return np.ones(n)
-    mass = np.zeros(n)
-    if kind == "uniform":
-        np.add.at(mass, elements_of(faces, kind).ravel(), 1.0)
-        return mass
-    dots, areas = corner_dots(points, faces)
-    p = points[faces]
-    opposite = ((np.roll(p, -1, axis=1) - np.roll(p, 1, axis=1)) ** 2).sum(axis=2)
-    parts_of = opposite * dots / (8.0 * areas[:, None])
-    voronoi = np.roll(parts_of, -1, axis=1) + np.roll(parts_of, 1, axis=1)
-    obtuse = (dots < 0.0).any(axis=1)
-    shares = np.where(dots < 0.0, 0.5, 0.25) * 0.5 * areas[:, None]
-    np.add.at(mass, faces, np.where(obtuse[:, None], shares, voronoi))
-    return mass
-
-
 def parts(count: int, faces: np.ndarray) -> np.ndarray:
     """(n,) the least vertex of each vertex's connected part."""
     label = np.arange(count)
@@ -434,85 +379,3 @@ def parts(count: int, faces: np.ndarray) -> np.ndarray:
         if np.array_equal(after, label):
             return label
         label = after
-
-
-def stiffness(values: object, n: int) -> np.ndarray | None:
-    """(n,), None where it is zero everywhere; black paint counts a millionth of the largest."""
-    values = np.broadcast_to(np.asarray(values, dtype=np.float64), (n,))
-    return np.maximum(values, 1e-6 * values.max()) if values.max() > 0.0 else None
-
-
-def thin_shell(rest, faces, options, regions, poses, flags, before) -> tuple[np.ndarray, float]:
-    """Botsch & Kobbelt 2004: k_s L + L (k_b C/M) L + L (C/M) L_kv (C/M) L, zero on free vertices.
-
-    Also the error to expect of either solve, from the condition of the system.
-    """
-    n, kind = len(rest), options["laplacian"]
-    k_s, k_b, k_v = (stiffness(options[name], n) for name in ("stretching", "bending", "variation"))
-    if k_s is k_b is k_v is None:
-        raise Refusal("all stiffnesses are zero")
-    _refuse_slivers(rest, faces)
-    hard = np.full(n, -1)
-    for row, region in enumerate(regions):
-        hard[region.members[region.strength >= 1.0]] = row
-    continuity = np.array([region.continuity for region in regions])
-
-    elements = elements_of(faces, kind)
-    L = laplacian(rest, faces, kind, np.ones(len(elements)))
-    A = np.zeros((n, n)) if k_s is None else laplacian(rest, faces, kind, k_s[elements].mean(axis=1))
-    mass = masses(rest, faces, kind)
-    mass = np.maximum(mass, 1e-6 * mass.mean() if mass.any() else 1.0)  # loose vertices
-    CM = np.where(hard < 0, 1.0, np.minimum(continuity[hard], 1.0)) / mass
-    if k_b is not None:
-        A += L @ np.diag(CM * k_b) @ L
-    if k_v is not None:
-        kept = np.where(hard[elements] < 0, 2.0, continuity[hard[elements]]) - 1.0
-        kept = np.where((hard[elements] < 0).any(axis=1), 1.0, np.clip(kept, 0.0, 1.0).min(axis=1))
-        U = np.diag(CM) @ L
-        A += U.T @ laplacian(rest, faces, kind, k_v[elements].mean(axis=1) * kept) @ U
-    return _solve(A, parts(n, faces), hard, regions, poses, flags, rest, before)
-
-
-def _refuse_slivers(points, faces) -> None:
-    """The product floors triangles without area; nothing is claimed about those."""
-    p = points[faces]
-    edges = np.stack((p[:, 1] - p[:, 0], p[:, 2] - p[:, 1], p[:, 0] - p[:, 2]), axis=1)
-    area = 0.5 * np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
-    if len(faces) and (area <= 0.012 * (edges**2).sum(axis=2).max(axis=1)).any():
-        raise Unsure("a triangle almost without area")
-
-
-def _solve(A, part, hard, regions, poses, flags, rest, before) -> tuple[np.ndarray, float]:
-    n = len(rest)
-    held, pull, springs = np.zeros(n, dtype=bool), np.zeros((n, 3)), np.zeros(n)
-    d = np.zeros((n, 3))
-    diagonal = A.diagonal()
-    unit = np.where(diagonal > 0.0, diagonal, diagonal.mean() if diagonal.mean() > 0.0 else 1.0)
-    for row, region in enumerate(regions):
-        start = rest if flags[row] else before
-        goal = start @ poses[row, :, :3].T + poses[row, :, 3] - before
-        for vertex, strength in zip(region.members, region.strength):
-            if strength <= 0.0:
-                continue
-            held |= part == part[vertex]
-            if hard[vertex] == row:
-                d[vertex] = goal[vertex]
-            elif hard[vertex] < 0:
-                spring = strength / (1.0 - strength) * unit[vertex]
-                springs[vertex] += spring
-                pull[vertex] += spring * goal[vertex]
-    free = np.flatnonzero((hard < 0) & held)
-    fixed = np.flatnonzero(hard >= 0)
-    error = 0.0
-    if len(free):
-        inner = A[np.ix_(free, free)] + np.diag(springs[free])
-        inverse = np.linalg.inv(inner)
-        condition = np.linalg.norm(inner, 1) * np.linalg.norm(inverse, 1)
-        if not condition < 1e10:
-            raise Unsure("the system is close to singular")
-        d[free] = np.linalg.solve(inner, pull[free] - A[np.ix_(free, fixed)] @ d[fixed])
-        error = 4.0 * condition * 2.0**-52 * np.abs(d).max()
-    return before + d, error
-
-
-DENSE = {"thin_shell": thin_shell}

@@ -6,9 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <set>
 #include <stdexcept>
-#include <utility>
 
 namespace sinew::test_parallel {
 

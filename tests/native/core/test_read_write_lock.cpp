@@ -1,29 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/core/read_write_lock.h"
 
+#include "tests/native/threads.h"
+
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <latch>
-#include <thread>
 #include <utility>
-#include <vector>
 
 namespace sinew::test_read_write_lock {
 
 namespace {
 
 constexpr auto reading = AccessLock::reading, changing = AccessLock::changing;
-
-template <class Work>
-void in_threads(int count, Work&& work)
-{
-    std::vector<std::thread> threads;
-    for (int k = 0; k < count; ++k)
-        threads.emplace_back([&work, k] { work(k); });
-    for (std::thread& thread : threads)
-        thread.join();
-}
 
 } // namespace
 

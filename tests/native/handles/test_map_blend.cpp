@@ -39,21 +39,6 @@ Matrix3 symmetric(shapes::Random& random)
 
 } // namespace
 
-TEST(MapBlend, of_two_handles_is_eq_16_with_its_scale_corrected)
-{
-    shapes::Random random(1);
-    for (int k = 0; k < 20; ++k) {
-        const Matrix3 R = random.rotation(), S = symmetric(random);
-        for (double s : {0.0, 0.2, 0.5, 0.9, 1.0}) {
-            const Eigen::Quaterniond slerp = Eigen::Quaterniond::Identity().slerp(s, Eigen::Quaterniond(R));
-            const Matrix3 expected = slerp.toRotationMatrix() * (s * S + (1 - s) * Matrix3::Identity());
-            if (S.determinant() > 0.1) { // the rotation of a reflecting map is another one
-                EXPECT_LT((blended({R * S, Matrix3::Identity()}, {s, 1 - s}) - expected).norm(), 1e-13);
-            }
-        }
-    }
-}
-
 TEST(MapBlend, a_share_of_one_is_the_map_itself_even_where_it_reflects_or_collapses)
 {
     shapes::Random random(2);

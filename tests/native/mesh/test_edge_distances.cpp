@@ -14,14 +14,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-std::vector<Vector3> points_of(const SurfaceMesh& mesh)
-{
-    std::vector<Vector3> points;
-    for (int v = 0; v < mesh.vertex_count(); ++v)
-        points.push_back(mesh.point(v));
-    return points;
-}
-
 } // namespace
 
 TEST(EdgeDistances, are_those_of_all_ways)
@@ -40,7 +32,7 @@ TEST(EdgeDistances, are_those_of_all_ways)
         for (int i = 0; i < n; ++i)
             for (int j = 0; j < n; ++j)
                 ways(i, j) = std::min(ways(i, j), ways(i, k) + ways(k, j));
-    const EdgeDistances edges(points_of(mesh), mesh.triangles());
+    const EdgeDistances edges(shapes::list_of(mesh.points()), mesh.triangles());
     for (int v : {0, 40, n - 1}) {
         const std::vector<double> all = edges.from(v), near = edges.from(v, 3.0);
         for (int u = 0; u < n; ++u) {

@@ -6,8 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 namespace sinew::test_flat_outline {
 
 TEST(FlatOutline, of_a_grid_is_its_border)
@@ -25,9 +23,7 @@ TEST(FlatOutline, of_a_grid_is_its_border)
 
 TEST(FlatOutline, takes_holes_and_parts)
 {
-    shapes::Polygons faces = shapes::faces_of(shapes::quad_grid(3, 3));
-    faces.erase(faces.begin() + 4); // the middle
-    const SurfaceMesh ring = shapes::over(shapes::quad_grid(3, 3).points(), faces);
+    const SurfaceMesh ring = shapes::without_face(shapes::quad_grid(3, 3), 4); // the middle
     EXPECT_EQ(flat_outline(ring)->edges.size(), 16u);
     EXPECT_EQ(flat_outline(shapes::joined(ring, ring, {5, 0, 0}))->edges.size(), 32u);
 }
@@ -38,7 +34,7 @@ TEST(FlatOutline, is_none_of_what_is_not_flat)
     EXPECT_FALSE(flat_outline(shapes::hill(4, 4)));
     Points flat = shapes::cube().points();
     flat.col(2).setZero();
-    EXPECT_FALSE(flat_outline(shapes::over(flat, shapes::faces_of(shapes::cube()))));
+    EXPECT_FALSE(flat_outline(shapes::moved(shapes::cube(), flat)));
     Points bent = shapes::quad_grid(3, 3).points();
     bent(5, 2) += 1e-3;
     EXPECT_FALSE(flat_outline(shapes::moved(shapes::quad_grid(3, 3), bent)));
@@ -47,12 +43,11 @@ TEST(FlatOutline, is_none_of_what_is_not_flat)
 TEST(FlatOutline, names_what_crosses_touches_or_looks_back)
 {
     // Two squares at one corner.
-    shapes::Polygons faces = shapes::faces_of(shapes::quad_grid(2, 2));
-    const Points points = shapes::quad_grid(2, 2).points();
-    const SurfaceMesh touching = shapes::over(points, {faces[0], faces[3]});
+    const SurfaceMesh grid = shapes::quad_grid(2, 2);
+    const shapes::Polygons faces = shapes::faces_of(grid);
+    const SurfaceMesh touching = shapes::over(grid.points(), {faces[0], faces[3]});
     expect_elements(refusal<InvalidMesh>([&] { flat_outline(touching); }), Error::Element::vertex, {4});
-    std::reverse(faces[0].begin(), faces[0].end());
-    const SurfaceMesh flipped = shapes::over(points, faces);
+    const SurfaceMesh flipped = shapes::flipped(grid, {0});
     expect_elements(refusal<InvalidMesh>([&] { flat_outline(flipped); }), Error::Element::vertex, {1, 3, 4});
     const SurfaceMesh bow =
         shapes::mesh({{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {1, -1, 0}, {0, 2, 0}}, {{0, 1, 2, 3, 4}});

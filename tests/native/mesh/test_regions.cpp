@@ -1,28 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/regions.h"
 
-#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
-
-#include <limits>
 
 namespace sinew::test_regions {
 
 namespace {
 
-using Element = Error::Element;
-
-constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-
 /// Two parts: 0-5 and 6-8.
 const Components two_parts{2, {0, 0, 0, 0, 0, 0, 1, 1, 1}};
-
-InvalidConstraint refused(const std::vector<Handle>& handles)
-{
-    return refusal<InvalidConstraint>([&] { Regions(handles, two_parts); });
-}
 
 } // namespace
 
@@ -104,23 +92,6 @@ TEST(Regions, the_report_counts)
     EXPECT_EQ(Regions({}, two_parts).report().free_vertices.size(), 9u);
 }
 
-TEST(Regions, refuse_what_fits_no_mesh_and_name_it)
-{
-    const double infinite = std::numeric_limits<double>::infinity();
-    expect_elements(refused({{{0}, {}}, {{}, {}}}), Element::handle, {1});
-    expect_elements(refused({{{0, 1}, {1.0}}}), Element::handle, {0});
-    expect_elements(refused({{{0, 1, 2}, {}}, {{2, 3, 1}, {}}}), Element::vertex, {2, 1});
-    for (int bad : {-1, 9, std::numeric_limits<int>::max()}) {
-        const InvalidConstraint error = refused({{{0}, {}}, {{1, bad}, {}}});
-        expect_elements(error, Element::handle, {1});
-        EXPECT_NE(std::string(error.what()).find(std::to_string(bad)), std::string::npos);
-    }
-    for (double bad : {-0.1, 1.1, nan, infinite})
-        expect_elements(refused({{{4, 5, 1}, {0.5, bad, bad}}}), Element::vertex, {5, 1});
-    for (double bad : {-0.1, 2.1, nan})
-        expect_elements(refused({{{0}, {}}, {{1}, {}, bad}}), Element::handle, {1});
-}
-
 TEST(Targets, apply_the_pose_to_the_incoming_point_or_to_the_rest)
 {
     const Points rest = shapes::points_of({{1, 0, 0}, {0, 1, 0}});
@@ -132,32 +103,6 @@ TEST(Targets, apply_the_pose_to_the_incoming_point_or_to_the_rest)
     EXPECT_TRUE(targets.position(1, 1).isApprox(Vector3(0, 1, 2)));
     const Targets at_rest{poses, view(rest), {}, nullptr};
     EXPECT_TRUE(at_rest.position(0, 1).isApprox(Vector3(1, 0, 2)));
-}
-
-TEST(Targets, refuse_what_does_not_fit)
-{
-    const Points rest = shapes::points_of({{1, 0, 0}, {0, 1, 0}});
-    Points incoming = rest;
-    const Poses good{shapes::still(), shapes::still()};
-    const auto check = [&](const Poses& poses, std::optional<PointsView> points = {},
-                           const std::vector<bool>* flags = nullptr) {
-        Targets{poses, view(rest), points, flags}.check(2);
-    };
-    EXPECT_NO_THROW(check(good, view(incoming)));
-    refusal<InvalidConstraint>([&] { check({shapes::still()}); });
-
-    Poses bad = good;
-    bad[1](2, 3) = nan;
-    expect_elements(refusal<InvalidConstraint>([&] { check(bad); }), Element::handle, {1});
-
-    const std::vector<bool> one_flag{true};
-    refusal<InvalidConstraint>([&] { check(good, {}, &one_flag); });
-
-    const Points three = Points::Zero(3, 3);
-    refusal<InvalidConstraint>([&] { check(good, view(three)); });
-
-    incoming(1, 0) = nan;
-    expect_elements(refusal<InvalidConstraint>([&] { check(good, view(incoming)); }), Element::vertex, {1});
 }
 
 } // namespace sinew::test_regions

@@ -57,9 +57,7 @@ TEST(GeodesicDistance, on_a_sphere_nears_the_angle_as_edges_get_shorter)
 TEST(GeodesicDistance, lies_between_the_straight_way_and_the_way_along_edges)
 {
     const SurfaceMesh plane = shapes::grid(15, 15, 1.0, 0.45); // with obtuse angles
-    std::vector<Vector3> points;
-    for (int v = 0; v < plane.vertex_count(); ++v)
-        points.push_back(plane.point(v));
+    const std::vector<Vector3> points = shapes::list_of(plane.points());
     const std::vector<double> found = GeodesicDistance(plane).from({{37}});
     const std::vector<double> edges = EdgeDistances(points, plane.triangles()).from(37);
     for (int v = 0; v < plane.vertex_count(); ++v) {
@@ -76,10 +74,8 @@ TEST(GeodesicDistance, of_a_mesh_pressed_flat_takes_no_longer_than_its_size_asks
     const SurfaceMesh plane = shapes::grid(80, 80, 1.0, 0.45);
     for (double height : {0.01, 0.0}) {
         const SurfaceMesh pressed = shapes::moved(plane, plane.points() * Vector3(1, height, 1).asDiagonal());
-        std::vector<Vector3> points;
-        for (int v = 0; v < pressed.vertex_count(); ++v)
-            points.push_back(pressed.point(v));
-        const std::vector<double> edges = EdgeDistances(points, pressed.triangles()).from(85);
+        const std::vector<double> edges =
+            EdgeDistances(shapes::list_of(pressed.points()), pressed.triangles()).from(85);
         std::int64_t shortenings = 0;
         const std::vector<double> found = GeodesicDistance(pressed).from({{85}}, &shortenings);
         EXPECT_LT(shortenings, 60 * pressed.vertex_count())

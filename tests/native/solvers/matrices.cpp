@@ -5,12 +5,7 @@ namespace sinew::matrices {
 
 SparseMatrix shuffled_grid(int side, double shift)
 {
-    shapes::Random random(11);
-    std::vector<int> name(side * side);
-    for (int i = 0; i < side * side; ++i)
-        name[i] = i;
-    for (int i = side * side - 1; i > 0; --i)
-        std::swap(name[i], name[random.below(i + 1)]);
+    const std::vector<int> name = shapes::Random(11).shuffled(side * side);
     std::vector<Eigen::Triplet<double>> entries;
     const auto add = [&](int i, int j, double value) { entries.emplace_back(name[i], name[j], value); };
     for (int y = 0; y < side; ++y)

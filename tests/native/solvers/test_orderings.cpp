@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numeric>
+#include <limits>
 #include <set>
 
 namespace sinew::test_orderings {
@@ -71,9 +71,7 @@ TEST(Orderings, name_every_unknown_once)
         for (Ordering ordering : available()) {
             std::vector<int> order = elimination_order(matrix, ordering);
             std::ranges::sort(order);
-            std::vector<int> all(matrix.cols());
-            std::iota(all.begin(), all.end(), 0);
-            EXPECT_EQ(order, all);
+            EXPECT_EQ(order, shapes::numbers(0, static_cast<int>(matrix.cols())));
         }
 }
 
@@ -111,14 +109,24 @@ TEST(Orderings, the_factor_has_the_entries_that_elimination_predicts)
         }
 }
 
+// Other refusals and solutions of factors are in tests/bindings/test_factors.py.
+TEST(SpdFactor, refuses_what_is_no_number)
+{
+    std::vector backends{FactorBackend::automatic, FactorBackend::ldlt};
+    if (have_cholmod())
+        backends.insert(backends.end(), {FactorBackend::supernodal, FactorBackend::simplicial});
+    const SparseMatrix wrong = matrices::diagonal({1, std::numeric_limits<double>::quiet_NaN(), 1});
+    for (Ordering ordering : available())
+        for (FactorBackend backend : backends) {
+            SpdFactor factor({.backend = backend, .ordering = ordering});
+            EXPECT_THROW(factor.factorize(wrong), FactorizationFailed);
+        }
+}
+
 TEST(Orderings, cuthill_mckee_of_a_long_strip_has_the_band_of_its_width)
 {
     // A path, shuffled: the narrowest band is one.
-    shapes::Random random(2);
-    std::vector<int> name(200);
-    std::iota(name.begin(), name.end(), 0);
-    for (int i = 199; i > 0; --i)
-        std::swap(name[i], name[random.below(i + 1)]);
+    const std::vector<int> name = shapes::Random(2).shuffled(200);
     std::vector<Eigen::Triplet<double>> entries;
     for (int i = 0; i < 200; ++i) {
         entries.emplace_back(name[i], name[i], 3.0);

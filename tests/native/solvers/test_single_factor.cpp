@@ -3,13 +3,12 @@
 
 #include "tests/native/refusals.h"
 #include "tests/native/solvers/matrices.h"
+#include "tests/native/threads.h"
 
 #include <Eigen/SparseCholesky>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numeric>
-#include <thread>
 
 namespace sinew::test_single_factor {
 
@@ -75,11 +74,8 @@ TEST(SingleFactor, eliminates_every_unknown_once_and_takes_new_names)
     factor.factorize(A);
     std::vector<int> order = factor.order();
     std::ranges::sort(order);
-    for (int i = 0; i < n; ++i)
-        EXPECT_EQ(order[i], i);
-
-    std::vector<int> names(n);
-    std::iota(names.begin(), names.end(), 0);
+    EXPECT_EQ(order, shapes::numbers(0, n));
+    std::vector<int> names = shapes::numbers(0, n);
     std::ranges::reverse(names);
     const MatrixX rhs = MatrixX::Random(n, 3);
     MatrixX before, after;
@@ -102,14 +98,12 @@ TEST(SingleFactor, gives_the_same_bits_on_any_number_of_threads)
     }
     factor.solve(rhs, two);
     EXPECT_EQ(one, two);
-    std::vector<MatrixX> found(4);
-    std::vector<std::thread> threads;
-    for (MatrixX& x : found)
-        threads.emplace_back([&] { factor.solve(rhs, x); });
-    for (std::thread& thread : threads)
-        thread.join();
-    for (const MatrixX& x : found)
-        EXPECT_EQ(x, one);
+    const auto solved = [&] {
+        MatrixX x;
+        factor.solve(rhs, x);
+        return x;
+    };
+    expect_in_threads(4, 1, solved, one);
 }
 
 TEST(SingleFactor, takes_half_the_memory)

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <vector>
 
 namespace sinew::test_bspline_basis {
@@ -25,19 +24,6 @@ std::vector<double> all_values(const BsplineBasis& basis, double t)
     return all;
 }
 
-/// The uniform B-spline with knots 0, 1, ... degree + 1, as a sum of truncated powers.
-double cardinal(int degree, double x)
-{
-    double sum = 0.0, binomial = 1.0, factorial = 1.0;
-    for (int k = 0; k <= degree + 1; ++k) {
-        if (x > k)
-            sum += (k % 2 ? -1 : 1) * binomial * std::pow(x - k, degree);
-        binomial *= static_cast<double>(degree + 1 - k) / (k + 1);
-        factorial *= k > 0 && k <= degree ? k : 1;
-    }
-    return sum / factorial;
-}
-
 } // namespace
 
 TEST(BsplineBasis, is_never_negative_and_sums_to_one)
@@ -55,19 +41,6 @@ TEST(BsplineBasis, is_never_negative_and_sums_to_one)
                     EXPECT_NEAR(sum, 1.0, 1e-14); // some roundings of numbers up to 1
                 }
             }
-}
-
-TEST(BsplineBasis, equals_a_sum_of_truncated_powers)
-{
-    for (int degree = 1; degree <= 5; ++degree) {
-        const BsplineBasis basis(degree, 9);
-        for (int k = 0; k <= 977; ++k) {
-            const double t = k / 977.0;
-            const std::vector<double> values = all_values(basis, t);
-            for (int i = 0; i < basis.count(); ++i) // the powers reach 14^5 and cancel
-                EXPECT_NEAR(values[i], cardinal(degree, t * basis.spans() - (i - degree)), 1e-10);
-        }
-    }
 }
 
 TEST(BsplineBasis, is_zero_outside_of_its_support_and_nowhere_inside)

@@ -7,8 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 namespace sinew::test_spline_grid {
 
 namespace {
@@ -22,12 +20,6 @@ std::vector<SplineGrid::Stencil> scattered(const SplineGrid& grid, int count, st
         stencils.push_back(grid.stencil(u, random.unit()));
     }
     return stencils;
-}
-
-/// The solution of B c = d with the least norm: c = B^T (B B^T)^-1 d.
-MatrixX least_norm(const MatrixX& B, const MatrixX& d)
-{
-    return B.transpose() * dense::solution(B * B.transpose(), d);
 }
 
 } // namespace
@@ -71,37 +63,6 @@ TEST(SplineGrid, costs_no_bending_where_the_points_move_by_a_linear_function)
         EXPECT_GT(values[3], 1e-6);
         EXPECT_LT(values[2], 1e-12) << "three functions: 1, u, v";
     }
-}
-
-TEST(ControlFit, meets_fewer_constraints_than_unknowns_with_the_least_change_beside_the_mean)
-{
-    const SplineGrid grid(3, 8, 8);
-    const std::vector<SplineGrid::Stencil> stencils = scattered(grid, 12, 5);
-    const MatrixX d = shapes::Random(6).dense(12, 3);
-    const ControlFit fit(grid.weights(stencils), VectorX::Ones(12), grid.bending(), 0.0);
-    const RowMatrix c = fit.solve(d);
-    const MatrixX B = MatrixX(grid.weights(stencils));
-    // The smallest singular value is 1/50 of the largest; their squares are inverted.
-    EXPECT_LT((B * c - d).norm(), 1e-11);
-    const MatrixX mean = MatrixX::Ones(12, 1) * d.colwise().mean();
-    const MatrixX expected = least_norm(B, d - mean) + MatrixX::Ones(64, 1) * d.colwise().mean();
-    EXPECT_LT((c - expected).norm(), 1e-10);
-}
-
-TEST(ControlFit, of_more_constraints_than_unknowns_fulfils_the_normal_equation)
-{
-    const SplineGrid grid(2, 5, 4);
-    const std::vector<SplineGrid::Stencil> stencils = scattered(grid, 300, 7);
-    const MatrixX d = shapes::Random(8).dense(300, 3);
-    VectorX weights(300);
-    for (int k = 0; k < 300; ++k)
-        weights[k] = 0.1 + 0.9 * (k % 7) / 6.0;
-    const ControlFit fit(grid.weights(stencils), weights, grid.bending(), 0.0);
-    const MatrixX B = MatrixX(grid.weights(stencils)), W = (weights / weights.sum()).asDiagonal();
-    const RowMatrix c = fit.solve(d);
-    EXPECT_GT((B * c - d).norm(), 1.0);
-    EXPECT_LT((B.transpose() * W * (B * c - d)).norm(), 1e-13);
-    EXPECT_LT((c - dense::solution(B.transpose() * W * B, B.transpose() * W * d)).norm(), 1e-10);
 }
 
 TEST(ControlFit, with_a_penalty_is_least_and_reproduces_linear_functions)

@@ -27,22 +27,13 @@ SparseRows random_matrix(int rows, int columns)
     return matrix;
 }
 
-Points random_points(int count)
-{
-    shapes::Random random(6);
-    Points points(count, 3);
-    for (int i = 0; i < count; ++i)
-        points.row(i) = random.vector().transpose();
-    return points;
-}
-
 } // namespace
 
 TEST(Stencils, give_what_the_matrix_gives)
 {
     const SparseRows matrix = random_matrix(20'011, 300);
     const Stencils stencils{SparseRows(matrix)};
-    const Points points = random_points(300);
+    const Points points = shapes::Random(6).points(300);
     Points found(matrix.rows(), 3);
     stencils.apply(points.data(), found.data());
     EXPECT_LT(shapes::distance(found, matrix * points), 1e-14); // another order of sums of 20 numbers below 1
@@ -58,7 +49,7 @@ TEST(Stencils, do_not_depend_on_threads_or_instructions)
 {
     const SparseRows matrix = random_matrix(20'011, 300);
     const Stencils stencils{SparseRows(matrix)};
-    const Points points = random_points(300);
+    const Points points = shapes::Random(6).points(300);
     Points one(matrix.rows(), 3), many(matrix.rows(), 3), wide = Points::Zero(matrix.rows(), 3);
     {
         const ThreadLimit limit(1);
@@ -80,7 +71,7 @@ TEST(Stencils, do_not_depend_on_threads_or_instructions)
 TEST(Stencils, of_no_row_or_no_entry_give_zero)
 {
     const Stencils stencils(SparseRows(3, 2));
-    const Points points = random_points(2);
+    const Points points = shapes::Random(6).points(2);
     Points found = Points::Ones(3, 3);
     stencils.apply(points.data(), found.data());
     EXPECT_EQ(found, Points::Zero(3, 3));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/surface/linear/spline_surface.h"
 
+#include "native/core/dense.h"
 #include "native/core/errors.h"
 #include "native/core/finite.h"
 #include "native/core/parallel.h"
@@ -74,14 +75,14 @@ struct Patch
     RowMatrix control(const RowMatrix& wanted, MatrixX& load) const
     {
         const RowMatrix own = wanted(rows, Eigen::all);
-        load += own.transpose() * fit.weights().asDiagonal() * own;
+        load += transposed_product(own, fit.weights().asDiagonal() * own);
         return fit.solve(own);
     }
     /// (m, m) R^T W R for R = B c - D.
     MatrixX missed(const RowMatrix& control, const RowMatrix& wanted) const
     {
         const RowMatrix gap = fit.rows() * control - wanted(rows, Eigen::all);
-        return gap.transpose() * fit.weights().asDiagonal() * gap;
+        return transposed_product(gap, fit.weights().asDiagonal() * gap);
     }
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/surface/nonlinear/handle_aware_isolines.h"
 
+#include "native/core/dense.h"
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
@@ -168,7 +169,7 @@ void Elimination::complete(Part& part, const ClusterLoads& loads) const
         forces.row(at) = AX.row(v).head(poses);
         if (at + 1 == PointWeights::part || k + 1 == count) {
             part.answers.set_rows(k - at, rows.topRows(at + 1));
-            K.noalias() += rows.topLeftCorner(at + 1, poses).transpose() * forces.topRows(at + 1);
+            K += transposed_product(rows.topLeftCorner(at + 1, poses), forces.topRows(at + 1));
         }
         for (const auto& [aim, stiffness] : pulls[v])
             K += stiffness * ((aim - own.transpose()) * aim.transpose() - aim * own);

@@ -2,6 +2,7 @@
 #include "native/methods/surface/nonlinear/subspace_laplacian.h"
 
 #include "native/caging/cage_diagnosis.h"
+#include "native/core/dense.h"
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
@@ -364,7 +365,7 @@ SolveReport SubspaceLaplacian::Impl::solve(const Part& part, const SolveRequest&
         frame.incoming.resize(n, 3);
         parallel_for(n, [&](int k) { frame.incoming.row(k) = given.row(space.vertices[k]); });
         const Points change = space.means(frame.incoming - space.rest);
-        const Points moves = space.projection.solve(Points(space.coarse.transpose() * change));
+        const Points moves = space.projection.solve(transposed_product(space.coarse, change));
         other = part.cells->base((space.y + moves) / part.unit);
         frame.moves = -moves;
         frame.moved = frame.incoming - space.rest;

@@ -61,16 +61,6 @@ def cross(cage: bpy.types.Object) -> None:
     cage.data.vertices[0].co = (1.5, 0.3, 0.2)
 
 
-def add_raising_key(cage: bpy.types.Object, height: float) -> bpy.types.ShapeKey:
-    """A shape key that raises all vertices, not on yet."""
-    cage.shape_key_add(name="Basis")
-    key = cage.shape_key_add(name="Up")
-    for point in key.data:
-        point.co.z += height
-    key.value = 0.0  # new keys are on from Blender 5.0
-    return key
-
-
 def mean_value(cage: bpy.types.Object, points: np.ndarray):
     """Coordinates of points, made anew, in the cage as its mesh is now."""
     mesh = native().SurfaceMesh(base_points(cage), faces_of(cage.data))

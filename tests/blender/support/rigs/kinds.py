@@ -15,6 +15,7 @@ from registry import BY_ID, WITH_CAGE, WITH_HANDLES, Control
 
 from rigs import point_handles, point_objects
 from rigs.cages import ball
+from rigs.object_rigs import another
 from rigs.rig import (
     FLOAT32,
     Rig,
@@ -211,11 +212,7 @@ class CageRig(HandleRig):
 
     @classmethod
     def another_control(cls, obj: bpy.types.Object) -> bpy.types.Object:
-        control = cls.control_of(obj).copy()
-        control.data = control.data.copy()
-        control.name = "Another"
-        bpy.context.scene.collection.objects.link(control)
-        return control
+        return another(cls.control_of(obj))
 
     @staticmethod
     def control_is_missing(obj: bpy.types.Object) -> bool:
@@ -229,7 +226,7 @@ class CageRig(HandleRig):
     def held(self) -> slice:
         return slice(None)
 
-    def bind(self, method: str = WITH_CAGE[0]) -> CageRig:
+    def bind(self, method: str = WITH_CAGE[0], **_keywords: object) -> CageRig:
         self.bind_at_rest(method)
         self._cage_rest = base_points(self.control)
         point_objects.bend(self.control)
@@ -240,9 +237,6 @@ class CageRig(HandleRig):
 
     def attach(self, method: str) -> None:
         point_objects.attach(self.obj, method)
-
-    def bind_alone(self, method: str) -> None:
-        self.bind(method)
 
     def relax(self) -> None:
         self.control.matrix_basis = Matrix.Identity(4)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from mathutils import Matrix
 
 from rigs.rig import linked
 
@@ -47,6 +48,9 @@ def object_class(base: type) -> type:
         def bind_at_rest(self, method: str) -> None:
             self.attach(method)
             assert self.deformer.status_level == "INFO", self.deformer.status
+
+        def relax(self) -> None:
+            self.control.matrix_basis = Matrix.Identity(4)
 
         def choose(self, method: str) -> None:
             """Another method than that of the new deformer."""

@@ -5,37 +5,15 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-from expected import Poses
-from inside import native
+from expected import ByPoints, Poses
 from mathutils import Matrix
-from registry import BY_ID, options_of
 
 from rigs.object_rigs import another
-from rigs.rig import apply_matrix, base_points, make_active, new_object
+from rigs.rig import base_points, make_active, new_object
 
 METHOD = "mls"
 PLACES = np.array([(-1.0, 1.0, 0.0), (0.0, 1.0, 0.1), (1.0, 1.0, 0.0), (0.0, -1.0, 0.4)])
 EDGES = np.array([(0, 1), (1, 2)])  # the last point stands alone
-
-
-class ByPoints(Poses):
-    """What points and the segments between them make of an object. Made while they are at rest."""
-
-    def __init__(self, obj, points: bpy.types.Object, method: str = METHOD, **options: object) -> None:
-        super().__init__(obj, points)
-        self._points = apply_matrix(self._at_rest, base_points(points))
-        self._row = BY_ID[method]
-        self._options, _none = options_of(self._row, options)
-        self.rebind(obj)
-
-    def rebind(self, obj, points: np.ndarray | None = None) -> None:
-        """Take the points of the object as they are now."""
-        made = getattr(native(), self._row.native)
-        self._solver = made(self._points, segments=EDGES, **self._options)
-        self._solver.bind(base_points(obj) if points is None else points)
-
-    def shape(self, pose, incoming: np.ndarray | None = None) -> np.ndarray:
-        return self._solver.warp(apply_matrix(pose, self._points), incoming=incoming)
 
 
 def new_class(base: type) -> type:
@@ -76,13 +54,11 @@ def new_class(base: type) -> type:
             assert self.deformer.status_level == "INFO", self.deformer.status
             return self
 
-        def bind_alone(self, method: str) -> None:
-            self.bind(method)
-
         def relax(self) -> None:
             self.control.matrix_basis = Matrix.Identity(4)
 
         def expected(self, method: str | None = None, **options: object) -> Poses:
-            return ByPoints(self.obj, self.control, method or METHOD, **options)
+            points, told = base_points(self.control), {"segments": EDGES}
+            return ByPoints(self.obj, self.control, method or METHOD, points, told=told, **options)
 
     return PointsRig

@@ -11,9 +11,11 @@ from contextlib import contextmanager
 import bpy
 import numpy as np
 import pytest
+from expected import faces_of
+from inside import native
 from mathutils import Vector
 
-from rigs.rig import CORNERS, SIDES, in_mode, make_active, new_object, press, update
+from rigs.rig import CORNERS, SIDES, base_points, in_mode, make_active, new_object, press, update
 from rigs.rig import evaluated_points as shown
 
 TESSELLATED = 1e-5  # Blender sums its curves up in float32, a dozen steps per segment
@@ -232,35 +234,21 @@ def bind(obj: bpy.types.Object, method: str = "mean_value", cage: bpy.types.Obje
 
 
 def bend(cage: bpy.types.Object) -> Warp:
-    """Pose the cage as no affine map does; the warp of mean value coordinates as Ju et al. 2005 write it."""
-    rest = np.array([vertex.co for vertex in cage.data.vertices], dtype=float)
-    faces = np.array([polygon.vertices[:] for polygon in cage.data.polygons])
+    """Pose the cage as no affine map does; the warp of new mean value coordinates in its rest."""
+    rest = base_points(cage)
+    mesh = native().SurfaceMesh(rest, faces_of(cage.data))
     spread = 0.3 * np.ptp(rest, axis=0).max() * np.random.default_rng(5).uniform(-1.0, 1.0, rest.shape)
     for vertex, place in zip(cage.data.vertices, rest + spread):
         vertex.co = place
     cage.data.update()
-    posed = np.array([vertex.co for vertex in cage.data.vertices], dtype=float)
+    posed = base_points(cage)
 
-    return lambda points: _mean_value(points, rest, faces) @ posed
+    def warp(points: np.ndarray) -> np.ndarray:
+        coordinates = native().MeanValue(mesh, precision="double")
+        coordinates.bind(points)
+        return coordinates.warp(posed)
 
-
-def _mean_value(points: np.ndarray, rest: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Weights (n, c) of the cage's vertices; the faces are triangles."""
-    away = rest - points[:, None]
-    distance = np.linalg.norm(away, axis=2)
-    unit = away / distance[:, :, None]
-    weights = np.zeros(distance.shape)
-    for face in faces:
-        u = unit[:, face]
-        length = np.linalg.norm(np.roll(u, -1, axis=1) - np.roll(u, 1, axis=1), axis=2)
-        theta = 2.0 * np.arcsin(length / 2.0)
-        h = theta.sum(axis=1, keepdims=True) / 2.0
-        after, before = np.roll(theta, -1, axis=1), np.roll(theta, 1, axis=1)
-        c = 2.0 * np.sin(h) * np.sin(h - theta) / (np.sin(after) * np.sin(before)) - 1.0
-        s = np.sign(np.linalg.det(u))[:, None] * np.sqrt(np.maximum(1.0 - c**2, 0.0))
-        below = distance[:, face] * np.sin(after) * np.roll(s, 1, axis=1)
-        weights[:, face] += (theta - np.roll(c, -1, axis=1) * before - np.roll(c, 1, axis=1) * after) / below
-    return weights / weights.sum(axis=1, keepdims=True)
+    return warp
 
 
 def inside(points: np.ndarray, cage: bpy.types.Object) -> np.ndarray:

@@ -49,7 +49,10 @@ def points_of(evaluated: bpy.types.Object) -> np.ndarray:
         return coordinates(evaluated.data.attributes["position"].data, "vector")
     if evaluated.type == "LATTICE":
         return coordinates(evaluated.data.points, "co_deform")
-    points = coordinates(evaluated.to_mesh().vertices)
+    mesh = evaluated.to_mesh()
+    if mesh is None:  # an empty curve
+        return np.empty((0, 3))
+    points = coordinates(mesh.vertices)
     evaluated.to_mesh_clear()
     return points
 

@@ -5,13 +5,12 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-from expected import Poses
-from inside import native
+from expected import ByPoints, Poses, scale_of
 from mathutils import Matrix
-from registry import BY_ID, Control, options_of, with_control
+from registry import Control, with_control
 
 from rigs.object_rigs import object_class
-from rigs.rig import apply_matrix, base_points, grid_object, linked, make_active, press
+from rigs.rig import base_points, linked, make_active, press
 
 RADIUS = 1.1  # of the wire, in its own space
 
@@ -45,38 +44,12 @@ def stroke_through(places: np.ndarray) -> list[dict[str, object]]:
     return [{**element, "location": tuple(place)} for place in np.asarray(places, dtype=float).tolist()]
 
 
-class ByWires(Poses):
-    """What a wire makes of the vertices of an object. Made while the wire is at rest."""
-
-    def __init__(self, obj, wire, method: str, radius: float = RADIUS, **options: object) -> None:
-        super().__init__(obj, wire)
-        self._wire = apply_matrix(self._at_rest, places_of(wire))
-        self._row, self._radius = BY_ID[method], radius
-        self._options, _none = options_of(self._row, options)
-        self.rebind(obj)
-
-    def rebind(self, obj, points: np.ndarray | None = None) -> None:
-        """Take the points as they are now."""
-        scale = np.cbrt(abs(np.linalg.det(self._at_rest[:3, :3])))
-        self._solver = getattr(native(), self._row.native)(
-            self._wire, radius=self._radius * scale, **self._options
-        )
-        self._solver.bind(base_points(obj) if points is None else points)
-
-    def shape(self, pose, incoming: np.ndarray | None = None) -> np.ndarray:
-        return self._solver.warp(apply_matrix(pose, self._wire), incoming=incoming)
-
-
 def new_class(base: type) -> type:
     """The rig of wires, by that of handles."""
 
     class CurvesRig(object_class(base)):
         methods = with_control(Control.CURVES)
         point_arrays = 1
-
-        @classmethod
-        def large(cls):
-            return cls(grid_object(cells=60))
 
         @property
         def control_size(self) -> int:
@@ -105,10 +78,9 @@ def new_class(base: type) -> type:
             self.bind(method)
             self.deformer.controls[0].radius = 1e5
 
-        def relax(self) -> None:
-            self.control.matrix_basis = Matrix.Identity(4)
-
         def expected(self, method: str | None = None, **options: object) -> Poses:
-            return ByWires(self.obj, self.control, method or self.methods[0], **options)
+            told = {"radius": RADIUS * scale_of(self.obj, self.control)}
+            points = places_of(self.control)
+            return ByPoints(self.obj, self.control, method or self.methods[0], points, told=told, **options)
 
     return CurvesRig

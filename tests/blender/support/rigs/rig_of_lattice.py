@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-from expected import Poses, new_native
+from expected import ByPoints, Poses
 from mathutils import Matrix
-from registry import BY_ID, Control, options_of, with_control
+from registry import Control, with_control
 
 from rigs.cages import ball
 from rigs.object_rigs import object_class
-from rigs.rig import add_group, apply_matrix, base_points, linked, press, update
+from rigs.rig import add_group, linked, press, update
 
 WITH_LATTICE = with_control(Control.LATTICE)
 TYPES = {
@@ -59,36 +59,14 @@ def bent(points: np.ndarray, seed: int = 5, by: float = 0.1) -> np.ndarray:
     return points + spread * np.random.default_rng(seed).uniform(-0.5, 0.5, points.shape)
 
 
-class ExpectedInLattice(Poses):
-    """What a lattice makes of the vertices of a mesh, by a native object that is bound anew to its rest.
-
-    Made while the lattice object is at rest, its points posed.
-    """
-
-    def __init__(
-        self,
-        obj: bpy.types.Object,
-        lattice: bpy.types.Object,
-        rest: np.ndarray,
-        method: str,
-        **options: object,
-    ) -> None:
-        super().__init__(obj, lattice)
-        row = BY_ID[method]
-        chosen, _none = options_of(row, options)
-        data = lattice.data
-        types = [data.interpolation_type_u, data.interpolation_type_v, data.interpolation_type_w]
-        words = {"resolution": resolution(lattice), "interpolation": [TYPES[name] for name in types]}
-        self._posed = apply_matrix(self._at_rest, lattice_points(lattice))
-        self._native = new_native(row, apply_matrix(self._at_rest, rest), chosen | words)
-        self.rebind(obj)
-
-    def rebind(self, obj: bpy.types.Object) -> None:
-        """Take the vertices as they are now."""
-        self._native.bind(base_points(obj))
-
-    def shape(self, pose: Matrix | np.ndarray, incoming: np.ndarray | None = None) -> np.ndarray:
-        return self._native.warp(apply_matrix(pose, self._posed), incoming=incoming)
+def by_lattice(
+    obj: bpy.types.Object, lattice: bpy.types.Object, rest: np.ndarray, method: str, **options: object
+) -> ByPoints:
+    """What a lattice makes of the vertices of a mesh. ``rest`` (c, 3): its points as they were bound."""
+    data = lattice.data
+    types = [data.interpolation_type_u, data.interpolation_type_v, data.interpolation_type_w]
+    told = {"resolution": resolution(lattice), "interpolation": [TYPES[name] for name in types]}
+    return ByPoints(obj, lattice, method, lattice_points(lattice), rest, told, **options)
 
 
 def new_class(base: type) -> type:
@@ -124,7 +102,7 @@ def new_class(base: type) -> type:
         def held(self) -> slice:
             return slice(None)
 
-        def bind(self, method: str = WITH_LATTICE[0]) -> LatticeRig:
+        def bind(self, method: str = WITH_LATTICE[0], **_keywords: object) -> LatticeRig:
             self.bind_at_rest(method)
             self._lattice_rest = lattice_points(self.control)
             place(self.control, bent(self._lattice_rest))
@@ -134,18 +112,15 @@ def new_class(base: type) -> type:
             lattice = lattice_object()
             press(self.obj, "lattice_add", source="OBJECT", lattice=lattice.name)
 
-        def bind_alone(self, method: str) -> None:
-            self.bind(method)
-
         def relax(self) -> None:
-            self.control.matrix_basis = Matrix.Identity(4)
+            super().relax()
             place(self.control, self._lattice_rest)
 
         def rest(self) -> np.ndarray:
             return self.unmoved(self.obj)
 
         def expected(self, method: str | None = None, **options: object) -> Poses:
-            return ExpectedInLattice(
+            return by_lattice(
                 self.obj, self.control, self._lattice_rest, method or self.methods[0], **options
             )
 

@@ -8,7 +8,6 @@
 #include <atomic>
 #include <chrono>
 #include <stdexcept>
-#include <thread>
 #include <vector>
 
 namespace sinew::test_jobs {
@@ -21,7 +20,7 @@ TEST(Jobs, a_thread_that_waits_within_a_job_begins_no_other)
         thread_local bool busy = false;
         nested += busy;
         busy = true;
-        parallel_for(2000, [](int) { std::this_thread::sleep_for(std::chrono::nanoseconds(1)); }, 500);
+        parallel_for(200, [](int) { std::this_thread::sleep_for(std::chrono::nanoseconds(1)); }, 50);
         busy = false;
         ++visits[job];
     });

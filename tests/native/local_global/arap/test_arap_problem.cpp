@@ -2,6 +2,7 @@
 #include "native/local_global/arap/arap_problem.h"
 
 #include "native/local_global/arap/multilevel_start.h"
+#include "tests/native/differences.h"
 #include "tests/native/local_global/arap/graphs.h"
 #include "tests/native/shapes.h"
 
@@ -51,15 +52,6 @@ private:
     }
 };
 
-Points wobbled(const Points& x, int seed)
-{
-    shapes::Random random(seed);
-    Points result = x;
-    for (int i = 0; i < x.rows(); ++i)
-        result.row(i) += 0.1 * random.vector().transpose();
-    return result;
-}
-
 std::vector<Matrix3> rotations(const ArapProblem& problem, const ArapSystem& graph)
 {
     std::vector<Matrix3> all;
@@ -95,23 +87,17 @@ TEST(ArapProblem, gradient_equals_finite_differences)
     for (const Variant& variant : variants) {
         const Setting setting(variant);
         ArapProblem problem = setting.problem();
-        const Points x = wobbled(problem.free_rows(view(setting.mesh.points())), 2);
+        const Points x = shapes::Random(2).shaken(problem.free_rows(view(setting.mesh.points())), 0.1);
         Points gradient, unused;
         settled(problem, x, gradient);
-        const double step = 1e-5;
-        for (int i = 0; i < x.rows(); i += 5)
-            for (int axis = 0; axis < 3; ++axis) {
-                Points up = x, down = x;
-                up(i, axis) += step;
-                down(i, axis) -= step;
-                ArapProblem above = setting.problem(), below = setting.problem();
-                set_rotations(above, rotations(problem, setting.graph));
-                set_rotations(below, rotations(problem, setting.graph));
-                const double slope = (settled(above, up, unused) - settled(below, down, unused)) / (2 * step);
-                // Rounding: 1e-16 F / step = 1e-10; third derivatives: step^2 = 1e-10; with
-                // smoothness the rotations settle to 1e-15 of F: 1e-9 / step.
-                EXPECT_NEAR(gradient(i, axis), slope, variant.smoothness > 0 ? 1e-6 : 1e-8);
-            }
+        const auto F = [&](const Points& there) {
+            ArapProblem other = setting.problem();
+            set_rotations(other, rotations(problem, setting.graph));
+            return settled(other, there, unused);
+        };
+        // Rounding: 1e-16 F / step = 1e-10; third derivatives: step^2 = 1e-10; with
+        // smoothness the rotations settle to 1e-15 of F: 1e-9 / step.
+        expect_gradient(F, x, gradient, 1e-5, variant.smoothness > 0 ? 1e-6 : 1e-8, 5);
     }
 }
 
@@ -120,7 +106,7 @@ TEST(ArapProblem, the_plain_step_in_the_metric_never_raises_it)
     for (const Variant& variant : variants) {
         const Setting setting(variant);
         ArapProblem problem = setting.problem();
-        Points x = wobbled(problem.free_rows(view(setting.mesh.points())), 3), gradient, z;
+        Points x = shapes::Random(3).shaken(problem.free_rows(view(setting.mesh.points())), 0.1), gradient, z;
         double F = problem.evaluate(x, gradient);
         for (int k = 0; k < 20; ++k) {
             problem.precondition(gradient, z);
@@ -195,7 +181,7 @@ TEST(ArapProblem, a_rejected_step_brings_the_rotations_back)
     problem.evaluate(x, gradient);
     const std::vector<Matrix3> before = rotations(problem, setting.graph);
     problem.keep_state();
-    problem.evaluate(wobbled(x, 6), gradient);
+    problem.evaluate(shapes::Random(6).shaken(x, 0.1), gradient);
     EXPECT_NE(rotations(problem, setting.graph), before);
     problem.restore_state();
     EXPECT_EQ(rotations(problem, setting.graph), before);

@@ -78,10 +78,7 @@ TEST(CoarseStart, follows_a_rigid_motion)
 TEST(CoarseStart, does_nothing_where_all_is_held)
 {
     const SurfaceMesh bar = shapes::bar(24, 2);
-    std::vector<int> all(bar.vertex_count());
-    for (int i = 0; i < bar.vertex_count(); ++i)
-        all[i] = i;
-    const Regions regions({{.vertices = all, .weights = {}}}, connected_components(bar));
+    const Regions regions({{shapes::numbers(0, bar.vertex_count()), {}}}, connected_components(bar));
     const CoarseStart start(bar, regions, 0.5);
     EXPECT_EQ(start.factor_bytes(), 0);
     std::vector<Eigen::Quaterniond> rotations;

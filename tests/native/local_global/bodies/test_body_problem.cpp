@@ -2,6 +2,7 @@
 #include "native/local_global/bodies/body_problem.h"
 
 #include "native/local_global/rows/row_problem.h"
+#include "tests/native/differences.h"
 #include "tests/native/local_global/arap/graphs.h"
 #include "tests/native/shapes.h"
 
@@ -26,11 +27,8 @@ struct Setting
     explicit Setting(int sweeps)
         : graph(make(mesh)), bodies(graph, random_joints(), shapes(), sweeps),
           table(rows(), mesh.points(), held(), held(), {.field = sweeps > 0, .sweeps = sweeps}),
-          centres(mesh.points())
+          centres(sinew::shapes::Random(9).shaken(mesh.points(), 0.1))
     {
-        shapes::Random random(9);
-        for (int i = 0; i < centres.rows(); ++i)
-            centres.row(i) += 0.1 * random.vector().transpose();
     }
     RigidBodies::Shapes shapes() const
     {
@@ -120,14 +118,11 @@ TEST(BodyProblem, energy_and_gradient_are_those_of_a_table_of_rows)
     EXPECT_LT(shapes::distance(solved, all.topRows(setting.graph.free_count())), 1e-11);
 
     // Differences of E, which shares no code with the gradient.
-    shapes::Random random(3);
-    Points d(x.rows(), 3), unused;
-    for (int i = 0; i < d.rows(); ++i)
-        d.row(i) = random.vector().transpose();
-    const double h = 1e-5;
-    const double slope =
-        (problem.evaluate(x + h * d, unused) - problem.evaluate(x - h * d, unused)) / (2 * h);
-    EXPECT_NEAR(slope, (gradient.array() * d.array()).sum(), 1e-9 * E / h); // rounding of E
+    const Points d = shapes::Random(3).points(static_cast<int>(x.rows()));
+    Points unused;
+    const auto along = [&](double s) { return problem.evaluate(x + s * d, unused); };
+    EXPECT_NEAR(central_difference(along, 1e-5), (gradient.array() * d.array()).sum(),
+                1e-4 * E); // rounding of E
 
     double sum = 0.0; // by the definition
     for (std::size_t k = 0; k < setting.joints.size(); ++k) {

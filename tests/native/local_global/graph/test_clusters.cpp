@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -64,7 +63,6 @@ TEST(Clusters, are_as_many_as_wanted_and_reach_as_far_as_they_say)
 TEST(Clusters, do_not_depend_on_last_bits_of_the_rest_shape_or_on_the_order_of_nodes)
 {
     const Setting setting;
-    shapes::Random random(5);
     const double size = shapes::size(setting.mesh.points());
     Points rest = setting.mesh.points() / size; // bent, as numbers decide where there is a symmetry
     for (int i = 0; i < rest.rows(); ++i) {
@@ -74,18 +72,13 @@ TEST(Clusters, do_not_depend_on_last_bits_of_the_rest_shape_or_on_the_order_of_n
     }
     const Clusters clusters(setting.graph, rest, setting.graph.size() / 4);
 
-    Points noisy = rest;
-    for (int i = 0; i < noisy.rows(); ++i)
-        noisy.row(i) += 1e-8 * random.vector().transpose();
-    const Clusters again(setting.graph, noisy, setting.graph.size() / 4);
+    const Clusters again(setting.graph, shapes::Random(5).shaken(rest, 1e-8), setting.graph.size() / 4);
     EXPECT_EQ(again.seeds, clusters.seeds);
     EXPECT_EQ(again.label, clusters.label);
 
-    std::vector<int> reversed(setting.graph.size());
-    std::iota(reversed.rbegin(), reversed.rend(), 0);
-    Points others(rest.rows(), 3);
-    for (int i = 0; i < rest.rows(); ++i)
-        others.row(i) = rest.row(reversed[i]);
+    std::vector<int> reversed = shapes::numbers(0, setting.graph.size());
+    std::ranges::reverse(reversed);
+    const Points others = rest.colwise().reverse();
     const Clusters turned(setting.graph.renumbered(reversed), others, setting.graph.size() / 4);
     for (int i = 0; i < rest.rows(); ++i)
         EXPECT_EQ(turned.label[i], clusters.label[reversed[i]]);
@@ -188,9 +181,8 @@ TEST(Clusters, are_the_same_by_other_numbers)
 {
     const Setting setting;
     const int count = setting.middle.graph.size();
-    std::vector<int> old(count);
-    for (int p = 0; p < count; ++p)
-        old[p] = count - 1 - p;
+    std::vector<int> old = shapes::numbers(0, count);
+    std::ranges::reverse(old);
     ClusterMap map = setting.middle.map;
     map.renumber(old);
     const Points means = map.restrict(view(setting.mesh.points()));

@@ -5,9 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <map>
-#include <numeric>
 #include <utility>
 
 namespace sinew::test_handle_graph {
@@ -57,8 +55,8 @@ TEST(HandleGraph, is_the_same_by_other_numbers)
 {
     const graphs::BarAndSphere setting(0.3);
     const HandleGraph& graph = setting.graph;
-    std::vector<int> same(graph.size()), old(graph.size());
-    std::iota(same.begin(), same.end(), 0);
+    const std::vector<int> same = shapes::numbers(0, graph.size());
+    std::vector<int> old(graph.size());
     for (int i = 0; i < graph.size(); ++i)
         old[i] = (7 * i) % graph.size();
     ASSERT_NE(graph.size() % 7, 0);

@@ -2,9 +2,10 @@
 #include "native/local_global/reduced/subspace_cells.h"
 
 #include "native/operators/laplacian.h"
+#include "tests/native/dense.h"
+#include "tests/native/differences.h"
 #include "tests/native/shapes.h"
 
-#include <Eigen/SVD>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -80,11 +81,7 @@ struct Setting
             rows([&](double w, const Vector3& now, const Vector3& before) {
                 S += w * now * before.transpose();
             });
-            const Eigen::JacobiSVD<Matrix3> svd(S, Eigen::ComputeFullU | Eigen::ComputeFullV);
-            Matrix3 U = svd.matrixU();
-            if ((U * svd.matrixV().transpose()).determinant() < 0)
-                U.col(2) *= -1;
-            const Matrix3 R = U * svd.matrixV().transpose();
+            const Matrix3 R = dense::rotation_of(S);
             rows([&](double w, const Vector3& now, const Vector3& before) {
                 sum += 0.5 * w * (now - R * before).squaredNorm();
             });
@@ -127,10 +124,9 @@ TEST(SubspaceCells, the_gradient_is_that_of_differences)
     problem.evaluate(u, gradient);
     for (int k = 0; k < 10; ++k) {
         const Points way = random.dense(static_cast<int>(bar.y.rows()), 3);
-        const double h = 1e-5, slope = gradient.cwiseProduct(way).sum();
-        const double ahead = problem.evaluate(u + h * way, other),
-                     behind = problem.evaluate(u - h * way, other);
-        EXPECT_NEAR((ahead - behind) / (2 * h), slope, 1e-7 * gradient.norm() * way.norm());
+        const auto along = [&](double s) { return problem.evaluate(u + s * way, other); };
+        EXPECT_NEAR(central_difference(along, 1e-5), gradient.cwiseProduct(way).sum(),
+                    1e-7 * gradient.norm() * way.norm());
     }
 }
 

@@ -3,6 +3,7 @@
 
 #include "native/local_global/arap/arap_problem.h"
 #include "native/local_global/arap/multilevel_start.h"
+#include "tests/native/differences.h"
 #include "tests/native/local_global/arap/graphs.h"
 #include "tests/native/shapes.h"
 
@@ -30,14 +31,7 @@ struct Setting
     RowProblem problem() const { return RowProblem(cells, cells.rest_vectors(), goals.targets); }
     ArapProblem oracle() const { return ArapProblem(graph, view(mesh.points()), goals.targets, goals.pulls); }
     /// Some free positions by their vertices.
-    Points wobbled(int seed) const
-    {
-        shapes::Random random(seed);
-        Points all = mesh.points();
-        for (int i = 0; i < all.rows(); ++i)
-            all.row(i) += 0.1 * random.vector().transpose();
-        return all;
-    }
+    Points wobbled(int seed) const { return shapes::Random(seed).shaken(mesh.points(), 0.1); }
     /// A gradient of the oracle in the order of the table's free points.
     Points reordered(const Points& of_nodes) const
     {
@@ -119,14 +113,8 @@ TEST(RowProblem, gradient_equals_central_differences)
     const Points x = setting.cells.free_rows(view(setting.wobbled(3)));
     Points gradient, unused;
     problem.evaluate(x, gradient);
-    for (int i = 0; i < x.rows(); i += 7)
-        for (int axis = 0; axis < 3; ++axis) {
-            Points up = x, down = x;
-            up(i, axis) += 1e-5;
-            down(i, axis) -= 1e-5;
-            const double slope = (problem.evaluate(up, unused) - problem.evaluate(down, unused)) / 2e-5;
-            EXPECT_NEAR(gradient(i, axis), slope, 1e-8); // squares of the step, rounding through it
-        }
+    const auto F = [&](const Points& there) { return problem.evaluate(there, unused); };
+    expect_gradient(F, x, gradient, 1e-5, 1e-8, 7); // squares of the step, rounding through it
 }
 
 TEST(RowProblem, a_rigid_motion_costs_nothing_and_its_start_is_exact)
@@ -172,9 +160,8 @@ TEST(RowProblem, cells_of_four_points_are_their_rows_summed_up)
     EXPECT_NEAR(summed.scale(summed.rest_vectors()), plain.scale(plain.rest_vectors()), 1e-10);
     RowProblem a(summed, summed.rest_vectors(), mesh.points());
     RowProblem b(plain, plain.rest_vectors(), mesh.points());
-    Points all = mesh.points(), of_a, of_b;
-    for (int i = 0; i < all.rows(); ++i)
-        all.row(i) += 0.2 * random.vector().transpose();
+    const Points all = random.shaken(mesh.points(), 0.2);
+    Points of_a, of_b;
     for (int k = 0; k < 2; ++k) {
         const double E = a.evaluate(summed.free_rows(view(all)), of_a);
         EXPECT_NEAR(E, b.evaluate(plain.free_rows(view(all)), of_b), 1e-12 * E);

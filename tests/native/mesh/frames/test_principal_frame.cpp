@@ -6,18 +6,11 @@
 
 #include <gtest/gtest.h>
 
-#include <numeric>
-
 namespace sinew::test_principal_frame {
 
 namespace {
 
-std::vector<int> all(const Points& points)
-{
-    std::vector<int> rows(points.rows());
-    std::iota(rows.begin(), rows.end(), 0);
-    return rows;
-}
+std::vector<int> all(const Points& points) { return shapes::numbers(0, static_cast<int>(points.rows())); }
 
 void expect_rotation(const Matrix3& axes)
 {

@@ -20,13 +20,6 @@ struct Soup
     Points points;
     std::vector<Triangle> triangles;
 
-    std::vector<Vector3> list() const
-    {
-        std::vector<Vector3> found;
-        for (int v = 0; v < points.rows(); ++v)
-            found.emplace_back(points.row(v).transpose());
-        return found;
-    }
     double squared(const Vector3& x, int t) const
     {
         const auto [i, j, k] = triangles[t];
@@ -61,7 +54,7 @@ Soup soup(int count)
 TEST(ClosestTriangle, is_that_of_the_tree_in_a_soup)
 {
     const Soup made = soup(400);
-    const std::vector<Vector3> points = made.list();
+    const std::vector<Vector3> points = shapes::list_of(made.points);
     const TriangleTree tree(points, made.triangles);
     const ClosestTriangle closest(view(made.points), made.triangles);
     shapes::Random random(8);
@@ -88,7 +81,7 @@ TEST(ClosestTriangle, is_that_of_the_tree_on_a_surface)
     const SurfaceMesh mesh = shapes::hill(30, 20);
     shapes::Random random(9);
     const Soup made{mesh.points() + 0.02 * random.dense(mesh.vertex_count(), 3), mesh.triangles()};
-    const TriangleTree tree(made.list(), made.triangles);
+    const TriangleTree tree(shapes::list_of(made.points), made.triangles);
     const ClosestTriangle closest(view(made.points), made.triangles);
     for (int v = 0; v < mesh.vertex_count(); ++v) {
         const Vector3 x = made.points.row(v).transpose() + 0.3 * Vector3(random.dense(1, 3).transpose());

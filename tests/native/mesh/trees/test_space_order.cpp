@@ -7,27 +7,13 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <numeric>
 #include <vector>
 
 namespace sinew::test_space_order {
 
-namespace {
-
-Points random_points(int count)
-{
-    shapes::Random random(5);
-    Points points(count, 3);
-    for (int i = 0; i < count; ++i)
-        points.row(i) = random.vector().transpose();
-    return points;
-}
-
-} // namespace
-
 TEST(SpaceOrder, codes_interleave_the_bits_of_the_coordinates)
 {
-    const Points points = random_points(300);
+    const Points points = shapes::Random(5).points(300);
     const Eigen::RowVector3d low = points.colwise().minCoeff();
     const double extent = (points.colwise().maxCoeff() - low).maxCoeff();
     const std::vector<std::uint64_t> codes = morton_codes(view(points));
@@ -45,10 +31,9 @@ TEST(SpaceOrder, codes_interleave_the_bits_of_the_coordinates)
 
 TEST(SpaceOrder, names_every_point_once_by_rising_code)
 {
-    const Points points = random_points(20000);
+    const Points points = shapes::Random(5).points(20000);
     const std::vector<std::uint64_t> codes = morton_codes(view(points));
-    std::vector<int> expected(20000);
-    std::iota(expected.begin(), expected.end(), 0);
+    std::vector<int> expected = shapes::numbers(0, 20000);
     std::ranges::stable_sort(expected, {}, [&](int i) { return codes[i] >> 33; });
     EXPECT_EQ(space_order(view(points)), expected);
     EXPECT_TRUE(space_order(view(Points(0, 3))).empty());

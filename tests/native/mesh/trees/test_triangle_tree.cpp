@@ -23,14 +23,6 @@ bool meets_base(const Corners& other, const Triangle& indices)
     return found;
 }
 
-std::vector<Vector3> points_of(const SurfaceMesh& mesh)
-{
-    std::vector<Vector3> points;
-    for (int v = 0; v < mesh.vertex_count(); ++v)
-        points.push_back(mesh.point(v));
-    return points;
-}
-
 } // namespace
 
 TEST(CageTriangles, meet_beside_what_they_share)
@@ -77,7 +69,7 @@ TEST(CageTriangles, pairs_are_those_of_all_against_all)
 TEST(CageTriangles, winding_is_one_inside_and_a_share_on_the_surface)
 {
     const SurfaceMesh cube = shapes::cube();
-    const auto points = points_of(cube);
+    const auto points = shapes::list_of(cube.points());
     EXPECT_NEAR(winding_number(points, cube.triangles(), {.3, .2, .9}), 1.0, 1e-14);
     EXPECT_NEAR(winding_number(points, cube.triangles(), {1.3, .2, .9}), 0.0, 1e-14);
     // All but one of six equal faces, seen from the middle.
@@ -89,7 +81,7 @@ TEST(CageTriangles, winding_is_one_inside_and_a_share_on_the_surface)
 TEST(CageTriangles, tree_finds_what_is_met_and_what_is_closest)
 {
     const SurfaceMesh cube = shapes::cube();
-    const TriangleTree tree(points_of(cube), cube.triangles());
+    const TriangleTree tree(shapes::list_of(cube.points()), cube.triangles());
     EXPECT_TRUE(tree.meets({Vector3(.5, .5, .5), Vector3(.5, .5, 2), Vector3(.6, .5, .5)}));
     EXPECT_FALSE(tree.meets({Vector3(.5, .5, .5), Vector3(.5, .5, .9), Vector3(.6, .5, .5)}));
     EXPECT_FALSE(tree.meets({Vector3(0, 0, 0), Vector3(0, 0, 0), Vector3(1, 0, 0)})); // flat
@@ -101,7 +93,7 @@ TEST(TriangleTree, names_the_triangle_of_the_closest_point)
     const SurfaceMesh mesh = shapes::sphere(2);
     std::vector<Triangle> triangles{{0, 0, 1}, {2, 2, 2}}; // flat: left out, but counted
     triangles.insert(triangles.end(), mesh.triangles().begin(), mesh.triangles().end());
-    const std::vector<Vector3> points = points_of(mesh);
+    const std::vector<Vector3> points = shapes::list_of(mesh.points());
     const TriangleTree tree(points, triangles);
     for (int t = 2; t < static_cast<int>(triangles.size()); ++t) {
         const Corners corners = corners_of(points, triangles[t]);
@@ -119,7 +111,7 @@ TEST(TriangleTree, names_the_triangle_of_the_closest_point)
 TEST(TriangleTree, counts_the_crossings_of_a_ray)
 {
     const SurfaceMesh mesh = shapes::sphere(2);
-    const std::vector<Vector3> points = points_of(mesh);
+    const std::vector<Vector3> points = shapes::list_of(mesh.points());
     std::vector<Triangle> triangles = mesh.triangles();
     const Vector3 direction(.5357, .6301, .5622);
     shapes::Random random(5);

@@ -9,18 +9,10 @@ namespace sinew::test_winding_tree {
 
 namespace {
 
-std::vector<Vector3> list(const SurfaceMesh& mesh)
-{
-    std::vector<Vector3> points;
-    for (int v = 0; v < mesh.vertex_count(); ++v)
-        points.push_back(mesh.point(v));
-    return points;
-}
-
 /// The largest difference from the sum over all triangles, at points in and around the mesh.
 double worst_error(const SurfaceMesh& mesh, const std::vector<Triangle>& triangles, int count)
 {
-    const std::vector<Vector3> points = list(mesh);
+    const std::vector<Vector3> points = shapes::list_of(mesh.points());
     const WindingTree tree(points, triangles);
     const Vector3 low = mesh.points().colwise().minCoeff(), high = mesh.points().colwise().maxCoeff();
     shapes::Random random(4);
@@ -48,7 +40,7 @@ TEST(WindingTree, does_not_mind_the_size_of_the_mesh)
 {
     const SurfaceMesh sphere = shapes::sphere(3);
     for (double scale : {1e-60, 1.0, 1e59}) {
-        std::vector<Vector3> points = list(sphere);
+        std::vector<Vector3> points = shapes::list_of(sphere.points());
         for (Vector3& p : points)
             p *= scale;
         const WindingTree tree(points, sphere.triangles());

@@ -128,8 +128,6 @@ TEST(MultiresolutionSpace, binds_some_vertices_and_names_points_that_are_none)
     expect_elements(refusal<InvalidConstraint>([&] { method->bind(view(others)); }), Error::Element::vertex,
                     {3});
     EXPECT_THROW(MultiresolutionSpace(ends_of(mesh), nullptr, mesh), InvalidOption);
-    EXPECT_THROW(around(mesh, smooth_base(mesh), {.wavelength = 0.0}), InvalidOption);
-    EXPECT_THROW(around(mesh, smooth_base(mesh), {.bands = 9}), InvalidOption);
 }
 
 } // namespace sinew::test_multiresolution_space

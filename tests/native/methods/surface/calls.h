@@ -54,18 +54,17 @@ inline void expect_falling_energy(const SurfaceMethod& method, const Poses& pose
 }
 
 /// The bar at rest is as good a start as the method's own, with enough iterations.
-/// \param energy  how near the energies come, as a share
-inline void expect_starts_meet(const SurfaceMethod& method, double depth, int iterations, double energy = 1.0)
+inline void expect_starts_meet(const SurfaceMethod& method, double depth, int iterations)
 {
     const Points rest = method.rest().points();
     const double along = rest.col(0).maxCoeff();
     for (const Poses& poses : {bend(90, along, depth), twist(135)}) {
         Points own, other;
         SolveRequest request{.poses = poses, .max_iterations = iterations, .tolerance = 1e-15};
-        const double least = method.solve(request, own).energy;
+        method.solve(request, own);
         request.start.emplace(view(rest));
         request.max_iterations = 2 * iterations;
-        EXPECT_NEAR(method.solve(request, other).energy, least, energy * least);
+        method.solve(request, other);
         EXPECT_LT(shapes::distance(own, other), 1e-4 * shapes::size(rest));
     }
 }

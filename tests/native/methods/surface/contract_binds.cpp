@@ -2,7 +2,7 @@
 // What every surface method does where it is bound again, or by several threads.
 #include "tests/native/methods/surface/calls.h"
 
-#include <thread>
+#include "tests/native/threads.h"
 
 namespace sinew::contract_binds {
 
@@ -20,16 +20,7 @@ TEST_P(SurfaceContract, solves_from_several_threads_give_the_same_bits)
         SCOPED_TRACE(variant.name);
         const Method method = bound(variant, traits().large, shapes::ends(traits().large, traits().depth));
         const Points alone = solve(*method, traits().bent);
-        std::vector<int> wrong(3, 0);
-        std::vector<std::thread> threads;
-        for (int& count : wrong)
-            threads.emplace_back([&] {
-                for (int k = 0; k < 5; ++k)
-                    count += solve(*method, traits().bent) != alone;
-            });
-        for (std::thread& thread : threads)
-            thread.join();
-        EXPECT_EQ(wrong, std::vector<int>(3, 0));
+        expect_in_threads(3, 5, [&] { return solve(*method, traits().bent); }, alone);
     }
 }
 
@@ -42,25 +33,21 @@ TEST_P(SurfaceContract, binds_and_solves_from_several_threads_take_turns)
                  of_more = solve(*bound(variant, traits().large, more), traits().bent);
     const Method one = bound(variant, traits().large, few), other = bound(variant, traits().large, few);
     std::vector<int> wrong(4, 0);
-    std::vector<std::thread> threads;
-    for (int t = 0; t < 4; ++t)
-        threads.emplace_back([&, t] {
-            for (int k = 0; k < 8; ++k) {
-                if (t == 0)
-                    one->set_handles(k % 2 ? few : more);
-                else if (t == 1)
-                    (k % 2 ? one : other)->rebind(k % 2 ? *other : *one, k % 3 ? few : more);
-                else
-                    try { // the former object of a rebind has no handles
-                        const Points q = solve(k % 2 ? *one : *other, traits().bent);
-                        wrong[t] += shapes::distance(q, of_few) > traits().similar &&
-                                    shapes::distance(q, of_more) > traits().similar;
-                    } catch (const InvalidConstraint&) {
-                    }
-            }
-        });
-    for (std::thread& thread : threads)
-        thread.join();
+    in_threads(4, [&](int t) {
+        for (int k = 0; k < 8; ++k) {
+            if (t == 0)
+                one->set_handles(k % 2 ? few : more);
+            else if (t == 1)
+                (k % 2 ? one : other)->rebind(k % 2 ? *other : *one, k % 3 ? few : more);
+            else
+                try { // the former object of a rebind has no handles
+                    const Points q = solve(k % 2 ? *one : *other, traits().bent);
+                    wrong[t] += shapes::distance(q, of_few) > traits().similar &&
+                                shapes::distance(q, of_more) > traits().similar;
+                } catch (const InvalidConstraint&) {
+                }
+        }
+    });
     EXPECT_EQ(wrong, std::vector<int>(4, 0));
 }
 

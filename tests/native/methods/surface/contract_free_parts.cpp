@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What every surface method does with parts that ride on others.
-#include "tests/native/methods/surface/contract.h"
-#include "tests/native/refusals.h"
+#include "tests/native/methods/surface/calls.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +8,7 @@ namespace sinew::contract_free_parts {
 
 namespace {
 
-using Method = std::shared_ptr<SurfaceMethod>;
+using calls::Method, calls::solve;
 
 const FreeParts follow{.follow = true};
 
@@ -33,14 +32,6 @@ Method bound(const SurfaceVariant& variant, const SurfaceMesh& mesh, const std::
     Method method = variant.make(mesh);
     method->set_handles(handles, {}, free_parts);
     return method;
-}
-
-Points solve(const SurfaceMethod& method, const Poses& poses, SolveRequest request = {})
-{
-    Points positions;
-    request.poses = poses;
-    method.solve(request, positions);
-    return positions;
 }
 
 /// A rigid motion that the method reproduces.

@@ -48,20 +48,6 @@ public:
             *report = found;
         return positions;
     }
-    static void expect_refused(const SurfaceMesh& mesh, const std::vector<Options>& all)
-    {
-        for (std::size_t k = 0; k < all.size(); ++k)
-            EXPECT_THROW(Method(mesh, all[k]), InvalidOption) << "options " << k;
-    }
-    /// What energy() refuses.
-    static void expect_other_points_refused(const Method& method)
-    {
-        Points broken = method.rest().points();
-        broken(3, 0) = std::numeric_limits<double>::quiet_NaN();
-        const Points other = Points::Zero(broken.rows() - 1, 3);
-        EXPECT_THROW(method.energy(view(other)), InvalidConstraint);
-        EXPECT_THROW(method.energy(view(broken)), InvalidConstraint);
-    }
     static SurfaceTraits linear(const std::string& name, const std::vector<SurfaceVariant>& variants)
     {
         return {.name = name,

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/surface/substeps.h"
 
-#include "native/methods/surface/linear/gradient_editing.h"
 #include "native/methods/surface/linear/laplacian_editing.h"
 #include "native/methods/surface/linear/thin_shell.h"
-#include "tests/native/methods/surface/linear/study_tube.h"
-#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
@@ -14,19 +11,17 @@ namespace sinew::test_substeps {
 
 namespace {
 
-Points solved(SurfaceMethod& method, const std::vector<Handle>& handles, const Poses& poses, int substeps,
-              const std::optional<PointsView>& incoming = {})
+Points solved(SurfaceMethod& method, const std::vector<Handle>& handles, const Poses& poses, int substeps)
 {
     method.set_handles(handles);
     Points positions;
-    method.solve({.poses = poses, .incoming = incoming, .substeps = substeps}, positions);
+    method.solve({.poses = poses, .substeps = substeps}, positions);
     return positions;
 }
 
-const LaplacianEditingOptions implicit{.transforms = LocalTransforms::implicit};
-
 } // namespace
 
+// What all methods do with them is in tests/bindings/surfaces/test_substeps.py.
 TEST(Substeps, are_equal_parts_of_a_screw_and_of_a_scale)
 {
     const Matrix3 S = Vector3(1.5, 0.8, 1.0).asDiagonal(), R = shapes::rotation({1, 2, -1}, 120);
@@ -51,20 +46,6 @@ TEST(Substeps, are_equal_parts_of_a_screw_and_of_a_scale)
             .norm(),
         1e-12);
     EXPECT_LT((growing.at(0.5)[1] - shapes::shift(1, 2, 3)).norm(), 1e-12);
-}
-
-TEST(Substeps, change_nothing_where_details_turn_with_the_handles)
-{
-    const SurfaceMesh mesh = shapes::hill(8, 8);
-    const Poses bent{shapes::still(), shapes::turn({0, 1, 0}, 70, {6, 0, 0}, {-1, .5, 2})};
-    GradientEditing gradients(mesh);
-    LaplacianEditing laplacian(mesh, {.transforms = LocalTransforms::from_handles});
-    for (SurfaceMethod* method :
-         {static_cast<SurfaceMethod*>(&gradients), static_cast<SurfaceMethod*>(&laplacian)}) {
-        EXPECT_EQ(method->stepping(), SurfaceMethod::Stepping::none);
-        const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-        EXPECT_EQ(solved(*method, handles, bent, 7), solved(*method, handles, bent, 1));
-    }
 }
 
 TEST(Substeps, of_a_linear_method_with_its_equations_kept_add_up_to_one)
@@ -92,52 +73,6 @@ TEST(Substeps, of_a_linear_method_with_its_equations_kept_add_up_to_one)
     }
 }
 
-TEST(Substeps, made_anew_keep_rigid_motions_and_what_handles_hold)
-{
-    const SurfaceMesh mesh = shapes::hill(8, 8);
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-    const Pose pose = shapes::turn({1, 2, -.5}, 100, {3, 7, 1}, {3, -2, 1});
-    const Points expected = shapes::transformed(mesh.points(), pose);
-    LaplacianEditing method(mesh, implicit);
-    EXPECT_LT(shapes::distance(solved(method, handles, {pose, pose}, 3), expected), 1e-8);
-    ThinShell shell(mesh);
-    for (SurfaceMethod* each : {static_cast<SurfaceMethod*>(&method), static_cast<SurfaceMethod*>(&shell)}) {
-        const Points q = solved(*each, handles, {shapes::still(), pose}, 3);
-        for (int v : handles[1].vertices)
-            EXPECT_LT((q.row(v) - expected.row(v)).norm(), 1e-11);
-        const Points incoming = mesh.points().rowwise() + Eigen::RowVector3d(1, 2, 3);
-        EXPECT_LT(
-            shapes::distance(solved(*each, handles, Poses(2, shapes::still()), 3, view(incoming)), incoming),
-            1e-10);
-    }
-}
-
-TEST(Substeps, made_anew_mend_implicit_transformations_in_a_twist)
-{
-    const SurfaceMesh bar = shapes::bar(24, 4);
-    const std::vector<Handle> handles = shapes::ends(bar, 3.1);
-    const Poses twisted{shapes::still(), shapes::turn({1, 0, 0}, 135)};
-    LaplacianEditingOptions paper = implicit;
-    paper.mean_frame = false;
-    LaplacianEditing method(bar, paper);
-    double before = 1e9;
-    for (int substeps : {1, 4, 16}) {
-        const double strain = rms_edge_ratio(bar, solved(method, handles, twisted, substeps));
-        EXPECT_LT(strain, before) << substeps;
-        before = strain;
-    }
-}
-
-TEST(Substeps, of_estimated_transformations_start_from_the_last_step)
-{
-    const SurfaceMesh mesh = study_tube();
-    const std::vector<Handle> handles = shapes::ends(mesh, study_depth);
-    const Poses twisted{shapes::still(), shapes::turn({1, 0, 0}, 135)};
-    LaplacianEditing paper(mesh, {.refits = 1, .mean_frame = false});
-    EXPECT_LT(rms_edge_ratio(mesh, solved(paper, handles, twisted, 8)),
-              0.8 * rms_edge_ratio(mesh, solved(paper, handles, twisted, 1)));
-}
-
 TEST(Substeps, of_parts_without_a_handle_leave_them_where_they_are)
 {
     const SurfaceMesh mesh = shapes::joined(shapes::hill(8, 8), shapes::sphere(1), {0, 20, 0});
@@ -155,34 +90,6 @@ TEST(Substeps, of_a_half_turn_go_the_way_that_a_rule_chooses)
         const Pose middle = PathOfPoses({pose}, Vector3::Zero()).at(0.5)[0];
         EXPECT_LT((middle.leftCols<3>() - shapes::rotation({0, 0, 1}, 90)).norm(), 1e-9);
     }
-}
-
-TEST(Substeps, can_be_cancelled_and_tell_one_progress)
-{
-    const SurfaceMesh mesh = shapes::hill(8, 8);
-    ThinShell shell(mesh);
-    shell.set_handles(shapes::ends(mesh, 1.5));
-    double last = 0.0;
-    Points positions;
-    const SolveRequest request{.poses = {shapes::still(), shapes::shift(0, 0, 2)},
-                               .progress = Progress([&](double fraction, const char*) {
-                                   EXPECT_GE(fraction, last);
-                                   last = fraction;
-                                   return fraction < 0.6;
-                               }),
-                               .substeps = 4};
-    EXPECT_THROW(shell.solve(request, positions), Cancelled);
-}
-
-TEST(Substeps, are_refused_below_one_and_through_flat_poses)
-{
-    const SurfaceMesh mesh = shapes::hill(8, 8);
-    ThinShell shell(mesh);
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-    EXPECT_THROW(solved(shell, handles, Poses(2, shapes::still()), 0), InvalidOption);
-    const Pose mirrored = shapes::affine(-Matrix3::Identity());
-    const auto flat = [&] { solved(shell, handles, {shapes::still(), mirrored}, 4); };
-    expect_elements(refusal<InvalidConstraint>(flat), Error::Element::handle, {1});
 }
 
 } // namespace sinew::test_substeps

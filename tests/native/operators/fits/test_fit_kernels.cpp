@@ -7,8 +7,6 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
-
 namespace sinew::test_fit_kernels {
 
 using Rows = Eigen::Matrix<double, 12, 3, Eigen::RowMajor>;

@@ -6,7 +6,6 @@
 #include "tests/native/wide_kernels.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -159,23 +158,18 @@ TEST(MetricLbfgs, never_raises_the_function_even_where_the_metric_is_no_bound)
         expect_never_rises(energies([&] { return Dented(12, bound); }, 12, 40));
 }
 
-TEST(MetricLbfgs, an_exhausted_budget_is_a_report)
+TEST(MetricLbfgs, an_exhausted_budget_is_a_report_and_each_evaluation_after_the_first_an_iteration)
 {
-    Dented problem(12, 5.0);
-    Points x = start(12);
-    const SolveReport report = minimize(problem, x, budget(3));
-    EXPECT_EQ(report.iterations, 3);
-    EXPECT_FALSE(report.converged);
-    EXPECT_GT(report.residual, 0.0);
-}
-
-TEST(MetricLbfgs, counts_one_iteration_for_each_evaluation_after_the_first)
-{
-    for (double bound : {1.0, 0.2}) {
+    for (const auto& [bound, most] : {std::pair{5.0, 3}, {1.0, 25}, {0.2, 25}}) {
         Dented problem(12, bound);
         Points x = start(12);
-        const SolveReport report = minimize(problem, x, budget(25));
+        const SolveReport report = minimize(problem, x, budget(most));
         EXPECT_EQ(problem.evaluations, report.iterations + 1);
+        if (most == 3) {
+            EXPECT_EQ(report.iterations, 3);
+            EXPECT_FALSE(report.converged);
+            EXPECT_GT(report.residual, 0.0);
+        }
     }
 }
 

@@ -9,7 +9,6 @@
 #include <Eigen/SparseCholesky>
 #include <gtest/gtest.h>
 
-#include <numeric>
 #include <vector>
 
 namespace sinew::test_factor {
@@ -38,9 +37,9 @@ SparseMatrix painted(SparseMatrix A, const std::vector<int>& unknowns)
 struct Whole
 {
     explicit Whole(const SparseMatrix& matrix)
-        : matrix(matrix), unknowns(matrix.cols()), free(matrix.cols(), true)
+        : matrix(matrix), unknowns(shapes::numbers(0, static_cast<int>(matrix.cols()))),
+          free(matrix.cols(), true)
     {
-        std::iota(unknowns.begin(), unknowns.end(), 0);
     }
     operator PrincipalBlock() const { return {matrix, unknowns, free}; }
 
@@ -120,9 +119,7 @@ TEST_F(SupernodalFactorTest, updated_has_the_bits_of_a_new_one)
 TEST_F(SupernodalFactorTest, is_not_updated_where_most_of_it_changed_or_the_pattern_is_another)
 {
     const SparseMatrix A = large();
-    std::vector<int> all(A.cols());
-    for (int c = 0; c < A.cols(); ++c)
-        all[c] = c;
+    const std::vector<int> all = shapes::numbers(0, static_cast<int>(A.cols()));
     SpdFactor factor = supernodal();
     EXPECT_FALSE(factor.update(Whole(A), {}));
     factor.factorize(A);

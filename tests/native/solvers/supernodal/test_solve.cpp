@@ -2,6 +2,7 @@
 #include "native/core/simd/kernel_set.h"
 #include "native/solvers/supernodal/kernels.h"
 #include "native/solvers/supernodal/solve.h"
+#include "tests/native/threads.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <random>
-#include <thread>
 #include <vector>
 
 namespace sinew::test_solve {
@@ -115,11 +115,7 @@ TEST(SupernodalSolve, several_threads_may_solve_at_once)
     std::vector<MatrixX> rhs, found(6);
     for (int t = 0; t < 6; ++t)
         rhs.push_back(MatrixX::Random(example.permutation.size(), 1 + t % 4));
-    std::vector<std::thread> threads;
-    for (int t = 0; t < 6; ++t)
-        threads.emplace_back([&, t] { solve.solve(rhs[t], found[t]); });
-    for (std::thread& thread : threads)
-        thread.join();
+    in_threads(6, [&](int t) { solve.solve(rhs[t], found[t]); });
     for (int t = 0; t < 6; ++t) {
         const MatrixX expected = example.expected(rhs[t]);
         EXPECT_LT((found[t] - expected).norm(), 1e-11 * expected.norm());

@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/multiresolution/details/deformation_transfer.h"
 
-#include "tests/native/dense.h"
 #include "tests/native/methods/multiresolution/codings.h"
-
-#include <Eigen/LU>
 
 namespace sinew::test_deformation_transfer {
 
@@ -28,45 +25,6 @@ CodingTraits traits()
 } // namespace
 
 INSTANTIATE_TEST_SUITE_P(DeformationTransfer, CodingContract, testing::Values(traits()));
-
-TEST(DeformationTransfer, solves_as_dense_gradients_do)
-{
-    const Study study(12);
-    const SurfaceMesh& mesh = study.mesh;
-    const int n = mesh.vertex_count(), faces = static_cast<int>(mesh.triangles().size());
-    shapes::Random random(8);
-    const Points moved = study.base * random.rotation() + 0.1 * random.dense(n, 3);
-    MatrixX G = MatrixX::Zero(3 * faces, n), goal(3 * faces, 3);
-    VectorX D(3 * faces);
-    const auto frame = [](const Points& p, const Triangle& t) {
-        Matrix3 F;
-        F.col(0) = (p.row(t[1]) - p.row(t[0])).transpose();
-        F.col(1) = (p.row(t[2]) - p.row(t[0])).transpose();
-        F.col(2) = F.col(0).cross(F.col(1)); // twice the area
-        return F;
-    };
-    for (int f = 0; f < faces; ++f) {
-        const Triangle& t = mesh.triangles()[f];
-        const Matrix3 F = frame(mesh.points(), t), slopes = F.transpose().inverse();
-        G.block<3, 1>(3 * f, t[1]) = slopes.col(0);
-        G.block<3, 1>(3 * f, t[2]) = slopes.col(1);
-        G.block<3, 1>(3 * f, t[0]) = -slopes.col(0) - slopes.col(1);
-        D.segment<3>(3 * f).setConstant(0.5 * F.col(2).norm());
-        Matrix3 B = frame(study.base, t), B1 = frame(moved, t);
-        // A normal times the root of the area, on both sides.
-        for (Matrix3* side : {&B, &B1})
-            side->col(2) /= std::sqrt(side->col(2).norm());
-        goal.middleRows<3>(3 * f) = G.middleRows<3>(3 * f) * mesh.points() * (B1 * B.inverse()).transpose();
-    }
-    std::vector<int> free;
-    for (int v = 0; v < n; ++v)
-        if (study.regions.is_free(v))
-            free.push_back(v);
-    const MatrixX L = G.transpose() * D.asDiagonal() * G;
-    const MatrixX x = dense::solution(L, G.transpose() * D.asDiagonal() * goal, moved, free);
-    EXPECT_LT(shapes::distance(bumps::detailed(*traits().make(study), study.fine(), study.base, moved), x),
-              1e-11);
-}
 
 TEST(DeformationTransfer, vertices_that_are_pulled_softly_go_where_their_vectors_lead)
 {

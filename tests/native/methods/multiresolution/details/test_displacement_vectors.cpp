@@ -22,16 +22,4 @@ CodingTraits traits()
 
 INSTANTIATE_TEST_SUITE_P(DisplacementVectors, CodingContract, testing::Values(traits()));
 
-TEST(DisplacementVectors, keep_their_lengths)
-{
-    const Study study(20);
-    shapes::Random random(2);
-    const Points moved = 3 * study.base + random.dense(static_cast<int>(study.base.rows()), 3);
-    const Points x =
-        bumps::detailed(DisplacementVectors(study.rings, view(study.base)), study.fine(), study.base, moved);
-    for (int v = 0; v < x.rows(); ++v)
-        EXPECT_NEAR((x.row(v) - moved.row(v)).norm(), (study.fine().row(v) - study.base.row(v)).norm(),
-                    1e-14);
-}
-
 } // namespace sinew::test_displacement_vectors

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/multiresolution/details/displacement_volumes.h"
 
+#include "tests/native/differences.h"
 #include "tests/native/methods/multiresolution/codings.h"
 
 namespace sinew::test_displacement_volumes {
@@ -38,20 +39,13 @@ TEST(DisplacementVolumes, the_gradient_of_a_prism_is_that_of_finite_differences)
     shapes::Random random(3);
     const Points coarse = random.dense(3, 3), fine = random.dense(3, 3);
     const Triangle t{0, 1, 2};
-    const double step = 1e-5; // the volume is cubic: the error is of the order of its square
-    for (int corner = 0; corner < 3; ++corner)
-        for (int axis = 0; axis < 3; ++axis) {
-            Points more = fine, less = fine;
-            more(corner, axis) += step;
-            less(corner, axis) -= step;
-            for (int cell = 0; cell < 3; ++cell) {
-                const double slope = (prism_between(view(coarse), view(more), t).volumes[cell] -
-                                      prism_between(view(coarse), view(less), t).volumes[cell]) /
-                                     (2 * step);
-                EXPECT_NEAR(prism_between(view(coarse), view(fine), t).slopes[cell](axis, corner), slope,
-                            1e-9);
-            }
-        }
+    for (int cell = 0; cell < 3; ++cell) {
+        const Points slopes = prism_between(view(coarse), view(fine), t).slopes[cell].transpose();
+        const auto volume = [&](const Points& at) {
+            return prism_between(view(coarse), view(at), t).volumes[cell];
+        };
+        expect_gradient(volume, fine, slopes, 1e-5, 1e-9); // it is cubic: the error is of the step's square
+    }
 }
 
 TEST(DisplacementVolumes, of_a_vertex_are_the_sums_over_its_prisms)

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/multiresolution/details/fairing.h"
 
-#include "tests/native/dense.h"
 #include "tests/native/methods/multiresolution/bumpy_plate.h"
 
 #include <gtest/gtest.h>
@@ -24,46 +23,6 @@ Points smoothed(const Fairing& fairing, const Points& y)
 }
 
 } // namespace
-
-TEST(Fairing, smooths_as_dense_matrices_do)
-{
-    const SurfaceMesh mesh = shapes::hill(8, 8);
-    const int n = mesh.vertex_count();
-    const Regions regions = held_at(mesh, {{{40, 41}, {}}});
-    // L and M once more, by the angles and mixed areas of the triangles.
-    MatrixX L = MatrixX::Zero(n, n);
-    VectorX M = VectorX::Zero(n);
-    for (const Triangle& t : mesh.triangles()) {
-        Vector3 e[3];
-        double cot[3], area = 0.0;
-        for (int k = 0; k < 3; ++k)
-            e[k] = mesh.point(t[(k + 2) % 3]) - mesh.point(t[(k + 1) % 3]);
-        area = 0.5 * e[0].cross(e[1]).norm();
-        for (int k = 0; k < 3; ++k)
-            cot[k] = -e[(k + 1) % 3].dot(e[(k + 2) % 3]) / (2 * area);
-        const bool obtuse = *std::min_element(cot, cot + 3) < 0;
-        for (int k = 0; k < 3; ++k) {
-            const int a = t[(k + 1) % 3], b = t[(k + 2) % 3];
-            L(a, a) += 0.5 * cot[k], L(b, b) += 0.5 * cot[k];
-            L(a, b) -= 0.5 * cot[k], L(b, a) -= 0.5 * cot[k];
-            M[t[k]] += obtuse ? (cot[k] < 0 ? area / 2 : area / 4)
-                              : (e[(k + 1) % 3].squaredNorm() * cot[(k + 1) % 3] +
-                                 e[(k + 2) % 3].squaredNorm() * cot[(k + 2) % 3]) /
-                                    8;
-        }
-    }
-    const double wavelength = 4.0, c = std::pow(wavelength / (2 * shapes::pi), 4);
-    const MatrixX A = MatrixX(M.asDiagonal()) + c * L * M.cwiseInverse().asDiagonal() * L;
-    shapes::Random random(3);
-    const Points y = mesh.points() + 0.2 * random.dense(n, 3);
-    std::vector<int> free;
-    for (int v = 0; v < n; ++v)
-        if (regions.is_free(v))
-            free.push_back(v);
-    ASSERT_EQ(free.size(), 23u); // 5 x 5 inside the two outer rings, less two
-    const MatrixX expected = dense::solution(A, M.asDiagonal() * MatrixX(y), y, free);
-    EXPECT_LT(shapes::distance(smoothed({mesh, regions, wavelength}, y), expected), 1e-11);
-}
 
 TEST(Fairing, an_affine_map_of_the_shape_maps_the_base)
 {

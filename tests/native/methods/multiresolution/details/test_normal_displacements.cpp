@@ -72,10 +72,7 @@ TEST(NormalDisplacements, stand_around_the_closest_triangle_of_a_messy_base)
     Points fine = coarse + 0.04 * random.dense(mesh.vertex_count(), 3);
     const auto rings = std::make_shared<const RingRotations>(mesh);
     const NormalDisplacements coding(view(fine), view(coarse), rings);
-    std::vector<Vector3> points;
-    for (int v = 0; v < mesh.vertex_count(); ++v)
-        points.emplace_back(coarse.row(v).transpose());
-    const TriangleTree tree(points, mesh.triangles());
+    const TriangleTree tree(shapes::list_of(coarse), mesh.triangles());
     int closest = 0, near = 0, vectors = 0;
     for (int v = 0; v < mesh.vertex_count(); ++v) {
         const auto& foot_point = coding.foot_points()[v];

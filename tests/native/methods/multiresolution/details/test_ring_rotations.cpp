@@ -5,9 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
-
 namespace sinew::test_ring_rotations {
 
 namespace {
@@ -22,34 +19,6 @@ std::vector<Matrix3> rotations(const SurfaceMesh& mesh, const Points& after)
 }
 
 } // namespace
-
-TEST(RingRotations, are_those_of_maps_by_matrix_inverses)
-{
-    const SurfaceMesh mesh = shapes::hill(8, 8);
-    shapes::Random random(5);
-    const Points after = 2 * mesh.points() * random.rotation() + 0.2 * random.dense(mesh.vertex_count(), 3);
-    std::vector<Matrix3> sums(mesh.vertex_count(), Matrix3::Zero());
-    const auto frame = [](const Points& p, const Triangle& t) {
-        Matrix3 F;
-        F.col(0) = (p.row(t[1]) - p.row(t[0])).transpose();
-        F.col(1) = (p.row(t[2]) - p.row(t[0])).transpose();
-        F.col(2) = F.col(0).cross(F.col(1)).normalized();
-        return F;
-    };
-    for (const Triangle& t : mesh.triangles()) {
-        const Matrix3 F = frame(mesh.points(), t);
-        const double area = 0.5 * F.col(0).cross(F.col(1)).norm();
-        for (int v : t)
-            sums[v] += area * frame(after, t) * F.inverse();
-    }
-    const std::vector<Matrix3> found = rotations(mesh, after);
-    for (int v = 0; v < mesh.vertex_count(); ++v) {
-        const Eigen::JacobiSVD<Matrix3> svd(sums[v], Eigen::ComputeFullU | Eigen::ComputeFullV);
-        const Vector3 sign(1, 1, (svd.matrixU() * svd.matrixV().transpose()).determinant());
-        const Matrix3 R = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
-        EXPECT_LT((found[v] - R).norm(), 1e-11);
-    }
-}
 
 TEST(RingRotations, equal_shapes_give_the_identity_also_on_messy_meshes)
 {

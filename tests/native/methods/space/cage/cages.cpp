@@ -30,11 +30,7 @@ SurfaceMesh u_prism()
 SurfaceMesh bumpy_sphere(int level, double bumps)
 {
     const SurfaceMesh round = sphere(level);
-    Points p = round.points();
-    Random random(11);
-    for (Eigen::Index i = 0; i < p.rows(); ++i)
-        p.row(i) += bumps * random.vector().transpose();
-    return moved(round, p);
+    return moved(round, Random(11).shaken(round.points(), bumps));
 }
 
 Points points_around(const SurfaceMesh& cage, int count, double reach, std::uint64_t seed)
@@ -75,11 +71,16 @@ Points points_near(const SurfaceMesh& cage, const std::vector<double>& distances
 
 namespace sinew::cages {
 
+namespace {
+
+/// Whether a point lies in it, at least `depth` from its surface.
 bool in_u_prism(const Vector3& p, double depth)
 {
     const bool box = p.minCoeff() > depth && p.x() < 3 - depth && p.y() < 3 - depth && p.z() < 1 - depth;
     return box && !(p.x() > 1 - depth && p.x() < 2 + depth && p.y() > 1 - depth);
 }
+
+} // namespace
 
 Points inside_u_prism(int count, double depth, std::uint64_t seed)
 {

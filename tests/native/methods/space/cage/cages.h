@@ -41,9 +41,6 @@ namespace sinew::cages {
 
 using shapes::u_prism;
 
-/// Whether a point lies in it, at least `depth` from its surface.
-bool in_u_prism(const Vector3& p, double depth);
-
 Points inside_u_prism(int count, double depth, std::uint64_t seed = 1);
 
 /// A sphere of triangles whose radius is anything from `low` to 1: concave, and no two edges alike.

@@ -6,7 +6,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <limits>
 
 namespace sinew::test_cage {
@@ -28,30 +27,20 @@ TEST(Cage, takes_polygons_and_several_parts)
 
 TEST(Cage, names_the_vertices_of_open_edges)
 {
-    shapes::Polygons faces = shapes::faces_of(shapes::octahedron());
-    const std::vector<int> lost(faces.back().begin(), faces.back().end());
-    faces.pop_back();
-    std::vector<int> expected = lost;
-    std::sort(expected.begin(), expected.end());
-    EXPECT_EQ(named(shapes::over(shapes::octahedron().points(), faces)), expected);
+    EXPECT_EQ(named(shapes::without_face(shapes::octahedron(), 7)), (std::vector{0, 3, 5}));
 }
 
 TEST(Cage, refuses_faces_that_look_to_different_sides)
 {
-    shapes::Polygons faces = shapes::faces_of(shapes::octahedron());
-    std::reverse(faces.front().begin(), faces.front().end());
-    EXPECT_EQ(named(shapes::over(shapes::octahedron().points(), faces)).size(), 3u);
+    EXPECT_EQ(named(shapes::flipped(shapes::octahedron(), {0})).size(), 3u);
 }
 
 TEST(Cage, refuses_one_inside_out_and_a_flat_one)
 {
-    shapes::Polygons faces = shapes::faces_of(shapes::cube());
-    for (auto& face : faces)
-        std::reverse(face.begin(), face.end());
-    EXPECT_EQ(named(shapes::over(shapes::cube().points(), faces)).size(), 6u);
+    EXPECT_EQ(named(shapes::inside_out(shapes::cube())).size(), 6u);
     Points flat = shapes::cube().points();
     flat.col(2).setZero();
-    EXPECT_EQ(named(shapes::over(flat, shapes::faces_of(shapes::cube()))).size(), 6u);
+    EXPECT_EQ(named(shapes::moved(shapes::cube(), flat)).size(), 6u);
 }
 
 TEST(Cage, refuses_no_faces) { EXPECT_THROW(Cage{SurfaceMesh(Points::Zero(3, 3), {}, {})}, InvalidMesh); }

@@ -5,25 +5,11 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 namespace sinew::test_mean_value {
 
 namespace {
 
 using cages::doubles;
-
-RowMatrix weights_of(const SurfaceMesh& cage, const Points& points)
-{
-    return cages::weights<MeanValue>(cage, points, doubles);
-}
-
-double affine_error(const SurfaceMesh& cage, const Points& points)
-{
-    const RowMatrix W = weights_of(cage, points);
-    const double sums = (W.rowwise().sum().array() - 1.0).abs().maxCoeff();
-    return std::max(sums, shapes::distance(W * cage.points(), points));
-}
 
 SpaceTraits traits()
 {
@@ -39,142 +25,7 @@ SpaceTraits traits()
 
 } // namespace
 
+// What its weights promise is in tests/bindings/spaces/test_cage_weights.py.
 INSTANTIATE_TEST_SUITE_P(MeanValue, SpaceContract, testing::Values(traits()));
-
-TEST(MeanValue, has_the_known_weights_in_the_octahedron)
-{
-    Points x(2, 3);
-    x << 0.1, 0.2, 0.3, 0, 0, 0;
-    RowMatrix expected(2, 6);
-    expected << .18652452, .08652452, .26392439, .06392439, .34955109, .04955109, //
-        1. / 6, 1. / 6, 1. / 6, 1. / 6, 1. / 6, 1. / 6;
-    const RowMatrix W = weights_of(shapes::octahedron(), x);
-    EXPECT_LT((W - expected).row(0).cwiseAbs().maxCoeff(), 5e-9); // the digits given
-    EXPECT_LT((W - expected).row(1).cwiseAbs().maxCoeff(), 1e-15);
-}
-
-TEST(MeanValue, is_negative_where_an_arm_is_seen_through_the_cage)
-{
-    Points x(1, 3);
-    x << 0.5, 2.5, 0.5;
-    EXPECT_NEAR(weights_of(shapes::u_prism(), x).minCoeff(), -0.0068, 5e-5); // the digits given
-}
-
-TEST(MeanValue, reproduces_affine_maps_inside_and_outside)
-{
-    struct Case
-    {
-        SurfaceMesh cage;
-        double reach, tolerance; // rounding of some hundred weights; outside they grow with the distance
-    };
-    for (const Case& at : {Case{shapes::octahedron(), 3.0, 1e-12}, Case{shapes::u_prism(), 2.0, 1e-11},
-                           Case{shapes::bumpy_sphere(3), 1.5, 1e-11},
-                           Case{shapes::joined(shapes::cube(), shapes::octahedron(), {4, 1, 0}), 1.5, 1e-11}})
-        EXPECT_LT(affine_error(at.cage, shapes::points_around(at.cage, 200, at.reach)), at.tolerance);
-}
-
-TEST(MeanValue, is_piecewise_linear_on_the_cage)
-{
-    for (const SurfaceMesh& cage : {shapes::bumpy_sphere(1), shapes::u_prism()}) {
-        const Triangle& t = cage.triangles()[3];
-        const Vector3 shares(0.2, 0.3, 0.5);
-        Points x(3, 3);
-        x.row(0) = cage.points().row(t[0]);
-        x.row(1) = 0.25 * cage.points().row(t[1]) + 0.75 * cage.points().row(t[2]);
-        x.row(2) = shares[0] * cage.points().row(t[0]) + shares[1] * cage.points().row(t[1]) +
-                   shares[2] * cage.points().row(t[2]);
-        RowMatrix expected = RowMatrix::Zero(3, cage.vertex_count());
-        expected(0, t[0]) = 1.0;
-        expected(1, t[1]) = 0.25;
-        expected(1, t[2]) = 0.75;
-        for (int k = 0; k < 3; ++k)
-            expected(2, t[k]) = shares[k];
-        EXPECT_LT((weights_of(cage, x) - expected).cwiseAbs().maxCoeff(), 1e-14);
-    }
-}
-
-TEST(MeanValue, passes_a_face_without_a_jump)
-{
-    const SurfaceMesh cage = shapes::bumpy_sphere(1);
-    const Triangle& t = cage.triangles()[5];
-    const Vector3 foot = (cage.point(t[0]) + cage.point(t[1]) + cage.point(t[2])) / 3.0;
-    const Vector3 normal =
-        (cage.point(t[1]) - cage.point(t[0])).cross(cage.point(t[2]) - cage.point(t[0])).normalized();
-    const std::vector<double> heights{1e-5, 1e-8, 1e-10, 1e-12, 1e-14, 1e-16, 0.0};
-    std::vector<Vector3> list;
-    for (const double h : heights)
-        for (const double side : {-1.0, 1.0})
-            list.push_back(foot + side * h * normal);
-    const RowMatrix W = weights_of(cage, shapes::points_of(list));
-    for (std::size_t k = 0; k < heights.size(); ++k)
-        for (int side = 0; side < 2; ++side)
-            // the slope of a weight is below 30 over edges of .3
-            EXPECT_LT((W.row(2 * k + side) - W.row(W.rows() - 1)).cwiseAbs().maxCoeff(),
-                      30 * heights[k] + 1e-14);
-}
-
-TEST(MeanValue, has_one_gradient_on_both_sides_of_a_triangles_plane)
-{
-    // Mean value weights are smooth off the cage, also where the formula changes: in planes and on their
-    // rims.
-    const SurfaceMesh cage = shapes::u_prism(); // the notch: x from 1 to 2, y > 1
-    constexpr double step = 1e-4;
-    for (const double near : {0.0, 1e-9, 1e-3}) {
-        Points line(7, 3);
-        for (int k = 0; k < 7; ++k)
-            line.row(k) << 1.5, 3.0 + near + (k - 3) * step, 0.4; // through the plane y = 3
-        const RowMatrix W = weights_of(cage, line);
-        const RowMatrix third =
-            W.row(6) - 3 * W.row(4) + 3 * W.row(2) - W.row(0); // step 2, of a smooth function
-        EXPECT_LT(third.cwiseAbs().maxCoeff(), 1e-9); // 8 step^3 w''', 100 at most
-    }
-}
-
-TEST(MeanValue, tells_which_points_lie_outside)
-{
-    const SurfaceMesh cage = shapes::u_prism();
-    const Points points = shapes::points_around(cage, 500, 1.3);
-    MeanValue coordinates(Cage(cage), doubles);
-    const SpaceReport report = coordinates.bind(view(points));
-    std::vector<int> expected;
-    for (int i = 0; i < 500; ++i) {
-        if (!cages::in_u_prism(points.row(i), 0.0))
-            expected.push_back(i);
-    }
-    EXPECT_EQ(report.outside, expected);
-    EXPECT_GT(expected.size(), 100u);
-}
-
-TEST(MeanValue, stays_finite_far_away)
-{
-    Points points(4, 3);
-    points << 1e2, 3, 5, 1e5, 0, 0, 1e100, -1e100, 3, 0, 0, -1e300;
-    const SurfaceMesh cage = shapes::bumpy_sphere(1);
-    const RowMatrix W = weights_of(cage, points);
-    EXPECT_TRUE(W.allFinite());
-    EXPECT_LT((W.rowwise().sum().array() - 1.0).abs().maxCoeff(), 1e-10);
-    // digits are lost with the cube of the distance
-    EXPECT_LT((W.row(0) * cage.points() - points.row(0)).norm(), 1e-6);
-}
-
-TEST(MeanValue, leaves_out_faces_without_area)
-{
-    const SurfaceMesh cage = cages::cube_with_a_flat_triangle();
-    const Points points = shapes::points_around(cage, 100, 1.2);
-    EXPECT_LT(affine_error(cage, points), 1e-9);
-    EXPECT_TRUE(weights_of(cage, shapes::points_near(cage, {0.0, 1e-9})).allFinite());
-}
-
-TEST(MeanValue, of_any_scale_and_place_is_the_same)
-{
-    const SurfaceMesh cage = shapes::bumpy_sphere(1);
-    const Points points = shapes::points_around(cage, 50, 1.2);
-    const RowMatrix W = weights_of(cage, points);
-    for (const double scale : {1e-12, 1e9})
-        EXPECT_LT((weights_of(shapes::moved(cage, scale * cage.points()), scale * points) - W)
-                      .cwiseAbs()
-                      .maxCoeff(),
-                  1e-12);
-}
 
 } // namespace sinew::test_mean_value

@@ -5,19 +5,14 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
-
 namespace sinew::test_positive_mean_value {
 
 namespace {
 
-using cages::doubles;
-using cages::largest;
-
 PositiveMeanValueOptions exact()
 {
     PositiveMeanValueOptions options;
-    options.weights = doubles;
+    options.weights = cages::doubles;
     return options;
 }
 
@@ -27,46 +22,6 @@ PositiveMeanValueOptions rays(int count)
     options.exact = false;
     options.directions = count;
     return options;
-}
-
-RowMatrix weights(const SurfaceMesh& cage, const Points& points,
-                  const PositiveMeanValueOptions& options = exact())
-{
-    return cages::weights<PositiveMeanValue>(cage, points, options);
-}
-
-void expect_barycentric(const RowMatrix& w, const SurfaceMesh& cage, const Points& points)
-{
-    cages::expect_barycentric(w, cage, points, 1e-9);
-}
-
-/// By rays whose first faces are found one by one, and hat functions solved for: shares no code with ours.
-Eigen::RowVectorXd by_rays(const SurfaceMesh& cage, const Vector3& x, int count)
-{
-    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(cage.vertex_count());
-    for (int k = 0; k < count; ++k) {
-        const double z = 1 - (2 * k + 1) / static_cast<double>(count);
-        const double turn = 2.399963229728653 * k; // the golden angle
-        const double r = std::sqrt(1 - z * z);
-        const Vector3 d(r * std::cos(turn), r * std::sin(turn), z);
-        double nearest = 1e300;
-        Eigen::RowVectorXd hit = Eigen::RowVectorXd::Zero(cage.vertex_count());
-        for (const Triangle& t : cage.triangles()) {
-            // x + s d = a + u (b - a) + v (c - a), by Cramer's rule.
-            const Vector3 ab = cage.point(t[1]) - cage.point(t[0]), ac = cage.point(t[2]) - cage.point(t[0]);
-            const Vector3 ax = x - cage.point(t[0]), p = d.cross(ac), q = ax.cross(ab);
-            const double s = ac.dot(q) / ab.dot(p), u = ax.dot(p) / ab.dot(p), v = d.dot(q) / ab.dot(p);
-            if (!(s > 0 && s < nearest && u >= 0 && v >= 0 && u + v <= 1))
-                continue;
-            nearest = s;
-            hit.setZero();
-            hit[t[0]] = 1 - u - v;
-            hit[t[1]] = u;
-            hit[t[2]] = v;
-        }
-        sum += hit / nearest;
-    }
-    return sum / sum.sum();
 }
 
 SpaceTraits traits()
@@ -85,127 +40,7 @@ SpaceTraits traits()
 
 } // namespace
 
+// What its weights promise is in tests/bindings/spaces/test_cage_weights.py.
 INSTANTIATE_TEST_SUITE_P(PositiveMeanValue, SpaceContract, testing::Values(traits()));
-
-TEST(PositiveMeanValue, equals_mean_values_in_convex_cages)
-{
-    const Points x = cages::in_ball(300, 0.5);
-    for (const SurfaceMesh& cage : {shapes::octahedron(), shapes::sphere(2)})
-        EXPECT_LT(largest(weights(cage, x) - cages::weights<MeanValue>(cage, x, doubles)), 1e-10);
-    Points known(1, 3);
-    known << .1, .2, .3;
-    RowMatrix expected(1, 6);
-    expected << .18652452, .08652452, .26392439, .06392439, .34955109, .04955109;
-    EXPECT_LT(largest(weights(shapes::octahedron(), known) - expected), 5e-9); // the digits given
-}
-
-TEST(PositiveMeanValue, is_positive_where_mean_values_are_not)
-{
-    Points x(1, 3);
-    x << .5, 2.5, .5;
-    const SurfaceMesh u = cages::u_prism();
-    EXPECT_LT(cages::weights<MeanValue>(u, x, doubles).minCoeff(), -0.006);
-    const RowMatrix w = weights(u, x);
-    expect_barycentric(w, u, x);
-    for (int v : {2, 3, 10, 11}) // the top of the other arm is out of sight
-        EXPECT_LT(w(0, v), 1e-15);
-}
-
-TEST(PositiveMeanValue, agrees_with_rays_in_concave_cages)
-{
-    Points x(3, 3);
-    x << .5, 2.5, .5, 1.5, .5, .5, .2, .3, .7;
-    const RowMatrix u = weights(cages::u_prism(), x);
-    const SurfaceMesh bumpy = cages::bumpy(1, 0.3, 4);
-    const Points y = cages::in_ball(3, 0.15);
-    const RowMatrix b = weights(bumpy, y);
-    for (int i = 0; i < 3; ++i) {
-        // 20000 rays have a spacing of .025; what an edge cuts wrongly is its square times the edges in
-        // sight.
-        EXPECT_LT((u.row(i) - by_rays(cages::u_prism(), x.row(i).transpose(), 20000)).cwiseAbs().maxCoeff(),
-                  3e-4);
-        EXPECT_LT((b.row(i) - by_rays(bumpy, y.row(i).transpose(), 20000)).cwiseAbs().maxCoeff(), 3e-4);
-    }
-}
-
-TEST(PositiveMeanValue, is_barycentric_close_to_the_cage)
-{
-    const SurfaceMesh u = cages::u_prism();
-    for (double depth : {0.05, 1e-5}) {
-        const Points x = cages::inside_u_prism(300, depth);
-        expect_barycentric(weights(u, x), u, x);
-    }
-    Points close(4, 3); // to a face, an edge, a corner and the edge that both arms meet at
-    close << 1e-9, 1.4, .3, 1e-9, 1.5, 1e-9, 1e-9, 1e-9, 1e-9, 1 - 1e-9, 1 - 1e-9, .4;
-    expect_barycentric(weights(u, close), u, close);
-}
-
-TEST(PositiveMeanValue, is_linear_on_the_faces)
-{
-    const SurfaceMesh u = cages::u_prism();
-    EXPECT_LT(largest(weights(u, u.points()) - RowMatrix::Identity(16, 16)), 1e-9);
-    const SurfaceMesh octahedron = shapes::octahedron();
-    Points x(2, 3);
-    x << .2, .3, .5, 0, .4, .6;
-    RowMatrix expected(2, 6);
-    expected << .2, 0, .3, 0, .5, 0, 0, 0, .4, 0, .6, 0;
-    EXPECT_LT(largest(weights(octahedron, x) - expected), 1e-9);
-}
-
-TEST(PositiveMeanValue, moves_on_without_jumps_as_parts_come_into_view)
-{
-    const SurfaceMesh u = cages::u_prism();
-    constexpr int steps = 2000;
-    Points path(steps + 1, 3);
-    for (int i = 0; i <= steps; ++i)
-        path.row(i) << .5 + .45 * i / steps, 2.8 - 2.3 * i / steps, .5 + .02 * i / steps;
-    const RowMatrix w = weights(u, path), seen = weights(u, path, rays(1024));
-    const double step = (w.bottomRows(steps) - w.topRows(steps)).cwiseAbs().maxCoeff();
-    const double jump = (seen.bottomRows(steps) - seen.topRows(steps)).cwiseAbs().maxCoeff();
-    EXPECT_LT(step, 2e-3);
-    EXPECT_GT(jump, step); // what the preview is worse in
-}
-
-TEST(PositiveMeanValue, preview_errs_less_with_more_rays)
-{
-    const Points x = cages::inside_u_prism(50, 0.1);
-    const SurfaceMesh u = cages::u_prism();
-    const RowMatrix w = weights(u, x);
-    const RowMatrix few = weights(u, x, rays(1024)), many = weights(u, x, rays(16384));
-    expect_barycentric(many, u, x);
-    EXPECT_LT(largest(few - w), 5e-3);
-    EXPECT_LT(largest(many - w), largest(few - w) / 3);
-}
-
-TEST(PositiveMeanValue, names_points_outside_or_falls_back_on_mean_values)
-{
-    Points x(3, 3);
-    x << .5, .5, .5, 1.5, 2, .5, 9, 9, 9;
-    cages::expect_outside<PositiveMeanValue>(cages::u_prism(), exact(), x, {1, 2});
-}
-
-TEST(PositiveMeanValue, sees_one_part_of_a_cage_at_a_time)
-{
-    const SurfaceMesh two = shapes::joined(shapes::cube(), shapes::octahedron(), {5, 0, 0});
-    const Points x = Points::Constant(1, 3, .4);
-    const RowMatrix w = weights(two, x);
-    expect_barycentric(w, two, x);
-    EXPECT_LT(largest(w.rightCols(6)), 1e-15);
-}
-
-TEST(PositiveMeanValue, refuses_odd_and_too_few_directions)
-{
-    for (int count : {9, 0, -1024})
-        EXPECT_THROW(PositiveMeanValue(Cage(shapes::cube()), rays(count)), InvalidOption);
-}
-
-TEST(PositiveMeanValue, takes_faces_without_area)
-{
-    Points points = shapes::cube().points();
-    points.row(6) = points.row(5);
-    const SurfaceMesh flat = shapes::moved(shapes::cube(), points);
-    const Points x = Points::Constant(1, 3, .25);
-    expect_barycentric(weights(flat, x), flat, x);
-}
 
 } // namespace sinew::test_positive_mean_value

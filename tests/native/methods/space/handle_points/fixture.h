@@ -13,11 +13,7 @@ namespace sinew::handles {
 
 inline Points random_points(int count, double reach, std::uint64_t seed)
 {
-    shapes::Random random(seed);
-    Points points(count, 3);
-    for (int i = 0; i < count; ++i)
-        points.row(i) = reach * random.vector().transpose();
-    return points;
+    return shapes::Random(seed).points(count, reach);
 }
 
 /// Two regions of a bar, and a point of its own.

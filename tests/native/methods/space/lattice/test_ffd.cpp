@@ -1,15 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/space/lattice/ffd.h"
 
-#include "native/core/simd/kernel_set.h"
 #include "tests/native/methods/space/contract.h"
 #include "tests/native/methods/space/lattice/lattices.h"
 #include "tests/native/refusals.h"
 
 #include <gtest/gtest.h>
-
-#include <cmath>
-#include <limits>
 
 namespace sinew::test_ffd {
 
@@ -104,143 +100,10 @@ std::unique_ptr<Ffd> ffd(const Points& rest, const Counts& n, const RestGridOpti
     return made;
 }
 
-/// How far each point moves if control point `index` moves by one along x.
-VectorX response(const Ffd& method, const Points& rest, int index)
-{
-    Points posed = rest;
-    posed(index, 0) += 1.0;
-    return (warped(method, posed) - method.points()).col(0);
-}
-
 } // namespace
 
 INSTANTIATE_TEST_SUITE_P(Ffd, SpaceContract,
                          testing::Values(traits(), bent_traits(), blender_traits(), hexahedra_traits()));
-
-TEST(Ffd, centre_of_a_quadratic_unit_cube)
-{
-    const Points rest = box({3, 3, 3}), centre = Points::Constant(1, 3, 0.5);
-    for (const LatticeBasis basis : {bezier, bspline})
-        EXPECT_NEAR(response(*ffd(rest, {3, 3, 3}, options(basis, 2), centre), rest, 13)[0], 0.125, 1e-15);
-}
-
-TEST(Ffd, bezier_lattices_blend_by_bernstein_polynomials)
-{
-    const auto bernstein = [](int i, int n, double t) {
-        return std::exp(std::lgamma(n + 1.0) - std::lgamma(i + 1.0) - std::lgamma(n - i + 1.0)) *
-               std::pow(t, i) * std::pow(1 - t, n - i);
-    };
-    const Points points = in_box(30, {0, 0, 0}, {1, 1, 1});
-    for (const Counts& n : {Counts{2, 3, 4}, Counts{5, 6, 2}, Counts{9, 1, 16}}) {
-        const Points rest = box(n);
-        const auto method = ffd(rest, n, options(bezier), points);
-        for (int index = 0; index < rest.rows(); index += 7) {
-            const Counts at{index % n[0], index / n[0] % n[1], index / (n[0] * n[1])};
-            const VectorX moved = response(*method, rest, index);
-            for (int p = 0; p < points.rows(); ++p) {
-                double expected = 1.0;
-                for (int axis = 0; axis < 3; ++axis)
-                    expected *= bernstein(at[axis], n[axis] - 1, points(p, axis));
-                EXPECT_NEAR(moved[p], expected, 1e-12); // powers of a half lose some digits at 16 points
-            }
-        }
-    }
-}
-
-TEST(Ffd, one_moved_point_reaches_degree_plus_one_spans_and_blends_with_continuous_derivatives)
-{
-    for (int degree = 1; degree <= 5; ++degree) {
-        const Counts n{12, 1, 1};
-        Points line(20001, 3);
-        for (int i = 0; i < line.rows(); ++i)
-            line.row(i) << i / 20000.0, 0.5, 0.5;
-        const Points rest = box(n);
-        const VectorX f = response(*ffd(rest, n, options(bspline, degree), line), rest, 6);
-        int reached = 0;
-        for (int i = 0; i < f.size(); ++i)
-            reached += f[i] > 0.0 ? 1 : 0;
-        // Spans near the ends are shorter, since the places of the points are even.
-        const AxisBasis axis(bspline, 12, degree, LatticeOutside::follow);
-        const double begin = axis.place(std::max(6 - degree, 0)), end = axis.place(std::min(7, 12 - degree));
-        EXPECT_NEAR(reached / 20000.0, (end - begin) / 11.0, 0.002) << degree;
-        // The derivative of order degree is piecewise constant, so that of one order less has no jump.
-        VectorX derivative = f;
-        double before = 1.0;
-        for (int order = 1; order < degree && order <= 2; ++order) {
-            const VectorX next =
-                (derivative.tail(derivative.size() - 1) - derivative.head(derivative.size() - 1)) * 20000.0;
-            const double step =
-                (next.tail(next.size() - 1) - next.head(next.size() - 1)).cwiseAbs().maxCoeff();
-            before = next.cwiseAbs().maxCoeff();
-            derivative = next;
-            EXPECT_LT(step, 0.01 * before) << degree << " order " << order;
-        }
-    }
-}
-
-TEST(Ffd, frozen_borders_end_the_deformation_with_continuous_derivatives)
-{
-    const Counts n{11, 1, 1};
-    const Points rest = box(n);
-    constexpr double h = 1e-3;
-    for (int k = 0; k <= 2; ++k) {
-        Points line(6, 3);
-        for (int i = 0; i < 6; ++i)
-            line.row(i) << 1.0 - 4 * h + i * h, 0.5, 0.5; // four inside, one on the border, one outside
-        const auto method = ffd(rest, n, options(bspline, 3, LatticeOutside::freeze, k), line);
-        Points posed = rest;
-        posed.col(0).array() += 1.0; // all
-        const VectorX moved = (warped(*method, posed) - line).col(0);
-        EXPECT_EQ(moved[4], 0.0);
-        EXPECT_EQ(moved[5], 0.0);
-        // Inside, the move grows with the power k + 1 of the distance.
-        const double power = std::log(moved[0] / moved[2]) / std::log(2.0);
-        EXPECT_NEAR(power, k + 1.0, 0.1) << k;
-        EXPECT_GT(moved[0], 0.0);
-    }
-}
-
-TEST(Ffd, all_planes_frozen_are_refused)
-{
-    const Points rest = box({4, 4, 4});
-    const auto make = [&](int k) {
-        return RestGrid(view(rest), {4, 4, 4}, options(bspline, 3, LatticeOutside::freeze, k));
-    };
-    EXPECT_NO_THROW(make(0));
-    EXPECT_THROW(make(1), InvalidOption);
-    EXPECT_THROW(make(-1), InvalidOption);
-}
-
-TEST(Ffd, blenders_functions_are_those_of_its_curves_and_constant_far_away)
-{
-    const Counts n{4, 1, 1};
-    const Points rest = box(n);
-    Points line(7, 3);
-    const double x[] = {-7, -0.4, 0.1, 0.5, 0.95, 1.3, 9};
-    for (int i = 0; i < 7; ++i)
-        line.row(i) << x[i], 0.0, 3.0;
-    for (const auto& [basis, a] :
-         {std::pair{LatticeBasis::cardinal, 0.71}, {LatticeBasis::catmull_rom, 0.5}}) {
-        const auto method = ffd(rest, n, options(basis), line);
-        VectorX sum = VectorX::Zero(7);
-        for (int c = 0; c < 4; ++c) {
-            const VectorX moved = response(*method, rest, c);
-            sum += moved;
-            for (int i = 0; i < 7; ++i) {
-                const double u = std::clamp(3 * x[i], -9.0, 9.0), cell = std::floor(u), t = u - cell;
-                double expected = 0.0;
-                for (int k = -1; k <= 2; ++k) {
-                    const double d = std::abs(t - k); // the kernel by the distance of the neighbour
-                    const double w = d < 1 ? (2 - a) * d * d * d + (a - 3) * d * d + 1
-                                           : -a * d * d * d + 5 * a * d * d - 8 * a * d + 4 * a;
-                    expected += std::clamp(static_cast<int>(cell) + k, 0, 3) == c ? w : 0.0;
-                }
-                EXPECT_NEAR(moved[i], expected, 1e-13) << x[i];
-            }
-        }
-        EXPECT_LT((sum.array() - 1.0).abs().maxCoeff(), 1e-14);
-    }
-}
 
 TEST(Ffd, lattices_of_few_points_follow_what_they_have)
 {
@@ -266,33 +129,9 @@ TEST(Ffd, a_bent_lattice_places_points_by_its_own_map)
         const auto map = ffd(straight, n, options(basis), shares);
         const Points points = warped(*map, rest);
         const auto method = ffd(rest, n, options(basis), points);
-        Points posed = rest;
-        shapes::Random random(3);
-        for (Eigen::Index i = 0; i < posed.rows(); ++i)
-            posed.row(i) += 0.3 * random.vector().transpose();
+        const Points posed = shapes::Random(3).shaken(rest, 0.3);
         EXPECT_LT(shapes::distance(warped(*method, posed), warped(*map, posed)), 1e-9);
     }
-}
-
-TEST(Ffd, folded_and_flat_lattices_are_refused_by_name)
-{
-    Points rest = box({3, 3, 3});
-    rest.row(13) = Eigen::RowVector3d(1.4, 0.5, 0.5); // the middle point beyond the border
-    const auto make = [&](const Points& points) {
-        return RestGrid(view(points), {3, 3, 3}, options(bspline));
-    };
-    const InvalidMesh folded = refusal<InvalidMesh>([&] { make(rest); });
-    EXPECT_EQ(folded.element_kind(), Error::Element::vertex);
-    EXPECT_TRUE(std::find(folded.elements().begin(), folded.elements().end(), 13) != folded.elements().end());
-    Points flat = box({3, 3, 3});
-    flat.col(2).setZero();
-    EXPECT_EQ(refusal<InvalidMesh>([&] { make(flat); }).elements().size(), 27u);
-    rest = box({3, 3, 3});
-    rest(4, 1) = std::numeric_limits<double>::quiet_NaN();
-    expect_elements(refusal<InvalidMesh>([&] { make(rest); }), Error::Element::vertex, {4});
-    EXPECT_THROW(RestGrid(view(flat), {3, 3, 2}, options(bspline)), InvalidOption);
-    EXPECT_THROW(RestGrid(view(flat), {3, 3, 3}, options(bspline, 6)), InvalidOption);
-    EXPECT_THROW(RestGrid(view(box({17, 1, 1})), {17, 1, 1}, options(bezier)), InvalidOption);
 }
 
 TEST(Ffd, mirrored_lattices_are_not_folded)
@@ -310,28 +149,6 @@ TEST(Ffd, names_the_points_outside)
     EXPECT_EQ(method.bind(view(points)).outside, std::vector{2});
     Ffd cells(Hexahedra(boxes({2, 2, 2}), 1));
     EXPECT_EQ(cells.bind(view(points)).outside, std::vector{2});
-}
-
-TEST(Ffd, every_kernel_gives_the_same_bits)
-{
-    shapes::Random random(7);
-    const MatrixX moves = random.dense(3, 16 * 16 * 16), local = random.dense(8, 3);
-    for (const int width : {1, 2, 4, 5, 16}) {
-        const MatrixX rows = random.dense(width * 6, 3);
-        BlendCell cell{};
-        for (int axis = 0; axis < 3; ++axis)
-            cell.axes[axis] = {rows.col(axis).data(), width, 5};
-        cell.moves = moves.data();
-        cell.strides[0] = 48;
-        cell.strides[1] = 768;
-        std::array<double, 24> expected{}, found{};
-        BlendKernels::baseline.blend(cell, local.data(), expected.data());
-        for (const Instructions set : {Instructions::avx2, Instructions::avx512})
-            if (const BlendKernels* kernels = kernels_with<BlendKernels>(set)) {
-                kernels->blend(cell, local.data(), found.data());
-                EXPECT_EQ(found, expected) << width;
-            }
-    }
 }
 
 TEST(Hexahedra, are_found_in_boxes_and_between_them)

@@ -3,11 +3,8 @@
 
 #include "tests/native/methods/space/contract.h"
 #include "tests/native/methods/space/handle_points/fixture.h"
-#include "tests/native/refusals.h"
 
 #include <gtest/gtest.h>
-
-#include <cmath>
 
 namespace sinew::test_mls {
 
@@ -115,27 +112,6 @@ TEST(Mls, handles_on_a_line_turn_by_the_smallest_angle)
     EXPECT_LT(shapes::distance(warped(alone, points, Points(line.row(1))),
                                shapes::transformed(points, shapes::shift(1, 0, 0))),
               1e-15);
-}
-
-TEST(Mls, refuses_options_that_make_no_sense)
-{
-    const Points p = random_points(6, 1.0, 1);
-    Points twice = p;
-    twice.row(1) = twice.row(0);
-    EXPECT_THROW(Mls(HandlePoints(view(p)), {MlsMaps::rigid, 0.0}), InvalidOption);
-    EXPECT_THROW(Mls(HandlePoints(view(p)), {MlsMaps::rigid, 1.0, {{0, 6}}}), InvalidConstraint);
-    EXPECT_THROW(Mls(HandlePoints(view(p), {2, 4}), {MlsMaps::rigid, 1.0, {{0, 1}}}), InvalidConstraint);
-    expect_elements(
-        refusal<InvalidConstraint>([&] { Mls(HandlePoints(view(twice)), {MlsMaps::rigid, 1.0, {{0, 1}}}); }),
-        Error::Element::handle, {0, 1});
-    Mls mls(HandlePoints{view(twice)});
-    Points apart = twice;
-    apart(1, 0) += 1.0;
-    expect_elements(refusal<InvalidConstraint>([&] { warped(mls, p, apart); }), Error::Element::handle,
-                    {0, 1});
-    const MemoryLimit limit(100);
-    Mls large(HandlePoints{view(p)});
-    EXPECT_THROW(large.bind(view(random_points(100, 1.0, 2))), OutOfMemory);
 }
 
 } // namespace sinew::test_mls

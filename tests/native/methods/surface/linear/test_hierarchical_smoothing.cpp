@@ -1,9 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/surface/linear/hierarchical_smoothing.h"
 
-#include "native/methods/surface/linear/thin_shell.h"
 #include "tests/native/methods/surface/fixture.h"
-#include "tests/native/methods/surface/linear/study_tube.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
@@ -88,10 +86,7 @@ TEST_F(HierarchicalSmoothing, details_are_reconstructed_exactly_on_all_levels)
     Method smoothing(mesh);
     smoothing.set_handles(shapes::ends(mesh, 0.3));
     EXPECT_GT(smoothing.level_count(), 6);
-    Points incoming = mesh.points();
-    shapes::Random random(4);
-    for (int v = 0; v < incoming.rows(); ++v)
-        incoming.row(v) += 0.05 * random.vector().transpose();
+    const Points incoming = shapes::Random(4).shaken(mesh.points(), 0.05);
     for (const Points& y : {mesh.points(), incoming}) {
         Points q;
         smoothing.solve({.poses = Poses(2, shapes::still()), .incoming = view(y)}, q);
@@ -132,20 +127,6 @@ TEST_F(HierarchicalSmoothing, details_turn_with_the_coarser_shape)
     EXPECT_LT(worst, 0.01) << "a fifth; details that keep their directions are wrong by 0.05 here";
 }
 
-TEST_F(HierarchicalSmoothing, bends_a_tube_by_120_degrees)
-{
-    const SurfaceMesh mesh = study_tube();
-    const Poses poses{shapes::still(), study_bend()};
-    const std::vector<Handle> handles = shapes::ends(mesh, study_depth);
-    ThinShell shell(mesh);
-    shell.set_handles(handles);
-    Points unturned;
-    shell.solve({poses}, unturned);
-    const double strain = rms_edge_ratio(mesh, solved(mesh, handles, {.poses = poses}));
-    EXPECT_LT(strain, rms_edge_ratio(mesh, unturned)) << "the thin shell turns nothing";
-    EXPECT_GT(strain, 0.058) << "the isometric bend of the axis";
-}
-
 TEST_F(HierarchicalSmoothing, handles_of_other_parts_do_not_count)
 {
     const SurfaceMesh mesh = shapes::hill(8, 8), both = shapes::joined(mesh, mesh, {0, 20, 0});
@@ -167,11 +148,6 @@ TEST_F(HierarchicalSmoothing, a_hierarchy_above_the_memory_limit_is_refused)
     const MemoryLimit limit(100'000);
     EXPECT_THROW(smoothing.set_handles(shapes::ends(mesh, 2.5)), OutOfMemory);
     EXPECT_EQ(solve(smoothing, bent).positions, before);
-}
-
-TEST_F(HierarchicalSmoothing, refuses_numbers_below_zero)
-{
-    expect_refused(shapes::hill(4, 4), {{.levels = -1}, {.relaxations = -1}});
 }
 
 } // namespace sinew::test_hierarchical_smoothing

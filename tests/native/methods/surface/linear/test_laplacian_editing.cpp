@@ -3,13 +3,9 @@
 
 #include "native/methods/surface/linear/thin_shell.h"
 #include "tests/native/methods/surface/fixture.h"
-#include "tests/native/methods/surface/linear/study_tube.h"
-#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
-
-#include <cmath>
 
 namespace sinew::test_laplacian_editing {
 
@@ -76,24 +72,6 @@ std::vector<SurfaceMesh> some_meshes() { return {shapes::hill(8, 8), shapes::bar
 INSTANTIATE_TEST_SUITE_P(LaplacianEditing, SurfaceContract,
                          testing::Values(LaplacianEditing::turning(), LaplacianEditing::unturned()));
 
-TEST_F(LaplacianEditing, of_implicit_transformations_degrades_with_the_angle_and_less_in_the_mean_frame)
-{
-    const SurfaceMesh mesh = study_tube();
-    const std::vector<Handle> handles = shapes::ends(mesh, study_depth);
-    const auto strain = [&](double degrees, bool mean_frame) {
-        return rms_edge_ratio(
-            mesh, solved(mesh, handles, {.poses = {shapes::still(), shapes::turn({1, 0, 0}, degrees)}},
-                         {.transforms = LocalTransforms::implicit, .mean_frame = mean_frame}));
-    };
-    double before = 0.0;
-    for (double degrees : {20.0, 45.0, 90.0, 135.0}) {
-        const double own = strain(degrees, false);
-        EXPECT_GT(own, before);
-        EXPECT_LT(strain(degrees, true), own);
-        before = own;
-    }
-}
-
 TEST_F(LaplacianEditing, without_transformations_is_the_thin_shell_with_bending_alone)
 {
     for (const SurfaceMesh& mesh : some_meshes())
@@ -113,35 +91,6 @@ TEST_F(LaplacianEditing, without_transformations_is_the_thin_shell_with_bending_
         }
 }
 
-TEST_F(LaplacianEditing, bends_a_tube_by_120_degrees_about_as_well_as_a_beam_bends)
-{
-    // The isometric bend of the axis has .0580.
-    const SurfaceMesh mesh = study_tube();
-    const std::vector<Handle> handles = shapes::ends(mesh, study_depth);
-    const auto strain = [&](const Options& options) {
-        return rms_edge_ratio(mesh,
-                              solved(mesh, handles, {.poses = {shapes::still(), study_bend()}}, options));
-    };
-    EXPECT_NEAR(strain(none), .155, .001) << "details that do not turn";
-    EXPECT_NEAR(strain(explicitly), .061, .001);
-    EXPECT_NEAR(strain({.refits = 0}), .085, .003);
-    EXPECT_NEAR(strain({.refits = 1}), .069, .001);
-    EXPECT_NEAR(strain({.refits = 2}), .062, .001);
-    EXPECT_NEAR(strain({.refits = 2, .mean_frame = false}), .075, .001);
-}
-
-TEST_F(LaplacianEditing, estimates_turns_where_a_handle_only_moves)
-{
-    const SurfaceMesh mesh = study_tube();
-    const std::vector<Handle> handles = shapes::ends(mesh, study_depth);
-    const Poses lifted{shapes::still(), shapes::shift(0, 0, 8)};
-    const Points unturned = solved(mesh, handles, {.poses = lifted}, none);
-    EXPECT_LT(shapes::distance(solved(mesh, handles, {.poses = lifted}, explicitly), unturned), 1e-9)
-        << "the documented limit of transformations that come from handles";
-    EXPECT_NEAR(rms_edge_ratio(mesh, unturned), .139, .001);
-    EXPECT_NEAR(rms_edge_ratio(mesh, solved(mesh, handles, {.poses = lifted})), .116, .001);
-}
-
 TEST_F(LaplacianEditing, keeps_the_factor_where_only_transformations_change)
 {
     const SurfaceMesh mesh = shapes::hill(12, 9);
@@ -154,11 +103,6 @@ TEST_F(LaplacianEditing, keeps_the_factor_where_only_transformations_change)
     Points q;
     next.solve({bent}, q);
     EXPECT_EQ(q, solved(mesh, handles, {.poses = bent}, explicitly));
-}
-
-TEST_F(LaplacianEditing, refuses_a_negative_number_of_refits)
-{
-    expect_refused(shapes::cube(), {{.refits = -1}});
 }
 
 } // namespace sinew::test_laplacian_editing

@@ -2,7 +2,6 @@
 #include "native/methods/surface/linear/thin_shell.h"
 
 #include "tests/native/methods/surface/fixture.h"
-#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
@@ -125,53 +124,6 @@ TEST_F(ThinShell, only_the_ratio_of_the_stiffnesses_counts)
             shapes::distance(
                 solved(mesh, handles, {.poses = bent}, stiffness(0.3 * scale, scale, 0.2 * scale)), one),
             rounding);
-}
-
-TEST_F(ThinShell, is_linear_in_the_poses)
-{
-    const SurfaceMesh mesh = shapes::hill(8, 7);
-    const Method shell = bound(mesh, {}, shapes::ends(mesh, 1.5));
-    const Poses a{shapes::shift(1, 2, 3), shapes::still()}, b = bent;
-    Poses sum = b;
-    sum[0].col(3) += Vector3(1, 2, 3);
-    const Points together = solve(shell, a).positions + solve(shell, b).positions - mesh.points();
-    EXPECT_LT(shapes::distance(solve(shell, sum).positions, together), 1e-9);
-}
-
-TEST_F(ThinShell, another_stiffness_gives_what_a_new_object_gives)
-{
-    const SurfaceMesh mesh = shapes::hill(8, 7);
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-    Method shell(mesh, stiffness(0.1, 1, 0));
-    shell.set_handles(handles);
-    solve(shell, bent).positions;
-    EXPECT_EQ(shell.set_stiffness({2.0}, {0.5}, {0.0}).factorizations, 2);
-    EXPECT_EQ(solve(shell, bent).positions, solved(mesh, handles, {.poses = bent}, stiffness(2, 0.5, 0)));
-}
-
-TEST_F(ThinShell, refuses_stiffnesses_that_mean_nothing)
-{
-    const SurfaceMesh mesh = shapes::cube();
-    const auto refused = [&](const Stiffness& s, const Stiffness& b, const Stiffness& v) {
-        EXPECT_THROW(Method(mesh, {.stretching = s, .bending = b, .variation = v}), InvalidOption);
-        Method shell(mesh);
-        shell.set_handles({{{0}, {}}});
-        EXPECT_THROW(shell.set_stiffness(s, b, v), InvalidOption);
-        EXPECT_EQ(solve(shell, {shapes::still()}).positions, mesh.points());
-    };
-    for (double bad : {-1.0, nan, infinity}) {
-        refused({bad}, {1.0}, {0.0});
-        refused({0.0}, {bad}, {0.0});
-        refused({0.0}, {1.0}, {bad});
-    }
-    refused({0.0}, {0.0}, {0.0});
-    refused({0.0}, {1.0, 1.0}, {0.0});
-    refused({}, {1.0}, {0.0});
-    refused({0.0}, Stiffness(8, 0.0), {0.0});
-    Stiffness painted(8, 1.0);
-    painted[3] = painted[5] = -1;
-    const auto make = [&] { Method(mesh, {.bending = painted}); };
-    expect_elements(refusal<InvalidOption>(make), Error::Element::vertex, {3, 5});
 }
 
 } // namespace sinew::test_thin_shell

@@ -2,8 +2,6 @@
 #include "native/methods/surface/nonlinear/handle_aware_isolines.h"
 
 #include "tests/native/methods/surface/fixture.h"
-#include "tests/native/refusals.h"
-#include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -35,10 +33,5 @@ public:
 
 INSTANTIATE_TEST_SUITE_P(HandleAwareIsolines, SurfaceContract,
                          testing::Values(HandleAwareIsolines::traits()));
-
-TEST_F(HandleAwareIsolines, refuses_options_out_of_range)
-{
-    expect_refused(shapes::octahedron(), {{.bands = 1}, {.max_iterations = 0}, {.tolerance = -1.0}});
-}
 
 } // namespace sinew::test_handle_aware_isolines

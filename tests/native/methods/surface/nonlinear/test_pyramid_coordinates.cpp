@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/surface/nonlinear/pyramid_coordinates.h"
 
-#include "native/operators/fits/rotation_fit.h"
 #include "tests/native/methods/surface/fixture.h"
-#include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
 
-#include <limits>
 #include <memory>
 
 namespace sinew::test_pyramid_coordinates {
@@ -67,19 +64,6 @@ class PyramidMorphing : public PyramidCoordinates
 } // namespace
 
 INSTANTIATE_TEST_SUITE_P(PyramidCoordinates, SurfaceContract, testing::Values(PyramidCoordinates::traits()));
-
-TEST_F(PyramidCoordinates, turns_all_handles_by_170_degrees_exactly)
-{
-    const SurfaceMesh mesh = shapes::bar(12, 3);
-    const Pose pose = shapes::turn({1, 2, -0.5}, 170, {3, 7, 1}, {30, -20, 10});
-    for (const bool similarity : {false, true}) {
-        const Method method = bound(mesh, {.similarity = similarity}, shapes::ends(mesh, 2));
-        const double bent = solve(method, bend(60)).report.energy;
-        const Solution s = solve(method, {pose, pose});
-        EXPECT_LT(shapes::distance(s.positions, shapes::transformed(mesh.points(), pose)), 1e-12 * 40);
-        EXPECT_LE(s.report.energy, 1e-24 * bent);
-    }
-}
 
 TEST_F(PyramidCoordinates, grows_with_its_handles_where_rings_may_grow)
 {
@@ -164,12 +148,6 @@ TEST_F(PyramidCoordinates, names_the_vertices_whose_ring_overlaps)
     EXPECT_LT(shapes::distance(solve(method, {pose}).positions, shapes::transformed(points, pose)), 1e-11);
 }
 
-TEST_F(PyramidCoordinates, refuses_options_out_of_range)
-{
-    expect_refused(shapes::octahedron(),
-                   {{.side = 0}, {.side = nan}, {.max_iterations = 0}, {.tolerance = -1}});
-}
-
 TEST_F(PyramidMorphing, goes_from_one_shape_to_the_other)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3), target = changed_bar(mesh);
@@ -194,22 +172,6 @@ TEST_F(PyramidMorphing, goes_from_one_shape_to_the_other)
     EXPECT_LT(shapes::distance(solve(method, {pose, pose}, {.extra = Morph{0.5}}).positions,
                                shapes::transformed(half, pose)),
               0.01); // where it stops differs
-}
-
-TEST_F(PyramidMorphing, needs_no_handle)
-{
-    const SurfaceMesh mesh = shapes::bar(12, 3), target = changed_bar(mesh);
-    Method method(mesh, toward(target));
-    method.set_handles({});
-    EXPECT_EQ(solve(method, {}).positions, mesh.points());
-    EXPECT_LT(shapes::distance(solve(method, {}, {.extra = Morph{1.0}}).positions, target.points()), 1e-10);
-    // Lengths do not shrink half-way, as they do on straight lines between shapes that are turned.
-    const Pose turned = shapes::turn({0, 0, 1}, 150, {6, 0, 0});
-    Method turning(mesh, toward(shapes::moved(mesh, shapes::transformed(mesh.points(), turned))));
-    turning.set_handles({});
-    const Points half = solve(turning, {}, {.extra = Morph{0.5}}).positions;
-    const Pose halfway = shapes::turn({0, 0, 1}, 75, {6, 0, 0});
-    EXPECT_LT(shapes::distance(half, shapes::transformed(mesh.points(), halfway)), 1e-9);
 }
 
 TEST_F(PyramidMorphing, takes_the_target_along_with_what_enters)
@@ -243,30 +205,6 @@ TEST_F(PyramidMorphing, morphs_parts_without_a_handle_and_loose_vertices)
               1e-15);
     const Points half = solve(method, still, {.extra = Morph{0.5}}).positions;
     EXPECT_LT(shapes::distance(half.bottomRows(6), 0.5 * (points + both.points()).bottomRows(6)), 1e-9);
-}
-
-TEST_F(PyramidMorphing, refuses_another_mesh_and_factors_out_of_range)
-{
-    const SurfaceMesh mesh = shapes::octahedron();
-    EXPECT_THROW(Method(mesh, toward(shapes::cube())), InvalidMesh);
-    auto faces = shapes::faces_of(mesh);
-    std::swap(faces[2][0], faces[2][1]);
-    const auto error =
-        refusal<InvalidMesh>([&] { Method(mesh, toward(shapes::over(mesh.points(), faces))); });
-    expect_elements(error, Error::Element::face, {2});
-    const Method method = bound(mesh, toward(mesh), {{{0}, {}}});
-    for (const double t : {-0.1, 1.1, nan})
-        EXPECT_THROW(solve(method, {shapes::still()}, {.extra = Morph{t}}), InvalidOption);
-}
-
-TEST_F(PyramidMorphing, frames_depend_on_the_factor_alone)
-{
-    const SurfaceMesh mesh = shapes::bar(12, 3), target = changed_bar(mesh);
-    const Method method = bound(mesh, toward(target), shapes::ends(mesh, 2));
-    const Points alone = solve(method, bend(60), {.extra = Morph{0.4}}).positions;
-    for (const double t : {0.0, 0.9, 0.2})
-        solve(method, twist(90 * t), {.extra = Morph{t}});
-    EXPECT_EQ(solve(method, bend(60), {.extra = Morph{0.4}}).positions, alone);
 }
 
 } // namespace sinew::test_pyramid_coordinates

@@ -7,10 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <cstring>
-#include <limits>
 #include <vector>
 
 namespace sinew::test_cage_kernels {

@@ -19,16 +19,20 @@ namespace {
 
 using Seven = Eigen::Matrix<double, 7, 1>;
 
+/// The bilinear patch at (s, t) in [-1, 1]^2.
+Vector3 on_patch(const std::array<Vector3, 4>& p, double s, double t)
+{
+    return 0.25 * ((1 - s) * (1 - t) * p[0] + (1 + s) * (1 - t) * p[1] + (1 + s) * (1 + t) * p[2] +
+                   (1 - s) * (1 + t) * p[3]);
+}
+
 /// The seven integrals by Gauss's rule on pieces that are halved until they are small seen from x: no closed
 /// form, no complex plane.
 Seven by_pieces(const std::array<Vector3, 4>& p, const Vector3& x)
 {
     static constexpr GaussRule rule = gauss_rule(10);
     Seven sum = Seven::Zero();
-    const auto at = [&](double s, double t) -> Vector3 {
-        return 0.25 * ((1 - s) * (1 - t) * p[0] + (1 + s) * (1 - t) * p[1] + (1 + s) * (1 + t) * p[2] +
-                       (1 - s) * (1 + t) * p[3]);
-    };
+    const auto at = [&](double s, double t) { return on_patch(p, s, t); };
     const std::function<void(double, double, double, double, int)> piece = [&](double s0, double s1,
                                                                                double t0, double t1,
                                                                                int depth) {
@@ -146,10 +150,8 @@ TEST(QuadPatches, have_the_integrals_of_pieces_far_and_near)
         for (int i = 0; i < 300; ++i) {
             const double s = random.signed_unit(), t = random.signed_unit();
             const double size = (patch.corners[2] - patch.corners[0]).norm();
-            const Vector3 on =
-                0.25 * ((1 - s) * (1 - t) * patch.corners[0] + (1 + s) * (1 - t) * patch.corners[1] +
-                        (1 + s) * (1 + t) * patch.corners[2] + (1 - s) * (1 + t) * patch.corners[3]);
-            const Vector3 x = on + size * std::pow(10.0, 1.2 * random.signed_unit() - 0.6) * random.vector();
+            const Vector3 x = on_patch(patch.corners, s, t) +
+                              size * std::pow(10.0, 1.2 * random.signed_unit() - 0.6) * random.vector();
             bool is_near = false;
             Seven ours = patch.at(x, &is_near), theirs = by_pieces(patch.corners, x);
             ours.tail<3>() *= patch.patches.rest_normal(0, 0).norm();
@@ -176,10 +178,8 @@ TEST(QuadPatches, have_the_integrals_of_pieces_very_near)
             for (int i = 0; i < 10; ++i) {
                 const double s = 0.9 * random.signed_unit(), t = 0.9 * random.signed_unit();
                 QuadPatches::Place place{0, s, t, 0.0};
-                const Vector3 on =
-                    0.25 * ((1 - s) * (1 - t) * patch.corners[0] + (1 + s) * (1 - t) * patch.corners[1] +
-                            (1 + s) * (1 + t) * patch.corners[2] + (1 - s) * (1 + t) * patch.corners[3]);
-                const Vector3 x = on + (i % 2 ? 1 : -1) * distance * patch.patches.normal(place);
+                const Vector3 x =
+                    on_patch(patch.corners, s, t) + (i % 2 ? 1 : -1) * distance * patch.patches.normal(place);
                 EXPECT_LT((patch.at(x) - by_pieces(patch.corners, x)).cwiseAbs().maxCoeff(), 1e-11)
                     << distance;
             }
@@ -217,10 +217,7 @@ TEST(QuadPatches, find_the_closest_place)
             double least = 1e9;
             for (int a = 0; a <= 60; ++a)
                 for (int b = 0; b <= 60; ++b) {
-                    const double s = a / 30.0 - 1, t = b / 30.0 - 1;
-                    const Vector3 on =
-                        0.25 * ((1 - s) * (1 - t) * patch.corners[0] + (1 + s) * (1 - t) * patch.corners[1] +
-                                (1 + s) * (1 + t) * patch.corners[2] + (1 - s) * (1 + t) * patch.corners[3]);
+                    const Vector3 on = on_patch(patch.corners, a / 30.0 - 1, b / 30.0 - 1);
                     least = std::min(least, (on - x).norm());
                 }
             EXPECT_LE(place.distance, least + 1e-12);

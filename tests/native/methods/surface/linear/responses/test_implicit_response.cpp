@@ -4,7 +4,6 @@
 #include "native/methods/surface/linear/thin_shell.h"
 #include "native/methods/surface/substeps.h"
 #include "native/operators/laplacian.h"
-#include "tests/native/methods/surface/linear/study_tube.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
@@ -59,24 +58,14 @@ struct Operators
     std::vector<Ring> rings;
 };
 
-/// The tube with bumps, which have no symmetry.
-SurfaceMesh bumpy_tube()
-{
-    const SurfaceMesh tube = study_tube();
-    Points p = tube.points();
-    for (int v = 0; v < p.rows(); ++v)
-        for (int axis = 0; axis < 3; ++axis)
-            p(v, axis) += 0.05 * std::sin(5 * tube.points()(v, (axis + 1) % 3));
-    return shapes::moved(tube, p);
-}
-
 VectorX rows_of(const Points& points) { return points.reshaped<Eigen::RowMajor>(); }
 
 } // namespace
 
 TEST(ImplicitResponse, vanishes_for_translations_and_scales_and_misses_rotations_by_1_minus_cos)
 {
-    const SurfaceMesh mesh = bumpy_tube();
+    const SurfaceMesh ball = shapes::sphere(3),
+                      mesh = shapes::moved(ball, shapes::Random(2).shaken(ball.points(), 0.03));
     const Operators operators(mesh);
     const SparseMatrix A = operators.residual();
     const double unit = operators.delta.norm();
@@ -139,30 +128,6 @@ TEST(ImplicitResponse, substeps_with_its_equations_kept_add_up_to_one)
         sum += operators.displaced(handles, step);
     }
     EXPECT_LT(shapes::distance(sum, operators.displaced(handles, twisted)), 1e-9);
-}
-
-TEST(ImplicitResponse, substeps_made_anew_mend_the_twist_of_a_bar)
-{
-    const SurfaceMesh bar = shapes::bar(24, 4);
-    const std::vector<Handle> handles = shapes::ends(bar, 2.1);
-    const Poses twisted{shapes::still(), shapes::turn({1, 0, 0}, 135)};
-    const auto strain = [&](int substeps) {
-        const PathOfPoses path(twisted, Vector3::Zero());
-        Points shape = bar.points();
-        for (int k = 1; k <= substeps; ++k) {
-            const SurfaceMesh rest = with_points(bar, shape);
-            const Poses step =
-                relative_poses(path.at((k - 1.0) / substeps), path.at(static_cast<double>(k) / substeps));
-            shape += Operators(rest).response(handles, step, Matrix3::Identity());
-            const int still = handles[0].vertices[0];
-            const Eigen::RowVector3d drift = shape.row(still) - bar.points().row(still);
-            shape.rowwise() -= drift;
-        }
-        return rms_edge_ratio(bar, shape);
-    };
-    // A more slender bar of the study had .49, .28 and .09; this one has .27, .10 and .05.
-    EXPECT_LT(strain(4), 0.7 * strain(1));
-    EXPECT_LT(strain(16), 0.5 * strain(4));
 }
 
 } // namespace sinew::test_implicit_response

@@ -61,74 +61,7 @@ private:
     }
 };
 
-/// The energy by the corners of the prisms: for each edge of two triangles, the sum of the paper.
-double energy_of_corners(const Setting& s, const Points& centres, const std::vector<Matrix3>& rotations)
-{
-    const Points& x = s.mesh.points();
-    Points normals = Points::Zero(x.rows(), 3);
-    const auto area = [&](std::span<const int> t) -> Vector3 {
-        return 0.5 * (s.mesh.point(t[1]) - s.mesh.point(t[0])).cross(s.mesh.point(t[2]) - s.mesh.point(t[0]));
-    };
-    for (int f = 0; f < s.mesh.face_count(); ++f)
-        for (int v : s.mesh.face(f))
-            normals.row(v) += area(s.mesh.face(f)).transpose();
-    normals.rowwise().normalize();
-    double total = 0.0;
-    for (int a = 0; a < s.prisms.size(); ++a)
-        for (int b = 0; b < a; ++b) {
-            if (s.prisms.is_vertex(a) || s.prisms.is_vertex(b))
-                continue;
-            if (s.prisms.handle(a) >= 0 && s.prisms.handle(b) >= 0)
-                continue;
-            std::vector<int> edge;
-            for (int v : s.prisms.corners(a))
-                for (int w : s.prisms.corners(b))
-                    if (v == w)
-                        edge.push_back(v);
-            if (edge.size() != 2)
-                continue;
-            Vector3 d[2][2];
-            for (int k : {0, 1})
-                for (int l : {0, 1}) {
-                    const Vector3 corner =
-                        (x.row(edge[k]) + (l ? height : -height) * normals.row(edge[k])).transpose();
-                    const auto image = [&](int body) -> Vector3 {
-                        return centres.row(body).transpose() +
-                               rotations[body] * (corner - s.shape.centres.row(body).transpose());
-                    };
-                    d[k][l] = image(a) - image(b);
-                }
-            double sum = 0.0;
-            for (int i : {0, 1})
-                for (int j : {0, 1})
-                    for (int k : {0, 1})
-                        for (int l : {0, 1})
-                            sum += d[i][j].dot(d[k][l]) * std::pow(2.0, -std::abs(i - k) - std::abs(j - l));
-            total += (s.mesh.point(edge[0]) - s.mesh.point(edge[1])).squaredNorm() /
-                     (area(s.prisms.corners(a)).norm() + area(s.prisms.corners(b)).norm()) * sum / 9.0;
-        }
-    return total;
-}
-
 } // namespace
-
-TEST(Prisms, energy_is_the_sum_over_the_corners_of_the_sides)
-{
-    // The held corner is far from what moves: its joints are at rest.
-    const SurfaceMesh mesh = shapes::hill(5, 4);
-    const Setting s(mesh, {0});
-    shapes::Random random(7);
-    Points centres = s.shape.centres;
-    std::vector<Matrix3> rotations(s.prisms.size(), Matrix3::Identity());
-    for (int b = 0; b < s.graph.free_count(); ++b) {
-        if (std::ranges::find(s.prisms.corners(b), 0) != s.prisms.corners(b).end())
-            continue;
-        centres.row(b) += random.vector().transpose();
-        rotations[b] = shapes::rotation(random.vector(), 180 * random.unit());
-    }
-    const double expected = energy_of_corners(s, centres, rotations);
-    EXPECT_NEAR(s.energy(centres, rotations), expected, 1e-12 * expected);
-}
 
 TEST(Prisms, a_constant_gap_costs_its_square)
 {

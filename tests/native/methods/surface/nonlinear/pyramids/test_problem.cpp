@@ -2,14 +2,12 @@
 #include "native/methods/surface/nonlinear/pyramids/problem.h"
 
 #include "native/local_global/rows/row_problem.h"
-#include "native/mesh/components.h"
 #include "native/methods/surface/nonlinear/pyramids/morph.h"
+#include "tests/native/differences.h"
 #include "tests/native/shapes.h"
 #include "tests/native/wide_kernels.h"
 
 #include <gtest/gtest.h>
-
-#include <memory>
 
 namespace sinew::test_problem {
 
@@ -100,16 +98,8 @@ TEST(PyramidProblem, gradient_is_that_of_the_energy)
         PyramidProblem problem(own.cells, own.shape, scaled, own.noisy, own.pulls, buffers);
         Points x = own.at(own.noisy), g, scratch;
         problem.evaluate(x, g);
-        const double step = 1e-5;
-        for (int p = 0; p < x.rows(); p += 3)
-            for (int axis = 0; axis < 3; ++axis) {
-                Points forth = x, back = x;
-                forth(p, axis) += step;
-                back(p, axis) -= step;
-                const double slope =
-                    (problem.evaluate(forth, scratch) - problem.evaluate(back, scratch)) / (2 * step);
-                EXPECT_NEAR(g(p, axis), slope, 1e-7 * g.norm());
-            }
+        const auto F = [&](const Points& there) { return problem.evaluate(there, scratch); };
+        expect_gradient(F, x, g, 1e-5, 1e-7 * g.norm(), 3);
     }
 }
 
@@ -174,40 +164,12 @@ TEST(Rings, coordinates_do_not_change_by_motions_and_sizes)
         EXPECT_NEAR(again.shares[a], weights.shares[a], 1e-13);
 }
 
-TEST(Rings, known_weights)
-{
-    // In a regular ring all weights are equal; a vertex off the middle of a square has those of mean values.
-    const SurfaceMesh plane = shapes::mesh({{0.25, 0, 3}, {1, 1, 0}, {-1, 1, 0}, {-1, -1, 0}, {1, -1, 0}},
-                                           {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 1}});
-    const Rings rings(plane);
-    const Rings::Weights weights = rings.mean_value_weights(view(plane.points()));
-    Vector3 mean = Vector3::Zero();
-    for (int a = rings.offsets()[0]; a < rings.offsets()[1]; ++a) {
-        EXPECT_GT(weights.shares[a], 0);
-        mean += weights.shares[a] * plane.point(rings.neighbours()[a]);
-    }
-    EXPECT_LT((mean - Vector3(0.25, 0, 0)).norm(), 1e-15);
-    const auto tangent = [](Vector3 a, Vector3 b) {
-        return std::tan(0.5 * std::acos(a.normalized().dot(b.normalized())));
-    };
-    const Vector3 own(0.25, 0, 0), right = Vector3(1, 1, 0) - own, left = Vector3(-1, 1, 0) - own,
-                                   below = Vector3(1, -1, 0) - own, behind = Vector3(-1, -1, 0) - own;
-    const double near = (tangent(right, left) + tangent(below, right)) / right.norm(),
-                 far = (tangent(right, left) + tangent(left, behind)) / left.norm();
-    EXPECT_NEAR(weights.shares[0], near / (2 * (near + far)), 1e-15);
-    // Corners lie on the border: equal weights.
-    for (int a = rings.offsets()[1]; a < rings.offsets()[2]; ++a)
-        EXPECT_DOUBLE_EQ(weights.shares[a], 1.0 / 3.0);
-}
-
 TEST(PyramidMorph, mixes_weights_heights_and_edges)
 {
     const SurfaceMesh mesh = shapes::hill(8, 7);
     const Scene own(mesh);
-    Points other = shapes::transformed(mesh.points(), shapes::turn({1, 2, 3}, 50));
-    shapes::Random random(9);
-    for (int i = 0; i < other.rows(); ++i)
-        other.row(i) += 0.05 * random.vector().transpose();
+    const Points other =
+        shapes::Random(9).shaken(shapes::transformed(mesh.points(), shapes::turn({1, 2, 3}, 50)), 0.05);
     const PyramidMorph morph(own.rings, own.weights.shares, other);
     const Rings::Weights its = own.rings.mean_value_weights(view(other));
     PyramidShape shape;

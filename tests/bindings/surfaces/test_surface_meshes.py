@@ -1,0 +1,222 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a mesh says about itself: how its faces are cut, its parts, its size, and what is unusual."""
+
+from collections import Counter
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from scipy.optimize import minimize
+from scipy.spatial.transform import Rotation
+
+import sinew_native as sn
+
+from ..cages import CUBE, QUADS
+from ..meshes import bar, closed_bar, grid, messy, quad_grid, sphere
+
+
+def cut(polygon: np.ndarray) -> np.ndarray:
+    """The triangles of a polygon: all corners are used, and each side belongs to one triangle, as it runs."""
+    n = len(polygon)
+    triangles = sn.SurfaceMesh(polygon, ([n], np.arange(n))).triangles
+    assert len(triangles) == n - 2
+    sides = Counter(zip(triangles.ravel(), np.roll(triangles, -1, axis=1).ravel(), strict=True))
+    assert [sides[k, (k + 1) % n] for k in range(n)] == n * [1]
+    return triangles
+
+
+def area_vectors(polygon: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Of the polygon, and of its triangles."""
+    a, b, c = polygon[cut(polygon)].swapaxes(0, 1)
+    return np.cross(polygon, np.roll(polygon, -1, axis=0)).sum(0) / 2, np.cross(b - a, c - a) / 2
+
+
+def flat(*corners: tuple[float, float]) -> np.ndarray:
+    return np.column_stack([np.array(corners, float), np.zeros(len(corners))])
+
+
+def around(radii: np.ndarray, angles: np.ndarray) -> np.ndarray:
+    return flat(*zip(radii * np.cos(angles), radii * np.sin(angles), strict=True))
+
+
+def comb(teeth: int) -> np.ndarray:
+    tooth = [(2.0, 1.0), (1.9, 8.0), (0.3, 8.0), (0.2, 1.0)]
+    return flat((0, 0), (2 * teeth, 0), *((2 * k + x, y) for k in reversed(range(teeth)) for x, y in tooth))
+
+
+def spiral() -> np.ndarray:
+    k = np.arange(25)
+    inner, outer = around(1 + 0.2 * k, k * np.pi / 6), around(2 + 0.2 * k, k * np.pi / 6)
+    return np.concatenate([outer, inner[::-1]])
+
+
+def star(rng: np.random.Generator) -> np.ndarray:
+    """Seen from its middle all of it is visible; in any plane."""
+    n = rng.integers(5, 25)
+    angles = 2 * np.pi * (np.arange(n) + 0.8 * rng.random(n)) / n
+    return Rotation.random(random_state=rng).apply(around(0.2 + rng.random(n), angles)) + 5 * rng.random(3)
+
+
+def ring(rng: np.random.Generator) -> np.ndarray:
+    """A star around a star-shaped hole, joined by a slit of no width: two corners at each end of it."""
+    loops = []
+    for least in (3.0, 0.5):
+        n = rng.integers(5, 17)
+        shifts = np.concatenate([[0], rng.uniform(-0.4, 0.4, n - 1)])
+        loop = around(least + rng.random(n), 2 * np.pi * (np.arange(n) + shifts) / n)
+        loops.append(np.concatenate([loop, loop[:1]]))
+    return Rotation.random(random_state=rng).apply(np.concatenate([loops[0], loops[1][::-1]]))
+
+
+SLIT = 1e-6
+NARROW = [(SLIT, 0), (4, 0), (4, 4), (0, 4), (0, SLIT), (1, 1 + SLIT), (1, 3), (3, 3), (3, 1), (1 + SLIT, 1)]
+CLOSED = [(0, 0), (4, 0), (4, 4), (0, 4), (0, 0), (1, 1), (1, 3), (3, 3), (3, 1), (1, 1)]
+
+
+def polygons() -> Iterator[object]:
+    """Simple polygons that differ where they begin, too."""
+    rng = np.random.default_rng(3)
+    known = {
+        "convex": around(np.ones(17), 2 * np.pi * np.arange(17) / 17) * (3, 1, 1),
+        "concave": flat((0, 0), (4, 0), (4, 4), (2, 1), (0, 4)),
+        "arrow": flat((0, 0), (4, 1), (0, 2), (1, 1)),
+        "comb": comb(6),
+        "spiral": spiral(),
+        "ring with a narrow slit": flat(*NARROW),
+        "ring with a slit of no width": flat(*CLOSED),
+    }
+    yield from (pytest.param([polygon], id=name) for name, polygon in known.items())
+    yield pytest.param([star(rng) for _ in range(50)], id="stars")
+    yield pytest.param([ring(rng) for _ in range(50)], id="rings")
+
+
+@pytest.mark.parametrize("shapes", list(polygons()))
+def test_a_polygon_is_covered_once_from_every_corner(shapes: list[np.ndarray]) -> None:
+    """No triangle is turned over: their areas add up to the polygon's."""
+    for shape in shapes:
+        for start in range(len(shape)):
+            whole, parts = area_vectors(np.roll(shape, start, axis=0))
+            area = np.linalg.norm(whole)
+            assert np.linalg.norm(parts, axis=1).sum() == pytest.approx(area, rel=1e-12)  # rounding alone
+            assert parts.sum(0) @ whole / area == pytest.approx(area, rel=1e-12)
+
+
+def test_a_polygon_that_is_not_planar_keeps_its_orientation() -> None:
+    rng, circle = np.random.default_rng(5), around(np.ones(8), np.pi * np.arange(8) / 4)
+    for _ in range(30):
+        whole, parts = area_vectors(circle + np.outer(rng.uniform(-0.2, 0.2, 8), (0, 0, 1)))
+        np.testing.assert_allclose(parts.sum(0), whole, rtol=0, atol=1e-12)
+
+
+def test_polygons_without_an_ear_become_triangles_nevertheless() -> None:
+    cut(flat((0, 0), (2, 2), (2, 0), (0, 2), (-1, 1)))
+    cut(np.outer(np.arange(7), (1.0, 2, -1)))
+    cut(np.full((6, 3), (1.0, 2, 3)))
+    cut(np.zeros((4, 3)))
+    cut(around(np.ones(7), 6 * np.pi * np.arange(7) / 7))
+
+
+def test_a_quad_takes_the_diagonal_of_the_better_triangles_and_no_cut_depends_on_the_scale() -> None:
+    np.testing.assert_array_equal(cut(flat((0, 0), (5, -1), (10, 0), (5, 1))), [(0, 1, 3), (1, 2, 3)])
+    for power in (-40, -20, 20, 40):  # exact, so that ties stay ties
+        np.testing.assert_array_equal(cut(2.0**power * comb(3)), cut(comb(3)))
+
+
+CHAIN = np.arange(5000)[:, None] + (0, 1, 5002, 5001)
+
+
+@pytest.mark.parametrize(
+    ("count", "faces", "labels"),
+    [
+        (8, QUADS, 8 * [0]),
+        (8, [[7, 2, 5], [1, 6, 4]], [0, 1, 2, 3, 1, 2, 1, 2]),  # by their lowest vertices
+        (16, np.concatenate([QUADS, 8 + QUADS]), np.repeat([0, 1], 8)),  # through faces, not places
+        (10002, CHAIN, 10002 * [0]),
+        (3, [], [0, 1, 2]),
+    ],
+    ids=["cube", "two faces", "two cubes in one place", "chain", "no face"],
+)
+def test_parts_are_joined_through_faces_and_numbered_by_their_lowest_vertex(count, faces, labels) -> None:
+    mesh = sn.SurfaceMesh(np.resize(CUBE, (count, 3)), faces)
+    np.testing.assert_array_equal(mesh.components, labels)
+    assert mesh.component_count == max(labels) + 1
+
+
+def test_the_smallest_ball_holds_all_points() -> None:
+    assert sn.diameter(CUBE) == pytest.approx(np.sqrt(3), abs=1e-12)
+    assert sn.diameter([(3, 4, 5)]) == sn.diameter([(3, 4, 5), (3, 4, 5)]) == 0.0
+    assert sn.diameter([(x, y, 0) for x in range(5) for y in range(4)]) == pytest.approx(5, abs=1e-12)
+    rng = np.random.default_rng(3)
+    for points in rng.normal(size=(20, 40, 3)):
+        holds = {"type": "ineq", "fun": lambda b, p=points: b[3] - ((p - b[:3]) ** 2).sum(1)}
+        ball = minimize(lambda b: b[3], [0, 0, 0, 99.0], constraints=holds, method="SLSQP", tol=1e-14)
+        assert sn.diameter(points) == pytest.approx(2 * np.sqrt(ball.x[3]), rel=1e-7)
+
+
+WING = [(0, 0, 0), (1, 0, 0), (0.5, 1, 0), (0.5, -1, 0), (0.5, 0, 1)]  # two triangles on 0-1, and a fin
+HOURGLASS = [(0, 0, 0), (1, 1, 0), (1, -1, 0), (-1, 1, 0), (-1, -1, 0)]
+THIN = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0), (1e6, 1e-6, 0)]
+SHEET, CELLS = quad_grid(3, 3)
+
+
+@pytest.mark.parametrize(
+    ("points", "faces", "found"),
+    [
+        (*quad_grid(2, 1), {"boundary_loops": [(0, 1, 2, 5, 4, 3)]}),
+        (WING, [(0, 1, 2), (1, 0, 3), (0, 1, 4)], {"non_manifold_edges": [(0, 1)], "inconsistent_edges": []}),
+        (HOURGLASS, [(0, 2, 1), (0, 3, 4)], {"non_manifold_vertices": [0]}),
+        # A fin touches along a whole edge: one fan at each of its ends.
+        (WING, [(0, 1, 2), (1, 0, 3), (0, 1, 4)], {"non_manifold_vertices": []}),
+        # The third has an area of 1e-6 under a longest edge of 1e6: 1e-18 of its square.
+        (THIN, [(0, 1, 3), (0, 1, 2), (0, 0, 3), (0, 2, 4)], {"degenerate_faces": [1, 2, 3]}),
+        (THIN, ([4, 3], [0, 1, 2, 3, 0, 1, 2]), {"degenerate_faces": [1]}),  # a corner on a side is no matter
+        (WING, [(0, 1, 2), (1, 2, 0), (1, 0, 3), (2, 1, 0), (0, 3, 1)], {"duplicate_faces": [1, 3, 4]}),
+        (WING, [(0, 1, 2), (0, 1, 3)], {"inconsistent_edges": [(0, 1)]}),
+        (
+            CUBE,
+            [face[::-1] if k == 2 else face for k, face in enumerate(QUADS)],
+            {"inconsistent_edges": [(0, 1), (0, 4), (1, 5), (4, 5)]},
+        ),
+        (
+            [*WING, WING[2], WING[2]],
+            [(0, 1, 2), (1, 0, 3), (0, 1, 5)],
+            {"loose_vertices": [4, 6], "coincident_vertices": [5, 6], "component_count": 3},
+        ),
+        (WING[:2], [], {"loose_vertices": [0, 1], "component_count": 2}),
+        (
+            [(x, 0, 0) for x in range(7)],
+            [(0, 1, 2), (3, 4, 5)],
+            {"summary": "2 faces without area, 1 loose vertex"},
+        ),
+    ],
+)
+def test_a_diagnosis_names_the_elements(points, faces, found: dict[str, object]) -> None:
+    diagnosis = sn.SurfaceMesh(points, faces).diagnose()
+    for name, expected in found.items():
+        value = getattr(diagnosis, name)
+        told = value() if callable(value) else value
+        assert np.array(told).tolist() == np.array(expected).tolist(), name
+
+
+@pytest.mark.parametrize("mesh", [(CUBE, QUADS), sphere(0), sphere(2), closed_bar(4, 2)])
+def test_a_closed_surface_is_clean(mesh) -> None:
+    found = sn.SurfaceMesh(*mesh).diagnose()
+    assert (found.summary(), found.boundary_loops, found.component_count) == ("clean", [], 1)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "borders"),
+    [(bar(4, 2), [8, 8]), (grid(3), [12]), ((SHEET, np.delete(CELLS, 4, axis=0)), [12, 4])],
+)
+def test_an_open_surface_is_clean_and_each_border_is_a_loop(mesh, borders: list[int]) -> None:
+    found = sn.SurfaceMesh(*mesh).diagnose()
+    assert found.summary() == "clean"
+    assert [len(loop) for loop in found.boundary_loops] == borders
+
+
+def test_all_that_is_odd_is_counted_in_one_mesh() -> None:
+    found = sn.SurfaceMesh(*messy()).diagnose()
+    assert len(found.duplicate_faces) == len(found.loose_vertices) == 1
+    assert len(found.degenerate_faces) == 2, "the needle has 1e-9 of its longest edge squared"
+    assert found.component_count == 3, "the hill, the triangle, the loose vertex"
+    assert len(found.non_manifold_edges) > 0

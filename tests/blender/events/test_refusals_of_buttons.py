@@ -1,0 +1,433 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a button refuses, it refuses in words, and all that was seen and listed stays as it was."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+from baking import stretch_time
+from editing import centre
+from mathutils import Matrix
+from registry import BY_ID, GRABBING, ON_HANDLE_POINTS, WITH_HANDLES
+from rigs.cages import ball, box
+from rigs.point_objects import curve_object, text
+from rigs.puppets import figure
+from rigs.rig import (
+    Rig,
+    add_armature,
+    grid_object,
+    linked,
+    make_active,
+    new_empty,
+    new_object,
+    press,
+    refused,
+    subdivided,
+)
+from rigs.rig_of_curves import polyline
+from seen import assert_seen, seen
+from test_undo_of_buttons import (
+    BAKE,
+    FRONT,
+    LINE,
+    add_left_side,
+    draggable,
+    in_a_cage,
+    on_plate,
+    posed,
+    selected,
+    two_of_one_topology,
+    with_a_stroke,
+    with_keys,
+)
+
+NAN = math.nan
+Spoil = Callable[[bpy.types.Object], object]  # what is done to the active object before the button is pressed
+BOUND = posed()
+
+
+def row(operator: str, said: str, prepare: Callable, spoil: Spoil | None = None, **options: object):
+    """A button, the words that it refuses with, and the scene that it is pressed in."""
+    return pytest.param(prepare, spoil, operator, said, options, id=f"{operator}: {said}")
+
+
+# The scenes. Each leaves active what the button is pressed on.
+
+
+def with_an_empty() -> None:
+    make_active(grid_object(), new_empty("Empty"))
+
+
+def bound_for_surfaces() -> None:
+    make_active(on_plate("deformer_add", method="arap").obj, new_empty("Empty"))
+
+
+def with_points() -> None:
+    make_active(grid_object(), new_object("Points", [(-1, -1, 0.2), (1, -1, 0), (1, 1, -0.3), (-1, 1, 0.4)]))
+
+
+def no_vertices() -> None:
+    obj = new_object("Nothing", [])
+    obj.vertex_groups.new(name="Group")
+    make_active(obj)
+
+
+def bound_behind(modify: Spoil) -> Callable[[], None]:
+    """Another modifier."""
+
+    def prepare() -> None:
+        plate = Rig.plate()
+        modify(plate.obj)
+        plate.bind().lift(0.5)
+        make_active(plate.obj)
+
+    return prepare
+
+
+def dragged() -> None:
+    """A plate with a handle that a drag has made."""
+    plate = grid_object(cells=12)
+    draggable()()
+    make_active(plate)
+
+
+def two_in_one_cage() -> None:
+    body, suit = ball("Body"), ball("Suit")
+    make_active(body, suit)
+    assert bpy.ops.sinew.cage_add(faces=80) == {"FINISHED"}
+    make_active(body)
+
+
+def stroke(places: np.ndarray) -> Callable[[], object]:
+    """A stroke, and a ball beside it."""
+    return lambda: (polyline(places, "Stroke"), ball())
+
+
+def puppet() -> None:
+    make_active(figure())
+
+
+def with_crossed_faces() -> None:
+    """Another mesh of the same points, whose faces have their corners in another order."""
+    grid = grid_object()
+    faces = [(a, c, b, d) for a, b, c, d in (face.vertices for face in grid.data.polygons)]
+    make_active(grid, new_object("Crossed", [vertex.co[:] for vertex in grid.data.vertices], faces))
+
+
+# What is in the way.
+
+
+def sets(path: str, value: object) -> Spoil:
+    """A property of the active object."""
+    owner, _dot, name = path.rpartition(".")
+    return lambda obj: setattr(obj.path_resolve(owner) if owner else obj, name, value)
+
+
+def each(*spoils: Spoil) -> Spoil:
+    return lambda obj: [spoil(obj) for spoil in spoils]
+
+
+def has_a_key(obj: bpy.types.Object) -> None:
+    obj.shape_key_add(name="Basis")
+
+
+def unbound(obj: bpy.types.Object) -> None:
+    press(obj, "unbind")
+
+
+def shares_its_mesh(obj: bpy.types.Object) -> None:
+    linked(bpy.data.objects.new("Other", obj.data))
+
+
+def baked(obj: bpy.types.Object) -> None:
+    press(obj, "bake", **BAKE)
+
+
+def baked_to_a_file(obj: bpy.types.Object) -> None:
+    press(obj, "bake", **BAKE | {"target": "PC2", "filepath": str(Path(bpy.app.tempdir) / "baked.pc2")})
+
+
+def shows_an_error(obj: bpy.types.Object) -> None:
+    obj.sinew.active.auto_rebind = False
+    obj.data.vertices.add(1)
+    obj.data.update()
+
+
+def has_an_edited_cage(obj: bpy.types.Object) -> None:
+    cage = obj.sinew.active.cage
+    cage.data.vertices[0].co.x += 0.1
+    cage.data.update()
+    press(obj, "cage_set_rest")
+
+
+def has_its_cage_in_edit_mode(obj: bpy.types.Object) -> None:
+    make_active(obj.sinew.active.cage)
+    bpy.ops.object.mode_set(mode="EDIT")
+
+
+def lift(obj: bpy.types.Object) -> None:
+    obj.location.z += 0.5
+
+
+def has_no_selected_edges(obj: bpy.types.Object) -> None:
+    for edge in obj.data.edges:
+        edge.select = False
+
+
+DRAG = {"origin": (0.0, 0.0, 5.0), "value": (0.0, 0.0, 0.5), "radius": 0.25}
+ASIDE = DRAG | {"origin": (5.0, 5.0, 5.0)}
+HAND = {"bone": "hand.L", "value": (0.0, 0.0, 0.1)}
+UP = {"value": (0.0, 0.0, 1.0)}
+SKETCH = {"stroke": "Stroke", "view": FRONT}
+KEYS = {"target": "SHAPE_KEYS"}
+BEYOND_NUMBERS = (
+    {"value": (NAN, 0.0, 0.0)},
+    {"value": (3e38, 3e38, 3e38)},
+    {"mode": "ROTATE", "angle": 1.0, "axis": (NAN, 0.0, 0.0)},
+    {"mode": "RESIZE", "scale": (NAN, 1.0, 1.0)},
+)
+
+REGIONS = [
+    row("handle_add", "Nothing is selected", selected(lambda point: False)),
+    row("handle_add", "select vertices in Edit Mode", grid_object),
+    row("handle_add", "no vertex group 'Nothing'", Rig.plate, vertex_group="Nothing"),
+    row("handle_add", "cannot control itself", selected(lambda point: True), control_object="Plate"),
+    row("handle_add", "no object 'Nobody'", Rig.plate, vertex_group="Top", control_object="Nobody"),
+    row(
+        "handle_add",
+        "no bone 'arm'",
+        Rig.plate,
+        lambda obj: new_empty("Other"),
+        vertex_group="Top",
+        control_object="Other",
+        bone="arm",
+    ),
+    row(
+        "handle_add",
+        "'Empty' has no vertices",
+        BOUND,
+        lambda obj: obj.vertex_groups.new(name="Empty"),
+        vertex_group="Empty",
+    ),
+    *(
+        row(
+            "handle_add",
+            "The mesh has no vertices",
+            no_vertices,
+            lambda obj, method=method: press(obj, "deformer_add", method=method),
+            vertex_group="Group",
+        )
+        for method in WITH_HANDLES
+    ),
+    row("handle_remove", "there is no number 7", BOUND, index=7),
+    row("deformer_remove", "there is no number 7", BOUND, index=7),
+    row(
+        "select_handle", "no bone 'hand'", BOUND, sets("sinew.deformers[0].handles[0].bone", "hand"), index=0
+    ),
+    row("handle_mirror", "no counterpart", posed(add_left_side), weights_only=True),
+    row("point_add", "Radial Basis Functions", bound_for_surfaces, source="SELECTED", method="rbf"),
+    row(
+        "point_add",
+        "no segments - choose Moving Least Squares",
+        with_points,
+        source="POINTS",
+        method="rbf",
+        segments=True,
+    ),
+    row("point_add", "those whose points are handles", with_an_empty, source="POINTS"),
+]
+CAGE = in_a_cage(faces=80)
+OBJECTS = [
+    row("cage_add", "has no points", lambda: make_active(curve_object())),
+    row("cage_add", "has no points", text, sets("data.body", "")),
+    row("cage_faces", "is posed", CAGE, lambda obj: lift(obj.sinew.active.cage), faces=30),
+    row("cage_faces", "was edited", CAGE, has_an_edited_cage, faces=30),
+    row("cage_faces", "was edited", CAGE, lambda obj: obj.sinew.active.cage.shape_key_add(), faces=30),
+    row("cage_faces", "shares its mesh", CAGE, lambda obj: shares_its_mesh(obj.sinew.active.cage), faces=30),
+    row("cage_faces", "is in Edit Mode", CAGE, has_its_cage_in_edit_mode, faces=30),
+    row("cage_faces", "was not made by Add Cage", in_a_cage(), faces=30),
+    row("cage_faces", "pose of Suit", two_in_one_cage, lambda _obj: lift(bpy.data.objects["Suit"]), faces=30),
+    row(
+        "cage_faces",
+        "moves Suit as well",
+        two_in_one_cage,
+        lambda obj: bpy.context.scene.collection.objects.unlink(bpy.data.objects["Suit"]),
+        faces=30,
+    ),
+    row("lattice_add", "has no points", no_vertices),
+    row("lattice_add", "is no lattice", with_an_empty, source="OBJECT", lattice="Empty"),
+    row("wire_add", "Select the curves", grid_object),
+    row("wire_add", "Empty is no wire - a wire is a curve object", with_an_empty, curve="Empty"),
+    row("wire_add", "Plate cannot be its own", grid_object, curve="Plate"),
+    row("wire_add", "There is no object 'Nothing'", grid_object, curve="Nothing"),
+    row("morph", "was only reshaped", lambda: make_active(grid_object(), box())),
+    row("morph", "other vertices", with_crossed_faces),
+    row(
+        "morph",
+        "not finite",
+        two_of_one_topology,
+        lambda _obj: sets("data.vertices[3].co", (NAN, 0, 0))(bpy.data.objects["Other"]),
+    ),
+    row("morph", "There is no object", two_of_one_topology, target="Nobody"),
+]
+DRAGS = [
+    row("drag", "There is nothing to drag at this place", grid_object, **ASIDE),
+    *(
+        row("drag", "nothing to drag at this place", grid_object, **ASIDE, method=method)
+        for method in ON_HANDLE_POINTS
+        if not BY_ID[method].wraps
+    ),
+    row("drag", "no direction", grid_object, **DRAG, direction=(0.0, 0.0, 0.0)),
+    row("drag", "not a finite number", grid_object, **DRAG | {"value": (NAN, 0.0, 0.0)}),
+    row(
+        "drag",
+        "convert it to a mesh|There is nothing to drag",
+        bpy.ops.surface.primitive_nurbs_surface_sphere_add,
+        **DRAG,
+    ),
+    row("drag", "Go to Object Mode", selected(centre), **DRAG),
+    row("drag", "is hidden - show it", dragged, sets("modifiers[0].show_viewport", False), **DRAG),
+    row("drag", "switch Live on", dragged, sets("sinew.deformers[0].live", False), **DRAG),
+    row(
+        "drag",
+        "New Control",
+        dragged,
+        lambda obj: bpy.data.objects.remove(bpy.data.objects["Plate Handle"]),
+        **DRAG,
+    ),
+    row("drag", "press Bind first", dragged, unbound, **DRAG),
+    row("drag", "shows an error", dragged, shows_an_error, **DRAG),
+    row("grab_region", "Go to Edit Mode", grid_object),
+    row("grab_region", "scaled to zero", selected(centre), sets("scale", (1.0, 1.0, 0.0)), **UP),
+    *(
+        row(
+            "grab_region",
+            "finite",
+            selected(centre),
+            sets("scale", (1e-3, 1e-3, 1e-3)),
+            radius=0.4,
+            method=method,
+            **motion,
+        )
+        for method in GRABBING
+        for motion in BEYOND_NUMBERS
+    ),
+    row("puppet_pose", "Figure has no bone 'tail'", puppet, **HAND | {"bone": "tail"}),
+    row("puppet_pose", "There is no object 'Nobody'", puppet, **HAND, armature="Nobody"),
+    row("puppet_pose", "not a finite number", puppet, **HAND | {"value": (NAN, 0.0, 0.0)}),
+    row(
+        "puppet_pose",
+        "Scaled bones cannot be posed: lower.L",
+        puppet,
+        sets('pose.bones["lower.L"].scale', (1.0, 2.0, 1.0)),
+        **HAND,
+    ),
+    row(
+        "puppet_pose",
+        "do not inherit rotation cannot be posed: chest",
+        puppet,
+        sets('data.bones["chest"].use_inherit_rotation', False),
+        **HAND,
+    ),
+    row("puppet_pose", "Balance needs something to stand on", puppet, **HAND, balance=True),
+    row(
+        "puppet_pose",
+        "Bare has no bones - add some in Edit Mode",
+        lambda: make_active(linked(bpy.data.objects.new("Bare", bpy.data.armatures.new("Bare")))),
+        **UP,
+    ),
+    row("puppet_pose", "Select an armature", grid_object, **UP),
+    row("silhouette_sketch", "There is no silhouette near", stroke(LINE + (9.0, 0.0, 0.0)), **SKETCH),
+    row("silhouette_sketch", "too short", stroke(0.0 * LINE), **SKETCH),
+    row("silhouette_sketch", "stroke is too short", stroke(LINE[:1]), **SKETCH),
+    row("silhouette_sketch", "not a finite number", stroke(NAN * LINE), **SKETCH),
+    row(
+        "silhouette_sketch",
+        "is a mesh object - choose a curve",
+        lambda: (grid_object("Stroke"), ball()),
+        **SKETCH,
+    ),
+    row("silhouette_sketch", "no camera", with_a_stroke, stroke="Stroke"),
+    row("silhouette_sketch", "scaled to zero", with_a_stroke, **SKETCH | {"view": Matrix.Scale(0.0, 4)}),
+    row(
+        "silhouette_sketch",
+        "not a number",
+        with_a_stroke,
+        **SKETCH | {"view": Matrix.Diagonal((NAN, 1, 1, 1))},
+    ),
+    row("silhouette_sketch", "There is no object Nothing", with_a_stroke, **SKETCH | {"stroke": "Nothing"}),
+    row("silhouette_sketch", "There is no stroke", with_a_stroke, view=FRONT),
+    row(
+        "silhouette_sketch",
+        "No edges are selected",
+        with_a_stroke,
+        has_no_selected_edges,
+        **SKETCH,
+        line="EDGES",
+    ),
+    row(
+        "silhouette_sketch",
+        "invalid coordinates",
+        with_a_stroke,
+        sets("data.vertices[3].co", (NAN, 0.0, 0.0)),
+        **SKETCH,
+    ),
+    row(
+        "silhouette_sketch",
+        "poll",
+        with_a_stroke,
+        lambda obj: make_active(bpy.data.objects["Stroke"]),
+        **SKETCH,
+    ),
+    row(
+        "silhouette_sketch",
+        "has no faces",
+        with_a_stroke,
+        lambda obj: make_active(new_object("Point", [(0.0, 0.0, 0.0)])),
+        **SKETCH,
+    ),
+]
+FRAMES = [
+    row("apply", "single-user", BOUND, shares_its_mesh),
+    row("apply", "single-user", BOUND, shares_its_mesh, as_shape_key=True),
+    row("apply", "Subdivision made - apply those first", bound_behind(subdivided)),
+    row("apply", "Subdivision made - apply those first", bound_behind(subdivided), as_shape_key=True),
+    row("apply", "Unbake", BOUND, baked_to_a_file),
+    row("apply", "switched off", BOUND, sets("modifiers[0].show_viewport", False)),
+    row("bake", "single-user", BOUND, shares_its_mesh, **KEYS),
+    row("bake", "Solo", BOUND, each(has_a_key, sets("show_only_shape_key", True)), **KEYS),
+    row("bake", "absolute", BOUND, each(has_a_key, sets("data.shape_keys.use_relative", False)), **KEYS),
+    row("bake", r"Armature comes before .* bake to PC2", bound_behind(add_armature), **KEYS),
+    row("bake", r"Subdivision.*PC2", bound_behind(subdivided), **KEYS),
+    row("bake", "no room between keyframes", BOUND, lambda _obj: stretch_time(1, 200), **KEYS),
+    row("bake", "empty", BOUND, **KEYS, frame_start=5, frame_end=3),
+    row("bake", "hidden", BOUND, sets("hide_viewport", True), **KEYS),
+    row("bake", "off in the viewport", BOUND, sets("modifiers[0].show_viewport", False), **KEYS),
+    row("bake", "press Bind", BOUND, unbound, **KEYS),
+    row("bake", "Save the file first", BOUND, target="PC2"),
+    row("bake", "Save the file first", BOUND, target="PC2", filepath="//cache/plate.pc2"),
+    row("bake", r"Cannot write .*plate", BOUND, target="PC2", filepath=f"{__file__}/in-no-folder/plate.pc2"),
+    row("unbake", "single-user", BOUND, each(baked, shares_its_mesh)),
+    row("key_add", "is not bound - press Bind first", with_keys, unbound),
+    row("key_add", "is not live", with_keys, sets("sinew.deformers[0].live", False)),
+    row("key_remove", "has 2 keys, .* there is no number 5", with_keys, index=5),
+]
+
+
+@pytest.mark.parametrize(
+    ("prepare", "spoil", "operator", "said", "options"), [*REGIONS, *OBJECTS, *DRAGS, *FRAMES]
+)
+def test_a_button_says_why_it_does_nothing_and_changes_nothing(
+    prepare: Callable[[], object], spoil: Spoil | None, operator: str, said: str, options: dict
+):
+    prepare()
+    if spoil is not None:
+        spoil(bpy.context.object)
+    before = seen()
+    refused(said, operator, **options)
+    assert_seen(before)
