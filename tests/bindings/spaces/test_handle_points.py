@@ -282,3 +282,15 @@ def test_mls_does_not_tear_a_figure_whose_limbs_are_large_regions() -> None:
         longest[alpha] = (np.linalg.norm(out[edges[:, 0]] - out[edges[:, 1]], axis=1) / rest).max()
     print(f"edges up to {longest[2.0]:.2f} times as long; {longest[1.0]:.2f} with a falloff of 1")
     assert longest[2.0] < 2.5 < 4.0 < longest[1.0]
+
+
+def test_a_line_of_points_turned_around_turns_space_by_half_a_turn() -> None:
+    """About any axis across the line: from one direction to its opposite, no turn is the smallest."""
+    line = np.linspace(-1.0, 1.0, 5)[:, None] * [0.6, 0.8, 0.0]
+    places = np.array([0.3 * line[-1], [0.1, 0.5, 0.2]])
+    method = sn.Mls(line)
+    method.bind(places)
+    found = method.warp(-line)
+    np.testing.assert_allclose(found[0], -places[0], atol=1e-9)
+    np.testing.assert_allclose(found[1] @ line[-1], -places[1] @ line[-1], atol=1e-9)
+    np.testing.assert_allclose(np.linalg.norm(found[1]), np.linalg.norm(places[1]), atol=1e-9)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/space/points/rbf/incremental.h"
 
+#include "native/core/dense.h"
 #include "native/core/parallel.h"
 
 #include <algorithm>

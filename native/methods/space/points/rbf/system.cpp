@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/space/points/rbf/system.h"
 
+#include "native/core/dense.h"
 #include "native/core/memory.h"
 #include "native/core/parallel.h"
 #include "native/core/simd/aligned.h"
@@ -230,8 +231,7 @@ void RbfSystem::factorize_sparse(const Points& centres, const RbfBasis& basis, c
         P_ = P;
         solved_P_ = P;
         sparse_->solve_rows(solved_P_);
-        schur_ = std::make_unique<CholeskyFactor>();
-        schur_->factorize(transposed_product(P, solved_P_));
+        schur_ = std::make_unique<Eigen::LDLT<MatrixX>>(transposed_product(P, solved_P_));
     }
     progress.tick(1.0, "factorising");
 }

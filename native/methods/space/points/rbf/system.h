@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "native/core/dense.h"
 #include "native/core/progress.h"
 #include "native/core/types.h"
 #include "native/methods/space/points/rbf/kernels.h"
 #include "native/methods/space/points/rbf/polynomials.h"
 #include "native/solvers/dense/cholesky.h"
 #include "native/solvers/spd_factor.h"
+
+#include <Eigen/Cholesky>
 
 #include <cstdint>
 #include <memory>
@@ -78,7 +79,7 @@ private:
     DenseCholesky dense_;     ///< of psi at the others
     std::unique_ptr<SpdFactor> sparse_;
     RowMatrix P_, solved_P_;                ///< of the sparse system: P, and Phi^-1 P
-    std::unique_ptr<CholeskyFactor> schur_; ///< of P^T Phi^-1 P
+    std::unique_ptr<Eigen::LDLT<MatrixX>> schur_; ///< P^T Phi^-1 P, which may be singular up to rounding
 };
 
 } // namespace sinew
