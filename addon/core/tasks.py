@@ -4,6 +4,9 @@
 from dataclasses import KW_ONLY, dataclass
 
 from .methods import BY_ID, Method
+from .traits import Trait, first
+
+_MOST = 3  # tasks that are suggested
 
 
 @dataclass(frozen=True)
@@ -12,7 +15,8 @@ class Task:
 
     ``deformer``: what a deformer that was made for it is called. ``purpose``: what it is for. ``methods``:
     their ids, the recommended one first; none if nothing stays behind. ``other_names``: what other programs
-    call it, which finds the recommended method. ``page``: the page of the manual.
+    call it, which finds the recommended method. ``needs``: what must be there before it can begin.
+    ``suits``: what it is suggested for, that which it suits best first. ``page``: the page of the manual.
     """
 
     id: str
@@ -22,6 +26,8 @@ class Task:
     _: KW_ONLY
     methods: tuple[str, ...] = ()
     other_names: tuple[str, ...] = ()
+    needs: tuple[Trait, ...] = ()
+    suits: tuple[Trait, ...] = ()
     page: str
 
     @property
@@ -53,6 +59,7 @@ TASKS = (
             "multiresolution",
         ),
         other_names=("Cluster", "Bulge", "Muscle"),
+        needs=(Trait.SURFACE,),
         page="surface",
     ),
     Task(
@@ -62,6 +69,8 @@ TASKS = (
         "an elbow that bones have bent",
         methods=("arap",),
         other_names=("Corrective Shape", "Delta Mush"),
+        needs=(Trait.SURFACE, Trait.MOVED),
+        suits=(Trait.MOVED,),
         page="correct-an-elbow",
     ),
     Task(
@@ -77,6 +86,8 @@ TASKS = (
             "propagation",
             "subdivision_editing",
         ),
+        needs=(Trait.SURFACE,),
+        suits=(Trait.SHEET,),
         page="surface",
     ),
     Task(
@@ -86,6 +97,7 @@ TASKS = (
         "everything, several objects",
         methods=("ffd",),
         other_names=("Squash and Stretch", "FFD Box"),
+        suits=(Trait.SURFACE, Trait.POINTS),
         page="lattice",
     ),
     Task(
@@ -95,6 +107,7 @@ TASKS = (
         "characters, props",
         methods=("mean_value", "positive_mean_value", "harmonic", "green"),
         other_names=("Wrap Deformer", "Mesh Deform"),
+        suits=(Trait.SURFACE, Trait.BONES),
         page="cage",
     ),
     Task(
@@ -112,6 +125,7 @@ TASKS = (
             "multiresolution_space",
         ),
         other_names=("Proportional Drag", "Soft Selection", "Puppet Pin"),
+        suits=(Trait.POINTS, Trait.LOOSE),
         page="handle-points",
     ),
     Task(
@@ -138,6 +152,8 @@ TASKS = (
         "a figure and its skin",
         methods=("mesh_puppetry",),
         other_names=("Skin Weights",),
+        needs=(Trait.SURFACE, Trait.BONES),
+        suits=(Trait.BONES,),
         page="puppet",
     ),
     Task(
@@ -147,6 +163,8 @@ TASKS = (
         "a shot, a cache",
         methods=("mesh_sequence",),
         other_names=("Jiggle",),
+        needs=(Trait.SURFACE, Trait.MOVED),
+        suits=(Trait.CACHED,),
         page="animate",
     ),
     Task(
@@ -156,15 +174,29 @@ TASKS = (
         "between two twins",
         methods=("pyramid_coordinates",),
         other_names=("Blend Shape",),
+        needs=(Trait.SURFACE, Trait.TWIN),
+        suits=(Trait.TWIN,),
         page="baking",
     ),
-    Task("once", "Shape It Once", "", "no modifier", page="grab-region"),
+    Task("once", "Shape It Once", "", "no modifier", needs=(Trait.SURFACE,), page="grab-region"),
 )
 
 
 def task_of(method: Method) -> Task:
     """The task that a method is for; for a method of several tasks the first one."""
     return next(task for task in TASKS if method.id in task.methods)
+
+
+def refusal(task: Task, there: frozenset[Trait]) -> str:
+    """Why a task cannot begin with what is selected; empty if it can."""
+    return next((trait.value for trait in task.needs if trait not in there), "")
+
+
+def suggested(there: frozenset[Trait]) -> tuple[Task, ...]:
+    """At most three tasks for what is selected, first those for what is special about it."""
+    fitting = [(first(task.suits, there), task) for task in TASKS if not refusal(task, there)]
+    best = sorted([(rank, task) for rank, task in fitting if rank is not None], key=lambda pair: pair[0])
+    return tuple(task for _rank, task in best[:_MOST])
 
 
 def found(wanted: str) -> tuple[tuple[Task, Method | None], ...]:

@@ -30,6 +30,7 @@ INNER_RANKS = {
         "point_types": 0,
         "sides": 0,
         "status": 1,
+        "traits": 0,
         "errors": 2,
         "methods": 3,
         "geometry": 3,

@@ -41,6 +41,7 @@ ROWS = (
         summary="Turns bumps with the surface instead of shearing them",
         fails="Bends no better than the method that it is put around",
         picture="multiresolution",
+        main=("wavelength",),
         bind_seconds=factorising(0.06),
         wraps=(Family.SURFACE_LINEAR, Family.SURFACE_NONLINEAR),
         parameters=(

@@ -79,7 +79,7 @@ class Parameter:
     """A value that the artist may set.
 
     ``rebinds``: the parameter is a keyword of the native constructor, so a change needs another bind.
-    Otherwise it is a keyword of ``solve``. ``advanced``: it is seldom changed, so the panel shows it under
+    Otherwise it is a keyword of ``solve``. ``advanced``: it is seldom changed, so it comes last among the
     Settings. ``only_with``: a choice of the same method, and its values with which the method uses this
     parameter; the panel hides it with others. ``unit``: what a number counts or measures, in words. Blender
     shows a "length" and an "angle" in the units of the scene. ``earlier``: a former default, and from which
@@ -342,7 +342,8 @@ class Method:
     Sinew shows). ``search``: further words that find it. ``summary``: its tooltip, and ``fails``: where it is
     the wrong choice, each a sentence whose subject is the method. ``also_needs``: what it needs of its first
     requirement, or beside all that ``needs`` knows from the other fields. ``picture``: the sample, and after
-    a colon which part of it, that shows the method.
+    a colon which part of it, that shows the method. ``main``: the settings, at most two, that the panel shows
+    before all others: parameters, control parameters, or properties of the deformer.
 
     ``iterative``: ``solve`` takes ``max_iterations`` and ``start``, so that a drag can show an early step.
     ``bind_seconds``: about how long a bind takes on two cores, without that of a base method, from the number
@@ -380,6 +381,7 @@ class Method:
     fails: str
     also_needs: str = ""
     picture: str
+    main: tuple[str, ...] = ()
     iterative: bool = False
     moves: frozenset[Moved] = frozenset({Moved.MESH})
     bind_seconds: BindSeconds

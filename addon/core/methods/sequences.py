@@ -21,6 +21,7 @@ ROWS = (
         summary="Edits a moving mesh at keys; the frames between follow",
         fails="Follows only frames that the animation has",
         picture="mesh_sequence",
+        main=("rigidity",),
         iterative=True,
         bind_seconds=factorising(0.12),
         reproduces=Reproduced.RIGID_MOTIONS,

@@ -18,6 +18,7 @@ ROWS = (
         summary="Carries what lies beside a curve: brows, lips, folds",
         fails="Loses twists about the curve itself",
         picture="wires: angry",
+        main=("radius", "exponent"),
         moves=frozenset(Moved),
         bind_seconds=per_pair(1.5e-8),
         parameters=(

@@ -24,6 +24,7 @@ ROWS = (
         summary="Pushes, twists and bends like clay; the volume stays",
         fails="Lets wide sheets flow around what pushes them",
         picture="vector_field: bend",
+        main=("inner", "outer"),
         moves=frozenset(Moved),
         reproduces=Reproduced.RIGID_MOTIONS,
         bind_seconds=lambda points, size, _options: 1e-8 * points + 1e-9 * points * size,

@@ -132,6 +132,7 @@ ROWS = (
         summary="Pulls at places of text, curves or meshes; what is far stays",
         fails="Shears bumps",
         picture="inverse_ffd",
+        main=("resolution",),
         moves=frozenset(Moved),
         posed=Posed.POINTS,
         bind_seconds=_inverse_seconds,
