@@ -28,6 +28,7 @@ class Operators:
     POINT_ADD = "sinew.point_add"
     HANDLE_REMOVE = "sinew.handle_remove"
     CONTROL_NEW = "sinew.control_new"
+    CONTROL_EDIT = "sinew.control_edit"
     BIND = "sinew.bind"
     UNBIND = "sinew.unbind"
     CANCEL = "sinew.cancel"
@@ -83,6 +84,7 @@ class Menus:
     TOOLS = "SINEW_MT_tools"
     DEFORMER = "SINEW_MT_deformer"
     MANUAL = "SINEW_MT_manual"
+    MANUAL_METHODS = "SINEW_MT_manual_methods"
     FOR_GROUPS = {  # by the role of the region that a vertex group becomes
         "HANDLE": "SINEW_MT_handle_of_group",
         "FIXED": "SINEW_MT_fixed_of_group",

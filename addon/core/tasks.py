@@ -4,6 +4,7 @@
 from dataclasses import KW_ONLY, dataclass
 
 from .methods import BY_ID, Method
+from .names import is_numbered
 from .traits import Trait, first
 
 _MOST = 3  # tasks that are suggested
@@ -185,6 +186,12 @@ TASKS = (
 def task_of(method: Method) -> Task:
     """The task that a method is for; for a method of several tasks the first one."""
     return next(task for task in TASKS if method.id in task.methods)
+
+
+def task_for(method: Method, name: str) -> Task:
+    """The task of a deformer with this method and this name: the one that it was made for, if that shows."""
+    fitting = (task for task in TASKS if method.id in task.methods and is_numbered(name, (task.deformer,)))
+    return next(fitting, task_of(method))
 
 
 def refusal(task: Task, there: frozenset[Trait]) -> str:

@@ -3,6 +3,7 @@
 
 from bpy.utils import register_classes_factory
 
+from ..properties import add_click_observer, remove_click_observer
 from . import entering
 from .animation.bake import SINEW_OT_bake, SINEW_OT_unbake
 from .animation.key import SINEW_OT_key_add, SINEW_OT_key_jump, SINEW_OT_key_move, SINEW_OT_key_remove
@@ -25,7 +26,7 @@ from .deformer.bind import SINEW_OT_bind, SINEW_OT_unbind
 from .deformer.cancel import SINEW_OT_cancel, SINEW_OT_watch
 from .deformer.check import SINEW_OT_check_installation
 from .deformer.deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
-from .deformer.help import PAGES, SINEW_OT_help
+from .deformer.help import PAGES, SINEW_OT_help, page_of
 from .deformer.move import SINEW_OT_deformer_move, SINEW_OT_handle_move
 from .deformer.preset import SINEW_OT_preset_add, SINEW_OT_preset_apply, preset_folder
 from .deformer.repair import SINEW_OT_armature_off, SINEW_OT_part_regions, SINEW_OT_refine, SINEW_OT_repair
@@ -33,7 +34,8 @@ from .deformer.report_renders import SINEW_OT_report_renders
 from .deformer.select_distorted import SINEW_OT_select_distorted
 from .deformer.select_problems import SINEW_OT_select_problems
 from .deformer.sharing import SINEW_OT_settings_share
-from .handles.control import SINEW_OT_control_new
+from .handles import clicking
+from .handles.control import SINEW_OT_control_edit, SINEW_OT_control_new
 from .handles.handle import (
     SINEW_OT_handle_add,
     SINEW_OT_handle_remove,
@@ -60,6 +62,7 @@ __all__ = (
     "draw_line",
     "entering",
     "explain_no_target",
+    "page_of",
     "preset_folder",
     "redraw_panels",
     "register",
@@ -100,6 +103,7 @@ _CLASSES = (
     SINEW_OT_key_move,
     SINEW_OT_key_jump,
     SINEW_OT_control_new,
+    SINEW_OT_control_edit,
     SINEW_OT_select_handle,
     SINEW_OT_bind,
     SINEW_OT_unbind,
@@ -135,4 +139,14 @@ _CLASSES = (
 for _cls in _CLASSES:
     _cls.bl_description = " ".join(_cls.__doc__.split()).partition(". ")[0]
 
-register, unregister = register_classes_factory(_CLASSES)
+_register, _unregister = register_classes_factory(_CLASSES)
+
+
+def register() -> None:
+    _register()
+    add_click_observer(clicking.follow)
+
+
+def unregister() -> None:
+    remove_click_observer(clicking.follow)
+    _unregister()

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A deformer of an object, and the list of them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from bpy.props import (
     BoolProperty,
@@ -106,6 +106,36 @@ def _set_cage_levels(deformer: "SinewDeformer", levels: int) -> None:
     subdivision.levels = subdivision.render_levels = levels
 
 
+_click_observers: list[Callable[["SinewDeformer", str], None]] = []
+
+
+def add_click_observer(observer: Callable[["SinewDeformer", str], None]) -> None:
+    """Call ``observer`` with a deformer and "handles" or "controls" when a row of that list is clicked."""
+    _click_observers.append(observer)
+
+
+def remove_click_observer(observer: Callable[["SinewDeformer", str], None]) -> None:
+    """Stop calling ``observer``."""
+    _click_observers.remove(observer)
+
+
+def _clicked_row(rows: str, active: str):
+    """The active row of a list as the list itself changes it: only an artist clicks there, no script."""
+
+    def click(deformer: "SinewDeformer", index: int) -> None:
+        setattr(deformer, active, index)
+        for observer in _click_observers:
+            observer(deformer, rows)
+
+    return IntProperty(
+        name="Active Row",
+        get=lambda deformer: getattr(deformer, active),
+        set=click,
+        options={"HIDDEN", "SKIP_SAVE"},
+        description="Choose a row, and select what moves it",
+    )
+
+
 def _may_be_cage(deformer: "SinewDeformer", obj: Object) -> bool:
     return obj.type == "MESH" and obj != deformer.id_data
 
@@ -157,8 +187,10 @@ class SinewDeformer(PropertyGroup):
     )
     controls: setting_list(type=SinewControl)
     active_control: record(IntProperty)
+    chosen_control: _clicked_row("controls", "active_control")
     handles: setting_list(type=SinewHandle)
     active_handle: record(IntProperty)
+    chosen_handle: _clicked_row("handles", "active_handle")
     companions: record(
         CollectionProperty,
         type=SinewCompanion,

@@ -7,8 +7,10 @@ Blender's search finds operators through menus, so each operator is in a menu th
 import bpy
 from bpy.types import Context, Menu, UILayout
 
+from ..core.labels import label_of
+from ..core.methods import METHODS
 from ..ids import Menus, Operators
-from ..operators import PAGES, target_of
+from ..operators import PAGES, page_of, target_of
 from ..properties import deformers_of
 from . import control
 from .layouts import draw_move_entries, invoking
@@ -61,6 +63,7 @@ class SINEW_MT_add_region(Menu):
             layout.separator()
         for role, name in Menus.FOR_GROUPS.items():
             layout.menu(name, icon=_ADDING[role][1])
+        layout.operator_menu_enum(Operators.POINT_ADD, "source", icon="EMPTY_AXIS")
 
 
 class SINEW_MT_add(Menu):
@@ -95,6 +98,8 @@ class SINEW_MT_deformer(Menu):
         layout.operator(Operators.KEY_ADD, icon="KEY_HLT")
         layout.operator(Operators.KEY_MOVE, icon="KEYFRAME")
         layout.operator(Operators.KEY_REMOVE, icon="KEY_DEHLT")
+        layout.operator(Operators.KEY_JUMP, text="Previous Key", icon="PREV_KEYFRAME").to = "PREVIOUS"
+        layout.operator(Operators.KEY_JUMP, text="Next Key", icon="NEXT_KEYFRAME").to = "NEXT"
         layout.separator()
         layout.operator(Operators.APPLY, icon="CHECKMARK")
         layout.operator(Operators.APPLY, text="Apply as Shape Key", icon="SHAPEKEY_DATA").as_shape_key = True
@@ -117,6 +122,18 @@ class SINEW_MT_manual(Menu):
     def draw(self, _context: Context) -> None:
         for page, label, _description in PAGES:
             self.layout.operator(Operators.HELP, text=label).page = page
+        self.layout.menu(Menus.MANUAL_METHODS)
+
+
+class SINEW_MT_manual_methods(Menu):
+    """Open the page about a method"""
+
+    bl_idname = Menus.MANUAL_METHODS
+    bl_label = "Methods"
+
+    def draw(self, _context: Context) -> None:
+        for method in METHODS:
+            self.layout.operator(Operators.HELP, text=label_of(method)).page = page_of(method)
 
 
 _ADDING = {
@@ -211,6 +228,7 @@ def _in_object_context_menu(menu: Menu, context: Context) -> None:
 _CLASSES = (
     *_GROUP_MENUS,
     SINEW_MT_manual,
+    SINEW_MT_manual_methods,
     SINEW_MT_add_region,
     SINEW_MT_add,
     *control.MENUS,

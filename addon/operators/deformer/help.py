@@ -8,11 +8,13 @@ from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from ...core.errors import SinewError
+from ...core.labels import label_of
+from ...core.methods import BY_ID, METHODS, Method
 from ...ids import Operators
 from ..arguments import once
 from ..reporting import Reports, reports_errors
 
-# Identifier, label and description; the identifier is the name of the page's file.
+# Identifier, label and description; the identifier is the path of the page's file.
 PAGES = (
     ("surface", "Pose a Surface", "From a selection to a pose: handles, still regions, free areas, methods"),
     ("correct-an-elbow", "Correct an Elbow", "Corrections of a posed figure, which ride on its surface"),
@@ -30,14 +32,27 @@ PAGES = (
     ("silhouette-sketch", "Draw Outline", "Draw the outline of a mesh anew, and its surface follows"),
     ("puppet", "Puppets", "Drag a bone, and the figure and its skin follow"),
     ("scripting", "Scripting", "Operators, properties, and the Python module"),
+    ("methods/comparison", "What Fails Where", "Methods on the same hard edits, with pictures and figures"),
 )
+_OF_METHOD = "methods/{}"
+_OF_METHODS = tuple((_OF_METHOD.format(row.id), row.label, row.summary) for row in METHODS)
 
 _ADDON = Path(__file__).resolve().parents[2]
 
 
+def page_of(method: Method) -> str:
+    """The page about a method."""
+    return _OF_METHOD.format(method.id)
+
+
 def manual_page(page: str) -> Path:
     """The file of a page: packaged with the add-on or, in a checkout of the source, as it is written."""
-    for path in (_ADDON / "manual" / f"{page}.html", _ADDON.parent / "docs" / "manual" / f"{page}.md"):
+    written = _ADDON.parent / "docs"
+    for path in (
+        _ADDON / "manual" / f"{page}.html",
+        written / "manual" / f"{page}.md",
+        written / f"{page}.md",
+    ):
         if path.is_file():
             return path
     raise SinewError(
@@ -54,12 +69,18 @@ class SINEW_OT_help(Reports, Operator):
     bl_idname = Operators.HELP
     bl_label = "Sinew Manual"
 
-    page: once(EnumProperty, "Page", "Choose what to read about", items=PAGES, default="surface")
+    page: once(
+        EnumProperty, "Page", "Choose what to read about", items=PAGES + _OF_METHODS, default="surface"
+    )
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_help") -> str:
         """The tooltip, which names the page."""
-        _identifier, label, about = next(item for item in PAGES if item[0] == properties.page)
+        method = BY_ID.get(properties.page.rpartition("/")[2])
+        if method is None:
+            _identifier, label, about = next(item for item in PAGES if item[0] == properties.page)
+        else:
+            label, about = label_of(method), method.summary
         return f"{label}. {about}.\nOpens the manual in the web browser; it was installed with the add-on"
 
     @reports_errors

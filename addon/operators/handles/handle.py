@@ -9,7 +9,7 @@ from ... import compat
 from ...core.errors import SinewError
 from ...ids import Operators
 from ...preferences import preferences
-from ...properties import HANDLE_ROLES, SinewHandle
+from ...properties import HANDLE_ROLES, SinewDeformer, SinewHandle
 from ...session.actions import bind, rigging, selection
 from ...session.actions.handles import handles
 from ...session.actions.handles.handles import NewRegion
@@ -193,16 +193,21 @@ class SINEW_OT_select_handle(OnDeformer, Operator):
         obj = target_of(context)
         deformer = obj.sinew.active
         deformer.active_handle = handle_index(deformer, self.index)
-        handle = deformer.handles[deformer.active_handle]
-        if obj.vertex_groups.get(handle.vertex_group):
-            obj.vertex_groups.active = obj.vertex_groups[handle.vertex_group]
-        if obj.mode == "EDIT":
-            _select_vertices(obj, handle, self.extend)
-        elif obj.mode != "WEIGHT_PAINT":
-            select_control(context, obj, handle, self.extend)
-            if handle.bone and handle.control.mode == "OBJECT" and bpy.ops.object.mode_set.poll():
-                bpy.ops.object.mode_set(mode="POSE")
+        choose_handle(context, obj, deformer, self.extend)
         return {"FINISHED"}
+
+
+def choose_handle(context: Context, obj: Object, deformer: SinewDeformer, extend: bool = False) -> None:
+    """Select what belongs to the active handle in this mode: its control, its vertices, or its group."""
+    handle = deformer.handles[deformer.active_handle]
+    if obj.vertex_groups.get(handle.vertex_group):
+        obj.vertex_groups.active = obj.vertex_groups[handle.vertex_group]
+    if obj.mode == "EDIT":
+        _select_vertices(obj, handle, extend)
+    elif obj.mode != "WEIGHT_PAINT":
+        select_control(context, obj, handle, extend)
+        if handle.bone and handle.control.mode == "OBJECT" and bpy.ops.object.mode_set.poll():
+            bpy.ops.object.mode_set(mode="POSE")
 
 
 def _default_group(obj: Object, bone: str) -> str:
@@ -250,7 +255,9 @@ def select_control(context: Context, obj: Object, handle: SinewHandle, extend: b
     """
     control = handle.control
     if control is None or control.name not in context.view_layer.objects:
-        raise SinewError(f"{handle.name} has no control in this view layer - choose one in the Region panel")
+        raise SinewError(
+            f"{handle.name} has no control in this view layer - choose one in its panel, below the list"
+        )
     if handle.control_missing:
         raise SinewError(
             f"{control.name} has no bone '{handle.bone}' - choose the control of {handle.name} again"

@@ -378,7 +378,7 @@ def _mover(handle: SinewHandle) -> Object | PoseBone:
     """The object or the bone that moves a region. Refuses what cannot be moved."""
     control = handle.control
     if control is None or handle.control_missing:
-        raise SinewError(f"{handle.name} has no control - choose New Control in the Region panel")
+        raise SinewError(f"{handle.name} has no control - choose New Control in its panel, below the list")
     if control.library is not None:
         raise SinewError(f"{control.name}, the control of {handle.name}, is linked - make a library override")
     return control.pose.bones[handle.bone] if handle.bone else control

@@ -17,6 +17,11 @@ from ..targets import targets
 from .handles.region_names import name_of_region
 
 
+def counts(obj: Object) -> tuple[int, int]:
+    """How many vertices of a mesh in Edit Mode are selected, and how many it has; none is looked at."""
+    return obj.data.total_vert_sel, len(bmesh.from_edit_mesh(obj.data).verts)
+
+
 def group_from_selection(obj: Object, role: str, name: str = "") -> str:
     """A new vertex group of the vertices selected in Edit Mode, called after their place without a name."""
     edit = bmesh.from_edit_mesh(obj.data)

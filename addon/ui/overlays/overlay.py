@@ -19,6 +19,7 @@ from ...properties import SinewDeformer
 from ...properties import scene as settings
 from ...session.datablocks import owners
 from ...session.results import result
+from ..layouts import draw_field, fields
 from ..places import ROOT, SidebarPanel
 from ..text import draw_text
 from . import overlay_draw
@@ -181,16 +182,14 @@ class SINEW_PT_overlays(SidebarPanel, Panel):
         self.layout.prop(context.scene.sinew, "show_overlay", text="")
 
     def draw(self, context: Context) -> None:
-        layout, wanted = self.layout, context.scene.sinew
+        layout, wanted = fields(context, self.layout), context.scene.sinew
         obj = target_of(context)
-        layout.use_property_split = True
-        layout.use_property_decorate = False
         layout.active = wanted.show_overlay
-        layout.prop(wanted, "overlay")
+        draw_field(context, layout, wanted, "overlay")
         if wanted.overlay == "PARAMETER":
             _draw_parameters(layout, wanted, obj.sinew.active)
         elif wanted.overlay == "DISTORTION":
-            layout.prop(wanted, "measure")
+            draw_field(context, layout, wanted, "measure")
             layout.prop(wanted, "distortion_range")
         layout.prop(wanted, "opacity", slider=True)
         layout.prop(wanted, "all_viewports")

@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The buttons that pose all controls of a deformer at once."""
+
+from bpy.types import Context, UILayout
+
+from ..ids import Operators
+from .layouts import Button, later
+
+RESET = ("Reset Pose", "LOOP_BACK")
+
+
+def draw_reset(layout: UILayout) -> None:
+    """Draw the button that puts all controls back to rest."""
+    text, icon = RESET
+    if later("POSE_RESET"):
+        layout.operator(later("POSE_RESET"), text=text, icon=icon)
+
+
+def draw_pose(context: Context, layout: UILayout, text: str) -> None:
+    """Draw the large button that begins to pose a control by its points, and the one that resets it."""
+    if context.object.mode != "EDIT":
+        large = layout.column()
+        large.scale_y = 1.3
+        Button(Operators.CONTROL_EDIT, text, "EDITMODE_HLT").draw(large)
+    draw_reset(layout)

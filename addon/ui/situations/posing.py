@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An object with a deformer: what it is, its controls, its main settings, its status."""
+
+from bpy.types import Context, Object, UILayout
+
+from ...core.labels import label_of
+from ...core.methods import METHODS, Moved
+from ...core.status import Level, Status
+from ...core.tasks import task_for
+from ...ids import Menus, Operators
+from ...operators import target_of
+from ...properties import BASE, SinewDeformer
+from ...session.targets import modified, targets
+from ..control import drawing_of
+from ..layouts import draw_field, fields, later, unless_baked
+from ..parameters import draw_main
+from ..status_box import draw_message, draw_status, draw_troubles, has_troubles
+from .start import draw_selection
+
+COPIED = (
+    "The modifier {} was copied from another object and shows the shape of that one - remove it, then add "
+    "handles or a cage here"
+)
+
+
+def is_there(context: Context) -> bool:
+    """Whether there is a deformer."""
+    return target_of(context).sinew.active is not None
+
+
+def page(context: Context) -> str:
+    """About what is wrong, about bakes, or about the task."""
+    deformer = target_of(context).sinew.active
+    if has_troubles(deformer):
+        return "troubles"
+    return "baking" if deformer.bake.is_baked else _task(deformer).page
+
+
+def draw(context: Context, layout: UILayout) -> None:
+    """Draw the active deformer of the object."""
+    obj = target_of(context)
+    deformer = obj.sinew.active
+    _draw_mode(context, layout, obj)
+    draw_deformer(context, layout, obj, deformer)
+
+
+def draw_deformer(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
+    """Draw a deformer, without what depends on the mode."""
+    draw_strays(context, layout, obj)
+    if len(obj.sinew.deformers) > 1:
+        _draw_list(layout, obj)
+    draw_troubles(context, layout, deformer)
+    settings = unless_baked(layout, deformer)
+    _draw_method(settings, obj, deformer)
+    drawing_of(deformer.definition).draw(context, settings, obj, deformer)
+    main = fields(context, settings.column(align=True))
+    if deformer.definition.wraps:
+        draw_field(context, main, deformer.parameters, BASE)
+    draw_main(context, main, deformer)
+    draw_status(context, layout, deformer)
+
+
+def draw_strays(context: Context, layout: UILayout, obj: Object) -> None:
+    """Draw which modifiers show the shape of another object."""
+    for name in modified.stray_modifiers(obj):
+        draw_message(context, layout, Status(Level.WARNING, COPIED.format(name)))
+
+
+def _task(deformer: SinewDeformer):
+    return task_for(deformer.definition, deformer.name)
+
+
+def _draw_mode(context: Context, layout: UILayout, obj: Object) -> None:
+    """Draw what the mode adds: buttons for the selection, the group that is painted, a way out of a cage."""
+    active = context.object
+    if active != obj and active.mode == "EDIT":
+        layout.operator("object.mode_set", text="Done", icon="CHECKMARK").mode = "OBJECT"
+    elif obj.mode == "EDIT" and targets.is_mesh(obj):
+        draw_selection(layout, obj)
+    elif obj.mode == "WEIGHT_PAINT" and obj.vertex_groups.active is not None:
+        layout.label(text=f"Painting: {obj.vertex_groups.active.name}", icon="BRUSH_DATA")
+
+
+def _draw_list(layout: UILayout, obj: Object) -> None:
+    row = layout.row()
+    row.template_list("SINEW_UL_deformers", "", obj.sinew, "deformers", obj.sinew, "active_deformer", rows=3)
+    side = row.column(align=True)
+    side.operator(Operators.DEFORMER_REMOVE, text="", icon="REMOVE")
+    side.menu(Menus.DEFORMER, text="", icon="DOWNARROW_HLT")
+
+
+def _draw_method(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
+    column = layout.column(align=True)
+    column.label(text=_task(deformer).label)
+    if later("CHOOSE_METHOD"):
+        text = label_of(deformer.definition)
+        column.operator(later("CHOOSE_METHOD"), text=text, icon="DOWNARROW_HLT")
+    elif targets.is_mesh(obj):
+        column.prop(deformer, "method", text="")
+    else:
+        for method in METHODS:
+            if Moved.POINTS in method.moves:
+                column.prop_enum(deformer, "method", method.id)
