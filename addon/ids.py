@@ -58,6 +58,7 @@ class Operators:
     PUPPET_RIG = "sinew.puppet_rig"
     BAKE = "sinew.bake"
     UNBAKE = "sinew.unbake"
+    BAKE_FIND = "sinew.bake_find"
     TRANSFER = "sinew.transfer_deformation"
     MORPH = "sinew.morph"
     CURVE_EDIT = "sinew.curve_edit"

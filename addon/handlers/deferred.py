@@ -9,6 +9,7 @@ import time
 import bpy
 from bpy.types import Depsgraph, Object
 
+from .. import bake
 from ..core import status
 from ..operators import redraw_panels
 from ..properties import deformers_of
@@ -114,13 +115,14 @@ def catch_up() -> bool:
     """Do all deferred work now; True while a thread is still working.
 
     Collects the results of threads, gives copied objects shapes of their own, reacts to edits of meshes,
-    gives keyframes to controls that followed others, and replaces previews by final shapes.
+    gives keyframes to controls that followed others, replaces previews by final shapes, and looks for files.
     """
     housekeeping.collect()
     housekeeping.tidy()
     refresh.refresh()
     mirroring.key_partners()
     evaluate.settle()
+    bake.look()
     return binding.busy()
 
 
@@ -131,7 +133,8 @@ def is_playing() -> bool:
 
 
 def _is_pending() -> bool:
-    return binding.busy() or housekeeping.has_pending() or _uncounted() is not None
+    waits = binding.busy() or housekeeping.has_pending() or _uncounted() is not None
+    return waits or bake.has_files()
 
 
 def _uncounted() -> Object | None:

@@ -5,7 +5,7 @@ from bpy.utils import register_classes_factory
 
 from ..properties import add_click_observer, remove_click_observer
 from . import entering
-from .animation.bake import SINEW_OT_bake, SINEW_OT_unbake
+from .animation.bake import SINEW_OT_bake, SINEW_OT_bake_find, SINEW_OT_unbake
 from .animation.key import SINEW_OT_key_add, SINEW_OT_key_jump, SINEW_OT_key_move, SINEW_OT_key_remove
 from .animation.morph import SINEW_OT_morph
 from .animation.transfer import SINEW_OT_transfer_deformation
@@ -112,6 +112,7 @@ _CLASSES = (
     SINEW_OT_apply,
     SINEW_OT_bake,
     SINEW_OT_unbake,
+    SINEW_OT_bake_find,
     SINEW_OT_transfer_deformation,
     SINEW_OT_morph,
     SINEW_OT_select_problems,

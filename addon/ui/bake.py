@@ -52,7 +52,7 @@ def _draw_baked(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
     if settings.result in ("PC2", "MDD"):
         path = box.row()
         path.active = False
-        path.label(text=settings.filepath, icon="BLANK1")
+        path.label(text=bpy.path.basename(settings.filepath), icon="BLANK1")
     box.operator(Operators.UNBAKE, icon="LOOP_BACK")
 
 

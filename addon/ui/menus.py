@@ -98,13 +98,12 @@ class SINEW_MT_deformer(Menu):
         layout.operator(Operators.KEY_ADD, icon="KEY_HLT")
         layout.operator(Operators.KEY_MOVE, icon="KEYFRAME")
         layout.operator(Operators.KEY_REMOVE, icon="KEY_DEHLT")
-        layout.operator(Operators.KEY_JUMP, text="Previous Key", icon="PREV_KEYFRAME").to = "PREVIOUS"
-        layout.operator(Operators.KEY_JUMP, text="Next Key", icon="NEXT_KEYFRAME").to = "NEXT"
         layout.separator()
         layout.operator(Operators.APPLY, icon="CHECKMARK")
         layout.operator(Operators.APPLY, text="Apply as Shape Key", icon="SHAPEKEY_DATA").as_shape_key = True
         layout.operator(Operators.BAKE, icon="RENDER_ANIMATION")
         layout.operator(Operators.UNBAKE, icon="LOOP_BACK")
+        layout.operator(Operators.BAKE_FIND, icon="FILEBROWSER")
         layout.operator(Operators.SETTINGS_SHARE, icon="DUPLICATE")
         layout.operator(Operators.TRANSFER, icon="MOD_MESHDEFORM")
         layout.operator(Operators.MORPH, icon="MOD_DATA_TRANSFER")

@@ -18,7 +18,6 @@ from .situations import puppet, situation_of
 from .situations.posing import draw_deformer
 
 _ENDS = (
-    Button(Operators.BIND, "Rebind", "FILE_REFRESH"),
     Button(Operators.UNBIND, "Unbind", "X"),
     Button(Operators.APPLY, "Apply", "CHECKMARK"),
     Button(Operators.APPLY, "As Shape Key", "SHAPEKEY_DATA", (("as_shape_key", True),)),
@@ -127,6 +126,8 @@ class SINEW_PT_order(ActiveDeformerPanel, Panel):
             button.draw(column)
         if sharing.sharing(deformer):
             column.operator(Operators.SETTINGS_SHARE, icon="DUPLICATE")
+        text = "Rebind" if deformer.is_bound else "Bind"
+        column.operator(Operators.BIND, text=text, icon="FILE_REFRESH")
         for button in _ENDS:
             button.draw(column)
 

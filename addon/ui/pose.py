@@ -3,7 +3,6 @@
 
 from bpy.types import Context, UILayout
 
-from ..ids import Operators
 from .layouts import Button, later
 
 RESET = ("Reset Pose", "LOOP_BACK")
@@ -16,10 +15,10 @@ def draw_reset(layout: UILayout) -> None:
         layout.operator(later("POSE_RESET"), text=text, icon=icon)
 
 
-def draw_pose(context: Context, layout: UILayout, text: str) -> None:
+def draw_pose(context: Context, layout: UILayout, begin: Button) -> None:
     """Draw the large button that begins to pose a control by its points, and the one that resets it."""
     if context.object.mode != "EDIT":
         large = layout.column()
         large.scale_y = 1.3
-        Button(Operators.CONTROL_EDIT, text, "EDITMODE_HLT").draw(large)
+        begin.draw(large)
     draw_reset(layout)

@@ -48,6 +48,7 @@ REMEDIES: dict[Remedy, Button] = {
     Remedy.KEEP_INSIDE: Button(Operators.KEEP_INSIDE, "Keep Inside Parts", "PINNED"),
     Remedy.NEW_CONTROL: Button(Operators.CONTROL_NEW, "New Control", "EMPTY_AXIS"),
     Remedy.BAKE: Button(Operators.BAKE, "Bake Again", "NONE", (("again", True),)),
+    Remedy.FIND_FILE: Button(Operators.BAKE_FIND, "Find File...", "FILEBROWSER"),
     Remedy.UNBAKE: Button(Operators.UNBAKE, "Unbake", "LOOP_BACK"),
     Remedy.CONVERT: Button("object.convert", "Convert to Mesh", "OUTLINER_OB_MESH", (("target", "MESH"),)),
     Remedy.OVERRIDE: Button("object.make_override_library", "Override to Pose It", "LIBRARY_DATA_OVERRIDE"),
@@ -127,19 +128,23 @@ def draw_status(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
     if cage is not None and deformer.definition.control is not Control.CAGE:  # else its own button tells
         draw_progress(layout.column(), cage, "making a cage")
     if not deformer.bake.is_baked:
-        _draw_headline(context, layout.row(align=True), deformer)
+        _draw_headline(context, layout, deformer)
     notes = [pair for pair in _lines(deformer)[1:] if pair[0].level not in (Level.WARNING, Level.ERROR)]
     if notes:
         _draw_messages(context, layout.box().column(), notes)
 
 
-def _draw_headline(context: Context, row: UILayout, deformer: SinewDeformer) -> None:
+def _draw_headline(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
     """Draw whether it follows, and the button that binds it. What is wrong is at the top of the panel."""
     line = headline(deformer)
     wrong = line.level in (Level.WARNING, Level.ERROR)
     icon = _ICONS[Level.WARNING] if wrong else "CHECKMARK" if deformer.is_bound else _ICONS[Level.INFO]
-    draw_text(context, row.column(), "At rest" if wrong else line.text, icon, beside=20, boxed=False)
-    row.operator(Operators.BIND, text="", icon="FILE_REFRESH")
+    bound = deformer.is_bound
+    place = layout.row(align=True) if bound else layout.column(align=True)
+    draw_text(
+        context, place.column(), "At rest" if wrong else line.text, icon, beside=20 * bound, boxed=False
+    )
+    place.operator(Operators.BIND, text="" if bound else "Bind", icon="FILE_REFRESH")
 
 
 def _lines(deformer: SinewDeformer) -> list[tuple[Status, int]]:

@@ -182,3 +182,30 @@ class SINEW_OT_unbake(OnDeformer, Operator):
         for line in warnings:
             self.tell({"WARNING"}, line)
         return {"FINISHED"}
+
+
+class SINEW_OT_bake_find(OnDeformer, Operator):
+    """Choose where the baked file is now, if it was moved or renamed"""
+
+    bl_idname = Operators.BAKE_FIND
+    bl_label = "Find File"
+
+    filepath: once(StringProperty, "Path", "Choose the file to play", subtype="FILE_PATH")
+    filter_glob: StringProperty(default="*.pc2;*.mdd", options={"HIDDEN", "SKIP_SAVE"})
+
+    @classmethod
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if target_of(context).sinew.active.bake.filepath else "Nothing is baked to a file"
+        )
+
+    def invoke(self, context: Context, _event: Event) -> set[str]:
+        self.filepath = self.filepath or target_of(context).sinew.active.bake.filepath
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        bake.play_instead(obj, obj.sinew.active, self.filepath)
+        return {"FINISHED"}

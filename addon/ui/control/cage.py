@@ -18,6 +18,7 @@ _ADDING = (
     Button(Operators.CAGE_ADD, "Wrap in a Cage", "MESH_CUBE", (("source", "AUTO"),)),
     Button(Operators.CAGE_ADD, "Cage from Selected", "MESH_ICOSPHERE", (("source", "OBJECT"),)),
 )
+POSE = Button(Operators.CONTROL_EDIT, "Pose the Cage", "EDITMODE_HLT")
 
 
 class SINEW_MT_cage(Menu):
@@ -32,6 +33,7 @@ class SINEW_MT_cage(Menu):
         for adding in _ADDING:
             adding.draw(layout)
         layout.separator()
+        POSE.draw(layout)
         for rest in REST:
             rest.draw(layout)
         layout.operator(Operators.CAGE_FLIP, icon="NORMALS_FACE")
@@ -54,7 +56,7 @@ def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeforme
         for adding in _ADDING:
             adding.draw(column)
     else:
-        draw_pose(context, layout, "Pose the Cage")
+        draw_pose(context, layout, POSE)
 
 
 def row_name(_deformer: SinewDeformer) -> str:

@@ -20,6 +20,7 @@ _ADDING = (
     ),
     Button(Operators.LATTICE_ADD, "Lattice from Selected", "LATTICE_DATA", (("source", "OBJECT"),)),
 )
+POSE = Button(Operators.CONTROL_EDIT, "Pose the Lattice", "EDITMODE_HLT")
 
 
 class SINEW_MT_lattice(Menu):
@@ -34,6 +35,7 @@ class SINEW_MT_lattice(Menu):
         for adding in _ADDING:
             adding.draw(layout)
         layout.separator()
+        POSE.draw(layout)
         for rest in REST:
             rest.draw(layout)
 
@@ -53,7 +55,7 @@ def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeform
         for adding in _ADDING:
             adding.draw(column)
         return
-    draw_pose(context, layout, "Pose the Lattice")
+    draw_pose(context, layout, POSE)
     if row.object.type == "LATTICE":
         counts = layout.row(align=True)
         for axis in "uvw":

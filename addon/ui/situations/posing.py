@@ -5,22 +5,17 @@ from bpy.types import Context, Object, UILayout
 
 from ...core.labels import label_of
 from ...core.methods import METHODS, Moved
-from ...core.status import Level, Status
-from ...core.tasks import task_for
+from ...core.tasks import Task, task_for
 from ...ids import Menus, Operators
 from ...operators import target_of
 from ...properties import BASE, SinewDeformer
-from ...session.targets import modified, targets
+from ...session.targets import targets
 from ..control import drawing_of
 from ..layouts import draw_field, fields, later, unless_baked
 from ..parameters import draw_main
-from ..status_box import draw_message, draw_status, draw_troubles, has_troubles
+from ..status_box import draw_status, draw_troubles, has_troubles
 from .start import draw_selection
-
-COPIED = (
-    "The modifier {} was copied from another object and shows the shape of that one - remove it, then add "
-    "handles or a cage here"
-)
+from .strays import draw_strays
 
 
 def is_there(context: Context) -> bool:
@@ -60,13 +55,7 @@ def draw_deformer(context: Context, layout: UILayout, obj: Object, deformer: Sin
     draw_status(context, layout, deformer)
 
 
-def draw_strays(context: Context, layout: UILayout, obj: Object) -> None:
-    """Draw which modifiers show the shape of another object."""
-    for name in modified.stray_modifiers(obj):
-        draw_message(context, layout, Status(Level.WARNING, COPIED.format(name)))
-
-
-def _task(deformer: SinewDeformer):
+def _task(deformer: SinewDeformer) -> Task:
     return task_for(deformer.definition, deformer.name)
 
 

@@ -15,6 +15,7 @@ from ...session.targets import targets
 from ..layouts import Button, later
 from ..status_box import NATIVE_MISSING, draw_message, draw_progress
 from ..text import draw_text
+from .strays import draw_strays
 
 _TOOL = (("name", Operators.DRAG), ("space_type", "VIEW_3D"))
 _DRAG = {
@@ -65,6 +66,7 @@ def draw(context: Context, layout: UILayout) -> None:
     obj = target_of(context)
     if availability().module is None:
         draw_message(context, layout, NATIVE_MISSING)
+    draw_strays(context, layout, obj)
     work = making.cage_work(obj.name)
     if work is not None:
         layout.label(text="Making the cage...")

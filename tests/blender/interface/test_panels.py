@@ -9,12 +9,12 @@ from pathlib import Path
 import bpy
 import pytest
 import situations
-from inside import READS, calls_of, inner
+from inside import READS, calls_of, catch_up, inner
 from libraries import put_into_a_library, read
 from registry import METHODS
 from rigs.point_objects import text
 from rigs.puppets import figure
-from rigs.rig import Rig, linked, make_active, new_file, update
+from rigs.rig import Rig, linked, make_active, new_file, save, update
 from rigs.sheet import NARROW, draw_panel
 from ruler import Label, buttons, cut, measured, measured_panel
 
@@ -41,6 +41,17 @@ def counted(many: bool = False) -> None:
         bpy.ops.mesh.edge_split()
         bpy.ops.object.mode_set(mode="OBJECT")
     inner.traits.count(plate.obj.data)
+
+
+def file_is_missing() -> None:
+    """Of a bake."""
+    situations.handles()
+    save(Path(bpy.app.tempdir) / "shot.blend")
+    bpy.context.scene.frame_end = 2
+    bpy.ops.sinew.bake(target="PC2")
+    Path(bpy.path.abspath(bpy.context.object.sinew.active.bake.filepath)).unlink()
+    assert "missing" not in draw_panel().texts()  # nobody has looked yet
+    catch_up()
 
 
 def sculpting() -> None:
@@ -101,6 +112,7 @@ SITUATIONS: dict[str, tuple[Callable[[], object], int, str]] = {
     "keys": (MADE["keys"], 10, "animate"),
     "a morph": (morphing, 6, "baking"),
     "baked": (MADE["baked"], 8, "baking"),
+    "a missing file": (file_is_missing, 8, "troubles"),
     "a puppet": (MADE["a puppet"], 6, "puppet"),
     "an armature": (armature, 2, "puppet"),
     "two deformers": (MADE["two deformers"], 8, "surface"),
@@ -222,6 +234,17 @@ def test_a_click_on_a_row_selects_its_control(plate: Rig):
     bpy.ops.object.mode_set(mode="EDIT")
     deformer.chosen_handle = row
     assert bpy.context.mode == "EDIT_MESH"
+
+
+def test_a_baked_file_that_was_moved_is_found_again():
+    begin("a missing file")
+    texts = draw_panel().texts()
+    assert "The baked file" in texts
+    assert {"sinew.bake", "sinew.bake_find", "sinew.unbake"} <= set(draw_panel().operator_names())
+    moved = Path(bpy.app.tempdir) / "moved.pc2"
+    moved.write_bytes(b"POINTCACHE2\0")
+    assert bpy.ops.sinew.bake_find(filepath=str(moved)) == {"FINISHED"}
+    assert "missing" not in draw_panel().texts()
 
 
 def test_a_text_in_edit_mode_leaves_it_first():

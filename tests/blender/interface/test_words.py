@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -27,7 +28,7 @@ from rigs.rig import (
     reopen,
     update,
 )
-from rigs.sheet import WIDE, draw, draw_panel
+from rigs.sheet import WIDE, Sheet, draw, draw_panel
 
 # The menu of methods, and the names of the rows
 
@@ -279,7 +280,7 @@ def test_a_message_names_the_button_as_it_reads(
     said = re.search(r"press (Rebind|Bind)\b", said_by(bound_plate, press, **words))
     buttons = [
         keywords["text"]
-        for name, args, keywords, _settings in draw_panel(WIDE).calls
+        for name, args, keywords, _settings in draw(bpy.types.SINEW_PT_order).calls
         if name == "operator" and args == ("sinew.bind",)
     ]
     assert said[1] == buttons[-1]
@@ -432,7 +433,10 @@ def test_a_preset_is_applied_where_a_control_is_active(plate: Rig):
 
 
 def test_the_panel_offers_presets(bound_plate: Rig):
-    found = [keywords for name, _args, keywords, _settings in draw_panel().calls if name == "popover"]
+    sheet = Sheet()
+    header = SimpleNamespace(layout=sheet, help_page=lambda _context: "surface")
+    bpy.types.SINEW_PT_advanced.draw_header_preset(header, bpy.context)
+    found = [keywords for name, _args, keywords, _settings in sheet.calls if name == "popover"]
     assert [keywords["panel"] for keywords in found] == [inner.ids.Panels.PRESETS]
 
 
@@ -498,7 +502,7 @@ def test_the_arrow_in_object_mode_makes_the_control_active(bound_plate: Rig):
     press(bound_plate.obj, "select_handle", index=0)
     assert bpy.context.view_layer.objects.active == bound_plate.control
     assert inner.operators.target_of(bpy.context) == bound_plate.obj
-    assert "Handles" in draw_panel().texts()
+    assert "Shape a Sheet" in draw_panel().texts()
 
 
 def test_the_arrow_in_the_modifiers_tab_leaves_the_tab_where_it_is(bound_plate: Rig):
