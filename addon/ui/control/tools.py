@@ -17,7 +17,7 @@ _ADDING = tuple(
     Button(Operators.TOOL_ADD, text, "EMPTY_AXIS", (("tool", tool),))
     for tool, text in (("drag", "Add Drag"), ("twist", "Add Twist"), ("bend", "Add Bend"))
 )
-_DRAG = Button(Operators.TOOL_DRAG, "Drag", "VIEW_PAN")
+_DRAG = Button(Operators.TOOL_DRAG, "Drag Clay", "VIEW_PAN")
 _STOPS = (
     Button(Operators.TOOL_STOP, "Add Stop", "KEYFRAME", (("clear", False),)),
     Button(Operators.TOOL_STOP, "Remove Stops", "X", (("clear", True),)),

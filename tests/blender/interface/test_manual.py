@@ -282,7 +282,7 @@ def test_our_keys_are_on_the_pages():
 
 def test_each_page_of_the_manual_can_be_opened_from_blender():
     opened = {page for page, *_rest in inner.operators.PAGES}
-    assert opened == {page.stem for page in MANUAL} - {"README"}
+    assert opened == {page.stem for page in MANUAL} - {"README"} | {"methods/comparison"}
 
 
 # Messages
@@ -315,6 +315,7 @@ NOT_LISTED = {
         "... does not follow its controls now - the panel says why",
         "... stands on the surface and moves with it",
         "... stays in the world",
+        "Override to Pose It",
     )
 }
 
