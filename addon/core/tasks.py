@@ -16,8 +16,8 @@ class Task:
 
     ``deformer``: what a deformer that was made for it is called. ``purpose``: what it is for. ``methods``:
     their ids, the recommended one first; none if nothing stays behind. ``other_names``: what other programs
-    call it, which finds the recommended method. ``needs``: what must be there before it can begin.
-    ``suits``: what it is suggested for, that which it suits best first. ``page``: the page of the manual.
+    call it, which finds the recommended method. ``suits``: what it is suggested for, that which it suits best
+    first. ``page``: the page of the manual.
     """
 
     id: str
@@ -27,7 +27,6 @@ class Task:
     _: KW_ONLY
     methods: tuple[str, ...] = ()
     other_names: tuple[str, ...] = ()
-    needs: tuple[Trait, ...] = ()
     suits: tuple[Trait, ...] = ()
     page: str
 
@@ -60,7 +59,6 @@ TASKS = (
             "multiresolution",
         ),
         other_names=("Cluster", "Bulge", "Muscle"),
-        needs=(Trait.SURFACE,),
         page="surface",
     ),
     Task(
@@ -70,7 +68,6 @@ TASKS = (
         "an elbow that bones have bent",
         methods=("arap",),
         other_names=("Corrective Shape", "Delta Mush"),
-        needs=(Trait.SURFACE, Trait.MOVED),
         suits=(Trait.MOVED,),
         page="correct-an-elbow",
     ),
@@ -87,7 +84,6 @@ TASKS = (
             "propagation",
             "subdivision_editing",
         ),
-        needs=(Trait.SURFACE,),
         suits=(Trait.SHEET,),
         page="surface",
     ),
@@ -153,7 +149,6 @@ TASKS = (
         "a figure and its skin",
         methods=("mesh_puppetry",),
         other_names=("Skin Weights",),
-        needs=(Trait.SURFACE, Trait.BONES),
         suits=(Trait.BONES,),
         page="puppet",
     ),
@@ -164,7 +159,6 @@ TASKS = (
         "a shot, a cache",
         methods=("mesh_sequence",),
         other_names=("Jiggle",),
-        needs=(Trait.SURFACE, Trait.MOVED),
         suits=(Trait.CACHED,),
         page="animate",
     ),
@@ -175,11 +169,10 @@ TASKS = (
         "between two twins",
         methods=("pyramid_coordinates",),
         other_names=("Blend Shape",),
-        needs=(Trait.SURFACE, Trait.TWIN),
         suits=(Trait.TWIN,),
         page="baking",
     ),
-    Task("once", "Shape It Once", "", "no modifier", needs=(Trait.SURFACE,), page="grab-region"),
+    Task("once", "Shape It Once", "", "no modifier", page="grab-region"),
 )
 
 
@@ -194,14 +187,9 @@ def task_for(method: Method, name: str) -> Task:
     return next(fitting, task_of(method))
 
 
-def refusal(task: Task, there: frozenset[Trait]) -> str:
-    """Why a task cannot begin with what is selected; empty if it can."""
-    return next((trait.value for trait in task.needs if trait not in there), "")
-
-
 def suggested(there: frozenset[Trait]) -> tuple[Task, ...]:
     """At most three tasks for what is selected, first those for what is special about it."""
-    fitting = [(first(task.suits, there), task) for task in TASKS if not refusal(task, there)]
+    fitting = [(first(task.suits, there), task) for task in TASKS]
     best = sorted([(rank, task) for rank, task in fitting if rank is not None], key=lambda pair: pair[0])
     return tuple(task for _rank, task in best[:_MOST])
 

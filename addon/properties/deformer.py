@@ -25,6 +25,7 @@ from ..core.methods import (
     Method,
     Pointer,
     group_property,
+    wrapper_of,
 )
 from ..core.names import is_numbered, numbered
 from ..core.tasks import TASKS, task_of
@@ -106,6 +107,21 @@ def _set_cage_levels(deformer: "SinewDeformer", levels: int) -> None:
     subdivision.levels = subdivision.render_levels = levels
 
 
+def _keeps_details(deformer: "SinewDeformer") -> bool:
+    return bool(deformer.definition.wraps)
+
+
+def _keep_details(deformer: "SinewDeformer", wanted: bool) -> None:
+    """Put the method that keeps details around the one in use, or take it off again."""
+    method, _values = deformer.methods[-1]
+    wrapper = wrapper_of(method)
+    if wrapper is None or wanted == _keeps_details(deformer):
+        return
+    if wanted:
+        setattr(getattr(deformer, wrapper.id), BASE, method.id)
+    deformer.method = wrapper.id if wanted else method.id
+
+
 _click_observers: list[Callable[["SinewDeformer", str], None]] = []
 
 
@@ -158,6 +174,13 @@ class SinewDeformer(PropertyGroup):
         items=method_items,
         default=BY_ID[DEFAULT_METHOD].number,
         description="Set how the mesh follows its controls",
+    )
+    keep_details: BoolProperty(
+        name="Keep Details",
+        get=_keeps_details,
+        set=_keep_details,
+        options={"SKIP_SAVE"},
+        description="Turn bumps with the surface, or with the space around it, instead of shearing them",
     )
     cage: setting(
         PointerProperty,

@@ -3,8 +3,10 @@
 
 from bpy.types import Context, UILayout
 
+from ..ids import Operators
 from .layouts import Button, later
 
+_TOOL = (("name", Operators.DRAG), ("space_type", "VIEW_3D"))
 RESET = ("Reset Pose", "LOOP_BACK")
 
 
@@ -13,6 +15,15 @@ def draw_reset(layout: UILayout) -> None:
     text, icon = RESET
     if later("POSE_RESET"):
         layout.operator(later("POSE_RESET"), text=text, icon=icon)
+
+
+def draw_drag(layout: UILayout, text: str, mode: str) -> None:
+    """Draw the button that takes the tool Sinew Drag, in one of its modes."""
+    start, icon = later("DRAG_START"), "VIEW_PAN"
+    if start:
+        layout.operator(start, text=text, icon=icon).mode = mode
+    else:
+        Button("wm.tool_set_by_id", text, icon, _TOOL).draw(layout)
 
 
 def draw_pose(context: Context, layout: UILayout, begin: Button) -> None:

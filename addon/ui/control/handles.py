@@ -3,6 +3,7 @@
 
 from bpy.types import Context, Menu, Object, UILayout
 
+from ...core.methods import wrapper_of
 from ...ids import Menus, Operators
 from ...properties import STANDS_ON, SinewDeformer, SinewHandle
 from ...session.actions import rigging
@@ -57,6 +58,9 @@ def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeform
     draw_reset(pair)
     if deformer.use_mirror_x:
         _draw_mirrored(context, layout, deformer)
+    details = layout.row()
+    details.enabled = wrapper_of(deformer.methods[-1][0]) is not None
+    details.prop(deformer, "keep_details", toggle=True, icon="MOD_DISPLACE")
 
 
 def row_name(deformer: SinewDeformer) -> str:

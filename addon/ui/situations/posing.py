@@ -11,7 +11,7 @@ from ...operators import target_of
 from ...properties import BASE, SinewDeformer
 from ...session.targets import targets
 from ..control import drawing_of
-from ..layouts import draw_field, fields, later, unless_baked
+from ..layouts import fields, later, unless_baked
 from ..parameters import draw_main
 from ..status_box import draw_status, draw_troubles, has_troubles
 from .start import draw_selection
@@ -48,15 +48,13 @@ def draw_deformer(context: Context, layout: UILayout, obj: Object, deformer: Sin
     settings = unless_baked(layout, deformer)
     _draw_method(settings, obj, deformer)
     drawing_of(deformer.definition).draw(context, settings, obj, deformer)
-    main = fields(context, settings.column(align=True))
-    if deformer.definition.wraps:
-        draw_field(context, main, deformer.parameters, BASE)
-    draw_main(context, main, deformer)
+    draw_main(context, fields(context, settings.column(align=True)), deformer)
     draw_status(context, layout, deformer)
 
 
 def _task(deformer: SinewDeformer) -> Task:
-    return task_for(deformer.definition, deformer.name)
+    """What it is for; of a method that keeps the details of another one, what that is for."""
+    return task_for(deformer.methods[-1][0], deformer.name)
 
 
 def _draw_mode(context: Context, layout: UILayout, obj: Object) -> None:
@@ -82,8 +80,10 @@ def _draw_method(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None
     column = layout.column(align=True)
     column.label(text=_task(deformer).label)
     if later("CHOOSE_METHOD"):
-        text = label_of(deformer.definition)
+        text = label_of(deformer.methods[-1][0])
         column.operator(later("CHOOSE_METHOD"), text=text, icon="DOWNARROW_HLT")
+    elif deformer.definition.wraps:
+        column.prop(deformer.parameters, BASE, text="")
     elif targets.is_mesh(obj):
         column.prop(deformer, "method", text="")
     else:

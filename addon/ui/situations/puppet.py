@@ -6,7 +6,8 @@ from bpy.types import Context, Object, UILayout
 from ...ids import Operators
 from ...operators import target_of
 from ...session.targets import targets
-from ..layouts import Button, draw_pair, invoking
+from ..layouts import Button, draw_pair, invoking, later
+from ..pose import draw_drag
 from ..text import draw_text
 
 _DRAG = Button(Operators.PUPPET_POSE, "Drag Bones", "VIEW_PAN")
@@ -49,8 +50,14 @@ def _draw_posing(context: Context, layout: UILayout, armature: Object) -> None:
     draw_text(context, layout, text, "ARMATURE_DATA")
     large = layout.column()
     large.scale_y = 1.5
-    _DRAG.draw(large)
+    if later("DRAG_START"):
+        draw_drag(large, _DRAG.text, "BONES")
+    else:
+        _DRAG.draw(large)
     draw_pair(context, layout, _PINS)
     pinned = [bone.name for bone in armature.pose.bones if bone.sinew.pin]
     if pinned:
         draw_text(context, layout, f"Pinned: {', '.join(pinned)}", "PINNED")
+    drag = getattr(context.scene.sinew, "drag", None)
+    if drag is not None:
+        layout.prop(drag, "balance")

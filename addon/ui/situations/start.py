@@ -13,15 +13,13 @@ from ...session.actions.controls import making
 from ...session.datablocks.traits import traits_of
 from ...session.targets import targets
 from ..layouts import Button, later
+from ..pose import draw_drag
 from ..status_box import NATIVE_MISSING, draw_message, draw_progress
 from ..text import draw_text
 from .strays import draw_strays
 
 _TOOL = (("name", Operators.DRAG), ("space_type", "VIEW_3D"))
-_DRAG = {
-    True: Button("wm.tool_set_by_id", "Drag the Surface", "VIEW_PAN", _TOOL),
-    False: Button("wm.tool_set_by_id", "Drag Points", "VIEW_PAN", _TOOL),
-}
+_DRAG = {True: ("Drag the Surface", "SURFACE"), False: ("Drag Points", "POINTS")}  # on meshes, and others
 _MOVED = (
     (Trait.CACHED, "{}, played from a cache"),
     (Trait.MOVED, "{}, moved before Sinew"),
@@ -105,9 +103,9 @@ def _draw_tasks(context: Context, layout: UILayout, obj: Object) -> None:
     drag = _DRAG[targets.is_mesh(obj)]
     if tasks and _is_special(tasks[0], traits):
         _draw_task(large, tasks.pop(0))
-        drag.draw(others)
+        draw_drag(others, *drag)
     else:
-        drag.draw(large)
+        draw_drag(large, *drag)
     for task in tasks:
         _draw_task(others, task)
     if later("ALL_TASKS"):

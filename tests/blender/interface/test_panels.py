@@ -189,12 +189,21 @@ def test_what_is_suggested_depends_on_what_is_selected(name):
     assert shown[-1] == "All Tasks..."
 
 
-def test_a_task_that_cannot_begin_says_what_it_needs():
-    tasks = {task.id: task for task in inner.tasks.TASKS}
-    plain, clouds = frozenset({inner.core_traits.Trait.SURFACE}), frozenset({inner.core_traits.Trait.POINTS})
-    assert not inner.tasks.refusal(tasks["limb"], plain)
-    for task, there in (("limb", clouds), ("joint", plain), ("figure", plain), ("morph", plain)):
-        assert inner.tasks.refusal(tasks[task], there).startswith("Needs ")
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
+def test_keep_details_is_a_switch(plate: Rig, method):
+    """Which gives the method back; grey where it has nothing to be put around."""
+    methods = inner.methods
+    if method.wraps or method.control is not methods.Control.HANDLES:
+        pytest.skip("it has no such switch")
+    deformer = plate.bind(method.id).deformer
+    before = [(handle.name, handle.control) for handle in deformer.handles]
+    deformer.keep_details = True
+    assert deformer.keep_details == (methods.wrapper_of(method) is not None)
+    assert deformer.methods[-1][0] is method
+    assert ("keep_details" in draw_panel().greyed) != deformer.keep_details
+    deformer.keep_details = False
+    assert deformer.method == method.id
+    assert [(handle.name, handle.control) for handle in deformer.handles] == before
 
 
 def test_a_twin_that_is_selected_suggests_a_morph():

@@ -28,7 +28,6 @@ MODULES = {
     "binding": "session.evaluation.binding",
     "compat": "compat",
     "control": "ui.control",
-    "core_traits": "core.traits",
     "deferred": "handlers.deferred",
     "deformers": "session.actions.deformers",
     "distortion": "core.geometry.distortion",
