@@ -121,7 +121,7 @@ class SINEW_PT_order(ActiveDeformerPanel, Panel):
         draw_deformer_row(context, layout.box().row(align=True), obj.sinew, deformer)
         column = invoking(layout.column(align=True))
         if len(obj.sinew.deformers) > 1:
-            draw_move_entries(column, Operators.DEFORMER_MOVE)
+            draw_move_entries(column, Operators.DEFORMER_MOVE, "Deformer")
         for button in drawing_of(deformer.definition).REST:
             button.draw(column)
         if sharing.sharing(deformer):

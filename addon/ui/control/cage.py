@@ -11,7 +11,7 @@ from ..pose import draw_pose
 from ..status_box import draw_progress
 
 REST = (
-    Button(Operators.CAGE_REST, "New Rest", "PIVOT_BOUNDBOX"),
+    Button(Operators.CAGE_REST, "New Rest of the Cage", "PIVOT_BOUNDBOX"),
     Button(Operators.CAGE_FACES, "Cage Faces", "MOD_DECIM"),
 )
 _ADDING = (

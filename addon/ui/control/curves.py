@@ -8,10 +8,11 @@ from ...properties import SinewDeformer
 from ...session.targets import targets
 from ..layouts import Button, beside, draw_field, invoking
 from ..pose import RESET, draw_reset
-from .rows import REST, active_row, draw_rows, row_name
+from .rows import active_row, draw_rows, row_name
 
 __all__ = ("MENUS", "REST", "draw", "draw_row", "draw_settings", "row_name")
 
+REST = (Button(Operators.ROW_REST, "New Rest of the Wire", "PIVOT_BOUNDBOX"),)
 _ADDING = (
     Button(Operators.WIRE_ADD, "Wires from Selected", "CURVE_DATA", (("source", "CURVES"),)),
     Button(Operators.WIRE_ADD, "Wire along Edges", "CURVE_DATA", (("source", "EDGES"),)),

@@ -8,7 +8,7 @@ from ...properties import SinewControl, SinewDeformer
 from ..layouts import Button, draw_field, invoking
 from ..pose import draw_pose
 
-REST = (Button(Operators.LATTICE_REST, "New Rest", "PIVOT_BOUNDBOX"),)
+REST = (Button(Operators.LATTICE_REST, "New Rest of the Lattice", "PIVOT_BOUNDBOX"),)
 _ADDING = (
     *(
         Button(Operators.LATTICE_ADD, text, icon, (("source", "FIT"), ("shape", shape)))

@@ -7,9 +7,7 @@ from ...core.methods import Parameter
 from ...ids import Operators
 from ...properties import SinewControl, SinewDeformer
 from ...session.actions.controls import control_list
-from ..layouts import Button
 
-REST = (Button(Operators.ROW_REST, "New Rest", "PIVOT_BOUNDBOX"),)
 _ALONG = {"inner": "Bottom", "outer": "Top"}  # what the reach of a twist or a bend is called
 
 

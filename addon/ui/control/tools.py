@@ -9,10 +9,11 @@ from ...session.actions.controls import control_list as rows
 from ..layouts import Button, beside, draw_field, draw_pair, invoking
 from ..pose import RESET, draw_reset
 from ..text import draw_text
-from .rows import REST, active_row, draw_rows, parameter_text, row_name
+from .rows import active_row, draw_rows, parameter_text, row_name
 
 __all__ = ("MENUS", "REST", "draw", "draw_row", "draw_settings", "row_name")
 
+REST = (Button(Operators.ROW_REST, "New Rest of the Tool", "PIVOT_BOUNDBOX"),)
 _ADDING = tuple(
     Button(Operators.TOOL_ADD, text, "EMPTY_AXIS", (("tool", tool),))
     for tool, text in (("drag", "Add Drag"), ("twist", "Add Twist"), ("bend", "Add Bend"))
