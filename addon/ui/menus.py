@@ -132,7 +132,8 @@ class SINEW_MT_manual_methods(Menu):
 
     def draw(self, _context: Context) -> None:
         for method in METHODS:
-            self.layout.operator(Operators.HELP, text=label_of(method)).page = page_of(method)
+            entry = self.layout.operator(Operators.HELP, text=f"About {label_of(method)}")
+            entry.page = page_of(method)
 
 
 _ADDING = {

@@ -17,13 +17,13 @@ def draw_reset(layout: UILayout) -> None:
         layout.operator(later("POSE_RESET"), text=text, icon=icon)
 
 
-def draw_drag(layout: UILayout, text: str, mode: str) -> None:
+def draw_drag(
+    layout: UILayout, text: str, mode: str, otherwise: str = "wm.tool_set_by_id", more: tuple = _TOOL
+) -> None:
     """Draw the button that takes the tool Sinew Drag, in one of its modes."""
-    start, icon = later("DRAG_START"), "VIEW_PAN"
-    if start:
-        layout.operator(start, text=text, icon=icon).mode = mode
-    else:
-        Button("wm.tool_set_by_id", text, icon, _TOOL).draw(layout)
+    start = later("DRAG_START")
+    button = Button(start, text, "VIEW_PAN", (("mode", mode),)) if start else None
+    (button or Button(otherwise, text, "VIEW_PAN", more)).draw(layout)
 
 
 def draw_pose(context: Context, layout: UILayout, begin: Button) -> None:

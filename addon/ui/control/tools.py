@@ -7,7 +7,7 @@ from ...ids import Menus, Operators
 from ...properties import SinewDeformer
 from ...session.actions.controls import control_list as rows
 from ..layouts import Button, beside, draw_field, draw_pair, invoking
-from ..pose import RESET, draw_reset
+from ..pose import RESET, draw_drag, draw_reset
 from ..text import draw_text
 from .rows import active_row, draw_rows, parameter_text, row_name
 
@@ -18,7 +18,6 @@ _ADDING = tuple(
     Button(Operators.TOOL_ADD, text, "EMPTY_AXIS", (("tool", tool),))
     for tool, text in (("drag", "Add Drag"), ("twist", "Add Twist"), ("bend", "Add Bend"))
 )
-_DRAG = Button(Operators.TOOL_DRAG, "Drag Clay", "VIEW_PAN")
 _STOPS = (
     Button(Operators.TOOL_STOP, "Add Stop", "KEYFRAME", (("clear", False),)),
     Button(Operators.TOOL_STOP, "Remove Stops", "X", (("clear", True),)),
@@ -36,7 +35,7 @@ class SINEW_MT_tools(Menu):
         layout = invoking(self.layout)
         for adding in _ADDING:
             adding.draw(layout)
-        layout.operator(Operators.TOOL_DRAG, icon="VIEW_PAN")
+        draw_drag(layout, "Sinew Drag: Clay", "CLAY", Operators.TOOL_DRAG, ())
         layout.separator()
         for button in (*_STOPS, *REST):
             button.draw(layout)
@@ -49,8 +48,8 @@ MENUS = (SINEW_MT_tools,)
 def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
     """Draw the list of tools, and what adds and resets them."""
     draw_rows(layout, deformer, Menus.TOOLS)
-    pair = beside(context, layout, _DRAG.looks, RESET)
-    _DRAG.draw(pair)
+    pair = beside(context, layout, ("Drag Clay", "VIEW_PAN"), RESET)
+    draw_drag(pair, "Drag Clay", "CLAY", Operators.TOOL_DRAG, ())
     draw_reset(pair)
 
 

@@ -6,11 +6,10 @@ from bpy.types import Context, Object, UILayout
 from ...ids import Operators
 from ...operators import target_of
 from ...session.targets import targets
-from ..layouts import Button, draw_pair, invoking, later
+from ..layouts import Button, draw_pair, invoking
 from ..pose import draw_drag
 from ..text import draw_text
 
-_DRAG = Button(Operators.PUPPET_POSE, "Drag Bones", "VIEW_PAN")
 _PINS = (
     Button(Operators.PUPPET_PIN, "Pin", "PINNED", (("action", "PIN"),)),
     Button(Operators.PUPPET_PIN, "Unpin", "UNPINNED", (("action", "RELEASE"),)),
@@ -50,10 +49,7 @@ def _draw_posing(context: Context, layout: UILayout, armature: Object) -> None:
     draw_text(context, layout, text, "ARMATURE_DATA")
     large = layout.column()
     large.scale_y = 1.5
-    if later("DRAG_START"):
-        draw_drag(large, _DRAG.text, "BONES")
-    else:
-        _DRAG.draw(large)
+    draw_drag(large, "Drag Bones", "BONES", Operators.PUPPET_POSE, ())
     draw_pair(context, layout, _PINS)
     pinned = [bone.name for bone in armature.pose.bones if bone.sinew.pin]
     if pinned:

@@ -210,7 +210,7 @@ def test_a_twin_that_is_selected_suggests_a_morph():
     one, two = Rig.plate(), Rig.plate()
     make_active(one.obj)
     two.obj.select_set(True)
-    assert draw_panel().operator_names()[0] == "sinew.morph"
+    assert buttons(measured_panel(bpy.types.SINEW_PT_sinew, NARROW))[0] == "Morph to a Mesh"
 
 
 @pytest.mark.parametrize("name", ["a mesh", "handles"])
