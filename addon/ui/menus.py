@@ -7,7 +7,7 @@ Blender's search finds operators through menus, so each operator is in a menu th
 import bpy
 from bpy.types import Context, Menu, UILayout
 
-from ..core.labels import label_of
+from ..core.labels import known_as, label_of
 from ..core.methods import METHODS
 from ..ids import Menus, Operators
 from ..operators import PAGES, page_of, target_of
@@ -132,8 +132,8 @@ class SINEW_MT_manual_methods(Menu):
 
     def draw(self, _context: Context) -> None:
         for method in METHODS:
-            entry = self.layout.operator(Operators.HELP, text=f"About {label_of(method)}")
-            entry.page = page_of(method)
+            text = f"About {label_of(method)} ({known_as(method)})"
+            self.layout.operator(Operators.HELP, text=text).page = page_of(method)
 
 
 _ADDING = {
