@@ -21,10 +21,10 @@ from ..session.evaluation import binding, dependencies
 from ..session.state import sessions
 from ..session.state.background import Work
 from .layouts import Button, beside
-from .text import draw_text, is_wide
+from .text import draw_text, is_wide, width_of, width_of_button
 
 _ICONS = {Level.NONE: "BLANK1", Level.INFO: "INFO", Level.WARNING: "ERROR", Level.ERROR: "CANCEL"}
-_BUTTON = 72  # pixels at scale 1, of a button beside its line in a wide region
+_GAP = 12  # pixels at scale 1, at the sides of a button beside its line
 
 REFINING = "Refining - the final shape follows"
 DRAFT = "Draft - the full shape follows when playback rests"
@@ -72,13 +72,14 @@ def draw_message(context: Context, layout: UILayout, line: Status, problem: int 
     """Draw one line with its buttons. ``problem`` is its number among the lines that name elements, or -1."""
     show = Button(Operators.SELECT_PROBLEMS, "Show", "RESTRICT_SELECT_OFF", (("line", problem),))
     buttons = [show] * (problem >= 0) + _buttons(line.remedy)
-    wide = is_wide(context)
+    looks = [button.looks for button in buttons]
+    room = sum(width_of_button(context, *look) + _GAP for look in looks)
+    wide = is_wide(context) and room < width_of(context, boxed=True) / 2.0
     group = layout.row() if wide else layout.column(align=True)
-    room = _BUTTON * len(buttons) if wide else 0
-    draw_text(context, group.column(), line.text, _ICONS[line.level], beside=room)
+    group.alert = line.level is Level.ERROR
+    draw_text(context, group.column(), line.text, _ICONS[line.level], beside=room if wide else 0)
     if not buttons:
         return
-    looks = (button.looks for button in buttons)
     place = group.row(align=True) if wide else beside(context, group, *looks, boxed=True)
     if wide:
         place.alignment = "RIGHT"

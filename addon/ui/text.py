@@ -36,16 +36,18 @@ def is_wide(context: Context) -> bool:
 
 def fit_beside(context: Context, *buttons: tuple[str, str], boxed: bool = False) -> bool:
     """Whether buttons with these texts and icons have room beside each other."""
-    points = context.preferences.ui_styles[0].widget.points
     share = width_of(context, boxed) / len(buttons)
-    return all(
-        compat.text_width(compat.told(text), points) + (_PLAIN if icon == "NONE" else _BUTTON) <= share
-        for text, icon in buttons
-    )
+    return all(width_of_button(context, *button) <= share for button in buttons)
+
+
+def width_of_button(context: Context, text: str, icon: str) -> float:
+    """The width that a button needs, in pixels at scale 1."""
+    points = context.preferences.ui_styles[0].widget.points
+    return compat.text_width(compat.told(text), points) + (_PLAIN if icon == "NONE" else _BUTTON)
 
 
 def draw_text(
-    context: Context, layout: UILayout, text: str, icon: str = "NONE", beside: int = 0, boxed: bool = True
+    context: Context, layout: UILayout, text: str, icon: str = "NONE", beside: float = 0, boxed: bool = True
 ) -> None:
     """Draw a sentence in the language of the interface, on as many lines as it needs.
 

@@ -3,7 +3,7 @@
 
 from bpy.types import Context, Menu, Object, UILayout
 
-from ...core.methods import wrapper_of
+from ...core.methods import MeshShape, wrapper_of
 from ...ids import Menus, Operators
 from ...properties import STANDS_ON, SinewDeformer, SinewHandle
 from ...session.actions import rigging
@@ -44,6 +44,11 @@ def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeform
     """Draw the keys of an edit, the list of handles, and what poses all of them."""
     if deformer.definition.keyed:
         keys.draw(context, layout, deformer)
+    goals = _goals(deformer)
+    for goal in goals:
+        draw_text(context, layout, f"To {goal.name}", "OUTLINER_OB_MESH", boxed=False)
+    if goals and not deformer.handles:
+        return
     row = layout.row()
     rows = 4 if len(deformer.handles) > 1 else 3
     row.template_list("SINEW_UL_handles", "", deformer, "handles", deformer, "chosen_handle", rows=rows)
@@ -97,6 +102,17 @@ def draw_settings(context: Context, layout: UILayout, _obj: Object, deformer: Si
     """Draw what parts without a region do."""
     if not deformer.definition.is_space:
         draw_field(context, layout, deformer, "loose_parts", expand=True)
+
+
+def _goals(deformer: SinewDeformer) -> list[Object]:
+    """The objects whose shapes the surface goes to, which needs no handles."""
+    found = [
+        getattr(values, parameter.id)
+        for method, values in deformer.methods
+        for parameter in method.parameters
+        if isinstance(parameter, MeshShape)
+    ]
+    return [obj for obj in found if obj is not None]
 
 
 def _active(deformer: SinewDeformer) -> SinewHandle | None:
