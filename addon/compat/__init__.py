@@ -14,7 +14,7 @@ from .interface import (
     rename_attribute_inputs,
     set_modifier_input,
 )
-from .layout import draw_keymap_item, draw_progress, text_width
+from .layout import draw_keymap_item, draw_progress, refresh_popup, text_width
 from .libraries import is_placeholder
 from .mesh import (
     read_cloud,
@@ -52,6 +52,7 @@ __all__ = (
     "read_lattice",
     "read_positions",
     "read_triangles",
+    "refresh_popup",
     "remove_action_curve",
     "remove_data",
     "rename_attribute_inputs",

@@ -12,7 +12,10 @@ class Task:
 
     ``deformer``: what a deformer that was made for it is called. ``purpose``: what it is for. ``methods``:
     their ids, the recommended one first; none if nothing stays behind. ``other_names``: what other programs
-    call it, which finds the recommended method. ``page``: the page of the manual.
+    call it, which finds the recommended method. ``page``: the page of the manual. ``icon``: Blender's icon
+    in menus. ``picture``: the sample, and after a colon which part of it, that shows the task; empty where
+    that is the one of its recommended method. ``stands_behind``: its deformer corrects what other modifiers
+    do, and goes behind them.
     """
 
     id: str
@@ -23,11 +26,19 @@ class Task:
     methods: tuple[str, ...] = ()
     other_names: tuple[str, ...] = ()
     page: str
+    icon: str
+    picture: str = ""
+    stands_behind: bool = False
 
     @property
     def recommended(self) -> Method | None:
         """The method that a deformer of this task starts with."""
         return BY_ID[self.methods[0]] if self.methods else None
+
+    @property
+    def shown_as(self) -> str:
+        """The name of its picture: its own, or that of its recommended method."""
+        return self.id if self.picture else self.methods[0]
 
     @property
     def more(self) -> tuple[Method, ...]:
@@ -54,6 +65,7 @@ TASKS = (
         ),
         other_names=("Cluster", "Bulge", "Muscle"),
         page="surface",
+        icon="MOD_SIMPLEDEFORM",
     ),
     Task(
         "joint",
@@ -63,6 +75,9 @@ TASKS = (
         methods=("arap",),
         other_names=("Corrective Shape", "Delta Mush"),
         page="correct-an-elbow",
+        icon="BONE_DATA",
+        picture="character: elbow",
+        stands_behind=True,
     ),
     Task(
         "sheet",
@@ -78,6 +93,7 @@ TASKS = (
             "subdivision_editing",
         ),
         page="surface",
+        icon="MOD_CLOTH",
     ),
     Task(
         "box",
@@ -87,6 +103,7 @@ TASKS = (
         methods=("ffd",),
         other_names=("Squash and Stretch", "FFD Box"),
         page="lattice",
+        icon="LATTICE_DATA",
     ),
     Task(
         "cage",
@@ -96,6 +113,7 @@ TASKS = (
         methods=("mean_value", "positive_mean_value", "harmonic", "green"),
         other_names=("Wrap Deformer", "Mesh Deform"),
         page="cage",
+        icon="MESH_ICOSPHERE",
     ),
     Task(
         "parts",
@@ -113,6 +131,7 @@ TASKS = (
         ),
         other_names=("Proportional Drag", "Soft Selection", "Puppet Pin"),
         page="handle-points",
+        icon="STICKY_UVS_DISABLE",
     ),
     Task(
         "lines",
@@ -121,6 +140,7 @@ TASKS = (
         "brows, lips, cloth folds",
         methods=("wires",),
         page="wires-and-fields",
+        icon="CURVE_DATA",
     ),
     Task(
         "clay",
@@ -130,6 +150,7 @@ TASKS = (
         methods=("vector_field",),
         other_names=("Soft Modification", "Taper"),
         page="wires-and-fields",
+        icon="SCULPTMODE_HLT",
     ),
     Task(
         "figure",
@@ -139,6 +160,7 @@ TASKS = (
         methods=("mesh_puppetry",),
         other_names=("Skin Weights",),
         page="puppet",
+        icon="ARMATURE_DATA",
     ),
     Task(
         "animation",
@@ -148,6 +170,7 @@ TASKS = (
         methods=("mesh_sequence",),
         other_names=("Jiggle",),
         page="animate",
+        icon="RENDER_ANIMATION",
     ),
     Task(
         "morph",
@@ -157,9 +180,19 @@ TASKS = (
         methods=("pyramid_coordinates",),
         other_names=("Blend Shape",),
         page="baking",
+        icon="MOD_DATA_TRANSFER",
     ),
-    Task("once", "Shape It Once", "", "no modifier", page="grab-region"),
+    Task(
+        "once",
+        "Shape It Once",
+        "",
+        "no modifier",
+        page="grab-region",
+        icon="VIEW_PAN",
+        picture="silhouette",
+    ),
 )
+TASK_BY_ID: dict[str, Task] = {task.id: task for task in TASKS}
 
 
 def task_of(method: Method) -> Task:

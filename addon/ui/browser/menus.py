@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The menus of tasks, with their methods, and of the names that others have for them.
+
+Blender's search finds entries of menus by their labels, so every word that finds a method in the browser
+stands in one.
+"""
+
+from bpy.types import Context, Menu, UILayout
+from bpy.utils import register_classes_factory
+
+from ...core.labels import known_as, label_of
+from ...core.methods import BY_ID, Method
+from ...core.tasks import TASKS, Task, task_of
+from ...ids import Menus, Operators
+from ...operators import task_refusal
+from ..layouts import invoking
+
+
+def draw_tasks(context: Context, layout: UILayout) -> None:
+    """Draw a menu for each task, and a plain entry for one without methods of its own."""
+    for task in TASKS:
+        if _own_methods(task):
+            layout.menu(Menus.OF_TASK.format(task.id), icon=task.icon)
+        else:
+            _draw_entry(context, layout, task, None, task.label, task.icon)
+    layout.menu(Menus.OTHER_NAMES, icon="VIEWZOOM")
+    layout.operator(Operators.ALL_TASKS, icon="IMGDISPLAY")
+
+
+class _TaskMenu:
+    """The methods of a task, the recommended one first."""
+
+    TASK: Task
+
+    def draw(self, context: Context) -> None:
+        layout = invoking(self.layout)
+        for method in filter(_is_chosen_alone, _own_methods(self.TASK)):
+            icon = "SOLO_ON" if method is self.TASK.recommended else "BLANK1"
+            _draw_entry(context, layout, self.TASK, method, label_of(method), icon)
+
+
+class SINEW_MT_other_names(Menu):
+    """What other programs and the literature call tasks and methods"""
+
+    bl_idname = Menus.OTHER_NAMES
+    bl_label = "By Other Names"
+
+    def draw(self, context: Context) -> None:
+        columns = invoking(self.layout).row()
+        left, right = columns.column(), columns.column()
+        for task in TASKS:
+            for name in task.other_names:
+                _draw_entry(context, left, task, None, f"{name} ({task.label})", task.icon)
+            for method in _own_methods(task):
+                words = f"{known_as(method)}, {method.search} ({label_of(method)})"
+                _draw_entry(context, right, task, method, words, task.icon)
+
+
+def _own_methods(task: Task) -> list[Method]:
+    """Its methods, but for one that another task recommends."""
+    return [BY_ID[name] for name in task.methods if task_of(BY_ID[name]) is task]
+
+
+def _is_chosen_alone(method: Method) -> bool:
+    """Whether it is no switch, which keeps the details of another method."""
+    return not method.wraps
+
+
+def _draw_entry(
+    context: Context, layout: UILayout, task: Task, method: Method | None, text: str, icon: str
+) -> None:
+    row = layout.row()
+    row.enabled = not task_refusal(context, task)
+    start = row.operator(Operators.TASK_START, text=text, icon=icon)
+    start.task, start.method = task.id, method.id if method else ""
+
+
+_TASK_MENUS = tuple(
+    type(
+        Menus.OF_TASK.format(task.id),
+        (_TaskMenu, Menu),
+        {
+            "__doc__": f"Ways to do it: {task.purpose}",
+            "__module__": __name__,
+            "bl_idname": Menus.OF_TASK.format(task.id),
+            "bl_label": task.label,
+            "TASK": task,
+        },
+    )
+    for task in TASKS
+    if _own_methods(task)
+)
+
+register, unregister = register_classes_factory((*_TASK_MENUS, SINEW_MT_other_names))
