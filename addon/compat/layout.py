@@ -4,7 +4,7 @@
 import blf
 import bpy
 import rna_keymap_ui
-from bpy.types import Context, KeyConfig, KeyMap, KeyMapItem, UILayout
+from bpy.types import Context, KeyConfig, KeyMap, KeyMapItem, UILayout, Window
 
 from .translation import told
 
@@ -37,6 +37,14 @@ def refresh_popup(context: Context) -> None:
     region = getattr(context, "region_popup", None)
     if region is not None:
         region.tag_refresh_ui()
+
+
+def close_popups(window: Window) -> None:
+    """Close the popups of a window as soon as the operator ends that is pressed in one of them.
+
+    Blender does so when the screen of the window is changed, though it be to the same one.
+    """
+    window.screen = window.screen
 
 
 def draw_keymap_item(layout: UILayout, keyconfig: KeyConfig, keymap: KeyMap, item: KeyMapItem) -> None:

@@ -4,8 +4,9 @@
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
+from ... import compat
 from ...core.errors import SinewError
-from ...core.labels import tooltip_of
+from ...core.labels import fails_of, tooltip_of
 from ...core.methods import BY_ID, Method, wrapped
 from ...core.tasks import TASK_BY_ID, TASKS
 from ...ids import Operators
@@ -65,6 +66,8 @@ class SINEW_OT_start_task(Offered, Operator):
             raise SinewError(refusal)
         with reporting_for(self):
             started = Start(context, task, method, call, self.tell).run()
+        if context.window is not None and started != {"CANCELLED"}:
+            compat.close_popups(context.window)  # else no event would reach an operator that stays
         return started - {"RUNNING_MODAL", "PASS_THROUGH"} or {"FINISHED"}  # the other operator stays
 
 
@@ -84,7 +87,7 @@ class SINEW_OT_use_method(OnLiveDeformer, Operator):
         if method is None:
             return cls.bl_description
         refusal = method_refusal(obj.sinew.active, method) if obj is not None and obj.sinew.active else ""
-        return _with_reason(refusal, f"{tooltip_of(method)}.\nFails: {method.fails}")
+        return _with_reason(refusal, f"{tooltip_of(method)}.\n{fails_of(method)}")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -30,7 +30,8 @@ def deformer_for(obj: Object, task: Task, method: str) -> tuple[SinewDeformer, b
     One that corrects a joint goes behind all that moves the mesh.
     """
     active = obj.sinew.active
-    if active is not None and active.method == method and not kinds.kind_in_use(active).is_set(active):
+    held = () if active is None else active.handles
+    if active is not None and active.method == method and all(row.kind != "HANDLE" for row in held):
         return active, False
     place = place_behind(obj)
     taken = [other.name for other in obj.sinew.deformers]

@@ -9,7 +9,7 @@ from bpy.types import Context, Event, Operator, UILayout
 from bpy.utils import register_classes_factory
 
 from ... import compat
-from ...core.labels import known_as, label_of
+from ...core.labels import fails_of, known_as, label_of
 from ...core.methods import Method
 from ...core.tasks import TASKS, Task, found, task_of
 from ...ids import Operators
@@ -22,7 +22,7 @@ from .pictures import draw_picture
 
 _WIDTH = 760  # pixels at scale 1: eight labels of methods beside each other
 _ON_CARD = 5.0  # the height of a picture, in buttons
-_SPEEDS = ("quick to bind", "medium to bind", "slow to bind")  # by the cost of a method
+_SPEEDS = ("quick", "medium", "slow")  # by the cost of a method
 
 Cell = tuple[Task, Method | None]
 
@@ -190,7 +190,7 @@ def _draw_card(context: Context, layout: UILayout, task: Task, method: Method | 
         return
     column.label(text=method.summary, icon="BLANK1")
     column.label(text=f"Best for: {task.purpose}", icon="CHECKMARK")
-    column.label(text=f"Fails: {method.fails}", icon="ERROR")
+    column.label(text=fails_of(method), icon="ERROR")
     needs = f"    Needs: {method.needs}" if method.needs else ""
     column.label(text=f"Speed: {_speed(context, method)}{needs}", icon="TIME")
 
@@ -208,7 +208,7 @@ def _speed(context: Context, method: Method) -> str:
         return said
     active = obj.sinew.active
     settings = None if active is None else getattr(active, method.id)
-    return f"{said}, about {duration(1000.0 * method.expected_seconds(points, settings))} on {obj.name}"
+    return f"{said}, binds {obj.name} in about {duration(1000.0 * method.expected_seconds(points, settings))}"
 
 
 _CLASSES = (SINEW_OT_all_tasks, SINEW_OT_choose_method)
