@@ -33,7 +33,7 @@ def draw_move_buttons(side: UILayout, operator: str) -> None:
     side.operator(operator, text="", icon="TRIA_DOWN").direction = "DOWN"
 
 
-def draw_move_entries(layout: UILayout, operator: str) -> None:
-    """Draw the entries of a menu that move the active row of a list."""
-    layout.operator(operator, text="Move Up", icon="TRIA_UP").direction = "UP"
-    layout.operator(operator, text="Move Down", icon="TRIA_DOWN").direction = "DOWN"
+def draw_move_entries(layout: UILayout, operator: str, row: str) -> None:
+    """Draw the entries of a menu that move the active row of a list, which is called a ``row``."""
+    layout.operator(operator, text=f"Move {row} Up", icon="TRIA_UP").direction = "UP"
+    layout.operator(operator, text=f"Move {row} Down", icon="TRIA_DOWN").direction = "DOWN"

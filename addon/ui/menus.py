@@ -93,7 +93,7 @@ class SINEW_MT_deformer(Menu):
     def draw(self, _context: Context) -> None:
         layout = invoking(self.layout)
         layout.operator(Operators.CHOOSE_METHOD, icon="PRESET")
-        draw_move_entries(layout, Operators.DEFORMER_MOVE)
+        draw_move_entries(layout, Operators.DEFORMER_MOVE, "Deformer")
         layout.separator()
         layout.operator(Operators.KEY_ADD, icon="KEY_HLT")
         layout.operator(Operators.KEY_MOVE, icon="KEYFRAME")

@@ -26,8 +26,8 @@ PAGES = (
     ("troubles", "When Things Go Wrong", "What each warning means, and what to do about it"),
     ("baking", "Bake and Apply", "Store shapes in shape keys, caches, or the mesh itself"),
     ("overlays", "Show", "Colours of regions, of influence, and of distortion"),
-    ("grab-region", "Grab Once", "Move vertices once, without a handle that stays"),
-    ("silhouette-sketch", "Draw Outline", "Draw the outline of a mesh anew, and its surface follows"),
+    ("grab-region", "Grab Vertices Once", "Move vertices once, without a handle that stays"),
+    ("silhouette-sketch", "Draw an Outline", "Draw the outline of a mesh anew, and its surface follows"),
     ("puppet", "Puppets", "Drag a bone, and the figure and its skin follow"),
     ("scripting", "Scripting", "Operators, properties, and the Python module"),
 )

@@ -22,8 +22,8 @@ LINKED = "This object is linked - make a library override first"
 _MODES = {"EDIT", "OBJECT", "POSE"}
 
 
-def task_refusal(context: Context, task: Task) -> str:
-    """Why the task cannot be started now, with the remedy."""
+def task_refusal(context: Context, task: Task, method: Method | None = None) -> str:
+    """Why the task cannot be started now, with the remedy; with another method than the recommended one."""
     if context.object is not None and context.object.mode not in _MODES:
         return f"Leave {_mode_name(context.object)} first"
     obj = subject_of(context)
@@ -31,6 +31,8 @@ def task_refusal(context: Context, task: Task) -> str:
         return explain_no_target(context)[0]
     if obj.library is not None:
         return LINKED
+    if method is not None and not _takes(obj, method):
+        return _needs_surface(obj)
     return next(filter(None, (ask(context, obj) for ask in _ASKED[task.id])), "")
 
 
@@ -48,7 +50,7 @@ def method_refusal(deformer: SinewDeformer, method: Method) -> str:
     obj = deformer.id_data
     if deformer.bake.is_baked:
         return f"{deformer.name} is baked - Unbake it first"
-    if not (targets.is_mesh(obj) or Moved.POINTS in method.moves):
+    if not _takes(obj, method):
         return _needs_surface(obj)
     if not method.is_space and any(not handle.vertex_group for handle in deformer.handles):
         return "Needs regions of the mesh, and some handles of this deformer have none"
@@ -100,6 +102,10 @@ def curves_for(context: Context, obj: Object) -> list[Object]:
 
 def _mode_name(obj: Object) -> str:
     return obj.bl_rna.properties["mode"].enum_items[obj.mode].name
+
+
+def _takes(obj: Object, method: Method) -> bool:
+    return targets.is_mesh(obj) or Moved.POINTS in method.moves
 
 
 def _needs_surface(obj: Object) -> str:

@@ -43,7 +43,7 @@ class SINEW_OT_start_task(Offered, Operator):
         task = TASK_BY_ID[properties.task]
         method = BY_ID.get(properties.method)
         about = tooltip_of(method) if method else f"{task.label}: {task.purpose}"
-        return _with_reason(task_refusal(context, task), about)
+        return _with_reason(task_refusal(context, task, method), about)
 
     @classmethod
     def refusal(cls, context: Context) -> str:
@@ -61,7 +61,7 @@ class SINEW_OT_start_task(Offered, Operator):
         method = self.method or (task.methods[0] if task.methods else "")
         if method and method not in task.methods:
             raise SinewError(f"{task.label} has no method '{method}' - choose {', '.join(task.methods)}")
-        refusal = task_refusal(context, task)
+        refusal = task_refusal(context, task, BY_ID.get(method))
         if refusal:
             raise SinewError(refusal)
         with reporting_for(self):

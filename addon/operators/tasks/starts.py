@@ -8,6 +8,7 @@ import bpy
 from bpy.types import Context, Object
 
 from ...core.errors import SinewError
+from ...core.methods import BY_ID
 from ...core.tasks import Task
 from ...ids import Operators
 from ...session.actions import deformers, picking, rigging, selection
@@ -48,19 +49,17 @@ def _press(start: Start) -> set[str]:
     _deformer, is_new = picking.deformer_for(obj, start.task, start.method)
     if obj.mode != "EDIT":
         return _dragging(start)
-    made = start.operator(Operators.HANDLE_ADD, kind="HANDLE")
-    if is_new and made == {"CANCELLED"}:
-        deformers.remove_deformer(obj, len(obj.sinew.deformers) - 1)
-    return made
+    return _unless_refused(obj, is_new, start.operator(Operators.HANDLE_ADD, kind="HANDLE"))
 
 
 def _sheet(start: Start) -> set[str]:
     """The border holds still, unless the sheet has none."""
     obj = target_of(start.context)
     deformer, _is_new = picking.deformer_for(obj, start.task, start.method)
+    is_pulled = obj.mode == "EDIT"
     with object_mode(start.context, obj):
         held = set(picking.border(obj).tolist())
-        if obj.mode == "EDIT":
+        if is_pulled:
             held -= set(picking.selected_vertices(obj).tolist())
         if held and not len(deformer.handles):
             group = selection.group_of(obj, "Border", sorted(held))
@@ -68,6 +67,13 @@ def _sheet(start: Start) -> set[str]:
     if not held:
         start.tells({"INFO"}, "A closed body has no border to hold - Bend a Limb keeps it rounder")
     return _press(start)
+
+
+def _unless_refused(obj: Object, is_new: bool, made: set[str]) -> set[str]:
+    """Remove the new deformer again that an operator made no handles for."""
+    if is_new and made == {"CANCELLED"}:
+        deformers.remove_deformer(obj, len(obj.sinew.deformers) - 1)
+    return made
 
 
 def _dragging(start: Start) -> set[str]:
@@ -104,11 +110,12 @@ def _cage(start: Start) -> set[str]:
 def _parts(start: Start) -> set[str]:
     """Selected empties and bones move them. Otherwise Sinew Drag makes handles where it is pressed."""
     context, obj = start.context, target_of(start.context)
-    empties = any(other.type == "EMPTY" and other != obj for other in context.selected_objects)
-    if empties or context.selected_pose_bones:
-        return start.operator(Operators.POINT_ADD, source="SELECTED", method=start.method)
-    picking.deformer_for(obj, start.task, start.method)
-    return _dragging(start)
+    _deformer, is_new = picking.deformer_for(obj, start.task, start.method)
+    empties = any(other.type == "EMPTY" for other in context.selected_objects)
+    if not (empties or context.selected_pose_bones):
+        return _dragging(start)
+    others = {} if BY_ID[start.method].wraps else {"method": start.method}  # of other selected objects
+    return _unless_refused(obj, is_new, start.operator(Operators.POINT_ADD, source="SELECTED", **others))
 
 
 def _lines(start: Start) -> set[str]:

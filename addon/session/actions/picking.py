@@ -12,7 +12,6 @@ from ...core.geometry import frames
 from ...core.names import numbered
 from ...core.tasks import Task
 from ...properties import SinewDeformer
-from ..controls import kinds
 from ..datablocks.movers import place_behind
 from ..targets import modified, targets
 from .deformers import add_deformer
@@ -47,7 +46,7 @@ def lattice_counts(objects: Sequence[Object]) -> tuple[int, int, int]:
     frame = objects[0].matrix_world.to_3x3().normalized().to_4x4()
     corners = np.array([frame.transposed() @ corner for obj in objects for corner in box_corners(obj)])
     sides = np.ptp(corners, axis=0)
-    cell = max(sides.min(), sides.max() / (most - 1)) / (fewest - 1)
+    cell = max(sides.min() / (fewest - 1), sides.max() / (most - 1))
     if not np.isfinite(cell) or cell <= 0.0:
         return (fewest, fewest, fewest)
     u, v, w = np.clip(np.rint(1.0 + sides / cell), fewest, most)

@@ -27,18 +27,6 @@ def draw_tasks(context: Context, layout: UILayout) -> None:
     layout.operator(Operators.ALL_TASKS, icon="IMGDISPLAY")
 
 
-class _TaskMenu:
-    """The methods of a task, the recommended one first."""
-
-    TASK: Task
-
-    def draw(self, context: Context) -> None:
-        layout = invoking(self.layout)
-        for method in filter(_is_chosen_alone, _own_methods(self.TASK)):
-            icon = "SOLO_ON" if method is self.TASK.recommended else "BLANK1"
-            _draw_entry(context, layout, self.TASK, method, label_of(method), icon)
-
-
 class SINEW_MT_other_names(Menu):
     """What other programs and the literature call tasks and methods"""
 
@@ -61,34 +49,30 @@ def _own_methods(task: Task) -> list[Method]:
     return [BY_ID[name] for name in task.methods if task_of(BY_ID[name]) is task]
 
 
-def _is_chosen_alone(method: Method) -> bool:
-    """Whether it is no switch, which keeps the details of another method."""
-    return not method.wraps
-
-
 def _draw_entry(
     context: Context, layout: UILayout, task: Task, method: Method | None, text: str, icon: str
 ) -> None:
     row = layout.row()
-    row.enabled = not task_refusal(context, task)
+    row.enabled = not task_refusal(context, task, method)
     start = row.operator(Operators.TASK_START, text=text, icon=icon)
     start.task, start.method = task.id, method.id if method else ""
 
 
-_TASK_MENUS = tuple(
-    type(
-        Menus.OF_TASK.format(task.id),
-        (_TaskMenu, Menu),
-        {
-            "__doc__": f"Ways to do it: {task.purpose}",
-            "__module__": __name__,
-            "bl_idname": Menus.OF_TASK.format(task.id),
-            "bl_label": task.label,
-            "TASK": task,
-        },
-    )
-    for task in TASKS
-    if _own_methods(task)
-)
+def _menu_of(task: Task) -> type[Menu]:
+    """The methods of a task, the recommended one first."""
 
-register, unregister = register_classes_factory((*_TASK_MENUS, SINEW_MT_other_names))
+    def draw(menu: Menu, context: Context) -> None:
+        layout = invoking(menu.layout)
+        for method in _own_methods(task):
+            if not method.wraps:  # which is a switch: it keeps the details of another method
+                icon = "SOLO_ON" if method is task.recommended else "BLANK1"
+                _draw_entry(context, layout, task, method, label_of(method), icon)
+
+    name = Menus.OF_TASK.format(task.id)
+    about = f"Ways to do it: {task.purpose}"
+    return type(name, (Menu,), {"__doc__": about, "bl_idname": name, "bl_label": task.label, "draw": draw})
+
+
+register, unregister = register_classes_factory(
+    (*(_menu_of(task) for task in TASKS if _own_methods(task)), SINEW_MT_other_names)
+)

@@ -79,9 +79,9 @@ class _Browser(Offered):
         if chosen is not None:
             _draw_card(context, layout, *chosen)
 
-    def hits(self, _context: Context) -> Sequence[Cell]:
+    def hits(self, context: Context) -> Sequence[Cell]:
         """What the search finds."""
-        return found(self.search)
+        raise TypeError(f"{type(self).__name__} finds nothing")
 
     def draw_all(self, context: Context, layout: UILayout) -> None:
         """Draw all cells, while nothing is searched for."""
@@ -100,13 +100,8 @@ class _Browser(Offered):
             flow.label(text="")
 
     def chosen(self, context: Context) -> Cell | None:
-        """What the active deformer does, which the card describes."""
-        obj = target_of(context)
-        deformer = None if obj is None else obj.sinew.active
-        if deformer is None:
-            return None
-        method, _values = deformer.methods[-1]
-        return task_of(method), method
+        """What the card describes while nothing is searched for."""
+        raise TypeError(f"{type(self).__name__} describes nothing")
 
 
 class SINEW_OT_all_tasks(_Browser, Operator):
@@ -120,13 +115,16 @@ class SINEW_OT_all_tasks(_Browser, Operator):
     def refusal(cls, _context: Context) -> str:
         return ""
 
+    def hits(self, _context: Context) -> Sequence[Cell]:
+        return found(self.search)
+
     def draw_all(self, context: Context, layout: UILayout) -> None:
         self.draw_cells(context, layout, [(task, task.recommended) for task in TASKS], _OF_TASKS)
 
     def draw_cell(self, context: Context, layout: UILayout, cell: Cell, grid: _Grid) -> None:
         task, method = cell
         is_task = grid is _OF_TASKS or method is None
-        layout.enabled = not task_refusal(context, task)
+        layout.enabled = not task_refusal(context, task, None if is_task else method)
         draw_picture(layout, task.shown_as if is_task else method.id, grid.scale)
         start = layout.operator(
             Operators.TASK_START,
@@ -138,7 +136,7 @@ class SINEW_OT_all_tasks(_Browser, Operator):
     def chosen(self, context: Context) -> Cell | None:
         """What the active deformer does; without one, the first task that can be started."""
         offered = (task for task in TASKS if not task_refusal(context, task))
-        return super().chosen(context) or next(((task, task.recommended) for task in offered), None)
+        return _in_use(context) or next(((task, task.recommended) for task in offered), None)
 
 
 class SINEW_OT_choose_method(_Browser, Operator):
@@ -168,14 +166,26 @@ class SINEW_OT_choose_method(_Browser, Operator):
         use.method = method.id
 
     def hits(self, context: Context) -> Sequence[Cell]:
-        """What the search finds among the methods to choose from."""
         rows = {method.id for task in self.tasks(context) for method in (task.recommended, *task.more)}
-        return [cell for cell in super().hits(context) if cell[1] is not None and cell[1].id in rows]
+        return [cell for cell in found(self.search) if cell[1] is not None and cell[1].id in rows]
+
+    def chosen(self, context: Context) -> Cell | None:
+        return _in_use(context)
 
     def tasks(self, context: Context) -> Sequence[Task]:
         """The tasks whose methods are offered; none once the deformer is gone."""
-        chosen = self.chosen(context)
+        chosen = _in_use(context)
         return () if chosen is None else tasks_beside(chosen[1])
+
+
+def _in_use(context: Context) -> Cell | None:
+    """What the active deformer does; of a method that keeps the details of another one, that one."""
+    obj = target_of(context)
+    deformer = None if obj is None else obj.sinew.active
+    if deformer is None:
+        return None
+    method, _values = deformer.methods[-1]
+    return task_of(method), method
 
 
 def _draw_card(context: Context, layout: UILayout, task: Task, method: Method | None) -> None:

@@ -28,7 +28,7 @@ class SINEW_MT_cage(Menu):
             layout.operator(Operators.CAGE_ADD, text=text, icon="MESH_CUBE").source = source
         layout.separator()
         layout.operator(Operators.CAGE_FACES, icon="MOD_DECIM")
-        layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
+        layout.operator(Operators.CAGE_REST, text="New Rest of the Cage", icon="PIVOT_BOUNDBOX")
         layout.operator(Operators.CAGE_FLIP, icon="NORMALS_FACE")
         layout.operator(Operators.CAGE_OUTSIDE, icon="MOD_MESHDEFORM")
 

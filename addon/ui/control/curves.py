@@ -26,7 +26,7 @@ class SINEW_MT_wires(Menu):
             layout.operator(Operators.WIRE_ADD, text=text, icon="CURVE_DATA").source = source
         layout.operator(Operators.WIRE_DRAW, icon="GREASEPENCIL")
         layout.separator()
-        layout.operator(Operators.ROW_REST, text="New Rest", icon="PIVOT_BOUNDBOX")
+        layout.operator(Operators.ROW_REST, text="New Rest of the Wire", icon="PIVOT_BOUNDBOX")
         layout.operator(Operators.ROW_REMOVE, text="Remove Wire", icon="REMOVE")
 
 

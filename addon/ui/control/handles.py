@@ -110,7 +110,7 @@ class SINEW_MT_handle(Menu):
         layout.operator(Operators.CONTROL_NEW, icon="EMPTY_AXIS")
         for on, label, *_rest in STANDS_ON:
             layout.operator(Operators.HANDLE_STAND, text=f"Stand on {label}").on = on
-        draw_move_entries(layout, Operators.HANDLE_MOVE)
+        draw_move_entries(layout, Operators.HANDLE_MOVE, "Handle")
         layout.separator()
         layout.operator(Operators.HANDLE_REMOVE, icon="REMOVE")
 

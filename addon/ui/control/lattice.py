@@ -32,7 +32,7 @@ class SINEW_MT_lattice(Menu):
             Operators.LATTICE_ADD, text="Lattice from Selected", icon="LATTICE_DATA"
         ).source = "OBJECT"
         layout.separator()
-        layout.operator(Operators.LATTICE_REST, icon="PIVOT_BOUNDBOX")
+        layout.operator(Operators.LATTICE_REST, text="New Rest of the Lattice", icon="PIVOT_BOUNDBOX")
 
 
 MENUS = (SINEW_MT_lattice,)

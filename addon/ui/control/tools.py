@@ -31,7 +31,7 @@ class SINEW_MT_tools(Menu):
         layout.separator()
         layout.operator(Operators.TOOL_STOP, icon="KEYFRAME").clear = False
         layout.operator(Operators.TOOL_STOP, text="Remove Stops", icon="X").clear = True
-        layout.operator(Operators.ROW_REST, text="New Rest", icon="PIVOT_BOUNDBOX")
+        layout.operator(Operators.ROW_REST, text="New Rest of the Tool", icon="PIVOT_BOUNDBOX")
         layout.operator(Operators.ROW_REMOVE, text="Remove Tool", icon="REMOVE")
 
 
