@@ -20,7 +20,7 @@ from .starts import Start
 
 
 class SINEW_OT_start_task(Offered, Operator):
-    """Begin a task on what is selected: it finds the handles, the cage or the lattice by itself"""
+    """Start a task on what is selected: it finds the handles, the cage or the lattice by itself"""
 
     bl_idname = Operators.TASK_START
     bl_label = "Start Task"

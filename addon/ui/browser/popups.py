@@ -49,7 +49,7 @@ class _Browser(Offered):
 
     search: StringProperty(
         name="Search",
-        description="Find by a name, by what another program calls it, or by what you want to do",
+        description="Search by a name, by what another program calls it, or by what you want to do",
         options={"SKIP_SAVE", "TEXTEDIT_UPDATE"},
         update=_search_changed,
     )
