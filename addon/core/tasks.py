@@ -76,7 +76,7 @@ TASKS = (
         other_names=("Corrective Shape", "Delta Mush"),
         page="correct-an-elbow",
         icon="BONE_DATA",
-        picture="character: elbow",
+        picture="elbow",
         stands_behind=True,
     ),
     Task(

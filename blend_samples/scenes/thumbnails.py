@@ -69,22 +69,35 @@ def of_row(sample: str, label: str, painted: bool = True) -> Shown:
     return [obj]
 
 
+def dragged() -> Shown:
+    """The cow that is dragged at its back and its head, with balls where it is held."""
+    shown = of_row("inverse_ffd", "4 x 4 x 4 points", painted=False)
+    for ball in (obj for obj in bpy.data.objects if obj.name.endswith(" Pin")):
+        for vertex in ball.data.vertices:
+            vertex.co *= 2.2
+    return shown
+
+
 def in_a_cage(method: str) -> Shown:
     """The cow in a posed cage, which one method after the other follows."""
     obj = spot.build()
     obj.rotation_euler.z = radians(LINEUPS["coordinates"].heading)
     bpy.context.view_layer.update()
     cows.pose_in_cages([obj])
+    for edges in (other for other in bpy.data.objects if other.name.endswith(" Edges")):
+        edges.modifiers["Wireframe"].thickness = 0.02
     obj.sinew.active.method = method
     _smooth(obj)
     return [obj]
 
 
 def ship() -> Shown:
-    """The ship in its lattice."""
+    """The ship in its lattice, whose lines are drawn."""
     parts = longship.build("One Lattice", 0.0)
     longship.pose_by_lattice(parts)
-    return parts
+    bpy.context.scene.frame_set(POSE_FRAME)
+    shown = [obj for obj in bpy.data.objects if obj.type in ("MESH", "CURVE", "FONT", "CURVES")]
+    return [*shown, _lines_of(parts[0].sinew.active.controls[0].object)]
 
 
 def face() -> Shown:
@@ -120,6 +133,9 @@ def corrected() -> Shown:
     elbow.make()
     last = elbow.SHOWN[-1]
     control = bpy.data.objects[f"Control {last}"]
+    for frame in elbow.SHOWN[:-1]:
+        for pin in bpy.data.objects[f"Control {frame}"].children:
+            pin.hide_render = True
     return [bpy.data.objects[f"Frame {last} with the correction"], *control.children]
 
 
@@ -152,7 +168,7 @@ SUBJECTS: dict[str, Subject] = {
     "propagation": Subject(_case("branches", "propagation")),
     "subdivision_editing": Subject(_row("pillars", "Subdivision")),
     "ffd": Subject(ship),
-    "inverse_ffd": Subject(_row("inverse_ffd", "7 x 7 x 7 points", painted=False)),
+    "inverse_ffd": Subject(dragged),
     "mean_value": Subject(partial(in_a_cage, "mean_value")),
     "positive_mean_value": Subject(partial(in_a_cage, "positive_mean_value")),
     "harmonic": Subject(partial(in_a_cage, "harmonic")),
@@ -192,8 +208,9 @@ def render(name: str) -> np.ndarray:
     """Write one picture; its light (height, width, 3), from below."""
     subject = SUBJECTS[name]
     studio.progress(f"the picture {name}")
-    scene = studio.empty_scene("Thumbnails")
+    studio.empty_scene("Thumbnails")
     shown = subject.build()
+    scene = bpy.context.scene  # some samples begin with a new one
     scene.frame_set(subject.frame)
     photograph(scene, shown, subject)
     light = denoise.render_clean(scene)
@@ -208,8 +225,8 @@ def photograph(scene: bpy.types.Scene, shown: Shown, subject: Subject) -> None:
         if collection.name == "Studio":
             for obj in list(collection.objects):
                 bpy.data.objects.remove(obj)
-    points = np.concatenate([_in_the_world(obj) for obj in shown])
     kept = _with_markers(shown)
+    points = np.concatenate([_in_the_world(obj) for obj in kept if not obj.name.endswith(" Edges")])
     for obj in scene.objects:
         obj.hide_render = obj.hide_render or obj not in kept
     low, high = points.min(axis=0), points.max(axis=0)
@@ -232,6 +249,26 @@ def photograph(scene: bpy.types.Scene, shown: Shown, subject: Subject) -> None:
     scene.frame_set(subject.frame)
 
 
+def _lines_of(lattice: bpy.types.Object) -> bpy.types.Object:
+    """The outer lines of a lattice as it is posed, as thin tubes."""
+    data = lattice.data
+    places = _in_the_world(lattice).reshape(data.points_w, data.points_v, data.points_u, 3)
+    curve = bpy.data.curves.new("Lattice Lines", "CURVE")
+    curve.dimensions, curve.bevel_depth = "3D", 0.012
+    curve.materials.append(_clay()[2])
+    for axis in range(3):
+        lines = np.moveaxis(places, axis, 2)
+        rows, columns = lines.shape[:2]
+        for row in range(rows):
+            for column in range(columns):
+                if row in (0, rows - 1) or column in (0, columns - 1):
+                    spline = curve.splines.new("POLY")
+                    spline.points.add(lines.shape[2] - 1)
+                    for point, place in zip(spline.points, lines[row, column]):
+                        point.co = (*place, 1.0)
+    return posing.add_object(curve.name, curve)
+
+
 def _in_the_world(obj: bpy.types.Object) -> np.ndarray:
     matrix = np.array(obj.matrix_world)
     return posing.shape(obj) @ matrix[:3, :3].T + matrix[:3, 3]
@@ -240,7 +277,8 @@ def _in_the_world(obj: bpy.types.Object) -> np.ndarray:
 def _with_markers(shown: Shown) -> set[bpy.types.Object]:
     """The objects, and what belongs to them: pins, pads, the edges of cages, tubes along wires."""
     marks = (" Pin", " Stem", " Edges", " Tube", " Drag", "Fixed")
-    return {*shown, *(obj for obj in bpy.data.objects if any(mark in obj.name for mark in marks))}
+    marked = {obj for obj in bpy.data.objects if any(mark in obj.name for mark in marks)}
+    return {*shown, *(obj for obj in marked if not obj.hide_render)}
 
 
 def _clay() -> list[bpy.types.Material]:

@@ -18,6 +18,15 @@ def draw_picture(layout: UILayout, name: str, scale: float) -> None:
         layout.template_icon(icon_value=icon, scale=scale)
 
 
+def beside_picture(layout: UILayout, name: str, scale: float, factor: float) -> UILayout:
+    """Draw a picture in its share of the width; the layout of what stands beside it."""
+    if not _icon(name):
+        return layout
+    parts = layout.split(factor=factor)
+    draw_picture(parts, name, scale)
+    return parts
+
+
 def _icon(name: str) -> int:
     if bpy.app.background:
         return 0

@@ -15,10 +15,9 @@ from ...core.tasks import TASKS, Task, found, task_of
 from ...ids import Operators
 from ...operators import choice_refusal, method_refusal, target_of, task_refusal, tasks_beside
 from ...operators.offered import Offered
-from ...session.evaluation.binding import duration
-from ...session.targets import targets
+from ...session.evaluation.binding import duration, expected_seconds
 from ..layouts import invoking
-from .pictures import draw_picture
+from .pictures import beside_picture, draw_picture
 
 _WIDTH = 760  # pixels at scale 1: eight labels of methods beside each other
 _ON_CARD = 5.0  # the height of a picture, in buttons
@@ -189,9 +188,8 @@ def _in_use(context: Context) -> Cell | None:
 
 
 def _draw_card(context: Context, layout: UILayout, task: Task, method: Method | None) -> None:
-    row = layout.box().row()
-    draw_picture(row.column(), task.shown_as if method is None else method.id, _ON_CARD)
-    column = row.column(align=True)
+    picture = task.shown_as if method is None else method.id
+    column = beside_picture(layout.box(), picture, _ON_CARD, 0.17).column(align=True)
     head = column.row()
     head.label(text=task.label if method is None else _both_names(method))
     head.operator(Operators.HELP, text="", icon="QUESTION", emboss=False).page = task.page
@@ -213,12 +211,8 @@ def _both_names(method: Method) -> str:
 def _speed(context: Context, method: Method) -> str:
     """How quick a method is, and how long a bind is expected to take on the active object."""
     said, obj = _SPEEDS[method.cost - 1], target_of(context)
-    points = 0 if obj is None else targets.size(obj)
-    if not points:
-        return said
-    active = obj.sinew.active
-    settings = None if active is None else getattr(active, method.id)
-    return f"{said}, binds {obj.name} in about {duration(1000.0 * method.expected_seconds(points, settings))}"
+    seconds = 0.0 if obj is None else expected_seconds(obj, method)
+    return f"{said}, binds {obj.name} in about {duration(1000.0 * seconds)}" if seconds else said
 
 
 _CLASSES = (SINEW_OT_all_tasks, SINEW_OT_choose_method)
