@@ -70,12 +70,16 @@ def of_row(sample: str, label: str, painted: bool = True) -> Shown:
 
 
 def dragged() -> Shown:
-    """The cow that is dragged at its back and its head, with balls where it is held."""
-    shown = of_row("inverse_ffd", "4 x 4 x 4 points", painted=False)
+    """The cow that is dragged far at its back and its head, with balls where it is held."""
+    obj = spot.build()
+    obj.rotation_euler.z = radians(LINEUPS["inverse_ffd"].heading)
+    bpy.context.view_layer.update()
+    cows.dragged(7, farther=2.2)(obj)
+    _smooth(obj)
     for ball in (obj for obj in bpy.data.objects if obj.name.endswith(" Pin")):
         for vertex in ball.data.vertices:
             vertex.co *= 2.2
-    return shown
+    return [obj]
 
 
 def in_a_cage(method: str) -> Shown:
@@ -173,9 +177,11 @@ SUBJECTS: dict[str, Subject] = {
     "positive_mean_value": Subject(partial(in_a_cage, "positive_mean_value")),
     "harmonic": Subject(partial(in_a_cage, "harmonic")),
     "green": Subject(partial(in_a_cage, "green")),
-    "mls": Subject(_row("segments", "Bones as segments", painted=False)),
+    "mls": Subject(_row("machine", "Moving Least Squares", painted=False)),
     "rbf": Subject(_case("branches", "rbf")),
-    "embedded_deformation": Subject(_row("embedded_deformation", "Embedded Deformation", painted=False)),
+    "embedded_deformation": Subject(
+        _row("embedded_deformation", "Embedded Deformation", painted=False), aim=(0.42, 1.0)
+    ),
     "rigid_cells": Subject(_row("rigid_cells", "Rigid Cells", painted=False)),
     "space_propagation": Subject(_case("branches", "space_propagation")),
     "wires": Subject(face, elevation=4.0, aim=(0.3, 1.0)),
@@ -221,12 +227,14 @@ def render(name: str) -> np.ndarray:
 
 def photograph(scene: bpy.types.Scene, shown: Shown, subject: Subject) -> None:
     """Put the objects before the camera, on a grey ground, and nothing else of the scene."""
-    for collection in scene.collection.children:
-        if collection.name == "Studio":
-            for obj in list(collection.objects):
-                bpy.data.objects.remove(obj)
+    for obj in list(studio.studio_collection(scene).objects):
+        bpy.data.objects.remove(obj)
+    if "Backdrop" in bpy.data.materials:
+        bpy.data.materials.remove(bpy.data.materials["Backdrop"])  # of another colour
     kept = _with_markers(shown)
-    points = np.concatenate([_in_the_world(obj) for obj in kept if not obj.name.endswith(" Edges")])
+    points = np.concatenate(
+        [_in_the_world(obj) for obj in kept if not obj.name.endswith((" Edges", " Lines"))]
+    )
     for obj in scene.objects:
         obj.hide_render = obj.hide_render or obj not in kept
     low, high = points.min(axis=0), points.max(axis=0)

@@ -79,7 +79,7 @@ def _unless_refused(obj: Object, is_new: bool, made: set[str]) -> set[str]:
 def _dragging(start: Start) -> set[str]:
     """Take up Sinew Drag, which needs Object Mode and a window."""
     obj = target_of(start.context)
-    if obj.mode == "EDIT":
+    if start.context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     if not bpy.app.background:
         bpy.ops.wm.tool_set_by_id(name=Operators.DRAG, space_type="VIEW_3D")

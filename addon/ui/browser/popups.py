@@ -122,7 +122,7 @@ class SINEW_OT_all_tasks(_Browser, Operator):
 
     def draw_cell(self, context: Context, layout: UILayout, cell: Cell, grid: _Grid) -> None:
         task, method = cell
-        is_task = grid is _OF_TASKS or method is None
+        is_task = grid is _OF_TASKS or method is None or task is not task_of(method)
         layout.enabled = not task_refusal(context, task, None if is_task else method)
         draw_picture(layout, task.shown_as if is_task else method.id, grid.scale)
         start = layout.operator(

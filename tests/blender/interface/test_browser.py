@@ -20,6 +20,7 @@ from rigs.rig import (
     add_armature,
     curves_of,
     grid_object,
+    in_pose_mode,
     key_heights,
     linked,
     make_active,
@@ -52,6 +53,11 @@ def posed_by_bones() -> None:
     add_armature(obj)
     subdivided(obj)
     make_active(obj)
+
+
+def in_pose_mode_of_bones() -> None:
+    posed_by_bones()
+    in_pose_mode(bpy.data.objects["Rig"], "high", bpy.data.objects["Plate"])
 
 
 def with_another(make: Callable[[], bpy.types.Object]) -> Callable[[], None]:
@@ -106,6 +112,7 @@ STARTS = {
     "limb": (grid_object, ("Limb", "arap", set())),
     "limb of a selection": (grid_in_edit_mode, ("Limb", "arap", {"HANDLE"})),
     "joint": (posed_by_bones, ("Joint", "arap", set())),
+    "joint in Pose Mode": (in_pose_mode_of_bones, ("Joint", "arap", set())),
     "sheet": (grid_object, ("Sheet", "thin_shell", {"FIXED"})),
     "sheet of a selection": (grid_in_edit_mode, ("Sheet", "thin_shell", {"FIXED", "HANDLE"})),
     "sheet of a closed body": (ball, ("Sheet", "thin_shell", set())),
@@ -348,7 +355,7 @@ def test_the_card_tells_all_about_the_chosen_one():
 
 @pytest.mark.parametrize(
     ("words", "first"),
-    [("soft selection", "Rigid Points"), ("DELTA mush", "Natural Bend"), ("outline", None)],
+    [("soft selection", "Rigid Points"), ("DELTA mush", "Correct a Joint"), ("outline", None)],
 )
 def test_the_search_shows_what_is_found(words: str, first: str | None):
     grid_object()
