@@ -385,8 +385,8 @@ def silhouette() -> Iterator[None]:
         near(shown(), before, FLOAT32)
 
 
-# Buttons in a window of 1280 x 800 pixels, from its lower left corner: of tasks while the mouse is at HERE, and
-# of methods while it is at ABOVE.
+# Buttons in a window of 1280 x 800 pixels, from its lower left corner: of tasks in a popup that was opened
+# with the mouse HERE, of methods with the mouse ABOVE.
 HERE, PUT_IN_A_BOX, LIFT_BROWS = (640, 500), (934, 355), (535, 223)
 ABOVE, SMOOTH_BEND, RIGID_POINTS = (1000, 760), (718, 617), (518, 351)
 FAR = (100, 100)

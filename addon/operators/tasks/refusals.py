@@ -16,9 +16,8 @@ from ...session.actions.controls import making
 from ...session.actions.controls.making import BEING_MADE
 from ...session.datablocks.movers import is_animated_before, is_moved_before
 from ...session.targets import targets
-from ..target import explain_no_target, target_of
+from ..target import LINKED, explain_no_target, target_of
 
-LINKED = "This object is linked - make a library override first"
 _MODES = {"EDIT", "OBJECT", "POSE"}
 
 

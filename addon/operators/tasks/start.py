@@ -112,4 +112,4 @@ def _wrapper(method: Method) -> Method | None:
 
 
 def _with_reason(reason: str, about: str) -> str:
-    return f"{reason}.\n{about}" if reason else about
+    return ".\n".join(map(compat.told, filter(None, (reason, *about.split(".\n")))))

@@ -64,9 +64,10 @@ def _sheet(start: Start) -> set[str]:
         if held and not len(deformer.handles):
             group = selection.group_of(obj, "Border", sorted(held))
             rigging.rig_region(obj, NewRegion("FIXED", group, owns_group=True))
+    started = _press(start)
     if not held:
         start.tells({"INFO"}, "A closed body has no border to hold - Bend a Limb keeps it rounder")
-    return _press(start)
+    return started
 
 
 def _unless_refused(obj: Object, is_new: bool, made: set[str]) -> set[str]:

@@ -151,7 +151,7 @@ class SINEW_OT_choose_method(_Browser, Operator):
 
     def draw_all(self, context: Context, layout: UILayout) -> None:
         for task in self.tasks(context):
-            layout.label(text=f"{task.label}: {task.purpose}", icon="SOLO_ON")
+            layout.label(text=compat.told(f"{task.label}: {task.purpose}"), icon="SOLO_ON")
             cells = [(task, method) for method in (task.recommended, *task.more)]
             self.draw_cells(context, layout, cells, _OF_METHODS)
 
@@ -194,13 +194,14 @@ def _draw_card(context: Context, layout: UILayout, task: Task, method: Method | 
     head.label(text=task.label if method is None else _both_names(method))
     head.operator(Operators.HELP, text="", icon="QUESTION", emboss=False).page = task.page
     if method is None:
-        column.label(text=f"For: {task.purpose}", icon="CHECKMARK")
+        column.label(text=compat.told(f"For: {task.purpose}"), icon="CHECKMARK")
         return
     column.label(text=method.summary, icon="BLANK1")
-    column.label(text=f"Best for: {task.purpose}", icon="CHECKMARK")
-    column.label(text=fails_of(method), icon="ERROR")
-    needs = f"    Needs: {method.needs}" if method.needs else ""
-    column.label(text=f"Speed: {_speed(context, method)}{needs}", icon="TIME")
+    column.label(text=compat.told(f"Best for: {task.purpose}"), icon="CHECKMARK")
+    column.label(text=compat.told(fails_of(method)), icon="ERROR")
+    needs = [f"Needs: {method.needs}"] if method.needs else []
+    said = (f"Speed: {_speed(context, method)}", *needs)
+    column.label(text="    ".join(map(compat.told, said)), icon="TIME")
 
 
 def _both_names(method: Method) -> str:
