@@ -223,6 +223,21 @@ def test_a_box_takes_all_that_is_selected():
     assert all(bpy.data.objects[name].sinew.active.method == "ffd" for name in ("One", "Two"))
 
 
+@pytest.mark.parametrize(("vertices", "faces"), [(8, 150), (1000, 150), (20_000, 368), (1_000_000, 600)])
+def test_a_cage_has_more_faces_around_more_vertices(vertices: int, faces: int):
+    obj = SimpleNamespace(data=SimpleNamespace(vertices=range(vertices)))
+    assert inner.picking.cage_faces([obj]) == faces
+
+
+def test_groups_that_overlap_all_over_give_way_to_new_ones():
+    puppet("mesh")()
+    obj = bpy.data.objects["Body"]
+    for name in ("hip", "spine", "chest"):
+        obj.vertex_groups.new(name=name).add(range(len(obj.data.vertices)), 0.5, "REPLACE")
+    assert start("figure") == {"FINISHED"}
+    assert all(handle.owns_group for handle in target().sinew.active.handles)
+
+
 def test_a_mesh_that_does_not_enclose_is_no_cage():
     aside = box(size=1.0)
     make_active(ball(), aside)

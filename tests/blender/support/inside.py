@@ -67,6 +67,7 @@ MODULES = {
     "overlay_draw": "ui.overlays.overlay_draw",
     "overlay_mesh": "ui.overlays.overlay_mesh",
     "owners": "session.datablocks.owners",
+    "picking": "session.actions.picking",
     "places": "ui.places",
     "popups": "ui.browser.popups",
     "posing": "session.actions.puppet.posing",
