@@ -89,6 +89,7 @@ class Menus:
     MANUAL = "SINEW_MT_manual"
     PROBLEMS = "SINEW_MT_problems"
     OTHER_NAMES = "SINEW_MT_other_names"
+    LEARNED_NAMES = "SINEW_MT_learned_names"
     OF_TASK = "SINEW_MT_task_{}"  # with the id of the task
     FOR_GROUPS = {  # by the role of the region that a vertex group becomes
         "HANDLE": "SINEW_MT_handle_of_group",

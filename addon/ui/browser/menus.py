@@ -28,20 +28,32 @@ def draw_tasks(context: Context, layout: UILayout) -> None:
 
 
 class SINEW_MT_other_names(Menu):
-    """What other programs and the literature call tasks and methods"""
+    """What other programs call tasks"""
 
     bl_idname = Menus.OTHER_NAMES
     bl_label = "By Other Names"
 
     def draw(self, context: Context) -> None:
-        columns = invoking(self.layout).row()
-        left, right = columns.column(), columns.column()
+        layout = invoking(self.layout)
         for task in TASKS:
             for name in task.other_names:
-                _draw_entry(context, left, task, None, f"{name} ({task.label})", task.icon)
+                _draw_entry(context, layout, task, None, f"{name} ({task.label})", task.icon)
+        layout.separator()
+        layout.menu(Menus.LEARNED_NAMES, icon="BLANK1")
+
+
+class SINEW_MT_learned_names(Menu):
+    """What the literature calls methods, and further words for them"""
+
+    bl_idname = Menus.LEARNED_NAMES
+    bl_label = "Methods by Other Names"
+
+    def draw(self, context: Context) -> None:
+        layout = invoking(self.layout)
+        for task in TASKS:
             for method in _own_methods(task):
                 words = f"{known_as(method)}, {method.search} ({label_of(method)})"
-                _draw_entry(context, right, task, method, words, task.icon)
+                _draw_entry(context, layout, task, method, words, task.icon)
 
 
 def _own_methods(task: Task) -> list[Method]:
@@ -74,5 +86,5 @@ def _menu_of(task: Task) -> type[Menu]:
 
 
 register, unregister = register_classes_factory(
-    (*(_menu_of(task) for task in TASKS if _own_methods(task)), SINEW_MT_other_names)
+    (*(_menu_of(task) for task in TASKS if _own_methods(task)), SINEW_MT_learned_names, SINEW_MT_other_names)
 )
