@@ -46,13 +46,13 @@ class SINEW_MT_learned_names(Menu):
     """What the literature calls methods, and further words for them"""
 
     bl_idname = Menus.LEARNED_NAMES
-    bl_label = "Methods by Other Names"
+    bl_label = "Methods"
 
     def draw(self, context: Context) -> None:
         layout = invoking(self.layout)
         for task in TASKS:
             for method in _own_methods(task):
-                words = f"{known_as(method)}, {method.search} ({label_of(method)})"
+                words = f"{label_of(method)} ({known_as(method)}): {method.search}"
                 _draw_entry(context, layout, task, method, words, task.icon)
 
 
