@@ -67,6 +67,7 @@ __all__ = (
     "following",
     "group_property",
     "wrapped",
+    "wrapper_of",
 )
 
 DEFAULT_METHOD = "arap"  # the method of a deformer that Make Handle makes
@@ -111,3 +112,8 @@ def wrapped(method: Method) -> tuple[Method, ...]:
         and not (base.wraps or base.keyed)
     )
     return tuple(sorted(bases, key=lambda base: base.id not in DEFAULT_BASES))
+
+
+def wrapper_of(method: Method) -> Method | None:
+    """The method that keeps the details of a surface around this one; None if there is none."""
+    return next((row for row in METHODS if row.wraps and method in wrapped(row)), None)

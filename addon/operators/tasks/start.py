@@ -7,7 +7,7 @@ from bpy.types import Context, Event, Operator
 from ... import compat
 from ...core.errors import SinewError
 from ...core.labels import fails_of, tooltip_of
-from ...core.methods import BY_ID, Method, wrapped
+from ...core.methods import BY_ID, wrapper_of
 from ...core.tasks import TASK_BY_ID, TASKS
 from ...ids import Operators
 from ...properties import BASE
@@ -98,17 +98,12 @@ class SINEW_OT_use_method(OnLiveDeformer, Operator):
         refusal = method_refusal(deformer, method)
         if refusal:
             raise SinewError(refusal)
-        around = _wrapper(method) if deformer.definition.wraps else None
+        around = wrapper_of(method) if deformer.definition.wraps else None
         deformer.method = method.id if around is None else around.id
         if around is not None:
             setattr(deformer.parameters, BASE, method.id)
         context.view_layer.update()
         return {"FINISHED"}
-
-
-def _wrapper(method: Method) -> Method | None:
-    """The method that keeps details around this one, if there is one."""
-    return next((row for row in BY_ID.values() if row.wraps and method in wrapped(row)), None)
 
 
 def _with_reason(reason: str, about: str) -> str:
