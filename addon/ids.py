@@ -66,6 +66,10 @@ class Operators:
     HELP = "sinew.help"
     REPORT_RENDERS = "sinew.report_renders"
     CHECK_INSTALLATION = "sinew.check_installation"
+    TASK_START = "sinew.start_task"
+    METHOD_USE = "sinew.use_method"
+    ALL_TASKS = "sinew.all_tasks"
+    CHOOSE_METHOD = "sinew.choose_method"
     PRESET_ADD = "sinew.preset_add"
     PRESET_APPLY = "sinew.preset_apply"
 
@@ -86,6 +90,10 @@ class Menus:
     DEFORMER = "SINEW_MT_deformer"
     MANUAL = "SINEW_MT_manual"
     MANUAL_METHODS = "SINEW_MT_manual_methods"
+    PROBLEMS = "SINEW_MT_problems"
+    OTHER_NAMES = "SINEW_MT_other_names"
+    LEARNED_NAMES = "SINEW_MT_learned_names"
+    OF_TASK = "SINEW_MT_task_{}"  # with the id of the task
     FOR_GROUPS = {  # by the role of the region that a vertex group becomes
         "HANDLE": "SINEW_MT_handle_of_group",
         "FIXED": "SINEW_MT_fixed_of_group",

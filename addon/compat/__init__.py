@@ -14,7 +14,7 @@ from .interface import (
     rename_attribute_inputs,
     set_modifier_input,
 )
-from .layout import draw_keymap_item, draw_progress, text_width
+from .layout import close_popups, draw_keymap_item, draw_progress, refresh_popup, text_width
 from .libraries import is_placeholder
 from .mesh import (
     read_cloud,
@@ -35,6 +35,7 @@ __all__ = (
     "action_curves",
     "add_group_input",
     "add_group_output",
+    "close_popups",
     "draw_keymap_item",
     "draw_progress",
     "enabled_socket",
@@ -52,6 +53,7 @@ __all__ = (
     "read_lattice",
     "read_positions",
     "read_triangles",
+    "refresh_popup",
     "remove_action_curve",
     "remove_data",
     "rename_attribute_inputs",

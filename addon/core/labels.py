@@ -49,6 +49,11 @@ def tooltip_of(method: Method) -> str:
     return method.summary if other == label_of(method) else f"{method.summary}.\nKnown as {other}"
 
 
+def fails_of(method: Method) -> str:
+    """Where it fails, after a word that says so."""
+    return f"Fails: {method.fails[:1].lower()}{method.fails[1:]}"
+
+
 def items_of(methods: tuple[Method, ...], headed: bool = False) -> Callable[..., tuple[tuple, ...]]:
     """What Blender asks for the items of a list of methods; ``headed`` puts what artists move above its own.
 

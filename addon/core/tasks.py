@@ -17,7 +17,9 @@ class Task:
     ``deformer``: what a deformer that was made for it is called. ``purpose``: what it is for. ``methods``:
     their ids, the recommended one first; none if nothing stays behind. ``other_names``: what other programs
     call it, which finds the recommended method. ``suits``: what it is suggested for, that which it suits best
-    first. ``page``: the page of the manual.
+    first. ``page``: the page of the manual. ``icon``: Blender's icon in menus. ``picture``: the sample, and
+    after a colon which part of it, that shows the task; empty where that is the one of its recommended method.
+    ``stands_behind``: its deformer corrects what other modifiers do, and goes behind them.
     """
 
     id: str
@@ -29,11 +31,19 @@ class Task:
     other_names: tuple[str, ...] = ()
     suits: tuple[Trait, ...] = ()
     page: str
+    icon: str
+    picture: str = ""
+    stands_behind: bool = False
 
     @property
     def recommended(self) -> Method | None:
         """The method that a deformer of this task starts with."""
         return BY_ID[self.methods[0]] if self.methods else None
+
+    @property
+    def shown_as(self) -> str:
+        """The name of its picture: its own, or that of its recommended method."""
+        return self.id if self.picture else self.methods[0]
 
     @property
     def more(self) -> tuple[Method, ...]:
@@ -60,6 +70,7 @@ TASKS = (
         ),
         other_names=("Cluster", "Bulge", "Muscle"),
         page="surface",
+        icon="MOD_SIMPLEDEFORM",
     ),
     Task(
         "joint",
@@ -70,6 +81,9 @@ TASKS = (
         other_names=("Corrective Shape", "Delta Mush"),
         suits=(Trait.MOVED,),
         page="correct-an-elbow",
+        icon="BONE_DATA",
+        picture="elbow",
+        stands_behind=True,
     ),
     Task(
         "sheet",
@@ -86,6 +100,7 @@ TASKS = (
         ),
         suits=(Trait.SHEET,),
         page="surface",
+        icon="MOD_CLOTH",
     ),
     Task(
         "box",
@@ -96,6 +111,7 @@ TASKS = (
         other_names=("Squash and Stretch", "FFD Box"),
         suits=(Trait.SURFACE, Trait.POINTS),
         page="lattice",
+        icon="LATTICE_DATA",
     ),
     Task(
         "cage",
@@ -106,6 +122,7 @@ TASKS = (
         other_names=("Wrap Deformer", "Mesh Deform"),
         suits=(Trait.SURFACE, Trait.BONES),
         page="cage",
+        icon="MESH_ICOSPHERE",
     ),
     Task(
         "parts",
@@ -124,6 +141,7 @@ TASKS = (
         other_names=("Proportional Drag", "Soft Selection", "Puppet Pin"),
         suits=(Trait.POINTS, Trait.LOOSE),
         page="handle-points",
+        icon="STICKY_UVS_DISABLE",
     ),
     Task(
         "lines",
@@ -132,6 +150,7 @@ TASKS = (
         "brows, lips, cloth folds",
         methods=("wires",),
         page="wires-and-fields",
+        icon="CURVE_DATA",
     ),
     Task(
         "clay",
@@ -141,6 +160,7 @@ TASKS = (
         methods=("vector_field",),
         other_names=("Soft Modification", "Taper"),
         page="wires-and-fields",
+        icon="SCULPTMODE_HLT",
     ),
     Task(
         "figure",
@@ -151,6 +171,7 @@ TASKS = (
         other_names=("Skin Weights",),
         suits=(Trait.BONES,),
         page="puppet",
+        icon="ARMATURE_DATA",
     ),
     Task(
         "animation",
@@ -161,6 +182,7 @@ TASKS = (
         other_names=("Jiggle",),
         suits=(Trait.CACHED,),
         page="animate",
+        icon="RENDER_ANIMATION",
     ),
     Task(
         "morph",
@@ -171,9 +193,19 @@ TASKS = (
         other_names=("Blend Shape",),
         suits=(Trait.TWIN,),
         page="baking",
+        icon="MOD_DATA_TRANSFER",
     ),
-    Task("once", "Shape It Once", "", "no modifier", page="grab-region"),
+    Task(
+        "once",
+        "Shape It Once",
+        "",
+        "no modifier",
+        page="grab-region",
+        icon="VIEW_PAN",
+        picture="silhouette",
+    ),
 )
+TASK_BY_ID: dict[str, Task] = {task.id: task for task in TASKS}
 
 
 def task_of(method: Method) -> Task:

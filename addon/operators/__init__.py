@@ -48,6 +48,8 @@ from .handles.rows import SINEW_OT_control_remove, SINEW_OT_control_set_rest
 from .handles.stand import SINEW_OT_handle_stand
 from .modal.ring import draw_line, ring
 from .target import explain_no_target, target_of
+from .tasks.refusals import choice_refusal, method_refusal, task_refusal, tasks_beside
+from .tasks.start import SINEW_OT_start_task, SINEW_OT_use_method
 from .tools.drag import SINEW_OT_drag, surface_under
 from .tools.grab_region import SINEW_OT_grab_region
 from .tools.puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
@@ -59,9 +61,11 @@ from .waiting import redraw_panels
 __all__ = (
     "PAGES",
     "SINEW_OT_drag",
+    "choice_refusal",
     "draw_line",
     "entering",
     "explain_no_target",
+    "method_refusal",
     "page_of",
     "preset_folder",
     "redraw_panels",
@@ -69,10 +73,14 @@ __all__ = (
     "ring",
     "surface_under",
     "target_of",
+    "task_refusal",
+    "tasks_beside",
     "unregister",
 )
 
 _CLASSES = (
+    SINEW_OT_start_task,
+    SINEW_OT_use_method,
     SINEW_OT_deformer_add,
     SINEW_OT_report_renders,
     SINEW_OT_deformer_remove,

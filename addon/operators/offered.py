@@ -9,7 +9,7 @@ from .. import compat
 from ..properties import deformers_of
 from ..session.targets import targets
 from .reporting import Reports
-from .target import explain_no_target, target_of
+from .target import LINKED, explain_no_target, target_of
 
 
 class Offered(Reports):
@@ -41,7 +41,7 @@ class OnTarget(Offered):
         if obj is None:
             return explain_no_target(context)[0]
         if obj.library is not None:
-            return "This object is linked - make a library override first"
+            return LINKED
         if cls.MESHES_ONLY and not targets.is_mesh(obj):
             remedy = "" if obj.type == "LATTICE" else ", or convert it to a mesh"
             return (

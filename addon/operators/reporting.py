@@ -1,13 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How operators report: in the language of the interface; an error cancels the operator."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from functools import wraps
 
-from bpy.types import Context
+from bpy.types import Context, Operator
 
 from .. import compat
 from ..core.errors import SinewError
+
+_callers: list[Operator] = []  # operators that call another one at the moment, the last one innermost
+
+
+@contextmanager
+def reporting_for(caller: Operator) -> Iterator[None]:
+    """Let their caller say what other operators report meanwhile, since Blender would show it to nobody."""
+    _callers.append(caller)
+    try:
+        yield
+    finally:
+        _callers.remove(caller)
 
 
 class Reports:
@@ -15,7 +28,7 @@ class Reports:
 
     def tell(self, levels: set[str], text: str) -> None:
         """Report. Blender looks up ``report`` itself past any method of that name."""
-        self.report(levels, compat.told(text))
+        (_callers[-1] if _callers else self).report(levels, compat.told(text))
 
 
 def reports_errors(run: Callable) -> Callable:

@@ -13,6 +13,7 @@ from ..ids import Menus, Operators
 from ..operators import PAGES, page_of, target_of
 from ..properties import deformers_of
 from . import control
+from .browser.menus import draw_tasks
 from .layouts import draw_move_entries, invoking
 
 
@@ -22,27 +23,29 @@ class SINEW_MT_edit_mesh(Menu):
     bl_idname = Menus.EDIT_MESH
     bl_label = "Sinew"
 
-    def draw(self, _context: Context) -> None:
+    def draw(self, context: Context) -> None:
         layout = invoking(self.layout)
         add_entry(layout, "HANDLE", "Make Handle", "ADD")
         add_entry(layout, "HANDLE", "Make Handle on Selected Object or Bone", "HOOK", control="SELECTED")
         add_entry(layout, "FIXED", "Hold Still", "PINNED")
         add_entry(layout, "SUPPORT", "Free Around It", "MOD_MESHDEFORM")
         layout.separator()
+        draw_tasks(context, layout)
+        layout.separator()
         _draw_common(layout)
 
 
 class SINEW_MT_object(Menu):
-    """Work on the deformers of the mesh and their regions"""
+    """Start a task, or work on the deformers of the mesh and their regions"""
 
     bl_idname = Menus.OBJECT
     bl_label = "Sinew"
 
-    def draw(self, _context: Context) -> None:
+    def draw(self, context: Context) -> None:
         layout = invoking(self.layout)
-        for role, name in Menus.FOR_GROUPS.items():
-            layout.menu(name, icon=_ADDING[role][1])
+        draw_tasks(context, layout)
         layout.separator()
+        layout.menu(Menus.ADD_REGION, icon="ADD")
         _draw_common(layout)
 
 
@@ -92,7 +95,7 @@ class SINEW_MT_deformer(Menu):
 
     def draw(self, _context: Context) -> None:
         layout = invoking(self.layout)
-        layout.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="Add Deformer", icon="ADD")
+        layout.operator(Operators.CHOOSE_METHOD, icon="PRESET")
         draw_move_entries(layout, Operators.DEFORMER_MOVE, "Deformer")
         layout.separator()
         layout.operator(Operators.KEY_ADD, icon="KEY_HLT")
@@ -110,6 +113,24 @@ class SINEW_MT_deformer(Menu):
         layout.operator(Operators.GRID_NEW, icon="MESH_GRID")
         layout.separator()
         layout.operator(Operators.DEFORMER_REMOVE, icon="REMOVE")
+
+
+class SINEW_MT_problems(Menu):
+    """What is wrong with a mesh and its regions, and what mends it"""
+
+    bl_idname = Menus.PROBLEMS
+    bl_label = "Problems"
+
+    def draw(self, _context: Context) -> None:
+        layout = invoking(self.layout)
+        layout.operator(Operators.SELECT_PROBLEMS, text="Show Problems", icon="ERROR")
+        layout.operator(Operators.SELECT_DISTORTED, icon="MOD_CLOTH")
+        layout.separator()
+        layout.operator(Operators.REPAIR, icon="TOOL_SETTINGS")
+        layout.operator(Operators.PART_REGIONS, icon="SELECT_DIFFERENCE")
+        layout.operator(Operators.REFINE, icon="MESH_GRID")
+        layout.operator(Operators.ARMATURE_OFF, icon="MOD_ARMATURE")
+        layout.operator(Operators.KEEP_INSIDE, icon="PINNED")
 
 
 class SINEW_MT_manual(Menu):
@@ -194,14 +215,7 @@ def _draw_common(layout: UILayout) -> None:
     layout.operator(Operators.UNBIND, icon="X")
     layout.operator(Operators.CANCEL, icon="CANCEL")
     layout.separator()
-    layout.operator(Operators.SELECT_PROBLEMS, text="Show Problems", icon="ERROR")
-    layout.operator(Operators.SELECT_DISTORTED, icon="MOD_CLOTH")
-    layout.operator(Operators.REPAIR, icon="TOOL_SETTINGS")
-    layout.operator(Operators.PART_REGIONS, icon="SELECT_DIFFERENCE")
-    layout.operator(Operators.REFINE, icon="MESH_GRID")
-    layout.operator(Operators.ARMATURE_OFF, icon="MOD_ARMATURE")
-    layout.operator(Operators.KEEP_INSIDE, icon="PINNED")
-    layout.separator()
+    layout.menu(Menus.PROBLEMS, icon="ERROR")
     for menu in control.MENUS:
         layout.menu(menu.bl_idname, icon=menu.ICON)
     layout.menu(Menus.DEFORMER, icon="MODIFIER")
@@ -229,6 +243,7 @@ _CLASSES = (
     *_GROUP_MENUS,
     SINEW_MT_manual,
     SINEW_MT_manual_methods,
+    SINEW_MT_problems,
     SINEW_MT_add_region,
     SINEW_MT_add,
     *control.MENUS,

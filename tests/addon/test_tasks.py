@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The tasks of artists, and the words that find a method."""
 
+import struct
 from pathlib import Path
 
 import pytest
@@ -9,7 +10,9 @@ from sinew.core import labels, tasks
 from sinew.core.labels import Names
 from sinew.core.methods import BY_ID, METHODS
 
-MANUAL = Path(__file__).parents[2] / "docs/manual"
+ROOT = Path(__file__).parents[2]
+MANUAL = ROOT / "docs/manual"
+PICTURES = ROOT / "addon/pictures"
 JOINT = "joint"  # which corrects by a method of another task
 # What other programs call it, and the task that does it.
 OTHER_NAMES = {
@@ -71,6 +74,14 @@ def test_the_names_of_other_programs_lead_to_a_task(words: str, task: str):
     assert wanted.recommended in [method for _task, method in hits[:8]]
     if task == JOINT:
         assert hits[0][0] is wanted
+
+
+def test_each_method_and_task_has_a_picture_and_together_they_are_small():
+    shown = {*BY_ID, *(task.shown_as for task in tasks.TASKS)}
+    found = {path.stem: path.read_bytes() for path in PICTURES.glob("*.png")}
+    assert sorted(found) == sorted(shown)
+    assert {data[16:24] for data in found.values()} == {struct.pack(">II", 128, 128)}, "width and height"
+    assert sum(map(len, found.values())) <= 700_000
 
 
 def test_the_manual_lists_the_tasks_and_both_names_of_their_methods():

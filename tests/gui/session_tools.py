@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mirrored posing by mouse and keys, a rig that rides on another, Sinew Drag: Bones, and Draw Outline."""
+"""Mirrored posing by mouse and keys, a rig that rides on another, Sinew Drag: Bones, Draw Outline, popups."""
 
 import sys
 from collections.abc import Callable, Iterator
 
 import bpy
 import numpy as np
-from driving import above, apart, claim, near, rest, run, until
+from driving import above, apart, claim, near, rest, run, settled, until
 from expected import members_of
-from hand import glide, keys, move, open_sidebar, redo, stroke, undo
+from hand import click, glide, keys, move, open_sidebar, redo, stroke, undo
 from rigs.rig import base_points, curves_of, make_active
 from scenes import MODELS, add_regions, deformer, empty_scene, head, shown, smooth_head
-from window import button, look_from_front, middle, on_screen, screenshot, viewport
+from window import Place, button, look_from_front, middle, on_screen, screenshot, viewport
 
 sys.path.insert(0, str(MODELS.parents[1]))
 
@@ -385,4 +385,69 @@ def silhouette() -> Iterator[None]:
         near(shown(), before, FLOAT32)
 
 
-run(mirror, puppet, silhouette)
+# Buttons in a window of 1280 x 800 pixels, from its lower left corner: of tasks in a popup that was opened
+# with the mouse HERE, of methods with the mouse ABOVE.
+HERE, PUT_IN_A_BOX, LIFT_BROWS = (640, 500), (934, 355), (535, 223)
+ABOVE, SMOOTH_BEND, RIGID_POINTS = (1000, 760), (718, 617), (518, 351)
+FAR = (100, 100)
+BROW = ((-0.5, 0.4), (0.0, 0.6), (0.5, 0.4))
+
+
+def popup(name: str, at: Place) -> Iterator[None]:
+    """Open it where the mouse is."""
+    move(*at)
+    yield
+    button(name)
+    yield from rest(5)
+
+
+def methods() -> list[str]:
+    return [row.method for row in head().sinew.deformers]
+
+
+def browser() -> Iterator[None]:
+    """Tasks are started in one popup, and methods are tried in the other."""
+    smooth_head(1)
+    look_from_front()
+    yield from rest()
+    yield from popup("all_tasks", HERE)
+    screenshot("1-tasks")
+    with claim("a task is pressed in the browser, which is one step of undo"):
+        yield from click(*PUT_IN_A_BOX)
+        yield from settled()
+        assert methods() == ["ffd"]
+        assert bpy.context.window_manager.operators[-1].bl_idname == "SINEW_OT_lattice_add"
+        yield from undo()
+        assert methods() == []
+    with claim("the popup closes, so that a task that waits for the mouse gets it"):
+        yield from popup("all_tasks", HERE)
+        yield from click(*LIFT_BROWS)
+        yield from rest(4)
+        yield from stroke(BROW)
+        yield from settled()
+        assert methods() == ["wires"]
+    smooth_head(1, REGIONS)
+    ear = deformer().handles[0].control
+    ear.location.z += 1.0
+    bpy.ops.ed.undo_push(message="Pose")
+    yield from settled()
+    first, shape = methods(), shown()
+    yield from popup("choose_method", ABOVE)
+    with claim("a method that is pressed changes the shape at once, and the popup stays"):
+        for place, method in ((SMOOTH_BEND, "laplacian_editing"), (RIGID_POINTS, "mls")):
+            yield from click(*place)
+            yield from settled()
+            assert methods() == [method]
+            above(apart(shown(), shape), 0.01)
+        screenshot("2-methods")
+    move(*FAR)
+    yield from rest(4)
+    with claim("each method is one step of undo"):
+        for wanted in (["laplacian_editing"], first):
+            yield from undo()
+            yield from settled()
+            assert methods() == wanted
+        near(shown(), shape, FLOAT32)
+
+
+run(mirror, puppet, silhouette, browser)

@@ -424,9 +424,17 @@ class Method:
     @cached_property
     def cost(self) -> int:
         """How long a bind of a usual mesh takes: 1 quick, 2 medium, 3 slow."""
-        options = {parameter.id: parameter.default for parameter in self.parameters}
-        seconds = self.bind_seconds(_USUAL_POINTS, _USUAL_SIZE, options)
-        return 1 + sum(seconds >= limit for limit in _SLOWER)
+        return 1 + sum(self.expected_seconds(_USUAL_POINTS) >= limit for limit in _SLOWER)
+
+    def expected_seconds(self, points: int, settings: object = None, size: int = _USUAL_SIZE) -> float:
+        """About how long a bind takes for so many points, with a control of this size, or a usual one.
+
+        ``settings`` has its parameters as attributes; without it they have their defaults.
+        """
+        options = {
+            parameter.id: getattr(settings, parameter.id, parameter.default) for parameter in self.parameters
+        }
+        return self.bind_seconds(points, size, options)
 
     @cached_property
     def references(self) -> tuple[Parameter, ...]:

@@ -12,6 +12,7 @@ from ...session.actions import bind, deformers
 from ..arguments import once
 from ..offered import Offered
 from ..reporting import reports_errors
+from ..target import LINKED
 from ..waiting import BindingOperator
 
 # The method that can go to another shape of its mesh, and the parameter that names this shape.
@@ -53,7 +54,7 @@ class SINEW_OT_morph(Offered, BindingOperator, Operator):
         obj = context.object
         if obj is None or obj.type != "MESH" or obj.mode != "OBJECT":
             return "In Object Mode, select the mesh to morph to, then the one to morph"
-        return "" if obj.library is None else "This object is linked - make a library override first"
+        return "" if obj.library is None else LINKED
 
     def draw(self, _context: Context) -> None:
         self.layout.use_property_split = True

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Add and remove deformers."""
 
+from typing import ClassVar
+
 from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
@@ -21,6 +23,7 @@ class SINEW_OT_deformer_add(OnTarget, Operator):
 
     bl_idname = Operators.DEFORMER_ADD
     bl_label = "Add Deformer"
+    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO", "INTERNAL"}  # tasks add deformers
 
     method: EnumProperty(
         name="Method",

@@ -4,18 +4,20 @@
 from bpy.types import Context, Object, UILayout
 
 from ...core.labels import label_of
-from ...core.methods import METHODS, Moved
 from ...core.tasks import Task, task_for
 from ...ids import Menus, Operators
 from ...operators import target_of
-from ...properties import BASE, SinewDeformer
+from ...properties import SinewDeformer
 from ...session.targets import targets
+from ..browser.pictures import beside_picture
 from ..control import drawing_of
-from ..layouts import fields, later, unless_baked
+from ..layouts import fields, unless_baked
 from ..parameters import draw_main
 from ..status_box import draw_status, draw_troubles, has_troubles
 from .start import draw_selection
 from .strays import draw_strays
+
+_ON_PANEL = 2.2  # the height of the picture, in buttons
 
 
 def is_there(context: Context) -> bool:
@@ -46,7 +48,7 @@ def draw_deformer(context: Context, layout: UILayout, obj: Object, deformer: Sin
         _draw_list(layout, obj)
     draw_troubles(context, layout, deformer)
     settings = unless_baked(layout, deformer)
-    _draw_method(settings, obj, deformer)
+    _draw_method(settings, deformer)
     drawing_of(deformer.definition).draw(context, settings, obj, deformer)
     draw_main(context, fields(context, settings.column(align=True)), deformer)
     draw_status(context, layout, deformer)
@@ -76,17 +78,8 @@ def _draw_list(layout: UILayout, obj: Object) -> None:
     side.menu(Menus.DEFORMER, text="", icon="DOWNARROW_HLT")
 
 
-def _draw_method(layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
-    column = layout.column(align=True)
+def _draw_method(layout: UILayout, deformer: SinewDeformer) -> None:
+    method, _values = deformer.methods[-1]
+    column = beside_picture(layout, method.id, _ON_PANEL, 0.28).column(align=True)
     column.label(text=_task(deformer).label)
-    if later("CHOOSE_METHOD"):
-        text = label_of(deformer.methods[-1][0])
-        column.operator(later("CHOOSE_METHOD"), text=text, icon="DOWNARROW_HLT")
-    elif deformer.definition.wraps:
-        column.prop(deformer.parameters, BASE, text="")
-    elif targets.is_mesh(obj):
-        column.prop(deformer, "method", text="")
-    else:
-        for method in METHODS:
-            if Moved.POINTS in method.moves:
-                column.prop_enum(deformer, "method", method.id)
+    column.operator(Operators.CHOOSE_METHOD, text=label_of(method), icon="DOWNARROW_HLT")

@@ -6,19 +6,18 @@ from bpy.types import Context, Object, UILayout
 from ...backend import availability
 from ...core.tasks import Task, suggested
 from ...core.traits import PLAIN, Trait
-from ...ids import Menus, Operators
-from ...operators import target_of
+from ...ids import Operators
+from ...operators import target_of, task_refusal
 from ...session.actions import selection
 from ...session.actions.controls import making
 from ...session.datablocks.traits import traits_of
 from ...session.targets import targets
-from ..layouts import Button, later
+from ..layouts import Button
 from ..pose import draw_drag
 from ..status_box import NATIVE_MISSING, draw_message, draw_progress
 from ..text import draw_text
 from .strays import draw_strays
 
-_TOOL = (("name", Operators.DRAG), ("space_type", "VIEW_3D"))
 _DRAG = {True: ("Drag the Surface", "SURFACE"), False: ("Drag Points", "POINTS")}  # on meshes, and others
 _MOVED = (
     (Trait.CACHED, "{}, played from a cache"),
@@ -33,19 +32,6 @@ _MORE = (
     Button(Operators.WIRE_ADD, "Wire along Edges", "CURVE_DATA", (("source", "EDGES"),)),
     Button(Operators.GRAB_REGION, "Grab Once", "VIEW_PAN"),
 )
-# How a task begins.
-_STARTS = {
-    "joint": Button("wm.tool_set_by_id", "Correct a Joint", "BONE_DATA", _TOOL),
-    "sheet": Button(Operators.DEFORMER_ADD, "Shape a Sheet", "MOD_CLOTH", (("method", "thin_shell"),)),
-    "box": Button(Operators.LATTICE_ADD, "Put in a Box", "LATTICE_DATA", (("source", "FIT"),)),
-    "cage": Button(Operators.CAGE_ADD, "Wrap in a Cage", "MESH_ICOSPHERE", (("source", "AUTO"),)),
-    "parts": Button(Operators.POINT_ADD, "Move Loose Parts", "STICKY_UVS_DISABLE"),
-    "figure": Button(Operators.PUPPET_RIG, "Pose by Bones", "ARMATURE_DATA"),
-    "animation": Button(
-        Operators.DEFORMER_ADD, "Edit an Animation", "RENDER_ANIMATION", (("method", "mesh_sequence"),)
-    ),
-    "morph": Button(Operators.MORPH, "Morph to a Mesh", "MOD_DATA_TRANSFER"),
-}
 
 
 def is_there(context: Context) -> bool:
@@ -102,16 +88,13 @@ def _draw_tasks(context: Context, layout: UILayout, obj: Object) -> None:
     large.scale_y, others.scale_y = 1.5, 1.15
     drag = _DRAG[targets.is_mesh(obj)]
     if tasks and _is_special(tasks[0], traits):
-        _draw_task(large, tasks.pop(0))
+        _draw_task(context, large, tasks.pop(0))
         draw_drag(others, *drag)
     else:
         draw_drag(large, *drag)
     for task in tasks:
-        _draw_task(others, task)
-    if later("ALL_TASKS"):
-        layout.operator(later("ALL_TASKS"), text="All Tasks...", icon="IMGDISPLAY")
-    else:
-        layout.menu(Menus.ADD, text="All Tasks...", icon="IMGDISPLAY")
+        _draw_task(context, others, task)
+    layout.operator(Operators.ALL_TASKS, icon="IMGDISPLAY")
 
 
 def _is_special(task: Task, traits: frozenset[Trait]) -> bool:
@@ -119,9 +102,7 @@ def _is_special(task: Task, traits: frozenset[Trait]) -> bool:
     return any(trait in traits - PLAIN for trait in task.suits)
 
 
-def _draw_task(layout: UILayout, task: Task) -> None:
-    start = _STARTS[task.id]
-    if later("TASK_START"):
-        layout.operator(later("TASK_START"), text=task.label, icon=start.icon).task = task.id
-    else:
-        start.draw(layout)
+def _draw_task(context: Context, layout: UILayout, task: Task) -> None:
+    row = layout.row(align=True)
+    row.enabled = not task_refusal(context, task)
+    row.operator(Operators.TASK_START, text=task.label, icon=task.icon).task = task.id

@@ -266,6 +266,8 @@ FILE = {"filepath": f"{bpy.app.tempdir}undone", **FRAMES}
 GRAB = {"value": (0.0, 0.0, 0.5), "radius": 0.4}
 FRONT = Matrix.Rotation(math.radians(90.0), 4, "X")  # a camera that looks along y
 BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
+    "start_task": (grid_object, button("start_task", task="sheet")),
+    "use_method": (posed(), button("use_method", method="arap")),
     "deformer_add": (posed(), button("deformer_add", method="thin_shell")),
     "deformer_remove": (posed(), button("deformer_remove")),
     "deformer_move": (

@@ -406,8 +406,8 @@ VERBS = re.compile(
     "Add|Apply|Avoid|Bake|Bend|Bind|Bring|Calm|Cancel|Choose|Collapse|Colour|Compute|Cover|Deform|"
     "Delete|Discard|Double|Drag|Draw|Edit|Flip|Follow|Give|Go|Improve|Join|Keep|Key|Leave|Let|Limit|"
     "Make|Mend|Merge|Mirror|Morph|Move|Name|Open|Paint|Pin|Place|Play|Pose|Redraw|Refuse|Remove|Report|"
-    "Rewrite|Round|Save|Say|Scale|Select|Set|Show|Smooth|Speed|Stiffen|Stop|Store|Take|Tighten|Turn|"
-    "Use"
+    "Rewrite|Round|Save|Say|Scale|Search|Select|Set|Show|Smooth|Speed|Start|Stiffen|Stop|Store|Take|"
+    "Tighten|Turn|Use"
     r")\b"
 )
 

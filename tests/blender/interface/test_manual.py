@@ -354,6 +354,7 @@ ELSEWHERE = {
     "Draw Wire": "test_wires.py",
     "Grab Once": "test_grab_region.py",
     "Keep Inside Parts": "test_loose_parts.py",
+    "Keyed Bend": "test_browser.py",
     "Lattice from Selected": "test_lattice.py",
     "Make Handle on Selected Object or Bone": "test_handles.py",
     "Morph to a Mesh": "test_morph.py",
