@@ -28,6 +28,8 @@ class Operators:
     POINT_ADD = "sinew.point_add"
     HANDLE_REMOVE = "sinew.handle_remove"
     CONTROL_NEW = "sinew.control_new"
+    POSE_RESET = "sinew.reset_pose"
+    POSE_KEY = "sinew.key_pose"
     BIND = "sinew.bind"
     UNBIND = "sinew.unbind"
     CANCEL = "sinew.cancel"
@@ -127,6 +129,7 @@ class Keys:
     REST_LOST = "sinew_lost_groups"
     REST_POINT_TYPE = "sinew_kind"
     REST_STRUCTURE = "sinew_structure"
+    REST_POSE = "sinew_pose"
 
 
 class Inputs:

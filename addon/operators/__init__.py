@@ -18,6 +18,7 @@ from .controls.cage import (
 from .controls.curve import SINEW_OT_curve_edit
 from .controls.grid import SINEW_OT_grid_new
 from .controls.lattice import SINEW_OT_lattice_add, SINEW_OT_lattice_set_rest
+from .controls.pose import SINEW_OT_key_pose, SINEW_OT_reset_pose
 from .controls.tools import SINEW_OT_tool_add, SINEW_OT_tool_stop
 from .controls.wires import SINEW_OT_wire_add
 from .deformer.apply import SINEW_OT_apply
@@ -89,6 +90,8 @@ _CLASSES = (
     SINEW_OT_wire_draw,
     SINEW_OT_control_remove,
     SINEW_OT_control_set_rest,
+    SINEW_OT_reset_pose,
+    SINEW_OT_key_pose,
     SINEW_OT_handle_add,
     SINEW_OT_point_add,
     SINEW_OT_handle_remove,

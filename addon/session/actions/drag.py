@@ -21,11 +21,10 @@ from ...core.methods import BY_ID
 from ...core.status import Level
 from ...mesh_io import group_weights, read_rest
 from ...properties import SinewDeformer, SinewHandle, deformers_of
-from ..controls import kinds, locks
+from ..controls import kinds, movers
 from ..datablocks import surface
 from ..datablocks.parts import Parts
 from ..datablocks.surface import Hit
-from ..datablocks.transforms import put
 from ..evaluation import binding
 from ..state.background import Work
 from ..state.evaluation import is_shown
@@ -37,8 +36,6 @@ from .handles import surface_points
 from .handles.handles import NewRegion, add_handle, remove_handle
 from .handles.region_names import name_of_region
 from .rigging import rig_region
-
-_CHANNELS = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
 
 
 @dataclass(frozen=True)
@@ -111,7 +108,7 @@ class Drag:
         self.uid, self._handle, self.name = deformer.uid, handle.uid, handle.name
         self.is_region = bool(handle.vertex_group)
         mover = _mover(handle)
-        self._channels = {name: tuple(getattr(mover, name)) for name in _CHANNELS}
+        self._channels = movers.channels_of(mover)
         carrier = handle.control.matrix_world
         self.frame = np.array(carrier @ mover.matrix if handle.bone else carrier, dtype=np.float64)
 
@@ -136,16 +133,12 @@ class Drag:
         if not np.isfinite(motion).all():
             raise ConstraintError("The motion is not a finite number - type another one")
         handle = self.handle_of(obj)
-        mover, place = _mover(handle), Matrix((motion @ self.frame).tolist())
-        if handle.bone:
-            mover.matrix = handle.control.matrix_world.inverted_safe() @ place
-        else:
-            mover.matrix_world = place
-        put(mover, mover.matrix_basis.copy())
+        _mover(handle)  # refused if it is gone
+        place = Matrix((motion @ self.frame).tolist())
+        movers.move_to(handle.control, handle.bone, place, self._channels)
         deformer = self._deformer(obj)
         if deformer is not None and not handle.vertex_group:
             surface_points.move_image(obj, deformer, handle)
-        locks.hold_locked(mover, self._channels)
 
     def key(self, obj: Object) -> None:
         """Insert keyframes for what has moved, as Auto Keying does when Blender's own tools end."""
@@ -381,4 +374,4 @@ def _mover(handle: SinewHandle) -> Object | PoseBone:
         raise SinewError(f"{handle.name} has no control - choose New Control in the Region panel")
     if control.library is not None:
         raise SinewError(f"{control.name}, the control of {handle.name}, is linked - make a library override")
-    return control.pose.bones[handle.bone] if handle.bone else control
+    return movers.mover_of(control, handle.bone)

@@ -12,6 +12,7 @@ from mathutils import Euler, Matrix, Quaternion
 from ....backend import Puppet, Solution, Targets
 from ....core.errors import ConstraintError, SinewError
 from ....core.geometry import frames
+from ...controls.movers import rotation_channel
 from . import bones, limits
 
 _PINNED = 1e3  # the weight of what holds the puppet, beside what is dragged
@@ -142,7 +143,7 @@ class PuppetDrag:
         """Insert keyframes for all bones that may move, so that the next drag does not change this frame."""
         for name in self.moving:
             bone = armature.pose.bones[name]
-            bone.keyframe_insert(_rotation_channel(bone), group=name)
+            bone.keyframe_insert(rotation_channel(bone), group=name)
             if self._moving_roots[self._skeleton.row(name)]:
                 bone.keyframe_insert("location", group=name)
 
@@ -245,11 +246,6 @@ def _has_other_constraints(bone: PoseBone) -> bool:
 
 def _channels(bone: PoseBone) -> dict[str, tuple[float, ...]]:
     return {name: tuple(getattr(bone, name)) for name in _CHANNELS}
-
-
-def _rotation_channel(bone: PoseBone) -> str:
-    mode = bone.rotation_mode
-    return f"rotation_{mode.lower()}" if mode in ("QUATERNION", "AXIS_ANGLE") else "rotation_euler"
 
 
 def _turn(bone: PoseBone, rotation: Matrix, before: dict[str, tuple[float, ...]]) -> None:

@@ -1,0 +1,121 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How the object that controls a deformer rests: its place, its own points, and the values of its shape keys.
+
+The rest mesh of a control is what its modifiers make of it, which does not tell these. So it keeps them
+beside its vertices, and Reset Pose puts them back.
+"""
+
+from collections.abc import Iterator
+
+import numpy as np
+from bpy.types import ID, Mesh, Object, ShapeKey, bpy_prop_collection
+
+from ...core.errors import SinewError
+from ...ids import Keys
+from ...properties import deformers_of
+
+_PLACE, _POINTS, _VALUES = "place", "points", "values"
+_Numbers = tuple[bpy_prop_collection, str, int]  # elements, what of them is edited, and how many numbers
+
+
+def note(mesh: Mesh, control: Object) -> None:
+    """Let a new rest mesh, in the frame of the control, keep how the control is now."""
+    mesh[Keys.REST_POSE] = {
+        _PLACE: np.eye(4).ravel().tolist(),
+        _POINTS: _read(control).tobytes(),
+        _VALUES: {key.name: key.value for key in keys_of(control)},
+    }
+
+
+def move(mesh: Mesh, by: np.ndarray) -> None:
+    """The rest mesh was moved by a map (4, 4), and the place goes with it."""
+    place = place_of(mesh)
+    if place is not None:
+        mesh[Keys.REST_POSE][_PLACE] = (by @ place).ravel().tolist()
+
+
+def carry_over(held: Mesh, made: Mesh) -> None:
+    """Let another rest mesh of the same control keep the same."""
+    if Keys.REST_POSE in held:
+        made[Keys.REST_POSE] = held[Keys.REST_POSE].to_dict()
+
+
+def place_of(mesh: Mesh) -> np.ndarray | None:
+    """Where the control rests, (4, 4) in the frame of its rest mesh; None in files of earlier builds."""
+    kept = mesh.get(Keys.REST_POSE)
+    return None if kept is None else np.array(kept[_PLACE], dtype=np.float64).reshape(4, 4)
+
+
+def put_back(control: Object, mesh: Mesh) -> None:
+    """Give a control the points and the values of shape keys that its rest mesh keeps, if they still fit."""
+    kept = mesh[Keys.REST_POSE].to_dict()
+    for key in keys_of(control):
+        key.value = kept[_VALUES].get(key.name, 0.0)
+    put_points(control, np.frombuffer(kept[_POINTS], dtype=np.float32))
+
+
+def put_points(control: Object, points: np.ndarray) -> None:
+    """Give a control these numbers for its points, float32 (n,), unless it has more or fewer of them."""
+    now = _read(control)
+    if len(points) != len(now) or np.array_equal(points, now) or control.data.library is not None:
+        return
+    if control.mode == "EDIT":
+        raise SinewError(f"{control.name} is in Edit Mode - leave it first")
+    _write(control, points)
+
+
+def is_edited(control: Object, mesh: Mesh | None) -> bool:
+    """Whether the points of a control itself are others than its rest mesh keeps."""
+    kept = None if mesh is None else mesh.get(Keys.REST_POSE)
+    return kept is not None and _read(control).tobytes() != kept[_POINTS]
+
+
+def keys_of(control: Object) -> Iterator[ShapeKey]:
+    """The shape keys of a control that pose it, and not those that show deformers on it."""
+    keys = getattr(control.data, "shape_keys", None)
+    shown = {deformer.shape_key for deformer in deformers_of(control)}
+    for key in () if keys is None else keys.key_blocks:
+        if key != keys.reference_key and key.name not in shown:
+            yield key
+
+
+def _read(control: Object) -> np.ndarray:
+    """The numbers that edits of an object change, float32 (n,); none of one without points."""
+    found = [np.zeros(0, dtype=np.float32)]
+    for elements, name, size in _own(control):
+        values = np.empty(size * len(elements), dtype=np.float32)
+        elements.foreach_get(name, values)
+        found.append(values)
+    return np.concatenate(found)
+
+
+def _write(control: Object, values: np.ndarray) -> None:
+    """Replace these numbers; with shape keys also those of the data, which Blender keeps like its Basis."""
+    for numbers in (_own(control), list(_of_data(control.type, control.data))):
+        first = 0
+        for elements, name, size in numbers:
+            after = first + size * len(elements)
+            elements.foreach_set(name, values[first:after])
+            first = after
+    control.data.update_tag()
+
+
+def _own(control: Object) -> list[_Numbers]:
+    """What holds the points of an object as the artist edits them. Those of curves with keys are not read."""
+    keys = getattr(control.data, "shape_keys", None)
+    if keys is None:
+        return list(_of_data(control.type, control.data))
+    return [] if control.type == "CURVE" else [(keys.reference_key.data, "co", 3)]
+
+
+def _of_data(kind: str, data: ID | None) -> Iterator[_Numbers]:
+    if kind == "MESH":
+        yield data.vertices, "co", 3
+    elif kind == "LATTICE":
+        yield data.points, "co_deform", 3
+    elif kind in ("CURVES", "POINTCLOUD") and "position" in data.attributes:
+        yield data.attributes["position"].data, "vector", 3
+    for spline in data.splines if kind == "CURVE" else ():
+        yield spline.points, "co", 4
+        for name in ("co", "handle_left", "handle_right"):
+            yield spline.bezier_points, name, 3
