@@ -46,21 +46,28 @@ from .handles.point import SINEW_OT_point_add
 from .handles.rows import SINEW_OT_control_remove, SINEW_OT_control_set_rest
 from .handles.stand import SINEW_OT_handle_stand
 from .modal.ring import draw_line, ring
+from .modal.shell import ViewportTool
 from .target import explain_no_target, target_of
-from .tools.drag import SINEW_OT_drag, surface_under
+from .tools.control_drag import SINEW_OT_control_drag
+from .tools.drag import HANDLE, REACH, SINEW_OT_drag, handle_radius
 from .tools.grab_region import SINEW_OT_grab_region
 from .tools.puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
 from .tools.silhouette_sketch import SINEW_OT_silhouette_sketch
+from .tools.sinew_drag import SINEW_OT_drag_press, SINEW_OT_drag_start
 from .tools.tool_drag import SINEW_OT_tool_drag
+from .tools.under_mouse import surface_under
 from .tools.wire_draw import SINEW_OT_wire_draw
 from .waiting import redraw_panels
 
 __all__ = (
+    "HANDLE",
     "PAGES",
-    "SINEW_OT_drag",
+    "REACH",
+    "ViewportTool",
     "draw_line",
     "entering",
     "explain_no_target",
+    "handle_radius",
     "preset_folder",
     "redraw_panels",
     "register",
@@ -116,6 +123,9 @@ _CLASSES = (
     SINEW_OT_select_problems,
     SINEW_OT_grab_region,
     SINEW_OT_drag,
+    SINEW_OT_drag_press,
+    SINEW_OT_drag_start,
+    SINEW_OT_control_drag,
     SINEW_OT_silhouette_sketch,
     SINEW_OT_puppet_pose,
     SINEW_OT_puppet_pin,

@@ -54,6 +54,11 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
     from_rest: once(
         BoolProperty, "From Rest", "Let joints stay close to their rest, instead of how they are now"
     )
+    click_pins: BoolProperty(
+        name="Click Pins",
+        description="Pin the bone, or release it, if the mouse does not move",
+        options={"SKIP_SAVE", "HIDDEN"},
+    )
     key: once(BoolProperty, "Insert Keyframes", "Key the bones that follow, as Auto Keying does")
 
     @classmethod
@@ -86,7 +91,13 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
 
     def store_result(self, context: Context) -> None:
         self.store_motion(self.tool.typed.motion)
-        self._finish(context, self.worked_on(context), self.tool.drag)
+        armature = self.worked_on(context)
+        if self.click_pins and np.allclose(self.tool.matrix, np.eye(4), atol=0.0):
+            bone = armature.pose.bones[self.bone]
+            bone.sinew.pin = not bone.sinew.pin
+            self.tell({"INFO"}, f"{self.bone} {'pinned' if bone.sinew.pin else 'released'}")
+            return
+        self._finish(context, armature, self.tool.drag)
 
     def header(self, context: Context) -> str:
         settings = context.scene.unit_settings

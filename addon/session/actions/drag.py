@@ -44,11 +44,13 @@ class Brush:
 
     ``radius`` is that of the handle and ``reach`` how far what is around follows, both in world units over
     the surface; an infinite reach lets the whole part follow. ``method`` is for an object without a deformer.
+    With ``places`` a handle has no region, and deformers whose handles need one are passed over.
     """
 
     method: str
     radius: float
     reach: float
+    places: bool = False
 
 
 class _Settings:
@@ -93,7 +95,8 @@ class Drag:
         vertex = surface.vertex_at(hit, depsgraph) if is_mesh else -1
         painted = _painted(obj) if is_mesh else {}
         self._settings = _Settings(obj)
-        found = _point_at(obj, hit, brush) or (_handle_at(obj, painted, vertex) if is_mesh else None)
+        has_regions = is_mesh and not brush.places
+        found = _point_at(obj, hit, brush) or (_handle_at(obj, painted, vertex) if has_regions else None)
         self.is_new, self.is_held = found is None, True
         if found is None:
             deformer, handle = self._make(painted, vertex, brush, wait, hit)
@@ -167,7 +170,8 @@ class Drag:
         obj = hit.obj
         if obj.data.library is not None:
             raise SinewError(f"The mesh of {obj.name} is linked - drag one of its handles, or make it local")
-        deformer = next((each for each in _in_order(obj) if _marks_regions(each)), None)
+        may_hold = (each for each in _in_order(obj) if _marks_regions(each))
+        deformer = next((each for each in may_hold if each.definition.is_space or not brush.places), None)
         rows = []
         if deformer is not None:
             _require_working(obj, deformer)

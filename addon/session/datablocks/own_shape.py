@@ -15,14 +15,15 @@ from ...ids import Keys
 from ...properties import deformers_of
 
 _PLACE, _POINTS, _VALUES = "place", "points", "values"
-_Numbers = tuple[bpy_prop_collection, str, int]  # elements, what of them is edited, and how many numbers
+# Elements, what of them is edited, and how many numbers each of these has.
+_Numbers = tuple[bpy_prop_collection, tuple[str, ...], int]
 
 
 def note(mesh: Mesh, control: Object) -> None:
     """Let a new rest mesh, in the frame of the control, keep how the control is now."""
     mesh[Keys.REST_POSE] = {
         _PLACE: np.eye(4).ravel().tolist(),
-        _POINTS: _read(control).tobytes(),
+        _POINTS: read(control).tobytes(),
         _VALUES: {key.name: key.value for key in keys_of(control)},
     }
 
@@ -56,7 +57,7 @@ def put_back(control: Object, mesh: Mesh) -> None:
 
 def put_points(control: Object, points: np.ndarray) -> None:
     """Give a control these numbers for its points, float32 (n,), unless it has more or fewer of them."""
-    now = _read(control)
+    now = read(control)
     if len(points) != len(now) or np.array_equal(points, now) or control.data.library is not None:
         return
     if control.mode == "EDIT":
@@ -67,7 +68,7 @@ def put_points(control: Object, points: np.ndarray) -> None:
 def is_edited(control: Object, mesh: Mesh | None) -> bool:
     """Whether the points of a control itself are others than its rest mesh keeps."""
     kept = None if mesh is None else mesh.get(Keys.REST_POSE)
-    return kept is not None and _read(control).tobytes() != kept[_POINTS]
+    return kept is not None and read(control).tobytes() != kept[_POINTS]
 
 
 def keys_of(control: Object) -> Iterator[ShapeKey]:
@@ -79,13 +80,41 @@ def keys_of(control: Object) -> Iterator[ShapeKey]:
             yield key
 
 
-def _read(control: Object) -> np.ndarray:
+def read(control: Object) -> np.ndarray:
     """The numbers that edits of an object change, float32 (n,); none of one without points."""
     found = [np.zeros(0, dtype=np.float32)]
-    for elements, name, size in _own(control):
-        values = np.empty(size * len(elements), dtype=np.float32)
-        elements.foreach_get(name, values)
-        found.append(values)
+    for elements, names, size in _own(control):
+        for name in names:
+            values = np.empty(size * len(elements), dtype=np.float32)
+            elements.foreach_get(name, values)
+            found.append(values)
+    return np.concatenate(found)
+
+
+def points_of(control: Object) -> np.ndarray:
+    """The points that edits of an object move, (n, 3) in its own frame; none of one without points."""
+    return read(control)[_places(control)[:, :1] + np.arange(3)]
+
+
+def with_point_moved(control: Object, values: np.ndarray, point: int, by: np.ndarray) -> np.ndarray:
+    """The numbers of an object, as ``read`` gives them, after a map (4, 4) of a point and its handles."""
+    found = values.copy()
+    for first in _places(control)[point]:
+        found[first : first + 3] = by[:3, :3] @ values[first : first + 3] + by[:3, 3]
+    return found
+
+
+def _places(control: Object) -> np.ndarray:
+    """Where the coordinates of each point begin among the numbers, and those of its two handles, (n, 3).
+
+    A point without handles is there three times.
+    """
+    found, first = [np.zeros((0, 3), dtype=np.intp)], 0
+    for elements, names, size in _own(control):
+        count = size * len(elements)
+        starts = first + size * np.arange(len(elements))[:, None] + count * np.arange(len(names))
+        found.append(np.pad(starts, ((0, 0), (0, 3 - len(names))), mode="edge"))
+        first += count * len(names)
     return np.concatenate(found)
 
 
@@ -93,10 +122,11 @@ def _write(control: Object, values: np.ndarray) -> None:
     """Replace these numbers; with shape keys also those of the data, which Blender keeps like its Basis."""
     for numbers in (_own(control), list(_of_data(control.type, control.data))):
         first = 0
-        for elements, name, size in numbers:
-            after = first + size * len(elements)
-            elements.foreach_set(name, values[first:after])
-            first = after
+        for elements, names, size in numbers:
+            for name in names:
+                after = first + size * len(elements)
+                elements.foreach_set(name, values[first:after])
+                first = after
     control.data.update_tag()
 
 
@@ -105,17 +135,16 @@ def _own(control: Object) -> list[_Numbers]:
     keys = getattr(control.data, "shape_keys", None)
     if keys is None:
         return list(_of_data(control.type, control.data))
-    return [] if control.type == "CURVE" else [(keys.reference_key.data, "co", 3)]
+    return [] if control.type == "CURVE" else [(keys.reference_key.data, ("co",), 3)]
 
 
 def _of_data(kind: str, data: ID | None) -> Iterator[_Numbers]:
     if kind == "MESH":
-        yield data.vertices, "co", 3
+        yield data.vertices, ("co",), 3
     elif kind == "LATTICE":
-        yield data.points, "co_deform", 3
+        yield data.points, ("co_deform",), 3
     elif kind in ("CURVES", "POINTCLOUD") and "position" in data.attributes:
-        yield data.attributes["position"].data, "vector", 3
+        yield data.attributes["position"].data, ("vector",), 3
     for spline in data.splines if kind == "CURVE" else ():
-        yield spline.points, "co", 4
-        for name in ("co", "handle_left", "handle_right"):
-            yield spline.bezier_points, name, 3
+        yield spline.points, ("co",), 4
+        yield spline.bezier_points, ("co", "handle_left", "handle_right"), 3
