@@ -56,6 +56,7 @@ class Operators:
     DRAG_PRESS = "sinew.drag_press"
     DRAG_START = "sinew.drag_start"
     CONTROL_DRAG = "sinew.control_drag"
+    REACH_DRAG = "sinew.reach_drag"
     SILHOUETTE_SKETCH = "sinew.silhouette_sketch"
     PUPPET_POSE = "sinew.puppet_pose"
     PUPPET_PIN = "sinew.puppet_pin"

@@ -52,6 +52,7 @@ from .tools.control_drag import SINEW_OT_control_drag
 from .tools.drag import HANDLE, REACH, SINEW_OT_drag, handle_radius
 from .tools.grab_region import SINEW_OT_grab_region
 from .tools.puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
+from .tools.reach_drag import SINEW_OT_reach_drag
 from .tools.silhouette_sketch import SINEW_OT_silhouette_sketch
 from .tools.sinew_drag import SINEW_OT_drag_press, SINEW_OT_drag_start
 from .tools.tool_drag import SINEW_OT_tool_drag
@@ -126,6 +127,7 @@ _CLASSES = (
     SINEW_OT_drag_press,
     SINEW_OT_drag_start,
     SINEW_OT_control_drag,
+    SINEW_OT_reach_drag,
     SINEW_OT_silhouette_sketch,
     SINEW_OT_puppet_pose,
     SINEW_OT_puppet_pin,

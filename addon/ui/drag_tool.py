@@ -2,11 +2,14 @@
 """The tool Sinew Drag in the toolbar of Object and Pose Mode: settings, keys, and the rings at the mouse."""
 
 import bpy
-from bpy.types import Context, UILayout, WorkSpaceTool
+from bpy.types import Context, Pose, UILayout, WorkSpaceTool
 
 from ..core.errors import SinewError
 from ..ids import Operators
-from ..operators import HANDLE, REACH, ViewportTool, draw_line, handle_radius, ring, surface_under, target_of
+from ..operators import HANDLE, REACH, ViewportTool, draw_line, handle_radius, ring, surface_under
+from ..properties import SinewDeformer
+from ..session.controls import kinds
+from .places import active_deformer
 
 _SETTINGS = "scene.sinew.drag"
 # What the header shows beside the mode: how new handles are made, or how bones follow.
@@ -17,6 +20,15 @@ _SHOWN = {
     "POINTS": ("pixels",),
     "BONES": ("balance",),
 }
+
+
+_HANDS = (Operators.DRAG, "builtin.move")  # the tools that move controls
+
+
+def is_hand_tool(context: Context) -> bool:
+    """Whether the tool of the viewport is Sinew Drag or Move: only then gizmos of controls are shown."""
+    tool = context.workspace.tools.from_space_view3d_mode(context.mode, create=False)
+    return tool is not None and tool.idname in _HANDS
 
 
 def _radial(key: str, name: str, **modifiers: bool) -> tuple:
@@ -60,14 +72,14 @@ class _DragTool:
         """Draw the settings in the header and in the sidebar."""
         drag = context.scene.sinew.drag
         layout.prop(drag, "mode", text="")
+        is_posing = context.mode == "POSE" or drag.mode == "BONES"
         for name in _SHOWN[drag.mode]:
+            if name == "balance" and not is_posing:
+                continue
             row = layout.row()
             row.active = name != "reach" or not drag.unlimited
             row.prop(drag, name)
-        obj = target_of(context)
-        mirrored = None if obj is None else obj.sinew.active
-        if drag.mode == "BONES" and context.object is not None:
-            mirrored = context.object.pose
+        mirrored = _mirrored(context)
         if mirrored is not None:
             layout.prop(mirrored, "use_mirror_x", text="", icon="MOD_MIRROR")
 
@@ -92,6 +104,14 @@ class _DragTool:
             rings.append((radius * drag.reach, REACH))
         for size, colour in rings:
             draw_line(region, view, ring(hit.place, hit.normal, size), colour, (region.x, region.y))
+
+
+def _mirrored(context: Context) -> SinewDeformer | Pose | None:
+    """What has the switch for mirrored posing: the armature that is posed, or the deformer with handles."""
+    if context.object is not None and context.object.mode == "POSE":
+        return context.object.pose
+    deformer = active_deformer(context)
+    return deformer if deformer is not None and kinds.marks_regions(deformer.definition) else None
 
 
 class SINEW_WT_drag(_DragTool, WorkSpaceTool):

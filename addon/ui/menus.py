@@ -9,7 +9,7 @@ from bpy.types import Context, Menu, UILayout
 
 from ..ids import Menus, Operators
 from ..operators import PAGES, target_of
-from ..properties import deformers_of
+from ..properties import DRAG_MODES, deformers_of
 from . import control
 from .layouts import draw_move_entries, invoking
 
@@ -165,7 +165,12 @@ def add_entry(layout: UILayout, role: str, text: str, icon: str, control: str = 
 
 
 def _draw_common(layout: UILayout) -> None:
-    layout.operator(Operators.PUPPET_POSE, icon="ARMATURE_DATA")
+    for mode, label, *_rest in DRAG_MODES:
+        text = "Sinew Drag" if mode == "AUTO" else f"Sinew Drag: {label}"
+        layout.operator(Operators.DRAG_START, text=text, icon="VIEW_PAN").mode = mode
+    layout.separator()
+    layout.operator(Operators.POSE_RESET, icon="LOOP_BACK")
+    layout.operator(Operators.POSE_KEY, icon="KEY_HLT")
     layout.operator(Operators.PUPPET_PIN, icon="PINNED")
     layout.operator(Operators.PUPPET_RIG, icon="BONE_DATA")
     layout.separator()

@@ -15,7 +15,7 @@ from ..target import object_mode, target_of
 
 
 class SINEW_OT_reset_pose(OnLiveDeformer, Operator):
-    """Put all controls of the deformer back to rest, with their points and the paths of clay tools.
+    """Bring all controls of the deformer back to rest, with their points and the paths of clay tools.
 
     Auto Keying keys them there
     """
@@ -23,7 +23,7 @@ class SINEW_OT_reset_pose(OnLiveDeformer, Operator):
     bl_idname = Operators.POSE_RESET
     bl_label = "Reset Pose"
 
-    selected: once(BoolProperty, "Selected", "Put back the controls that are selected, and no others")
+    selected: once(BoolProperty, "Selected", "Bring back the controls that are selected, and no others")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -95,7 +95,7 @@ class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
     places: once(
         BoolProperty,
         "Places",
-        "Hold the very place that is pressed, and not a region around it",
+        "Take the very place that is pressed, and no region around it",
     )
 
     @classmethod

@@ -36,7 +36,7 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
 
     bl_idname = Operators.PUPPET_POSE
     bl_label = "Sinew Drag: Bones"
-    bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING"}
+    bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING", "INTERNAL"}  # buttons start the tool
 
     KEYS = _KEYS
 

@@ -161,6 +161,7 @@ class SINEW_OT_drag_start(Offered, Operator):
 
     bl_idname = Operators.DRAG_START
     bl_label = "Sinew Drag"
+    bl_options = {"REGISTER"}  # the choice of a tool is no step of undo
 
     mode: once(EnumProperty, "Drag", "Choose what pressing and dragging does", items=DRAG_MODES)
 

@@ -192,7 +192,7 @@ class SINEW_OT_tool_drag(OnTarget, ViewportTool, Operator):
 
     bl_idname = Operators.TOOL_DRAG
     bl_label = "Sinew Drag: Clay"
-    bl_options = {"REGISTER", "UNDO", "BLOCKING"}
+    bl_options = {"REGISTER", "UNDO", "BLOCKING", "INTERNAL"}  # buttons start the tool that calls this
 
     KEYS = _KEYS
 

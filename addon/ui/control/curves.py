@@ -42,7 +42,7 @@ def draw(_context: Context, layout: UILayout, obj: Object, deformer: SinewDeform
     """Draw the list of wires, and the settings of the active one."""
     draw_rows(layout, deformer, Menus.WIRES)
     _draw_add(layout, obj)
-    row = active_row(deformer)
+    row = edit_rows.active_row(deformer)
     if row is None:
         return
     column = split(layout.column())
@@ -78,13 +78,3 @@ def draw_rows(layout: UILayout, deformer: SinewDeformer, menu: str) -> None:
     side = row.column(align=True)
     side.operator(Operators.ROW_REMOVE, text="", icon="REMOVE")
     side.menu(menu, text="", icon="DOWNARROW_HLT")
-
-
-def active_row(deformer: SinewDeformer):
-    """The active row of the list; None if it is of another kind of control."""
-    rows = edit_rows.rows_of(deformer)
-    if not rows:
-        return None
-    index = min(deformer.active_control, len(deformer.controls) - 1)
-    chosen = deformer.controls[index]
-    return chosen if chosen in rows else rows[0]

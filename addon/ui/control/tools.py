@@ -8,7 +8,7 @@ from ...properties import SinewDeformer
 from ...session.actions.controls import control_list as rows
 from ..layouts import invoking, split
 from ..text import draw_text
-from .curves import active_row, draw_rows
+from .curves import draw_rows
 
 ABOVE_PARAMETERS = True
 PANELS = ()
@@ -27,7 +27,7 @@ class SINEW_MT_tools(Menu):
         layout = invoking(self.layout)
         for tool, text in _TOOLS:
             layout.operator(Operators.TOOL_ADD, text=text, icon="EMPTY_AXIS").tool = tool
-        layout.operator(Operators.TOOL_DRAG, icon="VIEW_PAN")
+        layout.operator(Operators.DRAG_START, text="Sinew Drag: Clay", icon="VIEW_PAN").mode = "CLAY"
         layout.separator()
         layout.operator(Operators.TOOL_STOP, icon="KEYFRAME").clear = False
         layout.operator(Operators.TOOL_STOP, text="Remove Stops", icon="X").clear = True
@@ -47,7 +47,7 @@ def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeform
     """Draw the list of tools, and the settings of the active one."""
     draw_rows(layout, deformer, Menus.TOOLS)
     _draw_add(layout)
-    row = active_row(deformer)
+    row = rows.active_row(deformer)
     if row is None:
         return
     column = split(layout.column())
@@ -68,4 +68,4 @@ def _draw_add(layout: UILayout) -> None:
     row = layout.row(align=True)
     for tool, text in _TOOLS:
         row.operator(Operators.TOOL_ADD, text=text).tool = tool
-    layout.operator(Operators.TOOL_DRAG, icon="VIEW_PAN")
+    layout.operator(Operators.DRAG_START, text="Sinew Drag: Clay", icon="VIEW_PAN").mode = "CLAY"
