@@ -23,7 +23,7 @@ from ..arguments import distance, once
 from ..modal.moving import CANCEL, NAVIGATE
 from ..modal.ring import draw_line, ring
 from ..modal.shell import Keys, Outcome, ViewportTool
-from ..modal.view import length_text, view_of
+from ..modal.view import length_text
 from ..offered import OnTarget
 from ..reporting import reports_errors
 from ..target import target_of
@@ -105,7 +105,7 @@ class FieldDragging:
             self.radius *= RESIZE[key]
             self._fits = False
         elif key == "LEFTMOUSE" and pressed:
-            self._press(obj, event)
+            self.press(obj, event)
         return Outcome.GO_ON
 
     def restore(self, obj: Object) -> None:
@@ -132,7 +132,8 @@ class FieldDragging:
             self.radius = rows.tool_reach(self._parts.size_at(hit.place))
         return hit
 
-    def _press(self, obj: Object, event: Event) -> None:
+    def press(self, obj: Object, event: Event) -> None:
+        """Make the tool at the mouse, if the object is there."""
         self.hit = self._under(event)
         if self.hit is None:
             self.notice = f"Press on {self._name}"
@@ -239,7 +240,7 @@ class SINEW_OT_tool_drag(OnTarget, ViewportTool, Operator):
         pivot = np.array(obj.matrix_world.translation, dtype=np.float64)
         tool = FieldDragging(context, obj.name, pivot, self.radius, _parts(context, obj), self.inner)
         if (event.type, event.value) == ("LEFTMOUSE", "PRESS"):
-            tool.process(obj, event, view_of(context, pivot))
+            tool.press(obj, event)
             tool.waits = False
         return self.begin(context, tool, obj, partial(_draw, tool))
 
