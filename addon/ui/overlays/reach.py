@@ -97,7 +97,8 @@ class SINEW_GGT_reach(GizmoGroup):
             arrow.use_draw_modal = True
 
     def draw_prepare(self, context: Context) -> None:
-        row, depsgraph = active_row(active_deformer(context)), context.evaluated_depsgraph_get()
+        deformer, depsgraph = active_deformer(context), context.evaluated_depsgraph_get()
+        row = None if deformer is None else active_row(deformer)
         reach = None if row is None else reach_of(row, depsgraph)
         measured = {} if reach is None else reach.measured
         for name, arrow in self.arrows.items():

@@ -18,6 +18,7 @@ from rigs.kinds import RIGS
 from rigs.point_objects import bezier, text
 from rigs.puppets import figure
 from rigs.rig import add_armature, grid_object, in_pose_mode, make_active, press, refused, update
+from rigs.sheet import Sheet
 from situations import cage, lattice_around, tools, wire
 
 
@@ -90,12 +91,25 @@ def test_far_from_a_wire_or_a_tool_something_else_is_dragged(viewport) -> None:
     assert pressed(viewport, (0.0, 0.0, 0.0))[0] == "SURFACE"
 
 
-@pytest.mark.parametrize("mode", ["AUTO", "SURFACE", "CLAY", "POINTS", "BONES"])
-def test_a_button_chooses_the_mode(scene, mode: str) -> None:
-    """The toolbar is there in a window only."""
-    grid_object()
-    bpy.ops.sinew.drag_start(mode=mode)
-    assert bpy.context.scene.sinew.drag.mode == mode
+HEADERS = {
+    "AUTO": ["mode", "pixels", "reach", "unlimited"],
+    "SURFACE": ["mode", "pixels", "reach", "unlimited"],
+    "CLAY": ["mode", "pixels", "reach"],
+    "POINTS": ["mode", "pixels"],
+    "BONES": ["mode", "balance"],
+}
+
+
+@pytest.mark.parametrize("mode", HEADERS)
+@pytest.mark.parametrize("where", ["OBJECT", "POSE"])
+def test_a_button_takes_the_tool_in_its_mode(viewport, mode: str, where: str) -> None:
+    posing() if where == "POSE" else grid_object()
+    assert bpy.ops.sinew.drag_start(mode=mode) == {"FINISHED"}
+    assert bpy.context.workspace.tools.from_space_view3d_mode(where).idname == "sinew.drag"
+    sheet = Sheet()
+    inner.drag_tool.SINEW_WT_drag.draw_settings(bpy.context, sheet, None)
+    posed = ["balance"] * (mode == "AUTO") + ["use_mirror_x"] if where == "POSE" else []
+    assert sheet.properties() == HEADERS[mode] + posed
 
 
 def test_it_is_offered_where_one_can_press(scene) -> None:
