@@ -54,7 +54,7 @@ from .tools.grab_region import SINEW_OT_grab_region
 from .tools.puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
 from .tools.reach_drag import SINEW_OT_reach_drag
 from .tools.silhouette_sketch import SINEW_OT_silhouette_sketch
-from .tools.sinew_drag import SINEW_OT_drag_press, SINEW_OT_drag_start
+from .tools.sinew_drag import SINEW_OT_drag_press, SINEW_OT_drag_start, makes_handles
 from .tools.tool_drag import SINEW_OT_tool_drag
 from .tools.under_mouse import surface_under
 from .tools.wire_draw import SINEW_OT_wire_draw
@@ -69,6 +69,7 @@ __all__ = (
     "entering",
     "explain_no_target",
     "handle_radius",
+    "makes_handles",
     "preset_folder",
     "redraw_panels",
     "register",

@@ -6,7 +6,16 @@ from bpy.types import Context, Pose, UILayout, WorkSpaceTool
 
 from ..core.errors import SinewError
 from ..ids import Operators
-from ..operators import HANDLE, REACH, ViewportTool, draw_line, handle_radius, ring, surface_under
+from ..operators import (
+    HANDLE,
+    REACH,
+    ViewportTool,
+    draw_line,
+    handle_radius,
+    makes_handles,
+    ring,
+    surface_under,
+)
 from ..properties import SinewDeformer
 from ..session.controls import kinds
 from .places import active_deformer
@@ -95,7 +104,7 @@ class _DragTool:
             hit = surface_under(context, *place)
         except SinewError:
             return  # pressing there tells why
-        if hit is None:
+        if hit is None or not makes_handles(drag, hit.obj):
             return
         radius = handle_radius(context, hit, drag.pixels)
         region, view = context.region, context.region_data

@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 import bpy
 from bpy.props import EnumProperty
-from bpy.types import Context, Event, Operator
+from bpy.types import Context, Event, Object, Operator
 
 from ... import compat
 from ...core.errors import SinewError
@@ -32,6 +32,13 @@ _NEAR = 40.0  # pixels
 _HELD_BY = {Control.CAGE: math.inf, Control.LATTICE: math.inf, Control.CURVES: _NEAR, Control.TOOLS: _NEAR}
 # What is dragged where no control is that near; a new handle where nothing is said here.
 _ELSE = {Control.TOOLS: "CLAY"}
+
+
+def makes_handles(drag: SinewDrag, obj: Object) -> bool:
+    """Whether a press on the object may make something: a cage is dragged wherever one presses."""
+    deformer = obj.sinew.active
+    control = None if deformer is None else deformer.definition.control
+    return drag.mode != "AUTO" or not math.isinf(_HELD_BY.get(control, _NEAR))
 
 
 class _Press:

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 
 import numpy as np
 from bpy.types import ID, Mesh, Object, ShapeKey, bpy_prop_collection
+from idprop.types import IDPropertyGroup
 
 from ...core.errors import SinewError
 from ...ids import Keys
@@ -30,29 +31,46 @@ def note(mesh: Mesh, control: Object) -> None:
 
 def move(mesh: Mesh, by: np.ndarray) -> None:
     """The rest mesh was moved by a map (4, 4), and the place goes with it."""
-    place = place_of(mesh)
-    if place is not None:
-        mesh[Keys.REST_POSE][_PLACE] = (by @ place).ravel().tolist()
+    kept = _kept(mesh)
+    if kept is not None:
+        mesh[Keys.REST_POSE] = {**kept, _PLACE: (by @ _matrix(kept)).ravel().tolist()}
 
 
 def carry_over(held: Mesh, made: Mesh) -> None:
     """Let another rest mesh of the same control keep the same."""
-    if Keys.REST_POSE in held:
-        made[Keys.REST_POSE] = held[Keys.REST_POSE].to_dict()
+    kept = _kept(held)
+    if kept is not None:
+        made[Keys.REST_POSE] = kept
 
 
 def place_of(mesh: Mesh) -> np.ndarray | None:
     """Where the control rests, (4, 4) in the frame of its rest mesh; None in files of earlier builds."""
-    kept = mesh.get(Keys.REST_POSE)
-    return None if kept is None else np.array(kept[_PLACE], dtype=np.float64).reshape(4, 4)
+    kept = _kept(mesh)
+    return None if kept is None else _matrix(kept)
 
 
 def put_back(control: Object, mesh: Mesh) -> None:
     """Give a control the points and the values of shape keys that its rest mesh keeps, if they still fit."""
-    kept = mesh[Keys.REST_POSE].to_dict()
+    kept = _kept(mesh)
+    if kept is None:
+        return
     for key in keys_of(control):
         key.value = kept[_VALUES].get(key.name, 0.0)
     put_points(control, np.frombuffer(kept[_POINTS], dtype=np.float32))
+
+
+def _kept(mesh: Mesh | None) -> dict | None:
+    """What the rest mesh keeps; None if there is nothing, or nothing that Sinew would write."""
+    found = None if mesh is None else mesh.get(Keys.REST_POSE)
+    if not isinstance(found, IDPropertyGroup):
+        return None
+    kept = found.to_dict()
+    types = {_PLACE: list, _POINTS: bytes, _VALUES: dict}
+    return kept if all(isinstance(kept.get(name), kind) for name, kind in types.items()) else None
+
+
+def _matrix(kept: dict) -> np.ndarray:
+    return np.array(kept[_PLACE], dtype=np.float64).reshape(4, 4)
 
 
 def put_points(control: Object, points: np.ndarray) -> None:
@@ -67,7 +85,7 @@ def put_points(control: Object, points: np.ndarray) -> None:
 
 def is_edited(control: Object, mesh: Mesh | None) -> bool:
     """Whether the points of a control itself are others than its rest mesh keeps."""
-    kept = None if mesh is None else mesh.get(Keys.REST_POSE)
+    kept = _kept(mesh)
     return kept is not None and read(control).tobytes() != kept[_POINTS]
 
 
