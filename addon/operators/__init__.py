@@ -49,22 +49,23 @@ from .modal.ring import draw_line, ring
 from .modal.shell import ViewportTool
 from .target import explain_no_target, target_of
 from .tools.control_drag import SINEW_OT_control_drag
-from .tools.drag import HANDLE, REACH, SINEW_OT_drag, handle_radius
+from .tools.drag import AROUND, HANDLE, SINEW_OT_drag, handle_radius
 from .tools.grab_region import SINEW_OT_grab_region
 from .tools.puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
 from .tools.reach_drag import SINEW_OT_reach_drag
 from .tools.silhouette_sketch import SINEW_OT_silhouette_sketch
 from .tools.sinew_drag import SINEW_OT_drag_press, SINEW_OT_drag_start, makes_handles
 from .tools.tool_drag import SINEW_OT_tool_drag
-from .tools.under_mouse import surface_under
+from .tools.under_mouse import bone_under, surface_under
 from .tools.wire_draw import SINEW_OT_wire_draw
 from .waiting import redraw_panels
 
 __all__ = (
+    "AROUND",
     "HANDLE",
     "PAGES",
-    "REACH",
     "ViewportTool",
+    "bone_under",
     "draw_line",
     "entering",
     "explain_no_target",

@@ -10,8 +10,8 @@ from .bake import TARGETS as BAKE_TARGETS
 from .bone import SinewBone
 from .control import SinewControl, StoredCage
 from .deformer import SinewDeformer, SinewObject, deformers_of, method_items
+from .drag import BALANCE, PIXELS, REACH, UNLIMITED, SinewDrag
 from .drag import MODES as DRAG_MODES
-from .drag import SinewDrag
 from .handle import ROLES as HANDLE_ROLES
 from .handle import STANDS_ON, SinewHandle
 from .key import SinewKey
@@ -20,11 +20,15 @@ from .scene import SinewScene
 
 __all__ = (
     "BAKE_TARGETS",
+    "BALANCE",
     "BASE",
     "DRAG_MODES",
     "HANDLE_ROLES",
     "MAX_FRAME",
+    "PIXELS",
+    "REACH",
     "STANDS_ON",
+    "UNLIMITED",
     "SinewBone",
     "SinewControl",
     "SinewDeformer",

@@ -21,25 +21,38 @@ def _set_reach_in_pixels(drag: "SinewDrag", pixels: int) -> None:
     drag.reach = pixels / drag.pixels
 
 
+# What the operators that this tool starts can be told, too.
+PIXELS = {
+    "name": "Radius",
+    "subtype": "PIXEL",
+    "default": 30,
+    "min": 1,
+    "soft_max": 300,
+    "description": "Set how large a new handle is on the screen; what is within it moves as one piece",
+}
+REACH = {
+    "name": "Reach",
+    "default": 3.0,
+    "min": 1.0,
+    "soft_max": 20.0,
+    "description": "Set how many radii far the surface follows a new handle, unless other regions hold it",
+}
+UNLIMITED = {
+    "name": "Whole Surface",
+    "description": "Move everything that is connected, at any distance, unless a region holds it",
+}
+BALANCE = {
+    "name": "Keep in Balance",
+    "description": "Keep the centre of mass over what is pinned, for example two feet",
+}
+
+
 class SinewDrag(PropertyGroup):
     """The settings of the tool Sinew Drag"""
 
     mode: EnumProperty(name="Drag", items=MODES, description="Choose what pressing and dragging does")
-    pixels: IntProperty(
-        name="Radius",
-        subtype="PIXEL",
-        default=30,
-        min=1,
-        soft_max=300,
-        description="Set how large a new handle is on the screen; what is within it moves as one piece",
-    )
-    reach: FloatProperty(
-        name="Reach",
-        default=3.0,
-        min=1.0,
-        soft_max=20.0,
-        description="Set how many radii far the surface follows a new handle, unless other regions hold it",
-    )
+    pixels: IntProperty(**PIXELS)
+    reach: FloatProperty(**REACH)
     reach_in_pixels: IntProperty(
         name="Reach",
         subtype="PIXEL",
@@ -50,11 +63,5 @@ class SinewDrag(PropertyGroup):
         options={"HIDDEN", "SKIP_SAVE"},
         description="Set how far the surface follows, on the screen",
     )
-    unlimited: BoolProperty(
-        name="Whole Surface",
-        description="Move everything that is connected, at any distance, unless a region holds it",
-    )
-    balance: BoolProperty(
-        name="Keep in Balance",
-        description="Keep the centre of mass over what is pinned, for example two feet",
-    )
+    unlimited: BoolProperty(**UNLIMITED)
+    balance: BoolProperty(**BALANCE)

@@ -7,9 +7,10 @@ from bpy.types import Context, Pose, UILayout, WorkSpaceTool
 from ..core.errors import SinewError
 from ..ids import Operators
 from ..operators import (
+    AROUND,
     HANDLE,
-    REACH,
     ViewportTool,
+    bone_under,
     draw_line,
     handle_radius,
     makes_handles,
@@ -94,11 +95,15 @@ class _DragTool:
 
     @staticmethod
     def draw_cursor(context: Context, _tool: WorkSpaceTool, place: tuple[float, float]) -> None:
-        """Draw on the surface under the mouse how large a new handle would be, and how far it would reach."""
-        drag = context.scene.sinew.drag
-        if "pixels" not in _SHOWN[drag.mode] or ViewportTool.running:
+        """Draw the bone under the mouse, or how large a new handle there is, and how far it reaches."""
+        if ViewportTool.running or context.region_data is None or context.screen.is_animation_playing:
             return
-        if context.region_data is None or context.screen.is_animation_playing:
+        drag, region, view = context.scene.sinew.drag, context.region, context.region_data
+        takes_bones = drag.mode == "BONES" or (drag.mode == "AUTO" and context.mode == "POSE")
+        bone = bone_under(context, *place) if takes_bones else None
+        if bone is not None:
+            draw_line(region, view, bone.ends, HANDLE, (region.x, region.y))
+        if bone is not None or drag.mode == "BONES":
             return
         try:
             hit = surface_under(context, *place)
@@ -107,10 +112,9 @@ class _DragTool:
         if hit is None or not makes_handles(drag, hit.obj):
             return
         radius = handle_radius(context, hit, drag.pixels)
-        region, view = context.region, context.region_data
         rings = [(radius, HANDLE)]
         if "reach" in _SHOWN[drag.mode] and not drag.unlimited:
-            rings.append((radius * drag.reach, REACH))
+            rings.append((radius * drag.reach, AROUND))
         for size, colour in rings:
             draw_line(region, view, ring(hit.place, hit.normal, size), colour, (region.x, region.y))
 

@@ -13,6 +13,7 @@ from ...core.errors import SinewError
 from ...core.geometry import frames
 from ...core.methods import DEFAULT_GRIP_METHOD, DEFAULT_HOLD_METHOD, DEFAULT_METHOD
 from ...ids import Operators
+from ...properties import PIXELS, REACH
 from ...session.actions.drag import Brush, Drag
 from ...session.datablocks import parts, surface
 from ...session.datablocks.surface import Hit
@@ -20,23 +21,21 @@ from ...session.evaluation import binding
 from ...session.targets import targets
 from ..arguments import REGION_METHODS, distance, method_choice, once
 from ..handles.handle import select_control
-from ..modal.motion_properties import MOTION_KEYS, MotionProperties
+from ..modal.motion_properties import MotionProperties
 from ..modal.ring import draw_line, ring
-from ..modal.shell import Keys, ViewportTool
-from ..modal.view import axes_of, length_text, view_of
+from ..modal.view import axes_of, view_of
 from ..offered import Offered
 from ..reporting import reports_errors
-from .dragging import Dragging
+from .dragging import Dragging, Drags
 from .under_mouse import anything_under, beside_ray, is_shown, sight
 
-_KEYS: Keys = ((("MOUSE_LMB",), "Release to Keep"), (("MOUSE_RMB",), "Cancel"), *MOTION_KEYS)
 _OF_PART = 0.25  # the most of its part that a new handle takes
-HANDLE, REACH = (1.0, 1.0, 1.0, 0.9), (1.0, 1.0, 1.0, 0.3)  # the colours of the two rings
+HANDLE, AROUND = (1.0, 1.0, 1.0, 0.9), (1.0, 1.0, 1.0, 0.3)  # the colours of the two rings
 _NOT_HELD = "Nothing holds this part, so all of it moves - click on it to make handles that stay"
 NOTHING = "There is nothing to drag at this place - press on a surface, or on a curve, hair or a cloud"
 
 
-class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
+class SINEW_OT_drag(Offered, MotionProperties, Drags, Operator):
     """Drag the surface: a handle is made where you press, or taken if there is one, and moves with the mouse.
 
     A click alone makes a handle that stays, and holds what is around it
@@ -46,7 +45,6 @@ class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
     bl_label = "Sinew Drag"
     bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING", "INTERNAL"}  # it begins with a press
 
-    KEYS = _KEYS
     LENGTHS = ("radius", "reach")
 
     method: method_choice(
@@ -68,15 +66,7 @@ class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
         options={"SKIP_SAVE", "HIDDEN"},
         description="The direction of the line of sight",
     )
-    pixels: IntProperty(
-        name="Radius",
-        subtype="PIXEL",
-        default=30,
-        min=1,
-        soft_max=300,
-        options={"HIDDEN"},
-        description="Set how large a new handle is on the screen; vertices within it move as one piece",
-    )
+    pixels: IntProperty(**PIXELS, options={"HIDDEN"})
     radius: distance(
         "Radius",
         "Set how far from the place, along the surface, vertices belong to a new handle",
@@ -84,14 +74,7 @@ class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
         soft_min=0.001,
         options={"SKIP_SAVE"},
     )
-    reach: FloatProperty(
-        name="Reach",
-        default=3.0,
-        min=1.0,
-        soft_max=20.0,
-        description="Set how many radii far the surface follows a new handle, unless other regions hold it",
-    )
-
+    reach: FloatProperty(**REACH)
     places: once(
         BoolProperty,
         "Places",
@@ -142,18 +125,9 @@ class SINEW_OT_drag(Offered, MotionProperties, ViewportTool, Operator):
                 rings.append(ring(hit.place, hit.normal, self.reach * self.radius))
         return self.begin(context, tool, hit.obj, partial(_draw_rings, tool, rings))
 
-    def worked_on(self, context: Context) -> Object | None:
-        """The object that was met, as long as it is in the scene."""
-        return context.scene.objects.get(self.object_name)
-
     def store_result(self, context: Context) -> None:
         self.store_motion(self.tool.typed.motion)
         self._keep(context, self.worked_on(context), self.tool.drag)
-
-    def header(self, context: Context) -> str:
-        settings = context.scene.unit_settings
-        motion = self.tool.typed.header(lambda value: length_text(settings, value))
-        return f"{motion}   {self.tool.drag.name}"
 
     def _leave(self, context: Context, result: set[str]) -> set[str]:
         binding.watch(self.tool.drag.uid, False)
@@ -197,4 +171,4 @@ def _draw_rings(tool: Dragging, rings: list[np.ndarray]) -> None:
         return
     for index, shape in enumerate(rings):
         moved = shape if index else frames.transformed(tool.matrix, shape)
-        draw_line(context.region, context.region_data, moved, REACH if index else HANDLE)
+        draw_line(context.region, context.region_data, moved, AROUND if index else HANDLE)

@@ -95,7 +95,7 @@ def _drag_clay(press: _Press, settings: SinewDrag, hit: Hit) -> set[str]:
 
 
 def _drag_bone(press: _Press, settings: SinewDrag, bone: Bone) -> set[str]:
-    armature, name = bone
+    armature, name, _ends = bone
     press.context.view_layer.objects.active = armature
     if not compat.is_bone_selected(armature, name):
         for other in armature.pose.bones:

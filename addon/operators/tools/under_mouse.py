@@ -69,10 +69,11 @@ def on_screen(context: Context, places: np.ndarray) -> np.ndarray:
 
 
 class Bone(NamedTuple):
-    """A pose bone, by its names."""
+    """A pose bone, and its ``ends`` (2, 3) in the world."""
 
     armature: Object
     name: str
+    ends: np.ndarray
 
 
 def bone_under(context: Context, x: float, y: float) -> Bone | None:
@@ -85,11 +86,14 @@ def bone_under(context: Context, x: float, y: float) -> Bone | None:
         if (is_posing and armature.mode != "POSE") or not bones:
             continue
         world = np.array(armature.matrix_world, dtype=np.float64)
-        ends = np.array([(*bone.head, *bone.tail) for bone in bones]).reshape(-1, 3)
-        at = on_screen(context, frames.transformed(world, ends))[:, :2].reshape(-1, 2, 2)
-        for bone, distance in zip(bones, _beyond_bones(at, np.array((x, y))), strict=True):
-            if distance <= 0.0:
-                found.append((distance, Bone(armature, bone.name)))
+        ends = frames.transformed(
+            world, np.array([(*bone.head, *bone.tail) for bone in bones]).reshape(-1, 3)
+        )
+        beyond = _beyond_bones(on_screen(context, ends)[:, :2].reshape(-1, 2, 2), np.array((x, y)))
+        nearest = int(np.argmin(beyond))
+        if beyond[nearest] <= 0.0:
+            bone = Bone(armature, bones[nearest].name, ends[2 * nearest : 2 * nearest + 2])
+            found.append((beyond[nearest], bone))
     return min(found, key=lambda row: row[0])[1] if found else None
 
 

@@ -51,9 +51,12 @@ class ControlDrag:
     ``frame`` (4, 4) is the control in the world at the start. Only numbers are kept.
     """
 
+    job = None  # no thread works
+
     def __init__(self, control: Object, point: int) -> None:
         if control.library is not None:
             raise SinewError(f"{control.name} is linked - make a library override first")
+        self.name = control.name
         self._point, self.frame = point, np.array(control.matrix_world, dtype=np.float64)
         self._before = movers.channels_of(control)
         count = len(own_shape.points_of(control))

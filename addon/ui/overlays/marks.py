@@ -1,12 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Marks in the viewports: discs on pinned bones, and lines from riding controls to where they rest."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import numpy as np
-from bpy.types import Context, Gizmo, GizmoGroup, Object
+from bpy.types import Context, GizmoGroup, Object
 from bpy.utils import register_classes_factory
-from mathutils import Matrix
 
 from ... import compat
 from ...operators import ring
@@ -39,24 +38,6 @@ def rests(obj: Object, deformer: SinewDeformer) -> Iterator[np.ndarray]:
             yield np.array((handle.control.matrix_world.translation, carried.translation))
 
 
-class SINEW_GT_discs(Gizmo):
-    """Filled outlines of the world, which nothing can be done with."""
-
-    bl_idname = "SINEW_GT_discs"
-    __slots__ = ("outlines",)
-
-    def setup(self) -> None:
-        self.outlines: Sequence[np.ndarray] = ()
-
-    def draw(self, _context: Context) -> None:
-        for line in self.outlines:
-            corners = np.stack(
-                (np.broadcast_to(line.mean(axis=0), line[1:].shape), line[:-1], line[1:]), axis=1
-            )
-            shape = self.new_custom_shape("TRIS", corners.reshape(-1, 3).tolist())
-            self.draw_custom_shape(shape, matrix=Matrix.Identity(4))
-
-
 class SINEW_GGT_marks(GizmoGroup):
     """Pinned bones, and where riding controls rest"""
 
@@ -71,10 +52,8 @@ class SINEW_GGT_marks(GizmoGroup):
         return is_hand_tool(context)
 
     def setup(self, _context: Context) -> None:
-        self.discs, self.lines = (
-            self.gizmos.new(SINEW_GT_discs.bl_idname),
-            self.gizmos.new(SINEW_GT_lines.bl_idname),
-        )
+        self.discs, self.lines = (self.gizmos.new(SINEW_GT_lines.bl_idname) for _ in range(2))
+        self.discs.filled = True
         for gizmo, colour, alpha in ((self.discs, _PINNED, 0.8), (self.lines, _RIDING, 0.9)):
             gizmo.color, gizmo.alpha, gizmo.line_width = colour, alpha, 1.5
             gizmo.hide_select = True
@@ -83,8 +62,8 @@ class SINEW_GGT_marks(GizmoGroup):
         obj, deformer = context.object, active_deformer(context)
         toward = np.array(context.region_data.view_matrix, dtype=np.float64)[2, :3]
         is_figure = obj is not None and obj.type == "ARMATURE"
-        self.discs.outlines = pins(obj, toward) if is_figure else ()
+        self.discs.lines = pins(obj, toward) if is_figure else ()
         self.lines.lines = list(rests(deformer.id_data, deformer)) if deformer is not None else ()
 
 
-register, unregister = register_classes_factory((SINEW_GT_discs, SINEW_GGT_marks))
+register, unregister = register_classes_factory((SINEW_GGT_marks,))

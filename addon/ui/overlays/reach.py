@@ -34,18 +34,26 @@ def rings(row: SinewControl, depsgraph: Depsgraph) -> list[np.ndarray]:
 
 
 class SINEW_GT_lines(Gizmo):
-    """Lines of the world, which nothing can be done with."""
+    """Lines of the world, or the discs that they enclose, which nothing can be done with."""
 
     bl_idname = "SINEW_GT_lines"
-    __slots__ = ("lines",)
+    __slots__ = ("filled", "lines")
 
     def setup(self) -> None:
+        self.filled = False
         self.lines: Sequence[np.ndarray] = ()
 
     def draw(self, _context: Context) -> None:
+        kind = "TRIS" if self.filled else "LINE_STRIP"
         for line in self.lines:
-            shape = self.new_custom_shape("LINE_STRIP", line.tolist())
+            shape = self.new_custom_shape(kind, (_disc(line) if self.filled else line).tolist())
             self.draw_custom_shape(shape, matrix=Matrix.Identity(4))
+
+
+def _disc(line: np.ndarray) -> np.ndarray:
+    """The corners of triangles (3 t, 3) between a closed line (t + 1, 3) and its middle."""
+    middle = np.broadcast_to(line[1:].mean(axis=0), line[1:].shape)
+    return np.stack((middle, line[:-1], line[1:]), axis=1).reshape(-1, 3)
 
 
 class SINEW_GT_arrow(Gizmo):

@@ -22,16 +22,6 @@ from rigs.sheet import Sheet
 from situations import cage, lattice_around, tools, wire
 
 
-@pytest.fixture
-def viewport(scene):
-    """The context of a 3D Viewport that looks from above."""
-    window = bpy.context.window_manager.windows[0]
-    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
-    region = next(region for region in area.regions if region.type == "WINDOW")
-    with bpy.context.temp_override(window=window, screen=window.screen, area=area, region=region):
-        yield bpy.context
-
-
 def pressed(context: bpy.types.Context, place: tuple[float, float, float]) -> tuple[str, object]:
     """What Automatic drags at a place of the world."""
     update()

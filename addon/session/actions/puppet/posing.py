@@ -66,7 +66,7 @@ class PuppetDrag:
             raise ConstraintError(
                 f"{bone} follows its target {held_by.subtarget or held_by.target.name} - move that instead"
             )
-        self.bone = bone
+        self.name = bone
         self._world = np.array(armature.matrix_world, dtype=np.float64)
         self._to_armature = frames.inverse(self._world, armature.name)
         self._skeleton = skeleton = bones.read_skeleton(armature, depsgraph)
