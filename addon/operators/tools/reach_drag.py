@@ -22,7 +22,7 @@ from ..modal.shell import Keys, Outcome, ViewportTool
 from ..modal.view import length_text
 from ..offered import OnLiveDeformer
 from ..reporting import reports_errors
-from ..target import object_named, target_of
+from ..target import target_of
 
 _KEYS: Keys = (
     (("MOUSE_LMB",), "Release to Keep"),
@@ -169,7 +169,7 @@ class SINEW_OT_reach_drag(OnLiveDeformer, ViewportTool, Operator):
 
     def worked_on(self, context: Context) -> Object | None:
         """The object that the control moves, as long as it is in the scene."""
-        return object_named(context, self.object_name)
+        return context.scene.objects.get(self.object_name)
 
     def store_result(self, _context: Context) -> None:
         self.value = self.tool.value
