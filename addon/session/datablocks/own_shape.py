@@ -65,8 +65,10 @@ def _kept(mesh: Mesh | None) -> dict | None:
     if not isinstance(found, IDPropertyGroup):
         return None
     kept = found.to_dict()
-    types = {_PLACE: list, _POINTS: bytes, _VALUES: dict}
-    return kept if all(isinstance(kept.get(name), kind) for name, kind in types.items()) else None
+    place, points, values = (kept.get(name) for name in (_PLACE, _POINTS, _VALUES))
+    is_whole = isinstance(place, list) and len(place) == 16 and isinstance(points, bytes)
+    is_whole = is_whole and len(points) % 4 == 0 and isinstance(values, dict)
+    return kept if is_whole and all(isinstance(value, float) for value in values.values()) else None
 
 
 def _matrix(kept: dict) -> np.ndarray:

@@ -136,12 +136,16 @@ def test_what_cannot_be_reset_says_so(plate: Rig) -> None:
     refused("No control is selected", "reset_pose", plate.obj, selected=True)
 
 
+@pytest.mark.parametrize("kept", [None, 3, {}, {"place": [1.0], "points": b"", "values": {}}])
 @pytest.mark.parametrize("kind", ["cage", "lattice"])
-def test_files_of_earlier_builds_have_the_shape_of_rest(kind: str) -> None:
-    """Their rest meshes do not tell where the object was."""
+def test_files_of_earlier_builds_have_the_shape_of_rest(kind: str, kept: object) -> None:
+    """Their rest meshes do not tell where the object was, nor do those that somebody has spoiled."""
     rig = RIGS[kind].new().start()
     row = rig.deformer.controls[0] if len(rig.deformer.controls) else None
-    del (rig.deformer.cage_rest if row is None else row.rest)["sinew_pose"]
+    rest = rig.deformer.cage_rest if row is None else row.rest
+    del rest["sinew_pose"]
+    if kept is not None:
+        rest["sinew_pose"] = kept
     rig.lift()
     rig.press("reset_pose")
     assert close(rig.points(), rig.rest(), 2e-6)
