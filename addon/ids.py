@@ -29,6 +29,8 @@ class Operators:
     HANDLE_REMOVE = "sinew.handle_remove"
     CONTROL_NEW = "sinew.control_new"
     CONTROL_EDIT = "sinew.control_edit"
+    POSE_RESET = "sinew.reset_pose"
+    POSE_KEY = "sinew.key_pose"
     BIND = "sinew.bind"
     UNBIND = "sinew.unbind"
     CANCEL = "sinew.cancel"
@@ -52,6 +54,10 @@ class Operators:
     KEEP_INSIDE = "sinew.keep_inside"
     GRAB_REGION = "sinew.grab_region"
     DRAG = "sinew.drag"
+    DRAG_PRESS = "sinew.drag_press"
+    DRAG_START = "sinew.drag_start"
+    CONTROL_DRAG = "sinew.control_drag"
+    REACH_DRAG = "sinew.reach_drag"
     SILHOUETTE_SKETCH = "sinew.silhouette_sketch"
     PUPPET_POSE = "sinew.puppet_pose"
     PUPPET_PIN = "sinew.puppet_pin"
@@ -80,7 +86,6 @@ class Menus:
     EDIT_MESH = "SINEW_MT_edit_mesh"
     OBJECT = "SINEW_MT_object"
     PIE = "SINEW_MT_pie"
-    ADD = "SINEW_MT_add"
     ADD_REGION = "SINEW_MT_add_region"
     HANDLE = "SINEW_MT_handle"
     CAGE = "SINEW_MT_cage"
@@ -138,6 +143,7 @@ class Keys:
     REST_LOST = "sinew_lost_groups"
     REST_POINT_TYPE = "sinew_kind"
     REST_STRUCTURE = "sinew_structure"
+    REST_POSE = "sinew_pose"
 
 
 class Inputs:

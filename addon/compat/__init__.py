@@ -2,7 +2,7 @@
 """One function for each capability that differs between Blender versions."""
 
 from .animation import action_curves, remove_action_curve
-from .bones import is_bone_selected, select_bone
+from .bones import is_bone_selected, is_bone_visible, select_bone
 from .drawing import set_text_size, smooth_colour_shader
 from .interface import (
     add_group_input,
@@ -42,6 +42,7 @@ __all__ = (
     "has_group_input",
     "hide_in_modifier",
     "is_bone_selected",
+    "is_bone_visible",
     "is_placeholder",
     "modifier_input",
     "modifier_inputs",

@@ -18,8 +18,8 @@ class Task:
     their ids, the recommended one first; none if nothing stays behind. ``other_names``: what other programs
     call it, which finds the recommended method. ``suits``: what it is suggested for, that which it suits best
     first. ``page``: the page of the manual. ``icon``: Blender's icon in menus. ``picture``: the sample, and
-    after a colon which part of it, that shows the task; empty where that is the one of its recommended method.
-    ``stands_behind``: its deformer corrects what other modifiers do, and goes behind them.
+    after a colon which part of it, that shows the task; empty where that is the one of its recommended
+    method. ``stands_behind``: its deformer corrects what other modifiers do, and goes behind them.
     """
 
     id: str

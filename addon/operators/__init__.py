@@ -19,6 +19,7 @@ from .controls.cage import (
 from .controls.curve import SINEW_OT_curve_edit
 from .controls.grid import SINEW_OT_grid_new
 from .controls.lattice import SINEW_OT_lattice_add, SINEW_OT_lattice_set_rest
+from .controls.pose import SINEW_OT_key_pose, SINEW_OT_reset_pose
 from .controls.tools import SINEW_OT_tool_add, SINEW_OT_tool_stop
 from .controls.wires import SINEW_OT_wire_add
 from .deformer.apply import SINEW_OT_apply
@@ -47,24 +48,34 @@ from .handles.point import SINEW_OT_point_add
 from .handles.rows import SINEW_OT_control_remove, SINEW_OT_control_set_rest
 from .handles.stand import SINEW_OT_handle_stand
 from .modal.ring import draw_line, ring
+from .modal.shell import ViewportTool
 from .target import explain_no_target, target_of
 from .tasks.refusals import choice_refusal, method_refusal, task_refusal, tasks_beside
 from .tasks.start import SINEW_OT_start_task, SINEW_OT_use_method
-from .tools.drag import SINEW_OT_drag, surface_under
+from .tools.control_drag import SINEW_OT_control_drag
+from .tools.drag import AROUND, HANDLE, SINEW_OT_drag, handle_radius
 from .tools.grab_region import SINEW_OT_grab_region
 from .tools.puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
+from .tools.reach_drag import SINEW_OT_reach_drag
 from .tools.silhouette_sketch import SINEW_OT_silhouette_sketch
+from .tools.sinew_drag import SINEW_OT_drag_press, SINEW_OT_drag_start, makes_handles
 from .tools.tool_drag import SINEW_OT_tool_drag
+from .tools.under_mouse import bone_under, surface_under
 from .tools.wire_draw import SINEW_OT_wire_draw
 from .waiting import redraw_panels
 
 __all__ = (
+    "AROUND",
+    "HANDLE",
     "PAGES",
-    "SINEW_OT_drag",
+    "ViewportTool",
+    "bone_under",
     "choice_refusal",
     "draw_line",
     "entering",
     "explain_no_target",
+    "handle_radius",
+    "makes_handles",
     "method_refusal",
     "page_of",
     "preset_folder",
@@ -100,6 +111,8 @@ _CLASSES = (
     SINEW_OT_wire_draw,
     SINEW_OT_control_remove,
     SINEW_OT_control_set_rest,
+    SINEW_OT_reset_pose,
+    SINEW_OT_key_pose,
     SINEW_OT_handle_add,
     SINEW_OT_point_add,
     SINEW_OT_handle_remove,
@@ -126,6 +139,10 @@ _CLASSES = (
     SINEW_OT_select_problems,
     SINEW_OT_grab_region,
     SINEW_OT_drag,
+    SINEW_OT_drag_press,
+    SINEW_OT_drag_start,
+    SINEW_OT_control_drag,
+    SINEW_OT_reach_drag,
     SINEW_OT_silhouette_sketch,
     SINEW_OT_puppet_pose,
     SINEW_OT_puppet_pin,

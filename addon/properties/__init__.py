@@ -4,7 +4,7 @@
 import bpy
 from bpy.props import PointerProperty
 
-from . import bake, bone, companion, control, deformer, handle, key, parameters, scene
+from . import bake, bone, companion, control, deformer, drag, handle, key, parameters, scene
 from .bake import MAX_FRAME
 from .bake import TARGETS as BAKE_TARGETS
 from .bone import SinewBone
@@ -17,6 +17,8 @@ from .deformer import (
     method_items,
     remove_click_observer,
 )
+from .drag import BALANCE, PIXELS, REACH, UNLIMITED, SinewDrag
+from .drag import MODES as DRAG_MODES
 from .handle import ROLES as HANDLE_ROLES
 from .handle import STANDS_ON, SinewHandle
 from .key import SinewKey
@@ -25,13 +27,19 @@ from .scene import SinewScene
 
 __all__ = (
     "BAKE_TARGETS",
+    "BALANCE",
     "BASE",
+    "DRAG_MODES",
     "HANDLE_ROLES",
     "MAX_FRAME",
+    "PIXELS",
+    "REACH",
     "STANDS_ON",
+    "UNLIMITED",
     "SinewBone",
     "SinewControl",
     "SinewDeformer",
+    "SinewDrag",
     "SinewHandle",
     "SinewKey",
     "SinewObject",
@@ -56,6 +64,7 @@ _CLASSES = (
     key.SinewKey,
     deformer.SinewDeformer,
     deformer.SinewObject,
+    drag.SinewDrag,
     scene.SinewScene,
     bone.SinewBone,
 )

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of overlays in the 3D viewports. They are stored on the scene, so files keep them."""
+"""The settings of overlays and of the drag tool in 3D viewports. They are stored on the scene."""
 
 from collections.abc import Callable
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
 from bpy.types import Context, PropertyGroup
 
 from ..core.methods import METHODS
+from .drag import SinewDrag
 
 OVERLAYS = (
     (
@@ -86,6 +87,7 @@ def _parameters() -> tuple[tuple, ...]:
 class SinewScene(PropertyGroup):
     """The settings of Sinew that a scene stores"""
 
+    drag: PointerProperty(type=SinewDrag)
     show_overlay: BoolProperty(
         name="Show",
         update=_changed,

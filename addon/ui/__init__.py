@@ -4,7 +4,7 @@
 from . import bake, data_tab, drag_tool, keymap, lists, menus, panel, pie, presets, refining
 from .browser import menus as task_menus
 from .browser import pictures, popups
-from .overlays import overlay, reach
+from .overlays import marks, overlay, reach
 
 _MODULES = (
     task_menus,
@@ -17,6 +17,7 @@ _MODULES = (
     panel,
     overlay,
     reach,
+    marks,
     refining,
     bake,
     data_tab,

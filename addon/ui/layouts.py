@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from bpy.types import Context, UILayout, bpy_struct
 
-from ..ids import Operators
 from ..properties import SinewDeformer
 from .text import fit_beside, is_wide
 
@@ -83,11 +82,6 @@ def draw_pair(context: Context, layout: UILayout, buttons: Sequence[Button]) -> 
     group = beside(context, layout, *(button.looks for button in buttons))
     for button in buttons:
         button.draw(group)
-
-
-def later(name: str) -> str:
-    """The id of an operator by its name in ``Operators``; empty as long as Sinew has none."""
-    return getattr(Operators, name, "")
 
 
 def unless_baked(layout: UILayout, deformer: SinewDeformer) -> UILayout:

@@ -11,7 +11,7 @@ from ..core.labels import known_as, label_of
 from ..core.methods import METHODS
 from ..ids import Menus, Operators
 from ..operators import PAGES, page_of, target_of
-from ..properties import deformers_of
+from ..properties import DRAG_MODES, deformers_of
 from . import control
 from .browser.menus import draw_tasks
 from .layouts import draw_move_entries, invoking
@@ -67,24 +67,6 @@ class SINEW_MT_add_region(Menu):
         for role, name in Menus.FOR_GROUPS.items():
             layout.menu(name, icon=_ADDING[role][1])
         layout.operator_menu_enum(Operators.POINT_ADD, "source", icon="EMPTY_AXIS")
-
-
-class SINEW_MT_add(Menu):
-    """Add a region, a cage or another deformer"""
-
-    bl_idname = Menus.ADD
-    bl_label = "Add"
-
-    def draw(self, _context: Context) -> None:
-        layout = invoking(self.layout)
-        for role, name in Menus.FOR_GROUPS.items():
-            layout.menu(name, icon=_ADDING[role][1])
-        layout.separator()
-        for source, text in (("AUTO", "Wrap in a Cage"), ("OBJECT", "Cage from Selected")):
-            layout.operator(Operators.CAGE_ADD, text=text, icon="MESH_CUBE").source = source
-        layout.operator(Operators.LATTICE_ADD, icon="LATTICE_DATA")
-        layout.separator()
-        layout.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="Add Deformer", icon="MODIFIER")
 
 
 class SINEW_MT_deformer(Menu):
@@ -203,7 +185,12 @@ def add_entry(layout: UILayout, role: str, text: str, icon: str, control: str = 
 
 
 def _draw_common(layout: UILayout) -> None:
-    layout.operator(Operators.PUPPET_POSE, icon="ARMATURE_DATA")
+    for mode, label, *_rest in DRAG_MODES:
+        text = "Sinew Drag" if mode == "AUTO" else f"Sinew Drag: {label}"
+        layout.operator(Operators.DRAG_START, text=text, icon="VIEW_PAN").mode = mode
+    layout.separator()
+    layout.operator(Operators.POSE_RESET, icon="LOOP_BACK")
+    layout.operator(Operators.POSE_KEY, icon="KEY_HLT")
     layout.operator(Operators.PUPPET_PIN, icon="PINNED")
     layout.operator(Operators.PUPPET_RIG, icon="BONE_DATA")
     layout.separator()
@@ -245,7 +232,6 @@ _CLASSES = (
     SINEW_MT_manual_methods,
     SINEW_MT_problems,
     SINEW_MT_add_region,
-    SINEW_MT_add,
     *control.MENUS,
     SINEW_MT_deformer,
     SINEW_MT_edit_mesh,

@@ -4,26 +4,20 @@
 from bpy.types import Context, UILayout
 
 from ..ids import Operators
-from .layouts import Button, later
+from .layouts import Button
 
-_TOOL = (("name", Operators.DRAG), ("space_type", "VIEW_3D"))
 RESET = ("Reset Pose", "LOOP_BACK")
 
 
 def draw_reset(layout: UILayout) -> None:
     """Draw the button that puts all controls back to rest."""
     text, icon = RESET
-    if later("POSE_RESET"):
-        layout.operator(later("POSE_RESET"), text=text, icon=icon)
+    layout.operator(Operators.POSE_RESET, text=text, icon=icon)
 
 
-def draw_drag(
-    layout: UILayout, text: str, mode: str, otherwise: str = "wm.tool_set_by_id", more: tuple = _TOOL
-) -> None:
+def draw_drag(layout: UILayout, text: str, mode: str) -> None:
     """Draw the button that takes the tool Sinew Drag, in one of its modes."""
-    start = later("DRAG_START")
-    button = Button(start, text, "VIEW_PAN", (("mode", mode),)) if start else None
-    (button or Button(otherwise, text, "VIEW_PAN", more)).draw(layout)
+    layout.operator(Operators.DRAG_START, text=text, icon="VIEW_PAN").mode = mode
 
 
 def draw_pose(context: Context, layout: UILayout, begin: Button) -> None:

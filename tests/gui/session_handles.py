@@ -61,6 +61,21 @@ def drag_surface() -> Iterator[None]:
     yield from rest()
     before, start, unit = shown(), on_screen(EAR), units_per_pixel()
     end, lower = (start[0] + 50, start[1] + 70), (start[0] + 50, start[1] + 30)
+    with claim("F, Shift F and the wheel change radius and reach"):
+        drag_settings, seen = bpy.context.scene.sinew.drag, []
+        for presses, aside in ((("F",), 20), (("shift F",), 30), (("ctrl WHEELUPMOUSE",), 0)):
+            yield from keys(*presses, at=start)
+            move(start[0] + aside, start[1])
+            yield from rest()
+            if aside:
+                yield from keys("LEFTMOUSE")
+            seen.append((drag_settings.pixels, drag_settings.reach))
+        assert seen[0][0] != 30
+        assert seen[1][0] == seen[0][0]
+        assert seen[1][1] != seen[0][1] == 3.0
+        assert seen[2][0] > seen[1][0]
+        assert not head().sinew.deformers
+        drag_settings.pixels, drag_settings.reach = 30, 3.0
     with claim("a drag makes a handle that follows the mouse"):
         assert left_behind() == NOTHING
         move(start[0] - 2, start[1])

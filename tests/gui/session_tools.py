@@ -8,10 +8,10 @@ import bpy
 import numpy as np
 from driving import above, apart, claim, near, rest, run, settled, until
 from expected import members_of
-from hand import click, glide, keys, move, open_sidebar, redo, stroke, undo
+from hand import click, hold, keys, move, open_sidebar, redo, release, stroke, undo
 from rigs.rig import base_points, curves_of, make_active
 from scenes import MODELS, add_regions, deformer, empty_scene, head, shown, smooth_head
-from window import Place, button, look_from_front, middle, on_screen, screenshot, viewport
+from window import Place, button, differing, look_from_front, middle, on_screen, screenshot, viewport
 
 sys.path.insert(0, str(MODELS.parents[1]))
 
@@ -227,22 +227,15 @@ def lengths() -> np.ndarray:
     return np.array([(bone.tail - bone.head).length for bone in figure().pose.bones])
 
 
-def select_bones(*names: str) -> None:
-    bones = figure().data.bones
-    for bone in bones:
-        bone.select = bone.name in names
-    bones.active = bones[names[-1]]
+def middle_of(name: str) -> np.ndarray:
+    bone = figure().pose.bones[name]
+    return np.array(figure().matrix_world @ (0.5 * (bone.head + bone.tail)))
 
 
 def pull(name: str, by: tuple[float, float, float]) -> Iterator[None]:
-    """Sinew Drag: Bones of a bone, from its tail; the mouse stays where it ends."""
-    select_bones(name)
-    start = tail(name)
-    move(*on_screen(start))
-    yield from rest()
-    button("puppet_pose")
-    yield from rest()
-    yield from glide([on_screen(start + share * np.array(by)) for share in np.linspace(0.25, 1.0, 4)])
+    """Press on a bone and drag it; the button is still held where the mouse ends."""
+    start = middle_of(name)
+    yield from hold([on_screen(start + share * np.array(by)) for share in np.linspace(0.0, 1.0, 5)])
     yield from rest()
 
 
@@ -262,17 +255,22 @@ def puppet() -> Iterator[None]:
     bpy.ops.ed.undo_push(message="Mannequin")
     yield from rest(3)
     still, stood, long = shown(skin()), feet(), lengths()
-    select_bones("foot.L", "foot.R")
-    with claim("the feet are pinned by a command"):
-        button("puppet_pin", action="PIN")
+    button("drag_start", mode="AUTO")
+    with claim("a click with the tool pins a bone, and a disc marks it"):
+        screenshot("puppet-1-free")
+        for name in ("foot.L", "foot.R"):
+            yield from click(*on_screen(middle_of(name)))
+            yield from rest(3)
         assert sorted(bone.name for bone in figure().pose.bones if bone.sinew.pin) == ["foot.L", "foot.R"]
+        near(feet(), stood, THROUGH_BONES)
+        screenshot("puppet-2-pinned")
+        above(differing("puppet-1-free", "puppet-2-pinned"), 1e-4)
     bpy.context.scene.tool_settings.use_keyframe_insert_auto = True
     shapes = []
     for name, by in ((HAND, (-0.3, 0.0, 0.4)), (HIP, (0.0, 0.0, -0.3))):
         before = tail(name)
         yield from pull(name, by)
-        yield from keys("LEFTMOUSE")
-        yield
+        yield from release()
         with claim("a dragged bone follows the mouse, and the feet stay"):
             near(tail(name), before + by, REACHED)
             near(feet(), stood, STANDS)
@@ -293,7 +291,7 @@ def puppet() -> Iterator[None]:
     with claim("Esc puts a puppet back"):
         above(apart(shown(skin()), crouched), 0.1)
         yield from keys("ESC")
-        yield
+        yield from release()
         near(shown(skin()), crouched, THROUGH_BONES)
         assert bpy.context.mode == "POSE"
 

@@ -38,6 +38,7 @@ __all__ = (
     "DEFAULTS",
     "DEFAULT_CAGE_METHOD",
     "DEFAULT_GRIP_METHOD",
+    "DEFAULT_HOLD_METHOD",
     "DEFAULT_METHOD",
     "DEFAULT_POINT_METHOD",
     "DEFAULT_PUPPET_METHOD",
@@ -75,6 +76,7 @@ DEFAULT_CAGE_METHOD = "mean_value"  # the method of a deformer that Wrap in a Ca
 DEFAULT_PUPPET_METHOD = "mesh_puppetry"
 DEFAULT_POINT_METHOD = "rbf"  # the method of a deformer that Add Points makes
 DEFAULT_GRIP_METHOD = "inverse_ffd"  # the method that Sinew Drag gives to what is no mesh, such as text
+DEFAULT_HOLD_METHOD = "mls"  # the method of a deformer that Sinew Drag: Points makes
 DEFAULT_TOOL_METHOD = "vector_field"  # the method of a deformer that Add Tool and Sinew Drag: Clay make
 DEFAULT_WIRE_METHOD = "wires"  # the method of a deformer that Add Wire makes
 # The methods that a method is put around until the artist chooses another one.

@@ -9,6 +9,7 @@ from ...core.methods import BY_ID, DEFAULT_METHOD, Method
 from ...core.transform.motion import Mode, Motion
 from ...core.transform.typed_motion import TypedMotion, View
 from ...preferences import preferences
+from ...properties import UNLIMITED
 from ..arguments import REGION_METHODS, method_choice, once
 from .shell import Keys
 from .view import typed_units
@@ -112,10 +113,7 @@ class MotionProperties(MotionValues):
     method: method_choice(
         _METHODS, "Set how the surface follows", default=DEFAULT_METHOD, options={"SKIP_SAVE"}
     )
-    unlimited: BoolProperty(
-        name="Whole Surface",
-        description="Move everything that is connected, at any distance, unless a region holds it",
-    )
+    unlimited: BoolProperty(**UNLIMITED)
 
     def choose_method(self, context: Context) -> Method:
         """The method that was asked for, or else the one of the preferences."""

@@ -3,7 +3,7 @@
 
 from collections.abc import Callable
 from enum import Enum
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import bpy
 import numpy as np
@@ -54,6 +54,7 @@ class ViewportTool(StaysInWindow):
 
     TICK = 0.05
     KEYS: Keys = ()
+    running: ClassVar[bool] = False  # while a tool runs, nothing else needs to be drawn at the mouse
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         """Run by events in a 3D Viewport, elsewhere by the properties alone."""
@@ -88,6 +89,7 @@ class ViewportTool(StaysInWindow):
         self.tool = tool
         self.object_name = obj.name
         self._drawing = bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_PIXEL")
+        ViewportTool.running = True
         result = self.stay(context)
         keys = self.KEYS
         context.workspace.status_text_set(lambda header, _context: _draw_keys(header.layout, keys))
@@ -146,6 +148,7 @@ class ViewportTool(StaysInWindow):
             self.tell({"WARNING"}, str(error))
 
     def _leave(self, context: Context, result: set[str]) -> set[str]:
+        ViewportTool.running = False
         self.leave(context)
         bpy.types.SpaceView3D.draw_handler_remove(self._drawing, "WINDOW")
         if context.area is not None:

@@ -77,13 +77,13 @@ def _unless_refused(obj: Object, is_new: bool, made: set[str]) -> set[str]:
     return made
 
 
-def _dragging(start: Start) -> set[str]:
-    """Take up Sinew Drag, which needs Object Mode and a window."""
+def _dragging(start: Start, mode: str = "SURFACE") -> set[str]:
+    """Take up Sinew Drag in a mode, which needs Object Mode and a window."""
     obj = target_of(start.context)
     if start.context.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     if not bpy.app.background:
-        bpy.ops.wm.tool_set_by_id(name=Operators.DRAG, space_type="VIEW_3D")
+        start.operator(Operators.DRAG_START, mode=mode)
     bpy.ops.ed.undo_push(message=start.task.label)
     start.tells({"INFO"}, f"Press on {obj.name} and drag")
     return {"FINISHED"}
@@ -114,7 +114,7 @@ def _parts(start: Start) -> set[str]:
     _deformer, is_new = picking.deformer_for(obj, start.task, start.method)
     empties = any(other.type == "EMPTY" for other in context.selected_objects)
     if not (empties or context.selected_pose_bones):
-        return _dragging(start)
+        return _dragging(start, "POINTS")
     others = {} if BY_ID[start.method].wraps else {"method": start.method}  # of other selected objects
     return _unless_refused(obj, is_new, start.operator(Operators.POINT_ADD, source="SELECTED", **others))
 
@@ -133,7 +133,7 @@ def _clay(start: Start) -> set[str]:
     """Drag the surface. What has none, and scripts, get a tool in the middle."""
     obj = target_of(start.context)
     if targets.is_mesh(obj) and start.call == "INVOKE_DEFAULT":
-        return start.operator(Operators.TOOL_DRAG)
+        return _dragging(start, "CLAY")
     return start.operator(Operators.TOOL_ADD, tool="drag", location=_middle(obj))
 
 

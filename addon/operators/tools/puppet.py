@@ -9,19 +9,19 @@ from ... import compat
 from ...core.errors import SinewError
 from ...core.methods import DEFAULT_PUPPET_METHOD
 from ...ids import Operators
+from ...properties import BALANCE
 from ...session.actions.puppet import bones, rigging
 from ...session.actions.puppet.posing import Part, PuppetDrag, PuppetOptions
 from ..arguments import REGION_METHODS, method_choice, once
-from ..modal.motion_properties import MOTION_KEYS, MotionValues
-from ..modal.shell import Keys, ViewportTool
+from ..modal.motion_properties import MotionValues
 from ..modal.view import axes_of, length_text, view_of
 from ..offered import Offered
 from ..reporting import reports_errors
 from ..target import object_mode, object_named, show_control, target_of
 from ..waiting import BindingOperator
+from .dragging import Drags
 from .puppeteering import Puppeteering
 
-_KEYS: Keys = ((("MOUSE_LMB",), "Release to Keep"), (("MOUSE_RMB",), "Cancel"), *MOTION_KEYS)
 _PARTS = (
     ("AUTO", "Automatic", "The tail, or the whole bone if it has no parent", "NONE", 0),
     ("TAIL", "Tail", "The tail of the bone", "NONE", 1),
@@ -31,14 +31,12 @@ _PARTS = (
 _BEHIND = 1e-2  # a gap of this share of the motion is worth a word
 
 
-class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
+class SINEW_OT_puppet_pose(Offered, MotionValues, Drags, Operator):
     """Drag the active bone, and let the figure follow: joints keep their limits, pinned bones stay"""
 
     bl_idname = Operators.PUPPET_POSE
     bl_label = "Sinew Drag: Bones"
-    bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING"}
-
-    KEYS = _KEYS
+    bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING", "INTERNAL"}  # buttons start the tool
 
     armature: StringProperty(
         name="Armature",
@@ -47,12 +45,14 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
     )
     bone: once(StringProperty, "Bone", "Give the name of the bone to drag; if empty, the active one")
     part: once(EnumProperty, "Part", "Choose the point that is dragged", items=_PARTS, default="AUTO")
-    balance: BoolProperty(
-        name="Balance",
-        description="Keep the centre of mass over what is pinned, for example two feet",
-    )
+    balance: BoolProperty(**BALANCE)
     from_rest: once(
         BoolProperty, "From Rest", "Let joints stay close to their rest, instead of how they are now"
+    )
+    click_pins: BoolProperty(
+        name="Click Pins",
+        description="Pin the bone, or release it, if the mouse does not move",
+        options={"SKIP_SAVE", "HIDDEN"},
     )
     key: once(BoolProperty, "Insert Keyframes", "Key the bones that follow, as Auto Keying does")
 
@@ -80,18 +80,15 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
         tool = Puppeteering(drag, self.typed_motion(context, event, view, axes), drag.place, axes)
         return self.begin(context, tool, armature, _draw_nothing)
 
-    def worked_on(self, context: Context) -> Object | None:
-        """The armature, as long as it is in the scene."""
-        return context.scene.objects.get(self.object_name)
-
     def store_result(self, context: Context) -> None:
         self.store_motion(self.tool.typed.motion)
-        self._finish(context, self.worked_on(context), self.tool.drag)
-
-    def header(self, context: Context) -> str:
-        settings = context.scene.unit_settings
-        motion = self.tool.typed.header(lambda value: length_text(settings, value))
-        return f"{motion}   {self.tool.drag.bone}"
+        armature = self.worked_on(context)
+        if self.click_pins and np.allclose(self.tool.matrix, np.eye(4), atol=0.0):
+            bone = armature.pose.bones[self.bone]
+            bone.sinew.pin = not bone.sinew.pin
+            self.tell({"INFO"}, f"{self.bone} {'pinned' if bone.sinew.pin else 'released'}")
+            return
+        self._finish(context, armature, self.tool.drag)
 
     def draw(self, _context: Context) -> None:
         self.draw_motion()
@@ -123,7 +120,7 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
             self.tell({"WARNING"}, "The centre of mass cannot reach what is pinned")
         elif drag.gap > _BEHIND * max(length, 1e-9):
             text = length_text(context.scene.unit_settings, drag.gap)
-            self.tell({"INFO"}, f"{drag.bone} is {text} behind: its joints, pinned bones or posture hold it")
+            self.tell({"INFO"}, f"{drag.name} is {text} behind: its joints, pinned bones or posture hold it")
 
 
 class SINEW_OT_puppet_pin(Offered, Operator):

@@ -5,10 +5,11 @@ from bpy.types import Context, Menu, Object, UILayout
 
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
+from ...session.actions.controls import control_list
 from ...session.targets import targets
 from ..layouts import Button, beside, draw_field, invoking
 from ..pose import RESET, draw_reset
-from .rows import active_row, draw_rows, row_name
+from .rows import draw_rows, row_name
 
 __all__ = ("MENUS", "REST", "draw", "draw_row", "draw_settings", "row_name")
 
@@ -51,7 +52,7 @@ def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeforme
 
 def draw_row(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
     """Draw the settings of the active wire."""
-    row = active_row(deformer)
+    row = control_list.active_row(deformer)
     draw_field(context, layout, row, "object", text="Curve")
     draw_field(context, layout, row, "domain")
     for parameter in deformer.definition.control_parameters:

@@ -23,19 +23,9 @@ def draw_rows(layout: UILayout, deformer: SinewDeformer, menu: str) -> None:
     side.operator(Operators.ROW_REMOVE, text="", icon="REMOVE")
 
 
-def active_row(deformer: SinewDeformer) -> SinewControl | None:
-    """The active row of the list; the first if the active one is of another kind of control."""
-    rows = control_list.rows_of(deformer)
-    if not rows:
-        return None
-    index = min(deformer.active_control, len(deformer.controls) - 1)
-    chosen = deformer.controls[index]
-    return chosen if chosen in rows else rows[0]
-
-
 def row_name(deformer: SinewDeformer) -> str:
     """The name of the active object."""
-    row = active_row(deformer)
+    row = control_list.active_row(deformer)
     if row is None:
         return ""
     return row.name if row.object is None else row.object.name

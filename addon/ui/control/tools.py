@@ -5,11 +5,11 @@ from bpy.types import Context, Menu, Object, UILayout
 
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
-from ...session.actions.controls import control_list as rows
+from ...session.actions.controls import control_list
 from ..layouts import Button, beside, draw_field, draw_pair, invoking
 from ..pose import RESET, draw_drag, draw_reset
 from ..text import draw_text
-from .rows import active_row, draw_rows, parameter_text, row_name
+from .rows import draw_rows, parameter_text, row_name
 
 __all__ = ("MENUS", "REST", "draw", "draw_row", "draw_settings", "row_name")
 
@@ -35,7 +35,7 @@ class SINEW_MT_tools(Menu):
         layout = invoking(self.layout)
         for adding in _ADDING:
             adding.draw(layout)
-        draw_drag(layout, "Sinew Drag: Clay", "CLAY", Operators.TOOL_DRAG, ())
+        draw_drag(layout, "Sinew Drag: Clay", "CLAY")
         layout.separator()
         for button in (*_STOPS, *REST):
             button.draw(layout)
@@ -49,19 +49,19 @@ def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeform
     """Draw the list of tools, and what adds and resets them."""
     draw_rows(layout, deformer, Menus.TOOLS)
     pair = beside(context, layout, ("Drag Clay", "VIEW_PAN"), RESET)
-    draw_drag(pair, "Drag Clay", "CLAY", Operators.TOOL_DRAG, ())
+    draw_drag(pair, "Drag Clay", "CLAY")
     draw_reset(pair)
 
 
 def draw_row(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
     """Draw the settings of the active tool, and the stops on its path."""
-    row = active_row(deformer)
+    row = control_list.active_row(deformer)
     draw_field(context, layout, row, "object")
     for parameter in deformer.definition.control_parameters:
         is_main = parameter.id in deformer.definition.main
         if not is_main and (parameter.id != "width" or row.tools != "drag"):
             draw_field(context, layout, row, parameter.id, text=parameter_text(row, parameter))
-    count = rows.stop_count(row)
+    count = control_list.stop_count(row)
     if count:
         draw_text(context, layout, f"Its path has {count} stops", "CURVE_PATH")
     draw_pair(context, layout, _STOPS)

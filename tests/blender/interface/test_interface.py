@@ -101,8 +101,8 @@ def test_the_pie_has_eight_pieces_in_each_mode(bound_plate: Rig, mode):
     sheet = draw(bpy.types.SINEW_MT_pie)
     names = sheet.operator_names()
     assert len(names) + len(sheet.menus()) == 8
-    assert {"sinew.bind", "sinew.select_problems"} <= set(names)
-    assert ("sinew.grab_region" in names) == (mode == "EDIT")
+    assert ({"sinew.grab_region", "sinew.bind"} <= set(names)) == (mode == "EDIT")
+    assert ({"sinew.reset_pose", "sinew.key_pose"} <= set(names)) == (mode == "OBJECT")
 
 
 def test_without_a_mesh_the_tab_says_what_to_select():
@@ -470,6 +470,7 @@ DRAWN = {
     *("use_property_split", "use_property_decorate"),
     *(
         "kind",
+        "mode",
         "vertex_group",
         "control",
         "source",

@@ -123,14 +123,8 @@ def test_a_lost_bone_gets_an_empty_too(plate: Rig):
 # The pie
 
 
-def test_the_pie_of_object_mode_adds_and_applies(bound_plate: Rig):
-    sheet = draw(bpy.types.SINEW_MT_pie)
-    assert "sinew.apply" in sheet.operator_names()
-    menus = inner.ids.Menus
-    assert sheet.menus() == [menus.ADD]
-    added = draw(bpy.types.SINEW_MT_add)
-    assert set(menus.FOR_GROUPS.values()) <= set(added.menus())
-    assert {"sinew.cage_add", "sinew.deformer_add"} <= set(added.operator_names())
+def test_the_pie_of_object_mode_offers_all_tasks(bound_plate: Rig):
+    assert "sinew.all_tasks" in draw(bpy.types.SINEW_MT_pie).operator_names()
 
 
 # Regions without vertices
