@@ -18,7 +18,9 @@ BOX = 19  # the margins of a box
 UNIT = 20  # the height of a button, and the width of an icon
 ICON, PLAIN = 24, 8  # of a button, beside its text
 VALUES = {"FLOAT": 45, "INT": 25}  # of a number, beside its label
+BESIDE = 0.4  # of a choice or a picker, what its label gets
 _BUTTONS = ("operator", "menu", "operator_menu_enum")
+_INSIDE = ("BOOLEAN", "FLOAT", "INT")  # the types whose label stands in the field
 _FIELDS = ("prop", "prop_search", "prop_enum")
 
 
@@ -74,7 +76,9 @@ class Ruler:
             text = getattr(getattr(bpy.ops, group), verb).get_rna_type().name
         if kind == "menu" and text is None:
             text = getattr(bpy.types, args[0]).bl_label
-        self._add(_leaf(kind, text or "", looks.get("icon", "NONE"), value))
+        leaf = self._add(_leaf(kind, text or "", looks.get("icon", "NONE"), value))
+        if kind in ("prop", "prop_search") and args[0].bl_rna.properties[args[1]].type not in _INSIDE:
+            leaf.share = BESIDE
         return SimpleNamespace()
 
     def labels(self, width: float) -> list[Label]:
@@ -90,13 +94,13 @@ class Ruler:
             if isinstance(part, Ruler):
                 found += part.labels(room)
             else:
-                found.append(Label(part.kind, part.text, room - part.beside))
+                found.append(Label(part.kind, part.text, part.share * room - part.beside))
         return found
 
 
 def _leaf(kind: str, text: str, icon: str, value: int) -> SimpleNamespace:
     beside = value + (ICON if icon != "NONE" else PLAIN)
-    return SimpleNamespace(kind=kind, text=text, beside=beside)
+    return SimpleNamespace(kind=kind, text=text, beside=beside, share=1.0)
 
 
 def _fixed(part: Ruler | SimpleNamespace) -> float:
