@@ -4,7 +4,7 @@
 from bpy.types import Context, Object, UILayout
 
 from ...backend import availability
-from ...core.tasks import Task, suggested
+from ...core.tasks import TASKS, Task, suggested
 from ...core.traits import PLAIN, Trait
 from ...ids import Menus, Operators
 from ...operators import target_of
@@ -33,17 +33,23 @@ _MORE = (
     Button(Operators.WIRE_ADD, "Wire along Edges", "CURVE_DATA", (("source", "EDGES"),)),
     Button(Operators.GRAB_REGION, "Grab Once", "VIEW_PAN"),
 )
+
+
+def _adding(name: str, icon: str) -> Button:
+    """The button of a task that begins with a deformer without controls."""
+    task = next(task for task in TASKS if task.id == name)
+    return Button(Operators.DEFORMER_ADD, task.label, icon, (("method", task.recommended.id),))
+
+
 # How a task begins.
 _STARTS = {
     "joint": Button("wm.tool_set_by_id", "Correct a Joint", "BONE_DATA", _TOOL),
-    "sheet": Button(Operators.DEFORMER_ADD, "Shape a Sheet", "MOD_CLOTH", (("method", "thin_shell"),)),
+    "sheet": _adding("sheet", "MOD_CLOTH"),
     "box": Button(Operators.LATTICE_ADD, "Put in a Box", "LATTICE_DATA", (("source", "FIT"),)),
     "cage": Button(Operators.CAGE_ADD, "Wrap in a Cage", "MESH_ICOSPHERE", (("source", "AUTO"),)),
     "parts": Button(Operators.POINT_ADD, "Move Loose Parts", "STICKY_UVS_DISABLE"),
     "figure": Button(Operators.PUPPET_RIG, "Pose by Bones", "ARMATURE_DATA"),
-    "animation": Button(
-        Operators.DEFORMER_ADD, "Edit an Animation", "RENDER_ANIMATION", (("method", "mesh_sequence"),)
-    ),
+    "animation": _adding("animation", "RENDER_ANIMATION"),
     "morph": Button(Operators.MORPH, "Morph to a Mesh", "MOD_DATA_TRANSFER"),
 }
 

@@ -14,7 +14,7 @@ from libraries import put_into_a_library, read
 from registry import METHODS
 from rigs.point_objects import text
 from rigs.puppets import figure
-from rigs.rig import Rig, linked, make_active, new_file, save, update
+from rigs.rig import Rig, linked, make_active, new_file, on_all, save, update
 from rigs.sheet import NARROW, draw_panel
 from ruler import Label, buttons, cut, measured, measured_panel
 
@@ -37,9 +37,7 @@ def counted(many: bool = False) -> None:
     plate = Rig.plate()
     make_active(plate.obj)
     if many:
-        bpy.ops.object.mode_set(mode="EDIT")
-        bpy.ops.mesh.edge_split()
-        bpy.ops.object.mode_set(mode="OBJECT")
+        on_all(plate.obj, bpy.ops.mesh.edge_split)
     inner.traits.count(plate.obj.data)
 
 
@@ -77,10 +75,7 @@ def changed() -> None:
     """The mesh has other vertices than at bind."""
     situations.handles()
     bpy.context.object.sinew.active.auto_rebind = False
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
+    on_all(bpy.context.object, bpy.ops.mesh.subdivide)
     update()
 
 
