@@ -13,7 +13,7 @@ from .control import rows
 from .layouts import draw_field
 from .text import is_wide
 
-_GROUP = 2.0  # the width of the picker of a group in a narrow region, in units of a button
+_GROUP = 1.6  # the width of the picker of a group in a narrow region, in units of a button
 
 
 def draw_main(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:

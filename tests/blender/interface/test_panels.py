@@ -153,8 +153,8 @@ def test_no_label_of_a_setting_is_cut(plate: Rig):
             assert not cut(measured(lambda *where: draw(*where, values, parameter), NARROW))  # noqa: B023
             beside += Label("prop", parameter.label, 55).is_cut
         for parameter in (*method.handle_parameters, *method.control_parameters):
-            assert not Label("prop", parameter.label, 168 - 61).is_cut
-    assert beside > 20
+            assert not Label("prop", parameter.label, 168 - 75).is_cut
+    assert beside > 15
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
