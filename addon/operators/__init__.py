@@ -3,7 +3,7 @@
 
 from bpy.utils import register_classes_factory
 
-from ..properties import add_click_observer, remove_click_observer
+from ..properties import deformer as settings
 from . import entering
 from .animation.bake import SINEW_OT_bake, SINEW_OT_bake_find, SINEW_OT_unbake
 from .animation.key import SINEW_OT_key_add, SINEW_OT_key_jump, SINEW_OT_key_move, SINEW_OT_key_remove
@@ -170,9 +170,9 @@ _register, _unregister = register_classes_factory(_CLASSES)
 
 def register() -> None:
     _register()
-    add_click_observer(clicking.follow)
+    settings.add_click_observer(clicking.follow)
 
 
 def unregister() -> None:
-    remove_click_observer(clicking.follow)
+    settings.remove_click_observer(clicking.follow)
     _unregister()

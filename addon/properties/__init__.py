@@ -9,14 +9,7 @@ from .bake import MAX_FRAME
 from .bake import TARGETS as BAKE_TARGETS
 from .bone import SinewBone
 from .control import SinewControl, StoredCage
-from .deformer import (
-    SinewDeformer,
-    SinewObject,
-    add_click_observer,
-    deformers_of,
-    method_items,
-    remove_click_observer,
-)
+from .deformer import SinewDeformer, SinewObject, deformers_of, method_items
 from .drag import BALANCE, PIXELS, REACH, UNLIMITED, SinewDrag
 from .drag import MODES as DRAG_MODES
 from .handle import ROLES as HANDLE_ROLES
@@ -45,11 +38,9 @@ __all__ = (
     "SinewObject",
     "SinewScene",
     "StoredCage",
-    "add_click_observer",
     "deformers_of",
     "method_items",
     "register",
-    "remove_click_observer",
     "unregister",
 )
 

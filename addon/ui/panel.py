@@ -4,6 +4,8 @@
 from bpy.types import Context, Panel
 from bpy.utils import register_classes_factory
 
+from ..core.methods import Control
+from ..core.tasks import task_of
 from ..ids import Operators
 from ..operators import page_of, target_of
 from ..session.actions import sharing
@@ -65,6 +67,10 @@ class SINEW_PT_region(ActiveDeformerPanel, Panel):
 
     bl_label = ""
     bl_order = 10
+
+    def help_page(self, context: Context) -> str:
+        method = active_deformer(context).definition
+        return "surface" if method.control is Control.HANDLES else task_of(method).page
 
     @classmethod
     def poll(cls, context: Context) -> bool:

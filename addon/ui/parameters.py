@@ -8,17 +8,18 @@ from bpy.types import Context, PropertyGroup, UILayout
 from ..core.methods import Curve, Float, GridPoints, Parameter, UvMap, group_property
 from ..ids import Operators
 from ..properties import SinewDeformer
+from ..session.actions.controls import control_list
 from ..session.datablocks import references
 from .control import rows
 from .layouts import draw_field
 from .text import is_wide
 
-_GROUP = 2.0  # the width of the picker of a group in a narrow region, in units of a button
+_GROUP = 1.6  # the width of the picker of a group in a narrow region, in units of a button
 
 
 def draw_main(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
     """Draw the main settings of the method, and how much of the deformation is shown."""
-    row = rows.active_row(deformer)
+    row = control_list.active_row(deformer)
     of_row = {parameter.id: parameter for parameter in deformer.definition.control_parameters}
     for method, values in deformer.methods:
         known = {parameter.id: parameter for parameter in method.parameters}

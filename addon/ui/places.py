@@ -16,7 +16,6 @@ _SUFFIX = "_properties"
 # The manual page behind the question mark of each sub-panel that always has the same.
 _PAGES = {
     "SINEW_PT_skin": "puppet",
-    "SINEW_PT_region": "surface",
     "SINEW_PT_order": "animate",
     "SINEW_PT_bake": "baking",
     "SINEW_PT_overlays": "overlays",

@@ -28,7 +28,7 @@ CAGE_PARAMETERS = (
         rebinds=True,
         advanced=True,
         unit="weight of a cage vertex",
-        label="Sparse Threshold",
+        label="Threshold",
         description="Speed up large cages by letting each point follow only the near part of the cage; 0 "
         "keeps all weights",
     ),

@@ -96,7 +96,7 @@ ROWS = (
                 soft_maximum=10000.0,
                 rebinds=True,
                 unit="weight",
-                label="Handle Strength",
+                label="Strength",
                 description="Set how strongly handles pull the nodes around them; higher values come "
                 "closer to the handles, and let the shape stretch more",
             ),

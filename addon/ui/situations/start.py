@@ -40,9 +40,10 @@ def is_there(context: Context) -> bool:
 
 
 def page(context: Context) -> str:
-    """How to begin with such an object."""
+    """How to begin with such an object; of a plain mesh, how a surface is posed."""
     traits = traits_of(target_of(context), context.selected_objects)
-    return next((task.page for task in suggested(traits) if _is_special(task, traits)), "surface")
+    first = suggested(traits)[0]
+    return first.page if _is_special(first, traits) or Trait.POINTS in traits else "surface"
 
 
 def draw(context: Context, layout: UILayout) -> None:

@@ -14,7 +14,7 @@ from libraries import put_into_a_library, read
 from registry import METHODS
 from rigs.point_objects import text
 from rigs.puppets import figure
-from rigs.rig import Rig, linked, make_active, new_file, save, update
+from rigs.rig import Rig, linked, make_active, new_file, on_all, save, update
 from rigs.sheet import NARROW, draw_panel
 from ruler import Label, buttons, cut, measured, measured_panel
 
@@ -37,9 +37,7 @@ def counted(many: bool = False) -> None:
     plate = Rig.plate()
     make_active(plate.obj)
     if many:
-        bpy.ops.object.mode_set(mode="EDIT")
-        bpy.ops.mesh.edge_split()
-        bpy.ops.object.mode_set(mode="OBJECT")
+        on_all(plate.obj, bpy.ops.mesh.edge_split)
     inner.traits.count(plate.obj.data)
 
 
@@ -77,10 +75,7 @@ def changed() -> None:
     """The mesh has other vertices than at bind."""
     situations.handles()
     bpy.context.object.sinew.active.auto_rebind = False
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide()
-    bpy.ops.object.mode_set(mode="OBJECT")
+    on_all(bpy.context.object, bpy.ops.mesh.subdivide)
     update()
 
 
@@ -92,9 +87,9 @@ SITUATIONS: dict[str, tuple[Callable[[], object], int, str]] = {
     "a posed mesh": (posed, 5, "correct-an-elbow"),
     "a sheet": (counted, 5, "surface"),
     "loose parts": (lambda: counted(many=True), 5, "handle-points"),
-    "a text": (MADE["a text"], 5, "surface"),
-    "hair": (MADE["hair"], 5, "surface"),
-    "a lattice object": (MADE["a lattice object"], 5, "surface"),
+    "a text": (MADE["a text"], 5, "handle-points"),
+    "hair": (MADE["hair"], 5, "handle-points"),
+    "a lattice object": (MADE["a lattice object"], 5, "handle-points"),
     "a mesh in Edit Mode": (MADE["a mesh in Edit Mode"], 5, "surface"),
     "Sculpt Mode": (sculpting, 2, "surface"),
     "handles": (MADE["handles"], 6, "surface"),
@@ -158,8 +153,8 @@ def test_no_label_of_a_setting_is_cut(plate: Rig):
             assert not cut(measured(lambda *where: draw(*where, values, parameter), NARROW))  # noqa: B023
             beside += Label("prop", parameter.label, 55).is_cut
         for parameter in (*method.handle_parameters, *method.control_parameters):
-            assert not Label("prop", parameter.label, 168 - 61).is_cut
-    assert beside > 20
+            assert not Label("prop", parameter.label, 168 - 75).is_cut
+    assert beside > 15
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)

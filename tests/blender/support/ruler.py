@@ -17,8 +17,13 @@ MARGINS = {
 BOX = 19  # the margins of a box
 UNIT = 20  # the height of a button, and the width of an icon
 ICON, PLAIN = 24, 8  # of a button, beside its text
-VALUES = {"FLOAT": 45, "INT": 25}  # of a number, beside its label
+NUMBER = 26  # the margins of a number, and between its label and its value
+ROUNDED = (
+    0.08  # of its label, which a window clips earlier: letters are wider where a screen has 75 dots per inch
+)
+BESIDE = 0.4  # of a choice or a picker, what its label gets
 _BUTTONS = ("operator", "menu", "operator_menu_enum")
+_INSIDE = ("BOOLEAN", "FLOAT", "INT")  # the types whose label stands in the field
 _FIELDS = ("prop", "prop_search", "prop_enum")
 
 
@@ -56,14 +61,14 @@ class Ruler:
 
     def _draw(self, kind: str, args: tuple, looks: dict) -> SimpleNamespace:
         text = looks.get("text")
-        value = 0
+        value = 0.0
         if kind in _FIELDS and text is None:
             text = args[0].bl_rna.properties[args[1]].name
         if kind == "prop_enum":
             text = args[0].bl_rna.properties[args[1]].enum_items[args[2]].name
         if kind == "prop":
             known = args[0].bl_rna.properties[args[1]]
-            value = 0 if getattr(known, "is_array", False) else VALUES.get(known.type, 0)
+            value = 0 if getattr(known, "is_array", False) else _value_width(args[0], known)
             if looks.get("expand"):
                 parts = self._add(Ruler(is_row=True))
                 for item in known.enum_items:
@@ -74,7 +79,9 @@ class Ruler:
             text = getattr(getattr(bpy.ops, group), verb).get_rna_type().name
         if kind == "menu" and text is None:
             text = getattr(bpy.types, args[0]).bl_label
-        self._add(_leaf(kind, text or "", looks.get("icon", "NONE"), value))
+        leaf = self._add(_leaf(kind, text or "", looks.get("icon", "NONE"), value))
+        if kind in ("prop", "prop_search") and args[0].bl_rna.properties[args[1]].type not in _INSIDE:
+            leaf.share = BESIDE
         return SimpleNamespace()
 
     def labels(self, width: float) -> list[Label]:
@@ -90,13 +97,25 @@ class Ruler:
             if isinstance(part, Ruler):
                 found += part.labels(room)
             else:
-                found.append(Label(part.kind, part.text, room - part.beside))
+                found.append(Label(part.kind, part.text, part.share * room - part.beside))
         return found
 
 
-def _leaf(kind: str, text: str, icon: str, value: int) -> SimpleNamespace:
+def _leaf(kind: str, text: str, icon: str, value: float) -> SimpleNamespace:
     beside = value + (ICON if icon != "NONE" else PLAIN)
-    return SimpleNamespace(kind=kind, text=text, beside=beside)
+    if value:
+        beside += ROUNDED * inner.compat.text_width(text, 11.0)
+    return SimpleNamespace(kind=kind, text=text, beside=beside, share=1.0)
+
+
+def _value_width(data: object, known: bpy.types.Property) -> float:
+    """How much a number takes in its field, beside its label."""
+    if known.type not in ("FLOAT", "INT"):
+        return 0.0
+    digits = known.precision if known.type == "FLOAT" else 0
+    unit = " m" if known.unit == "LENGTH" else ""
+    value = f"{getattr(data, known.identifier):.{digits}f}{unit}"
+    return NUMBER + inner.compat.text_width(value, 11.0)
 
 
 def _fixed(part: Ruler | SimpleNamespace) -> float:
