@@ -23,7 +23,7 @@ PAGES = (
     ("lattice", "Pose with a Lattice", "Let a box of points around one object or several move them"),
     ("wires-and-fields", "Wires and Clay", "Curves and tools that move what is near them"),
     ("handle-points", "Pose with Handle Points", "Let empties, bones and points of objects move space"),
-    ("drag", "Sinew Drag", "Press on the surface in Object Mode, and drag"),
+    ("drag", "The Tool Sinew Drag", "Press on the surface in Object Mode, and drag"),
     ("animate", "Animate and Render", "Keyframes, drivers, renders, several deformers in one stack"),
     ("troubles", "When Things Go Wrong", "What each warning means, and what to do about it"),
     ("baking", "Bake and Apply", "Store shapes in shape keys, caches, or the mesh itself"),

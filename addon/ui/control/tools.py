@@ -35,7 +35,6 @@ class SINEW_MT_tools(Menu):
         layout = invoking(self.layout)
         for adding in _ADDING:
             adding.draw(layout)
-        draw_drag(layout, "Sinew Drag: Clay", "CLAY")
         layout.separator()
         for button in (*_STOPS, *REST):
             button.draw(layout)

@@ -54,6 +54,4 @@ def _draw_posing(context: Context, layout: UILayout, armature: Object) -> None:
     pinned = [bone.name for bone in armature.pose.bones if bone.sinew.pin]
     if pinned:
         draw_text(context, layout, f"Pinned: {', '.join(pinned)}", "PINNED")
-    drag = getattr(context.scene.sinew, "drag", None)
-    if drag is not None:
-        layout.prop(drag, "balance")
+    layout.prop(context.scene.sinew.drag, "balance")

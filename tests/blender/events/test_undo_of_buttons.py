@@ -93,6 +93,14 @@ def let_regions_overlap(plate: Rig) -> None:
     refused("share 1 vertex", "bind", plate.obj)
 
 
+def with_another_file() -> None:
+    """A plate that plays a file, beside which there is one with other shapes."""
+    posed(lambda plate: press(plate.obj, "bake", target="PC2", **FILE))()
+    played = Path(bpy.path.abspath(bpy.context.object.sinew.active.bake.filepath)).read_bytes()
+    points = np.frombuffer(played[32:], dtype="<f4") + np.float32(0.25)  # behind the header of a PC2
+    Path(FOUND).write_bytes(played[:32] + points.tobytes())
+
+
 def in_a_cage(inside_out: bool = False, **automatic: object) -> Callable[[], None]:
     """A ball in a cage that is posed, or inside out, or automatic and at rest."""
 
@@ -262,6 +270,7 @@ def draggable(method: str = "") -> Callable[[], None]:
 
 FRAMES = {"frame_start": 1, "frame_end": 2}
 BAKE = {"target": "SHAPE_KEYS", **FRAMES}
+FOUND = f"{bpy.app.tempdir}found.pc2"
 FILE = {"filepath": f"{bpy.app.tempdir}undone", **FRAMES}
 GRAB = {"value": (0.0, 0.0, 0.5), "radius": 0.4}
 FRONT = Matrix.Rotation(math.radians(90.0), 4, "X")  # a camera that looks along y
@@ -295,6 +304,7 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
         posed(lambda plate: press(plate.obj, "bake", target="PC2", **FILE)),
         button("unbake"),
     ),
+    "bake_find": (with_another_file, button("bake_find", filepath=FOUND)),
     "transfer_deformation": (two_of_one_topology, button("transfer_deformation", **FILE)),
     "repair": (posed(add_loose_vertex), button("repair")),
     "part_regions": (posed(let_regions_overlap), button("part_regions")),

@@ -387,7 +387,7 @@ def test_apply_moves_the_points_or_makes_a_key():
 def test_the_panel_draws_a_lattice():
     obj = lattice()
     make_active(obj)
-    assert "sinew.lattice_add" in draw_panel().operator_names()
+    assert "sinew.start_task" in draw_panel().operator_names()
     bind(obj)
     make_active(obj)
     assert "mask_group" in draw(bpy.types.SINEW_PT_order).properties()

@@ -187,7 +187,7 @@ def test_while_baked_the_rows_are_greyed_out_and_the_panel_says_why(saved: Rig, 
     bake(saved, target)
     sheet = draw_panel(WIDE)
     assert "Baked frames 1-8" in sheet.texts()
-    assert {"handles", "method", "factor", "sinew.handle_remove"} <= set(sheet.greyed)
+    assert {"handles", "factor", "sinew.choose_method", "sinew.handle_remove"} <= set(sheet.greyed)
     assert "sinew.unbake" not in sheet.greyed
     for operator in (bpy.ops.sinew.bind, bpy.ops.sinew.unbind):
         assert not operator.poll()
