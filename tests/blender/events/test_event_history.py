@@ -42,7 +42,7 @@ def pose(plate: Rig) -> Expected:
 
 
 def test_every_operator_has_its_undo_tested():
-    """Those that change nothing leave no step. Some are tested where the operator is; one changes the mode."""
+    """What changes nothing leaves no step. Some are tested where the operator is, one changes the mode."""
     names = set(dir(bpy.ops.sinew))
     with_undo = {n for n in names if "UNDO" in getattr(getattr(bpy.types, f"SINEW_OT_{n}"), "bl_options", ())}
     elsewhere = {
