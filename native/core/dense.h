@@ -34,7 +34,7 @@ class CholeskyFactor
 {
 public:
     /// \return false where A is not positive definite.
-    bool factorize(const MatrixX& A);
+    [[nodiscard]] bool factorize(const MatrixX& A);
     VectorX solve(const VectorX& b) const;
     MatrixX solve(const MatrixX& B) const;
     Points solve(const Points& B) const;

@@ -2,6 +2,7 @@
 #include "native/splines/control_fit.h"
 
 #include "native/core/dense.h"
+#include "native/core/errors.h"
 #include "native/core/memory.h"
 
 namespace sinew {
@@ -28,7 +29,8 @@ ControlFit::ControlFit(const WeightRows& B, const VectorX& weights, const Matrix
         normal += smoothing * penalty;
         normal.diagonal().array() += least_norm;
         CholeskyFactor factor;
-        factor.factorize(normal);
+        if (!factor.factorize(normal))
+            throw FactorizationFailed("the fit of the control grid has no unique solution");
         inverse_ = factor.solve(MatrixX(MatrixX::Identity(k, k)));
         return;
     }

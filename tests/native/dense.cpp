@@ -1,13 +1,23 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/native/dense.h"
 
+#include "tests/native/shapes.h"
+
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <Eigen/SVD>
+#include <Eigen/SparseCholesky>
 
 namespace sinew::dense {
 
+MatrixX product(const MatrixX& A, const MatrixX& B) { return A * B; }
+
 MatrixX solution(const MatrixX& A, const MatrixX& b) { return A.fullPivLu().solve(b); }
+
+MatrixX solution(const SparseMatrix& A, const MatrixX& b)
+{
+    return Eigen::SimplicialLDLT<SparseMatrix>(A).solve(b);
+}
 
 MatrixX solution(const MatrixX& A, const MatrixX& b, MatrixX x, const std::vector<int>& free)
 {
@@ -16,6 +26,12 @@ MatrixX solution(const MatrixX& A, const MatrixX& b, MatrixX x, const std::vecto
     const MatrixX rhs = (b - A * x)(free, Eigen::all);
     x(free, Eigen::all) = solution(A(free, free), rhs);
     return x;
+}
+
+MatrixX random_definite(int size, int seed, double least)
+{
+    const MatrixX B = shapes::Random(static_cast<std::uint64_t>(seed)).dense(size, size);
+    return B * B.transpose() + least * MatrixX::Identity(size, size);
 }
 
 VectorX eigenvalues(const MatrixX& symmetric)

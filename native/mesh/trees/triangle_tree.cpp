@@ -115,7 +115,7 @@ struct TriangleTree::Impl
 };
 
 TriangleTree::TriangleTree(const std::vector<Vector3>& points, const std::vector<Triangle>& triangles)
-    : impl_(std::make_unique<Impl>())
+    : impl_(hidden<Impl>())
 {
     for (int i = 0; i < static_cast<int>(triangles.size()); ++i)
         if (const Kernel::Triangle_3 t = exact(corners_of(points, triangles[i])); !t.is_degenerate()) {
@@ -126,9 +126,6 @@ TriangleTree::TriangleTree(const std::vector<Vector3>& points, const std::vector
     impl_->tree.build(); // now: otherwise the first threads that ask would build it
     impl_->tree.accelerate_distance_queries();
 }
-
-TriangleTree::~TriangleTree() = default;
-TriangleTree::TriangleTree(TriangleTree&&) noexcept = default;
 
 bool TriangleTree::meets(const Corners& triangle) const
 {

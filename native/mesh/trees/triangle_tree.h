@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/types.h"
 #include "native/mesh/surface_mesh.h"
 
 #include <array>
-#include <memory>
 #include <vector>
 
 namespace sinew {
@@ -42,8 +42,6 @@ class TriangleTree
 {
 public:
     TriangleTree(const std::vector<Vector3>& points, const std::vector<Triangle>& triangles);
-    ~TriangleTree();
-    TriangleTree(TriangleTree&&) noexcept;
 
     /// Whether a triangle touches or crosses one of the tree. Exact; false for a flat triangle.
     bool meets(const Corners& triangle) const;
@@ -70,7 +68,7 @@ public:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

@@ -43,7 +43,7 @@ struct Multiresolution::Impl
 
 Multiresolution::Multiresolution(const SurfaceMesh& rest, std::shared_ptr<SurfaceMethod> base,
                                  const MultiresolutionOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     if (!base)
         throw InvalidOption("base: there is no method to put this one around");
@@ -54,9 +54,6 @@ Multiresolution::Multiresolution(const SurfaceMesh& rest, std::shared_ptr<Surfac
     impl_->options = options;
     impl_->rings = std::make_shared<const RingRotations>(SurfaceMethod::rest());
 }
-
-Multiresolution::~Multiresolution() = default;
-Multiresolution::Multiresolution(Multiresolution&&) noexcept = default;
 
 const MultiresolutionOptions& Multiresolution::options() const { return impl_->options; }
 

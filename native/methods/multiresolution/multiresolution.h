@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/methods/multiresolution/details/bands.h"
 #include "native/methods/surface/method.h"
 
@@ -46,8 +47,6 @@ public:
     /// \throw InvalidOption  no base, or one on another rest shape; wavelength not > 0; bands not in [1, 8].
     Multiresolution(const SurfaceMesh& rest, std::shared_ptr<SurfaceMethod> base,
                     const MultiresolutionOptions& options = {});
-    ~Multiresolution() override;
-    Multiresolution(Multiresolution&&) noexcept;
 
     const MultiresolutionOptions& options() const override;
 
@@ -63,7 +62,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

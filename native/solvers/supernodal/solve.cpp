@@ -208,12 +208,9 @@ struct SupernodalSolve<T>::Impl
 };
 
 template <class T>
-SupernodalSolve<T>::SupernodalSolve(const BasicSupernodalFactor<T>& factor)
-    : impl_(std::make_unique<Impl>(factor))
+SupernodalSolve<T>::SupernodalSolve(const BasicSupernodalFactor<T>& factor) : impl_(hidden<Impl>(factor))
 {
 }
-template <class T>
-SupernodalSolve<T>::~SupernodalSolve() = default;
 
 template <class T>
 void SupernodalSolve<T>::renew(const std::vector<char>& chosen)

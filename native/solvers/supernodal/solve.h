@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/types.h"
 #include "native/solvers/supernodal/tree.h"
 
 #include <functional>
-#include <memory>
 #include <vector>
 
 namespace sinew {
@@ -25,7 +25,6 @@ class SupernodalSolve
 {
 public:
     explicit SupernodalSolve(const BasicSupernodalFactor<T>& factor);
-    ~SupernodalSolve();
 
     /// Call this after the values of the `chosen` supernodes have changed, while no solve runs.
     void renew(const std::vector<char>& chosen);
@@ -44,7 +43,7 @@ public:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

@@ -308,11 +308,11 @@ def test_limbs_are_held_joints_are_free_and_a_bone_outside_holds_nothing() -> No
     points, faces = closed_bar(24, 3)
     mesh, x = sn.SurfaceMesh(points, faces), points[:, 0]
     skeleton = sn.Skeleton([(0, 0, 0), (12, 0, 0)], [(12, 0, 0), (24, 0, 0)], [-1, 0])
-    first, second = skeleton.regions(mesh)
     # A root has no joint at its head, and the last bone none at its tail: these ends are held.
-    np.testing.assert_array_equal(first, np.flatnonzero(x <= 9))
-    np.testing.assert_array_equal(second, np.flatnonzero(x >= 15))
-    assert len(skeleton.regions(mesh, margin=0.4)[0]) < len(first)
+    for margin, free in ((None, 3), (0.24, 3), (0.26, 4), (0.4, 5)):  # vertices are one apart, 12 along a bone
+        first, second = skeleton.regions(mesh, **({} if margin is None else {"margin": margin}))
+        np.testing.assert_array_equal(first, np.flatnonzero(x <= 12 - free))
+        np.testing.assert_array_equal(second, np.flatnonzero(x >= 12 + free))
     beside = sn.Skeleton([(0, 0, 0), (0, 5, 0)], [(24, 0, 0), (24, 5, 0)], [-1, -1])
     assert [len(region) for region in beside.regions(mesh)] == [len(points), 0]
 

@@ -1,27 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/solvers/single_factor.h"
 
+#include "tests/native/dense.h"
 #include "tests/native/refusals.h"
 #include "tests/native/solvers/matrices.h"
 #include "tests/native/threads.h"
 
-#include <Eigen/SparseCholesky>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
 namespace sinew::test_single_factor {
-
-namespace {
-
-/// Another library's answer in double precision.
-MatrixX expected(const SparseMatrix& A, const MatrixX& rhs)
-{
-    const Eigen::SimplicialLDLT<SparseMatrix> factor(A);
-    return factor.solve(rhs);
-}
-
-} // namespace
 
 TEST(SingleFactor, solves_to_single_precision_and_twice_to_its_square)
 {
@@ -30,7 +19,7 @@ TEST(SingleFactor, solves_to_single_precision_and_twice_to_its_square)
         SingleFactor factor;
         factor.factorize(A);
         const MatrixX rhs = MatrixX::Random(A.rows(), columns);
-        const MatrixX x = expected(A, rhs);
+        const MatrixX x = dense::solution(A, rhs);
         MatrixX found, left;
         factor.solve(rhs, found);
         EXPECT_LT((found - x).norm(), 1e-4 * x.norm()); // its condition is 800
@@ -47,7 +36,7 @@ TEST(SingleFactor, solves_points_in_place)
     const MatrixX rhs = MatrixX::Random(A.rows(), 3);
     Points points = rhs;
     factor.solve(points, points);
-    EXPECT_LT((points - expected(A, rhs)).norm(), 1e-4 * points.norm());
+    EXPECT_LT((points - dense::solution(A, rhs)).norm(), 1e-4 * points.norm());
 }
 
 TEST(SingleFactor, does_not_mind_how_small_the_right_side_is)

@@ -59,14 +59,11 @@ struct GradientEditing::Impl
 };
 
 GradientEditing::GradientEditing(const SurfaceMesh& rest, const GradientEditingOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     impl_->options = options;
 }
-
-GradientEditing::~GradientEditing() = default;
-GradientEditing::GradientEditing(GradientEditing&&) noexcept = default;
 
 const GradientEditingOptions& GradientEditing::options() const { return impl_->options; }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/handles/handle_fields.h"
 #include "native/methods/surface/method.h"
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -63,8 +63,6 @@ class GradientEditing final : public SurfaceMethodWith<GradientEditingOptions>
 {
 public:
     explicit GradientEditing(const SurfaceMesh& rest, const GradientEditingOptions& options = {});
-    ~GradientEditing() override;
-    GradientEditing(GradientEditing&&) noexcept;
 
     const GradientEditingOptions& options() const override;
 
@@ -75,7 +73,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

@@ -107,14 +107,11 @@ struct HierarchicalSmoothing::Impl
 
 HierarchicalSmoothing::HierarchicalSmoothing(const SurfaceMesh& rest,
                                              const HierarchicalSmoothingOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     impl_->options = options;
 }
-
-HierarchicalSmoothing::~HierarchicalSmoothing() = default;
-HierarchicalSmoothing::HierarchicalSmoothing(HierarchicalSmoothing&&) noexcept = default;
 
 const HierarchicalSmoothingOptions& HierarchicalSmoothing::options() const { return impl_->options; }
 

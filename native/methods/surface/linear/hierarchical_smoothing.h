@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -65,8 +65,6 @@ class HierarchicalSmoothing final : public SurfaceMethodWith<HierarchicalSmoothi
 public:
     /// \throw InvalidOption  levels or relaxations < 0.
     explicit HierarchicalSmoothing(const SurfaceMesh& rest, const HierarchicalSmoothingOptions& options = {});
-    ~HierarchicalSmoothing() override;
-    HierarchicalSmoothing(HierarchicalSmoothing&&) noexcept;
 
     const HierarchicalSmoothingOptions& options() const override;
 
@@ -80,7 +78,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

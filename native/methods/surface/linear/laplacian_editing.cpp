@@ -188,14 +188,11 @@ struct LaplacianEditing::Impl
 };
 
 LaplacianEditing::LaplacianEditing(const SurfaceMesh& rest, const LaplacianEditingOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     impl_->options = options;
 }
-
-LaplacianEditing::~LaplacianEditing() = default;
-LaplacianEditing::LaplacianEditing(LaplacianEditing&&) noexcept = default;
 
 const LaplacianEditingOptions& LaplacianEditing::options() const { return impl_->options; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/handles/handle_fields.h"
 #include "native/methods/surface/method.h"
@@ -121,8 +122,6 @@ class LaplacianEditing final : public SurfaceMethodWith<LaplacianEditingOptions>
 public:
     /// \throw InvalidOption  refits < 0.
     explicit LaplacianEditing(const SurfaceMesh& rest, const LaplacianEditingOptions& options = {});
-    ~LaplacianEditing() override;
-    LaplacianEditing(LaplacianEditing&&) noexcept;
 
     const LaplacianEditingOptions& options() const override;
 
@@ -140,7 +139,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

@@ -56,15 +56,12 @@ struct Propagation::Impl
 };
 
 Propagation::Propagation(const SurfaceMesh& rest, const PropagationOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     impl_->transfer = TransferCurve(options.transfer);
     impl_->options = options;
 }
-
-Propagation::~Propagation() = default;
-Propagation::Propagation(Propagation&&) noexcept = default;
 
 const PropagationOptions& Propagation::options() const { return impl_->options; }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/handles/handle_fields.h"
 #include "native/methods/surface/method.h"
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -62,8 +62,6 @@ class Propagation final : public SurfaceMethodWith<PropagationOptions>
 public:
     /// \throw InvalidOption  `transfer` has less than two values, or one that is not finite.
     explicit Propagation(const SurfaceMesh& rest, const PropagationOptions& options = {});
-    ~Propagation() override;
-    Propagation(Propagation&&) noexcept;
 
     const PropagationOptions& options() const override;
 
@@ -74,7 +72,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

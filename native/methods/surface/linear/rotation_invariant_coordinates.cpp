@@ -129,16 +129,13 @@ struct RotationInvariantCoordinates::Impl
 
 RotationInvariantCoordinates::RotationInvariantCoordinates(const SurfaceMesh& rest,
                                                            const RotationInvariantCoordinatesOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     if (options.laplacian == Discretization::cotan_voronoi)
         throw InvalidOption("laplacian: 'cotan_voronoi' is not one of 'uniform', 'cotan'");
     impl_->options = options;
 }
-
-RotationInvariantCoordinates::~RotationInvariantCoordinates() = default;
-RotationInvariantCoordinates::RotationInvariantCoordinates(RotationInvariantCoordinates&&) noexcept = default;
 
 const RotationInvariantCoordinatesOptions& RotationInvariantCoordinates::options() const
 {

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/methods/surface/method.h"
 #include "native/operators/laplacian.h"
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -63,8 +63,6 @@ public:
     /// \throw InvalidOption  cotan_voronoi, whose masses have no place here.
     explicit RotationInvariantCoordinates(const SurfaceMesh& rest,
                                           const RotationInvariantCoordinatesOptions& options = {});
-    ~RotationInvariantCoordinates() override;
-    RotationInvariantCoordinates(RotationInvariantCoordinates&&) noexcept;
 
     const RotationInvariantCoordinatesOptions& options() const override;
 
@@ -75,7 +73,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

@@ -257,7 +257,7 @@ struct SplineSurface::Impl
 };
 
 SplineSurface::SplineSurface(const SurfaceMesh& rest, const SplineSurfaceOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>(options))
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>(options))
 {
     require_valid(options);
     const RowMatrix& uv = options.uv_map;
@@ -267,9 +267,6 @@ SplineSurface::SplineSurface(const SurfaceMesh& rest, const SplineSurfaceOptions
     if ((uv.array().abs() == std::numeric_limits<double>::infinity()).any())
         throw InvalidOption("uv_map: infinite numbers");
 }
-
-SplineSurface::~SplineSurface() = default;
-SplineSurface::SplineSurface(SplineSurface&&) noexcept = default;
 
 const SplineSurfaceOptions& SplineSurface::options() const { return impl_->options; }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -86,8 +86,6 @@ public:
     /// \throw InvalidOption  an option is out of range; or `uv_map` has another number of rows than the mesh
     ///   has vertices, not two columns, or an infinite number.
     explicit SplineSurface(const SurfaceMesh& rest, const SplineSurfaceOptions& options = {});
-    ~SplineSurface() override;
-    SplineSurface(SplineSurface&&) noexcept;
 
     const SplineSurfaceOptions& options() const override;
 
@@ -113,7 +111,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

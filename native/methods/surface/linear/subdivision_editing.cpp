@@ -129,14 +129,11 @@ struct SubdivisionEditing::Impl
 };
 
 SubdivisionEditing::SubdivisionEditing(const SurfaceMesh& rest, const SubdivisionEditingOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     impl_->options = options;
 }
-
-SubdivisionEditing::~SubdivisionEditing() = default;
-SubdivisionEditing::SubdivisionEditing(SubdivisionEditing&&) noexcept = default;
 
 const SubdivisionEditingOptions& SubdivisionEditing::options() const { return impl_->options; }
 

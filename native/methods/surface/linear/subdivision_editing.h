@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -77,8 +77,6 @@ class SubdivisionEditing final : public SurfaceMethodWith<SubdivisionEditingOpti
 public:
     /// \throw InvalidOption  levels < 0.
     explicit SubdivisionEditing(const SurfaceMesh& rest, const SubdivisionEditingOptions& options = {});
-    ~SubdivisionEditing() override;
-    SubdivisionEditing(SubdivisionEditing&&) noexcept;
 
     const SubdivisionEditingOptions& options() const override;
 
@@ -94,7 +92,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

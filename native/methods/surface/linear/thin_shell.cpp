@@ -153,13 +153,10 @@ struct ThinShell::Impl
 };
 
 ThinShell::ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>(this->rest(), options))
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>(this->rest(), options))
 {
     require_valid(options);
 }
-
-ThinShell::~ThinShell() = default;
-ThinShell::ThinShell(ThinShell&&) noexcept = default;
 
 const ThinShellOptions& ThinShell::options() const { return impl_->options; }
 

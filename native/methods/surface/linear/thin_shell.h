@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/methods/surface/linear/responses/affine_basis.h"
 #include "native/methods/surface/method.h"
@@ -82,8 +83,6 @@ public:
     /// \throw InvalidOption  a stiffness is negative or not finite, or has neither 1 nor n numbers; or all
     ///   three are zero.
     explicit ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options = {});
-    ~ThinShell() override;
-    ThinShell(ThinShell&&) noexcept;
 
     const ThinShellOptions& options() const override;
 
@@ -113,7 +112,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

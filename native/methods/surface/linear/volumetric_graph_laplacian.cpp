@@ -159,14 +159,11 @@ struct VolumetricGraphLaplacian::Impl
 
 VolumetricGraphLaplacian::VolumetricGraphLaplacian(const SurfaceMesh& rest,
                                                    const VolumetricGraphLaplacianOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     impl_->options = options;
 }
-
-VolumetricGraphLaplacian::~VolumetricGraphLaplacian() = default;
-VolumetricGraphLaplacian::VolumetricGraphLaplacian(VolumetricGraphLaplacian&&) noexcept = default;
 
 const VolumetricGraphLaplacianOptions& VolumetricGraphLaplacian::options() const { return impl_->options; }
 

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/methods/surface/method.h"
 #include "native/operators/laplacian.h"
 
 #include <array>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -70,8 +70,6 @@ public:
     /// \throw InvalidOption  `volume` is negative or not finite.
     explicit VolumetricGraphLaplacian(const SurfaceMesh& rest,
                                       const VolumetricGraphLaplacianOptions& options = {});
-    ~VolumetricGraphLaplacian() override;
-    VolumetricGraphLaplacian(VolumetricGraphLaplacian&&) noexcept;
 
     const VolumetricGraphLaplacianOptions& options() const override;
 
@@ -87,7 +85,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

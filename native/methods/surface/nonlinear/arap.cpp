@@ -172,7 +172,7 @@ struct Arap::Impl
 };
 
 Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     if (options.point_handles > 0.0 && options.cells == ArapOptions::Cells::rims)
@@ -181,9 +181,6 @@ Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
     impl_->unit = normal_unit(rest.points());
     impl_->rigidity = painted_rigidity(options.rigidity, rest.vertex_count());
 }
-
-Arap::~Arap() = default;
-Arap::Arap(Arap&&) noexcept = default;
 
 const ArapOptions& Arap::options() const { return impl_->options; }
 

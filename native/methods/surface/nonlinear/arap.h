@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -90,8 +90,6 @@ public:
     /// \throw InvalidOption  a number is negative or not finite, max_iterations < 1, `rigidity` has neither 1
     ///   nor n numbers or is zero everywhere, or point_handles >= 1, or > 0 with rims.
     explicit Arap(const SurfaceMesh& rest, const ArapOptions& options = {});
-    ~Arap() override;
-    Arap(Arap&&) noexcept;
 
     const ArapOptions& options() const override;
 
@@ -108,7 +106,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

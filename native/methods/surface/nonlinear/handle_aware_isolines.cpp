@@ -239,14 +239,11 @@ struct HandleAwareIsolines::Impl
 };
 
 HandleAwareIsolines::HandleAwareIsolines(const SurfaceMesh& rest, const HandleAwareIsolinesOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     impl_->options = options;
 }
-
-HandleAwareIsolines::~HandleAwareIsolines() = default;
-HandleAwareIsolines::HandleAwareIsolines(HandleAwareIsolines&&) noexcept = default;
 
 const HandleAwareIsolinesOptions& HandleAwareIsolines::options() const { return impl_->options; }
 

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/handles/handle_fields.h"
 #include "native/methods/surface/method.h"
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -72,8 +72,6 @@ class HandleAwareIsolines final : public SurfaceMethodWith<HandleAwareIsolinesOp
 public:
     /// \throw InvalidOption  bands < 2, max_iterations < 1, or tolerance is negative or not finite.
     explicit HandleAwareIsolines(const SurfaceMesh& rest, const HandleAwareIsolinesOptions& options = {});
-    ~HandleAwareIsolines() override;
-    HandleAwareIsolines(HandleAwareIsolines&&) noexcept;
 
     const HandleAwareIsolinesOptions& options() const override;
 
@@ -88,7 +86,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

@@ -143,15 +143,12 @@ struct MeshPuppetry::Impl
 };
 
 MeshPuppetry::MeshPuppetry(const SurfaceMesh& rest, const MeshPuppetryOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     impl_->options = options;
     impl_->unit = normal_unit(rest.points());
 }
-
-MeshPuppetry::~MeshPuppetry() = default;
-MeshPuppetry::MeshPuppetry(MeshPuppetry&&) noexcept = default;
 
 const MeshPuppetryOptions& MeshPuppetry::options() const { return impl_->options; }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -55,8 +55,6 @@ class MeshPuppetry final : public SurfaceMethodWith<MeshPuppetryOptions>
 public:
     /// \throw InvalidOption  a number is negative or not finite, or max_iterations < 1.
     explicit MeshPuppetry(const SurfaceMesh& rest, const MeshPuppetryOptions& options = {});
-    ~MeshPuppetry() override;
-    MeshPuppetry(MeshPuppetry&&) noexcept;
 
     const MeshPuppetryOptions& options() const override;
 
@@ -67,7 +65,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

@@ -266,7 +266,7 @@ struct Primo::Impl
 };
 
 Primo::Primo(const SurfaceMesh& rest, const PrimoOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     impl_->options = options;
@@ -275,9 +275,6 @@ Primo::Primo(const SurfaceMesh& rest, const PrimoOptions& options)
     if (impl_->height.empty())
         throw InvalidOption("height: zero everywhere; give at least one vertex a positive value");
 }
-
-Primo::~Primo() = default;
-Primo::Primo(Primo&&) noexcept = default;
 
 const PrimoOptions& Primo::options() const { return impl_->options; }
 

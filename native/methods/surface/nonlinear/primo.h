@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -65,8 +65,6 @@ public:
     /// \throw InvalidOption  a number is negative or not finite, max_iterations < 1, or `height` has neither
     ///   1 nor n numbers or is zero everywhere.
     explicit Primo(const SurfaceMesh& rest, const PrimoOptions& options = {});
-    ~Primo() override;
-    Primo(Primo&&) noexcept;
 
     const PrimoOptions& options() const override;
 
@@ -78,7 +76,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

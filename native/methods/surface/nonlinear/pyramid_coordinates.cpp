@@ -174,7 +174,7 @@ struct PyramidCoordinates::Impl
 };
 
 PyramidCoordinates::PyramidCoordinates(const SurfaceMesh& rest, const PyramidCoordinatesOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     if (options.target_shape)
@@ -182,9 +182,6 @@ PyramidCoordinates::PyramidCoordinates(const SurfaceMesh& rest, const PyramidCoo
     impl_->options = options;
     impl_->unit = normal_unit(rest.points());
 }
-
-PyramidCoordinates::~PyramidCoordinates() = default;
-PyramidCoordinates::PyramidCoordinates(PyramidCoordinates&&) noexcept = default;
 
 const PyramidCoordinatesOptions& PyramidCoordinates::options() const { return impl_->options; }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
@@ -74,8 +75,6 @@ public:
     /// \throw InvalidOption  side or tolerance is negative or not finite, side is 0, or max_iterations < 1.
     /// \throw InvalidMesh    the target shape has other faces; they are named.
     explicit PyramidCoordinates(const SurfaceMesh& rest, const PyramidCoordinatesOptions& options = {});
-    ~PyramidCoordinates() override;
-    PyramidCoordinates(PyramidCoordinates&&) noexcept;
 
     const PyramidCoordinatesOptions& options() const override;
 
@@ -90,7 +89,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

@@ -207,7 +207,7 @@ void SubspaceLaplacian::Impl::refuse_outside(const SurfaceMesh& mesh, const Hand
 
 SubspaceLaplacian::SubspaceLaplacian(const SurfaceMesh& rest, const SubspaceLaplacianOptions& options,
                                      std::optional<SurfaceMesh> cage)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     if (options.cage_faces != 0 && options.cage_faces < 12)
@@ -218,9 +218,6 @@ SubspaceLaplacian::SubspaceLaplacian(const SurfaceMesh& rest, const SubspaceLapl
     impl_->options = options;
     impl_->cage = std::move(cage);
 }
-
-SubspaceLaplacian::~SubspaceLaplacian() = default;
-SubspaceLaplacian::SubspaceLaplacian(SubspaceLaplacian&&) noexcept = default;
 
 const SubspaceLaplacianOptions& SubspaceLaplacian::options() const { return impl_->options; }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/hidden.h"
 #include "native/core/options.h"
 #include "native/methods/surface/method.h"
 
-#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -89,8 +89,6 @@ public:
     /// \throw InvalidMesh    see Cage.
     explicit SubspaceLaplacian(const SurfaceMesh& rest, const SubspaceLaplacianOptions& options = {},
                                std::optional<SurfaceMesh> cage = {});
-    ~SubspaceLaplacian() override;
-    SubspaceLaplacian(SubspaceLaplacian&&) noexcept;
 
     const SubspaceLaplacianOptions& options() const override;
 
@@ -109,7 +107,7 @@ protected:
 
 private:
     struct Impl;
-    std::unique_ptr<Impl> impl_;
+    Hidden<Impl> impl_;
 };
 
 } // namespace sinew

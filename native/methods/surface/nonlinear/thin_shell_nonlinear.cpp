@@ -288,16 +288,13 @@ struct ThinShellNonlinear::Impl
 };
 
 ThinShellNonlinear::ThinShellNonlinear(const SurfaceMesh& rest, const ThinShellNonlinearOptions& options)
-    : SurfaceMethodWith(rest), impl_(std::make_unique<Impl>())
+    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
 {
     require_valid(options);
     impl_->options = options;
     impl_->unit = normal_unit(rest.points());
     impl_->stiffnesses = stiffnesses(options, rest, impl_->unit);
 }
-
-ThinShellNonlinear::~ThinShellNonlinear() = default;
-ThinShellNonlinear::ThinShellNonlinear(ThinShellNonlinear&&) noexcept = default;
 
 const ThinShellNonlinearOptions& ThinShellNonlinear::options() const { return impl_->options; }
 

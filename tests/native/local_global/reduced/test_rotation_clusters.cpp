@@ -2,9 +2,9 @@
 #include "native/local_global/reduced/rotation_clusters.h"
 
 #include "native/operators/laplacian.h"
+#include "tests/native/dense.h"
 #include "tests/native/shapes.h"
 
-#include <Eigen/Dense>
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -40,21 +40,22 @@ struct Setting
         }
         const ClusterLoads loads(L, mesh.points(), labels, clusters);
         const MatrixX A(L), B(loads.B), inner = A(free, free);
-        const MatrixX outer = -A(free, held) * H(held, Eigen::all), load = B(free, Eigen::all);
-        const Eigen::PartialPivLU<MatrixX> factor(inner);
-        const MatrixX by_poses = factor.solve(outer), by_turns = factor.solve(load);
+        const MatrixX outer = -dense::product(A(free, held), H(held, Eigen::all)), load = B(free, Eigen::all);
+        const MatrixX by_poses = dense::solution(inner, outer), by_turns = dense::solution(inner, load);
         X = H;
         X(free, Eigen::all) = by_poses;
         Z = MatrixX::Zero(n, 3 * clusters);
         Z(free, Eigen::all) = by_turns;
-        reduced = std::make_unique<RotationClusters>(loads.own, B.transpose() * Z, B.transpose() * X,
-                                                     X.transpose() * A * X);
+        reduced = std::make_unique<RotationClusters>(loads.own, dense::product(B.transpose(), Z),
+                                                     dense::product(B.transpose(), X),
+                                                     dense::product(X.transpose(), dense::product(A, X)));
     }
 
     /// The points of a state.
     Points points(const RotationClusters::State& state) const
     {
-        return shapes::transformed(mesh.points(), state.mean) + X * state.poses + Z * state.turns;
+        return shapes::transformed(mesh.points(), state.mean) + dense::product(X, state.poses) +
+               dense::product(Z, state.turns);
     }
 
     /// F, term by term.

@@ -63,7 +63,8 @@ struct Setting
     /// F, term by term from the header, with the best rotations.
     double energy(const Points& u, const Poses& poses) const
     {
-        const Points rest = B * y, x = B * (y + u), curved = L * x, curved_rest = L * rest;
+        const Points rest = dense::product(B, y), x = dense::product(B, y + u), curved = L * x,
+                     curved_rest = L * rest;
         double sum = 0.0;
         for (int k = 0; k < 11; ++k) {
             Matrix3 S = Matrix3::Zero();
@@ -150,7 +151,7 @@ TEST(SubspaceCells, two_unrelated_starts_meet_and_the_energy_never_rises)
             EXPECT_LE(report.energy, before * (1 + 1e-12));
             before = report.energy;
         }
-        found[start] = bar.B * u;
+        found[start] = dense::product(bar.B, u);
     }
     EXPECT_LT(shapes::distance(found[0], found[1]), 1e-4);
 }
@@ -160,13 +161,13 @@ TEST(SubspaceCells, keeps_a_volume_on_the_way)
     const Setting bar;
     const std::vector<Points> aims = bar.targets(twisted());
     const CoarseVolume coarse{bar.B, EnclosedVolume(bar.mesh.triangles(), bar.mesh.vertex_count())};
-    const Points shape = bar.B * bar.y;
+    const Points shape = dense::product(bar.B, bar.y);
     SubspaceProblem problem(*bar.cells, bar.base, mean(), aims, &coarse, shape);
     Points u = problem.unknowns_for_rotations();
     const SolveReport report =
         minimize(problem, u, {.max_iterations = 200, .tolerance = 1e-10, .plain_steps = 4});
     EXPECT_TRUE(report.converged);
-    const Points x = shape + bar.B * u;
+    const Points x = shape + dense::product(bar.B, u);
     const double wanted = coarse.volume.of(view(shape));
     EXPECT_LT(std::abs(coarse.volume.of(view(x)) / wanted - 1), 1e-5); // as it admits
     // The gradient has no part along the constraint: no admitted way out lowers the energy.

@@ -2,10 +2,10 @@
 #include "native/solvers/optimization/metric_lbfgs.h"
 
 #include "native/solvers/optimization/kernels.h"
+#include "tests/native/dense.h"
 #include "tests/native/shapes.h"
 #include "tests/native/wide_kernels.h"
 
-#include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -28,7 +28,10 @@ public:
         state = x;
         return value(x, gradient);
     }
-    void precondition(const Points& gradient, Points& z) const final { z = metric_.solve(gradient); }
+    void precondition(const Points& gradient, Points& z) const final
+    {
+        z = dense::solution(metric_, gradient);
+    }
     void keep_state() final { kept_ = state; }
     void restore_state() final { state = kept_; }
 
@@ -39,14 +42,8 @@ public:
 
 private:
     Points kept_;
-    Eigen::LLT<MatrixX> metric_;
+    MatrixX metric_;
 };
-
-MatrixX random_spd(int n, int seed, double least)
-{
-    const MatrixX B = shapes::Random(seed).dense(n, n);
-    return B * B.transpose() + least * MatrixX::Identity(n, n);
-}
 
 class Quadratic final : public DenseProblem
 {
@@ -54,15 +51,15 @@ public:
     Quadratic(const MatrixX& A, const MatrixX& metric) : DenseProblem(metric), A_(A)
     {
         b_ = shapes::Random(4).dense(static_cast<int>(A.rows()), 3);
-        least_ = 0.5 * (b_.transpose() * minimum()).trace();
+        least_ = 0.5 * b_.cwiseProduct(minimum()).sum();
     }
     double value(const Points& x, Points& gradient) const override
     {
-        gradient = A_ * x - b_;
+        gradient = dense::product(A_, x) - b_;
         // 1 at the minimum: stopping rules compare with F itself.
-        return 1 + least_ + 0.5 * (x.transpose() * (A_ * x)).trace() - (b_.transpose() * x).trace();
+        return 1 + least_ + 0.5 * x.cwiseProduct(gradient - b_).sum();
     }
-    Points minimum() const { return A_.ldlt().solve(b_); }
+    Points minimum() const { return dense::solution(A_, b_); }
 
 private:
     MatrixX A_, b_;
@@ -119,7 +116,7 @@ void expect_never_rises(const std::vector<double>& F)
 
 TEST(MetricLbfgs, with_the_true_hessian_as_metric_needs_one_step)
 {
-    const MatrixX A = random_spd(20, 1, 1.0);
+    const MatrixX A = dense::random_definite(20, 1, 1.0);
     Quadratic problem(A, A);
     Points x = start(20);
     minimize(problem, x, budget(1));
@@ -128,7 +125,7 @@ TEST(MetricLbfgs, with_the_true_hessian_as_metric_needs_one_step)
 
 TEST(MetricLbfgs, finds_the_minimum_of_a_quadratic_under_a_bounding_metric)
 {
-    const MatrixX A = random_spd(20, 2, 1.0);
+    const MatrixX A = dense::random_definite(20, 2, 1.0);
     Quadratic problem(A,
                       2 * A.diagonal().asDiagonal().toDenseMatrix() + A.trace() * MatrixX::Identity(20, 20));
     Points x = start(20);
@@ -141,7 +138,7 @@ TEST(MetricLbfgs, finds_the_minimum_of_a_quadratic_under_a_bounding_metric)
 
 TEST(MetricLbfgs, is_faster_than_plain_steps_in_the_same_metric)
 {
-    const MatrixX A = random_spd(30, 3, 1.0);
+    const MatrixX A = dense::random_definite(30, 3, 1.0);
     const auto make = [&] { return Quadratic(A, A.trace() * MatrixX::Identity(30, 30)); };
     const double plain = energies(make, 30, 30, 0).back();
     const double quick = energies(make, 30, 30, 5).back();
@@ -152,7 +149,7 @@ TEST(MetricLbfgs, is_faster_than_plain_steps_in_the_same_metric)
 
 TEST(MetricLbfgs, never_raises_the_function_even_where_the_metric_is_no_bound)
 {
-    const MatrixX A = random_spd(15, 4, 0.5);
+    const MatrixX A = dense::random_definite(15, 4, 0.5);
     expect_never_rises(energies([&] { return Quadratic(A, A.trace() * MatrixX::Identity(15, 15)); }, 15, 30));
     for (double bound : {1.0, 0.2, 0.02})
         expect_never_rises(energies([&] { return Dented(12, bound); }, 12, 40));
@@ -175,7 +172,7 @@ TEST(MetricLbfgs, an_exhausted_budget_is_a_report_and_each_evaluation_after_the_
 
 TEST(MetricLbfgs, stops_after_two_small_decreases_in_a_row)
 {
-    const MatrixX A = random_spd(20, 5, 1.0);
+    const MatrixX A = dense::random_definite(20, 5, 1.0);
     const MatrixX metric = A.trace() * MatrixX::Identity(20, 20);
     Quadratic loose(A, metric), tight(A, metric);
     Points x = start(20), y = start(20);
@@ -200,7 +197,7 @@ TEST(MetricLbfgs, stops_at_once_below_the_floor)
 
 TEST(MetricLbfgs, at_the_minimum_stays_there)
 {
-    const MatrixX A = random_spd(10, 6, 1.0);
+    const MatrixX A = dense::random_definite(10, 6, 1.0);
     Quadratic problem(A, A);
     Points x = problem.minimum();
     const Points before = x;

@@ -2,11 +2,10 @@
 #include "native/core/simd/kernel_set.h"
 #include "native/solvers/supernodal/kernels.h"
 #include "native/solvers/supernodal/solve.h"
+#include "tests/native/dense.h"
 #include "tests/native/threads.h"
 
 #include <gtest/gtest.h>
-
-#include <Eigen/Dense>
 
 #include <algorithm>
 #include <random>
@@ -76,7 +75,7 @@ struct Example
         MatrixX permuted(rhs.rows(), rhs.cols());
         for (std::size_t i = 0; i < permutation.size(); ++i)
             permuted.row(i) = rhs.row(permutation[i]);
-        const MatrixX solved = (L * L.transpose()).ldlt().solve(permuted);
+        const MatrixX solved = dense::solution(dense::product(L, L.transpose()), permuted);
         MatrixX result(rhs.rows(), rhs.cols());
         for (std::size_t i = 0; i < permutation.size(); ++i)
             result.row(permutation[i]) = solved.row(i);
@@ -149,9 +148,9 @@ struct RandomSupernode
     {
         for (int c = 0; c < width; c += 16) {
             const int part = std::min(16, width - c);
-            x.middleRows(c, part) = (inverse(c, part) * x.middleRows(c, part)).eval();
+            x.middleRows(c, part) = dense::product(inverse(c, part), x.middleRows(c, part));
             for (int r = c + part; r < height; ++r)
-                x.row(place(r)) -= values.block(r, c, 1, part) * x.middleRows(c, part);
+                x.row(place(r)) -= dense::product(values.block(r, c, 1, part), x.middleRows(c, part));
         }
     }
     void backward(MatrixX& x) const
@@ -159,8 +158,9 @@ struct RandomSupernode
         for (int c = (width - 1) / 16 * 16; c >= 0; c -= 16) {
             const int part = std::min(16, width - c);
             for (int r = c + part; r < height; ++r)
-                x.middleRows(c, part) -= values.block(r, c, 1, part).transpose() * x.row(place(r));
-            x.middleRows(c, part) = (inverse(c, part).transpose() * x.middleRows(c, part)).eval();
+                x.middleRows(c, part) -=
+                    dense::product(values.block(r, c, 1, part).transpose(), x.row(place(r)));
+            x.middleRows(c, part) = dense::product(inverse(c, part).transpose(), x.middleRows(c, part));
         }
     }
     int place(int r) const { return r < width ? r : rows[r - width]; }

@@ -178,7 +178,8 @@ CagedPart::CagedPart(const SurfaceMesh& mesh, const std::vector<int>& members, c
     coarse_rest = means(rest);
     MatrixX normal = transposed_product(coarse, coarse);
     normal.diagonal().array() += 1e-8 * normal.diagonal().mean();
-    projection.factorize(normal);
+    if (!projection.factorize(normal))
+        throw FactorizationFailed("the coarse shape of the surface has no unique solution");
 
     volume = EnclosedVolume(triangles, n);
     double twice = 0.0;

@@ -113,8 +113,8 @@ TEST_F(VolumetricGraphLaplacian, solves_what_dense_matrices_do)
                     const VectorX m = mass_vector(mesh, kind);
                     L.topLeftCorner(n, n) = dense::with_positive_weights(surface);
                     L += MatrixX(W.rowwise().sum().asDiagonal()) - W;
-                    MatrixX A = alpha / m.mean() * D.transpose() * D;
-                    A.topLeftCorner(n, n) += surface * m.cwiseInverse().asDiagonal() * surface;
+                    MatrixX A = alpha / m.mean() * dense::product(D.transpose(), D);
+                    A.topLeftCorner(n, n) += dense::product(surface, m.cwiseInverse().asDiagonal() * surface);
 
                     // The field of the second handle; a soft one pulls it as it pulls positions.
                     VectorX s = VectorX::Zero(nodes), b = s;
@@ -146,8 +146,9 @@ TEST_F(VolumetricGraphLaplacian, solves_what_dense_matrices_do)
                         if (!held[i])
                             free.push_back(i);
                     s = dense::solution(L, b, s, free);
-                    const MatrixX delta = m.cwiseInverse().asDiagonal() * (surface * mesh.points()),
-                                  inner = D * p;
+                    const MatrixX delta =
+                                      m.cwiseInverse().asDiagonal() * dense::product(surface, mesh.points()),
+                                  inner = dense::product(D, p);
                     MatrixX turned = delta, inside = inner;
                     for (int i = 0; i < nodes; ++i) {
                         const Matrix3 T = Eigen::Quaterniond::Identity()
@@ -158,12 +159,13 @@ TEST_F(VolumetricGraphLaplacian, solves_what_dense_matrices_do)
                             turned.row(i) = (T * delta.row(i).transpose()).transpose();
                         inside.row(i) = (T * inner.row(i).transpose()).transpose();
                     }
-                    rhs.topRows(n) += surface * turned;
-                    rhs += alpha / m.mean() * D.transpose() * inside;
+                    rhs.topRows(n) += dense::product(surface, turned);
+                    rhs += alpha / m.mean() * dense::product(D.transpose(), inside);
                     x = dense::solution(K, rhs, x, free);
-                    const MatrixX misfit = m.cwiseInverse().asDiagonal() * (surface * x.topRows(n)) - turned;
-                    energy = 0.5 * (misfit.transpose() * m.asDiagonal() * misfit).trace() +
-                             0.5 * alpha / m.mean() * (D * x - inside).squaredNorm();
+                    const MatrixX misfit =
+                        m.cwiseInverse().asDiagonal() * dense::product(surface, x.topRows(n)) - turned;
+                    energy = 0.5 * m.dot(misfit.rowwise().squaredNorm()) +
+                             0.5 * alpha / m.mean() * (dense::product(D, x) - inside).squaredNorm();
                     if (weight < 1.0)
                         for (int v : handles[1].vertices)
                             energy += 0.5 * weight / (1 - weight) * A(v, v) *
