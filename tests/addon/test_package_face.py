@@ -39,7 +39,7 @@ def test_operator_names_follow_one_pattern():
 
 
 def test_methods_are_named_in_the_registry_only():
-    """Menus, properties and sessions come from rows: a method's id stands in its row, and in those of tasks."""
+    """Menus, properties and sessions come from rows: a method's id stands in its row and in a task's."""
     from sinew.core.methods import METHODS
 
     for path in ADDON.rglob("*.py"):
