@@ -7,7 +7,6 @@ from itertools import pairwise
 import bpy
 import numpy as np
 from driving import rest
-from inside import inner
 from window import Place, on_screen, region, screenshot, viewport, window
 
 _NUMBERS = ("ZERO", "ONE", "TWO", "THREE", "FOUR", "FIVE", "SIX", "SEVEN", "EIGHT", "NINE")
@@ -65,16 +64,6 @@ def click(x: int, y: int, **modifiers: bool) -> Iterator[None]:
     yield
     press("LEFTMOUSE", **modifiers)
     yield from rest()
-
-
-def choose(menu: Place, owner: bpy.types.bpy_struct, name: str, value: str) -> Iterator[None]:
-    """Open the menu of a property, and go to an entry by arrow keys: letters change as entries are added."""
-    listed = [item.identifier for item in owner.bl_rna.properties[name].enum_items]
-    # Those of methods are asked for when they are shown, since their names may be turned round.
-    entries = listed or [item[0] for item in inner.properties.method_items()]
-    yield from click(*menu)
-    yield from keys("HOME", *["DOWN_ARROW"] * list(filter(None, entries)).index(value), "RET")
-    yield
 
 
 def between(start: Place, end: Place, steps: int = 4) -> list[Place]:

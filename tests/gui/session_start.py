@@ -12,7 +12,7 @@ from bpy_extras.object_utils import world_to_camera_view
 from driving import above, apart, claim, near, rest, run, settled, until
 from editing import edited, select, selection
 from expected import members_of
-from hand import between, choose, click, drag, glide, keys, move, open_sidebar, press, redo, undo
+from hand import between, click, drag, glide, keys, move, open_sidebar, press, redo, undo
 from inside import inner
 from mathutils import Vector
 from rigs.rig import base_points, curves_of
@@ -25,8 +25,8 @@ HOOVES = (100, 200), (470, 126)
 HERE = (480, 300)
 MENU = (600, 760)
 MENU_ADD_HANDLE = (640, 736)
-METHOD = (930, 652)
-FACTOR = (975, 435), (940, 435)
+METHOD, SOFT_SHEET = (955, 650), (518, 374)  # the button, and a picture in its popup
+FACTOR = (975, 432), (940, 432)
 LAST = 12  # frame
 REGIONS = [("HANDLE", "Handle"), ("FIXED", "Still")]
 FLOAT32 = 2e-6  # of a model 2 units long
@@ -147,8 +147,14 @@ def pose() -> Iterator[None]:
 def settings() -> Iterator[None]:
     """Method and Factor in the panel."""
     arap = shown(cow())
-    with claim("another method from the menu keeps the regions and shows at once"):
-        yield from choose(METHOD, deformer(), "method", "thin_shell")
+    with claim("another method from the pictures keeps the regions and shows at once"):
+        yield from click(*METHOD)
+        yield from rest(5)
+        screenshot("7-methods")
+        yield from click(*SOFT_SHEET)
+        yield from settled()
+        move(*HERE)  # which closes the popup
+        yield from rest()
         assert deformer().method == "thin_shell"
         assert regions() == REGIONS
         above(apart(shown(cow()), arap), 0.01)
