@@ -27,6 +27,7 @@ MENU = (600, 760)
 MENU_ADD_HANDLE = (640, 736)
 METHOD, SOFT_SHEET = (955, 650), (518, 374)  # the button, and a picture in its popup
 FACTOR = (975, 432), (940, 432)
+FAR = (100, 300)
 LAST = 12  # frame
 REGIONS = [("HANDLE", "Handle"), ("FIXED", "Still")]
 FLOAT32 = 2e-6  # of a model 2 units long
@@ -153,7 +154,7 @@ def settings() -> Iterator[None]:
         screenshot("7-methods")
         yield from click(*SOFT_SHEET)
         yield from settled()
-        move(*HERE)  # which closes the popup
+        move(*FAR)  # which closes the popup
         yield from rest()
         assert deformer().method == "thin_shell"
         assert regions() == REGIONS
