@@ -525,11 +525,20 @@ def rendered(act: Callable[[], None], **options: bool) -> Iterator[None]:
     yield from until(is_done, 350.0)
 
 
+def takes_writes() -> bool:
+    """Whether Blender lets Python write: a panel that is drawn beside the Python of a render can forbid that."""
+    try:
+        bpy.context.scene.render.use_lock_interface = False
+    except AttributeError:
+        return False
+    return True
+
+
 def unlocked(stage: Stage, engine: str, last: int, writers: list[bool]) -> Iterator[None]:
     """An animation, while the user orbits and poses another mesh, which is solved again and again."""
     scene = bpy.context.scene
+    yield from until(takes_writes)
     scene.render.engine = engine
-    scene.render.use_lock_interface = False
     scene.frame_start, scene.frame_end = 1, last
     scene.frame_set(1)
     Probe.seen, Probe.frames, Probe.subframes = [], [], (0.0,)
