@@ -526,7 +526,7 @@ def rendered(act: Callable[[], None], **options: bool) -> Iterator[None]:
 
 
 def takes_writes() -> bool:
-    """Whether Blender lets Python write: a panel that is drawn beside the Python of a render can forbid that."""
+    """Whether Blender lets Python write: a panel drawn beside the Python of a render can forbid that."""
     try:
         bpy.context.scene.render.use_lock_interface = False
     except AttributeError:
