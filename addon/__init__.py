@@ -12,8 +12,9 @@ bl_info = {
 }
 
 from . import handlers, operators, preferences, properties, ui  # noqa: E402
+from .compat import translation  # noqa: E402
 
-_ROOMS = (properties, preferences, operators, ui, handlers)
+_ROOMS = (translation, properties, preferences, operators, ui, handlers)
 
 
 def register() -> None:

@@ -28,6 +28,9 @@ class Operators:
     POINT_ADD = "sinew.point_add"
     HANDLE_REMOVE = "sinew.handle_remove"
     CONTROL_NEW = "sinew.control_new"
+    CONTROL_EDIT = "sinew.control_edit"
+    POSE_RESET = "sinew.reset_pose"
+    POSE_KEY = "sinew.key_pose"
     BIND = "sinew.bind"
     UNBIND = "sinew.unbind"
     CANCEL = "sinew.cancel"
@@ -51,12 +54,17 @@ class Operators:
     KEEP_INSIDE = "sinew.keep_inside"
     GRAB_REGION = "sinew.grab_region"
     DRAG = "sinew.drag"
+    DRAG_PRESS = "sinew.drag_press"
+    DRAG_START = "sinew.drag_start"
+    CONTROL_DRAG = "sinew.control_drag"
+    REACH_DRAG = "sinew.reach_drag"
     SILHOUETTE_SKETCH = "sinew.silhouette_sketch"
     PUPPET_POSE = "sinew.puppet_pose"
     PUPPET_PIN = "sinew.puppet_pin"
     PUPPET_RIG = "sinew.puppet_rig"
     BAKE = "sinew.bake"
     UNBAKE = "sinew.unbake"
+    BAKE_FIND = "sinew.bake_find"
     TRANSFER = "sinew.transfer_deformation"
     MORPH = "sinew.morph"
     CURVE_EDIT = "sinew.curve_edit"
@@ -64,6 +72,10 @@ class Operators:
     HELP = "sinew.help"
     REPORT_RENDERS = "sinew.report_renders"
     CHECK_INSTALLATION = "sinew.check_installation"
+    TASK_START = "sinew.start_task"
+    METHOD_USE = "sinew.use_method"
+    ALL_TASKS = "sinew.all_tasks"
+    CHOOSE_METHOD = "sinew.choose_method"
     PRESET_ADD = "sinew.preset_add"
     PRESET_APPLY = "sinew.preset_apply"
 
@@ -74,7 +86,6 @@ class Menus:
     EDIT_MESH = "SINEW_MT_edit_mesh"
     OBJECT = "SINEW_MT_object"
     PIE = "SINEW_MT_pie"
-    ADD = "SINEW_MT_add"
     ADD_REGION = "SINEW_MT_add_region"
     HANDLE = "SINEW_MT_handle"
     CAGE = "SINEW_MT_cage"
@@ -83,6 +94,11 @@ class Menus:
     TOOLS = "SINEW_MT_tools"
     DEFORMER = "SINEW_MT_deformer"
     MANUAL = "SINEW_MT_manual"
+    MANUAL_METHODS = "SINEW_MT_manual_methods"
+    PROBLEMS = "SINEW_MT_problems"
+    OTHER_NAMES = "SINEW_MT_other_names"
+    LEARNED_NAMES = "SINEW_MT_learned_names"
+    OF_TASK = "SINEW_MT_task_{}"  # with the id of the task
     FOR_GROUPS = {  # by the role of the region that a vertex group becomes
         "HANDLE": "SINEW_MT_handle_of_group",
         "FIXED": "SINEW_MT_fixed_of_group",
@@ -127,6 +143,7 @@ class Keys:
     REST_LOST = "sinew_lost_groups"
     REST_POINT_TYPE = "sinew_kind"
     REST_STRUCTURE = "sinew_structure"
+    REST_POSE = "sinew_pose"
 
 
 class Inputs:

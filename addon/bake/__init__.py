@@ -6,8 +6,8 @@ from .alembic import is_available as can_write_alembic
 from .job import Baking, Request
 from .paths import choose as choose_path
 from .paths import offered as offered_path
-from .sequences import missing_frames
 from .stretching import frame_at
+from .there import has_files, look, play_instead
 from .transfer import Transferring
 from .unbake import unbake
 
@@ -19,7 +19,9 @@ __all__ = (
     "choose_path",
     "export_alembic",
     "frame_at",
-    "missing_frames",
+    "has_files",
+    "look",
     "offered_path",
+    "play_instead",
     "unbake",
 )

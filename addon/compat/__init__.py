@@ -2,7 +2,7 @@
 """One function for each capability that differs between Blender versions."""
 
 from .animation import action_curves, remove_action_curve
-from .bones import is_bone_selected, select_bone
+from .bones import is_bone_selected, is_bone_visible, select_bone
 from .drawing import set_text_size, smooth_colour_shader
 from .interface import (
     add_group_input,
@@ -14,7 +14,7 @@ from .interface import (
     rename_attribute_inputs,
     set_modifier_input,
 )
-from .layout import draw_keymap_item, draw_progress, text_width
+from .layout import close_popups, draw_keymap_item, draw_progress, refresh_popup, text_width
 from .libraries import is_placeholder
 from .mesh import (
     read_cloud,
@@ -29,17 +29,20 @@ from .mesh import (
 from .modifiers import move_modifier
 from .nodes import enabled_socket
 from .shape_keys import read_key, remove_data, write_key
+from .translation import told
 
 __all__ = (
     "action_curves",
     "add_group_input",
     "add_group_output",
+    "close_popups",
     "draw_keymap_item",
     "draw_progress",
     "enabled_socket",
     "has_group_input",
     "hide_in_modifier",
     "is_bone_selected",
+    "is_bone_visible",
     "is_placeholder",
     "modifier_input",
     "modifier_inputs",
@@ -51,6 +54,7 @@ __all__ = (
     "read_lattice",
     "read_positions",
     "read_triangles",
+    "refresh_popup",
     "remove_action_curve",
     "remove_data",
     "rename_attribute_inputs",
@@ -59,6 +63,7 @@ __all__ = (
     "set_text_size",
     "smooth_colour_shader",
     "text_width",
+    "told",
     "write_key",
     "write_lattice",
     "write_positions",

@@ -4,7 +4,9 @@
 import blf
 import bpy
 import rna_keymap_ui
-from bpy.types import KeyConfig, KeyMap, KeyMapItem, UILayout
+from bpy.types import Context, KeyConfig, KeyMap, KeyMapItem, UILayout, Window
+
+from .translation import told
 
 
 def draw_progress(layout: UILayout, fraction: float, text: str) -> None:
@@ -13,9 +15,9 @@ def draw_progress(layout: UILayout, fraction: float, text: str) -> None:
     Before 4.0, Blender has no bar: then it is a text.
     """
     if hasattr(layout, "progress"):
-        layout.progress(factor=fraction, text=f"{fraction:.0%} {text}")
+        layout.progress(factor=fraction, text=f"{fraction:.0%} {told(text)}")
     else:
-        layout.label(text=f"{fraction:.0%} {text}", icon="SORTTIME")
+        layout.label(text=f"{fraction:.0%} {told(text)}", icon="SORTTIME")
 
 
 def text_width(text: str, points: float) -> float:
@@ -28,6 +30,21 @@ def text_width(text: str, points: float) -> float:
     else:
         blf.size(0, points, 72)
     return blf.dimensions(0, text)[0]
+
+
+def refresh_popup(context: Context) -> None:
+    """Draw an open popup again while a text in it is typed. Before 4.2, Blender does so after Return only."""
+    region = getattr(context, "region_popup", None)
+    if region is not None:
+        region.tag_refresh_ui()
+
+
+def close_popups(window: Window) -> None:
+    """Close the popups of a window as soon as the operator ends that is pressed in one of them.
+
+    Blender does so when the screen of the window is changed, though it be to the same one.
+    """
+    window.screen = window.screen
 
 
 def draw_keymap_item(layout: UILayout, keyconfig: KeyConfig, keymap: KeyMap, item: KeyMapItem) -> None:

@@ -40,11 +40,12 @@ class Remedy(Flag):
     REFINE = auto()
     ARMATURE_OFF = auto()
     KEEP_INSIDE = auto()
+    FIND_FILE = auto()
 
 
 @dataclass(frozen=True)
 class Status:
-    """One line, the elements that **Select** shows, and the remedies that buttons offer.
+    """One line, the elements that **Show** selects, and the remedies that buttons offer.
 
     ``left_out``: it tells what could not be used, so scripts and reports have to tell it, too.
     """
@@ -62,6 +63,7 @@ _statuses: dict[str, Status] = remember({})
 _notes: dict[str, tuple[Status, ...]] = remember({})
 _incoming: dict[str, Status] = remember({})
 _masks: dict[str, Status] = remember({})
+_files: dict[str, tuple[Status, ...]] = remember({})
 _renders: dict[str, Status] = remember({})
 _unreported: dict[str, str] = remember({})
 
@@ -74,7 +76,7 @@ def current(key: str) -> Status:
 def notes(key: str) -> tuple[Status, ...]:
     """The other lines, which are mostly warnings."""
     live = (_incoming.get(key), _masks.get(key), _renders.get(key))
-    return (*_notes.get(key, ()), *(line for line in live if line is not None))
+    return (*_files.get(key, ()), *_notes.get(key, ()), *(line for line in live if line is not None))
 
 
 def left_out(key: str) -> tuple[str, ...]:
@@ -114,6 +116,11 @@ def put_mask(key: str, text: str) -> None:
         _masks.pop(key, None)
 
 
+def put_files(key: str, lines: tuple[Status, ...]) -> None:
+    """Replace the lines that tell which files are missing."""
+    _files[key] = lines
+
+
 def put_render(key: str, text: str) -> None:
     """Replace the line that tells why renders show the rest shape; empty for no line.
 
@@ -143,4 +150,5 @@ def clear(key: str) -> None:
     _statuses.pop(key, None)
     put_notes(key, ())
     put_mask(key, "")
+    put_files(key, ())
     put_render(key, "")

@@ -7,12 +7,14 @@ Timers do not run without a window; tests call ``catch_up`` instead, and copies 
 import time
 
 import bpy
-from bpy.types import Depsgraph
+from bpy.types import Depsgraph, Object
 
+from .. import bake
 from ..core import status
 from ..operators import redraw_panels
+from ..properties import deformers_of
 from ..session.actions import housekeeping, refresh
-from ..session.datablocks import owners
+from ..session.datablocks import owners, traits
 from ..session.evaluation import binding, evaluate, mirroring
 from ..session.evaluation import schedule as live_schedule
 from ..session.state import render_writes, sessions
@@ -113,13 +115,14 @@ def catch_up() -> bool:
     """Do all deferred work now; True while a thread is still working.
 
     Collects the results of threads, gives copied objects shapes of their own, reacts to edits of meshes,
-    gives keyframes to controls that followed others, and replaces previews by final shapes.
+    gives keyframes to controls that followed others, replaces previews by final shapes, and looks for files.
     """
     housekeeping.collect()
     housekeeping.tidy()
     refresh.refresh()
     mirroring.key_partners()
     evaluate.settle()
+    bake.look()
     return binding.busy()
 
 
@@ -130,7 +133,15 @@ def is_playing() -> bool:
 
 
 def _is_pending() -> bool:
-    return binding.busy() or housekeeping.has_pending()
+    waits = binding.busy() or housekeeping.has_pending() or _uncounted() is not None
+    return waits or bake.has_files()
+
+
+def _uncounted() -> Object | None:
+    """The active object, if it is a mesh without a deformer whose panel shall suggest tasks."""
+    layer = getattr(bpy.context, "view_layer", None)
+    active = layer and layer.objects.active
+    return active if active and not deformers_of(active) and traits.is_uncounted(active) else None
 
 
 def _tick() -> float | None:
@@ -146,6 +157,9 @@ def _tick() -> float | None:
         # While an engine starts in the render thread, Blender refuses all writes for a moment.
         if "not allowed" not in str(refusal) and "blend data" not in str(refusal):
             raise
+    fresh = _uncounted()
+    if fresh is not None:
+        traits.count(fresh.data)
     redraw_panels()
     if not is_busy:
         return None

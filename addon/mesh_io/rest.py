@@ -14,7 +14,14 @@ from ..core.geometry import frames, numbering
 from ..core.point_types import MESH, PointType, point_type_with_id
 from ..ids import Keys
 
-_KEYS = (Keys.REST_TOKEN, Keys.REST_GROUPS, Keys.REST_LOST, Keys.REST_POINT_TYPE, Keys.REST_STRUCTURE)
+_KEYS = (
+    Keys.REST_TOKEN,
+    Keys.REST_GROUPS,
+    Keys.REST_LOST,
+    Keys.REST_POINT_TYPE,
+    Keys.REST_STRUCTURE,
+    Keys.REST_POSE,
+)
 _WEIGHTS = ".sinew_weight_"  # prefix of the attributes that hold the weights of vertex groups
 
 

@@ -3,8 +3,9 @@
 
 from bpy.utils import register_classes_factory
 
+from ..properties import deformer as settings
 from . import entering
-from .animation.bake import SINEW_OT_bake, SINEW_OT_unbake
+from .animation.bake import SINEW_OT_bake, SINEW_OT_bake_find, SINEW_OT_unbake
 from .animation.key import SINEW_OT_key_add, SINEW_OT_key_jump, SINEW_OT_key_move, SINEW_OT_key_remove
 from .animation.morph import SINEW_OT_morph
 from .animation.transfer import SINEW_OT_transfer_deformation
@@ -18,6 +19,7 @@ from .controls.cage import (
 from .controls.curve import SINEW_OT_curve_edit
 from .controls.grid import SINEW_OT_grid_new
 from .controls.lattice import SINEW_OT_lattice_add, SINEW_OT_lattice_set_rest
+from .controls.pose import SINEW_OT_key_pose, SINEW_OT_reset_pose
 from .controls.tools import SINEW_OT_tool_add, SINEW_OT_tool_stop
 from .controls.wires import SINEW_OT_wire_add
 from .deformer.apply import SINEW_OT_apply
@@ -25,7 +27,7 @@ from .deformer.bind import SINEW_OT_bind, SINEW_OT_unbind
 from .deformer.cancel import SINEW_OT_cancel, SINEW_OT_watch
 from .deformer.check import SINEW_OT_check_installation
 from .deformer.deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
-from .deformer.help import PAGES, SINEW_OT_help
+from .deformer.help import PAGES, SINEW_OT_help, page_of
 from .deformer.move import SINEW_OT_deformer_move, SINEW_OT_handle_move
 from .deformer.preset import SINEW_OT_preset_add, SINEW_OT_preset_apply, preset_folder
 from .deformer.repair import SINEW_OT_armature_off, SINEW_OT_part_regions, SINEW_OT_refine, SINEW_OT_repair
@@ -33,7 +35,8 @@ from .deformer.report_renders import SINEW_OT_report_renders
 from .deformer.select_distorted import SINEW_OT_select_distorted
 from .deformer.select_problems import SINEW_OT_select_problems
 from .deformer.sharing import SINEW_OT_settings_share
-from .handles.control import SINEW_OT_control_new
+from .handles import clicking
+from .handles.control import SINEW_OT_control_edit, SINEW_OT_control_new
 from .handles.handle import (
     SINEW_OT_handle_add,
     SINEW_OT_handle_remove,
@@ -45,90 +48,131 @@ from .handles.point import SINEW_OT_point_add
 from .handles.rows import SINEW_OT_control_remove, SINEW_OT_control_set_rest
 from .handles.stand import SINEW_OT_handle_stand
 from .modal.ring import draw_line, ring
+from .modal.shell import ViewportTool
 from .target import explain_no_target, target_of
-from .tools.drag import SINEW_OT_drag, surface_under
+from .tasks.refusals import choice_refusal, method_refusal, task_refusal, tasks_beside
+from .tasks.start import SINEW_OT_start_task, SINEW_OT_use_method
+from .tools.control_drag import SINEW_OT_control_drag
+from .tools.drag import AROUND, HANDLE, SINEW_OT_drag, handle_radius
 from .tools.grab_region import SINEW_OT_grab_region
 from .tools.puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
+from .tools.reach_drag import SINEW_OT_reach_drag
 from .tools.silhouette_sketch import SINEW_OT_silhouette_sketch
+from .tools.sinew_drag import SINEW_OT_drag_press, SINEW_OT_drag_start, makes_handles
 from .tools.tool_drag import SINEW_OT_tool_drag
+from .tools.under_mouse import bone_under, surface_under
 from .tools.wire_draw import SINEW_OT_wire_draw
 from .waiting import redraw_panels
 
 __all__ = (
+    "AROUND",
+    "HANDLE",
     "PAGES",
-    "SINEW_OT_drag",
+    "ViewportTool",
+    "bone_under",
+    "choice_refusal",
     "draw_line",
     "entering",
     "explain_no_target",
+    "handle_radius",
+    "makes_handles",
+    "method_refusal",
+    "page_of",
     "preset_folder",
     "redraw_panels",
     "register",
     "ring",
     "surface_under",
     "target_of",
+    "task_refusal",
+    "tasks_beside",
     "unregister",
 )
 
-register, unregister = register_classes_factory(
-    (
-        SINEW_OT_deformer_add,
-        SINEW_OT_report_renders,
-        SINEW_OT_deformer_remove,
-        SINEW_OT_deformer_move,
-        SINEW_OT_cage_add,
-        SINEW_OT_cage_set_rest,
-        SINEW_OT_cage_flip,
-        SINEW_OT_cage_faces,
-        SINEW_OT_cage_outside_follow,
-        SINEW_OT_settings_share,
-        SINEW_OT_lattice_add,
-        SINEW_OT_lattice_set_rest,
-        SINEW_OT_wire_add,
-        SINEW_OT_tool_add,
-        SINEW_OT_tool_stop,
-        SINEW_OT_tool_drag,
-        SINEW_OT_wire_draw,
-        SINEW_OT_control_remove,
-        SINEW_OT_control_set_rest,
-        SINEW_OT_handle_add,
-        SINEW_OT_point_add,
-        SINEW_OT_handle_remove,
-        SINEW_OT_handle_mirror,
-        SINEW_OT_handle_move,
-        SINEW_OT_handle_stand,
-        SINEW_OT_key_add,
-        SINEW_OT_key_remove,
-        SINEW_OT_key_move,
-        SINEW_OT_key_jump,
-        SINEW_OT_control_new,
-        SINEW_OT_select_handle,
-        SINEW_OT_bind,
-        SINEW_OT_unbind,
-        SINEW_OT_cancel,
-        SINEW_OT_watch,
-        SINEW_OT_apply,
-        SINEW_OT_bake,
-        SINEW_OT_unbake,
-        SINEW_OT_transfer_deformation,
-        SINEW_OT_morph,
-        SINEW_OT_select_problems,
-        SINEW_OT_grab_region,
-        SINEW_OT_drag,
-        SINEW_OT_silhouette_sketch,
-        SINEW_OT_puppet_pose,
-        SINEW_OT_puppet_pin,
-        SINEW_OT_puppet_rig,
-        SINEW_OT_repair,
-        SINEW_OT_part_regions,
-        SINEW_OT_refine,
-        SINEW_OT_armature_off,
-        SINEW_OT_keep_inside,
-        SINEW_OT_select_distorted,
-        SINEW_OT_curve_edit,
-        SINEW_OT_grid_new,
-        SINEW_OT_help,
-        SINEW_OT_check_installation,
-        SINEW_OT_preset_add,
-        SINEW_OT_preset_apply,
-    )
+_CLASSES = (
+    SINEW_OT_start_task,
+    SINEW_OT_use_method,
+    SINEW_OT_deformer_add,
+    SINEW_OT_report_renders,
+    SINEW_OT_deformer_remove,
+    SINEW_OT_deformer_move,
+    SINEW_OT_cage_add,
+    SINEW_OT_cage_set_rest,
+    SINEW_OT_cage_flip,
+    SINEW_OT_cage_faces,
+    SINEW_OT_cage_outside_follow,
+    SINEW_OT_settings_share,
+    SINEW_OT_lattice_add,
+    SINEW_OT_lattice_set_rest,
+    SINEW_OT_wire_add,
+    SINEW_OT_tool_add,
+    SINEW_OT_tool_stop,
+    SINEW_OT_tool_drag,
+    SINEW_OT_wire_draw,
+    SINEW_OT_control_remove,
+    SINEW_OT_control_set_rest,
+    SINEW_OT_reset_pose,
+    SINEW_OT_key_pose,
+    SINEW_OT_handle_add,
+    SINEW_OT_point_add,
+    SINEW_OT_handle_remove,
+    SINEW_OT_handle_mirror,
+    SINEW_OT_handle_move,
+    SINEW_OT_handle_stand,
+    SINEW_OT_key_add,
+    SINEW_OT_key_remove,
+    SINEW_OT_key_move,
+    SINEW_OT_key_jump,
+    SINEW_OT_control_new,
+    SINEW_OT_control_edit,
+    SINEW_OT_select_handle,
+    SINEW_OT_bind,
+    SINEW_OT_unbind,
+    SINEW_OT_cancel,
+    SINEW_OT_watch,
+    SINEW_OT_apply,
+    SINEW_OT_bake,
+    SINEW_OT_unbake,
+    SINEW_OT_bake_find,
+    SINEW_OT_transfer_deformation,
+    SINEW_OT_morph,
+    SINEW_OT_select_problems,
+    SINEW_OT_grab_region,
+    SINEW_OT_drag,
+    SINEW_OT_drag_press,
+    SINEW_OT_drag_start,
+    SINEW_OT_control_drag,
+    SINEW_OT_reach_drag,
+    SINEW_OT_silhouette_sketch,
+    SINEW_OT_puppet_pose,
+    SINEW_OT_puppet_pin,
+    SINEW_OT_puppet_rig,
+    SINEW_OT_repair,
+    SINEW_OT_part_regions,
+    SINEW_OT_refine,
+    SINEW_OT_armature_off,
+    SINEW_OT_keep_inside,
+    SINEW_OT_select_distorted,
+    SINEW_OT_curve_edit,
+    SINEW_OT_grid_new,
+    SINEW_OT_help,
+    SINEW_OT_check_installation,
+    SINEW_OT_preset_add,
+    SINEW_OT_preset_apply,
 )
+
+# Tooltips have one sentence, the first one of the docstring.
+for _cls in _CLASSES:
+    _cls.bl_description = " ".join(_cls.__doc__.split()).partition(". ")[0]
+
+_register, _unregister = register_classes_factory(_CLASSES)
+
+
+def register() -> None:
+    _register()
+    settings.add_click_observer(clicking.follow)
+
+
+def unregister() -> None:
+    settings.remove_click_observer(clicking.follow)
+    _unregister()

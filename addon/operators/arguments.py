@@ -6,7 +6,8 @@ from typing import Any
 
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
-from ..core.methods import METHODS, Method
+from ..core.labels import items_of
+from ..core.methods import BY_ID, METHODS, Method
 from ..session.controls import kinds
 
 # The methods that regions steer.
@@ -28,7 +29,11 @@ def distance(name: str, description: str, **details: Any) -> Any:
     return FloatProperty(name=name, description=description, subtype="DISTANCE", min=0.0, **details)
 
 
-def method_choice(methods: Iterable[Method], description: str, name: str = "Method", **details: Any) -> Any:
-    """One of these methods."""
-    items = tuple((row.id, row.label, row.summary, "NONE", row.number) for row in methods)
-    return EnumProperty(name=name, items=items, description=description, **details)
+def method_choice(
+    methods: Iterable[Method], description: str, default: str, name: str = "Method", **details: Any
+) -> Any:
+    """One of these methods. ``default`` is the id of one."""
+    items = items_of(tuple(methods))
+    return EnumProperty(
+        name=name, items=items, default=BY_ID[default].number, description=description, **details
+    )

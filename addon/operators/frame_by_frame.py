@@ -8,6 +8,7 @@ from typing import ClassVar, Protocol
 from bpy.props import IntProperty
 from bpy.types import Context, Event
 
+from .. import compat
 from ..core.errors import SinewError
 from ..properties import MAX_FRAME
 from .arguments import once
@@ -46,14 +47,14 @@ class FrameByFrame(StaysInWindow):
     frame_start: once(
         IntProperty,
         "Start",
-        "First frame; if it is not given, the first frame of the scene",
+        "Set the first frame; if it is not given, the first frame of the scene",
         min=-MAX_FRAME,
         max=MAX_FRAME,
     )
     frame_end: once(
         IntProperty,
         "End",
-        "Last frame; if it is not given, the last frame of the scene",
+        "Set the last frame; if it is not given, the last frame of the scene",
         min=-MAX_FRAME,
         max=MAX_FRAME,
     )
@@ -104,7 +105,7 @@ class FrameByFrame(StaysInWindow):
         if event.type == "ESC" and event.value == "PRESS":
             self._job.cancel()
             self.leave(context)
-            self.report({"WARNING"}, self.cancelled)
+            self.tell({"WARNING"}, self.cancelled)
             return {"CANCELLED"}
         if event.type != "TIMER":
             return {"RUNNING_MODAL"}  # edits meanwhile would change what is computed
@@ -115,7 +116,7 @@ class FrameByFrame(StaysInWindow):
         except SinewError as error:
             self._job.cancel()
             self.leave(context)
-            self.report({"ERROR"}, str(error))
+            self.tell({"ERROR"}, str(error))
             return {"CANCELLED"}
         self.leave(context)
         return {"FINISHED"}
@@ -135,7 +136,7 @@ class FrameByFrame(StaysInWindow):
             has_more = job.step()
         context.window_manager.progress_update(job.done)
         context.workspace.status_text_set(
-            f"Sinew is {self.doing}: {job.done} of {job.total} frames   (Esc cancels)"
+            compat.told(f"Sinew is {self.doing}: {job.done} of {job.total} frames   (Esc cancels)")
         )
         return has_more
 
@@ -146,7 +147,7 @@ class FrameByFrame(StaysInWindow):
     def _finish(self, job: Job) -> None:
         warnings = job.finish()
         for line in warnings:
-            self.report({"WARNING"}, line)
+            self.tell({"WARNING"}, line)
         if not warnings:
             plural = "" if job.total == 1 else "s"
-            self.report({"INFO"}, f"{self.did} {job.total} frame{plural}")
+            self.tell({"INFO"}, f"{self.did} {job.total} frame{plural}")

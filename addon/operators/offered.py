@@ -5,12 +5,14 @@ from typing import ClassVar
 
 from bpy.types import Context
 
+from .. import compat
 from ..properties import deformers_of
 from ..session.targets import targets
-from .target import explain_no_target, target_of
+from .reporting import Reports
+from .target import LINKED, explain_no_target, target_of
 
 
-class Offered:
+class Offered(Reports):
     """Mixin for an operator that can be undone, and that Blender offers where nothing refuses it."""
 
     bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO"}
@@ -19,7 +21,7 @@ class Offered:
     def poll(cls, context: Context) -> bool:
         reason = cls.refusal(context)
         if reason:
-            cls.poll_message_set(reason)
+            cls.poll_message_set(compat.told(reason))
         return not reason
 
     @classmethod
@@ -39,7 +41,7 @@ class OnTarget(Offered):
         if obj is None:
             return explain_no_target(context)[0]
         if obj.library is not None:
-            return "This object is linked - make a library override first"
+            return LINKED
         if cls.MESHES_ONLY and not targets.is_mesh(obj):
             remedy = "" if obj.type == "LATTICE" else ", or convert it to a mesh"
             return (

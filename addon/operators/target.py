@@ -14,6 +14,7 @@ from ..session.controls import kinds
 from ..session.targets import targets
 from . import entering
 
+LINKED = "This object is linked - make a library override first"
 _CONVERTIBLE = ("SURFACE", "META")
 _came_from: dict[str, str] = remember({})  # the object that the artist worked on, by control
 

@@ -4,6 +4,7 @@
 import bpy
 from bpy.types import Context, Event
 
+from .. import compat
 from ..core import status
 from ..core.errors import SinewError
 from ..core.status import Level
@@ -35,7 +36,7 @@ class WaitsForBind(StaysInWindow):
             left_out = status.left_out(uid)
             level = "WARNING" if left_out or line.level is Level.ERROR else "INFO"
             text = (f"{subject}: " if subject else "") + line.text + more
-            self.report({level}, ". ".join((text, *left_out)))
+            self.tell({level}, ". ".join((text, *left_out)))
 
     def wait_for(self, context: Context, uid: str, result: set[str]) -> set[str]:
         """Stay while a thread binds the deformer; else return ``result``."""
@@ -59,12 +60,12 @@ class WaitsForBind(StaysInWindow):
         job = binding.job(self._uid)
         if job is not None and not is_cancelled:
             context.workspace.status_text_set(
-                f"Sinew is binding: {job.fraction:.0%} {job.stage}   (Esc cancels)"
+                compat.told(f"Sinew is binding: {job.fraction:.0%} {job.stage}   (Esc cancels)")
             )
             return {"PASS_THROUGH"}
         if job is not None:
             binding.cancel(self._uid)
-            self.report({"WARNING"}, CANCELLED)
+            self.tell({"WARNING"}, CANCELLED)
         elif self._reports:
             self.report_state(self._uid, *self._words)
         return {"FINISHED"}
@@ -99,7 +100,7 @@ class BindingOperator(WaitsForBind):
     def report_bind(self, refusal: SinewError | None, uid: str, subject: str, more: str = "") -> None:
         """Report the result. A refused bind is only a warning, since the change itself is kept."""
         if refusal is not None:
-            self.report({"WARNING"}, str(refusal))
+            self.tell({"WARNING"}, str(refusal))
         else:
             self.report_state(uid, subject, more)
 

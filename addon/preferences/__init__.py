@@ -3,7 +3,7 @@
 
 import bpy
 
-from .page import DEFAULTS, PACKAGE, SinewPreferences, apply_limits, preferences
+from .page import DEFAULTS, PACKAGE, SinewPreferences, apply_limits, apply_names, preferences
 from .shortcuts import KEYMAP, SHORTCUTS, SPACE, Shortcut, find_item, find_items
 
 __all__ = (
@@ -26,6 +26,7 @@ __all__ = (
 def register() -> None:
     bpy.utils.register_class(SinewPreferences)
     apply_limits(preferences(bpy.context))
+    apply_names(preferences(bpy.context))
 
 
 def unregister() -> None:

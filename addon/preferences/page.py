@@ -4,12 +4,14 @@
 import textwrap
 from types import SimpleNamespace
 
+import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, FloatVectorProperty, IntProperty
 from bpy.types import AddonPreferences, Context, UILayout
 
 from .. import compat
 from ..backend import availability, last_check, limit_memory, limit_threads
-from ..core.methods import DEFAULT_METHOD, METHODS
+from ..core.labels import Names, choose, items_of
+from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS
 from ..ids import Operators
 from .shortcuts import find_items
 
@@ -18,6 +20,7 @@ _GIGABYTE = 1024**3
 
 DEFAULTS = SimpleNamespace(
     method=DEFAULT_METHOD,
+    names=Names.TASKS.name,
     auto_rebind=False,
     drag_budget=40.0,
     threads=0,
@@ -39,6 +42,18 @@ def apply_limits(values: "SinewPreferences | SimpleNamespace") -> None:
     limit_memory(round(values.memory_limit * _GIGABYTE))
 
 
+def _names_changed(values: "SinewPreferences", _context: Context) -> None:
+    apply_names(values)
+
+
+def apply_names(values: "SinewPreferences | SimpleNamespace") -> None:
+    """Show methods by the chosen names, at once in all windows."""
+    choose(Names[values.names])
+    for window in getattr(bpy.context.window_manager, "windows", ()):
+        for area in window.screen.areas:
+            area.tag_redraw()
+
+
 def _overlay_colour(name: str, default: tuple[float, float, float], description: str):
     return FloatVectorProperty(
         name=name, default=default, description=description, subtype="COLOR", size=3, min=0.0, max=1.0
@@ -52,10 +67,10 @@ class SinewPreferences(AddonPreferences):
 
     section: EnumProperty(
         name="Section",
-        description="Which of the settings below are shown",
+        description="Choose which of the settings below are shown",
         items=(
             ("GENERAL", "General", "Defaults of new deformers, and how much of the machine Sinew may use", 0),
-            ("OVERLAYS", "Overlays", "Colours of regions and of distortion in the viewport", 1),
+            ("OVERLAYS", "Show", "Colours of regions and of distortion in the viewport", 1),
             ("KEYMAP", "Keymap", "Keyboard shortcuts of the add-on in the 3D Viewport", 2),
         ),
         default="GENERAL",
@@ -63,22 +78,32 @@ class SinewPreferences(AddonPreferences):
     )
     method: EnumProperty(
         name="Method",
-        description="The method that Add Handle and Add Deformer start with; each deformer can change it",
-        items=tuple((method.id, method.label, method.summary, "NONE", method.number) for method in METHODS),
-        default=DEFAULTS.method,
+        description="Choose the method that Make Handle and Add Deformer start with; each deformer can "
+        "change it",
+        items=items_of(METHODS),
+        default=BY_ID[DEFAULT_METHOD].number,
+    )
+    names: EnumProperty(
+        name="Names",
+        description="Choose what methods are called, in all panels, menus and messages",
+        items=(
+            (Names.TASKS.name, "Tasks", "By what they are for, such as Natural Bend", 0),
+            (Names.LITERATURE.name, "Literature", "By what is published about them", 1),
+        ),
+        default=DEFAULTS.names,
+        update=_names_changed,
     )
     auto_rebind: BoolProperty(
         name="Automatic Rebind",
-        description="New deformers bind again automatically when their mesh, or an object whose points move "
-        "it, gains or loses points. "
-        "Turn it on if you switch between modelling and posing",
+        description="Bind new deformers again by themselves when their mesh, or an object whose points move "
+        "it, gains or loses points, as you switch between modelling and posing",
         default=DEFAULTS.auto_rebind,
     )
     drag_budget: FloatProperty(
         name="Drag Budget",
-        description="Milliseconds that an iterative method may spend on each redraw during a drag. "
-        "The exact shape follows when you stop. Lower values are smoother, higher values are closer to the "
-        "exact shape",
+        description="Set the milliseconds that an iterative method may spend on each redraw during a drag; "
+        "the exact shape follows when you stop; lower values are smoother, higher values are "
+        "closer to the exact shape",
         default=DEFAULTS.drag_budget,
         min=1.0,
         max=10000.0,
@@ -89,8 +114,8 @@ class SinewPreferences(AddonPreferences):
     )
     threads: IntProperty(
         name="Threads",
-        description="At most this many processor threads for binding and solving; 0 uses all of them. "
-        "Lower it to leave some of them to a render",
+        description="Use at most this many processor threads for binding and solving; 0 uses all of them; "
+        "lower it to leave some of them to a render",
         default=DEFAULTS.threads,
         min=0,
         max=1024,
@@ -99,8 +124,8 @@ class SinewPreferences(AddonPreferences):
     )
     memory_limit: FloatProperty(
         name="Memory Limit",
-        description="Refuse to bind a mesh that needs more memory than this, in gigabytes; 0 sets no limit. "
-        "Set it if a large bind must not slow down the machine",
+        description="Refuse to bind a mesh that needs more memory than this, in gigabytes; 0 sets no "
+        "limit; set it if a large bind must not slow down the machine",
         default=DEFAULTS.memory_limit,
         min=0.0,
         max=100000.0,
@@ -110,17 +135,21 @@ class SinewPreferences(AddonPreferences):
         update=_limits_changed,
     )
     overlay_fixed: _overlay_colour(
-        "Fixed", DEFAULTS.overlay_fixed, "Colour of regions that stay where they are; handles have their own"
+        "Still",
+        DEFAULTS.overlay_fixed,
+        "Choose the colour of regions that stay where they are; handles have their own",
     )
     overlay_compressed: _overlay_colour(
-        "Compressed", DEFAULTS.overlay_compressed, "Colour of parts that became smaller than at rest"
+        "Compressed",
+        DEFAULTS.overlay_compressed,
+        "Choose the colour of parts that became smaller than at rest",
     )
     overlay_stretched: _overlay_colour(
-        "Stretched", DEFAULTS.overlay_stretched, "Colour of parts that became larger than at rest"
+        "Stretched", DEFAULTS.overlay_stretched, "Choose the colour of parts that became larger than at rest"
     )
     overlay_opacity: FloatProperty(
         name="Opacity",
-        description="How much of the mesh an overlay covers; lower it to keep the shading visible",
+        description="Set how much of the mesh an overlay covers; lower it to keep the shading visible",
         default=DEFAULTS.overlay_opacity,
         min=0.0,
         max=1.0,
@@ -140,6 +169,7 @@ class SinewPreferences(AddonPreferences):
         layout.use_property_split = True
         column = layout.column()
         column.prop(self, "method", text="New Deformers")
+        column.prop(self, "names")
         column.prop(self, "auto_rebind")
         layout.separator()
         column = layout.column()

@@ -29,7 +29,8 @@ SPACE = "VIEW_3D"
 
 SHORTCUTS: tuple[Shortcut, ...] = (
     Shortcut("wm.call_menu_pie", "Y", shift=True, properties=(("name", Menus.PIE),)),
-    Shortcut(Operators.GRAB_REGION, "Y", alt=True),
+    Shortcut(Operators.GRAB_REGION, "Y", alt=True),  # in Edit Mode
+    Shortcut(Operators.SILHOUETTE_SKETCH, "Y", alt=True),  # elsewhere
     Shortcut(Operators.BIND, "Y", shift=True, ctrl=True),
 )
 

@@ -4,12 +4,14 @@
 import bpy
 from bpy.props import PointerProperty
 
-from . import bake, bone, companion, control, deformer, handle, key, parameters, scene
+from . import bake, bone, companion, control, deformer, drag, handle, key, parameters, scene
 from .bake import MAX_FRAME
 from .bake import TARGETS as BAKE_TARGETS
 from .bone import SinewBone
 from .control import SinewControl, StoredCage
 from .deformer import SinewDeformer, SinewObject, deformers_of, method_items
+from .drag import BALANCE, PIXELS, REACH, UNLIMITED, SinewDrag
+from .drag import MODES as DRAG_MODES
 from .handle import ROLES as HANDLE_ROLES
 from .handle import STANDS_ON, SinewHandle
 from .key import SinewKey
@@ -18,13 +20,19 @@ from .scene import SinewScene
 
 __all__ = (
     "BAKE_TARGETS",
+    "BALANCE",
     "BASE",
+    "DRAG_MODES",
     "HANDLE_ROLES",
     "MAX_FRAME",
+    "PIXELS",
+    "REACH",
     "STANDS_ON",
+    "UNLIMITED",
     "SinewBone",
     "SinewControl",
     "SinewDeformer",
+    "SinewDrag",
     "SinewHandle",
     "SinewKey",
     "SinewObject",
@@ -47,6 +55,7 @@ _CLASSES = (
     key.SinewKey,
     deformer.SinewDeformer,
     deformer.SinewObject,
+    drag.SinewDrag,
     scene.SinewScene,
     bone.SinewBone,
 )

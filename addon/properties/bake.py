@@ -45,7 +45,7 @@ class SinewBake(PropertyGroup):
         name="Target",
         items=TARGETS,
         default="PC2",
-        description="Where the baked shapes go",
+        description="Choose where the baked shapes go",
     )
     custom_range: setting(
         BoolProperty,
@@ -60,7 +60,7 @@ class SinewBake(PropertyGroup):
         default=1,
         min=-MAX_FRAME,
         max=MAX_FRAME,
-        description="First frame to bake",
+        description="Set the first frame to bake",
     )
     frame_end: setting(
         IntProperty,
@@ -69,7 +69,7 @@ class SinewBake(PropertyGroup):
         default=250,
         min=-MAX_FRAME,
         max=MAX_FRAME,
-        description="Last frame to bake",
+        description="Set the last frame to bake",
     )
     step: setting(
         IntProperty,
@@ -84,9 +84,8 @@ class SinewBake(PropertyGroup):
         update=None,
         name="Exact",
         default=True,
-        description="Add one more shape key that cancels the basis, so that each frame is exact to the last "
-        "bit. Turn it off for game engines: the keys are then ordinary ones, with errors of a millionth of "
-        "the size of the mesh",
+        description="Make each frame exact to the last bit by one more shape key that cancels the basis; "
+        "turn it off for game engines",
     )
 
     result: record(

@@ -14,5 +14,5 @@ class SinewBone(PropertyGroup):
         BoolProperty,
         update=None,
         name="Pin",
-        description="Keep this bone where it is while Puppet Drag moves another one, as a foot on the ground",
+        description="Keep this bone where it is while Sinew Drag moves another one, as a foot on the ground",
     )

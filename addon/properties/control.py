@@ -32,13 +32,15 @@ class SinewControl(PropertyGroup):
     """An object that moves a deformer"""
 
     kind: record(StringProperty, description="The kind of control, by the name of its folder")
-    name: setting(StringProperty, update=None, name="Name", description="Name of the control in the list")
+    name: setting(
+        StringProperty, update=None, name="Name", description="Give the name of the control in the list"
+    )
     object: setting(
         PointerProperty,
         update=_object_changed,
         name="Object",
         type=Object,
-        description="The object that moves this one, with its own modifiers applied",
+        description="Choose the object that moves this one, with its own modifiers applied",
     )
     rest: record(
         PointerProperty,
@@ -51,17 +53,17 @@ class SinewControl(PropertyGroup):
     domain: setting(
         PointerProperty,
         update=_domain_changed,
-        name="Domain",
+        name="Beside",
         type=Object,
         poll=lambda control, obj: obj.type == "CURVE" and obj not in (control.object, control.id_data),
-        description="A curve beside a wire. In its direction, the wire reaches only as far as that",
+        description="Let the wire reach no farther than this curve, in its direction",
     )
     has_domain: record(BoolProperty, description="Whether the rest shape holds the domain curve, too")
     enabled: setting(
         BoolProperty,
         name="Use",
         default=True,
-        description="Use this control. If it is off, nothing follows it",
+        description="Use this control; if it is off, nothing follows it",
     )
     missing = property(_is_missing)
 

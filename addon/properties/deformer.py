@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A deformer of an object, and the list of them."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 from bpy.props import (
     BoolProperty,
@@ -16,17 +16,19 @@ from bpy.props import (
 from bpy.types import Context, Mesh, Modifier, Object, PropertyGroup
 
 from ..core import status
+from ..core.labels import items_of
 from ..core.methods import (
     BY_ID,
     DEFAULT_METHOD,
     METHODS,
-    Control,
     Curve,
     Method,
     Pointer,
     group_property,
+    wrapper_of,
 )
-from ..core.names import unique_name, without_number
+from ..core.names import is_numbered, numbered
+from ..core.tasks import TASKS, task_of
 from ..ids import Keys
 from .bake import SinewBake
 from .companion import SinewCompanion
@@ -57,27 +59,21 @@ PLAYBACK = (
 )
 
 
-def method_items() -> tuple[tuple, ...]:
-    """The items of the method menu, with one heading per kind of control."""
-    items: list[tuple] = []
-    for control in Control:
-        rows = [method for method in METHODS if method.control is control]
-        items += [("", control.value, "")] * bool(rows)
-        for method in rows:
-            description = f"{method.summary}. {method.paper}, section {method.section}"
-            items.append((method.id, method.label, description, "NONE", method.number))
-    return tuple(items)
+method_items = items_of(METHODS, headed=True)
 
-
-# Earlier builds gave these names to new deformers, so nobody chose them.
-_GIVEN = {"Sinew", "Cage", *(method.label for method in METHODS)}
+# Sinew gives, or gave, these names to new deformers, so nobody chose them.
+_GIVEN = {
+    "Sinew",
+    *(task.deformer for task in TASKS),
+    *(name for method in METHODS for name in (method.label, method.known_as)),
+}
 
 
 def _method_changed(deformer: "SinewDeformer", context: Context) -> None:
-    """Name the deformer after its method, as long as nobody has given it a name."""
-    if without_number(deformer.name) in _GIVEN:
+    """Name the deformer after the task of its method, as long as nobody has given it a name."""
+    if is_numbered(deformer.name, _GIVEN):
         others = [other.name for other in deformer.id_data.sinew.deformers if other.uid != deformer.uid]
-        deformer.name = unique_name(deformer.definition.label, others)
+        deformer.name = numbered(task_of(deformer.definition).deformer, others)
     evaluate_again(deformer, context)
 
 
@@ -111,6 +107,51 @@ def _set_cage_levels(deformer: "SinewDeformer", levels: int) -> None:
     subdivision.levels = subdivision.render_levels = levels
 
 
+def _keeps_details(deformer: "SinewDeformer") -> bool:
+    return bool(deformer.definition.wraps)
+
+
+def _keep_details(deformer: "SinewDeformer", wanted: bool) -> None:
+    """Put the method that keeps details around the one in use, or take it off again."""
+    method, _values = deformer.methods[-1]
+    wrapper = wrapper_of(method)
+    if wrapper is None or wanted == _keeps_details(deformer):
+        return
+    if wanted:
+        setattr(getattr(deformer, wrapper.id), BASE, method.id)
+    deformer.method = wrapper.id if wanted else method.id
+
+
+_click_observers: list[Callable[["SinewDeformer", str], None]] = []
+
+
+def add_click_observer(observer: Callable[["SinewDeformer", str], None]) -> None:
+    """Call ``observer`` with a deformer and "handles" or "controls" when a row of that list is clicked."""
+    _click_observers.append(observer)
+
+
+def remove_click_observer(observer: Callable[["SinewDeformer", str], None]) -> None:
+    """Stop calling ``observer``."""
+    _click_observers.remove(observer)
+
+
+def _clicked_row(rows: str, active: str):
+    """The active row of a list as the list itself changes it: only an artist clicks there, no script."""
+
+    def click(deformer: "SinewDeformer", index: int) -> None:
+        setattr(deformer, active, index)
+        for observer in _click_observers:
+            observer(deformer, rows)
+
+    return IntProperty(
+        name="Active Row",
+        get=lambda deformer: getattr(deformer, active),
+        set=click,
+        options={"HIDDEN", "SKIP_SAVE"},
+        description="Choose a row, and select what moves it",
+    )
+
+
 def _may_be_cage(deformer: "SinewDeformer", obj: Object) -> bool:
     return obj.type == "MESH" and obj != deformer.id_data
 
@@ -124,16 +165,22 @@ class SinewDeformer(PropertyGroup):
         update=None,
         name="Name",
         default="Sinew",
-        description="Name of the deformer in the list; double-click it there to rename it. Until then it is "
-        "that of the method",
+        description="Name the deformer in the list; until you do, it has the name of its task",
     )
     method: setting(
         EnumProperty,
         update=_method_changed,
         name="Method",
-        items=method_items(),
-        default=DEFAULT_METHOD,
-        description="How the mesh follows its controls",
+        items=method_items,
+        default=BY_ID[DEFAULT_METHOD].number,
+        description="Set how the mesh follows its controls",
+    )
+    keep_details: BoolProperty(
+        name="Keep Details",
+        get=_keeps_details,
+        set=_keep_details,
+        options={"SKIP_SAVE"},
+        description="Turn bumps with the surface, or with the space around it, instead of shearing them",
     )
     cage: setting(
         PointerProperty,
@@ -141,7 +188,7 @@ class SinewDeformer(PropertyGroup):
         type=Object,
         poll=_may_be_cage,
         update=_cage_changed,
-        description="The closed mesh around this one that moves it, with its own modifiers applied",
+        description="Choose the closed mesh around this one that moves it, with its own modifiers applied",
     )
     cage_rest: record(
         PointerProperty,
@@ -156,16 +203,17 @@ class SinewDeformer(PropertyGroup):
         get=_cage_levels,
         set=_set_cage_levels,
         options={"SKIP_SAVE"},
-        description="Levels of the cage's Subdivision modifier, which makes it smooth; 0 removes it. "
-        "This changes the vertices of the cage, so press Set Rest Cage afterwards",
+        description="Smooth the cage by so many levels of a Subdivision modifier; press New Rest afterwards",
     )
     owns_cage: record(
         BoolProperty, description="Whether the cage was made for this deformer, and is removed with it"
     )
     controls: setting_list(type=SinewControl)
     active_control: record(IntProperty)
+    chosen_control: _clicked_row("controls", "active_control")
     handles: setting_list(type=SinewHandle)
     active_handle: record(IntProperty)
+    chosen_handle: _clicked_row("handles", "active_handle")
     companions: record(
         CollectionProperty,
         type=SinewCompanion,
@@ -176,9 +224,9 @@ class SinewDeformer(PropertyGroup):
     use_mirror_x: setting(
         BoolProperty,
         options=set(),  # cannot be animated
-        name="X-Axis Mirror",
-        description="When you move a control whose name has a side, such as Hand.L, the control of the other "
-        "side follows as its mirror image across the local X axis of the mesh",
+        name="Mirror",
+        description="Let the control of the other side follow as a mirror image, across the local X axis "
+        "of the mesh, where names have a side, such as Hand L",
     )
     factor: setting(
         FloatProperty,
@@ -187,19 +235,19 @@ class SinewDeformer(PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        description="How much of the deformation is shown",
+        description="Set how much of the deformation is shown",
     )
     mask_group: setting(
         StringProperty,
         name="Mask",
-        description="Vertex group that limits where the deformation is shown; if empty, it is shown "
-        "everywhere",
+        description="Choose the vertex group that limits where the deformation is shown; if empty, it is "
+        "shown everywhere",
     )
     loose_parts: setting(
         EnumProperty,
         name="Loose Parts",
         items=LOOSE_PARTS,
-        description="What the parts of the mesh do that no region touches",
+        description="Choose what the parts of the mesh do that no region touches",
     )
     sizes: record(
         EnumProperty,
@@ -216,7 +264,7 @@ class SinewDeformer(PropertyGroup):
         BoolProperty,
         name="Live",
         default=True,
-        description="Follow the controls. If it is off, the last shape stays",
+        description="Follow the controls; if it is off, the last shape stays",
     )
     playback: setting(
         EnumProperty,
@@ -224,15 +272,14 @@ class SinewDeformer(PropertyGroup):
         options=set(),  # cannot be animated
         name="Playback",
         items=PLAYBACK,
-        description="What the viewports show while frames play or you scrub. "
-        "Renders and bakes are always full",
+        description="Play faster by drafts in viewports; renders and bakes are always full",
     )
     auto_rebind: setting(
         BoolProperty,
         update=None,
         name="Automatic Rebind",
-        description="Bind again automatically when the mesh, or an object whose points move it, gains or "
-        "loses points. Regions are vertex groups, so they are kept; such an object rests as it is then",
+        description="Bind again by itself when the mesh, or an object whose points move it, gains or loses "
+        "points",
     )
     topology_changed: record(BoolProperty)
     proxy: record(PointerProperty, type=Object)
@@ -258,7 +305,7 @@ class SinewDeformer(PropertyGroup):
     bake: setting(PointerProperty, update=None, type=SinewBake)
     status: StringProperty(
         name="Status",
-        description="What the deformer is doing, or what is wrong and what to do about it",
+        description="Say what the deformer is doing, or what is wrong and what to do about it",
         options={"SKIP_SAVE"},
         get=lambda deformer: status.told(deformer.uid),
     )

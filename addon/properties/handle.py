@@ -19,11 +19,11 @@ from .setting import evaluate_again, record, setting
 
 ROLES = (
     ("HANDLE", "Handle", "Follows a control: an empty, any object, or a bone", "EMPTY_AXIS", 0),
-    ("FIXED", "Fixed", "Stays where it is", "PINNED", 1),
+    ("FIXED", "Still", "Stays where it is", "PINNED", 1),
     (
         "SUPPORT",
-        "Support",
-        "May move, while everything outside of it and of the handles is fixed",
+        "Free Area",
+        "May move, while everything outside of it and of the handles holds still",
         "MOD_MESHDEFORM",
         2,
     ),
@@ -91,8 +91,8 @@ class SinewHandle(PropertyGroup):
         update=_renamed,
         name="Name",
         default="Handle",
-        description="Name of the region in the list; ends in .L or .R if the region has a mirror image. "
-        "A vertex group and an empty that were made for the region and carry its name are renamed, too",
+        description="Name the region, and the vertex group and the empty that were made for it; with a "
+        "side at the end, as in Hand L, it has a mirror image",
     )
     named: record(StringProperty, description="The name that the region had before it is renamed")
     kind: setting(
@@ -100,25 +100,25 @@ class SinewHandle(PropertyGroup):
         name="Role",
         items=ROLES,
         default="HANDLE",
-        description="Handle follows a control. Fixed stays. Support: only these vertices may move",
+        description="Say whether the region follows a control, holds still, or is all that may move",
     )
     vertex_group: setting(
         StringProperty,
         name="Vertex Group",
-        description="The vertices of this region and their weights: 1 holds a vertex exactly, "
-        "a lower weight lets it give way",
+        description="Choose the vertices of this region and their weights: 1 holds a vertex exactly, a "
+        "lower weight lets it give way",
     )
     control: setting(
         PointerProperty,
         name="Control",
         type=Object,
-        description="The object that moves this region",
+        description="Choose the object that moves this region",
         update=_control_changed,
     )
     bone: setting(
         StringProperty,
         name="Bone",
-        description="The pose bone that moves this region, if the control is an armature",
+        description="Choose the pose bone that moves this region, if the control is an armature",
         update=_control_changed,
     )
     acts_as: setting(
@@ -126,15 +126,16 @@ class SinewHandle(PropertyGroup):
         options=set(),  # cannot be animated
         name="Acts As",
         items=ACTS_AS,
-        description="Where a handle without a vertex group takes hold of space",
+        description="Choose where a handle without a vertex group takes hold: at a place, at points, or "
+        "along lines",
     )
     stands_on: setting(
         EnumProperty,
         options=set(),  # cannot be animated
         name="Stands On",
         items=STANDS_ON,
-        description="Whether the control stays in the world, or rides on the surface that modifiers before "
-        "Sinew move. The shape of this frame stays when it changes",
+        description="Choose whether the control stays in the world, or rides on the surface that modifiers "
+        "before Sinew move",
     )
     owns_control: record(
         BoolProperty, description="Whether the control was made for this handle, and is removed with it"
@@ -149,20 +150,20 @@ class SinewHandle(PropertyGroup):
         min=0.0,
         max=1.0,
         subtype="FACTOR",
-        description="1 holds the region exactly, a lower weight lets it give way, 0 frees it. "
-        "It is multiplied by the weights of the vertex group",
+        description="Let the region give way by a weight below 1, which multiplies the weights of its "
+        "vertex group",
     )
     enabled: setting(
         BoolProperty,
         name="Use",
         default=True,
-        description="Use this region. If it is off, its vertices are free",
+        description="Use this region; if it is off, its vertices are free",
     )
     from_rest: setting(
         BoolProperty,
         name="From Rest",
-        description="Move the rest shape of the region instead of its posed shape. "
-        "Use it if the bone that moves the handle has moved the mesh already",
+        description="Avoid moving twice what the bone of the handle has moved already, by moving the rest "
+        "shape",
     )
     colour: setting(
         FloatVectorProperty,
@@ -172,7 +173,7 @@ class SinewHandle(PropertyGroup):
         default=(0.9, 0.5, 0.1),
         min=0.0,
         max=1.0,
-        description="Colour of the region in the list and in overlays; it does not affect the shape",
+        description="Colour the region in the list and in the viewport; it does not affect the shape",
     )
     has_rest: record(BoolProperty)
     rest: record(

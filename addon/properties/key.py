@@ -29,6 +29,6 @@ class SinewKey(PropertyGroup):
         name="Frame",
         min=-MAX_FRAME,
         max=MAX_FRAME,
-        description="The frame of the key; change it to move the key",
+        description="Move the key by changing its frame",
     )
     edits: setting_list(type=SinewEdit)

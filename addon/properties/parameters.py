@@ -13,6 +13,7 @@ from bpy.props import (
 )
 from bpy.types import NodeTree, Object, PropertyGroup
 
+from ..core.labels import items_of
 from ..core.methods import (
     METHODS,
     Bool,
@@ -85,15 +86,15 @@ def _group_of(method: Method) -> type:
         annotations[group_property(parameter)] = setting(
             StringProperty,
             name=f"{parameter.label} Group",
-            description=f"Vertex group that scales {parameter.label} per vertex; if empty, it is the same "
-            "everywhere",
+            description=f"Paint {parameter.label} by a vertex group; if empty, it is the same everywhere",
         )
     if method.wraps:
         annotations[BASE] = setting(
             EnumProperty,
             name="Base Method",
-            items=tuple((base.id, base.label, base.summary, "NONE", base.number) for base in wrapped(method)),
-            description="The method that moves the surface before this method adds to it",
+            items=items_of(wrapped(method)),
+            default=wrapped(method)[0].number,
+            description="Choose the method that moves the surface before this method adds to it",
         )
     names = {"__annotations__": annotations, "__doc__": method.summary, "__module__": __name__}
     return type(f"SINEW_PG_{method.id}", (PropertyGroup,), names)

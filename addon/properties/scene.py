@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of overlays in the 3D viewports. They are stored on the scene, so files keep them."""
+"""The settings of overlays and of the drag tool in 3D viewports. They are stored on the scene."""
 
 from collections.abc import Callable
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
 from bpy.types import Context, PropertyGroup
 
 from ..core.methods import METHODS
+from .drag import SinewDrag
 
 OVERLAYS = (
     (
@@ -86,19 +87,26 @@ def _parameters() -> tuple[tuple, ...]:
 class SinewScene(PropertyGroup):
     """The settings of Sinew that a scene stores"""
 
+    drag: PointerProperty(type=SinewDrag)
     show_overlay: BoolProperty(
-        name="Overlays",
+        name="Show",
         update=_changed,
         description="Draw regions, painted values or distortion over the meshes that Sinew deforms",
     )
     overlay: EnumProperty(
-        name="Show", items=OVERLAYS, update=_changed, description="What the colours stand for"
+        name="Colours", items=OVERLAYS, update=_changed, description="Choose what the colours stand for"
     )
     parameter: EnumProperty(
-        name="Parameter", items=_parameters(), update=_changed, description="Which painted parameter is shown"
+        name="Parameter",
+        items=_parameters(),
+        update=_changed,
+        description="Choose which painted parameter is shown",
     )
     measure: EnumProperty(
-        name="Measure", items=MEASURES, update=_changed, description="The measure of distortion that is shown"
+        name="Measure",
+        items=MEASURES,
+        update=_changed,
+        description="Choose the measure of distortion that is shown",
     )
     distortion_range: FloatProperty(
         name="Range",
@@ -108,7 +116,8 @@ class SinewScene(PropertyGroup):
         soft_min=1.1,
         soft_max=10.0,
         update=_changed,
-        description="The distortion that is shown in full colour: 2 means twice the size and half the size",
+        description="Set the distortion that is shown in full colour: 2 means twice the size and half the "
+        "size",
     )
     opacity: FloatProperty(
         name="Opacity",
@@ -117,12 +126,11 @@ class SinewScene(PropertyGroup):
         max=1.0,
         subtype="FACTOR",
         update=_changed,
-        description="Opacity of the colours, as a share of the opacity in the preferences",
+        description="Set the opacity of the colours, as a share of that in the preferences",
     )
     all_viewports: BoolProperty(
         name="All Viewports",
         default=True,
         update=_changed,
-        description="Draw in every 3D viewport. If it is off, draw only in the viewport where it was "
-        "turned off",
+        description="Draw in every 3D viewport, or only in the one where it was turned off",
     )

@@ -2,9 +2,28 @@
 """Panels, lists, menus and overlays, which draw and never solve."""
 
 from . import bake, data_tab, drag_tool, keymap, lists, menus, panel, pie, presets, refining
-from .overlays import overlay, reach
+from .browser import menus as task_menus
+from .browser import pictures, popups
+from .overlays import marks, overlay, reach
 
-_MODULES = (lists, menus, pie, presets, panel, overlay, reach, refining, bake, data_tab, keymap, drag_tool)
+_MODULES = (
+    task_menus,
+    popups,
+    pictures,
+    lists,
+    menus,
+    pie,
+    presets,
+    panel,
+    overlay,
+    reach,
+    marks,
+    refining,
+    bake,
+    data_tab,
+    keymap,
+    drag_tool,
+)
 
 
 def register() -> None:

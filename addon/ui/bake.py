@@ -10,6 +10,7 @@ from ..ids import Operators
 from ..operators import target_of
 from ..properties import BAKE_TARGETS, SinewDeformer
 from ..session.targets.targets import can_be_converted, is_exported, is_mesh, label
+from .layouts import fields
 from .places import ROOT, SidebarPanel
 from .text import draw_text
 
@@ -33,9 +34,7 @@ class SINEW_PT_bake(SidebarPanel, Panel):
     def draw(self, context: Context) -> None:
         obj = target_of(context)
         deformer = obj.sinew.active
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = fields(context, self.layout)
         if not is_mesh(obj):
             _draw_export(context, layout, obj, deformer)
             return
@@ -53,7 +52,7 @@ def _draw_baked(context: Context, layout: UILayout, deformer: SinewDeformer) -> 
     if settings.result in ("PC2", "MDD"):
         path = box.row()
         path.active = False
-        path.label(text=settings.filepath, icon="BLANK1")
+        path.label(text=bpy.path.basename(settings.filepath), icon="BLANK1")
     box.operator(Operators.UNBAKE, icon="LOOP_BACK")
 
 
@@ -77,7 +76,7 @@ def _draw_settings(context: Context, layout: UILayout, obj: Object, deformer: Si
         button.enabled = identifier != "ALEMBIC" or bake.can_write_alembic()
         button.prop_enum(settings, "target", identifier)
     source = settings if settings.custom_range else context.scene
-    layout.row(heading="Frames").prop(settings, "custom_range", text="Custom")
+    layout.prop(settings, "custom_range")
     frames = layout.column(align=True)
     frames.enabled = settings.custom_range
     frames.prop(source, "frame_start", text="Start")

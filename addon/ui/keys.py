@@ -1,16 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Keys sub-panel: the keys of a method that edits animations, and the buttons that change them."""
+"""The keys of a method that edits animations, and the buttons that change them."""
 
-from bpy.types import Context, Panel, UILayout, UIList
+from bpy.types import Context, UILayout, UIList
 
-from .. import bake
 from ..ids import Operators
-from ..operators import target_of
 from ..properties import SinewDeformer, SinewKey
 from ..session.actions import keys
-from .layouts import unless_baked
-from .places import ActiveDeformerPanel, active_deformer
+from .layouts import Button, draw_pair
 from .text import draw_text
+
+_ADDING = (
+    Button(Operators.KEY_ADD, "Key Edit", "KEY_HLT"),
+    Button(Operators.KEY_ADD, "Key None", "KEYFRAME", (("blank", True),)),
+)
 
 
 class SINEW_UL_keys(UIList):
@@ -31,40 +33,17 @@ class SINEW_UL_keys(UIList):
         is_here = key.frame == round(context.scene.frame_current_final)
         # Within a narrow number field, an icon would take all the room of the number.
         row.label(text="", icon="KEYTYPE_KEYFRAME_VEC" if is_here else "KEYFRAME")
-        row.prop(key, "frame", text="", emboss=False)
+        row.prop(key, "frame", text="Frame", emboss=False)
         jump = row.operator(Operators.KEY_JUMP, text="", icon="TIME", emboss=False)
         jump.to, jump.index = "ACTIVE", index
 
 
-class SINEW_PT_keys(ActiveDeformerPanel, Panel):
-    """How handles are edited in frames of an animation"""
-
-    bl_label = "Keys"
-    bl_order = 5
-    bl_options = set()
-
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        deformer = active_deformer(context)
-        return deformer is not None and deformer.definition.keyed
-
-    def draw(self, context: Context) -> None:
-        deformer = active_deformer(context)
-        layout = unless_baked(self.layout, deformer)
-        layout.operator(Operators.KEY_ADD, icon="KEY_HLT")
-        row = layout.row()
-        row.template_list("SINEW_UL_keys", "", deformer, "keys", deformer, "active_key", rows=3)
-        side = row.column(align=True)
-        side.operator(Operators.KEY_ADD, text="", icon="ADD")
-        side.operator(Operators.KEY_REMOVE, text="", icon="REMOVE")
-        side.separator()
-        side.operator(Operators.KEY_JUMP, text="", icon="PREV_KEYFRAME").to = "PREVIOUS"
-        side.operator(Operators.KEY_JUMP, text="", icon="NEXT_KEYFRAME").to = "NEXT"
-        layout.operator(Operators.KEY_ADD, text="Key without an Edit", icon="KEYFRAME").blank = True
-        frames = range(context.scene.frame_start, context.scene.frame_end + 1)
-        missing = bake.missing_frames(context.scene, target_of(context), deformer, frames)
-        for text in (*keys.key_notes(deformer), *missing):
-            draw_text(context, layout, text, "INFO")
-
-
-PANELS = (SINEW_PT_keys,)
+def draw(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
+    """Draw the list of keys, and what adds and removes them."""
+    layout.label(text="Keys of the Edit")
+    row = layout.row()
+    row.template_list("SINEW_UL_keys", "", deformer, "keys", deformer, "active_key", rows=3)
+    row.operator(Operators.KEY_REMOVE, text="", icon="REMOVE")
+    draw_pair(context, layout, _ADDING)
+    for text in keys.key_notes(deformer):
+        draw_text(context, layout, text, "INFO")

@@ -6,7 +6,6 @@ from bpy.utils import register_classes_factory
 
 from ..core import status
 from ..core.status import Level
-from ..ids import Operators
 from ..properties import HANDLE_ROLES, SinewControl, SinewDeformer, SinewHandle, SinewObject
 from ..session.actions.controls import control_list as rows
 from ..session.targets.kinds import kind_of
@@ -14,10 +13,23 @@ from .keys import SINEW_UL_keys
 from .text import columns
 
 _ICONS = {identifier: icon for identifier, _label, _description, icon, _number in HANDLE_ROLES}
-# A column is shown if the region is wide enough for this number of characters.
-_RENDER_FROM = 26
-_WEIGHT_FROM = 28
-_CONTROL_FROM = 44
+_RENDER_FROM = 26  # characters that a region is wide, from which the eye for renders is shown, too
+
+
+def draw_deformer(context: Context, layout: UILayout, owner: SinewObject, deformer: SinewDeformer) -> None:
+    """Draw the name of a deformer, whether it is live, and where it is shown."""
+    failing = status.current(deformer.uid).level is Level.ERROR
+    layout.prop(deformer, "name", text="", emboss=False, icon="ERROR" if failing else "NONE")
+    row = layout.row(align=True)
+    row.prop(deformer, "live", text="", emboss=False, icon="PLAY" if deformer.live else "FREEZE")
+    modifier = kind_of(owner.id_data).shown_by(owner.id_data, deformer)
+    if isinstance(modifier, ShapeKey):
+        icon = "HIDE_ON" if modifier.mute else "HIDE_OFF"
+        row.prop(modifier, "mute", text="", emboss=False, icon=icon)
+    elif modifier is not None:
+        row.prop(modifier, "show_viewport", text="", emboss=False)
+        if columns(context) > _RENDER_FROM:
+            row.prop(modifier, "show_render", text="", emboss=False)
 
 
 class SINEW_UL_deformers(UIList):
@@ -33,33 +45,21 @@ class SINEW_UL_deformers(UIList):
         _active_owner: SinewObject,
         _active_property: str,
     ) -> None:
-        failing = status.current(deformer.uid).level is Level.ERROR
-        layout.prop(deformer, "name", text="", emboss=False, icon="ERROR" if failing else "NONE")
-        row = layout.row(align=True)
-        row.prop(deformer, "live", text="", emboss=False, icon="PLAY" if deformer.live else "FREEZE")
-        modifier = kind_of(owner.id_data).shown_by(owner.id_data, deformer)
-        if isinstance(modifier, ShapeKey):
-            icon = "HIDE_ON" if modifier.mute else "HIDE_OFF"
-            row.prop(modifier, "mute", text="", emboss=False, icon=icon)
-        elif modifier is not None:
-            row.prop(modifier, "show_viewport", text="", emboss=False)
-            if columns(context) > _RENDER_FROM:
-                row.prop(modifier, "show_render", text="", emboss=False)
+        draw_deformer(context, layout, owner, deformer)
 
 
 class SINEW_UL_handles(UIList):
-    """The regions of a deformer: colour, name, control, weight, a select button, and whether they are used"""
+    """The regions of a deformer: colour, name, and whether they are used. A click selects the control"""
 
     def draw_item(
         self,
-        context: Context,
+        _context: Context,
         layout: UILayout,
         _owner: SinewDeformer,
         handle: SinewHandle,
         _icon: int,
         _active_owner: SinewDeformer,
         _active_property: str,
-        index: int,
     ) -> None:
         row = layout.row(align=True)
         row.active = handle.enabled
@@ -73,18 +73,8 @@ class SINEW_UL_handles(UIList):
         if handle.control_missing:
             picker = row.row()
             picker.alert = True
-            picker.ui_units_x = 2.4 if columns(context) < _CONTROL_FROM else 0.0
+            picker.ui_units_x = 2.4
             picker.prop(handle, "control", text="")
-            row.operator(Operators.CONTROL_NEW, text="", icon="ADD", emboss=False).index = index
-        else:
-            if columns(context) > _CONTROL_FROM:
-                row.label(text=handle.control_label)
-            if columns(context) > _WEIGHT_FROM:
-                weight = row.row()
-                weight.ui_units_x = 2.2
-                weight.prop(handle, "weight", text="", emboss=False)
-            select = row.operator(Operators.SELECT_HANDLE, text="", icon="RESTRICT_SELECT_OFF", emboss=False)
-            select.index = index
         row.prop(handle, "enabled", text="", emboss=False, icon="HIDE_OFF" if handle.enabled else "HIDE_ON")
 
 

@@ -7,10 +7,13 @@ Blender's search finds operators through menus, so each operator is in a menu th
 import bpy
 from bpy.types import Context, Menu, UILayout
 
+from ..core.labels import known_as, label_of
+from ..core.methods import METHODS
 from ..ids import Menus, Operators
-from ..operators import PAGES, target_of
-from ..properties import deformers_of
+from ..operators import PAGES, page_of, target_of
+from ..properties import DRAG_MODES, deformers_of
 from . import control
+from .browser.menus import draw_tasks
 from .layouts import draw_move_entries, invoking
 
 
@@ -20,27 +23,29 @@ class SINEW_MT_edit_mesh(Menu):
     bl_idname = Menus.EDIT_MESH
     bl_label = "Sinew"
 
-    def draw(self, _context: Context) -> None:
+    def draw(self, context: Context) -> None:
         layout = invoking(self.layout)
-        add_entry(layout, "HANDLE", "Add Handle", "ADD")
-        add_entry(layout, "HANDLE", "Add Handle to Selected Object or Bone", "HOOK", control="SELECTED")
-        add_entry(layout, "FIXED", "Add Fixed", "PINNED")
-        add_entry(layout, "SUPPORT", "Set Support", "MOD_MESHDEFORM")
+        add_entry(layout, "HANDLE", "Make Handle", "ADD")
+        add_entry(layout, "HANDLE", "Make Handle on Selected Object or Bone", "HOOK", control="SELECTED")
+        add_entry(layout, "FIXED", "Hold Still", "PINNED")
+        add_entry(layout, "SUPPORT", "Free Around It", "MOD_MESHDEFORM")
+        layout.separator()
+        draw_tasks(context, layout)
         layout.separator()
         _draw_common(layout)
 
 
 class SINEW_MT_object(Menu):
-    """Work on the deformers of the mesh and their regions"""
+    """Start a task, or work on the deformers of the mesh and their regions"""
 
     bl_idname = Menus.OBJECT
     bl_label = "Sinew"
 
-    def draw(self, _context: Context) -> None:
+    def draw(self, context: Context) -> None:
         layout = invoking(self.layout)
-        for role, name in Menus.FOR_GROUPS.items():
-            layout.menu(name, icon=_ADDING[role][1])
+        draw_tasks(context, layout)
         layout.separator()
+        layout.menu(Menus.ADD_REGION, icon="ADD")
         _draw_common(layout)
 
 
@@ -56,29 +61,12 @@ class SINEW_MT_add_region(Menu):
         if obj is not None and obj.mode == "EDIT":
             add_entry(layout, "HANDLE", "Handle", "ADD")
             add_entry(layout, "HANDLE", "Handle to Selected Object or Bone", "HOOK", control="SELECTED")
-            add_entry(layout, "FIXED", "Fixed", "PINNED")
-            add_entry(layout, "SUPPORT", "Support", "MOD_MESHDEFORM")
+            add_entry(layout, "FIXED", "Hold Still", "PINNED")
+            add_entry(layout, "SUPPORT", "Free Around It", "MOD_MESHDEFORM")
             layout.separator()
         for role, name in Menus.FOR_GROUPS.items():
             layout.menu(name, icon=_ADDING[role][1])
-
-
-class SINEW_MT_add(Menu):
-    """Add a region, a cage or another deformer"""
-
-    bl_idname = Menus.ADD
-    bl_label = "Add"
-
-    def draw(self, _context: Context) -> None:
-        layout = invoking(self.layout)
-        for role, name in Menus.FOR_GROUPS.items():
-            layout.menu(name, icon=_ADDING[role][1])
-        layout.separator()
-        for source, text in (("AUTO", "Add Cage"), ("OBJECT", "Use Selected as Cage")):
-            layout.operator(Operators.CAGE_ADD, text=text, icon="MESH_CUBE").source = source
-        layout.operator(Operators.LATTICE_ADD, icon="LATTICE_DATA")
-        layout.separator()
-        layout.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="Add Deformer", icon="MODIFIER")
+        layout.operator_menu_enum(Operators.POINT_ADD, "source", icon="EMPTY_AXIS")
 
 
 class SINEW_MT_deformer(Menu):
@@ -89,8 +77,8 @@ class SINEW_MT_deformer(Menu):
 
     def draw(self, _context: Context) -> None:
         layout = invoking(self.layout)
-        layout.operator_menu_enum(Operators.DEFORMER_ADD, "method", text="Add Deformer", icon="ADD")
-        draw_move_entries(layout, Operators.DEFORMER_MOVE)
+        layout.operator(Operators.CHOOSE_METHOD, icon="PRESET")
+        draw_move_entries(layout, Operators.DEFORMER_MOVE, "Deformer")
         layout.separator()
         layout.operator(Operators.KEY_ADD, icon="KEY_HLT")
         layout.operator(Operators.KEY_MOVE, icon="KEYFRAME")
@@ -100,12 +88,31 @@ class SINEW_MT_deformer(Menu):
         layout.operator(Operators.APPLY, text="Apply as Shape Key", icon="SHAPEKEY_DATA").as_shape_key = True
         layout.operator(Operators.BAKE, icon="RENDER_ANIMATION")
         layout.operator(Operators.UNBAKE, icon="LOOP_BACK")
+        layout.operator(Operators.BAKE_FIND, icon="FILEBROWSER")
         layout.operator(Operators.SETTINGS_SHARE, icon="DUPLICATE")
         layout.operator(Operators.TRANSFER, icon="MOD_MESHDEFORM")
         layout.operator(Operators.MORPH, icon="MOD_DATA_TRANSFER")
         layout.operator(Operators.GRID_NEW, icon="MESH_GRID")
         layout.separator()
         layout.operator(Operators.DEFORMER_REMOVE, icon="REMOVE")
+
+
+class SINEW_MT_problems(Menu):
+    """What is wrong with a mesh and its regions, and what mends it"""
+
+    bl_idname = Menus.PROBLEMS
+    bl_label = "Problems"
+
+    def draw(self, _context: Context) -> None:
+        layout = invoking(self.layout)
+        layout.operator(Operators.SELECT_PROBLEMS, text="Show Problems", icon="ERROR")
+        layout.operator(Operators.SELECT_DISTORTED, icon="MOD_CLOTH")
+        layout.separator()
+        layout.operator(Operators.REPAIR, icon="TOOL_SETTINGS")
+        layout.operator(Operators.PART_REGIONS, icon="SELECT_DIFFERENCE")
+        layout.operator(Operators.REFINE, icon="MESH_GRID")
+        layout.operator(Operators.ARMATURE_OFF, icon="MOD_ARMATURE")
+        layout.operator(Operators.KEEP_INSIDE, icon="PINNED")
 
 
 class SINEW_MT_manual(Menu):
@@ -117,12 +124,25 @@ class SINEW_MT_manual(Menu):
     def draw(self, _context: Context) -> None:
         for page, label, _description in PAGES:
             self.layout.operator(Operators.HELP, text=label).page = page
+        self.layout.menu(Menus.MANUAL_METHODS)
+
+
+class SINEW_MT_manual_methods(Menu):
+    """Open the page about a method"""
+
+    bl_idname = Menus.MANUAL_METHODS
+    bl_label = "Methods"
+
+    def draw(self, _context: Context) -> None:
+        for method in METHODS:
+            text = f"About {label_of(method)} ({known_as(method)})"
+            self.layout.operator(Operators.HELP, text=text).page = page_of(method)
 
 
 _ADDING = {
     "HANDLE": ("Handle from Vertex Group", "ADD"),
-    "FIXED": ("Fixed from Vertex Group", "PINNED"),
-    "SUPPORT": ("Support from Vertex Group", "MOD_MESHDEFORM"),
+    "FIXED": ("Still from Vertex Group", "PINNED"),
+    "SUPPORT": ("Free Area from Vertex Group", "MOD_MESHDEFORM"),
 }
 
 
@@ -165,7 +185,12 @@ def add_entry(layout: UILayout, role: str, text: str, icon: str, control: str = 
 
 
 def _draw_common(layout: UILayout) -> None:
-    layout.operator(Operators.PUPPET_POSE, icon="ARMATURE_DATA")
+    for mode, label, *_rest in DRAG_MODES:
+        text = "Sinew Drag" if mode == "AUTO" else f"Sinew Drag: {label}"
+        layout.operator(Operators.DRAG_START, text=text, icon="VIEW_PAN").mode = mode
+    layout.separator()
+    layout.operator(Operators.POSE_RESET, icon="LOOP_BACK")
+    layout.operator(Operators.POSE_KEY, icon="KEY_HLT")
     layout.operator(Operators.PUPPET_PIN, icon="PINNED")
     layout.operator(Operators.PUPPET_RIG, icon="BONE_DATA")
     layout.separator()
@@ -177,14 +202,7 @@ def _draw_common(layout: UILayout) -> None:
     layout.operator(Operators.UNBIND, icon="X")
     layout.operator(Operators.CANCEL, icon="CANCEL")
     layout.separator()
-    layout.operator(Operators.SELECT_PROBLEMS, text="Select Problems", icon="ERROR")
-    layout.operator(Operators.SELECT_DISTORTED, icon="MOD_CLOTH")
-    layout.operator(Operators.REPAIR, icon="TOOL_SETTINGS")
-    layout.operator(Operators.PART_REGIONS, icon="SELECT_DIFFERENCE")
-    layout.operator(Operators.REFINE, icon="MESH_GRID")
-    layout.operator(Operators.ARMATURE_OFF, icon="MOD_ARMATURE")
-    layout.operator(Operators.KEEP_INSIDE, icon="PINNED")
-    layout.separator()
+    layout.menu(Menus.PROBLEMS, icon="ERROR")
     for menu in control.MENUS:
         layout.menu(menu.bl_idname, icon=menu.ICON)
     layout.menu(Menus.DEFORMER, icon="MODIFIER")
@@ -211,8 +229,9 @@ def _in_object_context_menu(menu: Menu, context: Context) -> None:
 _CLASSES = (
     *_GROUP_MENUS,
     SINEW_MT_manual,
+    SINEW_MT_manual_methods,
+    SINEW_MT_problems,
     SINEW_MT_add_region,
-    SINEW_MT_add,
     *control.MENUS,
     SINEW_MT_deformer,
     SINEW_MT_edit_mesh,

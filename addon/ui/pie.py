@@ -15,13 +15,10 @@ class SINEW_MT_pie(Menu):
     bl_idname = Menus.PIE
     bl_label = "Sinew"
 
-    @classmethod
-    def poll(cls, context: Context) -> bool:
-        return target_of(context) is not None
-
     def draw(self, context: Context) -> None:
+        """In Edit Mode of a cage, the entries are those of the object that it moves."""
         pie = self.layout.menu_pie()
-        if context.mode == "EDIT_MESH":
+        if context.mode == "EDIT_MESH" and target_of(context) in (None, context.edit_object):
             _draw_edit_mode(pie)
         else:
             _draw_other_modes(pie)
@@ -29,25 +26,25 @@ class SINEW_MT_pie(Menu):
 
 def _draw_edit_mode(pie: UILayout) -> None:
     """Blender places the entries left, right, below and above, then in the corners from the upper left."""
-    add_entry(pie, "HANDLE", "Add Handle", "ADD")
-    add_entry(pie, "FIXED", "Add Fixed", "PINNED")
-    pie.operator(Operators.BIND, icon="FILE_REFRESH")
+    add_entry(pie, "HANDLE", "Make Handle", "ADD")
+    add_entry(pie, "FIXED", "Hold Still", "PINNED")
+    pie.operator(Operators.SELECT_HANDLE, text="Select Region", icon="RESTRICT_SELECT_OFF")
     pie.operator(Operators.GRAB_REGION, icon="VIEW_PAN")
-    add_entry(pie, "SUPPORT", "Set Support", "MOD_MESHDEFORM")
-    add_entry(pie, "HANDLE", "Add Handle to Selected Object or Bone", "HOOK", control="SELECTED")
-    pie.operator(Operators.SELECT_PROBLEMS, text="Select Problems", icon="ERROR")
-    pie.operator(Operators.SELECT_HANDLE, icon="RESTRICT_SELECT_OFF")
+    pie.operator(Operators.WIRE_ADD, text="Wire along Edges", icon="CURVE_DATA").source = "EDGES"
+    add_entry(pie, "SUPPORT", "Free Around It", "MOD_MESHDEFORM")
+    pie.operator(Operators.SELECT_PROBLEMS, text="Show Problems", icon="ERROR")
+    pie.operator(Operators.BIND, icon="FILE_REFRESH")
 
 
 def _draw_other_modes(pie: UILayout) -> None:
-    pie.operator(Operators.SELECT_HANDLE, icon="RESTRICT_SELECT_OFF")
+    pie.operator(Operators.DRAG_START, icon="VIEW_PAN").mode = "AUTO"
     pie.operator(Operators.HANDLE_MIRROR, icon="MOD_MIRROR")
-    pie.operator(Operators.BIND, icon="FILE_REFRESH")
+    pie.operator(Operators.POSE_RESET, icon="LOOP_BACK")
+    pie.operator(Operators.POSE_KEY, icon="KEY_HLT")
+    pie.operator(Operators.SELECT_HANDLE, icon="RESTRICT_SELECT_OFF")
+    pie.operator(Operators.ALL_TASKS, icon="IMGDISPLAY")
+    pie.operator(Operators.SELECT_PROBLEMS, text="Show Problems", icon="ERROR")
     pie.operator(Operators.BAKE, icon="RENDER_ANIMATION")
-    pie.menu(Menus.ADD, icon="ADD")
-    pie.operator(Operators.REPAIR, icon="TOOL_SETTINGS")
-    pie.operator(Operators.SELECT_PROBLEMS, text="Select Problems", icon="ERROR")
-    pie.operator(Operators.APPLY, icon="CHECKMARK")
 
 
 register, unregister = register_classes_factory((SINEW_MT_pie,))

@@ -13,12 +13,10 @@ from ..properties import SinewDeformer
 ROOT = "SINEW_PT_sinew"  # the parent of all other panels
 _SUFFIX = "_properties"
 
-# The manual page behind the question mark of each panel that has one.
-PAGES = {
-    ROOT: "surface",
-    "SINEW_PT_region": "surface",
-    "SINEW_PT_keys": "animate",
-    "SINEW_PT_advanced": "surface",
+# The manual page behind the question mark of each sub-panel that always has the same.
+_PAGES = {
+    "SINEW_PT_skin": "puppet",
+    "SINEW_PT_order": "animate",
     "SINEW_PT_bake": "baking",
     "SINEW_PT_overlays": "overlays",
 }
@@ -31,10 +29,14 @@ class SidebarPanel:
     bl_region_type = "UI"
     bl_category = "Sinew"
 
-    def draw_header_preset(self, _context: Context) -> None:
-        page = PAGES.get(type(self).__name__.removesuffix(_SUFFIX))
-        if page is not None:
-            self.layout.operator(Operators.HELP, text="", icon="QUESTION", emboss=False).page = page
+    def help_page(self, _context: Context) -> str:
+        """The page that the question mark opens."""
+        return _PAGES[type(self).__name__.removesuffix(_SUFFIX)]
+
+    def draw_header_preset(self, context: Context) -> None:
+        row = self.layout.row()
+        row.active = not hasattr(type(self), "bl_parent_id")  # those of sub-panels are dim
+        row.operator(Operators.HELP, text="", icon="QUESTION", emboss=False).page = self.help_page(context)
 
 
 class ActiveDeformerPanel(SidebarPanel):

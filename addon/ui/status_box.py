@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The status of a deformer: what it is doing, what is wrong, and the buttons that help."""
 
-from dataclasses import dataclass, replace
-from functools import reduce
-from operator import or_
+import itertools
+from dataclasses import replace
 
 from bpy.types import Context, UILayout
 
@@ -21,15 +20,13 @@ from ..session.controls import twice as control_twice
 from ..session.evaluation import binding, dependencies
 from ..session.state import sessions
 from ..session.state.background import Work
-from .text import columns, draw_text
+from .layouts import Button, beside
+from .text import draw_text, is_wide, width_of, width_of_button
 
 _ICONS = {Level.NONE: "BLANK1", Level.INFO: "INFO", Level.WARNING: "ERROR", Level.ERROR: "CANCEL"}
-_WIDE = 44  # characters; in a wider region, buttons are drawn beside their line instead of below it
-_BUTTON = 72  # pixels at scale 1
-
+_GAP = 12  # pixels at scale 1, at the sides of a button beside its line
 
 REFINING = "Refining - the final shape follows"
-BAKED = Status(Level.INFO, "Baked: what is greyed out here counts after Unbake", remedy=Remedy.UNBAKE)
 DRAFT = "Draft - the full shape follows when playback rests"
 NATIVE_MISSING = Status(
     Level.ERROR,
@@ -38,32 +35,23 @@ NATIVE_MISSING = Status(
 )
 
 
-@dataclass(frozen=True)
-class Button:
-    """A button: the operator that it calls, its text and its icon."""
-
-    operator: str
-    text: str
-    icon: str
-    properties: tuple[tuple[str, str | bool], ...] = ()
-
-
 REMEDIES: dict[Remedy, Button] = {
     Remedy.BIND: Button(Operators.BIND, "Rebind", "FILE_REFRESH"),
-    Remedy.CAGE_REST: Button(Operators.CAGE_REST, "Set Rest Cage", "MESH_CUBE"),
-    Remedy.LATTICE_REST: Button(Operators.LATTICE_REST, "Set Rest Lattice", "PIVOT_BOUNDBOX"),
+    Remedy.CAGE_REST: Button(Operators.CAGE_REST, "New Rest", "MESH_CUBE"),
+    Remedy.LATTICE_REST: Button(Operators.LATTICE_REST, "New Rest", "PIVOT_BOUNDBOX"),
     Remedy.FLIP_CAGE: Button(Operators.CAGE_FLIP, "Flip", "NORMALS_FACE"),
     Remedy.OUTSIDE: Button(Operators.CAGE_OUTSIDE, "Follow", "MOD_MESHDEFORM"),
     Remedy.REPAIR: Button(Operators.REPAIR, "Repair", "TOOL_SETTINGS"),
-    Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Part Regions", "NONE"),
+    Remedy.PART_REGIONS: Button(Operators.PART_REGIONS, "Unshare", "NONE"),
     Remedy.REFINE: Button(Operators.REFINE, "Refine", "MESH_GRID"),
     Remedy.ARMATURE_OFF: Button(Operators.ARMATURE_OFF, "Turn Off Armature", "MOD_ARMATURE"),
     Remedy.KEEP_INSIDE: Button(Operators.KEEP_INSIDE, "Keep Inside Parts", "PINNED"),
     Remedy.NEW_CONTROL: Button(Operators.CONTROL_NEW, "New Control", "EMPTY_AXIS"),
     Remedy.BAKE: Button(Operators.BAKE, "Bake Again", "NONE", (("again", True),)),
+    Remedy.FIND_FILE: Button(Operators.BAKE_FIND, "Find File...", "FILEBROWSER"),
     Remedy.UNBAKE: Button(Operators.UNBAKE, "Unbake", "LOOP_BACK"),
     Remedy.CONVERT: Button("object.convert", "Convert to Mesh", "OUTLINER_OB_MESH", (("target", "MESH"),)),
-    Remedy.OVERRIDE: Button("object.make_override_library", "Make Library Override", "LIBRARY_DATA_OVERRIDE"),
+    Remedy.OVERRIDE: Button("object.make_override_library", "Override to Pose It", "LIBRARY_DATA_OVERRIDE"),
     Remedy.PREFERENCES: Button(
         "preferences.addon_show", "Preferences", "PREFERENCES", (("module", PACKAGE),)
     ),
@@ -77,70 +65,94 @@ def _buttons(remedy: Remedy) -> list[Button]:
 def draw_remedy(layout: UILayout, remedy: Remedy) -> None:
     """Draw the buttons of a remedy."""
     for button in _buttons(remedy):
-        settings = layout.operator(button.operator, text=button.text, icon=button.icon)
-        for name, value in button.properties:
-            setattr(settings, name, value)
+        button.draw(layout)
 
 
 def draw_message(context: Context, layout: UILayout, line: Status, problem: int = -1) -> None:
     """Draw one line with its buttons. ``problem`` is its number among the lines that name elements, or -1."""
-    count = (problem >= 0) + len(_buttons(line.remedy))
-    wide = columns(context) >= _WIDE
+    show = Button(Operators.SELECT_PROBLEMS, "Show", "RESTRICT_SELECT_OFF", (("line", problem),))
+    buttons = [show] * (problem >= 0) + _buttons(line.remedy)
+    looks = [button.looks for button in buttons]
+    room = sum(width_of_button(context, *look) + _GAP for look in looks)
+    wide = is_wide(context) and room < width_of(context, boxed=True) / 2.0
     group = layout.row() if wide else layout.column(align=True)
-    draw_text(context, group.column(), line.text, _ICONS[line.level], beside=_BUTTON * count if wide else 0)
-    if not count:
+    group.alert = line.level is Level.ERROR
+    draw_text(context, group.column(), line.text, _ICONS[line.level], beside=room if wide else 0)
+    if not buttons:
         return
-    buttons = group.row(align=True)
+    place = group.row(align=True) if wide else beside(context, group, *looks, boxed=True)
     if wide:
-        buttons.alignment = "RIGHT"
-    if problem >= 0:
-        select = buttons.operator(Operators.SELECT_PROBLEMS, text="Select", icon="RESTRICT_SELECT_OFF")
-        select.line = problem
-    draw_remedy(buttons, line.remedy)
+        place.alignment = "RIGHT"
+    for button in buttons:
+        button.draw(place)
 
 
-def draw_error(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
-    """Draw why the deformer does not work, or why its settings are greyed out, at the top of the panel, where
-    it is seen without scrolling.
-    """
-    line = headline(deformer)
-    if line.level is not Level.ERROR and deformer.bake.is_baked:
-        line = BAKED
-    elif line.level is not Level.ERROR or binding.job(deformer.uid) is not None:
+def _draw_messages(context: Context, box: UILayout, lines: list[tuple[Status, int]]) -> None:
+    """Draw several lines. One press of a button mends what all lines with it say, so the last has it."""
+    later = Remedy.NONE
+    shown = []
+    for line, problem in reversed(lines):
+        shown.append((replace(line, remedy=line.remedy & ~later), problem))
+        later |= line.remedy
+    for line, problem in reversed(shown):
+        draw_message(context, box, line, problem)
+
+
+def draw_troubles(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
+    """Draw what is wrong, or that a bake is shown, at the top of the panel, where it is seen at once."""
+    lines = [pair for pair in _lines(deformer) if pair[0].level in (Level.WARNING, Level.ERROR)]
+    if deformer.bake.is_baked and binding.job(deformer.uid) is None:
+        remedy = Remedy.UNBAKE | Remedy.BAKE
+        lines.insert(0, (Status(Level.INFO, deformer.bake.summary, remedy=remedy), -1))
+    unlocked = deformer.is_bound and not context.scene.render.use_lock_interface
+    if not lines and not unlocked:
         return
-    draw_message(context, layout.box().column(), line, 0 if line.elements else -1)
+    box = layout.box().column()
+    _draw_messages(context, box, lines)
+    if unlocked:
+        draw_text(context, box, "Rendering from this window needs a locked interface", "ERROR")
+        box.prop(context.scene.render, "use_lock_interface")
+
+
+def has_troubles(deformer: SinewDeformer) -> bool:
+    """Whether something is wrong that the page of troubles tells more about."""
+    return any(line.level in (Level.WARNING, Level.ERROR) for line, _problem in _lines(deformer))
 
 
 def draw_status(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
-    """Draw the status at the end of the panel, and Bind below it."""
+    """Draw what the deformer does at the end of the panel; while it is bound, how far that is."""
     job = binding.job(deformer.uid)
     if job is not None:
-        draw_progress(layout.box().column(), job, "binding")
+        draw_progress(layout.column(), job, "Binding")
         return
     cage = making.cage_work(deformer.id_data.name)
     if cage is not None and deformer.definition.control is not Control.CAGE:  # else its own button tells
-        draw_progress(layout.box().column(), cage, "making a cage")
+        draw_progress(layout.column(), cage, "making a cage")
+    if not deformer.bake.is_baked:
+        _draw_headline(context, layout, deformer)
+    notes = [pair for pair in _lines(deformer)[1:] if pair[0].level not in (Level.WARNING, Level.ERROR)]
+    if notes:
+        _draw_messages(context, layout.box().column(), notes)
+
+
+def _draw_headline(context: Context, layout: UILayout, deformer: SinewDeformer) -> None:
+    """Draw whether it follows, and the button that binds it. What is wrong is at the top of the panel."""
     line = headline(deformer)
-    problem = int(bool(line.elements))
-    lines = [(line, problem - 1)] if line.level is not Level.ERROR else []
-    for line in (*status.notes(deformer.uid), *_warnings(deformer)):
-        lines.append((line, problem if line.elements else -1))
-        problem += bool(line.elements)
-    unlocked = deformer.is_bound and not context.scene.render.use_lock_interface
-    if lines or unlocked:
-        box = layout.box().column()
-        for place, (line, number) in enumerate(lines):
-            # One press of a button mends what all lines with it say, so the last of them has it.
-            later = reduce(or_, (other.remedy for other, _ in lines[place + 1 :]), Remedy.NONE)
-            draw_message(context, box, replace(line, remedy=line.remedy & ~later), number)
-        if unlocked:
-            draw_text(context, box, "Rendering from this window needs a locked interface", "ERROR")
-            box.prop(context.scene.render, "use_lock_interface")
-    row = layout.row(align=True)
-    row.operator(Operators.BIND, text="Rebind" if deformer.is_bound else "Bind", icon="FILE_REFRESH")
-    row.operator(Operators.UNBIND, text="Unbind", icon="X")
-    if unlocked or any(line.level in (Level.WARNING, Level.ERROR) for line, _number in lines):
-        row.operator(Operators.HELP, text="", icon="QUESTION").page = "troubles"
+    wrong = line.level in (Level.WARNING, Level.ERROR)
+    icon = _ICONS[Level.WARNING] if wrong else "CHECKMARK" if deformer.is_bound else _ICONS[Level.INFO]
+    bound = deformer.is_bound
+    place = layout.row(align=True) if bound else layout.column(align=True)
+    draw_text(
+        context, place.column(), "At rest" if wrong else line.text, icon, beside=20 * bound, boxed=False
+    )
+    place.operator(Operators.BIND, text="" if bound else "Bind", icon="FILE_REFRESH")
+
+
+def _lines(deformer: SinewDeformer) -> list[tuple[Status, int]]:
+    """All lines about a deformer, the main one first, each with its number among those with elements."""
+    lines = (headline(deformer), *status.notes(deformer.uid), *_warnings(deformer))
+    numbers = itertools.count()
+    return [(line, next(numbers) if line.elements else -1) for line in lines]
 
 
 def headline(deformer: SinewDeformer) -> Status:
@@ -149,7 +161,7 @@ def headline(deformer: SinewDeformer) -> Status:
         return NATIVE_MISSING
     main = status.current(deformer.uid)
     if not main.text:
-        return Status(Level.INFO, "Bound" if deformer.is_bound else "Not bound - press Bind")
+        return Status(Level.INFO, "Follows" if deformer.is_bound else "At rest - press Bind")
     known = sessions.find(deformer.uid)
     if deformer.bake.is_baked:
         return main
@@ -158,7 +170,7 @@ def headline(deformer: SinewDeformer) -> Status:
     if main.level is Level.INFO and sessions.is_refining(deformer.uid):
         return Status(Level.INFO, REFINING)
     if main.level is Level.INFO and deformer.is_bound and known is not None and known.solve_milliseconds:
-        text = f"{main.text}, solve {binding.duration(known.solve_milliseconds)}"
+        text = f"Follows, {binding.duration(known.solve_milliseconds).removeprefix('less than ')}"
         return Status(main.level, text, main.elements, main.remedy)
     return main
 
@@ -181,6 +193,3 @@ def draw_progress(layout: UILayout, work: Work, doing: str) -> None:
     row = layout.row(align=True)
     compat.draw_progress(row, work.fraction, work.stage or doing)
     row.operator(Operators.CANCEL, text="", icon="X")
-    hint = layout.row()
-    hint.active = False
-    hint.label(text="Esc cancels", icon="BLANK1")

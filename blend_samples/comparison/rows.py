@@ -23,18 +23,19 @@ def registry_rows(methods: ModuleType, native: ModuleType) -> Iterator[tuple[str
     """A row per method that handles or a lattice steer, with its defaults, in the menu's order.
 
     ``methods`` is the add-on's ``core.methods``, ``native`` the compiled module. So a method that the
-    registry gains is in the matrix. One that edits animations is left out: on a still mesh it is another row.
+    registry gains is in the matrix, by its name in the literature. One that edits animations is left out:
+    on a still mesh it is another row.
     """
     for method in methods.METHODS:
         if method.keyed or method.control not in (methods.Control.HANDLES, methods.Control.LATTICE):
             continue
         choice = next((p for p in method.parameters if p.id == SPLIT.get(method.id)), None)
         if choice is None:
-            yield method.label, native_solve(methods, native, method.id)
+            yield method.known_as, native_solve(methods, native, method.id)
             continue
         for identifier, label, _about in choice.items:
             options = {choice.id: identifier}
-            yield f"{method.label}: {label}", native_solve(methods, native, method.id, **options)
+            yield f"{method.known_as}: {label}", native_solve(methods, native, method.id, **options)
 
 
 def native_solve(methods: ModuleType, native: ModuleType, name: str, **options: object) -> Solve:

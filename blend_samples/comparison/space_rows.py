@@ -25,7 +25,7 @@ def space_rows(methods: ModuleType, native: ModuleType) -> Iterator[tuple[str, S
     ways = {methods.Control.CURVES: by_wire, methods.Control.TOOLS: by_tool}
     for method in methods.METHODS:
         if method.control in ways:
-            yield method.label, partial(ways[method.control], getattr(native, method.native))
+            yield method.known_as, partial(ways[method.control], getattr(native, method.native))
 
 
 def by_wire(make: Callable[..., Any], case: Case) -> np.ndarray:

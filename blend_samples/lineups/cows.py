@@ -93,7 +93,7 @@ DRAGS = (
 )
 
 
-def dragged(resolution: int):
+def dragged(resolution: int, farther: float = 1.0):
     """Press on the surface in three places, and animate the handles that this makes."""
 
     def pose(cow: bpy.types.Object) -> None:
@@ -105,7 +105,7 @@ def dragged(resolution: int):
             posing.expect(bpy.ops.sinew.drag(**sight, radius=0.06), f"{cow.name}: drag")
             control = deformer.handles[-1].control
             markers.add_pin(control, control.matrix_world.translation, 0.03)
-            move = Move(shift=shift)
+            move = Move(shift=[farther * step for step in shift])
             posing.animate(control, there_and_back((POSE_FRAME, move), (70, move)), cow)
         posing.check_posed(cow, 1, POSE_FRAME)
 

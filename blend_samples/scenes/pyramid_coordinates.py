@@ -69,7 +69,7 @@ def twisted(mesh: bpy.types.Mesh) -> bpy.types.Mesh:
 def pose(cow: bpy.types.Object, target: bpy.types.Object) -> None:
     """Morph by the operator, and key it: there and back."""
     posing.make_active(cow)
-    posing.expect(bpy.ops.sinew.morph(target=target.name), "Morph to Mesh")
+    posing.expect(bpy.ops.sinew.morph(target=target.name), "Morph to a Mesh")
     settings = cow.sinew.active.pyramid_coordinates
     for frame, value in ((1, 0.0), (MIDDLE_FRAME, 0.5), (LAST_FRAME, 1.0)):
         settings.morph = value

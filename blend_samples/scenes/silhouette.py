@@ -28,7 +28,7 @@ def make() -> bpy.types.Scene:
     return Lineup(
         title="Silhouette",
         build=spot.build,
-        row=dict.fromkeys(("Strokes", "Silhouette Sketch")),
+        row=dict.fromkeys(("Strokes", "Draw Outline")),
         spacing=2.75,
         frame=1,
         finish=sketch,

@@ -131,7 +131,7 @@ def test_every_method_that_regions_steer_has_a_row() -> None:
     rows = [name for name, _solve in registry_rows(methods, sn)]
     steered = [m for m in methods.METHODS if m.control is methods.Control.HANDLES]
     wanted = [m for m in steered if not m.keyed]
-    assert all(any(row.split(":")[0] == method.label for row in rows) for method in wanted)
+    assert all(any(row.split(":")[0] == method.known_as for row in rows) for method in wanted)
     assert sum(row.startswith("Multiresolution: ") for row in rows) == 4
     assert len(rows) == len(set(rows))
 
@@ -157,7 +157,7 @@ def test_every_row_puts_the_handles_where_they_belong(name: str, solve) -> None:
         pytest.skip(found.refusal)
     # Space methods keep weights in single precision, and Rbf meets handles to a tolerance of their moves. A
     # lattice knows no handles: how near it comes, the figures say.
-    controls = {m.label: m.control for m in methods.METHODS if m.is_space}
+    controls = {m.known_as: m.control for m in methods.METHODS if m.is_space}
     control = controls.get(name.split(":")[0])
     allowed = 1e-9 if control is None else 0.1 if control is methods.Control.LATTICE else 1e-3
     assert found.distortion.handle_error < allowed

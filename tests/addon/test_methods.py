@@ -51,11 +51,35 @@ def test_a_row_is_complete(method: methods.Method):
     assert isinstance(method.control, Control)
     assert method.paper
     assert method.section
-    assert method.summary
-    assert not method.summary.endswith(".")
+    assert method.picture
+    assert method.search == method.search.lower()
+    assert method.cost in (1, 2, 3)
     assert method.moves
     assert all(isinstance(moved, Moved) for moved in method.moves)
     assert all(isinstance(family, Family) for family in method.wraps)
+
+
+AUTHORS = {
+    name for method in METHODS for name in re.findall(r"[A-Z][a-zö-]+", method.paper) if name != "Green"
+}
+
+
+@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
+def test_what_a_method_does_and_where_it_fails_is_one_plain_sentence_each(method: methods.Method):
+    for text in (method.summary, method.fails):
+        assert re.match(r"[A-Z][a-z]+(s|h) ", f"{text.split()[0].rstrip(',')} "), "a verb comes first"
+        assert not re.search(r"[.!?]|\b(et al|papers?|section|k_[sb])\b", text)
+        assert not AUTHORS & set(re.findall(r"\w+", text))
+        assert len(text) < 100
+    assert not method.needs or re.match(r"(a|an) ", method.needs)
+
+
+def test_labels_are_told_apart_and_so_are_the_names_of_the_literature():
+    """Both switches of details have one name: a surface and what has none are never offered together."""
+    labels = [method.label for method in METHODS if not method.wraps]
+    assert len(set(labels)) == len(labels)
+    assert {method.label for method in METHODS if method.wraps} == {"Keep Details"}
+    assert len({method.known_as for method in METHODS}) == len(METHODS)
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)

@@ -39,11 +39,11 @@ def test_operator_names_follow_one_pattern():
 
 
 def test_methods_are_named_in_the_registry_only():
-    """Menus, properties and sessions come from rows: a method's id stands in its row and nowhere else."""
+    """Menus, properties and sessions come from rows: a method's id stands in its row and in a task's."""
     from sinew.core.methods import METHODS
 
     for path in ADDON.rglob("*.py"):
-        if path.parent.name == "methods" or "_native" in path.parts:
+        if path.parent.name == "methods" or path == ADDON / "core" / "tasks.py" or "_native" in path.parts:
             continue
         text = path.read_text(encoding="utf-8")
         for method in METHODS:

@@ -180,12 +180,12 @@ def shape_of(line: str) -> str:
 
 COUNTS = (
     Count(
-        "lines outside the product: tests, benchmarks, samples, tools", lambda: length(*YARD), 81_710, 75_000
+        "lines outside the product: tests, benchmarks, samples, tools", lambda: length(*YARD), 83_990, 75_000
     ),
     Count(
         "lines of tests / lines of native and addon",
         lambda: length("tests") / length("native", "addon"),
-        0.69,
+        0.68,
         0.65,
     ),
     Count("folders with more than 20 sources", crowded_folders, 2),

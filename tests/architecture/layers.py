@@ -26,14 +26,17 @@ INNER_RANKS = {
     "core": {
         "elements": 0,
         "memory": 0,
-        "names": 0,
+        "names": 1,
         "point_types": 0,
         "sides": 0,
         "status": 1,
+        "traits": 0,
         "errors": 2,
         "methods": 3,
         "geometry": 3,
         "transform": 3,
+        "labels": 4,
+        "tasks": 4,
     },
     "session": {
         "state": 0,

@@ -23,6 +23,14 @@ FORBIDDEN = {
     "a thread_local object that is no number or pointer": r"^\s*thread_loca[l] (?!(?:int|bool)\b|\w+\*)",
 }
 
+# Former names of what artists see; files and scripts keep their identifiers.
+FORMER = re.compile(
+    r"\b(?:Add (?:Handle|Fixed|Cage|Automatic Cage)|Set (?:Support|Rest)|Use Selected as|Change Faces|"
+    r"(?:Field|Puppet) Drag|Drag Surface|Grab Region|Silhouette Sketch|Handles from Bones|Pin Bones|"
+    r"Key (?:the Present|without an) Edit|Transfer Deformation|Morph to Mesh|Select Problems|Part Regions|"
+    r"X-Axis Mirror|Smooth Rotations|Point Handles|Quads As)\b"
+)
+
 # What a compiler defines for one operating system, or for its C library.
 SYSTEM = r"\b(?:_WIN(?:32|64)|_MSC_VER|__MINGW\w+|__APPLE__|__linux__|__unix__|__GLIBC__)\b"
 
@@ -63,6 +71,18 @@ def word_offences(root: Path) -> list[str]:
         for number, line in lines(path)
         for what, pattern in FORBIDDEN.items()
         if re.search(pattern, line)
+    ]
+
+
+def former_name_offences(root: Path) -> list[str]:
+    """What artists see has one name, in the add-on and on their pages."""
+    pages = [*files(root, "docs/manual", ".md"), *files(root, "docs/methods", ".md"), root / "README.md"]
+    return [
+        f"{path.relative_to(root)}:{number}: a former name: {line.strip()}"
+        for path in [*files(root, "addon", ".py"), *pages]
+        if path.is_file()
+        for number, line in lines(path)
+        if FORMER.search(line)
     ]
 
 

@@ -175,7 +175,11 @@ def test_every_room_that_exists_has_a_rank() -> None:
         for p in (ROOT / "addon").iterdir()
         if not p.name.startswith(("_", "."))
     }
-    assert rooms - {"README", "blender_manifest", "LICENSE"} <= set(ADDON_RANKS) | {"wheels", "icons"}
+    assert rooms - {"README", "blender_manifest", "LICENSE"} <= set(ADDON_RANKS) | {
+        "wheels",
+        "icons",
+        "pictures",
+    }
     for room, ranks in INNER_RANKS.items():
         inside = files(ROOT, f"addon/{room}", ".py")
         assert {path.relative_to(ROOT / "addon" / room).parts[0].removesuffix(".py") for path in inside} == {

@@ -8,6 +8,7 @@ from .sources import (
     LONGEST,
     class_name_offences,
     door_plate_offences,
+    former_name_offences,
     licence_offences,
     size_offences,
     system_offences,
@@ -33,6 +34,19 @@ def test_missing_licence_is_found(tmp_path: Path, path: str) -> None:
 def test_long_file_is_found(tmp_path: Path) -> None:
     grow(tmp_path, {"native/core/a.h": "\n" * LONGEST, "native/core/b.h": "\n" * (LONGEST + 1)})
     assert size_offences(tmp_path) == [f"native/core/b.h: {LONGEST + 1} lines"]
+
+
+def test_former_names_are_found(tmp_path: Path) -> None:
+    pages = {
+        "addon/a.py": 'text="Add Cage"\n',
+        "docs/manual/a.md": "**Set Rest Cage**\n",
+        "CHANGELOG.md": "Add Cage\n",
+    }
+    found = former_name_offences(grow(tmp_path, pages))
+    assert [offence.partition(":")[0] for offence in found] == ["addon/a.py", "docs/manual/a.md"]
+    assert (
+        former_name_offences(grow(tmp_path, {"addon/a.py": "", "docs/manual/a.md": "**New Rest**\n"})) == []
+    )
 
 
 def test_only_the_core_asks_for_a_system(tmp_path: Path) -> None:

@@ -14,6 +14,7 @@ from .security import security_offences
 from .sources import (
     class_name_offences,
     door_plate_offences,
+    former_name_offences,
     licence_offences,
     size_offences,
     sources,
@@ -30,6 +31,7 @@ RULES = (
     licence_offences,
     size_offences,
     word_offences,
+    former_name_offences,
     system_offences,
     class_name_offences,
     door_plate_offences,

@@ -198,3 +198,13 @@ def paint(overlay, room):
         return overlay.cache.overlay_mesh(obj, obj.sinew.active, look, depsgraph)
 
     return picture
+
+
+@pytest.fixture
+def viewport(scene):
+    """The context of a 3D Viewport."""
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=window, screen=window.screen, area=area, region=region):
+        yield bpy.context

@@ -66,14 +66,6 @@ def click(x: int, y: int, **modifiers: bool) -> Iterator[None]:
     yield from rest()
 
 
-def choose(menu: Place, owner: bpy.types.bpy_struct, name: str, value: str) -> Iterator[None]:
-    """Open the menu of a property, and go to an entry by arrow keys: letters change as entries are added."""
-    entries = [item.identifier for item in owner.bl_rna.properties[name].enum_items if item.identifier]
-    yield from click(*menu)
-    yield from keys("HOME", *["DOWN_ARROW"] * entries.index(value), "RET")
-    yield
-
-
 def between(start: Place, end: Place, steps: int = 4) -> list[Place]:
     """The places on the way, with its end."""
     (x, y), (right, up) = start, end

@@ -37,7 +37,12 @@ DRAGGED = 4e-6
 
 EAR, NOSE = (1.7, 0.0, 0.35), (0.0, 0.0, -0.3)  # as seen from the front
 NOTHING = ([], [], 0, [])
-ONE_HANDLE = ([("SUPPORT", "Support"), ("HANDLE", "Handle")], ["Support", "Handle"], 1, ["Head Handle"])
+ONE_HANDLE = (
+    [("SUPPORT", "Free Area"), ("HANDLE", "Handle L")],
+    ["Free Area", "Handle L"],
+    1,
+    ["Head Handle L"],
+)
 
 
 def left_behind() -> tuple:
@@ -56,6 +61,21 @@ def drag_surface() -> Iterator[None]:
     yield from rest()
     before, start, unit = shown(), on_screen(EAR), units_per_pixel()
     end, lower = (start[0] + 50, start[1] + 70), (start[0] + 50, start[1] + 30)
+    with claim("F, Shift F and the wheel change radius and reach"):
+        drag_settings, seen = bpy.context.scene.sinew.drag, []
+        for presses, aside in ((("F",), 20), (("shift F",), 30), (("ctrl WHEELUPMOUSE",), 0)):
+            yield from keys(*presses, at=start)
+            move(start[0] + aside, start[1])
+            yield from rest()
+            if aside:
+                yield from keys("LEFTMOUSE")
+            seen.append((drag_settings.pixels, drag_settings.reach))
+        assert seen[0][0] != 30
+        assert seen[1][0] == seen[0][0]
+        assert seen[1][1] != seen[0][1] == 3.0
+        assert seen[2][0] > seen[1][0]
+        assert not head().sinew.deformers
+        drag_settings.pixels, drag_settings.reach = 30, 3.0
     with claim("a drag makes a handle that follows the mouse"):
         assert left_behind() == NOTHING
         move(start[0] - 2, start[1])
@@ -69,13 +89,13 @@ def drag_surface() -> Iterator[None]:
         yield from release()
         after = shown()
         assert left_behind() == ONE_HANDLE
-        members, _weights = members_of(head(), "Handle")
+        members, _weights = members_of(head(), "Handle L")
         above(len(members), 3)
         near(after[members] - before[members], np.array((50.0, 0.0, 70.0)) * unit, unit)
         moved = np.abs(after - before).max(axis=1) > 1e-5
         assert 0.01 < moved.mean() < 0.5
         assert not moved[before[:, 0] < 0.0].any()
-        assert bpy.context.view_layer.objects.active.name == "Head Handle"
+        assert bpy.context.view_layer.objects.active.name == "Head Handle L"
     last = bpy.context.window_manager.operators[-1]
     with claim("the operator of a drag can be adjusted"):
         assert last.bl_idname == "SINEW_OT_drag"
@@ -130,10 +150,12 @@ STEADY = 0.002  # of the pixels: anti-aliasing is never twice the same
 HEAVY_SHAPE = 0.04  # 1 % of the grid
 
 # Where things are in the window, from its lower left corner, with the Properties editor made wide and high.
-NAME, CONTROL, WEIGHT, SELECT, EYE, BESIDE = 970, 1080, 1166, 1198, 1217, 1252
-FIRST_ROW, ROW = 376, 21
-MOVE_UP, MOVE_DOWN = 305, 285
-REBIND = (1215, 500)
+NAME, PICKER, EYE, BESIDE = 970, 1165, 1217, 1252
+FIRST_ROW, ROW = 544, 21  # of the list; a line above it in Weight Paint, and a box while something is wrong
+MENU = FIRST_ROW - 43  # of the handles
+BOX = 78
+ENTRIES = ("Select Handle", "Mirror Handle", "New Control", "World", "Surface", "Move Up", "Move Down")
+REBIND = (1215, FIRST_ROW + 49)
 
 
 def row(index: int) -> int:
@@ -165,8 +187,7 @@ def handles() -> Iterator[None]:
     yield from settled()
     yield from overlays()
     yield from wide_panel()
-    yield from use_and_select()
-    yield from weight()
+    yield from use()
     yield from rename_and_order()
     yield from missing_control()
     yield from paint()
@@ -300,7 +321,7 @@ def wide_panel() -> Iterator[None]:
     screenshot("1-panel")
 
 
-def use_and_select() -> Iterator[None]:
+def use() -> Iterator[None]:
     posed = shown()
     with claim("the eye lets a region go and takes it back"):
         yield from click(EYE, row(0))
@@ -311,23 +332,6 @@ def use_and_select() -> Iterator[None]:
         yield from click(EYE, row(0))
         yield from settled()
         assert deformer().handles[0].enabled
-        near(shown(), posed, FLOAT32)
-    head().select_set(True)
-    with claim("the arrow selects the control alone"):
-        yield from click(SELECT, row(1))
-        assert [obj.name for obj in bpy.context.view_layer.objects if obj.select_get()] == ["Head Ear.R"]
-
-
-def weight() -> Iterator[None]:
-    posed = shown()
-    with claim("a dragged weight gives way, and undo brings it back"):
-        yield from drag((WEIGHT, row(0)), (WEIGHT - 40, row(0)))
-        yield from settled()
-        assert 0.0 < deformer().handles[0].weight < 1.0
-        above(apart(shown(), posed), 0.001)
-        yield from undo()
-        yield from settled()
-        assert deformer().handles[0].weight == 1.0
         near(shown(), posed, FLOAT32)
 
 
@@ -340,11 +344,16 @@ def rename_and_order() -> Iterator[None]:
         yield from keys("RET")
         assert names() == ordered
         assert deformer().handles[0].vertex_group == "Ear.L"
-    with claim("regions move up and down, and the shape stays"):
-        yield from click(CONTROL, row(2))
+    head().select_set(True)
+    with claim("a click on a row selects its control alone"):
+        yield from click(NAME, row(2))
         assert deformer().active_handle == 2
-        for button, order in ((MOVE_UP, ["ear", "Muzzle", "Ear.R", "Back"]), (MOVE_DOWN, ordered)):
-            yield from click(BESIDE, button)
+        selected = [obj.name for obj in bpy.context.view_layer.objects if obj.select_get()]
+        assert selected == ["Head Muzzle"], selected
+    with claim("regions move up and down, and the shape stays"):
+        for entry, order in (("Move Up", ["ear", "Muzzle", "Ear.R", "Back"]), ("Move Down", ordered)):
+            yield from click(BESIDE, MENU)
+            yield from keys("HOME", *["DOWN_ARROW"] * ENTRIES.index(entry), "RET")
             yield from settled()
             assert names() == order
             near(shown(), posed, FLOAT32)
@@ -354,14 +363,14 @@ def missing_control() -> Iterator[None]:
     """Deleted by the user; another picked in the list."""
     other, posed = new_empty("Other", (1.0, 2.0, 3.0)), shown()
     with claim("a deleted control leaves the region as it is"):
-        yield from click(SELECT, row(0))
+        yield from click(NAME, row(0))
         yield from keys("X", "RET", at=middle())
         yield from settled()
         assert deformer().handles[0].control_missing
         near(shown(), posed, FLOAT32)
     screenshot("2-control-missing")
     with claim("another control is picked in the list"):
-        yield from click(CONTROL, row(0))
+        yield from click(PICKER, row(0) - BOX)
         yield
         write("other")
         yield from rest()
@@ -379,7 +388,7 @@ def paint() -> Iterator[None]:
     """A stroke of weight 0 over the lower half of the lifted ear."""
     posed = shown()
     mode("WEIGHT_PAINT")
-    yield from click(SELECT, row(0))
+    yield from click(NAME, row(0) - ROW)
     with claim("the list chooses the group that is painted"):
         assert head().vertex_groups.active.name == "Ear.L"
     unified = bpy.context.scene.tool_settings.unified_paint_settings

@@ -8,7 +8,8 @@ import bpy
 import numpy as np
 from driving import above, apart, claim, near, rest, run, until, works
 from editing import select
-from hand import between, hold, keys, move, open_sidebar, polyline, press, release, stroke, undo
+from hand import between, drag, hold, keys, move, open_sidebar, polyline, press, release, stroke, undo
+from inside import inner
 from mathutils import Vector
 from scenes import deformer, head, only_head, shown, smooth_head
 from window import (
@@ -103,7 +104,7 @@ def cage() -> Iterator[None]:
     yield from weights_of_cage()
     button("cage_set_rest")
     yield from until(lambda: moved(at_rest) < 1e-6, 20.0)
-    with claim("Set Rest puts the mesh at rest, and a deleted cage leaves it there"):
+    with claim("New Rest puts the mesh at rest, and a deleted cage leaves it there"):
         near(shown(), at_rest, FLOAT32)
         bpy.data.objects.remove(bpy.data.objects[name])
         yield from rest()
@@ -251,6 +252,8 @@ def wires() -> Iterator[None]:
     yield from rest(3)
     bpy.ops.object.mode_set(mode="OBJECT")
     yield from rest(3)
+    bpy.ops.ed.undo_push(message="Wire")
+    yield from radius_by_its_arrow()
     wire = deformer().controls[0].object
     with claim("edges become a wire that G moves, and undo puts it back"):
         assert len(wire.data.splines) == 1
@@ -264,6 +267,28 @@ def wires() -> Iterator[None]:
         yield from undo()
         near(shown(), before, FLOAT32)
     yield from wire_by_stroke()
+
+
+def radius_by_its_arrow() -> Iterator[None]:
+    """The mesh is active, and the tool is Move."""
+    with in_view():
+        bpy.ops.wm.tool_set_by_id(name="builtin.move")
+    yield from rest(3)
+    row, depsgraph = deformer().controls[0], bpy.context.evaluated_depsgraph_get()
+    place, direction = inner.reach_drag.reach_of(row, depsgraph).measured["radius"]
+    before = row.radius
+
+    def tip(radius: float) -> Place:
+        return on_screen(deformer().controls[0].object.matrix_world @ Vector(place + radius * direction))
+
+    start, end = tip(before), tip(2.0 * before)
+    move(*start)
+    yield from rest(4)
+    with claim("an arrow changes the radius of a wire, as one step of undo"):
+        yield from drag(start, end)
+        assert abs(deformer().controls[0].radius / before - 2.0) < 0.1
+        yield from undo()
+        assert abs(deformer().controls[0].radius - before) < FLOAT32
 
 
 def wire_by_stroke() -> Iterator[None]:
@@ -325,7 +350,8 @@ def vector_field() -> Iterator[None]:
         yield from undo()
         assert not head().sinew.deformers
         near(shown(), before, FLOAT32)
-        yield from start(0.02)
+        button("drag_start", mode="CLAY")
+        yield from rest()
         yield from hold(polyline(ASIDE)[:10])
         above(moved(before), 0.05)
         yield from keys("ESC")

@@ -12,7 +12,7 @@ from bpy_extras.object_utils import world_to_camera_view
 from driving import above, apart, claim, near, rest, run, settled, until
 from editing import edited, select, selection
 from expected import members_of
-from hand import between, choose, click, drag, glide, keys, move, open_sidebar, press, redo, undo
+from hand import between, click, drag, glide, keys, move, open_sidebar, press, redo, undo
 from inside import inner
 from mathutils import Vector
 from rigs.rig import base_points, curves_of
@@ -25,10 +25,11 @@ HOOVES = (100, 200), (470, 126)
 HERE = (480, 300)
 MENU = (600, 760)
 MENU_ADD_HANDLE = (640, 736)
-METHOD = (930, 585)
-FACTOR = (975, 232), (940, 232)
+METHOD, SOFT_SHEET = (955, 650), (518, 374)  # the button, and a picture in its popup
+FACTOR = (975, 432), (940, 432)
+FAR = (100, 300)
 LAST = 12  # frame
-REGIONS = [("HANDLE", "Handle"), ("FIXED", "Fixed")]
+REGIONS = [("HANDLE", "Handle"), ("FIXED", "Still")]
 FLOAT32 = 2e-6  # of a model 2 units long
 
 
@@ -96,7 +97,7 @@ def mark_regions() -> Iterator[None]:
     with claim("back in Object Mode the control alone is selected"):
         assert cow().mode == "OBJECT"
         assert [obj.name for obj in bpy.context.view_layer.objects if obj.select_get()] == ["spot Handle"]
-        assert "2,930 vertices, 1 handle, 1 fixed, " in deformer().status
+        assert "2,930 vertices, 1 handle, 1 still, " in deformer().status
         assert "bound in" in deformer().status
     screenshot("3-ready")
 
@@ -104,7 +105,7 @@ def mark_regions() -> Iterator[None]:
 def pose() -> Iterator[None]:
     """Move, turn and scale the head; undo and redo."""
     ready = shown(cow())
-    hooves, _weights = members_of(cow(), "Fixed")
+    hooves, _weights = members_of(cow(), "Still")
     with claim("the surface follows the drag, and the final answer the preview"):
         yield from keys("G", at=HERE)
         yield from glide(between(HERE, (512, 380)))
@@ -147,8 +148,14 @@ def pose() -> Iterator[None]:
 def settings() -> Iterator[None]:
     """Method and Factor in the panel."""
     arap = shown(cow())
-    with claim("another method from the menu keeps the regions and shows at once"):
-        yield from choose(METHOD, deformer(), "method", "thin_shell")
+    with claim("another method from the pictures keeps the regions and shows at once"):
+        yield from click(*METHOD)
+        yield from rest(5)
+        screenshot("7-methods")
+        yield from click(*SOFT_SHEET)
+        yield from settled()
+        move(*FAR)  # which closes the popup
+        yield from rest()
         assert deformer().method == "thin_shell"
         assert regions() == REGIONS
         above(apart(shown(cow()), arap), 0.01)
@@ -280,7 +287,7 @@ def grab_region() -> Iterator[None]:
     bpy.ops.ed.undo_push(message="Select")
     before, chosen = edited(cow()), selection(cow())
     way = [(520, 330), (560, 360)]
-    with claim("Grab Region starts by its key, and the surface follows"):
+    with claim("Grab Once starts by its key, and the surface follows"):
         yield from keys("alt Y", at=HERE)
         yield from glide(way)
         above(apart(edited(cow()), before), 0.1)

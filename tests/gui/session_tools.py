@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mirrored posing by mouse and keys, a rig that rides on another, Puppet Drag, and Silhouette Sketch."""
+"""Mirrored posing by mouse and keys, a rig that rides on another, Sinew Drag: Bones, Draw Outline, popups."""
 
 import sys
 from collections.abc import Callable, Iterator
 
 import bpy
 import numpy as np
-from driving import above, apart, claim, near, rest, run, until
+from driving import above, apart, claim, near, rest, run, settled, until
 from expected import members_of
-from hand import glide, keys, move, open_sidebar, redo, stroke, undo
+from hand import click, hold, keys, move, open_sidebar, redo, release, stroke, undo
 from rigs.rig import base_points, curves_of, make_active
 from scenes import MODELS, add_regions, deformer, empty_scene, head, shown, smooth_head
-from window import button, look_from_front, middle, on_screen, screenshot, viewport
+from window import Place, button, differing, look_from_front, middle, on_screen, screenshot, viewport
 
 sys.path.insert(0, str(MODELS.parents[1]))
 
@@ -65,7 +65,7 @@ def mirror() -> Iterator[None]:
     yield from open_sidebar()
     deformer().use_mirror_x = True
     make_active(ear("L"))
-    bpy.ops.ed.undo_push(message="X-Axis Mirror")
+    bpy.ops.ed.undo_push(message="Mirror")
     yield from rest()
     yield from mirrored_drag()
     yield from mirrored_clear()
@@ -227,22 +227,15 @@ def lengths() -> np.ndarray:
     return np.array([(bone.tail - bone.head).length for bone in figure().pose.bones])
 
 
-def select_bones(*names: str) -> None:
-    bones = figure().data.bones
-    for bone in bones:
-        bone.select = bone.name in names
-    bones.active = bones[names[-1]]
+def middle_of(name: str) -> np.ndarray:
+    bone = figure().pose.bones[name]
+    return np.array(figure().matrix_world @ (0.5 * (bone.head + bone.tail)))
 
 
 def pull(name: str, by: tuple[float, float, float]) -> Iterator[None]:
-    """Puppet Drag of a bone, from its tail; the mouse stays where it ends."""
-    select_bones(name)
-    start = tail(name)
-    move(*on_screen(start))
-    yield from rest()
-    button("puppet_pose")
-    yield from rest()
-    yield from glide([on_screen(start + share * np.array(by)) for share in np.linspace(0.25, 1.0, 4)])
+    """Press on a bone and drag it; the button is still held where the mouse ends."""
+    start = middle_of(name)
+    yield from hold([on_screen(start + share * np.array(by)) for share in np.linspace(0.0, 1.0, 5)])
     yield from rest()
 
 
@@ -262,17 +255,22 @@ def puppet() -> Iterator[None]:
     bpy.ops.ed.undo_push(message="Mannequin")
     yield from rest(3)
     still, stood, long = shown(skin()), feet(), lengths()
-    select_bones("foot.L", "foot.R")
-    with claim("the feet are pinned by a command"):
-        button("puppet_pin", action="PIN")
+    button("drag_start", mode="AUTO")
+    with claim("a click with the tool pins a bone, and a disc marks it"):
+        screenshot("puppet-1-free")
+        for name in ("foot.L", "foot.R"):
+            yield from click(*on_screen(middle_of(name)))
+            yield from rest(3)
         assert sorted(bone.name for bone in figure().pose.bones if bone.sinew.pin) == ["foot.L", "foot.R"]
+        near(feet(), stood, THROUGH_BONES)
+        screenshot("puppet-2-pinned")
+        above(differing("puppet-1-free", "puppet-2-pinned"), 1e-4)
     bpy.context.scene.tool_settings.use_keyframe_insert_auto = True
     shapes = []
     for name, by in ((HAND, (-0.3, 0.0, 0.4)), (HIP, (0.0, 0.0, -0.3))):
         before = tail(name)
         yield from pull(name, by)
-        yield from keys("LEFTMOUSE")
-        yield
+        yield from release()
         with claim("a dragged bone follows the mouse, and the feet stay"):
             near(tail(name), before + by, REACHED)
             near(feet(), stood, STANDS)
@@ -293,7 +291,7 @@ def puppet() -> Iterator[None]:
     with claim("Esc puts a puppet back"):
         above(apart(shown(skin()), crouched), 0.1)
         yield from keys("ESC")
-        yield
+        yield from release()
         near(shown(skin()), crouched, THROUGH_BONES)
         assert bpy.context.mode == "POSE"
 
@@ -385,4 +383,69 @@ def silhouette() -> Iterator[None]:
         near(shown(), before, FLOAT32)
 
 
-run(mirror, puppet, silhouette)
+# Buttons in a window of 1280 x 800 pixels, from its lower left corner: of tasks in a popup that was opened
+# with the mouse HERE, of methods with the mouse ABOVE.
+HERE, PUT_IN_A_BOX, LIFT_BROWS = (640, 500), (934, 355), (535, 223)
+ABOVE, SMOOTH_BEND, RIGID_POINTS = (1000, 760), (718, 617), (518, 351)
+FAR = (100, 100)
+BROW = ((-0.5, 0.4), (0.0, 0.6), (0.5, 0.4))
+
+
+def popup(name: str, at: Place) -> Iterator[None]:
+    """Open it where the mouse is."""
+    move(*at)
+    yield
+    button(name)
+    yield from rest(5)
+
+
+def methods() -> list[str]:
+    return [row.method for row in head().sinew.deformers]
+
+
+def browser() -> Iterator[None]:
+    """Tasks are started in one popup, and methods are tried in the other."""
+    smooth_head(1)
+    look_from_front()
+    yield from rest()
+    yield from popup("all_tasks", HERE)
+    screenshot("1-tasks")
+    with claim("a task is pressed in the browser, which is one step of undo"):
+        yield from click(*PUT_IN_A_BOX)
+        yield from settled()
+        assert methods() == ["ffd"]
+        assert bpy.context.window_manager.operators[-1].bl_idname == "SINEW_OT_lattice_add"
+        yield from undo()
+        assert methods() == []
+    with claim("the popup closes, so that a task that waits for the mouse gets it"):
+        yield from popup("all_tasks", HERE)
+        yield from click(*LIFT_BROWS)
+        yield from rest(4)
+        yield from stroke(BROW)
+        yield from settled()
+        assert methods() == ["wires"]
+    smooth_head(1, REGIONS)
+    ear = deformer().handles[0].control
+    ear.location.z += 1.0
+    bpy.ops.ed.undo_push(message="Pose")
+    yield from settled()
+    first, shape = methods(), shown()
+    yield from popup("choose_method", ABOVE)
+    with claim("a method that is pressed changes the shape at once, and the popup stays"):
+        for place, method in ((SMOOTH_BEND, "laplacian_editing"), (RIGID_POINTS, "mls")):
+            yield from click(*place)
+            yield from settled()
+            assert methods() == [method]
+            above(apart(shown(), shape), 0.01)
+        screenshot("2-methods")
+    move(*FAR)
+    yield from rest(4)
+    with claim("each method is one step of undo"):
+        for wanted in (["laplacian_editing"], first):
+            yield from undo()
+            yield from settled()
+            assert methods() == wanted
+        near(shown(), shape, FLOAT32)
+
+
+run(mirror, puppet, silhouette, browser)

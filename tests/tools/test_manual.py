@@ -2,19 +2,20 @@
 """The manual inside the zips: complete, readable without a network, and nothing of this machine in it."""
 
 import ast
+import posixpath
 import re
 from html.parser import HTMLParser
 from pathlib import Path, PurePosixPath
 
 import pytest
-from workshop.inside.render_manual import render
-from workshop.places import ADDON, MANUAL, ROOT
+from workshop.inside.render_manual import render, render_methods
+from workshop.places import ADDON, MANUAL, METHODS, ROOT
 
 
 @pytest.fixture(scope="module")
 def manual() -> dict[str, bytes]:
     try:
-        return render(MANUAL)
+        return render(MANUAL) | render_methods(METHODS, MANUAL)
     except SystemExit as stop:
         pytest.fail(str(stop))
 
@@ -47,14 +48,13 @@ def help_pages() -> list[str]:
 
 
 def test_every_page_and_its_pictures_are_there(manual: dict[str, bytes]) -> None:
-    sources = {path.stem for path in MANUAL.glob("*.md")}
+    sources = [*MANUAL.glob("*.md"), *METHODS.glob("*.md")]
+    names = {path.relative_to(MANUAL if path.parent == MANUAL else ROOT / "docs") for path in sources}
     assert {name.removesuffix(".html") for name in pages(manual)} == {
-        "index" if stem == "README" else stem for stem in sources
+        name.with_suffix("").as_posix().replace("README", "index") for name in names
     }
     shown = {
-        picture
-        for path in MANUAL.glob("*.md")
-        for picture in re.findall(r"\]\((images/[^)\s]+)", path.read_text())
+        picture for path in sources for picture in re.findall(r"[/(](images/[^)\s]+)\)", path.read_text())
     }
     assert shown <= set(manual)
     for name in shown:
@@ -72,8 +72,9 @@ def test_no_link_of_the_manual_is_broken(manual: dict[str, bytes]) -> None:
             if re.match("https?:", link):
                 continue
             path, _, anchor = link.partition("#")
-            assert (path or name) in manual, f"{name}: {link}"
-            assert not anchor or anchor in found[path or name].ids, f"{name}: {link}"
+            path = posixpath.normpath(posixpath.join(posixpath.dirname(name), path)) if path else name
+            assert path in manual, f"{name}: {link}"
+            assert not anchor or anchor in found[path].ids, f"{name}: {link}"
 
 
 def test_nothing_is_fetched_from_a_network(manual: dict[str, bytes]) -> None:
@@ -91,7 +92,7 @@ def test_no_path_of_this_machine_is_in_it(manual: dict[str, bytes]) -> None:
 
 
 def test_same_pages_give_the_same_bytes(manual: dict[str, bytes]) -> None:
-    assert render(MANUAL) == manual
+    assert render(MANUAL) | render_methods(METHODS, MANUAL) == manual
 
 
 @pytest.fixture

@@ -23,6 +23,7 @@ BEGIN = "<!-- methods: written by tools/describe_methods -->"
 END = "<!-- end of methods -->"
 COST = "repeat it when"  # the second heading of a cost table in a header
 INCLUDED = re.compile(r'#include "(native/[^"]+)"')
+SPEEDS = {1: "quick", 2: "medium", 3: "slow"}
 CONTROLS = {
     "HANDLES": "handles",
     "CAGE": "a cage",
@@ -38,6 +39,7 @@ class Entry:
     """A line of the tables.
 
     ``link`` is its page or, without one, its header, relative to the root; empty if it is planned.
+    ``known_as`` is its name in the literature, empty where that is the label.
     """
 
     id: str
@@ -47,6 +49,11 @@ class Entry:
     paper: str
     summary: str
     link: str = ""
+    known_as: str = ""
+
+    @property
+    def both_names(self) -> str:
+        return f"{self.label} ({self.known_as})" if self.known_as else self.label
 
 
 @cache
@@ -66,7 +73,16 @@ def entries(root: Path) -> list[Entry]:
     """All methods, in the order of the registry's families and of the tutorial's sections."""
     rows = registry(root).METHODS
     found = [
-        Entry(m.id, m.label, m.family.value, m.section, m.paper, m.summary, f"{PAGES}/{m.id}.md")
+        Entry(
+            m.id,
+            m.label,
+            m.family.value,
+            m.section,
+            m.paper,
+            m.summary,
+            f"{PAGES}/{m.id}.md",
+            "" if m.known_as == m.label else m.known_as,
+        )
         for m in rows
     ]
     for words in tomllib.loads((root / CATALOGUE).read_text(encoding="utf-8"))["method"]:
@@ -94,7 +110,7 @@ def overview(found: Iterable[Entry]) -> str:
     """One line per group, with the available and the planned methods."""
     lines = ["| | available | planned |", "|---|---|---|"]
     for group, members in _grouped(found):
-        there = ", ".join(f"[{entry.label}]({entry.link})" for entry in members if entry.link)
+        there = ", ".join(f"[{entry.both_names}]({entry.link})" for entry in members if entry.link)
         to_come = ", ".join(entry.label for entry in members if not entry.link)
         lines.append(f"| {group} | {there} | {to_come} |")
     return "\n".join(lines)
@@ -108,13 +124,14 @@ def tables(found: Iterable[Entry]) -> str:
             "",
             f"## {group}",
             "",
-            "| id | section | what it does | paper | state |",
-            "|---|---|---|---|---|",
+            "| id | name | section | what it does | paper | state |",
+            "|---|---|---|---|---|---|",
         ]
         for entry in members:
             link = Path(entry.link).name if entry.link.startswith(PAGES) else f"../../{entry.link}"
             state = f"[available]({link})" if entry.link else "planned"
-            lines.append(f"| `{entry.id}` | {entry.section} | {entry.summary} | {entry.paper} | {state} |")
+            words = (f"`{entry.id}`", entry.both_names, entry.section, entry.summary, entry.paper, state)
+            lines.append(f"| {' | '.join(words)} |")
     return "\n".join(lines[1:])
 
 
@@ -127,6 +144,10 @@ def head(root: Path, row) -> str:
         [("around", "a method of " + " or ".join(family.value for family in row.wraps))] if row.wraps else []
     )
     facts = [
+        ("known as", row.known_as),
+        ("fails", f"{row.fails}."),
+        ("needs", row.needs or "nothing: it takes anything"),
+        ("bind", SPEEDS[row.cost]),
         ("id", f"`{row.id}`, in Python `sinew_native.{row.native}`"),
         ("library", _links(root, [header, header.with_suffix(".cpp")])),
         *([("kernels", _links(root, kernels))] if (kernels := nearest_kernels(root, header)) else []),

@@ -24,7 +24,7 @@ from . import environments, wheels
 from .archives import read_zip, write_zip
 from .dev import build_tree
 from .environments import Environment
-from .places import ADDON, BUILD, DEV_MODULE, DIST, MANUAL, ROOT, version
+from .places import ADDON, BUILD, DEV_MODULE, DIST, MANUAL, METHODS, ROOT, version
 from .shell import must, one_at_a_time, say
 
 MANIFEST = "blender_manifest.toml"
@@ -63,7 +63,7 @@ def addon_files() -> dict[str, bytes]:
 def manual_files() -> dict[str, bytes]:
     """The manual that the ``?`` buttons open: path inside the add-on -> content."""
     with tempfile.TemporaryDirectory() as folder:
-        must([environments.build().make().python, RENDER, MANUAL, folder])
+        must([environments.build().make().python, RENDER, MANUAL, METHODS, folder])
         pages = sorted(path for path in Path(folder).rglob("*") if path.is_file())
         return {f"manual/{path.relative_to(folder).as_posix()}": path.read_bytes() for path in pages}
 

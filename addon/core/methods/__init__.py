@@ -38,6 +38,7 @@ __all__ = (
     "DEFAULTS",
     "DEFAULT_CAGE_METHOD",
     "DEFAULT_GRIP_METHOD",
+    "DEFAULT_HOLD_METHOD",
     "DEFAULT_METHOD",
     "DEFAULT_POINT_METHOD",
     "DEFAULT_PUPPET_METHOD",
@@ -67,14 +68,16 @@ __all__ = (
     "following",
     "group_property",
     "wrapped",
+    "wrapper_of",
 )
 
-DEFAULT_METHOD = "arap"  # the method of a deformer that Add Handle makes
-DEFAULT_CAGE_METHOD = "mean_value"  # the method of a deformer that Add Cage makes
+DEFAULT_METHOD = "arap"  # the method of a deformer that Make Handle makes
+DEFAULT_CAGE_METHOD = "mean_value"  # the method of a deformer that Wrap in a Cage makes
 DEFAULT_PUPPET_METHOD = "mesh_puppetry"
-DEFAULT_POINT_METHOD = "rbf"  # the method of a deformer that Add Handle Points makes
+DEFAULT_POINT_METHOD = "rbf"  # the method of a deformer that Add Points makes
 DEFAULT_GRIP_METHOD = "inverse_ffd"  # the method that Sinew Drag gives to what is no mesh, such as text
-DEFAULT_TOOL_METHOD = "vector_field"  # the method of a deformer that Add Tool and Field Drag make
+DEFAULT_HOLD_METHOD = "mls"  # the method of a deformer that Sinew Drag: Points makes
+DEFAULT_TOOL_METHOD = "vector_field"  # the method of a deformer that Add Tool and Sinew Drag: Clay make
 DEFAULT_WIRE_METHOD = "wires"  # the method of a deformer that Add Wire makes
 # The methods that a method is put around until the artist chooses another one.
 DEFAULT_BASES = frozenset({"thin_shell", "rbf"})
@@ -111,3 +114,8 @@ def wrapped(method: Method) -> tuple[Method, ...]:
         and not (base.wraps or base.keyed)
     )
     return tuple(sorted(bases, key=lambda base: base.id not in DEFAULT_BASES))
+
+
+def wrapper_of(method: Method) -> Method | None:
+    """The method that keeps the details of a surface around this one; None if there is none."""
+    return next((row for row in METHODS if row.wraps and method in wrapped(row)), None)

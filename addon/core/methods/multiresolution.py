@@ -31,12 +31,17 @@ ROWS = (
     Method(
         id="multiresolution",
         number=20,
-        label="Multiresolution",
+        label="Keep Details",
+        known_as="Multiresolution",
+        search="details bumps sculpt displacement",
         family=Family.MULTIRESOLUTION,
         native="Multiresolution",
         section="4.4",
         paper="Kobbelt et al. 1998, Botsch, Pauly, Kobbelt et al. 2008",
-        summary="Moves a smooth base by any other method and puts the details back",
+        summary="Turns bumps with the surface instead of shearing them",
+        fails="Bends no better than the method that it is put around",
+        picture="multiresolution",
+        main=("wavelength",),
         bind_seconds=factorising(0.06),
         wraps=(Family.SURFACE_LINEAR, Family.SURFACE_NONLINEAR),
         parameters=(
@@ -46,7 +51,7 @@ ROWS = (
                 DETAILS,
                 rebinds=True,
                 label="Details",
-                description="How the details are stored and put back on the base",
+                description="Set how the details are stored and put back on the base",
             ),
             Float(
                 "wavelength",
@@ -58,9 +63,8 @@ ROWS = (
                 step=1.0,
                 rebinds=True,
                 unit="mean edge lengths",
-                label="Wavelength",
-                description="Bumps that are shorter than this count as details. "
-                "Raise it until the base is as smooth as what you want to bend",
+                label="Detail Size",
+                description="Set up to which size bumps count as details, in mean lengths of edges",
             ),
             Int(
                 "bands",
@@ -72,8 +76,8 @@ ROWS = (
                 advanced=True,
                 unit="bands",
                 label="Bands",
-                description="Each further band takes details of twice the wavelength off the base, "
-                "and turns finer details with coarser ones",
+                description="Turn fine details with coarser ones, by so many bands that each hold details "
+                "of twice the size",
             ),
         ),
     ),

@@ -79,8 +79,8 @@ class Parameter:
     """A value that the artist may set.
 
     ``rebinds``: the parameter is a keyword of the native constructor, so a change needs another bind.
-    Otherwise it is a keyword of ``solve``. ``advanced``: it is seldom changed, so the panel shows it under
-    Advanced. ``only_with``: a choice of the same method, and its values with which the method uses this
+    Otherwise it is a keyword of ``solve``. ``advanced``: it is seldom changed, so it comes last among the
+    Settings. ``only_with``: a choice of the same method, and its values with which the method uses this
     parameter; the panel hides it with others. ``unit``: what a number counts or measures, in words. Blender
     shows a "length" and an "angle" in the units of the scene. ``earlier``: a former default, and from which
     ``SinewDeformer.defaults`` on the present one holds.
@@ -263,8 +263,8 @@ def iterations(default: int, soft_maximum: int = 100, **others: Any) -> Int:
     usual: dict[str, Any] = {
         "unit": "iterations",
         "label": "Iterations",
-        "description": "The largest number of steps per frame. "
-        "While you drag, fewer steps are computed; the others follow when you stop",
+        "description": "Limit the steps of a frame; while you drag fewer are computed, and the others "
+        "follow when you stop",
     }
     return Int(
         "max_iterations", default, minimum=1, soft_maximum=soft_maximum, advanced=True, **usual | others
@@ -293,7 +293,7 @@ def stored_precision(of: str) -> Choice:
         rebinds=True,
         advanced=True,
         label="Precision",
-        description=f"The precision with which {of} are stored",
+        description=f"Save memory, or store {of} more exactly",
     )
 
 
@@ -305,7 +305,8 @@ def laplacian(default: str = "cotan_voronoi", choices: int = 3) -> Choice:
         LAPLACIANS[:choices],
         rebinds=True,
         label="Laplacian",
-        description="How the faces are taken into account",
+        description="Make the shape depend less on how the faces divide the surface, by looking at their "
+        "angles and sizes",
     )
 
 
@@ -327,10 +328,22 @@ def following(shells: int, vertices: int) -> float:
     return 2e-4 * shells + 1e-5 * vertices
 
 
+_NEEDED = {Control.CAGE: "a cage", Control.CURVES: "a curve"}
+_USUAL_POINTS, _USUAL_SIZE = 20_000, 300  # of a mesh, and of what moves it
+_SLOWER = (0.13, 0.4)  # seconds from which a bind is medium, and slow
+
+
 @dataclass(frozen=True, kw_only=True)
 class Method:
     """One row of the registry, which says only what differs from most. Files store ``number``, so never reuse
     or change it.
+
+    ``label``: what artists call it; ``known_as``: what the literature does (``core.names`` says which of them
+    Sinew shows). ``search``: further words that find it. ``summary``: its tooltip, and ``fails``: where it is
+    the wrong choice, each a sentence whose subject is the method. ``also_needs``: what it needs of its first
+    requirement, or beside all that ``needs`` knows from the other fields. ``picture``: the sample, and after
+    a colon which part of it, that shows the method. ``main``: the settings, at most two, that the panel shows
+    before all others: parameters, control parameters, or properties of the deformer.
 
     ``iterative``: ``solve`` takes ``max_iterations`` and ``start``, so that a drag can show an early step.
     ``bind_seconds``: about how long a bind takes on two cores, without that of a base method, from the number
@@ -357,12 +370,18 @@ class Method:
     id: str
     number: int
     label: str
+    known_as: str
+    search: str
     family: Family
     control: Control = Control.HANDLES
     native: str
     section: str
     paper: str
     summary: str
+    fails: str
+    also_needs: str = ""
+    picture: str
+    main: tuple[str, ...] = ()
     iterative: bool = False
     moves: frozenset[Moved] = frozenset({Moved.MESH})
     bind_seconds: BindSeconds
@@ -390,6 +409,32 @@ class Method:
     def adds_displacements(self) -> bool:
         """Its poses move the rest shape, and the displacements are added to what enters."""
         return self.is_space and not self.moves_incoming
+
+    @cached_property
+    def needs(self) -> str:
+        """What must be there before the method can work, in words; empty if it takes anything."""
+        found = [
+            "" if Moved.POINTS in self.moves else "a surface",
+            _NEEDED.get(self.control, ""),
+            "an animation" if self.keyed else "",
+            self.also_needs,
+        ]
+        return ", ".join(filter(None, found))
+
+    @cached_property
+    def cost(self) -> int:
+        """How long a bind of a usual mesh takes: 1 quick, 2 medium, 3 slow."""
+        return 1 + sum(self.expected_seconds(_USUAL_POINTS) >= limit for limit in _SLOWER)
+
+    def expected_seconds(self, points: int, settings: object = None, size: int = _USUAL_SIZE) -> float:
+        """About how long a bind takes for so many points, with a control of this size, or a usual one.
+
+        ``settings`` has its parameters as attributes; without it they have their defaults.
+        """
+        options = {
+            parameter.id: getattr(settings, parameter.id, parameter.default) for parameter in self.parameters
+        }
+        return self.bind_seconds(points, size, options)
 
     @cached_property
     def references(self) -> tuple[Parameter, ...]:

@@ -8,12 +8,17 @@ ROWS = (
         id="wires",
         number=46,
         label="Wires",
+        known_as="Wires",
+        search="brow lip fold crease curve face bulge",
         family=Family.SPACE_LINEAR,
         control=Control.CURVES,
         native="Wires",
         section="5.4",
         paper="Singh & Fiume 1998",
-        summary="Curves carry what lies within their radius, such as brows, lips and folds; the rest stays",
+        summary="Carries what lies beside a curve: brows, lips, folds",
+        fails="Loses twists about the curve itself",
+        picture="wires: angry",
+        main=("radius", "exponent"),
         moves=frozenset(Moved),
         bind_seconds=per_pair(1.5e-8),
         parameters=(
@@ -23,9 +28,9 @@ ROWS = (
                 maximum=100.0,
                 soft_maximum=8.0,
                 rebinds=True,
-                label="Sharing",
-                description="Where several wires reach, the one with the longest move prevails, the more so "
-                "the larger this is. 0 takes the mean of all moves",
+                label="Dominance",
+                description="Let the wire with the longest move prevail where several reach; 0 takes the "
+                "mean of all",
             ),
             Float(
                 "smoothing",
@@ -36,8 +41,8 @@ ROWS = (
                 advanced=True,
                 unit="share of the distance",
                 label="Smoothing",
-                description="How much farther than the nearest place of a wire other places count. With 0 "
-                "only the nearest counts, and the shape tears inside a bent wire",
+                description="Set how much farther than the nearest place of a wire other places count; "
+                "with 0 only the nearest counts, and the shape tears inside a bent wire",
             ),
         ),
         control_parameters=(
@@ -49,7 +54,7 @@ ROWS = (
                 unit="length",
                 rebinds=True,
                 label="Radius",
-                description="How far from the wire points follow it, in the space of the curve",
+                description="Set how far from the wire points follow it, in the space of the curve",
             ),
             Float(
                 "scale",
@@ -59,7 +64,7 @@ ROWS = (
                 soft_maximum=3.0,
                 rebinds=True,
                 label="Scale",
-                description="Scales the distances from the wire near it, also while the wire rests",
+                description="Scale the distances from the wire near it, also while the wire rests",
             ),
             Float(
                 "rotation",
@@ -68,7 +73,7 @@ ROWS = (
                 soft_maximum=1.0,
                 rebinds=True,
                 label="Rotation",
-                description="How much of the turn of the wire points follow. With 0 they only move",
+                description="Set how much of the turn of the wire points follow; with 0 they only move",
             ),
         ),
     ),

@@ -13,13 +13,18 @@ ROWS = (
     Method(
         id="vector_field",
         number=47,
-        label="Vector Fields",
+        label="Clay",
+        known_as="Vector Fields",
+        search="clay smudge grab push twist bend taper",
         family=Family.SPACE_NONLINEAR,
         control=Control.TOOLS,
         native="VectorField",
         section="7",
         paper="Angelidis et al. 2006, von Funck et al. 2006",
-        summary="Drags, twists and bends like clay: volumes stay, and the surface never cuts itself",
+        summary="Pushes, twists and bends like clay; the volume stays",
+        fails="Lets wide sheets flow around what pushes them",
+        picture="vector_field: bend",
+        main=("inner", "outer"),
         moves=frozenset(Moved),
         reproduces=Reproduced.RIGID_MOTIONS,
         bind_seconds=lambda points, size, _options: 1e-8 * points + 1e-9 * points * size,
@@ -36,7 +41,7 @@ ROWS = (
                 advanced=True,
                 unit="share of Outer",
                 label="Tolerance",
-                description="How exactly the flow is followed on each piece of the path of a tool",
+                description="Set how exactly the flow is followed on each piece of the path of a tool",
             ),
             Int(
                 "steps",
@@ -47,7 +52,8 @@ ROWS = (
                 advanced=True,
                 unit="steps per piece of a path",
                 label="Steps",
-                description="How many steps each piece of a path takes. 0 takes as many as each point needs",
+                description="Set how many steps each piece of a path takes; 0 takes as many as each point "
+                "needs",
             ),
         ),
         control_parameters=(
@@ -57,7 +63,7 @@ ROWS = (
                 TOOLS,
                 rebinds=True,
                 label="Tool",
-                description="What the tool does to the space around it",
+                description="Choose what the tool does to the space around it",
             ),
             Float(
                 "inner",
@@ -66,8 +72,8 @@ ROWS = (
                 unit="length",
                 rebinds=True,
                 label="Inner",
-                description="Within this distance of a Drag, all moves with it. Below this height over a "
-                "Twist or Bend, which may be negative, nothing turns. In the space of the tool",
+                description="Move all within this distance of a drag with it, or keep what is below this "
+                "height of a twist or bend",
             ),
             Float(
                 "outer",
@@ -76,8 +82,8 @@ ROWS = (
                 unit="length",
                 rebinds=True,
                 label="Outer",
-                description="Beyond this distance of a Drag, nothing moves. Above this height over a Twist "
-                "or Bend, all turns. In the space of the tool",
+                description="Keep what is beyond this distance of a drag, or turn all above this height of "
+                "a twist or bend",
             ),
             Float(
                 "width",
@@ -86,8 +92,8 @@ ROWS = (
                 unit="length",
                 rebinds=True,
                 label="Width",
-                description="Within this distance of the Z axis of a Twist or Bend, all turns; at twice the "
-                "distance, nothing does. In the space of the tool",
+                description="Turn all within this distance of the Z axis of a twist or bend, and nothing "
+                "from twice the distance on",
             ),
             Float(
                 "progress",
@@ -95,7 +101,8 @@ ROWS = (
                 maximum=1.0,
                 soft_maximum=1.0,
                 label="Progress",
-                description="How far the tool has gone on its path, from where it rests to where it is now",
+                description="Key how far the tool has gone on its path, from where it rests to where it is "
+                "now",
             ),
         ),
     ),

@@ -11,7 +11,7 @@ _SPLINES = (
     (
         "bezier",
         "Bezier",
-        "One polynomial along each axis: each point reaches everything. Up to 16 points along an axis",
+        "One polynomial along each axis: each point reaches everything; up to 16 points along an axis",
     ),
 )
 
@@ -31,13 +31,17 @@ ROWS = (
     Method(
         id="ffd",
         number=40,
-        label="Free-Form Deformation",
+        label="Lattice",
+        known_as="Free-Form Deformation",
+        search="lattice box squash stretch taper",
         family=Family.SPACE_LINEAR,
         control=Control.LATTICE,
         native="Ffd",
         section="5.1",
         paper="Sederberg & Parry 1986, Coquillart 1990",
-        summary="A lattice of control points moves what lies inside: smooth, fast, at any resolution",
+        summary="Bends everything in a box of points, several objects at once",
+        fails="Pinches what is twisted",
+        picture="longship: one lattice",
         moves=frozenset(Moved),
         bind_seconds=_seconds,
         reproduces=Reproduced.AFFINE_MAPS,
@@ -49,13 +53,13 @@ ROWS = (
                     *_SPLINES,
                     (
                         "blender",
-                        "As in Blender",
+                        "Blender's Lattice",
                         "What the interpolation types of the lattice say: the shape of Blender's modifier",
                     ),
                 ),
                 rebinds=True,
                 label="Interpolation",
-                description="How the points of the lattice blend. Hexahedra blend within their cells",
+                description="Choose how the points of the lattice blend",
             ),
             Int(
                 "degree",
@@ -67,8 +71,8 @@ ROWS = (
                 only_with=("basis", ("bspline",)),
                 unit="degree of the polynomials",
                 label="Degree",
-                description="1 is straight from point to point; higher degrees are smoother and reach "
-                "farther. An axis with fewer points has a lower degree",
+                description="Smooth the lattice by higher degrees, which reach farther; 1 is straight from "
+                "point to point",
             ),
             Choice(
                 "outside",
@@ -84,7 +88,7 @@ ROWS = (
                 rebinds=True,
                 only_with=("basis", ("bspline", "bezier")),
                 label="Outside",
-                description="What happens outside the lattice",
+                description="Choose what happens outside the lattice",
             ),
             Int(
                 "continuity",
@@ -97,8 +101,8 @@ ROWS = (
                 only_with=("outside", ("freeze",)),
                 unit="continuous derivatives",
                 label="Continuity",
-                description="How smoothly the deformation ends at the border, if all outside stays: that "
-                "many planes of points and one more stay beside each border",
+                description="Set how smoothly the motion ends at the border, where so many planes of "
+                "points and one more stay",
             ),
             Int(
                 "smooth",
@@ -110,19 +114,25 @@ ROWS = (
                 advanced=True,
                 unit="steps of subdivision",
                 label="Smooth",
-                description="How often a lattice of hexahedra is subdivided; 0 bends at each of its faces",
+                description="Set how often a lattice of hexahedra is subdivided; 0 bends at each of its "
+                "faces",
             ),
         ),
     ),
     Method(
         id="inverse_ffd",
         number=41,
-        label="Inverse Free-Form Deformation",
+        label="Drag Points",
+        known_as="Inverse Free-Form Deformation",
+        search="pull place text logo",
         family=Family.SPACE_LINEAR,
         native="InverseFfd",
         section="5.1",
         paper="Hsu, Hughes & Kaufman 1992",
-        summary="Drag places of the shape; a hidden lattice bends space around them, and what is far stays",
+        summary="Pulls at places of text, curves or meshes; what is far stays",
+        fails="Shears bumps",
+        picture="inverse_ffd",
+        main=("resolution",),
         moves=frozenset(Moved),
         posed=Posed.POINTS,
         bind_seconds=_inverse_seconds,
@@ -137,7 +147,7 @@ ROWS = (
                 rebinds=True,
                 unit="control points along each axis",
                 label="Resolution",
-                description="Points of the hidden lattice along each axis: more let a drag reach less far",
+                description="Let a drag reach less far by more points of the hidden lattice along each axis",
             ),
             Choice(
                 "basis",
@@ -146,7 +156,7 @@ ROWS = (
                 rebinds=True,
                 advanced=True,
                 label="Interpolation",
-                description="How the points of the hidden lattice blend",
+                description="Set how the points of the hidden lattice blend",
             ),
             Int(
                 "degree",
@@ -159,7 +169,7 @@ ROWS = (
                 only_with=("basis", ("bspline",)),
                 unit="degree of the polynomials",
                 label="Degree",
-                description="Higher degrees are smoother and reach farther",
+                description="Smooth the hidden lattice by higher degrees, which reach farther",
             ),
             Float(
                 "cut_off",
@@ -172,8 +182,8 @@ ROWS = (
                 advanced=True,
                 unit="share of the most visible direction",
                 label="Cut-Off",
-                description="Moves of the lattice that the handles hardly see stay still. A higher value is "
-                "calmer where handles are close to each other, and meets them less exactly",
+                description="Calm the shape where handles are close to each other; higher values meet them "
+                "less exactly",
             ),
             Box(
                 "frame",
@@ -181,8 +191,8 @@ ROWS = (
                 rebinds=True,
                 advanced=True,
                 label="Box",
-                description="An empty whose cube, of size 1, the hidden lattice fills; without one, it fills "
-                "a box around the surface, along the axes of that",
+                description="Choose an empty whose cube of size 1 the hidden lattice fills; without one, "
+                "it fills a box around the surface",
             ),
         ),
     ),

@@ -11,12 +11,12 @@ _ITERATIONS = iterations(
     maximum=1000,
     rebinds=True,
     unit="iterations per frame",
-    description="The most iterations per frame. Fewer are taken where the shape no longer changes",
+    description="Limit the iterations of a frame; fewer are taken where the shape no longer changes",
 )
 _TOLERANCE = tolerance(
     soft_maximum=0.01,
     rebinds=True,
-    description="A frame is done when two iterations in succession lower the energy by a smaller share",
+    description="Stop when two iterations in a row lower the energy by a smaller share",
 )
 
 
@@ -34,12 +34,17 @@ ROWS = (
     Method(
         id="embedded_deformation",
         number=44,
-        label="Embedded Deformation",
+        label="Scan Points",
+        known_as="Embedded Deformation",
+        search="scan cloud messy graph",
         family=Family.SPACE_NONLINEAR,
         native="EmbeddedDeformation",
         section="7",
         paper="Sumner, Schmid & Pauly 2007",
-        summary="A graph of local motions takes anything along: scans of many parts, animations, clouds",
+        summary="Bends torn scans and clouds of many parts",
+        fails="Flattens hollow tubes where they bend",
+        picture="embedded_deformation",
+        main=("nodes",),
         draws="GRAPH",
         moves=frozenset(Moved),
         posed=Posed.POSES,
@@ -57,7 +62,7 @@ ROWS = (
                 rebinds=True,
                 unit="nodes of the graph",
                 label="Nodes",
-                description="How many nodes the graph has. More of them bend finer, and take longer",
+                description="Set how many nodes the graph has; more of them bend finer, and take longer",
             ),
             Float(
                 "rotation",
@@ -69,7 +74,7 @@ ROWS = (
                 advanced=True,
                 unit="weight",
                 label="Rigidity",
-                description="How strongly nodes only turn, instead of stretching and shearing",
+                description="Set how strongly nodes only turn, instead of stretching and shearing",
             ),
             Float(
                 "regularity",
@@ -81,7 +86,7 @@ ROWS = (
                 advanced=True,
                 unit="weight",
                 label="Smoothness",
-                description="How strongly neighbouring nodes move alike",
+                description="Set how strongly neighbouring nodes move alike",
             ),
             Float(
                 "pulls",
@@ -91,9 +96,9 @@ ROWS = (
                 soft_maximum=10000.0,
                 rebinds=True,
                 unit="weight",
-                label="Handle Strength",
-                description="How strongly handles pull the nodes around them. Higher values come closer to "
-                "the handles, and let the shape stretch more",
+                label="Strength",
+                description="Set how strongly handles pull the nodes around them; higher values come "
+                "closer to the handles, and let the shape stretch more",
             ),
             _ITERATIONS,
             _TOLERANCE,
@@ -102,12 +107,17 @@ ROWS = (
     Method(
         id="rigid_cells",
         number=45,
-        label="Rigid Cells",
+        label="Solid Points",
+        known_as="Rigid Cells",
+        search="solid jelly volume cells",
         family=Family.SPACE_NONLINEAR,
         native="RigidCells",
         section="7",
         paper="Botsch, Pauly, Wicke & Gross 2007",
-        summary="Cubes that fill the shape stay rigid and hold together: it bends like a solid body",
+        summary="Bends anything like a solid body",
+        fails="Stretches most right beside the handles",
+        picture="rigid_cells",
+        main=("cells",),
         draws="GRAPH",
         moves=frozenset(Moved),
         posed=Posed.POSES,
@@ -125,8 +135,7 @@ ROWS = (
                 rebinds=True,
                 unit="cells",
                 label="Cells",
-                description="About how many cubes fill the shape. More of them keep thinner parts apart, and "
-                "take longer",
+                description="Keep thinner parts apart by more cubes that fill the shape, which take longer",
             ),
             Int(
                 "levels",
@@ -138,7 +147,8 @@ ROWS = (
                 advanced=True,
                 unit="doublings",
                 label="Coarsening",
-                description="How often cells inside of closed surfaces may double their size",
+                description="Save time inside closed surfaces, where cells may double their size so many "
+                "times",
             ),
             _ITERATIONS,
             _TOLERANCE,

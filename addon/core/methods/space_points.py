@@ -38,13 +38,17 @@ ROWS = (
     Method(
         id="rbf",
         number=30,
-        label="Radial Basis Functions",
+        label="Smooth Points",
+        known_as="Radial Basis Functions",
+        search="face markers cloud points mocap",
         family=Family.SPACE_LINEAR,
         native="Rbf",
         section="5.3",
         paper="Duchon 1977, Botsch & Kobbelt 2005",
-        summary="The smoothest deformation of space that meets all handles: for loose parts, curves and "
-        "point clouds",
+        summary="Meets many markers as smoothly as can be",
+        fails="Pinches what is twisted",
+        picture="gallery: branches",
+        main=("kernel",),
         moves=frozenset(Moved),
         bind_seconds=_rbf_seconds,
         posed=Posed.CONTROL,
@@ -60,7 +64,7 @@ ROWS = (
                 ),
                 rebinds=True,
                 label="Kernel",
-                description="How the influence of a handle point changes with the distance",
+                description="Choose how the pull of a marker fades with the distance",
             ),
             Float(
                 "radius",
@@ -73,8 +77,8 @@ ROWS = (
                 unit="size of all handles",
                 share_of=Size.HANDLES,
                 label="Radius",
-                description="How far a handle point reaches, relative to the diameter of a ball around all "
-                "of them",
+                description="Set how far a handle point reaches, relative to the diameter of a ball around "
+                "all of them",
             ),
             Int(
                 "degree",
@@ -86,9 +90,8 @@ ROWS = (
                 advanced=True,
                 unit="degree",
                 label="Degree",
-                description="Maps of space up to this degree are kept as they are: 0 for moves, 1 for affine "
-                "maps. The triharmonic kernel uses at least 1, the others at most 1. With -1, a compact "
-                "kernel leaves everything beyond its radius at rest",
+                description="Keep moves (0) or stretches and shears, too (1 and 2) as they are; -1 lets a "
+                "compact kernel leave all beyond its radius at rest",
             ),
             Float(
                 "tolerance",
@@ -101,8 +104,8 @@ ROWS = (
                 advanced=True,
                 unit="share of the longest move",
                 label="Tolerance",
-                description="Handles of many points are met up to this share of their longest move, with as "
-                "few radial functions as that takes. 0 meets all exactly, which takes long",
+                description="Speed up handles of many points, which are met up to this share of their "
+                "longest move; 0 meets all exactly",
             ),
             stored_precision("the functions of handles"),
         ),
@@ -111,13 +114,17 @@ ROWS = (
     Method(
         id="space_propagation",
         number=32,
-        label="Space Propagation",
+        label="Falloff Points",
+        known_as="Space Propagation",
+        search="proportional soft selection magnet falloff",
         family=Family.SPACE_LINEAR,
         native="SpacePropagation",
         section="5.2",
         paper="Pauly et al. 2003",
-        summary="Lets the motion of a handle fade with the distance by a curve, for any points: quick, and "
-        "never stiff",
+        summary="Lets a move fade with the distance by a curve that you draw",
+        fails="Keeps nothing stiff",
+        picture="gallery: branches",
+        main=("transfer",),
         moves=frozenset(Moved),
         bind_seconds=per_pair(2e-8),
         posed=Posed.CONTROL,
@@ -128,20 +135,25 @@ ROWS = (
                 ((0.0, 0.0), (1.0, 1.0)),
                 rebinds=True,
                 label="Falloff Curve",
-                description="How much of the motion of a handle is left, from the other handles (left) "
-                "to the handle itself (right)",
+                description="Draw how much of the motion of a handle is left, from the other handles "
+                "(left) to the handle itself (right)",
             ),
         ),
     ),
     Method(
         id="multiresolution_space",
         number=35,
-        label="Multiresolution in Space",
+        label="Keep Details",
+        known_as="Multiresolution in Space",
+        search="details bumps sculpt",
         family=Family.MULTIRESOLUTION,
         native="MultiresolutionSpace",
         section="5.3",
         paper="Marinov, Botsch & Kobbelt 2007",
-        summary="Moves a smooth base by a space method and puts the details back, turned with it",
+        summary="Turns bumps with the space instead of shearing them",
+        fails="Bends no better than the method that it is put around",
+        picture="space_details",
+        main=("wavelength",),
         bind_seconds=factorising(0.06),
         reproduces=Reproduced.RIGID_MOTIONS,
         posed=Posed.CONTROL,
@@ -151,12 +163,17 @@ ROWS = (
     Method(
         id="mls",
         number=31,
-        label="Moving Least Squares",
+        label="Rigid Points",
+        known_as="Moving Least Squares",
+        search="pin puppet empties bones text hair loose",
         family=Family.SPACE_NONLINEAR,
         native="Mls",
         section="7",
         paper="Schaefer, McPhail & Warren 2006, Zhu & Gortler 2007",
-        summary="Each point moves by the rigid map that fits the handles near it best: details turn along",
+        summary="Moves loose parts, text and hair by empties or bones, without stretch",
+        fails="Tears where handles are close together",
+        picture="machine",
+        main=("alpha",),
         moves=frozenset(Moved),
         bind_seconds=per_pair(8e-9),
         posed=Posed.CONTROL,
@@ -173,7 +190,7 @@ ROWS = (
                 ),
                 rebinds=True,
                 label="Maps",
-                description="The maps that are fitted to the handles at each point",
+                description="Choose what each point may do: turn, turn and grow, or shear, too",
             ),
             Float(
                 "alpha",
@@ -187,8 +204,8 @@ ROWS = (
                 rebinds=True,
                 label="Falloff",
                 unit="exponent",
-                description="The larger, the more each point follows only the nearest handles. Regions of "
-                "many points need more than 1.5: with less, far points of a region outweigh its border",
+                description="Let each point follow more only the nearest handles; regions of many points "
+                "need more than 1.5",
             ),
             stored_precision("the weights of handles"),
         ),

@@ -30,8 +30,8 @@ CONTINUITY = Float(
     rebinds=True,
     unit="derivatives kept",
     label="Continuity",
-    description="How smoothly the surface leaves this region: 0 allows a crease, 1 keeps the slope, "
-    "2 keeps the curvature",
+    description="Set how smoothly the surface leaves this region: 0 allows a crease, 1 keeps the slope, 2 "
+    "keeps the curvature",
 )
 
 FIELD = Choice(
@@ -48,7 +48,7 @@ FIELD = Choice(
     ),
     rebinds=True,
     label="Falloff",
-    description="How the turn of a handle fades over the surface towards the other regions",
+    description="Set how the turn of a handle fades over the surface towards the other regions",
 )
 
 
@@ -63,7 +63,7 @@ def _substeps(which: str, only_with: tuple[str, tuple[str, ...]] | None = None) 
         only_with=only_with,
         unit="steps",
         label="Substeps",
-        description="In how many steps the handles go from rest to their poses. " + which,
+        description="Take the handles from rest to their poses in so many steps; " + which,
     )
 
 
@@ -82,12 +82,17 @@ ROWS = (
     Method(
         id="thin_shell",
         number=1,
-        label="Thin Shell",
+        label="Soft Sheet",
+        known_as="Thin Shell",
+        search="cloth flag leaf smooth relax membrane",
         family=Family.SURFACE_LINEAR,
         native="ThinShell",
         section="4.3",
         paper="Botsch & Kobbelt 2004",
-        summary="Smooth and fair; best for translations and gentle bends",
+        summary="Lifts and bends cloth, leaves and skin as softly as can be",
+        fails="Collapses in twists and tight bends",
+        picture="gallery: plane",
+        main=("stretching", "bending"),
         bind_seconds=factorising(0.035),
         handle_parameters=(CONTINUITY,),
         parameters=(
@@ -99,8 +104,8 @@ ROWS = (
                 rebinds=True,
                 unit="relative weight",
                 label="Stretching",
-                description="k_s: how much the surface resists being stretched, like a rubber skin. "
-                "Raise it for a tighter, straighter transition",
+                description="Tighten the surface like a rubber skin, so that it goes straighter from one "
+                "region to the other",
             ),
             Float(
                 "bending",
@@ -110,8 +115,7 @@ ROWS = (
                 rebinds=True,
                 unit="relative weight",
                 label="Bending",
-                description="k_b: how much the surface resists being bent, like a thin plate. "
-                "It keeps the transition smooth at the border of a handle",
+                description="Stiffen the surface like a thin plate, so that it leaves handles smoothly",
             ),
             Float(
                 "variation",
@@ -121,25 +125,29 @@ ROWS = (
                 rebinds=True,
                 unit="relative weight",
                 label="Variation",
-                description="How much the surface resists a change of its curvature. "
-                "It gives the roundest shapes, and needs wider handles",
+                description="Round the surface most by resisting changes of its curvature, which needs "
+                "wider handles",
             ),
             laplacian(),
             _substeps(
-                "Each step binds the shape of the last one, so a frame takes as many binds. "
-                "More steps keep twists from collapsing, and stretch bends",
+                "more steps keep twists from collapsing, and a frame takes as many binds",
             ),
         ),
     ),
     Method(
         id="gradient_editing",
         number=7,
-        label="Gradient Editing",
+        label="Turned Bend",
+        known_as="Gradient Editing",
+        search="twist turn poisson gradient",
         family=Family.SURFACE_LINEAR,
         native="GradientEditing",
         section="4.5.1",
         paper="Yu et al. 2004, Zayer et al. 2005",
-        summary="Turns details with the handles, in bends and twists; handles that only move shear them",
+        summary="Spreads the turn of a handle evenly; handles have to turn, not only move",
+        fails="Shears the surface beside handles that only move",
+        picture="gallery: cylinder",
+        main=("field",),
         bind_seconds=factorising(0.03),
         reproduces=Reproduced.AFFINE_MAPS,
         parameters=(FIELD,),
@@ -147,12 +155,16 @@ ROWS = (
     Method(
         id="rotation_invariant_coordinates",
         number=8,
-        label="Rotation-Invariant Coordinates",
+        label="Even Bend",
+        known_as="Rotation-Invariant Coordinates",
+        search="twist even unstretched",
         family=Family.SURFACE_LINEAR,
         native="RotationInvariantCoordinates",
         section="4.5.3",
         paper="Lipman et al. 2005, 2007",
-        summary="Keeps details unstretched in bends and twists; handles that only move shear them",
+        summary="Twists and bends with little stretch; handles have to turn, not only move",
+        fails="Shears the surface beside handles that only move",
+        picture="gallery: bar",
         bind_seconds=factorising(0.03),
         reproduces=Reproduced.RIGID_MOTIONS,
         parameters=(laplacian("cotan", choices=2),),
@@ -160,12 +172,17 @@ ROWS = (
     Method(
         id="propagation",
         number=9,
-        label="Transformation Propagation",
+        label="Falloff Sheet",
+        known_as="Transformation Propagation",
+        search="proportional soft selection softmod magnet falloff",
         family=Family.SURFACE_LINEAR,
         native="Propagation",
         section="4.2",
         paper="Bendels & Klein 2003, Pauly et al. 2003",
-        summary="Lets the motion of a handle fade over the surface by a curve: quick, and never stiff",
+        summary="Lets a move fade over the surface by a curve that you draw",
+        fails="Keeps nothing stiff",
+        picture="gallery: branches",
+        main=("field",),
         bind_seconds=factorising(0.03),
         reproduces=Reproduced.AFFINE_MAPS,
         parameters=(
@@ -175,20 +192,25 @@ ROWS = (
                 ((0.0, 0.0), (1.0, 1.0)),
                 rebinds=True,
                 label="Falloff Curve",
-                description="How much of the motion of a handle is left, from the other regions (left) "
-                "to the handle itself (right)",
+                description="Draw how much of the motion of a handle is left, from the other regions "
+                "(left) to the handle itself (right)",
             ),
         ),
     ),
     Method(
         id="laplacian_editing",
         number=10,
-        label="Laplacian Editing",
+        label="Smooth Bend",
+        known_as="Laplacian Editing",
+        search="laplacian deform smooth",
         family=Family.SURFACE_LINEAR,
         native="LaplacianEditing",
         section="4.5.2",
         paper="Lipman et al. 2004, Sorkine et al. 2004",
-        summary="Smooth like the thin shell, and turns details where handles turn or move",
+        summary="Moves a bumpy surface smoothly, and turns its bumps",
+        fails="Flattens what is twisted by more than a right angle",
+        picture="gallery: plane",
+        main=("transforms",),
         bind_seconds=_laplacian_bind_seconds,
         parameters=(
             Choice(
@@ -205,13 +227,13 @@ ROWS = (
                     (
                         "implicit",
                         "Implicit",
-                        "Details turn as their neighbourhoods do, found together with their places. "
-                        "Takes about 20 times as long to bind",
+                        "Details turn as their neighbourhoods do, found together with their places; takes "
+                        "about 20 times as long to bind",
                     ),
                 ),
                 rebinds=True,
                 label="Details",
-                description="How the details of the surface are turned",
+                description="Set how the details of the surface are turned",
             ),
             replace(FIELD, only_with=("transforms", ("explicit",))),
             Int(
@@ -223,8 +245,7 @@ ROWS = (
                 unit="solves",
                 only_with=("transforms", ("estimated",)),
                 label="Refits",
-                description="Of Estimated: how often the turns are estimated again from the last solution. "
-                "Each costs as much as a thin shell",
+                description="Bring twists closer to rigid by estimating the turns so many times again",
             ),
             Choice(
                 "second_stage",
@@ -238,14 +259,15 @@ ROWS = (
                     (
                         "length",
                         "Length",
-                        "Transforms the details and restores their lengths, as the paper does",
+                        "Transforms the details and restores their lengths",
                     ),
                 ),
                 rebinds=True,
                 advanced=True,
                 only_with=("transforms", ("implicit",)),
                 label="Second Stage",
-                description="Of Implicit: what is done with the transformations",
+                description="Keep the size of details by what is done with how they are found to turn and "
+                "grow",
             ),
             Bool(
                 "mean_frame",
@@ -254,13 +276,11 @@ ROWS = (
                 advanced=True,
                 only_with=("transforms", ("estimated", "implicit")),
                 label="Mean Frame",
-                description="Of Estimated and Implicit: sees the handles from the mean of their turns, "
-                "so that each of two handles turns by half of the angle between them",
+                description="Improve large turns by looking from the middle of the turns of all handles",
             ),
             laplacian(),
             _substeps(
-                "Of Estimated: each step starts from the shape of the last one. Of None and Implicit: each "
-                "step binds it, so a frame takes as many binds. Helps where two handles twist the surface",
+                "more steps help where two handles twist the surface, and may take as many binds",
                 only_with=("transforms", ("none", "estimated", "implicit")),
             ),
         ),
@@ -268,12 +288,17 @@ ROWS = (
     Method(
         id="hierarchical_smoothing",
         number=11,
-        label="Hierarchical Smoothing",
+        label="Layered Bend",
+        known_as="Hierarchical Smoothing",
+        search="levels multires hierarchical",
         family=Family.SURFACE_LINEAR,
         native="HierarchicalSmoothing",
         section="4.3",
         paper="Guskov, Sweldens & Schröder 1999",
-        summary="Smooth between the handles, and details of every size turn with the coarser shape",
+        summary="Bends coarse and fine details level by level",
+        fails="Bends symmetric meshes not quite symmetrically",
+        picture="gallery: branches",
+        main=("levels",),
         bind_seconds=factorising(0.08),
         reproduces=Reproduced.RIGID_MOTIONS,
         symmetric=False,
@@ -286,8 +311,8 @@ ROWS = (
                 rebinds=True,
                 unit="levels",
                 label="Levels",
-                description="How often the surface between the regions is thinned out, at most. "
-                "With few levels, only fine details turn",
+                description="Set how often the surface between the regions is thinned out, at most; with "
+                "few levels, only fine details turn",
             ),
             Int(
                 "relaxations",
@@ -297,20 +322,26 @@ ROWS = (
                 rebinds=True,
                 unit="sweeps",
                 label="Relaxations",
-                description="How often each level is smoothed. More make the transition at the border "
-                "of a region rounder, and take longer",
+                description="Round the way out of each region by smoothing each level more often, which "
+                "takes longer",
             ),
         ),
     ),
     Method(
         id="spline_surface",
         number=14,
-        label="Spline Surface",
+        label="Grid Sheet",
+        known_as="Spline Surface",
+        search="patch nurbs uv grid banner",
         family=Family.SURFACE_LINEAR,
         native="SplineSurface",
         section="4.1",
         paper="Farin 1997",
-        summary="Displaces the surface by a grid of smooth bumps over a UV map or a plane; best for sheets",
+        summary="Moves a sheet by a grid of smooth bumps on its UV map",
+        fails="Moves front and back of closed bodies alike",
+        also_needs="best with a UV map",
+        picture="spline_surface",
+        main=("columns", "rows"),
         draws="GRID",
         bind_seconds=_spline_bind_seconds,
         parameters=(
@@ -323,8 +354,8 @@ ROWS = (
                 rebinds=True,
                 unit="polynomial degree",
                 label="Degree",
-                description="1 joins straight pieces with creases; a higher degree is smoother, and each "
-                "control point moves a larger rectangle",
+                description="Smooth the sheet by higher degrees, which reach farther; 1 joins straight "
+                "pieces with creases",
             ),
             Int(
                 "columns",
@@ -335,8 +366,8 @@ ROWS = (
                 rebinds=True,
                 unit="control points",
                 label="Columns",
-                description="Control points along the longer side of the plane, or along u of the UV map; "
-                "at least one more than the degree",
+                description="Set the control points along the longer side of the plane, or along u of the "
+                "UV map",
             ),
             Int(
                 "rows",
@@ -347,20 +378,19 @@ ROWS = (
                 rebinds=True,
                 unit="control points",
                 label="Rows",
-                description="Control points across it, or along v of the UV map; at least one more than the "
-                "degree",
+                description="Set the control points across it, or along v of the UV map",
             ),
             GridPoints(
                 "grid",
                 label="Grid Object",
-                description="The mesh whose points move those of the control grid, which New Grid makes; if "
-                "empty, the regions alone move them",
+                description="Choose the mesh whose points move those of the control grid; if empty, the "
+                "regions alone move them",
             ),
             UvMap(
                 "uv_map",
                 rebinds=True,
                 label="UV Map",
-                description="Where the grid lies; if empty, on the plane that fits the surface best",
+                description="Choose where the grid lies; if empty, on the plane that fits the surface best",
             ),
             Float(
                 "smoothing",
@@ -371,8 +401,7 @@ ROWS = (
                 rebinds=True,
                 unit="relative weight",
                 label="Smoothing",
-                description="How much the control grid resists being bent. With 0 it follows the regions by "
-                "least squares alone, and may overshoot",
+                description="Calm the control grid, which overshoots with 0",
             ),
             Float(
                 "margin",
@@ -382,20 +411,26 @@ ROWS = (
                 advanced=True,
                 unit="share of the size",
                 label="Margin",
-                description="How far the grid reaches into handles and fixed regions, as a share of the size "
-                "of the free surface. More makes the surface leave them more smoothly",
+                description="Leave regions more smoothly by letting the grid reach into them, as a share "
+                "of the size of the free surface",
             ),
         ),
     ),
     Method(
         id="volumetric_graph_laplacian",
         number=12,
-        label="Volumetric Graph Laplacian",
+        label="Filled Bend",
+        known_as="Volumetric Graph Laplacian",
+        search="volume inside stuffed",
         family=Family.SURFACE_LINEAR,
         native="VolumetricGraphLaplacian",
         section="4.5.2",
         paper="Zhou et al. 2005",
-        summary="Laplacian editing with a graph of points inside, so that bends keep more of the volume",
+        summary="Bends as if the body were filled, so that it stays full",
+        fails="Narrows what is twisted, and finds no inside in flat sheets",
+        also_needs="best a closed one",
+        picture="volume",
+        main=("volume",),
         bind_seconds=factorising(0.3),
         reproduces=Reproduced.AFFINE_MAPS,
         symmetric=False,
@@ -407,7 +442,8 @@ ROWS = (
                 rebinds=True,
                 unit="relative weight",
                 label="Volume",
-                description="How much the points inside count beside the surface. 0 leaves the surface alone",
+                description="Set how much the points inside count beside the surface; 0 leaves the surface "
+                "alone",
             ),
             laplacian(),
         ),
@@ -415,12 +451,18 @@ ROWS = (
     Method(
         id="subdivision_editing",
         number=13,
-        label="Subdivision Editing",
+        label="Sculpt Levels",
+        known_as="Subdivision Editing",
+        search="multires subdivision sculpt",
         family=Family.SURFACE_LINEAR,
         native="SubdivisionEditing",
         section="4.3",
         paper="Zorin, Schröder & Sweldens 1997",
-        summary="Edits any level of a subdivided mesh, and keeps what was sculpted on the finer ones",
+        summary="Moves a coarse level of a subdivided mesh, and keeps the sculpt on the finer ones",
+        fails="Finds no levels in a mesh that was not subdivided",
+        also_needs="which was subdivided",
+        picture="pillars",
+        main=("levels",),
         bind_seconds=factorising(0.025),
         reproduces=Reproduced.RIGID_MOTIONS,
         parameters=(
@@ -437,8 +479,8 @@ ROWS = (
                 ),
                 rebinds=True,
                 label="Coarsening",
-                description="On which level of the subdivided mesh the handles pull. Coarse levels carry "
-                "large details, which then turn with the surface; fine ones follow the handles more closely",
+                description="Choose the level that handles pull: coarse ones turn large details along, "
+                "fine ones follow more closely",
             ),
             Int(
                 "levels",
@@ -449,8 +491,8 @@ ROWS = (
                 unit="levels",
                 only_with=("coarsening", ("levels",)),
                 label="Levels",
-                description="How often subdivision is undone, where the mesh has so many levels. "
-                "0 bends the mesh itself as a plate",
+                description="Set how often subdivision is undone, where the mesh has so many levels; 0 "
+                "bends the mesh itself as a plate",
             ),
         ),
     ),

@@ -37,12 +37,17 @@ ROWS = (
     Method(
         id="thin_shell_nonlinear",
         number=24,
-        label="Nonlinear Thin Shell",
+        label="Rubber Sheet",
+        known_as="Nonlinear Thin Shell",
+        search="rubber hose tyre kink elastic",
         family=Family.SURFACE_NONLINEAR,
         native="ThinShellNonlinear",
         section="4.3",
         paper="Terzopoulos et al. 1987",
-        summary="Bends and stretches like a sheet of rubber with a thickness",
+        summary="Bends, stretches and kinks like rubber",
+        fails="Presses hollow parts flat where they bend",
+        picture="sheets: kink",
+        main=("thickness",),
         iterative=True,
         bind_seconds=factorising(0.3),
         reproduces=Reproduced.RIGID_MOTIONS,
@@ -53,7 +58,7 @@ ROWS = (
                 MEASURES,
                 rebinds=True,
                 label="Stiffness From",
-                description="What says how stiff the sheet is",
+                description="Choose what says how stiff the sheet is",
             ),
             Float(
                 "thickness",
@@ -68,8 +73,7 @@ ROWS = (
                 share_of=Size.SURFACE,
                 share_with=("measure", "share"),
                 label="Thickness",
-                description="How thick the sheet is: a thin one bends like paper, a thick one stretches. "
-                "Paint a vertex group to let thin parts fold",
+                description="Set how thick the sheet is: a thin one bends like paper, a thick one stretches",
             ),
             Float(
                 "stretching",
@@ -81,7 +85,7 @@ ROWS = (
                 only_with=("measure", ("stiffness",)),
                 unit="relative weight",
                 label="Stretching",
-                description="k_s: how much the sheet resists being stretched",
+                description="Set how much the sheet resists being stretched",
             ),
             Float(
                 "bending",
@@ -93,8 +97,7 @@ ROWS = (
                 only_with=("measure", ("stiffness",)),
                 unit="area, times that of Stretching",
                 label="Bending",
-                description="k_b: how much the sheet resists being bent. The thickness is the square root of "
-                "Bending by Stretching",
+                description="Set how much the sheet resists being bent",
             ),
             iterations(60),
             tolerance(),
@@ -103,12 +106,17 @@ ROWS = (
     Method(
         id="arap",
         number=2,
-        label="As-Rigid-As-Possible",
+        label="Natural Bend",
+        known_as="As-Rigid-As-Possible",
+        search="limb arm leg tail elbow pose rigid corrective",
         family=Family.SURFACE_NONLINEAR,
         native="Arap",
         section="6",
         paper="Sorkine & Alexa 2007, Levi & Gotsman 2015",
-        summary="Keeps details through large turns; best for limbs",
+        summary="Bends limbs and bodies through large turns, and keeps their details",
+        fails="Leaves spikes at handles of a single vertex",
+        picture="gallery: branches",
+        main=("rigidity",),
         iterative=True,
         bind_seconds=factorising(0.12),
         reproduces=Reproduced.RIGID_MOTIONS,
@@ -121,9 +129,9 @@ ROWS = (
                 precision=5,
                 rebinds=True,
                 unit="share of the rest area",
-                label="Smooth Rotations",
-                description="How much neighbouring parts rotate together, as a share of the surface's area. "
-                "0 gives the energy of the paper, which buckles on fine meshes",
+                label="Evenness",
+                description="Let neighbouring parts turn evenly, as a share of the area of the surface; "
+                "with 0, fine meshes buckle",
             ),
             Choice(
                 "cells",
@@ -131,7 +139,7 @@ ROWS = (
                 CELLS,
                 rebinds=True,
                 label="Cells",
-                description="Which edges each vertex keeps rigid",
+                description="Make the surface firmer by keeping more edges around each vertex rigid",
             ),
             Float(
                 "point_handles",
@@ -141,10 +149,9 @@ ROWS = (
                 rebinds=True,
                 advanced=True,
                 unit="share of the energy",
-                label="Point Handles",
-                description="How smooth the surface is also around handles of a single vertex, which "
-                "otherwise leave a spike. 0.5 to 0.9 is right for them, 0 for handles of many vertices. "
-                "Only with cells of spokes",
+                label="Round Points",
+                description="Avoid spikes at handles of a single vertex by 0.5 to 0.9; 0 is right for "
+                "handles of many vertices",
             ),
             Float(
                 "rigidity",
@@ -155,8 +162,8 @@ ROWS = (
                 rebinds=True,
                 unit="relative weight",
                 label="Rigidity",
-                description="How firmly a region keeps its shape. "
-                "Paint a vertex group to let soft parts deform more than hard ones",
+                description="Set how firmly the surface keeps its shape, everywhere or as a vertex group "
+                "is painted",
             ),
             iterations(40),
             tolerance(),
@@ -165,12 +172,17 @@ ROWS = (
     Method(
         id="primo",
         number=25,
-        label="PriMo",
+        label="Thick Sheet",
+        known_as="PriMo",
+        search="prism thickness stiff leather",
         family=Family.SURFACE_NONLINEAR,
         native="Primo",
         section="6",
         paper="Botsch, Pauly, Gross & Kobbelt 2006",
-        summary="Bends like a sheet that is as thick as you say",
+        summary="Bends like a sheet as thick as you say",
+        fails="Takes long to bind",
+        picture="prisms",
+        main=("height",),
         iterative=True,
         bind_seconds=factorising(0.25),
         reproduces=Reproduced.RIGID_MOTIONS,
@@ -187,9 +199,7 @@ ROWS = (
                 unit="share of the size",
                 share_of=Size.SURFACE,
                 label="Height",
-                description="How far the prisms on the faces reach above and below the surface, as a share "
-                "of the size of the part that they are on. Higher prisms resist bending and twisting more. "
-                "Paint a vertex group to let regions bend that are less thick",
+                description="Stiffen bends and twists by a thicker sheet, as a share of the size of the part",
             ),
             iterations(40),
             tolerance(),
@@ -198,12 +208,18 @@ ROWS = (
     Method(
         id="pyramid_coordinates",
         number=26,
-        label="Pyramid Coordinates",
+        label="Morph",
+        known_as="Pyramid Coordinates",
+        search="morph blend shape between twins grow",
         family=Family.SURFACE_NONLINEAR,
         native="PyramidCoordinates",
         section="6",
         paper="Sheffer & Kraevoy 2004, Kraevoy & Sheffer 2006",
-        summary="Keeps each vertex over its neighbours; lets regions grow, and morphs between two meshes",
+        summary="Turns one mesh into its twin; parts turn instead of shrinking",
+        fails="Kinks tubes that bend by more than 55 degrees",
+        also_needs="a twin of the mesh to morph to",
+        picture="pyramid_coordinates: half",
+        main=("morph",),
         iterative=True,
         bind_seconds=factorising(0.2),
         reproduces=Reproduced.RIGID_MOTIONS,
@@ -215,14 +231,14 @@ ROWS = (
                 soft_maximum=1.0,
                 unit="share of the way",
                 label="Morph",
-                description="How far the surface morphs to the target shape. Can be keyed; needs no new bind",
+                description="Key how far the surface morphs to the target shape",
             ),
             MeshShape(
                 "target_shape",
                 rebinds=True,
                 label="Target Shape",
-                description="A mesh with the same faces to morph to, without its modifiers and shape keys. "
-                "Bind again after editing it",
+                description="Choose the mesh with the same faces to morph to, without its modifiers and "
+                "shape keys",
             ),
             Float(
                 "side",
@@ -233,16 +249,15 @@ ROWS = (
                 rebinds=True,
                 unit="weight of a ring's edges; that of heights is 1 at 1,000 vertices",
                 label="Edge Stiffness",
-                description="How firmly edges keep their lengths, in comparison with how firmly the surface "
-                "keeps its curvature. Lower it to let the surface stretch",
+                description="Set how firmly edges keep their lengths; lower it to let the surface stretch",
             ),
             Bool(
                 "similarity",
                 False,
                 rebinds=True,
                 label="Let Regions Grow",
-                description="Whether regions may grow or shrink, up to twice or half their size, where "
-                "handles pull them apart or are scaled",
+                description="Choose whether regions may grow or shrink, up to twice or half their size, "
+                "where handles pull them apart or are scaled",
             ),
             iterations(40),
             tolerance(),
@@ -251,12 +266,17 @@ ROWS = (
     Method(
         id="subspace_laplacian",
         number=34,
-        label="Subspace Laplacian",
+        label="Plump Bend",
+        known_as="Subspace Laplacian",
+        search="volume bulge muscle belly fat",
         family=Family.SURFACE_NONLINEAR,
         native="SubspaceLaplacian",
         section="6",
         paper="Huang et al. 2006",
-        summary="Smooth bends that keep the volume, in the few unknowns of a cage: for bodies",
+        summary="Bends a body and keeps its volume exactly",
+        fails="Smears small bumps, and bends thin sheets badly",
+        picture="reduced",
+        main=("keep_volume", "bending"),
         iterative=True,
         bind_seconds=factorising(0.11),
         reproduces=Reproduced.RIGID_MOTIONS,
@@ -267,14 +287,14 @@ ROWS = (
                 True,
                 rebinds=True,
                 label="Keep Volume",
-                description="Parts that are closed, or nearly, keep their volume exactly",
+                description="Keep the volume of parts that are closed, or nearly, exactly",
             ),
             MeshObject(
                 "cage",
                 rebinds=True,
                 label="Cage",
-                description="A closed mesh around the parts that have handles, such as one of Add Cage. "
-                "Without one, each part gets its own, which is not shown",
+                description="Choose a closed mesh around the parts that have handles; without one, each "
+                "part gets its own, which is not shown",
             ),
             Int(
                 "cage_faces",
@@ -285,8 +305,8 @@ ROWS = (
                 rebinds=True,
                 unit="triangles",
                 label="Cage Faces",
-                description="How fine the cage is that each part gets: 12 or more faces, or 0 for 160, and "
-                "more beside small handles. More faces bend more freely, and take more memory and time",
+                description="Bend more freely with more faces of the cage that each part gets; 0 is 160, "
+                "and more beside small handles",
             ),
             Float(
                 "bending",
@@ -297,7 +317,7 @@ ROWS = (
                 rebinds=True,
                 unit="share of the rest area",
                 label="Bending",
-                description="How stiff the surface is in bends, as a share of its area",
+                description="Set how stiff the surface is in bends, as a share of its area",
             ),
             Int(
                 "clusters",
@@ -309,7 +329,7 @@ ROWS = (
                 advanced=True,
                 unit="clusters per part",
                 label="Clusters",
-                description="How many groups of vertices turn each as one",
+                description="Bend finer with more groups of vertices that turn each as one",
             ),
             iterations(60, soft_maximum=200),
             tolerance(1e-5, precision=7),
@@ -318,12 +338,18 @@ ROWS = (
     Method(
         id="mesh_puppetry",
         number=29,
-        label="Mesh Puppetry",
+        label="Bone Skin",
+        known_as="Mesh Puppetry",
+        search="skin weights bind rig automatic",
         family=Family.SURFACE_NONLINEAR,
         native="MeshPuppetry",
         section="6",
         paper="Shi et al. 2007",
-        summary="The skin of bones: limbs stay rigid and joints bend between them; best for figures",
+        summary="Keeps limbs rigid between joints and bends the skin there",
+        fails="Holds everything where vertex groups overlap all over",
+        also_needs="an armature",
+        picture="puppet: hand",
+        main=("bending",),
         iterative=True,
         bind_seconds=factorising(0.2),
         reproduces=Reproduced.RIGID_MOTIONS,
@@ -337,14 +363,13 @@ ROWS = (
                 rebinds=True,
                 unit="share of the rest area",
                 label="Bending",
-                description="How much bends and bumps of the surface are kept, beside the lengths of its "
-                "edges. More of it makes the skin around joints rounder",
+                description="Set how much bends and bumps of the surface are kept, beside the lengths of "
+                "its edges; more of it makes the skin around joints rounder",
             ),
             iterations(
                 20,
                 soft_maximum=50,
-                description="The largest number of steps per frame. "
-                "A few are enough for joints; long free parts take more",
+                description="Limit the steps of a frame; joints need few, long free parts more",
             ),
             tolerance(),
         ),
@@ -352,12 +377,17 @@ ROWS = (
     Method(
         id="handle_aware_isolines",
         number=33,
-        label="Handle-Aware Isolines",
+        label="Banded Bend",
+        known_as="Handle-Aware Isolines",
+        search="heavy fast million bands isolines",
         family=Family.SURFACE_NONLINEAR,
         native="HandleAwareIsolines",
         section="6",
         paper="Au et al. 2007",
-        summary="One rotation for each band between two handles: for few handles on heavy meshes",
+        summary="Bends the heaviest meshes in milliseconds, with few handles",
+        fails="Slows down with many handles",
+        picture="reduced",
+        main=("bands",),
         iterative=True,
         draws="BANDS",
         bind_seconds=factorising(0.025),
@@ -372,8 +402,8 @@ ROWS = (
                 rebinds=True,
                 unit="bands between two handles",
                 label="Bands",
-                description="How many bands between two handles turn each as one. "
-                "More of them bend more evenly, and take more memory and time",
+                description="Set how many bands between two handles turn each as one; more of them bend "
+                "more evenly, and take more memory and time",
             ),
             Choice(
                 "field",
@@ -385,15 +415,14 @@ ROWS = (
                 ),
                 rebinds=True,
                 label="Isolines",
-                description="What bounds the bands",
+                description="Choose what bounds the bands",
             ),
             iterations(
                 200,
                 soft_maximum=500,
                 unit="turns",
                 label="Turns",
-                description="The largest number of times that the rotations are fitted per frame. "
-                "Each takes some microseconds",
+                description="Limit how many times the rotations are fitted per frame",
             ),
             tolerance(
                 1e-6,

@@ -18,7 +18,7 @@ _SKIP = {"SKIP_SAVE"}
 
 _ALL = {
     "name": "All Deformers",
-    "description": "All deformers of the mesh, and of the other selected meshes",
+    "description": "Bake all deformers of the mesh, and of the other selected meshes",
     "options": _SKIP,
 }
 
@@ -48,13 +48,13 @@ class SINEW_OT_bake(OnDeformer, FrameByFrame, Operator):
         name="Target",
         items=BAKE_TARGETS,
         default="PC2",
-        description="What the shapes are written to. Use caches for long shots and shape keys for single "
-        "poses",
+        description="Choose what the shapes are written to; use caches for long shots and shape keys for "
+        "single poses",
     )
     filepath: once(
         StringProperty,
         "Path",
-        "The file to write; if empty, a file in the folder sinew_cache beside the .blend file",
+        "Choose the file to write; if empty, a file in the folder sinew_cache beside the .blend file",
         subtype="FILE_PATH",
     )
     all_deformers: BoolProperty(**_ALL)
@@ -127,7 +127,7 @@ class SINEW_OT_bake(OnDeformer, FrameByFrame, Operator):
     def _export(self, context: Context) -> set[str]:
         objects = list(dict.fromkeys(obj for obj, _deformer in _chosen(context, self.all_deformers)))
         path = bake.export_alembic(context, objects, self.frames(context), self.filepath)
-        self.report({"INFO"}, f"Wrote {path}")
+        self.tell({"INFO"}, f"Wrote {path}")
         return {"FINISHED"}
 
     def _browse(self, context: Context) -> set[str]:
@@ -180,5 +180,32 @@ class SINEW_OT_unbake(OnDeformer, Operator):
             chosen = [pair for pair in chosen if pair[1].bake.is_baked]
         warnings = [line for obj, deformer in chosen for line in bake.unbake(obj, deformer, self.delete_file)]
         for line in warnings:
-            self.report({"WARNING"}, line)
+            self.tell({"WARNING"}, line)
+        return {"FINISHED"}
+
+
+class SINEW_OT_bake_find(OnDeformer, Operator):
+    """Choose where the baked file is now, if it was moved or renamed"""
+
+    bl_idname = Operators.BAKE_FIND
+    bl_label = "Find File"
+
+    filepath: once(StringProperty, "Path", "Choose the file to play", subtype="FILE_PATH")
+    filter_glob: StringProperty(default="*.pc2;*.mdd", options={"HIDDEN", "SKIP_SAVE"})
+
+    @classmethod
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or (
+            "" if target_of(context).sinew.active.bake.filepath else "Nothing is baked to a file"
+        )
+
+    def invoke(self, context: Context, _event: Event) -> set[str]:
+        self.filepath = self.filepath or target_of(context).sinew.active.bake.filepath
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        bake.play_instead(obj, obj.sinew.active, self.filepath)
         return {"FINISHED"}

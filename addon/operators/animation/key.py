@@ -14,7 +14,7 @@ from ..offered import OnDeformer
 from ..reporting import reports_errors
 from ..target import object_mode, target_of
 
-_INDEX = {"name": "Index", "default": -1, "min": -1, "description": "Which key; -1 is the active one"}
+_INDEX = {"name": "Index", "default": -1, "min": -1, "description": "Choose which key; -1 is the active one"}
 
 
 class OnKeys(OnDeformer):
@@ -27,7 +27,7 @@ class OnKeys(OnDeformer):
         return super().refusal(context) or (
             ""
             if target_of(context).sinew.active.definition.keyed
-            else "Choose a method that has keys, such as Mesh Sequence"
+            else f"Choose a method that has keys: {keys.with_keys()}"
         )
 
 
@@ -46,7 +46,7 @@ class SINEW_OT_key_add(OnKeys, Operator):
     """
 
     bl_idname = Operators.KEY_ADD
-    bl_label = "Key the Present Edit"
+    bl_label = "Key Edit"
 
     blank: once(
         BoolProperty, "Blank", "Edit nothing in this frame, whatever the controls and the other keys do"
@@ -83,7 +83,9 @@ class SINEW_OT_key_move(OnKeys, Operator):
     bl_label = "Move Key"
 
     index: IntProperty(**_INDEX)
-    frame: IntProperty(name="Frame", min=-MAX_FRAME, max=MAX_FRAME, description="The new frame of the key")
+    frame: IntProperty(
+        name="Frame", min=-MAX_FRAME, max=MAX_FRAME, description="Set the new frame of the key"
+    )
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -107,7 +109,7 @@ class SINEW_OT_key_jump(OnKeys, Operator):
             ("NEXT", "Next", "The next key after this frame", 1),
             ("PREVIOUS", "Previous", "The last key before this frame", 2),
         ),
-        description="Which key",
+        description="Choose which key",
     )
     index: IntProperty(**_INDEX)
 

@@ -12,6 +12,7 @@ from ...session.actions import bind, deformers
 from ..arguments import once
 from ..offered import Offered
 from ..reporting import reports_errors
+from ..target import LINKED
 from ..waiting import BindingOperator
 
 # The method that can go to another shape of its mesh, and the parameter that names this shape.
@@ -31,20 +32,20 @@ class SINEW_OT_morph(Offered, BindingOperator, Operator):
     """
 
     bl_idname = Operators.MORPH
-    bl_label = "Morph to Mesh"
+    bl_label = "Morph to a Mesh"
 
     target: once(
         StringProperty,
         "Target Shape",
-        "The name of the mesh object to morph to; if empty, the other selected one",
+        "Give the name of the mesh object to morph to; if empty, the other selected one",
     )
     morph: FloatProperty(
-        name="Morph", default=1.0, min=0.0, max=1.0, description="How far to morph, from 0 to 1"
+        name="Morph", default=1.0, min=0.0, max=1.0, description="Set how far to morph, from 0 to 1"
     )
     key: once(
         BoolProperty,
         "Key",
-        "Key Morph: 0 at the first frame of the scene, and the value above at the last one",
+        "Key Morph from 0 at the first frame of the scene to the value above at the last one",
         default=False,
     )
 
@@ -53,7 +54,7 @@ class SINEW_OT_morph(Offered, BindingOperator, Operator):
         obj = context.object
         if obj is None or obj.type != "MESH" or obj.mode != "OBJECT":
             return "In Object Mode, select the mesh to morph to, then the one to morph"
-        return "" if obj.library is None else "This object is linked - make a library override first"
+        return "" if obj.library is None else LINKED
 
     def draw(self, _context: Context) -> None:
         self.layout.use_property_split = True

@@ -11,6 +11,7 @@ from ...ids import Operators
 from ..arguments import once
 from ..frame_by_frame import FrameByFrame
 from ..offered import Offered
+from ..target import LINKED
 
 
 class SINEW_OT_transfer_deformation(Offered, FrameByFrame, Operator):
@@ -20,19 +21,19 @@ class SINEW_OT_transfer_deformation(Offered, FrameByFrame, Operator):
     """
 
     bl_idname = Operators.TRANSFER
-    bl_label = "Transfer Deformation"
+    bl_label = "Copy the Motion"
     doing, did = "transferring", "Transferred"
     cancelled = "The transfer was cancelled - everything is as it was"
 
     source: once(
         StringProperty,
         "Source",
-        "The name of the mesh object that is deformed already; if empty, the other selected one",
+        "Give the name of the mesh object that is deformed already; if empty, the other selected one",
     )
     filepath: once(
         StringProperty,
         "Path",
-        "The PC2 file to write; if empty, one in the folder sinew_cache beside the .blend file",
+        "Choose the PC2 file to write; if empty, one in the folder sinew_cache beside the .blend file",
         subtype="FILE_PATH",
     )
 
@@ -42,7 +43,7 @@ class SINEW_OT_transfer_deformation(Offered, FrameByFrame, Operator):
         if obj is None or obj.type != "MESH":
             return "Select the mesh that is deformed, then the one to deform"
         if obj.library is not None:
-            return "This object is linked - make a library override first"
+            return LINKED
         return "" if obj.mode == "OBJECT" else "Go to Object Mode to transfer"
 
     def invoke(self, context: Context, _event: Event) -> set[str]:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Context, Event, Object, Operator
 
+from ... import compat
 from ...core.errors import SinewError
 from ...core.methods import DEFAULT_CAGE_METHOD
 from ...ids import Operators
@@ -31,7 +32,8 @@ _FACES = {
     "min": 12,
     "max": 100_000,
     "soft_max": 1000,
-    "description": "How many triangles the automatic cage has; fewer are easier to pose, more follow closer",
+    "description": "Set how many triangles the automatic cage has; fewer are easier to pose, more follow "
+    "closer",
 }
 
 
@@ -70,16 +72,16 @@ class _MakesCage(OnTarget, BindingOperator):
         if work is None:
             return super().look(context, is_cancelled)
         if is_cancelled or making.cage_work(self._targets[0][0]) is not work:
-            self.report({"WARNING"}, self.CANCELLED)
+            self.tell({"WARNING"}, self.CANCELLED)
             return {"CANCELLED"}
         if not work.done:
             context.workspace.status_text_set(
-                f"Sinew is making a cage: {work.fraction:.0%} {work.stage}   (Esc cancels)"
+                compat.told(f"Sinew is making a cage: {work.fraction:.0%} {work.stage}   (Esc cancels)")
             )
             return {"PASS_THROUGH"}
         self._forget_work()
         if work.error is not None:
-            self.report({"ERROR"}, str(work.error))
+            self.tell({"ERROR"}, str(work.error))
             return {"CANCELLED"}
         return self.watched(context, self.run(context, wait=False, shape=work.result))
 
@@ -112,7 +114,7 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
     """Let a closed mesh around this one move it. Edit, pose or animate the cage like any other mesh"""
 
     bl_idname = Operators.CAGE_ADD
-    bl_label = "Add Cage"
+    bl_label = "Wrap in a Cage"
     bl_options = {"REGISTER", "UNDO"}
 
     CANCELLED = "No cage was made"
@@ -129,11 +131,11 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
             ("OBJECT", "Selected Object", "The other selected mesh becomes the cage", 1),
         ),
         default="AUTO",
-        description="Where the cage comes from",
+        description="Choose where the cage comes from",
     )
     method: method_choice(
         CAGE_METHODS,
-        "How points follow the cage. It can be changed later, and the cage stays",
+        "Set how points follow the cage; it can be changed later, and the cage stays",
         name="Coordinates",
         default=DEFAULT_CAGE_METHOD,
     )
@@ -146,7 +148,7 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         soft_max=0.1,
         precision=3,
         step=1,
-        description="How far from the mesh the automatic cage starts, as a share of the mesh's size",
+        description="Set how far from the mesh the automatic cage starts, as a share of the mesh's size",
     )
     quads: BoolProperty(
         name="Quads", description="Join the triangles of the automatic cage in pairs, where that is safe"
@@ -156,7 +158,9 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         default=True,
         description="Give a symmetric mesh a symmetric cage",
     )
-    cage: once(StringProperty, "Cage", "The name of a mesh object; if empty, the other selected mesh is used")
+    cage: once(
+        StringProperty, "Cage", "Give the name of a mesh object; if empty, the other selected mesh is used"
+    )
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         return (
@@ -235,7 +239,7 @@ class SINEW_OT_cage_set_rest(OnCage, BindsAll, Operator):
     """
 
     bl_idname = Operators.CAGE_REST
-    bl_label = "Set Rest Cage"
+    bl_label = "New Rest"
 
 
 class SINEW_OT_cage_flip(OnCage, BindsAll, Operator):
@@ -249,10 +253,7 @@ class SINEW_OT_cage_flip(OnCage, BindsAll, Operator):
 
 
 class SINEW_OT_cage_outside_follow(OnCage, BindingOperator, Operator):
-    """Let what lies outside the cage follow it, too.
-
-    Harmonic and Positive Mean Value set Outside to Mean Value; Green sets it to the nearest face
-    """
+    """Let what lies outside the cage follow it, too, by the setting Outside"""
 
     bl_idname = Operators.CAGE_OUTSIDE
     bl_label = "Let Outside Follow"
@@ -279,7 +280,7 @@ class SINEW_OT_cage_faces(OnCage, _MakesCage, Operator):
     """Make the automatic cage anew, with more faces or fewer, as long as it is neither posed nor edited"""
 
     bl_idname = Operators.CAGE_FACES
-    bl_label = "Change Faces"
+    bl_label = "Cage Faces"
     bl_options = {"REGISTER", "UNDO"}
 
     CANCELLED = "The cage stays as it was"

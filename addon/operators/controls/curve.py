@@ -5,6 +5,7 @@ from bpy.props import BoolProperty, StringProperty
 from bpy.types import Context, Operator
 
 from ...core.errors import OptionError
+from ...core.labels import label_of
 from ...core.methods import Curve
 from ...ids import Operators
 from ...session.datablocks import references
@@ -21,7 +22,7 @@ class SINEW_OT_curve_edit(OnDeformer, Operator):
     bl_label = "Draw Curve"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    parameter: StringProperty(name="Parameter", description="The identifier of the curve to draw")
+    parameter: StringProperty(name="Parameter", description="Give the identifier of the curve to draw")
     reset: once(BoolProperty, "Reset", "Discard the drawn curve and use the default")
 
     @classmethod
@@ -41,7 +42,7 @@ class SINEW_OT_curve_edit(OnDeformer, Operator):
         if self.parameter not in curves:
             names = ", ".join(curves) or "none"
             raise OptionError(
-                f"{deformer.definition.label} has no curve '{self.parameter}' - its curves: {names}"
+                f"{label_of(deformer.definition)} has no curve '{self.parameter}' - its curves: {names}"
             )
         values, curve = curves[self.parameter]
         if self.reset:

@@ -25,7 +25,7 @@ class SINEW_OT_grid_new(OnDeformer, Operator):
         return super().refusal(context) or (
             ""
             if grids.has_grid(target_of(context).sinew.active)
-            else "Choose Spline Surface: other methods have no control grid"
+            else f"Choose {grids.with_grids()}: other methods have no control grid"
         )
 
     @reports_errors

@@ -33,7 +33,7 @@ class SINEW_OT_lattice_add(OnTarget, BindingOperator, Operator):
             ("OBJECT", "Selected Object", "The other selected lattice, or mesh of hexahedra", 1),
         ),
         default="FIT",
-        description="Where the lattice comes from",
+        description="Choose where the lattice comes from",
     )
     shape: EnumProperty(
         name="Shape",
@@ -43,7 +43,7 @@ class SINEW_OT_lattice_add(OnTarget, BindingOperator, Operator):
             ("FITTED", "Fitted Boxes", "A mesh of boxes where the objects are: welded hexahedra", 2),
         ),
         default="BOX",
-        description="What the new lattice looks like",
+        description="Choose what the new lattice looks like",
     )
     resolution: IntVectorProperty(
         name="Resolution",
@@ -52,8 +52,8 @@ class SINEW_OT_lattice_add(OnTarget, BindingOperator, Operator):
         min=1,
         max=64,
         soft_max=16,
-        description="Box: points along each axis. Fitted Boxes: cells along each axis. Cylinder: cells "
-        "across the core, from the core to the border, and along the axis",
+        description="Set the points along each axis, or of a mesh the cells; of a cylinder across the "
+        "core, from there outwards, and along the axis",
     )
     orientation: EnumProperty(
         name="Orientation",
@@ -63,7 +63,7 @@ class SINEW_OT_lattice_add(OnTarget, BindingOperator, Operator):
             ("WORLD", "World", "Along the axes of the world", 2),
         ),
         default="OBJECT",
-        description="How the new lattice is turned",
+        description="Set how the new lattice is turned",
     )
     margin: FloatProperty(
         name="Margin",
@@ -73,12 +73,13 @@ class SINEW_OT_lattice_add(OnTarget, BindingOperator, Operator):
         soft_max=0.25,
         precision=3,
         step=1,
-        description="How far the new lattice stands out, as a share of its longest side",
+        description="Set how far the new lattice stands out, as a share of its longest side",
     )
     lattice: once(
         StringProperty,
         "Lattice",
-        "The name of a lattice object, or of a mesh of hexahedra; if empty, the other selected one is used",
+        "Give the name of a lattice object, or of a mesh of hexahedra; if empty, the other selected one is "
+        "used",
     )
 
     @reports_errors
@@ -115,7 +116,7 @@ class SINEW_OT_lattice_set_rest(OnDeformer, BindsAll, Operator):
     """
 
     bl_idname = Operators.LATTICE_REST
-    bl_label = "Set Rest Lattice"
+    bl_label = "New Rest"
 
     @classmethod
     def refusal(cls, context: Context) -> str:

@@ -30,19 +30,21 @@ class SINEW_OT_tool_add(OnTarget, BindingOperator, Operator):
 
     tool: EnumProperty(name="Tool", items=_TOOL.items, default="drag", description=_TOOL.description)
     control: once(
-        StringProperty, "Control", "The name of an object to use as the tool; if empty, a new empty is made"
+        StringProperty,
+        "Control",
+        "Give the name of an object to use as the tool; if empty, a new empty is made",
     )
     location: once(
         FloatVectorProperty,
         "Location",
-        "Where the new tool is, in the world. If it is not given: at the 3D cursor for a Drag, "
-        "and in the middle of the object for the others",
+        "Place the new tool in the world; else a drag is at the 3D cursor, and the others in the middle of "
+        "the object",
         subtype="XYZ",
     )
     outer: distance(
         "Outer",
-        "How far the tool reaches; 0 for a third of the size of the object, or for a Drag of the "
-        "part beside it",
+        "Set how far the tool reaches; 0 for a third of the size of the object, or for a Drag of the part "
+        "beside it",
         options={"SKIP_SAVE"},
     )
 
@@ -121,5 +123,5 @@ class SINEW_OT_tool_stop(OnRows, BindingOperator, Operator):
         else:
             rows.stop_here(obj, deformer, row)
         context.view_layer.update()
-        self.report({"INFO"}, f"{row.name} has {rows.stop_count(row)} stops on its path")
+        self.tell({"INFO"}, f"{row.name} has {rows.stop_count(row)} stops on its path")
         return {"FINISHED"}

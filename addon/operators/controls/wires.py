@@ -23,16 +23,16 @@ RADIUS = {
     "default": 0.0,
     "min": 0.0,
     "options": {"SKIP_SAVE"},
-    "description": "How far from the wire points follow it; 0 for about a third of its length, and "
-    "at most a seventh of the size of the part beside it",
+    "description": "Set how far from the wire points follow it; 0 for about a third of its length, and at "
+    "most a seventh of the size of the part beside it",
 }
 POINTS = {
     "name": "Points",
     "default": 6,
     "min": 0,
     "soft_max": 32,
-    "description": "How many points the new curve has at most for each row of edges, or for a stroke. "
-    "0 takes all of them, joined by straight lines",
+    "description": "Limit the points of the new curve for each row of edges, or for a stroke; 0 takes all "
+    "of them",
 }
 
 
@@ -45,7 +45,7 @@ class SINEW_OT_wire_add(OnTarget, BindingOperator, Operator):
     source: once(
         EnumProperty,
         "Source",
-        "Where the wires come from",
+        "Choose where the wires come from",
         items=(
             ("AUTO", "Automatic", "The selected edges in Edit Mode, else the selected curves", 0),
             ("CURVES", "Selected Curves", "The other selected curve objects become wires", 1),
@@ -54,7 +54,9 @@ class SINEW_OT_wire_add(OnTarget, BindingOperator, Operator):
         default="AUTO",
     )
     curve: once(
-        StringProperty, "Curve", "The name of a curve object; if empty, the other selected curves are used"
+        StringProperty,
+        "Curve",
+        "Give the name of a curve object; if empty, the other selected curves are used",
     )
     points: IntProperty(**POINTS)
     radius: FloatProperty(**RADIUS)

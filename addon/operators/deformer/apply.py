@@ -33,7 +33,7 @@ class SINEW_OT_apply(OnDeformer, Operator):
             before = apply.apply(obj, deformer_index(obj, -1), self.as_shape_key, keep)
         if before:
             names = ", ".join(before)
-            self.report(
+            self.tell(
                 {"INFO"},
                 f"Applied modifier was not first ({names} came before), result may not be as expected",
             )

@@ -41,7 +41,7 @@ class SINEW_OT_cancel(OnTarget, Operator):
             making.drop_cage(obj.name)  # whoever began it says so
             return {"FINISHED"}
         binding.cancel(obj.sinew.active.uid)
-        self.report({"WARNING"}, CANCELLED)
+        self.tell({"WARNING"}, CANCELLED)
         return {"FINISHED"}
 
 

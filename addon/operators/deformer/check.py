@@ -9,6 +9,7 @@ from bpy.types import Context, Operator
 
 from ...backend import Check, check_installation
 from ...ids import Operators
+from ..reporting import Reports
 
 
 def write_report(file: TextIO) -> Check:
@@ -18,7 +19,7 @@ def write_report(file: TextIO) -> Check:
     return check_installation(file, f"{bpy.app.version_string} ({built}), {kind}", file.name)
 
 
-class SINEW_OT_check_installation(Operator):
+class SINEW_OT_check_installation(Reports, Operator):
     """Compute known answers with every method, and write a report that you can attach to an issue.
 
     It takes some seconds, and the open file stays as it is
@@ -35,8 +36,8 @@ class SINEW_OT_check_installation(Operator):
             ) as file:
                 found = write_report(file)
         except OSError as error:
-            self.report({"ERROR"}, f"The report cannot be written: {error}")
+            self.tell({"ERROR"}, f"The report cannot be written: {error}")
             return {"CANCELLED"}
         level = "INFO" if found.is_right else "ERROR"
-        self.report({level}, f"{found.summary}. The report is {found.report}")
+        self.tell({level}, f"{found.summary}. The report is {found.report}")
         return {"FINISHED"}

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Add and remove deformers."""
 
+from typing import ClassVar
+
 from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from ... import bake
-from ...core.methods import DEFAULT_METHOD
+from ...core.methods import BY_ID, DEFAULT_METHOD
 from ...ids import Operators
 from ...preferences import preferences
 from ...properties import method_items
@@ -21,12 +23,13 @@ class SINEW_OT_deformer_add(OnTarget, Operator):
 
     bl_idname = Operators.DEFORMER_ADD
     bl_label = "Add Deformer"
+    bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO", "INTERNAL"}  # tasks add deformers
 
     method: EnumProperty(
         name="Method",
-        items=method_items(),
-        default=DEFAULT_METHOD,
-        description="How the surface follows its handles. It can be changed later, and the handles stay",
+        items=method_items,
+        default=BY_ID[DEFAULT_METHOD].number,
+        description="Set how the surface follows its handles; it can be changed later, and the handles stay",
     )
 
     def invoke(self, context: Context, _event: object) -> set[str]:
@@ -46,7 +49,7 @@ class SINEW_OT_deformer_remove(OnDeformer, Operator):
     bl_idname = Operators.DEFORMER_REMOVE
     bl_label = "Remove Deformer"
 
-    index: row_index("Which deformer; -1 is the active one")
+    index: row_index("Choose which deformer; -1 is the active one")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -56,6 +59,6 @@ class SINEW_OT_deformer_remove(OnDeformer, Operator):
         with object_mode(context, obj):
             if deformer.bake.is_baked:
                 for line in bake.unbake(obj, deformer):
-                    self.report({"WARNING"}, line)
+                    self.tell({"WARNING"}, line)
             deformers.remove_deformer(obj, index)
         return {"FINISHED"}

@@ -33,9 +33,9 @@ class SINEW_OT_deformer_move(OnDeformer, Operator):
     bl_label = "Move Deformer"
 
     direction: EnumProperty(
-        name="Direction", items=DIRECTIONS, description="Whether to move up or down in the list"
+        name="Direction", items=DIRECTIONS, description="Choose whether to move up or down in the list"
     )
-    index: row_index("Which deformer; -1 is the active one")
+    index: row_index("Choose which deformer; -1 is the active one")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -55,9 +55,9 @@ class SINEW_OT_handle_move(OnDeformer, Operator):
     bl_label = "Move Handle"
 
     direction: EnumProperty(
-        name="Direction", items=DIRECTIONS, description="Whether to move up or down in the list"
+        name="Direction", items=DIRECTIONS, description="Choose whether to move up or down in the list"
     )
-    index: row_index("Which handle; -1 is the active one")
+    index: row_index("Choose which handle; -1 is the active one")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -59,7 +59,7 @@ class SINEW_OT_preset_apply(OnDeformer, Operator):
     bl_label = "Apply Method Preset"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    filepath: once(StringProperty, "File Path", "The file of the preset", subtype="FILE_PATH")
+    filepath: once(StringProperty, "File Path", "Choose the file of the preset", subtype="FILE_PATH")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

@@ -5,6 +5,7 @@ from bpy.props import BoolProperty
 from bpy.types import Context, Object, Operator
 
 from ...core.errors import SinewError
+from ...core.labels import label_of
 from ...ids import Operators
 from ...session.actions import bind, refining, repair
 from ...session.actions.handles import overlaps
@@ -39,8 +40,8 @@ class SINEW_OT_repair(OnTarget, Operator):
     )
     distance: distance(
         "Merge Distance",
-        "The largest distance between vertices that are merged; 0 merges only vertices at "
-        "exactly the same place",
+        "Set the largest distance between vertices that are merged; 0 merges only vertices at exactly the "
+        "same place",
         default=0.0,
         soft_max=0.1,
         precision=5,
@@ -82,7 +83,7 @@ class SINEW_OT_repair(OnTarget, Operator):
             distance=self.distance,
         )
         mended, left = repair.repair(obj, wanted)
-        self.report({"INFO"}, repair.summary(mended, left))
+        self.tell({"INFO"}, repair.summary(mended, left))
         _bind_again(self, context, obj, any(mended.values()))
         return {"FINISHED"}
 
@@ -104,7 +105,7 @@ class SINEW_OT_part_regions(OnDeformer, Operator):
     """
 
     bl_idname = Operators.PART_REGIONS
-    bl_label = "Part Regions"
+    bl_label = "Unshare"
     MESHES_ONLY = True
 
     @reports_errors
@@ -113,11 +114,11 @@ class SINEW_OT_part_regions(OnDeformer, Operator):
         with object_mode(context, obj):
             parted = overlaps.part_regions(obj, obj.sinew.active)
         if not parted:
-            self.report({"INFO"}, "No vertex is in two regions")
+            self.tell({"INFO"}, "No vertex is in two regions")
             return {"CANCELLED"}
         for kept, lost, count in parted:
             vertices = "1 vertex is" if count == 1 else f"{count:,} vertices are"
-            self.report({"INFO"}, f"{vertices} now in {kept} alone, no longer in {lost}")
+            self.tell({"INFO"}, f"{vertices} now in {kept} alone, no longer in {lost}")
         _bind_again(self, context, obj, True)
         return {"FINISHED"}
 
@@ -137,14 +138,14 @@ class SINEW_OT_refine(OnDeformer, Operator):
         if reason:
             return reason
         method = target_of(context).sinew.active.definition
-        return "" if method.finer else f"{method.label} has nothing that could be finer"
+        return "" if method.finer else f"{label_of(method)} has nothing that could be finer"
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         with object_mode(context, obj):
             label, value = refining.refine(obj.sinew.active)
-        self.report({"INFO"}, f"{label}: {value:,}")
+        self.tell({"INFO"}, f"{label}: {value:,}")
         return {"FINISHED"}
 
 
@@ -163,9 +164,9 @@ class SINEW_OT_armature_off(OnDeformer, Operator):
         obj = target_of(context)
         names = refining.turn_off_armatures(obj, obj.sinew.active)
         if not names:
-            self.report({"INFO"}, "Nothing moves this mesh twice")
+            self.tell({"INFO"}, "Nothing moves this mesh twice")
             return {"CANCELLED"}
-        self.report({"INFO"}, f"Turned off {', '.join(names)}")
+        self.tell({"INFO"}, f"Turned off {', '.join(names)}")
         return {"FINISHED"}
 
 
@@ -184,4 +185,4 @@ def _bind_again(operator: Operator, context: Context, obj: Object, changed: bool
             with object_mode(context, obj):
                 bind.bind(obj, deformer)
         except SinewError as error:
-            operator.report({"WARNING"}, f"{deformer.name}: {error}")
+            operator.tell({"WARNING"}, f"{deformer.name}: {error}")

@@ -5,17 +5,18 @@ from bpy.props import StringProperty
 from bpy.types import Context, Operator
 
 from ...ids import Operators
+from ..reporting import Reports
 
 
-class SINEW_OT_report_renders(Operator):
+class SINEW_OT_report_renders(Reports, Operator):
     """Report which deformers showed the rest shape in the last render, and why"""
 
     bl_idname = Operators.REPORT_RENDERS
     bl_label = "Report Renders"
     bl_options = {"INTERNAL"}  # Sinew calls it after a render
 
-    text: StringProperty(name="Text", description="What to report")
+    text: StringProperty(name="Text", description="Say what to report")
 
     def execute(self, _context: Context) -> set[str]:
-        self.report({"WARNING"}, self.text)
+        self.tell({"WARNING"}, self.text)
         return {"FINISHED"}

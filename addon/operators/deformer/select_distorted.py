@@ -25,7 +25,7 @@ class SINEW_OT_select_distorted(OnDeformer, Operator):
     bl_label = "Select Most Distorted"
     MESHES_ONLY = True
 
-    measure: EnumProperty(name="Measure", description="The measure of distortion", items=MEASURES)
+    measure: EnumProperty(name="Measure", description="Choose the measure of distortion", items=MEASURES)
 
     @classmethod
     def refusal(cls, context: Context) -> str:
@@ -39,10 +39,10 @@ class SINEW_OT_select_distorted(OnDeformer, Operator):
         result.repainted(deformer)
         found = result.measure(obj, deformer, Measure(self.measure))
         if found is None:
-            self.report({"ERROR"}, "There is no shape to measure - press Rebind")
+            self.tell({"ERROR"}, "There is no shape to measure - press Rebind")
             return {"CANCELLED"}
         if len(obj.data.vertices) != len(found.values):
-            self.report(
+            self.tell(
                 {"ERROR"},
                 "A modifier before Sinew adds or removes vertices, so the mesh itself has no such vertex "
                 "to select",
@@ -53,5 +53,5 @@ class SINEW_OT_select_distorted(OnDeformer, Operator):
             bpy.ops.object.mode_set(mode="EDIT")
         selection.select_elements(obj, Elements(Owner.TARGET, "vertex", (found.worst,)))
         label = next(label for identifier, label, *_rest in MEASURES if identifier == self.measure)
-        self.report({"INFO"}, f"{label} {found.largest:.3g} at vertex {found.worst}")
+        self.tell({"INFO"}, f"{label} {found.largest:.3g} at vertex {found.worst}")
         return {"FINISHED"}

@@ -16,16 +16,16 @@ from ..target import target_of
 
 
 class SINEW_OT_select_problems(OnDeformer, Operator):
-    """Select, in Edit Mode, the vertices or faces of the mesh or of its cage that the status names"""
+    """Show, in Edit Mode, the vertices or faces of the mesh or of its cage that the status names"""
 
     bl_idname = Operators.SELECT_PROBLEMS
-    bl_label = "Select"
+    bl_label = "Show"
 
     line: IntProperty(
         name="Line",
         default=-1,
         min=-1,
-        description="Index of the status line; -1 for the first warning",
+        description="Choose the status line by its index; -1 is the first warning",
     )
 
     @reports_errors
@@ -38,17 +38,17 @@ class SINEW_OT_select_problems(OnDeformer, Operator):
         else:
             lines.sort(key=lambda line: line.level is status.Level.INFO)
         if not lines:
-            self.report({"INFO"}, "The status names no vertices or faces")
+            self.tell({"INFO"}, "The status names no vertices or faces")
             return {"CANCELLED"}
         shown = kinds.object_with(obj.sinew.active, lines[0].elements)
         if shown.name not in context.view_layer.objects:
-            self.report(
+            self.tell(
                 {"ERROR"},
                 f"{shown.name} is not in this view layer - add its collection to the view layer first",
             )
             return {"CANCELLED"}
         if not targets.is_mesh(shown) and shown.type != "LATTICE":
-            self.report({"ERROR"}, f"{shown.name} is not a mesh, so its points cannot be selected here")
+            self.tell({"ERROR"}, f"{shown.name} is not a mesh, so its points cannot be selected here")
             return {"CANCELLED"}
         if shown.mode != "EDIT":
             if context.object is not None and context.object.mode != "OBJECT":
@@ -57,5 +57,5 @@ class SINEW_OT_select_problems(OnDeformer, Operator):
             context.view_layer.objects.active = shown
             bpy.ops.object.mode_set(mode="EDIT")
         count = selection.select_elements(shown, lines[0].elements)
-        self.report({"INFO"}, f"{lines[0].text}: {count} selected")
+        self.tell({"INFO"}, f"{lines[0].text}: {count} selected")
         return {"FINISHED"}

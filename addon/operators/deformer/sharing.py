@@ -59,8 +59,8 @@ class SINEW_OT_settings_share(OnDeformer, BindingOperator, Operator):
             if not deformer.is_bound and (error := rigging.try_bind(obj, deformer, wait)) is not None
         ]
         if refused:
-            self.report({"WARNING"}, str(refused[0]))
+            self.tell({"WARNING"}, str(refused[0]))
         else:
             objects = "1 other object has" if len(others) == 1 else f"{len(others)} other objects have"
-            self.report({"INFO"}, f"{objects} these settings now")
+            self.tell({"INFO"}, f"{objects} these settings now")
         return {"FINISHED"}

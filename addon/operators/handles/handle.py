@@ -9,7 +9,7 @@ from ... import compat
 from ...core.errors import SinewError
 from ...ids import Operators
 from ...preferences import preferences
-from ...properties import HANDLE_ROLES, SinewHandle
+from ...properties import HANDLE_ROLES, SinewDeformer, SinewHandle
 from ...session.actions import bind, rigging, selection
 from ...session.actions.handles import handles
 from ...session.actions.handles.handles import NewRegion
@@ -20,8 +20,6 @@ from ..reporting import reports_errors
 from ..target import handle_index, object_mode, object_named, show_control, target_of
 from ..waiting import BindingOperator
 
-_LABELS = {identifier: label for identifier, label, *_rest in HANDLE_ROLES}
-
 
 class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
     """Make the selected vertices a region; outside Edit Mode, those of the active vertex group.
@@ -30,25 +28,27 @@ class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
     """
 
     bl_idname = Operators.HANDLE_ADD
-    bl_label = "Add Handle"
+    bl_label = "Make Handle"
     MESHES_ONLY = True
 
     kind: EnumProperty(
         name="Role",
         items=HANDLE_ROLES,
         default="HANDLE",
-        description="Handle follows a control. Fixed stays. Support: only these vertices may move",
+        description="Say whether the region follows a control, holds still, or is all that may move",
     )
     vertex_group: StringProperty(
         name="Vertex Group",
-        description="An existing vertex group; if empty, the selected vertices in Edit Mode, else the "
-        "active group",
+        description="Choose a vertex group; if empty, the selected vertices in Edit Mode, else the active "
+        "group",
     )
-    handle_name: once(StringProperty, "Name", "Name of the region; if empty, the name of its vertex group")
+    handle_name: once(
+        StringProperty, "Name", "Give the name of the region; if empty, the name of its vertex group"
+    )
     weight: once(
         FloatProperty,
         "Weight",
-        "1 holds the region exactly; a lower weight lets it give way",
+        "Let the region give way by a weight below 1",
         default=1.0,
         min=0.0,
         max=1.0,
@@ -57,7 +57,7 @@ class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
     control: once(
         EnumProperty,
         "Control",
-        "What will move the region, for a handle",
+        "Choose what will move the region, for a handle",
         items=(
             ("AUTO", "Automatic", "The active bone in Pose and Weight Paint Mode, else a new empty", 2),
             ("NEW", "New Empty", "An empty at the region, aligned with its mean normal", 0),
@@ -70,8 +70,10 @@ class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
         ),
         default="AUTO",
     )
-    control_object: once(StringProperty, "Control Object", "The name of the object that will move the region")
-    bone: once(StringProperty, "Bone", "The name of a pose bone, if the control is an armature")
+    control_object: once(
+        StringProperty, "Control Object", "Give the name of the object that will move the region"
+    )
+    bone: once(StringProperty, "Bone", "Give the name of a pose bone, if the control is an armature")
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -83,7 +85,7 @@ class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
         if not group:
             if obj.mode != "EDIT":
                 raise SinewError("Choose a vertex group, or select vertices in Edit Mode")
-            group = selection.group_from_selection(obj, self.handle_name or _LABELS[self.kind])
+            group = selection.group_from_selection(obj, self.kind, self.handle_name)
         with object_mode(context, obj):
             handle, refusal = rigging.rig_region(
                 obj,
@@ -104,7 +106,7 @@ class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
         try:
             select_control(context, obj, handle)
         except SinewError as error:
-            self.report({"WARNING"}, str(error))
+            self.tell({"WARNING"}, str(error))
 
     def _chosen_control(self, context: Context, obj: Object) -> tuple[Object | None, str]:
         if self.kind != "HANDLE":
@@ -139,7 +141,7 @@ class SINEW_OT_keep_inside(OnDeformer, BindingOperator, Operator):
         obj = target_of(context)
         vertices = selection.parts_inside(obj.sinew.active)
         if not len(vertices):
-            self.report({"INFO"}, "No loose part that follows the surface lies inside")
+            self.tell({"INFO"}, "No loose part that follows the surface lies inside")
             return {"CANCELLED"}
         control, bone = _active_bone(obj, context.object)
         with object_mode(context, obj):
@@ -157,7 +159,7 @@ class SINEW_OT_handle_remove(OnDeformer, Operator):
     bl_idname = Operators.HANDLE_REMOVE
     bl_label = "Remove Handle"
 
-    index: row_index("Which handle; -1 is the active one")
+    index: row_index("Choose which handle; -1 is the active one")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -170,7 +172,7 @@ class SINEW_OT_handle_remove(OnDeformer, Operator):
                 if deformer.handles:
                     bind.bind(obj, deformer)
         except SinewError as error:  # the region is removed all the same
-            self.report({"WARNING"}, str(error))
+            self.tell({"WARNING"}, str(error))
         return {"FINISHED"}
 
 
@@ -183,7 +185,7 @@ class SINEW_OT_select_handle(OnDeformer, Operator):
     bl_idname = Operators.SELECT_HANDLE
     bl_label = "Select Handle"
 
-    index: row_index("Which handle; -1 is the active one")
+    index: row_index("Choose which handle; -1 is the active one")
     extend: once(BoolProperty, "Extend", "Add to the selection")
 
     @reports_errors
@@ -191,16 +193,21 @@ class SINEW_OT_select_handle(OnDeformer, Operator):
         obj = target_of(context)
         deformer = obj.sinew.active
         deformer.active_handle = handle_index(deformer, self.index)
-        handle = deformer.handles[deformer.active_handle]
-        if obj.vertex_groups.get(handle.vertex_group):
-            obj.vertex_groups.active = obj.vertex_groups[handle.vertex_group]
-        if obj.mode == "EDIT":
-            _select_vertices(obj, handle, self.extend)
-        elif obj.mode != "WEIGHT_PAINT":
-            select_control(context, obj, handle, self.extend)
-            if handle.bone and handle.control.mode == "OBJECT" and bpy.ops.object.mode_set.poll():
-                bpy.ops.object.mode_set(mode="POSE")
+        choose_handle(context, obj, deformer, self.extend)
         return {"FINISHED"}
+
+
+def choose_handle(context: Context, obj: Object, deformer: SinewDeformer, extend: bool = False) -> None:
+    """Select what belongs to the active handle in this mode: its control, its vertices, or its group."""
+    handle = deformer.handles[deformer.active_handle]
+    if obj.vertex_groups.get(handle.vertex_group):
+        obj.vertex_groups.active = obj.vertex_groups[handle.vertex_group]
+    if obj.mode == "EDIT":
+        _select_vertices(obj, handle, extend)
+    elif obj.mode != "WEIGHT_PAINT":
+        select_control(context, obj, handle, extend)
+        if handle.bone and handle.control.mode == "OBJECT" and bpy.ops.object.mode_set.poll():
+            bpy.ops.object.mode_set(mode="POSE")
 
 
 def _default_group(obj: Object, bone: str) -> str:
@@ -248,7 +255,9 @@ def select_control(context: Context, obj: Object, handle: SinewHandle, extend: b
     """
     control = handle.control
     if control is None or control.name not in context.view_layer.objects:
-        raise SinewError(f"{handle.name} has no control in this view layer - choose one in the Region panel")
+        raise SinewError(
+            f"{handle.name} has no control in this view layer - choose one in its panel, below the list"
+        )
     if handle.control_missing:
         raise SinewError(
             f"{control.name} has no bone '{handle.bone}' - choose the control of {handle.name} again"

@@ -29,7 +29,7 @@ class SINEW_OT_handle_mirror(OnDeformer, BindingOperator, Operator):
 
     side: EnumProperty(
         name="Side",
-        description="Which handles are mirrored, and to where",
+        description="Choose which handles are mirrored, and to where",
         items=(
             ("ACTIVE", "Active Handle", "Mirror the active handle to the other side", 0),
             (
@@ -51,11 +51,11 @@ class SINEW_OT_handle_mirror(OnDeformer, BindingOperator, Operator):
     )
     painted_groups: BoolProperty(
         name="Painted Groups",
-        description="Also make the mask and the vertex groups of painted parameters symmetric",
+        description="Make the mask and the vertex groups of painted parameters symmetric, too",
     )
     tolerance: distance(
         "Tolerance",
-        "How far a vertex may lie from the mirror image of another",
+        "Set how far a vertex may lie from the mirror image of another",
         default=0.001,
         soft_max=0.1,
         precision=5,
@@ -83,24 +83,24 @@ class SINEW_OT_handle_mirror(OnDeformer, BindingOperator, Operator):
             context.view_layer.update()  # new empties enter the view layer
             refusal = rigging.try_bind(obj, deformer, wait)
             if refusal is not None:
-                self.report({"WARNING"}, str(refusal))
+                self.tell({"WARNING"}, str(refusal))
         self._report_result(done)
         return {"FINISHED"}
 
     def _report_result(self, done: Mirrored) -> None:
         for old, new in done.named:
-            self.report({"INFO"}, f"{old} is now {new}, after the side that it lies on")
+            self.tell({"INFO"}, f"{old} is now {new}, after the side that it lies on")
         pairs = [f"{source} to {target}" for source, target in done.pairs]
         if pairs:
-            self.report({"INFO"}, f"Mirrored {', '.join(pairs)}")
+            self.tell({"INFO"}, f"Mirrored {', '.join(pairs)}")
         for name in done.evened:
-            self.report({"INFO"}, f"{name} lies on the centre line: it stays one handle, made symmetric")
+            self.tell({"INFO"}, f"{name} lies on the centre line: it stays one handle, made symmetric")
         if done.centre:
             vertices = "1 vertex" if done.centre == 1 else f"{done.centre:,} vertices"
-            self.report({"INFO"}, f"{vertices} on the centre line belong to the side that was mirrored")
+            self.tell({"INFO"}, f"{vertices} on the centre line belong to the side that was mirrored")
         if done.unmatched:
             vertices = "1 vertex has" if done.unmatched == 1 else f"{done.unmatched:,} vertices have"
-            self.report(
+            self.tell(
                 {"WARNING"},
                 f"{vertices} no mirror image across X - raise Tolerance if the two halves differ a little",
             )

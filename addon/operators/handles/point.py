@@ -5,7 +5,8 @@ from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Object, Operator
 
 from ...core.errors import SinewError
-from ...core.methods import DEFAULT_POINT_METHOD, METHODS, Control
+from ...core.labels import items_of
+from ...core.methods import BY_ID, DEFAULT_POINT_METHOD, METHODS, Control
 from ...ids import Operators
 from ...session.actions import rigging
 from ...session.actions.handles import points as edit_handles_points
@@ -53,16 +54,16 @@ class SINEW_OT_point_add(OnTarget, BindingOperator, Operator):
     """
 
     bl_idname = Operators.POINT_ADD
-    bl_label = "Add Handle Points"
+    bl_label = "Add Points"
 
     source: EnumProperty(
-        name="Where", items=_SOURCES, default="CURSOR", description="What the handles follow"
+        name="Where", items=_SOURCES, default="CURSOR", description="Choose what the handles follow"
     )
     method: EnumProperty(
         name="Method",
-        items=tuple((method.id, method.label, method.summary, method.number) for method in _METHODS),
-        default=DEFAULT_POINT_METHOD,
-        description="How space follows the handles, for an object that has no deformer yet",
+        items=items_of(_METHODS),
+        default=BY_ID[DEFAULT_POINT_METHOD].number,
+        description="Set how space follows the handles, for an object that has no deformer yet",
     )
 
     segments: BoolProperty(
@@ -86,7 +87,7 @@ class SINEW_OT_point_add(OnTarget, BindingOperator, Operator):
                 noun = "handle" if points != "PLACE" else "handle point"
                 self.report_bind(refusal, deformer.uid, f"1 {noun}" if count == 1 else f"{count} {noun}s")
                 for text in twice.explain(deformer.id_data, deformer):
-                    self.report({"WARNING"}, text)
+                    self.tell({"WARNING"}, text)
         return {"FINISHED"}
 
     def _controls(self, context: Context, active: Object) -> tuple[bool, list[tuple[Object, str]]]:

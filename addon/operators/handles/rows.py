@@ -31,7 +31,7 @@ class SINEW_OT_control_remove(OnRows, BindingOperator, Operator):
     bl_idname = Operators.ROW_REMOVE
     bl_label = "Remove Control"
 
-    index: row_index("Which control of the list, counted from 0; -1 is the active one", options={"SKIP_SAVE"})
+    index: row_index("Choose the control, counted from 0; -1 is the active one", options={"SKIP_SAVE"})
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -59,4 +59,4 @@ class SINEW_OT_control_set_rest(OnRows, BindsAll, Operator):
     """
 
     bl_idname = Operators.ROW_REST
-    bl_label = "Set Rest"
+    bl_label = "New Rest"

@@ -23,7 +23,7 @@ class SINEW_OT_handle_stand(OnDeformer, Operator):
     on: once(
         EnumProperty,
         "Stands On",
-        "Whether the control stays in the world, or rides on the surface that enters",
+        "Choose whether the control stays in the world, or rides on the surface that enters",
         items=STANDS_ON,
     )
     convert_keyframes: BoolProperty(
@@ -31,7 +31,7 @@ class SINEW_OT_handle_stand(OnDeformer, Operator):
         default=True,
         description="Rewrite the keyframes of the control, so that the shape stays in each of their frames",
     )
-    index: row_index("Which handle; -1 is the active one", options={"SKIP_SAVE"})
+    index: row_index("Choose which handle; -1 is the active one", options={"SKIP_SAVE"})
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_handle_stand") -> str:
@@ -48,5 +48,5 @@ class SINEW_OT_handle_stand(OnDeformer, Operator):
         if count:
             frames = "1 frame was" if count == 1 else f"{count} frames were"
             told += f"; the keys of {frames} converted, and frames between them may differ"
-        self.report({"INFO"}, told)
+        self.tell({"INFO"}, told)
         return {"FINISHED"}

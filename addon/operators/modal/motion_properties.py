@@ -9,6 +9,7 @@ from ...core.methods import BY_ID, DEFAULT_METHOD, Method
 from ...core.transform.motion import Mode, Motion
 from ...core.transform.typed_motion import TypedMotion, View
 from ...preferences import preferences
+from ...properties import UNLIMITED
 from ..arguments import REGION_METHODS, method_choice, once
 from .shell import Keys
 from .view import typed_units
@@ -40,18 +41,22 @@ class MotionValues:
     mode: once(
         EnumProperty,
         "Mode",
-        "Whether this moves, turns or scales at the start",
+        "Choose whether this moves, turns or scales at the start",
         items=_MODES,
         default="TRANSLATE",
     )
-    value: once(FloatVectorProperty, "Move", "How far along each axis", subtype="TRANSLATION")
-    angle: once(FloatProperty, "Angle", "The turn about the axis", subtype="ANGLE")
-    axis: once(FloatVectorProperty, "Axis", "What this turns about", subtype="XYZ", default=(0.0, 0.0, 1.0))
-    scale: once(
-        FloatVectorProperty, "Scale", "The factor along each axis", subtype="XYZ", default=(1.0, 1.0, 1.0)
+    value: once(FloatVectorProperty, "Move", "Set how far along each axis", subtype="TRANSLATION")
+    angle: once(FloatProperty, "Angle", "Set the turn about the axis", subtype="ANGLE")
+    axis: once(
+        FloatVectorProperty, "Axis", "Choose what to turn about", subtype="XYZ", default=(0.0, 0.0, 1.0)
     )
+    scale: once(FloatVectorProperty, "Scale", "Scale along each axis", subtype="XYZ", default=(1.0, 1.0, 1.0))
     orientation: once(
-        EnumProperty, "Orientation", "Which axes X, Y and Z mean", items=_ORIENTATIONS, default="GLOBAL"
+        EnumProperty,
+        "Orientation",
+        "Choose which axes X, Y and Z mean",
+        items=_ORIENTATIONS,
+        default="GLOBAL",
     )
 
     @property
@@ -105,11 +110,10 @@ class MotionProperties(MotionValues):
 
     LENGTHS: tuple[str, ...] = ()
 
-    method: method_choice(_METHODS, "How the surface follows", default=DEFAULT_METHOD, options={"SKIP_SAVE"})
-    unlimited: BoolProperty(
-        name="Whole Surface",
-        description="Everything that is connected follows, at any distance, unless a region holds it",
+    method: method_choice(
+        _METHODS, "Set how the surface follows", default=DEFAULT_METHOD, options={"SKIP_SAVE"}
     )
+    unlimited: BoolProperty(**UNLIMITED)
 
     def choose_method(self, context: Context) -> Method:
         """The method that was asked for, or else the one of the preferences."""

@@ -3,12 +3,13 @@
 
 from collections.abc import Callable
 from enum import Enum
-from typing import Protocol
+from typing import ClassVar, Protocol
 
 import bpy
 import numpy as np
 from bpy.types import Context, Event, Object, UILayout
 
+from ... import compat
 from ...core.errors import SinewError
 from ...core.transform.typed_motion import View
 from ...session.state.background import Work
@@ -53,6 +54,7 @@ class ViewportTool(StaysInWindow):
 
     TICK = 0.05
     KEYS: Keys = ()
+    running: ClassVar[bool] = False  # while a tool runs, nothing else needs to be drawn at the mouse
 
     def invoke(self, context: Context, event: Event) -> set[str]:
         """Run by events in a 3D Viewport, elsewhere by the properties alone."""
@@ -87,6 +89,7 @@ class ViewportTool(StaysInWindow):
         self.tool = tool
         self.object_name = obj.name
         self._drawing = bpy.types.SpaceView3D.draw_handler_add(draw, (), "WINDOW", "POST_PIXEL")
+        ViewportTool.running = True
         result = self.stay(context)
         keys = self.KEYS
         context.workspace.status_text_set(lambda header, _context: _draw_keys(header.layout, keys))
@@ -103,11 +106,11 @@ class ViewportTool(StaysInWindow):
         try:
             outcome = self.tool.process(obj, event, view_of(context, self.tool.pivot))
         except SinewError as error:
-            self.report({"ERROR"}, str(error))
+            self.tell({"ERROR"}, str(error))
             self._restore(obj)
             return self._leave(context, {"CANCELLED"})
         if self.tool.notice:
-            self.report({"WARNING"}, self.tool.notice)
+            self.tell({"WARNING"}, self.tool.notice)
             self.tool.notice = ""
         if outcome is Outcome.CONFIRMED:
             self.store_result(context)
@@ -130,19 +133,22 @@ class ViewportTool(StaysInWindow):
             return
         job = self.tool.job
         if job is None:
-            context.area.header_text_set(self.header(context))
+            context.area.header_text_set(compat.told(self.header(context)))
             context.area.tag_redraw()
         else:
-            context.area.header_text_set(f"Sinew is working: {job.fraction:.0%} {job.stage}   (Esc cancels)")
+            context.area.header_text_set(
+                compat.told(f"Sinew is working: {job.fraction:.0%} {job.stage}   (Esc cancels)")
+            )
 
     def _restore(self, obj: Object) -> None:
         """Put everything back as far as possible, after an error."""
         try:
             self.tool.restore(obj)
         except SinewError as error:
-            self.report({"WARNING"}, str(error))
+            self.tell({"WARNING"}, str(error))
 
     def _leave(self, context: Context, result: set[str]) -> set[str]:
+        ViewportTool.running = False
         self.leave(context)
         bpy.types.SpaceView3D.draw_handler_remove(self._drawing, "WINDOW")
         if context.area is not None:

@@ -3,8 +3,10 @@
 
 from bpy.types import Context, Timer
 
+from ..reporting import Reports
 
-class StaysInWindow:
+
+class StaysInWindow(Reports):
     """Mixin for an operator. While it stays, Blender calls its ``modal`` for events and at each tick.
 
     Blender frees an operator with the first of its modal handlers that ends, and a second one would then

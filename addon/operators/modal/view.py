@@ -2,6 +2,7 @@
 """What a tool reads from the viewport and the scene: view, axes, pivot, and the units of lengths."""
 
 import math
+import re
 
 import bpy
 import numpy as np
@@ -48,16 +49,17 @@ def view_of(context: Context, pivot: np.ndarray) -> View:
 
 
 def length_text(settings: bpy.types.UnitSettings, value: float) -> str:
-    """A length of the world in the scene's units."""
+    """A length of the world in the scene's units; what is shown as nothing has no sign."""
     if settings.system == "NONE":
         return _plain(value)
     value *= settings.scale_length
     if settings.length_unit in _UNITS:
         size, symbol = _UNITS[settings.length_unit]
         return _plain(value / size) + symbol
-    return bpy.utils.units.to_string(
+    text = bpy.utils.units.to_string(
         settings.system, "LENGTH", value, precision=4, split_unit=settings.use_separate
     )
+    return text if re.search("[1-9]", text) else text.removeprefix("-")
 
 
 def _plain(value: float) -> str:

@@ -1,22 +1,45 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What each event does while a drag on the surface runs. This needs no window, only events like Blender's."""
+"""What an operator that drags has, and what each event does meanwhile."""
 
 import numpy as np
-from bpy.types import Object
+from bpy.types import Context, Object
 
 from ...core.transform.typed_motion import TypedMotion
+from ...session.actions.control_drag import ControlDrag
 from ...session.actions.drag import Drag
 from ...session.state.background import Work
+from ..modal.motion_properties import MOTION_KEYS
 from ..modal.moving import Moving
-from ..modal.shell import Outcome
+from ..modal.shell import Keys, Outcome, ViewportTool
+from ..modal.view import length_text
+
+
+class Drags(ViewportTool):
+    """Mixin for an operator whose modal tool has a ``drag`` with a ``name``, on an object of the scene."""
+
+    KEYS: Keys = ((("MOUSE_LMB",), "Release to Keep"), (("MOUSE_RMB",), "Cancel"), *MOTION_KEYS)
+
+    def worked_on(self, context: Context) -> Object | None:
+        """The object that is dragged on, as long as it is in the scene."""
+        return context.scene.objects.get(self.object_name)
+
+    def header(self, context: Context) -> str:
+        settings = context.scene.unit_settings
+        motion = self.tool.typed.header(lambda value: length_text(settings, value))
+        return f"{motion}   {self.tool.drag.name}"
 
 
 class Dragging(Moving):
-    """The handle that is being dragged. Releasing the button keeps it where it is."""
+    """The handle, or the part of a control, that is being dragged; releasing the button keeps it there.
+
+    It needs no window, only events like Blender's.
+    """
 
     CONFIRM = (("LEFTMOUSE", "RELEASE"), ("RET", "PRESS"), ("NUMPAD_ENTER", "PRESS"))
 
-    def __init__(self, drag: Drag, typed: TypedMotion, pivot: np.ndarray, axes: np.ndarray) -> None:
+    def __init__(
+        self, drag: Drag | ControlDrag, typed: TypedMotion, pivot: np.ndarray, axes: np.ndarray
+    ) -> None:
         """``pivot`` (3,) in the world, ``axes`` (3, 3) local axes as columns."""
         super().__init__(typed, pivot, axes)
         self.drag = drag
@@ -31,7 +54,7 @@ class Dragging(Moving):
         self.drag.move(obj, self.matrix)
 
     def end(self, obj: Object) -> Outcome:
-        """Keep the handle. A thread that binds goes on."""
+        """Keep it. A thread that binds goes on."""
         self.show(obj)
         return Outcome.CONFIRMED
 

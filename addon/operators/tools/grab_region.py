@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grab Region: pose vertices once, in Edit Mode."""
+"""Grab Once: pose vertices once, in Edit Mode."""
 
 import math
 from functools import partial
@@ -8,6 +8,7 @@ import bpy
 from bpy.types import Context, Event, Object, Operator
 from gpu_extras.presets import draw_circle_2d
 
+from ...core.labels import label_of
 from ...core.methods import BY_ID
 from ...ids import Operators
 from ...session.edit_mode.grab import NOTHING_FREE, Grab
@@ -36,7 +37,7 @@ class SINEW_OT_grab_region(Offered, MotionProperties, ViewportTool, Operator):
     """
 
     bl_idname = Operators.GRAB_REGION
-    bl_label = "Grab Region"
+    bl_label = "Grab Once"
     bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING"}
 
     KEYS = _KEYS
@@ -44,7 +45,7 @@ class SINEW_OT_grab_region(Offered, MotionProperties, ViewportTool, Operator):
 
     radius: distance(
         "Radius",
-        "How far from the selection, along the surface, vertices follow; the others stay",
+        "Set how far from the selection, along the surface, vertices follow; the others stay",
         default=1.0,
         soft_min=0.001,
     )
@@ -86,22 +87,22 @@ class SINEW_OT_grab_region(Offered, MotionProperties, ViewportTool, Operator):
     def _report_limits(self, obj: Object, grab: Grab) -> None:
         """Report what an artist may not expect."""
         if obj.data.use_mirror_x or obj.data.use_mirror_y or obj.data.use_mirror_z:
-            self.report(
-                {"INFO"}, "Grab Region ignores the Mirror option of the mesh - the other side stays as it is"
+            self.tell(
+                {"INFO"}, "Grab Once ignores the Mirror option of the mesh - the other side stays as it is"
             )
         if grab.lost:
             count = "1 vertex has" if grab.lost == 1 else f"{grab.lost:,} vertices have"
-            self.report(
+            self.tell(
                 {"WARNING"}, f"{count} invalid coordinates (NaN or infinite) and will not move - use Repair"
             )
         if grab.moves_alone:
-            self.report({"WARNING"}, NOTHING_FREE)
+            self.tell({"WARNING"}, NOTHING_FREE)
 
     def header(self, context: Context) -> str:
         tool, settings = self.tool, context.scene.unit_settings
         reach = "whole surface" if math.isinf(tool.radius) else f"radius {length_text(settings, tool.radius)}"
         motion = tool.typed.header(lambda value: length_text(settings, value))
-        return f"{motion}   {BY_ID[self.method].label}, {reach}"
+        return f"{motion}   {label_of(BY_ID[self.method])}, {reach}"
 
 
 def _draw_circle(tool: Grabbing) -> None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What each event does while Grab Region runs. This needs no window, only events like Blender's."""
+"""What each event does while Grab Once runs. This needs no window, only events like Blender's."""
 
 import math
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Puppet Drag: drag a bone of an armature, and the figure follows. Pins, and the handles of bones."""
+"""Sinew Drag: Bones: drag a bone of an armature, and the figure follows. Pins, and the handles of bones."""
 
 import numpy as np
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
@@ -9,19 +9,19 @@ from ... import compat
 from ...core.errors import SinewError
 from ...core.methods import DEFAULT_PUPPET_METHOD
 from ...ids import Operators
+from ...properties import BALANCE
 from ...session.actions.puppet import bones, rigging
 from ...session.actions.puppet.posing import Part, PuppetDrag, PuppetOptions
 from ..arguments import REGION_METHODS, method_choice, once
-from ..modal.motion_properties import MOTION_KEYS, MotionValues
-from ..modal.shell import Keys, ViewportTool
+from ..modal.motion_properties import MotionValues
 from ..modal.view import axes_of, length_text, view_of
 from ..offered import Offered
 from ..reporting import reports_errors
 from ..target import object_mode, object_named, show_control, target_of
 from ..waiting import BindingOperator
+from .dragging import Drags
 from .puppeteering import Puppeteering
 
-_KEYS: Keys = ((("MOUSE_LMB",), "Release to Keep"), (("MOUSE_RMB",), "Cancel"), *MOTION_KEYS)
 _PARTS = (
     ("AUTO", "Automatic", "The tail, or the whole bone if it has no parent", "NONE", 0),
     ("TAIL", "Tail", "The tail of the bone", "NONE", 1),
@@ -31,28 +31,28 @@ _PARTS = (
 _BEHIND = 1e-2  # a gap of this share of the motion is worth a word
 
 
-class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
+class SINEW_OT_puppet_pose(Offered, MotionValues, Drags, Operator):
     """Drag the active bone, and let the figure follow: joints keep their limits, pinned bones stay"""
 
     bl_idname = Operators.PUPPET_POSE
-    bl_label = "Puppet Drag"
-    bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING"}
-
-    KEYS = _KEYS
+    bl_label = "Sinew Drag: Bones"
+    bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING", "INTERNAL"}  # buttons start the tool
 
     armature: StringProperty(
         name="Armature",
-        description="The name of the armature; if empty, the active one",
+        description="Give the name of the armature; if empty, the active one",
         options={"SKIP_SAVE", "HIDDEN"},
     )
-    bone: once(StringProperty, "Bone", "The name of the bone to drag; if empty, the active one")
-    part: once(EnumProperty, "Part", "Which point of the bone is dragged", items=_PARTS, default="AUTO")
-    balance: BoolProperty(
-        name="Balance",
-        description="Keep the centre of mass over what is pinned, for example two feet",
-    )
+    bone: once(StringProperty, "Bone", "Give the name of the bone to drag; if empty, the active one")
+    part: once(EnumProperty, "Part", "Choose the point that is dragged", items=_PARTS, default="AUTO")
+    balance: BoolProperty(**BALANCE)
     from_rest: once(
         BoolProperty, "From Rest", "Let joints stay close to their rest, instead of how they are now"
+    )
+    click_pins: BoolProperty(
+        name="Click Pins",
+        description="Pin the bone, or release it, if the mouse does not move",
+        options={"SKIP_SAVE", "HIDDEN"},
     )
     key: once(BoolProperty, "Insert Keyframes", "Key the bones that follow, as Auto Keying does")
 
@@ -80,18 +80,15 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
         tool = Puppeteering(drag, self.typed_motion(context, event, view, axes), drag.place, axes)
         return self.begin(context, tool, armature, _draw_nothing)
 
-    def worked_on(self, context: Context) -> Object | None:
-        """The armature, as long as it is in the scene."""
-        return context.scene.objects.get(self.object_name)
-
     def store_result(self, context: Context) -> None:
         self.store_motion(self.tool.typed.motion)
-        self._finish(context, self.worked_on(context), self.tool.drag)
-
-    def header(self, context: Context) -> str:
-        settings = context.scene.unit_settings
-        motion = self.tool.typed.header(lambda value: length_text(settings, value))
-        return f"{motion}   {self.tool.drag.bone}"
+        armature = self.worked_on(context)
+        if self.click_pins and np.allclose(self.tool.matrix, np.eye(4), atol=0.0):
+            bone = armature.pose.bones[self.bone]
+            bone.sinew.pin = not bone.sinew.pin
+            self.tell({"INFO"}, f"{self.bone} {'pinned' if bone.sinew.pin else 'released'}")
+            return
+        self._finish(context, armature, self.tool.drag)
 
     def draw(self, _context: Context) -> None:
         self.draw_motion()
@@ -111,9 +108,7 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
         options = PuppetOptions(Part(self.part), self.balance, self.from_rest)
         drag = PuppetDrag(armature, self.bone, context.evaluated_depsgraph_get(), options)
         if drag.ignored:
-            self.report(
-                {"WARNING"}, f"Constraints of {drag.ignored[0]} move it further - mute them to drag it"
-            )
+            self.tell({"WARNING"}, f"Constraints of {drag.ignored[0]} move it further - mute them to drag it")
         return armature, drag
 
     def _finish(self, context: Context, armature: Object, drag: PuppetDrag) -> None:
@@ -122,24 +117,22 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, ViewportTool, Operator):
             drag.key(armature)
         length = np.linalg.norm(self.value)
         if drag.overhang > 0.0:
-            self.report({"WARNING"}, "The centre of mass cannot reach what is pinned")
+            self.tell({"WARNING"}, "The centre of mass cannot reach what is pinned")
         elif drag.gap > _BEHIND * max(length, 1e-9):
             text = length_text(context.scene.unit_settings, drag.gap)
-            self.report(
-                {"INFO"}, f"{drag.bone} is {text} behind: its joints, pinned bones or posture hold it"
-            )
+            self.tell({"INFO"}, f"{drag.name} is {text} behind: its joints, pinned bones or posture hold it")
 
 
 class SINEW_OT_puppet_pin(Offered, Operator):
     """Pin the selected bones, or release them: pinned ones stay while another bone is dragged"""
 
     bl_idname = Operators.PUPPET_PIN
-    bl_label = "Pin Bones"
+    bl_label = "Pin"
 
     action: once(
         EnumProperty,
         "Action",
-        "What to do with the selected bones",
+        "Choose what to do with the selected bones",
         items=(
             ("TOGGLE", "Toggle", "Pin the bones, or release them if all are pinned", "NONE", 0),
             ("PIN", "Pin", "Pin the bones", "NONE", 1),
@@ -161,9 +154,7 @@ class SINEW_OT_puppet_pin(Offered, Operator):
         pin = self.action == "PIN" or (self.action == "TOGGLE" and not all(bone.sinew.pin for bone in chosen))
         for bone in chosen:
             bone.sinew.pin = pin
-        self.report(
-            {"INFO"}, f"{len(chosen)} bone{'s' * (len(chosen) > 1)} {'pinned' if pin else 'released'}"
-        )
+        self.tell({"INFO"}, f"{len(chosen)} bone{'s' * (len(chosen) > 1)} {'pinned' if pin else 'released'}")
         return {"FINISHED"}
 
 
@@ -171,13 +162,16 @@ class SINEW_OT_puppet_rig(Offered, BindingOperator, Operator):
     """Let the bones of an armature move the mesh: each holds the vertex group of its name, or its limb"""
 
     bl_idname = Operators.PUPPET_RIG
-    bl_label = "Handles from Bones"
+    bl_label = "Skin by Bones"
 
     armature: once(
-        StringProperty, "Armature", "The name of the armature; if empty, the other selected object"
+        StringProperty, "Armature", "Give the name of the armature; if empty, the other selected object"
     )
     method: method_choice(
-        REGION_METHODS, "How the mesh follows the bones", default=DEFAULT_PUPPET_METHOD, options={"SKIP_SAVE"}
+        REGION_METHODS,
+        "Choose how the mesh follows",
+        default=DEFAULT_PUPPET_METHOD,
+        options={"SKIP_SAVE"},
     )
     automatic: once(
         BoolProperty,
@@ -190,7 +184,7 @@ class SINEW_OT_puppet_rig(Offered, BindingOperator, Operator):
         min=0.0,
         max=0.45,
         subtype="FACTOR",
-        description="How much of a bone's length is left free at each joint, by automatic regions",
+        description="Set how much of a bone's length is left free at each joint, by automatic regions",
     )
 
     @classmethod

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Silhouette Sketch: draw the outline of a mesh anew, and its surface follows."""
+"""Draw Outline: draw the outline of a mesh anew, and its surface follows."""
 
 import math
 from functools import partial
@@ -54,53 +54,52 @@ class SINEW_OT_silhouette_sketch(Offered, ViewportTool, Operator):
     """
 
     bl_idname = Operators.SILHOUETTE_SKETCH
-    bl_label = "Silhouette Sketch"
+    bl_label = "Draw Outline"
     bl_options = {"REGISTER", "UNDO", "BLOCKING"}
 
     KEYS = _KEYS
 
-    stroke: once(StringProperty, "Stroke", "The name of a curve object to take as the stroke")
+    stroke: once(StringProperty, "Stroke", "Give the name of a curve object to take as the stroke")
     points: CollectionProperty(type=OperatorStrokeElement, options={"SKIP_SAVE", "HIDDEN"})
     view: FloatVectorProperty(
         name="View",
         size=(4, 4),
         subtype="MATRIX",
         options={"SKIP_SAVE", "HIDDEN"},
-        description="Where the viewer is and how turned, as the matrix of a camera in the world. "
-        "If it is not given, the view is that of the camera",
+        description="Choose where the viewer is and how turned, as the matrix of a camera in the world; if "
+        "it is not given, the view is that of the camera",
     )
     perspective: BoolProperty(
         name="Perspective",
         options={"SKIP_SAVE", "HIDDEN"},
-        description="Whether the view by a matrix is that of a near eye rather than orthographic",
+        description="Choose whether the view by a matrix is that of a near eye rather than orthographic",
     )
     shape_key: once(
         StringProperty,
         "Shape Key",
-        "The name of a shape key to redraw, for example after its stroke was edited; "
-        "if empty, a new one is made",
+        "Give the name of a shape key to redraw, for example after its stroke was edited; if empty, a new "
+        "one is made",
     )
-    line: EnumProperty(name="Line", items=_LINES, description="What the stroke redraws")
+    line: EnumProperty(name="Line", items=_LINES, description="Choose what the stroke redraws")
     reach: distance(
         "Reach",
-        "How far from the line, along the surface, vertices follow; the others stay. "
-        "By default a quarter of the length of the line, or as far as it moves",
+        "Set how far from the line, along the surface, vertices follow; the others stay",
         default=1.0,
         soft_min=0.001,
         options={"SKIP_SAVE"},
     )
     unlimited: once(
-        BoolProperty, "Whole Surface", "Everything that is connected with the line follows, at any distance"
+        BoolProperty, "Whole Surface", "Move everything that is connected with the line, at any distance"
     )
     use_hidden: BoolProperty(
         name="Hidden Lines",
-        description="Also redraw silhouettes that the mesh itself hides in this view",
+        description="Redraw silhouettes, too, that the mesh itself hides in this view",
     )
     sharpness: once(
         FloatProperty,
         "Sharpness",
-        "How much curvature is added along the line, as a multiple of its own: "
-        "a crease above 0, a softer line below",
+        "Set how much curvature is added along the line, as a multiple of its own: a crease above 0, a "
+        "softer line below",
         min=-1.0,
         soft_min=0.0,
         soft_max=3.0,

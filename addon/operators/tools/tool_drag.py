@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Field Drag: press on the surface and drag it like clay. The path of the mouse becomes that of a tool."""
+"""Sinew Drag on Clay: press on the surface and drag it. The path of the mouse becomes that of a tool."""
 
 from enum import Enum
 from functools import partial
 
 import bpy
 import numpy as np
-from bpy.props import CollectionProperty
+from bpy.props import CollectionProperty, FloatProperty
 from bpy.types import Context, Event, Object, Operator, OperatorStrokeElement
 from mathutils import Vector
 
@@ -19,7 +19,7 @@ from ...session.actions import deformers, rigging
 from ...session.actions.controls import control_list as rows
 from ...session.datablocks.parts import ShownParts
 from ...session.datablocks.surface import Hit
-from ..arguments import distance
+from ..arguments import distance, once
 from ..modal.moving import CANCEL, NAVIGATE
 from ..modal.ring import draw_line, ring
 from ..modal.shell import Keys, Outcome, ViewportTool
@@ -27,8 +27,8 @@ from ..modal.view import length_text
 from ..offered import OnTarget
 from ..reporting import reports_errors
 from ..target import target_of
-from .drag import surface_under
 from .grabbing import RESIZE
+from .under_mouse import anything_under
 
 _KEYS: Keys = (
     (("MOUSE_LMB_DRAG",), "Drag"),
@@ -39,6 +39,7 @@ _RING = (1.0, 1.0, 1.0, 0.9)
 _WAY = (1.0, 0.6, 0.1, 1.0)
 _STOPS = 0.25  # the way between two stops, as a share of the radius
 _INNER = 0.3  # of the outer radius
+_NEAR = 30.0  # pixels: how far from the points of a curve, hair or a cloud a press may be
 
 
 class Stage(Enum):
@@ -54,14 +55,25 @@ class FieldDragging:
     job = None  # no thread works
 
     def __init__(
-        self, context: Context, name: str, pivot: np.ndarray, radius: float, parts: ShownParts
+        self,
+        context: Context,
+        name: str,
+        pivot: np.ndarray,
+        radius: float,
+        parts: ShownParts,
+        inner: float = _INNER,
     ) -> None:
-        """``name`` of the object to drag, ``radius`` in the world; 0 for one that fits the part there."""
+        """``name`` of the object to drag, ``radius`` in the world; 0 for one that fits the part there.
+
+        Within ``inner`` of the radius, all moves as one.
+        """
         self._context, self._name, self.pivot, self._parts = context, name, pivot, parts
+        self._inner = inner
         self._fits = radius == 0.0
         self.radius = radius or rows.tool_reach(parts.size_at(pivot))
         self.notice = ""  # an error that does not end the tool
         self.stage = Stage.WAITING
+        self.waits = True  # for a press, and for another one if that misses the object
         self.path: list[np.ndarray] = []  # places (3,) in the world, from where it was pressed on
         self.hit: Hit | None = None
         self.place = pivot  # (3,) in the world: where the tool is now
@@ -83,6 +95,8 @@ class FieldDragging:
                 self._drag(obj, event, view)
                 return Outcome.CONFIRMED
             return Outcome.GO_ON
+        if not self.waits:
+            return Outcome.CANCELLED
         if key in NAVIGATE or key.startswith("NDOF") or event.ctrl:
             return Outcome.PASS
         if moved:
@@ -91,7 +105,7 @@ class FieldDragging:
             self.radius *= RESIZE[key]
             self._fits = False
         elif key == "LEFTMOUSE" and pressed:
-            self._press(obj, event)
+            self.press(obj, event)
         return Outcome.GO_ON
 
     def restore(self, obj: Object) -> None:
@@ -111,20 +125,21 @@ class FieldDragging:
         return next(deformer for deformer in obj.sinew.deformers if deformer.uid == self.uid)
 
     def _under(self, event: Event) -> Hit | None:
-        hit = surface_under(self._context, event.mouse_x, event.mouse_y)
+        hit = anything_under(self._context, event.mouse_x, event.mouse_y, _NEAR)
         if hit is None or hit.obj.name != self._name:
             return None
         if self._fits:
             self.radius = rows.tool_reach(self._parts.size_at(hit.place))
         return hit
 
-    def _press(self, obj: Object, event: Event) -> None:
+    def press(self, obj: Object, event: Event) -> None:
+        """Make the tool at the mouse, if the object is there."""
         self.hit = self._under(event)
         if self.hit is None:
             self.notice = f"Press on {self._name}"
             return
         before = {deformer.uid for deformer in obj.sinew.deformers}
-        deformer, refusal = begin(obj, self.hit.place, self.hit.normal, self.radius)
+        deformer, refusal = begin(obj, self.hit.place, self.hit.normal, self.radius, self._inner)
         self.uid, self._was_new = deformer.uid, deformer.uid not in before
         if refusal is not None:  # the tool is removed again
             raise refusal
@@ -141,13 +156,16 @@ class FieldDragging:
 
 
 def begin(
-    obj: Object, place: np.ndarray, normal: np.ndarray, radius: float
+    obj: Object, place: np.ndarray, normal: np.ndarray, radius: float, inner: float
 ) -> tuple[SinewDeformer, SinewError | None]:
-    """A new tool that drags ``obj`` at a ``place`` (3,) of the world; and the error if it is not bound."""
+    """A new tool that drags ``obj`` at a ``place`` (3,) of the world; and the error if it is not bound.
+
+    It is rigid within ``inner`` of the ``radius``.
+    """
     scale = max(obj.matrix_world.median_scale, 1e-12)
     outer = radius / scale
     tool = rows.new_tool(obj, place, normal, outer, "Drag")
-    values = {"tools": "drag", "outer": outer, "inner": _INNER * outer}
+    values = {"tools": "drag", "outer": outer, "inner": inner * outer}
     return rows.add_to(obj, {tool: values}, DEFAULT_TOOL_METHOD, True)
 
 
@@ -174,23 +192,31 @@ class SINEW_OT_tool_drag(OnTarget, ViewportTool, Operator):
     """Drag the surface like clay: its volume stays, and it never cuts itself. The path is kept"""
 
     bl_idname = Operators.TOOL_DRAG
-    bl_label = "Field Drag"
-    bl_options = {"REGISTER", "UNDO", "BLOCKING"}
-    MESHES_ONLY = True
+    bl_label = "Sinew Drag: Clay"
+    bl_options = {"REGISTER", "UNDO", "BLOCKING", "INTERNAL"}  # buttons start the tool that calls this
 
     KEYS = _KEYS
 
     path: CollectionProperty(type=OperatorStrokeElement, options={"SKIP_SAVE", "HIDDEN"})
     radius: distance(
         "Radius",
-        "How far the drag reaches; 0 for a third of the size of the part that is pressed",
+        "Set how far the drag reaches; 0 for a third of the size of the part that is pressed",
         options={"SKIP_SAVE"},
+    )
+    inner: once(
+        FloatProperty,
+        "Inner",
+        "Set the share of the radius within which all moves as one",
+        default=_INNER,
+        min=0.0,
+        max=0.99,
+        subtype="FACTOR",
     )
 
     @classmethod
     def refusal(cls, context: Context) -> str:
         return super().refusal(context) or (
-            "" if context.mode == "OBJECT" else "Go to Object Mode to drag the surface"
+            "" if context.mode in ("OBJECT", "POSE") else "Go to Object Mode to drag the surface"
         )
 
     @reports_errors
@@ -199,7 +225,7 @@ class SINEW_OT_tool_drag(OnTarget, ViewportTool, Operator):
             raise SinewError("There is no path - drag in a 3D Viewport")
         obj, places = target_of(context), [np.array(point.location, dtype=float) for point in self.path]
         radius = self.radius or rows.tool_reach(_parts(context, obj).size_at(places[0]))
-        deformer, refusal = begin(obj, places[0], np.array((0.0, 0.0, 1.0)), radius)
+        deformer, refusal = begin(obj, places[0], np.array((0.0, 0.0, 1.0)), radius, self.inner)
         if refusal is not None:
             raise refusal
         last = places[0]
@@ -208,15 +234,19 @@ class SINEW_OT_tool_drag(OnTarget, ViewportTool, Operator):
                 last = place
         return {"FINISHED"}
 
-    def start(self, context: Context, _event: Event) -> set[str]:
+    def start(self, context: Context, event: Event) -> set[str]:
+        """Wait for a press, unless one has called this."""
         obj = target_of(context)
         pivot = np.array(obj.matrix_world.translation, dtype=np.float64)
-        tool = FieldDragging(context, obj.name, pivot, self.radius, _parts(context, obj))
+        tool = FieldDragging(context, obj.name, pivot, self.radius, _parts(context, obj), self.inner)
+        if (event.type, event.value) == ("LEFTMOUSE", "PRESS"):
+            tool.press(obj, event)
+            tool.waits = False
         return self.begin(context, tool, obj, partial(_draw, tool))
 
     def worked_on(self, context: Context) -> Object | None:
-        """The object that is dragged, as long as it is in Object Mode."""
-        return context.scene.objects.get(self.object_name) if context.mode == "OBJECT" else None
+        """The object that is dragged, as long as it is in the scene."""
+        return context.scene.objects.get(self.object_name)
 
     def store_result(self, context: Context) -> None:
         self.radius = self.tool.radius

@@ -23,7 +23,7 @@ from ..offered import OnTarget
 from ..reporting import reports_errors
 from ..target import target_of
 from ..waiting import BindingOperator
-from .drag import surface_under
+from .under_mouse import surface_under
 
 _KEYS: Keys = ((("MOUSE_LMB_DRAG",), "Draw on the Surface"), (("MOUSE_RMB",), "Cancel"))
 _LINE = (1.0, 0.6, 0.1, 1.0)

@@ -142,5 +142,5 @@ def unbind(obj: Object, deformer: SinewDeformer) -> None:
     for kind in kinds.every_kind():
         kind.forget_rest(deformer)
     rest_frame.forget(deformer)
-    status.put(deformer.uid, Status(Level.INFO, "Not bound - press Bind"))
+    status.put(deformer.uid, Status(Level.INFO, "At rest - press Bind"))
     obj.update_tag()

@@ -7,8 +7,9 @@ from bpy.types import Object
 from ...core import status
 from ...core.errors import SinewError
 from ...core.methods import BY_ID, DEFAULTS
-from ...core.names import unique_name
+from ...core.names import numbered
 from ...core.status import Level, Status
+from ...core.tasks import task_of
 from ...preferences import preferences
 from ...properties import SinewDeformer
 from ..controls import kinds
@@ -33,7 +34,7 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
     deformer.sizes, deformer.defaults = "SURFACE", DEFAULTS
     taken = [other.name for other in obj.sinew.deformers if other.uid != deformer.uid]
     deformer.method = method
-    deformer.name = name or unique_name(BY_ID[method].label, taken)
+    deformer.name = name or numbered(task_of(BY_ID[method]).deformer, taken)
     deformer.auto_rebind = preferences(bpy.context).auto_rebind
     obj.sinew.active_deformer = len(obj.sinew.deformers) - 1
     shapes.ensure(obj, deformer, max(targets.vertex_count(obj), 0))

@@ -21,11 +21,10 @@ from ...core.methods import BY_ID
 from ...core.status import Level
 from ...mesh_io import group_weights, read_rest
 from ...properties import SinewDeformer, SinewHandle, deformers_of
-from ..controls import kinds, locks
+from ..controls import kinds, movers
 from ..datablocks import surface
 from ..datablocks.parts import Parts
 from ..datablocks.surface import Hit
-from ..datablocks.transforms import put
 from ..evaluation import binding
 from ..state.background import Work
 from ..state.evaluation import is_shown
@@ -35,9 +34,8 @@ from .bind import bind, unbind
 from .deformers import add_deformer, remove_deformer
 from .handles import surface_points
 from .handles.handles import NewRegion, add_handle, remove_handle
+from .handles.region_names import name_of_region
 from .rigging import rig_region
-
-_CHANNELS = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
 
 
 @dataclass(frozen=True)
@@ -46,11 +44,13 @@ class Brush:
 
     ``radius`` is that of the handle and ``reach`` how far what is around follows, both in world units over
     the surface; an infinite reach lets the whole part follow. ``method`` is for an object without a deformer.
+    With ``places`` a handle has no region, and deformers whose handles need one are passed over.
     """
 
     method: str
     radius: float
     reach: float
+    places: bool = False
 
 
 class _Settings:
@@ -95,7 +95,8 @@ class Drag:
         vertex = surface.vertex_at(hit, depsgraph) if is_mesh else -1
         painted = _painted(obj) if is_mesh else {}
         self._settings = _Settings(obj)
-        found = _point_at(obj, hit, brush) or (_handle_at(obj, painted, vertex) if is_mesh else None)
+        has_regions = is_mesh and not brush.places
+        found = _point_at(obj, hit, brush) or (_handle_at(obj, painted, vertex) if has_regions else None)
         self.is_new, self.is_held = found is None, True
         if found is None:
             deformer, handle = self._make(painted, vertex, brush, wait, hit)
@@ -110,7 +111,7 @@ class Drag:
         self.uid, self._handle, self.name = deformer.uid, handle.uid, handle.name
         self.is_region = bool(handle.vertex_group)
         mover = _mover(handle)
-        self._channels = {name: tuple(getattr(mover, name)) for name in _CHANNELS}
+        self._channels = movers.channels_of(mover)
         carrier = handle.control.matrix_world
         self.frame = np.array(carrier @ mover.matrix if handle.bone else carrier, dtype=np.float64)
 
@@ -135,16 +136,12 @@ class Drag:
         if not np.isfinite(motion).all():
             raise ConstraintError("The motion is not a finite number - type another one")
         handle = self.handle_of(obj)
-        mover, place = _mover(handle), Matrix((motion @ self.frame).tolist())
-        if handle.bone:
-            mover.matrix = handle.control.matrix_world.inverted_safe() @ place
-        else:
-            mover.matrix_world = place
-        put(mover, mover.matrix_basis.copy())
+        _mover(handle)  # refused if it is gone
+        place = Matrix((motion @ self.frame).tolist())
+        movers.move_to(handle.control, handle.bone, place, self._channels)
         deformer = self._deformer(obj)
         if deformer is not None and not handle.vertex_group:
             surface_points.move_image(obj, deformer, handle)
-        locks.hold_locked(mover, self._channels)
 
     def key(self, obj: Object) -> None:
         """Insert keyframes for what has moved, as Auto Keying does when Blender's own tools end."""
@@ -173,7 +170,8 @@ class Drag:
         obj = hit.obj
         if obj.data.library is not None:
             raise SinewError(f"The mesh of {obj.name} is linked - drag one of its handles, or make it local")
-        deformer = next((each for each in _in_order(obj) if _marks_regions(each)), None)
+        may_hold = (each for each in _in_order(obj) if _marks_regions(each))
+        deformer = next((each for each in may_hold if each.definition.is_space or not brush.places), None)
         rows = []
         if deformer is not None:
             _require_working(obj, deformer)
@@ -193,9 +191,9 @@ class Drag:
             self._was_bound = deformer.is_bound
             _make_active(obj, deformer)
             if plan.support is not None:
-                group = _new_group(obj, "Support", plan.support)
+                group = _new_group(obj, "SUPPORT", plan.support)
                 self._made.append(add_handle(obj, deformer, NewRegion("SUPPORT", group, owns_group=True)).uid)
-            group = _new_group(obj, "Handle", plan.region)
+            group = _new_group(obj, "HANDLE", plan.region)
             handle, refusal = rig_region(obj, NewRegion("HANDLE", group, owns_group=True), wait=wait)
             self._made.append(handle.uid)
             if refusal is not None:
@@ -304,9 +302,11 @@ def _make_active(obj: Object, deformer: SinewDeformer) -> None:
     obj.sinew.active_deformer = list(obj.sinew.deformers).index(deformer)
 
 
-def _new_group(obj: Object, name: str, members: np.ndarray) -> str:
-    """A new vertex group of the vertices in a mask (n,)."""
-    group = obj.vertex_groups.new(name=name)
+def _new_group(obj: Object, role: str, members: np.ndarray) -> str:
+    """A new vertex group of the vertices in a mask (n,), for a region with a role."""
+    points = np.empty((len(obj.data.vertices), 3), dtype=np.float32)
+    obj.data.vertices.foreach_get("co", points.ravel())
+    group = obj.vertex_groups.new(name=name_of_region(obj, role, points, members))
     group.add(np.flatnonzero(members).tolist(), 1.0, "REPLACE")
     return group.name
 
@@ -375,7 +375,7 @@ def _mover(handle: SinewHandle) -> Object | PoseBone:
     """The object or the bone that moves a region. Refuses what cannot be moved."""
     control = handle.control
     if control is None or handle.control_missing:
-        raise SinewError(f"{handle.name} has no control - choose New Control in the Region panel")
+        raise SinewError(f"{handle.name} has no control - choose New Control in its panel, below the list")
     if control.library is not None:
         raise SinewError(f"{control.name}, the control of {handle.name}, is linked - make a library override")
-    return control.pose.bones[handle.bone] if handle.bone else control
+    return movers.mover_of(control, handle.bone)

@@ -9,6 +9,8 @@ import numpy as np
 from bpy.types import Object
 
 from ...core.errors import SinewError
+from ...core.labels import label_of, names_of
+from ...core.methods import METHODS
 from ...properties import SinewDeformer, SinewKey
 from ..controls.handles import poses
 from ..state import sessions
@@ -17,10 +19,15 @@ from ..state.sessions import Asked
 _LEAST = 1e-5  # what a control moves or turns less than this edits nothing; of the unit, and of a full scale
 
 
+def with_keys() -> str:
+    """The names of the methods that have keys."""
+    return names_of(method for method in METHODS if method.keyed)
+
+
 def require_keyed(deformer: SinewDeformer) -> None:
     """Refuse if the method has no keys."""
     if not deformer.definition.keyed:
-        raise SinewError(f"{deformer.definition.label} has no keys - choose Mesh Sequence")
+        raise SinewError(f"{label_of(deformer.definition)} has no keys - choose {with_keys()}")
 
 
 def add_key(obj: Object, deformer: SinewDeformer, blank: bool = False) -> SinewKey:

@@ -9,7 +9,8 @@ from collections.abc import Sequence
 from bpy.types import Mesh, Object
 
 from ...core.errors import ConstraintError, SinewError
-from ...core.methods import BY_ID, DEFAULT_CAGE_METHOD, DEFAULT_METHOD, METHODS
+from ...core.labels import label_of, names_of
+from ...core.methods import BY_ID, DEFAULT_CAGE_METHOD, DEFAULT_METHOD, DEFAULT_POINT_METHOD, METHODS
 from ...properties import SinewDeformer, SinewHandle
 from ..controls import kinds
 from ..controls.handles.points import takes_segments
@@ -88,13 +89,13 @@ def _add_points(
     try:
         if not takes_points(deformer):
             raise ConstraintError(
-                f"{deformer.definition.label} needs regions, not points - choose Radial Basis Functions, or "
-                "another method of space, first"
+                f"{label_of(deformer.definition)} needs regions, not points - "
+                f"choose {label_of(BY_ID[DEFAULT_POINT_METHOD])}, or another method of space, first"
             )
         if acts_as == "SEGMENTS" and not takes_segments(deformer):
-            others = " or ".join(method.label for method in METHODS if method.takes_segments)
+            others = names_of(row for row in METHODS if row.takes_segments)
             raise ConstraintError(
-                f"{deformer.definition.label} has no segments - choose {others} first, or use points"
+                f"{label_of(deformer.definition)} has no segments - choose {others} first, or use points"
             )
         for control, bone in controls:
             add_point(obj, deformer, control, bone, owned, acts_as)

@@ -14,14 +14,22 @@ from ...properties import SinewDeformer
 from ..datablocks import parts
 from ..state import sessions
 from ..targets import targets
+from .handles.region_names import name_of_region
 
 
-def group_from_selection(obj: Object, name: str) -> str:
-    """A new vertex group of the vertices selected in Edit Mode."""
+def counts(obj: Object) -> tuple[int, int]:
+    """How many vertices of a mesh in Edit Mode are selected, and how many it has; none is looked at."""
+    return obj.data.total_vert_sel, len(bmesh.from_edit_mesh(obj.data).verts)
+
+
+def group_from_selection(obj: Object, role: str, name: str = "") -> str:
+    """A new vertex group of the vertices selected in Edit Mode, called after their place without a name."""
     edit = bmesh.from_edit_mesh(obj.data)
-    if not any(vertex.select for vertex in edit.verts):
+    chosen = np.array([vertex.select for vertex in edit.verts], dtype=bool)
+    if not chosen.any():
         raise ConstraintError("Nothing is selected - select the vertices of the region first")
-    group = obj.vertex_groups.new(name=name)
+    points = np.array([vertex.co for vertex in edit.verts], dtype=np.float64)
+    group = obj.vertex_groups.new(name=name or name_of_region(obj, role, points, chosen))
     layer = edit.verts.layers.deform.verify()
     for vertex in edit.verts:
         if vertex.select:

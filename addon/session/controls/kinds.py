@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The kinds of control that methods ask for, such as handles or a cage: one folder per kind."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Protocol, cast
@@ -98,6 +98,15 @@ class ControlKind(Protocol):
 
     def forget_rest(self, deformer: SinewDeformer) -> None:
         """Forget how the control rested: at the next bind it rests as it is then."""
+
+    def reset(self, obj: Object, deformer: SinewDeformer, wanted: Callable[[Link], bool]) -> list[Link]:
+        """Put the controls that are wanted back to where they rest, as far as they move by themselves.
+
+        Returns these. The depsgraph is up to date.
+        """
+
+    def not_at_rest(self, obj: Object, deformer: SinewDeformer, depsgraph: Depsgraph) -> list[Link]:
+        """The controls that are not at rest, among those that are there and have a rest."""
 
     def lost(self, deformer: SinewDeformer) -> tuple[str, ...]:
         """The lines in the panel about controls that were deleted."""

@@ -5,12 +5,13 @@ The rest of such an object is stored as a hidden mesh in the frame of the target
 object later is a pose, also in Edit Mode.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from typing import Any
 
 import bpy
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
+from mathutils import Matrix
 
 from ...backend import ControlPoints, Recipe, Shape
 from ...compat import remove_data
@@ -21,16 +22,17 @@ from ...core.status import Remedy, Status
 from ...ids import Datablocks, Keys
 from ...mesh_io import RestShape
 from ...properties import SinewControl, SinewDeformer, SinewHandle, StoredCage, deformers_of
-from ..datablocks import libraries, rest_frame
+from ..datablocks import libraries, own_shape, rest_frame
 from ..datablocks.evaluation_driver import Link
 from ..datablocks.shapes import shapes
 from ..datablocks.vertex_groups import read_weights
 from ..state.evaluation import ControlState, Evaluation, Place
 from ..state.sessions import Bound
-from . import placement
+from . import movers, placement
 from .bind_input import BindInput, options, unpainted
 from .influence import Influence
 
+UNPOSED = 1e-5  # of the size of a control; its points are stored in single precision
 # An object, the mesh that it had at bind, and whether it was made for the deformer.
 Row = SinewControl | StoredCage
 
@@ -202,6 +204,32 @@ class ObjectKind:
     def forget_rest(self, deformer: SinewDeformer) -> None:
         forget_row_rest(self.row(deformer))
 
+    def rows(self, settings: SinewDeformer) -> Sequence[Row]:
+        """The places of the objects in the settings."""
+        return [self.row(settings)]
+
+    def reset(self, obj: Object, deformer: SinewDeformer, wanted: Callable[[Link], bool]) -> list[Link]:
+        found = []
+        for row in self.rows(deformer):
+            control = row.object
+            if control is None or row.rest is None or control.library is not None:
+                continue
+            if wanted(Link(control)):
+                self.reset_row(obj, deformer, row)
+                found.append(Link(control))
+        return found
+
+    def reset_row(self, obj: Object, deformer: SinewDeformer, row: Any) -> None:
+        """Put one object back to its rest."""
+        reset_object(obj, deformer, row.object, row.rest)
+
+    def not_at_rest(self, obj: Object, deformer: SinewDeformer, depsgraph: Depsgraph) -> list[Link]:
+        found = []
+        for row, place in zip(self.rows(deformer), self.read_state(deformer, depsgraph), strict=True):
+            if place is not None and row.rest is not None and is_posed(obj, deformer, place, row.rest):
+                found.append(Link(row.object))
+        return found
+
     def refuse_use(self, obj: Object, control: Object) -> None:
         """Raises a ``SinewError`` unless the control can move the object."""
         if control == obj:
@@ -259,11 +287,41 @@ def stored_rest(obj: Object, control: Object, mesh: Mesh, held: Mesh | None) -> 
     depsgraph = bpy.context.evaluated_depsgraph_get()
     relative = frames.inverse(np.array(obj.matrix_world, dtype=np.float64), obj.name)
     world = np.array(control.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+    own_shape.note(mesh, control)
     rest_frame.transform(mesh, relative @ world)
     mesh.name = Datablocks.REST
     mesh.materials.clear()
     mesh[Keys.REST_TOKEN] = shapes.new_key()
     return shapes.put_mesh(held, mesh)
+
+
+def reset_object(obj: Object, settings: SinewDeformer, control: Object, rest: Mesh) -> None:
+    """Put a control of ``obj`` back to its place, points and shape keys at rest.
+
+    Files of earlier builds do not tell these. Then the object stays in its place, and the points of a mesh
+    or a lattice go to those of its rest mesh.
+    """
+    world, place = np.array(obj.matrix_world, dtype=np.float64), own_shape.place_of(rest)
+    if place is None:
+        own = frames.inverse(np.array(control.matrix_world, dtype=np.float64), control.name)
+        points = frames.transformed(own @ world, rest_frame.read(settings, rest).points)
+        own_shape.put_points(control, points.astype(np.float32).ravel())
+        return
+    movers.move_to(control, "", Matrix((world @ rest_frame.matrix(settings) @ place).tolist()))
+    own_shape.put_back(control, rest)
+
+
+def is_posed(obj: Object, settings: SinewDeformer, place: Place, rest: Mesh) -> bool:
+    """Whether the points of a control at a place are elsewhere than in its rest mesh.
+
+    A path that a rest mesh holds after these points counts, too.
+    """
+    found = rest_frame.read(settings, rest).points
+    if len(place.vertices) > len(found):
+        return True
+    relative = frames.inverse(np.array(obj.matrix_world, dtype=np.float64), obj.name) @ place.matrix()
+    now, then = frames.transformed(relative, place.vertices.astype(np.float64)), found[: len(place.vertices)]
+    return not np.abs(now - then).max(initial=0.0) <= UNPOSED * np.ptp(found, axis=0).max(initial=0.0)
 
 
 def forget_row_rest(row: Row | SinewHandle) -> None:

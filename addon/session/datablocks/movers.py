@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whether something before a deformer may move the mesh from frame to frame."""
 
-from bpy.types import Object
+from bpy.types import ID, Object
 
 from ...properties import SinewDeformer
 from ..targets import targets
 from ..targets.kinds import kind_of
+from .modifier_objects import objects_of
 
 DEFORMING = {  # modifiers of Blender that neither add nor remove vertices
     "ARMATURE",
@@ -27,6 +28,8 @@ DEFORMING = {  # modifiers of Blender that neither add nor remove vertices
     "WAVE",
 }
 _CHANGING = {"CLOTH", "MESH_SEQUENCE_CACHE", "NODES", "SOFT_BODY"}  # the same, or they may be such
+_PLAYED = {"CLOTH", "MESH_CACHE", "MESH_SEQUENCE_CACHE", "SOFT_BODY", "WAVE"}  # another shape in each frame
+_DIVIDING = {"MULTIRES", "SUBSURF"}
 
 
 def is_moved_before(obj: Object, deformer: SinewDeformer | None) -> bool:
@@ -45,3 +48,30 @@ def is_moved_before(obj: Object, deformer: SinewDeformer | None) -> bool:
         modifier.type in DEFORMING | _CHANGING and (modifier.show_viewport or modifier.show_render)
         for modifier in before
     )
+
+
+def is_animated_before(obj: Object, deformer: SinewDeformer | None) -> bool:
+    """Whether what moves a mesh before a deformer, or before a new one, is keyed, driven or cached."""
+    before = kind_of(obj).modifiers_before(obj, deformer)
+    if any(modifier.type in _PLAYED for modifier in before):
+        return True
+    moving = [other for modifier in before for other in objects_of(modifier)]
+    if obj.parent is not None and obj.parent_type in ("ARMATURE", "LATTICE"):
+        moving.append(obj.parent)
+    if any(modifier.type in DEFORMING for modifier in before):
+        moving.append(obj)  # whose settings of modifiers may be keyed
+    owners = [obj.data.shape_keys, *moving, *(other.data for other in moving)]
+    return any(map(_is_animated, owners))
+
+
+def _is_animated(owner: ID | None) -> bool:
+    animation = getattr(owner, "animation_data", None)
+    return animation is not None and bool(animation.action or animation.nla_tracks or animation.drivers)
+
+
+def place_behind(obj: Object) -> int:
+    """The place in the stack behind all that moves a mesh, and before what only divides its faces then."""
+    types = [modifier.type for modifier in obj.modifiers]
+    movers = [place for place, kind in enumerate(types) if kind in DEFORMING | _CHANGING]
+    first = movers[-1] + 1 if movers else 0
+    return next((place for place in range(first, len(types)) if types[place] in _DIVIDING), len(types))

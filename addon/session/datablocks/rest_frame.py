@@ -13,6 +13,7 @@ from ...core.errors import MeshError
 from ...ids import Keys
 from ...mesh_io import RestShape, read_rest
 from ...properties import SinewDeformer
+from . import own_shape
 from .shapes import shapes
 
 _UNKNOWN = "It is not known any more what Apply did to the rest shape - Unbind, then Bind"
@@ -61,6 +62,7 @@ def put_back(settings: SinewDeformer, mesh: Mesh) -> None:
 def transform(mesh: Mesh, by: np.ndarray) -> None:
     """Move a rest mesh by an affine map (4, 4). Its faces point to the same side after a reflection."""
     mesh.transform(Matrix(by.tolist()))
+    own_shape.move(mesh, by)
     if np.linalg.det(by) < 0.0:
         mesh.flip_normals()
 

@@ -24,7 +24,7 @@ from ..state import sessions
 from ..targets.modified import evaluated_mesh
 
 NOTHING_SELECTED = "Nothing is selected - select the vertices to grab"
-ALL_FIXED = "The selected vertices belong to Fixed regions, which stay - select others"
+ALL_FIXED = "The selected vertices belong to Still regions, which stay - select others"
 NO_PLACE = "The selected vertices have invalid coordinates (NaN or infinite) - use Repair, or select others"
 CHANGED = "The mesh was edited meanwhile - grab again"
 

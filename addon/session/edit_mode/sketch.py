@@ -26,7 +26,7 @@ from ..targets import targets
 KEY = "Silhouette"
 NO_LINE = "There is no silhouette near both ends of the stroke - begin and end it on the outline to redraw"
 NO_LINE_SEEN = f"{NO_LINE}, or let Hidden Lines count"
-ALL_FIXED = "The line lies in Fixed regions, which stay - draw another part of it"
+ALL_FIXED = "The line lies in Still regions, which stay - draw another part of it"
 NO_EDGES_NEAR = "No line of selected edges is near both ends of the stroke - begin and end it on that line"
 TOO_SHORT = "The stroke is too short - draw a longer one"
 NO_EDGES = "No edges are selected - select the line to redraw in Edit Mode"
@@ -122,7 +122,7 @@ class Sketch:
     def follow(self, obj: Object, radius: float, sharpness: float = 0.0) -> None:
         """Let what lies within ``radius`` of the line follow it, in world units over the surface.
 
-        Infinite: all connected. Fixed regions stay, and so does what only they connect with the line. The
+        Infinite: all connected. Still regions stay, and so does what only they connect with the line. The
         first call makes the shape key.
         """
         edges, shares, goals = self._found()

@@ -18,6 +18,7 @@ from ...compat import read_positions, write_positions
 from ...core import status
 from ...core.errors import SinewError
 from ...core.geometry import frames
+from ...core.labels import label_of
 from ...core.memory import remember
 from ...core.status import Level, Status
 from ...ids import Keys
@@ -225,7 +226,7 @@ def report(obj: Object, evaluated: Object, expected: Expected) -> None:
         off = float(np.linalg.norm((found - wanted.shape) @ to_world, axis=1).max())
         if off > _VISIBLE * float(np.ptp(wanted.shape @ to_world, axis=0).max()):
             text = (
-                f"The pose changed by up to {off:.3g}, as {deformer.definition.label} depends on the "
+                f"The pose changed by up to {off:.3g}, as {label_of(deformer.definition)} depends on the "
                 f"{wanted.applied} applied - undo it, or go on with this shape"
             )
             status.put(deformer.uid, Status(Level.WARNING, text))

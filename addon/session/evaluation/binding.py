@@ -10,12 +10,14 @@ from functools import partial
 
 import bpy
 import numpy as np
+from bpy.types import Object
 
 from ...backend import Factor, PreparedBind, Progress, Recipe, availability, bind_seconds, build_factor
 from ...core import status
 from ...core.elements import NO_ELEMENTS, Elements, Owner
 from ...core.errors import BackendMissingError, CancelledError, OutsideError, SinewError
 from ...core.memory import remember
+from ...core.methods import Method
 from ...core.point_types import MESH
 from ...core.status import Level, Remedy, Status
 from ...properties import SinewDeformer
@@ -227,6 +229,16 @@ def takes_long(recipe: Recipe) -> bool:
     Loose parts are only counted where the bind is quick without them, as that takes a look at all faces.
     """
     return may_wait(recipe.seconds) or may_wait(bind_seconds(recipe))
+
+
+def expected_seconds(obj: Object, method: Method) -> float:
+    """About how long a bind of the object by another method would take, as far as its last bind tells."""
+    deformer = obj.sinew.active
+    session = None if deformer is None else sessions.find(deformer.uid)
+    if session is None or session.bound is None:
+        return method.expected_seconds(targets.size(obj))
+    held = {"size": size} if (size := sum(map(len, session.bound.indices))) else {}
+    return method.expected_seconds(len(session.bound.rest.points), getattr(deformer, method.id), **held)
 
 
 def may_wait(seconds: float) -> bool:

@@ -13,6 +13,7 @@ from bpy.types import Curve, Object, Spline
 
 from ...compat import read_key, read_lattice, write_key, write_positions
 from ...core.errors import OptionError, SinewError
+from ...core.labels import label_of
 from ...core.methods import Method, Moved
 from ...core.point_types import MESH, SURFACE, PointType, point_type_with_id
 from ...core.status import Remedy
@@ -190,7 +191,7 @@ def structure(obj: Object) -> str:
 def require_method(obj: Object, method: Method) -> None:
     """Refuse an object that this method cannot move."""
     if not is_mesh(obj) and Moved.POINTS not in method.moves:
-        what = f"{method.label} needs the surface of a mesh, and {obj.name} is a {label(obj)}"
+        what = f"{label_of(method)} needs the surface of a mesh, and {obj.name} is a {label(obj)}"
         if not can_be_converted(obj):
             raise OptionError(f"{what} - choose a space method")
         raise OptionError(

@@ -5,26 +5,34 @@ from importlib import import_module
 from pathlib import Path
 from typing import Protocol
 
-from bpy.types import Context, Menu, Object, Panel, UILayout
+from bpy.types import Context, Menu, Object, UILayout
 
 from ...core.methods import Control, Method
 from ...properties import SinewDeformer
+from ..layouts import Button
 
 
 class ControlDrawing(Protocol):
     """What each module of this folder implements."""
 
     MENUS: tuple[type[Menu], ...]
-    PANELS: tuple[type[Panel], ...]
-    ABOVE_PARAMETERS: bool  # whether the controls are drawn above the parameters of the method, or below them
-
-    @staticmethod
-    def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
-        """Draw the first step for an object that has no deformer."""
+    REST: tuple[Button, ...]  # what can be done with the rest of the controls
 
     @staticmethod
     def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
-        """Draw the controls of the active deformer."""
+        """Draw the controls of the active deformer, and what poses them."""
+
+    @staticmethod
+    def row_name(deformer: SinewDeformer) -> str:
+        """The name of the active row; empty if there is none."""
+
+    @staticmethod
+    def draw_row(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
+        """Draw the settings of the active row."""
+
+    @staticmethod
+    def draw_settings(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
+        """Draw which object is the control, and what is seldom changed about it."""
 
 
 _DRAWINGS: dict[Control, ControlDrawing] = {
@@ -34,15 +42,8 @@ _DRAWINGS: dict[Control, ControlDrawing] = {
 }
 
 MENUS = tuple(menu for drawing in _DRAWINGS.values() for menu in drawing.MENUS)
-PANELS = tuple(panel for drawing in _DRAWINGS.values() for panel in drawing.PANELS)
 
 
 def drawing_of(method: Method) -> ControlDrawing:
     """The module that draws the controls of a method."""
     return _DRAWINGS[method.control]
-
-
-def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
-    """Draw the first steps for an object that has no deformer, for all kinds of control."""
-    for drawing in _DRAWINGS.values():
-        drawing.draw_start(context, layout, obj)

@@ -5,14 +5,20 @@ from bpy.types import Context, Menu, Object, UILayout
 
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
-from ...session.actions.controls import automatic, making
-from ...session.targets import targets
-from ..layouts import invoking, split
+from ...session.actions.controls import making
+from ..layouts import Button, draw_field, invoking
+from ..pose import draw_pose
 from ..status_box import draw_progress
-from ..text import draw_text
 
-ABOVE_PARAMETERS = True
-PANELS = ()
+REST = (
+    Button(Operators.CAGE_REST, "New Rest of the Cage", "PIVOT_BOUNDBOX"),
+    Button(Operators.CAGE_FACES, "Cage Faces", "MOD_DECIM"),
+)
+_ADDING = (
+    Button(Operators.CAGE_ADD, "Wrap in a Cage", "MESH_CUBE", (("source", "AUTO"),)),
+    Button(Operators.CAGE_ADD, "Cage from Selected", "MESH_ICOSPHERE", (("source", "OBJECT"),)),
+)
+POSE = Button(Operators.CONTROL_EDIT, "Pose the Cage", "EDITMODE_HLT")
 
 
 class SINEW_MT_cage(Menu):
@@ -24,11 +30,12 @@ class SINEW_MT_cage(Menu):
 
     def draw(self, _context: Context) -> None:
         layout = invoking(self.layout)
-        for source, text in (("AUTO", "Add Automatic Cage"), ("OBJECT", "Use Selected Object as Cage")):
-            layout.operator(Operators.CAGE_ADD, text=text, icon="MESH_CUBE").source = source
+        for adding in _ADDING:
+            adding.draw(layout)
         layout.separator()
-        layout.operator(Operators.CAGE_FACES, icon="MOD_DECIM")
-        layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
+        POSE.draw(layout)
+        for rest in REST:
+            rest.draw(layout)
         layout.operator(Operators.CAGE_FLIP, icon="NORMALS_FACE")
         layout.operator(Operators.CAGE_OUTSIDE, icon="MOD_MESHDEFORM")
 
@@ -36,39 +43,33 @@ class SINEW_MT_cage(Menu):
 MENUS = (SINEW_MT_cage,)
 
 
-def draw_start(context: Context, layout: UILayout, obj: Object) -> None:
-    """Draw the buttons that add a cage. An object that is not a mesh can only be moved by a cage."""
-    if not targets.is_mesh(obj):
-        draw_text(context, layout, f"A cage moves this {targets.label(obj)} object - add one", "INFO")
-    _draw_add(layout, obj)
-
-
-def draw(_context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
-    """Draw the cage, or the buttons that add one."""
-    column = split(layout.column())
-    row = column.row()
-    row.alert = deformer.is_bound and deformer.cage_missing
-    row.prop(deformer, "cage")
-    if deformer.cage is None:
-        _draw_add(layout, obj)
-        return
-    column.prop(deformer, "cage_subdivision")
-    if not _draw_making(layout, obj) and automatic.is_automatic(deformer.cage):
-        layout.operator(Operators.CAGE_FACES, icon="MOD_DECIM")
-    layout.operator(Operators.CAGE_REST, icon="PIVOT_BOUNDBOX")
-
-
-def _draw_making(layout: UILayout, obj: Object) -> bool:
-    """Draw the progress of a cage that is being made, in place of the buttons; whether there is one."""
+def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
+    """Draw what poses the cage, or the buttons that add one; while one is made, how far that is."""
     work = making.cage_work(obj.name)
     if work is not None:
         draw_progress(layout.column(), work, "making a cage")
-    return work is not None
+    elif deformer.cage is None or deformer.cage_missing:
+        column = layout.column(align=True)
+        column.alert = deformer.is_bound and deformer.cage_missing
+        draw_field(context, column, deformer, "cage")
+        column = layout.column(align=True)
+        for adding in _ADDING:
+            adding.draw(column)
+    else:
+        draw_pose(context, layout, POSE)
 
 
-def _draw_add(layout: UILayout, obj: Object) -> None:
-    if _draw_making(layout, obj):
-        return
-    column = layout.column(align=True)
-    column.operator(Operators.CAGE_ADD, icon="MESH_CUBE").source = "AUTO"
-    column.operator(Operators.CAGE_ADD, text="Use Selected as Cage", icon="MESH_ICOSPHERE").source = "OBJECT"
+def row_name(_deformer: SinewDeformer) -> str:
+    """There are no rows."""
+    return ""
+
+
+def draw_row(_context: Context, _layout: UILayout, _obj: Object, _deformer: SinewDeformer) -> None:
+    """Nothing, as there are no rows."""
+
+
+def draw_settings(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
+    """Draw which object is the cage, and how it is smoothed."""
+    draw_field(context, layout, deformer, "cage")
+    if "cage_subdivision" not in deformer.definition.main:
+        draw_field(context, layout, deformer, "cage_subdivision")

@@ -5,12 +5,20 @@ from bpy.types import Context, Menu, Object, UILayout
 
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
-from ...session.actions.controls import control_list as edit_rows
+from ...session.actions.controls import control_list
 from ...session.targets import targets
-from ..layouts import invoking, split
+from ..layouts import Button, beside, draw_field, invoking
+from ..pose import RESET, draw_reset
+from .rows import draw_rows, row_name
 
-ABOVE_PARAMETERS = True
-PANELS = ()
+__all__ = ("MENUS", "REST", "draw", "draw_row", "draw_settings", "row_name")
+
+REST = (Button(Operators.ROW_REST, "New Rest of the Wire", "PIVOT_BOUNDBOX"),)
+_ADDING = (
+    Button(Operators.WIRE_ADD, "Wires from Selected", "CURVE_DATA", (("source", "CURVES"),)),
+    Button(Operators.WIRE_ADD, "Wire along Edges", "CURVE_DATA", (("source", "EDGES"),)),
+    Button(Operators.WIRE_DRAW, "Draw Wire", "GREASEPENCIL"),
+)
 
 
 class SINEW_MT_wires(Menu):
@@ -22,69 +30,35 @@ class SINEW_MT_wires(Menu):
 
     def draw(self, _context: Context) -> None:
         layout = invoking(self.layout)
-        for source, text in (("CURVES", "Use Selected Curves as Wires"), ("EDGES", "Add Wire along Edges")):
-            layout.operator(Operators.WIRE_ADD, text=text, icon="CURVE_DATA").source = source
-        layout.operator(Operators.WIRE_DRAW, icon="GREASEPENCIL")
+        for adding in _ADDING:
+            adding.draw(layout)
         layout.separator()
-        layout.operator(Operators.ROW_REST, text="Set Rest Wires", icon="PIVOT_BOUNDBOX")
+        for rest in REST:
+            rest.draw(layout)
         layout.operator(Operators.ROW_REMOVE, text="Remove Wire", icon="REMOVE")
 
 
 MENUS = (SINEW_MT_wires,)
 
 
-def draw_start(_context: Context, layout: UILayout, obj: Object) -> None:
-    """Draw the buttons that add a wire."""
-    _draw_add(layout, obj)
-
-
-def draw(_context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
-    """Draw the list of wires, and the settings of the active one."""
+def draw(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
+    """Draw the list of wires, and what adds and resets them."""
     draw_rows(layout, deformer, Menus.WIRES)
-    _draw_add(layout, obj)
-    row = active_row(deformer)
-    if row is None:
-        return
-    column = split(layout.column())
-    column.prop(row, "object", text="Curve")
-    column.prop(row, "domain")
-    for parameter in deformer.definition.control_parameters:
-        column.prop(row, parameter.id)
-    layout.operator(Operators.ROW_REST, text="Set Rest Wires", icon="PIVOT_BOUNDBOX")
-
-
-def _draw_add(layout: UILayout, obj: Object) -> None:
-    column = layout.column(align=True)
-    along = obj.mode == "EDIT" and targets.is_mesh(obj)
-    text = "Add Wire along Edges" if along else "Use Selected as Wires"
-    column.operator(Operators.WIRE_ADD, text=text, icon="CURVE_DATA").source = "AUTO"
+    pair = beside(context, layout, _ADDING[-1].looks, RESET)
     if targets.is_mesh(obj):
-        column.operator(Operators.WIRE_DRAW, icon="GREASEPENCIL")
+        _ADDING[-1].draw(pair)
+    draw_reset(pair)
 
 
-def draw_rows(layout: UILayout, deformer: SinewDeformer, menu: str) -> None:
-    """Draw the list of the objects that control a deformer together."""
-    row = layout.row()
-    several = len(edit_rows.rows_of(deformer)) > 1
-    row.template_list(
-        "SINEW_UL_controls",
-        "",
-        deformer,
-        "controls",
-        deformer,
-        "active_control",
-        rows=4 if several else 2,
-    )
-    side = row.column(align=True)
-    side.operator(Operators.ROW_REMOVE, text="", icon="REMOVE")
-    side.menu(menu, text="", icon="DOWNARROW_HLT")
+def draw_row(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
+    """Draw the settings of the active wire."""
+    row = control_list.active_row(deformer)
+    draw_field(context, layout, row, "object", text="Curve")
+    draw_field(context, layout, row, "domain")
+    for parameter in deformer.definition.control_parameters:
+        if parameter.id not in deformer.definition.main:
+            draw_field(context, layout, row, parameter.id)
 
 
-def active_row(deformer: SinewDeformer):
-    """The active row of the list; None if it is of another kind of control."""
-    rows = edit_rows.rows_of(deformer)
-    if not rows:
-        return None
-    index = min(deformer.active_control, len(deformer.controls) - 1)
-    chosen = deformer.controls[index]
-    return chosen if chosen in rows else rows[0]
+def draw_settings(_context: Context, _layout: UILayout, _obj: Object, _deformer: SinewDeformer) -> None:
+    """Nothing: each wire has its own settings."""

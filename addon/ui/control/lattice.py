@@ -4,16 +4,23 @@
 from bpy.types import Context, Menu, Object, UILayout
 
 from ...ids import Menus, Operators
-from ...properties import SinewDeformer
-from ..layouts import invoking, split
+from ...properties import SinewControl, SinewDeformer
+from ..layouts import Button, draw_field, invoking
+from ..pose import draw_pose
 
-ABOVE_PARAMETERS = True
-PANELS = ()
-_SHAPES = (
-    ("BOX", "Add Lattice", "LATTICE_DATA"),
-    ("CYLINDER", "Add Cylindrical Lattice", "MESH_CYLINDER"),
-    ("FITTED", "Add Fitted Boxes", "MESH_GRID"),
+REST = (Button(Operators.LATTICE_REST, "New Rest of the Lattice", "PIVOT_BOUNDBOX"),)
+_ADDING = (
+    *(
+        Button(Operators.LATTICE_ADD, text, icon, (("source", "FIT"), ("shape", shape)))
+        for shape, text, icon in (
+            ("BOX", "Put in a Box", "LATTICE_DATA"),
+            ("CYLINDER", "Cylindrical Lattice", "MESH_CYLINDER"),
+            ("FITTED", "Fitted Boxes", "MESH_GRID"),
+        )
+    ),
+    Button(Operators.LATTICE_ADD, "Lattice from Selected", "LATTICE_DATA", (("source", "OBJECT"),)),
 )
+POSE = Button(Operators.CONTROL_EDIT, "Pose the Lattice", "EDITMODE_HLT")
 
 
 class SINEW_MT_lattice(Menu):
@@ -25,52 +32,56 @@ class SINEW_MT_lattice(Menu):
 
     def draw(self, _context: Context) -> None:
         layout = invoking(self.layout)
-        for shape, text, icon in _SHAPES:
-            adding = layout.operator(Operators.LATTICE_ADD, text=text, icon=icon)
-            adding.source, adding.shape = "FIT", shape
-        layout.operator(
-            Operators.LATTICE_ADD, text="Use Selected Lattice", icon="LATTICE_DATA"
-        ).source = "OBJECT"
+        for adding in _ADDING:
+            adding.draw(layout)
         layout.separator()
-        layout.operator(Operators.LATTICE_REST, icon="PIVOT_BOUNDBOX")
+        POSE.draw(layout)
+        for rest in REST:
+            rest.draw(layout)
 
 
 MENUS = (SINEW_MT_lattice,)
 
 
-def draw_start(_context: Context, layout: UILayout, _obj: Object) -> None:
-    """Draw the button that fits a lattice."""
-    _draw_add(layout)
-
-
-def draw(_context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
-    """Draw the lattice, or the buttons that add one."""
-    column = split(layout.column())
-    row = next((row for row in deformer.controls if row.kind == "lattice"), None)
-    if row is not None:
-        line = column.row()
-        line.alert = deformer.is_bound and row.missing
-        line.prop(row, "object", text="Lattice")
-    if row is None or row.object is None:
-        _draw_add(layout)
+def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
+    """Draw what poses the lattice and its resolution, or the buttons that add one."""
+    row = _row(deformer)
+    if row is None or row.missing:
+        if row is not None:
+            line = layout.column()
+            line.alert = deformer.is_bound
+            draw_field(context, line, row, "object", text="Lattice")
+        column = layout.column(align=True)
+        for adding in _ADDING:
+            adding.draw(column)
         return
+    draw_pose(context, layout, POSE)
     if row.object.type == "LATTICE":
-        data = row.object.data
-        counts = column.column(align=True)
+        counts = layout.row(align=True)
         for axis in "uvw":
-            counts.prop(data, f"points_{axis}", text="Resolution U" if axis == "u" else axis.upper())
-        if deformer.parameters.basis == "blender":
-            types = column.column(align=True)
-            for axis in "uvw":
-                types.prop(data, f"interpolation_type_{axis}", text=axis.upper())
-    layout.operator(Operators.LATTICE_REST, icon="PIVOT_BOUNDBOX")
+            counts.prop(row.object.data, f"points_{axis}", text=axis.upper())
 
 
-def _draw_add(layout: UILayout) -> None:
-    column = layout.column(align=True)
-    for shape, text, icon in _SHAPES:
-        adding = column.operator(Operators.LATTICE_ADD, text=text, icon=icon)
-        adding.source, adding.shape = "FIT", shape
-    column.operator(
-        Operators.LATTICE_ADD, text="Use Selected as Lattice", icon="LATTICE_DATA"
-    ).source = "OBJECT"
+def row_name(_deformer: SinewDeformer) -> str:
+    """There are no rows."""
+    return ""
+
+
+def draw_row(_context: Context, _layout: UILayout, _obj: Object, _deformer: SinewDeformer) -> None:
+    """Nothing, as there are no rows."""
+
+
+def draw_settings(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
+    """Draw which object is the lattice, and the interpolation of Blender's lattices."""
+    row = _row(deformer)
+    if row is None:
+        return
+    draw_field(context, layout, row, "object", text="Lattice")
+    blender = row.object is not None and row.object.type == "LATTICE"
+    if blender and deformer.parameters.basis == "blender":
+        for axis in "uvw":
+            draw_field(context, layout, row.object.data, f"interpolation_type_{axis}", text=axis.upper())
+
+
+def _row(deformer: SinewDeformer) -> SinewControl | None:
+    return next((row for row in deformer.controls if row.kind == "lattice"), None)

@@ -5,14 +5,23 @@ from bpy.types import Context, Menu, Object, UILayout
 
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
-from ...session.actions.controls import control_list as rows
-from ..layouts import invoking, split
+from ...session.actions.controls import control_list
+from ..layouts import Button, beside, draw_field, draw_pair, invoking
+from ..pose import RESET, draw_drag, draw_reset
 from ..text import draw_text
-from .curves import active_row, draw_rows
+from .rows import draw_rows, parameter_text, row_name
 
-ABOVE_PARAMETERS = True
-PANELS = ()
-_TOOLS = (("drag", "Add Drag"), ("twist", "Add Twist"), ("bend", "Add Bend"))
+__all__ = ("MENUS", "REST", "draw", "draw_row", "draw_settings", "row_name")
+
+REST = (Button(Operators.ROW_REST, "New Rest of the Tool", "PIVOT_BOUNDBOX"),)
+_ADDING = tuple(
+    Button(Operators.TOOL_ADD, text, "EMPTY_AXIS", (("tool", tool),))
+    for tool, text in (("drag", "Add Drag"), ("twist", "Add Twist"), ("bend", "Add Bend"))
+)
+_STOPS = (
+    Button(Operators.TOOL_STOP, "Add Stop", "KEYFRAME", (("clear", False),)),
+    Button(Operators.TOOL_STOP, "Remove Stops", "X", (("clear", True),)),
+)
 
 
 class SINEW_MT_tools(Menu):
@@ -24,46 +33,38 @@ class SINEW_MT_tools(Menu):
 
     def draw(self, _context: Context) -> None:
         layout = invoking(self.layout)
-        for tool, text in _TOOLS:
-            layout.operator(Operators.TOOL_ADD, text=text, icon="EMPTY_AXIS").tool = tool
-        layout.operator(Operators.TOOL_DRAG, icon="VIEW_PAN")
+        for adding in _ADDING:
+            adding.draw(layout)
         layout.separator()
-        layout.operator(Operators.TOOL_STOP, icon="KEYFRAME").clear = False
-        layout.operator(Operators.TOOL_STOP, text="Remove Stops", icon="X").clear = True
-        layout.operator(Operators.ROW_REST, text="Set Rest Tools", icon="PIVOT_BOUNDBOX")
+        for button in (*_STOPS, *REST):
+            button.draw(layout)
         layout.operator(Operators.ROW_REMOVE, text="Remove Tool", icon="REMOVE")
 
 
 MENUS = (SINEW_MT_tools,)
 
 
-def draw_start(_context: Context, layout: UILayout, _obj: Object) -> None:
-    """Draw the buttons that add a tool."""
-    _draw_add(layout)
-
-
 def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
-    """Draw the list of tools, and the settings of the active one."""
+    """Draw the list of tools, and what adds and resets them."""
     draw_rows(layout, deformer, Menus.TOOLS)
-    _draw_add(layout)
-    row = active_row(deformer)
-    if row is None:
-        return
-    column = split(layout.column())
-    column.prop(row, "object", text="Object")
+    pair = beside(context, layout, ("Drag Clay", "VIEW_PAN"), RESET)
+    draw_drag(pair, "Drag Clay", "CLAY")
+    draw_reset(pair)
+
+
+def draw_row(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
+    """Draw the settings of the active tool, and the stops on its path."""
+    row = control_list.active_row(deformer)
+    draw_field(context, layout, row, "object")
     for parameter in deformer.definition.control_parameters:
-        if parameter.id != "width" or row.tools != "drag":
-            column.prop(row, parameter.id)
-    count = rows.stop_count(row)
+        is_main = parameter.id in deformer.definition.main
+        if not is_main and (parameter.id != "width" or row.tools != "drag"):
+            draw_field(context, layout, row, parameter.id, text=parameter_text(row, parameter))
+    count = control_list.stop_count(row)
     if count:
         draw_text(context, layout, f"Its path has {count} stops", "CURVE_PATH")
-    stops = layout.row(align=True)
-    stops.operator(Operators.TOOL_STOP, icon="KEYFRAME").clear = False
-    stops.operator(Operators.TOOL_STOP, text="Remove Stops", icon="X").clear = True
+    draw_pair(context, layout, _STOPS)
 
 
-def _draw_add(layout: UILayout) -> None:
-    row = layout.row(align=True)
-    for tool, text in _TOOLS:
-        row.operator(Operators.TOOL_ADD, text=text).tool = tool
-    layout.operator(Operators.TOOL_DRAG, icon="VIEW_PAN")
+def draw_settings(_context: Context, _layout: UILayout, _obj: Object, _deformer: SinewDeformer) -> None:
+    """Nothing: each tool has its own settings."""

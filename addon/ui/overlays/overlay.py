@@ -12,12 +12,14 @@ from bpy.types import Context, Depsgraph, Mesh, Object, Panel, SpaceView3D, UILa
 from bpy.utils import register_classes_factory
 
 from ...core.geometry.distortion import Measure
+from ...core.labels import label_of
 from ...ids import Operators
 from ...operators import target_of
 from ...properties import SinewDeformer
 from ...properties import scene as settings
 from ...session.datablocks import owners
 from ...session.results import result
+from ..layouts import draw_field, fields
 from ..places import ROOT, SidebarPanel
 from ..text import draw_text
 from . import overlay_draw
@@ -166,7 +168,7 @@ def _draw_legend() -> None:
 class SINEW_PT_overlays(SidebarPanel, Panel):
     """Colours over the mesh: regions, painted values, distortion"""
 
-    bl_label = "Overlays"
+    bl_label = "Show"
     bl_parent_id = ROOT
     bl_options = {"DEFAULT_CLOSED"}
     bl_order = 20
@@ -180,16 +182,14 @@ class SINEW_PT_overlays(SidebarPanel, Panel):
         self.layout.prop(context.scene.sinew, "show_overlay", text="")
 
     def draw(self, context: Context) -> None:
-        layout, wanted = self.layout, context.scene.sinew
+        layout, wanted = fields(context, self.layout), context.scene.sinew
         obj = target_of(context)
-        layout.use_property_split = True
-        layout.use_property_decorate = False
         layout.active = wanted.show_overlay
-        layout.prop(wanted, "overlay")
+        draw_field(context, layout, wanted, "overlay")
         if wanted.overlay == "PARAMETER":
             _draw_parameters(layout, wanted, obj.sinew.active)
         elif wanted.overlay == "DISTORTION":
-            layout.prop(wanted, "measure")
+            draw_field(context, layout, wanted, "measure")
             layout.prop(wanted, "distortion_range")
         layout.prop(wanted, "opacity", slider=True)
         layout.prop(wanted, "all_viewports")
@@ -200,7 +200,7 @@ class SINEW_PT_overlays(SidebarPanel, Panel):
 def _draw_parameters(layout: UILayout, wanted: settings.SinewScene, deformer: SinewDeformer) -> None:
     paintable = deformer.definition.paintable
     if not paintable:
-        layout.label(text=f"{deformer.definition.label} has no parameter to paint", icon="INFO")
+        layout.label(text=f"{label_of(deformer.definition)} has no parameter to paint", icon="INFO")
         return
     column = layout.column(align=True)
     column.use_property_split = False

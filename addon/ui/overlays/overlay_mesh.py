@@ -11,6 +11,7 @@ import numpy as np
 from bpy.types import Context, Depsgraph, Object
 
 from ...core.geometry.distortion import Measure
+from ...core.labels import label_of
 from ...core.methods import Parameter, group_property
 from ...preferences import preferences
 from ...properties import SinewDeformer, SinewHandle
@@ -199,14 +200,14 @@ def _regions(
         handle = by_key.get(key)
         if handle is None and key != _SUPPORT:
             continue
-        strength, name, colour = 1.0, "Fixed", settings.fixed
+        strength, name, colour = 1.0, "Still", settings.fixed
         if handle is not None:
             strength = _strength(shape, handle, members)
             if handle.kind == "HANDLE":
                 name, colour = handle.name, colours.on_screen(handle.colour)
         parts.append((members, strength, colour))
         rows[name] = colour
-    rows = {**{name: colour for name, colour in rows.items() if name != "Fixed"}, **_only(rows, "Fixed")}
+    rows = {**{name: colour for name, colour in rows.items() if name != "Still"}, **_only(rows, "Still")}
     mask = result.weights(obj, deformer, deformer.mask_group)
     if mask is not None:
         rows["Masked out"] = colours.HIDDEN
@@ -244,7 +245,7 @@ def _parameter(
     count, parameter = len(shape.points), shown_parameter(deformer, settings.parameter)
     if parameter is None:
         nothing = np.zeros((count, 4), dtype=np.float32)
-        return nothing, Legend("Parameter", note=f"{deformer.definition.label} has no parameter to paint")
+        return nothing, Legend("Parameter", note=f"{label_of(deformer.definition)} has no parameter to paint")
     value, group = _painted_by(deformer, parameter)
     painted = result.weights(obj, deformer, group)
     note = f"Painted by {group}" if painted is not None else "The same everywhere"
@@ -269,7 +270,7 @@ def _cage(
     found = result.influence(deformer)
     if found is None:
         bare = np.zeros((len(shape.points), 4), dtype=np.float32)
-        return bare, Legend("Cage Weight", note=f"{deformer.definition.label} has no cage")
+        return bare, Legend("Cage Weight", note=f"{label_of(deformer.definition)} has no cage")
     count = len(found.vertices)
     title = (
         f"Weight of cage vertex {found.vertices[0]:,}" if count == 1 else f"Weight of {count:,} cage vertices"
@@ -289,14 +290,14 @@ def _no_grid(
     _obj: Object, deformer: SinewDeformer, _settings: OverlaySettings, shape: Result
 ) -> tuple[np.ndarray, Legend]:
     bare = np.zeros((len(shape.points), 4), dtype=np.float32)
-    return bare, Legend("Control Grid", note=f"{deformer.definition.label} has no control grid")
+    return bare, Legend("Control Grid", note=f"{label_of(deformer.definition)} has no control grid")
 
 
 def _no_graph(
     _obj: Object, deformer: SinewDeformer, _settings: OverlaySettings, shape: Result
 ) -> tuple[np.ndarray, Legend]:
     bare = np.zeros((len(shape.points), 4), dtype=np.float32)
-    return bare, Legend("Graph", note=f"{deformer.definition.label} has no graph")
+    return bare, Legend("Graph", note=f"{label_of(deformer.definition)} has no graph")
 
 
 def _bands(
@@ -305,7 +306,7 @@ def _bands(
     found = result.bands(deformer)
     if found is None:
         bare = np.zeros((len(shape.points), 4), dtype=np.float32)
-        return bare, Legend("Bands", note=f"{deformer.definition.label} has no bands")
+        return bare, Legend("Bands", note=f"{label_of(deformer.definition)} has no bands")
     painted = colours.bands(found, settings.opacity)
     return painted, Legend("Bands", note=f"{found.max() + 1:,} bands" if len(found) else "")
 

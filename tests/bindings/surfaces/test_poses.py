@@ -309,7 +309,7 @@ def test_limbs_are_held_joints_are_free_and_a_bone_outside_holds_nothing() -> No
     mesh, x = sn.SurfaceMesh(points, faces), points[:, 0]
     skeleton = sn.Skeleton([(0, 0, 0), (12, 0, 0)], [(12, 0, 0), (24, 0, 0)], [-1, 0])
     # A root has no joint at its head, and the last bone none at its tail: these ends are held.
-    for margin, free in ((None, 3), (0.24, 3), (0.26, 4), (0.4, 5)):  # vertices are one apart, 12 along a bone
+    for margin, free in ((None, 3), (0.24, 3), (0.26, 4), (0.4, 5)):  # 12 vertices along a bone
         first, second = skeleton.regions(mesh, **({} if margin is None else {"margin": margin}))
         np.testing.assert_array_equal(first, np.flatnonzero(x <= 12 - free))
         np.testing.assert_array_equal(second, np.flatnonzero(x >= 12 + free))

@@ -176,7 +176,7 @@ def test_a_control_with_other_points(rig, change, remedy: str, said: str, automa
         assert target().sinew.active.status_level == "ERROR"
         assert "at bind it had" in status
         assert said in status
-        assert ("Rebind" if remedy == "bind" else "Set Rest") in status
+        assert ("Rebind" if remedy == "bind" else "New Rest") in status
         assert at_rest()
         press(target(), remedy)
     assert_bound_at_rest()

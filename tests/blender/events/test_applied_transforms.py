@@ -422,7 +422,7 @@ def test_a_region_that_has_lost_its_control(placed: HandleRig):
 
 
 def test_the_cage_rests_again_where_it_is(placed: HandleRig):
-    """Set Rest Cage and Unbind forget what Apply did."""
+    """New Rest and Unbind forget what Apply did."""
     if placed.deformer.cage is None:
         pytest.skip("about cages")
     placed.lift(0.3)

@@ -386,7 +386,7 @@ def its_region_painted_wider_and_emptied(rig: HandleRig) -> None:
         rig.obj.data.update()
         settle()
         assert rig.is_at_rest()
-        assert "1 fixed, bound in" in rig.deformer.status
+        assert "1 still, bound in" in rig.deformer.status
         paint(rig, "Top", 1.0, rig.top.tolist())
         rig.poses.rebind(rig.obj)
         assert rig.is_right()

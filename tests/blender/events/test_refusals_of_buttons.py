@@ -230,10 +230,10 @@ REGIONS = [
         "select_handle", "no bone 'hand'", BOUND, sets("sinew.deformers[0].handles[0].bone", "hand"), index=0
     ),
     row("handle_mirror", "no counterpart", posed(add_left_side), weights_only=True),
-    row("point_add", "Radial Basis Functions", bound_for_surfaces, source="SELECTED", method="rbf"),
+    row("point_add", "Smooth Points", bound_for_surfaces, source="SELECTED", method="rbf"),
     row(
         "point_add",
-        "no segments - choose Moving Least Squares",
+        "no segments - choose Rigid Points",
         with_points,
         source="POINTS",
         method="rbf",
@@ -250,7 +250,7 @@ OBJECTS = [
     row("cage_faces", "was edited", CAGE, lambda obj: obj.sinew.active.cage.shape_key_add(), faces=30),
     row("cage_faces", "shares its mesh", CAGE, lambda obj: shares_its_mesh(obj.sinew.active.cage), faces=30),
     row("cage_faces", "is in Edit Mode", CAGE, has_its_cage_in_edit_mode, faces=30),
-    row("cage_faces", "was not made by Add Cage", in_a_cage(), faces=30),
+    row("cage_faces", "was not made by Wrap in a Cage", in_a_cage(), faces=30),
     row("cage_faces", "pose of Suit", two_in_one_cage, lambda _obj: lift(bpy.data.objects["Suit"]), faces=30),
     row(
         "cage_faces",

@@ -13,7 +13,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from inside import inner, notes_of, settle
+from inside import notes_of, settle
 from libraries import add_collection, override, put_into_a_library
 from mathutils import Matrix
 from probe import render_points
@@ -406,7 +406,7 @@ def test_grab_region_moves_what_is_seen_as_far_as_the_mouse(arm: Posed, on_cage:
 
 def test_the_region_panel_has_the_switch(arm: Posed, plate: Rig):
     """*From Rest* is shown for handles that use it alone; where nothing moves the mesh, Surface is grey."""
-    panel = inner.ui_control_handles.SINEW_PT_region
+    panel = bpy.types.SINEW_PT_region
     for rig, on, says in ((arm, "SURFACE", ""), (plate, "WORLD", "Nothing before Sinew moves this mesh")):
         rig.bind("thin_shell")
         make_active(rig.obj)
@@ -423,7 +423,7 @@ def test_the_region_panel_has_the_switch(arm: Posed, plate: Rig):
 
 @pytest.mark.parametrize("live", [True, False])
 def test_the_other_side_follows_in_the_frame_of_its_own_surface(arm: Posed, live: bool):
-    """By X-Axis Mirror while the arm is bent, or by Mirror where both sides are posed alike."""
+    """By Mirror while the arm is bent, or by Mirror where both sides are posed alike."""
     go(1)
     sides = {side: (lambda point, s=s: s * point[0] > 0.5 and point[1] > 0.75) for side, s in _SIDES.items()}
     members = {side: add_group(arm.obj, f"Hand.{side}", where) for side, where in sides.items()}

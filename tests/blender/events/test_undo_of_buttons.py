@@ -93,6 +93,14 @@ def let_regions_overlap(plate: Rig) -> None:
     refused("share 1 vertex", "bind", plate.obj)
 
 
+def with_another_file() -> None:
+    """A plate that plays a file, beside which there is one with other shapes."""
+    posed(lambda plate: press(plate.obj, "bake", target="PC2", **FILE))()
+    played = Path(bpy.path.abspath(bpy.context.object.sinew.active.bake.filepath)).read_bytes()
+    points = np.frombuffer(played[32:], dtype="<f4") + np.float32(0.25)  # behind the header of a PC2
+    Path(FOUND).write_bytes(played[:32] + points.tobytes())
+
+
 def in_a_cage(inside_out: bool = False, **automatic: object) -> Callable[[], None]:
     """A ball in a cage that is posed, or inside out, or automatic and at rest."""
 
@@ -262,10 +270,13 @@ def draggable(method: str = "") -> Callable[[], None]:
 
 FRAMES = {"frame_start": 1, "frame_end": 2}
 BAKE = {"target": "SHAPE_KEYS", **FRAMES}
+FOUND = f"{bpy.app.tempdir}found.pc2"
 FILE = {"filepath": f"{bpy.app.tempdir}undone", **FRAMES}
 GRAB = {"value": (0.0, 0.0, 0.5), "radius": 0.4}
 FRONT = Matrix.Rotation(math.radians(90.0), 4, "X")  # a camera that looks along y
 BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
+    "start_task": (grid_object, button("start_task", task="sheet")),
+    "use_method": (posed(), button("use_method", method="arap")),
     "deformer_add": (posed(), button("deformer_add", method="thin_shell")),
     "deformer_remove": (posed(), button("deformer_remove")),
     "deformer_move": (
@@ -293,6 +304,7 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
         posed(lambda plate: press(plate.obj, "bake", target="PC2", **FILE)),
         button("unbake"),
     ),
+    "bake_find": (with_another_file, button("bake_find", filepath=FOUND)),
     "transfer_deformation": (two_of_one_topology, button("transfer_deformation", **FILE)),
     "repair": (posed(add_loose_vertex), button("repair")),
     "part_regions": (posed(let_regions_overlap), button("part_regions")),
@@ -310,6 +322,15 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "control_remove": (with_wire, button("control_remove", index=0)),
     "control_set_rest": (with_wire, button("control_set_rest")),
     "tool_add": (grid_object, button("tool_add", tool="twist")),
+    "reset_pose": (posed(), button("reset_pose")),
+    "reset_pose of a cage": (in_a_cage(), button("reset_pose")),
+    "reset_pose of a lattice": (with_lattice, button("reset_pose")),
+    "reset_pose of a wire": (with_wire, button("reset_pose")),
+    "reset_pose of a tool": (with_tool, button("reset_pose")),
+    "key_pose": (posed(), button("key_pose")),
+    "control_drag": (in_a_cage(), button("control_drag", control="Cage", point=3, value=(0.2, 0.1, 0.3))),
+    "reach_drag": (with_wire, button("reach_drag", length="radius", value=0.9)),
+    "drag of a place": (posed(), button("drag", origin=(0.0, 0.0, 5.0), value=(0.0, 0.0, 0.4), places=True)),
     "tool_stop": (with_tool, button("tool_stop")),
     "tool_drag": (grid_object, lambda: run("tool_drag", radius=0.8, path=stroke_through(UP))),
     "point_add": (grid_object, button("point_add", source="CURSOR")),

@@ -35,8 +35,8 @@ def assert_lifted(plate: Rig, height: float = 0.5) -> None:
 
 def test_no_handles(plate: Rig):
     press(plate.obj, "deformer_add", method="thin_shell")
-    assert "Add Handle" in plate.deformer.status
-    refused("Add Handle", "bind")
+    assert "Make Handle" in plate.deformer.status
+    refused("Make Handle", "bind")
     assert_at_rest(plate)
 
 

@@ -33,7 +33,6 @@ def test_our_keys_are_free_in_every_keymap_of_the_3d_viewport():
         (shortcut.key, *(bool(getattr(shortcut, name, False)) for name in MODIFIERS)): shortcut.operator
         for shortcut in inner.preferences.SHORTCUTS
     }
-    assert len(wanted) == len(inner.preferences.SHORTCUTS)
     taken, keys = [], 0
     for name, place, content in default_keymaps():
         if place["space_type"] not in {"EMPTY", "VIEW_3D"} or place.get("modal"):

@@ -172,7 +172,7 @@ def shown_by_sinew() -> frozenset[str]:
     tool = inner.drag_tool.SINEW_WT_drag.bl_label
     remedies = {button.text for button in inner.status_box.REMEDIES.values()}
     kinds = {method.control.value for method in METHODS}
-    methods = {method.label for method in METHODS}
+    methods = {name for method in METHODS for name in (method.label, method.known_as)}
     own = {bpy.types.SINEW_PT_sinew.bl_label, tool, inner.status_box.REFINING.partition(" - ")[0]}
     preferences = set(messages.sentences(messages.ADDON / "preferences" / "page.py"))
     return frozenset().union(
@@ -230,6 +230,13 @@ def test_what_needs_no_deformer_is_not_said_to_be_beside_the_list_of_deformers()
     assert not said & early
 
 
+def test_the_manual_calls_methods_as_the_interface_does():
+    """Names of the literature stand only where the page says so: in the table of tasks."""
+    known = {method.known_as for method in METHODS if method.known_as != method.label}
+    told = [name for page in MANUAL for name in names(page) if name.text in known]
+    assert not [str(name) for name in told]
+
+
 def test_each_name_in_bold_is_shown_by_sinew():
     assert not [str(name) for name in single_names("**") if name.text not in shown_by_sinew()]
 
@@ -275,7 +282,7 @@ def test_our_keys_are_on_the_pages():
 
 def test_each_page_of_the_manual_can_be_opened_from_blender():
     opened = {page for page, *_rest in inner.operators.PAGES}
-    assert opened == {page.stem for page in MANUAL} - {"README"}
+    assert opened == {page.stem for page in MANUAL} - {"README"} | {"methods/comparison"}
 
 
 # Messages
@@ -303,11 +310,12 @@ NOT_LISTED = {
         "Where the incoming indices are kept",
         "... alone moves no handle - name the vertices that follow it",
         "... is a ... of ... already",
-        "... has no keys - choose Mesh Sequence",
+        "... has no keys - choose ...",
         "... is not bound - press Bind first",
         "... does not follow its controls now - the panel says why",
         "... stands on the surface and moves with it",
         "... stays in the world",
+        "Override to Pose It",
     )
 }
 
@@ -340,27 +348,30 @@ def test_each_message_of_the_status_box_is_on_a_page():
 
 # Buttons that need a gesture, a selection of two, or a fault: the tests that press them.
 ELSEWHERE = {
-    "Add Handle to Selected Object or Bone": "test_handles.py",
-    "Add Wire along Edges": "test_wires.py",
+    "Cage from Selected": "test_cage.py",
+    "Copy the Motion": "test_transfer.py",
+    "Draw Outline": "test_silhouette_sketch.py",
     "Draw Wire": "test_wires.py",
-    "Field Drag": "test_tools.py",
-    "Grab Region": "test_grab_region.py",
-    "Handles from Bones": "test_puppet_skin.py",
+    "Grab Once": "test_grab_region.py",
     "Keep Inside Parts": "test_loose_parts.py",
-    "Morph to Mesh": "test_morph.py",
+    "Keyed Bend": "test_browser.py",
+    "Lattice from Selected": "test_lattice.py",
+    "Make Handle on Selected Object or Bone": "test_handles.py",
+    "Morph to a Mesh": "test_morph.py",
     "New Grid": "test_control_grid.py",
-    "Part Regions": "test_repair.py",
-    "Puppet Drag": "test_puppet.py",
     "Refine": "test_space_nonlinear.py",
     "Repair": "test_repair.py",
-    "Select": "test_bad_input.py",
-    "Silhouette Sketch": "test_silhouette_sketch.py",
+    "Show": "test_bad_input.py",
+    "Sinew Drag: Bones": "test_drag_tool.py",
+    "Sinew Drag: Clay": "test_drag_tool.py",
+    "Sinew Drag: Points": "test_drag_tool.py",
+    "Sinew Drag: Surface": "test_drag_tool.py",
+    "Skin by Bones": "test_puppet_skin.py",
     "Surface": "test_riding.py",
-    "Transfer Deformation": "test_transfer.py",
     "Turn Off Armature": "test_moved_twice.py",
-    "Use Selected as Cage": "test_cage.py",
-    "Use Selected as Lattice": "test_lattice.py",
-    "Use Selected as Wires": "test_wires.py",
+    "Unshare": "test_repair.py",
+    "Wire along Edges": "test_wires.py",
+    "Wires from Selected": "test_wires.py",
 }
 
 

@@ -83,9 +83,9 @@ def others(*groups: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(
     ("method", "kind", "flat", "none"),
     [
-        ("spline_surface", "GRID", 1e-4, "Thin Shell has no control grid"),
-        ("embedded_deformation", "GRAPH", 0.2, "Thin Shell has no graph"),
-        ("rigid_cells", "GRAPH", 0.2, "Thin Shell has no graph"),  # cells are cubes
+        ("spline_surface", "GRID", 1e-4, "Soft Sheet has no control grid"),
+        ("embedded_deformation", "GRAPH", 0.2, "Soft Sheet has no graph"),
+        ("rigid_cells", "GRAPH", 0.2, "Soft Sheet has no graph"),  # cells are cubes
     ],
 )
 def test_grids_and_graphs_move_with_the_handles(
@@ -130,7 +130,7 @@ def test_bands_lie_between_the_handles(paint, plate: Rig):
     assert is_even(picture, plate.base)
     assert not is_even(picture, np.concatenate((plate.top, plate.base)))
     plate.deformer.method = "thin_shell"
-    assert paint(plate.obj, overlay="BANDS").legend.note == "Thin Shell has no bands"
+    assert paint(plate.obj, overlay="BANDS").legend.note == "Soft Sheet has no bands"
 
 
 def test_regions_have_their_colours_on_the_whole_mesh(paint, chosen, bound_plate: Rig):
@@ -140,7 +140,7 @@ def test_regions_have_their_colours_on_the_whole_mesh(paint, chosen, bound_plate
     assert_covers(picture, bound_plate.top, colour_of(bound_plate))
     assert_covers(picture, bound_plate.base, chosen("overlay_fixed"))
     assert not covered(picture)[others(bound_plate.top, bound_plate.base)].any()
-    assert list(dict(picture.legend.rows)) == ["Top", "Fixed"]
+    assert list(dict(picture.legend.rows)) == ["Top", "Still"]
     rest = bound_plate.rest()
     next_to = np.flatnonzero(np.abs(rest[:, 1] - 0.6) < 1e-5)
     assert len(next_to) == 11
@@ -208,7 +208,7 @@ def test_painted_parameter_and_its_numbers(paint, plate: Rig):
     assert is_even(picture, firm)
     assert is_even(picture, others(firm))
     assert not is_even(picture)
-    other = paint(plate.obj, parameter="bending")  # As-Rigid-As-Possible has none: its own is shown
+    other = paint(plate.obj, parameter="bending")  # Natural Bend has none: its own is shown
     assert other.legend.title == "Rigidity"
 
 
@@ -572,7 +572,7 @@ def test_no_cage_weights_without_a_cage_or_while_another_method_is_bound(paint, 
     """The latter as in a window, where a thread binds the method just chosen."""
     picture = paint(bound_plate.obj, overlay="CAGE")
     assert not picture.colours[:, 3].any()
-    assert picture.legend.note == "Thin Shell has no cage"
+    assert picture.legend.note == "Soft Sheet has no cage"
     with inner.sessions.suspended():
         bound_plate.deformer.method = "green"
     assert inner.result.influence(bound_plate.deformer) is None

@@ -25,16 +25,6 @@ LOOKS = {
 
 
 @pytest.fixture
-def viewport(scene):
-    """The context of a 3D Viewport."""
-    window = bpy.context.window_manager.windows[0]
-    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
-    region = next(region for region in area.regions if region.type == "WINDOW")
-    with bpy.context.temp_override(window=window, screen=window.screen, area=area, region=region):
-        yield bpy.context
-
-
-@pytest.fixture
 def shown(viewport):
     """The objects whose overlay the viewport shows."""
     viewport.scene.sinew.show_overlay = viewport.scene.sinew.all_viewports = True

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -27,7 +28,7 @@ from rigs.rig import (
     reopen,
     update,
 )
-from rigs.sheet import WIDE, draw, draw_panel
+from rigs.sheet import WIDE, Sheet, draw, draw_panel
 
 # The menu of methods, and the names of the rows
 
@@ -44,17 +45,17 @@ def test_the_menu_of_methods_is_headed_by_what_artists_move():
     assert found == {method.id: method.control.value for method in METHODS}
 
 
-def test_a_row_is_called_after_its_method_and_follows_it(plate: Rig):
+def test_a_row_is_called_after_its_task_and_follows_it(plate: Rig):
     plate.bind("thin_shell")
-    assert plate.deformer.name == "Thin Shell"
+    assert plate.deformer.name == "Sheet"
     plate.deformer.method = "arap"
-    assert plate.deformer.name == "As-Rigid-As-Possible"
+    assert plate.deformer.name == "Limb"
     bpy.ops.sinew.deformer_add(method="thin_shell")
     bpy.ops.sinew.deformer_add(method="thin_shell")
     names = [deformer.name for deformer in plate.obj.sinew.deformers]
-    assert names == ["As-Rigid-As-Possible", "Thin Shell", "Thin Shell.001"]
+    assert names == ["Limb", "Sheet", "Sheet 2"]
     plate.obj.sinew.deformers[2].method = "arap"
-    assert plate.obj.sinew.deformers[2].name == "As-Rigid-As-Possible.001"
+    assert plate.obj.sinew.deformers[2].name == "Limb 2"
 
 
 def test_a_row_that_was_renamed_keeps_its_name(plate: Rig, tmp_path: Path):
@@ -67,13 +68,15 @@ def test_a_row_that_was_renamed_keeps_its_name(plate: Rig, tmp_path: Path):
     assert plate.deformer.name == "Face"
 
 
-@pytest.mark.parametrize("given", ["Cage", "Sinew", "Cage.002"])
+@pytest.mark.parametrize(
+    "given", ["Cage", "Sinew", "Cage.002", "Mean Value Cage", "Quick Cage.001", "Parts 3"]
+)
 def test_a_row_that_an_earlier_build_named_follows_its_method(given: str):
     deformer = surround(ball(), box())
-    assert deformer.name == "Mean Value Cage"
+    assert deformer.name == "Cage"
     deformer.name = given
-    deformer.method = "green"
-    assert deformer.name == "Green Cage"
+    deformer.method = "ffd"
+    assert deformer.name == "Box"
 
 
 # Lost controls
@@ -120,14 +123,8 @@ def test_a_lost_bone_gets_an_empty_too(plate: Rig):
 # The pie
 
 
-def test_the_pie_of_object_mode_adds_and_applies(bound_plate: Rig):
-    sheet = draw(bpy.types.SINEW_MT_pie)
-    assert "sinew.apply" in sheet.operator_names()
-    menus = inner.ids.Menus
-    assert sheet.menus() == [menus.ADD]
-    added = draw(bpy.types.SINEW_MT_add)
-    assert set(menus.FOR_GROUPS.values()) <= set(added.menus())
-    assert {"sinew.cage_add", "sinew.deformer_add"} <= set(added.operator_names())
+def test_the_pie_of_object_mode_offers_all_tasks(bound_plate: Rig):
+    assert "sinew.all_tasks" in draw(bpy.types.SINEW_MT_pie).operator_names()
 
 
 # Regions without vertices
@@ -153,7 +150,7 @@ def test_a_region_without_vertices_is_left_out_and_the_others_go_on(plate: Rig, 
     press(plate.obj, "bind")
     assert plate.deformer.status_level == "INFO"
     assert notes_of(plate.deformer) == [f"Side is not used: its vertex group 'Side' {said}"]
-    assert "1 handle, 1 fixed" in plate.deformer.status
+    assert "1 handle, 1 still" in plate.deformer.status
     shown = plate.points()
     assert np.abs(shown[plate.top] - plate.rest()[plate.top] - (0.0, 0.0, 0.5)).max() < 1e-5
     assert np.abs(shown - held).max() > 0.01, "the side is free now"
@@ -174,7 +171,7 @@ def test_the_report_after_add_handle_is_the_state_after_it(plate: Rig, capfd: py
         capfd.readouterr()
         bpy.ops.sinew.handle_add(kind=kind, vertex_group=group)
         assert f"Info: {group}: {plate.deformer.status}" in capfd.readouterr().out
-    assert "1 handle, 1 fixed" in plate.deformer.status
+    assert "1 handle, 1 still" in plate.deformer.status
 
 
 def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(
@@ -200,7 +197,7 @@ def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(
     inner.housekeeping.collect()
     assert operator.look(bpy.context, is_cancelled=False) == {"FINISHED"}
     assert said == [({"INFO"}, f"Base: {deformer.status}")]
-    assert "1 fixed, bound in" in deformer.status
+    assert "1 still, bound in" in deformer.status
 
 
 @pytest.mark.parametrize(
@@ -208,9 +205,9 @@ def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(
     [
         (("HANDLE",), "1 handle"),
         (("HANDLE", "HANDLE"), "2 handles"),
-        (("FIXED",), "1 fixed"),
-        (("HANDLE", "FIXED"), "1 handle, 1 fixed"),
-        (("HANDLE", "SUPPORT"), "1 handle, 1 support"),
+        (("FIXED",), "1 still"),
+        (("HANDLE", "FIXED"), "1 handle, 1 still"),
+        (("HANDLE", "SUPPORT"), "1 handle, 1 free area"),
     ],
 )
 def test_the_status_counts_regions_by_their_role(plate: Rig, kinds, said: str):
@@ -277,7 +274,7 @@ def test_a_message_names_the_button_as_it_reads(
     said = re.search(r"press (Rebind|Bind)\b", said_by(bound_plate, press, **words))
     buttons = [
         keywords["text"]
-        for name, args, keywords, _settings in draw_panel(WIDE).calls
+        for name, args, keywords, _settings in draw(bpy.types.SINEW_PT_order).calls
         if name == "operator" and args == ("sinew.bind",)
     ]
     assert said[1] == buttons[-1]
@@ -430,7 +427,10 @@ def test_a_preset_is_applied_where_a_control_is_active(plate: Rig):
 
 
 def test_the_panel_offers_presets(bound_plate: Rig):
-    found = [keywords for name, _args, keywords, _settings in draw_panel().calls if name == "popover"]
+    sheet = Sheet()
+    header = SimpleNamespace(layout=sheet, help_page=lambda _context: "surface")
+    bpy.types.SINEW_PT_advanced.draw_header_preset(header, bpy.context)
+    found = [keywords for name, _args, keywords, _settings in sheet.calls if name == "popover"]
     assert [keywords["panel"] for keywords in found] == [inner.ids.Panels.PRESETS]
 
 
@@ -496,7 +496,7 @@ def test_the_arrow_in_object_mode_makes_the_control_active(bound_plate: Rig):
     press(bound_plate.obj, "select_handle", index=0)
     assert bpy.context.view_layer.objects.active == bound_plate.control
     assert inner.operators.target_of(bpy.context) == bound_plate.obj
-    assert "Handles" in draw_panel().texts()
+    assert "Shape a Sheet" in draw_panel().texts()
 
 
 def test_the_arrow_in_the_modifiers_tab_leaves_the_tab_where_it_is(bound_plate: Rig):

@@ -47,7 +47,7 @@ from rigs.rig import (
     reopen,
     update,
 )
-from rigs.sheet import WIDE, draw_panel
+from rigs.sheet import draw, draw_panel
 
 Caged = tuple[bpy.types.Object, bpy.types.Object]
 WITH_MESH = {"mesh": ball, **MAKERS}
@@ -471,8 +471,8 @@ def test_convert_to_mesh_keeps_the_shape_shown(caged: Caged):
 def test_panels_draw_what_works_and_overlays_colour_surfaces_alone(caged: Caged):
     obj, cage = caged
     make_active(obj)
-    names = set(draw_panel(WIDE).operator_names())
-    assert {"sinew.bind", "sinew.cage_set_rest", "sinew.cage_add"} <= names
+    names = {*draw_panel().operator_names(), *draw(bpy.types.SINEW_PT_order).operator_names()}
+    assert {"sinew.bind", "sinew.cage_set_rest", "sinew.control_edit"} <= names
     assert not {"sinew.handle_add", "sinew.deformer_add"} & names
     for vertex in cage.data.vertices:
         vertex.select = vertex.index == 0

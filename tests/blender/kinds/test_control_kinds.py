@@ -43,7 +43,7 @@ def test_every_method_has_a_kind_and_belongs_to_it_alone() -> None:
 
 
 def test_one_call_lets_an_object_control_a_deformer_of_its_kind() -> None:
-    """As Add Cage does; a kind that needs more than an object refuses, and leaves nothing behind."""
+    """As Wrap in a Cage does; a kind that needs more than an object refuses, and leaves nothing behind."""
     errors = inner.errors
     target, cage, other = ball(), box(), box("Other")
     for owned, method in enumerate(WITH_CAGE[:2]):

@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
-from inside import inner, native
+from inside import native
 from mathutils import Matrix
 from probe import render_points
 from registry import BY_ID, RIGID_ON_HANDLE_POINTS
@@ -323,7 +323,7 @@ def test_not_a_number_among_points_is_refused():
 def test_the_panel_offers_segments_where_the_method_has_them():
     plate, points = grid_object(), frame()
     deformer = add(plate, points, method="mls")
-    region = inner.ui_control_handles.SINEW_PT_region
+    region = bpy.types.SINEW_PT_region
 
     def offered() -> list[str]:
         return [args[2] for name, args, *_rest in draw(region).calls if name == "prop_enum"]

@@ -10,7 +10,7 @@ from rigs.rig import Rig, base_points, press, update
 
 
 def test_one_call_rigs_a_region_and_binds_it(plate: Rig):
-    """As Add Handle does. A refused bind leaves the region, an unknown group leaves nothing."""
+    """As Make Handle does. A refused bind leaves the region, an unknown group leaves nothing."""
     errors, obj = inner.errors, plate.obj
     with pytest.raises(errors.SinewError):
         inner.rigging.rig_region(obj, inner.handles.NewRegion("HANDLE", "Nowhere"), "arap")

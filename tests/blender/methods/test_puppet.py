@@ -331,6 +331,22 @@ def test_balance_keeps_the_centre_of_mass_over_the_feet():
     assert support[1] <= centres[1][1] <= support[2]
 
 
+def test_with_mirror_the_other_side_follows() -> None:
+    """Unless it is pinned, or moves itself. The hip turns with the leg that is dragged, and has no image."""
+    armature, flip = figure("XYZ"), np.diag((-1.0, 1.0, 1.0, 1.0))
+    armature.pose.use_mirror_x = True
+    pose(armature, "foot.L", (0.2, -0.3, 0.2), key=True)
+    for name in ("thigh", "shin", "foot"):
+        moved, image = (np.array(armature.pose.bones[f"{name}.{side}"].matrix_basis) for side in "LR")
+        assert np.abs(moved - np.eye(4)).max() > 0.01
+        assert np.allclose(flip @ moved @ flip, image, atol=1e-5)
+    assert any('"shin.R"' in curve.data_path for curve in curves_of(armature))
+    armature.pose.bones["foot.R"].sinew.pin = True
+    held = end_of(armature, "foot.R")
+    pose(armature, "foot.L", (0.1, 0.0, 0.0))
+    assert close(end_of(armature, "foot.R"), held, 2e-3)
+
+
 def test_bones_are_pinned_and_released():
     compat = inner.compat
     armature = figure()

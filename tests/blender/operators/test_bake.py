@@ -162,11 +162,11 @@ def test_shape_keys_are_what_an_artist_expects(moving: Rig):
     live = played(moving.obj)
     bake(moving, "SHAPE_KEYS", exact_keys=False)
     keys = moving.obj.data.shape_keys
-    assert [key.name for key in keys.key_blocks] == ["Basis", *(f"Thin Shell {frame}" for frame in FRAMES)]
+    assert [key.name for key in keys.key_blocks] == ["Basis", *(f"Sheet {frame}" for frame in FRAMES)]
     bpy.context.scene.frame_set(3)
     assert [key.value for key in keys.key_blocks][1:] == [0, 0, 1, 0, 0, 0, 0, 0]
     flat = np.empty(len(moving.rest()) * 3, dtype=np.float32)
-    keys.key_blocks["Thin Shell 5"].data.foreach_get("co", flat)
+    keys.key_blocks["Sheet 5"].data.foreach_get("co", flat)
     assert np.array_equal(flat.reshape(-1, 3), live[5])
     now = played(moving.obj)
     assert max(np.abs(now[frame] - live[frame]).max() for frame in FRAMES) < 2e-7  # Blender's float32 sum

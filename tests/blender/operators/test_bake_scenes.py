@@ -89,19 +89,19 @@ def test_unbake_finds_its_modifier_after_renames_and_leaves_others(saved: Rig, t
     mine.cache_format, mine.filepath = "PC2", "//other.pc2"
     mine.show_viewport = False
     obj.modifiers[1].name = "Played"
-    mine.name = "Thin Shell Cache"
+    mine.name = "Sheet Cache"
     saved.deformer.name = "Renamed"
     saved.obj.modifiers[0].name = "Ours"
     make_active(obj)
     bpy.ops.sinew.unbake()
-    assert [modifier.name for modifier in obj.modifiers] == ["Ours", "Thin Shell Cache"]
+    assert [modifier.name for modifier in obj.modifiers] == ["Ours", "Sheet Cache"]
     assert_same(played(obj), live)
 
 
 def test_shape_keys_that_the_user_renamed_stay(moving: Rig):
     bake(moving, "SHAPE_KEYS")
     keys = moving.obj.data.shape_keys.key_blocks
-    keys["Thin Shell 3"].name = "Smile"
+    keys["Sheet 3"].name = "Smile"
     bpy.ops.sinew.unbake()
     assert [key.name for key in moving.obj.data.shape_keys.key_blocks] == ["Basis", "Smile"]
 
@@ -186,8 +186,8 @@ def test_while_baked_the_rows_are_greyed_out_and_the_panel_says_why(saved: Rig, 
     assert not shown.greyed
     bake(saved, target)
     sheet = draw_panel(WIDE)
-    assert "greyed out" in sheet.texts()
-    assert {"handles", "method", "factor", "sinew.handle_remove"} <= set(sheet.greyed)
+    assert "Baked frames 1-8" in sheet.texts()
+    assert {"handles", "factor", "sinew.choose_method", "sinew.handle_remove"} <= set(sheet.greyed)
     assert "sinew.unbake" not in sheet.greyed
     for operator in (bpy.ops.sinew.bind, bpy.ops.sinew.unbind):
         assert not operator.poll()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Drag Surface by its properties, as scripts and Adjust Last Operation call it, and by events of a mouse."""
+"""Sinew Drag by its properties, as scripts and Adjust Last Operation call it, and by events of a mouse."""
 
 from __future__ import annotations
 
@@ -74,6 +74,11 @@ def _kind_of(name: str) -> str:
     return name.split(".0")[0] if name.startswith(".") else name
 
 
+def grabbed(obj: bpy.types.Object) -> list[str]:
+    """The vertex groups of the handles."""
+    return [row.vertex_group for row in obj.sinew.active.handles if row.kind == "HANDLE"]
+
+
 def members(obj: bpy.types.Object, name: str) -> np.ndarray:
     group = obj.vertex_groups[name].index
     return np.array(
@@ -87,12 +92,12 @@ def test_a_handle_is_made_where_one_presses_and_the_rest_stays():
     control = drag()
     deformer = obj.sinew.active
     assert [(row.kind, row.name) for row in deformer.handles] == [
-        ("SUPPORT", "Support"),
+        ("SUPPORT", "Free Area"),
         ("HANDLE", "Handle"),
     ]
     assert deformer.handles[1].control == control
     distance = np.linalg.norm(rest[:, :2], axis=1)
-    assert set(members(obj, "Handle")) == set(np.flatnonzero(distance <= 0.25 + 1e-6))
+    assert set(members(obj, grabbed(obj)[0])) == set(np.flatnonzero(distance <= 0.25 + 1e-6))
     shown = evaluated_points(obj)
     assert close(shown[distance <= 0.25], rest[distance <= 0.25] + LIFT)
     assert close(shown[distance > 0.5], rest[distance > 0.5])
@@ -110,8 +115,8 @@ def test_the_same_place_is_dragged_on_and_another_place_gets_another_handle():
     second = drag(0.5, value=(0.0, 0.0, -0.3))
     assert second != first
     rows = [(row.kind, row.name) for row in obj.sinew.active.handles]
-    assert [name for kind, name in rows if kind == "HANDLE"] == ["Handle", "Handle.001"]
-    shown, one, other = evaluated_points(obj), members(obj, "Handle"), members(obj, "Handle.001")
+    assert [name for kind, name in rows if kind == "HANDLE"] == ["Handle R", "Handle L"]
+    shown, one, other = evaluated_points(obj), members(obj, grabbed(obj)[0]), members(obj, grabbed(obj)[1])
     assert close(shown[one], rest[one] + (0.1, 0.0, 0.5))
     assert close(shown[other], rest[other] + (0.0, 0.0, -0.3))
     assert len(obj.sinew.deformers) == 1
@@ -121,7 +126,7 @@ def test_neighbouring_handles_share_no_vertex():
     obj = grid_object(cells=20)
     drag(0.0)
     drag(0.3, value=(0.0, 0.0, 0.2))
-    assert not set(members(obj, "Handle")) & set(members(obj, "Handle.001"))
+    assert not set(members(obj, grabbed(obj)[0])) & set(members(obj, grabbed(obj)[1]))
     assert obj.sinew.active.is_bound
 
 
@@ -131,9 +136,9 @@ def test_a_click_makes_a_handle_that_stays_and_holds_the_rest():
     drag(-0.8, value=(0.0, 0.0, 0.0), unlimited=True)
     assert close(evaluated_points(obj), rest)
     drag(0.8, unlimited=True)
-    shown, pin = evaluated_points(obj), members(obj, "Handle")
+    shown, pin = evaluated_points(obj), members(obj, grabbed(obj)[0])
     assert close(shown[pin], rest[pin])
-    assert close(shown[members(obj, "Handle.001")], rest[members(obj, "Handle.001")] + LIFT)
+    assert close(shown[members(obj, grabbed(obj)[1])], rest[members(obj, grabbed(obj)[1])] + LIFT)
     assert {row.kind for row in obj.sinew.active.handles} == {"HANDLE"}
 
 
@@ -163,9 +168,9 @@ def test_the_region_goes_along_the_surface_and_not_through_a_thin_limb():
     modifier.subdivision_type, modifier.levels = "SIMPLE", 5
     bpy.ops.object.modifier_apply(modifier="Subdivision")
     drag(0.1, 0.1)
-    assert (base_points(obj)[members(obj, "Handle"), 2] > 0.0).all()
+    assert (base_points(obj)[members(obj, grabbed(obj)[0]), 2] > 0.0).all()
     drag(0.1, 0.1, -5.0, direction=(0.0, 0.0, 1.0), value=(0.0, 0.0, -0.2))
-    assert (base_points(obj)[members(obj, "Handle.001"), 2] < 0.0).all()
+    assert (base_points(obj)[members(obj, grabbed(obj)[1]), 2] < 0.0).all()
 
 
 def test_the_side_that_is_seen_is_taken_also_where_a_vertex_of_the_other_one_is_nearer():
@@ -174,7 +179,7 @@ def test_the_side_that_is_seen_is_taken_also_where_a_vertex_of_the_other_one_is_
     faces = [(0, 1, 2, 3), (8, 5, 4), (8, 6, 5), (8, 7, 6), (8, 4, 7)]
     obj = new_object("Sheet", [(x, y, 0.0) for x, y in corners] + below, faces)
     drag(0.1, 0.1)
-    assert set(members(obj, "Handle")) == {2}
+    assert set(members(obj, grabbed(obj)[0])) == {2}
 
 
 def test_a_placed_object_moves_by_the_numbers_of_the_world():
@@ -183,7 +188,7 @@ def test_a_placed_object_moves_by_the_numbers_of_the_world():
     world = apply_matrix(obj.matrix_world, base_points(obj))
     place, normal = world[8 * 17 + 8], obj.matrix_world.inverted().transposed().to_3x3() @ Vector((0, 0, 1))
     drag(*(place + np.array(normal)), direction=-normal, value=(0.1, 0.2, 0.3), reach=1.5)
-    chosen = members(obj, "Handle")
+    chosen = members(obj, grabbed(obj)[0])
     assert set(chosen) == set(np.flatnonzero(np.linalg.norm(world - place, axis=1) <= 0.25))
     shown = apply_matrix(obj.matrix_world, evaluated_points(obj))
     assert close(shown[chosen], world[chosen] + (0.1, 0.2, 0.3), 2e-5)
@@ -193,7 +198,7 @@ def test_rotation_and_scale_about_the_place_that_was_pressed():
     obj = grid_object(cells=20)
     rest = base_points(obj)
     drag(0.1, mode="ROTATE", angle=0.6, axis=(0.0, 0.0, 1.0))
-    chosen = members(obj, "Handle")
+    chosen = members(obj, grabbed(obj)[0])
     around = Matrix.Translation((0.1, 0.0, 0.0)) @ Matrix.Rotation(0.6, 4, "Z")
     around = around @ Matrix.Translation((-0.1, 0.0, 0.0))
     assert close(evaluated_points(obj)[chosen], apply_matrix(around, rest[chosen]), 1e-5)
@@ -206,7 +211,7 @@ def test_on_the_surface_that_modifiers_make(kind: str):
     show_beside_the_mesh(obj)
     obj.modifiers.new("Made", kind)
     drag(1.5, 0.5)
-    chosen = members(obj, "Handle")
+    chosen = members(obj, grabbed(obj)[0])
     assert np.abs(base_points(obj)[chosen, :2].mean(axis=0) - 0.5).max() < 0.06
     assert obj.sinew.active.is_bound
 
@@ -414,7 +419,7 @@ def test_the_mouse_drags_and_release_keeps():
     rest = base_points(obj)
     finger = Finger(obj)
     finger.move(20, 10)
-    chosen = members(obj, "Handle")
+    chosen = members(obj, grabbed(obj)[0])
     assert close(evaluated_points(obj)[chosen], rest[chosen] + (0.2, 0.1, 0.0))
     finger.send("X")
     assert close(evaluated_points(obj)[chosen], rest[chosen] + (0.2, 0.0, 0.0))
@@ -463,5 +468,5 @@ def test_a_heavy_mesh_is_bound_by_a_thread(monkeypatch: pytest.MonkeyPatch, key:
         assert everything() == was
         return
     assert finish()
-    chosen = members(obj, "Handle")
+    chosen = members(obj, grabbed(obj)[0])
     assert close(evaluated_points(obj)[chosen], rest[chosen] + (0.2, 0.1, 0.0))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Drag Surface with methods that deform space: handles at the very place, without a region.
+"""Sinew Drag with methods that deform space: handles at the very place, without a region.
 
 Nothing here names a method: each that handles move through space takes part.
 """
@@ -125,7 +125,7 @@ def test_a_drag_takes_hold_of_curves_text_hair_and_clouds(kind: str):
     place = middle_of_a_face(obj)
     place = before[np.argmax(before[:, 2])] if place is None else place
     control = drag(place[0], place[1])
-    assert obj.sinew.active.definition.label == "Inverse Free-Form Deformation"
+    assert obj.sinew.active.method == "inverse_ffd"
     (handle,) = obj.sinew.active.handles
     assert handle.control == control
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status

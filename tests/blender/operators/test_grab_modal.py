@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grab Region by events, as a window would send them."""
+"""Grab Once by events, as a window would send them."""
 
 from __future__ import annotations
 

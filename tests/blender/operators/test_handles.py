@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Add Handle, Remove and Select in the modes a rigger works in, from a selection in Edit Mode on."""
+"""Make Handle, Remove and Select in the modes a rigger works in, from a selection in Edit Mode on."""
 
 import bmesh
 import bpy
@@ -40,7 +40,7 @@ def test_from_selection_to_pose():
     bpy.ops.object.mode_set(mode="OBJECT")
 
     deformer = obj.sinew.active
-    assert [handle.vertex_group for handle in deformer.handles] == ["Handle", "Fixed"]
+    assert [handle.vertex_group for handle in deformer.handles] == ["Handle", "Still"]
     assert len(obj.modifiers) == 1
     control = deformer.handles[0].control
     assert control.select_get()

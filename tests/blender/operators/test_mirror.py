@@ -172,9 +172,9 @@ def test_the_support_around_a_dragged_handle_is_mirrored_with_it():
     bpy.ops.sinew.drag(origin=(0.5, 0.1, 5.0), value=(0.1, 0.05, 0.3), radius=0.15, reach=2.5)
     press(plate.obj, "handle_mirror")
     update()
-    assert handle_names(plate) == ["Support.L", "Handle.L", "Handle.R", "Support.R"]
+    assert handle_names(plate) == ["Free Area.L", "Handle L", "Handle R", "Free Area.R"]
     assert_is_its_own_mirror_image(plate)
-    assert_weights_are_mirrored(plate, "Support.L", "Support.R")
+    assert_weights_are_mirrored(plate, "Free Area.L", "Free Area.R")
 
 
 def test_the_next_mirror_updates_the_counterpart(hand: Rig):
@@ -419,7 +419,7 @@ def test_a_selection_that_became_a_handle_gets_the_names_of_both_sides(hand: Rig
         change_selection(hand.obj, low_corner(1.0))
         bpy.ops.sinew.handle_add(kind="HANDLE")
     press(hand.obj, "handle_mirror")
-    assert handle_names(hand) == ["Hand.L", "Spine", "Handle.L", "Handle.R"]
+    assert handle_names(hand) == ["Hand.L", "Spine", "Handle L", "Handle R"]
     bpy.ops.sinew.handle_remove(index=3)
     bpy.ops.sinew.handle_remove(index=2)
     assert {group.name for group in hand.obj.vertex_groups} == {"Top", "Base", "Hand.L", "Spine"}

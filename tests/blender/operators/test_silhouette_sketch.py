@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Silhouette Sketch by a curve as the stroke, as in scripts, and by events, as a window would send them."""
+"""Draw Outline by a curve as the stroke, as in scripts, and by events, as a window would send them."""
 
 from __future__ import annotations
 
@@ -273,7 +273,7 @@ def test_fixed_regions_stay_and_a_line_inside_one_is_refused():
     above[:, 1] = -3.0
     assert above[:, 2].min() > 0.5
     make_active(obj)
-    fails("Fixed regions", sketch, curve(above, "Above"))
+    fails("Still regions", sketch, curve(above, "Above"))
     assert key_names(obj) == ["Basis", "Silhouette"]
     obj.sinew.deformers[0].handles[0].kind = "SUPPORT"
     assert sketch(bpy.data.objects["Above"], reach=0.2) == {"FINISHED"}

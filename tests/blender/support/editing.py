@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Edit Mode from a test: selecting, reading what it shows, and Grab Region on it."""
+"""Edit Mode from a test: selecting, reading what it shows, and Grab Once on it."""
 
 from __future__ import annotations
 

@@ -33,7 +33,7 @@ ON_HANDLE_POINTS = tuple(method for method in WITH_HANDLES if BY_ID[method].is_s
 RIGID_ON_HANDLE_POINTS = tuple(
     name for name in ON_HANDLE_POINTS if BY_ID[name].reproduces is not Reproduced.REST
 )
-GRABBING = tuple(method for method in ON_SURFACE if not BY_ID[method].wraps)  # those of Grab Region
+GRABBING = tuple(method for method in ON_SURFACE if not BY_ID[method].wraps)  # those of Grab Once
 
 
 def base_of(row: object) -> object | None:

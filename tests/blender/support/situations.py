@@ -137,10 +137,19 @@ def panels() -> list[type]:
     return [cls for cls in found if not hasattr(cls, "poll") or cls.poll(bpy.context)]
 
 
+def title(cls: type) -> str:
+    """The title of a panel, also where it depends on what is active."""
+    if cls.bl_label:
+        return cls.bl_label
+    sheet = Sheet()
+    cls.draw_header(_StandIn(cls, sheet), CONTEXT)
+    return sheet.texts()
+
+
 def sidebar() -> Iterator[Step]:
     """All that the Sinew tab shows."""
     for cls in panels():
-        yield Step(cls.bl_label, functools.partial(drawn, cls))
+        yield Step(title(cls), functools.partial(drawn, cls))
         yield from drawn(cls)
 
 
@@ -149,7 +158,7 @@ def first_steps() -> Iterator[Step]:
     for name in ("TOPBAR_MT_editor_menus", "VIEW3D_MT_editor_menus"):
         yield from drawn(getattr(bpy.types, name))
     yield Step("Sinew", sidebar)
-    yield from (step for step in sidebar() if step.label in {cls.bl_label for cls in panels()})
+    yield from (step for step in sidebar() if step.label in {title(cls) for cls in panels()})
     yield Step("Bone", _bone_tab)
 
 

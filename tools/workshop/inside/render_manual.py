@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders the pages of a folder, ``*.md``, as HTML with their pictures: ``render_manual.py SOURCE TARGET``.
+"""Renders the pages of a folder, ``*.md``, as HTML with their pictures, and those about methods below them:
+``render_manual.py SOURCE METHODS TARGET``.
 
 Run by a Python that has the package ``markdown``. Every relative link must lead to another page, to a heading
-that is there, or to a picture in the folder: a reader of the packaged manual has nothing else.
+that is there, or to a picture in the folder: a reader of the packaged manual has nothing else. Pages about
+methods are read by developers, too: of what only those have, the text of the link is left.
 """
 
 import html
@@ -23,7 +25,7 @@ FRAME = """<!DOCTYPE html>
 <meta charset="utf-8">
 <meta name="viewport" content="width=device-width, initial-scale=1">
 <title>{title}</title>
-<link rel="stylesheet" href="manual.css">
+<link rel="stylesheet" href="{up}manual.css">
 </head>
 <body>
 {back}<main>
@@ -32,7 +34,9 @@ FRAME = """<!DOCTYPE html>
 </body>
 </html>
 """
-BACK = '<nav><a href="index.html">Sinew manual</a></nav>\n'
+BACK = '<nav><a href="{up}index.html">Sinew manual</a></nav>\n'
+BELOW = "methods"  # the folder of the pages about methods
+MANUAL = "../manual/"  # how they call the folder of the manual
 
 
 def render(source: Path) -> dict[str, bytes]:
@@ -48,10 +52,34 @@ def render(source: Path) -> dict[str, bytes]:
             path = unquote(urlsplit(link).path)
             if not is_elsewhere(link) and path.endswith(PICTURES):
                 files[path] = (source / path).read_bytes()
-        back = BACK if INDEX in bodies and name != INDEX else ""
-        title = html.escape(found[name].title or "Sinew")
-        files[page_name(name)] = FRAME.format(title=title, back=back, body=linked(text)).encode()
+        back = BACK.format(up="") if INDEX in bodies and name != INDEX else ""
+        files[page_name(name)] = framed(text, back, "")
     return files
+
+
+def render_methods(source: Path, manual: Path) -> dict[str, bytes]:
+    """The pages about methods, and the pictures that they show: name -> content."""
+    files = {}
+    for path in sorted(source.glob("*.md")):
+        text = re.sub(r'<a href="([^"]*)">(.*?)</a>', lambda link: kept(link, source), body(path), flags=re.S)
+        for picture in re.findall(rf'src="{MANUAL}([^"]+)"', text):
+            files[picture] = (manual / picture).read_bytes()
+        text = re.sub(rf'(href|src)="{MANUAL}', r'\1="../', text)
+        files[f"{BELOW}/{page_name(path.name)}"] = framed(text, BACK.format(up="../"), "../")
+    return files
+
+
+def kept(link: re.Match[str], source: Path) -> str:
+    """A link to what the manual has; of any other one its text."""
+    path = unquote(urlsplit(link[1]).path)
+    is_here = "/" not in path.removeprefix(MANUAL) and (not path or (source / path).is_file())
+    return link[0] if is_elsewhere(link[1]) or is_here else link[2]
+
+
+def framed(text: str, back: str, up: str) -> bytes:
+    """A whole page. ``up`` leads from it to the folder of the manual."""
+    title = html.escape(Links(text).title or "Sinew")
+    return FRAME.format(title=title, back=back, up=up, body=linked(text)).encode()
 
 
 def body(path: Path) -> str:
@@ -69,7 +97,9 @@ def page_name(markdown_name: str) -> str:
 def linked(text: str) -> str:
     """The text with links to the HTML of other pages instead of their Markdown."""
     return re.sub(
-        r'href="([^"#/]+\.md)(#[^"]*)?"', lambda match: f'href="{page_name(match[1])}{match[2] or ""}"', text
+        r'href="((?:\.\./)?)([^"#/]+\.md)(#[^"]*)?"',
+        lambda match: f'href="{match[1]}{page_name(match[2])}{match[3] or ""}"',
+        text,
     )
 
 
@@ -119,11 +149,11 @@ def broken(link: str, page: str, source: Path, pages: dict[str, Links]) -> str:
     return "" if not parts.fragment or parts.fragment in target.anchors else "is no heading there"
 
 
-def main(source: Path, target: Path) -> None:
-    for name, content in render(source).items():
+def main(source: Path, methods: Path, target: Path) -> None:
+    for name, content in (render(source) | render_methods(methods, source)).items():
         (target / name).parent.mkdir(parents=True, exist_ok=True)
         (target / name).write_bytes(content)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]), Path(sys.argv[2]))
+    main(*map(Path, sys.argv[1:4]))

@@ -16,13 +16,12 @@ from ....ids import Keys
 from ....properties import SinewDeformer, deformers_of
 from ...controls import kinds
 from ...controls.cage.kind import KIND as CAGE
-from ...datablocks import libraries, rest_frame
+from ...controls.objects import UNPOSED
+from ...datablocks import libraries
 from ...state import sessions
 
 # Points (c, 3), corners per face, vertex of each corner, the options, and what else there is to say.
 Shape = tuple[np.ndarray, np.ndarray, np.ndarray, dict, str]
-
-_UNPOSED = 1e-5  # of the size of the cage; coordinates are stored in single precision
 
 
 def put(cage: Object, obj: Object, shape: Shape) -> None:
@@ -42,7 +41,7 @@ def put(cage: Object, obj: Object, shape: Shape) -> None:
 
 
 def is_automatic(cage: Object) -> bool:
-    """Whether Add Cage made this cage, by its mark."""
+    """Whether Wrap in a Cage made this cage, by its mark."""
     return cage.type == "MESH" and cage.data is not None and Keys.CAGE_ORIGIN in cage.data
 
 
@@ -69,7 +68,7 @@ def check_cage(deformer: SinewDeformer) -> dict:
     if libraries.is_lost(cage):
         raise CageError(libraries.explain(cage))
     if not is_automatic(cage):
-        raise CageError(f"{cage.name} was not made by Add Cage - remesh or decimate it, then Set Rest Cage")
+        raise CageError(f"{cage.name} was not made by Wrap in a Cage - remesh or decimate it, then New Rest")
     mesh = cage.data
     if cage.library is not None or mesh.library is not None or mesh.users > 1:
         raise CageError(f"{cage.name} shares its mesh - make it single-user and local first")
@@ -79,7 +78,7 @@ def check_cage(deformer: SinewDeformer) -> dict:
     if options.pop("print") != _print(mesh) or mesh.shape_keys is not None or len(cage.vertex_groups):
         raise CageError(
             f"{cage.name} was edited, and that would be lost - its faces can be changed as long as it is "
-            "as Add Cage made it"
+            "as Wrap in a Cage made it"
         )
     for obj, row in moved_by(cage):
         if obj.library is not None or obj.name not in bpy.context.scene.objects:
@@ -89,10 +88,10 @@ def check_cage(deformer: SinewDeformer) -> dict:
             )
         if row.bake.is_baked:
             raise CageError(f"{row.name} of {obj.name} is baked - Unbake it first")
-        if row.is_bound and not _is_unposed(obj, row):
+        if row.is_bound and CAGE.not_at_rest(obj, row, bpy.context.evaluated_depsgraph_get()):
             raise CageError(
-                f"{cage.name} is posed, and the pose of {obj.name} would be lost - move it back, or Set Rest "
-                "Cage"
+                f"{cage.name} is posed, and the pose of {obj.name} would be lost - move it back, or "
+                "press New Rest"
             )
     return {**options, "quads": bool(options["quads"]), "flat": bool(options.get("flat", False))}
 
@@ -109,22 +108,9 @@ def change_cage(obj: Object, deformer: SinewDeformer, shape: Shape) -> None:
     bpy.context.view_layer.update()
 
 
-def _is_unposed(obj: Object, deformer: SinewDeformer) -> bool:
-    """Whether the cage is where it rests."""
-    if not isinstance(deformer.cage_rest, Mesh):
-        return True
-    place = CAGE.place(deformer, bpy.context.evaluated_depsgraph_get())
-    rest = rest_frame.read(deformer, deformer.cage_rest).points
-    if place is None or len(place.vertices) != len(rest):
-        return False
-    relative = frames.inverse(np.array(obj.matrix_world, dtype=np.float64), obj.name) @ place.matrix()
-    now = frames.transformed(relative, place.vertices.astype(np.float64))
-    return _are_alike(now, rest)
-
-
 def _are_alike(points: np.ndarray, others: np.ndarray) -> bool:
     """Whether points (n, 3) are where the others are, but for single precision."""
-    return bool(np.abs(points - others).max() <= _UNPOSED * np.ptp(others, axis=0).max())
+    return bool(np.abs(points - others).max() <= UNPOSED * np.ptp(others, axis=0).max())
 
 
 def _print(mesh: Mesh) -> str:

@@ -31,6 +31,15 @@ def rows_of(deformer: SinewDeformer) -> list[SinewControl]:
     return kind.rows(deformer) if isinstance(kind, SeveralKind) else []
 
 
+def active_row(deformer: SinewDeformer) -> SinewControl | None:
+    """The active one of these; None if there are none."""
+    rows = rows_of(deformer)
+    if not rows:
+        return None
+    chosen = deformer.controls[min(deformer.active_control, len(deformer.controls) - 1)]
+    return chosen if chosen in rows else rows[0]
+
+
 def add_to(
     obj: Object,
     controls: Mapping[Object, Mapping[str, object]],

@@ -7,7 +7,8 @@ import bpy
 from bpy.types import Object, PropertyGroup
 
 from ....core.errors import OptionError
-from ....core.methods import METHODS, GridPoints, Parameter
+from ....core.labels import label_of, names_of
+from ....core.methods import METHODS, GridPoints, Method, Parameter
 from ....properties import SinewDeformer, deformers_of
 from ...controls import kinds
 from ...datablocks import grids
@@ -17,7 +18,12 @@ from ...state import sessions
 
 def has_grid(deformer: SinewDeformer) -> bool:
     """Whether the method has control grids. Those of a base method have to be made while it works alone."""
-    return _of_method(deformer) is not None
+    return _grid_of(deformer.definition) is not None
+
+
+def with_grids() -> str:
+    """The names of the methods that have a control grid."""
+    return names_of(method for method in METHODS if _grid_of(method))
 
 
 @sessions.suspended()
@@ -26,9 +32,9 @@ def new_grid(obj: Object, deformer: SinewDeformer) -> Object:
 
     If the deformer has one already, that gets a new mesh, and moves nothing at first.
     """
-    name = _of_method(deformer)
+    name = _grid_of(deformer.definition)
     if name is None:
-        raise OptionError(f"{deformer.definition.label} has no control grid - Spline Surface has one")
+        raise OptionError(f"{label_of(deformer.definition)} has no control grid - {with_grids()} has one")
     values = deformer.parameters
     known = getattr(values, name)
     if known is not None and not grids.is_grid(known):
@@ -70,9 +76,9 @@ def release_grids(obj: Object, deformer: SinewDeformer) -> None:
             bpy.data.meshes.remove(mesh)
 
 
-def _of_method(deformer: SinewDeformer) -> str | None:
+def _grid_of(method: Method) -> str | None:
     """The parameter of the method that is a grid, if it has one."""
-    grids_of = (parameter.id for parameter in deformer.definition.references if _is_grid(parameter))
+    grids_of = (parameter.id for parameter in method.references if _is_grid(parameter))
     return next(grids_of, None)
 
 

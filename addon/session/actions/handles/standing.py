@@ -12,10 +12,10 @@ from ....core.geometry import frames
 from ....properties import SinewDeformer, SinewHandle
 from ...controls.handles import poses, riding
 from ...controls.handles.points import are_apart
+from ...controls.movers import CHANNELS
 from ...datablocks.movers import is_moved_before
 
 NOTHING_MOVES = "Nothing before Sinew moves this mesh"
-_CHANNELS = ("location", "rotation_euler", "rotation_quaternion", "rotation_axis_angle", "scale")
 _SAME = 1e-6  # of a frame: keys so near each other are at one
 
 
@@ -71,7 +71,7 @@ def _is_own_child(obj: Object, handle: SinewHandle) -> bool:
 
 
 def _curves(control: Object) -> list:
-    return [curve for _action, curve in compat.action_curves(control) if curve.data_path in _CHANNELS]
+    return [curve for _action, curve in compat.action_curves(control) if curve.data_path in CHANNELS]
 
 
 def _keyed_frames(control: Object) -> list[float]:

@@ -16,7 +16,7 @@ from mathutils.interpolate import poly_3d_calc
 
 from ....core.errors import ConstraintError, SinewError
 from ....core.geometry import frames
-from ....core.names import unique_name
+from ....core.names import numbered, unique_name
 from ....core.sides import Side, flip
 from ....mesh_io import RestShape, read_rest
 from ....properties import SinewDeformer, SinewHandle
@@ -44,7 +44,7 @@ def add_point_handles(
 ) -> list[SinewHandle]:
     """A handle at a place (3,) of the world on the surface that is shown, as large as ``radius`` there.
 
-    With X-Axis Mirror, a handle on the other side comes with it, unless both would overlap. ``bind`` must
+    With Mirror, a handle on the other side comes with it, unless both would overlap. ``bind`` must
     follow.
     """
     mesh = capture.rest_mesh(obj, deformer)
@@ -58,7 +58,7 @@ def add_point_handles(
         handles = [_add(obj, deformer, "Point", found, radius)]
     else:
         side = Side.LEFT if found.rest[0] > 0.0 else Side.RIGHT
-        name = unique_name("Point", [handle.name[:-2] for handle in deformer.handles]) + _ENDINGS[side]
+        name = numbered("Point", [handle.name[:-2] for handle in deformer.handles]) + _ENDINGS[side]
         flipped = np.array((-1.0, 1.0, 1.0))
         image = _Place(found.rest * flipped, found.moved * flipped)
         uids = [

@@ -12,9 +12,12 @@ from mathutils import Euler, Matrix, Quaternion
 from ....backend import Puppet, Solution, Targets
 from ....core.errors import ConstraintError, SinewError
 from ....core.geometry import frames
+from ....core.sides import flip
+from ...controls.movers import rotation_channel
 from . import bones, limits
 
 _PINNED = 1e3  # the weight of what holds the puppet, beside what is dragged
+_FLIP = Matrix.Diagonal((-1.0, 1.0, 1.0, 1.0))  # to the mirror image in the frame of a bone
 _TOLERANCE = 1e-6  # a support of less than three points apart is none; a share of the size of the bones
 _CHANNELS = ("location", "rotation_quaternion", "rotation_axis_angle", "rotation_euler")
 
@@ -63,7 +66,7 @@ class PuppetDrag:
             raise ConstraintError(
                 f"{bone} follows its target {held_by.subtarget or held_by.target.name} - move that instead"
             )
-        self.bone = bone
+        self.name = bone
         self._world = np.array(armature.matrix_world, dtype=np.float64)
         self._to_armature = frames.inverse(self._world, armature.name)
         self._skeleton = skeleton = bones.read_skeleton(armature, depsgraph)
@@ -82,7 +85,9 @@ class PuppetDrag:
             self._moves = np.where(self._moving_roots[:, None], 0.0, self._moves)
         self._up = self._to_armature[:3, :3] @ (0.0, 0.0, 1.0)
         self._support = self._find_support() if options.balance else None
-        self._before = {name: _channels(armature.pose.bones[name]) for name in self.moving}
+        self._images = self._find_images(armature)
+        touched = (*self.moving, *self._images.values())
+        self._before = {name: _channels(armature.pose.bones[name]) for name in touched}
         self.gap = self.overhang = 0.0  # in the world: how far the bone is behind, and the centre of mass off
         self.ignored = [name for name in self.moving if _has_other_constraints(armature.pose.bones[name])]
 
@@ -141,10 +146,25 @@ class PuppetDrag:
     def key(self, armature: Object) -> None:
         """Insert keyframes for all bones that may move, so that the next drag does not change this frame."""
         for name in self.moving:
-            bone = armature.pose.bones[name]
-            bone.keyframe_insert(_rotation_channel(bone), group=name)
-            if self._moving_roots[self._skeleton.row(name)]:
-                bone.keyframe_insert("location", group=name)
+            for touched in filter(None, (name, self._images.get(name))):
+                bone = armature.pose.bones[touched]
+                bone.keyframe_insert(rotation_channel(bone), group=touched)
+                if self._moving_roots[self._skeleton.row(name)]:
+                    bone.keyframe_insert("location", group=touched)
+
+    def _find_images(self, armature: Object) -> dict[str, str]:
+        """The bones of the other side that follow with Mirror, by those that move.
+
+        Those that move themselves, or are pinned, do not follow.
+        """
+        if not armature.pose.use_mirror_x:
+            return {}
+        images = {name: armature.pose.bones.get(flip(name)) for name in self.moving}
+        return {
+            name: image.name
+            for name, image in images.items()
+            if image is not None and image.name not in images and not image.sinew.pin
+        }
 
     def _find_held(self, armature: Object, depsgraph: Depsgraph) -> list[_Hold]:
         """What stays, and where: pinned bones, and ends of bones with targets."""
@@ -207,6 +227,10 @@ class PuppetDrag:
                 if bone.bone.use_local_location:
                     move = skeleton.bones.axes[row].T @ move
                 bone.location = move
+            if name in self._images:
+                image = armature.pose.bones[self._images[name]]
+                _turn(image, _FLIP @ bone.matrix_basis @ _FLIP, self._before[image.name])
+                image.location = (-bone.location.x, bone.location.y, bone.location.z)
 
 
 def _points(skeleton: bones.Skeleton, row: int, part: Part) -> np.ndarray:
@@ -245,11 +269,6 @@ def _has_other_constraints(bone: PoseBone) -> bool:
 
 def _channels(bone: PoseBone) -> dict[str, tuple[float, ...]]:
     return {name: tuple(getattr(bone, name)) for name in _CHANNELS}
-
-
-def _rotation_channel(bone: PoseBone) -> str:
-    mode = bone.rotation_mode
-    return f"rotation_{mode.lower()}" if mode in ("QUATERNION", "AXIS_ANGLE") else "rotation_euler"
 
 
 def _turn(bone: PoseBone, rotation: Matrix, before: dict[str, tuple[float, ...]]) -> None:

@@ -20,10 +20,10 @@ from ..objects import ObjectKind
 class CageKind(ObjectKind):
     """A closed mesh around the target, or a flat one around flat art. It is drawn as wire."""
 
-    MISSING = "No cage yet - Add Cage takes the other selected mesh"
+    MISSING = "No cage yet - Wrap in a Cage takes the other selected mesh"
     NOUN = "cage"
     WANTED = "a cage is a closed mesh around the target, or a flat one around flat art"
-    REST_BUTTON, REST_REMEDY = "Set Rest Cage", Remedy.CAGE_REST
+    REST_BUTTON, REST_REMEDY = "New Rest", Remedy.CAGE_REST
     ERROR = CageError
 
     def row(self, settings: SinewDeformer) -> StoredCage:
@@ -55,7 +55,7 @@ class CageKind(ObjectKind):
         self.refuse_other_type(cage)
         if isinstance(rest, Mesh) and len(cage.data.vertices) != len(rest.vertices):
             raise CageError(
-                "The cage has other vertices than its rest - turn off its modifiers, then Set Rest Cage"
+                "The cage has other vertices than its rest - turn off its modifiers, then New Rest"
             )
         return cage
 

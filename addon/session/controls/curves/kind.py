@@ -22,6 +22,7 @@ from ....core.status import Remedy
 from ....ids import Datablocks, Keys
 from ....mesh_io import RestShape
 from ....properties import SinewControl, SinewDeformer
+from ...datablocks import own_shape
 from ...datablocks.shapes import shapes
 from ...state.evaluation import NO_VERTICES, Place
 from ...targets.modified import evaluated_mesh
@@ -128,6 +129,7 @@ class CurvesKind(SeveralKind):
         made.from_pydata([*wire.tolist(), *resampled(places, its, lines).tolist()], [], [])
         made[Keys.REST_STRUCTURE] = row.rest[Keys.REST_STRUCTURE]
         made[Keys.REST_TOKEN] = shapes.new_key()
+        own_shape.carry_over(row.rest, made)
         row.rest = shapes.put_mesh(row.rest, made)
         row.has_domain = True
 

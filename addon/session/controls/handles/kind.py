@@ -22,6 +22,7 @@ from .poses import keep_pose
 from .regions import has_constraints as is_set
 from .regions import key, request
 from .release import release
+from .resetting import not_at_rest, reset
 
 __all__ = (
     "MARKS_REGIONS",
@@ -34,12 +35,14 @@ __all__ = (
     "key",
     "links",
     "lost",
+    "not_at_rest",
     "notes",
     "object_with",
     "pose",
     "read_state",
     "release",
     "request",
+    "reset",
     "selectable",
     "selected",
     "set_rest",
@@ -48,7 +51,7 @@ __all__ = (
     "use",
 )
 
-MISSING = "No regions yet - select vertices in Edit Mode, then Add Handle or Add Fixed"
+MISSING = "No regions yet - select vertices in Edit Mode, then Make Handle or Hold Still"
 MARKS_REGIONS = True
 _NAMED = 3  # regions without vertices; the panel counts the others
 

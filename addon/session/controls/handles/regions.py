@@ -24,7 +24,11 @@ from .poses import rest_of
 _IMPLIED = "support"  # the key of the fixed region around a support
 _REACH = 0.02  # of the size of the target: how far such points are from the place of a control
 _NO_VERTICES = np.empty(0, dtype=np.intp)
-_NOUNS = (("HANDLE", "handle", "handles"), ("FIXED", "fixed", "fixed"), ("SUPPORT", "support", "supports"))
+_NOUNS = (
+    ("HANDLE", "handle", "handles"),
+    ("FIXED", "still", "still"),
+    ("SUPPORT", "free area", "free areas"),
+)
 
 
 def key(settings: SinewDeformer) -> tuple:
@@ -139,7 +143,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         raise ConstraintError(
             unused[0]
             if unused
-            else "Nothing holds the mesh - select vertices in Edit Mode and Add Handle or Add Fixed"
+            else "Nothing holds the mesh - select vertices in Edit Mode and Make Handle or Hold Still"
         )
     return BindInput(
         key=key,
@@ -210,7 +214,7 @@ def _why_unused(handle: SinewHandle, painted: np.ndarray | None) -> str:
 
 
 def _counted(roles: list[str]) -> str:
-    """How many regions of each role there are, as the panel says it: "2 handles, 1 fixed"."""
+    """How many regions of each role there are, as the panel says it: "2 handles, 1 still"."""
     found = []
     for role, one, several in _NOUNS:
         count = roles.count(role)

@@ -61,7 +61,7 @@ class LatticeKind(ObjectKind):
     POINT, POINTS = "point", "points"
     TYPES = ("LATTICE", "MESH")
     WANTED = "a lattice is a lattice object, or a mesh of hexahedra"
-    REST_BUTTON, REST_REMEDY = "Set Rest Lattice", Remedy.LATTICE_REST
+    REST_BUTTON, REST_REMEDY = "New Rest", Remedy.LATTICE_REST
     ERROR = ConstraintError
 
     def row(self, settings: SinewDeformer) -> SinewControl | Any:

@@ -9,6 +9,7 @@ straight to where it is now. The shape of a frame depends on that alone.
 import bpy
 import numpy as np
 from bpy.types import Depsgraph, Mesh, Object
+from mathutils import Matrix
 
 from ....compat import read_positions
 from ....core.geometry.paths import AXES, cut, scale_of
@@ -19,6 +20,7 @@ from ...datablocks import rest_frame
 from ...datablocks.evaluation_driver import Link
 from ...datablocks.shapes import shapes
 from ...state.evaluation import Evaluation
+from .. import movers
 from ..multi_object import Part, SeveralKind, label_of
 
 _FRAME = len(AXES)
@@ -29,7 +31,7 @@ class ToolsKind(SeveralKind):
 
     KIND = "tools"
     TYPES = ()
-    MISSING = "No tools yet - press Add Tool, or drag the surface with Field Drag"
+    MISSING = "No tools yet - press Add Tool, or drag the surface with Sinew Drag: Clay"
     NOUN = "tool"
     POINTS = "points"
     WANTED = "a tool is any object"
@@ -69,6 +71,16 @@ class ToolsKind(SeveralKind):
         rest = rest_frame.read(evaluation.settings, row.rest).points
         path = np.concatenate((rest, points)).reshape(-1, _FRAME, 3)
         return cut(path, row.progress, row.outer * scale_of(path[0])).reshape(-1, 3)
+
+    def reset_row(self, obj: Object, deformer: SinewDeformer, row: SinewControl) -> None:
+        """Put a tool back to its frame at rest, without a stop on the way."""
+        origin, *ends = rest_frame.read(deformer, row.rest).points[:_FRAME]
+        frame = np.eye(4)
+        frame[:3] = np.column_stack((*(end - origin for end in ends), origin))
+        world = np.array(obj.matrix_world, dtype=np.float64) @ frame
+        movers.move_to(row.object, "", Matrix(world.tolist()))
+        if len(row.rest.vertices) > _FRAME:
+            self.set_stops(row, np.zeros((0, 3)))
 
     def links(self, deformer: SinewDeformer):
         for row in self.rows(deformer):

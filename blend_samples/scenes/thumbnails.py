@@ -1,0 +1,335 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The pictures of the browser: one for each method and task, in one light, written into the add-on."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from math import radians
+from pathlib import Path
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from .. import denoise, inside, materials, posing, studio
+from ..comparison import CASES, native_solve
+from ..lineup import POSE_FRAME
+from ..lineups import LINEUPS, cows
+from ..models import spot
+from ..models.objects import mesh_object
+from . import elbow, longship, mesh_sequence, pyramid_coordinates, silhouette, wires
+
+PICTURES = Path(__file__).parents[2] / "addon" / "pictures"
+SIZE = 128  # pixels
+FINER = 2  # times as large is rendered
+SAMPLES = 40
+GREY = (0.30, 0.30, 0.31)
+CLAY = (0.62, 0.60, 0.56)
+IN_A_ROW = 8  # on the sheet of all of them
+
+Shown = Sequence[bpy.types.Object]  # what fills the picture
+
+
+@dataclass(frozen=True)
+class Subject:
+    """What a picture shows: ``build`` fills the empty scene; the camera looks from above by ``elevation``.
+
+    ``aim`` is what part of the height of the objects is seen, from 0 at their feet to 1.
+    """
+
+    build: Callable[[], Shown]
+    elevation: float = 12.0
+    frame: int = POSE_FRAME
+    aim: tuple[float, float] = (0.0, 1.0)
+
+
+def of_case(name: str, method: str, **options: object) -> Shown:
+    """A case of the comparison, solved by a method: clay, with its handle and what holds still."""
+    case = CASES[name]()
+    shape = native_solve(inside.registry(), inside.native(), method, **options)(case)
+    slots = _slots(case.triangles, {1: case.handles[0], 2: case.handles[1]}, len(shape))
+    obj = mesh_object(name, shape, case.triangles, smooth=name != "bar", slots=slots, materials=_clay())
+    obj.rotation_euler.z = radians(case.heading)
+    return [obj]
+
+
+def of_row(sample: str, label: str, painted: bool = True) -> Shown:
+    """One copy of a line-up. ``painted``: its regions get the colours of handles and of what holds still."""
+    lineup = LINEUPS[sample]
+    obj = lineup.build(label, 0.0) if lineup.anew else lineup.build()
+    obj.rotation_euler.z += radians(lineup.heading)
+    bpy.context.view_layer.update()
+    lineup.row[label](obj)
+    if painted:
+        _paint(obj)
+    if lineup.smooth:
+        _smooth(obj)
+    return [obj]
+
+
+def dragged() -> Shown:
+    """The cow that is dragged far at its back and its head, with balls where it is held."""
+    obj = spot.build()
+    obj.rotation_euler.z = radians(LINEUPS["inverse_ffd"].heading)
+    bpy.context.view_layer.update()
+    cows.dragged(7, farther=2.2)(obj)
+    _smooth(obj)
+    for ball in (obj for obj in bpy.data.objects if obj.name.endswith(" Pin")):
+        for vertex in ball.data.vertices:
+            vertex.co *= 2.2
+    return [obj]
+
+
+def in_a_cage(method: str) -> Shown:
+    """The cow in a posed cage, which one method after the other follows."""
+    obj = spot.build()
+    obj.rotation_euler.z = radians(LINEUPS["coordinates"].heading)
+    bpy.context.view_layer.update()
+    cows.pose_in_cages([obj])
+    for edges in (other for other in bpy.data.objects if other.name.endswith(" Edges")):
+        edges.modifiers["Wireframe"].thickness = 0.02
+    obj.sinew.active.method = method
+    _smooth(obj)
+    return [obj]
+
+
+def ship() -> Shown:
+    """The ship in its lattice, whose lines are drawn."""
+    parts = longship.build("One Lattice", 0.0)
+    longship.pose_by_lattice(parts)
+    bpy.context.scene.frame_set(POSE_FRAME)
+    shown = [obj for obj in bpy.data.objects if obj.type in ("MESH", "CURVE", "FONT", "CURVES")]
+    return [*shown, _lines_of(parts[0].sinew.active.controls[0].object)]
+
+
+def face() -> Shown:
+    """The yeti's head with its wires, which frown."""
+    head = wires.bust()
+    head.rotation_euler.z = radians(-90.0)
+    bpy.context.view_layer.update()
+    wires.expression(-1.0, -0.9)(head)
+    return [head]
+
+
+def keyed() -> Shown:
+    """The frame of the swaying pillar at whose key it was edited."""
+    mesh_sequence.make()
+    shown = bpy.data.objects[f"Frame {mesh_sequence.KEY} edited"]
+    live = next(obj for obj in bpy.data.objects if obj.sinew.deformers)
+    _paint(shown, live)
+    return [shown]
+
+
+def half_way() -> Shown:
+    """The cow between itself and its twisted twin."""
+    rest, target = spot.build(), spot.build()
+    target.data = pyramid_coordinates.twisted(rest.data)
+    rest.rotation_euler.z = radians(-52.0)
+    pyramid_coordinates.pose(rest, target)
+    _smooth(rest)
+    return [rest]
+
+
+def corrected() -> Shown:
+    """The bent elbow with its correction, and the control that rides on it."""
+    elbow.make()
+    last = elbow.SHOWN[-1]
+    control = bpy.data.objects[f"Control {last}"]
+    for frame in elbow.SHOWN[:-1]:
+        for pin in bpy.data.objects[f"Control {frame}"].children:
+            pin.hide_render = True
+    return [bpy.data.objects[f"Frame {last} with the correction"], *control.children]
+
+
+def redrawn() -> Shown:
+    """The cow that two strokes have redrawn, and the strokes."""
+    silhouette.make()
+    cow = next(obj for obj in bpy.data.objects if obj.type == "MESH" and obj.data.shape_keys)
+    strokes = [bpy.data.objects[name] for name in ("Back", "Muzzle")]
+    for stroke in strokes:
+        stroke.hide_render, stroke.data.bevel_depth = False, 0.025
+        stroke.data.materials.append(materials.plain_material("Stroke", silhouette.INK))
+    return [cow, *strokes]
+
+
+_case, _row = partial(partial, of_case), partial(partial, of_row)
+
+SUBJECTS: dict[str, Subject] = {
+    "arap": Subject(_case("branches", "arap")),
+    "subspace_laplacian": Subject(_row("reduced", "Subspace Laplacian")),
+    "laplacian_editing": Subject(_case("plane", "laplacian_editing"), elevation=24.0),
+    "gradient_editing": Subject(_case("cylinder", "gradient_editing")),
+    "rotation_invariant_coordinates": Subject(_case("bar", "rotation_invariant_coordinates")),
+    "handle_aware_isolines": Subject(_row("reduced", "Handle-Aware Isolines")),
+    "hierarchical_smoothing": Subject(_case("branches", "hierarchical_smoothing")),
+    "volumetric_graph_laplacian": Subject(_row("volume", "Volumetric Graph Laplacian")),
+    "thin_shell": Subject(_case("plane", "thin_shell"), elevation=24.0),
+    "primo": Subject(_row("prisms", "PriMo   height 0.1"), elevation=24.0),
+    "thin_shell_nonlinear": Subject(_row("sheets", "Thickness 0.5 %")),
+    "spline_surface": Subject(_row("spline_surface", "Degree 3, 8 x 8 points"), elevation=24.0),
+    "propagation": Subject(_case("branches", "propagation")),
+    "subdivision_editing": Subject(_row("pillars", "Subdivision")),
+    "ffd": Subject(ship),
+    "inverse_ffd": Subject(dragged),
+    "mean_value": Subject(partial(in_a_cage, "mean_value")),
+    "positive_mean_value": Subject(partial(in_a_cage, "positive_mean_value")),
+    "harmonic": Subject(partial(in_a_cage, "harmonic")),
+    "green": Subject(partial(in_a_cage, "green")),
+    "mls": Subject(_row("machine", "Moving Least Squares", painted=False)),
+    "rbf": Subject(_case("branches", "rbf")),
+    "embedded_deformation": Subject(
+        _row("embedded_deformation", "Embedded Deformation", painted=False), aim=(0.42, 1.0)
+    ),
+    "rigid_cells": Subject(_row("rigid_cells", "Rigid Cells", painted=False)),
+    "space_propagation": Subject(_case("branches", "space_propagation")),
+    "wires": Subject(face, elevation=4.0, aim=(0.3, 1.0)),
+    "vector_field": Subject(_row("vector_field", "Bend", painted=False)),
+    "mesh_puppetry": Subject(_row("puppet", "Hand", painted=False)),
+    "mesh_sequence": Subject(keyed, frame=mesh_sequence.KEY),
+    "pyramid_coordinates": Subject(half_way, frame=pyramid_coordinates.MIDDLE_FRAME),
+    "multiresolution": Subject(_row("multiresolution", "Multiresolution, Thin Shell")),
+    "multiresolution_space": Subject(_row("space_details", "Multiresolution in Space")),
+    "joint": Subject(corrected, frame=elbow.MADE),
+    "once": Subject(redrawn, elevation=4.0, frame=1),
+}
+
+
+def make() -> bpy.types.Scene:
+    """A scene that holds the settings; each picture is built in it anew."""
+    return studio.empty_scene("Thumbnails")
+
+
+def pictures(_scene: bpy.types.Scene) -> Iterator[tuple[str, np.ndarray]]:
+    """Write all pictures, and give a sheet of them."""
+    PICTURES.mkdir(exist_ok=True)
+    lights = [render(name) for name in SUBJECTS]
+    lights += [np.ones_like(lights[0])] * (-len(lights) % IN_A_ROW)
+    rows = [np.concatenate(lights[k : k + IN_A_ROW], axis=1) for k in range(0, len(lights), IN_A_ROW)]
+    yield "thumbnails", np.concatenate(rows[::-1], axis=0)
+
+
+def render(name: str) -> np.ndarray:
+    """Write one picture; its light (height, width, 3), from below."""
+    subject = SUBJECTS[name]
+    studio.progress(f"the picture {name}")
+    studio.empty_scene("Thumbnails")
+    shown = subject.build()
+    scene = bpy.context.scene  # some samples begin with a new one
+    scene.frame_set(subject.frame)
+    photograph(scene, shown, subject)
+    light = denoise.render_clean(scene)
+    light = light.reshape(SIZE, FINER, SIZE, FINER, 3).mean(axis=(1, 3))
+    denoise.write_picture(scene, light, PICTURES / f"{name}.png")
+    return light
+
+
+def photograph(scene: bpy.types.Scene, shown: Shown, subject: Subject) -> None:
+    """Put the objects before the camera, on a grey ground, and nothing else of the scene."""
+    for obj in list(studio.studio_collection(scene).objects):
+        bpy.data.objects.remove(obj)
+    if "Backdrop" in bpy.data.materials:
+        bpy.data.materials.remove(bpy.data.materials["Backdrop"])  # of another colour
+    kept = _with_markers(shown)
+    points = np.concatenate(
+        [_in_the_world(obj) for obj in kept if not obj.name.endswith((" Edges", " Lines"))]
+    )
+    for obj in scene.objects:
+        obj.hide_render = obj.hide_render or obj not in kept
+    low, high = points.min(axis=0), points.max(axis=0)
+    floor = low[2]
+    height = high[2] - low[2]
+    low[2], high[2] = floor + subject.aim[0] * height, floor + subject.aim[1] * height
+    points = points[(points[:, 2] >= low[2]) & (points[:, 2] <= high[2])]
+    rise = radians(subject.elevation)
+    up = np.array((0.0, np.sin(rise), np.cos(rise)))
+    across, along = points[:, 0], points @ up
+    middle = 0.5 * np.array((across.min() + across.max(), along.min() + along.max()))
+    width = float(1.2 * max(np.ptp(across), np.ptp(along)))
+    depth = 0.5 * (low[1] + high[1])
+    target = Vector((middle[0], depth, (middle[1] - depth * up[1]) / up[2]))
+    studio.add_backdrop(scene, 5.0 * width, GREY)
+    scene.objects["Backdrop"].location.z = floor
+    studio.add_camera(scene, target, 6.0 * width, subject.elevation, width)
+    studio.add_lights(scene, target, 1.5 * width)
+    studio.set_up_render(scene, SAMPLES, FINER * SIZE, FINER * SIZE)
+    scene.frame_set(subject.frame)
+
+
+def _lines_of(lattice: bpy.types.Object) -> bpy.types.Object:
+    """The outer lines of a lattice as it is posed, as thin tubes."""
+    data = lattice.data
+    places = _in_the_world(lattice).reshape(data.points_w, data.points_v, data.points_u, 3)
+    curve = bpy.data.curves.new("Lattice Lines", "CURVE")
+    curve.dimensions, curve.bevel_depth = "3D", 0.012
+    curve.materials.append(_clay()[2])
+    for axis in range(3):
+        lines = np.moveaxis(places, axis, 2)
+        rows, columns = lines.shape[:2]
+        for row in range(rows):
+            for column in range(columns):
+                if row in (0, rows - 1) or column in (0, columns - 1):
+                    spline = curve.splines.new("POLY")
+                    spline.points.add(lines.shape[2] - 1)
+                    for point, place in zip(spline.points, lines[row, column]):
+                        point.co = (*place, 1.0)
+    return posing.add_object(curve.name, curve)
+
+
+def _in_the_world(obj: bpy.types.Object) -> np.ndarray:
+    matrix = np.array(obj.matrix_world)
+    return posing.shape(obj) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def _with_markers(shown: Shown) -> set[bpy.types.Object]:
+    """The objects, and what belongs to them: pins, pads, the edges of cages, tubes along wires."""
+    marks = (" Pin", " Stem", " Edges", " Tube", " Drag", "Fixed")
+    marked = {obj for obj in bpy.data.objects if any(mark in obj.name for mark in marks)}
+    return {*shown, *(obj for obj in marked if not obj.hide_render)}
+
+
+def _clay() -> list[bpy.types.Material]:
+    return [
+        materials.plain_material("Clay", CLAY, roughness=0.6),
+        materials.plain_material("Still", materials.FIXED_COLOUR, roughness=0.5),
+        materials.plain_material("Handle", materials.HANDLE_COLOUR, roughness=0.3),
+    ]
+
+
+def _slots(faces: np.ndarray, regions: dict[int, np.ndarray], count: int) -> np.ndarray:
+    """The material slot of each face: that of the region in which all its corners are, else 0."""
+    of_vertex = np.zeros(count, int)
+    for slot, members in regions.items():
+        of_vertex[members] = slot
+    corners = of_vertex[faces]
+    return np.where((corners == corners[:, :1]).all(axis=1), corners[:, 0], 0)
+
+
+def _paint(obj: bpy.types.Object, rigged: bpy.types.Object | None = None) -> None:
+    """Give the faces of regions the colours of handles and of what holds still."""
+    rigged = rigged or obj
+    first = len(obj.data.materials)
+    for material in _clay()[1:]:
+        obj.data.materials.append(material)
+    slots = {"FIXED": first, "HANDLE": first + 1}
+    groups = {
+        rigged.vertex_groups[handle.vertex_group].index: slots[handle.kind]
+        for handle in rigged.sinew.active.handles
+        if handle.kind in slots
+    }
+    held = {
+        vertex.index: groups[row.group]
+        for vertex in rigged.data.vertices
+        for row in vertex.groups
+        if row.group in groups
+    }
+    for face in obj.data.polygons:
+        found = {held.get(vertex) for vertex in face.vertices}
+        if len(found) == 1 and None not in found:
+            face.material_index = found.pop()
+
+
+def _smooth(obj: bpy.types.Object) -> None:
+    levels = obj.modifiers.new("Subdivision", "SUBSURF")
+    levels.levels, levels.render_levels = 1, 2

@@ -1,0 +1,206 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reset Pose brings every kind of control back to rest, and Key Pose keys all of them."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Matrix, Vector
+from rigs.kinds import RIGS, CageRig
+from rigs.rig import (
+    Rig,
+    add_armature,
+    add_group,
+    close,
+    curves_of,
+    grid_object,
+    in_pose_mode,
+    make_active,
+    move_world,
+    new_armature,
+    new_empty,
+    on_all,
+    press,
+    refused,
+    reopen,
+    update,
+)
+
+REST = 1e-6  # of shapes of about the size of 1
+MOVE = Matrix.Translation((0.3, -0.2, 0.7)) @ Matrix.Rotation(0.6, 4, (0.2, 0.5, 0.9)) @ Matrix.Scale(1.2, 4)
+
+
+def stretched(control: bpy.types.Object) -> None:
+    """Its points are edited by hand, if it has some."""
+    if control.type != "EMPTY":
+        on_all(control, bpy.ops.transform.resize, value=(1.1, 0.9, 1.2))
+
+
+def by_a_shape_key(control: bpy.types.Object) -> None:
+    if control.type in ("MESH", "LATTICE"):
+        control.shape_key_add(name="Basis")
+        key = control.shape_key_add(name="Bent")
+        for point in key.data:
+            point.co.x *= 1.3
+        key.value = 1.0
+
+
+def edited_in_its_mode(control: bpy.types.Object) -> None:
+    """It is still in Edit Mode when the button is pressed."""
+    stretched(control)
+    make_active(control)
+    if control.type != "EMPTY":
+        bpy.ops.object.mode_set(mode="EDIT")
+
+
+POSES = {
+    "moved": lambda control: move_world(control, MOVE),
+    "points": stretched,
+    "shape key": by_a_shape_key,
+    "Edit Mode": edited_in_its_mode,
+}
+
+
+@pytest.mark.parametrize("kind", RIGS)
+@pytest.mark.parametrize("pose", POSES)
+def test_every_control_rests(kind: str, pose: str) -> None:
+    rig = RIGS[kind].new().start()
+    rig.lift()
+    POSES[pose](rig.control)
+    update()
+    assert not rig.is_at_rest()
+    assert bpy.ops.sinew.reset_pose() == {"FINISHED"}
+    if bpy.context.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    assert np.abs(rig.points() - rig.rest()).max() <= REST
+
+
+def test_a_tool_rests_without_its_path() -> None:
+    rig = RIGS["tools"].new().start()
+    for _ in range(2):
+        rig.lift(0.2)
+        rig.press("tool_stop")
+    rig.press("reset_pose")
+    assert np.abs(rig.points() - rig.rest()).max() <= REST
+    rig.lift(-0.4)
+    assert rig.shows(rig.at(-0.4)), "it goes straight again"
+
+
+def test_a_path_of_bones_rests(plate: Rig) -> None:
+    """The second bone is a child of the first, and both are posed."""
+    armature = new_armature(low=((0, -1, 0), (0, 0, 0)), high=((0, 0, 0), (0, 1, 0), "low"))
+    for group, bone in (("Base", "low"), ("Top", "high")):
+        press(plate.obj, "handle_add", kind="HANDLE", vertex_group=group, control_object="Rig", bone=bone)
+    for bone in armature.pose.bones:
+        bone.rotation_euler = (0.5, 0.2, -0.3)
+    assert not close(plate.points(), plate.rest(), 0.1)
+    in_pose_mode(armature, "high", plate.obj)
+    assert bpy.ops.sinew.reset_pose(selected=True) == {"FINISHED"}
+    update()
+    assert np.abs(armature.pose.bones["low"].rotation_euler.x - 0.5) < REST
+    rest = Matrix(plate.deformer.handles[1].rest_matrix.copy())
+    placed = plate.obj.matrix_world.inverted() @ armature.matrix_world @ armature.pose.bones["high"].matrix
+    assert np.abs(np.array(placed) - np.array(rest)).max() < 1e-5
+    bpy.ops.sinew.reset_pose()
+    assert np.abs(plate.points() - plate.rest()).max() <= REST
+    bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def test_a_control_that_rides_goes_back_onto_the_surface(plate: Rig) -> None:
+    armature = add_armature(plate.obj)
+    plate.bind()
+    assert plate.deformer.handles[0].stands_on == "SURFACE"
+    armature.pose.bones["high"].rotation_euler.x = 1.0
+    posed = plate.points()
+    plate.lift(0.4)
+    assert not close(plate.points(), posed, 0.1)
+    plate.control.lock_location[0] = True
+    press(plate.obj, "reset_pose")
+    assert np.abs(plate.points() - posed).max() <= REST
+    assert plate.control.matrix_basis == Matrix.Identity(4)
+
+
+def test_what_something_else_poses_is_named(bound_plate: Rig, capfd) -> None:
+    held = bound_plate.control.constraints.new("COPY_LOCATION")
+    held.target = new_empty("Elsewhere", (0.0, 0.0, 3.0))
+    press(bound_plate.obj, "reset_pose")
+    assert f"Something else poses {bound_plate.control.name}" in "".join(capfd.readouterr())
+
+
+def test_what_cannot_be_reset_says_so(plate: Rig) -> None:
+    press(plate.obj, "deformer_add", method="arap")
+    refused("no control that has a rest", "reset_pose", plate.obj)
+    refused("no control to key", "key_pose", plate.obj)
+    plate.bind()
+    refused("No control is selected", "reset_pose", plate.obj, selected=True)
+
+
+@pytest.mark.parametrize("kept", [None, 3, {}, {"place": [1.0], "points": b"", "values": {}}])
+@pytest.mark.parametrize("kind", ["cage", "lattice"])
+def test_files_of_earlier_builds_have_the_shape_of_rest(kind: str, kept: object) -> None:
+    """Their rest meshes do not tell where the object was, nor do those that somebody has spoiled."""
+    rig = RIGS[kind].new().start()
+    row = rig.deformer.controls[0] if len(rig.deformer.controls) else None
+    rest = rig.deformer.cage_rest if row is None else row.rest
+    del rest["sinew_pose"]
+    if kept is not None:
+        rest["sinew_pose"] = kept
+    rig.lift()
+    rig.press("reset_pose")
+    assert close(rig.points(), rig.rest(), 2e-6)
+
+
+def test_it_rests_after_apply_and_in_a_file(tmp_path) -> None:
+    rig = RIGS["cage"].new().start()
+    rig.obj.location, rig.obj.rotation_euler = (1.0, 2.0, 0.5), (0.3, 0.2, 0.1)
+    update()
+    rig.press("bind")
+    rig.press("cage_set_rest")
+    rest = rig.points()
+    make_active(rig.obj)
+    world = rig.obj.matrix_world.copy()
+    bpy.ops.object.transform_apply()
+    reopen(tmp_path / "applied.blend")
+    move_world(rig.control, MOVE)
+    stretched(rig.control)
+    rig.press("reset_pose")
+    expected = rest @ np.array(world.to_3x3()).T + np.array(world.translation)
+    assert close(rig.points(), expected, 1e-5)
+
+
+# Keys
+
+
+def keyed(control: bpy.types.ID) -> list[str]:
+    return sorted({curve.data_path for curve in curves_of(control)})
+
+
+def test_auto_keying_keys_what_rests(bound_plate: Rig) -> None:
+    settings = bpy.context.scene.tool_settings
+    bound_plate.lift()
+    settings.use_keyframe_insert_auto = True
+    press(bound_plate.obj, "reset_pose")
+    settings.use_keyframe_insert_auto = False
+    assert keyed(bound_plate.control) == ["location", "rotation_euler", "scale"]
+    bpy.context.scene.frame_set(10)
+    assert bound_plate.control.location == Vector()
+
+
+def test_key_pose_keys_both_sides_and_says_what_it_cannot_key(capfd) -> None:
+    obj = grid_object()
+    for name, side in (("Hand.L", 1.0), ("Hand.R", -1.0)):
+        add_group(obj, name, lambda point, side=side: side * point[0] > 0.75)
+        press(obj, "handle_add", kind="HANDLE", vertex_group=name)
+    press(obj, "key_pose")
+    for handle in obj.sinew.active.handles:
+        assert keyed(handle.control) == ["location", "rotation_euler", "scale"]
+    rig = CageRig.new().start()
+    rig.press("key_pose")
+    assert "The points of Cage are not keyed" in "".join(capfd.readouterr())
+    by_a_shape_key(rig.control)
+    rig.press("key_pose")
+    bent = rig.control.data.shape_keys.key_blocks["Bent"]
+    bent.value = 0.3
+    bpy.context.scene.frame_set(10)
+    assert bent.value == 1.0, "it was keyed"
