@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two popups: what to do, and by which method. A click acts at once, and the popup stays open."""
+"""Two popups. A click on a task starts it and closes the first; a click on a method leaves the other open."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from ...core.labels import fails_of, known_as, label_of
 from ...core.methods import Method
 from ...core.tasks import TASKS, Task, found, task_for, task_of
 from ...ids import Operators
-from ...operators import choice_refusal, method_refusal, target_of, task_refusal, tasks_beside
+from ...operators import choice_refusal, method_refusal, page_of, target_of, task_refusal, tasks_beside
 from ...operators.offered import Offered
 from ...session.evaluation.binding import duration, expected_seconds
 from ..layouts import invoking
@@ -192,7 +192,8 @@ def _draw_card(context: Context, layout: UILayout, task: Task, method: Method | 
     column = beside_picture(layout.box(), picture, _ON_CARD, 0.17).column(align=True)
     head = column.row()
     head.label(text=task.label if method is None else _both_names(method))
-    head.operator(Operators.HELP, text="", icon="QUESTION", emboss=False).page = task.page
+    page = task.page if method is None else page_of(method)
+    head.operator(Operators.HELP, text="", icon="QUESTION", emboss=False).page = page
     if method is None:
         column.label(text=compat.told(f"For: {task.purpose}"), icon="CHECKMARK")
         return

@@ -356,7 +356,9 @@ def test_cages_show_the_cages_and_a_lattice_has_nothing_to_choose():
 
 def test_the_card_tells_all_about_the_chosen_one():
     Rig.plate().bind("arap")
-    said = shown("SINEW_OT_all_tasks").texts()
+    card = shown("SINEW_OT_all_tasks")
+    assert [what.page for name, what in card.operators() if name == "sinew.help"] == ["methods/arap"]
+    said = card.texts()
     for part in (
         "known as As-Rigid-As-Possible",
         "Bends limbs and bodies",
