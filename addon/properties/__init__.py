@@ -17,6 +17,7 @@ from .handle import STANDS_ON, SinewHandle
 from .key import SinewKey
 from .parameters import BASE
 from .scene import SinewScene
+from .setting import row_at
 
 __all__ = (
     "BAKE_TARGETS",
@@ -41,6 +42,7 @@ __all__ = (
     "deformers_of",
     "method_items",
     "register",
+    "row_at",
     "unregister",
 )
 

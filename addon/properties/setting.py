@@ -29,6 +29,11 @@ def record(declare: Callable, **keywords):
     return declare(override=OVERRIDABLE, options={"HIDDEN"}, **keywords)
 
 
+def row_at(rows, index: int):
+    """The row of a list at an index; None where a file or a script names one that is not there."""
+    return rows[index] if 0 <= index < len(rows) else None
+
+
 def setting_list(**keywords):
     """A list to which library overrides may also add items."""
     return CollectionProperty(override={*OVERRIDABLE, "USE_INSERTION"}, **keywords)

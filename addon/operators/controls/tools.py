@@ -117,7 +117,7 @@ class SINEW_OT_tool_stop(OnRows, BindingOperator, Operator):
     def run(self, context: Context, wait: bool) -> set[str]:
         obj = target_of(context)
         deformer = obj.sinew.active
-        row = deformer.controls[min(deformer.active_control, len(deformer.controls) - 1)]
+        row = rows.active_row(deformer)
         if self.clear:
             rows.forget_stops(obj, row)
         else:

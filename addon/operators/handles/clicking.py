@@ -6,7 +6,7 @@ from contextlib import suppress
 import bpy
 
 from ...core.errors import SinewError
-from ...properties import SinewDeformer
+from ...properties import SinewDeformer, row_at
 from ..controls.cage import show_only
 from ..target import target_of
 from .handle import choose_handle
@@ -21,6 +21,6 @@ def follow(deformer: SinewDeformer, rows: str) -> None:
         with suppress(SinewError):  # the row shows by itself that its control is lost
             choose_handle(context, obj, deformer)
     else:
-        control = deformer.controls[deformer.active_control].object
-        if control is not None and context.mode == "OBJECT":
-            show_only(context, obj, control)
+        row = row_at(deformer.controls, deformer.active_control)
+        if row is not None and row.object is not None and context.mode == "OBJECT":
+            show_only(context, obj, row.object)

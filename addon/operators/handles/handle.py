@@ -199,7 +199,7 @@ class SINEW_OT_select_handle(OnDeformer, Operator):
 
 def choose_handle(context: Context, obj: Object, deformer: SinewDeformer, extend: bool = False) -> None:
     """Select what belongs to the active handle in this mode: its control, its vertices, or its group."""
-    handle = deformer.handles[deformer.active_handle]
+    handle = deformer.handles[handle_index(deformer, -1)]
     if obj.vertex_groups.get(handle.vertex_group):
         obj.vertex_groups.active = obj.vertex_groups[handle.vertex_group]
     if obj.mode == "EDIT":

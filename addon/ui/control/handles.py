@@ -5,7 +5,7 @@ from bpy.types import Context, Menu, Object, UILayout
 
 from ...core.methods import MeshShape, wrapper_of
 from ...ids import Menus, Operators
-from ...properties import STANDS_ON, SinewDeformer, SinewHandle
+from ...properties import STANDS_ON, SinewDeformer, SinewHandle, row_at
 from ...session.actions import rigging
 from ...session.actions.handles import standing
 from ...session.actions.handles.standing import NOTHING_MOVES
@@ -70,13 +70,13 @@ def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeform
 
 def row_name(deformer: SinewDeformer) -> str:
     """The name of the active handle."""
-    handle = _active(deformer)
+    handle = row_at(deformer.handles, deformer.active_handle)
     return "" if handle is None else handle.name
 
 
 def draw_row(context: Context, layout: UILayout, obj: Object, deformer: SinewDeformer) -> None:
     """Draw the settings of the active handle."""
-    handle = _active(deformer)
+    handle = row_at(deformer.handles, deformer.active_handle)
     draw_field(context, layout, handle, "kind")
     draw_field(context, layout, handle, "vertex_group", among=(obj, "vertex_groups"))
     if handle.kind == "HANDLE":
@@ -113,11 +113,6 @@ def _goals(deformer: SinewDeformer) -> list[Object]:
         if isinstance(parameter, MeshShape)
     ]
     return [obj for obj in found if obj is not None]
-
-
-def _active(deformer: SinewDeformer) -> SinewHandle | None:
-    index = deformer.active_handle
-    return deformer.handles[index] if 0 <= index < len(deformer.handles) else None
 
 
 def _draw_stands_on(

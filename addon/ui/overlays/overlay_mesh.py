@@ -14,7 +14,7 @@ from ...core.geometry.distortion import Measure
 from ...core.labels import label_of
 from ...core.methods import Parameter, group_property
 from ...preferences import preferences
-from ...properties import SinewDeformer, SinewHandle
+from ...properties import SinewDeformer, SinewHandle, row_at
 from ...properties.scene import MEASURES
 from ...session.results import final_mesh, result
 from ...session.results.result import Result
@@ -152,7 +152,7 @@ def _subject(deformer: SinewDeformer, settings: OverlaySettings) -> tuple:
     if settings.overlay == "REGIONS":
         return tuple((handle.uid, handle.name, tuple(handle.colour)) for handle in deformer.handles)
     if settings.overlay == "WEIGHT":
-        handle = _active(deformer)
+        handle = row_at(deformer.handles, deformer.active_handle)
         return () if handle is None else (handle.uid, handle.name, handle.weight)
     if settings.overlay == "CAGE":
         return result.selected(deformer)
@@ -160,14 +160,6 @@ def _subject(deformer: SinewDeformer, settings: OverlaySettings) -> tuple:
         parameter = shown_parameter(deformer, settings.parameter)
         return () if parameter is None else (parameter.id, *_painted_by(deformer, parameter))
     return ()
-
-
-def _active(deformer: SinewDeformer) -> SinewHandle | None:
-    return (
-        deformer.handles[deformer.active_handle]
-        if 0 <= deformer.active_handle < len(deformer.handles)
-        else None
-    )
 
 
 def _painted_by(deformer: SinewDeformer, parameter: Parameter) -> tuple[float, str]:
@@ -230,7 +222,7 @@ def _strength(shape: Result, handle: SinewHandle, members: np.ndarray) -> np.nda
 def _weight(
     obj: Object, deformer: SinewDeformer, settings: OverlaySettings, shape: Result
 ) -> tuple[np.ndarray, Legend]:
-    handle, values = _active(deformer), np.zeros(len(shape.points), dtype=np.float32)
+    handle, values = row_at(deformer.handles, deformer.active_handle), np.zeros(len(shape.points), dtype=np.float32)
     if handle is None:
         return colours.field(values, settings.opacity), Legend("Handle Weight", note="No handle")
     painted = result.weights(obj, deformer, handle.vertex_group)

@@ -228,7 +228,7 @@ def clashing_attribute(plate: Rig) -> None:
 
 def active_out_of_range(plate: Rig) -> None:
     plate.obj.sinew.active_deformer = -7
-    plate.deformer.active_handle = 2_000_000_000
+    plate.deformer.chosen_handle, plate.deformer.chosen_control = 2_000_000_000, -7
 
 
 WOUNDS = {

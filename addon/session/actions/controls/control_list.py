@@ -12,7 +12,7 @@ from ....core.errors import SinewError
 from ....core.geometry import frames
 from ....core.geometry.paths import AXES
 from ....core.methods import BY_ID
-from ....properties import SinewControl, SinewDeformer
+from ....properties import SinewControl, SinewDeformer, row_at
 from ...controls import kinds, objects
 from ...controls.multi_object import SeveralKind
 from ...controls.tools.kind import KIND as TOOLS
@@ -34,10 +34,8 @@ def rows_of(deformer: SinewDeformer) -> list[SinewControl]:
 def active_row(deformer: SinewDeformer) -> SinewControl | None:
     """The active one of these; None if there are none."""
     rows = rows_of(deformer)
-    if not rows:
-        return None
-    chosen = deformer.controls[min(deformer.active_control, len(deformer.controls) - 1)]
-    return chosen if chosen in rows else rows[0]
+    chosen = row_at(deformer.controls, deformer.active_control)
+    return chosen if chosen in rows else next(iter(rows), None)
 
 
 def add_to(
