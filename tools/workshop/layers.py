@@ -34,6 +34,7 @@ METHODS_OF_EACH_KIND = "--all-methods-in=none"
 CORE_TESTS = (
     METHODS_OF_EACH_KIND,
     "test_bake.py",
+    "test_browser.py",
     "test_cage_kinds.py",
     "test_chains.py",
     "test_event_files.py",
@@ -45,8 +46,9 @@ CORE_TESTS = (
     "test_interface.py",
     "test_methods.py",
     "test_missing_libraries.py",
-    "test_overlay.py",
     "test_other_systems.py",
+    "test_overlay.py",
+    "test_panels.py",
     "test_random_operations.py",
 )
 
