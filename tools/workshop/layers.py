@@ -15,7 +15,7 @@ from .dev import BENCHMARK_TARGETS, build_tree
 from .format import checks
 from .neon_tests import neon
 from .package import package
-from .places import DEV_MODULE, NATIVE_TREE, PYTHON311, SANITIZE_TREE
+from .places import DEV_MODULE, NATIVE_TREE, PYTHON311
 from .results import Outcome, outcome
 from .shell import run
 from .suites import OPTIONS, googletest, new_junit, only_some
@@ -34,6 +34,7 @@ METHODS_OF_EACH_KIND = "--all-methods-in=none"
 CORE_TESTS = (
     METHODS_OF_EACH_KIND,
     "test_bake.py",
+    "test_browser.py",
     "test_cage_kinds.py",
     "test_chains.py",
     "test_event_files.py",
@@ -45,8 +46,9 @@ CORE_TESTS = (
     "test_interface.py",
     "test_methods.py",
     "test_missing_libraries.py",
-    "test_overlay.py",
     "test_other_systems.py",
+    "test_overlay.py",
+    "test_panels.py",
     "test_random_operations.py",
 )
 
@@ -57,6 +59,7 @@ class Layer:
     timeout: float  # seconds, for the tests without their set-up: three times what two cores of ours take
     run: Callable[[float], Outcome]
     one_process: bool = False  # its tests use one core, so that such a layer can run beside another
+    waits: bool = False  # half of the time, for a window that draws, and leaves its core to another layer
     only_by_name: bool = False  # tests/run --all leaves it out
     whole: "Layer | None" = None  # what runs instead by --whole, where this is a core of all tests
     without: str = ""  # what this leaves out of the layer of the same name
@@ -95,13 +98,13 @@ def native_quick(timeout: float) -> Outcome:
 
 
 def sanitizers(timeout: float) -> Outcome:
-    build_tree("sanitize")
+    build_tree("dev", "sinew_tests_sanitized")
     sanitizer_options = {
         "ASAN_OPTIONS": "detect_leaks=1:strict_init_order=1",
         "LSAN_OPTIONS": f"suppressions={LEAKS_OF_OTHERS}:print_suppressions=0",
         "UBSAN_OPTIONS": "print_stacktrace=1:halt_on_error=1",
     }
-    return googletest("sanitizers", [SANITIZE_TREE / PROGRAM], timeout, sanitizer_options)
+    return googletest("sanitizers", [NATIVE_TREE / f"{PROGRAM}_sanitized"], timeout, sanitizer_options)
 
 
 def bindings(timeout: float) -> Outcome:
@@ -217,7 +220,7 @@ LAYERS = (
     Layer("blender-3.4", 1200, blender_3_4, one_process=True),
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
     Layer("blender-5", 1200, blender_5, one_process=True),
-    Layer("gui", 1200, gui, one_process=True),
+    Layer("gui", 1200, gui, one_process=True, waits=True),
     windows_layer("bindings", windows_tests.bindings),
     windows_layer("blender", windows_tests.blender),
     windows_layer("bindings-3.13", windows_tests.bindings_313),
@@ -241,8 +244,10 @@ QUICK_BLENDER = (
 )
 QUICK_SESSION = "[start- or [start]"  # of those in windows
 QUICK = (
-    Layer("lint", 240, partial(lint, quick=True), without="clang-tidy on committed sources"),
     Layer("native", 300, native_quick, without="the count of instructions"),
+    Layer(
+        "lint", 240, partial(lint, quick=True), one_process=True, without="clang-tidy on committed sources"
+    ),
     Layer("architecture", 60, architecture, one_process=True),
     Layer("tools", 60, tools, one_process=True),
     Layer(
@@ -265,6 +270,7 @@ QUICK = (
         240,
         partial(gui, from_wheel=False, tests=("-k", QUICK_SESSION)),
         one_process=True,
+        waits=True,
         without="all but one session",
     ),
 )
