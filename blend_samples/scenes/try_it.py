@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from math import radians
 from pathlib import Path
 
+import bmesh
 import bpy
 import numpy as np
 from mathutils import Vector
@@ -14,11 +15,14 @@ from mathutils import Vector
 from .. import materials, posing, studio
 from ..models import mannequin, pillar, spot, yeti
 from ..models.objects import keep_vertices, to_object
+from ..models.shapes import smoothstep
 from ..studio import Shot
 from . import wires
 
 FOLDER = Path(__file__).parents[2] / "addon" / "rigs"
-COLOURS = 6  # of a model at most, each a material, since a solid viewport shows these
+COLOUR = "Colour"
+WHITE = (0.80, 0.77, 0.72)  # of eyes
+KEPT = ("position", ".select_vert")  # the attributes that meshes need
 BENT = 118.0  # degrees of the elbow, in the last frame
 FRAMES = (1, 20)
 SPACING = 2.0
@@ -37,8 +41,10 @@ def limb() -> list[bpy.types.Object]:
 def joint() -> list[bpy.types.Object]:
     """The left arm of the yeti, which its bones bend."""
     body, bones = yeti.build("Yeti Arm", voxel=0.028)
-    keep_vertices(body.data, _kept(body, lambda p: (p[:, 1] > 0.36) & (p[:, 2] > 0.92)))
-    _paint(body)
+    points = posing.vertices(body)
+    keep_vertices(body.data, (points[:, 1] > 0.5) & (points[:, 2] > 0.95))
+    _tidy(body)
+    _paint(body, _colours(body))
     kept = ("upper_arm.L", "forearm.L", "hand.L")
     posing.make_active(bones)
     bpy.ops.object.mode_set(mode="EDIT")
@@ -62,7 +68,13 @@ def lines() -> list[bpy.types.Object]:
     """The head of the yeti, and curves along its brows and its mouth."""
     head = wires.bust(voxel=0.026)
     head.name = head.data.name = "Yeti Head"
-    _paint(head)
+    _tidy(head)
+    angles, colours = _values(head, "gaze"), _colours(head)
+    seen = np.flatnonzero(angles < np.pi)
+    white = smoothstep(yeti.IRIS_EDGE - 0.08, yeti.IRIS_EDGE + 0.08, angles[seen])[:, None]
+    iris = smoothstep(yeti.PUPIL - 0.08, yeti.PUPIL + 0.08, angles[seen])[:, None]
+    colours[seen] = iris * ((1 - white) * np.array(yeti.IRIS) + white * np.array(WHITE)) + (1 - iris) * 0.004
+    _paint(head, colours)
     curves = [wires.draw(head, name, places) for name, places in wires.features().items()]
     for curve, name in zip(curves, wires.RADII):
         curve.name = curve.data.name = name
@@ -75,9 +87,7 @@ def cage() -> list[bpy.types.Object]:
     cow = spot.build("Cow")
     colours = np.tile((0.80, 0.74, 0.66), (len(cow.data.vertices), 1))
     for field, colour, _softness in spot.PATCHES:
-        values = np.empty(len(colours), np.float32)
-        cow.data.attributes[field].data.foreach_get("value", values)
-        colours[values > 0.0] = colour
+        colours[_values(cow, field) > 0.0] = colour
     eyes = [corner for face in cow.data.polygons if face.material_index == spot.EYE for corner in face.vertices]
     colours[eyes] = 0.005
     cow.vertex_groups.clear()
@@ -136,44 +146,41 @@ def _written(name: str, build) -> Sequence[bpy.types.Object]:
     return objects
 
 
-def _kept(body: bpy.types.Object, inside) -> np.ndarray:
-    return inside(posing.vertices(body))
+def _tidy(obj: bpy.types.Object) -> None:
+    """Remove what is left of faces that were cut: vertices in none, and edges of three faces and more."""
+    edit = bmesh.new()
+    edit.from_mesh(obj.data)
+    for _ in range(3):
+        shared = [face for edge in edit.edges if len(edge.link_faces) > 2 for face in edge.link_faces[2:]]
+        bmesh.ops.delete(edit, geom=list(set(shared)), context="FACES")
+    bmesh.ops.delete(edit, geom=[v for v in edit.verts if not v.link_faces], context="VERTS")
+    edit.to_mesh(obj.data)
+    edit.free()
 
 
-def _paint(obj: bpy.types.Object, colours: np.ndarray | None = None) -> None:
-    """Let each face have the material of the colour that it has, of a few; and remove all other attributes.
+def _values(obj: bpy.types.Object, name: str) -> np.ndarray:
+    values = np.empty(len(obj.data.vertices), np.float32)
+    obj.data.attributes[name].data.foreach_get("value", values)
+    return values
 
-    ``colours`` (n, 3) of the vertices; without, those that the mesh has.
-    """
+
+def _colours(obj: bpy.types.Object) -> np.ndarray:
+    rgba = np.empty(4 * len(obj.data.vertices), np.float32)
+    obj.data.color_attributes[COLOUR].data.foreach_get("color", rgba)
+    return rgba.reshape(-1, 4)[:, :3]
+
+
+def _paint(obj: bpy.types.Object, colours: np.ndarray) -> None:
+    """Store the ``colours`` (n, 3) of the vertices as bytes, and remove all other attributes and materials."""
     mesh = obj.data
-    if colours is None:
-        rgba = np.empty(4 * len(mesh.vertices), np.float32)
-        mesh.color_attributes["Colour"].data.foreach_get("color", rgba)
-        colours = rgba.reshape(-1, 4)[:, :3]
-    of_faces = np.array([np.mean(colours[list(face.vertices)], axis=0) for face in mesh.polygons])
-    palette, slots = _palette(of_faces)
+    for attribute in [row for row in mesh.attributes if row.domain == "POINT" and row.name not in KEPT]:
+        mesh.attributes.remove(attribute)
+    rgba = np.column_stack((colours, np.ones(len(colours)))).astype(np.float32)
+    mesh.color_attributes.new(COLOUR, "BYTE_COLOR", "POINT").data.foreach_set("color", rgba.ravel())
+    material, shader = materials.principled(obj.name)
+    material.node_tree.links.new(
+        materials.attribute(material, COLOUR, "Color"), shader.inputs["Base Color"]
+    )
+    mesh.polygons.foreach_set("material_index", np.zeros(len(mesh.polygons), np.int32))
     mesh.materials.clear()
-    for number, colour in enumerate(palette):
-        mesh.materials.append(materials.plain_material(f"{obj.name} {number + 1}", colour.tolist()))
-    mesh.polygons.foreach_set("material_index", slots.astype(np.int32))
-    for name in [attribute.name for attribute in mesh.attributes if attribute.domain == "POINT"]:
-        if name not in ("position", ".select_vert"):
-            mesh.attributes.remove(mesh.attributes[name])
-    mesh.update()
-
-
-def _palette(colours: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A few colours (k, 3), and the number (m,) of the nearest for each of ``colours`` (m, 3).
-
-    The first is the brightest; each next one is that which is farthest from all so far, then all settle.
-    """
-    chosen = colours[np.argmax(colours.sum(axis=1))][None]
-    for _ in range(12):
-        apart = np.linalg.norm(colours[:, None] - chosen[None], axis=2)
-        if len(chosen) < COLOURS and apart.min(axis=1).max() > 0.05:
-            chosen = np.vstack((chosen, colours[np.argmax(apart.min(axis=1))]))
-            continue
-        nearest = apart.argmin(axis=1)
-        chosen = np.array([colours[nearest == number].mean(axis=0) for number in np.unique(nearest)])
-    apart = np.linalg.norm(colours[:, None] - chosen[None], axis=2)
-    return chosen, apart.argmin(axis=1)
+    mesh.materials.append(material)

@@ -136,8 +136,10 @@ def _viewports(window: Window) -> list[Area]:
 
 
 def _frame(window: Window, rig: Rig, objects: Iterable[Object]) -> None:
-    """Let all viewports show the rig, in solid shading with the colours of its materials."""
-    corners = [corner for obj in objects if obj.type == "MESH" for corner in picking.box_corners(obj)]
+    """Let all viewports show the rig, in solid shading with its own colours."""
+    shown = bpy.context.evaluated_depsgraph_get()
+    meshes = [obj.evaluated_get(shown) for obj in objects if obj.type == "MESH"]
+    corners = [corner for obj in meshes for corner in picking.box_corners(obj)]
     low, high = (Vector(map(end, zip(*corners))) for end in (min, max))
     size, (above, around) = max(high - low), rig.view
     for area in _viewports(window):
@@ -149,7 +151,7 @@ def _frame(window: Window, rig: Rig, objects: Iterable[Object]) -> None:
         view.view_rotation = Euler((radians(90.0 - above), 0.0, radians(around))).to_quaternion()
         view.view_location = (low + high) / 2.0
         view.view_distance = seen * space.lens / 72.0
-        space.shading.type, space.shading.color_type = "SOLID", "MATERIAL"
+        space.shading.type, space.shading.color_type = "SOLID", "VERTEX"
         space.overlay.show_overlays = True
         for obj in objects if space.local_view else ():
             obj.local_view_set(space, True)
