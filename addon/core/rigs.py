@@ -45,7 +45,8 @@ class Rig:
     ``objects``: their names there, that which is moved first. ``setup``: the operators that run on it when it
     opens, with their arguments; names of objects become those that they have in the file of the artist.
     ``posing``: the armature that is active then, in Pose Mode. ``drags``: whether Sinew Drag is taken up.
-    ``view``: from where it is seen: degrees from above, and around it. ``coloured``: regions are shown.
+    ``view``: from where it is seen: degrees from above, and around it; ``room``: how much of the viewport is
+    seen, in sizes of the model. ``coloured``: regions are shown.
     """
 
     id: str
@@ -59,6 +60,7 @@ class Rig:
     posing: str = ""
     drags: bool = True
     view: tuple[float, float] = (12.0, 20.0)
+    room: float = 1.25
     coloured: bool = False
 
 
@@ -94,6 +96,7 @@ RIGS = (
             Step("Go to another frame: it rides along", Done.FRAME),
         ),
         drags=False,
+        room=1.9,
     ),
     Rig(
         "lines",

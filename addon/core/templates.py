@@ -42,7 +42,6 @@ _VALUES: dict[str, tuple[tuple[str, ...], dict[str, tuple]]] = {
         {"firm": ("implicit", "length"), "soft": ("estimated", "polar"), "rubber": ("none", "polar")},
     ),
     "handle_aware_isolines": (("bands",), {"firm": (8,), "soft": (24,), "rubber": (48,)}),
-    "hierarchical_smoothing": (("relaxations",), {"firm": (2,), "soft": (8,)}),
     "volumetric_graph_laplacian": (("volume",), {"firm": (4.0,), "soft": (1.0,), "cloth": (0.0,)}),
     "thin_shell": (
         ("stretching", "bending", "variation"),
@@ -56,7 +55,12 @@ _VALUES: dict[str, tuple[tuple[str, ...], dict[str, tuple]]] = {
     "primo": (("height",), {"firm": (0.2,), "soft": (0.05,), "cloth": (0.005,)}),
     "thin_shell_nonlinear": (
         ("measure", "thickness"),
-        {"firm": ("share", 0.03), "soft": ("share", 0.01), "cloth": ("share", 0.002), "rubber": ("share", 0.1)},
+        {
+            "firm": ("share", 0.03),
+            "soft": ("share", 0.01),
+            "cloth": ("share", 0.002),
+            "rubber": ("share", 0.1),
+        },
     ),
     "spline_surface": (
         ("columns", "rows", "smoothing"),

@@ -29,7 +29,13 @@ from .deformer.check import SINEW_OT_check_installation
 from .deformer.deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
 from .deformer.help import PAGES, SINEW_OT_help, page_of
 from .deformer.move import SINEW_OT_deformer_move, SINEW_OT_handle_move
-from .deformer.preset import SINEW_OT_preset_add, SINEW_OT_preset_apply, SINEW_OT_use_template, preset_folder, template_refusal
+from .deformer.preset import (
+    SINEW_OT_preset_add,
+    SINEW_OT_preset_apply,
+    SINEW_OT_use_template,
+    preset_folder,
+    template_refusal,
+)
 from .deformer.repair import SINEW_OT_armature_off, SINEW_OT_part_regions, SINEW_OT_refine, SINEW_OT_repair
 from .deformer.report_renders import SINEW_OT_report_renders
 from .deformer.select_distorted import SINEW_OT_select_distorted

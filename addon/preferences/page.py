@@ -101,7 +101,7 @@ class SinewPreferences(AddonPreferences):
     )
     show_try_it: BoolProperty(
         name="Show Try It",
-        description="Offer small rigs to try Sinew on, where nothing is selected that it could move",
+        description="Show a box that offers small rigs to try Sinew on, while nothing is posed yet",
         default=DEFAULTS.show_try_it,
         update=_kept,
     )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The templates and presets of the parameters of a method, in a popover like that of Blender's own presets."""
+"""The templates and presets of the parameters of a method, in a popover like those of Blender."""
 
 import bpy
 from bl_ui.utils import PresetPanel

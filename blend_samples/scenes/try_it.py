@@ -10,7 +10,6 @@ from pathlib import Path
 import bmesh
 import bpy
 import numpy as np
-from mathutils import Vector
 
 from .. import materials, posing, studio
 from ..models import mannequin, pillar, spot, yeti
@@ -88,7 +87,9 @@ def cage() -> list[bpy.types.Object]:
     colours = np.tile((0.80, 0.74, 0.66), (len(cow.data.vertices), 1))
     for field, colour, _softness in spot.PATCHES:
         colours[_values(cow, field) > 0.0] = colour
-    eyes = [corner for face in cow.data.polygons if face.material_index == spot.EYE for corner in face.vertices]
+    eyes = [
+        corner for face in cow.data.polygons if face.material_index == spot.EYE for corner in face.vertices
+    ]
     colours[eyes] = 0.005
     cow.vertex_groups.clear()
     _paint(cow, colours)
@@ -171,16 +172,14 @@ def _colours(obj: bpy.types.Object) -> np.ndarray:
 
 
 def _paint(obj: bpy.types.Object, colours: np.ndarray) -> None:
-    """Store the ``colours`` (n, 3) of the vertices as bytes, and remove all other attributes and materials."""
+    """Store the ``colours`` (n, 3) of the vertices as bytes, and remove other attributes and materials."""
     mesh = obj.data
     for attribute in [row for row in mesh.attributes if row.domain == "POINT" and row.name not in KEPT]:
         mesh.attributes.remove(attribute)
     rgba = np.column_stack((colours, np.ones(len(colours)))).astype(np.float32)
     mesh.color_attributes.new(COLOUR, "BYTE_COLOR", "POINT").data.foreach_set("color", rgba.ravel())
     material, shader = materials.principled(obj.name)
-    material.node_tree.links.new(
-        materials.attribute(material, COLOUR, "Color"), shader.inputs["Base Color"]
-    )
+    material.node_tree.links.new(materials.attribute(material, COLOUR, "Color"), shader.inputs["Base Color"])
     mesh.polygons.foreach_set("material_index", np.zeros(len(mesh.polygons), np.int32))
     mesh.materials.clear()
     mesh.materials.append(material)

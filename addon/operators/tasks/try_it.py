@@ -28,7 +28,6 @@ _VIEW = (
     "shading.color_type",
     "overlay.show_overlays",
 )
-_ROOM = 1.25  # how much of a viewport is seen, in sizes of the rig
 _views: dict[str, list] = remember({})  # what viewports and the tool were before, by the name of the scene
 
 
@@ -37,6 +36,7 @@ class SINEW_OT_try_it(Offered, Operator):
 
     bl_idname = Operators.TRY_IT
     bl_label = "Try It"
+    bl_options = {"UNDO", "INTERNAL"}
 
     rig: once(
         EnumProperty,
@@ -82,6 +82,7 @@ class SINEW_OT_try_back(Offered, Operator):
 
     bl_idname = Operators.TRY_BACK
     bl_label = "Back to My Scene"
+    bl_options = {"UNDO", "INTERNAL"}
 
     @classmethod
     def refusal(cls, context: Context) -> str:
@@ -144,7 +145,7 @@ def _frame(window: Window, rig: Rig, objects: Iterable[Object]) -> None:
     size, (above, around) = max(high - low), rig.view
     for area in _viewports(window):
         region = next(region for region in area.regions if region.type == "WINDOW")
-        seen = size * _ROOM * max(1.0, region.width / region.height)
+        seen = size * rig.room * max(1.0, region.width / region.height)
         space = area.spaces.active
         view = space.region_3d
         view.view_perspective = "PERSP"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rigs of *Try It*: bring one in as a scene of its own, look at its steps, and remove it with all its data.
+"""The rigs of *Try It*: bring one in as a scene of its own, look at its steps, remove it with all its data.
 
 Main thread only.
 """
@@ -18,7 +18,11 @@ from ...properties import SinewDeformer
 from ..controls import kinds
 
 _FOLDER = Path(__file__).parents[2] / "rigs"
-_INTERFACE = (bpy.types.Screen, bpy.types.WindowManager, bpy.types.WorkSpace)  # none of them needs what it shows
+_INTERFACE = (
+    bpy.types.Screen,
+    bpy.types.WindowManager,
+    bpy.types.WorkSpace,
+)  # none of them needs what it shows
 _done: dict[str, int] = remember({})  # how many steps are done, by the name of the scene
 
 
@@ -42,7 +46,7 @@ def bring(rig: Rig) -> tuple[Scene, dict[str, Object]]:
 
 
 def remove(scene: Scene) -> None:
-    """Remove a scene that no window shows, with all that nothing else uses, and what is left over of the rig."""
+    """Remove a scene that no window shows, with all that nothing else uses, and what is left of the rig."""
     _done.pop(scene.name, None)
     scene.sinew.came_from = None
     lost = _only_of(scene)
@@ -115,7 +119,9 @@ _SEEN: dict[Done, Callable[[Scene, Step, Depsgraph], bool]] = {
     Done.POSED: lambda scene, _step, depsgraph: _posed(scene, depsgraph),
     Done.AT_REST: lambda scene, _step, depsgraph: not _posed(scene, depsgraph),
     Done.METHOD: lambda scene, step, _depsgraph: any(
-        method.id == step.method for _obj, deformer in _deformers(scene) for method, _values in deformer.methods
+        method.id == step.method
+        for _obj, deformer in _deformers(scene)
+        for method, _values in deformer.methods
     ),
     Done.FRAME: lambda scene, _step, _depsgraph: scene.frame_current != scene.frame_end,
     Done.RADIUS: lambda scene, step, _depsgraph: any(
