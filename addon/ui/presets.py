@@ -3,7 +3,7 @@
 
 import bpy
 from bl_ui.utils import PresetPanel
-from bpy.types import Context, Panel
+from bpy.types import Context, Menu, Panel
 from bpy.utils import register_classes_factory
 
 from ..core.templates import TEMPLATES
@@ -23,6 +23,10 @@ class SINEW_PT_presets(PresetPanel, Panel):
     def preset_subdir(self) -> str:
         """The folder with the presets of the method in use, below Blender's folder of presets."""
         return preset_folder(bpy.context)
+
+    def path_menu(self, folders: list[str], operator: str, **looks: object) -> None:
+        """Draw one's own presets. Where none was made yet, Blender would say that their folder is missing."""
+        Menu.path_menu(self, folders or [bpy.app.tempdir], operator, **looks)
 
     def draw(self, context: Context) -> None:
         """Draw the templates, grey where they do not fit the method, and below them one's own presets."""

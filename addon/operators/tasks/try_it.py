@@ -6,7 +6,7 @@ from math import radians
 
 import bpy
 from bpy.props import EnumProperty
-from bpy.types import Area, Context, Object, Operator, Scene, SpaceView3D, Window
+from bpy.types import Area, Context, Object, Operator, Region, Scene, SpaceView3D, Window
 from mathutils import Euler, Vector
 
 from ...backend import availability
@@ -18,7 +18,8 @@ from ..arguments import once
 from ..offered import Offered
 from ..reporting import reporting_for, reports_errors
 
-# What is set in a viewport when a rig opens, and put back when it closes.
+# What is set in a viewport when a rig opens, and put back in the opposite order when it closes: what colours
+# there are depends on the type of the shading.
 _VIEW = (
     "region_3d.view_perspective",
     "region_3d.view_rotation",
@@ -119,6 +120,8 @@ def _set_up(context: Context, rig: Rig, objects: dict[str, Object]) -> None:
         _choose(context, body)
         named = {name: objects[value].name if value in objects else value for name, value in values.items()}
         getattr(bpy.ops.sinew, verb)(**named)
+    for deformer in body.sinew.deformers:
+        deformer.active_handle = 0
     scene.sinew.show_overlay = rig.coloured
     _choose(context, objects[rig.posing] if rig.posing else body)
     if rig.posing:
@@ -136,6 +139,10 @@ def _viewports(window: Window) -> list[Area]:
     return [area for area in window.screen.areas if area.type == "VIEW_3D"]
 
 
+def _main_region(area: Area) -> Region:
+    return next(region for region in area.regions if region.type == "WINDOW")
+
+
 def _frame(window: Window, rig: Rig, objects: Iterable[Object]) -> None:
     """Let all viewports show the rig, in solid shading with its own colours."""
     shown = bpy.context.evaluated_depsgraph_get()
@@ -144,7 +151,7 @@ def _frame(window: Window, rig: Rig, objects: Iterable[Object]) -> None:
     low, high = (Vector(map(end, zip(*corners))) for end in (min, max))
     size, (above, around) = max(high - low), rig.view
     for area in _viewports(window):
-        region = next(region for region in area.regions if region.type == "WINDOW")
+        region = _main_region(area)
         seen = size * rig.room * max(1.0, region.width / region.height)
         space = area.spaces.active
         view = space.region_3d
@@ -154,16 +161,23 @@ def _frame(window: Window, rig: Rig, objects: Iterable[Object]) -> None:
         view.view_distance = seen * space.lens / 72.0
         space.shading.type, space.shading.color_type = "SOLID", "VERTEX"
         space.overlay.show_overlays = True
-        for obj in objects if space.local_view else ():
-            obj.local_view_set(space, True)
 
 
 def _remembered(context: Context, window: Window) -> list:
     """What is to be put back: of each viewport, and the tools."""
     if bpy.app.background:
         return []
-    spaces = [area.spaces.active for area in _viewports(window)]
-    kept = [(space.as_pointer(), {path: _read(space, path) for path in _VIEW}) for space in spaces]
+    kept: list = []
+    for area in _viewports(window):
+        space = area.spaces.active
+        if space.local_view:  # nothing of another scene would be in it
+            with context.temp_override(window=window, area=area, region=_main_region(area)):
+                bpy.ops.view3d.localview(frame_selected=False)
+        shading = space.shading.type
+        space.shading.type = "SOLID"
+        kept.append(
+            (space.as_pointer(), {path: _read(space, path) for path in _VIEW} | {"shading.type": shading})
+        )
     tools = context.workspace.tools
     for mode in ("OBJECT", "POSE"):
         tool = tools.from_space_view3d_mode(mode, create=False)
@@ -180,7 +194,7 @@ def _put_back(context: Context, kept: list) -> None:
         _leave_mode(context)
     for window in context.window_manager.windows if held else ():
         for space in (area.spaces.active for area in _viewports(window)):
-            for path, value in held.get(space.as_pointer(), {}).items():
+            for path, value in reversed(held.get(space.as_pointer(), {}).items()):
                 owner, _dot, name = path.partition(".")
                 setattr(getattr(space, owner), name, value)
 

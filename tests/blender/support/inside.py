@@ -103,6 +103,7 @@ MODULES = {
     "templates": "core.templates",
     "text": "ui.text",
     "traits": "session.datablocks.traits",
+    "try_it": "session.actions.try_it",
     "translation": "compat.translation",
     "typed_motion": "core.transform.typed_motion",
     "ui": "ui",
