@@ -42,7 +42,7 @@ def rig_of(skin: bpy.types.Object) -> bpy.types.Object:
 
 
 def build(label: str, x: float = 0.0, cell: float = 0.022) -> bpy.types.Object:
-    """Tapered limbs as one surface with faces as large as a ``cell``, and the armature that ``rig_of`` finds."""
+    """Tapered limbs as one surface of faces as large as ``cell``; beside it the armature: see ``rig_of``."""
     progress(f"modelling {label}")
     balls = bpy.data.metaballs.new(f"{label} Clay")
     balls.resolution = balls.render_resolution = cell

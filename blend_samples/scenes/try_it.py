@@ -128,6 +128,7 @@ def make() -> bpy.types.Scene:
                 obj.location.x += x
         labels.append((objects[0].name, x))
     bpy.context.window.scene = overview
+    overview.frame_set(FRAMES[-1])
     SHOT.set_up(overview, labels)
     return overview
 
