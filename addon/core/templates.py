@@ -47,8 +47,8 @@ _VALUES: dict[str, tuple[tuple[str, ...], dict[str, tuple]]] = {
         ("stretching", "bending", "variation"),
         {
             "soft": (0.0, 1.0, 0.0),
-            "cloth": (0.1, 1.0, 0.0),
-            "rubber": (1.0, 0.1, 0.0),
+            "cloth": (1.0, 0.05, 0.0),
+            "rubber": (1.0, 0.0, 0.0),
             "cartoon": (0.0, 0.1, 1.0),
         },
     ),
