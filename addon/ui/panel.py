@@ -18,6 +18,7 @@ from .places import ActiveDeformerPanel, SidebarPanel, active_deformer
 from .presets import SINEW_PT_presets
 from .situations import puppet, situation_of
 from .situations.posing import draw_deformer
+from .try_it import draw_steps
 
 _ENDS = (
     Button(Operators.UNBIND, "Unbind", "X"),
@@ -41,6 +42,7 @@ class SINEW_PT_sinew(SidebarPanel, Panel):
         return situation_of(context).page(context)
 
     def draw(self, context: Context) -> None:
+        draw_steps(context, self.layout)
         situation_of(context).draw(context, self.layout)
 
 

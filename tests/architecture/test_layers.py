@@ -179,6 +179,7 @@ def test_every_room_that_exists_has_a_rank() -> None:
         "wheels",
         "icons",
         "pictures",
+        "rigs",
     }
     for room, ranks in INNER_RANKS.items():
         inside = files(ROOT, f"addon/{room}", ".py")

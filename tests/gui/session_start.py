@@ -17,7 +17,19 @@ from inside import inner
 from mathutils import Vector
 from rigs.rig import base_points, curves_of
 from scenes import MODELS, empty_scene, shown
-from window import differing, in_view, middle, pictures, pixels, region, screenshot, view, viewport
+from window import (
+    button,
+    differing,
+    in_view,
+    middle,
+    on_screen,
+    pictures,
+    pixels,
+    region,
+    screenshot,
+    view,
+    viewport,
+)
 
 # Where things are in a window of 1280 x 800 pixels, from its lower left corner.
 HEAD = (370, 626), (600, 456)
@@ -374,4 +386,24 @@ def panel() -> Iterator[None]:
         assert [row.frame for row in rows] == [1, 13, 133, 1029]
 
 
-run(journey, preferences, panel)
+def try_it() -> Iterator[None]:
+    """A rig in a scene of its own, and back."""
+    yield from open_sidebar()
+    looked = view().view_rotation.copy(), viewport().spaces.active.shading.color_type
+    button("try_it", rig="limb")
+    yield from settled()
+    with claim("a rig stands in the middle of the view, and a drag on its tip ticks its first step"):
+        tip = on_screen((0.0, -0.2, 1.85))
+        yield from drag(tip, (tip[0] + 80, tip[1] - 30))
+        yield from settled()
+        screenshot("try-it")
+        assert inner.try_it.steps_done(bpy.context.window.scene) == 1
+    button("try_back")
+    yield from settled()
+    with claim("Back to My Scene brings the view back, and the tool"):
+        assert looked == (view().view_rotation, viewport().spaces.active.shading.color_type)
+        tool = bpy.context.workspace.tools.from_space_view3d_mode("OBJECT")
+        assert (tool.idname, bpy.context.window.scene.name) == ("builtin.select_box", "Scene")
+
+
+run(journey, preferences, panel, try_it)

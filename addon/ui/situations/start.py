@@ -16,6 +16,7 @@ from ..layouts import Button
 from ..pose import draw_drag
 from ..status_box import NATIVE_MISSING, draw_message, draw_progress
 from ..text import draw_text
+from ..try_it import draw_offer
 from .strays import draw_strays
 
 _DRAG = {True: ("Drag the Surface", "SURFACE"), False: ("Drag Points", "POINTS")}  # on meshes, and others
@@ -80,19 +81,22 @@ def draw_selection(layout: UILayout, obj: Object) -> None:
 def _draw_tasks(context: Context, layout: UILayout, obj: Object) -> None:
     """Draw the tool that drags, and the tasks that suit the object: first what is special about it."""
     traits = traits_of(obj, context.selected_objects)
+    tasks = list(suggested(traits))
+    is_plain = not (tasks and _is_special(tasks[0], traits))
+    if is_plain:
+        draw_offer(context, layout)
     text = next((said for trait, said in _MOVED if trait in traits), "{}")
     if {Trait.MOVED, Trait.BONES} <= traits:
         text = "{}, moved by bones"
     draw_text(context, layout, text.format(obj.name), f"OUTLINER_OB_{obj.type}")
-    tasks = list(suggested(traits))
     large, others = layout.column(), layout.column(align=True)
     large.scale_y, others.scale_y = 1.5, 1.15
     drag = _DRAG[targets.is_mesh(obj)]
-    if tasks and _is_special(tasks[0], traits):
+    if is_plain:
+        draw_drag(large, *drag)
+    else:
         _draw_task(context, large, tasks.pop(0))
         draw_drag(others, *drag)
-    else:
-        draw_drag(large, *drag)
     for task in tasks:
         _draw_task(context, others, task)
     layout.operator(Operators.ALL_TASKS, icon="IMGDISPLAY")

@@ -307,4 +307,5 @@ SITUATIONS: dict[str, Callable[[], object]] = {
     "a text": of(text),
     "hair": of(hair),
     "a lattice object": of(lattice),
+    "a rig to try": lambda: bpy.ops.sinew.try_it(rig="lines"),
 }
