@@ -53,7 +53,7 @@ from .target import explain_no_target, target_of
 from .tasks.refusals import choice_refusal, method_refusal, task_refusal, tasks_beside
 from .tasks.start import SINEW_OT_start_task, SINEW_OT_use_method
 from .tools.control_drag import SINEW_OT_control_drag
-from .tools.drag import AROUND, HANDLE, SINEW_OT_drag, handle_radius
+from .tools.drag import AROUND, HANDLE, SINEW_OT_drag, handle_sizes
 from .tools.grab_region import SINEW_OT_grab_region
 from .tools.puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
 from .tools.reach_drag import SINEW_OT_reach_drag
@@ -74,7 +74,7 @@ __all__ = (
     "draw_line",
     "entering",
     "explain_no_target",
-    "handle_radius",
+    "handle_sizes",
     "makes_handles",
     "method_refusal",
     "page_of",

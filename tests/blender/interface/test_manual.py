@@ -350,6 +350,7 @@ def test_each_message_of_the_status_box_is_on_a_page():
 ELSEWHERE = {
     "Cage from Selected": "test_cage.py",
     "Copy the Motion": "test_transfer.py",
+    "Correct a Joint": "test_browser.py",
     "Draw Outline": "test_silhouette_sketch.py",
     "Draw Wire": "test_wires.py",
     "Grab Once": "test_grab_region.py",

@@ -57,8 +57,8 @@ _NAMED = 3  # regions without vertices; the panel counts the others
 
 
 def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
-    """Warnings about regions without vertices, remarks of the method, why nothing will bend, what parts do that
-    no region touches, and how many details have no height.
+    """Warnings about regions without vertices, remarks of the method, why nothing will bend, what parts do
+    that no region touches, and how many details have no height.
 
     A space method moves all parts.
     """
