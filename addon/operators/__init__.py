@@ -6,6 +6,7 @@ from bpy.utils import register_classes_factory
 from ..properties import deformer as settings
 from . import entering
 from .animation.bake import SINEW_OT_bake, SINEW_OT_bake_find, SINEW_OT_unbake
+from .animation.drive import SINEW_OT_drive_by_bone
 from .animation.key import SINEW_OT_key_add, SINEW_OT_key_jump, SINEW_OT_key_move, SINEW_OT_key_remove
 from .animation.morph import SINEW_OT_morph
 from .animation.transfer import SINEW_OT_transfer_deformation
@@ -136,6 +137,7 @@ _CLASSES = (
     SINEW_OT_bake_find,
     SINEW_OT_transfer_deformation,
     SINEW_OT_morph,
+    SINEW_OT_drive_by_bone,
     SINEW_OT_select_problems,
     SINEW_OT_grab_region,
     SINEW_OT_drag,
