@@ -31,6 +31,7 @@ class Operators:
     CONTROL_EDIT = "sinew.control_edit"
     POSE_RESET = "sinew.reset_pose"
     POSE_KEY = "sinew.key_pose"
+    DRIVE = "sinew.drive_by_bone"
     BIND = "sinew.bind"
     UNBIND = "sinew.unbind"
     CANCEL = "sinew.cancel"

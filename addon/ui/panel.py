@@ -9,6 +9,7 @@ from ..core.tasks import task_of
 from ..ids import Operators
 from ..operators import page_of, target_of
 from ..session.actions import sharing
+from ..session.datablocks import movers
 from ..session.targets import targets
 from .control import drawing_of
 from .layouts import Button, draw_field, draw_move_entries, fields, invoking, unless_baked
@@ -109,6 +110,8 @@ class SINEW_PT_advanced(ActiveDeformerPanel, Panel):
         drawing_of(deformer.definition).draw_settings(context, layout, target_of(context), deformer)
         if deformer.is_iterative:
             draw_field(context, layout, deformer, "playback", expand=True)
+        if movers.armatures_of(target_of(context)):
+            invoking(layout.column()).operator(Operators.DRIVE, icon="DRIVER")
         layout.prop(deformer, "auto_rebind")
         layout.prop(context.scene.render, "use_lock_interface")
 

@@ -9,7 +9,8 @@ from bpy.types import Context, UILayout
 from .. import compat
 from ..backend import availability
 from ..core import status
-from ..core.methods import Control
+from ..core.labels import label_of
+from ..core.methods import BY_ID, Control
 from ..core.status import Level, Remedy, Status
 from ..ids import Operators
 from ..preferences import PACKAGE
@@ -35,7 +36,8 @@ NATIVE_MISSING = Status(
 )
 
 
-REMEDIES: dict[Remedy, Button] = {
+_QUICK_CAGE = BY_ID["mean_value"]
+_BUTTONS: dict[Remedy, Button] = {
     Remedy.BIND: Button(Operators.BIND, "Rebind", "FILE_REFRESH"),
     Remedy.CAGE_REST: Button(Operators.CAGE_REST, "New Rest", "MESH_CUBE"),
     Remedy.LATTICE_REST: Button(Operators.LATTICE_REST, "New Rest", "PIVOT_BOUNDBOX"),
@@ -58,8 +60,16 @@ REMEDIES: dict[Remedy, Button] = {
 }
 
 
+def remedies() -> dict[Remedy, Button]:
+    """The button of each remedy; one names a method, as the preference *Names* says."""
+    quick = Button(
+        Operators.METHOD_USE, f"Use {label_of(_QUICK_CAGE)}", "MESH_CUBE", (("method", _QUICK_CAGE.id),)
+    )
+    return {**_BUTTONS, Remedy.QUICK_CAGE: quick}
+
+
 def _buttons(remedy: Remedy) -> list[Button]:
-    return [button for each, button in REMEDIES.items() if each in remedy]
+    return [button for each, button in remedies().items() if each in remedy]
 
 
 def draw_remedy(layout: UILayout, remedy: Remedy) -> None:

@@ -50,6 +50,14 @@ def is_moved_before(obj: Object, deformer: SinewDeformer | None) -> bool:
     )
 
 
+def armatures_of(obj: Object) -> list[Object]:
+    """The armatures that move an object, by modifiers or as its parent."""
+    found = [modifier.object for modifier in obj.modifiers if modifier.type == "ARMATURE"]
+    if obj.parent_type == "ARMATURE":
+        found.append(obj.parent)
+    return [armature for armature in dict.fromkeys(found) if armature is not None]
+
+
 def is_animated_before(obj: Object, deformer: SinewDeformer | None) -> bool:
     """Whether what moves a mesh before a deformer, or before a new one, is keyed, driven or cached."""
     before = kind_of(obj).modifiers_before(obj, deformer)

@@ -47,6 +47,8 @@ def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeform
     goals = _goals(deformer)
     for goal in goals:
         draw_text(context, layout, f"To {goal.name}", "OUTLINER_OB_MESH", boxed=False)
+        target = (("target", goal.name), ("key", True))
+        Button(Operators.MORPH, "Key from 0 to 1", "KEYINGSET", target).draw(layout)
     if goals and not deformer.handles:
         return
     row = layout.row()

@@ -22,6 +22,7 @@ from rigs.point_objects import cage_around, lattice
 from rigs.puppets import standing
 from rigs.rig import (
     Rig,
+    add_armature,
     add_group,
     add_regions,
     change_in_edit_mode,
@@ -263,6 +264,13 @@ def with_nameless_sides() -> None:
     add_regions(obj, "thin_shell", {"Foot": "HANDLE"})
 
 
+def with_a_bent_bone() -> None:
+    plate = Rig.plate()
+    add_armature(plate.obj).pose.bones["high"].rotation_euler.x = 1.0
+    plate.bind("thin_shell").lift()
+    make_active(plate.obj)
+
+
 def draggable(method: str = "") -> Callable[[], None]:
     options = {"method": method} if method else {}
     return button("drag", origin=(0.0, 0.0, 5.0), value=(0.0, 0.0, 0.5), radius=0.25, reach=2.0, **options)
@@ -328,6 +336,7 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "reset_pose of a wire": (with_wire, button("reset_pose")),
     "reset_pose of a tool": (with_tool, button("reset_pose")),
     "key_pose": (posed(), button("key_pose")),
+    "drive_by_bone": (with_a_bent_bone, button("drive_by_bone", angle=2.0)),
     "control_drag": (in_a_cage(), button("control_drag", control="Cage", point=3, value=(0.2, 0.1, 0.3))),
     "reach_drag": (with_wire, button("reach_drag", length="radius", value=0.9)),
     "drag of a place": (posed(), button("drag", origin=(0.0, 0.0, 5.0), value=(0.0, 0.0, 0.4), places=True)),

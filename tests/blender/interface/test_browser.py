@@ -186,6 +186,15 @@ def test_a_correction_goes_behind_what_moves_the_mesh():
     assert [modifier.type for modifier in target().modifiers] == ["ARMATURE", "NODES", "SUBSURF"]
 
 
+def test_a_joint_is_as_wide_as_its_bone_lies_deep_on_both_sides():
+    posed_by_bones()
+    start("joint")
+    for place, width in (((0.4, 0.5, 0.3), 1.0), ((0.0, 0.5, 0.0), 0.2), ((0.0, 1.6, 0.8), 2.0)):
+        assert inner.picking.width_of_joint(target(), np.array(place)) == pytest.approx(width)
+    target().sinew.active.name = "Arm"
+    assert inner.picking.width_of_joint(target(), np.zeros(3)) is None
+
+
 def test_the_border_of_a_sheet_holds_still_but_for_what_is_pulled():
     grid_in_edit_mode()
     chosen = np.array(selection(bpy.context.object)[:121])

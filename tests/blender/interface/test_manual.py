@@ -170,7 +170,7 @@ def our_structs() -> list[bpy.types.Struct]:
 @functools.cache
 def shown_by_sinew() -> frozenset[str]:
     tool = inner.drag_tool.SINEW_WT_drag.bl_label
-    remedies = {button.text for button in inner.status_box.REMEDIES.values()}
+    remedies = {button.text for button in inner.status_box.remedies().values()}
     kinds = {method.control.value for method in METHODS}
     methods = {name for method in METHODS for name in (method.label, method.known_as)}
     own = {bpy.types.SINEW_PT_sinew.bl_label, tool, inner.status_box.REFINING.partition(" - ")[0]}
@@ -350,6 +350,7 @@ def test_each_message_of_the_status_box_is_on_a_page():
 ELSEWHERE = {
     "Cage from Selected": "test_cage.py",
     "Copy the Motion": "test_transfer.py",
+    "Correct a Joint": "test_browser.py",
     "Draw Outline": "test_silhouette_sketch.py",
     "Draw Wire": "test_wires.py",
     "Grab Once": "test_grab_region.py",

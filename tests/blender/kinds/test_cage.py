@@ -119,7 +119,7 @@ def test_a_cage_inside_out_can_be_flipped():
 @pytest.mark.parametrize("kind", ["mesh", "curve"])
 @pytest.mark.parametrize("method", WITH_CAGE)
 def test_points_outside_are_said_alike_by_all_methods_and_can_follow(method: str, kind: str):
-    """Mean Value and Green warn, the others refuse until a button lets them follow."""
+    """Mean Value and Green warn, the others refuse until a button takes the first or lets them follow."""
     status = inner.status
     if kind == "mesh":
         target, cage = ball(), box()
@@ -145,7 +145,12 @@ def test_points_outside_are_said_alike_by_all_methods_and_can_follow(method: str
         assert said[0].level is status.Level.WARNING
         assert not bpy.ops.sinew.cage_outside_follow.poll()
     else:
-        assert (said[0].level, said[0].remedy) == (status.Level.ERROR, status.Remedy.OUTSIDE)
+        assert (said[0].level, said[0].remedy) == (status.Level.ERROR, inner.errors.OutsideError.remedy)
+        quick = inner.status_box.remedies()[status.Remedy.QUICK_CAGE]
+        assert bpy.ops.sinew.use_method(**dict(quick.properties)) == {"FINISHED"}
+        assert deformer.status_level == "INFO"
+        deformer.method = method
+        update()
         assert bpy.ops.sinew.cage_outside_follow() == {"FINISHED"}
         assert [note.text for note in status.notes(deformer.uid)] == [f"3 {points} lie outside the cage"]
     assert_goes_on(target, cage)

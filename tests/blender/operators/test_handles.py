@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from editing import edit, select
-from inside import inner
+from inside import inner, notes_of
 from mathutils import Matrix
 from rigs.rig import (
     FLOAT32,
@@ -51,6 +51,22 @@ def test_from_selection_to_pose():
     rig = Rig.called(obj.name)
     assert np.abs(rig.points()[top, 2] - 0.5).max() < 4e-6
     assert np.array_equal(rig.points()[base], rig.rest()[base])
+
+
+def test_the_panel_says_where_nothing_will_bend(plate: Rig):
+    def told() -> str:
+        update()
+        return " ".join(text for text in notes_of(plate.deformer) if text.startswith("Nothing will bend"))
+
+    deformer = plate.bind("arap", fixed=False).deformer
+    assert "follows Top" in told()
+    press(plate.obj, "handle_add", kind="FIXED", vertex_group="Base")
+    assert not told()
+    add_group(plate.obj, "Middle", lambda point: abs(point[1]) < 0.75)
+    press(plate.obj, "handle_add", kind="FIXED", vertex_group="Middle")
+    assert "all vertices" in told()
+    deformer.handles[0].enabled = False
+    assert "no handle" in told()
 
 
 def test_support_from_the_selection():

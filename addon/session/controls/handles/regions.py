@@ -10,7 +10,7 @@ from bpy.types import Mesh
 from ....backend import Apart, HandlePoints, Recipe, Regions, Shape, connected_parts
 from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError
-from ....core.methods import Posed
+from ....core.methods import Method, Posed, Reproduced
 from ....core.status import Remedy
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
@@ -84,6 +84,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     labels: list[str] = []
     points: list[np.ndarray] = []
     apart: dict[int, Apart] = {}
+    outside = _NO_VERTICES
     support: np.ndarray | None = None
     of_supports: list[tuple] = []
     for handle in settings.handles:
@@ -168,6 +169,9 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
         handles=tuple(keys),
         names=tuple(names),
         unused=tuple(unused),
+        stiff=_why_stiff(method, bound, len(keys), count - np.count_nonzero(holder >= 0) - len(outside))
+        if not references.has_mesh_shape(settings)
+        else "",
         unpainted=unpainted(settings, rest),
         indices=tuple(indices),
     )
@@ -211,6 +215,17 @@ def _why_unused(handle: SinewHandle, painted: np.ndarray | None) -> str:
         return f"{handle.name} is not used: its weight is 0"
     lacks = "is not on the mesh - pick another" if painted is None else "has no vertices - assign some"
     return f"{handle.name} is not used: its vertex group '{handle.vertex_group}' {lacks}"
+
+
+def _why_stiff(method: Method, bound: list[SinewHandle], regions: int, free: int) -> str:
+    """Why nothing will bend with so many regions and ``free`` vertices outside of them; empty if it will."""
+    if all(handle.kind != "HANDLE" for handle in bound):
+        return "Nothing will bend: no handle moves it - Make Handle"
+    if free <= 0 and not method.is_space:
+        return "Nothing will bend: all vertices are in regions - make these smaller"
+    if regions == 1 and method.reproduces is not Reproduced.REST:
+        return f"Nothing will bend: all of it follows {bound[0].name} - Hold Still what is to stay"
+    return ""
 
 
 def _counted(roles: list[str]) -> str:
