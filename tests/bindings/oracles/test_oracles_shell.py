@@ -17,7 +17,7 @@ THICKNESSES = (0.05, 0.2)
 
 
 def shell_rows(points: np.ndarray, faces: np.ndarray, k_s: float, k_b: float) -> Rows:
-    """The energy of the method by its header, for manifold meshes of sound triangles: seven rows per hinge."""
+    """The energy of the header, for manifold meshes of sound triangles: seven rows per hinge."""
     sides: dict[tuple[int, int], list[tuple[int, int]]] = {}
     for t, face in enumerate(faces.tolist()):
         for k in range(3):
