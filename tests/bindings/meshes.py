@@ -137,4 +137,27 @@ def moved(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
     return points @ pose[:, :3].T + pose[:, 3]
 
 
+def nearest_rotations(matrices: np.ndarray) -> np.ndarray:
+    """(..., 3, 3), by singular values."""
+    U, _, Vt = np.linalg.svd(matrices)
+    U[..., 2] *= np.sign(np.linalg.det(U @ Vt))[..., None]
+    return U @ Vt
+
+
+def edges_of(faces: np.ndarray) -> np.ndarray:
+    """Each edge of faces of as many corners once, (e, 2)."""
+    sides = np.stack([faces, np.roll(faces, -1, axis=1)], -1).reshape(-1, 2)
+    return np.unique(np.sort(sides, axis=1), axis=0)
+
+
+def angles_filled(points: np.ndarray, mesh: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """How often (n,) a surface winds around points (n, 3), by the angles that its triangles fill."""
+    a, b, c = (mesh[triangles[:, k]] - points[:, None] for k in range(3))
+    la, lb, lc = (np.linalg.norm(v, axis=2) for v in (a, b, c))
+    dots = [np.einsum("ijk,ijk->ij", u, v) for u, v in ((a, b), (b, c), (c, a))]
+    volume = np.einsum("ijk,ijk->ij", a, np.cross(b, c))
+    angles = np.arctan2(volume, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb)
+    return angles.sum(axis=1) / (2 * np.pi)
+
+
 BENT = np.stack([STILL, turn((0, 1, 0), 40, (6, 0, 0), (-1, 0.5, 2))])

@@ -9,6 +9,7 @@ from scipy.sparse.linalg import splu
 import sinew_native as sn
 
 from ..meshes import STILL, ends, grid, moved, sphere, turn
+from .rows import Rows, differences
 
 BALL, FACES = sphere(4)  # 1,026 vertices
 POINTS = BALL * (4.0, 1.0, 1.0) + 0.3 * np.sin(2 * BALL[:, [1, 2, 0]])  # long, and no symmetry
@@ -39,12 +40,6 @@ def cotan(points: np.ndarray, faces: np.ndarray) -> tuple[sparse.csr_matrix, np.
     return sparse.csr_matrix(sparse.diags(np.asarray(W.sum(1)).ravel()) - W), mass
 
 
-def rotations(S: np.ndarray) -> np.ndarray:
-    U, _sizes, Vt = np.linalg.svd(S)
-    U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
-    return U @ Vt
-
-
 def test_isolines_are_the_minimum_of_their_energy() -> None:
     """By turns of dense rotations and sparse solves on the whole mesh."""
     method = sn.HandleAwareIsolines(sn.SurfaceMesh(POINTS, FACES), tolerance=1e-10, max_iterations=5000)
@@ -52,8 +47,8 @@ def test_isolines_are_the_minimum_of_their_energy() -> None:
     bands = method.bands()
     L, _mass = cotan(POINTS, FACES)
     W = (sparse.diags(L.diagonal()) - L).tocoo()
-    i, j, w = W.row, W.col, W.data
-    rest = POINTS[i] - POINTS[j]
+    D = differences(W.row, W.col, len(POINTS))
+    rows = Rows(D, D @ POINTS, bands[W.row], W.data)
     held = np.concatenate(HANDLES)
     free = np.setdiff1d(np.arange(len(POINTS)), held)
     solve = splu(sparse.csc_matrix(L[free][:, free])).solve
@@ -63,21 +58,16 @@ def test_isolines_are_the_minimum_of_their_energy() -> None:
             x[handle] = moved(pose, POINTS[handle])
         R = np.tile(np.eye(3), (bands.max() + 1, 1, 1))
         for _turn in range(3000):
-            sides = 0.5 * w[:, None] * np.einsum("kab,kb->ka", R[bands[i]] + R[bands[j]], rest)
-            b = np.stack([np.bincount(i, column, len(POINTS)) for column in sides.T], 1)
+            b = 0.5 * D.T @ (rows.weight[:, None] * rows.turned(R))
             x[free] = solve((b - L[:, held] @ x[held])[free])
-            now = x[i] - x[j]
-            S = np.zeros_like(R)
-            np.add.at(S, bands[i], w[:, None, None] * now[:, :, None] * rest[:, None, :])
-            fitted = rotations(S)
+            fitted = rows.rotations(x)
             change, R = np.abs(fitted - R).max(), fitted
             if change < 1e-10:
                 break
         found, report = method.solve(poses)
         assert report.converged
         assert np.abs(found - x).max() < 1e-5  # its columns are in single precision
-        energy = (w * ((now - np.einsum("kab,kb->ka", R[bands[i]], rest)) ** 2).sum(1)).sum()
-        assert report.energy == pytest.approx(energy, rel=1e-6)
+        assert report.energy == pytest.approx(2 * rows.energy(x, R), rel=1e-6)
 
 
 def mean_values(points: np.ndarray, corners: np.ndarray, faces: np.ndarray) -> np.ndarray:
@@ -120,19 +110,13 @@ class Subspace:
         L, mass = cotan(POINTS, FACES)
         area = np.linalg.norm(np.cross(*(POINTS[FACES[:, k]] - POINTS[FACES[:, 0]] for k in (1, 2))), axis=1)
         W = (sparse.diags(L.diagonal()) - L).tocoo()
-        edges = sparse.csr_matrix((len(W.row), len(POINTS)))
-        ones = np.ones(len(W.row))
-        at = np.arange(len(W.row))
-        edges = sparse.coo_matrix((ones, (at, W.row)), edges.shape).tocsr()
-        edges -= sparse.coo_matrix((ones, (at, W.col)), edges.shape).tocsr()
-        self.rest = np.concatenate([edges @ POINTS, L @ POINTS])
-        self.rows = np.concatenate([edges @ B, L @ B])
-        self.weights = np.concatenate([0.5 * W.data, bending * area.sum() / 2 / mass])
-        self.cluster = np.concatenate([clusters[W.row], clusters])
+        D = sparse.vstack([differences(W.row, W.col, len(POINTS)), L])
+        weights = np.concatenate([0.5 * W.data, bending * area.sum() / 2 / mass])
+        self.rows = Rows(D @ B, D @ POINTS, np.concatenate([clusters[W.row], clusters]), weights)
         self.B = B
         held = [np.full(len(handle), 1e5 / len(handle)) for handle in HANDLES]
         self.pulls = np.concatenate(held)
-        self.A = self.rows.T @ (self.weights[:, None] * self.rows)
+        self.A = self.rows.D.T @ (weights[:, None] * self.rows.D)
         pulled = B[np.concatenate(HANDLES)]
         self.A += pulled.T @ (self.pulls[:, None] * pulled)
         self.A += 1e-10 * np.trace(self.A) / len(self.A) * np.eye(len(self.A))
@@ -143,12 +127,8 @@ class Subspace:
         pull = self.B[np.concatenate(HANDLES)].T @ (self.pulls[:, None] * targets)
         inverse = np.linalg.inv(self.A)
         for _turn in range(4000):
-            now = self.rows @ y
-            S = np.zeros((self.cluster.max() + 1, 3, 3))
-            np.add.at(S, self.cluster, self.weights[:, None, None] * now[:, :, None] * self.rest[:, None, :])
-            R = rotations(S)
-            aims = np.einsum("kab,kb->ka", R[self.cluster], self.rest)
-            following = inverse @ (self.rows.T @ (self.weights[:, None] * aims) + pull)
+            aims = self.rows.weight[:, None] * self.rows.turned(self.rows.rotations(y))
+            following = inverse @ (self.rows.D.T @ aims + pull)
             if wanted is not None:
                 own, gradient = volume(self.B @ y)
                 c = self.B.T @ gradient

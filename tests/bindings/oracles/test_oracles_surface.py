@@ -12,15 +12,12 @@ from scipy.spatial.transform import Rotation
 
 import sinew_native as sn
 
-from ..meshes import STILL, bar, ends, grid, shift, sphere, turn
+from ..meshes import STILL, bar, edges_of, ends, grid, joined, nearest_rotations, shift, sphere, turn
 from .test_oracles_spline import design
 
 MESHES = {"hill": grid(8), "bar": bar(6, 2), "sphere": sphere(2), "obtuse": grid(9, 0.45)}
 EVERY = tuple(MESHES)
-MESHES["two parts"] = (
-    np.concatenate([grid(8)[0], grid(8)[0] + (0, 20, 0)]),
-    np.concatenate([grid(8)[1], grid(8)[1] + 81]),
-)
+MESHES["two parts"] = joined(grid(8), (grid(8)[0] + (0, 20, 0), grid(8)[1]))
 KINDS = ("uniform", "cotan", "cotan_voronoi")
 
 
@@ -49,11 +46,7 @@ class Rest:
     def elements(self, kind: str) -> list[tuple[tuple[int, ...], np.ndarray]]:
         """The parts that L is the sum of: for edges, or for triangles."""
         if kind == "uniform":
-            sides = np.concatenate(
-                [self.faces[:, [k, (k + 1) % self.faces.shape[1]]] for k in range(self.faces.shape[1])]
-            )
-            pairs = np.unique(np.sort(sides, axis=1), axis=0)
-            return [((a, b), np.array([[1.0, -1.0], [-1.0, 1.0]])) for a, b in pairs]
+            return [((a, b), np.array([[1.0, -1.0], [-1.0, 1.0]])) for a, b in edges_of(self.faces)]
         corner = np.array([[0, 1, 2]])
         return [(tuple(t), -igl.cotmatrix(self.points[t], corner).toarray()) for t in self.triangles]
 
@@ -200,9 +193,7 @@ class Bending:
         """The rotations of the edges at each vertex from y to x."""
         found = np.empty((len(y), 3, 3))
         for i, ring in enumerate(self.rings):
-            U, _, Vt = np.linalg.svd((x[ring] - x[i]).T @ (y[ring] - y[i]))
-            U[:, 2] *= np.sign(np.linalg.det(U @ Vt))
-            found[i] = U @ Vt
+            found[i] = nearest_rotations((x[ring] - x[i]).T @ (y[ring] - y[i]))
         return found
 
 
@@ -489,7 +480,7 @@ def test_moved_grid_points_add_their_spline_and_soft_handles_pull_against_it() -
 def test_a_silhouette_sketch_is_the_least_squares_solution_of_the_paper(kind: str, sharpness: float) -> None:
     rest = Rest("hill", [np.flatnonzero(np.abs(MESHES["hill"][0][:, 0] - 4) > 3.5)])
     p, weight = rest.points, 0.9
-    pairs = np.array([element for element, _ in rest.elements("uniform")])
+    pairs = edges_of(rest.faces)
     a, b = p[pairs[:, 0]], p[pairs[:, 1]]
     across = ((a[:, 0] < 3.4) != (b[:, 0] < 3.4)) & (np.abs(a[:, 1] - b[:, 1]) < 0.5)
     edges, a, b = pairs[across], a[across], b[across]

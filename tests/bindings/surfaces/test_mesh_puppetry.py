@@ -10,6 +10,8 @@ from scipy.spatial.transform import Rotation
 
 import sinew_native as sn
 
+from ..meshes import bar
+
 UP = np.array([0.0, 0.0, 1.0])
 
 
@@ -217,14 +219,7 @@ def test_poses_of_a_skeleton_are_poses_of_handles():
     line = np.linspace(0, 8, 33)
     angle = np.linspace(0, 2 * np.pi, 16, endpoint=False)
     points = np.array([(0.5 * np.cos(a), 0.5 * np.sin(a), z) for z in line for a in angle])
-    faces = np.array(
-        [
-            (16 * i + j, 16 * i + (j + 1) % 16, 16 * (i + 1) + (j + 1) % 16, 16 * (i + 1) + j)
-            for i in range(32)
-            for j in range(16)
-        ]
-    )
-    mesh = sn.SurfaceMesh(points, faces)
+    mesh = sn.SurfaceMesh(points, bar(32, 4)[1])
     skeleton = sn.Skeleton([(0, 0, 0), (0, 0, 4)], [(0, 0, 4), (0, 0, 8)], [-1, 0])
     regions = skeleton.regions(mesh)
     assert [len(region) for region in regions] == [13 * 16, 13 * 16]

@@ -6,7 +6,7 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, ends, grid, moved, shift, turn
+from ..meshes import STILL, ends, grid, moved, nearest_rotations, shift, turn
 from ..methods import bound
 
 KEYS = np.array(
@@ -30,9 +30,8 @@ def moving_frame(points, faces, handle, shape) -> tuple[np.ndarray, np.ndarray]:
     """The rotation of the triangles at a handle, each as often as it has its vertices, and the centre."""
     corners = np.repeat(faces, np.isin(faces, handle).sum(1), axis=0).ravel()
     before, after = points[corners], shape[corners]
-    U, _, Vt = np.linalg.svd((after - after.mean(0)).T @ (before - before.mean(0)))
-    U[:, 2] *= np.sign(np.linalg.det(U @ Vt))
-    return U @ Vt, shape[handle].mean(0)
+    Q = nearest_rotations((after - after.mean(0)).T @ (before - before.mean(0)))
+    return Q, shape[handle].mean(0)
 
 
 def test_frames_meet_their_keys_in_the_moving_frames() -> None:
