@@ -7,7 +7,7 @@ import numpy as np
 from bpy.types import Object, PoseBone, ShapeKey
 
 from ...core.errors import SinewError
-from ...properties import SinewDeformer
+from ...properties import SinewDeformer, row_at
 from ..datablocks.movers import armatures_of
 
 _STRAIGHT = math.radians(1.0)  # what is bent less is not bent
@@ -55,11 +55,10 @@ def bent_bone(obj: Object, deformer: SinewDeformer) -> tuple[Object, str] | None
     ]
     if not bent:
         return None
-    rows = deformer.handles
-    control = rows[deformer.active_handle].control if deformer.active_handle < len(rows) else None
+    handle = row_at(deformer.handles, deformer.active_handle)
     away = [-bend for _armature, _bone, bend in bent]
-    if control is not None:
-        place = control.matrix_world.translation
+    if handle is not None and handle.control is not None:
+        place = handle.control.matrix_world.translation
         away = [(armature.matrix_world @ bone.head - place).length for armature, bone, _bend in bent]
     armature, bone, _bend = bent[int(np.argmin(away))]
     return armature, bone.name
