@@ -48,6 +48,7 @@ def draw_steps(context: Context, layout: UILayout) -> None:
         line.active = number <= done
         draw_text(context, line, step.shown, "CHECKBOX_HLT" if number < done else "CHECKBOX_DEHLT")
     column, following = box.column(align=True), rig_after(rig)
+    column.scale_y = 1.3 if done == len(rig.steps) else 1.0
     if following is not None:
         column.operator(Operators.TRY_IT, text="Next Rig", icon="FORWARD").rig = following.id
     column.operator(Operators.TRY_BACK, icon="LOOP_BACK")
