@@ -87,7 +87,7 @@ def dragged() -> Shown:
 
 
 def in_a_cage(method: str) -> Shown:
-    """Two legs close to each other, of which the cage swings one: methods differ in what the other one does."""
+    """Two legs close to each other, of which the cage swings one: what does the other one do?"""
     points, faces = _trousers()
     bands = [_clay()[0], materials.plain_material("Band", BAND, roughness=0.6)]
     body = mesh_object("Legs", points, faces, smooth=True, materials=bands)
