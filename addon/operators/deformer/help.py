@@ -16,21 +16,21 @@ from ..reporting import Reports, reports_errors
 
 # Identifier, label and description; the identifier is the path of the page's file.
 PAGES = (
-    ("surface", "Pose a Surface", "From a selection to a pose: handles, still regions, free areas, methods"),
+    ("handles", "Pose a Surface", "From a selection to a pose: handles, still regions, free areas, methods"),
     ("correct-an-elbow", "Correct an Elbow", "Corrections of a posed figure, which ride on its surface"),
-    ("cage", "Pose with a Cage", "Let a coarse closed mesh around yours move it"),
+    ("wrap-in-a-cage", "Pose with a Cage", "Let a coarse closed mesh around yours move it"),
     ("clothes", "Clothes", "A dressed figure in one cage, which its bones move"),
-    ("lattice", "Pose with a Lattice", "Let a box of points around one object or several move them"),
-    ("wires-and-fields", "Wires and Clay", "Curves and tools that move what is near them"),
-    ("handle-points", "Pose with Handle Points", "Let empties, bones and points of objects move space"),
+    ("put-in-a-box", "Pose with a Lattice", "Let a box of points around one object or several move them"),
+    ("brows-and-folds", "Wires and Clay", "Curves and tools that move what is near them"),
+    ("move-loose-parts", "Pose with Handle Points", "Let empties, bones and points of objects move space"),
     ("drag", "The Tool Sinew Drag", "Press on the surface in Object Mode, and drag"),
-    ("animate", "Animate and Render", "Keyframes, drivers, renders, several deformers in one stack"),
+    ("hand-over", "Animate and Render", "Keyframes, drivers, renders, several deformers in one stack"),
     ("troubles", "When Things Go Wrong", "What each warning means, and what to do about it"),
-    ("baking", "Bake and Apply", "Store shapes in shape keys, caches, or the mesh itself"),
-    ("overlays", "Show", "Colours of regions, of influence, and of distortion"),
-    ("grab-region", "Grab Vertices Once", "Move vertices once, without a handle that stays"),
+    ("bake", "Bake and Apply", "Store shapes in shape keys, caches, or the mesh itself"),
+    ("show", "Show", "Colours of regions, of influence, and of distortion"),
+    ("shape-it-once", "Grab Vertices Once", "Move vertices once, without a handle that stays"),
     ("silhouette-sketch", "Draw an Outline", "Draw the outline of a mesh anew, and its surface follows"),
-    ("puppet", "Puppets", "Drag a bone, and the figure and its skin follow"),
+    ("pose-by-bones", "Puppets", "Drag a bone, and the figure and its skin follow"),
     ("scripting", "Scripting", "Operators, properties, and the Python module"),
     ("methods/comparison", "What Fails Where", "Methods on the same hard edits, with pictures and figures"),
 )
@@ -70,7 +70,7 @@ class SINEW_OT_help(Reports, Operator):
     bl_label = "Sinew Manual"
 
     page: once(
-        EnumProperty, "Page", "Choose what to read about", items=PAGES + _OF_METHODS, default="surface"
+        EnumProperty, "Page", "Choose what to read about", items=PAGES + _OF_METHODS, default="handles"
     )
 
     @classmethod

@@ -43,7 +43,7 @@ def page(context: Context) -> str:
     """How to begin with such an object; of a plain mesh, how a surface is posed."""
     traits = traits_of(target_of(context), context.selected_objects)
     first = suggested(traits)[0]
-    return first.page if _is_special(first, traits) or Trait.POINTS in traits else "surface"
+    return first.page if _is_special(first, traits) or Trait.POINTS in traits else "handles"
 
 
 def draw(context: Context, layout: UILayout) -> None:

@@ -34,13 +34,13 @@ from test_interface_keys import default_keymaps
 # Where the first steps of a page begin: what they name is there before Sinew has done anything.
 BEGINNINGS = {
     "README.md": "a mesh in Edit Mode",
-    "docs/manual/surface.md": "a mesh in Edit Mode",
-    "docs/manual/grab-region.md": "a mesh in Edit Mode",
-    "docs/manual/cage.md": "a mesh",
-    "docs/manual/lattice.md": "a mesh",
-    "docs/manual/handle-points.md": "a mesh",
+    "docs/manual/handles.md": "a mesh in Edit Mode",
+    "docs/manual/shape-it-once.md": "a mesh in Edit Mode",
+    "docs/manual/wrap-in-a-cage.md": "a mesh",
+    "docs/manual/put-in-a-box.md": "a mesh",
+    "docs/manual/move-loose-parts.md": "a mesh",
     "docs/manual/silhouette-sketch.md": "a mesh",
-    "docs/manual/puppet.md": "a puppet",
+    "docs/manual/pose-by-bones.md": "a puppet",
 }
 # Names that neither Sinew nor Blender shows: titles, names of an artist's own things, and what a system says.
 OTHERS = {
