@@ -69,7 +69,7 @@ TASKS = (
             "multiresolution",
         ),
         other_names=("Cluster", "Bulge", "Muscle"),
-        page="handles",
+        page="bend-a-limb",
         icon="MOD_SIMPLEDEFORM",
     ),
     Task(
@@ -99,7 +99,7 @@ TASKS = (
             "subdivision_editing",
         ),
         suits=(Trait.SHEET,),
-        page="handles",
+        page="shape-a-sheet",
         icon="MOD_CLOTH",
     ),
     Task(
@@ -159,7 +159,7 @@ TASKS = (
         "push, twist, bend, volume stays",
         methods=("vector_field",),
         other_names=("Soft Modification", "Taper"),
-        page="brows-and-folds",
+        page="push-like-clay",
         icon="SCULPTMODE_HLT",
     ),
     Task(
@@ -181,7 +181,7 @@ TASKS = (
         methods=("mesh_sequence",),
         other_names=("Jiggle",),
         suits=(Trait.CACHED,),
-        page="hand-over",
+        page="edit-an-animation",
         icon="RENDER_ANIMATION",
     ),
     Task(
@@ -192,7 +192,7 @@ TASKS = (
         methods=("pyramid_coordinates",),
         other_names=("Blend Shape",),
         suits=(Trait.TWIN,),
-        page="bake",
+        page="morph-and-copy",
         icon="MOD_DATA_TRANSFER",
     ),
     Task(

@@ -16,7 +16,7 @@ _SUFFIX = "_properties"
 # The manual page behind the question mark of each sub-panel that always has the same.
 _PAGES = {
     "SINEW_PT_skin": "pose-by-bones",
-    "SINEW_PT_order": "hand-over",
+    "SINEW_PT_order": "order-and-masks",
     "SINEW_PT_bake": "bake",
     "SINEW_PT_overlays": "show",
 }
