@@ -73,7 +73,7 @@ class SINEW_PT_region(ActiveDeformerPanel, Panel):
 
     def help_page(self, context: Context) -> str:
         method = active_deformer(context).definition
-        return "surface" if method.control is Control.HANDLES else task_of(method).page
+        return "handles" if method.control is Control.HANDLES else task_of(method).page
 
     @classmethod
     def poll(cls, context: Context) -> bool:

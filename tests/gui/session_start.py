@@ -92,10 +92,11 @@ def mark_regions() -> Iterator[None]:
     """The head by the header's menu, the hooves by the pie."""
     yield from keys("TAB", "alt Z", "alt A", "B", at=middle())
     yield from drag(*HEAD)
+    yield from rest()
+    screenshot("1-selected")
     yield from click(*MENU)
     move(*MENU_ADD_HANDLE)
     yield from rest()
-    screenshot("1-menu")
     yield from keys("LEFTMOUSE")
     with claim("the menu makes a handle of the selection"):
         assert regions() == REGIONS[:1]
@@ -303,6 +304,7 @@ def grab_region() -> Iterator[None]:
         yield from keys("alt Y", at=HERE)
         yield from glide(way)
         above(apart(edited(cow()), before), 0.1)
+    screenshot("8-grab")
     with claim("axis, number and Enter move the selection by just that, and the rest follows"):
         yield from keys("X", "0.5", "RET")
         moved = (edited(cow()) - before).astype(float) @ np.array(cow().matrix_world)[:3, :3].T

@@ -28,7 +28,7 @@ def is_there(context: Context) -> bool:
 
 def page(_context: Context) -> str:
     """How figures are posed by their bones."""
-    return "puppet"
+    return "pose-by-bones"
 
 
 def draw(context: Context, layout: UILayout) -> None:

@@ -41,10 +41,10 @@ def is_there(context: Context) -> bool:
 
 
 def page(context: Context) -> str:
-    """How to begin with such an object; of a plain mesh, how a surface is posed."""
+    """How to begin with such an object; of a plain mesh, the first five minutes."""
     traits = traits_of(target_of(context), context.selected_objects)
     first = suggested(traits)[0]
-    return first.page if _is_special(first, traits) or Trait.POINTS in traits else "surface"
+    return first.page if _is_special(first, traits) or Trait.POINTS in traits else "start"
 
 
 def draw(context: Context, layout: UILayout) -> None:

@@ -197,6 +197,13 @@ def fresh_in_edit_mode() -> None:
     bpy.ops.mesh.select_all(action="SELECT")
 
 
+def posed() -> None:
+    """By the bones of an armature."""
+    plate = Rig.plate()
+    plate.obj.modifiers.new("Armature", "ARMATURE").object = figure()
+    make_active(plate.obj)
+
+
 def handles(method: str = "thin_shell") -> Rig:
     plate = Rig.plate().bind(method)
     make_active(plate.obj)
@@ -288,6 +295,7 @@ def of(make: Callable[[], bpy.types.Object]) -> Callable[[], None]:
 
 SITUATIONS: dict[str, Callable[[], object]] = {
     "a mesh": fresh,
+    "a posed mesh": posed,
     "a mesh in Edit Mode": fresh_in_edit_mode,
     "handles": handles,
     "handles in Edit Mode": handles_in_edit_mode,
