@@ -241,7 +241,7 @@ def _counted(roles: list[str]) -> str:
 
 
 def _rides(rest: RestShape, moving: np.ndarray) -> np.ndarray:
-    """Mask of the vertices (n,) of parts that have none in a region, and may ride on ``moving`` vertices (n,).
+    """Mask of the vertices (n,) of parts that have none in a region, and may ride on ``moving`` ones (n,).
 
     What lies far from everything that moves does not ride: it is held like the surface that it lies on.
     """
