@@ -39,7 +39,7 @@ def test_operator_names_follow_one_pattern():
 
 
 def test_methods_are_named_in_the_registry_only():
-    """Menus, properties and sessions come from rows: a method's id stands in its row and in tables of core."""
+    """Menus, properties and sessions come from rows: a method's id stands in its row and tables of core."""
     from sinew.core.methods import METHODS
 
     tables = [ADDON / "core" / f"{name}.py" for name in ("rigs", "tasks", "templates")]
