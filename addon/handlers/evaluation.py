@@ -86,7 +86,8 @@ def on_depsgraph_update(scene: Scene, depsgraph: Depsgraph) -> None:
         entering.follow(depsgraph.view_layer)
     if interactive:
         deferred.schedule()
-    _look_at_steps(scene, depsgraph)
+    if scene.sinew.rig:
+        _look_at_steps(scene, depsgraph)
 
 
 @persistent
@@ -106,7 +107,8 @@ def on_frame_change(scene: Scene, depsgraph: Depsgraph) -> None:
         if mirroring.mirrored_targets and before_depsgraph_update not in _before_updates:
             listen(True)
         deferred.follow_threads()  # an animated setting may have started a bind
-    _look_at_steps(scene, depsgraph)
+    if scene.sinew.rig:
+        _look_at_steps(scene, depsgraph)
 
 
 def _look_at_steps(scene: Scene, depsgraph: Depsgraph) -> None:

@@ -18,22 +18,21 @@ from ...properties import SinewDeformer
 from ..controls import kinds
 
 _FOLDER = Path(__file__).parents[2] / "rigs"
-_INTERFACE = (
-    bpy.types.Screen,
-    bpy.types.WindowManager,
-    bpy.types.WorkSpace,
-)  # none of them needs what it shows
+# None of these needs what it shows.
+_INTERFACE = (bpy.types.Screen, bpy.types.WindowManager, bpy.types.WorkSpace)
 _done: dict[str, int] = remember({})  # how many steps are done, by the name of the scene
 
 
 def bring(rig: Rig) -> tuple[Scene, dict[str, Object]]:
     """Append the scene of a rig; and its objects, by their names in the file of the rig."""
-    path = _FOLDER / f"{rig.id}.blend"
-    if not path.is_file():
-        raise SinewError(f"The rig '{rig.label}' is missing - install the Sinew zip again, which contains it")
     before = set(bpy.data.libraries)
-    with bpy.data.libraries.load(str(path)) as (_there, here):
-        here.scenes, here.objects = [rig.id], list(rig.objects)
+    try:
+        with bpy.data.libraries.load(str(_FOLDER / f"{rig.id}.blend")) as (_there, here):
+            here.scenes, here.objects = [rig.id], list(rig.objects)
+    except OSError as error:
+        raise SinewError(
+            f"The rig '{rig.label}' is missing or damaged - install the Sinew zip again, which contains it"
+        ) from error
     for library in set(bpy.data.libraries) - before:
         bpy.data.libraries.remove(library)  # what came from it is local
     (scene,) = here.scenes

@@ -135,6 +135,15 @@ def test_a_scene_that_is_gone_is_replaced():
     assert [scene.sinew.rig for scene in bpy.data.scenes] == [""]
 
 
+def test_a_rig_that_is_missing_is_said_and_nothing_changes(monkeypatch, tmp_path):
+    monkeypatch.setattr(inner.try_it, "_FOLDER", tmp_path)
+    came_from, before = bpy.context.scene, blocks()
+    refused("missing or damaged", "try_it")
+    (tmp_path / "limb.blend").write_bytes(b"no file of Blender")
+    refused("missing or damaged", "try_it")
+    assert (bpy.context.scene, blocks()) == (came_from, before)
+
+
 def test_the_offer_is_hidden_for_good(preferences):
     def offered() -> bool:
         return "SINEW_MT_try_it" in draw_panel().menus()
