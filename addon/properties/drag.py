@@ -21,8 +21,8 @@ def _set_reach_in_pixels(drag: "SinewDrag", pixels: int) -> None:
     drag.reach = pixels / drag.pixels
 
 
-# What the operators that this tool starts can be told, too. With a smaller radius or reach, a first drag on the
-# arm of a whole figure draws a web out of it instead of bending it.
+# What the operators that this tool starts can be told, too. With a smaller radius or reach, a first drag on
+# the arm of a whole figure draws a web out of it instead of bending it.
 PIXELS = {
     "name": "Radius",
     "subtype": "PIXEL",
