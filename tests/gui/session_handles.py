@@ -70,12 +70,12 @@ def drag_surface() -> Iterator[None]:
             if aside:
                 yield from keys("LEFTMOUSE")
             seen.append((drag_settings.pixels, drag_settings.reach))
-        assert seen[0][0] != 30
+        assert seen[0][0] != 40
         assert seen[1][0] == seen[0][0]
-        assert seen[1][1] != seen[0][1] == 3.0
+        assert seen[1][1] != seen[0][1] == 4.0
         assert seen[2][0] > seen[1][0]
         assert not head().sinew.deformers
-        drag_settings.pixels, drag_settings.reach = 30, 3.0
+        drag_settings.pixels, drag_settings.reach = 40, 4.0
     with claim("a drag makes a handle that follows the mouse"):
         assert left_behind() == NOTHING
         move(start[0] - 2, start[1])

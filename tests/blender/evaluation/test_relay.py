@@ -74,6 +74,23 @@ def test_what_blender_forbids_the_main_thread_for_a_moment_is_tried_again(relay)
     assert render.result is True
 
 
+@pytest.mark.parametrize(
+    ("timer", "work"), [("_tick", "catch_up"), ("_write_for_renders", "refresh.look_at_renders")]
+)
+def test_timers_go_on_where_blender_forbids_writes_for_a_moment(monkeypatch, timer: str, work: str):
+    deferred, said = inner.deferred, ["Writing to ID classes in this context is not allowed", "no such name"]
+
+    def refuse() -> None:
+        raise AttributeError(said.pop(0))
+
+    monkeypatch.setattr(deferred, "_has_rigs_in_windows", lambda: True)
+    monkeypatch.setattr(deferred, "_last_edit", 0.0)
+    monkeypatch.setattr(f"{deferred.__name__}.{work}", refuse)
+    assert getattr(deferred, timer)() > 0.0
+    with pytest.raises(AttributeError, match="no such name"):
+        getattr(deferred, timer)()
+
+
 def test_locked_interfaces_and_background_renders_need_no_relay():
     relay = inner.render_writes
     assert not relay.must_hand_over(bpy.context.scene)
