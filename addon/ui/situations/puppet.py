@@ -49,7 +49,7 @@ def _draw_posing(context: Context, layout: UILayout, armature: Object) -> None:
     draw_text(context, layout, text, "ARMATURE_DATA")
     large = layout.column()
     large.scale_y = 1.5
-    draw_drag(large, "Drag Bones", "BONES")
+    draw_drag(large, "BONES")
     draw_pair(context, layout, _PINS)
     pinned = [bone.name for bone in armature.pose.bones if bone.sinew.pin]
     if pinned:

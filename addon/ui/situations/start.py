@@ -18,7 +18,6 @@ from ..status_box import NATIVE_MISSING, draw_message, draw_progress
 from ..text import draw_text
 from .strays import draw_strays
 
-_DRAG = {True: ("Drag the Surface", "SURFACE"), False: ("Drag Points", "POINTS")}  # on meshes, and others
 _MOVED = (
     (Trait.CACHED, "{}, played from a cache"),
     (Trait.MOVED, "{}, moved before Sinew"),
@@ -87,12 +86,12 @@ def _draw_tasks(context: Context, layout: UILayout, obj: Object) -> None:
     tasks = list(suggested(traits))
     large, others = layout.column(), layout.column(align=True)
     large.scale_y, others.scale_y = 1.5, 1.15
-    drag = _DRAG[targets.is_mesh(obj)]
+    drag = "SURFACE" if targets.is_mesh(obj) else "POINTS"
     if tasks and _is_special(tasks[0], traits):
         _draw_task(context, large, tasks.pop(0))
-        draw_drag(others, *drag)
+        draw_drag(others, drag)
     else:
-        draw_drag(large, *drag)
+        draw_drag(large, drag)
     for task in tasks:
         _draw_task(context, others, task)
     layout.operator(Operators.ALL_TASKS, icon="IMGDISPLAY")

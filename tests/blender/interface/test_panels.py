@@ -32,6 +32,12 @@ def posed() -> None:
     make_active(plate.obj)
 
 
+def waiting() -> None:
+    """For a press on the surface."""
+    posed()
+    bpy.ops.sinew.start_task(task="joint")
+
+
 def counted(many: bool = False) -> None:
     """An open sheet; or as many of them as nobody would take for one thing."""
     plate = Rig.plate()
@@ -110,6 +116,8 @@ SITUATIONS: dict[str, tuple[Callable[[], object], int, str]] = {
     "a missing file": (file_is_missing, 8, "troubles"),
     "a puppet": (MADE["a puppet"], 6, "puppet"),
     "an armature": (armature, 2, "puppet"),
+    "a skin": (MADE["a skin"], 7, "puppet"),
+    "a task that waits": (waiting, 6, "correct-an-elbow"),
     "two deformers": (MADE["two deformers"], 8, "surface"),
 }
 
@@ -182,6 +190,12 @@ def test_what_is_suggested_depends_on_what_is_selected(name):
     assert [label for label in shown if label in labels] == SUGGESTED[name]
     assert shown[0] == SUGGESTED[name][0] or shown[0].startswith("Drag ")
     assert shown[-1] == "All Tasks..."
+
+
+@pytest.mark.parametrize(("name", "step"), [("a skin", "Bones"), ("a task that waits", "the Surface")])
+def test_the_tool_for_the_next_step_is_a_button(name: str, step: str):
+    begin(name)
+    assert f"Drag {step}" in buttons(measured_panel(bpy.types.SINEW_PT_sinew, NARROW))
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
