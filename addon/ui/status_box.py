@@ -22,6 +22,7 @@ from ..session.evaluation import binding, dependencies
 from ..session.state import sessions
 from ..session.state.background import Work
 from .layouts import Button, beside
+from .pose import draw_drag
 from .text import draw_text, is_wide, width_of, width_of_button
 
 _ICONS = {Level.NONE: "BLANK1", Level.INFO: "INFO", Level.WARNING: "ERROR", Level.ERROR: "CANCEL"}
@@ -155,7 +156,10 @@ def _draw_headline(context: Context, layout: UILayout, deformer: SinewDeformer) 
     draw_text(
         context, place.column(), "At rest" if wrong else line.text, icon, beside=20 * bound, boxed=False
     )
-    place.operator(Operators.BIND, text="" if bound else "Bind", icon="FILE_REFRESH")
+    if kinds.kind_in_use(deformer).is_set(deformer):
+        place.operator(Operators.BIND, text="" if bound else "Bind", icon="FILE_REFRESH")
+    elif kinds.marks_regions(deformer.definition):
+        draw_drag(place, "POINTS" if deformer.definition.is_space else "SURFACE")
 
 
 def _lines(deformer: SinewDeformer) -> list[tuple[Status, int]]:

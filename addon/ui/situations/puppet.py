@@ -50,7 +50,7 @@ def _draw_posing(context: Context, layout: UILayout, armature: Object) -> None:
     draw_text(context, layout, text, "ARMATURE_DATA")
     large = layout.column()
     large.scale_y = 1.5
-    draw_drag(large, "Drag Bones", "BONES")
+    draw_drag(large, "BONES")
     draw_pair(context, layout, _PINS)
     if active_deformer(context) is not None:
         draw_reset(layout)

@@ -19,7 +19,6 @@ from ..text import draw_text
 from ..try_it import draw_offer
 from .strays import draw_strays
 
-_DRAG = {True: ("Drag the Surface", "SURFACE"), False: ("Drag Points", "POINTS")}  # on meshes, and others
 _MOVED = (
     (Trait.CACHED, "{}, played from a cache"),
     (Trait.MOVED, "{}, moved before Sinew"),
@@ -91,12 +90,12 @@ def _draw_tasks(context: Context, layout: UILayout, obj: Object) -> None:
     draw_text(context, layout, text.format(obj.name), f"OUTLINER_OB_{obj.type}")
     large, others = layout.column(), layout.column(align=True)
     large.scale_y, others.scale_y = 1.5, 1.15
-    drag = _DRAG[targets.is_mesh(obj)]
+    drag = "SURFACE" if targets.is_mesh(obj) else "POINTS"
     if is_plain:
-        draw_drag(large, *drag)
+        draw_drag(large, drag)
     else:
         _draw_task(context, large, tasks.pop(0))
-        draw_drag(others, *drag)
+        draw_drag(others, drag)
     for task in tasks:
         _draw_task(context, others, task)
     layout.operator(Operators.ALL_TASKS, icon="IMGDISPLAY")

@@ -25,6 +25,12 @@ def nothing() -> None:
     pass
 
 
+def waiting() -> None:
+    """For a press on the surface."""
+    MADE["a posed mesh"]()
+    bpy.ops.sinew.start_task(task="joint")
+
+
 def counted(many: bool = False) -> None:
     """An open sheet; or as many of them as nobody would take for one thing."""
     plate = Rig.plate()
@@ -103,6 +109,8 @@ SITUATIONS: dict[str, tuple[Callable[[], object], int, str]] = {
     "a missing file": (file_is_missing, 8, "troubles"),
     "a puppet": (MADE["a puppet"], 6, "pose-by-bones"),
     "an armature": (armature, 2, "pose-by-bones"),
+    "a skin": (MADE["a skin"], 7, "pose-by-bones"),
+    "a task that waits": (waiting, 6, "correct-an-elbow"),
     "two deformers": (MADE["two deformers"], 8, "bend-a-limb"),
     "a rig to try": (MADE["a rig to try"], 10, "brows-and-folds"),
 }
@@ -177,6 +185,12 @@ def test_what_is_suggested_depends_on_what_is_selected(name):
     shown = shown[shown[0] == "Try It" :]
     assert shown[0] == SUGGESTED[name][0] or shown[0].startswith("Drag ")
     assert shown[-1] == "All Tasks..."
+
+
+@pytest.mark.parametrize(("name", "step"), [("a skin", "Bones"), ("a task that waits", "the Surface")])
+def test_the_tool_for_the_next_step_is_a_button(name: str, step: str):
+    begin(name)
+    assert f"Drag {step}" in buttons(measured_panel(bpy.types.SINEW_PT_sinew, NARROW))
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)

@@ -19,7 +19,7 @@ from rigs.point_objects import bezier, text
 from rigs.puppets import figure
 from rigs.rig import add_armature, grid_object, in_pose_mode, make_active, press, refused, update
 from rigs.sheet import Sheet
-from situations import cage, lattice_around, tools, wire
+from situations import cage, lattice_around, skin, tools, wire
 
 
 def pressed(context: bpy.types.Context, place: tuple[float, float, float]) -> tuple[str, object]:
@@ -100,6 +100,12 @@ def test_a_button_takes_the_tool_in_its_mode(viewport, mode: str, where: str) ->
     inner.drag_tool.SINEW_WT_drag.draw_settings(bpy.context, sheet, None)
     posed = ["balance"] * (mode == "AUTO") + ["use_mirror_x"] if where == "POSE" else []
     assert sheet.properties() == HEADERS[mode] + posed
+
+
+def test_the_button_of_a_skin_poses_its_bones(viewport) -> None:
+    skin()
+    assert bpy.ops.sinew.drag_start(mode="BONES") == {"FINISHED"}
+    assert (bpy.context.mode, bpy.context.object.name) == ("POSE", "Figure")
 
 
 def test_it_is_offered_where_one_can_press(scene) -> None:

@@ -276,6 +276,14 @@ def puppet() -> None:
     bpy.ops.pose.select_all(action="SELECT")
 
 
+def skin() -> None:
+    """That bones move."""
+    plate, armature = Rig.plate(), figure()
+    plate.obj.vertex_groups.new(name="hip").add([0, 1], 1.0, "REPLACE")
+    make_active(plate.obj)
+    bpy.ops.sinew.puppet_rig(armature=armature.name)
+
+
 def baked() -> None:
     handles()
     bpy.context.scene.frame_end = 2
@@ -309,6 +317,7 @@ SITUATIONS: dict[str, Callable[[], object]] = {
     "tools": tools,
     "keys": keys,
     "a puppet": puppet,
+    "a skin": skin,
     "baked": baked,
     "two deformers": two_deformers,
     "a curve": of(bezier),

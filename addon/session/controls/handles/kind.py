@@ -51,7 +51,9 @@ __all__ = (
     "use",
 )
 
-MISSING = "No regions yet - select vertices in Edit Mode, then Make Handle or Hold Still"
+MISSING = (
+    "Nothing is held yet - press on the object with Sinew Drag, or select vertices in Edit Mode, then Make Handle"
+)
 MARKS_REGIONS = True
 _NAMED = 3  # regions without vertices; the panel counts the others
 
