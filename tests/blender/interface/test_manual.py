@@ -374,6 +374,7 @@ ELSEWHERE = {
     "Turn Off Armature": "test_moved_twice.py",
     "Unshare": "test_repair.py",
     "Wire along Edges": "test_wires.py",
+    "Wires": "test_browser.py",
     "Wires from Selected": "test_wires.py",
 }
 
