@@ -163,9 +163,10 @@ def test_a_linked_rig_without_an_override(rendered: HandleRig):
 
 def test_a_render_while_live_is_off(rendered: HandleRig):
     """Whatever the control does; and as before when it is on again."""
-    rendered.deformer.live = False
+    before, rendered.deformer.live = rendered.points(), False
     rendered.lift(0.25)
-    agree(rendered, [rendered.points(), render_points(rendered.obj), rendered.points()])
+    assert np.array_equal(rendered.points(), before)
+    agree(rendered, [before, render_points(rendered.obj), rendered.points()])
     rendered.deformer.live = True
     assert rendered.renders(rendered.at(1.0))
     assert rendered.is_right()

@@ -216,16 +216,12 @@ def test_renders_with_another_resolution_show_the_same() -> None:
     assert shown[:, 2].max() > 0.4
 
 
-def test_set_rest_and_remove() -> None:
+def test_remove() -> None:
+    """Set Rest: ``test_shared_controls``."""
     wires = [polyline(line(y), f"Wire {y}") for y in (-0.4, 0.4)]
     plate = wired(*wires)
-    for wire in wires:
-        wire.location.z = 0.5
-    assert evaluated_points(plate)[:, 2].max() > 0.4
-    press(plate, "control_set_rest")
-    assert close(evaluated_points(plate), base_points(plate))
     wires[0].location.z = 0.7
-    assert evaluated_points(plate)[:, 2].max() > 0.01
+    assert evaluated_points(plate)[:, 2].max() > 0.4
     assert bpy.ops.sinew.control_remove(index=0) == {"FINISHED"}
     assert close(evaluated_points(plate), base_points(plate))
     assert [row.object for row in plate.sinew.active.controls] == wires[1:]

@@ -131,20 +131,6 @@ def test_a_full_disk_is_reported_and_keeps_the_older_file(saved: Rig, tmp_path: 
     assert footprint(saved) == before
 
 
-def test_vertices_that_come_and_go_are_refused(plate: Rig, tmp_path: Path):
-    plate.bind()
-    build = plate.obj.modifiers.new("Build", "BUILD")
-    build.frame_start, build.frame_duration = 1.0, 6.0
-    plate.obj.modifiers.move(1, 0) if hasattr(plate.obj.modifiers, "move") else move_up(plate.obj)
-    animate(plate.control)
-    fails("Frame", bake, plate, "PC2", tmp_path / "x")
-    assert not list(tmp_path.iterdir())
-
-
-def move_up(obj: bpy.types.Object) -> None:
-    bpy.ops.object.modifier_move_to_index(modifier=obj.modifiers[-1].name, index=0)
-
-
 def test_a_cancelled_bake_leaves_all_as_it_was(saved: Rig, tmp_path: Path):
     saved.obj.modifiers.new("Subdivision", "SUBSURF")
     bpy.context.scene.frame_set(3)

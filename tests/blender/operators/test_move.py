@@ -210,18 +210,6 @@ def test_keyframes_of_a_removed_handle_go(plate: Rig):
     assert base.weight == pytest.approx(0.5, abs=1e-6)  # Source drives it, and Top's keyframes do not
 
 
-def test_the_order_of_handles_changes_no_shape(plate: Rig):
-    obj = plate.bind().obj
-    plate.lift(0.5)
-    before = plate.points()
-    control = plate.control
-    press(obj, "handle_move", direction="DOWN", index=0)
-    assert obj.sinew.active.active_handle == 0
-    assert np.abs(plate.points() - before).max() < FLOAT32
-    move_world(control, Matrix.Translation((0.0, 0.0, 0.25)))
-    assert plate.points()[plate.top, 2] == pytest.approx(0.75, abs=FLOAT32)
-
-
 def test_a_shared_action_slot_of_another_object_is_left_alone(plate: Rig):
     """From Blender 4.4 an action animates several objects, each by a slot of its own."""
     obj = three_deformers(plate)
