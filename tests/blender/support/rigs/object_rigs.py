@@ -19,7 +19,7 @@ def object_class(base: type) -> type:
 
         @staticmethod
         def row_of(obj: bpy.types.Object):
-            return obj.sinew.deformers[0].controls[0]
+            return obj.sinew.deformers[0].all_controls[0]
 
         @classmethod
         def control_of(cls, obj: bpy.types.Object) -> bpy.types.Object:
@@ -39,7 +39,7 @@ def object_class(base: type) -> type:
 
         @property
         def control(self) -> bpy.types.Object:
-            return self.deformer.controls[0].object
+            return self.deformer.all_controls[0].object
 
         def bind(self, method: str = "", fixed: bool = True, **_keywords):
             self.bind_at_rest(method or self.methods[0])
