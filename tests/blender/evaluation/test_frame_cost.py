@@ -12,7 +12,7 @@ import pytest
 from inside import CONTROL_READS, LOOKS, READS, WORK, calls_of, catch_up, functions, inner
 from registry import BY_ID, WITH_HANDLES
 from rigs.kinds import HandleRig
-from rigs.rig import Rig, add_armature, linked, make_active, update
+from rigs.rig import Rig, add_armature, key_heights, linked, make_active, update
 
 CELLS = 60  # 3,721 vertices: one array of them is larger than all else that a frame allocates
 SHAPE = 12  # bytes a vertex, of a shape array
@@ -205,9 +205,7 @@ def test_without_a_deformer_an_update_calls_next_to_nothing():
 
 def test_changing_the_frame_solves_nothing_when_nothing_of_ours_moves(crowded):
     plate, others = crowded
-    others[0].keyframe_insert("location", frame=1)
-    others[0].location.x += 1.0
-    others[0].keyframe_insert("location", frame=11)
+    key_heights(others[0], {1: 0.0, 11: 1.0})
     scene = bpy.context.scene
     for frame in (1, 11):
         scene.frame_set(frame)

@@ -292,9 +292,8 @@ def frames_of(path: str, folder: Path, addon_name: str, name: str) -> list[np.nd
 def test_a_level_that_is_keyed_counts_in_each_frame():
     rig = bound(subdivision)
     scene = bpy.context.scene
-    for frame, level in ((1, 2), (2, 3), (3, 1)):
-        rig.obj.modifiers[0].render_levels = level
-        rig.obj.modifiers[0].keyframe_insert("render_levels", frame=frame)
+    levels = {frame: {"render_levels": level} for frame, level in ((1, 2), (2, 3), (3, 1))}
+    key(rig.obj.modifiers[0], levels)
     scene.frame_start, scene.frame_end = 1, 3
     scene.frame_set(1)
     seen = [shapes[rig.name] for shapes in render(animation=True)]

@@ -21,6 +21,7 @@ from rigs.rig import (
     apply_matrix,
     close,
     evaluated_points,
+    key_heights,
     make_active,
     move_world,
     nearest,
@@ -475,12 +476,8 @@ def unlike(rig: HandleRig) -> None:
 
 def test_an_ordinary_frame_looks_at_nothing(posed_plate: HandleRig):
     rig = posed_plate
-    rig.control.keyframe_insert("location", frame=1)
-    rig.obj.keyframe_insert("location", frame=1)
-    rig.lift(0.2)
-    rig.obj.location.x += 1.0
-    rig.control.keyframe_insert("location", frame=11)
-    rig.obj.keyframe_insert("location", frame=11)
+    for obj in (rig.control, rig.obj):
+        key_heights(obj, {1: 0.0, 11: 1.0})
     bpy.context.scene.frame_set(2)
     found = calls_of(lambda: bpy.context.scene.frame_set(5))
     assert found["write_shape"] == 1, found

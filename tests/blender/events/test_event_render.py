@@ -164,9 +164,7 @@ def edited_between_renders_with_persistent_data(rig: HandleRig) -> None:
 
 @EVENTS.on(ALL)
 def its_factor_keyed(rig: HandleRig) -> None:
-    for frame, factor in ((1, 0.0), (11, 1.0)):
-        rig.deformer.factor = factor
-        rig.obj.keyframe_insert("sinew.deformers[0].factor", frame=frame)
+    key(rig.deformer, {1: {"factor": 0.0}, 11: {"factor": 1.0}})
     for frame, share in ((1, 0.0), (6, 0.5), (11, 1.0)):
         bpy.context.scene.frame_set(frame)
         assert rig.shows((1.0 - share) * rig.rest() + share * rig.at(0.5), tolerance=1e-5)
@@ -175,9 +173,7 @@ def its_factor_keyed(rig: HandleRig) -> None:
 
 @EVENTS.on(REGIONS)
 def a_parameter_keyed(rig: HandleRig) -> None:
-    for frame, value in ((1, 0.0), (11, 1.0)):
-        rig.deformer.parameters.stretching = value
-        rig.obj.keyframe_insert("sinew.deformers[0].thin_shell.stretching", frame=frame)
+    key(rig.deformer.parameters, {1: {"stretching": 0.0}, 11: {"stretching": 1.0}})
     bpy.context.scene.frame_set(1)
     smooth = rig.points()
     bpy.context.scene.frame_set(11)

@@ -12,7 +12,8 @@ import numpy as np
 import pytest
 from baking import FRAMES, STRETCHES, animate, played, stretch_time
 from inside import inner
-from rigs.rig import Rig, fails, linked, make_active, save
+from mathutils import Matrix
+from rigs.rig import Rig, add_key, fails, key, linked, make_active, save
 from second_blender import look_elsewhere
 
 
@@ -77,11 +78,9 @@ def test_another_transfer_replaces_the_first_and_the_other_modifiers_stay(pair, 
 
 def test_a_source_that_is_not_finite_in_a_frame_is_refused_and_no_file_stays(pair, tmp_path: Path):
     plate, target = pair
-    keys = plate.obj.shape_key_add(name="Basis"), plate.obj.shape_key_add(name="Broken")
-    keys[1].data[3].co.z = float("nan")
-    for frame, value in ((3, 0.0), (4, 1.0)):
-        keys[1].value = value
-        keys[1].keyframe_insert("value", frame=frame)
+    broken = add_key(plate.obj, "Broken", Matrix())
+    broken.data[3].co.z = float("nan")
+    key(broken, {3: {"value": 0.0}, 4: {"value": 1.0}})
     plate.obj.modifiers.clear()
     fails("NaN or infinite", transfer, plate.obj, target, tmp_path / "stout")
     assert not list(tmp_path.iterdir())

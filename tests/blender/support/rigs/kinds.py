@@ -19,7 +19,6 @@ from rigs.object_rigs import object_class
 from rigs.rig import (
     FLOAT32,
     Rig,
-    add_group,
     base_points,
     close,
     evaluated_points,
@@ -182,26 +181,17 @@ class CageRig(object_class(HandleRig)):
         Matrix.Translation((0.3, 0.1, -0.2)) @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8)) @ Matrix.Scale(1.3, 4)
     )
 
-    def __init__(self, obj: bpy.types.Object) -> None:
-        self.name = obj.name
-        self.top = add_group(obj, "Top", lambda point: point[1] > 0.3)
-        self.base = add_group(obj, "Base", lambda point: point[1] < -0.3)
-
     @classmethod
     def new(cls, name: str = "Ball") -> CageRig:
-        return cls(ball(name, 2))
+        return cls(ball(name, 2), 0.3)
 
     @classmethod
     def large(cls) -> CageRig:
-        return cls(ball(levels=6))
+        return cls(ball(levels=6), 0.3)
 
     @property
     def control_size(self) -> int:
         return sum(len(face.vertices) - 2 for face in self.control.data.polygons)
-
-    @property
-    def held(self) -> slice:
-        return slice(None)
 
     def bind(self, method: str = WITH_CAGE[0], **_keywords: object) -> CageRig:
         self.bind_at_rest(method)
@@ -216,9 +206,6 @@ class CageRig(object_class(HandleRig)):
         super().relax()
         self.control.data.vertices.foreach_set("co", self._cage_rest.astype(np.float32).ravel())
         self.control.data.update()
-
-    def rest(self) -> np.ndarray:
-        return self.unmoved(self.obj)
 
     def expected(self, method: str | None = None, **options: object) -> Poses:
         method, cage = method or self.methods[0], self.control

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+import numpy as np
 from mathutils import Matrix
 
 from rigs.rig import linked
@@ -40,6 +41,14 @@ def object_class(base: type) -> type:
         @property
         def control(self) -> bpy.types.Object:
             return self.deformer.all_controls[0].object
+
+        @property
+        def held(self) -> slice:
+            """All, unless a control reaches a part only."""
+            return slice(None)
+
+        def rest(self) -> np.ndarray:
+            return self.unmoved(self.obj)
 
         def bind(self, method: str = "", fixed: bool = True, **_keywords):
             self.bind_at_rest(method or self.methods[0])
