@@ -88,7 +88,7 @@ class Rest:
         return x
 
     def pulled(self, A: np.ndarray, b: np.ndarray, y: np.ndarray, poses: np.ndarray):
-        """A x = b, with springs as stiff as the diagonal at soft vertices: x, and the springs' energy."""
+        """A x = b, with springs as stiff as the diagonal at soft vertices: x, and the energy of springs."""
         K, b, springs = A.copy(), b.copy(), []
         for v, h, w in self.pulls():
             stiffness, aim = w * A[v, v], poses[h][:, :3] @ y[v] + poses[h][:, 3]
