@@ -26,6 +26,10 @@ def quad_grid(columns: int, rows: int, spacing: float = 1.0) -> tuple[np.ndarray
     return points, first[:, None] + (0, 1, columns + 2, columns + 1)
 
 
+def halved(quads: np.ndarray) -> np.ndarray:
+    return np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+
+
 def bar(along: int, across: int) -> tuple[np.ndarray, np.ndarray]:
     """An open tube of quads with a square section, around the x axis."""
     ring = [(across / 2, y - across / 2) for y in range(across)]
@@ -135,6 +139,11 @@ def turn(axis, degrees: float, centre=(0.0, 0.0, 0.0), move=(0.0, 0.0, 0.0)) -> 
 
 def moved(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
     return points @ pose[:, :3].T + pose[:, 3]
+
+
+def off(a: np.ndarray, b: np.ndarray) -> float:
+    """The longest way from a point to its fellow."""
+    return np.linalg.norm(a - b, axis=1).max()
 
 
 def nearest_rotations(matrices: np.ndarray) -> np.ndarray:

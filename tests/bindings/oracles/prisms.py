@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
+from scipy.spatial.transform import Rotation
 
 from ..meshes import nearest_rotations
 
@@ -26,13 +27,6 @@ def crosses(v: np.ndarray) -> np.ndarray:
     zero = np.zeros(len(v))
     x, y, z = v.T
     return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], 1).reshape(-1, 3, 3)
-
-
-def rotations_by(w: np.ndarray) -> np.ndarray:
-    """(k, 3, 3) the rotations by the vectors w, by Rodrigues' formula."""
-    angle = np.linalg.norm(w, axis=1)[:, None, None] + 1e-300
-    K = crosses(w) / angle
-    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
 
 
 @dataclass
@@ -163,7 +157,7 @@ class Prisms:
             length = 1.0
             while length > 1e-4:
                 self.t[self.free] = t[self.free] + length * d[:, :3]
-                self.R[self.free] = rotations_by(length * d[:, 3:]) @ R[self.free]
+                self.R[self.free] = Rotation.from_rotvec(length * d[:, 3:]).as_matrix() @ R[self.free]
                 if self.energy() <= before + 1e-4 * length * float(gradient @ step):
                     break
                 length /= 2

@@ -23,9 +23,8 @@ def share(u: np.ndarray) -> np.ndarray:
 
 def curl(potential, x: np.ndarray, step: float = 1e-5) -> np.ndarray:
     """Of a vector potential (n, 3) -> (n, 3), by central differences."""
-    d = [
-        (potential(x + step * axis) - potential(x - step * axis)) / (2 * step) for axis in np.eye(3)
-    ]  # d[k][:, j] is the derivative of component j along k
+    # d[k][:, j] is the derivative of component j along k
+    d = [(potential(x + step * axis) - potential(x - step * axis)) / (2 * step) for axis in np.eye(3)]
     return np.stack((d[1][:, 2] - d[2][:, 1], d[2][:, 0] - d[0][:, 2], d[0][:, 1] - d[1][:, 0]), axis=1)
 
 
@@ -137,10 +136,8 @@ def test_refusals_name_tools() -> None:
     with pytest.raises(sn.InvalidConstraint, match="flat") as refused:
         sn.VectorField(np.concatenate((FRAME, flat)), [1, 1])
     assert (refused.value.element_kind, list(refused.value.elements)) == ("handle", [1])
-    for frames in (
-        unknown,
-        np.concatenate((FRAME, FRAME + (1, 0, 0))),
-    ):  # at rest, the frames of a path are one
+    apart = np.concatenate((FRAME, FRAME + (1, 0, 0)))  # at rest, the frames of a path are one
+    for frames in (unknown, apart):
         with pytest.raises(sn.InvalidConstraint):
             sn.VectorField(frames)
     for frames in (FRAME[:0], FRAME[:3]):

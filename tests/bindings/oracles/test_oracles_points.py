@@ -70,7 +70,8 @@ def by_a_dense_system(centres, moves, points, kernel: str, degree: int, radius: 
 def test_rbf_solves_the_saddle_point_system(kernel: str, asked: int, degree: int) -> None:
     centres, moves, points = cloud(80, 2.0, 11), cloud(80, 1.0, 12), cloud(200, 2.5, 13)
     rbf = sn.Rbf(centres, kernel=kernel, degree=asked, radius=0.7)
-    rbf.bind(points)
+    assert rbf.bind(points).remarks == []
+    assert len(rbf.centres) == len(centres)
     expected = by_a_dense_system(centres, moves, points, kernel, degree, 0.7 * sn.diameter(centres))
     np.testing.assert_allclose(rbf.warp(centres + moves), expected, rtol=0, atol=1e-9)
 

@@ -6,13 +6,8 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, bar, grid, spread, turn
+from ..meshes import STILL, bar, grid, halved, spread, turn
 from .prisms import Prisms
-
-
-def triangles(quads: np.ndarray) -> np.ndarray:
-    return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-
 
 TUBE, QUADS = bar(16, 4)
 HILL, HILL_FACES = grid(10)
@@ -29,8 +24,8 @@ PULLS = np.stack(
     ("points", "faces", "handles", "poses"),
     [
         (TUBE, QUADS, ENDS, BENDS),
-        (TUBE, triangles(QUADS), ENDS, BENDS),
-        (TUBE, triangles(QUADS), ENDS, TWISTS),
+        (TUBE, halved(QUADS), ENDS, BENDS),
+        (TUBE, halved(QUADS), ENDS, TWISTS),
         (HILL, HILL_FACES, SIDES, PULLS),  # with a single vertex
     ],
     ids=["quads, bend", "triangles, bend", "triangles, twist", "hill"],

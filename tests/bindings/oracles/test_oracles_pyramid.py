@@ -7,7 +7,7 @@ import scipy.sparse as sp
 
 import sinew_native as sn
 
-from ..meshes import STILL, grid, moved, sphere, turn
+from ..meshes import STILL, ends, grid, moved, sphere, turn
 from .rows import Rows
 
 SIDE = 0.05
@@ -81,8 +81,7 @@ def plate() -> tuple[np.ndarray, np.ndarray]:
 def test_minimum_is_that_of_gauss_newton(shape: tuple[np.ndarray, np.ndarray]) -> None:
     p, faces = shape
     low, high = p[:, 0].min(), p[:, 0].max()
-    reach = 0.15 * (high - low)
-    handles = [np.flatnonzero(p[:, 0] < low + reach), np.flatnonzero(p[:, 0] > high - reach)]
+    handles = ends(p, 0.15 * (high - low))
     centre = tuple(p[handles[1]].mean(0))
     poses = np.stack([STILL, turn((1, 0.3, 0.2), 50, centre, (0.1 * (low - high), 0.1 * (high - low), 0.05))])
     method = sn.PyramidCoordinates(sn.SurfaceMesh(p, faces), side=SIDE)

@@ -9,37 +9,14 @@ import sinew_native as sn
 
 from .. import limits
 from ..figures import animal
-from ..meshes import edges_of, grid, moved, nearest_rotations, quad_grid, shift, turn
+from ..meshes import edges_of, grid, moved, quad_grid, shift, turn
+from ..oracles.test_oracles_points import least_squares
 
 RANDOM = np.random.default_rng(7)
 HANDLES = RANDOM.uniform(-1.0, 2.0, (60, 3))
 POINTS = RANDOM.uniform(-1.2, 2.2, (150, 3))
 MOVES = RANDOM.uniform(-0.3, 0.3, HANDLES.shape)
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
-
-
-@pytest.mark.parametrize(
-    ("kernel", "scipy", "degree"), [("triharmonic", "cubic", 2), ("biharmonic", "linear", 1)]
-)
-def test_rbf_is_scipys_interpolant(kernel: str, scipy: str, degree: int) -> None:
-    rbf = sn.Rbf(HANDLES, kernel=kernel)
-    assert rbf.bind(POINTS).remarks == []
-    expected = RBFInterpolator(HANDLES, MOVES, kernel=scipy, degree=degree)(POINTS)
-    assert np.abs(rbf.warp(HANDLES + MOVES) - POINTS - expected).max() < 1e-10
-    assert len(rbf.centres) == len(HANDLES)
-
-
-def rigid(v: np.ndarray, p: np.ndarray, q: np.ndarray, w: np.ndarray | None = None) -> np.ndarray:
-    w = 1.0 / ((p - v) ** 2).sum(axis=1) ** 2 if w is None else w
-    a, b = w @ p / w.sum(), w @ q / w.sum()
-    return nearest_rotations((q - b).T @ ((p - a) * w[:, None])) @ (v - a) + b
-
-
-def test_mls_is_numpys_at_each_point() -> None:
-    mls = sn.Mls(HANDLES, precision="double")
-    mls.bind(POINTS)
-    expected = np.array([rigid(v, HANDLES, HANDLES + MOVES) for v in POINTS])
-    assert np.abs(mls.warp(HANDLES + MOVES) - expected).max() < 1e-10
 
 
 @pytest.mark.parametrize("method", [sn.Rbf, sn.Mls, sn.SpacePropagation])
@@ -151,9 +128,9 @@ def test_mls_takes_places_that_handles_share_to_the_mean_of_their_targets() -> N
     found = made.warp(posed)
     assert np.abs(found[: len(BLEND)] - blended(BLEND)).max() < 1e-12
     for v, place in zip(POINTS[:20], found[len(BLEND) : len(BLEND) + 20], strict=True):
-        w = weights / ((BLEND - v) ** 2).sum(axis=1) ** 2 / (weights > 0.0).sum(axis=1)[:, None]
+        share = weights / (weights > 0.0).sum(axis=1)[:, None]
         p, q = np.tile(BLEND, (2, 1)), np.concatenate((BLEND, BLEND @ TURN.T + 0.5))
-        assert np.abs(place - rigid(v, p, q, w.ravel())).max() < 1e-9
+        assert np.abs(place - least_squares(p, q, share.ravel(), v, "rigid", 2.0)).max() < 1e-9
 
 
 def test_a_segment_counts_as_much_as_its_ends_are_held() -> None:

@@ -6,7 +6,7 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, ends, grid, moved, nearest_rotations, shift, turn
+from ..meshes import STILL, grid, moved, nearest_rotations, shift, turn
 from ..methods import bound
 
 KEYS = np.array(
@@ -189,12 +189,3 @@ def test_what_means_nothing_is_refused() -> None:
         method.solve_frames([7], animation[:1, :-1])
     with pytest.raises(sn.Cancelled):
         method.solve_frames([1], animation[:1], progress=lambda fraction, stage: False)
-
-
-def test_a_move_alone_changes_no_direction() -> None:
-    """Handles that only move keep their turn, so the shape between them does as with any method."""
-    method, points, handles = bound(sn.MeshSequence)
-    key = np.array([(0, 0, *shift(1, 2, 3).ravel()), (0, 1, *shift(1, 2, 3).ravel())])
-    found, _ = method.solve_frame(0, keys=key)
-    np.testing.assert_allclose(found, points + (1, 2, 3), atol=1e-10)
-    assert len(ends(points)) == len(handles)
