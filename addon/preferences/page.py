@@ -84,8 +84,7 @@ class SinewPreferences(AddonPreferences):
     )
     method: EnumProperty(
         name="Method",
-        description="Choose the method that Make Handle and Add Deformer start with; each deformer can "
-        "change it",
+        description="Choose the method that Make Handle starts with; each deformer can change it",
         items=items_of(METHODS),
         default=BY_ID[DEFAULT_METHOD].number,
     )
