@@ -51,9 +51,7 @@ __all__ = (
     "use",
 )
 
-MISSING = (
-    "Nothing is held yet - press on the object with Sinew Drag, or select vertices in Edit Mode, then Make Handle"
-)
+MISSING = "Nothing is held yet - press on the object with Sinew Drag, or select vertices in Edit Mode, then Make Handle"
 MARKS_REGIONS = True
 _NAMED = 3  # regions without vertices; the panel counts the others
 
