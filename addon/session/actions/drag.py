@@ -31,7 +31,7 @@ from ..state.evaluation import is_shown
 from ..targets import targets
 from ..targets.kinds import kind_of
 from .bind import bind, unbind
-from .deformers import add_deformer, remove_deformer
+from .deformers import add_deformer, put_before_subdivision, remove_deformer
 from .handles import surface_points
 from .handles.handles import NewRegion, add_handle, remove_handle
 from .handles.region_names import name_of_region
@@ -186,7 +186,8 @@ class Drag:
         self._made: list[str] = []  # the keys of new rows
         self._is_first = deformer is None
         try:
-            deformer = add_deformer(obj, brush.method) if deformer is None else deformer
+            if deformer is None:
+                deformer = put_before_subdivision(obj, add_deformer(obj, brush.method))
             self.uid, self._status = deformer.uid, status.current(deformer.uid)
             self._was_bound = deformer.is_bound
             _make_active(obj, deformer)

@@ -7,14 +7,13 @@ import numpy as np
 from bpy.types import Object
 from mathutils import Vector
 
-from ... import compat
 from ...core.geometry import frames
 from ...core.names import numbered
 from ...core.tasks import Task, task_for
 from ...properties import SinewDeformer
-from ..datablocks.movers import armatures_of, place_behind
-from ..targets import modified, targets
-from .deformers import add_deformer
+from ..datablocks.movers import armatures_of
+from ..targets import targets
+from .deformers import add_deformer, put_before_subdivision
 
 _CAGE_FACES = (150, 600)  # the fewest and the most
 _PLAIN = 1000  # vertices of a mesh that gets the fewest
@@ -25,20 +24,14 @@ _ALL_OVER = 0.9  # of these
 
 
 def deformer_for(obj: Object, task: Task, method: str) -> tuple[SinewDeformer, bool]:
-    """The active deformer, if it has this method and no control yet, else a new one; whether it is new.
-
-    One that corrects a joint goes behind all that moves the mesh.
-    """
+    """The active deformer, if it has this method and no control yet, else a new one; whether it is new."""
     active = obj.sinew.active
     held = () if active is None else active.handles
     if active is not None and active.method == method and all(row.kind != "HANDLE" for row in held):
         return active, False
-    place = place_behind(obj)
     taken = [other.name for other in obj.sinew.deformers]
     deformer = add_deformer(obj, method, numbered(task.deformer, taken))
-    if task.stands_behind:
-        compat.move_modifier(obj, modified.shown_by(obj, deformer).name, place)
-    return deformer, True
+    return put_before_subdivision(obj, deformer), True
 
 
 def width_of_joint(obj: Object, place: np.ndarray) -> float | None:

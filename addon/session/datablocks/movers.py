@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whether something before a deformer may move the mesh from frame to frame."""
 
-from bpy.types import ID, Object
+from collections.abc import Iterable
+
+from bpy.types import ID, Modifier, Object
 
 from ...properties import SinewDeformer
 from ..targets import targets
@@ -77,9 +79,9 @@ def _is_animated(owner: ID | None) -> bool:
     return animation is not None and bool(animation.action or animation.nla_tracks or animation.drivers)
 
 
-def place_behind(obj: Object) -> int:
-    """The place in the stack behind all that moves a mesh, and before what only divides its faces then."""
-    types = [modifier.type for modifier in obj.modifiers]
+def place_behind(modifiers: Iterable[Modifier]) -> int:
+    """The place in a stack behind all that moves a mesh, and before what only divides its faces then."""
+    types = [modifier.type for modifier in modifiers]
     movers = [place for place, kind in enumerate(types) if kind in DEFORMING | _CHANGING]
     first = movers[-1] + 1 if movers else 0
     return next((place for place in range(first, len(types)) if types[place] in _DIVIDING), len(types))

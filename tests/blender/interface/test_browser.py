@@ -180,9 +180,10 @@ def test_a_task_starts_with_each_of_its_methods(task):
     refused("has no method 'nonsense'", "start_task", None, task=task.id, method="nonsense")
 
 
-def test_a_correction_goes_behind_what_moves_the_mesh():
+@pytest.mark.parametrize("task", ["joint", "limb", "sheet"])
+def test_a_bend_goes_behind_what_moves_the_mesh_and_before_what_divides_it(task: str):
     posed_by_bones()
-    start("joint")
+    start(task)
     assert [modifier.type for modifier in target().modifiers] == ["ARMATURE", "NODES", "SUBSURF"]
 
 

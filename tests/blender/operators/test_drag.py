@@ -196,6 +196,7 @@ def test_on_the_surface_that_modifiers_make(kind: str):
     chosen = members(obj, grabbed(obj)[0])
     assert np.abs(base_points(obj)[chosen, :2].mean(axis=0) - 0.5).max() < 0.06
     assert obj.sinew.active.is_bound
+    assert (obj.modifiers[-1].name == "Made") == (kind == "SUBSURF")
 
 
 def plate_with_button() -> bpy.types.Object:
