@@ -180,7 +180,7 @@ def shape_of(line: str) -> str:
 
 COUNTS = (
     Count(
-        "lines outside the product: tests, benchmarks, samples, tools", lambda: length(*YARD), 83_990, 75_000
+        "lines outside the product: tests, benchmarks, samples, tools", lambda: length(*YARD), 84_080, 75_000
     ),
     Count(
         "lines of tests / lines of native and addon",
