@@ -31,6 +31,7 @@ CLAY = (0.62, 0.60, 0.56)
 BAND = (0.16, 0.20, 0.26)
 HIP, SWING = 2.1, 62.0  # the height where legs begin; by which angle one of them swings
 LEGS = (-0.72, -0.07, 0.07, 0.72)  # where their sides are
+SIDES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))  # of a box
 IN_A_ROW = 8  # on the sheet of all of them
 
 Shown = Sequence[bpy.types.Object]  # what fills the picture
@@ -111,27 +112,12 @@ def in_a_cage(method: str) -> Shown:
 
 def _trousers() -> tuple[np.ndarray, list[list[int]]]:
     """The surface of a few boxes: two legs with a narrow gap, and what they hang from."""
-    across, deep, up = np.meshgrid(LEGS, (-0.33, 0.33), (0.0, 0.7, 1.4, HIP, 2.5, 2.9), indexing="ij")
-    points = np.column_stack((across.ravel(), deep.ravel(), up.ravel()))
-    place = np.arange(len(points)).reshape(across.shape)
-    filled = np.zeros((5, 3, 7), bool)  # the boxes, with nothing around them
-    filled[1:4, 1, 1:6] = True
-    filled[2, 1, 1:4] = False
-    faces = []
-    for axis in range(3):
-        for corner in np.argwhere(filled != np.roll(filled, -1, axis)):
-            one, other = (along for along in range(3) if along != axis)
-            ring = []
-            for first, second in ((0, 0), (1, 0), (1, 1), (0, 1)):
-                at = corner.copy() - 1
-                at[axis] += 1
-                at[one] += first
-                at[other] += second
-                ring.append(int(place[tuple(at)]))
-            outwards = bool(filled[tuple(corner)]) != (axis == 1)
-            faces.append(ring if outwards else ring[::-1])
-    used, corners = np.unique(np.array(faces), return_inverse=True)
-    return points[used], corners.reshape(-1, 4).tolist()
+    grid = np.stack(np.meshgrid(LEGS, (-0.33, 0.33), (0.0, 0.7, 1.4, HIP, 2.5, 2.9), indexing="ij"), axis=-1)
+    place = np.arange(grid[..., 0].size).reshape(grid.shape[:3])
+    boxes = [place[i : i + 2, :, k : k + 2].ravel() for i in range(3) for k in range(5) if i != 1 or k > 2]
+    faces = np.array([box[list(side)] for box in boxes for side in SIDES])
+    _, first, counts = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    return grid.reshape(-1, 3), faces[first[counts == 1]].tolist()  # what two boxes share lies inside
 
 
 def pushed() -> Shown:
