@@ -31,7 +31,7 @@ def _rbf_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
     exact = size <= _FITTED or options["tolerance"] == 0.0 or options["kernel"].startswith("wendland")
     centres = size if exact else min(size, 800)
     system = _DENSE * centres**3 if exact else _FIT * centres**2
-    return system + 2e-9 * points * centres
+    return system + 5e-6 * size + 2e-9 * points * centres
 
 
 ROWS = (

@@ -25,8 +25,9 @@ def drive(deformer: SinewDeformer, armature: Object, bone: str, full: float = 0.
         raise SinewError(f"{bone} is not bent now - go to the frame where it is, or set Full At")
     deformer.driver_remove("factor")
     curve = deformer.driver_add("factor")
-    for modifier in list(curve.modifiers):
-        curve.modifiers.remove(modifier)
+    for made_with_it in (curve.modifiers, curve.keyframe_points):  # one or the other, as releases differ
+        while len(made_with_it):
+            made_with_it.remove(made_with_it[0])
     for at, value in ((0.0, 0.0), (full, 1.0)):
         curve.keyframe_points.insert(at, value).interpolation = "LINEAR"
     curve.driver.type = "SUM"
