@@ -9,6 +9,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
+from inside import notes_of
 from mathutils import Euler, Matrix, Vector
 from registry import BY_ID, ON_HANDLE_POINTS
 from rigs.point_objects import CURVES, MAKERS, moved_by_hand
@@ -52,6 +53,7 @@ def test_a_drag_without_a_deformer_makes_one_with_a_handle_at_the_place(method: 
     assert close(at(obj, 0.2, 0.3), np.array((0.2, 0.3, 0.5)), MEETS)
     assert np.array(control.matrix_world.translation) == pytest.approx((0.2, 0.3, 0.5), abs=1e-5)
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    assert "Hold Still" not in " ".join(notes_of(obj.sinew.active))  # a click holds such a handle
 
 
 def test_a_second_handle_changes_nothing_until_it_is_dragged(method: str):

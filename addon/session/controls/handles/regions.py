@@ -226,7 +226,8 @@ def _why_stiff(method: Method, bound: list[SinewHandle], regions: int, free: int
     if free <= 0 and not method.is_space:
         return "Nothing will bend: all vertices are in regions - make these smaller"
     if regions == 1 and method.reproduces is not Reproduced.REST:
-        return f"Nothing will bend: all of it follows {bound[0].name} - Hold Still what is to stay"
+        remedy = "Hold Still what" if bound[0].vertex_group else "click with Sinew Drag where it"
+        return f"Nothing will bend: all of it follows {bound[0].name} - {remedy} is to stay"
     return ""
 
 
