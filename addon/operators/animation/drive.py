@@ -41,10 +41,12 @@ class SINEW_OT_drive_by_bone(OnDeformer, Operator):
 
     @classmethod
     def refusal(cls, context: Context) -> str:
-        reason = super().refusal(context)
-        if reason or armatures_of(target_of(context)):
+        reason, obj = super().refusal(context), target_of(context)
+        if reason:
             return reason
-        return f"No armature moves {target_of(context).name} - give it an Armature modifier first"
+        if obj.override_library is not None:
+            return "Blender does not save new drivers of a library override - key Factor instead"
+        return "" if armatures_of(obj) else f"No armature moves {obj.name} - give it an Armature modifier first"
 
     def invoke(self, context: Context, _event: Event) -> set[str]:
         return self._ask(context)

@@ -42,7 +42,7 @@ def drive(deformer: SinewDeformer, armature: Object, bone: str, full: float = 0.
 
 def bend_of(armature: Object, bone: PoseBone) -> float:
     """By which angle a bone is bent from its rest, as its parent carries that, without its twist."""
-    local = armature.convert_space(pose_bone=bone, matrix=bone.matrix, to_space="LOCAL")
+    local = armature.convert_space(pose_bone=bone, matrix=bone.matrix, from_space="POSE", to_space="LOCAL")
     return local.to_quaternion().to_swing_twist("Y")[0].angle
 
 

@@ -12,6 +12,7 @@ from bpy.types import ID, Depsgraph, Object, Scene
 
 from ...core.errors import SinewError
 from ...core.memory import remember
+from ...core.names import numbered
 from ...core.rigs import RIG_BY_ID, Done, Rig, Step
 from ...ids import Keys
 from ...properties import SinewDeformer
@@ -36,7 +37,7 @@ def bring(rig: Rig) -> tuple[Scene, dict[str, Object]]:
     for library in set(bpy.data.libraries) - before:
         bpy.data.libraries.remove(library)  # what came from it is local
     (scene,) = here.scenes
-    scene.name = rig.label
+    scene.name = numbered(rig.label, [other.name for other in bpy.data.scenes if other != scene])
     scene.sinew.rig = rig.id
     _done.pop(scene.name, None)
     for own in _only_of(scene):

@@ -31,7 +31,6 @@ DEFORMING = {  # modifiers of Blender that neither add nor remove vertices
 }
 _CHANGING = {"CLOTH", "MESH_SEQUENCE_CACHE", "NODES", "SOFT_BODY"}  # the same, or they may be such
 _PLAYED = {"CLOTH", "MESH_CACHE", "MESH_SEQUENCE_CACHE", "SOFT_BODY", "WAVE"}  # another shape in each frame
-_DIVIDING = {"MULTIRES", "SUBSURF"}
 
 
 def is_moved_before(obj: Object, deformer: SinewDeformer | None) -> bool:
@@ -80,8 +79,11 @@ def _is_animated(owner: ID | None) -> bool:
 
 
 def place_behind(modifiers: Iterable[Modifier]) -> int:
-    """The place in a stack behind all that moves a mesh, and before what only divides its faces then."""
+    """The place in a stack behind all that moves a mesh, and before what only divides its faces then.
+
+    Blender lets no such modifier stand before a Multiresolution.
+    """
     types = [modifier.type for modifier in modifiers]
     movers = [place for place, kind in enumerate(types) if kind in DEFORMING | _CHANGING]
     first = movers[-1] + 1 if movers else 0
-    return next((place for place in range(first, len(types)) if types[place] in _DIVIDING), len(types))
+    return next((place for place in range(first, len(types)) if types[place] == "SUBSURF"), len(types))

@@ -186,7 +186,7 @@ def test_rotation_and_scale_about_the_place_that_was_pressed():
     assert close(evaluated_points(obj)[chosen], apply_matrix(around, rest[chosen]), 1e-5)
 
 
-@pytest.mark.parametrize("kind", ["SUBSURF", "MIRROR", "SOLIDIFY"])
+@pytest.mark.parametrize("kind", ["SUBSURF", "MULTIRES", "MIRROR", "SOLIDIFY"])
 def test_on_the_surface_that_modifiers_make(kind: str):
     """The place pressed is found on the mesh itself, wherever the modifiers show it."""
     obj = grid_object(cells=20)

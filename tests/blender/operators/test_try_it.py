@@ -102,6 +102,7 @@ def test_a_rig_opens_ticks_and_goes_without_a_trace(rig: str):
 
 def test_all_rigs_in_a_row_beside_objects_of_the_same_names(tmp_path):
     for rig in inner.core_rigs.RIGS:
+        bpy.data.scenes.new(rig.label)
         for name in rig.objects:
             bpy.context.scene.collection.objects.link(bpy.data.objects.new(name, None))
     came_from, before = bpy.context.scene.name, blocks()
