@@ -539,7 +539,7 @@ def unlocked(stage: Stage, engine: str, last: int, writers: list[bool]) -> Itera
     scene = bpy.context.scene
     yield from until(takes_writes)
     if engine != Probe.bl_idname and not takes_writes():
-        return  # Blender 3.4 may refuse writes for good after an engine in Python: decisions/unlocked-renders.md
+        return  # for good, after an engine in Python: docs/developer/decisions/unlocked-renders.md
     scene.render.engine = engine
     scene.frame_start, scene.frame_end = 1, last
     scene.frame_set(1)
