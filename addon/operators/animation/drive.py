@@ -46,7 +46,9 @@ class SINEW_OT_drive_by_bone(OnDeformer, Operator):
             return reason
         if obj.override_library is not None:
             return "Blender does not save new drivers of a library override - key Factor instead"
-        return "" if armatures_of(obj) else f"No armature moves {obj.name} - give it an Armature modifier first"
+        if not armatures_of(obj):
+            return f"No armature moves {obj.name} - give it an Armature modifier first"
+        return ""
 
     def invoke(self, context: Context, _event: Event) -> set[str]:
         return self._ask(context)

@@ -364,7 +364,7 @@ ELSEWHERE = {
     "New Grid": "test_control_grid.py",
     "Refine": "test_space_nonlinear.py",
     "Repair": "test_repair.py",
-    "Show": "test_bad_input.py",
+    "Show": "test_cage.py",
     "Sinew Drag: Bones": "test_drag_tool.py",
     "Sinew Drag: Clay": "test_drag_tool.py",
     "Sinew Drag: Points": "test_drag_tool.py",
