@@ -60,12 +60,12 @@ class SINEW_OT_drive_by_bone(OnDeformer, Operator):
         self.angle = driving.bend_of(armature, armature.pose.bones[self.bone])
         return context.window_manager.invoke_props_dialog(self)
 
-    def draw(self, _context: Context) -> None:
+    def draw(self, context: Context) -> None:
         layout = self.layout
         layout.use_property_split = True
         layout.prop_search(self, "armature", bpy.data, "objects")
-        armature = bpy.data.objects.get(self.armature)
-        if armature is not None and targets.has_bones(armature):
+        armature = self._named(context)
+        if armature is not None:
             layout.prop_search(self, "bone", armature.data, "bones")
         layout.prop(self, "angle")
 
@@ -89,7 +89,12 @@ class SINEW_OT_drive_by_bone(OnDeformer, Operator):
             if found is None:
                 raise SinewError(f"No bone of {armatures_of(obj)[0].name} is bent now - go to another frame")
             return found
-        armature = bpy.data.objects.get(self.armature)
-        if armature is None or not targets.has_bones(armature):
+        armature = self._named(context)
+        if armature is None:
             raise SinewError(f"There is no armature {self.armature} - choose another one")
         return armature, self.bone
+
+    def _named(self, context: Context) -> Object | None:
+        """The armature of this name; linked and own objects may share one, so first those that move the object."""
+        objects = (*armatures_of(target_of(context)), *bpy.data.objects)
+        return next((obj for obj in objects if obj.name == self.armature and targets.has_bones(obj)), None)
