@@ -10,7 +10,7 @@ from .. import compat
 from ..backend import availability
 from ..core import status
 from ..core.labels import label_of
-from ..core.methods import BY_ID, Control
+from ..core.methods import BY_ID, DEFAULT_CAGE_METHOD, Control
 from ..core.status import Level, Remedy, Status
 from ..ids import Operators
 from ..preferences import PACKAGE
@@ -37,7 +37,7 @@ NATIVE_MISSING = Status(
 )
 
 
-_QUICK_CAGE = BY_ID["mean_value"]
+_QUICK_CAGE = BY_ID[DEFAULT_CAGE_METHOD]
 _BUTTONS: dict[Remedy, Button] = {
     Remedy.BIND: Button(Operators.BIND, "Rebind", "FILE_REFRESH"),
     Remedy.CAGE_REST: Button(Operators.CAGE_REST, "New Rest", "MESH_CUBE"),

@@ -15,7 +15,7 @@ from .dev import BENCHMARK_TARGETS, build_tree
 from .format import checks
 from .neon_tests import neon
 from .package import package
-from .places import DEV_MODULE, NATIVE_TREE, PYTHON311
+from .places import DEV_MODULE, NATIVE_TREE, PYTHON311, SANITIZE_TREE
 from .results import Outcome, outcome
 from .shell import run
 from .suites import OPTIONS, googletest, new_junit, only_some
@@ -56,7 +56,7 @@ CORE_TESTS = (
 @dataclass(frozen=True)
 class Layer:
     name: str
-    timeout: float  # seconds, for the tests without their set-up: three times what two cores of ours take
+    timeout: float  # seconds, for the tests without their set-up: three times what they take beside others
     run: Callable[[float], Outcome]
     one_process: bool = False  # its tests use one core, so that such a layer can run beside another
     waits: bool = False  # half of the time, for a window that draws, and leaves its core to another layer
@@ -98,13 +98,13 @@ def native_quick(timeout: float) -> Outcome:
 
 
 def sanitizers(timeout: float) -> Outcome:
-    build_tree("dev", "sinew_tests_sanitized")
+    build_tree("sanitize")
     sanitizer_options = {
         "ASAN_OPTIONS": "detect_leaks=1:strict_init_order=1",
         "LSAN_OPTIONS": f"suppressions={LEAKS_OF_OTHERS}:print_suppressions=0",
         "UBSAN_OPTIONS": "print_stacktrace=1:halt_on_error=1",
     }
-    return googletest("sanitizers", [NATIVE_TREE / f"{PROGRAM}_sanitized"], timeout, sanitizer_options)
+    return googletest("sanitizers", [SANITIZE_TREE / PROGRAM], timeout, sanitizer_options)
 
 
 def bindings(timeout: float) -> Outcome:
@@ -155,7 +155,7 @@ def blender_layer(version: str, tests: tuple[str, ...] = ()) -> Layer:
     """A layer for a release of Blender, which runs ``tests``, or all."""
     name = layer_of(version)
     run_tests = partial(blender_module, name, environments.blender(version), tests)
-    return Layer(name, 600 if tests else 1200, run_tests, one_process=True)
+    return Layer(name, 1200 if tests else 3000, run_tests, one_process=True)
 
 
 def blender_5(timeout: float) -> Outcome:
@@ -215,11 +215,11 @@ LAYERS = (
     Layer("architecture", 60, architecture, one_process=True),
     Layer("tools", 60, tools, one_process=True),
     Layer("benchmarks", 600, benchmarks, one_process=True),
-    Layer("addon", 240, addon, one_process=True),
-    Layer("bindings", 420, bindings, one_process=True),
-    Layer("blender-3.4", 1200, blender_3_4, one_process=True),
+    Layer("addon", 600, addon, one_process=True),
+    Layer("bindings", 1200, bindings, one_process=True),
+    Layer("blender-3.4", 3000, blender_3_4, one_process=True),
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
-    Layer("blender-5", 1200, blender_5, one_process=True),
+    Layer("blender-5", 3000, blender_5, one_process=True),
     Layer("gui", 1200, gui, one_process=True, waits=True),
     windows_layer("bindings", windows_tests.bindings),
     windows_layer("blender", windows_tests.blender),

@@ -37,6 +37,8 @@ from .handles.handles import NewRegion, add_handle, remove_handle
 from .handles.region_names import name_of_region
 from .rigging import rig_region
 
+_FEW = 2  # vertices of a region on a mesh that is too coarse for it: there the divided surface is dragged
+
 
 @dataclass(frozen=True)
 class Brush:
@@ -187,7 +189,9 @@ class Drag:
         self._is_first = deformer is None
         try:
             if deformer is None:
-                deformer = put_before_subdivision(obj, add_deformer(obj, brush.method))
+                deformer = add_deformer(obj, brush.method)
+                if np.count_nonzero(plan.region) > _FEW:
+                    put_before_subdivision(obj, deformer)
             self.uid, self._status = deformer.uid, status.current(deformer.uid)
             self._was_bound = deformer.is_bound
             _make_active(obj, deformer)
