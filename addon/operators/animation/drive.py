@@ -95,6 +95,6 @@ class SINEW_OT_drive_by_bone(OnDeformer, Operator):
         return armature, self.bone
 
     def _named(self, context: Context) -> Object | None:
-        """The armature of this name, first of those that move the object: linked and own ones may share it."""
+        """The armature of this name, first of those that move the object: linked and own may share it."""
         objects = (*armatures_of(target_of(context)), *bpy.data.objects)
         return next((obj for obj in objects if obj.name == self.armature and targets.has_bones(obj)), None)
