@@ -31,6 +31,7 @@ class Operators:
     CONTROL_EDIT = "sinew.control_edit"
     POSE_RESET = "sinew.reset_pose"
     POSE_KEY = "sinew.key_pose"
+    DRIVE = "sinew.drive_by_bone"
     BIND = "sinew.bind"
     UNBIND = "sinew.unbind"
     CANCEL = "sinew.cancel"
@@ -78,6 +79,9 @@ class Operators:
     CHOOSE_METHOD = "sinew.choose_method"
     PRESET_ADD = "sinew.preset_add"
     PRESET_APPLY = "sinew.preset_apply"
+    TEMPLATE_USE = "sinew.use_template"
+    TRY_IT = "sinew.try_it"
+    TRY_BACK = "sinew.try_back"
 
 
 class Menus:
@@ -97,6 +101,7 @@ class Menus:
     MANUAL_METHODS = "SINEW_MT_manual_methods"
     PROBLEMS = "SINEW_MT_problems"
     OTHER_NAMES = "SINEW_MT_other_names"
+    TRY_IT = "SINEW_MT_try_it"
     LEARNED_NAMES = "SINEW_MT_learned_names"
     OF_TASK = "SINEW_MT_task_{}"  # with the id of the task
     FOR_GROUPS = {  # by the role of the region that a vertex group becomes
@@ -136,6 +141,7 @@ class Keys:
     CURVE = "sinew_curve"
     GRID_REST = "sinew_grid_rest"
     CAGE_ORIGIN = "sinew_cage"
+    TRIED = "sinew_tried"
     REST_TOKEN = "sinew_token"
     REST_LATTICE = "sinew_resolution"
     REST_INTERPOLATION = "sinew_interpolation"

@@ -7,13 +7,7 @@ import platform
 from pathlib import Path
 
 RESULTS = Path(__file__).resolve().parent / "results"
-KEY = (
-    "work",
-    "size",
-    "threads",
-    "case",
-    "blender",
-)  # rows that agree in these are measurements of the same row
+KEY = ("work", "size", "threads", "case", "blender")  # rows that agree in these measure the same
 
 Row = dict[str, object]
 

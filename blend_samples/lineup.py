@@ -53,8 +53,7 @@ class Lineup:
             self.finish(row)
         if self.smooth:
             for obj in row:
-                smooth = obj.modifiers.new("Subdivision", "SUBSURF")
-                smooth.levels, smooth.render_levels = 1, 2
+                posing.subdivide(obj)
         scene.frame_set(self.frame)
         places = [(obj, obj.location.x) for obj in row]
         self.shot.set_up(scene, [(obj.get("label", key), x) for key, (obj, x) in zip(self.row, places)])
@@ -126,13 +125,16 @@ def share_pose(
     values: Mapping[int, float],
     thickness: float,
 ) -> None:
-    """Copies of a cage in one pose, each around an object with a method; the cage itself stays at rest.
+    """Pose objects, each with a method, by copies of a cage in one pose; the cage itself stays at rest.
 
     ``posed`` turns its points (c, 3) into those of the pose ``name``; ``values`` is its strength per frame.
     """
-    cages = [posing.share_cage(rest, obj, method) for obj, method in methods]
+    objects = dict(methods)
+    cages = [posing.share_cage(rest, obj, method) for obj, method in objects.items()]
     rest.data = rest.data.copy()  # the others share their mesh, and its poses
     posing.add_pose(cages[0], name, posed(posing.vertices(rest)), values)
     for cage in (rest, *cages):
         markers.add_cage_edges(cage, thickness)
     rest.hide_render = True
+    for obj in objects:
+        posing.check_posed(obj, 1, POSE_FRAME)

@@ -44,6 +44,7 @@ def main() -> None:
     else:
         pictures = [(wanted.sample, denoise.render_clean(scene))]
     for name, light in pictures:
+        scene = bpy.context.scene  # of samples that make several, that of the last one
         denoise.write_picture(scene, light, OUTPUT / f"{name}.png")
         if wanted.publish:
             denoise.write_picture(scene, light, PICTURES / f"{name}.jpg")

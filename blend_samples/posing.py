@@ -103,6 +103,12 @@ def add_cage(obj: bpy.types.Object, method: str, **options: float | str | bool) 
     return obj.sinew.deformers[-1].cage
 
 
+def subdivide(obj: bpy.types.Object, levels: int = 1, rendered: int = 2) -> None:
+    """A Subdivision after the modifiers that are there."""
+    smooth = obj.modifiers.new("Subdivision", "SUBSURF")
+    smooth.levels, smooth.render_levels = levels, rendered
+
+
 def share_cage(cage: bpy.types.Object, obj: bpy.types.Object, method: str) -> bpy.types.Object:
     """A cage of the same mesh around another object, so that both take every pose together."""
     twin = cage.copy()

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The order of the modifier stack."""
 
+from contextlib import suppress
+
 import bpy
 from bpy.types import Object
 
@@ -15,7 +17,8 @@ def move_modifier(obj: Object, name: str, index: int) -> bool:
     if at == index:
         return True
     if hasattr(modifiers, "move"):
-        modifiers.move(at, index)
+        with suppress(RuntimeError):  # where it stops before the place
+            modifiers.move(at, index)
     else:
         with bpy.context.temp_override(object=obj):
             bpy.ops.object.modifier_move_to_index(modifier=name, index=index)

@@ -51,7 +51,7 @@ class CageError(SinewError):
 class OutsideError(CageError):
     """Points lie outside the cage, and the method cannot move them there. The elements are these points."""
 
-    remedy = status.Remedy.OUTSIDE
+    remedy = status.Remedy.OUTSIDE | status.Remedy.QUICK_CAGE
 
 
 class OptionError(SinewError):

@@ -41,6 +41,7 @@ class Remedy(Flag):
     ARMATURE_OFF = auto()
     KEEP_INSIDE = auto()
     FIND_FILE = auto()
+    QUICK_CAGE = auto()
 
 
 @dataclass(frozen=True)

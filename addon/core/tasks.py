@@ -69,7 +69,7 @@ TASKS = (
             "multiresolution",
         ),
         other_names=("Cluster", "Bulge", "Muscle"),
-        page="surface",
+        page="bend-a-limb",
         icon="MOD_SIMPLEDEFORM",
     ),
     Task(
@@ -99,7 +99,7 @@ TASKS = (
             "subdivision_editing",
         ),
         suits=(Trait.SHEET,),
-        page="surface",
+        page="shape-a-sheet",
         icon="MOD_CLOTH",
     ),
     Task(
@@ -110,7 +110,7 @@ TASKS = (
         methods=("ffd",),
         other_names=("Squash and Stretch", "FFD Box"),
         suits=(Trait.SURFACE, Trait.POINTS),
-        page="lattice",
+        page="put-in-a-box",
         icon="LATTICE_DATA",
     ),
     Task(
@@ -121,7 +121,7 @@ TASKS = (
         methods=("mean_value", "positive_mean_value", "harmonic", "green"),
         other_names=("Wrap Deformer", "Mesh Deform"),
         suits=(Trait.SURFACE, Trait.BONES),
-        page="cage",
+        page="wrap-in-a-cage",
         icon="MESH_ICOSPHERE",
     ),
     Task(
@@ -140,7 +140,7 @@ TASKS = (
         ),
         other_names=("Proportional Drag", "Soft Selection", "Puppet Pin"),
         suits=(Trait.POINTS, Trait.LOOSE),
-        page="handle-points",
+        page="move-loose-parts",
         icon="STICKY_UVS_DISABLE",
     ),
     Task(
@@ -149,7 +149,7 @@ TASKS = (
         "Brows",
         "brows, lips, cloth folds",
         methods=("wires",),
-        page="wires-and-fields",
+        page="brows-and-folds",
         icon="CURVE_DATA",
     ),
     Task(
@@ -159,7 +159,7 @@ TASKS = (
         "push, twist, bend, volume stays",
         methods=("vector_field",),
         other_names=("Soft Modification", "Taper"),
-        page="wires-and-fields",
+        page="push-like-clay",
         icon="SCULPTMODE_HLT",
     ),
     Task(
@@ -170,7 +170,7 @@ TASKS = (
         methods=("mesh_puppetry",),
         other_names=("Skin Weights",),
         suits=(Trait.BONES,),
-        page="puppet",
+        page="pose-by-bones",
         icon="ARMATURE_DATA",
     ),
     Task(
@@ -181,7 +181,7 @@ TASKS = (
         methods=("mesh_sequence",),
         other_names=("Jiggle",),
         suits=(Trait.CACHED,),
-        page="animate",
+        page="edit-an-animation",
         icon="RENDER_ANIMATION",
     ),
     Task(
@@ -192,7 +192,7 @@ TASKS = (
         methods=("pyramid_coordinates",),
         other_names=("Blend Shape",),
         suits=(Trait.TWIN,),
-        page="baking",
+        page="morph-and-copy",
         icon="MOD_DATA_TRANSFER",
     ),
     Task(
@@ -200,7 +200,7 @@ TASKS = (
         "Shape It Once",
         "",
         "no modifier",
-        page="grab-region",
+        page="shape-it-once",
         icon="VIEW_PAN",
         picture="silhouette",
     ),

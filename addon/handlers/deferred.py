@@ -5,6 +5,8 @@ Timers do not run without a window; tests call ``catch_up`` instead, and copies 
 """
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 import bpy
 from bpy.types import Depsgraph, Object
@@ -77,15 +79,30 @@ def _write_for_renders() -> float | None:
     if not _has_rigs_in_windows():
         return None
     render_writes.carry_out_writes()
-    lattices.show_late()
-    if not bpy.app.is_job_running("RENDER"):
-        if not is_playing():  # settings may be keyed, and renders look at each frame by themselves
-            refresh.look_at_renders()
-        if sessions.has_counts() and not bpy.app.timers.is_registered(_tick):
-            _start()
-        report_renders()
+    with _refused_for_now():
+        lattices.show_late()
+        if not bpy.app.is_job_running("RENDER"):
+            if not is_playing():  # settings may be keyed, and renders look at each frame by themselves
+                refresh.look_at_renders()
+            if sessions.has_counts() and not bpy.app.timers.is_registered(_tick):
+                _start()
+            report_renders()
     unlocked = any(render_writes.must_hand_over(scene) for scene in bpy.data.scenes)
     return 0.0 if unlocked and bpy.app.is_job_running("RENDER") else _IDLE_POLL
+
+
+@contextmanager
+def _refused_for_now() -> Iterator[None]:
+    """For writes of a timer, which it tries again the next time if Blender refuses them now.
+
+    It refuses all writes for a moment while an engine starts in the render thread, and where a panel is drawn
+    beside Python of a render: both set and restore one switch.
+    """
+    try:
+        yield
+    except AttributeError as refusal:
+        if "not allowed" not in str(refusal) and "blend data" not in str(refusal):
+            raise
 
 
 def separate_copies(depsgraph: Depsgraph) -> None:
@@ -151,12 +168,8 @@ def _tick() -> float | None:
         housekeeping.collect()
         return _DRAG_POLL if binding.busy() else _POLL
     is_busy = True
-    try:
+    with _refused_for_now():
         is_busy = catch_up()
-    except AttributeError as refusal:
-        # While an engine starts in the render thread, Blender refuses all writes for a moment.
-        if "not allowed" not in str(refusal) and "blend data" not in str(refusal):
-            raise
     fresh = _uncounted()
     if fresh is not None:
         traits.count(fresh.data)

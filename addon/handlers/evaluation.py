@@ -10,8 +10,8 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.types import Depsgraph, Scene
 
-from ..operators import entering
-from ..session.actions import refresh
+from ..operators import entering, redraw_panels
+from ..session.actions import refresh, try_it
 from ..session.datablocks import owners
 from ..session.evaluation import evaluate, mirroring, schedule
 from ..session.state import sessions
@@ -67,7 +67,7 @@ def _may_bind() -> bool:
 
 
 @persistent
-def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
+def on_depsgraph_update(scene: Scene, depsgraph: Depsgraph) -> None:
     """Something was edited.
 
     With a window, a drag shows previews, and the final shape follows after a pause. Without one there is no
@@ -86,10 +86,12 @@ def on_depsgraph_update(_scene: Scene, depsgraph: Depsgraph) -> None:
         entering.follow(depsgraph.view_layer)
     if interactive:
         deferred.schedule()
+    if scene.sinew.rig:
+        _look_at_steps(scene, depsgraph)
 
 
 @persistent
-def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
+def on_frame_change(scene: Scene, depsgraph: Depsgraph) -> None:
     """The frame changed: in playback, scrubbing, renders and motion blur.
 
     It computes the final shape, but where the artist wants drafts in playback, those; the final shape follows
@@ -105,3 +107,11 @@ def on_frame_change(_scene: Scene, depsgraph: Depsgraph) -> None:
         if mirroring.mirrored_targets and before_depsgraph_update not in _before_updates:
             listen(True)
         deferred.follow_threads()  # an animated setting may have started a bind
+    if scene.sinew.rig:
+        _look_at_steps(scene, depsgraph)
+
+
+def _look_at_steps(scene: Scene, depsgraph: Depsgraph) -> None:
+    """Tick the steps of a rig of Try It."""
+    if depsgraph.mode == "VIEWPORT" and try_it.look(scene, depsgraph):
+        redraw_panels()

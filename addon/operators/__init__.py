@@ -6,6 +6,7 @@ from bpy.utils import register_classes_factory
 from ..properties import deformer as settings
 from . import entering
 from .animation.bake import SINEW_OT_bake, SINEW_OT_bake_find, SINEW_OT_unbake
+from .animation.drive import SINEW_OT_drive_by_bone
 from .animation.key import SINEW_OT_key_add, SINEW_OT_key_jump, SINEW_OT_key_move, SINEW_OT_key_remove
 from .animation.morph import SINEW_OT_morph
 from .animation.transfer import SINEW_OT_transfer_deformation
@@ -29,7 +30,13 @@ from .deformer.check import SINEW_OT_check_installation
 from .deformer.deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
 from .deformer.help import PAGES, SINEW_OT_help, page_of
 from .deformer.move import SINEW_OT_deformer_move, SINEW_OT_handle_move
-from .deformer.preset import SINEW_OT_preset_add, SINEW_OT_preset_apply, preset_folder
+from .deformer.preset import (
+    SINEW_OT_preset_add,
+    SINEW_OT_preset_apply,
+    SINEW_OT_use_template,
+    preset_folder,
+    template_refusal,
+)
 from .deformer.repair import SINEW_OT_armature_off, SINEW_OT_part_regions, SINEW_OT_refine, SINEW_OT_repair
 from .deformer.report_renders import SINEW_OT_report_renders
 from .deformer.select_distorted import SINEW_OT_select_distorted
@@ -52,8 +59,9 @@ from .modal.shell import ViewportTool
 from .target import explain_no_target, target_of
 from .tasks.refusals import choice_refusal, method_refusal, task_refusal, tasks_beside
 from .tasks.start import SINEW_OT_start_task, SINEW_OT_use_method
+from .tasks.try_it import SINEW_OT_try_back, SINEW_OT_try_it
 from .tools.control_drag import SINEW_OT_control_drag
-from .tools.drag import AROUND, HANDLE, SINEW_OT_drag, handle_radius
+from .tools.drag import AROUND, HANDLE, SINEW_OT_drag, handle_sizes
 from .tools.grab_region import SINEW_OT_grab_region
 from .tools.puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
 from .tools.reach_drag import SINEW_OT_reach_drag
@@ -74,7 +82,7 @@ __all__ = (
     "draw_line",
     "entering",
     "explain_no_target",
-    "handle_radius",
+    "handle_sizes",
     "makes_handles",
     "method_refusal",
     "page_of",
@@ -86,6 +94,7 @@ __all__ = (
     "target_of",
     "task_refusal",
     "tasks_beside",
+    "template_refusal",
     "unregister",
 )
 
@@ -136,6 +145,7 @@ _CLASSES = (
     SINEW_OT_bake_find,
     SINEW_OT_transfer_deformation,
     SINEW_OT_morph,
+    SINEW_OT_drive_by_bone,
     SINEW_OT_select_problems,
     SINEW_OT_grab_region,
     SINEW_OT_drag,
@@ -159,6 +169,9 @@ _CLASSES = (
     SINEW_OT_check_installation,
     SINEW_OT_preset_add,
     SINEW_OT_preset_apply,
+    SINEW_OT_use_template,
+    SINEW_OT_try_it,
+    SINEW_OT_try_back,
 )
 
 # Tooltips have one sentence, the first one of the docstring.

@@ -29,6 +29,7 @@ DEFAULTS = SimpleNamespace(
     overlay_compressed=(0.010, 0.112, 0.604),
     overlay_stretched=(0.604, 0.015, 0.010),
     overlay_opacity=0.75,
+    show_try_it=True,
 )
 
 
@@ -44,6 +45,11 @@ def apply_limits(values: "SinewPreferences | SimpleNamespace") -> None:
 
 def _names_changed(values: "SinewPreferences", _context: Context) -> None:
     apply_names(values)
+
+
+def _kept(_values: "SinewPreferences", context: Context) -> None:
+    """Let Blender save the preferences when it quits, as if the setting had been changed on their page."""
+    context.preferences.is_dirty = True
 
 
 def apply_names(values: "SinewPreferences | SimpleNamespace") -> None:
@@ -78,8 +84,7 @@ class SinewPreferences(AddonPreferences):
     )
     method: EnumProperty(
         name="Method",
-        description="Choose the method that Make Handle and Add Deformer start with; each deformer can "
-        "change it",
+        description="Choose the method that Make Handle starts with; each deformer can change it",
         items=items_of(METHODS),
         default=BY_ID[DEFAULT_METHOD].number,
     )
@@ -92,6 +97,12 @@ class SinewPreferences(AddonPreferences):
         ),
         default=DEFAULTS.names,
         update=_names_changed,
+    )
+    show_try_it: BoolProperty(
+        name="Show Try It",
+        description="Show a box that offers small rigs to try Sinew on, while nothing is posed yet",
+        default=DEFAULTS.show_try_it,
+        update=_kept,
     )
     auto_rebind: BoolProperty(
         name="Automatic Rebind",
@@ -171,6 +182,7 @@ class SinewPreferences(AddonPreferences):
         column.prop(self, "method", text="New Deformers")
         column.prop(self, "names")
         column.prop(self, "auto_rebind")
+        column.prop(self, "show_try_it")
         layout.separator()
         column = layout.column()
         column.prop(self, "drag_budget", text="Drag Budget (ms)")

@@ -21,18 +21,19 @@ def _set_reach_in_pixels(drag: "SinewDrag", pixels: int) -> None:
     drag.reach = pixels / drag.pixels
 
 
-# What the operators that this tool starts can be told, too.
+# What the operators that this tool starts can be told, too. With a smaller radius or reach, a first drag on
+# the arm of a whole figure draws a web out of it instead of bending it.
 PIXELS = {
     "name": "Radius",
     "subtype": "PIXEL",
-    "default": 30,
+    "default": 40,
     "min": 1,
     "soft_max": 300,
     "description": "Set how large a new handle is on the screen; what is within it moves as one piece",
 }
 REACH = {
     "name": "Reach",
-    "default": 3.0,
+    "default": 4.0,
     "min": 1.0,
     "soft_max": 20.0,
     "description": "Set how many radii far the surface follows a new handle, unless other regions hold it",

@@ -3,8 +3,8 @@
 
 from collections.abc import Callable
 
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty
-from bpy.types import Context, PropertyGroup
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, PointerProperty, StringProperty
+from bpy.types import Context, PropertyGroup, Scene
 
 from ..core.methods import METHODS
 from .drag import SinewDrag
@@ -88,6 +88,10 @@ class SinewScene(PropertyGroup):
     """The settings of Sinew that a scene stores"""
 
     drag: PointerProperty(type=SinewDrag)
+    rig: StringProperty(name="Rig", description="Name the rig of Try It that this scene was opened for")
+    came_from: PointerProperty(
+        name="Came From", type=Scene, description="Choose the scene that Back to My Scene shows again"
+    )
     show_overlay: BoolProperty(
         name="Show",
         update=_changed,

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Panels, lists, menus and overlays, which draw and never solve."""
 
-from . import bake, data_tab, drag_tool, keymap, lists, menus, panel, pie, presets, refining
+from . import bake, data_tab, drag_tool, keymap, lists, menus, panel, pie, presets, refining, try_it
 from .browser import menus as task_menus
 from .browser import pictures, popups
 from .overlays import marks, overlay, reach
@@ -14,6 +14,7 @@ _MODULES = (
     menus,
     pie,
     presets,
+    try_it,
     panel,
     overlay,
     reach,

@@ -12,7 +12,7 @@ from ..operators import (
     ViewportTool,
     bone_under,
     draw_line,
-    handle_radius,
+    handle_sizes,
     makes_handles,
     ring,
     surface_under,
@@ -111,10 +111,10 @@ class _DragTool:
             return  # pressing there tells why
         if hit is None or not makes_handles(drag, hit.obj):
             return
-        radius = handle_radius(context, hit, drag.pixels)
+        radius, reach = handle_sizes(context, hit, drag.pixels, drag.reach)
         rings = [(radius, HANDLE)]
         if "reach" in _SHOWN[drag.mode] and not drag.unlimited:
-            rings.append((radius * drag.reach, AROUND))
+            rings.append((radius * reach, AROUND))
         for size, colour in rings:
             draw_line(region, view, ring(hit.place, hit.normal, size), colour, (region.x, region.y))
 

@@ -9,6 +9,7 @@ from ..core.tasks import task_of
 from ..ids import Operators
 from ..operators import page_of, target_of
 from ..session.actions import sharing
+from ..session.datablocks import movers
 from ..session.targets import targets
 from .control import drawing_of
 from .layouts import Button, draw_field, draw_move_entries, fields, invoking, unless_baked
@@ -18,6 +19,7 @@ from .places import ActiveDeformerPanel, SidebarPanel, active_deformer
 from .presets import SINEW_PT_presets
 from .situations import puppet, situation_of
 from .situations.posing import draw_deformer
+from .try_it import draw_steps
 
 _ENDS = (
     Button(Operators.UNBIND, "Unbind", "X"),
@@ -41,6 +43,7 @@ class SINEW_PT_sinew(SidebarPanel, Panel):
         return situation_of(context).page(context)
 
     def draw(self, context: Context) -> None:
+        draw_steps(context, self.layout)
         situation_of(context).draw(context, self.layout)
 
 
@@ -70,7 +73,7 @@ class SINEW_PT_region(ActiveDeformerPanel, Panel):
 
     def help_page(self, context: Context) -> str:
         method = active_deformer(context).definition
-        return "surface" if method.control is Control.HANDLES else task_of(method).page
+        return "handles" if method.control is Control.HANDLES else task_of(method).page
 
     @classmethod
     def poll(cls, context: Context) -> bool:
@@ -107,6 +110,8 @@ class SINEW_PT_advanced(ActiveDeformerPanel, Panel):
         drawing_of(deformer.definition).draw_settings(context, layout, target_of(context), deformer)
         if deformer.is_iterative:
             draw_field(context, layout, deformer, "playback", expand=True)
+        if movers.armatures_of(target_of(context)):
+            invoking(layout.column()).operator(Operators.DRIVE, icon="DRIVER")
         layout.prop(deformer, "auto_rebind")
         layout.prop(context.scene.render, "use_lock_interface")
 

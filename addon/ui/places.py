@@ -15,10 +15,10 @@ _SUFFIX = "_properties"
 
 # The manual page behind the question mark of each sub-panel that always has the same.
 _PAGES = {
-    "SINEW_PT_skin": "puppet",
-    "SINEW_PT_order": "animate",
-    "SINEW_PT_bake": "baking",
-    "SINEW_PT_overlays": "overlays",
+    "SINEW_PT_skin": "pose-by-bones",
+    "SINEW_PT_order": "order-and-masks",
+    "SINEW_PT_bake": "bake",
+    "SINEW_PT_overlays": "show",
 }
 
 

@@ -15,9 +15,12 @@ def draw_reset(layout: UILayout) -> None:
     layout.operator(Operators.POSE_RESET, text=text, icon=icon)
 
 
-def draw_drag(layout: UILayout, text: str, mode: str) -> None:
+_DRAGS = {"SURFACE": "Drag the Surface", "POINTS": "Drag Points", "CLAY": "Drag Clay", "BONES": "Drag Bones"}
+
+
+def draw_drag(layout: UILayout, mode: str) -> None:
     """Draw the button that takes the tool Sinew Drag, in one of its modes."""
-    layout.operator(Operators.DRAG_START, text=text, icon="VIEW_PAN").mode = mode
+    layout.operator(Operators.DRAG_START, text=_DRAGS[mode], icon="VIEW_PAN").mode = mode
 
 
 def draw_pose(context: Context, layout: UILayout, begin: Button) -> None:

@@ -9,7 +9,8 @@ from bpy.types import Context, UILayout
 from .. import compat
 from ..backend import availability
 from ..core import status
-from ..core.methods import Control
+from ..core.labels import label_of
+from ..core.methods import BY_ID, DEFAULT_CAGE_METHOD, Control
 from ..core.status import Level, Remedy, Status
 from ..ids import Operators
 from ..preferences import PACKAGE
@@ -21,6 +22,7 @@ from ..session.evaluation import binding, dependencies
 from ..session.state import sessions
 from ..session.state.background import Work
 from .layouts import Button, beside
+from .pose import draw_drag
 from .text import draw_text, is_wide, width_of, width_of_button
 
 _ICONS = {Level.NONE: "BLANK1", Level.INFO: "INFO", Level.WARNING: "ERROR", Level.ERROR: "CANCEL"}
@@ -35,7 +37,8 @@ NATIVE_MISSING = Status(
 )
 
 
-REMEDIES: dict[Remedy, Button] = {
+_QUICK_CAGE = BY_ID[DEFAULT_CAGE_METHOD]
+_BUTTONS: dict[Remedy, Button] = {
     Remedy.BIND: Button(Operators.BIND, "Rebind", "FILE_REFRESH"),
     Remedy.CAGE_REST: Button(Operators.CAGE_REST, "New Rest", "MESH_CUBE"),
     Remedy.LATTICE_REST: Button(Operators.LATTICE_REST, "New Rest", "PIVOT_BOUNDBOX"),
@@ -58,8 +61,16 @@ REMEDIES: dict[Remedy, Button] = {
 }
 
 
+def remedies() -> dict[Remedy, Button]:
+    """The button of each remedy; one names a method, as the preference *Names* says."""
+    quick = Button(
+        Operators.METHOD_USE, f"Use {label_of(_QUICK_CAGE)}", "MESH_CUBE", (("method", _QUICK_CAGE.id),)
+    )
+    return {**_BUTTONS, Remedy.QUICK_CAGE: quick}
+
+
 def _buttons(remedy: Remedy) -> list[Button]:
-    return [button for each, button in REMEDIES.items() if each in remedy]
+    return [button for each, button in remedies().items() if each in remedy]
 
 
 def draw_remedy(layout: UILayout, remedy: Remedy) -> None:
@@ -145,7 +156,10 @@ def _draw_headline(context: Context, layout: UILayout, deformer: SinewDeformer) 
     draw_text(
         context, place.column(), "At rest" if wrong else line.text, icon, beside=20 * bound, boxed=False
     )
-    place.operator(Operators.BIND, text="" if bound else "Bind", icon="FILE_REFRESH")
+    if kinds.kind_in_use(deformer).is_set(deformer):
+        place.operator(Operators.BIND, text="" if bound else "Bind", icon="FILE_REFRESH")
+    elif kinds.marks_regions(deformer.definition):
+        draw_drag(place, "POINTS" if deformer.definition.is_space else "SURFACE")
 
 
 def _lines(deformer: SinewDeformer) -> list[tuple[Status, int]]:

@@ -139,9 +139,7 @@ def stretched(method: str) -> Regions:
 
 
 Cows = partial(Lineup, build=spot.build, spacing=2.30, heading=-52.0)
-SHOT = Shot(
-    (0.05, 0.0, 0.88), width=7.2, elevation=12.0, lit=0.8, light=7.0, picture=(1280, 460), front=-1.30
-)
+SHOT = Shot((0.05, 0.0, 0.88), 7.2, 12.0, lit=0.8, light=7.0, picture=(1280, 460), front=-1.30)
 FOUR = Shot(
     (-0.12, 0.0, 0.84),
     width=7.15,
@@ -215,14 +213,7 @@ LINEUPS = {
         heading=-24.0,
         active=1,
         shot=Shot(
-            (0.1, 0.0, 0.86),
-            width=18.0,
-            elevation=12.0,
-            distance=34.0,
-            light=11.0,
-            picture=(1920, 400),
-            text=0.22,
-            front=-1.75,
+            (0.1, 0.0, 0.86), 18.0, 12.0, 34.0, light=11.0, picture=(1920, 400), text=0.22, front=-1.75
         ),
     ),
 }

@@ -92,15 +92,7 @@ def put_in_place(shown: bpy.types.Object, hidden: bpy.types.Object) -> None:
 
 
 SHOT = Shot(
-    (-0.06, 0.0, 0.90),
-    width=8.6,
-    elevation=13.0,
-    distance=26.0,
-    light=10.0,
-    picture=(1440, 540),
-    text=0.22,
-    front=-1.75,
-    aside=0.12,
+    (-0.06, 0.0, 0.90), 8.6, 13.0, 26.0, light=10.0, picture=(1440, 540), text=0.22, front=-1.75, aside=0.12
 )
 # The dragons stand in a row and look to the front right.
 Dragons = partial(Lineup, build=creature.build, spacing=2.75, heading=-49.0)

@@ -103,7 +103,7 @@ LINEUPS = {
             "Propagation": bent("propagation"),
         },
         spacing=2.04,
-        shot=Photo((0.55, 0.0, 0.92), width=16.6, distance=28.0, picture=(1920, 352)),
+        shot=Photo((0.55, 0.0, 0.92), 16.6, distance=28.0, picture=(1920, 352)),
     ),
     "multiresolution": Pillars(
         about="One pillar, bent by the thin shell alone, and with multiresolution, which turns its studs.",
@@ -114,7 +114,7 @@ LINEUPS = {
             # The wavelength is in mean edge lengths: about the distance between two grooves.
             "Multiresolution, Thin Shell": bent("multiresolution", wavelength=45.0),
         },
-        shot=Photo((0.55, 0.0, 0.92), width=7.0, picture=(1280, 460)),
+        shot=Photo((0.55, 0.0, 0.92), 7.0, picture=(1280, 460)),
     ),
     "space_details": Pillars(
         about="One pillar, bent by a space method alone, and with its details put back on a smooth base.",
@@ -126,7 +126,7 @@ LINEUPS = {
             "Moving Least Squares": bent("mls"),
         },
         spacing=2.3,
-        shot=Photo((0.55, 0.0, 0.84), width=9.8, samples=32, picture=(1680, 460), text=0.13),
+        shot=Photo((0.55, 0.0, 0.84), 9.8, samples=32, picture=(1680, 460), text=0.13),
     ),
     "volume": Pillars(
         about="One pillar, bent by methods of its surface and one of its inside: the volume that they keep.",
@@ -138,7 +138,7 @@ LINEUPS = {
             "Volumetric Graph Laplacian": bent("volumetric_graph_laplacian"),
         },
         note=share_of_volume,
-        shot=Photo((0.55, 0.0, 0.84), width=9.2, samples=32, picture=(1680, 460), text=0.13),
+        shot=Photo((0.55, 0.0, 0.84), 9.2, samples=32, picture=(1680, 460), text=0.13),
     ),
     "reduced": Pillars(
         about="One pillar, bent by surface methods with few unknowns: those of bands, and those of a cage.",
@@ -151,7 +151,7 @@ LINEUPS = {
             "Subspace Laplacian": bent("subspace_laplacian"),
         },
         note=share_of_volume,
-        shot=Photo((0.55, 0.0, 0.84), width=11.4, samples=32, picture=(1680, 400), text=0.13),
+        shot=Photo((0.55, 0.0, 0.84), 11.4, samples=32, picture=(1680, 400), text=0.13),
     ),
     "vector_field": Pillars(
         about="One pillar, twisted, bent and dragged by vector fields: its volume stays.",
@@ -164,7 +164,7 @@ LINEUPS = {
             "Drag": tool("drag", 1.5, Move(shift=(0.55, 0.0, -0.05)), inner=0.3, outer=1.2),
         },
         note=drift_of_volume,
-        shot=Shot((0.1, 0.0, 0.9), width=8.6, samples=32, picture=(1680, 520), text=0.13),
+        shot=Shot((0.1, 0.0, 0.9), 8.6, samples=32, picture=(1680, 520), text=0.13),
     ),
     "sheets": Lineup(
         about="One hose, bent by the nonlinear thin shell: a thin wall kinks, a thick one keeps its round.",
@@ -177,6 +177,6 @@ LINEUPS = {
             "8 %": hose_of(0.08),
         },
         spacing=2.3,
-        shot=Photo((0.5, 0, 1), width=10.0, distance=28.0, samples=32, picture=(1600, 480), text=0.2),
+        shot=Photo((0.5, 0, 1), 10.0, distance=28.0, samples=32, picture=(1600, 480), text=0.2),
     ),
 }

@@ -41,11 +41,11 @@ def rig_of(skin: bpy.types.Object) -> bpy.types.Object:
     return bpy.data.objects[skin.name.replace("Skin", "Rig")]
 
 
-def build(label: str, x: float = 0.0) -> bpy.types.Object:
-    """Tapered limbs, made one surface, and beside it the armature inside, which ``rig_of`` finds."""
+def build(label: str, x: float = 0.0, cell: float = 0.022) -> bpy.types.Object:
+    """Tapered limbs as one surface of faces as large as ``cell``; beside it the armature: see ``rig_of``."""
     progress(f"modelling {label}")
     balls = bpy.data.metaballs.new(f"{label} Clay")
-    balls.resolution = balls.render_resolution = 0.022
+    balls.resolution = balls.render_resolution = cell
     balls.threshold = 0.1
     for _name, head, tail, _parent, first, last in all_bones():
         steps = max(4, round((tail - head).length / 0.02))

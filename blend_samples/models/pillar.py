@@ -18,19 +18,19 @@ PLAIN = (0.55, 0.50, 0.43)
 STRIPES, STRIPE = 3, (0.30, 0.035, 0.02)  # how many, and their colour
 
 
-def sculpture() -> Sculpture:
+def sculpture(cells: int = CELLS, rings: int = RINGS) -> Sculpture:
     """Rings from the floor upwards, then a grid bent to a disc as the top."""
-    top, quads, rim = disc(CELLS)
-    heights = np.linspace(HEIGHT, 0.0, RINGS + 1)[1:]
+    top, quads, rim = disc(cells)
+    heights = np.linspace(HEIGHT, 0.0, rings + 1)[1:]
     angle = np.arctan2(top[rim, 1], top[rim, 0])
-    rings = np.empty((len(heights), len(rim), 3))
-    for ring, height in zip(rings, heights):
+    sides = np.empty((len(heights), len(rim), 3))
+    for ring, height in zip(sides, heights):
         radius = RADIUS * (1.0 + relief(angle, height))
         ring[:, 0], ring[:, 1], ring[:, 2] = radius * np.cos(angle), radius * np.sin(angle), height
-    points = np.vstack((np.column_stack((RADIUS * top, np.full(len(top), HEIGHT))), rings.reshape(-1, 3)))
+    points = np.vstack((np.column_stack((RADIUS * top, np.full(len(top), HEIGHT))), sides.reshape(-1, 3)))
     number = np.concatenate((rim, np.arange(len(top), len(points))))
-    sides = number[grid_faces(len(heights) + 1, len(rim), around=True)][:, [3, 2, 1, 0]]
-    quads = np.vstack((quads, sides))
+    around = number[grid_faces(len(heights) + 1, len(rim), around=True)][:, [3, 2, 1, 0]]
+    quads = np.vstack((quads, around))
     head, foot = np.flatnonzero(points[:, 2] >= HEAD), np.flatnonzero(points[:, 2] <= FOOT)
     colours = np.tile(PLAIN, (len(points), 1))
     colours[head], colours[foot] = HANDLE_COLOUR, FIXED_COLOUR

@@ -15,6 +15,7 @@ from .sculpt import Clay, ball, neighbour_mean, vertex_normals, weld_lists
 from .shapes import Ellipsoid, Mirrored, Squashed, Tube, smoothstep
 
 SKIN, EYE = 0, 1  # material slots
+VOXEL = 0.0165
 IRIS, PUPIL, IRIS_EDGE = (0.10, 0.30, 0.45), 0.42, 0.80  # colour; angles from the line of sight in radians
 
 SHOULDER, ELBOW, WRIST = 0.47, 1.00, 1.50  # |y| of the joints; the arms stretch sideways
@@ -90,7 +91,7 @@ def model(voxel: float) -> tuple[Clay, Mirrored]:
     return clay, mouth
 
 
-def sculpture(voxel: float = 0.0165) -> Sculpture:
+def sculpture(voxel: float = VOXEL) -> Sculpture:
     clay, mouth = model(voxel)
     points, quads = clay.skin()
     normals = vertex_normals(points, quads)
@@ -219,9 +220,9 @@ def skin_weights(points: np.ndarray) -> dict[str, np.ndarray]:
     return weights
 
 
-def build(name: str = "Yeti") -> tuple[bpy.types.Object, bpy.types.Object]:
+def build(name: str = "Yeti", voxel: float = VOXEL) -> tuple[bpy.types.Object, bpy.types.Object]:
     """The mesh with its skin weights and elbow regions, and the armature that carries it."""
-    body = to_object(name, sculpture())
+    body = to_object(name, sculpture(voxel))
     body.data.materials.append(skin_material("Skin", roughness=0.5, bump=0.2, grain=70.0, band="band"))
     body.data.materials.append(eye_material("Eye", IRIS, PUPIL, IRIS_EDGE))
     points = vertices(body)

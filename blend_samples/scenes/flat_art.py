@@ -35,23 +35,13 @@ def make() -> bpy.types.Scene:
         row=dict.fromkeys(("Rest", *LABELS)),
         spacing=3.1,
         finish=bend,
-        shot=Shot(
-            (0.0, 0.0, 1.05),
-            width=9.8,
-            elevation=5.0,
-            distance=26.0,
-            lit=1.0,
-            picture=(1440, 400),
-            samples=24,
-            text=0.2,
-        ),
+        shot=Shot((0.0, 0.0, 1.05), 9.8, 5.0, 26.0, lit=1.0, picture=(1440, 400), samples=24, text=0.2),
     ).make()
 
 
 def bend(fish: Sequence[bpy.types.Object]) -> None:
     share_pose(outline(fish[0]), zip(fish[1:], LABELS.values()), "Bend", bent, BEND, 0.02)
     for obj, method in zip(fish[1:], LABELS.values()):
-        posing.check_posed(obj, 1, POSE_FRAME)
         print(f"> {method}: dots are {ovalness(obj):.3f} times as long as wide", flush=True)
 
 

@@ -27,25 +27,13 @@ def make() -> bpy.types.Scene:
         row=dict.fromkeys(("Rest", *LABELS)),
         spacing=2.1,
         finish=lean,
-        shot=Shot(
-            (0.35, 0.0, 1.06),
-            width=7.2,
-            elevation=9.0,
-            distance=26.0,
-            lit=1.0,
-            picture=(1440, 560),
-            text=0.19,
-            front=-1.5,
-        ),
+        shot=Shot((0.35, 0.0, 1.06), 7.2, 9.0, 26.0, lit=1.0, picture=(1440, 560), text=0.19, front=-1.5),
     ).make()
 
 
 def lean(towers: Sequence[bpy.types.Object]) -> None:
     for tower in towers:
-        smooth = tower.modifiers.new("Subdivision", "SUBSURF")
-        smooth.levels = smooth.render_levels = 3
+        posing.subdivide(tower, 3, 3)
     rest = stack_of_boxes("Storeys", [(half, z - 0.04) for z, half in STOREYS], towers[0])
     aside = np.outer(np.repeat(LEAN, 4), (1.0, 0.0, 0.0))
     share_pose(rest, zip(towers[1:], LABELS.values()), "Lean", lambda points: points + aside, SWAY, 0.014)
-    for tower in towers[1:]:
-        posing.check_posed(tower, 1, POSE_FRAME)

@@ -14,7 +14,7 @@ from ..posing import Move
 from ..studio import Shot, empty_scene, open_at
 
 SPACING, HEADING = 2.8, -28.0
-SHOT = Shot((0.0, 0.0, 0.98), width=8.2, elevation=9.0, distance=26.0, picture=(1680, 560), front=-1.6)
+SHOT = Shot((0.0, 0.0, 0.98), 8.2, 9.0, 26.0, picture=(1680, 560), front=-1.6)
 LABELS = ("Rest", "One Lattice", "One Twist")
 
 

@@ -16,7 +16,7 @@ FIRST, KEY, LAST = 1, 24, 48
 SHOWN = (12, KEY, 38)  # before the key, at it and after it
 SPACING = 1.75
 EDIT = Matrix.Translation((0.25, 0.0, -0.35)) @ Matrix.Rotation(radians(75.0), 4, "Y")
-SHOT = Shot((0.2, 0.0, 0.92), width=11.4, distance=26.0, picture=(1600, 380))
+SHOT = Shot((0.2, 0.0, 0.92), 11.4, distance=26.0, picture=(1600, 380))
 
 
 def make() -> bpy.types.Scene:

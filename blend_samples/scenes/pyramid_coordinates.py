@@ -33,16 +33,7 @@ def make() -> bpy.types.Scene:
         active=2,
         smooth=True,
         finish=twist,
-        shot=Shot(
-            (0.05, 0.0, 0.88),
-            width=9.8,
-            elevation=12.0,
-            distance=30.0,
-            lit=0.8,
-            picture=(1400, 420),
-            samples=24,
-            front=-1.30,
-        ),
+        shot=Shot((0.05, 0.0, 0.88), 9.8, 12.0, 30.0, lit=0.8, picture=(1400, 420), samples=24, front=-1.30),
     ).make()
 
 

@@ -29,15 +29,7 @@ def make() -> bpy.types.Scene:
         spacing=2.9,
         finish=squeeze,
         shot=Shot(
-            (0.0, 0.0, 0.92),
-            width=9.2,
-            elevation=7.0,
-            distance=26.0,
-            lit=1.0,
-            picture=(1440, 460),
-            samples=24,
-            text=0.21,
-            front=-1.6,
+            (0.0, 0.0, 0.92), 9.2, 7.0, 26.0, lit=1.0, picture=(1440, 460), samples=24, text=0.21, front=-1.6
         ),
     ).make()
 

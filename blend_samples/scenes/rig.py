@@ -50,14 +50,7 @@ def make() -> bpy.types.Scene:
         spacing=3.0,
         heading=-49.0,
         shot=Shot(
-            (-0.06, 0.0, 0.90),
-            width=6.6,
-            elevation=13.0,
-            distance=26.0,
-            light=8.0,
-            picture=(1080, 520),
-            front=-1.55,
-            aside=0.12,
+            (-0.06, 0.0, 0.90), 6.6, 13.0, 26.0, light=8.0, picture=(1080, 520), front=-1.55, aside=0.12
         ),
     ).make()
 

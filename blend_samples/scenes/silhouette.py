@@ -51,8 +51,7 @@ def sketch(cows: Sequence[bpy.types.Object]) -> None:
     cow = cows[-1]
     cow.data = cow.data.copy()  # shape keys belong to the mesh
     for each in cows:
-        smooth = each.modifiers.new("Subdivision", "SUBSURF")
-        smooth.levels, smooth.render_levels = 1, 2
+        posing.subdivide(each)
     before = posing.shape(cow)
     for name, line, reach in zip(("Back", "Muzzle"), (humps(), np.array(MUZZLE)), REACHES):
         add_stroke(f"{name} Stroke", line, cows[0])

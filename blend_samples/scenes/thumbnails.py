@@ -13,12 +13,13 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from .. import denoise, inside, materials, posing, studio
+from .. import denoise, inside, markers, materials, posing, studio
 from ..comparison import CASES, native_solve
 from ..lineup import POSE_FRAME
 from ..lineups import LINEUPS, cows
 from ..models import spot
 from ..models.objects import mesh_object
+from ..models.shapes import smoothstep
 from . import elbow, longship, mesh_sequence, pyramid_coordinates, silhouette, wires
 
 PICTURES = Path(__file__).parents[2] / "addon" / "pictures"
@@ -27,6 +28,10 @@ FINER = 2  # times as large is rendered
 SAMPLES = 40
 GREY = (0.30, 0.30, 0.31)
 CLAY = (0.62, 0.60, 0.56)
+BAND = (0.16, 0.20, 0.26)
+HIP, SWING = 2.1, 62.0  # the height where legs begin; by which angle one of them swings
+LEGS = (-0.72, -0.07, 0.07, 0.72)  # where their sides are
+SIDES = ((0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3))  # of a box
 IN_A_ROW = 8  # on the sheet of all of them
 
 Shown = Sequence[bpy.types.Object]  # what fills the picture
@@ -83,15 +88,45 @@ def dragged() -> Shown:
 
 
 def in_a_cage(method: str) -> Shown:
-    """The cow in a posed cage, which one method after the other follows."""
-    obj = spot.build()
-    obj.rotation_euler.z = radians(LINEUPS["coordinates"].heading)
-    bpy.context.view_layer.update()
-    cows.pose_in_cages([obj])
-    for edges in (other for other in bpy.data.objects if other.name.endswith(" Edges")):
-        edges.modifiers["Wireframe"].thickness = 0.02
-    obj.sinew.active.method = method
-    _smooth(obj)
+    """Two legs close to each other, of which the cage swings one: what does the other one do?"""
+    points, faces = _trousers()
+    bands = [_clay()[0], materials.plain_material("Band", BAND, roughness=0.6)]
+    body = mesh_object("Legs", points, faces, smooth=True, materials=bands)
+    body.modifiers.new("Subdivision", "SUBSURF").levels = 4
+    posing.make_active(body)
+    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    for face in body.data.polygons:
+        face.material_index = int(face.center.z / 0.25) % 2
+    around = points * (1.1, 1.2, 1.04) - (0.0, 0.0, 0.05)
+    around[(np.abs(points[:, 0]) < 0.2) & (points[:, 2] == HIP)] -= (0.0, 0.0, 0.2)  # the gap ends lower
+    cage = mesh_object("Legs Cage", around, faces)
+    points = posing.vertices(cage)
+    posing.add_cage(body, method, source="OBJECT", cage=cage.name)
+    swung = smoothstep(HIP, 0.67 * HIP, points[:, 2]) * (points[:, 0] > 0.0)
+    swing = posing.Move(turn=(0.0, -SWING, 0.0), pivot=(0.4, 0.0, HIP))
+    posing.add_pose(cage, "Swing", posing.blended(swing, points, swung), {1: 0.0, POSE_FRAME: 1.0})
+    markers.add_cage_edges(cage, 0.03)
+    posing.check_posed(body, 1, POSE_FRAME)
+    return [body]
+
+
+def _trousers() -> tuple[np.ndarray, list[list[int]]]:
+    """The surface of a few boxes: two legs with a narrow gap, and what they hang from."""
+    grid = np.stack(np.meshgrid(LEGS, (-0.33, 0.33), (0.0, 0.7, 1.4, HIP, 2.5, 2.9), indexing="ij"), axis=-1)
+    place = np.arange(grid[..., 0].size).reshape(grid.shape[:3])
+    boxes = [place[i : i + 2, :, k : k + 2].ravel() for i in range(3) for k in range(5) if i != 1 or k > 2]
+    faces = np.array([box[list(side)] for box in boxes for side in SIDES])
+    _, first, counts = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
+    return grid.reshape(-1, 3), faces[first[counts == 1]].tolist()  # what two boxes share lies inside
+
+
+def pushed() -> Shown:
+    """The pillar that a drag has pushed aside, with a ball on the tool."""
+    (obj,) = of_row("vector_field", "Drag", painted=False)
+    bpy.context.scene.frame_set(1)
+    control = obj.sinew.active.controls[-1].object
+    place = control.matrix_world.translation
+    markers.add_pin(control, place + Vector((0.62, 0.0, 0.0)), 0.1, place)
     return [obj]
 
 
@@ -185,7 +220,7 @@ SUBJECTS: dict[str, Subject] = {
     "rigid_cells": Subject(_row("rigid_cells", "Rigid Cells", painted=False)),
     "space_propagation": Subject(_case("branches", "space_propagation")),
     "wires": Subject(face, elevation=4.0, aim=(0.3, 1.0)),
-    "vector_field": Subject(_row("vector_field", "Bend", painted=False)),
+    "vector_field": Subject(pushed),
     "mesh_puppetry": Subject(_row("puppet", "Hand", painted=False)),
     "mesh_sequence": Subject(keyed, frame=mesh_sequence.KEY),
     "pyramid_coordinates": Subject(half_way, frame=pyramid_coordinates.MIDDLE_FRAME),
@@ -286,7 +321,7 @@ def _with_markers(shown: Shown) -> set[bpy.types.Object]:
     """The objects, and what belongs to them: pins, pads, the edges of cages, tubes along wires."""
     marks = (" Pin", " Stem", " Edges", " Tube", " Drag", "Fixed")
     marked = {obj for obj in bpy.data.objects if any(mark in obj.name for mark in marks)}
-    return {*shown, *(obj for obj in marked if not obj.hide_render)}
+    return {*shown, *(obj for obj in marked if not obj.hide_render and obj.type != "EMPTY")}
 
 
 def _clay() -> list[bpy.types.Material]:

@@ -58,6 +58,8 @@ def expression(brows: float = 0.0, mouth: float = 0.0):
 
     def pose(head: bpy.types.Object) -> None:
         wires = [draw(head, name, places) for name, places in features().items()]
+        for wire in wires:
+            mark(wire)
         if mouth:
             steer(head, wires, {"Brows": brows, "Mouth": mouth})
             posing.check_posed(head, 1, POSE_FRAME)
@@ -65,9 +67,9 @@ def expression(brows: float = 0.0, mouth: float = 0.0):
     return pose
 
 
-def bust() -> bpy.types.Object:
+def bust(voxel: float = yeti.VOXEL) -> bpy.types.Object:
     """The yeti without its rig, and without what lies below its shoulders."""
-    body, rig = yeti.build()
+    body, rig = yeti.build(voxel=voxel)
     bpy.data.objects.remove(rig)
     body.modifiers.clear()
     points = posing.vertices(body)
@@ -97,7 +99,6 @@ def draw(head: bpy.types.Object, name: str, places: Sequence[tuple[float, float]
     wire = posing.add_object(data.name, data, head)
     wire.show_in_front = True
     bpy.context.view_layer.update()
-    mark(wire)
     return wire
 
 

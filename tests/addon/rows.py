@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The rows of the registry that handles steer, and their options as the native module takes them."""
+"""The rows of the registry that handles steer, their options as the native module takes them, and turns."""
 
 from __future__ import annotations
 
@@ -52,3 +52,10 @@ def other_options(method: Method, count: int) -> Iterator[tuple[str, object]]:
             yield parameter.id, type(most)(most if most != parameter.default else 0.5 * most)
         if parameter.paintable:
             yield parameter.id, np.linspace(0.5, 1.0, count)
+
+
+def rotation(axis: tuple[float, float, float], angle: float) -> np.ndarray:
+    """By Rodrigues, (3, 3)."""
+    x, y, z = np.array(axis) / np.linalg.norm(axis)
+    cross = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross

@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+import rows
 
 from sinew.core.errors import ConstraintError
 from sinew.core.geometry import frames
@@ -11,11 +12,8 @@ RANDOM = np.random.default_rng(7)
 
 
 def rotation(axis: tuple[float, float, float], angle: float) -> np.ndarray:
-    """Rodrigues' formula, (4, 4)."""
-    x, y, z = np.array(axis) / np.linalg.norm(axis)
-    K = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
     matrix = np.eye(4)
-    matrix[:3, :3] += np.sin(angle) * K + (1.0 - np.cos(angle)) * K @ K
+    matrix[:3, :3] = rows.rotation(axis, angle)
     return matrix
 
 

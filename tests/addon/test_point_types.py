@@ -7,13 +7,7 @@ import pytest
 
 from sinew.core import point_types
 
-ALL = (
-    point_types.MESH,
-    point_types.SURFACE,
-    point_types.CURVE,
-    point_types.BEZIER,
-    point_types.POINTCLOUD,
-)
+ALL = [getattr(point_types, name) for name in ("MESH", "SURFACE", "CURVE", "BEZIER", "POINTCLOUD")]
 
 
 @pytest.mark.parametrize("point_type", ALL)

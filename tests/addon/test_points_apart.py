@@ -3,20 +3,13 @@
 
 import numpy as np
 import pytest
-from rows import default_options
+from rows import default_options, rotation
 
 from sinew.core.methods import METHODS, Control, Posed
 
 POINTS = np.random.default_rng(3).uniform(-1.0, 1.0, (12, 3))
 CHAIN = np.array([(k, k + 1) for k in range(8)])
 BY_HANDLES = [m for m in METHODS if m.is_space and m.control is Control.HANDLES and not m.wraps]
-
-
-def rotation(axis: tuple[float, float, float], angle: float) -> np.ndarray:
-    """By Rodrigues."""
-    x, y, z = np.array(axis) / np.linalg.norm(axis)
-    cross = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
-    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
 
 
 def moved(points: np.ndarray, turn: np.ndarray, by=(0.4, -0.2, 0.7)) -> np.ndarray:

@@ -13,9 +13,7 @@ from sinew.core import errors
 from sinew.core.methods import BY_ID
 
 SIDE = 8
-POINTS = np.array(
-    [(x, y, 0.1 * np.sin(x * y)) for y in range(SIDE) for x in range(SIDE)],
-)
+POINTS = np.array([(x, y, 0.1 * np.sin(x * y)) for y in range(SIDE) for x in range(SIDE)])
 CORNERS = np.array(
     [i + j * SIDE + k for j in range(SIDE - 1) for i in range(SIDE - 1) for k in (0, 1, SIDE + 1, SIDE)],
     dtype=np.int32,
@@ -49,10 +47,10 @@ def rebuilt(backend, factor, wanted, progress=None):
     return backend.build_factor(wanted, progress, factor.prepare_rebind(wanted))
 
 
-def solved(factor, count: int) -> np.ndarray:
+def solved(factor, count: int, **keywords) -> np.ndarray:
     poses = np.stack([np.eye(4)[:3]] * count)
     poses[1, :, 3] = 0.3, -0.2, 1.0
-    return factor.solve(poses)[0]
+    return factor.solve(poses, **keywords)[0]
 
 
 def same_as_new(backend, factor, wanted) -> None:
@@ -78,24 +76,16 @@ def test_a_handle_more_or_less_is_one_native_call(backend, calls: Counter, metho
         same_as_new(backend, factor, wanted)
 
 
-def test_a_painted_stiffness_is_one_native_call(backend, calls: Counter):
-    painted = np.linspace(0.5, 1.0, len(POINTS))
-    wanted = recipe(backend, "thin_shell", bending=painted)
+@pytest.mark.parametrize(("handles", "changed"), [(ENDS, "bending"), ((*ENDS, MIDDLE), "bending, handles")])
+def test_a_painted_stiffness_with_or_without_a_handle_is_one_native_call(
+    backend, calls: Counter, handles: tuple, changed: str
+):
+    wanted = recipe(backend, "thin_shell", handles, bending=np.linspace(0.5, 1.0, len(POINTS)))
     factor = backend.build_factor(recipe(backend, "thin_shell"))
     calls.clear()
     factor = rebuilt(backend, factor, wanted)
     assert calls == {"rebind": 1}
-    assert (factor.report.reuse, factor.report.changed) == ("updated", "bending")
-    same_as_new(backend, factor, wanted)
-
-
-def test_a_handle_and_a_painted_stiffness_together_are_one_native_call(backend, calls: Counter):
-    wanted = recipe(backend, "thin_shell", (*ENDS, MIDDLE), bending=np.linspace(0.5, 1.0, len(POINTS)))
-    factor = backend.build_factor(recipe(backend, "thin_shell"))
-    calls.clear()
-    factor = rebuilt(backend, factor, wanted)
-    assert calls == {"rebind": 1}
-    assert (factor.report.reuse, factor.report.changed) == ("updated", "bending, handles")
+    assert (factor.report.reuse, factor.report.changed) == ("updated", changed)
     same_as_new(backend, factor, wanted)
 
 
@@ -172,9 +162,7 @@ def test_nobody_takes_a_factor_from_under_a_solve(backend):
         asked.append(factor.prepare_rebind(wanted))
         return True
 
-    poses = np.stack([np.eye(4)[:3]] * 2)
-    poses[1, :, 3] = 0.3, -0.2, 1.0
-    factor.solve(poses, progress=progress)
+    solved(factor, 2, progress=progress)
     assert asked
     assert set(asked) == {None}
     assert factor.prepare_rebind(wanted) is not None

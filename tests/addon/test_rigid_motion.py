@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from rows import rotation
 
 from sinew.core.geometry import rigid_motion
 
@@ -12,8 +13,7 @@ CORNERS = np.array([(r + c, r + c + 1, r + c + 5, r + c + 4) for r in (0, 4, 8) 
 
 
 def turn(degrees: float) -> np.ndarray:
-    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    return np.array(((c, 0.0, s), (0.0, 1.0, 0.0), (-s, 0.0, c)))
+    return rotation((0.0, 1.0, 0.0), np.radians(degrees))
 
 
 @pytest.mark.parametrize("members", [[5], [5, 6], [5, 6, 7], [0, 1, 4, 5], list(range(16))])

@@ -180,12 +180,12 @@ def shape_of(line: str) -> str:
 
 COUNTS = (
     Count(
-        "lines outside the product: tests, benchmarks, samples, tools", lambda: length(*YARD), 83_990, 75_000
+        "lines outside the product: tests, benchmarks, samples, tools", lambda: length(*YARD), 83_150, 75_000
     ),
     Count(
         "lines of tests / lines of native and addon",
         lambda: length("tests") / length("native", "addon"),
-        0.68,
+        0.662,
         0.65,
     ),
     Count("folders with more than 20 sources", crowded_folders, 2),
@@ -208,7 +208,7 @@ COUNTS = (
     Count("control classes in backend/recipes.py", control_classes, 3),
     Count("functions of the session with more than 6 parameters", long_signatures, 0),
     Count("names handed on by session/__init__.py", handed_on, 0),
-    Count("pairs of files that share 6 lines of one shape", repetitions, 515, 300),
+    Count("pairs of files that share 6 lines of one shape", repetitions, 466, 300),
     Count("files with private words", private_words, 0),
     Count("lines of docs/methods that are one word", words_alone, 0),
     Count(

@@ -37,6 +37,8 @@ INNER_RANKS = {
         "transform": 3,
         "labels": 4,
         "tasks": 4,
+        "templates": 4,
+        "rigs": 5,
     },
     "session": {
         "state": 0,

@@ -9,8 +9,8 @@ from urllib.parse import unquote
 
 from .tree import files, lines
 
-MANUAL = "docs/manual"  # its pages, *.md, are packed without the rest of the tree
-PICTURES = f"{MANUAL}/images"
+MANUAL = "docs/manual"  # its pages, *.md, are packed with those about methods, without the rest of the tree
+PACKED = (MANUAL, f"{MANUAL}/images", "docs/methods")
 LINK = re.compile(r"\]\(\s*<?([^)\s>]+)|^\s*\[[^\]]+\]:\s+(\S+)|\b(?:href|src)=\"([^\"]+)\"")
 
 
@@ -41,7 +41,7 @@ def broken(root: Path, page: Path, link: str) -> str:
         return "does not exist"
     place = target.relative_to(root.resolve())
     of_manual = page.parent == root / MANUAL
-    if of_manual and place.parent.as_posix() not in (MANUAL, PICTURES):
+    if of_manual and place.parent.as_posix() not in PACKED:
         return "leads out of the manual"
     if anchor and (place.suffix != ".md" or anchor not in anchors(target)):
         return "is no heading there"

@@ -13,14 +13,8 @@ MODULES = {
     *("multiprocessing", "pickle", "pty", "requests", "runpy", "shelve", "smtplib", "socket", "ssl"),
     *("subprocess", "telnetlib", "urllib", "xmlrpc", "yaml", "zipimport"),
 }
-WRITING = {
-    "mkdir",
-    "rmtree",
-    "touch",
-    "unlink",
-    "write_bytes",
-    "write_text",
-}  # and these functions: in addon/bake alone
+# In addon/bake alone, and so are these functions.
+WRITING = {"mkdir", "rmtree", "touch", "unlink", "write_bytes", "write_text"}
 OPENING = {"NamedTemporaryFile", "TemporaryFile", "mkstemp", "open"}
 CALLS = {"eval", "exec", "compile", "__import__", "input", "globals", "locals"}
 ATTRIBUTES = {
@@ -33,10 +27,7 @@ OPERATORS = {"script", "console", "text", "preferences", "extensions"}  # of bpy
 ALLOWED = {
     ("backend/loader.py", "import_module"): "the native module, by a name of our own",
     ("operators/deformer/check.py", "NamedTemporaryFile"): "the report of a check, a new file",
-    (
-        "session/datablocks/shapes/shapes.py",
-        "unlink",
-    ): "an object from a collection; no file is removed",
+    ("session/datablocks/shapes/shapes.py", "unlink"): "an object from a collection; no file is removed",
     ("core/methods/__init__.py", "import_module"): "the modules of its own folder, which are the registry",
 }
 

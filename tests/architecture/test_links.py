@@ -16,6 +16,7 @@ PAGE = "# One & all\n\n## Its part\n\n## Its part\n\n```\n# no heading\n[a](gone
         "two.md#its-part",
         "two.md#its-part-1",
         "two.md#one--all",
+        "../methods/three.md",
         "images/a%20b.jpg",
         "#here",
         "https://example.org/gone.md#gone",
@@ -26,6 +27,7 @@ def test_good_link_is_left_alone(tmp_path: Path, link: str) -> None:
         "docs/manual/one.md": f"## Here\n[a]({link})",
         "docs/manual/two.md": PAGE,
         "docs/manual/images/a b.jpg": "",
+        "docs/methods/three.md": "# Three",
     }
     assert link_offences(grow(tmp_path, tree)) == []
 

@@ -1,26 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Limits of the module that end with their block."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 
 import sinew_native as sn
 
 
 @contextmanager
-def memory(size: int) -> Iterator[None]:
-    """What takes more bytes is refused."""
-    sn.limit_memory(size)
+def _limited(limit: Callable[[int], None], value: int) -> Iterator[None]:
+    limit(value)
     try:
         yield
     finally:
-        sn.limit_memory(0)
+        limit(0)
 
 
-@contextmanager
-def threads(count: int) -> Iterator[None]:
-    sn.limit_threads(count)
-    try:
-        yield
-    finally:
-        sn.limit_threads(0)
+memory = partial(_limited, sn.limit_memory)  # of so many bytes: what takes more is refused
+threads = partial(_limited, sn.limit_threads)

@@ -26,6 +26,10 @@ def quad_grid(columns: int, rows: int, spacing: float = 1.0) -> tuple[np.ndarray
     return points, first[:, None] + (0, 1, columns + 2, columns + 1)
 
 
+def halved(quads: np.ndarray) -> np.ndarray:
+    return np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+
+
 def bar(along: int, across: int) -> tuple[np.ndarray, np.ndarray]:
     """An open tube of quads with a square section, around the x axis."""
     ring = [(across / 2, y - across / 2) for y in range(across)]
@@ -135,6 +139,34 @@ def turn(axis, degrees: float, centre=(0.0, 0.0, 0.0), move=(0.0, 0.0, 0.0)) -> 
 
 def moved(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
     return points @ pose[:, :3].T + pose[:, 3]
+
+
+def off(a: np.ndarray, b: np.ndarray) -> float:
+    """The longest way from a point to its fellow."""
+    return np.linalg.norm(a - b, axis=1).max()
+
+
+def nearest_rotations(matrices: np.ndarray) -> np.ndarray:
+    """(..., 3, 3), by singular values."""
+    U, _, Vt = np.linalg.svd(matrices)
+    U[..., 2] *= np.sign(np.linalg.det(U @ Vt))[..., None]
+    return U @ Vt
+
+
+def edges_of(faces: np.ndarray) -> np.ndarray:
+    """Each edge of faces of as many corners once, (e, 2)."""
+    sides = np.stack([faces, np.roll(faces, -1, axis=1)], -1).reshape(-1, 2)
+    return np.unique(np.sort(sides, axis=1), axis=0)
+
+
+def angles_filled(points: np.ndarray, mesh: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """How often (n,) a surface winds around points (n, 3), by the angles that its triangles fill."""
+    a, b, c = (mesh[triangles[:, k]] - points[:, None] for k in range(3))
+    la, lb, lc = (np.linalg.norm(v, axis=2) for v in (a, b, c))
+    dots = [np.einsum("ijk,ijk->ij", u, v) for u, v in ((a, b), (b, c), (c, a))]
+    volume = np.einsum("ijk,ijk->ij", a, np.cross(b, c))
+    angles = np.arctan2(volume, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb)
+    return angles.sum(axis=1) / (2 * np.pi)
 
 
 BENT = np.stack([STILL, turn((0, 1, 0), 40, (6, 0, 0), (-1, 0.5, 2))])

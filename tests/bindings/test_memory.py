@@ -4,7 +4,6 @@
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +11,7 @@ import pytest
 
 import sinew_native as sn
 
+from . import limits
 from .meshes import BENT, ends, grid
 from .methods import SURFACE_METHODS, made
 
@@ -19,27 +19,20 @@ POINTS, FACES = grid(40)
 SIZE = re.compile(r"needs [\d.]+ MB, the memory limit is [\d.]+ MB")
 
 
-@pytest.fixture(autouse=True)
-def no_limit_is_left() -> Iterator[None]:
-    yield
-    sn.limit_memory(0)
-
-
 @pytest.mark.parametrize("method", SURFACE_METHODS)
 def test_report_tells_the_memory_that_the_limit_is_about(method: type) -> None:
     surface = made(method, sn.SurfaceMesh(POINTS, FACES))
     needed = surface.set_handles(ends(POINTS)).factor_bytes
     assert 8 * len(POINTS) < needed < 1000 * 8 * len(POINTS)
-    sn.limit_memory(needed)
-    assert made(method, sn.SurfaceMesh(POINTS, FACES)).set_handles(ends(POINTS)).factor_bytes == needed
+    with limits.memory(needed):
+        assert made(method, sn.SurfaceMesh(POINTS, FACES)).set_handles(ends(POINTS)).factor_bytes == needed
 
 
 def test_bind_above_the_limit_is_refused_and_the_last_one_stays() -> None:
     surface = sn.ThinShell(sn.SurfaceMesh(POINTS, FACES))
     surface.set_handles(ends(POINTS))
     before, _ = surface.solve(BENT)
-    sn.limit_memory(50_000)
-    with pytest.raises(sn.OutOfMemory, match=SIZE) as caught:
+    with limits.memory(50_000), pytest.raises(sn.OutOfMemory, match=SIZE) as caught:
         surface.set_handles(ends(POINTS, 4.0))
     assert isinstance(caught.value, sn.FactorizationFailed)
     assert "raise the limit or use fewer vertices" in str(caught.value)

@@ -7,6 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from .meshes import quad_grid
+
 ROOT = Path(__file__).parents[2]
 
 
@@ -19,11 +21,8 @@ def scripts(page: str) -> list[str]:
 @pytest.fixture
 def names() -> dict:
     """What the scripts speak of: a plate with a head and feet."""
-    line = np.linspace(-1.0, 1.0, 11)
-    points = np.array([(x, y, 0.0) for y in line for x in line])
-    faces = np.array(
-        [(j * 11 + i, j * 11 + i + 1, j * 11 + i + 12, j * 11 + i + 11) for j in range(10) for i in range(10)]
-    )
+    points, faces = quad_grid(10, 10, 0.2)
+    points -= (1.0, 1.0, 0.0)
     head, feet = np.flatnonzero(points[:, 1] > 0.7), np.flatnonzero(points[:, 1] < -0.7)
     return {"points": points, "faces": faces, "head": head, "feet": feet}
 

@@ -13,7 +13,7 @@ from editing import select
 from expected import members_of
 from hand import between, click, drag, hold, keys, move, press, redo, release, undo, write
 from inside import inner
-from mathutils import Color, Vector
+from mathutils import Color, Euler, Vector
 from rigs.rig import base_points, new_empty
 from scenes import deformer, head, heavy_grid, shown, smooth_head
 from window import (
@@ -70,12 +70,12 @@ def drag_surface() -> Iterator[None]:
             if aside:
                 yield from keys("LEFTMOUSE")
             seen.append((drag_settings.pixels, drag_settings.reach))
-        assert seen[0][0] != 30
+        assert seen[0][0] != 40
         assert seen[1][0] == seen[0][0]
-        assert seen[1][1] != seen[0][1] == 3.0
+        assert seen[1][1] != seen[0][1] == 4.0
         assert seen[2][0] > seen[1][0]
         assert not head().sinew.deformers
-        drag_settings.pixels, drag_settings.reach = 30, 3.0
+        drag_settings.pixels, drag_settings.reach = 40, 4.0
     with claim("a drag makes a handle that follows the mouse"):
         assert left_behind() == NOTHING
         move(start[0] - 2, start[1])
@@ -140,6 +140,7 @@ REGIONS = {
 }
 LIFT = 0.45
 SLANTED = (0.0, 0.0, 0.383, 0.924)  # from behind and above
+ASIDE = Euler((1.15, 0.0, 1.15)).to_quaternion()  # for the manual: ears, muzzle and back at once
 SPOTS = {  # in the middle of a region, or of a part that is free
     "ear": lambda x, y, z: x > 1.75,
     "back": lambda x, y, z: y > 0.7 and abs(x) < 0.8,
@@ -281,6 +282,10 @@ def overlays() -> Iterator[None]:
         above(differing("regions", "off", 0.02), 0.05)
         above(differing("area", "off", 0.02), 0.05)
         assert differing("off-again", "off", 0.02) < STEADY
+    view().view_rotation, view().view_distance = ASIDE, 4.6
+    for wanted in ("REGIONS", "DISTORTION"):
+        yield from look(f"aside-{wanted.lower()}", show_overlay=True, overlay=wanted)
+    yield from look("aside-off", show_overlay=False)
     for obj in bpy.context.view_layer.objects:
         obj.hide_set(False)
     look_from_front(distance=5.8, height=0.25)

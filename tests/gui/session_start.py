@@ -17,7 +17,19 @@ from inside import inner
 from mathutils import Vector
 from rigs.rig import base_points, curves_of
 from scenes import MODELS, empty_scene, shown
-from window import differing, in_view, middle, pictures, pixels, region, screenshot, view, viewport
+from window import (
+    button,
+    differing,
+    in_view,
+    middle,
+    on_screen,
+    pictures,
+    pixels,
+    region,
+    screenshot,
+    view,
+    viewport,
+)
 
 # Where things are in a window of 1280 x 800 pixels, from its lower left corner.
 HEAD = (370, 626), (600, 456)
@@ -80,10 +92,11 @@ def mark_regions() -> Iterator[None]:
     """The head by the header's menu, the hooves by the pie."""
     yield from keys("TAB", "alt Z", "alt A", "B", at=middle())
     yield from drag(*HEAD)
+    yield from rest()
+    screenshot("1-selected")
     yield from click(*MENU)
     move(*MENU_ADD_HANDLE)
     yield from rest()
-    screenshot("1-menu")
     yield from keys("LEFTMOUSE")
     with claim("the menu makes a handle of the selection"):
         assert regions() == REGIONS[:1]
@@ -291,6 +304,7 @@ def grab_region() -> Iterator[None]:
         yield from keys("alt Y", at=HERE)
         yield from glide(way)
         above(apart(edited(cow()), before), 0.1)
+    screenshot("8-grab")
     with claim("axis, number and Enter move the selection by just that, and the rest follows"):
         yield from keys("X", "0.5", "RET")
         moved = (edited(cow()) - before).astype(float) @ np.array(cow().matrix_world)[:3, :3].T
@@ -374,4 +388,24 @@ def panel() -> Iterator[None]:
         assert [row.frame for row in rows] == [1, 13, 133, 1029]
 
 
-run(journey, preferences, panel)
+def try_it() -> Iterator[None]:
+    """A rig in a scene of its own, and back."""
+    yield from open_sidebar()
+    looked = view().view_rotation.copy(), viewport().spaces.active.shading.color_type
+    button("try_it", rig="limb")
+    yield from settled()
+    with claim("a rig stands in the middle of the view, and a drag on its tip ticks its first step"):
+        tip = on_screen((0.0, -0.2, 1.85))
+        yield from drag(tip, (tip[0] + 80, tip[1] - 30))
+        yield from settled()
+        screenshot("try-it")
+        assert inner.try_it.steps_done(bpy.context.window.scene) == 1
+    button("try_back")
+    yield from settled()
+    with claim("Back to My Scene brings the view back, and the tool"):
+        assert looked == (view().view_rotation, viewport().spaces.active.shading.color_type)
+        tool = bpy.context.workspace.tools.from_space_view3d_mode("OBJECT")
+        assert (tool.idname, bpy.context.window.scene.name) == ("builtin.select_box", "Scene")
+
+
+run(journey, preferences, panel, try_it)

@@ -538,6 +538,8 @@ def unlocked(stage: Stage, engine: str, last: int, writers: list[bool]) -> Itera
     """An animation, while the user orbits and poses another mesh, which is solved again and again."""
     scene = bpy.context.scene
     yield from until(takes_writes)
+    if engine != Probe.bl_idname and not takes_writes():
+        return  # for good, after an engine in Python: docs/developer/decisions/unlocked-renders.md
     scene.render.engine = engine
     scene.frame_start, scene.frame_end = 1, last
     scene.frame_set(1)

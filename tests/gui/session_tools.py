@@ -270,6 +270,7 @@ def puppet() -> Iterator[None]:
     for name, by in ((HAND, (-0.3, 0.0, 0.4)), (HIP, (0.0, 0.0, -0.3))):
         before = tail(name)
         yield from pull(name, by)
+        screenshot(f"puppet-3-{name.partition('.')[0]}")
         yield from release()
         with claim("a dragged bone follows the mouse, and the feet stay"):
             near(tail(name), before + by, REACHED)

@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The manual inside the zips: complete, readable without a network, and nothing of this machine in it."""
 
-import ast
 import posixpath
 import re
-from html.parser import HTMLParser
 from pathlib import Path, PurePosixPath
 
 import pytest
-from workshop.inside.render_manual import render, render_methods
+from workshop.inside.render_manual import Links, render, render_methods
 from workshop.places import ADDON, MANUAL, METHODS, ROOT
 
 
@@ -20,31 +18,15 @@ def manual() -> dict[str, bytes]:
         pytest.fail(str(stop))
 
 
-class Targets(HTMLParser):
-    """What a rendered page points to and what it can be pointed at."""
-
-    def __init__(self, content: bytes) -> None:
-        super().__init__()
-        self.leads_to: set[str] = set()
-        self.ids: set[str] = set()
-        self.feed(content.decode())
-
-    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
-        self.leads_to |= {value for key, value in attributes if key in ("href", "src")}
-        self.ids |= {value for key, value in attributes if key == "id"}
-
-
-def pages(files: dict[str, bytes]) -> dict[str, Targets]:
-    return {name: Targets(content) for name, content in files.items() if name.endswith(".html")}
+def pages(files: dict[str, bytes]) -> dict[str, Links]:
+    return {name: Links(content.decode()) for name, content in files.items() if name.endswith(".html")}
 
 
 def help_pages() -> list[str]:
     """The pages that the add-on's ``?`` buttons open, read without Blender."""
-    tree = ast.parse((ADDON / "operators" / "deformer" / "help.py").read_text())
-    table = next(
-        node.value for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "PAGES"
-    )
-    return [row.elts[0].value for row in table.elts]
+    rows = (ADDON / "operators" / "deformer" / "help.py").read_text()
+    tasks = (ADDON / "core" / "tasks.py").read_text()
+    return [*re.findall(r'^    \("([\w/-]+)", ', rows, re.MULTILINE), *re.findall(r'page="([\w-]+)"', tasks)]
 
 
 def test_every_page_and_its_pictures_are_there(manual: dict[str, bytes]) -> None:
@@ -62,19 +44,20 @@ def test_every_page_and_its_pictures_are_there(manual: dict[str, bytes]) -> None
 
 
 def test_add_on_opens_pages_that_are_there(manual: dict[str, bytes]) -> None:
+    assert len(help_pages()) > 20
     assert {f"{page}.html" for page in help_pages()} <= set(manual)
 
 
 def test_no_link_of_the_manual_is_broken(manual: dict[str, bytes]) -> None:
     found = pages(manual)
     for name, page in found.items():
-        for link in page.leads_to:
+        for link in page.links:
             if re.match("https?:", link):
                 continue
             path, _, anchor = link.partition("#")
             path = posixpath.normpath(posixpath.join(posixpath.dirname(name), path)) if path else name
             assert path in manual, f"{name}: {link}"
-            assert not anchor or anchor in found[path].ids, f"{name}: {link}"
+            assert not anchor or anchor in found[path].anchors, f"{name}: {link}"
 
 
 def test_nothing_is_fetched_from_a_network(manual: dict[str, bytes]) -> None:
@@ -111,7 +94,7 @@ def folder(tmp_path: Path) -> Path:
 def test_links_lead_to_the_rendered_pages(folder: Path) -> None:
     files = render(folder)
     assert set(files) == {"index.html", "one.html", "images/a.jpg", "manual.css"}
-    assert Targets(files["index.html"]).leads_to == {"one.html", "manual.css"}
+    assert set(pages(files)["index.html"].links) == {"one.html", "manual.css"}
     one = files["one.html"].decode()
     for part in (
         "<title>One &amp; all</title>",
@@ -133,6 +116,7 @@ def test_links_lead_to_the_rendered_pages(folder: Path) -> None:
         "one.md#missing",
         "#missing",
         "images/missing.png",
+        "../methods/missing.md",
         "../developer/performance.md",
         "../README.md",
         "/etc/passwd",

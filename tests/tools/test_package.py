@@ -41,6 +41,15 @@ def test_caches_and_hidden_files_stay_out(tmp_path: Path, monkeypatch: pytest.Mo
     assert set(package.addon_files()) == wanted | {"LICENSE"}
 
 
+def test_the_rigs_to_try_are_small_and_name_their_licences() -> None:
+    packed = {name: content for name, content in package.addon_files().items() if name.startswith("rigs/")}
+    assert b"CC0" in packed.pop("rigs/README.md")
+    sizes = [len(content) for content in packed.values()]
+    assert len(sizes) == 5
+    assert max(sizes) <= 400_000
+    assert sum(sizes) <= 1_200_000
+
+
 def test_packing_again_leaves_no_moment_without_a_zip(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

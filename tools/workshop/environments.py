@@ -4,6 +4,7 @@
 import functools
 import shutil
 import subprocess
+from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,10 +13,7 @@ from .places import BUILD, PYTHON311, ROOT
 from .shell import Stamp, fingerprint, must, one_at_a_time, say
 
 REQUIREMENTS = ROOT / "tools" / "requirements"
-LONG_TERM_BLENDERS = (
-    "4.2.23",
-    "4.5.15",
-)  # the long-term releases, tested beside Debian's 3.4.1 and the newest
+LONG_TERM_BLENDERS = ("4.2.23", "4.5.15")  # tested beside Debian's 3.4.1 and the newest
 
 
 @dataclass(frozen=True)
@@ -55,11 +53,21 @@ class Environment:
         if not _runs(self.python) or not _was_made_here(self.folder):
             shutil.rmtree(self.folder, ignore_errors=True)
             must([self.interpreter, "-m", "venv", self.folder])
-        pip = [self.python, "-m", "pip", "--quiet", "--disable-pip-version-check"]
-        chosen = [word for file in files for word in ("-r", file)]
-        must([*pip, "install", "--no-cache-dir", *chosen], lacking=unreachable(*files))
+        self.install(*files)
         stamp.write()
         return self
+
+    def install(self, *files: Path, options: Iterable[str | Path] = (), quiet: bool = False) -> None:
+        """What requirement files name, into the environment unless the options lead elsewhere."""
+        chosen = [word for file in files for word in ("-r", file)]
+        self.pip("install", *options, "--no-cache-dir", *chosen, files=files, quiet=quiet)
+
+    def pip(self, *words: str | Path, files: Iterable[Path], quiet: bool) -> None:
+        """For packages that requirement files name."""
+        named = ", ".join(str(file.relative_to(ROOT)) for file in files)
+        lacking = f"pip could not get what {named} names: that takes a network with a package index"
+        command = [self.python, "-m", "pip", "--quiet", "--disable-pip-version-check", *words]
+        must(command, lacking=lacking, quiet=quiet)
 
 
 def included(files: list[Path]) -> list[Path]:
@@ -67,12 +75,6 @@ def included(files: list[Path]) -> list[Path]:
     lines = [(file, line) for file in files for line in file.read_text(encoding="utf-8").splitlines()]
     further = [file.parent / line.removeprefix("-r ") for file, line in lines if line.startswith("-r ")]
     return [*files, *included(further)] if further else files
-
-
-def unreachable(*files: Path) -> str:
-    """What to say where pip cannot install what requirement files name."""
-    named = ", ".join(str(file.relative_to(ROOT)) for file in files)
-    return f"pip could not get what {named} names: that takes a network with a package index"
 
 
 def _runs(python: Path) -> bool:

@@ -34,6 +34,7 @@ METHODS_OF_EACH_KIND = "--all-methods-in=none"
 CORE_TESTS = (
     METHODS_OF_EACH_KIND,
     "test_bake.py",
+    "test_browser.py",
     "test_cage_kinds.py",
     "test_chains.py",
     "test_event_files.py",
@@ -45,8 +46,9 @@ CORE_TESTS = (
     "test_interface.py",
     "test_methods.py",
     "test_missing_libraries.py",
-    "test_overlay.py",
     "test_other_systems.py",
+    "test_overlay.py",
+    "test_panels.py",
     "test_random_operations.py",
 )
 
@@ -54,9 +56,10 @@ CORE_TESTS = (
 @dataclass(frozen=True)
 class Layer:
     name: str
-    timeout: float  # seconds, for the tests without their set-up: three times what two cores of ours take
+    timeout: float  # seconds, for the tests without their set-up: three times what they take beside others
     run: Callable[[float], Outcome]
     one_process: bool = False  # its tests use one core, so that such a layer can run beside another
+    waits: bool = False  # half of the time, for a window that draws, and leaves its core to another layer
     only_by_name: bool = False  # tests/run --all leaves it out
     whole: "Layer | None" = None  # what runs instead by --whole, where this is a core of all tests
     without: str = ""  # what this leaves out of the layer of the same name
@@ -152,7 +155,7 @@ def blender_layer(version: str, tests: tuple[str, ...] = ()) -> Layer:
     """A layer for a release of Blender, which runs ``tests``, or all."""
     name = layer_of(version)
     run_tests = partial(blender_module, name, environments.blender(version), tests)
-    return Layer(name, 600 if tests else 1200, run_tests, one_process=True)
+    return Layer(name, 1200 if tests else 3000, run_tests, one_process=True)
 
 
 def blender_5(timeout: float) -> Outcome:
@@ -212,12 +215,12 @@ LAYERS = (
     Layer("architecture", 60, architecture, one_process=True),
     Layer("tools", 60, tools, one_process=True),
     Layer("benchmarks", 600, benchmarks, one_process=True),
-    Layer("addon", 240, addon, one_process=True),
-    Layer("bindings", 420, bindings, one_process=True),
-    Layer("blender-3.4", 1200, blender_3_4, one_process=True),
+    Layer("addon", 600, addon, one_process=True),
+    Layer("bindings", 1200, bindings, one_process=True),
+    Layer("blender-3.4", 3000, blender_3_4, one_process=True),
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
-    Layer("blender-5", 1200, blender_5, one_process=True),
-    Layer("gui", 1200, gui, one_process=True),
+    Layer("blender-5", 3000, blender_5, one_process=True),
+    Layer("gui", 1200, gui, one_process=True, waits=True),
     windows_layer("bindings", windows_tests.bindings),
     windows_layer("blender", windows_tests.blender),
     windows_layer("bindings-3.13", windows_tests.bindings_313),
@@ -241,8 +244,10 @@ QUICK_BLENDER = (
 )
 QUICK_SESSION = "[start- or [start]"  # of those in windows
 QUICK = (
-    Layer("lint", 240, partial(lint, quick=True), without="clang-tidy on committed sources"),
     Layer("native", 300, native_quick, without="the count of instructions"),
+    Layer(
+        "lint", 240, partial(lint, quick=True), one_process=True, without="clang-tidy on committed sources"
+    ),
     Layer("architecture", 60, architecture, one_process=True),
     Layer("tools", 60, tools, one_process=True),
     Layer(
@@ -265,6 +270,7 @@ QUICK = (
         240,
         partial(gui, from_wheel=False, tests=("-k", QUICK_SESSION)),
         one_process=True,
+        waits=True,
         without="all but one session",
     ),
 )

@@ -35,12 +35,16 @@ def run_layer(layer: Layer) -> tuple[Outcome, float]:
 
 
 def run_beside_each_other(layers: list[Layer]) -> dict[str, tuple[Outcome, float]]:
-    """Runs as many layers at a time as there are cores, and begins with the longest."""
+    """Runs as many layers at a time as there are cores, and one more for each that mostly waits.
+
+    These come first, then the longest.
+    """
     RESULTS.mkdir(parents=True, exist_ok=True)
-    _beside[:] = sorted(layers, key=lambda layer: layer.timeout, reverse=True)
+    _beside[:] = sorted(layers, key=lambda layer: (layer.waits, layer.timeout), reverse=True)
+    processes = jobs() + sum(layer.waits for layer in layers)
     say("\nThese run beside each other: " + ", ".join(layer.name for layer in _beside))
     results = {}
-    with ProcessPoolExecutor(jobs(), multiprocessing.get_context("fork")) as pool:
+    with ProcessPoolExecutor(processes, multiprocessing.get_context("fork")) as pool:
         running: dict[Future, Layer] = {pool.submit(_run_apart, i): layer for i, layer in enumerate(_beside)}
         for future in as_completed(running):
             name = running[future].name

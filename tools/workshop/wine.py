@@ -82,15 +82,5 @@ def install_packages(folder: Path, minor: int, *requirements: Path) -> None:
     """Unpacks wheels for Windows into a folder."""
     # Whatever it installs for, pip asks whether a package allows the Python that runs it.
     builder = environments.build313() if minor == 13 else environments.build()
-    pip = [
-        builder.make().python,
-        "-m",
-        "pip",
-        "--quiet",
-        "--disable-pip-version-check",
-        "install",
-    ]
     system = ["--platform", "win_amd64", "--python-version", f"3.{minor}", "--only-binary=:all:"]
-    chosen = [word for file in requirements for word in ("-r", file)]
-    command = [*pip, *system, "--no-cache-dir", "--target", folder, *chosen]
-    must(command, lacking=environments.unreachable(*requirements), quiet=True)
+    builder.make().install(*requirements, options=[*system, "--target", folder], quiet=True)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Space methods that curves control."""
 
-from .schema import Control, Family, Float, Method, Moved, per_pair
+from .schema import Control, Family, Float, Method, Moved
 
 ROWS = (
     Method(
@@ -20,7 +20,7 @@ ROWS = (
         picture="wires: angry",
         main=("radius", "exponent"),
         moves=frozenset(Moved),
-        bind_seconds=per_pair(1.5e-8),
+        bind_seconds=lambda points, size, _options: 5e-7 * points + 1.5e-8 * points * size,
         parameters=(
             Float(
                 "exponent",

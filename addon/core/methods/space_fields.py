@@ -27,7 +27,7 @@ ROWS = (
         main=("inner", "outer"),
         moves=frozenset(Moved),
         reproduces=Reproduced.RIGID_MOTIONS,
-        bind_seconds=lambda points, size, _options: 1e-8 * points + 1e-9 * points * size,
+        bind_seconds=lambda points, size, _options: 5e-7 * points + 1e-9 * points * size,
         parameters=(
             Float(
                 "tolerance",

@@ -62,7 +62,7 @@ QUALITIES = (
 def _positive_seconds(points: int, faces: int, options: Mapping[str, Any]) -> float:
     """Faces that hide each other are clipped, or rays are sent."""
     if options["exact"]:
-        return 1.5e-8 * points * faces**1.5
+        return 6e-9 * points * faces**1.5
     return (1.4e-7 + 1.6e-10 * options["directions"]) * points * faces
 
 

@@ -22,16 +22,16 @@ from .schema import (
 )
 
 _DENSE = 3e-11  # seconds per cube of the handle points, for their system
-_FIT = 1e-7  # seconds per square of the centres that a fit chooses
+_FIT = 2e-8  # seconds per square of the centres that a fit chooses
 _FITTED = 400  # handle points; with more of them, centres are chosen
 
 
 def _rbf_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
     """A dense system, or a fit of some points at first; then the functions of the handles at each point."""
     exact = size <= _FITTED or options["tolerance"] == 0.0 or options["kernel"].startswith("wendland")
-    centres = size if exact else min(size, 2500)
+    centres = size if exact else min(size, 800)
     system = _DENSE * centres**3 if exact else _FIT * centres**2
-    return system + 2e-9 * points * centres
+    return system + 5e-6 * size + 2e-9 * points * centres
 
 
 ROWS = (
@@ -126,7 +126,7 @@ ROWS = (
         picture="gallery: branches",
         main=("transfer",),
         moves=frozenset(Moved),
-        bind_seconds=per_pair(2e-8),
+        bind_seconds=lambda points, size, _options: 8e-8 * points * size**0.5,
         posed=Posed.CONTROL,
         reproduces=Reproduced.AFFINE_MAPS,
         parameters=(

@@ -463,7 +463,7 @@ ROWS = (
         also_needs="which was subdivided",
         picture="pillars",
         main=("levels",),
-        bind_seconds=factorising(0.025),
+        bind_seconds=factorising(0.045),
         reproduces=Reproduced.RIGID_MOTIONS,
         parameters=(
             Choice(

@@ -49,7 +49,7 @@ ROWS = (
         picture="sheets: kink",
         main=("thickness",),
         iterative=True,
-        bind_seconds=factorising(0.3),
+        bind_seconds=factorising(0.2),
         reproduces=Reproduced.RIGID_MOTIONS,
         parameters=(
             Choice(
@@ -184,7 +184,7 @@ ROWS = (
         picture="prisms",
         main=("height",),
         iterative=True,
-        bind_seconds=factorising(0.25),
+        bind_seconds=factorising(0.12),
         reproduces=Reproduced.RIGID_MOTIONS,
         parameters=(
             Float(
@@ -278,7 +278,7 @@ ROWS = (
         picture="reduced",
         main=("keep_volume", "bending"),
         iterative=True,
-        bind_seconds=factorising(0.11),
+        bind_seconds=lambda points, _size, _options: 0.14 + 5e-5 * points,
         reproduces=Reproduced.RIGID_MOTIONS,
         symmetric=False,
         parameters=(
@@ -390,7 +390,7 @@ ROWS = (
         main=("bands",),
         iterative=True,
         draws="BANDS",
-        bind_seconds=factorising(0.025),
+        bind_seconds=factorising(0.06),
         reproduces=Reproduced.RIGID_MOTIONS,
         parameters=(
             Int(

@@ -10,29 +10,24 @@ from bpy.types import Context, Operator
 from ...core.errors import SinewError
 from ...core.labels import label_of
 from ...core.methods import BY_ID, METHODS, Method
+from ...core.tasks import TASKS
 from ...ids import Operators
 from ..arguments import once
 from ..reporting import Reports, reports_errors
 
 # Identifier, label and description; the identifier is the path of the page's file.
 PAGES = (
-    ("surface", "Pose a Surface", "From a selection to a pose: handles, still regions, free areas, methods"),
-    ("correct-an-elbow", "Correct an Elbow", "Corrections of a posed figure, which ride on its surface"),
-    ("cage", "Pose with a Cage", "Let a coarse closed mesh around yours move it"),
-    ("clothes", "Clothes", "A dressed figure in one cage, which its bones move"),
-    ("lattice", "Pose with a Lattice", "Let a box of points around one object or several move them"),
-    ("wires-and-fields", "Wires and Clay", "Curves and tools that move what is near them"),
-    ("handle-points", "Pose with Handle Points", "Let empties, bones and points of objects move space"),
-    ("drag", "The Tool Sinew Drag", "Press on the surface in Object Mode, and drag"),
-    ("animate", "Animate and Render", "Keyframes, drivers, renders, several deformers in one stack"),
-    ("troubles", "When Things Go Wrong", "What each warning means, and what to do about it"),
-    ("baking", "Bake and Apply", "Store shapes in shape keys, caches, or the mesh itself"),
-    ("overlays", "Show", "Colours of regions, of influence, and of distortion"),
-    ("grab-region", "Grab Vertices Once", "Move vertices once, without a handle that stays"),
-    ("silhouette-sketch", "Draw an Outline", "Draw the outline of a mesh anew, and its surface follows"),
-    ("puppet", "Puppets", "Drag a bone, and the figure and its skin follow"),
-    ("scripting", "Scripting", "Operators, properties, and the Python module"),
+    ("start", "Start", "A first pose, all tasks as pictures, how to choose a method"),
     ("methods/comparison", "What Fails Where", "Methods on the same hard edits, with pictures and figures"),
+    *((task.page, f"About {task.label}", f"How it is done: {task.purpose}") for task in TASKS),
+    ("drag", "The Tool Sinew Drag", "Its modes, keys, settings and marks"),
+    ("handles", "Handles, Areas, Mirror, Painting", "What moves and what stays, both sides at once, keys"),
+    ("order-and-masks", "Order and Masks", "Several deformers, other modifiers, masks, binding"),
+    ("show", "Show in Colour", "Colours of regions, of influence, and of distortion"),
+    ("bake", "Bake and Apply", "Store shapes in shape keys, caches, or the mesh itself"),
+    ("hand-over", "Hand Over, Farms, Linked Files", "Renders, other machines, libraries, copies"),
+    ("troubles", "When Something Is Wrong", "What each warning means, and what to do about it"),
+    ("scripting", "Scripts", "Operators, properties, and the Python module"),
 )
 _OF_METHOD = "methods/{}"
 _OF_METHODS = tuple((_OF_METHOD.format(row.id), row.label, row.summary) for row in METHODS)
@@ -69,9 +64,7 @@ class SINEW_OT_help(Reports, Operator):
     bl_idname = Operators.HELP
     bl_label = "Sinew Manual"
 
-    page: once(
-        EnumProperty, "Page", "Choose what to read about", items=PAGES + _OF_METHODS, default="surface"
-    )
+    page: once(EnumProperty, "Page", "Choose what to read about", items=PAGES + _OF_METHODS, default="start")
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_help") -> str:

@@ -7,14 +7,18 @@ from pathlib import Path
 
 import bpy
 from bl_operators.presets import AddPresetBase
-from bpy.props import StringProperty
+from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Operator
 
+from ... import compat
 from ...core.errors import SinewError
+from ...core.labels import label_of
 from ...core.methods import BY_ID
+from ...core.templates import TEMPLATE_BY_ID, TEMPLATES, Template, values_of
 from ...ids import Operators, Panels
+from ...properties import SinewDeformer
 from ..arguments import once
-from ..offered import OnDeformer
+from ..offered import OnDeformer, OnLiveDeformer
 from ..reporting import reports_errors
 from ..target import target_of
 
@@ -72,3 +76,43 @@ class SINEW_OT_preset_apply(OnDeformer, Operator):
         except (OSError, SyntaxError, TypeError, ValueError) as error:
             raise SinewError(f"This preset cannot be used: {error}") from error
         return {"FINISHED"}
+
+
+class SINEW_OT_use_template(OnLiveDeformer, Operator):
+    """Give the method the settings of a template"""
+
+    bl_idname = Operators.TEMPLATE_USE
+    bl_label = "Use Template"
+    bl_options = {"REGISTER", "UNDO", "INTERNAL"}
+
+    template: once(
+        EnumProperty,
+        "Template",
+        "Choose what the result looks like",
+        items=tuple((row.id, row.label, row.purpose) for row in TEMPLATES),
+    )
+
+    @classmethod
+    def description(cls, context: Context, properties: "SINEW_OT_use_template") -> str:
+        """The tooltip: why it is grey, and what it is for."""
+        template = TEMPLATE_BY_ID[properties.template]
+        reason = template_refusal(target_of(context).sinew.active, template)
+        return ".\n".join(map(compat.told, filter(None, (reason, template.purpose))))
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        deformer, template = target_of(context).sinew.active, TEMPLATE_BY_ID[self.template]
+        refusal = template_refusal(deformer, template)
+        if refusal:
+            raise SinewError(refusal)
+        method, values = deformer.methods[-1]
+        for name, value in values_of(template, method).items():
+            setattr(values, name, value)
+        context.view_layer.update()
+        return {"FINISHED"}
+
+
+def template_refusal(deformer: SinewDeformer, template: Template) -> str:
+    """Why a template does not fit the method of a deformer; empty if it does."""
+    method, _values = deformer.methods[-1]
+    return "" if values_of(template, method) else f"{label_of(method)} has no settings like {template.label}"

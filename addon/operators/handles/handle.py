@@ -200,14 +200,14 @@ class SINEW_OT_select_handle(OnDeformer, Operator):
 def choose_handle(context: Context, obj: Object, deformer: SinewDeformer, extend: bool = False) -> None:
     """Select what belongs to the active handle in this mode: its control, its vertices, or its group."""
     handle = deformer.handles[handle_index(deformer, -1)]
+    if obj.mode not in {"EDIT", "WEIGHT_PAINT"}:
+        select_control(context, obj, handle, extend)
+        if handle.bone and handle.control.mode == "OBJECT" and bpy.ops.object.mode_set.poll():
+            bpy.ops.object.mode_set(mode="POSE")
     if obj.vertex_groups.get(handle.vertex_group):
         obj.vertex_groups.active = obj.vertex_groups[handle.vertex_group]
     if obj.mode == "EDIT":
         _select_vertices(obj, handle, extend)
-    elif obj.mode != "WEIGHT_PAINT":
-        select_control(context, obj, handle, extend)
-        if handle.bone and handle.control.mode == "OBJECT" and bpy.ops.object.mode_set.poll():
-            bpy.ops.object.mode_set(mode="POSE")
 
 
 def _default_group(obj: Object, bone: str) -> str:

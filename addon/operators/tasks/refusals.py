@@ -14,7 +14,7 @@ from ...core.tasks import TASKS, Task, task_of
 from ...properties import SinewDeformer
 from ...session.actions.controls import making
 from ...session.actions.controls.making import BEING_MADE
-from ...session.datablocks.movers import is_animated_before, is_moved_before
+from ...session.datablocks.movers import armatures_of, is_animated_before, is_moved_before
 from ...session.targets import targets
 from ..target import LINKED, explain_no_target, target_of
 
@@ -83,8 +83,7 @@ def choice_refusal(context: Context) -> str:
 def armature_for(context: Context, obj: Object) -> Object | None:
     """The armature that is to move a mesh: the selected one, or that of its modifier."""
     selected = [other for other in context.selected_objects if other.type == "ARMATURE"]
-    moving = [modifier.object for modifier in obj.modifiers if modifier.type == "ARMATURE"]
-    found = selected or [armature for armature in moving if armature is not None][-1:]
+    found = selected or armatures_of(obj)[-1:]
     return found[0] if len(found) == 1 else None
 
 

@@ -5,16 +5,19 @@ from bpy.props import EnumProperty, StringProperty
 from bpy.types import Context, Event, Operator
 
 from ... import compat
+from ...core import status
 from ...core.errors import SinewError
 from ...core.labels import fails_of, tooltip_of
 from ...core.methods import BY_ID, wrapper_of
+from ...core.status import Level
 from ...core.tasks import TASK_BY_ID, TASKS
 from ...ids import Operators
 from ...properties import BASE
+from ...session.actions import rigging
 from ..arguments import once
 from ..offered import Offered, OnLiveDeformer
 from ..reporting import reporting_for, reports_errors
-from ..target import explain_no_target, target_of
+from ..target import explain_no_target, object_mode, target_of
 from .refusals import method_refusal, task_refusal
 from .starts import Start
 
@@ -91,7 +94,8 @@ class SINEW_OT_use_method(OnLiveDeformer, Operator):
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
-        deformer = target_of(context).sinew.active
+        obj = target_of(context)
+        deformer = obj.sinew.active
         if self.method not in BY_ID:
             raise SinewError(f"There is no method '{self.method}' - choose one of: {', '.join(BY_ID)}")
         method = BY_ID[self.method]
@@ -102,6 +106,9 @@ class SINEW_OT_use_method(OnLiveDeformer, Operator):
         deformer.method = method.id if around is None else around.id
         if around is not None:
             setattr(deformer.parameters, BASE, method.id)
+        if not deformer.is_bound and status.current(deformer.uid).level is Level.ERROR:
+            with object_mode(context, obj):
+                rigging.try_bind(obj, deformer, wait=False)  # as its bind was refused with the other method
         context.view_layer.update()
         return {"FINISHED"}
 

@@ -14,6 +14,7 @@ from ...core.geometry import frames
 from ...core.methods import DEFAULT_GRIP_METHOD, DEFAULT_HOLD_METHOD, DEFAULT_METHOD
 from ...ids import Operators
 from ...properties import PIXELS, REACH
+from ...session.actions import picking
 from ...session.actions.drag import Brush, Drag
 from ...session.datablocks import parts, surface
 from ...session.datablocks.surface import Hit
@@ -29,6 +30,8 @@ from ..reporting import reports_errors
 from .dragging import Dragging, Drags
 from .under_mouse import anything_under, beside_ray, is_shown, sight
 
+_AROUND_JOINT = 1.5  # widths of the limb that a correction reaches
+_OF_JOINT = 1.0 / 3.0  # the most of that reach that a new handle takes
 _OF_PART = 0.25  # the most of its part that a new handle takes
 HANDLE, AROUND = (1.0, 1.0, 1.0, 0.9), (1.0, 1.0, 1.0, 0.3)  # the colours of the two rings
 _NOT_HELD = "Nothing holds this part, so all of it moves - click on it to make handles that stay"
@@ -112,7 +115,7 @@ class SINEW_OT_drag(Offered, MotionProperties, Drags, Operator):
             return {"CANCELLED"}
         view = view_of(context, hit.place)
         if not self.properties.is_property_set("radius"):
-            self.radius = handle_radius(context, hit, self.pixels)
+            self.radius, self.reach = handle_sizes(context, hit, self.pixels, self.reach)
         drag = self._drag(context, hit, wait=False)
         axes = axes_of(drag.frame)
         typed = self.typed_motion(context, event, view, axes)
@@ -156,6 +159,19 @@ class SINEW_OT_drag(Offered, MotionProperties, Drags, Operator):
             select_control(context, obj, drag.handle_of(obj))
         except SinewError as error:
             self.tell({"WARNING"}, str(error))
+
+
+def handle_sizes(context: Context, hit: Hit, pixels: int, reach: float) -> tuple[float, float]:
+    """The radius of a new handle, and how many of them far the surface follows.
+
+    Around a joint that is being corrected that is 1.5 times the width of the limb, whatever the zoom is.
+    """
+    radius, width = handle_radius(context, hit, pixels), picking.width_of_joint(hit.obj, hit.place)
+    if width is None:
+        return radius, reach
+    around = _AROUND_JOINT * width
+    radius = min(radius, _OF_JOINT * around)
+    return radius, around / radius
 
 
 def handle_radius(context: Context, hit: Hit, pixels: int) -> float:

@@ -154,6 +154,7 @@ class SINEW_OT_puppet_pin(Offered, Operator):
         pin = self.action == "PIN" or (self.action == "TOGGLE" and not all(bone.sinew.pin for bone in chosen))
         for bone in chosen:
             bone.sinew.pin = pin
+        armature.update_tag()  # a step of Try It waits for it
         self.tell({"INFO"}, f"{len(chosen)} bone{'s' * (len(chosen) > 1)} {'pinned' if pin else 'released'}")
         return {"FINISHED"}
 

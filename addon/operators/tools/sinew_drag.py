@@ -178,4 +178,16 @@ class SINEW_OT_drag_start(Offered, Operator):
 
     def execute(self, context: Context) -> set[str]:
         context.scene.sinew.drag.mode = self.mode
+        armature = _armature_of(target_of(context)) if self.mode == "BONES" else None
+        if armature is not None and context.mode == "OBJECT":
+            context.view_layer.objects.active = armature
+            bpy.ops.object.mode_set("EXEC_DEFAULT", True, mode="POSE")
         return bpy.ops.wm.tool_set_by_id(name=Operators.DRAG, space_type="VIEW_3D")
+
+
+def _armature_of(obj: Object | None) -> Object | None:
+    """The armature whose bones move the handles of the active deformer, if it can be posed."""
+    deformer = None if obj is None else obj.sinew.active
+    rows = () if deformer is None else deformer.handles
+    found = next((row.control for row in rows if row.bone and row.control is not None), None)
+    return found if found is not None and found.library is None and found.visible_get() else None

@@ -23,7 +23,7 @@ from ..state import sessions
 from ..state.evaluation import is_shown
 from ..targets import modified, targets
 from ..targets.kinds import kind_of
-from . import deformers
+from . import deformers, driving
 
 
 def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = False) -> list[str]:
@@ -42,7 +42,8 @@ def apply(obj: Object, index: int, as_shape_key: bool = False, keep: bool = Fals
         entered, left = _shapes(obj, deformer, names)
     with sessions.suspended():
         if as_shape_key:
-            _add_key(obj, kind.name_of_key(shows, deformer), entered, left)
+            key = _add_key(obj, kind.name_of_key(shows, deformer), entered, left)
+            driving.take_driver(obj, index, key)
         else:
             targets.write_points(obj, left)
         if not keep:
@@ -120,7 +121,7 @@ def _shapes(obj: Object, deformer: SinewDeformer, before: list[str]) -> tuple:
     return entered, left
 
 
-def _add_key(obj: Object, name: str, entered: np.ndarray, left: np.ndarray) -> None:
+def _add_key(obj: Object, name: str, entered: np.ndarray, left: np.ndarray) -> ShapeKey:
     """Add a shape key with value 0, as Blender's own Apply as Shape Key does."""
     if obj.data.shape_keys is None:
         obj.shape_key_add(name=Datablocks.BASIS, from_mix=False)
@@ -131,3 +132,4 @@ def _add_key(obj: Object, name: str, entered: np.ndarray, left: np.ndarray) -> N
     key.value = 0.0  # new keys are on from Blender 5.0
     write_key(key, np.where(entered == basis, left, basis + (left - entered)))
     obj.active_shape_key_index = active
+    return key

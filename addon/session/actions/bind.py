@@ -112,12 +112,12 @@ def _required_kind(obj: Object, deformer: SinewDeformer) -> ControlKind:
 
 
 def _factorise(deformer: SinewDeformer, wait: bool, progress: Progress | None) -> None:
-    bpy.context.scene.render.use_lock_interface = True  # renders write shapes while the window draws
     forget_owners()
     session = sessions.open_session(deformer.uid)
     session.failed = None
     with session.lock:  # a render may be solving
         binding.ensure(session, deformer, deformer, wait, progress)
+    bpy.context.scene.render.use_lock_interface = True  # renders write shapes while the window draws
 
 
 def _let_go(deformer: SinewDeformer) -> None:

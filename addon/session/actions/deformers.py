@@ -4,6 +4,7 @@
 import bpy
 from bpy.types import Object
 
+from ... import compat
 from ...core import status
 from ...core.errors import SinewError
 from ...core.methods import BY_ID, DEFAULTS
@@ -13,12 +14,12 @@ from ...core.tasks import task_of
 from ...preferences import preferences
 from ...properties import SinewDeformer
 from ..controls import kinds
-from ..datablocks import animation_paths
+from ..datablocks import animation_paths, movers
 from ..datablocks.owners import forget_owners, owners
 from ..datablocks.shapes import shapes
 from ..evaluation import binding
 from ..state import sessions
-from ..targets import targets
+from ..targets import modified, targets
 from .controls import grids
 
 
@@ -40,6 +41,19 @@ def add_deformer(obj: Object, method: str, name: str = "") -> SinewDeformer:
     shapes.ensure(obj, deformer, max(targets.vertex_count(obj), 0))
     forget_owners()
     status.put(deformer.uid, Status(Level.INFO, kinds.kind_in_use(deformer).MISSING))
+    return deformer
+
+
+def put_before_subdivision(obj: Object, deformer: SinewDeformer) -> SinewDeformer:
+    """A new deformer of a surface behind all that moves the mesh, and before what only divides its faces.
+
+    There it has few vertices to bind, as many in renders as in viewports, and what it does becomes smooth.
+    Methods that need more than a surface, such as levels of subdivision, take the mesh as it is shown.
+    """
+    if not deformer.definition.is_space and not deformer.definition.also_needs:
+        own = modified.shown_by(obj, deformer)
+        place = movers.place_behind(other for other in obj.modifiers if other != own)
+        compat.move_modifier(obj, own.name, place)
     return deformer
 
 

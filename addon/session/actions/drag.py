@@ -31,11 +31,13 @@ from ..state.evaluation import is_shown
 from ..targets import targets
 from ..targets.kinds import kind_of
 from .bind import bind, unbind
-from .deformers import add_deformer, remove_deformer
+from .deformers import add_deformer, put_before_subdivision, remove_deformer
 from .handles import surface_points
 from .handles.handles import NewRegion, add_handle, remove_handle
 from .handles.region_names import name_of_region
 from .rigging import rig_region
+
+_FEW = 2  # vertices of a region on a mesh that is too coarse for it: there the divided surface is dragged
 
 
 @dataclass(frozen=True)
@@ -186,7 +188,10 @@ class Drag:
         self._made: list[str] = []  # the keys of new rows
         self._is_first = deformer is None
         try:
-            deformer = add_deformer(obj, brush.method) if deformer is None else deformer
+            if deformer is None:
+                deformer = add_deformer(obj, brush.method)
+                if np.count_nonzero(plan.region) > _FEW:
+                    put_before_subdivision(obj, deformer)
             self.uid, self._status = deformer.uid, status.current(deformer.uid)
             self._was_bound = deformer.is_bound
             _make_active(obj, deformer)

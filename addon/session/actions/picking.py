@@ -7,37 +7,59 @@ import numpy as np
 from bpy.types import Object
 from mathutils import Vector
 
-from ... import compat
 from ...core.geometry import frames
 from ...core.names import numbered
-from ...core.tasks import Task
+from ...core.tasks import Task, task_for
 from ...properties import SinewDeformer
-from ..datablocks.movers import place_behind
-from ..targets import modified, targets
-from .deformers import add_deformer
+from ..datablocks.movers import armatures_of
+from ..targets import targets
+from .deformers import add_deformer, put_before_subdivision
 
 _CAGE_FACES = (150, 600)  # the fewest and the most
 _PLAIN = 1000  # vertices of a mesh that gets the fewest
 _POINTS = (3, 7)  # of a lattice along a side
+_THINNEST = 0.1  # of the length of a bone: how deep it lies at least, also where it ends at the skin
 _SAMPLE = 2000  # vertices that tell about all
 _ALL_OVER = 0.9  # of these
 
 
 def deformer_for(obj: Object, task: Task, method: str) -> tuple[SinewDeformer, bool]:
-    """The active deformer, if it has this method and no control yet, else a new one; whether it is new.
-
-    One that corrects a joint goes behind all that moves the mesh.
-    """
+    """The active deformer, if it has this method and no control yet, else a new one; whether it is new."""
     active = obj.sinew.active
     held = () if active is None else active.handles
     if active is not None and active.method == method and all(row.kind != "HANDLE" for row in held):
         return active, False
-    place = place_behind(obj)
     taken = [other.name for other in obj.sinew.deformers]
     deformer = add_deformer(obj, method, numbered(task.deformer, taken))
-    if task.stands_behind:
-        compat.move_modifier(obj, modified.shown_by(obj, deformer).name, place)
-    return deformer, True
+    return put_before_subdivision(obj, deformer), True
+
+
+def width_of_joint(obj: Object, place: np.ndarray) -> float | None:
+    """How wide a limb is at a place (3,) of the world where its joint is to be corrected.
+
+    That is twice as wide as the nearest bone lies deep. None if the active deformer corrects no joint, or if
+    no bones move the object.
+    """
+    active = obj.sinew.active
+    if active is None or not task_for(active.definition, active.name).stands_behind:
+        return None
+    ends = np.array(
+        [
+            armature.matrix_world @ end
+            for armature in armatures_of(obj)
+            for bone in armature.pose.bones
+            if bone.bone.use_deform
+            for end in (bone.head, bone.tail)
+        ]
+    ).reshape(-1, 2, 3)
+    if not len(ends):
+        return None
+    along = ends[:, 1] - ends[:, 0]
+    squares = np.maximum((along**2).sum(axis=1), np.finfo(float).tiny)
+    share = np.clip(((place - ends[:, 0]) * along).sum(axis=1) / squares, 0.0, 1.0)
+    depths = np.linalg.norm(place - ends[:, 0] - share[:, None] * along, axis=1)
+    nearest = int(np.argmin(depths))
+    return 2.0 * max(depths[nearest], _THINNEST * np.sqrt(squares[nearest]))
 
 
 def lattice_counts(objects: Sequence[Object]) -> tuple[int, int, int]:

@@ -60,6 +60,7 @@ class BindInput:
     ``control`` names what moves the mesh, as the panel says it. ``handles``, ``names`` and ``indices`` are
     the keys, names and vertices of the bound handles, in their order; a cage has none. ``unused`` has a line
     for the panel per region that holds no vertex, ``unpainted`` one per parameter whose group or map is gone.
+    ``stiff`` says why nothing will bend, and is empty if something will.
     """
 
     key: tuple
@@ -71,6 +72,7 @@ class BindInput:
     names: tuple[str, ...] = ()
     indices: tuple[np.ndarray, ...] = ()
     unused: tuple[str, ...] = ()
+    stiff: str = ""
     unpainted: tuple[Status, ...] = ()
     after: "BindInput | None" = None  # if this is a preview: the exact bind that follows
 

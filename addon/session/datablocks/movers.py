@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whether something before a deformer may move the mesh from frame to frame."""
 
-from bpy.types import ID, Object
+from collections.abc import Iterable
+
+from bpy.types import ID, Modifier, Object
 
 from ...properties import SinewDeformer
 from ..targets import targets
@@ -29,7 +31,6 @@ DEFORMING = {  # modifiers of Blender that neither add nor remove vertices
 }
 _CHANGING = {"CLOTH", "MESH_SEQUENCE_CACHE", "NODES", "SOFT_BODY"}  # the same, or they may be such
 _PLAYED = {"CLOTH", "MESH_CACHE", "MESH_SEQUENCE_CACHE", "SOFT_BODY", "WAVE"}  # another shape in each frame
-_DIVIDING = {"MULTIRES", "SUBSURF"}
 
 
 def is_moved_before(obj: Object, deformer: SinewDeformer | None) -> bool:
@@ -48,6 +49,14 @@ def is_moved_before(obj: Object, deformer: SinewDeformer | None) -> bool:
         modifier.type in DEFORMING | _CHANGING and (modifier.show_viewport or modifier.show_render)
         for modifier in before
     )
+
+
+def armatures_of(obj: Object) -> list[Object]:
+    """The armatures that move an object, by modifiers or as its parent."""
+    found = [modifier.object for modifier in obj.modifiers if modifier.type == "ARMATURE"]
+    if obj.parent_type == "ARMATURE":
+        found.append(obj.parent)
+    return [armature for armature in dict.fromkeys(found) if armature is not None]
 
 
 def is_animated_before(obj: Object, deformer: SinewDeformer | None) -> bool:
@@ -69,9 +78,12 @@ def _is_animated(owner: ID | None) -> bool:
     return animation is not None and bool(animation.action or animation.nla_tracks or animation.drivers)
 
 
-def place_behind(obj: Object) -> int:
-    """The place in the stack behind all that moves a mesh, and before what only divides its faces then."""
-    types = [modifier.type for modifier in obj.modifiers]
+def place_behind(modifiers: Iterable[Modifier]) -> int:
+    """The place in a stack behind all that moves a mesh, and before what only divides its faces then.
+
+    Blender lets no such modifier stand before a Multiresolution.
+    """
+    types = [modifier.type for modifier in modifiers]
     movers = [place for place, kind in enumerate(types) if kind in DEFORMING | _CHANGING]
     first = movers[-1] + 1 if movers else 0
-    return next((place for place in range(first, len(types)) if types[place] in _DIVIDING), len(types))
+    return next((place for place in range(first, len(types)) if types[place] == "SUBSURF"), len(types))

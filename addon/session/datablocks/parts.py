@@ -12,6 +12,7 @@ from ...backend import connected_parts
 from ...compat import read_faces, read_positions
 from ...core.errors import SinewError
 from ...core.geometry import frames
+from ...core.geometry.reach import triangulated
 from ...core.memory import remember
 from ...mesh_io import RestShape
 from ..targets import targets
@@ -32,16 +33,16 @@ _last_inside: dict[tuple[str, bytes], np.ndarray] = remember({})
 class Parts:
     """The parts of points (n, 3) that faces connect: counts (m,) and corners.
 
-    ``labels`` (n,) tells the part of each vertex, ``firsts`` (k,) the first vertex of each part, and
-    ``sides`` (k, 3) how long it is along each axis.
+    ``labels`` (n,) tells the part of each vertex, ``firsts`` (k,) the first vertex of each part, ``low`` and
+    ``high`` (k, 3) the corners of its box, and ``sides`` (k, 3) how long it is along each axis.
     """
 
     def __init__(self, points: np.ndarray, faces: tuple[np.ndarray, np.ndarray]) -> None:
         _names, self.labels = np.unique(connected_parts(len(points), faces), return_inverse=True)
         order = np.argsort(self.labels, kind="stable")
         starts = np.flatnonzero(np.diff(self.labels[order], prepend=-1))
-        low, high = (side.reduceat(points[order], starts) for side in (np.minimum, np.maximum))
-        self.firsts, self.sides = order[starts], high - low
+        self.low, self.high = (side.reduceat(points[order], starts) for side in (np.minimum, np.maximum))
+        self.firsts, self.sides = order[starts], self.high - self.low
 
 
 class ShownParts:
@@ -98,10 +99,9 @@ def _inside(rest: RestShape, riding: np.ndarray) -> np.ndarray:
     labels = connected_parts(len(rest.points), (rest.counts, rest.corners))
     rides = np.zeros(len(rest.points), dtype=bool)
     rides[riding] = True
-    ends = np.cumsum(rest.counts)
-    hiding = np.flatnonzero(~rides[rest.corners[ends - rest.counts]])
-    polygons = [rest.corners[ends[f] - rest.counts[f] : ends[f]].tolist() for f in hiding]
-    tree = BVHTree.FromPolygons(rest.points.tolist(), polygons)
+    triangles = triangulated(rest.counts, rest.corners)
+    hiding = triangles[~rides[triangles[:, 0]]]
+    tree = BVHTree.FromPolygons(rest.points.tolist(), hiding.tolist(), all_triangles=True)
     in_order = riding[np.argsort(labels[riding], kind="stable")]
     parts = np.split(in_order, np.flatnonzero(np.diff(labels[in_order])) + 1)
     longest = _LONGEST * np.ptp(rest.points[~rides], axis=0).max(initial=0.0)

@@ -237,7 +237,8 @@ def expected_seconds(obj: Object, method: Method) -> float:
     session = None if deformer is None else sessions.find(deformer.uid)
     if session is None or session.bound is None:
         return method.expected_seconds(targets.size(obj))
-    held = {"size": size} if (size := sum(map(len, session.bound.indices))) else {}
+    size = session.bound.factor.recipe.control.size or sum(map(len, session.bound.indices))
+    held = {"size": size} if size else {}
     return method.expected_seconds(len(session.bound.rest.points), getattr(deformer, method.id), **held)
 
 

@@ -207,12 +207,11 @@ def show(obj: Object, mode: str, scene: Scene) -> None:
 def show_late() -> None:
     """After a render, let keys show again what viewports show. Main thread only."""
     if _late and not bpy.app.is_job_running("RENDER"):
-        names = sorted(_late)
-        _late.clear()
-        for name in names:
+        for name in sorted(_late):
             obj = bpy.data.objects.get(name)
             if obj is not None and obj.type == "LATTICE":
                 show(obj, "VIEWPORT", bpy.context.scene)
+            _late.discard(name)  # once it is shown, as Blender may refuse that for now
 
 
 def _placed(base: np.ndarray, held: np.ndarray) -> np.ndarray:

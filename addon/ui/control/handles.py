@@ -12,7 +12,7 @@ from ...session.actions.handles.standing import NOTHING_MOVES
 from ...session.controls.handles import points, riding, sides
 from .. import keys
 from ..layouts import Button, beside, draw_field, draw_move_entries, fields, invoking
-from ..pose import RESET, draw_reset
+from ..pose import RESET, draw_drag, draw_reset
 from ..text import draw_text, is_wide
 
 REST: tuple[Button, ...] = ()
@@ -47,8 +47,14 @@ def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeform
     goals = _goals(deformer)
     for goal in goals:
         draw_text(context, layout, f"To {goal.name}", "OUTLINER_OB_MESH", boxed=False)
+        target = (("target", goal.name), ("key", True))
+        Button(Operators.MORPH, "Key from 0 to 1", "KEYINGSET", target).draw(layout)
     if goals and not deformer.handles:
         return
+    if context.mode == "OBJECT" and any(handle.bone for handle in deformer.handles):
+        large = layout.column()
+        large.scale_y = 1.3
+        draw_drag(large, "BONES")
     row = layout.row()
     rows = 4 if len(deformer.handles) > 1 else 3
     row.template_list("SINEW_UL_handles", "", deformer, "handles", deformer, "chosen_handle", rows=rows)

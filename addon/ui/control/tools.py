@@ -48,7 +48,7 @@ def draw(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeform
     """Draw the list of tools, and what adds and resets them."""
     draw_rows(layout, deformer, Menus.TOOLS)
     pair = beside(context, layout, ("Drag Clay", "VIEW_PAN"), RESET)
-    draw_drag(pair, "Drag Clay", "CLAY")
+    draw_drag(pair, "CLAY")
     draw_reset(pair)
 
 

@@ -222,7 +222,8 @@ def _strength(shape: Result, handle: SinewHandle, members: np.ndarray) -> np.nda
 def _weight(
     obj: Object, deformer: SinewDeformer, settings: OverlaySettings, shape: Result
 ) -> tuple[np.ndarray, Legend]:
-    handle, values = row_at(deformer.handles, deformer.active_handle), np.zeros(len(shape.points), dtype=np.float32)
+    handle = row_at(deformer.handles, deformer.active_handle)
+    values = np.zeros(len(shape.points), dtype=np.float32)
     if handle is None:
         return colours.field(values, settings.opacity), Legend("Handle Weight", note="No handle")
     painted = result.weights(obj, deformer, handle.vertex_group)

@@ -22,7 +22,7 @@ def is_there(context: Context) -> bool:
 
 def page(_context: Context) -> str:
     """How to begin."""
-    return "surface"
+    return "start"
 
 
 def draw(context: Context, layout: UILayout) -> None:

@@ -16,7 +16,7 @@ def is_there(context: Context) -> bool:
 
 def page(_context: Context) -> str:
     """What linked rigs can do."""
-    return "animate"
+    return "hand-over"
 
 
 def draw(context: Context, layout: UILayout) -> None:

@@ -7,6 +7,7 @@ from ...core.status import Remedy
 from ...operators import explain_no_target, target_of
 from ..status_box import draw_remedy
 from ..text import draw_text
+from ..try_it import draw_offer
 
 SELECT = "Select a mesh, text, curve, hair or armature"
 
@@ -18,11 +19,12 @@ def is_there(context: Context) -> bool:
 
 def page(_context: Context) -> str:
     """How to begin."""
-    return "surface"
+    return "start"
 
 
 def draw(context: Context, layout: UILayout) -> None:
     """Draw what to select, or how to make something of what is selected."""
+    draw_offer(context, layout)
     text, convertible = explain_no_target(context)
     draw_text(context, layout, text if convertible else SELECT, "INFO")
     if convertible:

@@ -30,7 +30,7 @@ def page(context: Context) -> str:
     deformer = target_of(context).sinew.active
     if has_troubles(deformer):
         return "troubles"
-    return "baking" if deformer.bake.is_baked else _task(deformer).page
+    return "bake" if deformer.bake.is_baked else _task(deformer).page
 
 
 def draw(context: Context, layout: UILayout) -> None:

@@ -7,7 +7,8 @@ from ...ids import Operators
 from ...operators import target_of
 from ...session.targets import targets
 from ..layouts import Button, draw_pair, invoking
-from ..pose import draw_drag
+from ..places import active_deformer
+from ..pose import draw_drag, draw_reset
 from ..text import draw_text
 
 _PINS = (
@@ -27,7 +28,7 @@ def is_there(context: Context) -> bool:
 
 def page(_context: Context) -> str:
     """How figures are posed by their bones."""
-    return "puppet"
+    return "pose-by-bones"
 
 
 def draw(context: Context, layout: UILayout) -> None:
@@ -49,8 +50,10 @@ def _draw_posing(context: Context, layout: UILayout, armature: Object) -> None:
     draw_text(context, layout, text, "ARMATURE_DATA")
     large = layout.column()
     large.scale_y = 1.5
-    draw_drag(large, "Drag Bones", "BONES")
+    draw_drag(large, "BONES")
     draw_pair(context, layout, _PINS)
+    if active_deformer(context) is not None:
+        draw_reset(layout)
     pinned = [bone.name for bone in armature.pose.bones if bone.sinew.pin]
     if pinned:
         draw_text(context, layout, f"Pinned: {', '.join(pinned)}", "PINNED")

@@ -16,9 +16,9 @@ from ..layouts import Button
 from ..pose import draw_drag
 from ..status_box import NATIVE_MISSING, draw_message, draw_progress
 from ..text import draw_text
+from ..try_it import draw_offer
 from .strays import draw_strays
 
-_DRAG = {True: ("Drag the Surface", "SURFACE"), False: ("Drag Points", "POINTS")}  # on meshes, and others
 _MOVED = (
     (Trait.CACHED, "{}, played from a cache"),
     (Trait.MOVED, "{}, moved before Sinew"),
@@ -40,10 +40,10 @@ def is_there(context: Context) -> bool:
 
 
 def page(context: Context) -> str:
-    """How to begin with such an object; of a plain mesh, how a surface is posed."""
+    """How to begin with such an object; of a plain mesh, the first five minutes."""
     traits = traits_of(target_of(context), context.selected_objects)
     first = suggested(traits)[0]
-    return first.page if _is_special(first, traits) or Trait.POINTS in traits else "surface"
+    return first.page if _is_special(first, traits) or Trait.POINTS in traits else "start"
 
 
 def draw(context: Context, layout: UILayout) -> None:
@@ -80,19 +80,22 @@ def draw_selection(layout: UILayout, obj: Object) -> None:
 def _draw_tasks(context: Context, layout: UILayout, obj: Object) -> None:
     """Draw the tool that drags, and the tasks that suit the object: first what is special about it."""
     traits = traits_of(obj, context.selected_objects)
+    tasks = list(suggested(traits))
+    is_plain = not (tasks and _is_special(tasks[0], traits))
+    if is_plain:
+        draw_offer(context, layout)
     text = next((said for trait, said in _MOVED if trait in traits), "{}")
     if {Trait.MOVED, Trait.BONES} <= traits:
         text = "{}, moved by bones"
     draw_text(context, layout, text.format(obj.name), f"OUTLINER_OB_{obj.type}")
-    tasks = list(suggested(traits))
     large, others = layout.column(), layout.column(align=True)
     large.scale_y, others.scale_y = 1.5, 1.15
-    drag = _DRAG[targets.is_mesh(obj)]
-    if tasks and _is_special(tasks[0], traits):
-        _draw_task(context, large, tasks.pop(0))
-        draw_drag(others, *drag)
+    drag = "SURFACE" if targets.is_mesh(obj) else "POINTS"
+    if is_plain:
+        draw_drag(large, drag)
     else:
-        draw_drag(large, *drag)
+        _draw_task(context, large, tasks.pop(0))
+        draw_drag(others, drag)
     for task in tasks:
         _draw_task(context, others, task)
     layout.operator(Operators.ALL_TASKS, icon="IMGDISPLAY")

@@ -9,7 +9,7 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, ends, grid, moved, shift, turn
+from ..meshes import STILL, closed_bar, ends, grid, moved, shift, turn
 from ..methods import EVERY_SURFACE_METHOD, called, made
 
 Polygons = tuple[np.ndarray, list[list[int]]]
@@ -30,19 +30,6 @@ def honeycomb(columns: int, rows: int) -> Polygons:
     place = np.zeros(len(points), dtype=int)
     place[used] = np.arange(len(used))
     return points[used], place[np.array(faces)].tolist()
-
-
-def tube(rings: int, around: int, radius: float) -> Polygons:
-    """A closed tube along x of quads, with two n-gons as lids."""
-    step = 2 * np.pi * radius / around
-    angles = 2 * np.pi * np.arange(around) / around
-    ring = np.stack([0 * angles, radius * np.cos(angles), radius * np.sin(angles)], 1)
-    points = np.concatenate([ring + (k * step, 0.0, 0.0) for k in range(rings)])
-    k, a = (part.ravel() for part in np.mgrid[: rings - 1, :around])
-    b = (a + 1) % around
-    quads = np.stack([k * around + a, k * around + b, (k + 1) * around + b, (k + 1) * around + a], 1)
-    lids = [list(range(around))[::-1], [(rings - 1) * around + i for i in range(around)]]
-    return points, quads.tolist() + lids
 
 
 def mesh_of(points: np.ndarray, faces: list[list[int]]) -> sn.SurfaceMesh:
@@ -78,10 +65,10 @@ def check(method: type, options: dict, mesh: sn.SurfaceMesh, handles: list[np.nd
 @EVERY_METHOD
 def test_n_gons_in_two_parts_one_with_a_border(method: type, options: dict) -> None:
     sheet, hexagons = honeycomb(9, 12)
-    closed, quads = tube(24, 12, 2.0)
-    closed += (0.0, 6.0, 12.0)
-    points = np.concatenate([sheet, closed])
-    mesh = mesh_of(points, hexagons + [[len(sheet) + v for v in face] for face in quads])
+    closed, (counts, corners) = closed_bar(23, 3)
+    points = np.concatenate([sheet, closed + (0.0, 6.0, 12.0)])
+    counts, corners = [*map(len, hexagons), *counts], [*np.concatenate(hexagons), *(len(sheet) + corners)]
+    mesh = sn.SurfaceMesh(points, (counts, corners))
     found = mesh.diagnose()
     assert found.component_count == 2
     assert len(found.non_manifold_edges) == 0
@@ -130,6 +117,7 @@ def test_a_scan_that_is_no_manifold(method: type, options: dict) -> None:
 def test_a_hundred_thousand_vertices(method: type, options: dict) -> None:
     """By the method's defaults. With other options a quarter as many, as one of them takes half a minute."""
     length = 25 if options else 50
-    points, faces = tube(8 * length, 5 * length, length / 10)
-    assert len(points) == (25_000 if options else 100_000)
-    check(method, options, mesh_of(points, faces), ends(points, 1.0), length)
+    points, faces = closed_bar(10 * length - 1, length)
+    assert len(points) == 40 * length**2 == (25_000 if options else 100_000)
+    points *= 0.1
+    check(method, options, sn.SurfaceMesh(points, faces), ends(points, 1.0), length)

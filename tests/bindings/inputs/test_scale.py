@@ -247,20 +247,14 @@ def test_cages_of_any_size_are_made_and_diagnosed(scale: float) -> None:
 def test_a_coordinate_that_is_hardly_any_is_nothing_special(tiny: float) -> None:
     points, faces = sphere(1)
     for vertex, axis in itertools.product((0, 2, 7), range(3)):
-        changed = points.copy()
-        changed[vertex, axis] = tiny
-        mesh = sn.SurfaceMesh(changed, faces)
-        found, expected = (
-            sn.diagnose_cage(each, points) for each in (mesh, mesh_with_zero(points, faces, vertex, axis))
-        )
-        assert found.summary() == expected.summary()
-        assert sn.automatic_cage(mesh, 60, 0.06)[2].faces <= 61
-
-
-def mesh_with_zero(points: np.ndarray, faces: np.ndarray, vertex: int, axis: int) -> sn.SurfaceMesh:
-    changed = points.copy()
-    changed[vertex, axis] = 0.0
-    return sn.SurfaceMesh(changed, faces)
+        meshes = []
+        for value in (tiny, 0.0):
+            changed = points.copy()
+            changed[vertex, axis] = value
+            meshes.append(sn.SurfaceMesh(changed, faces))
+        found, expected = (sn.diagnose_cage(mesh, points).summary() for mesh in meshes)
+        assert found == expected
+        assert sn.automatic_cage(meshes[0], 60, 0.06)[2].faces <= 61
 
 
 def test_a_breakdown_names_vertices_and_a_remedy() -> None:

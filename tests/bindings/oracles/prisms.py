@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The energy of Primo in NumPy, and two ways to minimise it: an oracle of tests.
+"""The energy of Primo in NumPy, and its minimum: an oracle of tests.
 
 Nothing here knows the four orthogonal parts of a gap, or centres of gravity of joints: a prism has eight or
 more corners, and the gaps between them are weighted as the paper says.
@@ -12,6 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
+from scipy.spatial.transform import Rotation
+
+from ..meshes import nearest_rotations
 
 ANCHOR = 10.0  # of a held corner of a free prism, in medians of the weights
 # (1/9) 2^(-|i-k| - |j-l|) for the corners (i, j) and (k, l) of a side: (0, 0), (0, 1), (1, 0), (1, 1)
@@ -24,20 +27,6 @@ def crosses(v: np.ndarray) -> np.ndarray:
     zero = np.zeros(len(v))
     x, y, z = v.T
     return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], 1).reshape(-1, 3, 3)
-
-
-def rotations_by(w: np.ndarray) -> np.ndarray:
-    """(k, 3, 3) the rotations by the vectors w, by Rodrigues' formula."""
-    angle = np.linalg.norm(w, axis=1)[:, None, None] + 1e-300
-    K = crosses(w) / angle
-    return np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
-
-
-def fitted(S: np.ndarray) -> np.ndarray:
-    """The rotations closest to matrices (k, 3, 3)."""
-    U, _, Vt = np.linalg.svd(S)
-    U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
-    return U @ Vt
 
 
 @dataclass
@@ -168,7 +157,7 @@ class Prisms:
             length = 1.0
             while length > 1e-4:
                 self.t[self.free] = t[self.free] + length * d[:, :3]
-                self.R[self.free] = rotations_by(length * d[:, 3:]) @ R[self.free]
+                self.R[self.free] = Rotation.from_rotvec(length * d[:, 3:]).as_matrix() @ R[self.free]
                 if self.energy() <= before + 1e-4 * length * float(gradient @ step):
                     break
                 length /= 2
@@ -177,61 +166,6 @@ class Prisms:
                 break
             if before - self.energy() <= tolerance * before:
                 break
-        return self.energy()
-
-    def colours(self) -> list[np.ndarray]:
-        """Free prisms in sets of which no two are neighbours."""
-        near: list[list[int]] = [[] for _ in self.faces]
-        for a, b in self.pairs:
-            near[a].append(b)
-            near[b].append(a)
-        colour = np.full(len(self.faces), -1)
-        for f in range(len(self.faces)):
-            used = {colour[g] for g in near[f]}
-            colour[f] = next(c for c in range(len(used) + 1) if c not in used)
-        return [np.flatnonzero((colour == c) & ~self.held) for c in range(colour.max() + 1)]
-
-    def shape_matching(self, sweeps: int) -> float:
-        """The paper's steps for single prisms: each goes to the best place among its neighbours.
-
-        That is a weighted fit of points to points, with the mass of the sides as weights.
-        """
-        C = np.linalg.cholesky(MASS).T
-        share = C.sum(1)  # of a translation in each row
-        sets = self.colours()
-        plans = []
-        for own in sets:
-            inside = np.isin(self.pairs, own)
-            plans.append((own, *np.nonzero(inside), np.flatnonzero(np.isin(self.anchored, own))))
-        for _ in range(sweeps):
-            for own, pair, side, anchor in plans:
-                body, other = self.pairs[pair, side], self.pairs[pair, 1 - side]
-                lever = self.corners[pair] - self.centres[body][:, None]
-                goal = self.t[other][:, None] + np.einsum(
-                    "kij,kcj->kci", self.R[other], self.corners[pair] - self.centres[other][:, None]
-                )
-                u = np.concatenate(
-                    [(C @ lever).reshape(-1, 3), self.anchors[anchor] - self.centres[self.anchored[anchor]]]
-                )
-                g = np.concatenate([(C @ goal).reshape(-1, 3), self.anchor_targets[anchor]])
-                s = np.concatenate([np.tile(share, len(pair)), np.ones(len(anchor))])
-                w = np.concatenate(
-                    [np.repeat(self.weights[pair], 4), np.full(len(anchor), ANCHOR * self.typical)]
-                )
-                b = np.concatenate([np.repeat(body, 4), self.anchored[anchor]])
-
-                def gathered(values: np.ndarray, b=b) -> np.ndarray:
-                    flat = values.reshape(len(values), -1)
-                    sums = [np.bincount(b, column, len(self.faces)) for column in flat.T]
-                    return np.stack(sums, 1).reshape(-1, *values.shape[1:])
-
-                total = np.maximum(gathered(w * s * s), 1e-300)[:, None]
-                mean_u = gathered((w * s)[:, None] * u) / total
-                mean_g = gathered((w * s)[:, None] * g) / total
-                du, dg = u - s[:, None] * mean_u[b], g - s[:, None] * mean_g[b]
-                S = gathered(w[:, None, None] * dg[:, :, None] * du[:, None, :])
-                self.R[own] = fitted(S[own])
-                self.t[own] = mean_g[own] - np.einsum("kij,kj->ki", self.R[own], mean_u[own])
         return self.energy()
 
     def vertices(self) -> np.ndarray:
@@ -252,5 +186,5 @@ class Prisms:
         S = np.einsum("fka,fkb->fab", now, rest)
         normal = np.cross(rest[:, 1] - rest[:, 0], rest[:, 2] - rest[:, 0])
         turned = np.cross(now[:, 1] - now[:, 0], now[:, 2] - now[:, 0])
-        self.R[self.free] = fitted(S + turned[:, :, None] * normal[:, None, :])
+        self.R[self.free] = nearest_rotations(S + turned[:, :, None] * normal[:, None, :])
         self.t[self.free] = positions[f].mean(1)

@@ -7,8 +7,8 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import BENT, STILL, bar, ends, grid, moved, shift, sphere, turn
-from ..methods import bound
+from ..meshes import BENT, STILL, bar, ends, grid, moved, nearest_rotations, shift, sphere, turn
+from .rows import Rows, differences
 
 POINTS, FACES = sphere(3)  # all cotangents positive: nothing is clamped on either side
 POLES = [np.flatnonzero(POINTS[:, 2] < -0.8), np.flatnonzero(POINTS[:, 2] > 0.8)]
@@ -21,18 +21,15 @@ def sphere_arap(**options: object) -> sn.Arap:
     return arap
 
 
-def spokes_energy(p: np.ndarray, q: np.ndarray, faces: np.ndarray) -> float:
-    """The textbook energy over ordered pairs, by libigl's cotangents and NumPy's SVD."""
+def spokes(p: np.ndarray, faces: np.ndarray) -> Rows:
+    """The textbook energy over ordered pairs, by libigl's cotangents."""
     W = igl.cotmatrix(p, faces.astype(np.int64)).tocoo()
     edges = W.row != W.col
-    i, j, w = W.row[edges], W.col[edges], W.data[edges]
-    e, f = p[i] - p[j], q[i] - q[j]
-    S = np.zeros((len(p), 3, 3))
-    np.add.at(S, i, w[:, None, None] * f[:, :, None] * e[:, None, :])
-    U, _, Vt = np.linalg.svd(S)
-    U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
-    R = U @ Vt
-    return float(np.sum(w * np.sum((f - np.einsum("kab,kb->ka", R[i], e)) ** 2, 1)))
+    i, D = W.row[edges], differences(W.row[edges], W.col[edges], len(p))
+    return Rows(D, D @ p, i, 2 * W.data[edges])
+
+
+TEXTBOOK = spokes(POINTS, FACES)
 
 
 def libigl_arap(points, faces, handles, poses, iterations: int) -> np.ndarray:
@@ -46,15 +43,6 @@ def libigl_arap(points, faces, handles, poses, iterations: int) -> np.ndarray:
     return igl.arap_solve(np.ascontiguousarray(target[order]), data, points.copy())
 
 
-def test_energy_is_the_textbooks() -> None:
-    arap = sphere_arap(smoothness=0)
-    rng = np.random.default_rng(4)
-    for size in (0.01, 0.1, 1.0):
-        q = POINTS + size * rng.normal(size=POINTS.shape)
-        # Thousands of terms round.
-        assert arap.energy(q) == pytest.approx(spokes_energy(POINTS, q, FACES), rel=1e-10)
-
-
 @pytest.mark.parametrize("smoothness", [0.0, 5e-4, 0.1])
 @pytest.mark.parametrize("cells", ["spokes", "rims"])
 def test_reported_energy_is_that_of_the_returned_shape(cells: str, smoothness: float) -> None:
@@ -65,7 +53,7 @@ def test_reported_energy_is_that_of_the_returned_shape(cells: str, smoothness: f
         lag = 1e-12 if smoothness == 0 else 1e-6 if budget == 400 else 0.2
         assert report.energy * (1 - lag) <= arap.energy(q) <= report.energy * (1 + 1e-7)
         if (cells, smoothness) == ("spokes", 0):
-            assert report.energy == pytest.approx(spokes_energy(POINTS, q, FACES), rel=1e-10)
+            assert report.energy == pytest.approx(TEXTBOOK.energy(q), rel=1e-10)
 
 
 def test_minimum_is_not_above_libigls() -> None:
@@ -74,7 +62,7 @@ def test_minimum_is_not_above_libigls() -> None:
     theirs = libigl_arap(POINTS, FACES, POLES, TURNED, 3000)
     pole = POLES[1]
     np.testing.assert_allclose(theirs[pole], moved(TURNED[1], POINTS[pole]), atol=1e-12)  # the same task
-    least = spokes_energy(POINTS, theirs, FACES)
+    least = TEXTBOOK.energy(theirs)
     assert report.energy <= least * (1 + 1e-6)  # its alternation still creeps after 3,000 iterations
     assert report.energy == pytest.approx(least, rel=0.01)  # and is the same minimum
     assert np.abs(q - theirs).max() < 0.05
@@ -94,45 +82,20 @@ def test_smooth_rotations_keep_their_stiffness_on_finer_meshes() -> None:
     assert energy(24, 0.0) < 0.5 * energy(12, 0.0)
 
 
-def test_converges_from_a_warm_start_to_the_same_shape() -> None:
-    arap, points, _ = bound(sn.Arap, n=14)
-    cold, _ = arap.solve(BENT, max_iterations=300, tolerance=1e-10)
-    warm, _ = arap.solve(BENT, start=points, max_iterations=600, tolerance=1e-10)
-    assert np.abs(cold - warm).max() < 1e-2  # flat minimum: E agrees to 1e-8
-
-
-def residual(p: np.ndarray, q: np.ndarray, faces: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The gradient of a quarter of the energy at all vertices, for fitted rotations, and the masses."""
-    L = -igl.cotmatrix(p, faces.astype(np.int64))
-    W = L.tocoo()
-    edges = W.row != W.col
-    i, j, w = W.row[edges], W.col[edges], -W.data[edges]
-    e, f = p[i] - p[j], q[i] - q[j]
-    S = np.zeros((len(p), 3, 3))
-    np.add.at(S, i, w[:, None, None] * f[:, :, None] * e[:, None, :])
-    U, _, Vt = np.linalg.svd(S)
-    U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
-    R = U @ Vt
-    r = np.zeros_like(p)
-    np.add.at(r, i, w[:, None] * (f - 0.5 * np.einsum("kab,kb->ka", R[i] + R[j], e)))
-    mass = igl.massmatrix(p, faces.astype(np.int64), igl.MASSMATRIX_TYPE_VORONOI).diagonal()
-    return r, mass / mass.mean()
-
-
 def test_energy_with_point_handles_is_that_of_the_paper() -> None:
     """(1 - lambda) E + 2 lambda |r|^2 / m: the quadratic form of lambda L M^-1 L + (1 - lambda) L."""
     tip = [POLES[0], np.array([int(np.argmax(POINTS[:, 2]))])]
     lift = np.stack([STILL, turn((1, 0, 0), 0, (0, 0, 0), (0, 0, 0.5))])
     L = -igl.cotmatrix(POINTS, FACES.astype(np.int64)).toarray()
+    mass = igl.massmatrix(POINTS, FACES.astype(np.int64), igl.MASSMATRIX_TYPE_VORONOI).diagonal()
+    mass /= mass.mean()
     free = np.setdiff1d(np.arange(len(POINTS)), np.concatenate(tip))
     for weight in (0.2, 0.8):
         arap = sn.Arap(sn.SurfaceMesh(POINTS, FACES), smoothness=0, point_handles=weight)
         arap.set_handles(tip)
         q, report = arap.solve(lift, max_iterations=300)
-        r, mass = residual(POINTS, q, FACES)
-        expected = (1 - weight) * spokes_energy(POINTS, q, FACES) + 2 * weight * float(
-            (r**2 / mass[:, None]).sum()
-        )
+        r = TEXTBOOK.gradient(q) / 4
+        expected = (1 - weight) * TEXTBOOK.energy(q) + 2 * weight * float((r**2 / mass[:, None]).sum())
         assert report.energy == pytest.approx(expected, rel=1e-8)
         # The positions solve the system of the paper for these rotations, but for the last steps.
         system = weight * L @ np.diag(1 / mass) @ L + (1 - weight) * L
@@ -141,18 +104,11 @@ def test_energy_with_point_handles_is_that_of_the_paper() -> None:
         assert np.abs(step).max() < 0.01 * 0.5
 
 
-def rotations(S: np.ndarray) -> np.ndarray:
-    U, _, Vt = np.linalg.svd(S)
-    U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
-    return U @ Vt
-
-
 class Definition:
     """The energy of the header term by term, with weights from angles, and its gradient."""
 
     def __init__(self, points, triangles, cells: str, smoothness: float, rigidity) -> None:
-        n, self.points = len(points), points
-        self.rigidity = np.broadcast_to(rigidity, n)
+        n = len(points)
         corners = [np.roll(triangles, -k, axis=1).T for k in range(3)]  # an edge (a, b) and what is opposite
         a, b, c = (np.concatenate(part) for part in zip(*corners))
         u, v = points[a] - points[c], points[b] - points[c]
@@ -166,36 +122,31 @@ class Definition:
         mean = np.abs(W[joined]).mean()
         if cells == "rims":
             w = np.clip(w, 1e-6 * mean, 1e4 * mean)
-            self.cell = np.concatenate([a, b, c])
-            self.i, self.j, self.w = np.tile(a, 3), np.tile(b, 3), np.tile(w, 3)
+            cell, i, j, own = np.concatenate([a, b, c]), np.tile(a, 3), np.tile(b, 3), np.tile(w, 3)
             W = np.zeros((n, n))
             np.add.at(W, (a, b), w)
             np.add.at(W, (b, a), w)
         else:
             W = np.where(joined, np.clip(W, 1e-6 * mean, 1e4 * mean), 0.0)
-            self.i, self.j = np.nonzero(joined)
-            self.cell, self.w = self.i, W[joined]
-        self.w = self.w * self.rigidity[self.cell]
-        self.smooth = smoothness * across.sum() / 6 * W * (self.rigidity + self.rigidity[:, None]) / 2
+            i, j = np.nonzero(joined)
+            cell, own = i, W[joined]
+        D, rigidity = differences(i, j, n), np.broadcast_to(rigidity, n)
+        self.rows = Rows(D, D @ points, cell, 2 * own * rigidity[cell])
+        self.smooth = smoothness * across.sum() / 6 * W * (rigidity + rigidity[:, None]) / 2
 
     def settled(self, q: np.ndarray) -> tuple[float, np.ndarray]:
         """The energy and its gradient with the best rotations: with smoothness until they no longer move."""
-        e, f = self.points[self.i] - self.points[self.j], q[self.i] - q[self.j]
-        S = np.zeros((len(q), 3, 3))
-        np.add.at(S, self.cell, self.w[:, None, None] * f[:, :, None] * e[:, None, :])
-        R, before = rotations(S), np.inf
+        S = self.rows.covariances(q) / 2
+        R, before = nearest_rotations(S), np.inf
         pull = 2 * (self.smooth + np.diag(self.smooth.sum(1)))  # with its own rotation, no step overshoots
         for _sweep in range(20_000):
-            gap = f - np.einsum("kab,kb->ka", R[self.cell], e)
-            energy = float((self.w[:, None] * gap**2).sum())
-            energy += float((self.smooth * ((R[:, None] - R[None]) ** 2).sum((2, 3))).sum())
+            energy = self.rows.energy(q, R) + float(
+                (self.smooth * ((R[:, None] - R[None]) ** 2).sum((2, 3))).sum()
+            )
             if energy > before * (1 - 1e-13):
                 break
-            before, R = energy, rotations(S + np.einsum("ij,jab->iab", pull, R))
-        gradient = np.zeros_like(q)
-        np.add.at(gradient, self.i, 2 * self.w[:, None] * gap)
-        np.add.at(gradient, self.j, -2 * self.w[:, None] * gap)
-        return energy, gradient
+            before, R = energy, nearest_rotations(S + np.einsum("ij,jab->iab", pull, R))
+        return energy, self.rows.gradient(q, R)
 
 
 SURFACES = {"sphere": sphere(1), "hill": grid(4), "squares": bar(4, 2)}  # acute, obtuse and right angles
@@ -253,18 +204,15 @@ def test_mesh_puppetry_has_the_energy_of_its_header_at_a_minimum(bending: float)
     L = -igl.cotmatrix(points, mesh.triangles.astype(np.int64)).toarray()
     mass = igl.massmatrix(points, mesh.triangles.astype(np.int64), igl.MASSMATRIX_TYPE_VORONOI).diagonal()
     i, j = np.nonzero(L - np.diag(np.diag(L)))
-    handles, flexible = ends(points, 2), bending * mass.sum() / mass
+    handles, D = ends(points, 2), np.concatenate([differences(i, j, len(points)).toarray(), L])
+    weights = np.concatenate([-L[i, j], bending * mass.sum() / mass])
+    rows = Rows(D, D @ points, np.concatenate([i, np.arange(len(points))]), weights)
 
     def energy(q: np.ndarray, poses: np.ndarray) -> float:
-        rows = np.concatenate([points[i] - points[j], L @ points])
-        posed = np.concatenate([q[i] - q[j], L @ q])
-        weight, cell = np.concatenate([-L[i, j], flexible]), np.concatenate([i, np.arange(len(q))])
-        S = np.zeros((len(q), 3, 3))
-        np.add.at(S, cell, weight[:, None, None] * posed[:, :, None] * rows[:, None, :])
-        R = rotations(S)
+        R = rows.rotations(q)
         for handle, pose in zip(handles, poses):
             R[handle] = pose[:, :3]
-        return 0.5 * float((weight[:, None] * (posed - np.einsum("kab,kb->ka", R[cell], rows)) ** 2).sum())
+        return rows.energy(q, R)
 
     method = sn.MeshPuppetry(mesh, bending=bending, max_iterations=400, tolerance=1e-12)
     method.set_handles(handles)

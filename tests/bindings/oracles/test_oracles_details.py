@@ -6,7 +6,7 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, ends, grid, sphere, turn
+from ..meshes import STILL, edges_of, ends, grid, nearest_rotations, sphere, turn
 from .test_oracles_surface import MESHES, Rest, gradients
 
 BALL, BALL_FACES = sphere(3)
@@ -59,7 +59,7 @@ def test_the_base_is_what_implicit_fairing_leaves(name: str, free: int | None) -
         assert len(rest.free) == free
     method = sn.Multiresolution(rest.mesh, sn.ThinShell(rest.mesh), wavelength=WAVELENGTH)
     method.set_handles(rest.handles)
-    pairs = np.array([element for element, _ in rest.elements("uniform")])
+    pairs = edges_of(rest.faces)
     length = WAVELENGTH * np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1).mean()
     L, M = rest.laplacian("cotan_voronoi"), rest.mass("cotan_voronoi")
     A = np.diag(M) + (length / (2 * np.pi)) ** 4 * L @ (L / M[:, None])
@@ -74,9 +74,7 @@ def test_vectors_turn_as_the_rings_of_the_base_do() -> None:
     sums = np.zeros((len(band.fine), 3, 3))
     for corner in range(3):
         np.add.at(sums, band.triangles[:, corner], area[:, None, None] * band.maps(0.0))
-    U, _, Vt = np.linalg.svd(sums)
-    U[:, :, 2] *= np.linalg.det(U @ Vt)[:, None]
-    expected = band.moved + np.einsum("vij,vj->vi", U @ Vt, band.fine - band.base)
+    expected = band.moved + np.einsum("vij,vj->vi", nearest_rotations(sums), band.fine - band.base)
     assert np.abs(band.fine - band.base).max() > 0.05
     np.testing.assert_allclose(band.found, expected, rtol=0, atol=1e-11)
 

@@ -1,29 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Pyramid coordinates against NumPy's, minimised by Gauss-Newton over points and rotations together."""
 
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from scipy.sparse.linalg import splu
-from scipy.spatial.transform import Rotation
 
 import sinew_native as sn
 
-from ..meshes import STILL, grid, moved, sphere, turn
+from ..meshes import STILL, ends, grid, moved, sphere, turn
+from .rows import Rows
 
 SIDE = 0.05
-
-
-@dataclass
-class Table:
-    """Rows |D x - R_g u|^2 with weights."""
-
-    D: sp.csr_matrix
-    u: np.ndarray
-    group: np.ndarray
-    weight: np.ndarray
 
 
 def rings_of(count: int, faces: np.ndarray) -> tuple[list[list[int]], np.ndarray]:
@@ -55,7 +42,7 @@ def mean_values(p: np.ndarray, i: int, ring: list[int]) -> np.ndarray:
     return w / w.sum()
 
 
-def table_of(p: np.ndarray, faces: np.ndarray) -> Table:
+def table_of(p: np.ndarray, faces: np.ndarray) -> Rows:
     rings, is_open = rings_of(len(p), faces)
     a, b, c = p[faces].swapaxes(0, 1)
     area = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
@@ -80,47 +67,7 @@ def table_of(p: np.ndarray, faces: np.ndarray) -> Table:
             group.append(i)
             weight.append(SIDE / len(ring))
     D = sp.csr_matrix((values, (rows, columns)), (len(weight), len(p)))
-    return Table(D, D @ p, np.array(group), np.array(weight))
-
-
-def energy(table: Table, x: np.ndarray, R: np.ndarray) -> float:
-    gap = table.D @ x - np.einsum("kab,kb->ka", R[table.group], table.u)
-    return float(0.5 * (table.weight * (gap**2).sum(1)).sum())
-
-
-def gauss_newton(table: Table, x: np.ndarray, R: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, float]:
-    """The minimum over free points and all rotations, from a start."""
-    root = sp.diags(np.sqrt(np.repeat(table.weight, 3)))
-    of_points = sp.kron(table.D[:, free], sp.identity(3), format="csr")
-    count, m = len(R), len(table.u)
-    E = energy(table, x, R)
-    for _ in range(200):
-        turned = np.einsum("kab,kb->ka", R[table.group], table.u)
-        cross = np.zeros((m, 3, 3))
-        for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-            cross[:, a, b], cross[:, b, a] = -turned[:, c], turned[:, c]
-        rows = np.broadcast_to(3 * np.arange(m)[:, None, None] + np.arange(3)[:, None], (m, 3, 3))
-        columns = np.broadcast_to(3 * table.group[:, None, None] + np.arange(3), (m, 3, 3))
-        of_turns = sp.csr_matrix((cross.ravel(), (rows.ravel(), columns.ravel())), (3 * m, 3 * count))
-        J = root @ sp.hstack([of_points, of_turns])
-        gap = root @ (table.D @ x - turned).ravel()
-        A = (J.T @ J).tocsc()
-        A += 1e-10 * A.diagonal().mean() * sp.identity(A.shape[0])
-        step = -splu(A.tocsc()).solve(J.T @ gap)
-        move, spin = step[: 3 * len(free)].reshape(-1, 3), step[3 * len(free) :].reshape(-1, 3)
-        length = 1.0
-        while True:
-            y = x.copy()
-            y[free] += length * move
-            Q = Rotation.from_rotvec(length * spin).as_matrix() @ R
-            F = energy(table, y, Q)
-            if F <= E or length < 1e-6:
-                break
-            length /= 2
-        if not F < E * (1 - 1e-12):
-            return x, E
-        x, R, E = y, Q, F
-    return x, E
+    return Rows(D, D @ p, np.array(group), np.array(weight))
 
 
 def plate() -> tuple[np.ndarray, np.ndarray]:
@@ -134,20 +81,18 @@ def plate() -> tuple[np.ndarray, np.ndarray]:
 def test_minimum_is_that_of_gauss_newton(shape: tuple[np.ndarray, np.ndarray]) -> None:
     p, faces = shape
     low, high = p[:, 0].min(), p[:, 0].max()
-    reach = 0.15 * (high - low)
-    handles = [np.flatnonzero(p[:, 0] < low + reach), np.flatnonzero(p[:, 0] > high - reach)]
+    handles = ends(p, 0.15 * (high - low))
     centre = tuple(p[handles[1]].mean(0))
     poses = np.stack([STILL, turn((1, 0.3, 0.2), 50, centre, (0.1 * (low - high), 0.1 * (high - low), 0.05))])
     method = sn.PyramidCoordinates(sn.SurfaceMesh(p, faces), side=SIDE)
     method.set_handles(handles)
     ours, report = method.solve(poses, max_iterations=3000, tolerance=1e-14)
 
-    table = table_of(p, faces)
     x = p.copy()
     for pose, handle in zip(poses, handles):
         x[handle] = moved(pose, p[handle])
     free = np.setdiff1d(np.arange(len(p)), np.concatenate(handles))
-    theirs, least = gauss_newton(table, x, np.tile(np.eye(3), (len(p), 1, 1)), free)
+    theirs, least = table_of(p, faces).minimum(x, free)
     assert report.energy == pytest.approx(least, rel=1e-6)  # both are flat there
     assert np.abs(ours - theirs).max() < 1e-3 * (high - low)
 

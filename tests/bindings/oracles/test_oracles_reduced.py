@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Surface methods with few unknowns against NumPy and SciPy."""
 
+import igl
 import numpy as np
 import pytest
 import scipy.sparse as sparse
@@ -8,7 +9,10 @@ from scipy.sparse.linalg import splu
 
 import sinew_native as sn
 
+from ..cages import bound
 from ..meshes import STILL, ends, grid, moved, sphere, turn
+from .rows import Rows, differences
+from .test_oracles_surface import positive
 
 BALL, FACES = sphere(4)  # 1,026 vertices
 POINTS = BALL * (4.0, 1.0, 1.0) + 0.3 * np.sin(2 * BALL[:, [1, 2, 0]])  # long, and no symmetry
@@ -19,30 +23,8 @@ TWISTED = np.stack([STILL, turn((1, 0, 0), 135)])
 
 def cotan(points: np.ndarray, faces: np.ndarray) -> tuple[sparse.csr_matrix, np.ndarray]:
     """The positive semi-definite Laplacian with its negative weights cut, and mixed Voronoi areas."""
-    n, entries, mass = len(points), [], np.zeros(len(points))
-    for k in range(3):
-        a, b, c = faces[:, k], faces[:, (k + 1) % 3], faces[:, (k + 2) % 3]
-        u, v = points[b] - points[a], points[c] - points[a]
-        double = np.linalg.norm(np.cross(u, v), axis=1)
-        half = 0.5 * np.einsum("ij,ij->i", u, v) / double
-        entries += [(b, c, half), (c, b, half)]
-        cosines = [np.einsum("ij,ij->i", points[q] - points[p], points[r] - points[p]) for p, q, r in
-                   ((a, b, c), (b, c, a), (c, a, b))]  # fmt: skip
-        blunt = np.min(cosines, axis=0) < 0
-        own = cosines[0] < 0
-        to_c, to_b = (cosines[1] / double), (cosines[2] / double)
-        voronoi = (to_c * (v**2).sum(1) + to_b * (u**2).sum(1)) / 8
-        np.add.at(mass, a, np.where(blunt, np.where(own, double / 4, double / 8), voronoi))
-    rows, columns, weights = (np.concatenate(part) for part in zip(*entries))
-    W = sparse.coo_matrix((weights, (rows, columns)), (n, n)).tocsr()
-    W.data = np.where(W.data < 0, -1e-6 * W.data, W.data)
-    return sparse.csr_matrix(sparse.diags(np.asarray(W.sum(1)).ravel()) - W), mass
-
-
-def rotations(S: np.ndarray) -> np.ndarray:
-    U, _sizes, Vt = np.linalg.svd(S)
-    U[:, :, 2] *= np.sign(np.linalg.det(U @ Vt))[:, None]
-    return U @ Vt
+    L = positive(-igl.cotmatrix(points, faces).toarray())
+    return sparse.csr_matrix(L), igl.massmatrix(points, faces, igl.MASSMATRIX_TYPE_VORONOI).diagonal()
 
 
 def test_isolines_are_the_minimum_of_their_energy() -> None:
@@ -52,8 +34,8 @@ def test_isolines_are_the_minimum_of_their_energy() -> None:
     bands = method.bands()
     L, _mass = cotan(POINTS, FACES)
     W = (sparse.diags(L.diagonal()) - L).tocoo()
-    i, j, w = W.row, W.col, W.data
-    rest = POINTS[i] - POINTS[j]
+    D = differences(W.row, W.col, len(POINTS))
+    rows = Rows(D, D @ POINTS, bands[W.row], W.data)
     held = np.concatenate(HANDLES)
     free = np.setdiff1d(np.arange(len(POINTS)), held)
     solve = splu(sparse.csc_matrix(L[free][:, free])).solve
@@ -63,46 +45,16 @@ def test_isolines_are_the_minimum_of_their_energy() -> None:
             x[handle] = moved(pose, POINTS[handle])
         R = np.tile(np.eye(3), (bands.max() + 1, 1, 1))
         for _turn in range(3000):
-            sides = 0.5 * w[:, None] * np.einsum("kab,kb->ka", R[bands[i]] + R[bands[j]], rest)
-            b = np.stack([np.bincount(i, column, len(POINTS)) for column in sides.T], 1)
+            b = 0.5 * D.T @ (rows.weight[:, None] * rows.turned(R))
             x[free] = solve((b - L[:, held] @ x[held])[free])
-            now = x[i] - x[j]
-            S = np.zeros_like(R)
-            np.add.at(S, bands[i], w[:, None, None] * now[:, :, None] * rest[:, None, :])
-            fitted = rotations(S)
+            fitted = rows.rotations(x)
             change, R = np.abs(fitted - R).max(), fitted
             if change < 1e-10:
                 break
         found, report = method.solve(poses)
         assert report.converged
         assert np.abs(found - x).max() < 1e-5  # its columns are in single precision
-        energy = (w * ((now - np.einsum("kab,kb->ka", R[bands[i]], rest)) ** 2).sum(1)).sum()
-        assert report.energy == pytest.approx(energy, rel=1e-6)
-
-
-def mean_values(points: np.ndarray, corners: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    """Mean value weights of points strictly inside a cage, by spherical triangles."""
-    W = np.zeros((len(points), len(corners)))
-    away = corners[None] - points[:, None]
-    distance = np.linalg.norm(away, axis=2)
-    unit = away / distance[:, :, None]
-    for face in faces:
-        a, b, c = (unit[:, v] for v in face)
-        sides = [2 * np.arcsin(np.clip(np.linalg.norm(p - q, axis=1) / 2, 0, 1)) for p, q in
-                 ((b, c), (c, a), (a, b))]  # fmt: skip
-        half = sum(sides) / 2
-        sign = np.sign(np.einsum("ij,ij->i", np.cross(a, b), c))
-        cosines = [
-            2 * np.sin(half) * np.sin(half - sides[k])
-            / (np.sin(sides[(k + 1) % 3]) * np.sin(sides[(k + 2) % 3])) - 1
-            for k in range(3)
-        ]  # fmt: skip
-        sines = [sign * np.sqrt(np.clip(1 - cosine**2, 0, 1)) for cosine in cosines]
-        for k in range(3):
-            p, q = (k + 1) % 3, (k + 2) % 3
-            below = distance[:, face[k]] * np.sin(sides[p]) * sines[q]
-            W[:, face[k]] += (sides[k] - cosines[p] * sides[q] - cosines[q] * sides[p]) / below
-    return W / W.sum(1, keepdims=True)
+        assert report.energy == pytest.approx(2 * rows.energy(x, R), rel=1e-6)
 
 
 def volume(x: np.ndarray) -> tuple[float, np.ndarray]:
@@ -120,19 +72,13 @@ class Subspace:
         L, mass = cotan(POINTS, FACES)
         area = np.linalg.norm(np.cross(*(POINTS[FACES[:, k]] - POINTS[FACES[:, 0]] for k in (1, 2))), axis=1)
         W = (sparse.diags(L.diagonal()) - L).tocoo()
-        edges = sparse.csr_matrix((len(W.row), len(POINTS)))
-        ones = np.ones(len(W.row))
-        at = np.arange(len(W.row))
-        edges = sparse.coo_matrix((ones, (at, W.row)), edges.shape).tocsr()
-        edges -= sparse.coo_matrix((ones, (at, W.col)), edges.shape).tocsr()
-        self.rest = np.concatenate([edges @ POINTS, L @ POINTS])
-        self.rows = np.concatenate([edges @ B, L @ B])
-        self.weights = np.concatenate([0.5 * W.data, bending * area.sum() / 2 / mass])
-        self.cluster = np.concatenate([clusters[W.row], clusters])
+        D = sparse.vstack([differences(W.row, W.col, len(POINTS)), L])
+        weights = np.concatenate([0.5 * W.data, bending * area.sum() / 2 / mass])
+        self.rows = Rows(D @ B, D @ POINTS, np.concatenate([clusters[W.row], clusters]), weights)
         self.B = B
         held = [np.full(len(handle), 1e5 / len(handle)) for handle in HANDLES]
         self.pulls = np.concatenate(held)
-        self.A = self.rows.T @ (self.weights[:, None] * self.rows)
+        self.A = self.rows.D.T @ (weights[:, None] * self.rows.D)
         pulled = B[np.concatenate(HANDLES)]
         self.A += pulled.T @ (self.pulls[:, None] * pulled)
         self.A += 1e-10 * np.trace(self.A) / len(self.A) * np.eye(len(self.A))
@@ -143,12 +89,8 @@ class Subspace:
         pull = self.B[np.concatenate(HANDLES)].T @ (self.pulls[:, None] * targets)
         inverse = np.linalg.inv(self.A)
         for _turn in range(4000):
-            now = self.rows @ y
-            S = np.zeros((self.cluster.max() + 1, 3, 3))
-            np.add.at(S, self.cluster, self.weights[:, None, None] * now[:, :, None] * self.rest[:, None, :])
-            R = rotations(S)
-            aims = np.einsum("kab,kb->ka", R[self.cluster], self.rest)
-            following = inverse @ (self.rows.T @ (self.weights[:, None] * aims) + pull)
+            aims = self.rows.weight[:, None] * self.rows.turned(self.rows.rotations(y))
+            following = inverse @ (self.rows.D.T @ aims + pull)
             if wanted is not None:
                 own, gradient = volume(self.B @ y)
                 c = self.B.T @ gradient
@@ -168,7 +110,7 @@ def test_the_subspace_has_the_minimum_of_its_energy(keep_volume: bool) -> None:
     method = sn.SubspaceLaplacian(mesh, keep_volume=keep_volume, tolerance=1e-12, max_iterations=2000)
     method.set_handles(HANDLES)
     (cage,) = method.cages()
-    B = mean_values(POINTS, cage.points, cage.triangles)
+    B = bound(sn.MeanValue, cage, POINTS).vertex_weights
     np.testing.assert_allclose(B @ cage.points, POINTS, atol=1e-9)
     oracle = Subspace(B, method.clusters(), 0.0015)
     before = volume(POINTS)[0]

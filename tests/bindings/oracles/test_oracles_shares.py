@@ -8,7 +8,7 @@ import pytest
 import sinew_native as sn
 
 from .. import limits
-from ..meshes import STILL, bar, ends, grid, joined, shift, sphere
+from ..meshes import STILL, bar, edges_of, ends, grid, joined, shift, sphere
 
 Meshes = tuple[np.ndarray, np.ndarray]
 FIELDS = ("harmonic", "geodesic", "euclidean")
@@ -87,7 +87,7 @@ def test_shares_by_straight_distances_are_those_of_their_inverses() -> None:
     points, faces = mesh = two_spheres(2.5)
     handles = [[*range(50, 250, 3), FIRST + 1], [1], [4, FIRST + 5], [40, 41]]  # more than a leaf of the tree
     weights = [np.ones(len(handle)) for handle in handles[:3]] + [np.array([0.5, 0.9])]
-    sides = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])), axis=0)
+    sides = edges_of(faces)
     edge = np.linalg.norm(points[sides[:, 0]] - points[sides[:, 1]], axis=1).mean()
     part = np.arange(len(points)) >= FIRST
     nearest = []

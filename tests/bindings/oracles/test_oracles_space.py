@@ -8,35 +8,26 @@ import pytest
 
 import sinew_native as sn
 
-pytest.importorskip("scipy.sparse")
-from .embedded_graph import PaperEnergy  # needs SciPy
+from ..meshes import STILL, shift, turn
+from .embedded_graph import PaperEnergy
 
 
 def tube(around: int = 12, along: int = 30) -> tuple[np.ndarray, np.ndarray]:
     """An open tube of length 6 and radius 1: points, and quads."""
-    turn, height = np.meshgrid(
+    angle, height = np.meshgrid(
         np.linspace(0, 2 * np.pi, around, endpoint=False), np.linspace(0, 6, along), indexing="ij"
     )
-    points = np.stack((np.cos(turn), np.sin(turn), height), -1).reshape(-1, 3)
+    points = np.stack((np.cos(angle), np.sin(angle), height), -1).reshape(-1, 3)
     i, j = np.meshgrid(np.arange(around), np.arange(along - 1), indexing="ij")
     k = (i + 1) % around
     quads = np.stack((i * along + j, k * along + j, k * along + j + 1, i * along + j + 1), -1)
     return points, quads.reshape(-1, 4)
 
 
-def turned(axis: tuple, degrees: float, move: tuple = (0, 0, 0)) -> np.ndarray:
-    x, y, z = np.array(axis) / np.linalg.norm(axis)
-    K = np.array([(0, -z, y), (z, 0, -x), (-y, x, 0)])
-    angle = np.radians(degrees)
-    R = np.eye(3) + np.sin(angle) * K + (1 - np.cos(angle)) * K @ K
-    return np.column_stack((R, move))
-
-
-STILL = np.eye(4)[:3]
 POSES = {
-    "bend": np.stack((STILL, turned((0, 1, 0), 90, (0.5, 0, -3.5)))),
-    "twist": np.stack((STILL, turned((0, 0, 1), 135))),
-    "stretch": np.stack((STILL, turned((0, 0, 1), 0, (0, 0, 2)))),
+    "bend": np.stack((STILL, turn((0, 1, 0), 90, move=(0.5, 0, -3.5)))),
+    "twist": np.stack((STILL, turn((0, 0, 1), 135))),
+    "stretch": np.stack((STILL, shift(0, 0, 2))),
 }
 
 
@@ -85,7 +76,7 @@ def test_rigid_cells_turn_a_beam_as_an_elastic_one() -> None:
         cells=2000, tolerance=1e-7, max_iterations=400,
     )  # fmt: skip
     method.bind(points)
-    shape = method.warp_poses(np.stack((STILL, turned((0, 0, 1), 90))))
+    shape = method.warp_poses(np.stack((STILL, turn((0, 0, 1), 90))))
     between = (points[:, 2] > 1.5) & (points[:, 2] < 10.5)
     angle = np.angle((shape[:, 0] + 1j * shape[:, 1]) / (points[:, 0] + 1j * points[:, 1]))
     np.testing.assert_allclose(angle[between], np.radians(90) * (points[between, 2] - 1.0) / 10.0, atol=0.05)

@@ -8,10 +8,10 @@ import sinew_native as sn
 
 from .. import limits
 from ..cages import CUBE, QUADS, bound, u_prism
-from ..meshes import joined, moved, sphere, turn
+from ..meshes import halved, joined, moved, sphere, turn
 from .test_cages import bumpy, near
 
-CUT = np.concatenate([QUADS[:, [0, 1, 2]], QUADS[:, [0, 2, 3]]])
+CUT = halved(QUADS)
 SHEAR = np.column_stack([[(1.2, 0.3, 0), (-0.4, 0.8, 0.1), (0.5, 0.2, 2)], (1, -2, 3)])
 SIMILAR = np.column_stack([2.5 * turn((1, 2, -1), 130)[:, :3], (3, -1, 2)])
 GREEN = [(sn.Green, {"faces": "triangles"}), (sn.Green, {"faces": "quads"})]

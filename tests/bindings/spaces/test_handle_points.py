@@ -9,39 +9,14 @@ import sinew_native as sn
 
 from .. import limits
 from ..figures import animal
-from ..meshes import grid
+from ..meshes import edges_of, grid, moved, quad_grid, shift, turn
+from ..oracles.test_oracles_points import least_squares
 
 RANDOM = np.random.default_rng(7)
 HANDLES = RANDOM.uniform(-1.0, 2.0, (60, 3))
 POINTS = RANDOM.uniform(-1.2, 2.2, (150, 3))
 MOVES = RANDOM.uniform(-0.3, 0.3, HANDLES.shape)
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
-
-
-@pytest.mark.parametrize(
-    ("kernel", "scipy", "degree"), [("triharmonic", "cubic", 2), ("biharmonic", "linear", 1)]
-)
-def test_rbf_is_scipys_interpolant(kernel: str, scipy: str, degree: int) -> None:
-    rbf = sn.Rbf(HANDLES, kernel=kernel)
-    assert rbf.bind(POINTS).remarks == []
-    expected = RBFInterpolator(HANDLES, MOVES, kernel=scipy, degree=degree)(POINTS)
-    assert np.abs(rbf.warp(HANDLES + MOVES) - POINTS - expected).max() < 1e-10
-    assert len(rbf.centres) == len(HANDLES)
-
-
-def rigid(v: np.ndarray, p: np.ndarray, q: np.ndarray, w: np.ndarray | None = None) -> np.ndarray:
-    w = 1.0 / ((p - v) ** 2).sum(axis=1) ** 2 if w is None else w
-    a, b = w @ p / w.sum(), w @ q / w.sum()
-    u, _s, vt = np.linalg.svd((q - b).T @ ((p - a) * w[:, None]))
-    turn = u @ np.diag((1.0, 1.0, np.sign(np.linalg.det(u @ vt)))) @ vt
-    return turn @ (v - a) + b
-
-
-def test_mls_is_numpys_at_each_point() -> None:
-    mls = sn.Mls(HANDLES, precision="double")
-    mls.bind(POINTS)
-    expected = np.array([rigid(v, HANDLES, HANDLES + MOVES) for v in POINTS])
-    assert np.abs(mls.warp(HANDLES + MOVES) - expected).max() < 1e-10
 
 
 @pytest.mark.parametrize("method", [sn.Rbf, sn.Mls, sn.SpacePropagation])
@@ -95,18 +70,18 @@ def more_of(method: type, counts: list[int]) -> dict[str, object]:
 
 
 def test_multiresolution_puts_details_back_on_the_base_of_any_of_them() -> None:
-    x, y = (w.ravel() for w in np.meshgrid(np.arange(12.0), np.arange(9.0)))
-    points = np.stack((x, y, 0.3 * np.sin(2 * x) * np.cos(y)), -1)
-    a = (np.arange(8)[:, None] * 12 + np.arange(11)).ravel()
-    mesh = sn.SurfaceMesh(points, np.stack((a, a + 1, a + 13, a + 12), -1))
+    points, quads = quad_grid(11, 8)
+    x, y, _ = points.T
+    points[:, 2] = 0.3 * np.sin(2 * x) * np.cos(y)
+    mesh = sn.SurfaceMesh(points, quads)
     parts = [points[x < 1], points[x > 10]]
     places, counts = np.concatenate(parts), [len(part) for part in parts]
     for base in (sn.Rbf, sn.Mls, sn.SpacePropagation):
         made = sn.MultiresolutionSpace(places, base(places, counts), mesh, counts, wavelength=6.0)
         made.bind(points)
         assert np.array_equal(made.warp(made.control), points)
-        moved = made.warp(made.control @ TURN.T + 1.0)
-        assert np.abs(moved - points @ TURN.T - 1.0).max() < 1e-5
+        found = made.warp(made.control @ TURN.T + 1.0)
+        assert np.abs(found - points @ TURN.T - 1.0).max() < 1e-5
 
 
 def bones(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -150,12 +125,12 @@ def test_mls_takes_places_that_handles_share_to_the_mean_of_their_targets() -> N
     assert len(shared) > 10
     made, posed = held_by_bones(sn.Mls, BLEND, precision="double")
     made.bind(np.concatenate((BLEND, POINTS)))
-    moved = made.warp(posed)
-    assert np.abs(moved[: len(BLEND)] - blended(BLEND)).max() < 1e-12
-    for v, place in zip(POINTS[:20], moved[len(BLEND) : len(BLEND) + 20], strict=True):
-        w = weights / ((BLEND - v) ** 2).sum(axis=1) ** 2 / (weights > 0.0).sum(axis=1)[:, None]
+    found = made.warp(posed)
+    assert np.abs(found[: len(BLEND)] - blended(BLEND)).max() < 1e-12
+    for v, place in zip(POINTS[:20], found[len(BLEND) : len(BLEND) + 20], strict=True):
+        share = weights / (weights > 0.0).sum(axis=1)[:, None]
         p, q = np.tile(BLEND, (2, 1)), np.concatenate((BLEND, BLEND @ TURN.T + 0.5))
-        assert np.abs(place - rigid(v, p, q, w.ravel())).max() < 1e-9
+        assert np.abs(place - least_squares(p, q, share.ravel(), v, "rigid", 2.0)).max() < 1e-9
 
 
 def test_a_segment_counts_as_much_as_its_ends_are_held() -> None:
@@ -231,13 +206,10 @@ def test_what_memory_does_not_hold_is_refused(method: type) -> None:
         made.bind(np.tile(POINTS, (10, 1)))
 
 
-def about(axis: int, degrees: float, place: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """A turn about an axis through a place."""
-    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
-    turn = np.eye(3)
-    others = [(axis + 1) % 3, (axis + 2) % 3]
-    turn[np.ix_(others, others)] = (c, -s), (s, c)
-    return turn, place - turn @ place
+def longest_edge(before: np.ndarray, after: np.ndarray, faces: np.ndarray) -> float:
+    """By how much an edge has become longer, at most."""
+    a, b = edges_of(faces).T
+    return (np.linalg.norm(after[a] - after[b], axis=1) / np.linalg.norm(before[a] - before[b], axis=1)).max()
 
 
 @pytest.mark.parametrize("sizes", [(0.45, 0.55), (0.7, 0.8)], ids=["alike", "large and small"])
@@ -248,16 +220,10 @@ def test_mls_does_not_tear_at_the_border_of_large_regions(sizes: tuple[float, fl
     method = sn.Mls(points[np.concatenate(regions)], [len(region) for region in regions])
     method.bind(points)
     middle = points[(x > sizes[0]) & (x < sizes[1])].mean(axis=0)
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    rest = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
-    for name, (turn, move) in {
-        "bent": about(1, 60.0, middle),
-        "lifted": (np.eye(3), np.array([0.0, 0.0, 6.0])),
-    }.items():
+    for name, pose in {"bent": turn((0, 1, 0), 60.0, middle), "lifted": shift(0, 0, 6)}.items():
         control = method.control.copy()
-        control[4:] = control[4:] @ turn.T + move
-        out = method.warp(control)
-        longest = (np.linalg.norm(out[edges[:, 0]] - out[edges[:, 1]], axis=1) / rest).max()
+        control[4:] = moved(pose, control[4:])
+        longest = longest_edge(points, method.warp(control), faces)
         print(f"{name}: an edge {longest:.2f} times as long")
         assert longest < 2.5, name
 
@@ -268,18 +234,14 @@ def test_mls_does_not_tear_a_figure_whose_limbs_are_large_regions() -> None:
     x, y, z = points.T
     body, leg = (np.abs(x) < 1.0) & (z > 0.85), (x > 0) & (y > 0) & (z < 0.55)
     regions = [np.flatnonzero(region) for region in (body, leg, x > 1.4)]
-    edges = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])
-    rest = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
     longest = {}
     for alpha in (2.0, 1.0):
         method = sn.Mls(points[np.concatenate(regions)], [len(region) for region in regions], alpha=alpha)
         method.bind(points)
         control = method.control.copy()
         for rows, degrees, joint in ((4, 60.0, (0.85, 0.32, 0.7)), (8, -60.0, (1.2, 0.0, 1.3))):
-            turn, move = about(1, degrees, np.array(joint))
-            control[rows : rows + 4] = control[rows : rows + 4] @ turn.T + move
-        out = method.warp(control)
-        longest[alpha] = (np.linalg.norm(out[edges[:, 0]] - out[edges[:, 1]], axis=1) / rest).max()
+            control[rows : rows + 4] = moved(turn((0, 1, 0), degrees, joint), control[rows : rows + 4])
+        longest[alpha] = longest_edge(points, method.warp(control), faces)
     print(f"edges up to {longest[2.0]:.2f} times as long; {longest[1.0]:.2f} with a falloff of 1")
     assert longest[2.0] < 2.5 < 4.0 < longest[1.0]
 

@@ -108,15 +108,8 @@ def cells(counts: tuple[int, int, int]) -> tuple[np.ndarray, np.ndarray]:
     """Boxes in the unit cube: points, and all quads."""
     u, v, w = counts
     number = np.arange((u + 1) * (v + 1) * (w + 1)).reshape(w + 1, v + 1, u + 1)
-    quads = [
-        np.stack((number[:-1, :-1], number[1:, :-1], number[1:, 1:], number[:-1, 1:]), -1).reshape(-1, 4),
-        np.stack(
-            (number[:-1, :, :-1], number[1:, :, :-1], number[1:, :, 1:], number[:-1, :, 1:]), -1
-        ).reshape(-1, 4),
-        np.stack(
-            (number[:, :-1, :-1], number[:, 1:, :-1], number[:, 1:, 1:], number[:, :-1, 1:]), -1
-        ).reshape(-1, 4),
-    ]
+    sheets = [np.moveaxis(number, axis, -1) for axis in range(3)]
+    quads = [np.stack((n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]), -1).reshape(-1, 4) for n in sheets]
     return lattice(u + 1, v + 1, w + 1), np.concatenate(quads).astype(np.int32)
 
 

@@ -6,6 +6,8 @@ import pytest
 
 import sinew_native as sn
 
+from ..meshes import moved, nearest_rotations, turn
+
 POINTS = np.random.default_rng(3).uniform(-1.0, 1.0, (12, 3))
 CHAIN = np.array([(k, k + 1) for k in range(11)])
 NO_EDGES = np.zeros((0, 2), dtype=int)
@@ -15,9 +17,9 @@ LEAST = 1e-9  # how much no turn at all counts, so that points on a line turn as
 
 def by_numpy(rest: np.ndarray, posed: np.ndarray, edges: np.ndarray) -> np.ndarray:
     """The motions, with NumPy's singular values."""
-    local, moved = rest - rest.mean(axis=0), posed - posed.mean(axis=0)
+    local, there = rest - rest.mean(axis=0), posed - posed.mean(axis=0)
     size = max(float((local**2).sum()), 1e-300)
-    everything = nearest_rotations(moved.T @ local / size + LEAST * np.eye(3))
+    everything = nearest_rotations(there.T @ local / size + LEAST * np.eye(3))
     before, after = (points[edges[:, 1]] - points[edges[:, 0]] for points in (rest, posed))
     squares = (before**2).sum(axis=1)
     shares = np.divide(1.0, squares, out=np.zeros_like(squares), where=squares > 0.0)
@@ -28,23 +30,6 @@ def by_numpy(rest: np.ndarray, posed: np.ndarray, edges: np.ndarray) -> np.ndarr
     turns = nearest_rotations(together)
     moves = posed - np.einsum("nij,nj->ni", turns, rest)
     return np.concatenate((turns, moves[:, :, None]), axis=2)
-
-
-def nearest_rotations(matrices: np.ndarray) -> np.ndarray:
-    u, _values, vt = np.linalg.svd(matrices)
-    u[..., 2] *= np.linalg.det(u @ vt)[..., None]
-    return u @ vt
-
-
-def rotation(axis: tuple[float, float, float], angle: float) -> np.ndarray:
-    """By Rodrigues."""
-    x, y, z = np.array(axis) / np.linalg.norm(axis)
-    cross = np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
-    return np.eye(3) + np.sin(angle) * cross + (1.0 - np.cos(angle)) * cross @ cross
-
-
-def moved(points: np.ndarray, turn: np.ndarray, by=(0.4, -0.2, 0.7)) -> np.ndarray:
-    return points @ turn.T + by
 
 
 @pytest.mark.parametrize("edges", [NO_EDGES, CHAIN, CHAIN[3:7]], ids=["cloud", "chain", "in part"])
@@ -58,33 +43,31 @@ def test_the_poses_are_numpys(edges: np.ndarray) -> None:
 
 
 @pytest.mark.parametrize("edges", [NO_EDGES, CHAIN], ids=["cloud", "chain"])
-@pytest.mark.parametrize("angle", [0.0, 0.7, 3.0])
-def test_points_that_move_rigidly_turn_with_all(edges: np.ndarray, angle: float) -> None:
-    turn = rotation((0.3, 0.9, -0.2), angle)
-    poses = sn.turned_poses(POINTS, moved(POINTS, turn), edges)
+@pytest.mark.parametrize("degrees", [0.0, 40.0, 172.0])
+def test_points_that_move_rigidly_turn_with_all(edges: np.ndarray, degrees: float) -> None:
+    pose = turn((0.3, 0.9, -0.2), degrees, move=(0.4, -0.2, 0.7))
     # A billionth of no turn is in the fit.
-    assert np.abs(poses[:, :, :3] - turn).max() < 1e-7
-    assert np.abs(poses[:, :, 3] - (0.4, -0.2, 0.7)).max() < 1e-7
+    assert np.abs(sn.turned_poses(POINTS, moved(pose, POINTS), edges) - pose).max() < 1e-7
 
 
 def test_a_point_turns_as_its_edges_do_and_always_goes_where_it_is() -> None:
     """The far half of a chain turns: so do its points, and no others but the one between."""
     places = np.column_stack((np.arange(12.0), np.sin(np.arange(12.0)), np.cos(2.0 * np.arange(12.0))))
-    turn = rotation((0.0, 1.0, 0.0), 1.2)
-    posed = np.where(np.arange(12)[:, None] > 5, (places - places[5]) @ turn.T + places[5], places)
+    pose = turn((0.0, 1.0, 0.0), 69.0, places[5])
+    posed = np.where(np.arange(12)[:, None] > 5, moved(pose, places), places)
     poses = sn.turned_poses(places, posed, CHAIN)
     assert np.abs(np.einsum("nij,nj->ni", poses[:, :, :3], places) + poses[:, :, 3] - posed).max() < 1e-12
     two_edges = np.arange(12) > 5
-    assert np.abs(poses[6:11, :, :3] - turn).max() < 2e-2  # the turn of the whole counts a thousandth
+    assert np.abs(poses[6:11, :, :3] - pose[:, :3]).max() < 2e-2  # the turn of the whole counts a thousandth
     assert np.abs(poses[1:5, :, :3] - np.eye(3)).max() < 2e-2
     assert np.abs(poses[two_edges][0, :, :3] - np.eye(3)).max() > 0.5
 
 
 def test_points_on_a_line_turn_as_little_as_they_can() -> None:
     line = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
-    turn = rotation((0.0, 1.0, 0.0), 0.8)
-    poses = sn.turned_poses(line, line @ turn.T, np.array([(0, 1)]))
-    assert np.abs(poses[:, :, :3] - turn).max() < 1e-6
+    pose = turn((0.0, 1.0, 0.0), 46.0)
+    poses = sn.turned_poses(line, moved(pose, line), np.array([(0, 1)]))
+    assert np.abs(poses - pose).max() < 1e-6
     (pose,) = sn.turned_poses(line[:1], line[:1] + 2.0, NO_EDGES)
     assert np.abs(pose - np.column_stack((np.eye(3), (2.0, 2.0, 2.0)))).max() < 1e-12
 

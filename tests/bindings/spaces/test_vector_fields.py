@@ -6,7 +6,7 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, moved, shift, turn
+from ..meshes import STILL, moved, off, shift, turn
 
 FRAME = np.concatenate((np.zeros((1, 3)), np.eye(3)))
 DRAG = {"tools": "drag", "inner": 0.4, "outer": 1.2, "width": 1.5}
@@ -24,10 +24,6 @@ def warped(points: np.ndarray, *poses: np.ndarray, **options: object) -> np.ndar
     field = sn.VectorField(np.tile(FRAME, (len(poses), 1)), **options)
     field.bind(points)
     return field.warp(np.concatenate([moved(pose, FRAME) for pose in poses]))
-
-
-def off(a: np.ndarray, b: np.ndarray) -> float:
-    return np.linalg.norm(a - b, axis=1).max()
 
 
 def test_a_drag_moves_the_inner_ball_rigidly_and_nothing_outside() -> None:

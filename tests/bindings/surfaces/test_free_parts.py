@@ -8,7 +8,7 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, grid, shift, sphere, turn
+from ..meshes import STILL, ends, grid, halved, joined, quad_grid, shift, sphere, turn
 from ..methods import SURFACE_METHODS
 from ..methods import made as make
 
@@ -20,11 +20,8 @@ def dressed() -> tuple[sn.SurfaceMesh, list[np.ndarray]]:
     points, faces = grid(20)
     ball, ball_faces = sphere(1)
     peak = points[points[:, 2].argmax()]
-    big, small = 0.4 * ball + peak + (0, 0, 0.5), 0.1 * ball + peak + (0, 0, 1.02)
-    every = [faces, len(points) + ball_faces, len(points) + len(ball) + ball_faces]
-    mesh = sn.SurfaceMesh(np.concatenate([points, big, small]), np.concatenate(every))
-    x = points[:, 0]
-    return mesh, [np.flatnonzero(x < 2.5), np.flatnonzero(x > 17.5)]
+    balls = [(0.4 * ball + peak + (0, 0, 0.5), ball_faces), (0.1 * ball + peak + (0, 0, 1.02), ball_faces)]
+    return sn.SurfaceMesh(*joined((points, faces), *balls)), ends(points, 2.5)
 
 
 @METHODS
@@ -78,16 +75,14 @@ def test_bad_options_are_refused_and_the_last_bind_stays() -> None:
 
 def test_a_painted_stiffness_makes_a_long_part_rigid() -> None:
     points, faces = grid(20, jitter=0.0)
-    strip = np.array([[2 + 0.25 * i, 10 + j, 3.0] for i in range(65) for j in range(2)])
-    quads = np.array([[2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1] for i in range(64)])
-    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
-    mesh = sn.SurfaceMesh(np.concatenate([points, strip]), np.concatenate([faces, len(points) + triangles]))
-    handles = [np.flatnonzero(points[:, 0] < 2.5), np.flatnonzero(points[:, 0] > 17.5)]
+    cells, quads = quad_grid(64, 1)
+    strip = cells * (0.25, 1, 0) + (2, 10, 3)
+    mesh = sn.SurfaceMesh(*joined((points, faces), (strip, halved(quads))))
     stretched = {}
     for stiffness in (0.0, 1.0):
         painted = np.where(np.arange(mesh.vertex_count) < len(points), 0.0, stiffness)
         shell = sn.ThinShell(mesh)
-        (ride,) = shell.set_handles(handles, free_parts="follow", free_part_stiffness=painted).rides
+        (ride,) = shell.set_handles(ends(points, 2.5), free_parts="follow", free_part_stiffness=painted).rides
         assert ride.frame_count > 1
         moved = shell.solve([STILL, shift(0, 0, 8)])[0][len(points) :]
         stretched[stiffness] = abs(
@@ -97,7 +92,7 @@ def test_a_painted_stiffness_makes_a_long_part_rigid() -> None:
     assert stretched[0.0] > 1e-3
 
 
-def odd_parts() -> dict[str, tuple[np.ndarray, list[tuple[int, int, int]]]]:
+def odd_parts() -> dict[str, tuple[np.ndarray, list | np.ndarray]]:
     """Points around the middle of the hill, and triangles of them."""
     corner = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]])
     one = [(0, 1, 2)]
@@ -109,10 +104,7 @@ def odd_parts() -> dict[str, tuple[np.ndarray, list[tuple[int, int, int]]]]:
         "far": (corner + 1e4, one),
         "tiny": (1e-160 * corner, one),
         "huge": (1e5 * corner, one),
-        "debris": (
-            np.random.default_rng(0).normal(0, 100, (3000, 3)),
-            np.arange(1500).reshape(-1, 3).tolist(),
-        ),
+        "debris": (np.random.default_rng(0).normal(0, 100, (3000, 3)), np.arange(1500).reshape(-1, 3)),
     }
 
 
@@ -122,13 +114,9 @@ def odd_parts() -> dict[str, tuple[np.ndarray, list[tuple[int, int, int]]]]:
 def test_odd_parts_are_finite_and_move_with_everything(method: type, odd: str) -> None:
     points, faces = grid(20)
     more, triangles = odd_parts()[odd]
-    mesh = sn.SurfaceMesh(
-        np.concatenate([points, more + points.mean(0)]),
-        np.concatenate([faces, len(points) + np.array(triangles)]),
-    )
+    mesh = sn.SurfaceMesh(*joined((points, faces), (more + points.mean(0), np.array(triangles))))
     made = make(method, mesh)
-    handles = [np.flatnonzero(points[:, 0] < 2.5), np.flatnonzero(points[:, 0] > 17.5)]
-    assert made.set_handles(handles, free_parts="follow").free_parts == 0
+    assert made.set_handles(ends(points, 2.5), free_parts="follow").free_parts == 0
     assert np.isfinite(made.solve([STILL, shift(0, 0, 9)])[0]).all()
     moved, _ = made.solve([shift(1, 2, 3)] * 2)
     np.testing.assert_allclose(moved, mesh.points + (1, 2, 3), atol=1e-6 * np.abs(mesh.points).max())
@@ -138,21 +126,12 @@ def test_odd_parts_are_finite_and_move_with_everything(method: type, odd: str) -
 
 def row_of_beads(gap: float) -> tuple[sn.SurfaceMesh, list[np.ndarray], np.ndarray]:
     """A strip with a row of balls along it, its ends as handles, and pairs of vertices where they touch."""
-    y, x = np.mgrid[:9, :61] / 4.0
-    points = np.stack([x, y, 0 * x], -1).reshape(-1, 3)
-    v = np.arange(9 * 61).reshape(9, 61)
-    faces = np.stack([v[:-1, :-1], v[:-1, 1:], v[1:, 1:], v[1:, :-1]], -1).reshape(-1, 4)
-    faces = np.concatenate([faces[:, :3], faces[:, [0, 2, 3]]])
-    ball, ball_faces = sphere(2)
-    right, left = ball[:, 0].argmax(), ball[:, 0].argmin()
-    every, all_faces, pairs = [points], [faces], []
-    for k in range(8):
-        first = sum(map(len, every))
-        every.append((0.5 - gap / 2) * ball + (4.0 + k, 1.0, 0.5))
-        all_faces.append(first + ball_faces)
-        pairs.append((first + right, first + len(ball) + left))
-    mesh = sn.SurfaceMesh(np.concatenate(every), np.concatenate(all_faces))
-    return mesh, [np.flatnonzero(points[:, 0] < 1), np.flatnonzero(points[:, 0] > 14)], np.array(pairs[:-1])
+    points, quads = quad_grid(60, 8, 0.25)
+    ball, faces = sphere(2)
+    balls = [((0.5 - gap / 2) * ball + (4.0 + k, 1.0, 0.5), faces) for k in range(8)]
+    first = len(points) + len(ball) * np.arange(7)
+    pairs = np.stack([first + ball[:, 0].argmax(), first + len(ball) + ball[:, 0].argmin()], 1)
+    return sn.SurfaceMesh(*joined((points, halved(quads)), *balls)), ends(points, 0.9), pairs
 
 
 @pytest.mark.parametrize(("gap", "together"), [(0.005, True), (-0.1, True), (0.1, False)])
@@ -169,23 +148,22 @@ def test_parts_that_touch_ride_as_one(gap: float, together: bool) -> None:
 
 def test_hair_that_touches_stays_together_and_on_the_head() -> None:
     """Strips from a head, of which each covers a part of the next one; the top of the head turns."""
-    head, faces = sphere(4)
+    head = sphere(4)
     down = np.linspace(0, 1, 13)
     rise, out = 0.6 - 1.44 * down, 1.0 + 0.4 * down
-    every, all_faces, strips = [head], [faces], []
+    every = [head]
     for k in range(12):
-        first = len(head) + 26 * k
         side = 0.06 * k + np.array([-0.035, 0.035])
         around = np.stack([np.cos(side), np.sin(side)], -1)
         away = out + 0.004 * (1 + k % 2)
         flat, high = away * np.cos(rise), np.column_stack([away * np.sin(rise)] * 2)
-        every.append(np.concatenate([flat[:, None, None] * around, high[..., None]], -1).reshape(-1, 3))
-        quads = first + np.arange(24).reshape(-1, 2)[:, [0, 1, 1, 0]] + (0, 0, 2, 2)
-        all_faces.append(np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]]))
-        strips.append(np.arange(first, first + 26).reshape(-1, 2))
-    points = np.concatenate(every)
-    arap = sn.Arap(sn.SurfaceMesh(points, np.concatenate(all_faces)))
-    handles = [np.flatnonzero(head[:, 2] < -0.7), np.flatnonzero(head[:, 2] > 0.85)]
+        strip = np.concatenate([flat[:, None, None] * around, high[..., None]], -1).reshape(-1, 3)
+        every.append((strip, halved(quad_grid(1, 12)[1])))
+    points, faces = joined(*every)
+    strips = np.arange(len(head[0]), len(points)).reshape(12, -1, 2)
+    arap = sn.Arap(sn.SurfaceMesh(points, faces))
+    height = head[0][:, 2]
+    handles = [np.flatnonzero(height < -0.7), np.flatnonzero(height > 0.85)]
     report = arap.set_handles(handles, free_parts="follow")
     assert {ride.host for ride in report.rides} == {0}
     assert len({ride.frame_count for ride in report.rides}) == 1  # one part, of many frames

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Skeletons: against SciPy on the same residuals, random targets, and the skin that follows."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -9,6 +11,8 @@ from scipy.optimize import least_squares
 from scipy.spatial.transform import Rotation
 
 import sinew_native as sn
+
+from ..meshes import bar
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -39,6 +43,11 @@ def energy_and_residuals(turns, goal, count, rest=1e-4, angles=False):
     return 0.5 * residuals @ residuals, residuals
 
 
+def least(residuals: Callable, start: np.ndarray, **bounds):
+    """By SciPy, as closely as it can."""
+    return least_squares(residuals, start.ravel(), xtol=1e-15, ftol=1e-15, gtol=1e-12, **bounds)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("goal", [(1.8, 0.0, 2.6), (0.5, -1.2, 3.0), (5.0, 2.0, 1.0), (-1.0, 2.0, -1.5)])
 @pytest.mark.parametrize("pole", [0.05, 0.2, 0.4])
@@ -49,13 +58,7 @@ def test_the_minimum_is_scipys_from_unrelated_starts(goal, pole):
     )
     start = np.zeros((count, 3))
     start[:, 0] = 1e-3
-    theirs = least_squares(
-        lambda x: energy_and_residuals(x, np.array(goal), count)[1],
-        start.ravel(),
-        xtol=1e-15,
-        ftol=1e-15,
-        gtol=1e-12,
-    )
+    theirs = least(lambda x: energy_and_residuals(x, np.array(goal), count)[1], start)
     assert report.converged
     energy, _ = energy_and_residuals(turns, np.array(goal), count)
     assert report.energy == pytest.approx(energy, rel=1e-12)  # the same function
@@ -86,7 +89,7 @@ def test_what_turns_aside_of_a_hinge_counts_more(goal, swing):
         return np.concatenate([(tip - goal) / size, 1e-2 * np.ravel(kept)])
 
     turns, _moves, report = skeleton.solve([2], [joints[-1]], [goal], swing=swing, tolerance=1e-13)
-    theirs = least_squares(residuals, turns.ravel(), xtol=1e-15, ftol=1e-15, gtol=1e-12)
+    theirs = least(residuals, turns)
     assert report.converged
     assert report.energy == pytest.approx(
         0.5 * residuals(turns.ravel()) @ residuals(turns.ravel()), rel=1e-12
@@ -102,13 +105,10 @@ def test_the_minimum_within_bounds_is_scipys(goal):
         [count - 1], [count * UP], [goal], max_iterations=500, tolerance=1e-13
     )
     # Within limits there are several minima. From next to ours, SciPy finds nothing better.
-    theirs = least_squares(
+    theirs = least(
         lambda x: energy_and_residuals(x, np.array(goal), count, angles=True)[1],
-        np.clip(turns, lower * 0.999, upper * 0.999).ravel(),
+        np.clip(turns, lower * 0.999, upper * 0.999),
         bounds=(np.tile(lower, count), np.tile(upper, count)),
-        xtol=1e-15,
-        ftol=1e-15,
-        gtol=1e-12,
     )
     assert (turns >= lower).all()
     assert (turns <= upper).all()
@@ -217,14 +217,7 @@ def test_poses_of_a_skeleton_are_poses_of_handles():
     line = np.linspace(0, 8, 33)
     angle = np.linspace(0, 2 * np.pi, 16, endpoint=False)
     points = np.array([(0.5 * np.cos(a), 0.5 * np.sin(a), z) for z in line for a in angle])
-    faces = np.array(
-        [
-            (16 * i + j, 16 * i + (j + 1) % 16, 16 * (i + 1) + (j + 1) % 16, 16 * (i + 1) + j)
-            for i in range(32)
-            for j in range(16)
-        ]
-    )
-    mesh = sn.SurfaceMesh(points, faces)
+    mesh = sn.SurfaceMesh(points, bar(32, 4)[1])
     skeleton = sn.Skeleton([(0, 0, 0), (0, 0, 4)], [(0, 0, 4), (0, 0, 8)], [-1, 0])
     regions = skeleton.regions(mesh)
     assert [len(region) for region in regions] == [13 * 16, 13 * 16]

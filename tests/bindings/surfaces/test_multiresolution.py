@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The multiresolution deformation around each other surface method, through the Python module."""
+"""The multiresolution deformation around each other surface method, and with any number of bands."""
 
 import numpy as np
 import pytest
 
 import sinew_native as sn
 
-from ..meshes import BENT, STILL, ends, grid, moved, turn
+from ..meshes import BENT, STILL, ends, grid, moved, sphere, turn
 from ..methods import SURFACE_METHODS, required
 
 POINTS, FACES = grid(12)
@@ -78,3 +78,48 @@ def test_what_does_not_fit_is_refused() -> None:
         sn.Multiresolution(other, base)
     with pytest.raises(sn.InvalidOption, match="details: 'heights' is not one of 'displacement_vectors'"):
         sn.Multiresolution(mesh, base, details="heights")
+
+
+TURNED = turn((1, 2, 3), 70, (0.5, 0.0, 0.0), (0.1, 0.2, 0.3))
+
+
+def limbs() -> tuple[np.ndarray, np.ndarray]:
+    """A ball with six limbs along the axes, each with a bump at its end: smooth bases shrink to threads."""
+    points, faces = sphere(4)
+    along = np.abs(points).max(axis=1)
+    length = 0.3 + 4.0 * np.clip((along - 0.9) / 0.1, 0.0, 1.0) + 0.1 * (along > 0.99)
+    return points * length[:, None], faces
+
+
+LIMBS, LIMB_FACES = limbs()
+HELD = [np.flatnonzero(LIMBS[:, 0] > 3.0), np.flatnonzero(LIMBS[:, 1] < -3.0)]
+
+
+@pytest.mark.parametrize("bands", [1, 4, 8])
+@pytest.mark.parametrize("details", DETAILS)
+def test_rest_and_rigid_motions_are_kept_with_any_number_of_bands(details: str, bands: int) -> None:
+    mesh = sn.SurfaceMesh(LIMBS, LIMB_FACES)
+    method = sn.Multiresolution(mesh, sn.Arap(mesh), details=details, bands=bands)
+    remarks = method.set_handles(HELD).remarks
+    off = [
+        np.linalg.norm(method.solve([pose, pose])[0] - moved(pose, LIMBS), axis=1).max()
+        for pose in (STILL, TURNED)
+    ]
+    used = len(method.levels()) - 1
+    print(f"{details}: {used} of {bands} bands, rest off by {off[0]:.1e}, a rigid motion by {off[1]:.1e}")
+    assert max(off) < 1e-6
+    assert used == bands or bands > 1
+    assert len(remarks) == (used < bands)
+    assert all(text.startswith(f"only {used} of {bands} bands are used") for text in remarks)
+
+
+@pytest.mark.parametrize("bands", [1, 4, 8])
+@pytest.mark.parametrize("details", DETAILS)
+def test_a_space_method_as_the_base_keeps_them_too(details: str, bands: int) -> None:
+    places = LIMBS[np.concatenate(HELD)]
+    mesh = sn.SurfaceMesh(LIMBS, LIMB_FACES)
+    method = sn.MultiresolutionSpace(places, sn.Rbf(places), mesh, details=details, bands=bands)
+    method.bind(LIMBS)
+    for pose in (STILL, TURNED):
+        off = np.linalg.norm(method.warp(moved(pose, places)) - moved(pose, LIMBS), axis=1).max()
+        assert off < 1e-6

@@ -8,7 +8,7 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, closed_bar, ends, moved, quad_grid, shift, sphere, turn
+from ..meshes import STILL, closed_bar, ends, halved, moved, off, quad_grid, shift, sphere, turn
 
 VARIANTS = [{"smoothness": s, "cells": c} for s in (0.0, 5e-4, 0.1) for c in ("spokes", "rims")]
 LONG = {"max_iterations": 1000, "tolerance": 1e-12}
@@ -24,7 +24,7 @@ def alternating(columns: int, rows: int, spacing: float) -> tuple[np.ndarray, np
     points, quads = quad_grid(columns, rows, spacing)
     odd = quads[:, 0] % (columns + 1) + quads[:, 0] // (columns + 1)
     quads = np.where(odd[:, None] % 2 == 1, quads, np.roll(quads, -1, axis=1))
-    return points, np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+    return points, halved(quads)
 
 
 def bend(degrees: float, along: float = 12, depth: float = 2) -> list[np.ndarray]:
@@ -48,10 +48,6 @@ def bound(method: type, mesh, depth: float, **options: object) -> sn.SurfaceMeth
 
 def size(points: np.ndarray) -> float:
     return np.linalg.norm(np.ptp(points, axis=0))
-
-
-def off(a: np.ndarray, b: np.ndarray) -> float:
-    return np.linalg.norm(a - b, axis=1).max()
 
 
 def test_arap_lifts_the_octahedron_as_known() -> None:

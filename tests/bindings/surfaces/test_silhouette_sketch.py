@@ -9,7 +9,7 @@ from scipy.spatial.transform import Rotation
 
 import sinew_native as sn
 
-from ..meshes import grid, joined, messy, moved, shift, sphere, turn
+from ..meshes import edges_of, grid, joined, messy, moved, shift, sphere, turn
 
 POINTS, FACES = grid(8, jitter=0.0)
 MESH = sn.SurfaceMesh(POINTS, FACES)
@@ -186,8 +186,7 @@ def test_lines_that_are_hidden_or_far_away_count_only_if_asked_for() -> None:
     assert sn.fit_stroke(sn.SurfaceMesh(ball, faces), aside, ABOVE, nearness=10) is not None
 
 
-PAIRS = np.concatenate([FACES[:, [0, 1]], FACES[:, [1, 2]], FACES[:, [2, 0]]])
-PAIRS = np.unique(np.sort(PAIRS, axis=1), axis=0)
+PAIRS = edges_of(FACES)
 PAIRS = PAIRS[
     (POINTS[PAIRS[:, 0], 0] < 3.4) & (POINTS[PAIRS[:, 1], 0] >= 3.4) & (np.ptp(POINTS[PAIRS, 1], 1) < 0.5)
 ]

@@ -6,7 +6,7 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, bar, ends, shift, turn
+from ..meshes import STILL, angles_filled, bar, edges_of, ends, shift, turn
 
 AROUND, ALONG = 28, 80
 DEPTH = 2.9  # of the handles: all that is nearer to an end than 3
@@ -40,8 +40,7 @@ def solved(method: type, pose: np.ndarray, substeps=1, mesh=(POINTS, FACES), dep
 
 def strain(shape: np.ndarray, points: np.ndarray = POINTS, faces: np.ndarray = FACES) -> float:
     """The root mean square of the change of edges, as a share of them."""
-    edges = np.stack([faces, np.roll(faces, 1, 1)], -1).reshape(-1, 2)
-    a, b = np.unique(np.sort(edges, axis=1), axis=0).T
+    a, b = edges_of(faces).T
     before, after = (np.linalg.norm(x[a] - x[b], axis=1) for x in (points, shape))
     return np.sqrt(np.mean((after / before - 1) ** 2))
 
@@ -128,14 +127,6 @@ def test_a_volumetric_graph_keeps_more_of_the_volume_than_the_surface_alone() ->
     assert 0 < both < 0.6 * surface  # measured: .0225
 
 
-def winding(x: np.ndarray, points: np.ndarray, faces: np.ndarray) -> float:
-    a, b, c = np.moveaxis(points[faces] - x, 1, 0)
-    la, lb, lc = (np.linalg.norm(v, axis=1) for v in (a, b, c))
-    dots = [(u * v).sum(1) for u, v in ((a, b), (b, c), (c, a))]
-    volume = (a * np.cross(b, c)).sum(1)
-    return np.arctan2(volume, la * lb * lc + dots[0] * lc + dots[1] * la + dots[2] * lb).sum() / (2 * np.pi)
-
-
 def test_a_volumetric_graph_fills_a_scan_with_a_hole() -> None:
     middle = POINTS[FACES].mean(1)
     used, faces = np.unique(
@@ -145,7 +136,7 @@ def test_a_volumetric_graph_fills_a_scan_with_a_hole() -> None:
     method = sn.VolumetricGraphLaplacian(sn.SurfaceMesh(points, faces))
     method.set_handles(ends(points, DEPTH))
     inner = method.inner_points()
-    assert min(abs(winding(x, points, faces)) for x in inner) > 0.45
+    assert np.abs(angles_filled(inner, points, faces)).min() > 0.45
     assert (abs(inner[:, 0] - 10) < 1).sum() > 10
     of_surface = solved(sn.LaplacianEditing, BENT, mesh=(points, faces), transforms="explicit")
     found, _ = method.solve([STILL, BENT])

@@ -116,6 +116,23 @@ def test_polygons_without_an_ear_become_triangles_nevertheless() -> None:
     cut(around(np.ones(7), 6 * np.pi * np.arange(7) / 7))
 
 
+SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4)]
+HOLES = [[(0.6, 2.4), (0.6, 3.2), (1.4, 3.2), (1.4, 2.4)], [(2.4, 0.6), (2.4, 1.4), (3.2, 1.4), (3.2, 0.6)]]
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_triangles_leave_holes_at_the_ends_of_slits_from_whatever_corner_the_polygon_begins(count) -> None:
+    """As Blender has them: a corner of theirs comes several times."""
+    slits = [corner for hole in HOLES[:count] for corner in (*hole, hole[0], SQUARE[0])]
+    corners = flat(SQUARE[0], *slits, *SQUARE[1:])
+    places, polygon = np.unique(corners, axis=0, return_inverse=True)
+    for start in range(len(corners)):
+        mesh = sn.SurfaceMesh(places, [np.roll(polygon.ravel(), -start).tolist()])
+        a, b, c = places[mesh.triangles.T]
+        area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2
+        assert area == pytest.approx(16 - count * 0.8**2, rel=1e-12), start
+
+
 def test_a_quad_takes_the_diagonal_of_the_better_triangles_and_no_cut_depends_on_the_scale() -> None:
     np.testing.assert_array_equal(cut(flat((0, 0), (5, -1), (10, 0), (5, 1))), [(0, 1, 3), (1, 2, 3)])
     for power in (-40, -20, 20, 40):  # exact, so that ties stay ties

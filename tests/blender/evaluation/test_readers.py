@@ -10,16 +10,16 @@ import numpy as np
 import pytest
 from inside import without_the_add_on
 from probe import render_points
-from rigs.kinds import RIGS, HandleRig
+from rigs.kinds import HandleRig
 from rigs.rig import close, key_heights, points_of, update
 
 HEIGHTS = {1: 0.0, 11: 1.0}
 
 
-@pytest.fixture(params=RIGS)
-def rising(request: pytest.FixtureRequest) -> HandleRig:
+@pytest.fixture
+def rising(rig: HandleRig) -> HandleRig:
     """Each rig with a control that rises by 0.1 each frame."""
-    rig = RIGS[request.param].new().start()
+    rig.start()
     start = rig.control.location.z
     key_heights(rig.control, {frame: start + height for frame, height in HEIGHTS.items()}, linear=True)
     bpy.context.scene.frame_set(1)

@@ -20,6 +20,7 @@ from rigs.kinds import RIGS, point_objects
 from rigs.rig import (
     Rig,
     add_armature,
+    add_key,
     base_points,
     close,
     evaluated_points,
@@ -291,9 +292,8 @@ def frames_of(path: str, folder: Path, addon_name: str, name: str) -> list[np.nd
 def test_a_level_that_is_keyed_counts_in_each_frame():
     rig = bound(subdivision)
     scene = bpy.context.scene
-    for frame, level in ((1, 2), (2, 3), (3, 1)):
-        rig.obj.modifiers[0].render_levels = level
-        rig.obj.modifiers[0].keyframe_insert("render_levels", frame=frame)
+    levels = {frame: {"render_levels": level} for frame, level in ((1, 2), (2, 3), (3, 1))}
+    key(rig.obj.modifiers[0], levels)
     scene.frame_start, scene.frame_end = 1, 3
     scene.frame_set(1)
     seen = [shapes[rig.name] for shapes in render(animation=True)]
@@ -437,10 +437,7 @@ def opened(obj: bpy.types.Object) -> None:
     obj.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
     modifier = obj.modifiers.new("Mirror", "MIRROR")
     modifier.use_mirror_merge, modifier.merge_threshold = True, 1e-3
-    obj.shape_key_add(name="Basis")
-    wide = obj.shape_key_add(name="Wide")
-    for point in wide.data:
-        point.co.x = 0.1 + 0.9 * point.co.x
+    wide = add_key(obj, "Wide", Matrix.Translation((0.1, 0, 0)) @ Matrix.Diagonal((0.9, 1, 1, 1)))
     key(wide, {1: {"value": 0.0}, 10: {"value": 1.0}})
     bpy.context.scene.frame_set(1)
 

@@ -23,6 +23,8 @@ from rigs.rig import (
     add_group,
     close,
     evaluated_points,
+    key,
+    key_heights,
     load,
     make_active,
     new_file,
@@ -163,9 +165,10 @@ def test_a_linked_rig_without_an_override(rendered: HandleRig):
 
 def test_a_render_while_live_is_off(rendered: HandleRig):
     """Whatever the control does; and as before when it is on again."""
-    rendered.deformer.live = False
+    before, rendered.deformer.live = rendered.points(), False
     rendered.lift(0.25)
-    agree(rendered, [rendered.points(), render_points(rendered.obj), rendered.points()])
+    assert np.array_equal(rendered.points(), before)
+    agree(rendered, [before, render_points(rendered.obj), rendered.points()])
     rendered.deformer.live = True
     assert rendered.renders(rendered.at(1.0))
     assert rendered.is_right()
@@ -203,13 +206,9 @@ def test_live_is_off_and_renders_have_other_vertices(plate: Rig, tmp_path: Path)
 def test_frames_that_switch_live_off_keep_the_shape_of_the_frame_before(posed_plate: HandleRig):
     """While an animation is rendered the viewport stays at a frame where it is on."""
     plate, scene = posed_plate, bpy.context.scene
-    for frame, live in ((1, True), (11, False)):
-        plate.deformer.live = live
-        plate.obj.keyframe_insert("sinew.deformers[0].live", frame=frame)
+    key(plate.deformer, {1: {"live": True}, 11: {"live": False}})
     height = plate.control.location.z
-    for frame, lift in ((1, 0.0), (10, 0.5), (12, 0.5)):
-        plate.control.location.z = height + lift
-        plate.control.keyframe_insert("location", frame=frame)
+    key_heights(plate.control, {1: height, 10: height + 0.5, 12: height + 0.5})
     scene.frame_set(1)
     scene.frame_start, scene.frame_end = 10, 12
     for shapes in render(animation=True):

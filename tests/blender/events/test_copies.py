@@ -43,6 +43,14 @@ def by_the_operator_that_appends(rig: HandleRig) -> bpy.types.Object:
     return next(obj for obj in bpy.context.scene.objects if obj not in known and obj.sinew.deformers)
 
 
+def by_copy_and_paste(rig: HandleRig) -> bpy.types.Object:
+    """With its control, through a file of Blender's own."""
+    make_active(rig.obj, rig.control)
+    bpy.ops.view3d.copybuffer()
+    bpy.ops.view3d.pastebuffer(autoselect=True)
+    return next(obj for obj in bpy.data.objects if obj.sinew.deformers and obj != rig.obj)
+
+
 COPIES: dict[str, Callable[[HandleRig], bpy.types.Object]] = {
     "by_the_operator": lambda rig: duplicated(rig.obj),
     "by_the_operator_with_its_control": lambda rig: duplicated(rig.obj, rig.control),
@@ -53,6 +61,7 @@ COPIES: dict[str, Callable[[HandleRig], bpy.types.Object]] = {
     "of_a_copy_of_a_copy": lambda rig: linked(linked(rig.obj.copy()).copy()),
     "by_a_second_append": by_a_second_append,
     "by_the_operator_that_appends": by_the_operator_that_appends,
+    "by_copy_and_paste": by_copy_and_paste,
 }
 
 

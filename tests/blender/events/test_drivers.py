@@ -12,20 +12,12 @@ import bpy
 import numpy as np
 import pytest
 from probe import render_points
-from rigs.kinds import RIGS, HandleRig
+from rigs.kinds import HandleRig
 from rigs.rig import close, evaluated_points, key, new_empty, push, update
 
 HEIGHT = 0.5
 TOLERANCE = 2e-5
 Set = Callable[[float], None]
-
-
-@pytest.fixture(params=RIGS)
-def lifted(request: pytest.FixtureRequest) -> HandleRig:
-    """Each rig with its control moved."""
-    rig = RIGS[request.param].new().start()
-    rig.lift(HEIGHT)
-    return rig
 
 
 def _follow(driver: bpy.types.Driver) -> bpy.types.Object:
@@ -92,34 +84,34 @@ def drive(owner: bpy.types.PropertyGroup, name: str, source: str = "object") -> 
 
 
 @pytest.mark.parametrize("source", SOURCES)
-def test_a_driven_factor_is_shown_at_once(lifted: HandleRig, source: str):
-    rest, whole = lifted.rest(), lifted.at(HEIGHT)
-    set_to = drive(lifted.deformer, "factor", source)
+def test_a_driven_factor_is_shown_at_once(posed: HandleRig, source: str):
+    rest, whole = posed.rest(), posed.at(HEIGHT)
+    set_to = drive(posed.deformer, "factor", source)
     for value in (0.3, 0.8, 0.1):
         set_to(value)
-        assert lifted.shows(rest + value * (whole - rest), tolerance=TOLERANCE), value
+        assert posed.shows(rest + value * (whole - rest), tolerance=TOLERANCE), value
 
 
-def test_undo_and_redo_of_what_drives(lifted: HandleRig):
-    rest, whole = lifted.rest(), lifted.at(HEIGHT)
-    set_to = drive(lifted.deformer, "factor")
+def test_undo_and_redo_of_what_drives(posed: HandleRig):
+    rest, whole = posed.rest(), posed.at(HEIGHT)
+    set_to = drive(posed.deformer, "factor")
     for value in (0.3, 0.8):
         set_to(value)
         push(f"{value}")
     bpy.ops.ed.undo()
-    assert lifted.shows(rest + 0.3 * (whole - rest), tolerance=TOLERANCE)
+    assert posed.shows(rest + 0.3 * (whole - rest), tolerance=TOLERANCE)
     bpy.ops.ed.redo()
-    assert lifted.shows(rest + 0.8 * (whole - rest), tolerance=TOLERANCE)
+    assert posed.shows(rest + 0.8 * (whole - rest), tolerance=TOLERANCE)
     set_to(0.5)
-    assert lifted.shows(rest + 0.5 * (whole - rest), tolerance=TOLERANCE)
+    assert posed.shows(rest + 0.5 * (whole - rest), tolerance=TOLERANCE)
 
 
-def test_the_viewport_shows_what_a_render_shows(lifted: HandleRig):
-    set_to = drive(lifted.deformer, "factor", "frame")
+def test_the_viewport_shows_what_a_render_shows(posed: HandleRig):
+    set_to = drive(posed.deformer, "factor", "frame")
     for value in (0.3, 0.8):
         set_to(value)
-        shown = evaluated_points(lifted.obj)
-        assert close(shown, render_points(lifted.obj), TOLERANCE)
+        shown = evaluated_points(posed.obj)
+        assert close(shown, render_points(posed.obj), TOLERANCE)
 
 
 def settings(rig: HandleRig) -> Iterator[tuple[str, str, float, float]]:
@@ -153,21 +145,21 @@ def settings(rig: HandleRig) -> Iterator[tuple[str, str, float, float]]:
 NOT_A_SETTING = ("method", "kind", "index", "active")  # another kind of control, or what the panel shows
 
 
-def test_every_setting_can_be_driven(lifted: HandleRig):
+def test_every_setting_can_be_driven(posed: HandleRig):
     """As it is set by hand."""
     seen = []
-    for path, name, before, other in list(settings(lifted)):
+    for path, name, before, other in list(settings(posed)):
         if name.startswith(NOT_A_SETTING):
             continue
 
         def owner(path: str = path) -> bpy.types.PropertyGroup:
-            return lifted.deformer.path_resolve(path[:-1]) if path else lifted.deformer
+            return posed.deformer.path_resolve(path[:-1]) if path else posed.deformer
 
         shapes = {}
         for value in (before, other):
             _set(owner(), name, value)
-            lifted.obj.update_tag()
-            shapes[value] = evaluated_points(lifted.obj)
+            posed.obj.update_tag()
+            shapes[value] = evaluated_points(posed.obj)
         _set(owner(), name, before)
         update()
         if np.abs(shapes[other] - shapes[before]).max() < 1e-3:
@@ -175,14 +167,14 @@ def test_every_setting_can_be_driven(lifted: HandleRig):
         set_to = drive(owner(), name)
         for value in (before, other, before):
             set_to(value)
-            assert close(evaluated_points(lifted.obj), shapes[value], TOLERANCE), f"{path}{name} = {value}"
+            assert close(evaluated_points(posed.obj), shapes[value], TOLERANCE), f"{path}{name} = {value}"
         owner().driver_remove(name)
         _set(owner(), name, before)
         bpy.data.objects.remove(bpy.data.objects["Source"])
         update()
         seen.append(path + name)
     assert "factor" in seen
-    if lifted.deformer.handles or lifted.deformer.controls:
+    if posed.deformer.handles or posed.deformer.controls:
         assert len(seen) > 1, seen
 
 

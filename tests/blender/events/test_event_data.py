@@ -34,7 +34,6 @@ from rigs.rig import (
     evaluated_points,
     grid_object,
     in_mode,
-    key_heights,
     linked,
     make_active,
     move_world,
@@ -43,6 +42,7 @@ from rigs.rig import (
     reopen,
     update,
 )
+from test_event_scene import moves_though_hidden
 
 EVENTS = Table()
 EDITS = Table()  # each once with Automatic Rebind and once without
@@ -106,18 +106,6 @@ def copied_by_a_script_and_deleted_before_the_copy_has_shapes(rig: HandleRig) ->
     for _ in range(2):
         assert rig.shows(rig.now(copy), copy)
         rig.lift_of(copy, 0.25)
-
-
-@EVENTS.on(ALL)
-def copied_and_pasted(rig: HandleRig) -> None:
-    """Through a file of Blender's own."""
-    make_active(rig.obj, rig.control)
-    bpy.ops.view3d.copybuffer()
-    bpy.ops.view3d.pastebuffer(autoselect=True)
-    settle()
-    copy = next(obj for obj in bpy.data.objects if obj.sinew.deformers and obj != rig.obj)
-    rig.lift_of(copy, 0.25)
-    assert rig.shows(rig.at(0.75), copy)
 
 
 @EVENTS.on(ALL)
@@ -262,7 +250,8 @@ def its_animation_cleared(rig: HandleRig) -> None:
     """The driver that keeps hidden controls evaluated lives there; it comes back."""
     rig.obj.animation_data_clear()
     settle()
-    moves_though_hidden(rig, rig.control)
+    moves_though_hidden(rig, rig.control, rig.control, "hide_viewport")
+    rig.height = 0.25
 
 
 @EVENTS.on(REGIONS)
@@ -272,20 +261,8 @@ def its_control_exchanged(rig: HandleRig) -> None:
     control = rig.another_control(rig.obj)
     rig.set_control(rig.obj, control)
     settle()
-    moves_though_hidden(rig, control)
-
-
-def moves_though_hidden(rig: HandleRig, control: bpy.types.Object) -> None:
-    key_heights(control, {1: 0.0, 11: 1.0})
-    bpy.context.scene.frame_set(1)
-    settle()
-    control.hide_viewport = True
-    for frame, height in ((11, 1.0), (1, 0.0), (11, 1.0)):
-        bpy.context.scene.frame_set(frame)
-        settle()
-        assert rig.shows(rig.at(height), tolerance=MATRIX)
-    control.animation_data_clear()
-    rig.height = 1.0
+    moves_though_hidden(rig, control, control, "hide_viewport")
+    rig.height = 0.25
 
 
 # --- new names, new orders
@@ -398,15 +375,18 @@ def test_a_bone_renamed_exchanged_and_deleted(plate: Rig):
 
 @EVENTS.on(REGIONS, then=is_over)
 def handles_and_deformers_in_another_order(rig: HandleRig) -> None:
-    deformers = rig.obj.sinew.deformers
-    deformers[0].handles.move(0, 1)
+    """By the button, and by scripts."""
+    deformers, control = rig.obj.sinew.deformers, rig.control
+    rig.press("handle_move", direction="DOWN", index=0)
+    assert deformers[0].active_handle == 0
     assert [handle.name for handle in deformers[0].handles] == ["Base", "Top"]
     assert rig.is_right()
-    control = deformers[0].handles[1].control
-    for height in (0.75, 1.0):
+    for height in (0.75, 1.0, 1.25):
         move_world(control, Matrix.Translation((0.0, 0.0, 0.25)))
         assert rig.shows(rig.at(height))
         if height == 0.75:
+            deformers[0].handles.move(0, 1)
+        elif height == 1.0:
             rig.press("deformer_add", method="thin_shell")
             deformers.move(0, 1)
 

@@ -13,6 +13,7 @@ import numpy as np
 from events import ALL, REGIONS, Event, Table, every, is_over, lives_on
 from inside import handlers_of_ours, inner, settle, without_the_add_on
 from libraries import add_collection, overridden, override, put_into_a_library, read
+from probe import render_points
 from rigs.kinds import RIGS, HandleRig
 from rigs.rig import (
     MATRIX,
@@ -123,7 +124,9 @@ def loaded_after_another_file(rig: HandleRig) -> None:
 
 @EVENTS.on(REGIONS, then=is_over)
 def loaded_on_a_posed_frame(rig: HandleRig) -> None:
-    """Rest is what entered at bind, not what enters when the file is opened: the same bits at each frame."""
+    """Rest is what entered at bind, not what enters when the file is opened: the same bits at each frame,
+    however it is reached, and in renders.
+    """
     rig.press("deformer_remove")
     armature = add_armature(rig.obj)
     rig.bind("arap")
@@ -138,9 +141,11 @@ def loaded_on_a_posed_frame(rig: HandleRig) -> None:
         return rig.points()
 
     frames = {frame: look(frame) for frame in (1, 12, 20)}
-    reopen(rig.folder / "posed.blend")
-    for frame in (20, 1, 12):
-        assert np.array_equal(look(frame), frames[frame])
+    for _ in range(2):
+        for frame in (20, 1, 12):
+            assert np.array_equal(look(frame), frames[frame])
+            assert np.array_equal(render_points(rig.obj), frames[frame])
+        reopen(rig.folder / "posed.blend")
 
 
 @EVENTS.on(ALL, then=is_over)
@@ -326,6 +331,50 @@ def overridden_and_reset_to_its_library(rig: HandleRig) -> None:
     control.override_library.reset()
     settle()
     follows_its_control(rig, overridden())
+
+
+def hidden_ones() -> list[str]:
+    """Our hidden objects that show as rows in the outliner."""
+    return [obj.name for scene in bpy.data.scenes for obj in scene.objects if obj.name.startswith(".Sinew")]
+
+
+def hides_its_shapes(rig: HandleRig) -> None:
+    """After pauses, and in files."""
+    for _ in range(2):
+        settle()
+        assert hidden_ones() == []
+        reopen(rig.folder / "shot.blend")
+    assert hidden_ones() == []
+    follows_its_control(rig, overridden())
+
+
+@ASSETS.on(ALL, then=is_over)
+def overridden_by_a_script(rig: HandleRig) -> None:
+    """It can be posed at once, without a pause, and without a call of ours."""
+    add_collection(library(rig), link=True).override_hierarchy_create(
+        bpy.context.scene, bpy.context.view_layer
+    )
+    obj = overridden()
+    assert obj.name == rig.name
+    rig.control_of(obj).location.z += 0.25
+    follows_its_control(rig, obj)
+    assert not rig.shows(rig.at(0.5), obj, 0.1)
+    assert obj.sinew.deformers[0].status_level == "INFO"
+    assert hidden_ones() == []
+    hides_its_shapes(rig)
+
+
+@ASSETS.on(ALL, then=is_over)
+def overridden_by_the_operator(rig: HandleRig) -> None:
+    control = rig.control_of(read(library(rig), True, "objects", rig.name)).name
+    for wanted in (rig.name, control):
+        obj = read(library(rig), True, "objects", wanted)
+        if obj.name not in bpy.context.scene.objects:
+            bpy.context.scene.collection.objects.link(obj)
+    make_active(bpy.data.objects[rig.name])
+    assert bpy.ops.object.make_override_library() == {"FINISHED"}
+    assert rig.shows(rig.at(0.5), overridden(), MATRIX)
+    hides_its_shapes(rig)
 
 
 def made_local(rig: HandleRig) -> None:

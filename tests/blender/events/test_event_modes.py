@@ -9,6 +9,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from editing import edit
 from events import ALL, MESHES, REBIND, REGIONS, Event, Table, every, is_bound_again, is_over, lives_on
 from inside import catch_up, inner, settle
 from rigs.kinds import HandleRig
@@ -20,11 +21,11 @@ from rigs.rig import (
     duplicated,
     key_heights,
     make_active,
+    members,
     on_all,
     press,
     push,
     reopen,
-    select,
     update,
 )
 
@@ -89,24 +90,17 @@ def subdivided(rig: HandleRig) -> None:
 def extruded(rig: HandleRig) -> None:
     """The far edge grows; new vertices inherit the groups."""
 
-    def extrude(edit: bmesh.types.BMesh) -> None:
-        select(edit, lambda point: point.y > 0.95)
-        bmesh.update_edit_mesh(rig.obj.data)
-        bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0.0, 0.2, 0.0)})
-
-    change_in_edit_mode(rig.obj, extrude)
+    edit(rig.obj, lambda point: point.y > 0.95)
+    bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0.0, 0.2, 0.0)})
+    bpy.ops.object.mode_set(mode="OBJECT")
 
 
 @EDITS.on(MESHES)
 def cut(rig: HandleRig) -> None:
     """A hole."""
-
-    def cut_a_hole(edit: bmesh.types.BMesh) -> None:
-        select(edit, lambda point: abs(point.x) < 0.1 and abs(point.y) < 0.5)
-        bmesh.update_edit_mesh(rig.obj.data)
-        bpy.ops.mesh.delete(type="VERT")
-
-    change_in_edit_mode(rig.obj, cut_a_hole)
+    edit(rig.obj, lambda point: abs(point.x) < 0.1 and abs(point.y) < 0.5)
+    bpy.ops.mesh.delete(type="VERT")
+    bpy.ops.object.mode_set(mode="OBJECT")
 
 
 @EDITS.on(MESHES)
@@ -236,6 +230,7 @@ def its_vertices_moved_in_edit_mode(rig: HandleRig) -> None:
     assert np.abs(bump).max() > 0.09
     for _ in range(2):
         assert rig.shows(rig.at(rig.height) + bump)
+        assert rig.deformer.status_level == "INFO", rig.deformer.status
         rig.lift(0.25)
 
 
@@ -326,11 +321,10 @@ def test_multires_below(plate: Rig):
 # --- weights, painted in Object or in Weight Paint Mode
 
 
-def paint(rig: Rig, group: str, weight: float, members: list[int] | None = None) -> None:
+def paint(rig: Rig, group: str, weight: float, chosen: list[int] | None = None) -> None:
     """As one stroke; all vertices of the group where none are named."""
-    index = rig.obj.vertex_groups[group].index
-    found = [vertex.index for vertex in rig.obj.data.vertices if index in {g.group for g in vertex.groups}]
-    rig.obj.vertex_groups[group].add(members or found, weight, "REPLACE")
+    chosen = chosen or members(rig.obj, group).tolist()
+    rig.obj.vertex_groups[group].add(chosen, weight, "REPLACE")
     rig.obj.data.update()
     rig.obj.data.update_tag()
     settle()

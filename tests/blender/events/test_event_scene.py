@@ -184,7 +184,9 @@ def second_scene(*objects: bpy.types.Object) -> bpy.types.Scene:
     return second
 
 
-def test_scenes_at_different_frames_share_a_target(animated: HandleRig):
+def test_scenes_at_different_frames_share_a_target_and_render_apart(
+    animated: HandleRig,
+):
     """Blender has one animated state of an object: what counts is the scene that is looked at, when it is."""
     first, second = bpy.context.scene, second_scene(animated.obj, animated.control)
     first.frame_set(1)
@@ -193,10 +195,6 @@ def test_scenes_at_different_frames_share_a_target(animated: HandleRig):
         assert animated.shows_in(second, animated.at(1.0))
         first.frame_set(frame)
         assert animated.shows(animated.at(height))
-
-
-def test_rendering_another_scene_leaves_this_one_alone(animated: HandleRig):
-    first, second = bpy.context.scene, second_scene(animated.obj, animated.control)
     second.frame_start = second.frame_end = 11
     first.frame_set(1)
     seen = render(second, animation=True)[-1]

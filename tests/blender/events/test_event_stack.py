@@ -25,13 +25,12 @@ from expected import Expected
 from inside import inner, settle
 from mathutils import Matrix
 from probe import render_points
-from registry import BY_ID, WITH_HANDLES
 from rigs.kinds import RIGS, HandleRig
 from rigs.rig import (
-    FLOAT32,
     Rig,
     add_armature,
     add_group,
+    add_key,
     add_regions,
     apply_matrix,
     close,
@@ -41,6 +40,7 @@ from rigs.rig import (
     linked,
     make_active,
     move_world,
+    slope,
     subdivided,
     update,
 )
@@ -202,10 +202,7 @@ def test_a_constructive_modifier_after_ours_applied(posed_plate: HandleRig, auto
 @EVENTS.on(REGIONS)
 def shape_keys_added_blended_and_removed(rig: HandleRig) -> None:
     obj, entering = rig.obj, rig.rest()
-    obj.shape_key_add(name="Basis")
-    wave = obj.shape_key_add(name="Wave")
-    for point in wave.data:
-        point.co.z = 0.2 * point.co.x
+    wave = add_key(obj, "Wave", slope(0.2))
     settle()
     for value in (0.0, 1.0, 0.5):
         wave.value = value
@@ -226,34 +223,6 @@ def an_armature_added_before_it(rig: HandleRig) -> None:
     high = turned[:, 1] > 0.0
     turned[high] = apply_matrix(bone.matrix @ bone.bone.matrix_local.inverted(), turned[high])
     assert rig.shows(rig.now(incoming=turned), tolerance=1e-5)
-
-
-@pytest.mark.parametrize("method", WITH_HANDLES)
-def test_an_armature_before_ours_is_followed_and_corrected(plate: Rig, method: str):
-    armature = add_armature(plate.obj)
-    plate.bind(method)
-    bone = armature.pose.bones["high"]
-    bone.rotation_euler = (0.0, 0.0, 0.6)
-    update()
-    posed = plate.rest()
-    high = posed[:, 1] > 0.0
-    posed[high] = apply_matrix(bone.matrix @ bone.bone.matrix_local.inverted(), posed[high])
-    # unmoved handles change nothing: exactly for displacements, within its tolerance for an iteration
-    assert close(plate.points(), posed, 1e-2 if BY_ID[method].iterative else FLOAT32)
-    plate.lift(0.4)
-    assert close(plate.points()[plate.top], posed[plate.top] + (0.0, 0.0, 0.4))
-
-
-def test_a_handle_from_rest_on_the_bone_that_moved_the_mesh(plate: Rig):
-    armature = add_armature(plate.obj)
-    plate.bind(control_object="Rig", bone="high")
-    bone = armature.pose.bones["high"]
-    bone.location = (0.1, 0.2, 0.3)
-    update()
-    posed = apply_matrix(bone.matrix @ bone.bone.matrix_local.inverted(), plate.rest()[plate.top])
-    assert np.abs(plate.points()[plate.top] - posed).max() > 0.1  # twice
-    plate.deformer.handles[0].from_rest = True
-    assert close(plate.points()[plate.top], posed)
 
 
 def test_a_modifier_that_makes_other_vertices_gets_displacements(plate: Rig):
@@ -523,17 +492,6 @@ def its_factor_and_its_mask_set(rig: HandleRig) -> None:
         assert np.array_equal(rig.points(), shown)
         rig.deformer.mask_group = ""
     assert np.array_equal(rig.points(), whole)
-
-
-@EVENTS.on(ALL)
-def live_off_and_on(rig: HandleRig) -> None:
-    """It keeps the last shape."""
-    before = rig.points()
-    rig.deformer.live = False
-    rig.lift(0.25)
-    assert np.array_equal(rig.points(), before)
-    rig.deformer.live = True
-    assert rig.is_right()
 
 
 # --- each of them

@@ -25,7 +25,7 @@ from rigs.rig import (
     press,
     reopen,
 )
-from sequences import MOST_UNDO, SEQUENCES, Sequence, run_sequences
+from sequences import SEQUENCES, Sequence, run_sequences
 
 STEPS = 30
 TOLERANCE = 2e-5  # float32 weights and positions, of shapes of a few units
@@ -38,10 +38,6 @@ CLASSES = {"mean_value": "MeanValue", "green": "Green"}  # these take points any
 
 class Artist(Sequence):
     """Balls, and boxes around them. Picks are taken modulo what there is."""
-
-    def __init__(self) -> None:
-        super().__init__()
-        self.depth = self.redos = 0
 
     @property
     def targets(self) -> list[bpy.types.Object]:
@@ -56,16 +52,12 @@ class Artist(Sequence):
         ]
         return found[pick % len(found)] if found else None
 
-    def done(self, push: bool = True) -> None:
-        if push:
-            bpy.ops.ed.undo_push(message="step")
-            self.depth, self.redos = min(self.depth + 1, MOST_UNDO), 0
-        self.pause()
+    def compare(self) -> None:
         for obj in self.targets:
             if obj.mode == "OBJECT":
-                self.compare(obj)
+                self.compare_one(obj)
 
-    def compare(self, obj: bpy.types.Object) -> None:
+    def compare_one(self, obj: bpy.types.Object) -> None:
         """Every deformer of the stack adds the motion of its cage to what enters it."""
         expected = base_points(obj).astype(np.float64)
         for deformer in obj.sinew.deformers:
@@ -101,8 +93,7 @@ class Artist(Sequence):
     def begin(self):
         self.new_ball()
         self.put_box("mean_value", 1.8)
-        self.done()
-        self.depth = 0
+        self.start_over()
 
     def new_ball(self) -> None:
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, radius=0.6)
@@ -195,33 +186,18 @@ class Artist(Sequence):
         deformer.method, deformer.factor = method, factor
         self.done()
 
-    @precondition(lambda self: self.depth > 8 and self.caged(0) and self.in_object_mode)
+    @precondition(lambda self: self.now > 8 and self.caged(0) and self.in_object_mode)
     @rule(pick=PICK)
     def delete_cage(self, pick):
         make_active(self.caged(pick)[1].cage)
         bpy.ops.object.delete()
         self.done()
 
-    @precondition(lambda self: self.depth > 0)
-    @rule()
-    def undo(self):
-        bpy.ops.ed.undo()
-        self.depth, self.redos = self.depth - 1, self.redos + 1
-        self.done(push=False)
-
-    @precondition(lambda self: self.redos > 0)
-    @rule()
-    def redo(self):
-        bpy.ops.ed.redo()
-        self.depth, self.redos = self.depth + 1, self.redos - 1
-        self.done(push=False)
-
     @precondition(lambda self: self.in_object_mode)
     @rule()
     def save_and_load(self):
         reopen(self.folder / "cages.blend")
-        self.done()
-        self.depth = 0
+        self.start_over()
 
 
 @pytest.mark.slow

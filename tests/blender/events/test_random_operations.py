@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from hypothesis import strategies as st
 from hypothesis.stateful import initialize, precondition, rule
-from inside import catch_up, evaluated_by, native
+from inside import catch_up, native
 from mathutils import Euler, Matrix
 from oracle import Oracle, Unsure
 from registry import WITH_HANDLES
@@ -27,7 +27,7 @@ from rigs.rig import (
     update,
 )
 from rigs.targets import GROUPS, SETTINGS, SHAPES, new_target
-from sequences import MOST_UNDO, SEQUENCES, Sequence, run_sequences
+from sequences import SEQUENCES, Sequence, run_sequences
 
 STEPS = int(os.environ.get("SINEW_RANDOM_STEPS", "50"))
 
@@ -46,9 +46,8 @@ class Artist(Sequence):
     def __init__(self) -> None:
         super().__init__()
         self.oracle = Oracle(native())
+        self.memory = self.oracle.last
         self.saved: list[str] = []
-        self.moments: list[dict] = []  # what the oracle remembered at each undo step
-        self.now = -1
         self.posed: set[str] = set()  # targets that show a solution, and were compared
 
     # What there is
@@ -98,35 +97,6 @@ class Artist(Sequence):
             words = str(refusal)
         assert "Traceback" not in words, words
         return False
-
-    def done(self, push: bool = True, solved: bool = True) -> None:
-        """The undo step, the evaluation, and a quiet moment.
-
-        In a window the step is saved before it is ``solved``; called from Python, it is solved first.
-        """
-        if push:
-            if solved:
-                bpy.ops.ed.undo_push(message="step")
-            else:
-                self.push_unsolved()
-            del self.moments[self.now + 1 :]
-            self.moments = self.moments[-MOST_UNDO:]
-            self.moments.append({})
-            self.now = len(self.moments) - 1
-        self.pause()
-        self.compare()
-        self.moments[self.now] = dict(self.oracle.last)
-
-    def push_unsolved(self) -> None:
-        with evaluated_by(None):
-            bpy.ops.ed.undo_push(message="step")
-        for obj in self.targets:
-            obj.update_tag(refresh={"OBJECT"})
-
-    def start_over(self) -> None:
-        """A file was opened: no undo beyond it."""
-        self.moments, self.now = [], -1
-        self.done()
 
     def compare(self) -> None:
         depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -394,24 +364,9 @@ class Artist(Sequence):
         self.activate(obj)
         if self.call(bpy.ops.sinew.unbind):
             self.oracle.forget_missing([obj])
-            self.oracle.last = {pair: pose for pair, pose in self.oracle.last.items() if pair[0] != key}
+            for pair in [pair for pair in self.oracle.last if pair[0] == key]:
+                del self.oracle.last[pair]
         self.done()
-
-    @precondition(lambda self: self.now > 0)
-    @rule()
-    def undo(self):
-        self.now -= 1
-        bpy.ops.ed.undo()
-        self.oracle.last = dict(self.moments[self.now])
-        self.done(push=False)
-
-    @precondition(lambda self: self.now + 1 < len(self.moments))
-    @rule()
-    def redo(self):
-        self.now += 1
-        bpy.ops.ed.redo()
-        self.oracle.last = dict(self.moments[self.now])
-        self.done(push=False)
 
     @precondition(lambda self: len(self.saved) < 3)
     @rule()

@@ -20,6 +20,7 @@ from rigs.puppets import figure
 from rigs.rig import (
     Rig,
     add_armature,
+    add_regions,
     grid_object,
     linked,
     make_active,
@@ -33,11 +34,13 @@ from rigs.rig_of_curves import polyline
 from seen import assert_seen, seen
 from test_undo_of_buttons import (
     BAKE,
+    FILE,
     FRONT,
     LINE,
     add_left_side,
     draggable,
-    in_a_cage,
+    in_an_automatic_cage,
+    on,
     on_plate,
     posed,
     selected,
@@ -112,6 +115,15 @@ def puppet() -> None:
     make_active(figure())
 
 
+def with_an_object_without_vertices() -> None:
+    make_active(grid_object(), new_object("Bare", []))
+
+
+def remeshed() -> None:
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.context.object.modifiers.new("Remesh", "REMESH").mode = "BLOCKS"
+
+
 def with_crossed_faces() -> None:
     """Another mesh of the same points, whose faces have their corners in another order."""
     grid = grid_object()
@@ -128,12 +140,22 @@ def sets(path: str, value: object) -> Spoil:
     return lambda obj: setattr(obj.path_resolve(owner) if owner else obj, name, value)
 
 
+def of(name: str, spoil: Spoil) -> Spoil:
+    """To another object."""
+    return lambda _obj: spoil(bpy.data.objects[name])
+
+
 def each(*spoils: Spoil) -> Spoil:
     return lambda obj: [spoil(obj) for spoil in spoils]
 
 
 def has_a_key(obj: bpy.types.Object) -> None:
     obj.shape_key_add(name="Basis")
+
+
+def has_two_keys(obj: bpy.types.Object) -> None:
+    has_a_key(obj)
+    obj.shape_key_add(name="Bent")
 
 
 def unbound(obj: bpy.types.Object) -> None:
@@ -174,11 +196,32 @@ def lift(obj: bpy.types.Object) -> None:
     obj.location.z += 0.5
 
 
+def in_no_scene(obj: bpy.types.Object) -> None:
+    bpy.context.scene.collection.objects.unlink(obj)
+
+
 def has_no_selected_edges(obj: bpy.types.Object) -> None:
     for edge in obj.data.edges:
         edge.select = False
 
 
+def on_two(obj: bpy.types.Object) -> None:
+    """There is another deformer."""
+    press(obj, "deformer_add", method="arap")
+
+
+def built_up(obj: bpy.types.Object) -> None:
+    """Vertices come and go by the frame."""
+    build = obj.modifiers.new("Build", "BUILD")
+    build.frame_start, build.frame_duration = 1.0, 6.0
+    bpy.ops.object.modifier_move_to_index(modifier="Build", index=0)
+
+
+def two_bound(obj: bpy.types.Object) -> None:
+    add_regions(obj, "arap", {"Top": "HANDLE"})
+
+
+FINE, HIDDEN = of("Other", subdivided), of("Other", lambda obj: obj.hide_set(True))
 DRAG = {"origin": (0.0, 0.0, 5.0), "value": (0.0, 0.0, 0.5), "radius": 0.25}
 ASIDE = DRAG | {"origin": (5.0, 5.0, 5.0)}
 HAND = {"bone": "hand.L", "value": (0.0, 0.0, 0.1)}
@@ -230,6 +273,10 @@ REGIONS = [
         "select_handle", "no bone 'hand'", BOUND, sets("sinew.deformers[0].handles[0].bone", "hand"), index=0
     ),
     row("handle_mirror", "no counterpart", posed(add_left_side), weights_only=True),
+    row("reset_pose", "no control that has a rest", grid_object, on_two),
+    row("reset_pose", "No control is selected", BOUND, selected=True),
+    row("key_pose", "no control to key", grid_object, on_two),
+    row("bind", "Make Handle", grid_object, on_two),
     row("point_add", "Smooth Points", bound_for_surfaces, source="SELECTED", method="rbf"),
     row(
         "point_add",
@@ -241,7 +288,7 @@ REGIONS = [
     ),
     row("point_add", "those whose points are handles", with_an_empty, source="POINTS"),
 ]
-CAGE = in_a_cage(faces=80)
+CAGE = in_an_automatic_cage(80)
 OBJECTS = [
     row("cage_add", "has no points", lambda: make_active(curve_object())),
     row("cage_add", "has no points", text, sets("data.body", "")),
@@ -250,15 +297,9 @@ OBJECTS = [
     row("cage_faces", "was edited", CAGE, lambda obj: obj.sinew.active.cage.shape_key_add(), faces=30),
     row("cage_faces", "shares its mesh", CAGE, lambda obj: shares_its_mesh(obj.sinew.active.cage), faces=30),
     row("cage_faces", "is in Edit Mode", CAGE, has_its_cage_in_edit_mode, faces=30),
-    row("cage_faces", "was not made by Wrap in a Cage", in_a_cage(), faces=30),
-    row("cage_faces", "pose of Suit", two_in_one_cage, lambda _obj: lift(bpy.data.objects["Suit"]), faces=30),
-    row(
-        "cage_faces",
-        "moves Suit as well",
-        two_in_one_cage,
-        lambda obj: bpy.context.scene.collection.objects.unlink(bpy.data.objects["Suit"]),
-        faces=30,
-    ),
+    row("cage_faces", "was not made by Wrap in a Cage", on("cage"), faces=30),
+    row("cage_faces", "pose of Suit", two_in_one_cage, of("Suit", lift), faces=30),
+    row("cage_faces", "moves Suit as well", two_in_one_cage, of("Suit", in_no_scene), faces=30),
     row("lattice_add", "has no points", no_vertices),
     row("lattice_add", "is no lattice", with_an_empty, source="OBJECT", lattice="Empty"),
     row("wire_add", "Select the curves", grid_object),
@@ -267,13 +308,16 @@ OBJECTS = [
     row("wire_add", "There is no object 'Nothing'", grid_object, curve="Nothing"),
     row("morph", "was only reshaped", lambda: make_active(grid_object(), box())),
     row("morph", "other vertices", with_crossed_faces),
-    row(
-        "morph",
-        "not finite",
-        two_of_one_topology,
-        lambda _obj: sets("data.vertices[3].co", (NAN, 0, 0))(bpy.data.objects["Other"]),
-    ),
+    row("morph", "not finite", two_of_one_topology, of("Other", sets("data.vertices[3].co", (NAN, 0, 0)))),
     row("morph", "There is no object", two_of_one_topology, target="Nobody"),
+    row("transfer_deformation", "empty", two_of_one_topology, **FILE | {"frame_start": 5}),
+    row("transfer_deformation", "faces of the target have other vertices", with_crossed_faces, **FILE),
+    row("transfer_deformation", "make .* vertices of its .* - switch", two_of_one_topology, FINE, **FILE),
+    row("transfer_deformation", "is hidden", two_of_one_topology, HIDDEN, **FILE, source="Other"),
+    row("transfer_deformation", "convert it to a mesh", with_an_empty, **FILE),
+    row("transfer_deformation", "no vertices", with_an_object_without_vertices, **FILE),
+    row("transfer_deformation", "There is no object Nobody", two_of_one_topology, **FILE, source="Nobody"),
+    row("transfer_deformation", "Save the file first", two_of_one_topology),
 ]
 DRAGS = [
     row("drag", "There is nothing to drag at this place", grid_object, **ASIDE),
@@ -293,16 +337,17 @@ DRAGS = [
     row("drag", "Go to Object Mode", selected(centre), **DRAG),
     row("drag", "is hidden - show it", dragged, sets("modifiers[0].show_viewport", False), **DRAG),
     row("drag", "switch Live on", dragged, sets("sinew.deformers[0].live", False), **DRAG),
-    row(
-        "drag",
-        "New Control",
-        dragged,
-        lambda obj: bpy.data.objects.remove(bpy.data.objects["Plate Handle"]),
-        **DRAG,
-    ),
+    row("drag", "New Control", dragged, of("Plate Handle", lambda obj: bpy.data.objects.remove(obj)), **DRAG),
     row("drag", "press Bind first", dragged, unbound, **DRAG),
     row("drag", "shows an error", dragged, shows_an_error, **DRAG),
+    row("drag", "make a new mesh", remeshed, **DRAG),
+    row("drag", "belongs to Base, which stays", BOUND, **DRAG | {"origin": (0.0, -0.9, 5.0)}),
+    row("drag_press", "3D Viewport", grid_object),
+    row("drag_start", "Object Mode or Pose Mode", selected(centre)),
+    row("control_drag", "there is no number 99", on("cage"), control="Cage", point=99),
+    row("control_drag", "has shape keys", on("cage"), of("Cage", has_two_keys), control="Cage", point=1),
     row("grab_region", "Go to Edit Mode", grid_object),
+    row("grab_region", "Nothing is selected - select the vert", selected(lambda point: False), **UP),
     row("grab_region", "scaled to zero", selected(centre), sets("scale", (1.0, 1.0, 0.0)), **UP),
     *(
         row(
@@ -377,13 +422,9 @@ DRAGS = [
         sets("data.vertices[3].co", (NAN, 0.0, 0.0)),
         **SKETCH,
     ),
-    row(
-        "silhouette_sketch",
-        "poll",
-        with_a_stroke,
-        lambda obj: make_active(bpy.data.objects["Stroke"]),
-        **SKETCH,
-    ),
+    row("silhouette_sketch", "poll", with_a_stroke, of("Stroke", make_active), **SKETCH),
+    row("silhouette_sketch", "no shape key Nothing", with_a_stroke, **SKETCH, shape_key="Nothing"),
+    row("silhouette_sketch", "no shape key Basis", with_a_stroke, has_a_key, **SKETCH, shape_key="Basis"),
     row(
         "silhouette_sketch",
         "has no faces",
@@ -409,6 +450,8 @@ FRAMES = [
     row("bake", "hidden", BOUND, sets("hide_viewport", True), **KEYS),
     row("bake", "off in the viewport", BOUND, sets("modifiers[0].show_viewport", False), **KEYS),
     row("bake", "press Bind", BOUND, unbound, **KEYS),
+    row("bake", "One file", BOUND, two_bound, target="PC2", **FILE, all_deformers=True),
+    row("bake", r"Frame \d: ", BOUND, built_up, target="PC2", **FILE),
     row("bake", "Save the file first", BOUND, target="PC2"),
     row("bake", "Save the file first", BOUND, target="PC2", filepath="//cache/plate.pc2"),
     row("bake", r"Cannot write .*plate", BOUND, target="PC2", filepath=f"{__file__}/in-no-folder/plate.pc2"),
@@ -428,6 +471,11 @@ def test_a_button_says_why_it_does_nothing_and_changes_nothing(
     prepare()
     if spoil is not None:
         spoil(bpy.context.object)
-    before = seen()
+    before, frame, files = seen(), bpy.context.scene.frame_current, files_made()
     refused(said, operator, **options)
     assert_seen(before)
+    assert (bpy.context.scene.frame_current, files_made()) == (frame, files)
+
+
+def files_made() -> list[Path]:
+    return sorted(Path(bpy.app.tempdir).rglob("*"))

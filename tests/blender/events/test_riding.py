@@ -103,6 +103,10 @@ def corrected(arm: Posed) -> Posed:
     return arm.correct()
 
 
+def graph() -> bpy.types.Depsgraph:
+    return bpy.context.evaluated_depsgraph_get()
+
+
 def go(frame: int) -> None:
     bpy.context.scene.frame_set(frame)
 
@@ -372,6 +376,8 @@ def test_a_rig_from_a_library_rides(corrected: Posed, tmp_path: Path, bring):
     bring(path)
     corrected.name = next(obj.name for obj in bpy.context.scene.objects if obj.sinew.deformers)
     assert corrected.is_right(2e-5)
+    if bring is override:
+        refused("does not save new drivers", "drive_by_bone", corrected.obj)
 
 
 @pytest.mark.parametrize("method", ["arap", "inverse_ffd"])
@@ -388,6 +394,27 @@ def test_sinew_drag_makes_controls_that_ride(arm: Posed, method: str):
         turned = (bone_now() @ np.linalg.inv(made))[:3, :3] @ (0.0, 0.0, 0.3)
         wanted = apply_matrix(bone_now(), arm.rest()[[vertex]]) + turned
         assert close(arm.points()[[vertex]], wanted, MATRIX if method == "arap" else 0.02), frame
+
+
+def test_factor_follows_the_bend_of_a_bone_and_so_does_a_shape_key_made_of_it(corrected: Posed):
+    def follows(value: Callable[[], float]) -> None:
+        for frame, factor in ((1, 0.0), (MADE, 1.0)):
+            go(frame)
+            assert value() == pytest.approx(factor, abs=1e-5)
+
+    make_active(corrected.obj)
+    rig = bpy.data.objects["Rig"]
+    rig.rotation_euler = (2.0, 0.0, 1.0)  # where it stands does not count
+    update()
+    assert bpy.ops.sinew.drive_by_bone() == {"FINISHED"}
+    rig.rotation_euler = (0.0, 0.0, 0.0)
+    follows(lambda: corrected.obj.evaluated_get(graph()).sinew.active.factor)
+    press(corrected.obj, "apply", as_shape_key=True, keep_deformer=True)
+    corrected.obj.modifiers[-1].show_viewport = False
+    follows(lambda: corrected.obj.data.shape_keys.key_blocks[-1].value)
+    assert close(corrected.far_edge(), corrected.expected(), MATRIX)
+    go(1)
+    refused("is bent now", "drive_by_bone", corrected.obj)
 
 
 @pytest.mark.parametrize("on_cage", [True, False])

@@ -18,11 +18,14 @@ from editing import centre, edit
 from mathutils import Matrix, Vector
 from registry import BY_ID, ON_HANDLE_POINTS
 from rigs.cages import ball, box, place, surround
+from rigs.kinds import RIGS
 from rigs.point_objects import cage_around, lattice
 from rigs.puppets import standing
 from rigs.rig import (
     Rig,
+    add_armature,
     add_group,
+    add_key,
     add_regions,
     change_in_edit_mode,
     grid_object,
@@ -33,6 +36,7 @@ from rigs.rig import (
     push,
     refused,
     reopen,
+    slope,
 )
 from rigs.rig_of_curves import polyline, stroke_through
 from seen import assert_seen, seen
@@ -101,21 +105,33 @@ def with_another_file() -> None:
     Path(FOUND).write_bytes(played[:32] + points.tobytes())
 
 
-def in_a_cage(inside_out: bool = False, **automatic: object) -> Callable[[], None]:
-    """A ball in a cage that is posed, or inside out, or automatic and at rest."""
+def on(kind: str) -> Callable[[], None]:
+    """A rig of this kind, posed."""
 
     def prepare() -> None:
-        if automatic:
-            press(ball(), "cage_add", **automatic)
-        else:
-            cage = box()
-            if inside_out:
-                cage.data.flip_normals()
-            surround(ball(), cage)
-            cage.location.z += 0.2
-        make_active(bpy.data.objects["Ball"])
+        rig = RIGS[kind].new().start()
+        rig.lift(0.2)
+        make_active(rig.obj)
 
     return prepare
+
+
+def in_an_automatic_cage(faces: int) -> Callable[[], None]:
+    """At rest."""
+
+    def prepare() -> None:
+        target = ball()
+        press(target, "cage_add", faces=faces)
+        make_active(target)
+
+    return prepare
+
+
+def in_a_cage_inside_out() -> None:
+    target, cage = ball(), box()
+    cage.data.flip_normals()
+    surround(target, cage)
+    make_active(target)
 
 
 def send_the_cage_nowhere() -> None:
@@ -137,25 +153,9 @@ def a_caged_lattice() -> None:
     make_active(bpy.data.objects["Lattice"])
 
 
-def with_lattice() -> None:
-    lattice = on_plate("lattice_add", resolution=(3, 3, 2)).deformer.controls[0].object
-    lattice.location.z += 0.3
-
-
 def a_curve() -> None:
     polyline(LINE, "Wire")
     grid_object()
-
-
-def with_wire() -> None:
-    polyline(LINE, "Wire")
-    on_plate("wire_add", curve="Wire", radius=0.6)
-    bpy.data.objects["Wire"].location.z = 0.3
-
-
-def with_tool() -> None:
-    plate = on_plate("tool_add", tool="drag", location=(0.0, 0.0, 0.0))
-    plate.deformer.controls[0].object.location.z = 0.2
 
 
 def lifted(method: str) -> Rig:
@@ -186,10 +186,7 @@ def two_of_one_topology() -> None:
 
 def with_keys() -> None:
     plate = Rig.plate()
-    plate.obj.shape_key_add(name="Basis")
-    sway = plate.obj.shape_key_add(name="Sway")
-    for point in sway.data:
-        point.co.z = 0.5 * point.co.y
+    sway = add_key(plate.obj, "Sway", slope(y=0.5))
     key(sway, {1: {"value": 0.0}, 20: {"value": 1.0}})
     plate.bind("mesh_sequence")
     for frame in (1, 10):
@@ -263,6 +260,13 @@ def with_nameless_sides() -> None:
     add_regions(obj, "thin_shell", {"Foot": "HANDLE"})
 
 
+def with_a_bent_bone() -> None:
+    plate = Rig.plate()
+    add_armature(plate.obj).pose.bones["high"].rotation_euler.x = 1.0
+    plate.bind("thin_shell").lift()
+    make_active(plate.obj)
+
+
 def draggable(method: str = "") -> Callable[[], None]:
     options = {"method": method} if method else {}
     return button("drag", origin=(0.0, 0.0, 5.0), value=(0.0, 0.0, 0.5), radius=0.25, reach=2.0, **options)
@@ -284,10 +288,10 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
         button("deformer_move", direction="DOWN", index=0),
     ),
     "cage_add": (posed(lambda _plate: box(size=6.0)), button("cage_add", source="OBJECT", cage="Cage")),
-    "cage_set_rest": (in_a_cage(), button("cage_set_rest")),
-    "cage_flip": (in_a_cage(inside_out=True), button("cage_flip")),
-    "cage_faces": (in_a_cage(faces=60), button("cage_faces", faces=30)),
-    "a cage sent nowhere": (in_a_cage(), send_the_cage_nowhere),
+    "cage_set_rest": (on("cage"), button("cage_set_rest")),
+    "cage_flip": (in_a_cage_inside_out, button("cage_flip")),
+    "cage_faces": (in_an_automatic_cage(60), button("cage_faces", faces=30)),
+    "a cage sent nowhere": (on("cage"), send_the_cage_nowhere),
     "cage_add around a lattice": (a_lattice_in_a_box, button("cage_add", source="OBJECT", cage="Cage")),
     "deformer_remove of a lattice": (a_caged_lattice, button("deformer_remove")),
     "handle_add": (posed(add_middle), button("handle_add", kind="FIXED", vertex_group="Middle")),
@@ -313,25 +317,26 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "select_distorted": (posed(), button("select_distorted")),
     "drag of a handle": (posed(), button("drag", origin=(0.0, 0.9, 5.0), value=(0.0, 0.0, -0.5))),
     "lattice_add": (grid_object, button("lattice_add", resolution=(3, 3, 2))),
-    "lattice_set_rest": (with_lattice, button("lattice_set_rest")),
+    "lattice_set_rest": (on("lattice"), button("lattice_set_rest")),
     "wire_add": (a_curve, button("wire_add", curve="Wire", radius=0.6)),
     "wire_draw": (
         grid_object,
         lambda: run("wire_draw", points=5, stroke=stroke_through(LINE[1:-1])),
     ),
-    "control_remove": (with_wire, button("control_remove", index=0)),
-    "control_set_rest": (with_wire, button("control_set_rest")),
+    "control_remove": (on("curves"), button("control_remove", index=0)),
+    "control_set_rest": (on("curves"), button("control_set_rest")),
     "tool_add": (grid_object, button("tool_add", tool="twist")),
     "reset_pose": (posed(), button("reset_pose")),
-    "reset_pose of a cage": (in_a_cage(), button("reset_pose")),
-    "reset_pose of a lattice": (with_lattice, button("reset_pose")),
-    "reset_pose of a wire": (with_wire, button("reset_pose")),
-    "reset_pose of a tool": (with_tool, button("reset_pose")),
+    "reset_pose of a cage": (on("cage"), button("reset_pose")),
+    "reset_pose of a lattice": (on("lattice"), button("reset_pose")),
+    "reset_pose of a wire": (on("curves"), button("reset_pose")),
+    "reset_pose of a tool": (on("tools"), button("reset_pose")),
     "key_pose": (posed(), button("key_pose")),
-    "control_drag": (in_a_cage(), button("control_drag", control="Cage", point=3, value=(0.2, 0.1, 0.3))),
-    "reach_drag": (with_wire, button("reach_drag", length="radius", value=0.9)),
+    "drive_by_bone": (with_a_bent_bone, button("drive_by_bone", angle=2.0)),
+    "control_drag": (on("cage"), button("control_drag", control="Cage", point=3, value=(0.2, 0.1, 0.3))),
+    "reach_drag": (on("curves"), button("reach_drag", length="radius", value=0.9)),
     "drag of a place": (posed(), button("drag", origin=(0.0, 0.0, 5.0), value=(0.0, 0.0, 0.4), places=True)),
-    "tool_stop": (with_tool, button("tool_stop")),
+    "tool_stop": (on("tools"), button("tool_stop")),
     "tool_drag": (grid_object, lambda: run("tool_drag", radius=0.8, path=stroke_through(UP))),
     "point_add": (grid_object, button("point_add", source="CURSOR")),
     "grid_new": (lambda: lifted("spline_surface"), button("grid_new")),
@@ -342,6 +347,10 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "key_move": (with_keys, button("key_move", index=1, frame=5)),
     "key_remove": (with_keys, button("key_remove", index=1)),
     "preset_apply": (with_a_preset, apply_the_preset),
+    "use_template": (posed(), button("use_template", template="rubber")),
+    "try_it": (grid_object, button("try_it", rig="lines")),
+    "try_it beside another rig": (button("try_it", rig="limb"), button("try_it", rig="joint")),
+    "try_back": (button("try_it", rig="limb"), button("try_back")),
     "control_new": (without_its_control, button("control_new")),
     "cage_outside_follow": (refused_outside, button("cage_outside_follow")),
     "settings_share": (allowed_outside, button("settings_share")),

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 
 import bpy
 import numpy as np
@@ -18,23 +18,12 @@ from inside import native
 from registry import METHODS
 from rigs.kinds import HandleRig
 from rigs.rig import close, refused, save
-from rigs.sheet import Sheet
+from rigs.sheet import Sheet, draw_page
 from second_blender import another_blender, is_executable
 
 SELF_CHECK = Path(__file__).parents[3] / "tools" / "self_check"
 SUPPORT = Path(__file__).parents[1] / "support"
 ODD = "Übung – 日本 a b"  # as the folder of a user may be called
-
-
-def page(addon_name: str) -> Sheet:
-    """The preferences of the add-on, as they are drawn now."""
-    values = bpy.context.preferences.addons[addon_name].preferences
-    sheet = Sheet()
-    stand_in = SimpleNamespace(layout=sheet, section="GENERAL")
-    for name in ("_draw_general", "_draw_overlays", "_draw_keymap"):
-        setattr(stand_in, name, lambda *_arguments: None)
-    type(values).draw(stand_in, bpy.context)
-    return sheet
 
 
 def blocks() -> dict[str, int]:
@@ -73,7 +62,7 @@ def test_the_button_writes_a_report_and_leaves_the_file_alone(
         assert f"\n{method.id}: " in text
     assert "known answers are right" in text
     assert "WRONG" not in text
-    sheet = page(addon_name)
+    sheet = draw_page(addon_name)
     assert icon_of(sheet, "known answers are right") == "CHECKMARK"
     assert dict(sheet.operators())["wm.path_open"].filepath == str(report)
 
@@ -91,7 +80,7 @@ def test_wrong_answers_of_the_module_are_shown(
     refused("known answers are wrong", "check_installation")
     (report,) = reports.glob("sinew-check-*.txt")
     assert "WRONG" in report.read_text(encoding="utf-8")
-    assert icon_of(page(addon_name), "known answers are wrong") == "ERROR"
+    assert icon_of(draw_page(addon_name), "known answers are wrong") == "ERROR"
 
 
 def test_no_place_for_the_report(reports: Path, monkeypatch: pytest.MonkeyPatch):
@@ -128,9 +117,8 @@ def copied(addon: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -
 BROKEN = """
 import ctypes, os, sys
 from pathlib import Path
-from types import SimpleNamespace
 sys.path.insert(0, here)
-from rigs.sheet import Sheet
+from rigs.sheet import draw_page
 module, addon_folder = Path(module), Path(addon_folder)
 kept = module.with_name("kept")
 READ, OPEN_EXISTING = 0x80000000, 3  # of CreateFile
@@ -140,11 +128,7 @@ def look(fault):
     bpy.ops.wm.open_mainfile(filepath=file)
     obj = bpy.data.objects[target]
     bpy.context.scene.frame_set(7)
-    values, sheet = bpy.context.preferences.addons[addon].preferences, Sheet()
-    stand_in = SimpleNamespace(layout=sheet, section="GENERAL", _draw_general=lambda *_: None)
-    stand_in._draw_overlays = stand_in._draw_keymap = None
-    type(values).draw(stand_in, bpy.context)
-    said = {"points": evaluated_points(obj).tolist(), "page": sheet.texts()}
+    said = {"points": evaluated_points(obj).tolist(), "page": draw_page(addon).texts()}
     said["status"] = obj.sinew.deformers[0].status
     try:
         bpy.ops.sinew.check_installation()

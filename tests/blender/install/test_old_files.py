@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 from inside import inner
 from libraries import add_collection, override
-from rigs.rig import base_points, evaluated_points, linked, press, reopen, update
+from rigs.rig import base_points, coordinates, evaluated_points, linked, members, press, reopen, update
 
 FILE = Path(__file__).parent / "before_controls.blend"
 FLOAT32 = 2e-6  # rounding at a size of 2
@@ -24,10 +24,7 @@ CAGES = {"Ball": ("Ball Cage", True), "Pear": ("Box", False)}  # and whether the
 
 
 def expected(obj: bpy.types.Object) -> np.ndarray:
-    attribute = obj.data.attributes["expected"].data
-    points = np.empty((len(attribute), 3), dtype=np.float32)
-    attribute.foreach_get("vector", points.ravel())
-    return points
+    return coordinates(obj.data.attributes["expected"].data, "vector")
 
 
 @pytest.fixture
@@ -105,12 +102,11 @@ def test_controls_of_other_kinds_are_saved_with_their_rest(tmp_path: Path) -> No
 def test_a_handle_that_was_saved_posed_goes_on_from_there(opened) -> None:
     plate = bpy.data.objects["Plate"]
     (handle,) = (row for row in plate.sinew.active.handles if row.kind == "HANDLE")
-    group = plate.vertex_groups[handle.vertex_group].index
-    members = [v.index for v in plate.data.vertices if group in [each.group for each in v.groups]]
+    held = members(plate, handle.vertex_group)
     assert handle.stands_on == "WORLD"
     for height in (0.75, 0.0, 0.5):  # of the region; saved at 0.5
         handle.control.location.z = height
         moved = evaluated_points(plate) - base_points(plate)
-        assert np.abs(moved[members] - (0.0, 0.0, height)).max() < FLOAT32
+        assert np.abs(moved[held] - (0.0, 0.0, height)).max() < FLOAT32
         assert np.abs(moved).max() < height + FLOAT32
     assert np.abs(evaluated_points(plate) - expected(plate)).max() < FLOAT32

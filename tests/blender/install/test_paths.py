@@ -7,10 +7,9 @@ import os
 from pathlib import Path
 
 import bpy
-import numpy as np
 import pytest
 from baking import CACHES, TARGETS, assert_same, bake, footprint, played
-from rigs.rig import Rig, fails, load, make_active, save, update
+from rigs.rig import Rig, fails, load, make_active, save
 
 FOLDERS = ("My shots (1)", "Jürgen Müller", "日本語 Ёлка", "it's & 100%")
 OUTPUT = os.environ.get("SINEW_TEST_OUTPUT", "")
@@ -127,18 +126,3 @@ def test_a_read_only_file_is_replaced_or_reported(saved: Rig, tmp_path: Path) ->
     finally:
         path.chmod(0o666)
     assert not list(tmp_path.rglob("*.part*"))
-
-
-def test_a_cache_that_is_gone_is_named_with_its_path(saved: Rig, tmp_path: Path) -> None:
-    bake(saved, "PC2")
-    (file,) = tmp_path.rglob("*.pc2")
-    file.rename(file.with_suffix(".kept"))
-    save(bpy.data.filepath)
-    load(bpy.data.filepath)
-    update()
-    assert "is missing" in saved.deformer.status
-    assert file.name in saved.deformer.status
-    file.with_suffix(".kept").rename(file)
-    load(bpy.data.filepath)
-    assert saved.deformer.status_level == "INFO", saved.deformer.status
-    assert np.isfinite(saved.points()).all()

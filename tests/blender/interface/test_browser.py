@@ -180,10 +180,20 @@ def test_a_task_starts_with_each_of_its_methods(task):
     refused("has no method 'nonsense'", "start_task", None, task=task.id, method="nonsense")
 
 
-def test_a_correction_goes_behind_what_moves_the_mesh():
+@pytest.mark.parametrize("task", ["joint", "limb", "sheet"])
+def test_a_bend_goes_behind_what_moves_the_mesh_and_before_what_divides_it(task: str):
+    posed_by_bones()
+    start(task)
+    assert [modifier.type for modifier in target().modifiers] == ["ARMATURE", "NODES", "SUBSURF"]
+
+
+def test_a_joint_is_as_wide_as_its_bone_lies_deep_on_both_sides():
     posed_by_bones()
     start("joint")
-    assert [modifier.type for modifier in target().modifiers] == ["ARMATURE", "NODES", "SUBSURF"]
+    for place, width in (((0.4, 0.5, 0.3), 1.0), ((0.0, 0.5, 0.0), 0.2), ((0.0, 1.6, 0.8), 2.0)):
+        assert inner.picking.width_of_joint(target(), np.array(place)) == pytest.approx(width)
+    target().sinew.active.name = "Arm"
+    assert inner.picking.width_of_joint(target(), np.zeros(3)) is None
 
 
 def test_the_border_of_a_sheet_holds_still_but_for_what_is_pulled():

@@ -206,7 +206,7 @@ def test_what_one_press_mends_has_one_button(bound_plate: Rig):
 
 
 def test_every_remedy_has_a_button_that_exists(addon_name):
-    remedies = inner.status_box.REMEDIES
+    remedies = inner.status_box.remedies()
     wanted = inner.status.Remedy
     assert set(remedies) == set(wanted) - {wanted.NONE}
     for button in remedies.values():

@@ -173,12 +173,12 @@ def test_new_deformers_start_with_the_preferred_method(values, plate: Rig):
 def test_a_packaged_page_comes_first_then_the_one_of_a_checkout(monkeypatch, tmp_path):
     help_room = inner.help
     monkeypatch.setattr(help_room, "_ADDON", tmp_path / "addon")
-    for path in ("addon/manual/surface.html", "docs/manual/surface.md", "docs/manual/baking.md"):
+    for path in ("addon/manual/show.html", "docs/manual/show.md", "docs/manual/bake.md"):
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text("page", encoding="utf-8")
-    assert help_room.manual_page("surface") == tmp_path / "addon/manual/surface.html"
-    assert help_room.manual_page("baking") == tmp_path / "docs/manual/baking.md"
-    refused("install the Sinew zip again", "help", page="overlays")
+    assert help_room.manual_page("show") == tmp_path / "addon/manual/show.html"
+    assert help_room.manual_page("bake") == tmp_path / "docs/manual/bake.md"
+    refused("install the Sinew zip again", "help", page="handles")
 
 
 def test_help_tells_the_path_where_there_is_no_window(monkeypatch, tmp_path, capfd):

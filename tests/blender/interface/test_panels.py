@@ -25,11 +25,10 @@ def nothing() -> None:
     pass
 
 
-def posed() -> None:
-    """By the bones of an armature."""
-    plate = Rig.plate()
-    plate.obj.modifiers.new("Armature", "ARMATURE").object = figure()
-    make_active(plate.obj)
+def waiting() -> None:
+    """For a press on the surface."""
+    MADE["a posed mesh"]()
+    bpy.ops.sinew.start_task(task="joint")
 
 
 def counted(many: bool = False) -> None:
@@ -82,35 +81,38 @@ def changed() -> None:
 MADE = situations.SITUATIONS
 # By name: what makes it, the most buttons of the main panel, and the page of its question mark.
 SITUATIONS: dict[str, tuple[Callable[[], object], int, str]] = {
-    "nothing": (nothing, 2, "surface"),
-    "a mesh": (MADE["a mesh"], 5, "surface"),
-    "a posed mesh": (posed, 5, "correct-an-elbow"),
-    "a sheet": (counted, 5, "surface"),
-    "loose parts": (lambda: counted(many=True), 5, "handle-points"),
-    "a text": (MADE["a text"], 5, "handle-points"),
-    "hair": (MADE["hair"], 5, "handle-points"),
-    "a lattice object": (MADE["a lattice object"], 5, "handle-points"),
-    "a mesh in Edit Mode": (MADE["a mesh in Edit Mode"], 5, "surface"),
-    "Sculpt Mode": (sculpting, 2, "surface"),
-    "handles": (MADE["handles"], 6, "surface"),
-    "handles in Edit Mode": (MADE["handles in Edit Mode"], 11, "surface"),
-    "handles in Weight Paint": (MADE["handles in Weight Paint"], 6, "surface"),
-    "handle points": (MADE["handle points"], 6, "handle-points"),
+    "nothing": (nothing, 2, "start"),
+    "a mesh": (MADE["a mesh"], 5, "start"),
+    "a posed mesh": (MADE["a posed mesh"], 5, "correct-an-elbow"),
+    "a sheet": (counted, 5, "shape-a-sheet"),
+    "loose parts": (lambda: counted(many=True), 5, "move-loose-parts"),
+    "a text": (MADE["a text"], 5, "move-loose-parts"),
+    "hair": (MADE["hair"], 5, "move-loose-parts"),
+    "a lattice object": (MADE["a lattice object"], 5, "move-loose-parts"),
+    "a mesh in Edit Mode": (MADE["a mesh in Edit Mode"], 5, "start"),
+    "Sculpt Mode": (sculpting, 2, "start"),
+    "handles": (MADE["handles"], 6, "shape-a-sheet"),
+    "handles in Edit Mode": (MADE["handles in Edit Mode"], 11, "shape-a-sheet"),
+    "handles in Weight Paint": (MADE["handles in Weight Paint"], 6, "shape-a-sheet"),
+    "handle points": (MADE["handle points"], 6, "move-loose-parts"),
     "a lost control": (MADE["a lost control"], 8, "troubles"),
     "other vertices": (changed, 8, "troubles"),
-    "a cage": (MADE["a cage"], 6, "cage"),
-    "a cage in Edit Mode": (posing_a_cage, 6, "cage"),
+    "a cage": (MADE["a cage"], 6, "wrap-in-a-cage"),
+    "a cage in Edit Mode": (posing_a_cage, 6, "wrap-in-a-cage"),
     "a cage inside out": (MADE["a cage inside out"], 8, "troubles"),
-    "a lattice": (MADE["a lattice"], 6, "lattice"),
-    "a wire": (MADE["a wire"], 8, "wires-and-fields"),
-    "tools": (MADE["tools"], 8, "wires-and-fields"),
-    "keys": (MADE["keys"], 10, "animate"),
-    "a morph": (morphing, 6, "baking"),
-    "baked": (MADE["baked"], 8, "baking"),
+    "a lattice": (MADE["a lattice"], 6, "put-in-a-box"),
+    "a wire": (MADE["a wire"], 8, "brows-and-folds"),
+    "tools": (MADE["tools"], 8, "push-like-clay"),
+    "keys": (MADE["keys"], 10, "edit-an-animation"),
+    "a morph": (morphing, 6, "morph-and-copy"),
+    "baked": (MADE["baked"], 8, "bake"),
     "a missing file": (file_is_missing, 8, "troubles"),
-    "a puppet": (MADE["a puppet"], 6, "puppet"),
-    "an armature": (armature, 2, "puppet"),
-    "two deformers": (MADE["two deformers"], 8, "surface"),
+    "a puppet": (MADE["a puppet"], 6, "pose-by-bones"),
+    "an armature": (armature, 2, "pose-by-bones"),
+    "a skin": (MADE["a skin"], 7, "pose-by-bones"),
+    "a task that waits": (waiting, 6, "correct-an-elbow"),
+    "two deformers": (MADE["two deformers"], 8, "bend-a-limb"),
+    "a rig to try": (MADE["a rig to try"], 10, "brows-and-folds"),
 }
 
 
@@ -180,8 +182,15 @@ def test_what_is_suggested_depends_on_what_is_selected(name):
     labels = {task.label for task in inner.tasks.TASKS}
     shown = buttons(measured_panel(bpy.types.SINEW_PT_sinew, NARROW))
     assert [label for label in shown if label in labels] == SUGGESTED[name]
+    shown = shown[shown[0] == "Try It" :]
     assert shown[0] == SUGGESTED[name][0] or shown[0].startswith("Drag ")
     assert shown[-1] == "All Tasks..."
+
+
+@pytest.mark.parametrize(("name", "step"), [("a skin", "Bones"), ("a task that waits", "the Surface")])
+def test_the_tool_for_the_next_step_is_a_button(name: str, step: str):
+    begin(name)
+    assert f"Drag {step}" in buttons(measured_panel(bpy.types.SINEW_PT_sinew, NARROW))
 
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)

@@ -54,7 +54,7 @@ def test_the_manuals_script_poses_keys_and_bakes(doll: tuple, tmp_path: Path) ->
     obj, head, feet = doll
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "doll.blend"))
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 3
-    script, _ = scripts("docs/manual/scripting.md")
+    script, *_ = scripts("docs/manual/scripting.md")
     before_factor, after_factor = script.split("deformer.factor = 0.0\n")
     names = run(before_factor, "docs/manual/scripting.md")
     moved = evaluated_points(obj) - base_points(obj)
@@ -68,7 +68,7 @@ def test_the_manuals_script_poses_keys_and_bakes(doll: tuple, tmp_path: Path) ->
 
 def test_the_manuals_cage_moves_the_mesh(doll: tuple) -> None:
     obj, _head, _feet = doll
-    _, script = scripts("docs/manual/scripting.md")
+    _, script, *_ = scripts("docs/manual/scripting.md")
     names = run(script, "docs/manual/scripting.md")
     assert names["cage"].parent == obj
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status

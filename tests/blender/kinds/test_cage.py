@@ -9,7 +9,8 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from inside import inner
+from expected import faces_of
+from inside import inner, native
 from mathutils import Matrix
 from registry import WITH_CAGE
 from rigs.cages import (
@@ -20,19 +21,25 @@ from rigs.cages import (
     box,
     cross,
     motion_of,
+    place,
     selected,
     set_rest,
     surround,
     transform,
 )
-from rigs.point_objects import poly
+from rigs.kinds import HandleRig
+from rigs.point_objects import curve_object, poly
 from rigs.rig import (
+    CORNERS,
     FLOAT32,
     apply_matrix,
     base_points,
+    close,
     evaluated_points,
+    grid_object,
     make_active,
     new_empty,
+    new_object,
     press,
     refused,
     update,
@@ -49,14 +56,6 @@ def caged() -> Caged:
     return target, cage
 
 
-def test_a_subdivided_cage_is_a_cage():
-    target, cage = ball(), box(size=3.0)
-    cage.modifiers.new("Subdivision", "SUBSURF").levels = 1
-    assert "cage of 24 faces (26 vertices)" in surround(target, cage).status
-    transform(cage, SHEAR)
-    assert np.abs(evaluated_points(target) - apply_matrix(SHEAR, base_points(target))).max() < FLOAT32
-
-
 def test_the_subdivision_of_the_panel_is_the_cages_own_modifier(caged: Caged):
     target, cage = caged
     deformer = target.sinew.active
@@ -68,6 +67,11 @@ def test_the_subdivision_of_the_panel_is_the_cages_own_modifier(caged: Caged):
     assert "cage of 96 faces (98 vertices)" in deformer.status
     smoother.levels = 1
     assert deformer.cage_subdivision == 1
+    cage.data.transform(Matrix.Scale(1.5, 4))  # so that it encloses the ball
+    set_rest(target)
+    assert "cage of 24 faces (26 vertices)" in deformer.status
+    transform(cage, SHEAR)
+    assert np.abs(evaluated_points(target) - apply_matrix(SHEAR, base_points(target))).max() < FLOAT32
     deformer.cage_subdivision = 0
     assert not cage.modifiers
     cage.modifiers.new("Subdivision", "SUBSURF")
@@ -119,7 +123,7 @@ def test_a_cage_inside_out_can_be_flipped():
 @pytest.mark.parametrize("kind", ["mesh", "curve"])
 @pytest.mark.parametrize("method", WITH_CAGE)
 def test_points_outside_are_said_alike_by_all_methods_and_can_follow(method: str, kind: str):
-    """Mean Value and Green warn, the others refuse until a button lets them follow."""
+    """Mean Value and Green warn, the others refuse until a button takes the first or lets them follow."""
     status = inner.status
     if kind == "mesh":
         target, cage = ball(), box()
@@ -145,7 +149,12 @@ def test_points_outside_are_said_alike_by_all_methods_and_can_follow(method: str
         assert said[0].level is status.Level.WARNING
         assert not bpy.ops.sinew.cage_outside_follow.poll()
     else:
-        assert (said[0].level, said[0].remedy) == (status.Level.ERROR, status.Remedy.OUTSIDE)
+        assert (said[0].level, said[0].remedy) == (status.Level.ERROR, inner.errors.OutsideError.remedy)
+        quick = inner.status_box.remedies()[status.Remedy.QUICK_CAGE]
+        assert bpy.ops.sinew.use_method(**dict(quick.properties)) == {"FINISHED"}
+        assert deformer.status_level == "INFO"
+        deformer.method = method
+        update()
         assert bpy.ops.sinew.cage_outside_follow() == {"FINISHED"}
         assert [note.text for note in status.notes(deformer.uid)] == [f"3 {points} lie outside the cage"]
     assert_goes_on(target, cage)
@@ -153,8 +162,8 @@ def test_points_outside_are_said_alike_by_all_methods_and_can_follow(method: str
 
 def test_a_cage_with_more_faces_than_asked_for_says_so(capfd: pytest.CaptureFixture):
     apart, edit = ball(), bmesh.new()
-    for place in ((3.0, 3.0, 3.0), (3.0, -3.0, -3.0), (-3.0, 3.0, -3.0), (-3.0, -3.0, 3.0)):  # four each
-        bmesh.ops.create_icosphere(edit, subdivisions=2, radius=1.0, matrix=Matrix.Translation(place))
+    for centre in ((3.0, 3.0, 3.0), (3.0, -3.0, -3.0), (-3.0, 3.0, -3.0), (-3.0, -3.0, 3.0)):  # four each
+        bmesh.ops.create_icosphere(edit, subdivisions=2, radius=1.0, matrix=Matrix.Translation(centre))
     edit.to_mesh(apart.data)
     edit.free()
     for faces, more in ((12, True), (100, False)):
@@ -207,6 +216,7 @@ def test_an_automatic_cage_rides_along_and_stays_where_it_is_under_another_paren
         target.parent.scale.x = 3.0
     press(target, "cage_add", source="AUTO", faces=60)
     cage = target.sinew.active.cage
+    assert not any(vertex.select for vertex in cage.data.vertices)  # so that a first click picks what moves
     target.location.x += 2.0
     assert np.abs(motion_of(target)).max() < 4 * FLOAT32
     if sheared:
@@ -261,3 +271,159 @@ def _shown_by(session, cage: bpy.types.Object, target: bpy.types.Object) -> np.n
     """By the factor that is bound; in background an evaluation would wait for the exact one."""
     relative = target.matrix_world.inverted() @ cage.matrix_world
     return session.bound.factor.solve(apply_matrix(relative, base_points(cage)))[0]
+
+
+# --- a cage in a plane bends flat art: curves, text and flat meshes
+
+
+FLAT_METHODS = ("mean_value", "green")
+OTHERS = ("positive_mean_value", "harmonic")
+SHARE = 2e-6  # of a unit: weights and coordinates have single precision
+
+
+def add_cage(obj: bpy.types.Object, method: str, **options: object) -> bpy.types.Object:
+    press(obj, "cage_add", method=method, **options)
+    assert obj.sinew.active.is_bound
+    return obj.sinew.active.cage
+
+
+def drawing() -> bpy.types.Object:
+    """A closed curve in its plane, turned out of the axes of the world."""
+    obj = curve_object("Drawing")
+    obj.data.dimensions = "2D"
+    spline = obj.data.splines.new("POLY")
+    spline.points.add(11)
+    for index, point in enumerate(spline.points):
+        angle = 2 * np.pi * index / 12
+        point.co = (1 + 0.3 * (index % 2)) * np.cos(angle), np.sin(angle), 0.0, 1.0
+    spline.use_cyclic_u = True
+    obj.matrix_world = Matrix.Rotation(0.7, 4, "X") @ Matrix.Translation((1, 2, 3))
+    update()
+    return obj
+
+
+def lettering() -> bpy.types.Object:
+    bpy.ops.object.text_add()
+    bpy.context.object.data.body = "Flat"
+    return bpy.context.object
+
+
+TARGETS = {"mesh": grid_object, "curve": drawing, "text": lettering}
+
+
+@pytest.mark.parametrize("method", FLAT_METHODS)
+@pytest.mark.parametrize("kind", TARGETS)
+def test_add_cage_makes_a_flat_outline(kind: str, method: str) -> None:
+    obj = TARGETS[kind]()
+    cage = add_cage(obj, method)
+    assert len(cage.data.polygons) == 1
+    assert np.ptp(base_points(cage) @ np.array(cage.data.polygons[0].normal)) < SHARE
+    assert "outside" not in obj.sinew.active.status
+    rest = evaluated_points(obj)
+    motion = Matrix.Translation((0.2, 0.1, 0.4)) @ Matrix.Rotation(0.5, 4, (1.0, 2.0, -1.0))
+    transform(cage, motion)
+    update()
+    np.testing.assert_allclose(evaluated_points(obj), apply_matrix(motion, rest), rtol=0, atol=10 * SHARE)
+
+
+@pytest.mark.parametrize("method", OTHERS)
+def test_other_methods_get_a_closed_cage_and_refuse_a_flat_one(method: str) -> None:
+    cage = add_cage(grid_object(), method, faces=60, margin=0.1)
+    assert len(cage.data.polygons) > 20
+    other = grid_object("Other")
+    outline = new_object("Outline", [(-9, -9, 0), (9, -9, 0), (0, 9, 0)], [(0, 1, 2)])
+    deformer = surround(other, outline, method)
+    assert "take flat cages" in deformer.status
+    deformer.method = "green"
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    assert "take flat cages" not in deformer.status
+
+
+def test_a_grid_is_a_cage_by_its_outline() -> None:
+    target, cage = grid_object(), grid_object("Cage", cells=2)
+    cage.data.transform(Matrix.Scale(1.5, 4))
+    surround(target, cage)
+    rest = base_points(target)
+    points = base_points(cage)
+    place(cage, points * (1.0, 2.0, 1.0))
+    update()
+    np.testing.assert_allclose(evaluated_points(target), rest * (1.0, 2.0, 1.0), rtol=0, atol=10 * SHARE)
+    middle = int(np.abs(points).sum(1).argmin())
+    points[middle] += (0.0, 0.0, 3.0)  # on no outline, so it moves nothing
+    place(cage, points)
+    update()
+    np.testing.assert_allclose(evaluated_points(target), rest, rtol=0, atol=10 * SHARE)
+
+
+def test_a_flat_cage_that_crosses_itself_is_named() -> None:
+    target = grid_object()
+    bow = new_object("Bow", [(-3, -3, 0), (3, -3, 0), (3, 3, 0), (-1, -4, 0), (-3, 3, 0)], [(0, 1, 2, 3, 4)])
+    assert "crosses itself" in surround(target, bow).status
+    bpy.ops.sinew.select_problems()
+    assert [vertex.index for vertex in bow.data.vertices if vertex.select] == [0, 1, 2, 3, 4]
+
+
+def test_changing_the_faces_of_a_flat_cage_keeps_it_flat() -> None:
+    obj = grid_object()
+    cage = add_cage(obj, "mean_value", faces=240)
+    before = len(cage.data.vertices)
+    assert bpy.ops.sinew.cage_faces(faces=600) == {"FINISHED"}
+    assert len(cage.data.polygons) == 1
+    assert len(cage.data.vertices) > 1.5 * before
+
+
+def test_a_solid_target_gets_a_closed_cage() -> None:
+    assert len(add_cage(ball(), "mean_value", faces=60, margin=0.1).data.polygons) > 20
+
+
+# --- a mesh object as a parameter: the cage of the subspace Laplacian, moved, edited, and too small
+
+
+METHOD = "subspace_laplacian"
+ITERATED = 1e-3  # where the cage differs in its last digits, the method may stop a step earlier
+
+
+@pytest.fixture
+def rig() -> HandleRig:
+    rig = HandleRig.new()
+    rig.bind(METHOD)
+    rig.lift(1.0)
+    return rig
+
+
+def test_the_native_object_gets_the_mesh_in_the_space_of_the_target(rig: HandleRig):
+    own = rig.points()
+    cage = box(size=4.0)
+    cage.location = (0.2, 0.1, 0.0)
+    update()
+    rig.deformer.parameters.cage = cage
+    caged = rig.points()
+    assert rig.deformer.status_level == "INFO", rig.deformer.status
+    assert np.abs(caged - own).max() > 5 * ITERATED
+    corners = np.array(CORNERS) * 2.0 @ np.array(cage.matrix_world)[:3, :3].T + cage.matrix_world.translation
+    back = np.array(rig.obj.matrix_world.inverted())
+    shape = native().SurfaceMesh(corners @ back[:3, :3].T + back[:3, 3], faces_of(cage.data))
+    expected = rig.expected(METHOD, cage=shape).lifted(1.0)
+    assert np.abs(caged - expected).max() < ITERATED
+    rig.deformer.parameters.cage = None
+    assert close(rig.points(), own)
+
+
+def test_an_edit_of_the_cage_binds_again(rig: HandleRig):
+    cage = box(size=4.0)
+    rig.deformer.parameters.cage = cage
+    before = rig.points()
+    for vertex in cage.data.vertices:
+        vertex.co.x *= 1.5
+    cage.data.update()
+    assert np.abs(rig.points() - before).max() > 1e-4
+    cage.scale = (1.0, 1.4, 1.0)
+    moved = rig.points()
+    assert np.abs(moved - before).max() > 1e-4
+
+
+def test_a_cage_that_does_not_contain_the_mesh_is_refused(rig: HandleRig):
+    rig.deformer.parameters.cage = box(size=0.6)
+    rig.points()
+    assert rig.deformer.status_level == "ERROR"
+    assert "outside" in rig.deformer.status

@@ -10,8 +10,8 @@ import bpy
 import numpy as np
 import pytest
 from inside import catch_up, inner, settle
-from mathutils import Matrix, Vector
-from mathutils.kdtree import KDTree
+from libraries import add_collection, overridden, override, put_into_a_library
+from mathutils import Matrix
 from probe import exported_points, render_points
 from rigs.cages import SHEAR, ball, transform
 from rigs.point_objects import (
@@ -36,10 +36,13 @@ from rigs.point_objects import (
 )
 from rigs.rig import (
     FLOAT32,
+    add_key,
     apply_matrix,
+    close,
     duplicated,
     in_mode,
     make_active,
+    nearest,
     new_nodes,
     press,
     push,
@@ -274,12 +277,7 @@ def test_hair_follows_while_it_is_sculpted():
 
 def test_a_shape_key_of_the_curve_still_counts():
     obj, cage = bind(bezier())
-    obj.shape_key_add(name="Basis")
-    key = obj.shape_key_add(name="Aside")
-    for point in key.data:
-        for name in ("co", "handle_left", "handle_right"):
-            setattr(point, name, getattr(point, name) + Vector((0.3, 0.0, 0.0)))
-    key.value = 0.0  # new keys are on from Blender 5.0
+    key = add_key(obj, "Aside", Matrix.Translation((0.3, 0.0, 0.0)))
     rest = shown(obj)
     key.value = 1.0
     cage.location.z = 0.5
@@ -332,21 +330,34 @@ def test_a_duplicate_gets_shapes_of_its_own(kind: str):
     assert_lifted(copy, rest, 0.5)
 
 
-def test_nothing_is_left_when_a_deformer_is_removed(caged: Caged):
-    obj, cage = caged
-    meshes = {mesh.name for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew")}
-    assert len(meshes) == 5  # a rest shape, that of the cage, an empty one for renders, two shapes
-    bend(cage)
-    rest = unmoved(obj)
-    press(obj, "deformer_remove")
-    assert np.array_equal(shown(obj), rest)
-    assert not obj.modifiers
-    assert not [mesh for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew")]
-    assert cage.name in bpy.data.objects
+def test_a_linked_text_shows_the_last_solution_and_an_override_can_be_posed(tmp_path: Path):
+    """Rigs of other kinds: ``test_event_files``."""
+    obj, cage = bind(outline())
+    cage.location.z += 0.5
+    posed, name = shown(obj), obj.name
+    path = put_into_a_library(tmp_path / "library.blend", obj, cage)
+    obj = add_collection(path, link=True).objects[name]
+    bpy.context.scene.frame_set(3)
+    assert close(shown(obj), posed)
+    assert "library override" in obj.sinew.deformers[0].status
+    obj = override(path)
+    deformer = obj.sinew.deformers[0]
+    assert deformer.proxy.library is None
+    assert deformer.cage.library is None
+    assert close(shown(obj), posed)
+    deformer.cage.location.z += 0.25
+    moved = shown(obj)
+    assert close(moved, posed + (0.0, 0.0, 0.25), TESSELLATED)
+    reopen(tmp_path / "shot.blend")
+    assert close(shown(overridden()), moved, TESSELLATED)
+
+
+def hidden_meshes() -> int:
+    return len([mesh for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew")])
 
 
 @pytest.mark.parametrize("kind", WITH_MESH)
-def test_an_automatic_cage_holds_points_and_handles_and_moves_them(kind: str):
+def test_an_automatic_cage_holds_points_and_handles_moves_them_and_leaves_nothing_behind(kind: str):
     obj = WITH_MESH[kind]()
     obj.location.x, obj.rotation_euler.z = 2.0, 0.3
     rest = at_rest(obj)
@@ -365,9 +376,13 @@ def test_an_automatic_cage_holds_points_and_handles_and_moves_them(kind: str):
         assert_shows(obj, rest)
     transform(cage, Matrix.Translation((0.0, 0.0, 0.5)))
     assert_lifted(obj, rest, 0.5)
-    name = cage.name
+    name, plain = cage.name, unmoved(obj)
+    assert hidden_meshes() == 5  # a rest shape, that of the cage, an empty one for renders, two shapes
     press(obj, "deformer_remove")
     assert name not in bpy.data.objects
+    assert hidden_meshes() == 0
+    assert not obj.modifiers
+    assert np.array_equal(shown(obj), plain)
 
 
 @pytest.mark.parametrize("shape", ["straight", "planar", "point", "spike"])
@@ -458,11 +473,7 @@ def test_convert_to_mesh_keeps_the_shape_shown(caged: Caged):
     settle()
     found = shown(obj)
     if name == "Hair":  # strands become lines through their points, with steps between
-        tree = KDTree(len(found))
-        for index, place in enumerate(found):
-            tree.insert(place, index)
-        tree.balance()
-        found = np.array([tree.find(place)[0] for place in before])
+        found = found[nearest(before, found)[0]]
     assert np.abs(found - before).max() < FLOAT32 * size(before)
     assert not obj.sinew.deformers
     assert cage.name in bpy.data.objects

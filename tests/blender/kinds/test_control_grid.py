@@ -165,10 +165,15 @@ def test_another_grid_starts_anew_in_the_same_object(sheet: Rig):
     assert close(sheet.points(), sheet.rest(), 1e-6)
 
 
-def test_a_deleted_grid_and_another_mesh_move_nothing(sheet: Rig):
+def test_a_grid_out_of_the_scene_a_deleted_one_and_another_mesh_move_nothing(sheet: Rig):
     grid = new_grid(sheet)
     drag(sheet, at_middle())
     assert not close(sheet.points(), sheet.rest(), 0.1)
+    bpy.context.scene.collection.objects.unlink(grid)
+    sheet.obj.update_tag()
+    assert close(sheet.points(), sheet.rest(), 1e-6)
+    assert new_grid(sheet) == grid
+    assert grid.users_scene
     change_in_edit_mode(grid, lambda edit: edit.verts.remove(edit.verts[0]))
     make_active(sheet.obj)
     update()
@@ -179,16 +184,6 @@ def test_a_deleted_grid_and_another_mesh_move_nothing(sheet: Rig):
     sheet.deformer.parameters.grid = other
     update()
     assert "is no control grid" in sheet.deformer.status
-
-
-def test_a_grid_out_of_the_scene_moves_nothing(sheet: Rig):
-    grid = new_grid(sheet)
-    drag(sheet, at_middle())
-    bpy.context.scene.collection.objects.unlink(grid)
-    sheet.obj.update_tag()
-    assert close(sheet.points(), sheet.rest(), 1e-6)
-    assert new_grid(sheet) == grid
-    assert grid.users_scene
 
 
 def test_removing_the_deformer_removes_its_grid(sheet: Rig):

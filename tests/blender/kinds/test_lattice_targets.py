@@ -6,28 +6,36 @@ What holds for them as for curves is tested in ``test_cage_kinds`` and ``test_mo
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 import numpy as np
 import pytest
-from inside import settle
+from inside import inner, settle
+from libraries import add_collection, override, put_into_a_library
 from mathutils import Vector
 from probe import render, render_points
 from rigs.cages import ball
 from rigs.lattice_objects import FLOAT32, UP, follower, held, key_of, moved_up, points_of
-from rigs.point_objects import bend, bind, lattice
+from rigs.point_objects import attach, bend, bind, lattice
 from rigs.rig import (
-    curves_of,
+    apply_matrix,
+    duplicated,
     evaluated_points,
     in_mode,
     key,
+    linked,
     make_active,
     new_empty,
+    new_file,
     on_all,
     press,
     refused,
+    reopen,
     update,
 )
 from rigs.sheet import draw, draw_panel
+from second_blender import look_elsewhere
 
 
 def with_keys() -> bpy.types.Object:
@@ -85,31 +93,28 @@ def test_an_animation_shows_each_frame_and_leaves_the_viewport_as_it_was():
     mesh, scene = follower(obj), bpy.context.scene
     before = evaluated_points(mesh)
     _, cage = bind(obj)
-    key(cage, {1: {"location": (0, 0, 0)}, 5: {"location": (0, 0, 2)}})
+    key(cage, {1: {"location": (0, 0, 0)}, 5: {"location": (0, 0, 2)}}, linear=True)
     scene.frame_set(2)
     scene.frame_start, scene.frame_end = 3, 5
-    frames = render(animation=True)
-    for frame, seen in zip((3, 4, 5), frames, strict=True):
-        height = evaluated_height(cage, frame)
-        assert np.abs(seen[mesh.name] - before - height * UP).max() < 4 * FLOAT32, frame
+    for height, seen in zip((1.0, 1.5, 2.0), render(animation=True), strict=True):
+        assert np.abs(seen[mesh.name] - before - height * UP).max() < 4 * FLOAT32, height
     scene.frame_set(2)
-    assert np.abs(evaluated_points(mesh) - before - evaluated_height(cage, 2) * UP).max() < 4 * FLOAT32
     shown = evaluated_points(mesh)
+    assert np.abs(shown - before - 0.5 * UP).max() < 4 * FLOAT32
     render(subframes=(0.0, 0.5))
     assert np.array_equal(evaluated_points(mesh), shown), "without a change of the frame"
 
 
-def evaluated_height(cage: bpy.types.Object, frame: float) -> float:
-    return next(curve for curve in curves_of(cage) if curve.array_index == 2).evaluate(frame)
-
-
 def test_the_warp_is_that_of_the_cage_and_adds_to_keys_and_modifiers():
+    """A rebind changes nothing."""
     obj = with_keys()
     rest = held(obj.data.shape_keys.key_blocks["Smile"]) * 0.5 + held(obj.data.shape_keys.reference_key) * 0.5
     obj.modifiers.clear()
     _, cage = bind(obj)
     expected = bend(cage)(rest)
     assert np.abs(expected - rest).max() > 0.05
+    assert np.abs(evaluated_points(obj) - expected).max() < 4 * FLOAT32
+    press(obj, "bind")
     assert np.abs(evaluated_points(obj) - expected).max() < 4 * FLOAT32
     obj.data.shape_keys.key_blocks["Smile"].value = 1.0
     more = 0.5 * (held(obj.data.shape_keys.key_blocks["Smile"]) - held(obj.data.shape_keys.reference_key))
@@ -125,16 +130,6 @@ def test_the_warp_is_that_of_the_cage_and_adds_to_keys_and_modifiers():
     plain.modifiers.new("Cast", "CAST").factor = 0.3
     assert np.abs(evaluated_points(plain) - cast).max() < 4 * FLOAT32, "modifiers come after"
     assert np.abs(displacement).max() > 0.05
-
-
-def test_a_rebind_of_a_posed_lattice_changes_nothing():
-    obj = lattice()
-    rest = points_of(obj)
-    _, cage = bind(obj)
-    expected = bend(cage)(rest)
-    press(obj, "bind")
-    assert np.abs(evaluated_points(obj) - expected).max() < 4 * FLOAT32
-    assert np.abs(expected - rest).max() > 0.05
 
 
 @pytest.mark.parametrize("make", [lattice, with_keys])
@@ -180,8 +175,7 @@ def test_unbind_lets_the_resolution_change_and_bind_takes_it(make):
 
 @pytest.mark.parametrize("automatic", [False, True])
 def test_other_points_ask_for_a_rebind(automatic: bool):
-    obj = lattice()
-    _, cage = bind(obj)
+    obj, cage = bind(lattice())
     obj.sinew.active.auto_rebind = automatic
     other = bpy.data.lattices.new("Other")
     other.points_u = 7
@@ -196,27 +190,36 @@ def test_other_points_ask_for_a_rebind(automatic: bool):
     assert moved_up(obj)
 
 
-def test_edits_of_the_basis_go_on_from_where_they_were_put():
+@pytest.mark.parametrize(("own", "pushed"), [(False, True), (True, False), (True, True)])
+def test_edits_move_the_basis_and_go_on_from_there(own: bool, pushed: bool):
+    """Those of the basis, and those of our own key, also while its cage goes on."""
     obj = lattice()
     mesh = follower(obj)
     _, cage = bind(obj)
     cage.location.z = 1.0
     update()
-    rest = points_of(obj)
+    rest, height = points_of(obj), 2.0 if pushed else 1.0
     make_active(obj)
+    if own:
+        obj.active_shape_key_index = 1
+        if hasattr(key_of(obj), "lock_shape"):  # Blender 4.2 and later: else nobody can edit it
+            assert key_of(obj).lock_shape
+            key_of(obj).lock_shape = False
     with in_mode(obj):
         update()
         bpy.ops.lattice.select_all(action="SELECT")
         bpy.ops.transform.translate(value=(0.5, 0.0, 0.0))
-        cage.location.z = 2.0
+        cage.location.z = height
         update()
     update()
-    assert np.abs(held(obj.data.shape_keys.reference_key) - rest - (0.5, 0.0, 0.0)).max() < FLOAT32
-    assert np.abs(evaluated_points(obj) - rest - (0.5, 0.0, 2.0)).max() < 2 * FLOAT32
+    assert np.abs(held(obj.data.shape_keys.reference_key) - rest - (0.5, 0.0, 0.0)).max() < 2 * FLOAT32
+    assert np.abs(evaluated_points(obj) - rest - (0.5, 0.0, height)).max() < 2 * FLOAT32
     shown = evaluated_points(mesh)
+    cage.location.z = 0.0
+    assert np.abs(evaluated_points(obj) - rest - (0.5, 0.0, 0.0)).max() < 2 * FLOAT32
     press(obj, "deformer_remove")
-    assert np.abs(evaluated_points(obj) - rest - (0.5, 0.0, 0.0)).max() < FLOAT32
-    assert np.abs(evaluated_points(mesh) - shown + 2.0 * UP).max() < 4 * FLOAT32
+    assert np.abs(evaluated_points(obj) - rest - (0.5, 0.0, 0.0)).max() < 2 * FLOAT32
+    assert np.abs(evaluated_points(mesh) - shown + height * UP).max() < 4 * FLOAT32
 
 
 def test_edits_of_other_keys_and_by_scripts_count_as_blender_counts_them():
@@ -234,33 +237,6 @@ def test_edits_of_other_keys_and_by_scripts_count_as_blender_counts_them():
     expected = np.tile((0.25, 0.0, 0.0), (len(shown), 1))
     expected[0, 0] += 0.05
     assert np.abs(evaluated_points(obj) - shown - expected).max() < 2 * FLOAT32
-
-
-@pytest.mark.parametrize("pushed", [False, True])
-def test_edits_of_the_key_itself_move_to_the_basis(pushed: bool):
-    obj = lattice()
-    _, cage = bind(obj)
-    cage.location.z = 1.0
-    update()
-    rest = points_of(obj)
-    make_active(obj)
-    obj.active_shape_key_index = 1
-    if hasattr(key_of(obj), "lock_shape"):  # Blender 4.2 and later: else nobody can edit it
-        assert key_of(obj).lock_shape
-        key_of(obj).lock_shape = False
-    with in_mode(obj):
-        update()
-        bpy.ops.lattice.select_all(action="SELECT")
-        bpy.ops.transform.translate(value=(0.5, 0.0, 0.0))
-        if pushed:
-            cage.location.z = 2.0
-        update()
-    update()
-    height = 2.0 if pushed else 1.0
-    assert np.abs(evaluated_points(obj) - rest - (0.5, 0.0, height)).max() < 2 * FLOAT32
-    assert np.abs(held(obj.data.shape_keys.reference_key) - rest - (0.5, 0.0, 0.0)).max() < 2 * FLOAT32
-    cage.location.z = 0.0
-    assert np.abs(evaluated_points(obj) - rest - (0.5, 0.0, 0.0)).max() < 2 * FLOAT32
 
 
 def test_factor_mask_and_the_eye():
@@ -295,8 +271,7 @@ def test_factor_mask_and_the_eye():
 
 
 def test_a_renamed_key_is_found_and_a_deleted_one_is_made_again():
-    obj = lattice()
-    _, cage = bind(obj)
+    obj, cage = bind(lattice())
     cage.location.z = 1.0
     assert moved_up(obj)
     key_of(obj).name = "Mine"
@@ -400,3 +375,131 @@ def test_the_panel_draws_a_lattice():
     with in_mode(obj):
         update()
         assert "in Edit Mode without" in " ".join(draw_panel().texts().split())
+
+
+# Copies, links, files
+
+
+@pytest.mark.parametrize("with_data", [False, True])
+def test_duplicates(with_data: bool):
+    obj, cage = bind(lattice())
+    cage.location.z = 1.0
+    update()
+    copy = duplicated(obj, linked=not with_data)
+    settle()
+    if not with_data:
+        assert "shares its points with Lattice, which moves both" in copy.sinew.active.status
+        assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+        assert moved_up(obj)
+        bpy.ops.object.make_single_user(object=True, obdata=True)
+        update()
+    assert copy.sinew.active.status_level == "INFO", copy.sinew.active.status
+    assert obj.sinew.active.proxy != copy.sinew.active.proxy
+    assert moved_up(obj)
+    assert moved_up(copy)
+    copy.sinew.active.factor = 0.5
+    assert np.abs(evaluated_points(copy) - points_of(copy) - 0.5 * UP).max() < FLOAT32
+    assert moved_up(obj)
+    press(copy, "deformer_remove")
+    assert copy.data.shape_keys is None
+    assert moved_up(obj)
+
+
+def test_what_cannot_be_moved_says_why():
+    obj = lattice()
+    other = linked(bpy.data.objects.new("Other", obj.data))
+    attach(obj, "mean_value")
+    assert obj.sinew.active.status == (
+        "Lattice shares its points with Other - make it single-user first (Object > Relations)"
+    )
+    assert obj.data.shape_keys is None
+    bpy.data.objects.remove(other)
+    press(obj, "bind")
+    obj.data.shape_keys.use_relative = False
+    obj.update_tag()
+    update()
+    assert (
+        obj.sinew.active.status == "The shape keys of Lattice are absolute - switch on Relative beside them"
+    )
+    refused("are absolute", "bind")
+    assert obj.data.shape_keys is None, "as it was"
+    assert bpy.ops.sinew.bind() == {"FINISHED"}
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+
+
+def test_apply_transform_takes_it_along():
+    obj, cage = bind(lattice())
+    cage.parent = None
+    bend(cage)
+    obj.rotation_euler.z, obj.scale = 0.6, (1.5, 1.5, 1.5)
+    update()
+    before = apply_matrix(obj.matrix_world, evaluated_points(obj))
+    make_active(obj)
+    bpy.ops.object.transform_apply()
+    assert np.abs(evaluated_points(obj) - before).max() < 1e-5
+
+
+def test_files_show_the_last_shape_without_sinew_and_go_on_with_it(tmp_path: Path):
+    obj = lattice()
+    mesh = follower(obj)
+    _, cage = bind(obj)
+    bend(cage)
+    shown, followed = evaluated_points(obj), evaluated_points(mesh)
+    reopen(tmp_path / "lattice.blend")
+    for name, places in (("Lattice", shown), ("Follower", followed)):
+        for found in look_elsewhere(str(tmp_path / "lattice.blend"), name, tmp_path):
+            assert np.abs(found - places).max() < FLOAT32, name
+    obj, cage = bpy.data.objects["Lattice"], bpy.data.objects["Cage"]
+    assert np.abs(evaluated_points(obj) - shown).max() < FLOAT32
+    cage.location.z += 1.0
+    assert np.abs(evaluated_points(obj) - shown - UP).max() < 4 * FLOAT32
+
+
+def test_what_sinew_writes_is_no_edit_of_the_artist():
+    """Else each pose would be followed by a comparison of the rest shapes, and that by another."""
+    obj, cage = bind(lattice())
+    settle()
+    cage.location.z = 1.0
+    update()
+    update()
+    assert not inner.sessions.has_edited()
+    bpy.context.scene.frame_set(3)
+    assert not inner.sessions.has_edited()
+    obj.data.shape_keys.reference_key.data[0].co.x += 0.1
+    obj.data.update_tag()
+    update()
+    assert inner.sessions.has_edited()
+    for _ in range(3):
+        settle()
+    assert not inner.sessions.has_edited()
+
+
+def test_links_show_the_last_shape_and_overrides_are_posed(tmp_path: Path):
+    obj = lattice()
+    mesh = follower(obj)
+    _, cage = bind(obj)
+    cage.location.z = 1.0
+    shown, followed = evaluated_points(obj), evaluated_points(mesh)
+    path = put_into_a_library(tmp_path / "library.blend", obj, mesh, cage)
+    add_collection(path, link=True)
+    obj = next(obj for obj in bpy.data.objects if obj.type == "LATTICE")
+    assert obj.sinew.active.status.startswith("Linked: shows the last solution")
+    assert np.abs(evaluated_points(obj) - shown).max() < FLOAT32
+    new_file()
+    obj = override(path)
+    cage, mesh = (
+        obj.sinew.active.cage,
+        next(o for o in bpy.data.objects if o.modifiers and o.override_library),
+    )
+    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    assert np.abs(evaluated_points(obj) - shown).max() < FLOAT32
+    cage.location.z = 2.0
+    assert np.abs(evaluated_points(obj) - shown - UP).max() < 2 * FLOAT32
+    assert np.abs(evaluated_points(mesh) - followed - UP).max() < 4 * FLOAT32
+    name, follows = obj.name, mesh.name
+    reopen(tmp_path / "override.blend")
+    obj, mesh = (next(o for o in bpy.data.objects if o.name == n and not o.library) for n in (name, follows))
+    assert np.abs(evaluated_points(obj) - shown - UP).max() < 2 * FLOAT32
+    obj.sinew.active.cage.location.z = 0.0
+    assert np.abs(evaluated_points(obj) - shown + UP).max() < 2 * FLOAT32
+    assert np.abs(evaluated_points(mesh) - followed + UP).max() < 4 * FLOAT32

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import bpy
 import numpy as np
 import pytest
@@ -31,52 +29,38 @@ MIRROR = (-1.0, 1.0, 1.0)
 UNEVEN = [*CORNERS[:-1], (1.5, 1.2, 1.1)]  # no mirror image of itself
 
 
-def cage_scaled(_target: bpy.types.Object, cage: bpy.types.Object) -> None:
-    cage.scale = MIRROR
+def mirrored_parent() -> bpy.types.Object:
+    parent = new_empty("Parent")
+    parent.scale = MIRROR
+    return parent
 
 
-def cage_turned_inside_out_by_its_scale(_target: bpy.types.Object, cage: bpy.types.Object) -> None:
-    cage.scale, cage.rotation_euler = (-1.1, -1.2, -1.0), (0.2, 0.1, 0.3)
-
-
-def cage_by_its_parent(_target: bpy.types.Object, cage: bpy.types.Object) -> None:
-    cage.parent = new_empty("Parent")
-    cage.parent.scale = MIRROR
-
-
-def cage_by_delta_scale(_target: bpy.types.Object, cage: bpy.types.Object) -> None:
-    cage.delta_scale = MIRROR
-
-
-def target_scaled(target: bpy.types.Object, _cage: bpy.types.Object) -> None:
-    target.scale, target.rotation_euler = (0.9, -0.9, 0.9), (0.2, 0.1, 0.3)
-
-
-def both_scaled(target: bpy.types.Object, cage: bpy.types.Object) -> None:
-    target.scale = cage.scale = MIRROR
-
-
-MIRRORED = (
-    cage_scaled,
-    cage_turned_inside_out_by_its_scale,
-    cage_by_its_parent,
-    cage_by_delta_scale,
-    target_scaled,
-    both_scaled,
-)
+MIRRORED = {  # what is set of the target, and of its cage
+    "cage": ({}, {"scale": MIRROR}),
+    "cage that its scale turns inside out": (
+        {},
+        {"scale": (-1.1, -1.2, -1.0), "rotation_euler": (0.2, 0.1, 0.3)},
+    ),
+    "cage by its parent": ({}, {"parent": mirrored_parent}),
+    "cage by its delta scale": ({}, {"delta_scale": MIRROR}),
+    "target": ({"scale": (0.9, -0.9, 0.9), "rotation_euler": (0.2, 0.1, 0.3)}, {}),
+    "both": ({"scale": MIRROR}, {"scale": MIRROR}),
+}
 
 
 def in_world(obj: bpy.types.Object, points: np.ndarray) -> np.ndarray:
     return apply_matrix(obj.matrix_world, points)
 
 
-@pytest.mark.parametrize("mirror", MIRRORED, ids=lambda mirror: mirror.__name__)
+@pytest.mark.parametrize("mirror", MIRRORED)
 @pytest.mark.parametrize("method", WITH_CAGE)
-def test_a_mirrored_cage_or_target_is_as_good_as_one_whose_scale_is_applied(method: str, mirror: Callable):
+def test_a_mirrored_cage_or_target_is_as_good_as_one_whose_scale_is_applied(method: str, mirror: str):
     """Bound, posed, rendered and set to rest; and truly inside out it is refused, until it is flipped."""
     target, cage = ball(), box()
     place(cage, UNEVEN)
-    mirror(target, cage)
+    for obj, settings in zip((target, cage), MIRRORED[mirror], strict=True):
+        for name, value in settings.items():
+            setattr(obj, name, value() if callable(value) else value)
     update()
     deformer = surround(target, cage, method)
     assert deformer.status_level == "INFO", deformer.status

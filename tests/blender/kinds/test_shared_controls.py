@@ -208,11 +208,14 @@ def with_tool(first: bpy.types.Object, second: bpy.types.Object) -> bpy.types.Ob
 SHARES = {"cage": with_cage, "lattice": with_lattice, "wire": with_wire, "tool": with_tool}
 
 
-@pytest.mark.parametrize("share", SHARES.values(), ids=SHARES)
-def test_all_targets_of_a_control_can_get_the_same_settings(share: Callable):
-    """Twins at one place show the same shape then."""
+REST = {"cage": "cage_set_rest", "lattice": "lattice_set_rest"}  # of the others: control_set_rest
+
+
+@pytest.mark.parametrize("kind", SHARES)
+def test_all_targets_of_a_control_can_get_the_same_settings_and_rest(kind: str):
+    """Twins at one place show the same shape then. Those that rest move on from there."""
     twins = ball("First"), ball("Second")
-    control = share(*twins)
+    control = SHARES[kind](*twins)
     twins[0].sinew.active.factor = 0.5
     update()
     control.rotation_euler.x, control.location.z = 0.5, control.location.z + 0.3
@@ -220,35 +223,17 @@ def test_all_targets_of_a_control_can_get_the_same_settings(share: Callable):
     press(twins[0], "settings_share")
     assert np.abs(evaluated_points(twins[1]) - base_points(twins[1])).max() > 0.02
     assert close(evaluated_points(twins[0]), evaluated_points(twins[1]))
-    alone = ball("Alone")
-    surround(alone, box("Own"))
-    make_active(alone)
-    assert not bpy.ops.sinew.settings_share.poll()
-
-
-REST = {
-    "cage": "cage_set_rest",
-    "lattice": "lattice_set_rest",
-    "wire": "control_set_rest",
-    "tool": "control_set_rest",
-}
-
-
-@pytest.mark.parametrize("kind", REST)
-def test_set_rest_is_for_all_targets_of_a_control(kind: str):
-    """Those are at rest, and move on from there."""
-    twins = ball("First"), ball("Second")
-    control = SHARES[kind](*twins)
-    control.rotation_euler.x, control.location.z = 0.5, control.location.z + 0.3
-    for obj in twins:
-        assert np.abs(evaluated_points(obj) - base_points(obj)).max() > 0.02
-    press(twins[1], REST[kind])
+    press(twins[1], REST.get(kind, "control_set_rest"))
     for obj in twins:
         assert close(evaluated_points(obj), base_points(obj), MATRIX), obj.name
         assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     control.location.z += 0.2
     for obj in twins:
         assert np.abs(evaluated_points(obj) - base_points(obj)).max() > 0.02, obj.name
+    alone = ball("Alone")
+    surround(alone, box("Own"))
+    make_active(alone)
+    assert not bpy.ops.sinew.settings_share.poll()
 
 
 def test_outside_can_be_set_for_all_targets_of_a_cage():

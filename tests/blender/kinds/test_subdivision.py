@@ -10,9 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from inside import native
-from mathutils import Vector
-from mathutils.kdtree import KDTree
-from rigs.rig import evaluated_points, new_object
+from rigs.rig import evaluated_points, nearest, new_object
 
 TOLERANCE = 1e-5  # of the bounding box: Blender computes in single precision
 Faces = list[tuple[int, ...]]
@@ -91,13 +89,9 @@ def sharpness(values: dict) -> tuple[list, list]:
 def farthest(ours: np.ndarray, blenders: np.ndarray) -> float:
     """Each of Blender's vertices has one of ours to itself; the largest distance, in bounding boxes."""
     assert len(ours) == len(blenders)
-    tree = KDTree(len(ours))
-    for index, point in enumerate(ours):
-        tree.insert(Vector(point), index)
-    tree.balance()
-    found = [tree.find(Vector(point)) for point in blenders]
-    assert len({index for _, index, _ in found}) == len(ours)
-    return max(distance for _, _, distance in found) / np.linalg.norm(np.ptp(ours, axis=0))
+    numbers, distances = nearest(blenders, ours)
+    assert len(set(numbers)) == len(ours)
+    return distances.max() / np.linalg.norm(np.ptp(ours, axis=0))
 
 
 # What Blender is asked for, and what is the same here. Blender's limit stops ten levels in: the end of an

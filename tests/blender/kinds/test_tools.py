@@ -5,12 +5,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import bmesh
 import bpy
 import numpy as np
 import pytest
 from inside import native
 from mathutils import Matrix
+from rigs.cages import fine_box
 from rigs.rig import (
     FLOAT32,
     apply_matrix,
@@ -33,16 +33,8 @@ INTEGRATED = 3e-5  # the tolerance of the flow, on each piece of a path
 
 def bar(levels: int = 4) -> bpy.types.Object:
     """A closed bar along z of height 4."""
-    mesh = bpy.data.meshes.new("Bar")
-    shape = bmesh.new()
-    bmesh.ops.create_cube(shape, size=1.0)
-    bmesh.ops.subdivide_edges(shape, edges=shape.edges[:], cuts=2**levels - 1, use_grid_fill=True)
-    for vertex in shape.verts:
-        vertex.co.z *= 4.0
-    shape.to_mesh(mesh)
-    shape.free()
-    obj = linked(bpy.data.objects.new("Bar", mesh))
-    make_active(obj)
+    obj = fine_box(2**levels - 1)
+    obj.data.transform(Matrix.Diagonal((0.5, 0.5, 2.0, 1.0)))
     return obj
 
 
@@ -97,16 +89,23 @@ STOPS = ((0.5, 0.0, 0.0), (0.5, 0.5, 0.2))
 END = (0.0, 0.6, 0.4)
 
 
+@pytest.fixture
+def walked() -> tuple[bpy.types.Object, bpy.types.PropertyGroup]:
+    """A plate, and the row of the tool that was dragged over it."""
+    obj = grid_object(cells=20)
+    row = add(obj, "drag", inner=0.3, outer=0.9)
+    walk(row, *STOPS)
+    row.object.location = END
+    return obj, row
+
+
 def on_path(obj: bpy.types.Object, places=(*STOPS, END), **options: object) -> np.ndarray:
     frames = np.concatenate([FRAME + place for place in places])
     return straight(base_points(obj), frames, inner=0.3, outer=0.9, **options)
 
 
-def test_the_path_is_stored_and_a_frame_depends_on_it_alone(tmp_path: Path) -> None:
-    obj = grid_object(cells=20)
-    row = add(obj, "drag", inner=0.3, outer=0.9)
-    walk(row, *STOPS)
-    row.object.location = END
+def test_the_path_is_stored_and_a_frame_depends_on_it_alone(walked, tmp_path: Path) -> None:
+    obj, _row = walked
     shape = evaluated_points(obj)
     assert close(shape, on_path(obj), INTEGRATED)
     assert not close(shape, on_path(obj, (END,)), 0.02), "the way counts"
@@ -122,11 +121,8 @@ def test_the_path_is_stored_and_a_frame_depends_on_it_alone(tmp_path: Path) -> N
     assert close(evaluated_points(obj), on_path(obj, (END,)), INTEGRATED)
 
 
-def test_progress_goes_along_the_path() -> None:
-    obj = grid_object(cells=20)
-    row = add(obj, "drag", inner=0.3, outer=0.9)
-    walk(row, *STOPS)
-    row.object.location = END
+def test_progress_goes_along_the_path(walked) -> None:
+    obj, row = walked
     whole = evaluated_points(obj)
     row.progress = 0.0
     assert close(evaluated_points(obj), base_points(obj))

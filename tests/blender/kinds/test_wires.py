@@ -79,7 +79,7 @@ def expected(
     return wires.warp(np.concatenate(posed))
 
 
-def test_several_wires_share_a_deformer_and_one_wire_steers_several_targets() -> None:
+def test_wires_share_a_deformer_until_they_are_removed_and_steer_several_targets() -> None:
     wires = [polyline(line(y), f"Wire {y}") for y in (-0.4, 0.4)]
     plate = wired(*wires)
     other = wired(wires[0], target=grid_object("Other"))
@@ -92,6 +92,14 @@ def test_several_wires_share_a_deformer_and_one_wire_steers_several_targets() ->
     both = expected(base_points(plate), *zip(rests, posed, strict=True))
     assert close(evaluated_points(plate), both)
     assert close(evaluated_points(other), expected(base_points(other), (rests[0], posed[0])))
+    press(plate, "control_remove", index=0)
+    assert [row.object for row in plate.sinew.active.controls] == wires[1:]
+    wires[1].location.z = 0.0
+    assert close(evaluated_points(plate), base_points(plate))
+    assert bpy.ops.sinew.control_remove() == {"FINISHED"}
+    assert not plate.sinew.active.controls
+    assert not plate.sinew.active.is_bound
+    assert wires[0].name in bpy.data.objects, "an artist's own curve stays"
 
 
 def test_each_wire_has_its_own_settings() -> None:
@@ -214,25 +222,6 @@ def test_renders_with_another_resolution_show_the_same() -> None:
     shown = evaluated_points(plate)
     assert np.abs(render_points(plate) - shown).max() < 1e-4  # places between samples are on their sides
     assert shown[:, 2].max() > 0.4
-
-
-def test_set_rest_and_remove() -> None:
-    wires = [polyline(line(y), f"Wire {y}") for y in (-0.4, 0.4)]
-    plate = wired(*wires)
-    for wire in wires:
-        wire.location.z = 0.5
-    assert evaluated_points(plate)[:, 2].max() > 0.4
-    press(plate, "control_set_rest")
-    assert close(evaluated_points(plate), base_points(plate))
-    wires[0].location.z = 0.7
-    assert evaluated_points(plate)[:, 2].max() > 0.01
-    assert bpy.ops.sinew.control_remove(index=0) == {"FINISHED"}
-    assert close(evaluated_points(plate), base_points(plate))
-    assert [row.object for row in plate.sinew.active.controls] == wires[1:]
-    assert bpy.ops.sinew.control_remove() == {"FINISHED"}
-    assert not plate.sinew.active.controls
-    assert not plate.sinew.active.is_bound
-    assert wires[0].name in bpy.data.objects, "an artist's own curve stays"
 
 
 def test_radius_is_a_length_of_the_curve_object() -> None:

@@ -10,18 +10,15 @@ from rigs.rig import (
     Rig,
     add_armature,
     add_group,
+    add_key,
+    coordinates,
     evaluated_points,
     grid_object,
     make_active,
     press,
     refused,
+    slope,
 )
-
-
-def key_points(key) -> np.ndarray:
-    flat = np.empty(len(key.data) * 3, dtype=np.float32)
-    key.data.foreach_get("co", flat)
-    return flat.reshape(-1, 3).astype(float)
 
 
 @pytest.fixture
@@ -72,7 +69,7 @@ def test_as_shape_key_adds_a_key_and_leaves_the_mesh(posed: Rig):
     keys = posed.obj.data.shape_keys.key_blocks
     assert [key.name for key in keys] == ["Basis", "Sinew"]
     assert keys[1].value == 0.0
-    assert np.array_equal(key_points(keys[1]), shown)
+    assert np.array_equal(coordinates(keys[1].data), shown)
     assert np.array_equal(posed.points(), rest)
     assert not posed.obj.modifiers
     keys[1].value = 1.0
@@ -81,10 +78,7 @@ def test_as_shape_key_adds_a_key_and_leaves_the_mesh(posed: Rig):
 
 def test_as_shape_key_beside_keys_of_the_user(plate: Rig):
     obj = plate.obj
-    obj.shape_key_add(name="Basis")
-    wave = obj.shape_key_add(name="Wave")
-    for point in wave.data:
-        point.co.z = 0.2 * point.co.x
+    wave = add_key(obj, "Wave", slope(0.2))
     wave.value = 0.5
     plate.bind().lift(0.7)
     shown = plate.points()
@@ -113,9 +107,8 @@ def test_shape_keys_are_made_one_after_another_with_the_deformer_kept(posed: Rig
         bpy.ops.sinew.apply(as_shape_key=True, keep_deformer=True)
         posed.lift(0.2)
     keys = posed.obj.data.shape_keys.key_blocks
-    assert [np.array_equal(key_points(key), shape) for key, shape in zip(keys[1:], shapes, strict=True)] == [
-        True
-    ] * 2
+    for key, shape in zip(keys[1:], shapes, strict=True):
+        assert np.array_equal(coordinates(key.data), shape)
     assert posed.points()[posed.top, 2].max() == pytest.approx(1.1, abs=1e-5)
 
 

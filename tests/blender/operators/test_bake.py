@@ -27,11 +27,14 @@ from rigs.rig import (
     Rig,
     add_armature,
     add_group,
+    add_key,
+    coordinates,
     curves_of,
     key,
     make_active,
     move_world,
     refused,
+    slope,
     subdivided,
 )
 
@@ -56,6 +59,7 @@ def test_baked_frames_equal_live_ones_to_the_last_bit(plate: Rig, tmp_path: Path
 def test_controls_have_no_effect_while_baked_and_nothing_is_solved(
     moving: Rig, tmp_path: Path, target: str, monkeypatch: pytest.MonkeyPatch
 ):
+    """Between frames the shape is blended, and outside it holds."""
     live = played(moving.obj)
     bake(moving, target, tmp_path / "plate")
     calls = []
@@ -64,25 +68,26 @@ def test_controls_have_no_effect_while_baked_and_nothing_is_solved(
     control.animation_data_clear()
     move_world(control, Matrix.Translation((0.0, 0.0, 3.0)))
     assert_same(played(moving.obj), live)
+    found = played(moving.obj, [3.25, -4, 20])
+    assert np.abs(found[3.25] - (live[3] * 0.75 + live[4] * 0.25)).max() < 1e-6
+    assert np.array_equal(found[-4], live[1])
+    assert np.array_equal(found[20], live[8])
     assert not calls
 
 
-def test_without_a_window_an_invoked_bake_runs_to_its_end(moving: Rig, tmp_path: Path):
+def test_a_bake_that_is_invoked_without_a_window_is_a_pc2_file_that_renders_show(moving: Rig, tmp_path: Path):
     live = played(moving.obj)
     make_active(moving.obj)
-    path = str(tmp_path / "plate.pc2")
-    assert bpy.ops.sinew.bake("INVOKE_DEFAULT", target="PC2", filepath=path) == {"FINISHED"}
+    path = tmp_path / "plate.pc2"
+    assert bpy.ops.sinew.bake("INVOKE_DEFAULT", target="PC2", filepath=str(path)) == {"FINISHED"}
     assert_same(played(moving.obj), live)
-
-
-def test_a_pc2_file_holds_what_its_format_says(moving: Rig, tmp_path: Path):
-    live = played(moving.obj)
-    bake(moving, "PC2", tmp_path / "plate.pc2")
-    content = (tmp_path / "plate.pc2").read_bytes()
+    content = path.read_bytes()
     head = np.frombuffer(content, dtype="S12,<i4,<i4,<f4,<f4,<i4", count=1)[0]
     assert head.tolist() == (b"POINTCACHE2", 1, len(moving.rest()), 1.0, 1.0, 8)
     samples = np.frombuffer(content, dtype="<f4", offset=32).reshape(8, -1, 3)
     assert np.array_equal(samples, np.array([live[frame] for frame in FRAMES]))
+    bpy.context.scene.frame_set(5)
+    assert np.array_equal(render_points(moving.obj), live[5])
 
 
 def test_an_mdd_file_holds_what_its_format_says(moving: Rig, tmp_path: Path):
@@ -143,13 +148,6 @@ def test_a_cache_after_subdivision_holds_the_fine_mesh(plate: Rig, tmp_path: Pat
     assert_same(played(plate.obj), live)
 
 
-def test_renders_show_the_baked_shape(moving: Rig, tmp_path: Path):
-    live = played(moving.obj)
-    bake(moving, "PC2", tmp_path / "plate")
-    bpy.context.scene.frame_set(5)
-    assert np.array_equal(render_points(moving.obj), live[5])
-
-
 def fill_at_random(path: Path, frames: range) -> np.ndarray:
     """The shapes of a baked cache, whose neighbours then differ in every bit."""
     samples = np.memmap(path, dtype="<f4", offset=32, mode="r+").reshape(len(frames), -1, 3)
@@ -165,19 +163,14 @@ def test_shape_keys_are_what_an_artist_expects(moving: Rig):
     assert [key.name for key in keys.key_blocks] == ["Basis", *(f"Sheet {frame}" for frame in FRAMES)]
     bpy.context.scene.frame_set(3)
     assert [key.value for key in keys.key_blocks][1:] == [0, 0, 1, 0, 0, 0, 0, 0]
-    flat = np.empty(len(moving.rest()) * 3, dtype=np.float32)
-    keys.key_blocks["Sheet 5"].data.foreach_get("co", flat)
-    assert np.array_equal(flat.reshape(-1, 3), live[5])
+    assert np.array_equal(coordinates(keys.key_blocks["Sheet 5"].data), live[5])
     now = played(moving.obj)
     assert max(np.abs(now[frame] - live[frame]).max() for frame in FRAMES) < 2e-7  # Blender's float32 sum
 
 
 def test_shape_keys_of_the_user_stay_as_they_are(plate: Rig):
     obj = plate.obj
-    obj.shape_key_add(name="Basis")
-    wave = obj.shape_key_add(name="Wave")
-    for point in wave.data:
-        point.co.z = 0.2 * point.co.x
+    wave = add_key(obj, "Wave", slope(0.2))
     key(wave, {1: {"value": 0.0}, 8: {"value": 1.0}})
     obj.active_shape_key_index = 1
     plate.bind("thin_shell")
@@ -212,16 +205,6 @@ def test_a_step_keeps_its_frames_exact_and_blends_between(
     expected = live[1] * (1.0 - 1.0 / step) + live[1 + step] * (1.0 / step)
     assert np.abs(between - expected).max() < 1e-5
     assert moving.deformer.bake.last == max(range(1, 9, step))
-
-
-@pytest.mark.parametrize("target", TARGETS)
-def test_between_frames_the_shape_is_blended_and_outside_it_holds(moving: Rig, tmp_path: Path, target: str):
-    live = played(moving.obj)
-    bake(moving, target, tmp_path / "plate")
-    found = played(moving.obj, [3.25, -4, 20])
-    assert np.abs(found[3.25] - (live[3] * 0.75 + live[4] * 0.25)).max() < 1e-6
-    assert np.array_equal(found[-4], live[1])
-    assert np.array_equal(found[20], live[8])
 
 
 @pytest.mark.parametrize("stretch", STRETCHES)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from baking import FRAMES, TARGETS, animate, assert_same, bake, footprint, played
 from inside import inner
-from rigs.rig import Rig, fails, grid_object, make_active
+from rigs.rig import Rig, fails, grid_object, key, make_active
 
 # Paths
 
@@ -99,13 +99,10 @@ def test_unbake_deletes_only_its_own_file_and_only_when_told(saved: Rig, tmp_pat
 
 def test_a_refused_frame_is_named_and_leaves_all_as_it_was(saved: Rig, tmp_path: Path):
     control = saved.control
-    for frame, size in ((1, 1.0), (4, 1.0), (5, 0.0)):
-        control.scale = (size, size, size)
-        control.keyframe_insert("scale", frame=frame)
+    whole, gone = {"scale": (1.0, 1.0, 1.0)}, {"scale": (0.0, 0.0, 0.0)}
+    key(control, {1: whole, 4: whole, 5: gone})
     control.parent.scale = (1.0, 1.0, 1.0)
-    for frame, size in ((4, 1.0), (5, 0.0)):
-        saved.obj.scale = (size, size, size)
-        saved.obj.keyframe_insert("scale", frame=frame)
+    key(saved.obj, {4: whole, 5: gone})
     bpy.context.scene.frame_set(2)
     before = footprint(saved)
     for target in TARGETS:
@@ -129,20 +126,6 @@ def test_a_full_disk_is_reported_and_keeps_the_older_file(saved: Rig, tmp_path: 
     assert path.read_text() == "older"
     assert sorted(each.name for each in tmp_path.iterdir()) == ["plate.pc2", "shot"]
     assert footprint(saved) == before
-
-
-def test_vertices_that_come_and_go_are_refused(plate: Rig, tmp_path: Path):
-    plate.bind()
-    build = plate.obj.modifiers.new("Build", "BUILD")
-    build.frame_start, build.frame_duration = 1.0, 6.0
-    plate.obj.modifiers.move(1, 0) if hasattr(plate.obj.modifiers, "move") else move_up(plate.obj)
-    animate(plate.control)
-    fails("Frame", bake, plate, "PC2", tmp_path / "x")
-    assert not list(tmp_path.iterdir())
-
-
-def move_up(obj: bpy.types.Object) -> None:
-    bpy.ops.object.modifier_move_to_index(modifier=obj.modifiers[-1].name, index=0)
 
 
 def test_a_cancelled_bake_leaves_all_as_it_was(saved: Rig, tmp_path: Path):

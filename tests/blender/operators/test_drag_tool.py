@@ -17,9 +17,9 @@ from rigs.cages import ball
 from rigs.kinds import RIGS
 from rigs.point_objects import bezier, text
 from rigs.puppets import figure
-from rigs.rig import add_armature, grid_object, in_pose_mode, make_active, press, refused, update
+from rigs.rig import add_armature, grid_object, in_pose_mode, make_active, press, update
 from rigs.sheet import Sheet
-from situations import cage, lattice_around, tools, wire
+from situations import cage, lattice_around, skin, tools, wire
 
 
 def pressed(context: bpy.types.Context, place: tuple[float, float, float]) -> tuple[str, object]:
@@ -102,11 +102,10 @@ def test_a_button_takes_the_tool_in_its_mode(viewport, mode: str, where: str) ->
     assert sheet.properties() == HEADERS[mode] + posed
 
 
-def test_it_is_offered_where_one_can_press(scene) -> None:
-    refused("3D Viewport", "drag_press", grid_object())
-    bpy.ops.object.mode_set(mode="EDIT")
-    refused("Object Mode or Pose Mode", "drag_start")
-    bpy.ops.object.mode_set(mode="OBJECT")
+def test_the_button_of_a_skin_poses_its_bones(viewport) -> None:
+    skin()
+    assert bpy.ops.sinew.drag_start(mode="BONES") == {"FINISHED"}
+    assert (bpy.context.mode, bpy.context.object.name) == ("POSE", "Figure")
 
 
 def test_the_reach_on_the_screen_is_that_of_the_header(scene) -> None:
@@ -147,14 +146,6 @@ def test_a_part_of_a_control_is_dragged(kind: str) -> None:
         assert not apart[np.arange(len(apart)) != point].any()
     rig.press("reset_pose")
     assert np.abs(rig.points() - rest).max() < 2e-6
-
-
-def test_what_cannot_be_dragged_says_so() -> None:
-    rig = RIGS["cage"].new().start()
-    refused("there is no number 99", "control_drag", control="Cage", point=99)
-    rig.control.shape_key_add(name="Basis")
-    rig.control.shape_key_add(name="Bent")
-    refused("has shape keys", "control_drag", control="Cage", point=1)
 
 
 def test_a_length_follows_the_mouse_along_its_direction(scene) -> None:

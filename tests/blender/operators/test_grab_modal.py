@@ -19,7 +19,7 @@ class Hand:
 
     def __init__(self, obj: bpy.types.Object, method: str = "thin_shell", radius: float = 0.4) -> None:
         typed = inner.typed_motion
-        self.obj, self.x, self.y = obj, 500.0, 300.0
+        self.obj, self.x, self.y, self.before = obj, 500.0, 300.0, edited(obj)
         self.outcomes, self.view = inner.grabbing.Outcome, front_view()
         grab = inner.grab.Grab(obj, inner.methods.BY_ID[method])
         motion = typed.TypedMotion(typed.Mode.TRANSLATE, self.view, np.eye(3), (self.x, self.y))
@@ -53,20 +53,14 @@ def lifted(hand: Hand) -> np.ndarray:
     return (edited(obj)[chosen] - hand.before[chosen]).mean(axis=0)
 
 
-@pytest.fixture
-def before(hand: Hand) -> np.ndarray:
-    hand.before = edited(hand.obj)
-    return hand.before
-
-
-def test_the_mouse_moves_in_the_plane_of_the_view(hand: Hand, before: np.ndarray):
+def test_the_mouse_moves_in_the_plane_of_the_view(hand: Hand):
     hand.move(30, 50)
     assert np.allclose(lifted(hand), (0.3, 0.0, 0.5), atol=1e-6)
     hand.move(10, 0, shift=True)
     assert np.allclose(lifted(hand), (0.31, 0.0, 0.5), atol=1e-6)
 
 
-def test_axis_and_number_by_keys(hand: Hand, before: np.ndarray):
+def test_axis_and_number_by_keys(hand: Hand):
     hand.move(30, 50)
     hand.type("Z", "ZERO", "PERIOD", "FIVE", "MINUS")
     assert np.allclose(lifted(hand), (0.0, 0.0, -0.5), atol=1e-6)
@@ -116,31 +110,31 @@ def test_what_was_confirmed_is_what_the_properties_repeat(method: str):
     assert np.array_equal(edited(obj), after)
 
 
-def test_the_wheel_changes_how_much_follows(hand: Hand, before: np.ndarray):
+def test_the_wheel_changes_how_much_follows(hand: Hand):
     hand.move(0, 50)
-    narrow = (edited(hand.obj) != before).any(axis=1).sum()
+    narrow = (edited(hand.obj) != hand.before).any(axis=1).sum()
     for _ in range(5):
         hand.send("PAGE_UP")
-    wide = (edited(hand.obj) != before).any(axis=1).sum()
+    wide = (edited(hand.obj) != hand.before).any(axis=1).sum()
     assert wide > 1.5 * narrow
     for _ in range(5):
         hand.send("WHEELUPMOUSE")
-    assert (edited(hand.obj) != before).any(axis=1).sum() == narrow
+    assert (edited(hand.obj) != hand.before).any(axis=1).sum() == narrow
     assert hand.tool.radius == pytest.approx(0.4)
     hand.send("A")
-    assert (edited(hand.obj) != before).any(axis=1).all()
+    assert (edited(hand.obj) != hand.before).any(axis=1).all()
 
 
-def test_navigation_passes_through_and_other_keys_do_not(hand: Hand, before: np.ndarray):
+def test_navigation_passes_through_and_other_keys_do_not(hand: Hand):
     assert hand.send("MIDDLEMOUSE") is hand.outcomes.PASS
     assert hand.send("WHEELUPMOUSE", ctrl=True) is hand.outcomes.PASS
     assert hand.send("NDOF_MOTION", "NOTHING") is hand.outcomes.PASS
     assert hand.send("DEL") is hand.outcomes.GO_ON
     assert hand.send("NONE", "NOTHING") is hand.outcomes.GO_ON
-    assert np.array_equal(edited(hand.obj), before)
+    assert np.array_equal(edited(hand.obj), hand.before)
 
 
-def test_a_key_that_is_held_counts_once(hand: Hand, before: np.ndarray):
+def test_a_key_that_is_held_counts_once(hand: Hand):
     hand.send("Z")
     hand.send("Z", is_repeat=True)
     hand.move(30, 50)
@@ -148,7 +142,7 @@ def test_a_key_that_is_held_counts_once(hand: Hand, before: np.ndarray):
     assert np.allclose(lifted(hand), (0.0, 0.0, 0.5), atol=1e-6)
 
 
-def test_a_turned_view_keeps_the_motion_and_goes_on_from_there(hand: Hand, before: np.ndarray):
+def test_a_turned_view_keeps_the_motion_and_goes_on_from_there(hand: Hand):
     hand.move(30, 50)
     side = hand.view.__class__(
         right=np.array((0.0, 1.0, 0.0)),
@@ -186,7 +180,11 @@ def test_a_mesh_that_changed_under_the_tool_is_left_alone(hand: Hand):
         hand.move(0, 10)
 
 
-def test_a_heavy_region_binds_in_a_thread_and_is_confirmed_when_ready(monkeypatch: pytest.MonkeyPatch):
+@pytest.mark.parametrize("key", ["RET", "ESC"])
+def test_a_heavy_region_binds_in_a_thread_and_is_confirmed_when_ready(
+    monkeypatch: pytest.MonkeyPatch, key: str
+):
+    """Or cancelled at once."""
     use_threads(monkeypatch)
     obj = grid_object(cells=30)
     edit(obj, centre)
@@ -195,7 +193,11 @@ def test_a_heavy_region_binds_in_a_thread_and_is_confirmed_when_ready(monkeypatc
     assert hand.tool.grab.job is not None
     hand.move(0, 50)
     assert np.array_equal(edited(obj), before)
-    outcome = hand.send("RET")
+    outcome = hand.send(key)
+    if key == "ESC":
+        assert (outcome, hand.tool.grab.job) == (hand.outcomes.CANCELLED, None)
+        assert np.array_equal(edited(obj), before)
+        return
     for _ in range(10_000):
         if outcome is not hand.outcomes.GO_ON:
             break
@@ -227,14 +229,3 @@ def test_scaling_all_that_is_connected_binds_when_it_is_asked_for(monkeypatch: p
     hand.tool.grab.restore(obj)
     grab(mode="RESIZE", scale=(2.0, 2.0, 2.0), unlimited=True, method="thin_shell")
     assert np.array_equal(edited(obj), after)
-
-
-def test_cancel_while_a_thread_binds(monkeypatch: pytest.MonkeyPatch):
-    use_threads(monkeypatch)
-    obj = grid_object(cells=30)
-    edit(obj, centre)
-    before = edited(obj)
-    hand = Hand(obj)
-    assert hand.send("ESC") is hand.outcomes.CANCELLED
-    assert hand.tool.grab.job is None
-    assert np.array_equal(edited(obj), before)

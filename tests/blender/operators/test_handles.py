@@ -6,7 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from editing import edit, select
-from inside import inner
+from inside import inner, notes_of
 from mathutils import Matrix
 from rigs.rig import (
     FLOAT32,
@@ -51,6 +51,22 @@ def test_from_selection_to_pose():
     rig = Rig.called(obj.name)
     assert np.abs(rig.points()[top, 2] - 0.5).max() < 4e-6
     assert np.array_equal(rig.points()[base], rig.rest()[base])
+
+
+def test_the_panel_says_where_nothing_will_bend(plate: Rig):
+    def told() -> str:
+        update()
+        return " ".join(text for text in notes_of(plate.deformer) if text.startswith("Nothing will bend"))
+
+    deformer = plate.bind("arap", fixed=False).deformer
+    assert "follows Top" in told()
+    press(plate.obj, "handle_add", kind="FIXED", vertex_group="Base")
+    assert not told()
+    add_group(plate.obj, "Middle", lambda point: abs(point[1]) < 0.75)
+    press(plate.obj, "handle_add", kind="FIXED", vertex_group="Middle")
+    assert "all vertices" in told()
+    deformer.handles[0].enabled = False
+    assert "no handle" in told()
 
 
 def test_support_from_the_selection():
@@ -166,6 +182,8 @@ def test_a_selected_bone_controls_its_own_group(plate: Rig):
     expected = apply_matrix(motion, plate.rest()[high])
     assert np.abs(expected - plate.rest()[high]).max() > 0.1
     assert np.abs(plate.points()[high] - expected).max() < 1e-5
+    plate.deformer.handles[0].from_rest = False
+    assert np.abs(plate.points()[high] - expected).max() > 0.1  # twice
 
 
 def test_a_bone_without_a_group_takes_the_active_one(plate: Rig):
@@ -211,30 +229,19 @@ def two_handles(plate: Rig) -> list[bpy.types.Object]:
     return [handle.control for handle in plate.deformer.handles]
 
 
-def test_select_and_extend_in_object_mode(plate: Rig):
-    first, second = two_handles(plate)
-    bpy.ops.sinew.select_handle(index=0)
-    assert set(bpy.context.selected_objects) == {first}
-    bpy.ops.sinew.select_handle(index=1, extend=True)
-    assert set(bpy.context.selected_objects) == {first, second}
-    bpy.ops.sinew.select_handle(index=1)
-    assert set(bpy.context.selected_objects) == {second}
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_select_and_extend(plate: Rig, mode: str):
+    first, second = ({control} for control in two_handles(plate))
+    if mode == "EDIT":
+        first, second = set(plate.top), set(plate.base)
+    bpy.ops.object.mode_set(mode=mode)
+    for index, extend, wanted in ((0, False, first), (1, True, first | second), (1, False, second)):
+        bpy.ops.sinew.select_handle(index=index, extend=extend)
+        found = set(bpy.context.selected_objects)
+        if mode == "EDIT":
+            found = {vertex.index for vertex in bmesh.from_edit_mesh(plate.obj.data).verts if vertex.select}
+        assert found == wanted
     assert plate.obj.vertex_groups.active.name == "Base"  # ready for Weight Paint
-
-
-def test_select_and_extend_in_edit_mode(plate: Rig):
-    two_handles(plate)
-    bpy.ops.object.mode_set(mode="EDIT")
-
-    def selected() -> set[int]:
-        return {vertex.index for vertex in bmesh.from_edit_mesh(plate.obj.data).verts if vertex.select}
-
-    bpy.ops.sinew.select_handle(index=0)
-    assert selected() == set(plate.top)
-    bpy.ops.sinew.select_handle(index=1, extend=True)
-    assert selected() == set(plate.top) | set(plate.base)
-    bpy.ops.sinew.select_handle(index=1)
-    assert selected() == set(plate.base)
 
 
 def test_select_of_a_bone_leads_to_pose_mode(plate: Rig):

@@ -3,16 +3,17 @@
 
 import math
 
-import bmesh
 import bpy
 import numpy as np
 import pytest
+from editing import edit, select
 from inside import inner
 from mathutils import Euler, Matrix
 from rigs.rig import (
     FLOAT32,
     Rig,
     apply_matrix,
+    base_points,
     evaluated_points,
     grid_object,
     in_mode,
@@ -21,10 +22,10 @@ from rigs.rig import (
     move_world,
     new_armature,
     new_empty,
+    painted,
     press,
     refused,
     reopen,
-    select,
     some_motion,
     update,
 )
@@ -32,7 +33,7 @@ from rigs.rig import (
 FLIP = np.array((-1.0, 1.0, 1.0))
 
 
-def painted(obj: bpy.types.Object, name: str, weight) -> None:
+def paint(obj: bpy.types.Object, name: str, weight) -> None:
     """A vertex group with ``weight(point)`` where that is above 0."""
     group = obj.vertex_groups.new(name=name)
     for vertex in obj.data.vertices:
@@ -43,13 +44,9 @@ def painted(obj: bpy.types.Object, name: str, weight) -> None:
 
 def weights(obj: bpy.types.Object, name: str) -> dict[tuple[float, ...], float]:
     """Weight by place, of the vertices in a group."""
-    index = obj.vertex_groups[name].index
-    return {
-        tuple(np.round(vertex.co, 4) + 0.0): element.weight
-        for vertex in obj.data.vertices
-        for element in vertex.groups
-        if element.group == index
-    }
+    found = painted(obj.data, obj.vertex_groups[name].index)
+    places = map(tuple, np.round(base_points(obj), 4) + 0.0)
+    return {place: weight for place, weight in zip(places, found, strict=True) if weight}
 
 
 def reflected(found: dict[tuple[float, ...], float]) -> dict[tuple[float, ...], float]:
@@ -82,7 +79,7 @@ def handle_names(plate: Rig) -> list[str]:
 
 def add_region(plate: Rig, name: str, where, kind: str = "FIXED") -> None:
     """A vertex group of the vertices for which ``where(point)``, and its region, active."""
-    painted(plate.obj, name, lambda point: float(where(point)))
+    paint(plate.obj, name, lambda point: float(where(point)))
     press(plate.obj, "handle_add", kind=kind, vertex_group=name)
     make_active(plate.obj)
 
@@ -205,12 +202,14 @@ def test_weights_only_leaves_settings_and_pose(hand: Rig):
     assert_weights_are_mirrored(hand)
 
 
-def test_all_of_one_side(hand: Rig):
-    add_region(hand, "Foot.R", lambda point: point[0] < -0.7 and point[1] < -0.7, "HANDLE")
+@pytest.mark.parametrize("name", ["Foot.R", "Foot"])
+def test_all_of_one_side(hand: Rig, name: str):
+    """A handle without a side in its name gets one when its side is mirrored."""
+    add_region(hand, name, low_corner(-1.0), "HANDLE")
     bpy.ops.sinew.handle_mirror(side="LEFT_TO_RIGHT")
-    assert set(handle_names(hand)) == {"Hand.L", "Spine", "Hand.R", "Foot.R"}
+    assert handle_names(hand) == ["Hand.L", "Spine", name, "Hand.R"]
     bpy.ops.sinew.handle_mirror(side="RIGHT_TO_LEFT")
-    assert sorted(handle_names(hand)) == ["Foot.L", "Foot.R", "Hand.L", "Hand.R", "Spine"]
+    assert handle_names(hand) == ["Hand.L", "Spine", "Foot.R", "Hand.R", "Foot.L"]
     assert_weights_are_mirrored(hand, "Foot.R", "Foot.L")
 
 
@@ -245,7 +244,7 @@ def test_an_even_handle_takes_one_half_from_the_other(hand: Rig):
 
 
 def test_painted_parameters_are_evened_out_on_request(hand: Rig):
-    painted(hand.obj, "Stiff", lambda point: 0.5 + 0.4 * point[0])
+    paint(hand.obj, "Stiff", lambda point: 0.5 + 0.4 * point[0])
     hand.deformer.method = "arap"
     hand.deformer.arap.rigidity_group = "Stiff"
     before = weights(hand.obj, "Stiff")
@@ -310,15 +309,12 @@ def test_a_fixed_region_has_no_control(hand: Rig):
 def test_a_mirror_modifier_fills_the_other_side():
     """The base mesh is one half: the modifier hands the weights on to the flipped group."""
     obj = grid_object()
-    mesh = obj.data
-    edit = bmesh.new()
-    edit.from_mesh(mesh)
-    bmesh.ops.delete(edit, geom=[vertex for vertex in edit.verts if vertex.co.x < -0.01], context="VERTS")
-    edit.to_mesh(mesh)
-    edit.free()
+    edit(obj, lambda point: point.x < -0.01)
+    bpy.ops.mesh.delete(type="VERT")
+    bpy.ops.object.mode_set(mode="OBJECT")
     obj.modifiers.new("Mirror", "MIRROR").use_clip = True
     plate = Rig(obj)
-    painted(obj, "Hand.R", lambda point: 0.0)
+    paint(obj, "Hand.R", lambda point: 0.0)
     bpy.ops.sinew.deformer_add(method="thin_shell")
     add_region(plate, "Hand.L", soft_left, "HANDLE")
     bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
@@ -416,20 +412,13 @@ def test_a_handle_is_named_by_the_side_that_it_lies_on(hand: Rig, capfd, sign, e
 
 def test_a_selection_that_became_a_handle_gets_the_names_of_both_sides(hand: Rig):
     with in_mode(hand.obj):
-        change_selection(hand.obj, low_corner(1.0))
+        select(hand.obj, low_corner(1.0))
         bpy.ops.sinew.handle_add(kind="HANDLE")
     press(hand.obj, "handle_mirror")
     assert handle_names(hand) == ["Hand.L", "Spine", "Handle L", "Handle R"]
     bpy.ops.sinew.handle_remove(index=3)
     bpy.ops.sinew.handle_remove(index=2)
     assert {group.name for group in hand.obj.vertex_groups} == {"Top", "Base", "Hand.L", "Spine"}
-
-
-def change_selection(obj: bpy.types.Object, where) -> None:
-    """In Edit Mode."""
-    edit = bmesh.from_edit_mesh(obj.data)
-    select(edit, where)
-    bmesh.update_edit_mesh(obj.data)
 
 
 def test_what_names_the_group_of_a_handle_follows_its_new_name(hand: Rig, tmp_path):
@@ -511,28 +500,15 @@ def test_a_name_that_is_taken_gets_a_number(hand: Rig):
     assert not weights(hand.obj, "Foot.R")
 
 
-def test_all_of_one_side_names_the_handles_of_that_side_alone(hand: Rig):
-    add_region(hand, "Foot", low_corner(-1.0), "HANDLE")
-    bpy.ops.sinew.handle_mirror(side="LEFT_TO_RIGHT")
-    assert handle_names(hand) == ["Hand.L", "Spine", "Foot", "Hand.R"]
-    bpy.ops.sinew.handle_mirror(side="RIGHT_TO_LEFT")
-    assert handle_names(hand) == ["Hand.L", "Spine", "Foot.R", "Hand.R", "Foot.L"]
-    assert_weights_are_mirrored(hand, "Foot.R", "Foot.L")
-
-
 def test_the_handle_is_mirrored_and_not_the_fixed_region_that_was_added_last():
     """As the README has it: the control is active after Edit Mode is left, and so is its row."""
     obj = grid_object("Plate")
     with in_mode(obj):
-        for kind, chosen in (
-            ("HANDLE", lambda point: point.x > 0.9),
-            ("FIXED", lambda point: point.y < -0.9),
+        for kind, name, chosen in (
+            ("HANDLE", "Hand.L", lambda point: point.x > 0.9),
+            ("FIXED", "Feet", lambda point: point.y < -0.9),
         ):
-            edit = bmesh.from_edit_mesh(obj.data)
-            for vertex in edit.verts:
-                vertex.select_set(chosen(vertex.co))
-            bmesh.update_edit_mesh(obj.data)
-            name = "Hand.L" if kind == "HANDLE" else "Feet"
+            select(obj, chosen)
             assert bpy.ops.sinew.handle_add(kind=kind, handle_name=name) == {"FINISHED"}
     update()
     assert bpy.context.object == obj.sinew.active.handles["Hand.L"].control

@@ -113,7 +113,7 @@ def values(obj: bpy.types.Object, frame: int) -> dict[str, tuple[float, float]]:
     }
 
 
-def test_keyframes_stay_with_their_deformer(plate: Rig):
+def test_keyframes_stay_with_their_deformer_and_go_with_it(plate: Rig):
     obj = three_deformers(plate)
     keyed(obj)
     before = [values(obj, frame) for frame in (1, 6, 11)]
@@ -122,13 +122,7 @@ def test_keyframes_stay_with_their_deformer(plate: Rig):
     bpy.ops.sinew.deformer_move(direction="UP", index=2)
     assert names(obj) == "BCA"
     assert [values(obj, frame) for frame in (1, 6, 11)] == before
-
-
-def test_keyframes_of_a_removed_deformer_go_and_the_others_stay(plate: Rig):
-    obj = three_deformers(plate)
-    keyed(obj)
-    before = [values(obj, frame) for frame in (1, 6, 11)]
-    bpy.ops.sinew.deformer_remove(index=0)
+    bpy.ops.sinew.deformer_remove(index=2)
     kept = [{name: pair for name, pair in row.items() if name != "A"} for row in before]
     assert [values(obj, frame) for frame in (1, 6, 11)] == kept
     bpy.ops.sinew.deformer_remove(index=0)
@@ -208,18 +202,6 @@ def test_keyframes_of_a_removed_handle_go(plate: Rig):
     assert not [curve for curve in curves_of(obj) if "handles" in curve.data_path]
     bpy.context.scene.frame_set(6)
     assert base.weight == pytest.approx(0.5, abs=1e-6)  # Source drives it, and Top's keyframes do not
-
-
-def test_the_order_of_handles_changes_no_shape(plate: Rig):
-    obj = plate.bind().obj
-    plate.lift(0.5)
-    before = plate.points()
-    control = plate.control
-    press(obj, "handle_move", direction="DOWN", index=0)
-    assert obj.sinew.active.active_handle == 0
-    assert np.abs(plate.points() - before).max() < FLOAT32
-    move_world(control, Matrix.Translation((0.0, 0.0, 0.25)))
-    assert plate.points()[plate.top, 2] == pytest.approx(0.75, abs=FLOAT32)
 
 
 def test_a_shared_action_slot_of_another_object_is_left_alone(plate: Rig):

@@ -8,17 +8,22 @@ import bpy
 import numpy as np
 import pytest
 from inside import inner
+from mathutils import Matrix
+from rigs.cages import selected
 from rigs.rig import (
     CORNERS,
     FLOAT32,
     SIDES,
     Rig,
     add_group,
+    add_key,
     add_regions,
     base_points,
+    coordinates,
     grid_object,
     in_mode,
     make_active,
+    members,
     new_object,
     press,
     refused,
@@ -140,30 +145,21 @@ def test_groups_shape_keys_and_uvs_stay():
     for loop, corner in zip(layer.data, mesh.loops, strict=True):
         place = mesh.vertices[corner.vertex_index].co
         loop.uv = (place.x, place.y)
-    obj.shape_key_add(name="Basis")
-    wave = obj.shape_key_add(name="Wave")
-    for vertex, point in zip(mesh.vertices, wave.data, strict=True):
-        point.co = (vertex.co.x, vertex.co.y, vertex.co.z + 0.25)
+    wave = add_key(obj, "Wave", Matrix.Translation((0.0, 0.0, 0.25)))
     wave.data[30].co.x = NAN
     press(obj, "repair")
     mesh = obj.data
     assert {group.name for group in obj.vertex_groups} == {"Top", "Base"}
-    top = {v.index for v in mesh.vertices if any(g.group == 0 and g.weight == 1.0 for g in v.groups)}
-    assert top == {v.index for v in mesh.vertices if v.co.y > 0.75}
-    for vertex in mesh.vertices:
-        basis = np.array(mesh.shape_keys.key_blocks["Basis"].data[vertex.index].co)
-        raised = np.array(mesh.shape_keys.key_blocks["Wave"].data[vertex.index].co)
-        assert np.abs(basis - vertex.co).max() < FLOAT32
-        lift = raised - basis
-        assert np.isfinite(raised).all()
-        assert abs(lift[2] - 0.25) < FLOAT32 or np.abs(lift).max() < FLOAT32, vertex.index
-    layer = mesh.uv_layers["Map"]
-    off = [
-        abs(loop.uv[0] - mesh.vertices[corner.vertex_index].co.x)
-        for loop, corner in zip(layer.data, mesh.loops, strict=True)
-        if np.isfinite(loop.uv[0])
-    ]
-    assert sum(distance > 1e-5 for distance in off) == 0
+    assert {element.weight for vertex in mesh.vertices for element in vertex.groups} == {1.0}
+    assert set(members(obj, "Top")) == {v.index for v in mesh.vertices if v.co.y > 0.75}
+    basis, raised = (coordinates(mesh.shape_keys.key_blocks[name].data) for name in ("Basis", "Wave"))
+    assert np.abs(basis - base_points(obj)).max() < FLOAT32
+    assert np.isfinite(raised).all()
+    lifts = [np.abs(raised - basis - (0.0, 0.0, height)).max(axis=1) for height in (0.25, 0.0)]
+    assert (np.minimum(*lifts) < FLOAT32).all()
+    across = np.array([loop.uv[0] for loop in mesh.uv_layers["Map"].data])
+    off = np.abs(across - base_points(obj)[[corner.vertex_index for corner in mesh.loops], 0])
+    assert off[np.isfinite(across)].max() <= 1e-5
 
 
 def test_repair_in_edit_mode_stays_there():
@@ -178,10 +174,7 @@ def test_repair_in_edit_mode_stays_there():
 def test_each_shape_key_is_filled_from_its_own_neighbours():
     """In Edit Mode with another key than the first one active, the mesh shows that key."""
     obj = grid_object()
-    obj.shape_key_add(name="Basis")
-    wave = obj.shape_key_add(name="Wave")
-    for point in wave.data:
-        point.co.z += 1.0
+    add_key(obj, "Wave", Matrix.Translation((0.0, 0.0, 1.0)))
     for key in obj.data.shape_keys.key_blocks:
         key.data[60].co.y = NAN
     obj.data.vertices[60].co.y = NAN
@@ -254,22 +247,6 @@ def test_notes_name_each_fault_with_elements_and_remedy():
     assert not any(line.elements for line in hidden)
 
 
-def test_not_finite_points_offer_repair():
-    plate = Rig.plate()
-    plate.obj.data.vertices[60].co.x = NAN
-    add_regions(plate.obj, "thin_shell", {"Top": "HANDLE"})
-    status = inner.status
-    lines = [line for line in status.notes(plate.deformer.uid) if "finite" in line.text]
-    assert [(line.remedy, line.elements.indices) for line in lines] == [(status.Remedy.REPAIR, (60,))]
-    bpy.ops.sinew.repair()
-    assert not any("finite" in line.text for line in status.notes(plate.deformer.uid))
-
-
-def members(obj: bpy.types.Object, name: str) -> set[int]:
-    index = obj.vertex_groups[name].index
-    return {v.index for v in obj.data.vertices if any(g.group == index and g.weight > 0.0 for g in v.groups)}
-
-
 def overlapping(plate: Rig, name: str, where, weight: float = 1.0, bind: bool = True) -> set[int]:
     """A fixed region besides those of the plate; its vertices."""
     if bind:
@@ -283,12 +260,18 @@ def overlapping(plate: Rig, name: str, where, weight: float = 1.0, bind: bool = 
 def test_shared_vertices_stay_in_the_first_region(plate: Rig, capfd):
     shared = overlapping(plate, "Overlap", lambda point: point[1] > 0.55)
     line = inner.status.current(plate.deformer.uid)
-    assert line.remedy is inner.status.Remedy.PART_REGIONS
+    assert (line.level.name, line.remedy.name) == ("ERROR", "PART_REGIONS")
+    assert "Top and Overlap share 22 vertices" in line.text
+    assert np.array_equal(plate.points(), plate.rest())
+    assert selected(plate.obj, "vertex")[1] == set(plate.top) & shared
+    bpy.ops.sinew.handle_remove()
+    assert plate.deformer.status_level == "INFO"
+    overlapping(plate, "Overlap", lambda point: point[1] > 0.55, bind=False)
     capfd.readouterr()
     assert bpy.ops.sinew.part_regions() == {"FINISHED"}
     assert "22 vertices are now in Top alone, no longer in Overlap" in capfd.readouterr().out
-    assert members(plate.obj, "Top") == set(plate.top)
-    assert members(plate.obj, "Overlap") == shared - set(plate.top)
+    assert set(members(plate.obj, "Top")) == set(plate.top)
+    assert set(members(plate.obj, "Overlap")) == shared - set(plate.top)
     assert plate.deformer.status_level == "INFO"
     plate.lift(0.5)
     assert np.abs(plate.points()[plate.top, 2] - 0.5).max() < FLOAT32
@@ -300,8 +283,8 @@ def test_a_handle_inside_a_fixed_part_keeps_its_vertices(plate: Rig):
     everything = overlapping(plate, "All", lambda point: True, bind=False)
     press(plate.obj, "handle_add", kind="HANDLE", vertex_group="Top")
     bpy.ops.sinew.part_regions()
-    assert members(plate.obj, "Top") == set(plate.top)
-    assert members(plate.obj, "All") == everything - set(plate.top)
+    assert set(members(plate.obj, "Top")) == set(plate.top)
+    assert set(members(plate.obj, "All")) == everything - set(plate.top)
     assert plate.deformer.status_level == "INFO"
 
 
@@ -311,4 +294,4 @@ def test_two_regions_of_the_same_vertices_are_refused_unless_one_is_soft(plate: 
     assert plate.deformer.status_level == "INFO"
     overlapping(plate, "Twin", lambda point: point[1] > 0.75, bind=False)
     refused("Top and Twin are the same vertices", "part_regions")
-    assert members(plate.obj, "Twin") == set(plate.top)
+    assert set(members(plate.obj, "Twin")) == set(plate.top)

@@ -12,6 +12,7 @@ from rigs.rig import (
     Rig,
     add_armature,
     add_group,
+    add_key,
     close,
     curves_of,
     grid_object,
@@ -22,7 +23,6 @@ from rigs.rig import (
     new_empty,
     on_all,
     press,
-    refused,
     reopen,
     update,
 )
@@ -39,11 +39,7 @@ def stretched(control: bpy.types.Object) -> None:
 
 def by_a_shape_key(control: bpy.types.Object) -> None:
     if control.type in ("MESH", "LATTICE"):
-        control.shape_key_add(name="Basis")
-        key = control.shape_key_add(name="Bent")
-        for point in key.data:
-            point.co.x *= 1.3
-        key.value = 1.0
+        add_key(control, "Bent", Matrix.Diagonal((1.3, 1.0, 1.0, 1.0))).value = 1.0
 
 
 def edited_in_its_mode(control: bpy.types.Object) -> None:
@@ -126,14 +122,6 @@ def test_what_something_else_poses_is_named(bound_plate: Rig, capfd) -> None:
     held.target = new_empty("Elsewhere", (0.0, 0.0, 3.0))
     press(bound_plate.obj, "reset_pose")
     assert f"Something else poses {bound_plate.control.name}" in "".join(capfd.readouterr())
-
-
-def test_what_cannot_be_reset_says_so(plate: Rig) -> None:
-    press(plate.obj, "deformer_add", method="arap")
-    refused("no control that has a rest", "reset_pose", plate.obj)
-    refused("no control to key", "key_pose", plate.obj)
-    plate.bind()
-    refused("No control is selected", "reset_pose", plate.obj, selected=True)
 
 
 @pytest.mark.parametrize("kept", [None, 3, {}, {"place": [1.0], "points": b"", "values": {}}])

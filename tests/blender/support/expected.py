@@ -14,7 +14,7 @@ import numpy as np
 from inside import native
 from mathutils import Matrix
 from registry import BY_ID, Posed, base_of, options_of
-from rigs.rig import Rig, apply_matrix, base_points, update
+from rigs.rig import Rig, apply_matrix, base_points, painted, update
 
 Warp = Callable[[np.ndarray], np.ndarray]
 _warped: dict[tuple, np.ndarray] = {}
@@ -31,14 +31,8 @@ def faces_of(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
 
 def members_of(obj: bpy.types.Object, group: str) -> tuple[np.ndarray, np.ndarray]:
     """Indices and weights of a vertex group."""
-    index = obj.vertex_groups[group].index
-    found = [
-        (vertex.index, element.weight)
-        for vertex in obj.data.vertices
-        for element in vertex.groups
-        if element.group == index and element.weight > 0.0
-    ]
-    return np.array([vertex for vertex, _ in found]), np.array([weight for _, weight in found])
+    weights = painted(obj.data, obj.vertex_groups[group].index)
+    return np.flatnonzero(weights), weights[weights > 0.0]
 
 
 def in_frame(obj: bpy.types.Object, control: bpy.types.Object) -> np.ndarray:

@@ -17,7 +17,7 @@ import bpy
 import numpy as np
 from expected import new_native, space_warp
 from registry import BY_ID
-from rigs.rig import base_points, coordinates
+from rigs.rig import base_points, coordinates, painted
 
 IDENTITY = np.eye(4)[:3]
 EPSILON32 = 2.0**-23
@@ -256,16 +256,6 @@ def shape_of(modifier: bpy.types.NodesModifier) -> bpy.types.Object | None:
     return None
 
 
-def painted_on(mesh: bpy.types.Mesh, group: int) -> np.ndarray:
-    """(n,) weights of the ``group``-th vertex group."""
-    weights = np.zeros(len(mesh.vertices))
-    for vertex in mesh.vertices:
-        for element in vertex.groups:
-            if element.group == group:
-                weights[vertex.index] = element.weight
-    return weights
-
-
 class Weights:
     """Weights by vertex group as they are painted now, (n,) for the points that enter.
 
@@ -278,14 +268,14 @@ class Weights:
     def __call__(self, name: str) -> np.ndarray | None:
         group = self._obj.vertex_groups.get(name) if name else None
         if group is not None:
-            return painted_on(self._obj.data, group.index)[self._source]
+            return painted(self._obj.data, group.index)[self._source]
         lists = ("sinew_groups", "sinew_lost_groups") if self._rest else ()
         kept = [other for key in lists for other in self._rest.get(key, ())]
         if name not in kept:
             return None
         stored = self._rest.attributes.get(f".sinew_weight_{kept.index(name)}")
         if stored is None:
-            return painted_on(self._rest, kept.index(name))
+            return painted(self._rest, kept.index(name))
         return np.array([value.value for value in stored.data], dtype=np.float64)
 
 

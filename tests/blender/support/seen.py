@@ -10,7 +10,7 @@ import numpy as np
 from editing import edited
 from rigs.rig import base_points, evaluated_points, update
 
-BLOCKS = ("objects", "meshes", "curves", "lattices", "node_groups", "actions")
+BLOCKS = ("objects", "meshes", "curves", "lattices", "node_groups", "actions", "collections")
 NEAR = 1e-5  # a pose that is solved once more
 
 
@@ -30,6 +30,7 @@ def words() -> list[object]:
     """What the panel lists, and what there is in the file besides shapes."""
     update()
     found: list[object] = [sorted(own_names(getattr(bpy.data, kind))) for kind in BLOCKS]
+    found.append(plain(bpy.context.view_layer.objects.active))
     for obj in bpy.context.scene.objects:
         keys = getattr(obj.data, "shape_keys", None)
         found += [
@@ -38,11 +39,12 @@ def words() -> list[object]:
             obj.select_get(),
             [group.name for group in obj.vertex_groups],
             list(obj.modifiers.keys()),
+            keys.key_blocks.keys() if keys else [],
+            len(obj.animation_data.drivers) if obj.animation_data else 0,
         ]
-        found += [keys.key_blocks.keys() if keys else []]
         for row in obj.sinew.deformers:
             values = [plain(getattr(row.parameters, each.id)) for each in row.definition.parameters]
-            found += [row.name, row.method, row.is_bound and row.status_level, values]
+            found += [row.name, row.uid, row.method, row.is_bound and row.status_level, values]
             found += [(each.name, each.kind, each.vertex_group, plain(each.control)) for each in row.handles]
             found += [(plain(each.object), each.rest and len(each.rest.vertices)) for each in row.controls]
             found += [row.bake.result, [each.frame for each in row.keys]]

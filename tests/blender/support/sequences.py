@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import os
 import tempfile
+from contextlib import nullcontext
 from pathlib import Path
 
 import bpy
 from error_log import ErrorLog
 from hypothesis import HealthCheck, Phase, seed, settings
-from hypothesis.stateful import RuleBasedStateMachine, run_state_machine_as_test
-from inside import settle
+from hypothesis.stateful import RuleBasedStateMachine, precondition, rule, run_state_machine_as_test
+from inside import evaluated_by, settle
 from rigs.rig import new_file
 
 SEED = os.environ.get("SINEW_RANDOM_SEED")
@@ -25,12 +26,15 @@ MOST_UNDO = 25  # steps we go back; Blender keeps 32
 
 
 class Sequence(RuleBasedStateMachine):
-    """One sequence of what an artist does."""
+    """One sequence of what an artist does; after each step ``compare`` looks at the shapes."""
 
     checked = 0  # shapes compared
 
     def __init__(self) -> None:
         super().__init__()
+        self.moments: list[dict] = []  # what ``memory`` was at each undo step
+        self.now = -1
+        self.memory: dict = {}  # what an oracle has to know of the steps before
         new_file()
         self.error_log = ErrorLog()
         self._folder = tempfile.TemporaryDirectory()
@@ -44,10 +48,48 @@ class Sequence(RuleBasedStateMachine):
     def in_object_mode(self) -> bool:
         return bpy.context.mode == "OBJECT"
 
-    def pause(self) -> None:
-        """A quiet moment, in which nothing may be said."""
+    def done(self, push: bool = True, solved: bool = True) -> None:
+        """The undo step, the evaluation, and a quiet moment, in which nothing may be said.
+
+        In a window the step is saved before it is ``solved``; called from Python, it is solved first.
+        """
+        if push:
+            with nullcontext() if solved else evaluated_by(None):
+                bpy.ops.ed.undo_push(message="step")
+            for obj in () if solved else self.targets:
+                obj.update_tag(refresh={"OBJECT"})
+            del self.moments[self.now + 1 :]
+            self.moments = self.moments[-MOST_UNDO:]
+            self.moments.append({})
+            self.now = len(self.moments) - 1
         settle()
         self.error_log.check()
+        self.compare()
+        self.moments[self.now] = dict(self.memory)
+
+    def start_over(self) -> None:
+        """A file was opened: no undo beyond it."""
+        self.moments, self.now = [], -1
+        self.done()
+
+    @precondition(lambda self: self.now > 0)
+    @rule()
+    def undo(self):
+        self.now -= 1
+        bpy.ops.ed.undo()
+        self.recall()
+
+    @precondition(lambda self: self.now + 1 < len(self.moments))
+    @rule()
+    def redo(self):
+        self.now += 1
+        bpy.ops.ed.redo()
+        self.recall()
+
+    def recall(self) -> None:
+        self.memory.clear()
+        self.memory.update(self.moments[self.now])
+        self.done(push=False)
 
 
 def run_sequences(machine: type[Sequence], sequences: int, steps: int) -> None:

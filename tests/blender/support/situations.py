@@ -197,6 +197,13 @@ def fresh_in_edit_mode() -> None:
     bpy.ops.mesh.select_all(action="SELECT")
 
 
+def posed() -> None:
+    """By the bones of an armature."""
+    plate = Rig.plate()
+    plate.obj.modifiers.new("Armature", "ARMATURE").object = figure()
+    make_active(plate.obj)
+
+
 def handles(method: str = "thin_shell") -> Rig:
     plate = Rig.plate().bind(method)
     make_active(plate.obj)
@@ -269,6 +276,14 @@ def puppet() -> None:
     bpy.ops.pose.select_all(action="SELECT")
 
 
+def skin() -> None:
+    """That bones move."""
+    plate, armature = Rig.plate(), figure()
+    plate.obj.vertex_groups.new(name="hip").add([0, 1], 1.0, "REPLACE")
+    make_active(plate.obj)
+    bpy.ops.sinew.puppet_rig(armature=armature.name)
+
+
 def baked() -> None:
     handles()
     bpy.context.scene.frame_end = 2
@@ -288,6 +303,7 @@ def of(make: Callable[[], bpy.types.Object]) -> Callable[[], None]:
 
 SITUATIONS: dict[str, Callable[[], object]] = {
     "a mesh": fresh,
+    "a posed mesh": posed,
     "a mesh in Edit Mode": fresh_in_edit_mode,
     "handles": handles,
     "handles in Edit Mode": handles_in_edit_mode,
@@ -301,10 +317,12 @@ SITUATIONS: dict[str, Callable[[], object]] = {
     "tools": tools,
     "keys": keys,
     "a puppet": puppet,
+    "a skin": skin,
     "baked": baked,
     "two deformers": two_deformers,
     "a curve": of(bezier),
     "a text": of(text),
     "hair": of(hair),
     "a lattice object": of(lattice),
+    "a rig to try": lambda: bpy.ops.sinew.try_it(rig="lines"),
 }

@@ -3,8 +3,9 @@
 ``render_manual.py SOURCE METHODS TARGET``.
 
 Run by a Python that has the package ``markdown``. Every relative link must lead to another page, to a heading
-that is there, or to a picture in the folder: a reader of the packaged manual has nothing else. Pages about
-methods are read by developers, too: of what only those have, the text of the link is left.
+that is there, to a page about a method, or to a picture in the folder: a reader of the packaged manual has
+nothing else. Pages about methods are read by developers, too: of what only those have, the text of the link
+is left.
 """
 
 import html
@@ -37,6 +38,7 @@ FRAME = """<!DOCTYPE html>
 BACK = '<nav><a href="{up}index.html">Sinew manual</a></nav>\n'
 BELOW = "methods"  # the folder of the pages about methods
 MANUAL = "../manual/"  # how they call the folder of the manual
+METHODS = "../methods/"  # how the manual calls theirs
 
 
 def render(source: Path) -> dict[str, bytes]:
@@ -97,8 +99,8 @@ def page_name(markdown_name: str) -> str:
 def linked(text: str) -> str:
     """The text with links to the HTML of other pages instead of their Markdown."""
     return re.sub(
-        r'href="((?:\.\./)?)([^"#/]+\.md)(#[^"]*)?"',
-        lambda match: f'href="{match[1]}{page_name(match[2])}{match[3] or ""}"',
+        rf'href="({METHODS}|(?:\.\./)?)([^"#/]+\.md)(#[^"]*)?"',
+        lambda match: f'href="{match[1].replace(METHODS, BELOW + "/")}{page_name(match[2])}{match[3] or ""}"',
         text,
     )
 
@@ -139,6 +141,8 @@ def broken(link: str, page: str, source: Path, pages: dict[str, Links]) -> str:
         return ""
     parts = urlsplit(link)
     path = unquote(parts.path)
+    if path.startswith(METHODS):
+        return "" if (source / path).is_file() and not parts.fragment else "is no page about a method"
     if parts.scheme or parts.netloc or path.startswith("/") or ".." in PurePosixPath(path).parts:
         return "leads out of the manual"
     if path.endswith(PICTURES):

@@ -37,6 +37,8 @@ def put(cage: Object, obj: Object, shape: Shape) -> None:
     mesh = cage.data
     mesh.clear_geometry()
     mesh.from_pydata(points.tolist(), [], faces)
+    for elements in (mesh.vertices, mesh.edges, mesh.polygons):  # so that a first click picks what moves
+        elements.foreach_set("select", np.zeros(len(elements), dtype=bool))
     mesh[Keys.CAGE_ORIGIN] = {**options, "print": _print(mesh)}
 
 

@@ -5,6 +5,7 @@ import numpy as np
 from bpy.types import Object
 
 from ....core.names import numbered, spoken
+from ...datablocks.movers import armatures_of
 
 NAMES = {"HANDLE": "Handle", "FIXED": "Still", "SUPPORT": "Free Area"}  # by role
 _MIDDLE = 0.1  # what lies nearer to the middle than this has no side; a share of the half width
@@ -16,18 +17,13 @@ def name_of_region(obj: Object, role: str, points: np.ndarray, members: np.ndarr
 
     ``members`` is a mask (n,) of the vertices ``points`` (n, 3) of the mesh.
     """
-    name, armatures = NAMES[role], _armatures(obj)
+    name, armatures = NAMES[role], armatures_of(obj)
     if role == "HANDLE" and members.any():
         place = points[members].mean(axis=0)
         name = _nearest_bone(obj, armatures, place) or f"{name}{_side(points, place)}"
     taken = {group.name for group in obj.vertex_groups}
     taken |= {bone.name for armature in armatures for bone in armature.data.bones}
     return numbered(name, taken)
-
-
-def _armatures(obj: Object) -> list[Object]:
-    moved_by = [modifier.object for modifier in obj.modifiers if modifier.type == "ARMATURE"]
-    return [armature for armature in moved_by if armature is not None]
 
 
 def _nearest_bone(obj: Object, armatures: list[Object], place: np.ndarray) -> str:

@@ -35,7 +35,7 @@ class CurvesKind(SeveralKind):
 
     KIND = "curves"
     TYPES = ("CURVE",)
-    MISSING = "No wires yet - Add Wire takes selected curves, or in Edit Mode the selected edges"
+    MISSING = "No wires yet - Draw Wire, or let Wires from Selected take selected curves"
     NOUN = "wire"
     POINTS = "places"
     WANTED = "a wire is a curve object"

@@ -51,14 +51,17 @@ __all__ = (
     "use",
 )
 
-MISSING = "No regions yet - select vertices in Edit Mode, then Make Handle or Hold Still"
+MISSING = (
+    "Nothing is held yet - press on the object with Sinew Drag, "
+    "or select vertices in Edit Mode, then Make Handle"
+)
 MARKS_REGIONS = True
 _NAMED = 3  # regions without vertices; the panel counts the others
 
 
 def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
-    """Warnings about regions without vertices, remarks of the method, what the parts of the mesh do that no
-    region touches, and how many details have no height.
+    """Warnings about regions without vertices, remarks of the method, why nothing will bend, what parts do
+    that no region touches, and how many details have no height.
 
     A space method moves all parts.
     """
@@ -68,6 +71,8 @@ def notes(report: Any, request: BindInput) -> tuple[Status, ...]:
     lines = [Status(Level.WARNING, text, left_out=True) for text in unused]
     if report is not None:
         lines += [Status(Level.WARNING, remark) for remark in report.remarks]
+    if request.stiff:
+        lines.append(Status(Level.INFO, request.stiff))
     if request.recipe.method.is_space:
         return tuple(lines)
     riding, staying = len(report.rides), report.free_parts

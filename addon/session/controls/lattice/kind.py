@@ -56,7 +56,7 @@ class LatticeKind(ObjectKind):
     an axis has one point only, an origin and the ends of the axes follow.
     """
 
-    MISSING = "No lattice yet - Add Lattice fits one to the selection"
+    MISSING = "No lattice yet - Put in a Box fits one to the selection"
     NOUN = "lattice"
     POINT, POINTS = "point", "points"
     TYPES = ("LATTICE", "MESH")

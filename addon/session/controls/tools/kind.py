@@ -31,7 +31,7 @@ class ToolsKind(SeveralKind):
 
     KIND = "tools"
     TYPES = ()
-    MISSING = "No tools yet - press Add Tool, or drag the surface with Sinew Drag: Clay"
+    MISSING = "No tools yet - press Drag Clay, then drag on the surface"
     NOUN = "tool"
     POINTS = "points"
     WANTED = "a tool is any object"

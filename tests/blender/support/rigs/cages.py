@@ -16,9 +16,9 @@ SHEAR = Matrix(((1.0, 0.4, 0.0, 0.2), (0.0, 1.2, 0.1, 0.0), (0.0, 0.0, 0.8, -0.3
 TURN = Matrix.Translation((0.3, 0.1, -0.2)) @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8)) @ Matrix.Scale(1.3, 4)
 
 
-def ball(name: str = "Ball", levels: int = 3) -> bpy.types.Object:
+def ball(name: str = "Ball", levels: int = 3, radius: float = 0.6) -> bpy.types.Object:
     """A small sphere at the origin."""
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=levels, radius=0.6)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=levels, radius=radius)
     bpy.context.object.name = name
     return bpy.context.object
 

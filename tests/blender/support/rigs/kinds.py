@@ -15,11 +15,10 @@ from registry import BY_ID, WITH_CAGE, WITH_HANDLES, Control
 
 from rigs import point_handles, point_objects
 from rigs.cages import ball
-from rigs.object_rigs import another
+from rigs.object_rigs import object_class
 from rigs.rig import (
     FLOAT32,
     Rig,
-    add_group,
     base_points,
     close,
     evaluated_points,
@@ -173,58 +172,26 @@ class HandleRig(Rig):
         on_all(self.obj, bpy.ops.mesh.subdivide)
 
 
-class CageRig(HandleRig):
+class CageRig(object_class(HandleRig)):
     """A ball in a cage that is bent as no affine map does it."""
 
     methods = WITH_CAGE
-    goes_on = False
-    counts_in_no_scene = False
-    hidden_meshes = 5  # the cage at rest, too
     point_arrays = 1
     carries = (
         Matrix.Translation((0.3, 0.1, -0.2)) @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8)) @ Matrix.Scale(1.3, 4)
     )
 
-    def __init__(self, obj: bpy.types.Object) -> None:
-        self.name = obj.name
-        self.top = add_group(obj, "Top", lambda point: point[1] > 0.3)
-        self.base = add_group(obj, "Base", lambda point: point[1] < -0.3)
-
     @classmethod
     def new(cls, name: str = "Ball") -> CageRig:
-        return cls(ball(name, 2))
+        return cls(ball(name, 2), 0.3)
 
     @classmethod
     def large(cls) -> CageRig:
-        return cls(ball(levels=6))
+        return cls(ball(levels=6), 0.3)
 
     @property
     def control_size(self) -> int:
         return sum(len(face.vertices) - 2 for face in self.control.data.polygons)
-
-    @staticmethod
-    def control_of(obj: bpy.types.Object) -> bpy.types.Object:
-        return obj.sinew.deformers[0].cage
-
-    @staticmethod
-    def set_control(obj: bpy.types.Object, control: bpy.types.Object | None) -> None:
-        obj.sinew.deformers[0].cage = control
-
-    @classmethod
-    def another_control(cls, obj: bpy.types.Object) -> bpy.types.Object:
-        return another(cls.control_of(obj))
-
-    @staticmethod
-    def control_is_missing(obj: bpy.types.Object) -> bool:
-        return obj.sinew.deformers[0].cage_missing
-
-    @property
-    def control(self) -> bpy.types.Object:
-        return self.deformer.cage
-
-    @property
-    def held(self) -> slice:
-        return slice(None)
 
     def bind(self, method: str = WITH_CAGE[0], **_keywords: object) -> CageRig:
         self.bind_at_rest(method)
@@ -232,19 +199,13 @@ class CageRig(HandleRig):
         point_objects.bend(self.control)
         return self
 
-    def bind_at_rest(self, method: str) -> None:
-        point_objects.bind(self.obj, method)
-
     def attach(self, method: str) -> None:
         point_objects.attach(self.obj, method)
 
     def relax(self) -> None:
-        self.control.matrix_basis = Matrix.Identity(4)
+        super().relax()
         self.control.data.vertices.foreach_set("co", self._cage_rest.astype(np.float32).ravel())
         self.control.data.update()
-
-    def rest(self) -> np.ndarray:
-        return self.unmoved(self.obj)
 
     def expected(self, method: str | None = None, **options: object) -> Poses:
         method, cage = method or self.methods[0], self.control

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+import numpy as np
 from mathutils import Matrix
 
 from rigs.rig import linked
@@ -19,7 +20,7 @@ def object_class(base: type) -> type:
 
         @staticmethod
         def row_of(obj: bpy.types.Object):
-            return obj.sinew.deformers[0].controls[0]
+            return obj.sinew.deformers[0].all_controls[0]
 
         @classmethod
         def control_of(cls, obj: bpy.types.Object) -> bpy.types.Object:
@@ -39,7 +40,15 @@ def object_class(base: type) -> type:
 
         @property
         def control(self) -> bpy.types.Object:
-            return self.deformer.controls[0].object
+            return self.deformer.all_controls[0].object
+
+        @property
+        def held(self) -> slice:
+            """All, unless a control reaches a part only."""
+            return slice(None)
+
+        def rest(self) -> np.ndarray:
+            return self.unmoved(self.obj)
 
         def bind(self, method: str = "", fixed: bool = True, **_keywords):
             self.bind_at_rest(method or self.methods[0])

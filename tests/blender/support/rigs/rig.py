@@ -12,7 +12,8 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from mathutils import Matrix, Vector
+from mathutils import Matrix
+from mathutils.kdtree import KDTree
 
 FLOAT32 = 4e-6  # a few roundings of coordinates near 1
 MATRIX = 1e-5  # a pose that went through location, rotation and scale in float32
@@ -187,6 +188,24 @@ def subdivided(obj: bpy.types.Object, levels: int = 1, render_levels: int = 1) -
     return modifier
 
 
+def add_key(obj: bpy.types.Object, name: str, by: Matrix) -> bpy.types.ShapeKey:
+    """A shape key beside the basis, whose points and handles a matrix moves; it is off."""
+    if obj.data.shape_keys is None:
+        obj.shape_key_add(name="Basis")
+    block = obj.shape_key_add(name=name)
+    for point in block.data:
+        for place in ("co", "handle_left", "handle_right"):
+            if hasattr(point, place):
+                setattr(point, place, by @ getattr(point, place))
+    block.value = 0.0  # new keys are on from Blender 5.0
+    return block
+
+
+def slope(x: float = 0.0, y: float = 0.0) -> Matrix:
+    """It lifts points in proportion to where they are."""
+    return Matrix(((1, 0, 0, 0), (0, 1, 0, 0), (x, y, 1, 0), (0, 0, 0, 1)))
+
+
 def new_nodes(name: str) -> tuple[bpy.types.NodeTree, bpy.types.NodeSocket, bpy.types.NodeSocket]:
     """A group of geometry nodes, the geometry that enters, and the one that leaves."""
     tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
@@ -213,6 +232,31 @@ def add_group(obj: bpy.types.Object, name: str, where) -> np.ndarray:
     members = [index for index, point in enumerate(base_points(obj)) if where(point)]
     obj.vertex_groups.new(name=name).add(members, 1.0, "REPLACE")
     return np.array(members)
+
+
+def painted(mesh: bpy.types.Mesh, group: int) -> np.ndarray:
+    """(n,) weights of a vertex group, by its number."""
+    weights = np.zeros(len(mesh.vertices))
+    for vertex in mesh.vertices:
+        for element in vertex.groups:
+            if element.group == group:
+                weights[vertex.index] = element.weight
+    return weights
+
+
+def members(obj: bpy.types.Object, group: str) -> np.ndarray:
+    """The numbers of the vertices that a vertex group holds."""
+    return np.flatnonzero(painted(obj.data, obj.vertex_groups[group].index))
+
+
+def nearest(points: np.ndarray, others: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The number of the one of the others that is nearest to each point, and how far away it is."""
+    tree = KDTree(len(others))
+    for number, place in enumerate(others):
+        tree.insert(place, number)
+    tree.balance()
+    found = [tree.find(point) for point in points]
+    return np.array([number for _, number, _ in found]), np.array([distance for *_, distance in found])
 
 
 def armature_object(name: str, bones: dict[str, tuple]) -> bpy.types.Object:
@@ -351,14 +395,6 @@ def change_in_edit_mode(obj: bpy.types.Object, change: Callable[[bmesh.types.BMe
     if edit.is_valid:  # an operator may have made another one
         bmesh.update_edit_mesh(obj.data)
     bpy.ops.object.mode_set(mode="OBJECT")
-
-
-def select(edit: bmesh.types.BMesh, where: Callable[[Vector], bool]) -> list[int]:
-    """Select the vertices for which ``where(point)`` and no others; their indices."""
-    for vertex in edit.verts:
-        vertex.select = bool(where(vertex.co))
-    edit.select_flush_mode()
-    return [vertex.index for vertex in edit.verts if vertex.select]
 
 
 def save(path: Path | str, **options: bool) -> str:

@@ -11,7 +11,7 @@ from registry import Control, with_control
 
 from rigs.cages import ball
 from rigs.object_rigs import object_class
-from rigs.rig import add_group, linked, press, update
+from rigs.rig import linked, press, update
 
 WITH_LATTICE = with_control(Control.LATTICE)
 TYPES = {
@@ -81,26 +81,17 @@ def new_class(base: type) -> type:
             @ Matrix.Diagonal((1.3, 0.8, 1.1, 1.0))
         )
 
-        def __init__(self, obj: bpy.types.Object) -> None:
-            self.name = obj.name
-            self.top = add_group(obj, "Top", lambda point: point[1] > 0.2)
-            self.base = add_group(obj, "Base", lambda point: point[1] < -0.2)
-
         @classmethod
         def new(cls, name: str = "Marble") -> LatticeRig:
-            return cls(small_ball(name, 2))
+            return cls(small_ball(name, 2), 0.2)
 
         @classmethod
         def large(cls) -> LatticeRig:
-            return cls(small_ball(levels=6))
+            return cls(small_ball(levels=6), 0.2)
 
         @property
         def control_size(self) -> int:
             return len(self.control.data.points)
-
-        @property
-        def held(self) -> slice:
-            return slice(None)
 
         def bind(self, method: str = WITH_LATTICE[0], **_keywords: object) -> LatticeRig:
             self.bind_at_rest(method)
@@ -115,9 +106,6 @@ def new_class(base: type) -> type:
         def relax(self) -> None:
             super().relax()
             place(self.control, self._lattice_rest)
-
-        def rest(self) -> np.ndarray:
-            return self.unmoved(self.obj)
 
         def expected(self, method: str | None = None, **options: object) -> Poses:
             return by_lattice(

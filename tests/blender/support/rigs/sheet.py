@@ -79,3 +79,12 @@ def draw(cls: type, context: DrawContext | None = None) -> Sheet:
 
 def draw_panel(width: int = NARROW) -> Sheet:
     return draw(bpy.types.SINEW_PT_sinew, DrawContext(width))
+
+
+def draw_page(addon: str) -> Sheet:
+    """What the preferences of the add-on say about the installation."""
+    sheet, nothing = Sheet(), lambda *_arguments: None
+    values = bpy.context.preferences.addons[addon].preferences
+    parts = dict.fromkeys(("_draw_general", "_draw_overlays", "_draw_keymap"), nothing)
+    type(values).draw(SimpleNamespace(layout=sheet, section="GENERAL", **parts), bpy.context)
+    return sheet
