@@ -33,16 +33,16 @@ _last_inside: dict[tuple[str, bytes], np.ndarray] = remember({})
 class Parts:
     """The parts of points (n, 3) that faces connect: counts (m,) and corners.
 
-    ``labels`` (n,) tells the part of each vertex, ``firsts`` (k,) the first vertex of each part, ``low`` and
-    ``high`` (k, 3) the corners of its box, and ``sides`` (k, 3) how long it is along each axis.
+    ``labels`` (n,) tells the part of each vertex, ``firsts`` (k,) the first vertex of each part, and
+    ``sides`` (k, 3) how long it is along each axis.
     """
 
     def __init__(self, points: np.ndarray, faces: tuple[np.ndarray, np.ndarray]) -> None:
         _names, self.labels = np.unique(connected_parts(len(points), faces), return_inverse=True)
         order = np.argsort(self.labels, kind="stable")
         starts = np.flatnonzero(np.diff(self.labels[order], prepend=-1))
-        self.low, self.high = (side.reduceat(points[order], starts) for side in (np.minimum, np.maximum))
-        self.firsts, self.sides = order[starts], self.high - self.low
+        low, high = (side.reduceat(points[order], starts) for side in (np.minimum, np.maximum))
+        self.firsts, self.sides = order[starts], high - low
 
 
 class ShownParts:

@@ -7,7 +7,7 @@ This only reads Blender's data.
 import numpy as np
 from bpy.types import Mesh
 
-from ....backend import Apart, HandlePoints, Recipe, Regions, Shape
+from ....backend import Apart, HandlePoints, Recipe, Regions, Shape, connected_parts
 from ....core.elements import Elements, Owner
 from ....core.errors import ConstraintError
 from ....core.methods import Method, Posed, Reproduced
@@ -15,7 +15,6 @@ from ....core.status import Remedy
 from ....mesh_io import RestShape
 from ....properties import SinewDeformer, SinewHandle
 from ...datablocks import references
-from ...datablocks.parts import Parts
 from ...datablocks.vertex_groups import read_weights
 from ..bind_input import BindInput, options, unpainted
 from . import companions
@@ -23,7 +22,6 @@ from . import points as apart_points
 from .poses import rest_of
 
 _IMPLIED = "support"  # the key of the fixed region around a support
-_NEAR = 0.25  # of the size of all that moves: a loose part at least so far away does not ride on it
 _REACH = 0.02  # of the size of the target: how far such points are from the place of a control
 _NO_VERTICES = np.empty(0, dtype=np.intp)
 _NOUNS = (
@@ -133,7 +131,7 @@ def request(settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, ba
     if support is not None:
         held = ~support & ~taken
         if follow:
-            held &= ~_rides(rest, support | taken)
+            held &= _on_touched_parts(rest, support | taken)
         outside = np.flatnonzero(held)
         if len(outside):
             keys.append(_IMPLIED)
@@ -241,24 +239,10 @@ def _counted(roles: list[str]) -> str:
     return ", ".join(found)
 
 
-def _rides(rest: RestShape, moving: np.ndarray) -> np.ndarray:
-    """Mask of the vertices (n,) of parts that have none in a region, and may ride on ``moving`` ones (n,).
-
-    What lies far from everything that moves does not ride: it is held like the surface that it lies on.
-    """
-    parts = Parts(rest.points, (rest.counts, rest.corners))
-    low, high = rest.points[moving].min(axis=0), rest.points[moving].max(axis=0)
-    margin = np.maximum(parts.sides.max(axis=1), _NEAR * (high - low).max())[:, None]
-    waits, rides = np.ones((2, len(parts.firsts)), dtype=bool)
-    waits[parts.labels[moving]] = rides[:] = False
-    while True:  # what rides carries what lies on it
-        reached = waits & ((parts.low <= high + margin) & (parts.high >= low - margin)).all(axis=1)
-        if not reached.any():
-            return rides[parts.labels]
-        rides |= reached
-        waits &= ~reached
-        low = np.minimum(low, parts.low[reached].min(axis=0))
-        high = np.maximum(high, parts.high[reached].max(axis=0))
+def _on_touched_parts(rest: RestShape, touched: np.ndarray) -> np.ndarray:
+    """Mask of the vertices (n,) whose part has a vertex in a region."""
+    parts = connected_parts(len(rest.points), (rest.counts, rest.corners))
+    return np.isin(parts, np.unique(parts[touched]))
 
 
 def _refuse_overlap(holder: np.ndarray, hard: np.ndarray, name: str, labels: list[str]) -> None:
