@@ -57,7 +57,7 @@ class SINEW_OT_drive_by_bone(OnDeformer, Operator):
     def _ask(self, context: Context) -> set[str]:
         armature, self.bone = self._chosen(context)
         self.armature = armature.name
-        self.angle = driving.bend_of(armature, armature.pose.bones[self.bone])
+        self.angle = driving.bend_of(armature, self.bone)
         return context.window_manager.invoke_props_dialog(self)
 
     def draw(self, context: Context) -> None:

@@ -4,7 +4,7 @@
 import math
 
 import numpy as np
-from bpy.types import Object, PoseBone, ShapeKey
+from bpy.types import Object, ShapeKey
 
 from ...core.errors import SinewError
 from ...properties import SinewDeformer, row_at
@@ -18,10 +18,8 @@ def drive(deformer: SinewDeformer, armature: Object, bone: str, full: float = 0.
 
     Returns this angle. How the bone is twisted does not count.
     """
-    if bone not in armature.pose.bones:
-        raise SinewError(f"{armature.name} has no bone '{bone}' - choose another one")
-    full = full or bend_of(armature, armature.pose.bones[bone])
-    if full < _STRAIGHT:
+    full = full or bend_of(armature, bone)
+    if not full >= _STRAIGHT:  # nor is it a number where a bone has none
         raise SinewError(f"{bone} is not bent now - go to the frame where it is, or set Full At")
     deformer.driver_remove("factor")
     curve = deformer.driver_add("factor")
@@ -40,8 +38,11 @@ def drive(deformer: SinewDeformer, armature: Object, bone: str, full: float = 0.
     return full
 
 
-def bend_of(armature: Object, bone: PoseBone) -> float:
+def bend_of(armature: Object, name: str) -> float:
     """By which angle a bone is bent from its rest, as its parent carries that, without its twist."""
+    bone = armature.pose.bones.get(name)
+    if bone is None:
+        raise SinewError(f"{armature.name} has no bone '{name}' - choose another one")
     local = armature.convert_space(pose_bone=bone, matrix=bone.matrix, from_space="POSE", to_space="LOCAL")
     return local.to_quaternion().to_swing_twist("Y")[0].angle
 
@@ -52,7 +53,7 @@ def bent_bone(obj: Object, deformer: SinewDeformer) -> tuple[Object, str] | None
         (armature, bone, bend)
         for armature in armatures_of(obj)
         for bone in armature.pose.bones
-        if bone.bone.use_deform and (bend := bend_of(armature, bone)) >= _STRAIGHT
+        if bone.bone.use_deform and (bend := bend_of(armature, bone.name)) >= _STRAIGHT
     ]
     if not bent:
         return None

@@ -415,6 +415,7 @@ def test_factor_follows_the_bend_of_a_bone_and_so_does_a_shape_key_made_of_it(co
     assert close(corrected.far_edge(), corrected.expected(), MATRIX)
     go(1)
     refused("is bent now", "drive_by_bone", corrected.obj)
+    refused("no bone 'hand'", "drive_by_bone", corrected.obj, armature="Rig", bone="hand")
 
 
 @pytest.mark.parametrize("on_cage", [True, False])

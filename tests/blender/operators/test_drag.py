@@ -199,6 +199,13 @@ def test_on_the_surface_that_modifiers_make(kind: str):
     assert (obj.modifiers[-1].name == "Made") == (kind == "SUBSURF")
 
 
+def test_a_mesh_too_coarse_for_the_handle_is_dragged_behind_its_subdivision():
+    obj = grid_object(cells=2)
+    obj.modifiers.new("Made", "SUBSURF").levels = 3
+    drag(0.1)
+    assert [modifier.type for modifier in obj.modifiers] == ["SUBSURF", "NODES"]
+
+
 def plate_with_button() -> bpy.types.Object:
     obj = grid_object(cells=20)
     bpy.ops.mesh.primitive_cube_add(size=0.05, location=(0.0, 0.0, 0.03))

@@ -30,14 +30,16 @@ def words() -> list[object]:
     """What the panel lists, and what there is in the file besides shapes."""
     update()
     found: list[object] = [sorted(own_names(getattr(bpy.data, kind))) for kind in BLOCKS]
-    found.append(plain(bpy.context.view_layer.objects.active))
-    for obj in bpy.context.scene.objects:
+    scene = bpy.context.scene
+    found += [plain(bpy.context.view_layer.objects.active), scene.render.use_lock_interface]
+    for obj in scene.objects:
         keys = getattr(obj.data, "shape_keys", None)
         found += [
             obj.name,
             obj.mode,
             obj.select_get(),
             [group.name for group in obj.vertex_groups],
+            obj.vertex_groups.active_index,
             list(obj.modifiers.keys()),
             keys.key_blocks.keys() if keys else [],
             len(obj.animation_data.drivers) if obj.animation_data else 0,
