@@ -139,7 +139,7 @@ int main(int count, char** words)
     Points out;
     if (!std::strcmp(loop, "about")) {
         std::printf("{\"compiler\": \"%s\", \"avx2\": %s}\n", __VERSION__,
-                    __builtin_cpu_supports("avx2") ? "true" : "false");
+                    sinew::processor().avx2 ? "true" : "false");
     } else if (!std::strcmp(loop, "thin_shell")) {
         ThinShellOptions options;
         options.affine_basis = false;

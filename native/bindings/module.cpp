@@ -13,6 +13,7 @@ void bind_cage(py::module_& module);
 void bind_handle_methods(py::module_& module);
 void bind_subdivision(py::module_& module);
 void bind_automatic_cage(py::module_& module);
+void bind_one_call(py::module_& module);
 } // namespace sinew::bindings
 
 PYBIND11_MODULE(sinew_native_bound, module) // entry.cpp calls it
@@ -33,4 +34,5 @@ PYBIND11_MODULE(sinew_native_bound, module) // entry.cpp calls it
     bind_automatic_cage(module);
     MethodBinding::bind_all(module);
     bind_affine_basis(module);
+    bind_one_call(module);
 }

@@ -123,13 +123,21 @@ def python_headers(system: System, builder: Environment, minor: int) -> Path:
     """The headers of this machine's Python 3.``minor`` with the pyconfig.h of the system.
 
     Python.h looks for pyconfig.h in its own folder first, so the headers are copied and this one is replaced.
+    For Linux it stays, with the one that Debian's includes.
     """
-    question = "import sysconfig; print(sysconfig.get_path('include'))"
+    question = "import sysconfig as s; print(s.get_path('include'), s.get_config_var('MULTIARCH'))"
     asked = subprocess.run([builder.interpreter, "-c", question], capture_output=True, text=True, check=True)
+    headers, machine = map(Path, asked.stdout.split())
     folder = system.tree / f"python3{minor}-headers"
     shutil.rmtree(folder, ignore_errors=True)
-    shutil.copytree(asked.stdout.strip(), folder)
-    return Path(shutil.copytree(system.files / "python", folder, dirs_exist_ok=True))
+    shutil.copytree(headers, folder)
+    own = system.files / "python"
+    if own.is_dir():
+        return Path(shutil.copytree(own, folder, dirs_exist_ok=True))
+    included = headers.parent / machine / headers.name
+    if included.is_dir():
+        shutil.copytree(included, folder / machine / headers.name)
+    return folder
 
 
 def _suffix(target: Target, minor: int) -> str:

@@ -83,8 +83,7 @@ def check_wheel(wheel: Path, minor: int) -> None:
 
 
 def licences() -> dict[str, Path]:
-    own = {"libc++": zig.PACKAGE / "lib" / "libcxx" / "LICENSE.TXT", "zig": zig.PACKAGE / "LICENSE"}
-    return of_packages(("libosd-dev", "libsuitesparse-dev", "libtbb-dev")) | own
+    return of_packages(("libosd-dev", "libsuitesparse-dev", "libtbb-dev")) | zig.licences()
 
 
 TARGET = Target(

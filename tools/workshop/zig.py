@@ -57,3 +57,8 @@ def make_tools(folder: Path, target: str) -> None:
         if not program.is_file() or program.read_text(encoding="utf-8") != text:
             program.write_text(text, encoding="utf-8")
             program.chmod(0o755)
+
+
+def licences() -> dict[str, Path]:
+    """Those of what zig links into a module."""
+    return {"libc++": PACKAGE / "lib" / "libcxx" / "LICENSE.TXT", "zig": PACKAGE / "LICENSE"}

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/simd/processor.h"
+
 #include <initializer_list>
 
 namespace sinew {
@@ -10,24 +12,16 @@ namespace sinew {
 /// each set that the build makes: `baseline`, `avx2` and, where eight lanes are faster than four, `avx512`.
 enum class Instructions { baseline, avx2, avx512 };
 
-#ifdef SINEW_HAVE_WIDE_KERNELS
-inline bool runs_avx512()
-{
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-           __builtin_cpu_supports("avx512dq");
-}
-#endif
-
 /// The kernels compiled with these instructions; null where the processor lacks the instructions, or the
 /// build made no such kernels.
 template <class Kernels>
 const Kernels* kernels_with(Instructions instructions)
 {
 #ifdef SINEW_HAVE_WIDE_KERNELS
-    if (instructions == Instructions::avx2 && __builtin_cpu_supports("avx2"))
+    if (instructions == Instructions::avx2 && processor().avx2)
         return &Kernels::avx2;
     if constexpr (requires { Kernels::avx512; })
-        if (instructions == Instructions::avx512 && runs_avx512())
+        if (instructions == Instructions::avx512 && processor().avx512)
             return &Kernels::avx512;
 #endif
     return instructions == Instructions::baseline ? &Kernels::baseline : nullptr;
@@ -37,9 +31,7 @@ const Kernels* kernels_with(Instructions instructions)
 inline const char* widest_instructions()
 {
 #if defined(SINEW_HAVE_WIDE_KERNELS)
-    if (runs_avx512())
-        return "AVX-512";
-    return __builtin_cpu_supports("avx2") ? "AVX2" : "SSE4.2";
+    return processor().avx512 ? "AVX-512" : processor().avx2 ? "AVX2" : "SSE4.2";
 #elif defined(__ARM_NEON)
     return "NEON";
 #else

@@ -1,19 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The names that Fortran's compilers give to the routines, for the widest instructions that the processor
 // has.
+#include "native/core/simd/processor.h"
 #include "routines.h"
 
 #include <cstdlib>
 
-extern const Routines blas_baseline, blas_haswell;
+extern const Routines blas_baseline, blas_haswell, blas_skylake;
 
 namespace {
 
 const Routines& routines()
 {
-#ifdef SINEW_HAVE_HASWELL
-    static const bool haswell = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-    if (haswell)
+#ifdef SINEW_HAVE_WIDE_BLAS
+    if (sinew::processor().avx512)
+        return blas_skylake;
+    if (sinew::processor().avx2 && sinew::processor().fma)
         return blas_haswell;
 #endif
     return blas_baseline;

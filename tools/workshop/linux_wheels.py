@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Builds the wheels of sinew_native for Linux by zig (cross_wheels.py), for the C library that Blender asks for.
+
+A wheel is only kept if its module needs nothing but Python and a C library of 2.28, shows no symbol but its
+entry, and works in plain CPython and, if installed, in Debian's Blender.
+"""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+from . import cross_wheels, environments, zig
+from .archives import read_zip
+from .cross_wheels import Target
+from .notices import of_packages
+from .places import PYTHON311
+from .shell import must, say
+
+GLIBC = (2, 28)
+SYSTEM = zig.system("linux", "Linux", f"x86_64-linux-gnu.{GLIBC[0]}.{GLIBC[1]}")
+INPUTS = (
+    "tools/requirements/zig.txt",
+    "tools/workshop/linux",
+    *(f"tools/workshop/{name}.py" for name in ("linux_wheels", "zig")),
+)
+OF_LINUX = re.compile(r"lib(c|m|dl|rt|pthread)\.so\.\d|ld-linux-x86-64\.so\.2")
+CHECK = Path(__file__).parent / "inside" / "check_module.py"
+
+
+def build_wheels() -> list[Path]:
+    return cross_wheels.build_wheels(TARGET)
+
+
+def check_module(module: Path, minor: int) -> None:
+    """Ends the tool if a module could not be loaded by every Linux of the last years."""
+    found = flaws(_said("readelf", "--wide", "--dynamic", "--dyn-syms", module))
+    if found:
+        raise SystemExit(f"{module.name}: {'; '.join(found)}")
+
+
+def flaws(listing: str) -> list[str]:
+    """What would keep a Linux with an old C library from loading a module, by readelf's listing of the module."""
+    needed = re.findall(r"\(NEEDED\).*\[(.*)\]", listing)
+    found = [f"it needs {name}, which the wheel does not hold" for name in needed if not OF_LINUX.fullmatch(name)]
+    found += [f"it looks in {place}" for place in re.findall(r"\((?:RPATH|RUNPATH)\).*\[(.*)\]", listing)]
+    versions = {tuple(map(int, each.split("."))) for each in re.findall(r"@GLIBC_([\d.]+)", listing)}
+    found += [f"it needs glibc {'.'.join(map(str, each))}" for each in sorted(versions) if each > GLIBC]
+    symbols = [line.split() for line in listing.splitlines() if re.match(r"\s*\d+: [0-9a-f]{16}", line)]
+    shown = {fields[7] for fields in symbols if fields[6] != "UND" and fields[4] in ("GLOBAL", "WEAK")}
+    if shown != {"PyInit_sinew_native"}:
+        found.append(f"it shows {', '.join(sorted(shown)[:9])}")
+    wanted = {fields[7] for fields in symbols if fields[6] == "UND" and len(fields) > 7 and fields[4] == "GLOBAL"}
+    unknown = sorted(name for name in wanted if "@" not in name and not name.startswith(("Py", "_Py")))
+    return found + ([f"nothing defines {', '.join(unknown)}"] if unknown else [])
+
+
+def check_wheel(wheel: Path, minor: int) -> None:
+    """Loads the wheel in plain CPython and, if installed, in Debian's Blender."""
+    unpacked = SYSTEM.tree / "wheel-check" / f"cp3{minor}"
+    shutil.rmtree(unpacked, ignore_errors=True)
+    for name, content in read_zip(wheel).items():
+        (unpacked / name).parent.mkdir(parents=True, exist_ok=True)
+        (unpacked / name).write_bytes(content)
+    builder = environments.build() if minor == 11 else environments.build_for(minor)
+    must([builder.python, "-I", CHECK, "--own-libraries", unpacked, "--alone"], timeout=120, quiet=True)
+    say(f"{wheel.name} works in {builder.interpreter}")
+    blender = shutil.which("blender", path="/usr/bin")
+    if blender and builder.interpreter == PYTHON311:
+        script = [blender, "--background", "--factory-startup", "--python-exit-code", "1", "--python", CHECK]
+        must([*script, "--", "--own-libraries", unpacked], timeout=120, quiet=True)
+        say(f"{wheel.name} works in {blender}")
+
+
+def _said(*command: object) -> str:
+    return subprocess.run([str(word) for word in command], capture_output=True, text=True, check=True).stdout
+
+
+def licences() -> dict[str, Path]:
+    return of_packages(("libosd-dev", "libsuitesparse-dev", "libtbb-dev")) | zig.licences()
+
+
+TARGET = Target(
+    system=SYSTEM,
+    platform=f"manylinux_{GLIBC[0]}_{GLIBC[1]}_x86_64",
+    suffix=".cpython-3{minor}-x86_64-linux-gnu.so",
+    inputs=INPUTS,
+    licences=licences,
+    python=lambda minor: [],
+    check_module=check_module,
+    check_wheel=check_wheel,
+)
