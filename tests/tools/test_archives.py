@@ -7,7 +7,6 @@ from pathlib import Path
 
 import pytest
 from workshop.archives import read_zip, write_wheel, write_zip
-from workshop.isolation import OWNED, RENAMED
 
 
 def test_zip_has_the_same_bytes_at_another_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -46,15 +45,3 @@ def test_wheel_records_every_file(tmp_path: Path) -> None:
     assert f"x.so,sha256={digest},12" in record
     assert "x-1.dist-info/RECORD,," in record
     assert len(record) == 3
-
-
-def test_names_that_a_host_may_bring_too_are_changed_and_those_of_the_system_stay() -> None:
-    brought = ("dgemm_", "openblas_set_num_threads", "cholmod_start", "_ZN3tbb6detail2r115spawnEv")
-    own = ("_ZNSt6vectorIiE", "_ZTISt9exception", "_ZNKSt5ctypeIcE", "_init", "_edata")
-    assert all(map(RENAMED.match, brought))
-    assert not any(map(RENAMED.match, own))
-
-
-def test_libraries_that_only_serve_the_compiler_stay() -> None:
-    assert all(map(OWNED.match, ("libopenblasp-r0.so", "libccolamd.so.2", "libtbb-1.so.12")))
-    assert not any(map(OWNED.match, ("libgomp.so.1", "libgfortran.so")))

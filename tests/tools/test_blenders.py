@@ -6,7 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from workshop import blender_matrix, blenders, environments, layers, run_tests, wheels, windows_tests
+from workshop import blender_matrix, blenders, environments, layers, run_tests, windows_tests
 from workshop.environments import REQUIREMENTS, Environment, blender, included
 from workshop.layers import LAYERS, QUICK, Layer, blender_layer
 from workshop.places import PYTHON311, ROOT
@@ -166,15 +166,7 @@ def test_each_release_plays_random_sequences_of_its_own(monkeypatch: pytest.Monk
     assert blenders.conditions("blender-5")["SINEW_RANDOM_SEQUENCES"] == "3"
 
 
-def test_a_wheel_is_named_after_the_python_that_builds_it() -> None:
-    made = {name: Environment(name, PYTHON311, ()) for name in ("build", "build-3.12", "build-3.14")}
-    assert [wheels._tag(builder) for builder in made.values()] == ["cp311", "cp312", "cp314"]
-
-
 def test_wheels_for_programs_are_built_where_their_python_is(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(environments, "python", lambda minor: Path("/x") if minor != 14 else None)
-    monkeypatch.setattr(environments.Environment, "make", lambda builder: builder)
-    monkeypatch.setattr(wheels.debian, "install", lambda *_packages: None)
-    monkeypatch.setattr(wheels, "build_wheel", wheels._tag)
-    assert wheels.build_wheels() == ["cp311", "cp313"]
-    assert wheels.build_wheels(for_programs=True) == ["cp311", "cp313", "cp312"]
+    assert list(environments.builders()) == [11, 13]
+    assert list(environments.builders(for_programs=True)) == [10, 11, 12, 13]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds wheels of sinew_native for systems that this machine is not, each with one static module."""
+"""Builds wheels of sinew_native for a system, each with one static module, from pinned sources."""
 
 import re
 import shutil
@@ -43,20 +43,16 @@ class Target:
     check_wheel: Callable[[Path, int], None]
 
 
-def build_wheels(target: Target) -> list[Path]:
-    """A wheel for Python 3.11 and, where this machine has the headers of a Python 3.13, one for 3.13."""
-    return [build_wheel(target, builder.make(), minor) for minor, builder in _builders().items()]
+def build_wheels(target: Target, for_programs: bool = False) -> list[Path]:
+    """A wheel for each Python of a Blender, or of any program, whose headers this machine has."""
+    builders = environments.builders(for_programs)
+    return [build_wheel(target, builder.make(), minor) for minor, builder in builders.items()]
 
 
 def are_built(target: Target) -> bool:
     """Whether build_wheels() would find all its wheels made from what is there now."""
-    found = [_wheel(target, builder, minor) for minor, builder in _builders().items()]
+    found = [_wheel(target, builder, minor) for minor, builder in environments.builders().items()]
     return all(stamp.is_fresh() and wheel.is_file() for wheel, stamp in found)
-
-
-def _builders() -> dict[int, Environment]:
-    builders = {11: environments.build(), 13: environments.build313()}
-    return {minor: builder for minor, builder in builders.items() if builder}
 
 
 def _wheel(target: Target, builder: Environment, minor: int) -> tuple[Path, Stamp]:

@@ -13,6 +13,8 @@ from .places import BUILD, PYTHON311, ROOT
 from .shell import Stamp, fingerprint, must, one_at_a_time, say
 
 REQUIREMENTS = ROOT / "tools" / "requirements"
+OF_BLENDERS = (11, 13)  # the second numbers of the Pythons that Blenders come with
+FOR_PROGRAMS = range(10, 15)
 LONG_TERM_BLENDERS = ("4.2.23", "4.5.15")  # tested beside Debian's 3.4.1 and the newest
 
 
@@ -113,14 +115,18 @@ def build() -> Environment:
     return Environment("build", PYTHON311, ("build",))
 
 
-def build313() -> Environment | None:
-    return build_for(13)
-
-
 def build_for(minor: int) -> Environment | None:
     """What builds a wheel for Python 3.``minor``; None if it is not installed."""
+    if minor == 11:
+        return build()
     interpreter = python(minor)
     return Environment(f"build-3.{minor}", interpreter, ("build",)) if interpreter else None
+
+
+def builders(for_programs: bool = False) -> dict[int, Environment]:
+    """By the second numbers of the Pythons that are here: those of Blenders, or all that programs use."""
+    found = {minor: build_for(minor) for minor in (FOR_PROGRAMS if for_programs else OF_BLENDERS)}
+    return {minor: builder for minor, builder in found.items() if builder}
 
 
 def dev() -> Environment:

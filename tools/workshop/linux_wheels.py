@@ -10,7 +10,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from . import cross_wheels, environments, zig
+from . import environments, zig
 from .archives import read_zip
 from .cross_wheels import Target
 from .notices import of_packages
@@ -26,10 +26,6 @@ INPUTS = (
 )
 OF_LINUX = re.compile(r"lib(c|m|dl|rt|pthread)\.so\.\d|ld-linux-x86-64\.so\.2")
 CHECK = Path(__file__).parent / "inside" / "check_module.py"
-
-
-def build_wheels() -> list[Path]:
-    return cross_wheels.build_wheels(TARGET)
 
 
 def check_module(module: Path, minor: int) -> None:
@@ -62,13 +58,13 @@ def check_wheel(wheel: Path, minor: int) -> None:
     for name, content in read_zip(wheel).items():
         (unpacked / name).parent.mkdir(parents=True, exist_ok=True)
         (unpacked / name).write_bytes(content)
-    builder = environments.build() if minor == 11 else environments.build_for(minor)
-    must([builder.python, "-I", CHECK, "--own-libraries", unpacked, "--alone"], timeout=120, quiet=True)
+    builder = environments.build_for(minor)
+    must([builder.python, "-I", CHECK, unpacked], timeout=120, quiet=True)
     say(f"{wheel.name} works in {builder.interpreter}")
     blender = shutil.which("blender", path="/usr/bin")
     if blender and builder.interpreter == PYTHON311:
         script = [blender, "--background", "--factory-startup", "--python-exit-code", "1", "--python", CHECK]
-        must([*script, "--", "--own-libraries", unpacked], timeout=120, quiet=True)
+        must([*script, "--", unpacked], timeout=120, quiet=True)
         say(f"{wheel.name} works in {blender}")
 
 

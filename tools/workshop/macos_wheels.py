@@ -8,7 +8,7 @@ names no folder of this machine, and is signed, which Apple's processors ask for
 import re
 from pathlib import Path
 
-from . import cross_wheels, mach_o, zig
+from . import mach_o, zig
 from .archives import read_zip
 from .cross_wheels import Target
 from .notices import of_packages
@@ -24,10 +24,6 @@ INPUTS = (
 # Operators new and delete, which C++ lets a program replace. All of them are malloc and free.
 ALLOCATION = re.compile(r"__Z(?:n[aw]|d[al])")
 LIB_SYSTEM = "/usr/lib/libSystem.B.dylib"  # every Mac has it; libc++ is linked statically
-
-
-def build_wheels() -> list[Path]:
-    return cross_wheels.build_wheels(TARGET)
 
 
 def check_module(module: Path, minor: int) -> None:

@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Collects the licences of the libraries inside a wheel, which must be distributed with it."""
 
-import json
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
@@ -21,13 +20,6 @@ def notices(files: dict[str, bytes], licences: Mapping[str, Path], builder: Envi
 def of_packages(names: Iterable[str]) -> dict[str, Path]:
     """The licences of Debian packages by their names."""
     return {name: Path("/usr/share/doc") / name / "copyright" for name in names}
-
-
-def repaired(files: dict[str, bytes]) -> set[str]:
-    """The Debian packages whose libraries auditwheel copied into a wheel, as it names them there."""
-    bill = next(content for name, content in files.items() if name.endswith("/sboms/auditwheel.cdx.json"))
-    parts = json.loads(bill)["components"]
-    return {part["name"] for part in parts if part.get("purl", "").startswith("pkg:deb/")}
 
 
 def _text(files: dict[str, Path]) -> str:

@@ -20,7 +20,7 @@ import tempfile
 import tomllib
 from pathlib import Path
 
-from . import environments, wheels
+from . import cross_wheels, environments, wheels
 from .archives import read_zip, write_zip
 from .dev import build_tree
 from .environments import Environment
@@ -29,12 +29,11 @@ from .shell import must, one_at_a_time, say
 
 MANIFEST = "blender_manifest.toml"
 NATIVE_FOLDER = "_native"
+TAGS = Path(__file__).with_name("tags.json")  # those of the platform for extensions
 RENDER = Path(__file__).parent / "inside" / "render_manual.py"
 EXCLUDED_NAMES = ("__pycache__", ".DS_Store")
 EXCLUDED_SUFFIXES = (".pyc", ".blend1", ".orig", ".swp")
-BUILDERS = {"linux": wheels.build_wheels} | wheels.OTHERS
 PLATFORMS = {
-    "linux": "linux-x64",
     "manylinux": "linux-x64",
     "win_amd64": "windows-x64",
     "macosx_11_0_arm64": "macos-arm64",
@@ -126,7 +125,7 @@ def validate(extension: Path, blender: Environment) -> None:
     if not tools:
         say(f"{extension.name} was not validated: {blender.folder.relative_to(ROOT)} is not set up")
         return
-    must([blender.python, tools[0], "validate", extension], quiet=True)
+    must([blender.python, tools[0], "validate", f"--valid-tags={TAGS}", extension], quiet=True)
     say(f"{extension.name} passes the validation of {blender.name}")
 
 
@@ -134,7 +133,7 @@ def validate(extension: Path, blender: Environment) -> None:
 @one_at_a_time()
 def package(system: str = "linux") -> tuple[Path, Path]:
     """Packs the extension and the legacy zip for a system, once per run."""
-    extension, legacy = zips(BUILDERS[system](), manual_files())
+    extension, legacy = zips(cross_wheels.build_wheels(wheels.TARGETS[system]), manual_files())
     validate(extension, environments.newest_blender())
     return extension, legacy
 
@@ -167,7 +166,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         prog="tools/package", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
-    systems = (*BUILDERS, "here")
+    systems = (*wheels.TARGETS, "here")
     parser.add_argument("system", nargs="?", default="linux", choices=systems, help="without one, linux")
     system = parser.parse_args().system
     if system == "here":

@@ -10,7 +10,7 @@ from .shell import say
 def set_up_build() -> None:
     debian.install(debian.BUILD)
     environments.build().make()
-    newer = environments.build313()
+    newer = environments.build_for(13)
     if newer:
         newer.make()
 

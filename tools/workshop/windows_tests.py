@@ -115,7 +115,7 @@ def unpacked_wheel(minor: int) -> Path:
 
 def build_wheel(minor: int) -> Path:
     """The wheel for one Python alone. That of the other takes minutes more to compile."""
-    builder = environments.build313() if minor == 13 else environments.build()
+    builder = environments.build_for(minor)
     return cross_wheels.build_wheel(TARGET, builder.make(), minor)
 
 

@@ -10,7 +10,7 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from . import cross_wheels, wine
+from . import wine
 from .archives import read_zip
 from .cross_wheels import Target
 from .notices import of_packages
@@ -31,10 +31,6 @@ OF_WINDOWS = {"kernel32.dll", "msvcrt.dll"}
 ALIGNED_MOVE = re.compile(
     r"\tvmov(?:ap[sd]|dqa\w*|ntp[sd]|ntdqa?)\s[^\n]*(?:\(%r[sb]p[^\n]*%[yz]mm|%[yz]mm[^\n]*\(%r[sb]p)"
 )
-
-
-def build_wheels() -> list[Path]:
-    return cross_wheels.build_wheels(TARGET)
 
 
 def check_module(module: Path, minor: int) -> None:

@@ -81,6 +81,6 @@ def python(minor: int, name: str = "") -> Path:
 def install_packages(folder: Path, minor: int, *requirements: Path) -> None:
     """Unpacks wheels for Windows into a folder."""
     # Whatever it installs for, pip asks whether a package allows the Python that runs it.
-    builder = environments.build313() if minor == 13 else environments.build()
+    builder = environments.build_for(minor)
     system = ["--platform", "win_amd64", "--python-version", f"3.{minor}", "--only-binary=:all:"]
     builder.make().install(*requirements, options=[*system, "--target", folder], quiet=True)

@@ -1,15 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Loads sinew_native and poses a small sheet, in any Python, also Blender's.
+"""Loads sinew_native and poses a small sheet, in any Python, also Blender's: ``check_module.py [FOLDER]``.
 
-With ``--own-libraries FOLDER`` it also holds that CHOLMOD, BLAS, TBB and OpenSubdiv came from FOLDER, where
-the wheel lies, and with ``--alone`` that no second copy of them was mapped from anywhere else.
+The module has to come from FOLDER, where there is one.
 """
 
-import argparse
-import os
 import sys
-
-BUNDLED = ("libcholmod", "libopenblas", "libtbb", "libgomp", "libosdCPU")
 
 
 def pose_a_sheet(sinew_native):
@@ -45,30 +40,13 @@ def refine_and_enclose(sinew_native):
     assert sinew_native.diagnose_cage(cage, target.points).clean
 
 
-def check_libraries(folder, alone):
-    folder = os.path.realpath(folder)
-    with open("/proc/self/maps", encoding="utf-8") as maps:
-        mapped = {line.split(None, 5)[5].strip() for line in maps if len(line.split(None, 5)) == 6}
-    for name in BUNDLED:
-        copies = sorted(path for path in mapped if os.path.basename(path).startswith(name))
-        own = [path for path in copies if path.startswith(folder + os.sep)]
-        assert own, f"{name} does not come from {folder}: {copies}"
-        assert not alone or own == copies, f"{name} is loaded twice: {copies}"
-
-
-def main(arguments):
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--own-libraries", default="")
-    parser.add_argument("--alone", action="store_true")
-    options = parser.parse_args(arguments)
-    if options.own_libraries:
-        sys.path.insert(0, options.own_libraries)
+def main(folders):
+    sys.path[:0] = folders
     import sinew_native
 
     pose_a_sheet(sinew_native)
     refine_and_enclose(sinew_native)
-    if options.own_libraries:
-        check_libraries(options.own_libraries, options.alone)
+    assert all(sinew_native.__file__.startswith(folder) for folder in folders), sinew_native.__file__
     print(f"sinew_native {sinew_native.__version__} works in Python {sys.version.split()[0]}")
 
 
