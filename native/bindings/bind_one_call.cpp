@@ -25,7 +25,7 @@ std::string id_of(const py::handle& type)
 }
 
 /// The class of this id among those derived from a type, from which `known` gets all ids.
-py::object find(const py::type& type, const std::string& id, std::string& known)
+py::object derived_from(const py::type& type, const std::string& id, std::string& known)
 {
     py::object found = py::none();
     for (const py::handle derived : type.attr("__subclasses__")()) {
@@ -33,7 +33,7 @@ py::object find(const py::type& type, const std::string& id, std::string& known)
             known += (known.empty() ? "'" : ", '") + id_of(derived) + "'";
             if (id_of(derived) == id)
                 found = py::reinterpret_borrow<py::object>(derived);
-        } else if (const py::object inner = find(py::type(py::reinterpret_borrow<py::object>(derived)), id, known);
+        } else if (const py::object inner = derived_from(py::type(py::reinterpret_borrow<py::object>(derived)), id, known);
                    !inner.is_none()) {
             found = inner;
         }
@@ -45,7 +45,7 @@ template <class Base>
 py::object method_of(const std::string& id)
 {
     std::string known;
-    py::object found = find(py::type::of<Base>(), id, known);
+    py::object found = derived_from(py::type::of<Base>(), id, known);
     if (found.is_none())
         throw InvalidOption("method: '" + id + "' is not one of " + known);
     return found;
@@ -56,7 +56,7 @@ py::object mesh_of(const py::object& points, const py::object& faces)
     return py::type::of<SurfaceMesh>()(points, faces);
 }
 
-py::object deform(const py::object& points, const py::object& faces, const py::object& handles,
+py::object deform_once(const py::object& points, const py::object& faces, const py::object& handles,
                   const py::object& poses, const std::string& method, const py::kwargs& options)
 {
     const py::object mesh = mesh_of(points, faces);
@@ -67,7 +67,7 @@ py::object deform(const py::object& points, const py::object& faces, const py::o
     return made.attr("solve")(poses).cast<py::tuple>()[0];
 }
 
-py::object warp(const py::object& points, const py::object& cage, const py::object& posed_cage,
+py::object warp_once(const py::object& points, const py::object& cage, const py::object& posed_cage,
                 const std::string& method, const py::kwargs& options)
 {
     const py::object type = method_of<SpaceMethod>(method);
@@ -87,7 +87,7 @@ py::object warp(const py::object& points, const py::object& cage, const py::obje
 
 void bind_one_call(py::module_& module)
 {
-    module.def("deform", &deform, py::arg("points"), py::arg("faces"), py::arg("handles"), py::arg("poses"),
+    module.def("deform", &deform_once, py::arg("points"), py::arg("faces"), py::arg("handles"), py::arg("poses"),
                py::arg("method") = "arap",
                R"(Deform a mesh once by handles on it -> (n, 3) positions.
 
@@ -107,7 +107,7 @@ options  those of the method's class. Multiresolution takes the id of another me
 Each call binds and solves. For several poses make an object of the class, which binds once.
 
 Raises what the class, set_handles() and solve() raise, and InvalidOption for an unknown method.)");
-    module.def("warp", &warp, py::arg("points"), py::arg("cage"), py::arg("posed_cage"),
+    module.def("warp", &warp_once, py::arg("points"), py::arg("cage"), py::arg("posed_cage"),
                py::arg("method") = "green",
                R"(Warp points once by a cage or by control points -> (n, 3) float32 positions.
 
