@@ -109,7 +109,7 @@ Each call binds and solves. For several poses make an object of the class, which
 Raises what the class, set_handles() and solve() raise, and InvalidOption for an unknown method.)");
     module.def("warp", &warp_once, py::arg("points"), py::arg("cage"), py::arg("posed_cage"),
                py::arg("method") = "green",
-               R"(Warp points once by a cage or by control points -> (n, 3) float32 positions.
+               R"(Warp points once by a cage or by control points -> (n, 3) positions.
 
 points      (n, 3) rest positions, inside the cage.
 cage        (points (c, 3), faces) of a closed cage, or for methods without faces, such as 'rbf', control points (c, 3).
