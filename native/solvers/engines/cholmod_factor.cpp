@@ -433,6 +433,10 @@ std::vector<int> cholmod_minimum_degree(const SparseMatrix& matrix)
 
 std::vector<int> nested_dissection(const SparseMatrix& matrix)
 {
+    // METIS starts rand() anew and draws from it. Other threads that did the same would change the ordering, and with it
+    // the last bits of results.
+    static std::mutex numbers;
+    const std::lock_guard turn(numbers);
     Workspace workspace;
     cholmod_sparse a = view(matrix);
     std::vector<int> order(matrix.cols());

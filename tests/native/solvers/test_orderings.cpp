@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <future>
 #include <limits>
 #include <set>
 
@@ -73,6 +74,19 @@ TEST(Orderings, name_every_unknown_once)
             std::ranges::sort(order);
             EXPECT_EQ(order, shapes::numbers(0, static_cast<int>(matrix.cols())));
         }
+}
+
+TEST(Orderings, are_the_same_where_several_threads_look_for_one)
+{
+    const SparseMatrix matrix = matrices::shuffled_grid(40);
+    for (Ordering ordering : available()) {
+        const std::vector<int> alone = elimination_order(matrix, ordering);
+        std::vector<std::future<std::vector<int>>> beside;
+        for (int thread = 0; thread < 8; ++thread)
+            beside.push_back(std::async(std::launch::async, elimination_order, matrix, ordering));
+        for (auto& found : beside)
+            EXPECT_EQ(found.get(), alone);
+    }
 }
 
 TEST(Orderings, natural_is_the_order_of_the_unknowns)
