@@ -25,16 +25,6 @@ else()
   target_compile_options(sinew_compiler INTERFACE -ffp-contract=off)
 endif()
 
-if(SINEW_SANITIZE)
-  if(MSVC)
-    target_compile_options(sinew_compiler INTERFACE /fsanitize=address)
-  else()
-    target_compile_options(sinew_compiler INTERFACE
-      -fsanitize=address,undefined -fno-sanitize-recover=all -fno-omit-frame-pointer -g1)
-    target_link_options(sinew_compiler INTERFACE -fsanitize=address,undefined)
-  endif()
-endif()
-
 if(SINEW_SANITIZE_THREADS AND NOT MSVC)
   target_compile_options(sinew_compiler INTERFACE -fsanitize=thread -g1)
   target_link_options(sinew_compiler INTERFACE -fsanitize=thread)

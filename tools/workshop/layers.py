@@ -15,7 +15,7 @@ from .dev import BENCHMARK_TARGETS, build_tree
 from .format import checks
 from .neon_tests import neon
 from .package import package
-from .places import DEV_MODULE, NATIVE_TREE, PYTHON311, SANITIZE_TREE
+from .places import DEV_MODULE, NATIVE_TREE, PYTHON311
 from .results import Outcome, outcome
 from .shell import run
 from .suites import OPTIONS, googletest, new_junit, only_some
@@ -98,13 +98,13 @@ def native_quick(timeout: float) -> Outcome:
 
 
 def sanitizers(timeout: float) -> Outcome:
-    build_tree("sanitize")
+    build_tree("dev", "sinew_tests_sanitized")
     sanitizer_options = {
         "ASAN_OPTIONS": "detect_leaks=1:strict_init_order=1",
         "LSAN_OPTIONS": f"suppressions={LEAKS_OF_OTHERS}:print_suppressions=0",
         "UBSAN_OPTIONS": "print_stacktrace=1:halt_on_error=1",
     }
-    return googletest("sanitizers", [SANITIZE_TREE / PROGRAM], timeout, sanitizer_options)
+    return googletest("sanitizers", [NATIVE_TREE / f"{PROGRAM}_sanitized"], timeout, sanitizer_options)
 
 
 def bindings(timeout: float) -> Outcome:
@@ -210,7 +210,7 @@ def windows_layer(name: str, tests: Callable[[bool, float], Outcome]) -> Layer:
 LAYERS = (
     Layer("lint", 420, lint),
     Layer("native", 300, native),
-    Layer("sanitizers", 1800, sanitizers, only_by_name=True),
+    Layer("sanitizers", 1200, sanitizers),
     Layer("windows-native", 420, windows_tests.native, only_by_name=True),
     Layer("architecture", 60, architecture, one_process=True),
     Layer("tools", 60, tools, one_process=True),

@@ -11,7 +11,6 @@ ADDON = ROOT / "addon"
 MANUAL = ROOT / "docs" / "manual"
 METHODS = ROOT / "docs" / "methods"
 NATIVE_TREE = BUILD / "native"
-SANITIZE_TREE = BUILD / "sanitize"
 DEV_MODULE = BUILD / "dev"
 WHEELS = BUILD / "wheels"
 PYTHON311 = Path("/usr/bin/python3.11")
