@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scripts and operators give the same; the add-on comes and goes without a trace."""
 
-import bpy
 import numpy as np
 import pytest
 from inside import inner, notes_of
@@ -41,23 +40,6 @@ def test_the_panel_counts_details_without_a_height():
     plate.deformer.parameters.details = "normal_displacements"
     update()
     assert sum(told in line for line in notes_of(plate.deformer)) == 1
-
-
-def test_the_falloff_curve_that_the_artist_draws_is_how_the_motion_of_a_handle_fades(plate: Rig):
-    """Each point goes its share of the way; the share is the curve at that of the straight line."""
-    plate.bind("propagation").lift(1.0)
-    shares = (plate.points() - plate.rest())[:, 2]
-    assert 0.0 < np.median(shares) < 1.0
-    bpy.ops.sinew.curve_edit(parameter="transfer")
-    tree = plate.deformer.parameters.transfer
-    mapping = tree.nodes[0].mapping
-    for point in mapping.curves[0].points:
-        point.handle_type = "VECTOR"
-    mapping.curves[0].points.new(0.5, 0.125).handle_type = "VECTOR"
-    mapping.update()
-    tree.update_tag()
-    faded = (plate.points() - plate.rest())[:, 2]
-    np.testing.assert_allclose(faded, np.interp(shares, [0.0, 0.5, 1.0], [0.0, 0.125, 1.0]), atol=1e-3)
 
 
 def test_the_panel_says_what_a_surface_method_uses_instead():
