@@ -7,6 +7,7 @@ How they ride is tested in ``tests/native/attachments`` and ``tests/bindings/sur
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import bmesh
 import bpy
@@ -28,6 +29,8 @@ from rigs.rig import (
     make_active,
     move_world,
     press,
+    push,
+    reopen,
     subdivided,
     update,
 )
@@ -105,7 +108,9 @@ def test_eyes_follow_the_head_or_stay(suzanne: Suzanne, method: str):
     assert not any("loose" in line for line in notes_of(suzanne.deformer))
 
 
-def test_a_region_on_an_eye_takes_it_out_and_the_border_of_a_support_does_not_hold_them(suzanne: Suzanne):
+def test_a_region_on_an_eye_takes_it_out_and_a_support_does_not_hold_the_other(
+    suzanne: Suzanne, tmp_path: Path
+):
     """What lies outside a support is fixed, but not the parts that it does not touch at all."""
     left, right = suzanne.eyes
     suzanne.add("Support", -0.5)
@@ -118,8 +123,16 @@ def test_a_region_on_an_eye_takes_it_out_and_the_border_of_a_support_does_not_ho
     assert "1 loose part follows the surface" in notes_of(suzanne.deformer)
     assert close(shape[left], rest[left])
     assert np.abs(shape[right] - rest[right]).max() > 0.05
+    push("follow")
     suzanne.deformer.loose_parts = "STAY"
-    assert close(suzanne.points()[right], rest[right])
+    stayed = suzanne.points()
+    assert close(stayed[right], rest[right])
+    push("stay")
+    for step, expected in ((bpy.ops.ed.undo, shape), (bpy.ops.ed.redo, stayed)):
+        step()
+        assert close(suzanne.points(), expected)
+    reopen(tmp_path / "stay.blend")
+    assert close(suzanne.points(), stayed)
 
 
 def test_what_an_armature_below_poses_rides_too(suzanne: Suzanne):
