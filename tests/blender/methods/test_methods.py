@@ -29,17 +29,22 @@ def test_one_call_rigs_a_region_and_binds_it(plate: Rig):
     assert plate.deformer.status_level == "ERROR"
 
 
+def told(rig: Rig, words: str, **parameters: object) -> list[str]:
+    """The notes with these words, once parameters are set."""
+    for name, value in parameters.items():
+        setattr(rig.deformer.parameters, name, value)
+    update()
+    return [line for line in notes_of(rig.deformer) if words in line]
+
+
 def test_the_panel_counts_details_without_a_height():
     """Noise of three edges, as the base below it is not flat either."""
     plate, random = Rig.plate(cells=20), np.random.default_rng(1)
     for vertex in plate.obj.data.vertices:
         vertex.co = np.add(vertex.co, random.uniform(-0.3, 0.3, 3))
     plate.bind("multiresolution")
-    told = "no normal of the base leads there"
-    assert not any(told in line for line in notes_of(plate.deformer))
-    plate.deformer.parameters.details = "normal_displacements"
-    update()
-    assert sum(told in line for line in notes_of(plate.deformer)) == 1
+    for details, lines in (("displacement_vectors", 0), ("normal_displacements", 1)):
+        assert len(told(plate, "no normal of the base leads there", details=details)) == lines
 
 
 def test_the_panel_says_what_a_surface_method_uses_instead():
@@ -51,9 +56,7 @@ def test_the_panel_says_what_a_surface_method_uses_instead():
     points *= 0.3 + 4.0 * np.clip((along - 0.9) / 0.1, 0.0, 1.0) + 0.1 * (along > 0.99)
     obj.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
     limbs = Rig(obj, edge=3.0).bind("multiresolution")
-    for bands, lines in ((1, 0), (8, 1)):
-        limbs.deformer.parameters.bands = bands
-        update()
-        told = [line for line in notes_of(limbs.deformer) if "bands are used" in line]
-        assert len(told) == lines, notes_of(limbs.deformer)
-        assert all(line.startswith("only ") and f" of {bands} " in line for line in told)
+    assert not told(limbs, "bands are used", bands=1)
+    (line,) = told(limbs, "bands are used", bands=8)
+    assert line.startswith("only ")
+    assert " of 8 " in line
