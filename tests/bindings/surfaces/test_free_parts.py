@@ -182,3 +182,44 @@ def test_hair_that_touches_stays_together_and_on_the_head() -> None:
     )
     print(f"strips of hair are parted by {np.abs(after - before).max():.4f}")
     assert np.abs(after - before).max() < 0.01
+
+
+@pytest.mark.parametrize("height", [0.01, 0.03])
+@pytest.mark.parametrize("method", [sn.Arap, sn.ThinShell])
+def test_a_sheet_on_another_follows_a_bump_that_is_smaller_than_its_frames(
+    method: type, height: float
+) -> None:
+    """What lies above goes as far as what is beneath, and none of it is poked through."""
+    points, quads = quad_grid(40, 40, 0.05)
+    away = np.linalg.norm(points - (1, 1, 0), axis=1)
+    made = make(method, sn.SurfaceMesh(*joined((points, quads), (points + (0, 0, height), quads))))
+    made.set_handles([np.flatnonzero(away < 0.15), np.flatnonzero(away > 0.7)], free_parts="follow")
+    below, above = np.split(made.solve([shift(0, 0, 0.2), STILL])[0][:, 2], 2)
+    assert above.max() > 0.98 * 0.2 + height
+    assert (above > below).all()
+
+
+BALL = sphere(3)
+BEADS = [(0.06 * BALL[0] + (x, -0.5 + x * x, 0.0), BALL[1]) for x in (-0.22, -0.11, 0.0, 0.11, 0.22)]
+ON_THE_PLANE = {
+    "ball": [(0.15 * BALL[0] - (0.0, 0.4, 0.0), BALL[1])],
+    "tongue": [(BALL[0] * (0.05, 0.5, 0.05) - (0.0, 0.3, 0.0), BALL[1])],
+    "teeth": BEADS,
+}
+
+
+@pytest.mark.parametrize("part", ON_THE_PLANE)
+def test_a_part_on_the_mirror_plane_stays_on_it(part: str) -> None:
+    """In a large ball whose cheeks are pulled alike: one frame, several, and parts that touch."""
+    head, *inside = sphere(4), *ON_THE_PLANE[part]
+    points, faces = joined(head, *inside)
+    shell, cheeks = sn.ThinShell(sn.SurfaceMesh(points, faces)), ((0.8, -0.6, 0.0), (-0.8, -0.6, 0.0))
+    held = [np.flatnonzero(np.linalg.norm(head[0] - place, axis=1) < 0.3) for place in cheeks]
+    shell.set_handles([*held, np.flatnonzero(head[0][:, 1] > 0.7)], free_parts="follow")
+    moved, _ = shell.solve([shift(0.3, -0.4, 0.1), shift(-0.3, -0.4, 0.1), STILL])
+    mirror, own = np.array((-1.0, 1.0, 1.0)), np.arange(len(head[0]), len(points))
+    assert np.linalg.norm((moved - points)[own].mean(axis=0)) > 0.02
+    # Each vertex goes to the mirror image of where its own image goes; those of the plane stay on it.
+    away = np.linalg.norm(points[own, None] * mirror - points[None, own], axis=2)
+    assert away.min(axis=1).max() < 1e-12
+    assert np.abs(moved[own] * mirror - moved[own][away.argmin(axis=1)]).max() < 4e-6
