@@ -47,6 +47,7 @@ from test_undo_of_buttons import (
     two_of_one_topology,
     with_a_stroke,
     with_keys,
+    with_nameless_sides,
 )
 
 NAN = math.nan
@@ -217,6 +218,11 @@ def built_up(obj: bpy.types.Object) -> None:
     bpy.ops.object.modifier_move_to_index(modifier="Build", index=0)
 
 
+def lopsided(obj: bpy.types.Object) -> None:
+    for vertex in obj.data.vertices:
+        vertex.co.z += 3.0 * (vertex.co.x < -0.1)
+
+
 def two_bound(obj: bpy.types.Object) -> None:
     add_regions(obj, "arap", {"Top": "HANDLE"})
 
@@ -273,6 +279,8 @@ REGIONS = [
         "select_handle", "no bone 'hand'", BOUND, sets("sinew.deformers[0].handles[0].bone", "hand"), index=0
     ),
     row("handle_mirror", "no counterpart", posed(add_left_side), weights_only=True),
+    row("handle_mirror", "not symmetrical", posed(add_left_side), lopsided),
+    row("handle_mirror", "not symmetrical", with_nameless_sides, lopsided),
     row("reset_pose", "no control that has a rest", grid_object, on_two),
     row("reset_pose", "No control is selected", BOUND, selected=True),
     row("key_pose", "no control to key", grid_object, on_two),
