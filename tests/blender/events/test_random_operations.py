@@ -40,7 +40,7 @@ METHODS = st.sampled_from(WITH_HANDLES)
 SMALL = st.integers(-4, 4).map(lambda number: number / 4)
 VECTOR = st.tuples(SMALL, SMALL, SMALL)
 SHARE = st.sampled_from((0.0, 0.25, 0.5, 1.0))
-CAGED = st.sampled_from(("green", "mean_value"))  # these take points anywhere
+CAGED = ("green", "mean_value")  # these take points anywhere
 SIZE = st.sampled_from((0.5, 1.0, 1.5))
 FOUND = {"deformer": 1, "handle": 2}  # which of the answers of a look-up
 
@@ -162,12 +162,14 @@ class Artist(Sequence):
 
     # What an artist does
 
-    @initialize(shape=st.sampled_from(sorted(SHAPES)), method=METHODS)
-    def begin(self, shape, method):
+    @initialize(shape=st.sampled_from(sorted(SHAPES)), method=METHODS, caged=st.sampled_from(("", *CAGED)))
+    def begin(self, shape, method, caged):
         new_target(shape)
         bpy.ops.sinew.deformer_add(method=method)
         bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Far")
         press(bpy.data.objects[shape], "handle_add", kind="FIXED", vertex_group="Near")
+        if caged:
+            self.put_into_a_cage(bpy.data.objects[shape], caged, 2.3)
         self.start_over()
 
     @precondition(lambda self: self.in_object_mode and len(self.targets) < 3)
@@ -244,21 +246,25 @@ class Artist(Sequence):
         self.done(solved=False)
 
     @precondition(lambda self: self.in_object_mode and self.targets)
-    @rule(pick=PICK, method=CAGED, size=st.sampled_from((1.1, 1.7, 2.3)))
+    @rule(pick=PICK, method=st.sampled_from(CAGED), size=st.sampled_from((1.1, 1.7, 2.3)))
     def add_cage(self, pick, method, size):
-        obj = self.target(pick)
-        if len(obj.sinew.deformers) < 3:
-            bpy.ops.mesh.primitive_cube_add(size=size, location=obj.location)
-            cage = bpy.context.object
-            cage["cage"] = True
-            press(obj, "cage_add", source="OBJECT", cage=cage.name, method=method)
+        if len(self.target(pick).sinew.deformers) < 3:
+            self.put_into_a_cage(self.target(pick), method, size)
             self.done()
+
+    def put_into_a_cage(self, obj: bpy.types.Object, method: str, size: float) -> None:
+        bpy.ops.mesh.primitive_cube_add(size=size, location=obj.location)
+        cage = bpy.context.object
+        cage["cage"] = True
+        press(obj, "cage_add", source="OBJECT", cage=cage.name, method=method)
 
     @precondition(lambda self: self.caged(0) and self.in_object_mode)
     @rule(pick=PICK, vertex=st.integers(0, 40), by=VECTOR, subdivide=st.booleans(), leave=st.booleans())
     def edit_cage(self, pick, vertex, by, subdivide, leave):
         """In Edit Mode, which may stay."""
         cage = self.caged(pick)[1].cage
+        if cage.hide_viewport:
+            return
         make_active(cage)
         bpy.ops.object.mode_set(mode="EDIT")
         edit = bmesh.from_edit_mesh(cage.data)
@@ -364,7 +370,7 @@ class Artist(Sequence):
         self.done()
 
     @precondition(lambda self: self.deformer(0))
-    @rule(pick=PICK, method=METHODS, caged=CAGED)
+    @rule(pick=PICK, method=METHODS, caged=st.sampled_from(CAGED))
     def set_method(self, pick, method, caged):
         deformer = self.deformer(pick)[1]
         deformer.method = method if deformer.cage_rest is None else caged
@@ -540,5 +546,5 @@ def test_any_sequence_of_operations_shows_what_the_properties_ask_for():
     run_sequences(Artist, SEQUENCES, STEPS)
     if SEQUENCES >= 50:  # the first dozens are short
         assert Artist.checked > 0.4 * STEPS * SEQUENCES  # the test looks
-        assert Artist.warped > 0.1 * STEPS * SEQUENCES, (Artist.checked, Artist.warped, Artist.unsure)
+        assert Artist.warped > 0.1 * STEPS * SEQUENCES
     assert Artist.unsure < 0.2 * Artist.checked
