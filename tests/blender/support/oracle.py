@@ -207,8 +207,8 @@ class Oracle:
         incoming = None if np.array_equal(before, rest) else before
         members, strengths = zip(*((region.members, region.strength) for region in regions), strict=True)
         if row.is_space:
-            warp = space_warp(row, rest, faces, [rest[rows] for rows in members], options, strengths)
             try:
+                warp = space_warp(row, rest, faces, [rest[rows] for rows in members], options, strengths)
                 return warp(poses, incoming), 0.0
             except self.native.InvalidConstraint as error:  # as of one place that two handles pull apart
                 raise Refusal(str(error)) from error
