@@ -104,20 +104,18 @@ def test_what_a_deleted_group_held_stays_in_renders_of_other_vertices(
     modifier = subdivided(plate.obj, 2, 2)
     plate.bind(LOST[what][0])
     LOST[what][1](plate)
-    move_world(plate.control, Matrix.Translation((0.0, 0.0, 0.5)))
-
-    def rendered() -> np.ndarray:
+    plate.lift(0.5)
+    seen = []
+    for _ in range(2):
         modifier.levels, modifier.render_levels = levels
-        shape = render_points(plate.obj)
+        seen.append(render_points(plate.obj))
         modifier.levels = modifier.render_levels = 2
         settle()
-        return shape
-
-    before = rendered()
-    plate.obj.vertex_groups.remove(plate.obj.vertex_groups["Lost"])
-    plate.obj.update_tag()
-    settle()
-    assert close(rendered(), before, 0.02)  # the border of a region lies between vertices
+        if "Lost" in plate.obj.vertex_groups:
+            plate.obj.vertex_groups.remove(plate.obj.vertex_groups["Lost"])
+            plate.obj.update_tag()
+            settle()
+    assert close(seen[1], seen[0], 0.02)  # the border of a region lies between vertices
 
 
 def test_a_mask_whose_group_is_deleted_masks_nothing_anywhere(posed: HandleRig):

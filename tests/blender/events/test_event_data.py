@@ -51,20 +51,6 @@ EDITS = Table()  # each once with Automatic Rebind and once without
 # --- copies
 
 
-@EVENTS.on(ALL)
-def duplicated_with_its_control(rig: HandleRig) -> None:
-    """On a mesh of its own and on the same one: each moves by itself, also after another frame."""
-    copies = [duplicate(rig, linked) for linked in (False, True)]
-    rig.lift_of(copies[0], 0.25)
-    rig.lift_of(copies[1], 0.1)
-    rig.lift(-0.25)
-    for frame in (1, 4):
-        bpy.context.scene.frame_set(frame)
-        assert rig.shows(rig.at(0.75), copies[0])
-        assert rig.shows(rig.at(0.6), copies[1])
-        assert rig.is_right()
-
-
 @EVENTS.on(REGIONS)
 def duplicated_alone_and_given_a_control(rig: HandleRig) -> None:
     """In a window the copy is known as one until the pause. It takes its shape along to the other control."""
@@ -80,21 +66,6 @@ def duplicated_alone_and_given_a_control(rig: HandleRig) -> None:
     assert rig.shows(rig.at(0.5), copy)
     rig.lift_of(copy, 0.25)
     assert np.abs(evaluated_points(copy)[rig.top, 2] - 0.75).max() < MATRIX
-
-
-@EVENTS.on(ALL)
-def copied_ten_times(rig: HandleRig) -> None:
-    copies = [rig.obj]
-    for _ in range(10):
-        make_active(copies[-1], rig.control_of(copies[-1]))
-        bpy.ops.object.duplicate()
-        copies.append(bpy.context.object)
-    settle()
-    for number, obj in enumerate(copies):
-        rig.lift_of(obj, 0.01 * number)
-    for number, obj in enumerate(copies):
-        assert rig.shows(rig.at(0.5 + 0.01 * number), obj)
-    assert len({obj.sinew.deformers[0].proxy for obj in copies}) == len(copies)
 
 
 @EVENTS.on(ALL, then=is_over)
@@ -396,10 +367,8 @@ def handles_and_deformers_in_another_order(rig: HandleRig) -> None:
 
 @EDITS.on(MESHES)
 def another_mesh_joined_to_the_target(rig: HandleRig) -> None:
-    count = len(rig.rest())
-    other = grid_object("Other", cells=2)
-    other.location = (0.0, 0.0, 0.1)
-    other.scale = (0.2, 0.2, 0.2)
+    count, other = len(rig.rest()), grid_object("Other", cells=2)
+    other.location, other.scale = (0.0, 0.0, 0.1), (0.2, 0.2, 0.2)
     make_active(rig.obj, other)
     bpy.ops.object.join()
     assert len(rig.rest()) == count + 9
@@ -408,9 +377,8 @@ def another_mesh_joined_to_the_target(rig: HandleRig) -> None:
 @EVENTS.on(MESHES, then=is_over)
 def the_target_joined_to_another_mesh(rig: HandleRig) -> None:
     """It is gone, as anything joined; the other one lives on without a deformer."""
-    count = len(rig.rest())
-    other = grid_object("Other", cells=2)
-    rig.obj.select_set(True)
+    count, other = len(rig.rest()), grid_object("Other", cells=2)
+    make_active(other, rig.obj)
     bpy.ops.object.join()
     settle()
     assert rig.name not in bpy.data.objects

@@ -282,15 +282,21 @@ def linked(rig: HandleRig) -> None:
     assert "library override" in obj.sinew.deformers[0].status
 
 
+def lives_as_an_override(rig: HandleRig, obj: bpy.types.Object) -> None:
+    settle()
+    goes_on(rig, obj, 0.5, MATRIX)
+    reopen(rig.folder / "shot.blend")
+    settle()
+    goes_on(rig, overridden(), 0.75, MATRIX)
+
+
 @ASSETS.on(ALL, then=is_over)
 def overridden_posed_and_saved(rig: HandleRig) -> None:
     """With a shape of its own, which the library does not have."""
     obj = override(library(rig))
     assert obj.sinew.deformers[0].proxy.library is None
     assert rig.control_of(obj).library is None
-    goes_on(rig, obj, 0.5, MATRIX)
-    reopen(rig.folder / "shot.blend")
-    goes_on(rig, overridden(), 0.75, MATRIX)
+    lives_as_an_override(rig, obj)
 
 
 @ASSETS.on(ALL, then=is_over)
@@ -301,11 +307,7 @@ def overridden_with_its_hidden_shapes(rig: HandleRig) -> None:
         shape = getattr(obj.sinew.deformers[0], name)
         if shape is not None and shape.library is not None:
             shape.override_create(remap_local_usages=True)
-    settle()
-    goes_on(rig, obj, 0.5, MATRIX)
-    reopen(rig.folder / "shot.blend")
-    settle()
-    goes_on(rig, overridden(), 0.75, MATRIX)
+    lives_as_an_override(rig, obj)
 
 
 @ASSETS.on(ALL, then=is_over)
@@ -388,16 +390,14 @@ def made_local(rig: HandleRig) -> None:
     goes_on(rig, obj, 0.75, MATRIX)
 
 
-@ASSETS.on(ALL, then=is_over)
+@ASSETS.on(ALL, then=made_local)
 def linked_and_made_local(rig: HandleRig) -> None:
     add_collection(library(rig), link=True)
-    made_local(rig)
 
 
-@ASSETS.on(ALL, then=is_over)
+@ASSETS.on(ALL, then=made_local)
 def overridden_and_made_local(rig: HandleRig) -> None:
     override(library(rig))
-    made_local(rig)
 
 
 @ASSETS.on(ALL, then=is_over)

@@ -25,7 +25,7 @@ from expected import Expected
 from inside import inner, settle
 from mathutils import Matrix
 from probe import render_points
-from rigs.kinds import RIGS, HandleRig
+from rigs.kinds import HandleRig
 from rigs.rig import (
     Rig,
     add_armature,
@@ -365,93 +365,32 @@ def converted_to_a_mesh(rig: HandleRig) -> None:
 LIFT, SHIFT = Matrix.Translation((0.0, 0.0, 0.5)), Matrix.Translation((0.2, 0.0, 0.0))
 
 
-class Two:
-    """A rig with a deformer behind, which moves a corner by itself; what to see of each by what enters it."""
-
-    def __init__(self, rig: HandleRig, method: str = "thin_shell") -> None:
-        self.rig, obj = rig.start(), rig.obj
-        self.first = rig.control
-        extent = np.abs(rig.rest()).max()
-        self.corner = add_group(obj, "Corner", lambda p: p[0] > 0.6 * extent and p[1] > 0.3 * extent)
-        add_group(obj, "Rest", lambda p: p[0] < 0.3 * extent or p[1] < 0.1 * extent)
-        add_regions(obj, method, {"Corner": "HANDLE", "Rest": "FIXED"})
-        obj.sinew.deformers[1].handles[0].stands_on = "WORLD"  # as its pose is read there
-        self.second = obj.sinew.deformers[1].handles[0].control
-        entering, regions = rig.points(), {"handle": "Corner", "fixed": ("Rest",)}
-        self.poses = Expected(obj, self.second, **regions, method=method, points=entering)
-
-    def after_first(self, incoming: np.ndarray | None = None) -> np.ndarray:
-        return self.rig.poses.now(self.rig.obj, self.first, incoming).astype(np.float32)
-
-    def after_second(self, incoming: np.ndarray | None = None) -> np.ndarray:
-        incoming = self.rig.rest() if incoming is None else incoming
-        return self.poses.now(self.rig.obj, self.second, incoming).astype(np.float32)
-
-    def shows(self, shape: np.ndarray) -> bool:
-        settle()
-        return self.rig.shows(shape, tolerance=1e-5)
-
-
-@pytest.fixture(params=MESHES)
-def two(request: pytest.FixtureRequest) -> Two:
-    """Both controls moved."""
-    two = Two(RIGS[request.param].new())
-    move_world(two.first, LIFT)
-    move_world(two.second, SHIFT)
-    return two
-
-
-def test_two_deformers_add_up_in_any_order_with_others_between(two: Two):
-    rig, obj = two.rig, two.rig.obj
-    assert two.shows(two.after_second(two.after_first()))
-    names = [modifier.name for modifier in obj.modifiers]
-    twist(obj)
-    move_to(rig, "Twist", 1)
-    assert two.shows(two.after_second(by_blender(rig, two.after_first(), twist)))
-    obj.modifiers.remove(obj.modifiers["Twist"])
-    assert two.shows(two.after_second(two.after_first()))
-    move_to(rig, names[0], 1)
-    assert [modifier.name for modifier in obj.modifiers] == names[::-1]
-    assert two.shows(two.after_first(two.after_second()))
-    obj.modifiers[0].show_viewport = False
-    assert two.shows(two.after_first())
-    obj.modifiers[0].show_viewport = True
-    rig.press("deformer_remove", index=0)
-    assert two.shows(two.after_second())
-
-
-def test_the_factor_of_the_first_of_two_deformers_counts(two: Two):
-    before = two.rig.points()[two.corner]
-    two.rig.obj.sinew.deformers[0].factor = 0.5
-    rest = two.rig.rest()
-    half = 0.5 * (rest + two.after_first())
-    assert two.shows(two.after_second(half))
-    assert np.abs(two.rig.points()[two.corner] - before).max() > 0.1
-
-
 def test_the_second_of_two_deformers_is_right_at_once_in_a_jump(plate: Rig):
     """No frame of delay: the answer after one jump is the answer after many evaluations."""
-    two = Two(HandleRig.new(), "arap")
-    key_heights(two.first, {1: 0.0, 10: 0.8})
-    two.second.rotation_euler.x = 0.4
+    first = plate.bind().control
+    for name, where in (("Corner", lambda p: min(p[:2]) > 0.3), ("Rest", lambda p: min(p[:2]) < 0.1)):
+        add_group(plate.obj, name, where)
+    add_regions(plate.obj, "arap", {"Corner": "HANDLE", "Rest": "FIXED"})
+    key_heights(first, {1: 0.0, 10: 0.8})
+    plate.obj.sinew.deformers[1].handles[0].control.rotation_euler.x = 0.4
     bpy.context.scene.frame_set(1)
     bpy.context.scene.frame_set(10)
-    once = two.rig.points()
+    once = plate.points()
+    assert np.abs(once - plate.rest()).max() > 0.7
     for _ in range(3):
-        two.rig.obj.update_tag()
+        plate.obj.update_tag()
         update()
-    assert np.array_equal(once, two.rig.points())
+    assert np.array_equal(once, plate.points())
 
 
 @pytest.mark.parametrize("moved", [True, False])
 def test_the_second_follows_at_once_where_the_first_lets_go(plate: Rig, moved: bool):
     """What enters it in that evaluation is still what the first one showed before."""
-    plate.bind()
-    control = plate.control
+    control = plate.bind().control
     bpy.ops.sinew.deformer_add(method="arap")
     bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Top")
     if moved:
-        move_world(control, LIFT)
+        move_world(control, Matrix.Translation((0.0, 0.0, 0.5)))
     assert (np.abs(plate.points() - plate.rest()).max() > 0.4) == moved
     handle = plate.obj.sinew.deformers[0].handles[1]
     handle.vertex_group = "Top"  # refused, since the other region has these vertices
@@ -476,22 +415,6 @@ def given_deformers_without_regions_between(rig: HandleRig) -> None:
     rig.press("deformer_remove", index=2)
     rig.press("deformer_remove", index=1)
     rig.obj.sinew.active_deformer = 0
-
-
-@EVENTS.on(ALL)
-def its_factor_and_its_mask_set(rig: HandleRig) -> None:
-    """A part of the way; and the masked vertices alone, which are whole or at rest to the last bit."""
-    whole = rig.points()
-    rig.deformer.factor = 0.25
-    assert rig.shows(rig.rest() * 0.75 + whole * 0.25)
-    rig.deformer.factor = 1.0
-    if rig.obj.type == "MESH":
-        rig.deformer.mask_group = "Top"
-        shown = rig.rest()
-        shown[rig.top] = whole[rig.top]
-        assert np.array_equal(rig.points(), shown)
-        rig.deformer.mask_group = ""
-    assert np.array_equal(rig.points(), whole)
 
 
 # --- each of them

@@ -86,6 +86,11 @@ def add_left_side(plate: Rig) -> None:
     press(plate.obj, "handle_add", kind="FIXED", vertex_group="Side.L")
 
 
+def let_the_handle_give_way() -> None:
+    bpy.data.objects["Plate"].sinew.active.handles[0].weight = 0.25
+    push("softer")
+
+
 def add_loose_vertex(plate: Rig) -> None:
     plate.obj.data.vertices.add(1)
     press(plate.obj, "bind")
@@ -296,6 +301,7 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "deformer_remove of a lattice": (a_caged_lattice, button("deformer_remove")),
     "handle_add": (posed(add_middle), button("handle_add", kind="FIXED", vertex_group="Middle")),
     "handle_remove": (posed(), button("handle_remove", index=1)),
+    "weights of a handle": (posed(), let_the_handle_give_way),
     "handle_move": (posed(), button("handle_move", direction="DOWN", index=0)),
     "handle_mirror": (posed(add_left_side), button("handle_mirror", side="LEFT_TO_RIGHT")),
     "bind": (posed(lambda plate: press(plate.obj, "unbind")), button("bind")),

@@ -20,10 +20,11 @@ from rigs.rig import (
     grid_object,
     make_active,
     press,
+    refused,
     update,
 )
-from rigs.rig_of_curves import polyline
-from test_drag import LIFT, drag, refused
+from seen import assert_seen, seen
+from test_drag import LIFT, drag
 
 MEETS = 2e-3  # of a plate 2 wide: what a cut-off or a smoothing may leave
 
@@ -43,7 +44,7 @@ def names(obj: bpy.types.Object) -> list[str]:
     return [row.name for row in obj.sinew.active.handles]
 
 
-def test_a_drag_without_a_deformer_makes_one_with_a_handle_at_the_place(method: str):
+def test_a_drag_makes_a_deformer_with_a_handle_at_the_place_and_the_next_one_takes_it(method: str):
     obj = grid_object(cells=20)
     control = drag(0.2, 0.3, method=method)
     (handle,) = obj.sinew.active.handles
@@ -54,6 +55,9 @@ def test_a_drag_without_a_deformer_makes_one_with_a_handle_at_the_place(method: 
     assert np.array(control.matrix_world.translation) == pytest.approx((0.2, 0.3, 0.5), abs=1e-5)
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     assert "Hold Still" not in " ".join(notes_of(obj.sinew.active))  # a click holds such a handle
+    assert drag(0.2, 0.3, value=(0.1, 0.0, 0.2), method=method) == control
+    assert len(names(obj)) == 1
+    assert close(at(obj, 0.2, 0.3), np.array((0.3, 0.3, 0.7)), MEETS)
 
 
 def test_a_second_handle_changes_nothing_until_it_is_dragged(method: str):
@@ -68,14 +72,6 @@ def test_a_second_handle_changes_nothing_until_it_is_dragged(method: str):
         assert close(evaluated_points(obj), before, MEETS)
     assert close(at(obj, -0.5, 0.0), np.array((-0.5, 0.0, 0.5)), MEETS)
     assert close(evaluated_points(obj), before, 0.05)
-
-
-def test_the_same_place_is_dragged_on(method: str):
-    obj = grid_object(cells=20)
-    first = drag(-0.5, method=method)
-    assert drag(-0.5, value=(0.1, 0.0, 0.2), method=method) == first
-    assert len(names(obj)) == 1
-    assert close(at(obj, -0.5, 0.0), np.array((-0.4, 0.0, 0.7)), MEETS)
 
 
 def test_a_mirrored_drag_moves_both_sides(method: str):
@@ -142,15 +138,8 @@ def test_a_drag_takes_hold_of_curves_text_hair_and_clouds(kind: str):
     assert len(obj.sinew.active.handles) == 1
 
 
-def test_wires_are_left_alone():
-    plate = grid_object(cells=20)
-    wire = polyline(np.array([(-1.0, 0.9, 0.3), (1.0, 0.9, 0.3)]))
-    press(plate, "wire_add", curve=wire.name, radius=0.5)
-    plate.hide_set(True)
-    refused("nothing to drag", origin=(1.0, 0.9, 5.0), method="inverse_ffd")
-
-
 def test_a_surface_method_refuses_what_is_no_mesh():
-    obj = MAKERS["hair"]()
-    place = evaluated_points(obj)[0]
-    refused("needs the surface of a mesh", origin=(*place[:2], 9.0), method="arap")
+    hair = MAKERS["hair"]()
+    origin, before = (*evaluated_points(hair)[0][:2], 9.0), seen()
+    refused("needs the surface of a mesh", "drag", origin=origin, value=LIFT, method="arap")
+    assert_seen(before)

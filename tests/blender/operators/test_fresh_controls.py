@@ -3,15 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import bpy
 import numpy as np
 import pytest
 from inside import inner
-from mathutils import Euler, Matrix
+from mathutils import Euler, Matrix, Vector
 from rigs.cages import ball
-from rigs.rig import add_group, base_points, make_active, new_object, press, update
+from rigs.rig import add_group, base_points, make_active, press, update
 from rigs.rig_of_curves import polyline, stroke_through
 from test_drag import drag
 
@@ -22,16 +22,13 @@ CENTRE = np.array((5.0, 0.0, 0.0))  # of the small part
 @pytest.fixture
 def head() -> bpy.types.Object:
     """A large ball with a small one beside it, as one mesh."""
-    made = ball("Parts", 3)
-    points = base_points(made)
-    points /= np.abs(points).max()
-    faces = [list(face.vertices) for face in made.data.polygons]
-    beside = [[vertex + len(points) for vertex in face] for face in faces]
-    both = np.concatenate((0.5 * BIG * points, CENTRE + 0.5 * SMALL * points))
-    bpy.data.objects.remove(made)
-    obj = new_object("Head", both.tolist(), faces + beside)
-    make_active(obj)
-    return obj
+    parts = [ball("Head", 3), ball("Beside", 3)]
+    for part, size, place in zip(parts, (BIG, SMALL), (Vector(), Vector(CENTRE)), strict=True):
+        reach = np.abs(base_points(part)).max()
+        part.data.transform(Matrix.Translation(place) @ Matrix.Scale(0.5 * size / reach, 4))
+    make_active(*parts)
+    bpy.ops.object.join()
+    return parts[0]
 
 
 def stroke(length: float, middle: np.ndarray) -> list[dict[str, object]]:
@@ -102,7 +99,7 @@ def test_the_rings_of_the_active_control_are_as_large_as_it_reaches(head: bpy.ty
     assert radii(middle) == pytest.approx([0.4] * 3 + [1.6] * 3, rel=1e-4)
 
 
-def _handle(obj: bpy.types.Object) -> None:
+def _handles(obj: bpy.types.Object) -> None:
     bpy.ops.sinew.deformer_add(method="arap")
     for name in ("One", "Two"):
         press(obj, "handle_add", kind="HANDLE", vertex_group=name)
@@ -130,8 +127,8 @@ def _tool(obj: bpy.types.Object) -> None:
         press(obj, "tool_add", tool=tool)
 
 
-MAKERS: dict[str, Callable[[bpy.types.Object], None]] = {
-    "handles": _handle,
+MAKERS: dict[str, Callable[[bpy.types.Object], object]] = {
+    "handles": _handles,
     "handles beside a moved one": _handle_beside_a_moved_one,
     "point at the cursor": _point,
     "point under the mouse": _drag,
@@ -140,11 +137,6 @@ MAKERS: dict[str, Callable[[bpy.types.Object], None]] = {
     "cage": lambda obj: bpy.ops.sinew.cage_add(),
     "lattice": lambda obj: bpy.ops.sinew.lattice_add(),
 }
-
-
-def numbers(obj: bpy.types.Object) -> Iterator[float]:
-    """Those in the sidebar."""
-    yield from (*obj.location, *obj.rotation_euler, *(1.0 - size for size in obj.scale))
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -163,5 +155,5 @@ def test_a_fresh_control_shows_no_minus_zero(maker: str, turned: bool):
     made = [other for other in bpy.data.objects if other not in before and other.users_scene]
     assert made
     for other in made:
-        for value in numbers(other):
+        for value in (*other.location, *other.rotation_euler, *(1.0 - size for size in other.scale)):
             assert abs(value) >= 5e-7 or str(value) == "0.0", (other.name, value)

@@ -7,6 +7,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from expected import faces_of as expected_faces
 from inside import inner
 from mathutils import Matrix
 from rigs.cages import selected
@@ -63,21 +64,16 @@ def broken_plate() -> Rig:
     """Every fault once: a NaN inside, an infinite corner of its own, a sliver, a duplicate face, a fin, a
     loose vertex, and the far row of quads cut off along a seam."""
     obj = grid_object()
-    points = [tuple(vertex.co) for vertex in obj.data.vertices]
+    points = base_points(obj).tolist()
     faces = [tuple(face.vertices) for face in obj.data.polygons]
     bpy.data.objects.remove(obj)
     points[60] = (NAN, 0.0, 0.0)
-    seam = range(99, 110)
-    copies = {vertex: len(points) + row for row, vertex in enumerate(seam)}
-    points += [points[vertex] for vertex in seam]
+    copies = {vertex: 121 + row for row, vertex in enumerate(range(99, 110))}  # of the seam
+    points += [points[vertex] for vertex in copies]
     faces = [tuple(copies.get(v, v) for v in face) if max(face) >= 110 else face for face in faces]
-    loose, lost, tip = len(points), len(points) + 1, len(points) + 2
-    points += [(5.0, 0.0, 0.0), (float("inf"), 0.0, 0.0), (0.1, 0.1, 0.5)]
-    middle = len(points)
-    points += [(0.0, -0.9, 0.0)]
-    faces += [faces[7], (36, 37, tip), (4, 5, middle)]
-    points[middle] = tuple((np.array(points[4]) + points[5]) / 2.0)
-    assert (loose, lost) == (len(points) - 4, len(points) - 3)
+    loose, lost, tip, middle = (5.0, 0.0, 0.0), (float("inf"), 0.0, 0.0), (0.1, 0.1, 0.5), (-0.1, -1.0, 0.0)
+    points += [loose, lost, tip, middle]
+    faces += [faces[7], (36, 37, len(points) - 2), (4, 5, len(points) - 1)]
     return Rig(mesh_object(points, faces, "Plate"))
 
 
@@ -100,26 +96,21 @@ def test_every_fault_is_mended_and_counted():
 def test_the_operator_says_what_it_did_and_binds_again(capfd):
     plate = broken_plate()
     obj = plate.obj
-    add_regions(obj, "thin_shell", {"Base": "FIXED", "Top": "HANDLE"})
-    capfd.readouterr()
+    add_regions(obj, "thin_shell", {"Top": "HANDLE", "Base": "FIXED"})
     assert bpy.ops.sinew.repair() == {"FINISHED"}
     said = capfd.readouterr().out
     assert "Mended 2 vertices without a finite position, 11 coincident vertices" in said
-    assert obj.sinew.active.status_level == "INFO"
-    handle = next(handle for handle in obj.sinew.active.handles if handle.kind == "HANDLE")
-    handle.control.location.z += 0.5
-    top = [v.index for v in obj.data.vertices if v.co.y > 0.75]
-    assert np.abs(plate.points()[top, 2] - 0.5).max() < FLOAT32
-    middle = [v.index for v in obj.data.vertices if abs(v.co.y) < 0.3]
-    assert np.abs(plate.points()[middle, 2]).min() > 1e-3  # the seam passes the motion on
+    assert plate.deformer.status_level == "INFO"
+    plate.control.location.z += 0.5
+    points, along = plate.points(), plate.rest()[:, 1]
+    assert np.abs(points[along > 0.75, 2] - 0.5).max() < FLOAT32
+    assert np.abs(points[np.abs(along) < 0.3, 2]).min() > 1e-3  # the seam passes the motion on
 
 
 def test_a_mesh_that_is_well_is_left_alone(plate: Rig, capfd):
     plate.bind().lift(0.5)
     before, faces = plate.points(), faces_of(plate.obj)
-    make_active(plate.obj)
-    capfd.readouterr()
-    bpy.ops.sinew.repair()
+    press(plate.obj, "repair")
     assert "Nothing to mend" in capfd.readouterr().out
     assert faces_of(plate.obj) == faces
     assert np.array_equal(plate.points(), before)
@@ -140,25 +131,22 @@ def test_switched_off_cures_do_nothing():
 def test_groups_shape_keys_and_uvs_stay():
     plate = broken_plate()
     obj = plate.obj
-    mesh = obj.data
-    layer = mesh.uv_layers.new(name="Map")
-    for loop, corner in zip(layer.data, mesh.loops, strict=True):
-        place = mesh.vertices[corner.vertex_index].co
-        loop.uv = (place.x, place.y)
+    for loop, corner in zip(obj.data.uv_layers.new(name="Map").data, obj.data.loops, strict=True):
+        loop.uv = obj.data.vertices[corner.vertex_index].co.xy
     wave = add_key(obj, "Wave", Matrix.Translation((0.0, 0.0, 0.25)))
     wave.data[30].co.x = NAN
     press(obj, "repair")
-    mesh = obj.data
+    mesh, points = obj.data, base_points(obj)
     assert {group.name for group in obj.vertex_groups} == {"Top", "Base"}
     assert {element.weight for vertex in mesh.vertices for element in vertex.groups} == {1.0}
-    assert set(members(obj, "Top")) == {v.index for v in mesh.vertices if v.co.y > 0.75}
+    assert set(members(obj, "Top")) == set(np.flatnonzero(points[:, 1] > 0.75))
     basis, raised = (coordinates(mesh.shape_keys.key_blocks[name].data) for name in ("Basis", "Wave"))
-    assert np.abs(basis - base_points(obj)).max() < FLOAT32
+    assert np.abs(basis - points).max() < FLOAT32
     assert np.isfinite(raised).all()
     lifts = [np.abs(raised - basis - (0.0, 0.0, height)).max(axis=1) for height in (0.25, 0.0)]
     assert (np.minimum(*lifts) < FLOAT32).all()
     across = np.array([loop.uv[0] for loop in mesh.uv_layers["Map"].data])
-    off = np.abs(across - base_points(obj)[[corner.vertex_index for corner in mesh.loops], 0])
+    off = np.abs(across - points[[corner.vertex_index for corner in mesh.loops], 0])
     assert off[np.isfinite(across)].max() <= 1e-5
 
 
@@ -224,12 +212,10 @@ def test_what_is_meant_stays(shape: tuple, left: tuple[int, int]):
 
 def test_notes_name_each_fault_with_elements_and_remedy():
     plate = broken_plate()
-    Remedy = inner.status.Remedy
-    points, mesh = base_points(plate.obj), plate.obj.data
-    counts = np.array([len(face.vertices) for face in mesh.polygons], dtype=np.int32)
-    corners = np.array([v for face in mesh.polygons for v in face.vertices], dtype=np.int32)
-    lines = inner.mesh_notes.notes(inner.backend.diagnose(points, (counts, corners)))
-    assert all(line.remedy is Remedy.REPAIR and line.elements for line in lines)
+    points, notes = base_points(plate.obj), inner.mesh_notes.notes
+    found = inner.backend.diagnose(points, expected_faces(plate.obj.data))
+    lines = notes(found)
+    assert all(line.remedy is inner.status.Remedy.REPAIR and line.elements for line in lines)
     by_text = {line.text: line for line in lines}
     assert set(by_text) >= {
         "2 vertices without a finite position",
@@ -242,32 +228,26 @@ def test_notes_name_each_fault_with_elements_and_remedy():
     lost = np.flatnonzero(~np.isfinite(points).all(axis=1))
     assert set(by_text["2 vertices without a finite position"].elements.indices) == set(lost)
     assert by_text["1 duplicate face"].elements.element == "face"
-    hidden = inner.mesh_notes.notes(inner.backend.diagnose(points, (counts, corners)), selectable=False)
-    assert [line.text for line in hidden] == [line.text for line in lines]
-    assert not any(line.elements for line in hidden)
+    hidden = notes(found, selectable=False)
+    assert [(line.text, not line.elements) for line in hidden] == [(line.text, True) for line in lines]
 
 
-def overlapping(plate: Rig, name: str, where, weight: float = 1.0, bind: bool = True) -> set[int]:
+def overlapping(plate: Rig, name: str, where, weight: float = 1.0) -> set[int]:
     """A fixed region besides those of the plate; its vertices."""
-    if bind:
-        plate.bind()
-    group = add_group(plate.obj, name, where)
-    plate.obj.vertex_groups[name].add(group.tolist(), weight, "REPLACE")
+    group = add_group(plate.obj, name, where).tolist()
+    plate.obj.vertex_groups[name].add(group, weight, "REPLACE")
     press(plate.obj, "handle_add", kind="FIXED", vertex_group=name)
     return set(group)
 
 
 def test_shared_vertices_stay_in_the_first_region(plate: Rig, capfd):
+    plate.bind()
     shared = overlapping(plate, "Overlap", lambda point: point[1] > 0.55)
     line = inner.status.current(plate.deformer.uid)
     assert (line.level.name, line.remedy.name) == ("ERROR", "PART_REGIONS")
     assert "Top and Overlap share 22 vertices" in line.text
     assert np.array_equal(plate.points(), plate.rest())
     assert selected(plate.obj, "vertex")[1] == set(plate.top) & shared
-    bpy.ops.sinew.handle_remove()
-    assert plate.deformer.status_level == "INFO"
-    overlapping(plate, "Overlap", lambda point: point[1] > 0.55, bind=False)
-    capfd.readouterr()
     assert bpy.ops.sinew.part_regions() == {"FINISHED"}
     assert "22 vertices are now in Top alone, no longer in Overlap" in capfd.readouterr().out
     assert set(members(plate.obj, "Top")) == set(plate.top)
@@ -275,12 +255,13 @@ def test_shared_vertices_stay_in_the_first_region(plate: Rig, capfd):
     assert plate.deformer.status_level == "INFO"
     plate.lift(0.5)
     assert np.abs(plate.points()[plate.top, 2] - 0.5).max() < FLOAT32
+    make_active(plate.obj)
     assert bpy.ops.sinew.part_regions() == {"CANCELLED"}  # nothing is shared now
 
 
 def test_a_handle_inside_a_fixed_part_keeps_its_vertices(plate: Rig):
     press(plate.obj, "deformer_add", method="thin_shell")
-    everything = overlapping(plate, "All", lambda point: True, bind=False)
+    everything = overlapping(plate, "All", lambda point: True)
     press(plate.obj, "handle_add", kind="HANDLE", vertex_group="Top")
     bpy.ops.sinew.part_regions()
     assert set(members(plate.obj, "Top")) == set(plate.top)
@@ -289,9 +270,10 @@ def test_a_handle_inside_a_fixed_part_keeps_its_vertices(plate: Rig):
 
 
 def test_two_regions_of_the_same_vertices_are_refused_unless_one_is_soft(plate: Rig):
+    plate.bind()
     overlapping(plate, "Soft", lambda point: point[1] > 0.75, weight=0.5)
     assert bpy.ops.sinew.part_regions() == {"CANCELLED"}
     assert plate.deformer.status_level == "INFO"
-    overlapping(plate, "Twin", lambda point: point[1] > 0.75, bind=False)
+    overlapping(plate, "Twin", lambda point: point[1] > 0.75)
     refused("Top and Twin are the same vertices", "part_regions")
     assert set(members(plate.obj, "Twin")) == set(plate.top)

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from pathlib import Path
 from types import SimpleNamespace
+from unittest.mock import Mock
 
 import bpy
 import numpy as np
@@ -99,25 +100,22 @@ def test_escape_in_the_middle_leaves_the_disk_and_the_scene_as_they_were(pair, t
         def report(self, _kind: set[str], text: str) -> None:
             said.append(text)
 
-    job = inner.bake.Transferring(
-        plate.obj, target, bpy.context.scene, range(1, 50_000), str(tmp_path / "stout")
-    )
-    operator = Operator()
+    path, operator = str(tmp_path / "stout"), Operator()
+    job = inner.bake.Transferring(plate.obj, target, bpy.context.scene, range(1, 50_000), path)
     operator._job, operator._timer = job, object()
-    context = SimpleNamespace(
-        window_manager=SimpleNamespace(
-            progress_update=lambda done: None,
-            progress_end=lambda: said.append("progress ends"),
-            event_timer_remove=lambda timer: said.append("timer ends"),
-        ),
-        workspace=SimpleNamespace(status_text_set=lambda text: None),
-    )
-    send = lambda kind, value="PRESS": operator.modal(context, SimpleNamespace(type=kind, value=value))  # noqa: E731
+    manager, space = Mock(), Mock()
+    context = SimpleNamespace(window_manager=manager, workspace=space)
+
+    def send(kind: str, value: str = "PRESS") -> set[str]:
+        return operator.modal(context, SimpleNamespace(type=kind, value=value))
+
     assert send("TIMER") == send("MOUSEMOVE") == send("ESC", "RELEASE") == {"RUNNING_MODAL"}
     assert 0 < job.done < job.total
     assert list(tmp_path.iterdir())  # a part of the file
     assert send("ESC") == {"CANCELLED"}
-    assert said == ["progress ends", "timer ends", "It was cancelled"]
+    assert said == ["It was cancelled"]
+    manager.progress_end.assert_called_once()
+    manager.event_timer_remove.assert_called_once()
     assert not list(tmp_path.iterdir())
     assert not target.modifiers
     assert bpy.context.scene.frame_current == 3
