@@ -12,14 +12,9 @@ import inside
 import installed
 import pytest
 from baking import animate
-from overlays import OPACITY
 from registry import without_method
 from rigs.kinds import RIGS, HandleRig
-from rigs.rig import (
-    Rig,
-    new_file,
-    save,
-)
+from rigs.rig import Rig, new_file, save
 
 # isort: split
 import addon_utils  # comes with bpy, not before it
@@ -179,7 +174,7 @@ def overlay(room, scene):
     module.cache.clear()
     preferences = room("preferences").preferences(bpy.context)
     preferences.overlay_opacity = 1.0
-    bpy.context.scene.sinew.opacity = OPACITY
+    bpy.context.scene.sinew.opacity = inside.OPACITY
     bpy.app.handlers.depsgraph_update_post.append(module.on_update)
     yield module
     bpy.app.handlers.depsgraph_update_post.remove(module.on_update)

@@ -26,6 +26,7 @@ from situations import (
     first_steps,
     leads_somewhere,
     operator_rna,
+    our_structs,
     sidebar,
     visible,
 )
@@ -151,21 +152,6 @@ def words_of(structs: Iterable[bpy.types.Struct]) -> set[str]:
     return found
 
 
-def our_structs() -> list[bpy.types.Struct]:
-    """Operators, groups of properties and preferences."""
-    found = [operator_rna(f"sinew.{name}") for name in dir(bpy.ops.sinew)]
-    found.append(inner.preferences.SinewPreferences.bl_rna)
-    waiting = [
-        owner.bl_rna.properties["sinew"] for owner in (bpy.types.Object, bpy.types.Scene, bpy.types.PoseBone)
-    ]
-    while waiting:
-        struct = getattr(waiting.pop(), "fixed_type", None)
-        if struct is not None and struct.identifier.lower().startswith("sinew") and struct not in found:
-            found.append(struct)
-            waiting += struct.properties
-    return found
-
-
 @functools.cache
 def shown_by_sinew() -> frozenset[str]:
     tool = inner.drag_tool.SINEW_WT_drag.bl_label
@@ -282,6 +268,7 @@ def test_our_keys_are_on_the_pages():
 
 def test_each_page_of_the_manual_can_be_opened_from_blender():
     opened = {page for page, *_rest in inner.operators.PAGES}
+    assert all(inner.help.manual_page(page).is_file() for page in opened)
     assert opened == {page.stem for page in MANUAL} - {"README"} | {"methods/comparison"}
 
 

@@ -20,6 +20,9 @@ import installed
 import pytest
 from rigs.rig import update
 
+OPACITY = 0.5  # of overlays, in tests
+
+
 MODULES = {
     "animation_paths": "session.datablocks.animation_paths",
     "backend": "backend",

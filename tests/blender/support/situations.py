@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import bpy
 import installed
+from inside import inner
 from rigs.cages import ball, box, surround
 from rigs.point_objects import bezier, hair, lattice, text
 from rigs.puppets import figure
@@ -104,6 +105,20 @@ _ARGUMENTS = {
 def operator_rna(name: str) -> bpy.types.Struct:
     group, _dot, verb = name.partition(".")
     return getattr(getattr(bpy.ops, group), verb).get_rna_type()
+
+
+def our_structs() -> list[bpy.types.Struct]:
+    """Operators, groups of properties and preferences."""
+    found = [operator_rna(f"sinew.{name}") for name in dir(bpy.ops.sinew)]
+    found.append(inner.preferences.SinewPreferences.bl_rna)
+    owners = (bpy.types.Object, bpy.types.Scene, bpy.types.PoseBone)
+    waiting = [owner.bl_rna.properties["sinew"] for owner in owners]
+    while waiting:
+        struct = getattr(waiting.pop(), "fixed_type", None)
+        if struct is not None and struct.identifier.lower().startswith("sinew") and struct not in found:
+            found.append(struct)
+            waiting += struct.properties
+    return found
 
 
 def _opening(known: bpy.types.Property | None, operator: str = "") -> Callable[[], Iterator[Step]]:
