@@ -43,13 +43,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.fixture(scope="session")
 def addon_name() -> str:
-    """The module name of the installed add-on."""
     return installed.name()
 
 
 @pytest.fixture(scope="session")
 def addon(addon_name: str) -> ModuleType:
-    """The installed add-on."""
     return importlib.import_module(addon_name)
 
 
@@ -133,7 +131,6 @@ def posed_plate(tmp_path: Path) -> HandleRig:
 
 @pytest.fixture
 def bound_plate(plate: Rig) -> Rig:
-    """The plate with a thin shell, bound."""
     return plate.bind("thin_shell")
 
 
@@ -197,7 +194,6 @@ def paint(overlay, room):
 
 @pytest.fixture
 def viewport(scene):
-    """The context of a 3D Viewport."""
     window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     region = next(region for region in area.regions if region.type == "WINDOW")

@@ -62,6 +62,11 @@ def test_nobody_is_told_to_install_something_on_a_processor_that_is_too_old(monk
     assert "nstall" not in remedy
 
 
+def test_another_version_of_the_module_asks_for_a_restart(backend, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(loader, "VERSION", "99.0.0")
+    assert "Restart Blender" in loader.load().remedy
+
+
 @pytest.mark.parametrize(
     ("folder", "name"),
     [

@@ -47,11 +47,6 @@ def file_is_missing() -> None:
     catch_up()
 
 
-def sculpting() -> None:
-    situations.handles()
-    bpy.ops.object.mode_set(mode="SCULPT")
-
-
 def posing_a_cage() -> None:
     situations.cage()
     assert bpy.ops.sinew.control_edit() == {"FINISHED"}
@@ -78,7 +73,7 @@ SITUATIONS: dict[str, tuple[Callable[[], object], int, str]] = {
     "hair": (MADE["hair"], 5, "move-loose-parts"),
     "a lattice object": (MADE["a lattice object"], 5, "move-loose-parts"),
     "a mesh in Edit Mode": (MADE["a mesh in Edit Mode"], 5, "start"),
-    "Sculpt Mode": (sculpting, 2, "start"),
+    "Sculpt Mode": (lambda: situations.handles(mode="SCULPT"), 2, "start"),
     "handles": (MADE["handles"], 6, "shape-a-sheet"),
     "handles in Edit Mode": (MADE["handles in Edit Mode"], 11, "shape-a-sheet"),
     "handles in Weight Paint": (MADE["handles in Weight Paint"], 6, "shape-a-sheet"),

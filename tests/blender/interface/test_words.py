@@ -162,9 +162,7 @@ def test_the_report_after_add_handle_is_the_state_after_it(plate: Rig, capfd: py
     assert "1 handle, 1 still" in plate.deformer.status
 
 
-def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(
-    plate: Rig, monkeypatch: pytest.MonkeyPatch
-):
+def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(plate: Rig, monkeypatch):
     """The report comes when the thread has ended, and tells the state then."""
     use_threads(monkeypatch)
     waiting, said = inner.waiting, []
@@ -419,9 +417,7 @@ def test_a_copied_modifier_says_what_to_do(bound_plate: Rig):
 
 
 @pytest.mark.parametrize("kind", ["handles", "cage"])
-def test_nothing_is_printed_when_a_script_deletes_what_is_deformed(
-    kind: str, capfd: pytest.CaptureFixture, tmp_path: Path
-):
+def test_nothing_is_printed_when_a_script_deletes_what_is_deformed(kind: str, capfd, tmp_path: Path):
     if kind == "cage":
         target, controls = ball(), [box()]
         surround(target, controls[0])
