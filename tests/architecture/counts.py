@@ -72,7 +72,6 @@ def found(pattern: str, *folders: str, outside: str = "") -> int:
 
 
 def crowded_folders() -> int:
-    """Folders of more than 20 sources."""
     sizes = Counter(path.parent for path in of_kind(SOURCES, "native", "addon", *YARD))
     return sum(size > 20 for size in sizes.values())
 
@@ -107,7 +106,6 @@ def functions(*folders: str) -> Iterator[ast.FunctionDef]:
 
 
 def long_signatures() -> int:
-    """Functions of the session with more than six parameters."""
     arguments = (function.args for function in functions("addon/session"))
     return sum(len(each.posonlyargs + each.args + each.kwonlyargs) > 6 for each in arguments)
 
@@ -124,7 +122,6 @@ def control_classes() -> int:
 
 
 def handed_on() -> int:
-    """Names that the face of the session imports from its rooms."""
     tree = parsed(ROOT / "addon/session/__init__.py")
     return sum(len(node.names) for node in tree.body if isinstance(node, ast.ImportFrom))
 
@@ -146,7 +143,6 @@ def repetitions() -> int:
 
 
 def naming(word: str) -> int:
-    """Files of native/ and addon/ that name a parameter."""
     return sum(bool(re.search(rf"\b{word}\b", text(path))) for path in of_kind(CODE, "native", "addon"))
 
 

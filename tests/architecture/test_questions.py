@@ -35,9 +35,7 @@ def linked(page: Path) -> set[Path]:
 
 
 @pytest.mark.parametrize(("question", "answer", "words"), QUESTIONS, ids=[row[0] for row in QUESTIONS])
-def test_a_question_is_answered_within_two_links_of_the_readme(
-    question: str, answer: str, words: str
-) -> None:
+def test_a_question_is_answered_within_two_links_of_the_readme(question: str, answer: str, words: str):
     near = linked(ROOT / "README.md")
     pages = near | {file for page in near for file in linked(page)}
     assert ROOT / answer in pages, question

@@ -48,13 +48,10 @@ def test_wheel_records_every_file(tmp_path: Path) -> None:
     assert len(record) == 3
 
 
-def test_names_that_a_host_may_bring_too_are_changed_and_those_of_the_system_stay() -> None:
+def test_what_a_host_may_bring_too_is_renamed_and_what_is_of_the_system_or_the_compiler_stays() -> None:
     brought = ("dgemm_", "openblas_set_num_threads", "cholmod_start", "_ZN3tbb6detail2r115spawnEv")
     own = ("_ZNSt6vectorIiE", "_ZTISt9exception", "_ZNKSt5ctypeIcE", "_init", "_edata")
     assert all(map(RENAMED.match, brought))
     assert not any(map(RENAMED.match, own))
-
-
-def test_libraries_that_only_serve_the_compiler_stay() -> None:
     assert all(map(OWNED.match, ("libopenblasp-r0.so", "libccolamd.so.2", "libtbb-1.so.12")))
     assert not any(map(OWNED.match, ("libgomp.so.1", "libgfortran.so")))

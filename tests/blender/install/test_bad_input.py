@@ -19,7 +19,6 @@ from rigs.rig import (
     close,
     grid_object,
     make_active,
-    new_object,
     press,
     refused,
     subdivided,
@@ -113,21 +112,6 @@ def test_zero_area_mesh(plate: Rig):
     assert_lifted(plate)
 
 
-def test_messy_mesh_binds_and_follows():
-    """A duplicate face, a zero-area face, a loose vertex, a non-manifold edge, a loose edge."""
-    mesh = grid_object().data
-    points = [tuple(vertex.co) for vertex in mesh.vertices]
-    faces = [tuple(polygon.vertices) for polygon in mesh.polygons]
-    count = len(points)
-    points += [(0.0, 0.0, 1.0), (3.0, 3.0, 3.0), (0.5, 0.5, 0.0)]
-    faces += [faces[12], (60, 61, count), (40, 41, 42)]
-    rig = Rig(new_object("Messy", points, faces, [(count + 1, 5)])).bind("arap")
-    rig.lift(0.5)
-    assert np.isfinite(rig.points()).all()
-    hard = np.setdiff1d(rig.top, [count + 1])
-    assert rig.points()[hard, 2] - rig.rest()[hard, 2] == pytest.approx(0.5, abs=4e-6)
-
-
 @pytest.mark.parametrize("method", WITH_HANDLES)
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
 def test_not_finite_coordinates_are_counted_and_the_rest_works(plate: Rig, method: str, value: float):
@@ -149,16 +133,14 @@ def test_not_finite_coordinates_are_counted_and_the_rest_works(plate: Rig, metho
     np.testing.assert_allclose(plate.points(), reference.points(), atol=1e-5)
 
 
-def test_control_scaled_to_zero_flattens_its_region_only(plate: Rig):
+def test_control_scaled_to_zero_flattens_its_region_only_and_a_target_says_so(plate: Rig):
     plate.bind()
     plate.control.scale = (0.0, 0.0, 0.0)
     points = plate.points()
     assert np.ptp(points[plate.top], axis=0).max() < 1e-6
     assert np.isfinite(points).all()
-
-
-def test_target_scaled_to_zero_says_so(plate: Rig):
-    plate.bind().lift(0.5)
+    plate.control.scale = (1.0, 1.0, 1.0)
+    plate.lift(0.5)
     plate.obj.scale = (1.0, 1.0, 0.0)
     assert_at_rest(plate)
     assert "scale" in plate.deformer.status
@@ -202,12 +184,6 @@ def test_what_the_artist_does_without_the_native_module_is_kept(plate: Rig, monk
     press(plate.obj, "bind")
     assert plate.deformer.status_level == "INFO"
     assert_lifted(plate, 0.75)
-
-
-def test_another_version_of_the_module_asks_for_a_restart(monkeypatch: pytest.MonkeyPatch):
-    loader = inner.loader
-    monkeypatch.setattr(loader, "VERSION", "99.0.0")
-    assert "Restart Blender" in loader.load().remedy
 
 
 @pytest.mark.parametrize(("method", "painted"), [("arap", "rigidity"), ("thin_shell", "bending")])

@@ -91,10 +91,7 @@ RIGS = {
 
 @pytest.fixture(params=RIGS)
 def lost(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[str, np.ndarray]:
-    """The name of a target, and what it showed when the file was saved; then its library went away.
-
-    Beside it is another rig, which lacks nothing.
-    """
+    """A target and what it showed before its library went away; beside it is a rig that lacks nothing."""
     target = RIGS[request.param](tmp_path)
     other = HandleRig.new("Other").start()
     other.lift(0.5)

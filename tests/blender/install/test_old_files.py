@@ -40,9 +40,7 @@ def opened(old: str) -> None:
 
 
 @pytest.mark.parametrize("saved_again", [False, True])
-def test_it_shows_what_it_showed_with_its_cages_and_goes_on(
-    opened, tmp_path: Path, saved_again: bool
-) -> None:
+def test_it_shows_what_it_showed_with_its_cages_and_goes_on(opened, tmp_path: Path, saved_again: bool):
     if saved_again:
         reopen(tmp_path / "new.blend")
         update()

@@ -59,21 +59,18 @@ class KeyMaps(dict):
         return self.setdefault(name, SimpleNamespace(name=name, keymap_items=KeyItems()))
 
 
-@pytest.fixture
-def keyconfig(monkeypatch):
-    """A keyconfig as a window has it, with a key of someone else."""
-    made = SimpleNamespace(keymaps=KeyMaps())
-    made.keymaps.new("3D View", "VIEW_3D").keymap_items.new(
-        "wm.call_menu_pie", "Q", "PRESS"
-    ).properties.name = "X"
+def with_keys(monkeypatch, made) -> None:
     manager = SimpleNamespace(keyconfigs=SimpleNamespace(addon=made))
     fake = SimpleNamespace(context=SimpleNamespace(window_manager=manager))
     monkeypatch.setattr(inner.keymap, "bpy", fake)
-    return made
 
 
-def test_keys_come_and_go_with_the_add_on(keyconfig):
-    items = keyconfig.keymaps["3D View"].keymap_items
+def test_keys_come_and_go_with_the_add_on(monkeypatch):
+    """In a keyconfig as a window has it, with a key of someone else."""
+    keyconfig = SimpleNamespace(keymaps=KeyMaps())
+    items = keyconfig.keymaps.new("3D View", "VIEW_3D").keymap_items
+    items.new("wm.call_menu_pie", "Q", "PRESS").properties.name = "X"
+    with_keys(monkeypatch, keyconfig)
     inner.keymap.register()
     assert [item.idname for item in items[1:]] == [s.operator for s in inner.preferences.SHORTCUTS]
     assert [item.type for item in items[1:]] == [s.key for s in inner.preferences.SHORTCUTS]
@@ -83,9 +80,7 @@ def test_keys_come_and_go_with_the_add_on(keyconfig):
 
 
 def test_without_a_keyconfig_there_are_no_keys_and_no_error(monkeypatch):
-    manager = SimpleNamespace(keyconfigs=SimpleNamespace(addon=None))
-    fake = SimpleNamespace(context=SimpleNamespace(window_manager=manager))
-    monkeypatch.setattr(inner.keymap, "bpy", fake)
+    with_keys(monkeypatch, None)
     inner.keymap.register()
     inner.keymap.unregister()
 
@@ -133,16 +128,9 @@ def test_defaults_stand_in_where_blender_has_no_entry(values):
     assert inner.preferences.preferences(bpy.context).drag_budget == 40.0
     for name, value in vars(defaults).items():
         shown = getattr(values, name)
-        assert (
-            tuple(shown) == pytest.approx(value)
-            if isinstance(value, tuple)
-            else shown == pytest.approx(value)
-        )
-    assert set(vars(defaults)) == {p.identifier for p in values.bl_rna.properties} - {
-        "bl_idname",
-        "rna_type",
-        "section",
-    }
+        assert (tuple(shown) if isinstance(value, tuple) else shown) == pytest.approx(value), name
+    known = {prop.identifier for prop in values.bl_rna.properties}
+    assert set(vars(defaults)) == known - {"bl_idname", "rna_type", "section"}
 
 
 def test_limits_reach_the_native_module_on_change_and_on_load(values, monkeypatch):
@@ -188,8 +176,3 @@ def test_help_tells_the_path_where_there_is_no_window(monkeypatch, tmp_path, cap
     monkeypatch.setattr(inner.help, "_ADDON", tmp_path)
     assert bpy.ops.sinew.help(page="troubles") == {"FINISHED"}
     assert str(page) in "".join(capfd.readouterr())
-
-
-def test_every_page_came_with_the_add_on():
-    for page, *_rest in inner.operators.PAGES:
-        assert inner.help.manual_page(page).is_file()

@@ -87,10 +87,7 @@ def space_warp(
     options: dict[str, object],
     strengths: list[np.ndarray],
 ) -> Callable[[np.ndarray, np.ndarray | None], np.ndarray]:
-    """A warp of ``rest`` (n, 3) by a new native object whose handles hold points: takes poses (k, 3, 4).
-
-    Each of the ``members`` is held by its strength.
-    """
+    """A warp of ``rest`` (n, 3) for poses (k, 3, 4), by a new native object; members have strengths."""
     mesh, weights = native().SurfaceMesh(rest, faces), np.concatenate(strengths)
     solver = on_handle_points(row, members, options, mesh, weights)
     solver.bind(rest)
@@ -119,10 +116,7 @@ class Poses(ABC):
 
 
 class Expected(Poses):
-    """What a mesh with one handle and fixed regions must show.
-
-    ``points`` (n, 3) is the rest shape where it is not the mesh itself.
-    """
+    """What a mesh with one handle and fixed regions must show, whose rest are its own or other ``points``."""
 
     def __init__(
         self,

@@ -42,10 +42,12 @@ def _text(node: ast.AST) -> Iterator[str]:
         yield re.sub(r"\{\w*\}|%[ds]|%\.\d+f", GAP, node.value)
 
 
+@functools.cache
 def of_the_addon() -> list[str]:
     return [text for path in sorted(ADDON.rglob("*.py")) for text in sentences(path)]
 
 
+@functools.cache
 def of_the_library() -> list[str]:
     """The clauses of literals in C++ that are long enough to be known again."""
     found = []

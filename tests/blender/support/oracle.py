@@ -79,9 +79,7 @@ class Oracle:
         return bool(missing)
 
     def skip_poses(self, obj: bpy.types.Object) -> None:
-        """Forget the poses of an object that is not compared now, since only the add-on has followed its
-        controls.
-        """
+        """Forget the poses of an object that is not compared: only the add-on has followed its controls."""
         for deformer in obj.sinew.deformers:
             self.recalled |= {(deformer.uid, handle.uid) for handle in deformer.handles}
 

@@ -11,12 +11,7 @@ import numpy as np
 
 _methods = importlib.import_module(f"{installed.name()}.core.methods")
 METHODS, BY_ID = _methods.METHODS, _methods.BY_ID
-Control, Moved, Posed, Reproduced = (
-    _methods.Control,
-    _methods.Moved,
-    _methods.Posed,
-    _methods.Reproduced,
-)
+Control, Moved, Posed, Reproduced = (_methods.Control, _methods.Moved, _methods.Posed, _methods.Reproduced)
 TAKES_MINUTES = {"finest"}  # choices that are meant for references
 
 

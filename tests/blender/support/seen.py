@@ -54,7 +54,6 @@ def words() -> list[object]:
 
 
 def shapes() -> Iterator[np.ndarray]:
-    """Of each object, and where it is."""
     for obj in bpy.context.scene.objects:
         yield np.array(obj.matrix_world)
         if obj.mode == "EDIT":

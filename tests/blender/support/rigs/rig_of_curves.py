@@ -63,7 +63,6 @@ def new_class(base: type) -> type:
 
         @property
         def held(self) -> np.ndarray:
-            """The vertices on the wire."""
             return np.flatnonzero(base_points(self.obj)[:, 1] > 0.99)
 
         def attach(self, method: str) -> None:

@@ -36,7 +36,6 @@ def new_class(base: type) -> type:
 
         @property
         def held(self) -> np.ndarray:
-            """The vertices that stay in the inner ball."""
             away = np.linalg.norm(base_points(self.obj), axis=1)
             return np.flatnonzero(away < 0.99 * INNER)
 
