@@ -6,7 +6,6 @@ import pytest
 
 import sinew_native as sn
 
-from .. import limits
 from ..cages import CUBE, QUADS, bound, u_prism
 from ..meshes import halved, joined, moved, sphere, turn
 from .test_cages import bumpy, near
@@ -272,13 +271,6 @@ def test_harmonic_weights_do_not_depend_on_units_or_place() -> None:
     )
     # Rounding of points to 1e-13 of the cage, and a system of condition 1e4.
     np.testing.assert_allclose(there, here, rtol=0, atol=1e-6)
-
-
-def test_harmonic_weights_above_the_memory_limit_are_refused() -> None:
-    harmonic, middle = sn.Harmonic(CAGES["cube"], solver="boundary"), np.full((1, 3), 0.4)
-    with limits.memory(1 << 20), pytest.raises(sn.OutOfMemory):
-        harmonic.bind(middle)
-    assert not len(harmonic.bind(middle).outside)
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,6 @@ from scipy.interpolate import RBFInterpolator
 
 import sinew_native as sn
 
-from .. import limits
 from ..figures import animal
 from ..meshes import edges_of, grid, moved, quad_grid, shift, turn
 from ..oracles.test_oracles_points import least_squares
@@ -197,13 +196,6 @@ def test_refusals_name_handles() -> None:
     with pytest.raises(sn.InvalidConstraint):
         sn.Mls(HANDLES, segments=[[0, 60]])
     assert sn.Mls(HANDLES * (1, 1, 0), maps="affine").maps == "rigid"
-
-
-@pytest.mark.parametrize("method", [sn.Rbf, sn.Mls, sn.SpacePropagation, sn.Wires])
-def test_what_memory_does_not_hold_is_refused(method: type) -> None:
-    made = method(HANDLES)
-    with limits.memory(1000), pytest.raises(sn.OutOfMemory):
-        made.bind(np.tile(POINTS, (10, 1)))
 
 
 def longest_edge(before: np.ndarray, after: np.ndarray, faces: np.ndarray) -> float:

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Beside handles that are small for a figure, such as its feet, the surface does not crumple."""
+"""Beside handles that are small for a figure, such as its feet, the surface does not crumple; and a handle that
+holds its vertices almost fully moves the surface almost as one that holds them fully.
+"""
 
 from collections.abc import Callable
 
@@ -9,7 +11,8 @@ import pytest
 import sinew_native as sn
 
 from ..figures import animal, spot
-from ..meshes import STILL, turn
+from ..meshes import STILL, ends, off, sphere, turn
+from ..methods import SURFACE_METHODS, made
 
 
 def feet(points: np.ndarray) -> list[np.ndarray]:
@@ -52,3 +55,15 @@ def test_nothing_folds_beside_feet(figure: Callable) -> None:
     assert folds(points, faces) == 0
     assert sum(found[160]) > 5
     assert found[0] == [0, 0]
+
+
+@pytest.mark.parametrize("method", SURFACE_METHODS)
+def test_weights_near_one_are_nearly_one(method: type) -> None:
+    points, faces = sphere(4)
+    points = points * (3, 1, 1)
+    surface = made(method, sn.SurfaceMesh(points, faces))
+    shapes = []
+    for weight in (1.0, 0.999, 1.0 - 1e-5, 1.0 - 1e-9):
+        surface.set_handles(ends(points, 0.8), [1.0, weight])
+        shapes.append(surface.solve([STILL, turn((0, 0, 1), 60, move=(-0.5, 0.8, 0.0))])[0])
+    assert max(off(shape, shapes[0]) for shape in shapes[1:]) < 0.003 * 6.0
