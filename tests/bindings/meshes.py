@@ -141,6 +141,11 @@ def moved(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
     return points @ pose[:, :3].T + pose[:, 3]
 
 
+def carried(poses: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Each point (n, 3) by a pose of its own."""
+    return np.einsum("nij,nj->ni", poses[:, :, :3], points) + poses[:, :, 3]
+
+
 def off(a: np.ndarray, b: np.ndarray) -> float:
     """The longest way from a point to its fellow."""
     return np.linalg.norm(a - b, axis=1).max()

@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Beside handles that are small for a figure, such as its feet, the surface does not crumple; and a handle that
-holds its vertices almost fully moves the surface almost as one that holds them fully.
-"""
+"""Small handles do not crumple the surface, and those that hold almost fully move it as if they did."""
 
 from collections.abc import Callable
 
