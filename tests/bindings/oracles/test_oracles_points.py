@@ -6,7 +6,7 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, moved, nearest_rotations, shift, turn
+from ..meshes import STILL, grid, moved, nearest_rotations, off, shift, turn
 
 KERNELS = {
     "triharmonic": lambda r: r**3,
@@ -216,18 +216,40 @@ def test_points_anywhere_stay_finite(kernel: str, radius: float) -> None:
         assert found[3, 2] == pytest.approx(1, abs=1e-12)
 
 
-def test_an_incremental_fit_is_within_its_bound_by_ever_more_centres() -> None:
-    points, counts, goals = regions(900)
-    last = 0
-    for tolerance in (1e-2, 1e-3, 1e-4):
-        rbf = sn.Rbf(points, counts, tolerance=tolerance, precision="double")
-        report = rbf.bind(points)
-        longest = np.linalg.norm(posed(rbf.control) - rbf.control, axis=1).max()
-        off = np.linalg.norm(rbf.warp(posed(rbf.control)) - goals, axis=1).max()
-        assert off <= report.error * longest
+HILL = grid(95)[0]  # 9,216 points
+# Regions from one place along x to another, as shares of the length.
+REGIONS = {
+    "with a gap": ((0.0, 0.45), (0.6, 1.0)),
+    "side by side": ((0.0, 0.5), (0.51, 1.0)),
+    "a strip within": ((0.0, 0.4), (0.41, 0.44), (0.46, 1.0)),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "tolerances"), [(name, [1e-3]) for name in REGIONS] + [("with a gap", [1e-2, 1e-3, 1e-4])]
+)
+def test_large_regions_are_met_within_the_tolerance_by_ever_more_centres(name: str, tolerances) -> None:
+    x, moves, last = HILL[:, 0] / 95, np.array([[0, 0, 0], [1, 2, 3], [-2, 1, 0]])[: len(REGIONS[name])], 0
+    counts = [np.sum((low <= x) & (x <= high)) for low, high in REGIONS[name]]
+    rest = np.concatenate([HILL[(low <= x) & (x <= high)] for low, high in REGIONS[name]])
+    for tolerance in tolerances:
+        rbf = sn.Rbf(rest, counts, tolerance=tolerance, precision="double")
+        report = rbf.bind(rest)
+        missed = off(
+            rbf.warp(rbf.control + np.repeat(moves, 4, axis=0)), rest + np.repeat(moves, counts, axis=0)
+        )
+        assert missed <= report.error * np.linalg.norm(moves, axis=1).max()
         assert report.error <= 1.001 * tolerance
-        assert last < len(rbf.centres) < 1700
+        assert report.remarks == []
+        assert last < len(rbf.centres) < len(rest)
         last = len(rbf.centres)
+
+
+def test_more_single_points_than_a_dense_system_takes_quickly_are_remarked_on() -> None:
+    points = cloud(3001, 1.0, 2)
+    [remark] = sn.Rbf(points).bind(points[:1]).remarks
+    assert remark.startswith("3001 handle points")
+    assert sn.Rbf(points, kernel="wendland_c2", radius=0.05).bind(points[:1]).remarks == []
 
 
 CLOUD = cloud(60, 1.0, 51)

@@ -7,39 +7,27 @@ import scipy.sparse.linalg as linalg
 
 import sinew_native as sn
 
-from ..cages import OUTLINE, bound, u_prism
+from ..cages import bound, u_prism
 
 CAPS = [(0, 1, 4), (0, 4, 5), (1, 2, 3), (1, 3, 4), (0, 5, 6), (0, 6, 7)]  # triangles of the outline
 
 
 def surface() -> sn.SurfaceMesh:
-    return u_prism(CAPS)
+    """Of triangles."""
+    quads = u_prism(CAPS)
+    return sn.SurfaceMesh(quads.points, quads.triangles)
 
 
-def caps_data(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """(n, 8) the outline's vertices as linear functions on the triangles of a cap."""
-    found = np.zeros((len(x), 8))
-    done = np.zeros(len(x), bool)
-    for triangle in CAPS:
-        system = np.vstack((OUTLINE[list(triangle)].T, np.ones(3)))
-        hats = np.linalg.solve(system, np.vstack((x, y, np.ones_like(x)))).T
-        holds = (hats > -1e-9).all(1) & ~done
-        found[np.ix_(holds, triangle)] = hats[holds]
-        done |= holds
-    return found
-
-
-def side_data(x: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """(n, 8) the same along the sides of the outline."""
-    found = np.zeros((len(x), 8))
-    done = np.zeros(len(x), bool)
-    for i, (start, along) in enumerate(zip(OUTLINE, np.roll(OUTLINE, -1, 0) - OUTLINE, strict=True)):
-        away = np.stack((x, y), -1) - start
-        share = away @ along / (along @ along)
-        holds = (abs(away[:, 0] * along[1] - away[:, 1] * along[0]) < 1e-9) & (abs(share - 0.5) < 0.5 + 1e-9)
-        holds &= ~done
-        found[holds, i], found[holds, (i + 1) % 8] = 1 - share[holds], share[holds]
-        done |= holds
+def on_surface(points: np.ndarray) -> np.ndarray:
+    """(n, 16) the vertices as linear functions on the triangles, for points on these."""
+    cage, found = surface(), np.zeros((len(points), 16))
+    for corners in cage.triangles:
+        a, b, c = cage.points[corners]
+        frame = np.column_stack([b - a, c - a, np.cross(b - a, c - a)])
+        u, v, away = np.linalg.solve(frame, (points - a).T)
+        holds = (abs(away) < 1e-9) & (np.minimum(u, v) > -1e-9) & (u + v < 1 + 1e-9)
+        found[holds] = 0.0
+        found[np.ix_(holds, corners)] = np.stack([1 - u - v, u, v], 1)[holds]
     return found
 
 
@@ -50,17 +38,11 @@ def by_differences(cells: int) -> tuple[np.ndarray, np.ndarray]:
     rim = (x == 0) | (x == 3 * cells) | (y == 0) | (y == 3 * cells)
     rim |= ((x == cells) | (x == 2 * cells)) & (y >= cells)
     rim |= (y == cells) & (x >= cells) & (x <= 2 * cells)
-    caps = (z == 0) | (z == cells)
     used = ~hollow
-    free = used & ~rim & ~caps
+    free = used & ~rim & (z > 0) & (z < cells)
+    nodes = np.stack((x, y, z), -1) / cells
     data = np.zeros((len(x), 16))
-    for level, half in ((0, slice(0, 8)), (1, slice(8, 16))):
-        on_side = used & rim
-        height = z[on_side] / cells
-        share = height if level else 1 - height
-        data[on_side, half] = share[:, None] * side_data(x[on_side] / cells, y[on_side] / cells)
-        on_cap = used & ~rim & (z == level * cells)
-        data[on_cap, half] = caps_data(x[on_cap] / cells, y[on_cap] / cells)
+    data[used & ~free] = on_surface(nodes[used & ~free])
     strides = ((3 * cells + 1) * (cells + 1), cells + 1, 1)
     at = np.flatnonzero(free)
     number = np.full(len(x), -1)
@@ -70,13 +52,11 @@ def by_differences(cells: int) -> tuple[np.ndarray, np.ndarray]:
     for step in (*strides, *(-stride for stride in strides)):
         beside = at + step
         linked = number[beside] >= 0
-        rows = np.flatnonzero(linked)
-        matrix -= sparse.csr_matrix(
-            (np.ones(len(rows)), (rows, number[beside[linked]])), shape=(len(at), len(at))
-        )
+        entries = np.ones(linked.sum()), (np.flatnonzero(linked), number[beside[linked]])
+        matrix -= sparse.csr_matrix(entries, shape=(len(at), len(at)))
         right[~linked] += data[beside[~linked]]
     solution = linalg.splu(matrix.tocsc()).solve(right)
-    return np.stack((x, y, z), -1)[at] / cells, solution
+    return nodes[at], solution
 
 
 def test_finite_differences_converge_to_harmonic() -> None:

@@ -131,9 +131,8 @@ def test_a_figure_keeps_its_balance_whoever_pulls() -> None:
         turns, moves, report = figure.pulled(skeleton, pull, support=support)
         assert report.overhang <= 0
         poses = skeleton.poses(turns, moves)  # which the report is about
-        gaps = np.linalg.norm(
-            carried(poses[bones], points) - points - np.outer([0, 0, 0, 0, 1], pull), axis=1
-        )
+        missed = carried(poses[bones], points) - points - np.outer([0, 0, 0, 0, 1], pull)
+        gaps = np.linalg.norm(missed, axis=1)
         np.testing.assert_allclose(report.gaps, gaps, atol=1e-9)
         centre = np.average(carried(poses, middles), axis=0, weights=lengths)
         np.testing.assert_allclose(report.centre, centre, atol=1e-12)

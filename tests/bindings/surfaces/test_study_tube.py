@@ -29,7 +29,6 @@ RADIUS = 14 / np.radians(120)
 # The axis between 3 and 17 becomes an arc of 120 degrees.
 ARC = (3 + RADIUS * np.sin(np.radians(120)) - 17, 0, RADIUS * (1 - np.cos(np.radians(120))))
 BENT = turn((0, 1, 0), -120, (17, 0, 0), ARC)
-SHARE = np.clip((POINTS[:, 0] - 3) / 14, 0, 1)
 
 
 def solved(method: type, pose: np.ndarray, substeps=1, mesh=(POINTS, FACES), depth=DEPTH, **options):
@@ -100,19 +99,6 @@ def test_implicit_transformations_degrade_with_the_angle_and_less_in_the_mean_fr
 def test_substeps_of_estimated_transformations_start_from_the_last_one() -> None:
     words = {"refits": 1, "mean_frame": False}
     assert twisted(135, **words, substeps=8) < 0.8 * twisted(135, **words)
-
-
-@pytest.mark.parametrize("field", ["harmonic", "geodesic", "euclidean"])
-def test_propagation_twists_it_evenly(field: str) -> None:
-    expected = [turn((1, 0, 0), 135 * s)[:, :3] @ x for s, x in zip(SHARE, POINTS)]
-    found = solved(sn.Propagation, turn((1, 0, 0), 135), field=field, depth=3.1)
-    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-11)
-
-
-def test_gradients_are_blind_to_translations_which_spread_as_a_harmonic_field_does() -> None:
-    """On a regular tube the field is linear: every cross section keeps its shape, and the tube is sheared."""
-    found = solved(sn.GradientEditing, shift(0.3, 7, -2), depth=3.1)
-    np.testing.assert_allclose(found, POINTS + SHARE[:, None] * (0.3, 7, -2), rtol=0, atol=1e-11)
 
 
 def test_a_volumetric_graph_keeps_more_of_the_volume_than_the_surface_alone() -> None:
