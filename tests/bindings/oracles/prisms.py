@@ -14,19 +14,12 @@ import scipy.sparse as sp
 from scipy.sparse.linalg import spsolve
 from scipy.spatial.transform import Rotation
 
-from ..meshes import nearest_rotations
+from ..meshes import carried, nearest_rotations
 
 ANCHOR = 10.0  # of a held corner of a free prism, in medians of the weights
 # (1/9) 2^(-|i-k| - |j-l|) for the corners (i, j) and (k, l) of a side: (0, 0), (0, 1), (1, 0), (1, 1)
 CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
 MASS = 2.0 ** -np.abs(CORNERS[:, None] - CORNERS[None]).sum(-1) / 9.0
-
-
-def crosses(v: np.ndarray) -> np.ndarray:
-    """(k, 3, 3) the matrices of v x."""
-    zero = np.zeros(len(v))
-    x, y, z = v.T
-    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], 1).reshape(-1, 3, 3)
 
 
 @dataclass
@@ -43,10 +36,8 @@ class Prisms:
         points, faces = self.points, self.faces
         self.centres = points[faces].mean(1)
         following = np.roll(faces, -1, 1)
-        area = 0.5 * np.cross(
-            points[faces] - self.centres[:, None], points[following] - self.centres[:, None]
-        )
-        area = area.sum(1)
+        spokes = points[faces] - self.centres[:, None]
+        area = 0.5 * np.cross(spokes, np.roll(spokes, -1, axis=1)).sum(1)
         normals = np.zeros_like(points)
         np.add.at(normals, faces, area[:, None])
         normals /= np.linalg.norm(normals, axis=1)[:, None]
@@ -75,26 +66,19 @@ class Prisms:
         face, corner = np.nonzero((hand[faces] >= 0) & ~self.held[:, None])
         vertex = faces[face, corner]
         self.anchored, self.anchors = face, points[vertex]
-        self.anchor_targets = self._posed(points[vertex], hand[vertex])
+        self.anchor_targets = carried(self.poses[hand[vertex]], points[vertex])
         self.t = self.centres.copy()
         self.R = np.tile(np.eye(3), (len(faces), 1, 1))
         own = hand[faces[self.held, 0]]
-        self.t[self.held] = self._posed(self.centres[self.held], own)
+        self.t[self.held] = carried(self.poses[own], self.centres[self.held])
         self.R[self.held] = self.poses[own][:, :, :3]
         self.held_vertices = np.flatnonzero(hand >= 0)
-        self.targets = self._posed(points[self.held_vertices], hand[self.held_vertices])
-
-    def _posed(self, points: np.ndarray, handle: np.ndarray) -> np.ndarray:
-        poses = self.poses[handle]
-        return np.einsum("kij,kj->ki", poses[:, :, :3], points) + poses[:, :, 3]
+        self.targets = carried(self.poses[hand[self.held_vertices]], points[self.held_vertices])
 
     def _arms(self) -> tuple[np.ndarray, np.ndarray]:
         """R (corner - centre) for both prisms of each pair (pairs, 2, 4, 3), and for anchors (anchors, 3)."""
-        arms = np.einsum(
-            "psij,pscj->psci",
-            self.R[self.pairs],
-            self.corners[:, None] - self.centres[self.pairs][:, :, None],
-        )
+        rest = self.corners[:, None] - self.centres[self.pairs][:, :, None]
+        arms = np.einsum("psij,pscj->psci", self.R[self.pairs], rest)
         own = np.einsum("kij,kj->ki", self.R[self.anchored], self.anchors - self.centres[self.anchored])
         return arms, own
 
@@ -104,46 +88,33 @@ class Prisms:
         images = self.t[self.pairs][:, :, None] + arms
         gaps = np.einsum("cd,pdk->pck", np.linalg.cholesky(MASS).T, images[:, 0] - images[:, 1])
         pulls = self.t[self.anchored] + own - self.anchor_targets
-        return np.concatenate(
-            [
-                (np.sqrt(self.weights)[:, None, None] * gaps).ravel(),
-                np.sqrt(ANCHOR * self.typical) * pulls.ravel(),
-            ]
-        )
+        gaps = np.sqrt(self.weights)[:, None, None] * gaps
+        return np.concatenate([gaps.ravel(), np.sqrt(ANCHOR * self.typical) * pulls.ravel()])
 
     def energy(self) -> float:
         return 0.5 * float(self.residual() @ self.residual())
 
     def jacobian(self) -> sp.csr_matrix:
         """Of the residual, by the translations and turns of the free prisms, six columns each."""
-        place = np.full(len(self.faces), -1)
-        place[self.free] = np.arange(len(self.free))
         arms, own = self._arms()
-        count = len(self.pairs)
-        C = np.linalg.cholesky(MASS).T
-        rows, columns, values = [], [], []
-
-        def add(block: np.ndarray, row: np.ndarray, body: np.ndarray) -> None:
-            """Blocks (k, 3, 6) at rows 3 ``row`` and the columns of ``body``."""
-            inside = place[body] >= 0
-            r = 3 * row[inside, None, None] + np.arange(3)[:, None]
-            c = 6 * place[body[inside], None, None] + np.arange(6)
-            rows.append(np.broadcast_to(r, block[inside].shape).ravel())
-            columns.append(np.broadcast_to(c, block[inside].shape).ravel())
-            values.append(block[inside].ravel())
-
+        C, count, corners = np.linalg.cholesky(MASS).T, len(self.pairs), 4 * len(self.pairs)
+        parts = []  # (k, 3, 6) blocks, and the bodies that they are of, by rows of three
         for side, sign in ((0, 1.0), (1, -1.0)):
-            for c in range(4):
-                arm = np.einsum("d,pdk->pk", C[c], arms[:, side])
-                unit = np.broadcast_to(C[c].sum() * np.eye(3), (count, 3, 3))
-                block = sign * np.sqrt(self.weights)[:, None, None] * np.concatenate([unit, -crosses(arm)], 2)
-                add(block, 4 * np.arange(count) + c, self.pairs[:, side])
+            arm = np.einsum("cd,pdk->pck", C, arms[:, side]).reshape(-1, 3)
+            unit = np.tile(C.sum(1), count)[:, None, None] * np.eye(3)
+            root = np.repeat(sign * np.sqrt(self.weights), 4)[:, None, None]
+            blocks = root * np.concatenate([unit, np.cross(arm[:, None], np.eye(3))], 2)
+            parts.append((blocks, np.repeat(self.pairs[:, side], 4), np.arange(corners)))
         unit = np.broadcast_to(np.eye(3), (len(own), 3, 3))
-        block = np.sqrt(ANCHOR * self.typical) * np.concatenate([unit, -crosses(own)], 2)
-        add(block, 4 * count + np.arange(len(own)), self.anchored)
-        shape = 12 * count + 3 * len(own), 6 * len(self.free)
-        joined = [np.concatenate(part) for part in (values, rows, columns)]
-        return sp.csr_matrix((joined[0], (joined[1], joined[2])), shape=shape)
+        blocks = np.sqrt(ANCHOR * self.typical) * np.concatenate([unit, np.cross(own[:, None], np.eye(3))], 2)
+        parts.append((blocks, self.anchored, corners + np.arange(len(own))))
+        blocks, bodies, rows = (np.concatenate(part) for part in zip(*parts))
+        place = np.cumsum(~self.held) - 1
+        inside = ~self.held[bodies]
+        rows = 3 * rows[inside, None, None] + np.arange(3)[:, None] + np.zeros(6, int)
+        columns = 6 * place[bodies[inside], None, None] + np.zeros((3, 1), int) + np.arange(6)
+        shape = 3 * (corners + len(own)), 6 * len(self.free)
+        return sp.csr_matrix((blocks[inside].ravel(), (rows.ravel(), columns.ravel())), shape=shape)
 
     def gauss_newton(self, steps: int = 40, tolerance: float = 1e-12) -> float:
         """Joint steps of all prisms, halved until the energy falls."""
@@ -154,13 +125,11 @@ class Prisms:
             step = -spsolve(H + 1e-10 * H.diagonal().mean() * sp.identity(H.shape[0], format="csc"), gradient)
             d = step.reshape(-1, 6)
             before, t, R = 0.5 * float(r @ r), self.t.copy(), self.R.copy()
-            length = 1.0
-            while length > 1e-4:
+            for length in 0.5 ** np.arange(14):
                 self.t[self.free] = t[self.free] + length * d[:, :3]
                 self.R[self.free] = Rotation.from_rotvec(length * d[:, 3:]).as_matrix() @ R[self.free]
                 if self.energy() <= before + 1e-4 * length * float(gradient @ step):
                     break
-                length /= 2
             else:
                 self.t, self.R = t, R
                 break

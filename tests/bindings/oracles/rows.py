@@ -59,9 +59,8 @@ class Rows:
         columns = np.broadcast_to(3 * self.group[:, None, None] + np.arange(3), (m, 3, 3)).ravel()
         E = self.energy(x, R)
         for _ in range(200):
-            turned, cross = self.turned(R), np.zeros((m, 3, 3))
-            for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-                cross[:, a, b], cross[:, b, a] = -turned[:, c], turned[:, c]
+            turned = self.turned(R)
+            cross = -np.cross(turned[:, None], np.eye(3))  # the matrices of turned x
             of_turns = sparse.csr_matrix((cross.ravel(), (rows, columns)), (3 * m, 3 * len(R)))
             J = root @ sparse.hstack([of_points, of_turns])
             A = (J.T @ J).tocsc()

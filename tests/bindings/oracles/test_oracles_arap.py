@@ -174,19 +174,12 @@ def test_energy_is_that_of_the_definition(name: str, cells: str, smoothness: flo
 SHARP = np.where(np.arange(66) % 3 == 0, 300.0, 1.0)
 
 
-@pytest.mark.parametrize(
-    ("cells", "smoothness", "rigidity", "iterations", "left"),
-    [
-        ("spokes", 0.0, 1.0, 2000, 2e-4),
-        ("rims", 0.0, 1.0, 2000, 2e-4),
-        ("spokes", 5e-3, 1.0, 2000, 2e-4),
-        ("spokes", 0.0, SHARP, 3000, 1e-2),  # a contrast of 300 leaves two digits fewer
-        ("rims", 0.0, SHARP, 3000, 1e-2),
-    ],
-    ids=["spokes", "rims", "smooth", "sharp spokes", "sharp rims"],
-)
-def test_ends_where_the_definition_is_stationary(cells, smoothness, rigidity, iterations, left) -> None:
+@pytest.mark.parametrize(("smoothness", "rigidity"), [(0.0, 1.0), (5e-3, 1.0), (0.0, SHARP)], ids=str)
+@pytest.mark.parametrize("cells", ["spokes", "rims"])
+def test_ends_where_the_definition_is_stationary(cells: str, smoothness: float, rigidity) -> None:
     points, faces = sphere(2)
+    # A contrast of 300 leaves two digits fewer.
+    iterations, left = (3000, 1e-2) if rigidity is SHARP else (2000, 2e-4)
     arap = sn.Arap(sn.SurfaceMesh(points, faces), cells=cells, smoothness=smoothness, rigidity=rigidity)
     arap.set_handles([np.flatnonzero(points[:, 2] < -0.8), np.flatnonzero(points[:, 2] > 0.8)])
     poses = np.stack([STILL, turn((1, 0, 0), 30, (0, 0, 1), (0.2, 0.4, 0.3))])

@@ -21,10 +21,14 @@ def share(u: np.ndarray) -> np.ndarray:
     return 4 * u**3 * (1 - u) + u**4
 
 
-def curl(potential, x: np.ndarray, step: float = 1e-5) -> np.ndarray:
-    """Of a vector potential (n, 3) -> (n, 3), by central differences."""
-    # d[k][:, j] is the derivative of component j along k
-    d = [(potential(x + step * axis) - potential(x - step * axis)) / (2 * step) for axis in np.eye(3)]
+def differences(function, x: np.ndarray, step: float) -> list[np.ndarray]:
+    """Of each axis the central difference along it."""
+    return [(function(x + step * axis) - function(x - step * axis)) / (2 * step) for axis in np.eye(3)]
+
+
+def curl(potential, x: np.ndarray) -> np.ndarray:
+    """Of a vector potential (n, 3) -> (n, 3)."""
+    d = differences(potential, x, 1e-5)
     return np.stack((d[1][:, 2] - d[2][:, 1], d[2][:, 0] - d[0][:, 2], d[0][:, 1] - d[1][:, 0]), axis=1)
 
 
@@ -39,14 +43,9 @@ def drag_field(move: np.ndarray, turn: np.ndarray):
         def beta(z):
             return 1 - share((np.linalg.norm(z, axis=1) - INNER) / (OUTER - INNER))
 
-        def gradient(function, z, step=1e-6):
-            return np.stack(
-                [(function(z + step * e) - function(z - step * e)) / (2 * step) for e in np.eye(3)], 1
-            )
-
-        p = gradient(lambda z: beta(z) * (z @ across[0]) * np.linalg.norm(move) * sign, y)
-        q = gradient(lambda z: beta(z) * (z @ across[1]), y)
-        return np.cross(p, q) + beta(y)[:, None] * np.cross(turn, y)
+        p = differences(lambda z: beta(z) * (z @ across[0]) * np.linalg.norm(move) * sign, y, 1e-6)
+        q = differences(lambda z: beta(z) * (z @ across[1]), y, 1e-6)
+        return np.cross(p, q, axis=0).T + beta(y)[:, None] * np.cross(turn, y)
 
     return field
 
@@ -118,9 +117,8 @@ def test_a_twist_counts_every_turn_of_the_path() -> None:
     points = np.random.default_rng(4).uniform(-1.6, 1.6, (300, 3))
     for degrees in ([100.0], [150.0, 300.0, 450.0, 600.0, 750.0]):
         turns = np.radians(degrees)
-        field = sn.VectorField(
-            np.tile(FRAME, (len(turns), 1)), tools="twist", inner=INNER, outer=OUTER, width=1.5
-        )
+        frames, words = np.tile(FRAME, (len(turns), 1)), {"inner": INNER, "outer": OUTER, "width": 1.5}
+        field = sn.VectorField(frames, tools="twist", **words)
         field.bind(points)
         found = field.warp(np.concatenate([FRAME @ rotation((0, 0, angle)).T for angle in turns]))
         around = np.linalg.norm(points[:, :2], axis=1)
@@ -143,19 +141,11 @@ def test_refusals_name_tools() -> None:
     for frames in (FRAME[:0], FRAME[:3]):
         with pytest.raises(sn.InvalidOption):
             sn.VectorField(frames)
-    for wrong in (
-        {"tools": "pull"},
-        {"order": 3},
-        {"steps": -1},
-        {"inner": 2.0},
-        {"inner": -0.1},  # of a drag
-        {"outer": [1.0, 2.0, 3.0]},
-        {"width": 0.0},
-        {"counts": [2]},
-        {"counts": [1, 0]},
-    ):
+    wrong_values = {"tools": "pull", "order": 3, "inner": 2.0, "outer": [1.0, 2.0, 3.0], "counts": [2]}
+    # An inner radius below zero means nothing to a drag.
+    for wrong in [*wrong_values.items(), ("inner", -0.1), ("counts", [1, 0])]:
         with pytest.raises(sn.InvalidOption):
-            sn.VectorField(FRAME, **wrong)
+            sn.VectorField(FRAME, **dict([wrong]))
     field = sn.VectorField(FRAME)
     assert field.piece_count(FRAME) == 0
     with pytest.raises(sn.InvalidConstraint):

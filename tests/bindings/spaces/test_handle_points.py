@@ -8,7 +8,7 @@ from scipy.interpolate import RBFInterpolator
 import sinew_native as sn
 
 from ..figures import animal
-from ..meshes import edges_of, grid, moved, shift, turn
+from ..meshes import carried, edges_of, grid, moved, quad_grid, shift, turn
 from ..oracles.test_oracles_points import least_squares
 
 RANDOM = np.random.default_rng(7)
@@ -16,21 +16,6 @@ HANDLES = RANDOM.uniform(-1.0, 2.0, (60, 3))
 POINTS = RANDOM.uniform(-1.2, 2.2, (150, 3))
 MOVES = RANDOM.uniform(-0.3, 0.3, HANDLES.shape)
 TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
-
-
-@pytest.mark.parametrize("method", [sn.Rbf, sn.Mls, sn.SpacePropagation])
-def test_handles_of_several_points_are_posed_by_their_control(method: type) -> None:
-    counts = [20, 1, 39]
-    made = method(HANDLES, counts)
-    assert made.control.shape == (9, 3)
-    made.bind(POINTS)
-    assert np.array_equal(made.warp(made.control), POINTS)
-    out = np.zeros((len(POINTS), 3), np.float32)
-    assert made.warp(made.control @ TURN.T + 1.0, out=out) is out
-    if method is not sn.SpacePropagation:  # which has one handle without a turn: that of one point
-        assert np.abs(out - POINTS @ TURN.T - 1.0).max() < 1e-5
-    with pytest.raises(sn.InvalidConstraint):
-        made.warp(HANDLES)
 
 
 @pytest.mark.parametrize(
@@ -43,8 +28,7 @@ def test_poses_do_what_the_posed_control_does(method: type) -> None:
     made.bind(POINTS)
     poses = np.array([np.column_stack((TURN, (0.1, 0.2, k))) for k in (-0.3, 0.0, 0.4)])
     control, rows = (HANDLES, counts) if method is sn.InverseFfd else (made.control, [4, 1, 4])
-    maps = np.repeat(poses, rows, axis=0)
-    posed = np.einsum("rij,rj->ri", maps[:, :, :3], control) + maps[:, :, 3]
+    posed = carried(np.repeat(poses, rows, axis=0), control)
     incoming = POINTS + 0.1
     for entering in (None, incoming):
         expected = made.warp(posed, incoming=entering)
