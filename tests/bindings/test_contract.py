@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The module says itself what it is. Nothing here names a method."""
+"""The module says itself what it is, and keeps the names that scripts use. Nothing here names a method."""
 
 import ast
 import inspect
@@ -15,6 +15,7 @@ import sinew_native as sn
 
 from . import cages, meshes, methods
 
+NAMES = Path(__file__).parents[1] / "names" / "python.txt"
 TYPES = Path(sn.__file__).with_name("sinew_native.pyi")  # by the build, from the signatures of the module
 NODES = ast.parse(TYPES.read_text(encoding="utf-8")).body
 CLASSES = {node.name: node for node in NODES if isinstance(node, ast.ClassDef)}
@@ -290,7 +291,7 @@ def beyond(words: str) -> list[float]:
 NUMBERS = [
     (name, option, type(default), beyond(described(name).get(option, "")))
     for name, option, default, _ in OPTIONS
-    if type(default) in (int, float) and option not in ("exit_face", "threshold")  # which may be any
+    if type(default) in (int, float) and option not in ("exit_face", "smooth", "threshold")  # any number
 ]
 PAINTED = [
     (name, option) for name in SURFACE for option, words in described(name).items() if "(n,) painted" in words
@@ -299,7 +300,7 @@ PAINTED = [
 
 @pytest.mark.parametrize(("name", "option", "kind", "outside"), NUMBERS)
 def test_numbers_outside_the_range_of_an_option_are_refused(name, option, kind, outside) -> None:
-    assert outside or option in ("inner", "outer", "scale"), "the docstring states no range"
+    assert outside or option in ("cut_off", "inner", "outer", "scale"), "the docstring states no range"
     for value in [*map(kind, outside), *((np.nan, np.inf) if kind is float else ())]:
         with pytest.raises(sn.InvalidOption, match=option):
             methods.made(PUBLIC[name], CUBE, **{option: value})
@@ -332,6 +333,10 @@ def test_objects_say_what_they_hold_and_a_derived_class_its_own_name():
     shell.set_handles([[0, 1, 2], [3]])
     assert repr(shell) == "<ThinShell: 4 vertices>"
     assert repr(sn.AffineBasis(shell)) == "<AffineBasis: 4 vertices, 2 handles>"
+    for budget, says in ((1, "not converged"), (None, "converged")):
+        assert repr(methods.bound(sn.Arap, 12)[0].solve(meshes.BENT, max_iterations=budget)[1]).endswith(
+            f", {says}>"
+        )
     assert repr(sn.Green(CUBE)) == "<Green: a cage of 8 vertices>"
     factor = sn.SpdFactor(pytest.importorskip("scipy.sparse").identity(3, format="csc"))
     assert re.fullmatch(r"<SpdFactor: 3 rows, \d+ entries>", repr(factor))
@@ -340,3 +345,22 @@ def test_objects_say_what_they_hold_and_a_derived_class_its_own_name():
         """A user's class."""
 
     assert repr(Mine(CUBE)) == "<Mine: a cage of 8 vertices>"
+
+
+def named(path: str, thing: object) -> Iterator[str]:
+    """A line for a thing, with its arguments in their order, and one for each of its public members."""
+    if inspect.isclass(thing):
+        made_by = stated_parameters(thing.__init__) if "__init__" in vars(thing) else []
+        yield f"{path}({', '.join(made_by)})".removesuffix("(type(self))").removesuffix("()")
+        for name, member in vars(thing).items():
+            if not name.startswith("_"):
+                yield from named(f"{path}.{name}", member)
+    elif callable(thing):
+        yield f"{path}({', '.join(stated_parameters(thing))})"
+    else:
+        yield path
+
+
+def test_the_module_keeps_its_names() -> None:
+    now = sorted(line for name, thing in PUBLIC.items() for line in named(name, thing))
+    assert now == NAMES.read_text(encoding="utf-8").splitlines()

@@ -1,8 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mean value and Green coordinates next to quadrature and to the papers' formulas with 60 digits."""
+"""Cage coordinates next to quadrature, to the papers' formulas with 60 digits, and to finite differences."""
 
 import numpy as np
 import pytest
+from scipy import sparse
+from scipy.integrate import dblquad
+from scipy.sparse.linalg import splu
 
 import sinew_native as sn
 
@@ -222,3 +225,168 @@ def test_faces_and_numbers_of_directions_that_there_are_not_are_refused() -> Non
     for count in (7, 9, 0, -1024):
         with pytest.raises(sn.InvalidOption):
             sn.PositiveMeanValue(cage, exact=False, directions=count)
+
+
+SIGNS = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)], dtype=np.float64)
+
+
+def twisted() -> sn.SurfaceMesh:
+    """A cube whose corners have moved, so that no side is flat."""
+    return sn.SurfaceMesh(CUBE + np.random.default_rng(2).uniform(-0.2, 0.2, CUBE.shape), QUADS)
+
+
+def patch(corners: np.ndarray, s: float, t: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The bilinear weights (4,), the point, and the normal dP/ds x dP/dt."""
+    weights = (1 + SIGNS[:, 0] * s) * (1 + SIGNS[:, 1] * t) / 4
+    to_s = (SIGNS[:, 0] * (1 + SIGNS[:, 1] * t) / 4) @ corners
+    to_t = (SIGNS[:, 1] * (1 + SIGNS[:, 0] * s) / 4) @ corners
+    return weights, weights @ corners, np.cross(to_s, to_t)
+
+
+def by_scipy(corners: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """phi of the corners, and the integrals of 1, s and t over 4 pi r."""
+
+    def integral(value) -> float:
+        return dblquad(lambda t, s: value(s, t), -1, 1, -1, 1, epsabs=1e-9, epsrel=1e-9)[0]
+
+    def layer(k: int, s: float, t: float) -> float:
+        weights, p, normal = patch(corners, s, t)
+        return weights[k] * (p - x) @ normal / np.linalg.norm(p - x) ** 3 / (4 * np.pi)
+
+    def pole(k: int, s: float, t: float) -> float:
+        return (1.0, s, t)[k] / np.linalg.norm(patch(corners, s, t)[1] - x) / (4 * np.pi)
+
+    phi = [integral(lambda s, t, k=k: layer(k, s, t)) for k in range(4)]
+    psi = [integral(lambda s, t, k=k: pole(k, s, t)) for k in range(3)]
+    return np.array(phi), np.array(psi)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("x", [(0.3, -0.2, 0.4), (0.1, 0.2, 0.65)])
+def test_phi_and_psi_are_the_layers_of_greens_identity(x: tuple) -> None:
+    cage = twisted()
+    points = cage.points.mean(0) + np.array([x]) * np.ptp(cage.points, axis=0).min() / 2
+    green = sn.Green(cage, faces="quads", precision="double")
+    assert not len(green.bind(points).outside)
+    phi = np.zeros(len(cage.points))
+    for q, corners in enumerate(QUADS):
+        parts, psi = by_scipy(cage.points[corners], points[0])
+        phi[corners] += parts
+        np.testing.assert_allclose(green.face_weights[0, 3 * q : 3 * q + 3], psi, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(green.vertex_weights[0], phi, rtol=0, atol=1e-8)
+
+
+def test_the_identity_reproduces_the_point() -> None:
+    cage = twisted()
+    points = cage.points.mean(0) + np.random.default_rng(1).uniform(-0.2, 0.2, (50, 3))
+    green = bound(sn.Green, cage, points, faces="quads")
+    normals = []
+    for corners in QUADS:
+        middle, to_s, to_t = (patch(cage.points[corners], s, t)[2] for s, t in ((0, 0), (1, 0), (0, 1)))
+        normals += [middle, to_s - middle, to_t - middle]
+    np.testing.assert_allclose(green.vertex_weights.sum(1), 1, rtol=0, atol=1e-14)
+    there = green.vertex_weights @ cage.points + green.face_weights @ np.array(normals)
+    np.testing.assert_allclose(there, points, rtol=0, atol=1e-14)
+
+
+def test_a_quad_has_no_diagonal() -> None:
+    """A pose that is its own mirror image gives shapes that are; two triangles show where they were cut."""
+    cage = sn.SurfaceMesh(CUBE, QUADS)
+    middle = CUBE.mean(0)
+    offset = CUBE - middle
+    pose = CUBE + np.where((offset[:, :1] > 0) & (offset[:, 2:] > 0), offset * (0.5, -0.4, 0.3), 0.0)
+    points = middle + np.random.default_rng(3).uniform(-0.4, 0.4, (200, 3))
+
+    def mirrored(x: np.ndarray) -> np.ndarray:
+        return x * (1, -1, 1) + (0, 2 * middle[1], 0)
+
+    def bias(faces: str) -> float:
+        one, other = (bound(sn.Green, cage, x, faces=faces).warp(pose) for x in (points, mirrored(points)))
+        return np.abs(one - mirrored(other)).max()
+
+    assert bias("quads") < 1e-13
+    assert bias("triangles") > 1e-3
+
+
+CAPS = [(0, 1, 4), (0, 4, 5), (1, 2, 3), (1, 3, 4), (0, 5, 6), (0, 6, 7)]  # triangles of the outline
+
+
+def capped() -> sn.SurfaceMesh:
+    """Of triangles."""
+    quads = u_prism(CAPS)
+    return sn.SurfaceMesh(quads.points, quads.triangles)
+
+
+def on_surface(points: np.ndarray) -> np.ndarray:
+    """(n, 16) the vertices as linear functions on the triangles, for points on these."""
+    cage, found = capped(), np.zeros((len(points), 16))
+    for corners in cage.triangles:
+        a, b, c = cage.points[corners]
+        frame = np.column_stack([b - a, c - a, np.cross(b - a, c - a)])
+        u, v, away = np.linalg.solve(frame, (points - a).T)
+        holds = (abs(away) < 1e-9) & (np.minimum(u, v) > -1e-9) & (u + v < 1 + 1e-9)
+        found[holds] = 0.0
+        found[np.ix_(holds, corners)] = np.stack([1 - u - v, u, v], 1)[holds]
+    return found
+
+
+def by_differences(cells: int) -> tuple[np.ndarray, np.ndarray]:
+    """Nodes inside the U and the harmonic functions there, by the seven-point Laplacian on an even grid."""
+    x, y, z = (part.ravel() for part in np.mgrid[: 3 * cells + 1, : 3 * cells + 1, : cells + 1])
+    hollow = (x > cells) & (x < 2 * cells) & (y > cells)
+    rim = (x == 0) | (x == 3 * cells) | (y == 0) | (y == 3 * cells)
+    rim |= ((x == cells) | (x == 2 * cells)) & (y >= cells)
+    rim |= (y == cells) & (x >= cells) & (x <= 2 * cells)
+    used = ~hollow
+    free = used & ~rim & (z > 0) & (z < cells)
+    nodes = np.stack((x, y, z), -1) / cells
+    data = np.zeros((len(x), 16))
+    data[used & ~free] = on_surface(nodes[used & ~free])
+    strides = ((3 * cells + 1) * (cells + 1), cells + 1, 1)
+    at = np.flatnonzero(free)
+    number = np.full(len(x), -1)
+    number[at] = np.arange(len(at))
+    matrix = sparse.identity(len(at), format="csr") * 6.0
+    right = np.zeros((len(at), 16))
+    for step in (*strides, *(-stride for stride in strides)):
+        beside = at + step
+        linked = number[beside] >= 0
+        entries = np.ones(linked.sum()), (np.flatnonzero(linked), number[beside[linked]])
+        matrix -= sparse.csr_matrix(entries, shape=(len(at), len(at)))
+        right[~linked] += data[beside[~linked]]
+    solution = splu(matrix.tocsc()).solve(right)
+    return nodes[at], solution
+
+
+def test_finite_differences_converge_to_harmonic() -> None:
+    errors = []
+    for cells in (5, 10):
+        nodes, expected = by_differences(cells)
+        harmonic = bound(sn.Harmonic, capped(), nodes, quality="medium")
+        errors.append(np.abs(harmonic.vertex_weights - expected).max(axis=1))
+    coarse, fine = errors
+    # The grid errs by h^(2/3) at the two edges of 270 degrees, by h^2 log h elsewhere: 1.6 to 4 a halving.
+    assert fine.max() < 4e-2
+    assert fine.mean() < 2e-3
+    assert coarse.mean() > 1.6 * fine.mean()
+
+
+def test_the_report_tells_the_quality() -> None:
+    x = np.random.default_rng(0).uniform((0.05, 0.05, 0.05), (0.95, 2.95, 0.95), (20, 3))
+    for solver in ("boundary", "lattice"):
+        steps, weights = [], []
+        for quality in ("fast", "medium"):
+            harmonic = sn.Harmonic(capped(), quality=quality, solver=solver, precision="double")
+            assert harmonic.unknowns == 0
+            steps.append((harmonic.bind(x).error, harmonic.residual_rms, harmonic.unknowns))
+            weights.append(harmonic.vertex_weights)
+        (error, rms, unknowns), (finer_error, finer_rms, more) = steps
+        assert 0 < finer_error < error
+        assert unknowns < more
+        difference = np.abs(weights[1] - weights[0]).max()
+        assert 0.02 * error < difference < 2 * error
+        if solver == "boundary":
+            assert unknowns <= 1000 < more <= 2000
+            assert 0 < finer_rms < rms <= harmonic.residual_max < 0.02
+        else:
+            assert harmonic.residual_max == 0

@@ -8,7 +8,8 @@ from scipy.interpolate import RBFInterpolator
 import sinew_native as sn
 
 from ..figures import animal
-from ..meshes import carried, edges_of, grid, moved, quad_grid, shift, turn
+from ..meshes import carried, edges_of, grid, moved, nearest_rotations, quad_grid, shift, turn
+from ..methods import bound_to
 from ..oracles.test_oracles_points import least_squares
 
 RANDOM = np.random.default_rng(7)
@@ -24,8 +25,7 @@ TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 def test_poses_do_what_the_posed_control_does(method: type) -> None:
     """A method of points takes them where the poses of their handles do."""
     counts = [20, 1, 39]
-    made = method(HANDLES, **more_of(method, counts), counts=counts)
-    made.bind(POINTS)
+    made = bound_to(method(HANDLES, **more_of(method, counts), counts=counts), POINTS)
     poses = np.array([np.column_stack((TURN, (0.1, 0.2, k))) for k in (-0.3, 0.0, 0.4)])
     control, rows = (HANDLES, counts) if method is sn.InverseFfd else (made.control, [4, 1, 4])
     posed = carried(np.repeat(poses, rows, axis=0), control)
@@ -144,8 +144,7 @@ def test_propagation_lets_points_give_way_that_are_held_weakly() -> None:
 @pytest.mark.parametrize("method", [sn.Rbf, sn.Mls, sn.SpacePropagation])
 def test_the_handle_that_holds_a_place_fully_overrules_the_others(method: type) -> None:
     points = np.concatenate((HANDLES[:20], HANDLES[20:40], HANDLES[:5]))
-    made = method(points, [20, 25], weights=[*np.ones(40), *np.full(5, 0.4)])
-    made.bind(HANDLES[:5])
+    made = bound_to(method(points, [20, 25], weights=[*np.ones(40), *np.full(5, 0.4)]), HANDLES[:5])
     posed = made.control.copy()
     posed[4:] += 1.0
     assert np.abs(made.warp(posed) - HANDLES[:5]).max() < 1e-6
@@ -153,8 +152,7 @@ def test_the_handle_that_holds_a_place_fully_overrules_the_others(method: type) 
 
 def test_refusals_name_handles() -> None:
     twice = np.concatenate((HANDLES[:3], HANDLES[:1]))
-    rbf = sn.Rbf(twice)
-    rbf.bind(POINTS)
+    rbf = bound_to(sn.Rbf(twice), POINTS)
     apart = twice.copy()
     apart[3] += 1.0
     with pytest.raises(sn.InvalidConstraint) as caught:
@@ -222,9 +220,75 @@ def test_a_line_of_points_turned_around_turns_space_by_half_a_turn() -> None:
     """About any axis across the line: from one direction to its opposite, no turn is the smallest."""
     line = np.linspace(-1.0, 1.0, 5)[:, None] * [0.6, 0.8, 0.0]
     places = np.array([0.3 * line[-1], [0.1, 0.5, 0.2]])
-    method = sn.Mls(line)
-    method.bind(places)
+    method = bound_to(sn.Mls(line), places)
     found = method.warp(-line)
     np.testing.assert_allclose(found[0], -places[0], atol=1e-9)
     np.testing.assert_allclose(found[1] @ line[-1], -places[1] @ line[-1], atol=1e-9)
     np.testing.assert_allclose(np.linalg.norm(found[1]), np.linalg.norm(places[1]), atol=1e-9)
+
+
+CLOUD = np.random.default_rng(3).uniform(-1.0, 1.0, (12, 3))
+CHAIN = np.array([(k, k + 1) for k in range(11)])
+NO_EDGES = np.zeros((0, 2), dtype=int)
+LITTLE = 1e-3  # how much the turn of all points counts beside that of the edges at a point
+LEAST = 1e-9  # how much no turn at all counts, so that points on a line turn as little as they can
+
+
+def turned_by_numpy(rest: np.ndarray, posed: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    """The motions, with NumPy's singular values."""
+    local, there = rest - rest.mean(axis=0), posed - posed.mean(axis=0)
+    size = max(float((local**2).sum()), 1e-300)
+    everything = nearest_rotations(there.T @ local / size + LEAST * np.eye(3))
+    before, after = (points[edges[:, 1]] - points[edges[:, 0]] for points in (rest, posed))
+    squares = (before**2).sum(axis=1)
+    shares = np.divide(1.0, squares, out=np.zeros_like(squares), where=squares > 0.0)
+    products = after[:, :, None] * (shares[:, None] * before)[:, None, :]
+    together = np.tile(LITTLE * everything, (len(rest), 1, 1))
+    for end in (0, 1):
+        np.add.at(together, edges[:, end], products)
+    turns = nearest_rotations(together)
+    moves = posed - np.einsum("nij,nj->ni", turns, rest)
+    return np.concatenate((turns, moves[:, :, None]), axis=2)
+
+
+@pytest.mark.parametrize("edges", [NO_EDGES, CHAIN, CHAIN[3:7]], ids=["cloud", "chain", "in part"])
+def test_the_poses_are_numpys(edges: np.ndarray) -> None:
+    random = np.random.default_rng(5)
+    for scale in (1e-3, 0.3, 3.0):  # at the largest, edges turn by any angle
+        posed = CLOUD + scale * random.uniform(-1.0, 1.0, CLOUD.shape)
+        found = sn.turned_poses(CLOUD, posed, edges)
+        # A single edge leaves a turn open, which a thousandth of the common turn decides.
+        assert np.abs(found - turned_by_numpy(CLOUD, posed, edges)).max() < 1e-11
+
+
+@pytest.mark.parametrize("edges", [NO_EDGES, CHAIN], ids=["cloud", "chain"])
+@pytest.mark.parametrize("degrees", [0.0, 40.0, 172.0])
+def test_points_that_move_rigidly_turn_with_all(edges: np.ndarray, degrees: float) -> None:
+    pose = turn((0.3, 0.9, -0.2), degrees, move=(0.4, -0.2, 0.7))
+    # A billionth of no turn is in the fit.
+    assert np.abs(sn.turned_poses(CLOUD, moved(pose, CLOUD), edges) - pose).max() < 1e-7
+
+
+def test_points_on_a_line_turn_as_little_as_they_can() -> None:
+    line = np.array([(0.0, 0.0, 0.0), (0.0, 0.0, 1.0)])
+    pose = turn((0.0, 1.0, 0.0), 46.0)
+    poses = sn.turned_poses(line, moved(pose, line), np.array([(0, 1)]))
+    assert np.abs(poses - pose).max() < 1e-6
+    (pose,) = sn.turned_poses(line[:1], line[:1] + 2.0, NO_EDGES)
+    assert np.abs(pose - np.column_stack((np.eye(3), (2.0, 2.0, 2.0)))).max() < 1e-12
+
+
+def test_coincident_points_and_edges_without_length_give_numbers() -> None:
+    points = np.zeros((3, 3))
+    assert np.isfinite(sn.turned_poses(points, np.eye(3), np.array([(0, 1), (1, 2)]))).all()
+
+
+def test_turned_poses_refuse_what_does_not_fit() -> None:
+    assert sn.turned_poses(np.zeros((0, 3)), np.zeros((0, 3))).shape == (0, 3, 4)
+    with pytest.raises(sn.InvalidConstraint, match="posed: 2 points given for 12"):
+        sn.turned_poses(CLOUD, CLOUD[:2])
+    with pytest.raises(sn.InvalidConstraint, match="finite"):
+        sn.turned_poses(CLOUD, np.full_like(CLOUD, np.inf))
+    for point in (-1, 12):
+        with pytest.raises(sn.InvalidConstraint, match=f"no point {point}"):
+            sn.turned_poses(CLOUD, CLOUD, [(0, point)])

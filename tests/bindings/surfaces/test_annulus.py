@@ -94,14 +94,6 @@ def test_deeper_handles_change_nothing_and_without_their_curvature_all_is_a_memb
     assert height(8, 2, VARIATION, 0.0) == pytest.approx(height(8, 2, MEMBRANE), abs=1e-6)
 
 
-def test_continuity_blends_from_c0_to_c2() -> None:
-    plate = [height(8, 1, PLATE, continuity) for continuity in (0.0, 0.25, 0.5, 0.75, 1.0, 2.0)]
-    assert (np.diff(plate[:-1]) > 0).all()
-    assert plate[-1] == pytest.approx(plate[-2], abs=1e-9), "a plate has no more to give"
-    variation = [height(8, 2, VARIATION, continuity) for continuity in (1.0, 1.25, 1.5, 2.0)]
-    assert (np.abs(np.diff(variation)) > 1e-6).all()
-
-
 def test_the_nonlinear_shell_comes_close_to_the_plate() -> None:
     """Of nearly equilateral triangles, lifted a little: the hinges of this pattern come to .4561."""
     mesh, handles, middle = annulus(32, 1, 302)

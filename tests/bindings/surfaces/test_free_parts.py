@@ -7,7 +7,7 @@ import pytest
 import sinew_native as sn
 
 from ..meshes import STILL, ends, grid, halved, joined, quad_grid, shift, sphere, turn
-from ..methods import SURFACE_METHODS, made
+from ..methods import SURFACE_METHODS, bound_to, made
 
 METHODS = pytest.mark.parametrize("method", SURFACE_METHODS)
 
@@ -37,8 +37,7 @@ def test_riding_parts_are_reported_and_written_in_single_precision(method: type)
 
 def test_bad_options_are_refused_and_the_last_bind_stays() -> None:
     mesh, handles = dressed()
-    shell = sn.ThinShell(mesh)
-    shell.set_handles(handles, free_parts="follow")
+    shell = bound_to(sn.ThinShell(mesh), handles, free_parts="follow")
     assert len(shell.set_stiffness(1.0, 1.0).rides) == 2
     poses = [STILL, shift(0, 0, 3)]
     before, _ = shell.solve(poses)

@@ -7,7 +7,7 @@ import pytest
 import sinew_native as sn
 
 from ..meshes import BENT, STILL, ends, grid, moved, off, sphere, turn
-from ..methods import SURFACE_METHODS, required
+from ..methods import SURFACE_METHODS, bound_to, required
 
 POINTS, FACES = grid(12)
 BASES = [method for method in SURFACE_METHODS if "base" not in required(method)]
@@ -16,9 +16,7 @@ DETAILS = ["displacement_vectors", "normal_displacements", "displacement_volumes
 
 def around(base: type, **options: object) -> sn.Multiresolution:
     mesh = sn.SurfaceMesh(POINTS, FACES)
-    method = sn.Multiresolution(mesh, base(mesh), **options)
-    method.set_handles(ends(POINTS))
-    return method
+    return bound_to(sn.Multiresolution(mesh, base(mesh), **options), ends(POINTS))
 
 
 @pytest.mark.parametrize("details", DETAILS)
@@ -34,8 +32,7 @@ def test_any_method_can_be_the_base(base: type, details: str) -> None:
     for pose, handle in zip(BENT, handles, strict=True):
         np.testing.assert_allclose(positions[handle], moved(pose, POINTS[handle]), atol=1e-12)
     pose = turn((1, 2, 3), 100, (4, 5, 6), (1, 2, 3))
-    alone = base(sn.SurfaceMesh(POINTS, FACES))
-    alone.set_handles(handles)
+    alone = bound_to(base(sn.SurfaceMesh(POINTS, FACES)), handles)
     if np.allclose(alone.solve(np.stack([pose, pose]))[0], moved(pose, POINTS), atol=1e-8):  # it can turn
         positions, _ = method.solve(np.stack([pose, pose]))
         np.testing.assert_allclose(positions, moved(pose, POINTS), atol=1e-8)

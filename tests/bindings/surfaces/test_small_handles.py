@@ -10,7 +10,7 @@ import sinew_native as sn
 
 from ..figures import animal, spot
 from ..meshes import STILL, ends, off, sphere, turn
-from ..methods import SURFACE_METHODS, made
+from ..methods import SURFACE_METHODS, bound_to, made
 
 
 def feet(points: np.ndarray) -> list[np.ndarray]:
@@ -47,8 +47,7 @@ def test_nothing_folds_beside_feet(figure: Callable) -> None:
     lift = [STILL, STILL, STILL, turn((0, 1, 0), 0, middles[3], (0.1 * size, 0, 0.08 * size))]
     found = {}
     for cage_faces in (160, 0):
-        method = sn.SubspaceLaplacian(sn.SurfaceMesh(points, faces), cage_faces=cage_faces)
-        method.set_handles(handles)
+        method = bound_to(sn.SubspaceLaplacian(sn.SurfaceMesh(points, faces), cage_faces=cage_faces), handles)
         found[cage_faces] = [folds(method.solve(np.stack(poses))[0], faces) for poses in (swing, lift)]
     assert folds(points, faces) == 0
     assert sum(found[160]) > 5

@@ -7,6 +7,7 @@ import pytest
 import sinew_native as sn
 
 from ..meshes import STILL, angles_filled, bar, edges_of, ends, shift, turn
+from ..methods import bound_to
 
 AROUND, ALONG = 28, 80
 DEPTH = 2.9  # of the handles: all that is nearer to an end than 3
@@ -32,8 +33,7 @@ BENT = turn((0, 1, 0), -120, (17, 0, 0), ARC)
 
 
 def solved(method: type, pose: np.ndarray, substeps=1, mesh=(POINTS, FACES), depth=DEPTH, **options):
-    surface = method(sn.SurfaceMesh(*mesh), **options)
-    surface.set_handles(ends(mesh[0], depth))
+    surface = bound_to(method(sn.SurfaceMesh(*mesh), **options), ends(mesh[0], depth))
     return surface.solve([STILL, pose], substeps=substeps)[0]
 
 
@@ -119,8 +119,7 @@ def test_a_volumetric_graph_fills_a_scan_with_a_hole() -> None:
         FACES[(middle[:, 2] <= 0.8) | (abs(middle[:, 0] - 10) >= 2)], return_inverse=True
     )  # no vertex may be loose
     points, faces = POINTS[used], faces.reshape(-1, 3)
-    method = sn.VolumetricGraphLaplacian(sn.SurfaceMesh(points, faces))
-    method.set_handles(ends(points, DEPTH))
+    method = bound_to(sn.VolumetricGraphLaplacian(sn.SurfaceMesh(points, faces)), ends(points, DEPTH))
     inner = method.inner_points()
     assert np.abs(angles_filled(inner, points, faces)).min() > 0.45
     assert (abs(inner[:, 0] - 10) < 1).sum() > 10

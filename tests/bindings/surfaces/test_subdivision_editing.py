@@ -193,16 +193,6 @@ def test_two_fans_that_meet_in_one_vertex_are_no_subdivision_though_each_alone_i
     assert bound((points, quads), 1).level_counts() == [1]
 
 
-@pytest.mark.parametrize("thickness", [0.0, 1e-9, 1.0])
-def test_parts_without_area_are_solved_or_refused(thickness: float) -> None:
-    points, quads = quad_grid(8, 8)
-    try:
-        editing = bound((points * (1, thickness, 1), quads), 2, [[0, 1, 2], [80]])
-        assert np.isfinite(editing.solve([STILL, shift(0, 0, 1)])[0]).all()
-    except sn.FactorizationFailed:
-        assert thickness == 0.0
-
-
 def test_two_handles_may_hold_the_vertices_of_one_quad() -> None:
     """And so two handles pull at each control point, which neither holds alone."""
     points, quads = rough_hill(24, 16)
