@@ -25,7 +25,9 @@ TURN = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0.0], [0.48, 0.64, 0.6]])
 def test_poses_do_what_the_posed_control_does(method: type) -> None:
     """A method of points takes them where the poses of their handles do."""
     counts = [20, 1, 39]
-    made = bound_to(method(HANDLES, **more_of(method, counts), counts=counts), POINTS)
+    more = {"base": sn.Rbf(HANDLES, counts), "mesh": sn.SurfaceMesh(POINTS, np.zeros((0, 3), int))}
+    given = more if method is sn.MultiresolutionSpace else {}
+    made = bound_to(method(HANDLES, **given, counts=counts), POINTS)
     poses = np.array([np.column_stack((TURN, (0.1, 0.2, k))) for k in (-0.3, 0.0, 0.4)])
     control, rows = (HANDLES, counts) if method is sn.InverseFfd else (made.control, [4, 1, 4])
     posed = carried(np.repeat(poses, rows, axis=0), control)
@@ -43,13 +45,6 @@ def test_poses_do_what_the_posed_control_does(method: type) -> None:
         made.warp_poses(poses[:2])
     with pytest.raises(sn.InvalidConstraint, match="finite"):
         made.warp_poses(np.full_like(poses, np.nan))
-
-
-def more_of(method: type, counts: list[int]) -> dict[str, object]:
-    """What the class takes beside its handles."""
-    if method is not sn.MultiresolutionSpace:
-        return {}
-    return {"base": sn.Rbf(HANDLES, counts), "mesh": sn.SurfaceMesh(POINTS, np.zeros((0, 3), int))}
 
 
 def test_multiresolution_puts_details_back_on_the_base_of_any_of_them() -> None:
@@ -75,13 +70,8 @@ def bones(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 def held_by_bones(method: type, points: np.ndarray, **options) -> tuple[object, np.ndarray]:
     """A method whose two handles share points, and the control posed: one stays, one is turned and moved."""
     weights, _shared = bones(points)
-    members = [np.flatnonzero(own) for own in weights]
-    made = method(
-        np.concatenate([points[own] for own in members]),
-        [len(own) for own in members],
-        weights=np.concatenate([own[rows] for own, rows in zip(weights, members, strict=True)]),
-        **options,
-    )
+    bone, rows = np.nonzero(weights)
+    made = method(points[rows], np.bincount(bone), weights=weights[bone, rows], **options)
     posed = made.control.copy()
     posed[4:] = posed[4:] @ TURN.T + 0.5
     return made, posed
@@ -194,7 +184,6 @@ def test_mls_does_not_tear_at_the_border_of_large_regions(sizes: tuple[float, fl
         control = method.control.copy()
         control[4:] = moved(pose, control[4:])
         longest = longest_edge(points, method.warp(control), faces)
-        print(f"{name}: an edge {longest:.2f} times as long")
         assert longest < 2.5, name
 
 
@@ -212,7 +201,6 @@ def test_mls_does_not_tear_a_figure_whose_limbs_are_large_regions() -> None:
         for rows, degrees, joint in ((4, 60.0, (0.85, 0.32, 0.7)), (8, -60.0, (1.2, 0.0, 1.3))):
             control[rows : rows + 4] = moved(turn((0, 1, 0), degrees, joint), control[rows : rows + 4])
         longest[alpha] = longest_edge(points, method.warp(control), faces)
-    print(f"edges up to {longest[2.0]:.2f} times as long; {longest[1.0]:.2f} with a falloff of 1")
     assert longest[2.0] < 2.5 < 4.0 < longest[1.0]
 
 

@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import sinew_native as sn
 
-from ..meshes import bar, carried, moved
+from ..meshes import carried, moved, tube
 
 UP = np.array([0.0, 0.0, 1.0])
 
@@ -158,10 +158,9 @@ def test_masses_count_where_a_support_holds_the_centre_of_mass():
 
 
 def test_poses_of_a_skeleton_are_poses_of_handles():
-    line = np.linspace(0, 8, 33)
-    angle = np.linspace(0, 2 * np.pi, 16, endpoint=False)
-    points = np.array([(0.5 * np.cos(a), 0.5 * np.sin(a), z) for z in line for a in angle])
-    mesh = sn.SurfaceMesh(points, bar(32, 4)[1])
+    points, faces = tube(32, 16)
+    points = points[:, [1, 2, 0]] * (0.5, 0.5, 0.25)
+    mesh = sn.SurfaceMesh(points, faces)
     skeleton = sn.Skeleton([(0, 0, 0), (0, 0, 4)], [(0, 0, 4), (0, 0, 8)], [-1, 0])
     regions = skeleton.regions(mesh)
     assert [len(region) for region in regions] == [13 * 16, 13 * 16]

@@ -6,26 +6,24 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, angles_filled, bar, edges_of, ends, shift, turn
+from ..meshes import STILL, angles_filled, bar, edges_of, ends, halved, shift, tube, turn
 from ..methods import bound_to
 
 AROUND, ALONG = 28, 80
 DEPTH = 2.9  # of the handles: all that is nearer to an end than 3
 
 
-def tube() -> tuple[np.ndarray, np.ndarray]:
+def closed_tube() -> tuple[np.ndarray, np.ndarray]:
     """Of the radius 1 along x: quads, each cut in two, and a fan on each end."""
-    i, j = (part.ravel() for part in np.mgrid[: ALONG + 1, :AROUND])
-    angle = 2 * np.pi * j / AROUND
-    points = np.stack([20 * i / ALONG, np.cos(angle), np.sin(angle)], 1)
-    a, b = AROUND * i + j, AROUND * i + (j + 1) % AROUND
-    start, end, last = np.full(AROUND, len(points)), np.full(AROUND, len(points) + 1), len(points) - AROUND
-    faces = [np.stack([b + AROUND, b, a], 1)[:last], np.stack([a + AROUND, b + AROUND, a], 1)[:last]]
-    faces += [np.stack([start, a[:AROUND], b[:AROUND]], 1), np.stack([end, b[last:], a[last:]], 1)]
-    return np.concatenate([points, [(0, 0, 0), (20, 0, 0)]]), np.concatenate(faces)
+    points, quads = tube(ALONG, AROUND)
+    n, a = len(points), np.arange(AROUND)
+    b = np.roll(a, -1)
+    fans = [np.stack([0 * a + n, a, b], 1), np.stack([0 * a + n + 1, b + n - AROUND, a + n - AROUND], 1)]
+    points = np.concatenate([points, [(0, 0, 0), (ALONG, 0, 0)]]) * (20 / ALONG, 1, 1)
+    return points, np.concatenate([halved(quads), *fans])
 
 
-POINTS, FACES = tube()
+POINTS, FACES = closed_tube()
 RADIUS = 14 / np.radians(120)
 # The axis between 3 and 17 becomes an arc of 120 degrees.
 ARC = (3 + RADIUS * np.sin(np.radians(120)) - 17, 0, RADIUS * (1 - np.cos(np.radians(120))))
