@@ -26,6 +26,15 @@ def quad_grid(columns: int, rows: int, spacing: float = 1.0) -> tuple[np.ndarray
     return points, first[:, None] + (0, 1, columns + 2, columns + 1)
 
 
+def tube(along: int, around: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of quads, outward and open, around the x axis: of the radius 1, with rings at 0, 1, 2..."""
+    x, j = np.mgrid[: along + 1, :around].reshape(2, -1)
+    a = np.flatnonzero(x < along)
+    b = a - j[a] + (j[a] + 1) % around
+    angle = 2 * np.pi * j / around
+    return np.column_stack([x, np.cos(angle), np.sin(angle)]), np.stack([a, a + around, b + around, b], 1)
+
+
 def halved(quads: np.ndarray) -> np.ndarray:
     return np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
 
@@ -139,6 +148,11 @@ def turn(axis, degrees: float, centre=(0.0, 0.0, 0.0), move=(0.0, 0.0, 0.0)) -> 
 
 def moved(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
     return points @ pose[:, :3].T + pose[:, 3]
+
+
+def carried(poses: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Each point (n, 3) by a pose of its own."""
+    return np.einsum("nij,nj->ni", poses[:, :, :3], points) + poses[:, :, 3]
 
 
 def off(a: np.ndarray, b: np.ndarray) -> float:

@@ -55,13 +55,17 @@ def made(method: type, mesh: sn.SurfaceMesh, **options: object):
     return method(**{word: given[word] for word in required(method)}, **options)
 
 
+def bound_to(method, parts, *more: object, **words: object):
+    """A surface method, now bound to these handles, or a space method to these points."""
+    (method.set_handles if isinstance(method, sn.SurfaceMethod) else method.bind)(parts, *more, **words)
+    return method
+
+
 def bound(method: type, n: int = 8, **options: object):
     """A method on the hill, its two ends held: the object, the points and the handles."""
     points, faces = grid(n)
     surface = made(method, sn.SurfaceMesh(points, faces), **options)
-    handles = ends(points)
-    surface.set_handles(handles)
-    return surface, points, handles
+    return bound_to(surface, ends(points)), points, ends(points)
 
 
 def choices(method: type) -> list[dict[str, object]]:

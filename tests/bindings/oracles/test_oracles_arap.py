@@ -8,6 +8,7 @@ import pytest
 import sinew_native as sn
 
 from ..meshes import BENT, STILL, bar, ends, grid, moved, nearest_rotations, shift, sphere, turn
+from ..methods import bound_to
 from .rows import Rows, differences
 
 POINTS, FACES = sphere(3)  # all cotangents positive: nothing is clamped on either side
@@ -16,9 +17,7 @@ TURNED = np.stack([STILL, turn((1, 0, 0), 50, (0, 0, 1), (0.3, 0.4, 0.2))])
 
 
 def sphere_arap(**options: object) -> sn.Arap:
-    arap = sn.Arap(sn.SurfaceMesh(POINTS, FACES), **options)
-    arap.set_handles(POLES)
-    return arap
+    return bound_to(sn.Arap(sn.SurfaceMesh(POINTS, FACES), **options), POLES)
 
 
 def spokes(p: np.ndarray, faces: np.ndarray) -> Rows:
@@ -74,8 +73,7 @@ def test_smooth_rotations_keep_their_stiffness_on_finer_meshes() -> None:
     def energy(n: int, smoothness: float) -> float:
         points, faces = grid(n, jitter=0.0)
         points *= 12 / n
-        arap = sn.Arap(sn.SurfaceMesh(points, faces), smoothness=smoothness)
-        arap.set_handles(ends(points, 2.0))
+        arap = bound_to(sn.Arap(sn.SurfaceMesh(points, faces), smoothness=smoothness), ends(points, 2.0))
         return arap.solve(BENT, max_iterations=100)[1].energy
 
     assert energy(24, 5e-3) == pytest.approx(energy(12, 5e-3), rel=0.1)
@@ -91,8 +89,7 @@ def test_energy_with_point_handles_is_that_of_the_paper() -> None:
     mass /= mass.mean()
     free = np.setdiff1d(np.arange(len(POINTS)), np.concatenate(tip))
     for weight in (0.2, 0.8):
-        arap = sn.Arap(sn.SurfaceMesh(POINTS, FACES), smoothness=0, point_handles=weight)
-        arap.set_handles(tip)
+        arap = bound_to(sn.Arap(sn.SurfaceMesh(POINTS, FACES), smoothness=0, point_handles=weight), tip)
         q, report = arap.solve(lift, max_iterations=300)
         r = TEXTBOOK.gradient(q) / 4
         expected = (1 - weight) * TEXTBOOK.energy(q) + 2 * weight * float((r**2 / mass[:, None]).sum())
@@ -160,8 +157,7 @@ def test_energy_is_that_of_the_definition(name: str, cells: str, smoothness: flo
     mesh = sn.SurfaceMesh(points, faces)
     rng = np.random.default_rng(6)
     paint = 10 ** rng.uniform(-1, 1, len(points))
-    arap = sn.Arap(mesh, cells=cells, smoothness=smoothness, rigidity=paint)
-    arap.set_handles([[0]])
+    arap = bound_to(sn.Arap(mesh, cells=cells, smoothness=smoothness, rigidity=paint), [[0]])
     oracle = Definition(points, mesh.triangles, cells, smoothness, paint)
     shapes = [points + 0.3 * rng.uniform(-1, 1, points.shape)]
     if smoothness == 0:  # mirrored cells have several settled fields of rotations
@@ -174,19 +170,12 @@ def test_energy_is_that_of_the_definition(name: str, cells: str, smoothness: flo
 SHARP = np.where(np.arange(66) % 3 == 0, 300.0, 1.0)
 
 
-@pytest.mark.parametrize(
-    ("cells", "smoothness", "rigidity", "iterations", "left"),
-    [
-        ("spokes", 0.0, 1.0, 2000, 2e-4),
-        ("rims", 0.0, 1.0, 2000, 2e-4),
-        ("spokes", 5e-3, 1.0, 2000, 2e-4),
-        ("spokes", 0.0, SHARP, 3000, 1e-2),  # a contrast of 300 leaves two digits fewer
-        ("rims", 0.0, SHARP, 3000, 1e-2),
-    ],
-    ids=["spokes", "rims", "smooth", "sharp spokes", "sharp rims"],
-)
-def test_ends_where_the_definition_is_stationary(cells, smoothness, rigidity, iterations, left) -> None:
+@pytest.mark.parametrize(("smoothness", "rigidity"), [(0.0, 1.0), (5e-3, 1.0), (0.0, SHARP)], ids=str)
+@pytest.mark.parametrize("cells", ["spokes", "rims"])
+def test_ends_where_the_definition_is_stationary(cells: str, smoothness: float, rigidity) -> None:
     points, faces = sphere(2)
+    # A contrast of 300 leaves two digits fewer.
+    iterations, left = (3000, 1e-2) if rigidity is SHARP else (2000, 2e-4)
     arap = sn.Arap(sn.SurfaceMesh(points, faces), cells=cells, smoothness=smoothness, rigidity=rigidity)
     arap.set_handles([np.flatnonzero(points[:, 2] < -0.8), np.flatnonzero(points[:, 2] > 0.8)])
     poses = np.stack([STILL, turn((1, 0, 0), 30, (0, 0, 1), (0.2, 0.4, 0.3))])
@@ -214,8 +203,7 @@ def test_mesh_puppetry_has_the_energy_of_its_header_at_a_minimum(bending: float)
             R[handle] = pose[:, :3]
         return rows.energy(q, R)
 
-    method = sn.MeshPuppetry(mesh, bending=bending, max_iterations=400, tolerance=1e-12)
-    method.set_handles(handles)
+    method = bound_to(sn.MeshPuppetry(mesh, bending=bending, max_iterations=400, tolerance=1e-12), handles)
     rng = np.random.default_rng(3)
     free = np.setdiff1d(np.arange(len(points)), np.concatenate(handles))
     for turned in (turn((0, 0, 1), 90, (10, 0, 0), (-2, 5, 0)), turn((1, 0, 0), 135)):
@@ -255,12 +243,3 @@ def test_point_handles_round_the_tip_which_is_the_sharper_the_finer_the_mesh(smo
     assert fine[0] > coarse[0]
     # Then the tip becomes rounder. Without smoothness the start decides between several minima.
     assert smoothness == 0 or fine[2] < coarse[2]
-
-
-@pytest.mark.parametrize(("words", "says"), [({"max_iterations": 1}, "not converged"), ({}, "converged")])
-def test_a_report_says_whether_the_solve_converged_and_not_why(words: dict[str, int], says: str) -> None:
-    """Without a step that lowers the energy, a solve ends long before its iterations are used up."""
-    points, faces = grid(12)
-    method = sn.Arap(sn.SurfaceMesh(points, faces))
-    method.set_handles(ends(points))
-    assert repr(method.solve(BENT, **words)[1]).endswith(f", {says}>")

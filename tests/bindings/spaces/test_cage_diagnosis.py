@@ -35,10 +35,7 @@ def test_nothing_is_wrong_with_a_good_cage(mesh) -> None:
     [
         ((CUBE, QUADS[:5]), {"open_edges": [(1, 3), (1, 5), (3, 7), (5, 7)], "summary": "4 open edges"}),
         # Two faces of a tetrahedron as one quad: its other diagonal is the edge opposite.
-        (
-            (TETRAHEDRON, ([4, 3, 3], [0, 2, 1, 3, 0, 3, 1, 1, 2, 0])),
-            {"crowded_diagonals": [(0, 1)]},
-        ),
+        ((TETRAHEDRON, ([4, 3, 3], [0, 2, 1, 3, 0, 3, 1, 1, 2, 0])), {"crowded_diagonals": [(0, 1)]}),
         (flipped(CUBE_MESH, [2, 4]), {"inverted_faces": [2, 4]}),
         (flipped(CUBE_MESH, range(6)), {"inverted_faces": [*range(6)]}),
         (BESIDE, {"component_count": 2, "summary": "clean"}),
@@ -74,8 +71,7 @@ def test_a_pillow_of_two_polygons_has_crowded_diagonals(sides: int) -> None:
 def test_faces_that_cross_are_pairs_of_one_of_each_cube() -> None:
     found = sn.diagnose_cage(sn.SurfaceMesh(*joined(CUBE_MESH, (CUBE + (0.5, 0.5, 0.25), QUADS))))
     assert len(found.crossing_faces) > 4, "an edge of each cube goes through two faces of the other"
-    assert (found.crossing_faces[:, 0] < 6).all()
-    assert (found.crossing_faces[:, 1] >= 6).all()
+    assert ((found.crossing_faces < 6) == (True, False)).all()
     assert len(found.open_edges) == len(found.inverted_faces) == 0
 
 
@@ -94,9 +90,7 @@ def test_many_loose_faces_take_no_longer_than_one_part() -> None:
 
 def test_everything_may_be_wrong_at_once() -> None:
     found = sn.diagnose_cage(sn.SurfaceMesh(*messy()), messy()[0])
-    assert len(found.open_edges) > 0
-    assert len(found.degenerate_faces) > 0
-    assert len(found.crossing_faces) > 0, "the doubled face"
+    assert all(map(len, (found.open_edges, found.degenerate_faces, found.crossing_faces)))
     points, faces = sphere(1)
     broken = flipped((points, np.delete(faces, 5, axis=0)), [3])
     summary = sn.diagnose_cage(sn.SurfaceMesh(*broken), [(0, 0, 0), (2, 0, 0)]).summary()

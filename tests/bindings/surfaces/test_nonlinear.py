@@ -61,23 +61,14 @@ def test_arap_lifts_the_octahedron_as_known() -> None:
     np.testing.assert_allclose(np.linalg.norm(found[:4, :2], axis=1), 1, rtol=0, atol=1e-7)
 
 
-def energies(method: sn.SurfaceMethod, poses: list[np.ndarray]) -> list[float]:
-    return [method.solve(poses, max_iterations=k, tolerance=0)[1].energy for k in range(17)]
-
-
-@pytest.mark.parametrize("options", [*VARIANTS, *({"point_handles": share} for share in (0.1, 0.5, 0.9))])
-def test_arap_never_raises_its_energy_with_painted_rigidity_or_point_handles(options: dict) -> None:
+@pytest.mark.parametrize("options", VARIANTS)
+def test_arap_never_raises_its_energy_with_painted_rigidity(options: dict) -> None:
     mesh = bar(12, 3)
-    targets = [bend(120), twist(135), [STILL, shift(-6, 8, 0)]]
-    if "point_handles" in options:
-        arap = sn.Arap(mesh, **options)
-        arap.set_handles([ends(mesh.points, 2)[0], [70]])
-        targets = [[STILL, turn((0, 0, 1), 60, (6, 0, 0), (0, 2, 1))]]
-    else:
-        painted = 10 ** np.random.default_rng(5).uniform(-1, 1, mesh.vertex_count)
-        arap = bound(sn.Arap, mesh, 2, **options, rigidity=painted)
-    for poses in targets:
-        for before, after in itertools.pairwise(energies(arap, poses)):
+    painted = 10 ** np.random.default_rng(5).uniform(-1, 1, mesh.vertex_count)
+    arap = bound(sn.Arap, mesh, 2, **options, rigidity=painted)
+    for poses in (bend(120), twist(135), [STILL, shift(-6, 8, 0)]):
+        energies = [arap.solve(poses, max_iterations=k, tolerance=0)[1].energy for k in range(17)]
+        for before, after in itertools.pairwise(energies):
             assert after <= before * (1 + 1e-12)
 
 
@@ -86,10 +77,8 @@ def test_arap_is_near_its_minimum_after_ten_iterations() -> None:
     arap = bound(sn.Arap, bar(20, 5), 1)
     lifts = ([STILL, shift(-8, 11, 0)], [STILL, shift(0, 10, 0)])
     for poses in (bend(90, 20, 1), twist(135), *lifts):
-        least, ten, forty = (
-            arap.solve(poses, max_iterations=k, tolerance=0)[1].energy for k in (400, 10, 40)
-        )
-        report = arap.solve(poses)[1]
+        energies = [arap.solve(poses, max_iterations=k, tolerance=0)[1].energy for k in (400, 10, 40)]
+        (least, ten, forty), report = energies, arap.solve(poses)[1]
         assert ten < 1.01 * least
         assert max(forty, report.energy) < 1.001 * least
         assert report.converged
@@ -114,23 +103,16 @@ def bar_with_cut_lids(along: int, across: int) -> tuple[np.ndarray, tuple]:
     return points, (counts, np.concatenate([quads, lids.ravel()]))
 
 
+ON_BAR = [bend(60, 24)[1], twist(90)[1], turn((0.3, 1, 0.2), 70, (22, 0, 0), (-3, 2, 4))]
+ON_SPHERE = [
+    turn((0, 0, 1), 60, (0.9, 0, 0), (0.3, 0.2, 0)),
+    turn((1, 0.2, 0), 80, (0.9, 0, 0), (0.5, 0, 0.3)),
+]
+
+
 @pytest.mark.parametrize(
     ("mesh", "depth", "targets"),
-    [
-        (
-            bar_with_cut_lids(24, 6),
-            2,
-            [bend(60, 24), twist(90), [STILL, turn((0.3, 1, 0.2), 70, (22, 0, 0), (-3, 2, 4))]],
-        ),
-        (
-            sphere(4),
-            0.2,
-            [
-                [STILL, turn((0, 0, 1), 60, (0.9, 0, 0), (0.3, 0.2, 0))],
-                [STILL, turn((1, 0.2, 0), 80, (0.9, 0, 0), (0.5, 0, 0.3))],
-            ],
-        ),
-    ],
+    [(bar_with_cut_lids(24, 6), 2, ON_BAR), (sphere(4), 0.2, ON_SPHERE)],
     ids=["bar", "sphere"],
 )
 def test_last_bits_of_poses_and_of_the_rest_shape_stay_small(mesh, depth: float, targets: list) -> None:
@@ -143,7 +125,8 @@ def test_last_bits_of_poses_and_of_the_rest_shape_stay_small(mesh, depth: float,
     )
     arap.set_handles(handles)
     other.set_handles(handles)
-    for poses in targets:
+    for target in targets:
+        poses = [STILL, target]
         found = arap.solve(poses)[0]
         assert off(other.solve(poses)[0], found) < 1e-4 * whole
         noise = 1e-7 * rng.uniform(-1, 1, (2, 3, 4)) * (1, 1, 1, whole)
@@ -161,39 +144,6 @@ def test_arap_from_a_warm_start_stays_near_the_answer_from_the_poses_alone() -> 
     again, other = exact.solve(bend(60), start=answer)
     assert off(again, answer) < 1e-3 * 12  # E settles to 1e-10: half its digits
     assert other.energy <= report.energy * (1 + 1e-6)
-
-
-def test_a_scaled_rigidity_scales_the_energy_alone() -> None:
-    """By a power of two: steps taken in single precision round alike."""
-    words = {"max_iterations": 5, "tolerance": 0}
-    one, more = (bound(sn.Arap, bar(12, 3), 2, rigidity=k).solve(bend(60), **words) for k in (1.0, 16.0))
-    assert more[1].energy == pytest.approx(16 * one[1].energy, rel=1e-9)  # five steps of rounding
-    assert off(more[0], one[0]) < 1e-9
-
-
-def test_painted_rigidity_keeps_its_region_stiffer() -> None:
-    """Stretch between the ends has to go elsewhere."""
-    mesh = bar(16, 4)
-    x = mesh.points[:, 0]
-
-    def middle_length(rigidity: float) -> float:
-        painted = np.where((x >= 6) & (x <= 10), rigidity, 1.0)
-        q = bound(sn.Arap, mesh, 2, rigidity=painted).solve([STILL, shift(4, 0, 0)], max_iterations=100)[0]
-        return q[x == 10, 0].mean() - q[x == 6, 0].mean()
-
-    soft, even, stiff = map(middle_length, (0.1, 1, 100))
-    assert soft > even + 0.1
-    assert stiff < even - 0.1
-    assert stiff == pytest.approx(4, abs=0.2)  # nearly as long as at rest
-
-
-@pytest.mark.parametrize("options", VARIANTS)
-def test_a_mirrored_handle_leaves_rotations_and_energy_sound(options: dict) -> None:
-    """A mirrored cell fits no rotation: the energy cannot be that of a rigid motion."""
-    mirrored = STILL * np.array((1, 1, -1))[:, None]
-    found, report = bound(sn.Arap, bar(12, 3), 2, **options).solve([STILL, mirrored])
-    assert np.isfinite(found).all()
-    assert report.energy > 1
 
 
 @pytest.mark.parametrize(
@@ -227,18 +177,6 @@ def turns_along(q: np.ndarray, row: int = 2) -> np.ndarray:
     sides = np.diff(q.reshape(-1, 31, 3)[row], axis=0)
     a, b = sides[:-1], sides[1:]
     return np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(1))
-
-
-def test_higher_prisms_bend_less() -> None:
-    """A strip hangs between two handles, one of which tilts: the higher, the farther it keeps the tilt."""
-    tilt = [STILL, turn((0, 1, 0), 40, (29, 2, 0))]
-    sharpest = [
-        turns_along(
-            bound(sn.Primo, quad_grid(30, 4), 1, height=height).solve(tilt, max_iterations=300)[0]
-        ).max()
-        for height in (0.003, 0.01, 0.03, 0.1)
-    ]
-    assert sharpest == sorted(sharpest, reverse=True)
 
 
 def test_a_painted_height_stiffens_its_region_and_black_is_solved() -> None:
@@ -291,24 +229,6 @@ def test_faces_of_many_corners_stay_stiff() -> None:
 STIFF = {"measure": "stiffness"}
 
 
-def test_a_folded_hinge_costs_what_its_angle_says() -> None:
-    """Two right triangles, |e|^2 / A = 1. The cell folds as a sheet of k_b does for small angles."""
-    rest = np.array([(0, 0, 0), (1, 0, 0), (0.5, 1, 0), (0.5, -1, 0)])
-
-    def energy(bending: float, angle: float) -> float:
-        shell = sn.ThinShellNonlinear(sn.SurfaceMesh(rest, [(0, 1, 2), (1, 0, 3)]), **STIFF, bending=bending)
-        shell.set_handles([[0]])
-        return shell.energy([*rest[:3], (0.5, -np.cos(angle), np.sin(angle))])
-
-    for angle in (0.01, 0.1):
-        assert energy(4.0, angle) == pytest.approx(2 * angle**2, abs=1.2 * angle**4)
-    # At .7 the vector's length, 2 sin(theta / 2), is 2 % below the angle, and the triangles give a little.
-    assert energy(4.0, 0.7) == pytest.approx(0.98, abs=0.04 * 0.98)
-    # Below its own stiffness it does not become softer: 1 / 4, as A = |e| = 1 and both triangles are its own.
-    assert energy(0.1, 0.1) == energy(0.0, 0.1)
-    assert energy(0.0, 0.01) == pytest.approx(0.125e-4, abs=1e-8)
-
-
 def test_rolling_and_re_rolling_a_sheet_cost_what_curvature_says() -> None:
     """1/2 k_b k^2 over 4 units of area, of which half a row of faces at each border bends nothing."""
     n = 24
@@ -317,10 +237,8 @@ def test_rolling_and_re_rolling_a_sheet_cost_what_curvature_says() -> None:
     one = np.column_stack([a, np.sin(b), np.cos(b)])
     other = np.column_stack([np.sin(a), b, np.cos(a)])
     words = STIFF | {"stretching": 1e-3, "bending": 1.0}
-    rolled = 2.0 * (n - 1) / n
-    assert bound(sn.ThinShellNonlinear, (flat, faces), 0.1, **words).energy(one) == pytest.approx(
-        rolled, rel=0.01
-    )
+    rolled, sheet = 2.0 * (n - 1) / n, bound(sn.ThinShellNonlinear, (flat, faces), 0.1, **words)
+    assert sheet.energy(one) == pytest.approx(rolled, rel=0.01)
     # From one cylinder to the other across: the mean curvature is the same, and II is not.
     roll = bound(sn.ThinShellNonlinear, (one, faces), 0.1, **words)
     assert roll.energy(other) == pytest.approx(2 * rolled, rel=0.01)

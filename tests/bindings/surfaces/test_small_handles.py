@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Beside handles that are small for a figure, such as its feet, the surface does not crumple."""
+"""Small handles do not crumple the surface, and those that hold almost fully move it as if they did."""
 
 from collections.abc import Callable
 
@@ -9,7 +9,8 @@ import pytest
 import sinew_native as sn
 
 from ..figures import animal, spot
-from ..meshes import STILL, turn
+from ..meshes import STILL, ends, off, sphere, turn
+from ..methods import SURFACE_METHODS, bound_to, made
 
 
 def feet(points: np.ndarray) -> list[np.ndarray]:
@@ -46,9 +47,20 @@ def test_nothing_folds_beside_feet(figure: Callable) -> None:
     lift = [STILL, STILL, STILL, turn((0, 1, 0), 0, middles[3], (0.1 * size, 0, 0.08 * size))]
     found = {}
     for cage_faces in (160, 0):
-        method = sn.SubspaceLaplacian(sn.SurfaceMesh(points, faces), cage_faces=cage_faces)
-        method.set_handles(handles)
+        method = bound_to(sn.SubspaceLaplacian(sn.SurfaceMesh(points, faces), cage_faces=cage_faces), handles)
         found[cage_faces] = [folds(method.solve(np.stack(poses))[0], faces) for poses in (swing, lift)]
     assert folds(points, faces) == 0
     assert sum(found[160]) > 5
     assert found[0] == [0, 0]
+
+
+@pytest.mark.parametrize("method", SURFACE_METHODS)
+def test_weights_near_one_are_nearly_one(method: type) -> None:
+    points, faces = sphere(4)
+    points = points * (3, 1, 1)
+    surface = made(method, sn.SurfaceMesh(points, faces))
+    shapes = []
+    for weight in (1.0, 0.999, 1.0 - 1e-5, 1.0 - 1e-9):
+        surface.set_handles(ends(points, 0.8), [1.0, weight])
+        shapes.append(surface.solve([STILL, turn((0, 0, 1), 60, move=(-0.5, 0.8, 0.0))])[0])
+    assert max(off(shape, shapes[0]) for shape in shapes[1:]) < 0.003 * 6.0

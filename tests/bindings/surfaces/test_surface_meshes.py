@@ -109,11 +109,10 @@ def test_a_polygon_that_is_not_planar_keeps_its_orientation() -> None:
 
 
 def test_polygons_without_an_ear_become_triangles_nevertheless() -> None:
-    cut(flat((0, 0), (2, 2), (2, 0), (0, 2), (-1, 1)))
-    cut(np.outer(np.arange(7), (1.0, 2, -1)))
-    cut(np.full((6, 3), (1.0, 2, 3)))
-    cut(np.zeros((4, 3)))
-    cut(around(np.ones(7), 6 * np.pi * np.arange(7) / 7))
+    crossed = flat((0, 0), (2, 2), (2, 0), (0, 2), (-1, 1))
+    wound = around(np.ones(7), 6 * np.pi * np.arange(7) / 7)
+    for polygon in (crossed, wound, np.outer(np.arange(7), (1.0, 2, -1)), np.ones((6, 3)), np.zeros((4, 3))):
+        cut(polygon)
 
 
 SQUARE = [(0, 0), (4, 0), (4, 4), (0, 4)]
@@ -174,6 +173,8 @@ WING = [(0, 0, 0), (1, 0, 0), (0.5, 1, 0), (0.5, -1, 0), (0.5, 0, 1)]  # two tri
 HOURGLASS = [(0, 0, 0), (1, 1, 0), (1, -1, 0), (-1, 1, 0), (-1, -1, 0)]
 THIN = [(0, 0, 0), (1, 0, 0), (2, 0, 0), (0, 1, 0), (1e6, 1e-6, 0)]
 SHEET, CELLS = quad_grid(3, 3)
+LINE = np.outer(np.arange(7), (1.0, 0, 0))
+TURNED = [face[::-1] if k == 2 else face for k, face in enumerate(QUADS)]
 
 
 @pytest.mark.parametrize(
@@ -189,11 +190,7 @@ SHEET, CELLS = quad_grid(3, 3)
         (THIN, ([4, 3], [0, 1, 2, 3, 0, 1, 2]), {"degenerate_faces": [1]}),  # a corner on a side is no matter
         (WING, [(0, 1, 2), (1, 2, 0), (1, 0, 3), (2, 1, 0), (0, 3, 1)], {"duplicate_faces": [1, 3, 4]}),
         (WING, [(0, 1, 2), (0, 1, 3)], {"inconsistent_edges": [(0, 1)]}),
-        (
-            CUBE,
-            [face[::-1] if k == 2 else face for k, face in enumerate(QUADS)],
-            {"inconsistent_edges": [(0, 1), (0, 4), (1, 5), (4, 5)]},
-        ),
+        (CUBE, TURNED, {"inconsistent_edges": [(0, 1), (0, 4), (1, 5), (4, 5)]}),
         (
             [*WING, WING[2], WING[2]],
             [(0, 1, 2), (1, 0, 3), (0, 1, 5)],
@@ -201,7 +198,7 @@ SHEET, CELLS = quad_grid(3, 3)
         ),
         (WING[:2], [], {"loose_vertices": [0, 1], "component_count": 2}),
         (
-            [(x, 0, 0) for x in range(7)],
+            np.outer(np.arange(7), (1.0, 0, 0)),
             [(0, 1, 2), (3, 4, 5)],
             {"summary": "2 faces without area, 1 loose vertex"},
         ),
