@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds a sample by its name."""
 
-from __future__ import annotations
-
 import importlib
 from types import ModuleType
 

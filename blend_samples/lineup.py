@@ -1,13 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A row of one model before one camera: what most samples are, as data."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import bpy
-import numpy as np
 from mathutils import Vector
 
 from . import markers, posing, studio
@@ -115,26 +112,3 @@ def add_thickness(obj: bpy.types.Object, thickness: float) -> None:
 def there_and_back(*moves: tuple[int, Move], end: int = 96) -> dict[int, Move]:
     """Keys of a control that rests at the first frame and at the last."""
     return {1: posing.REST, **dict(moves), end: posing.REST}
-
-
-def share_pose(
-    rest: bpy.types.Object,
-    methods: Iterable[tuple[bpy.types.Object, str]],
-    name: str,
-    posed: Callable[[np.ndarray], np.ndarray],
-    values: Mapping[int, float],
-    thickness: float,
-) -> None:
-    """Pose objects, each with a method, by copies of a cage in one pose; the cage itself stays at rest.
-
-    ``posed`` turns its points (c, 3) into those of the pose ``name``; ``values`` is its strength per frame.
-    """
-    objects = dict(methods)
-    cages = [posing.share_cage(rest, obj, method) for obj, method in objects.items()]
-    rest.data = rest.data.copy()  # the others share their mesh, and its poses
-    posing.add_pose(cages[0], name, posed(posing.vertices(rest)), values)
-    for cage in (rest, *cages):
-        markers.add_cage_edges(cage, thickness)
-    rest.hide_render = True
-    for obj in objects:
-        posing.check_posed(obj, 1, POSE_FRAME)

@@ -4,8 +4,6 @@
 Lines for people start with ``> ``, so that ``run`` can tell them from Blender's own.
 """
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import sys

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Marks that show controls in a picture: orange pins, orange cage edges, blue pads on fixed regions."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import bpy

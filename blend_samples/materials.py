@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials of the samples. Textures read attributes of the rest shape, so they stick to the surface."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import bpy

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The photo studio of the samples: backdrop, lights, camera, labels, render settings."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import cos, pi, radians, sin
@@ -72,25 +70,18 @@ def progress(text: str) -> None:
 def set_up_render(scene: bpy.types.Scene, samples: int, width: int, height: int) -> None:
     """Cycles on the CPU, few bounces. Debian's build has no denoiser: see ``denoise``."""
     render, cycles = scene.render, scene.cycles
-    render.engine = "CYCLES"
+    render.engine, render.use_persistent_data = "CYCLES", False
     render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
-    render.image_settings.file_format = "PNG"
-    render.image_settings.color_mode = "RGB"
+    render.image_settings.file_format, render.image_settings.color_mode = "PNG", "RGB"
     render.image_settings.compression = 90
-    render.use_persistent_data = False
-    cycles.device = "CPU"
-    cycles.use_denoising = False
-    cycles.samples = samples
-    cycles.use_adaptive_sampling = True
-    cycles.adaptive_threshold = 0.03
+    cycles.device, cycles.use_denoising, cycles.samples = "CPU", False, samples
+    cycles.use_adaptive_sampling, cycles.adaptive_threshold = True, 0.03
     cycles.adaptive_min_samples = min(24, samples)
     cycles.max_bounces, cycles.diffuse_bounces, cycles.glossy_bounces = 4, 2, 2
     cycles.transmission_bounces = cycles.transparent_max_bounces = 2
-    cycles.sample_clamp_indirect = 3.0
-    cycles.blur_glossy = 1.0
+    cycles.sample_clamp_indirect, cycles.blur_glossy = 3.0, 1.0
     cycles.caustics_reflective = cycles.caustics_refractive = False
-    cycles.pixel_filter_type = "BLACKMAN_HARRIS"
-    cycles.filter_width = 1.6
+    cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 1.6
 
 
 def studio_collection(scene: bpy.types.Scene) -> bpy.types.Collection:
@@ -100,24 +91,35 @@ def studio_collection(scene: bpy.types.Scene) -> bpy.types.Collection:
     return scene.collection.children["Studio"]
 
 
+def put(
+    scene: bpy.types.Scene,
+    name: str,
+    data: bpy.types.ID,
+    place: Sequence[float] = (0.0, 0.0, 0.0),
+    target: Sequence[float] | None = None,
+) -> bpy.types.Object:
+    """A new object of the studio, which looks at a target if there is one."""
+    obj = bpy.data.objects.new(name, data)
+    obj.location = place
+    if target is not None:
+        obj.rotation_euler = (Vector(target) - Vector(place)).to_track_quat("-Z", "Y").to_euler()
+    studio_collection(scene).objects.link(obj)
+    return obj
+
+
 def add_backdrop(scene: bpy.types.Scene, behind: float, tint: Sequence[float], width: float = 80.0) -> None:
     """A floor at z = 0 that bends up into a wall at ``y = behind``, seen from -y."""
     radius = 6.0
-    profile = [(-40.0, 0.0), (behind - radius, 0.0)]
-    profile += [
-        (behind - radius + radius * sin(pi * k / 48), radius - radius * cos(pi * k / 48))
-        for k in range(1, 25)
-    ]
-    profile.append((behind, 40.0))
+    turns = [pi * k / 48 for k in range(25)]
+    bow = [(behind - radius + radius * sin(turn), radius - radius * cos(turn)) for turn in turns]
+    profile = [(-40.0, 0.0), *bow, (behind, 40.0)]
     points = [(x, y, z) for y, z in profile for x in (-width / 2, width / 2)]
     faces = [(2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2) for i in range(len(profile) - 1)]
     mesh = bpy.data.meshes.new("Backdrop")
     mesh.from_pydata(points, [], faces)
     mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
     mesh.materials.append(backdrop_material(tint))
-    backdrop = bpy.data.objects.new("Backdrop", mesh)
-    backdrop.hide_select = True
-    studio_collection(scene).objects.link(backdrop)
+    put(scene, "Backdrop", mesh).hide_select = True
 
 
 def add_lights(scene: bpy.types.Scene, target: Sequence[float], size: float) -> None:
@@ -156,48 +158,45 @@ def add_area(
     light.size = spread * size
     light.energy = power * size * size
     light.color = colour
-    lamp = bpy.data.objects.new(name, light)
-    lamp.location = Vector(target) + size * Vector(direction)
-    lamp.rotation_euler = (Vector(target) - lamp.location).to_track_quat("-Z", "Y").to_euler()
-    studio_collection(scene).objects.link(lamp)
+    lamp = put(scene, name, light, Vector(target) + size * Vector(direction), target)
     lamp.hide_set(True)  # its lines would cross the view; it shines all the same
 
 
 def add_camera(
-    scene: bpy.types.Scene,
-    target: Sequence[float],
-    distance: float,
-    elevation: float,
-    width: float,
+    scene: bpy.types.Scene, target: Sequence[float], distance: float, elevation: float, width: float
 ) -> None:
     """A long lens that sees ``width`` units at the target, from ``elevation`` degrees above it."""
     camera = bpy.data.cameras.new("Camera")
     camera.sensor_width = 36.0
     camera.lens = camera.sensor_width * distance / width
     camera.clip_end = 500.0
-    body = bpy.data.objects.new("Camera", camera)
     rise = radians(elevation)
-    body.location = Vector(target) + distance * Vector((0.0, -cos(rise), sin(rise)))
-    body.rotation_euler = (Vector(target) - body.location).to_track_quat("-Z", "Y").to_euler()
-    studio_collection(scene).objects.link(body)
-    scene.camera = body
+    place = Vector(target) + distance * Vector((0.0, -cos(rise), sin(rise)))
+    scene.camera = put(scene, "Camera", camera, place, target)
 
 
 def add_label(scene: bpy.types.Scene, text: str, place: Sequence[float], size: float) -> None:
     """A line of text above ``place`` on the floor, parallel to the picture; the camera is there already."""
+    above = Vector(place) + Vector((0.0, 0.0, 0.28 * size))  # room below the line for g and p
+    add_text(scene, text, above, size, ink_material()).data.extrude = 0.02 * size
+
+
+def add_text(
+    scene: bpy.types.Scene,
+    text: str,
+    place: Sequence[float],
+    size: float,
+    ink: bpy.types.Material,
+    align: str = "CENTER",
+) -> bpy.types.Object:
+    """A line of text, parallel to the picture, without a shadow."""
     curve = bpy.data.curves.new(text, "FONT")
-    curve.body = text
-    curve.font = label_font()
-    curve.size = size
-    curve.align_x = "CENTER"
-    curve.extrude = 0.02 * size
-    curve.materials.append(ink_material())
-    label = bpy.data.objects.new(f"Label {text}", curve)
-    label.location = Vector(place) + Vector((0.0, 0.0, 0.28 * size))  # room below the line for g and p
+    curve.body, curve.font, curve.size, curve.align_x = text, label_font(), size, align
+    curve.materials.append(ink)
+    label = put(scene, f"Label {text}", curve, place)
     label.rotation_euler = scene.camera.rotation_euler
-    label.hide_select = True
-    label.visible_shadow = False
-    studio_collection(scene).objects.link(label)
+    label.hide_select, label.visible_shadow = True, False
+    return label
 
 
 def label_font() -> bpy.types.VectorFont:

@@ -5,8 +5,6 @@ They are those of gradient editing in the tutorial's figure 15. They solve dense
 have no more than a few thousand vertices.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

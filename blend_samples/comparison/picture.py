@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sheets in a Blender scene: rows of shapes, such as those of a matrix, with figures below each."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,9 +9,11 @@ from math import radians
 
 import bpy
 import numpy as np
-from mathutils import Euler, Vector
+from mathutils import Vector
 
-from .. import materials, studio
+from .. import materials, posing, studio
+from ..models.objects import add_fields, add_groups, mesh_object
+from ..models.shapes import rotation
 from .cases import Case
 from .figures import Figure
 from .matrix import Cell, Matrix
@@ -27,6 +27,33 @@ CELL, PICTURE, LINE, HEADING, MARGIN = 3.0, 2.1, 0.21, 0.36, 0.2
 TEXT, TITLE = 0.185, 0.235
 TILT = 16.0  # degrees by which one looks down
 APART = 40.0  # between two sheets
+
+
+@dataclass(frozen=True)
+class Frame:
+    """How all shapes of a case are placed in their cells: turned, then moved and scaled alike."""
+
+    turn: np.ndarray  # (3, 3)
+    centre: np.ndarray  # (3,)
+    scale: float
+
+    @classmethod
+    def around(cls, case: Case, shapes: Sequence[np.ndarray]) -> "Frame":
+        """Every shape has room, unless it is much larger than the edit."""
+        turn = rotation(x=TILT) @ rotation(z=case.heading)
+        wanted = np.vstack((case.points, case.targets)) @ turn.T
+        low, high = wanted.min(0), wanted.max(0)
+        room = 0.35 * (high - low)
+        for shape in shapes:
+            seen = shape @ turn.T
+            low = np.maximum(np.minimum(low, seen.min(0)), low - room)
+            high = np.minimum(np.maximum(high, seen.max(0)), high + room)
+        size = high - low
+        scale = min(0.92 * CELL / size[0], 0.96 * PICTURE / size[2])
+        return cls(turn, 0.5 * (low + high), scale)
+
+    def place(self, points: np.ndarray, x: float, z: float) -> np.ndarray:
+        return self.scale * (points @ self.turn.T - self.centre) + (x, 0.0, z)
 
 
 @dataclass(frozen=True)
@@ -122,10 +149,10 @@ def add_sheets(scene: bpy.types.Scene, sheets: Sequence[Sheet]) -> None:
     for number, sheet in enumerate(sheets):
         left = APART * number + MARGIN
         for across, head in enumerate(sheet.heads):
-            add_text(scene, head, (left + CELL * (across + 0.5), -MARGIN - TITLE), TITLE, "CENTER", ink)
+            studio.add_text(scene, head, (left + CELL * (across + 0.5), -6.0, -MARGIN - TITLE), TITLE, ink)
         for down, (title, views) in enumerate(sheet.rows.items()):
             top = -sheet.top - sheet.row_height * down
-            add_text(scene, title, (left, top - 0.24), TITLE, "LEFT", ink)
+            studio.add_text(scene, title, (left, -6.0, top - 0.24), TITLE, ink, "LEFT")
             for across, view in enumerate(views):
                 place = left + CELL * (across + 0.5), top - HEADING
                 _add_view(scene, f"{title} {across}", view, place, material, ink)
@@ -143,40 +170,8 @@ def look_at(scene: bpy.types.Scene, sheets: Sequence[Sheet], number: int) -> Non
 def add_camera(scene: bpy.types.Scene) -> None:
     data = bpy.data.cameras.new("Camera")
     data.type, data.clip_end = "ORTHO", 200.0
-    scene.camera = bpy.data.objects.new("Camera", data)
+    scene.camera = studio.put(scene, "Camera", data)
     scene.camera.rotation_euler = (radians(90.0), 0.0, 0.0)
-    studio.studio_collection(scene).objects.link(scene.camera)
-
-
-@dataclass(frozen=True)
-class Frame:
-    """How all shapes of a case are placed in their cells: turned, then moved and scaled alike."""
-
-    turn: np.ndarray  # (3, 3)
-    centre: np.ndarray  # (3,)
-    scale: float
-
-    @staticmethod
-    def around(case: Case, shapes: Sequence[np.ndarray]) -> Frame:
-        """Every shape has room, unless it is much larger than the edit."""
-        tilt = (
-            Euler((radians(TILT), 0.0, 0.0)).to_matrix()
-            @ Euler((0.0, 0.0, radians(case.heading))).to_matrix()
-        )
-        turn = np.array(tilt)
-        wanted = np.vstack((case.points, case.targets)) @ turn.T
-        low, high = wanted.min(0), wanted.max(0)
-        room = 0.35 * (high - low)
-        for shape in shapes:
-            seen = shape @ turn.T
-            low = np.maximum(np.minimum(low, seen.min(0)), low - room)
-            high = np.minimum(np.maximum(high, seen.max(0)), high + room)
-        size = high - low
-        scale = min(0.92 * CELL / size[0], 0.96 * PICTURE / size[2])
-        return Frame(turn, 0.5 * (low + high), scale)
-
-    def place(self, points: np.ndarray, x: float, z: float) -> np.ndarray:
-        return self.scale * (points @ self.turn.T - self.centre) + (x, 0.0, z)
 
 
 def _add_view(
@@ -189,24 +184,19 @@ def _add_view(
 ) -> None:
     x, top = corner
     for number, line in enumerate(view.lines):
-        add_text(scene, line, (x, top - PICTURE - LINE * (number + 0.8)), TEXT, "CENTER", ink)
+        studio.add_text(scene, line, (x, -6.0, top - PICTURE - LINE * (number + 0.8)), TEXT, ink)
     if view.shape is None:
         return
-    case, mesh = view.case, bpy.data.meshes.new(name)
+    case = view.case
     placed = view.frame.place(view.shape, x, top - 0.5 * PICTURE)
-    mesh.from_pydata(placed.tolist(), [], case.triangles.tolist())
-    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    mesh = mesh_object(name, placed, case.triangles, smooth=True, materials=[material]).data
     mesh.use_auto_smooth, mesh.auto_smooth_angle = True, radians(50.0)
-    for field, handle in zip(("fixed", "handle"), case.handles):
-        values = np.full(len(case.points), -1.0, np.float32)
-        values[handle] = 1.0
-        mesh.attributes.new(field, "FLOAT", "POINT").data.foreach_set("value", values)
+    held = [np.isin(np.arange(len(case.points)), handle) for handle in case.handles]
+    add_fields(mesh, {field: np.where(own, 1.0, -1.0) for field, own in zip(("fixed", "handle"), held)})
     height = np.full((len(case.points), 3), 0.25, np.float32)  # between two lines
     if case.closed:
         height[:, 0] = case.points[:, 2]
-    mesh.attributes.new("rest", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", height.ravel())
-    mesh.materials.append(material)
-    scene.collection.objects.link(bpy.data.objects.new(name, mesh))
+    mesh.attributes["rest"].data.foreach_set("vector", height.ravel())
 
 
 def _material() -> bpy.types.Material:
@@ -248,31 +238,11 @@ def set_up_render(scene: bpy.types.Scene) -> None:
     scene.view_settings.exposure = 0.0
 
 
-def add_text(
-    scene: bpy.types.Scene,
-    text: str,
-    place: tuple[float, float],
-    size: float,
-    align: str,
-    ink: bpy.types.Material,
-) -> None:
-    curve = bpy.data.curves.new(text, "FONT")
-    curve.body, curve.font, curve.size, curve.align_x = text, studio.label_font(), size, align
-    curve.materials.append(ink)
-    label = bpy.data.objects.new(f"Text {text}", curve)
-    label.location = (place[0], -6.0, place[1])
-    label.rotation_euler = (radians(90.0), 0.0, 0.0)
-    label.hide_select, label.visible_shadow = True, False
-    studio.studio_collection(scene).objects.link(label)
-
-
 def laplacian_deform(case: Case) -> np.ndarray:
     """Blender's own Laplacian Deform modifier, with its default of one repetition."""
-    mesh = bpy.data.meshes.new("Peer")
-    mesh.from_pydata(case.points.tolist(), [], case.triangles.tolist())
-    peer = bpy.data.objects.new("Peer", mesh)
-    bpy.context.scene.collection.objects.link(peer)
-    peer.vertex_groups.new(name="Anchors").add(case.held.tolist(), 1.0, "REPLACE")
+    peer = mesh_object("Peer", case.points, case.triangles)
+    mesh = peer.data
+    add_groups(peer, {"Anchors": case.held})
     modifier = peer.modifiers.new("Laplacian Deform", "LAPLACIANDEFORM")
     modifier.vertex_group = "Anchors"
     bpy.context.view_layer.update()
@@ -282,12 +252,10 @@ def laplacian_deform(case: Case) -> np.ndarray:
     mesh.vertices.foreach_set("co", case.targets.astype(np.float32).ravel())
     mesh.update()
     peer.update_tag()
-    points = np.empty(3 * len(case.points), np.float32)
-    seen = peer.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    seen.vertices.foreach_get("co", points)
+    points = posing.shape(peer).astype(np.float64)
     bpy.data.objects.remove(peer)
     bpy.data.meshes.remove(mesh)
-    return points.reshape(-1, 3).astype(np.float64)
+    return points
 
 
 def paged(matrix: Matrix, count: int, name: str) -> Iterator[Sheet]:

@@ -4,8 +4,6 @@
 A row is a function of a case.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from types import ModuleType
 

@@ -4,8 +4,6 @@
 They know no handles. So they meet the poses of the case only as far as a curve, or one tool, can say them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import partial
 from types import ModuleType

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The pillar whose grooves and studs show how details turn, and a hose: bent by one handle at the top."""
 
-from __future__ import annotations
-
 from functools import partial
 from math import cos, pi, sin
 
@@ -51,11 +49,9 @@ def tool(kind: str, height: float, move: Move, **reach: float):
     """Poses a pillar by a tool at a height of its axis; ``reach`` says how far it acts."""
 
     def pose(obj: bpy.types.Object) -> None:
-        posing.make_active(obj)
         place = obj.matrix_world @ Vector((0.0, 0.0, height))
-        answer = bpy.ops.sinew.tool_add(tool=kind, location=place, outer=reach["outer"])
-        posing.expect(answer, f"{obj.name}: tool_add({kind!r})")
-        row = obj.sinew.active.controls[-1]
+        added = posing.operate(obj, "tool_add", tool=kind, location=place, outer=reach["outer"])
+        row = added.controls[-1]
         for name, value in reach.items():
             setattr(row, name, value)
         about = Move(move.shift, move.turn, pivot=(0.0, 0.0, height))
@@ -86,6 +82,7 @@ def drift_of_volume(obj: bpy.types.Object, first: bpy.types.Object) -> str:
 
 # Bent, they reach to the right, where their labels stand.
 Photo = partial(Shot, aside=0.2)
+WIDE = partial(Photo, (0.55, 0.0, 0.84), samples=32, picture=(1680, 460), text=0.13)
 Pillars = partial(Lineup, build=pillar.build, spacing=2.2)
 
 LINEUPS = {
@@ -126,7 +123,7 @@ LINEUPS = {
             "Moving Least Squares": bent("mls"),
         },
         spacing=2.3,
-        shot=Photo((0.55, 0.0, 0.84), 9.8, samples=32, picture=(1680, 460), text=0.13),
+        shot=WIDE(width=9.8),
     ),
     "volume": Pillars(
         about="One pillar, bent by methods of its surface and one of its inside: the volume that they keep.",
@@ -138,7 +135,7 @@ LINEUPS = {
             "Volumetric Graph Laplacian": bent("volumetric_graph_laplacian"),
         },
         note=share_of_volume,
-        shot=Photo((0.55, 0.0, 0.84), 9.2, samples=32, picture=(1680, 460), text=0.13),
+        shot=WIDE(width=9.2),
     ),
     "reduced": Pillars(
         about="One pillar, bent by surface methods with few unknowns: those of bands, and those of a cage.",
@@ -151,7 +148,7 @@ LINEUPS = {
             "Subspace Laplacian": bent("subspace_laplacian"),
         },
         note=share_of_volume,
-        shot=Photo((0.55, 0.0, 0.84), 11.4, samples=32, picture=(1680, 400), text=0.13),
+        shot=WIDE(width=11.4, picture=(1680, 400)),
     ),
     "vector_field": Pillars(
         about="One pillar, twisted, bent and dragged by vector fields: its volume stays.",
@@ -170,12 +167,7 @@ LINEUPS = {
         about="One hose, bent by the nonlinear thin shell: a thin wall kinks, a thick one keeps its round.",
         title="Sheets",
         build=hose.build,
-        row={
-            "Rest": None,
-            "Thickness 0.5 %": hose_of(0.005),
-            "2 %": hose_of(0.02),
-            "8 %": hose_of(0.08),
-        },
+        row={"Rest": None, "Thickness 0.5 %": hose_of(0.005), "2 %": hose_of(0.02), "8 %": hose_of(0.08)},
         spacing=2.3,
         shot=Photo((0.5, 0, 1), 10.0, distance=28.0, samples=32, picture=(1600, 480), text=0.2),
     ),

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The plate of the tutorial's figure 9: lifted by its handle, or by the points of a lattice."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Spot in a harness: studs, bands and a belt, joined with its mesh as parts of their own."""
 
-from __future__ import annotations
-
 from math import cos, sin, tau
 
 import bpy

@@ -1,10 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A tube open at both ends, with its ends as vertex groups."""
 
-from __future__ import annotations
-
-from math import pi
-
 import bpy
 import numpy as np
 
@@ -17,15 +13,13 @@ PLAIN = (0.55, 0.40, 0.22)
 
 
 def build(name: str = "Hose") -> bpy.types.Object:
-    z, a = np.meshgrid(np.linspace(0, HEIGHT, RINGS + 1), 2 * pi / AROUND * np.arange(AROUND), indexing="ij")
+    height, turn = np.linspace(0, HEIGHT, RINGS + 1), 2 * np.pi / AROUND * np.arange(AROUND)
+    z, a = np.meshgrid(height, turn, indexing="ij")
     points = np.stack((RADIUS * np.cos(a), RADIUS * np.sin(a), z), -1).reshape(-1, 3)
-    quads = grid_faces(RINGS + 1, AROUND, around=True)
     fields = {"handle": points[:, 2] - HEIGHT + HELD, "fixed": HELD - points[:, 2]}
     regions = {
-        "Head": np.flatnonzero(points[:, 2] >= HEIGHT - HELD),
-        "Foot": np.flatnonzero(points[:, 2] <= HELD),
+        name: np.flatnonzero(fields[of] >= 0.0) for name, of in (("Head", "handle"), ("Foot", "fixed"))
     }
-    plain = np.tile(PLAIN, (len(points), 1))
-    obj = to_object(name, Sculpture(points, quads, plain, np.zeros(len(quads)), fields, regions))
-    obj.data.materials.append(region_material("Hose", PLAIN))
-    return obj
+    plain, quads = np.tile(PLAIN, (len(points), 1)), grid_faces(RINGS + 1, AROUND, around=True)
+    made = Sculpture(points, quads, plain, attributes=fields, regions=regions)
+    return to_object(name, made, [region_material("Hose", PLAIN)])

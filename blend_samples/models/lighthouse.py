@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A lighthouse of few faces from a lathe: a Subdivision makes it smooth, creases keep its rims sharp."""
 
-from __future__ import annotations
-
 from math import pi
 
 import bpy
 import numpy as np
 
 from ..materials import plain_material
-from .objects import keep_rest_positions, mesh_object
+from .objects import mesh_object
 
 SEGMENTS = 16
 WALL, STRIPE, STONE, GLASS, DARK = range(5)  # material slots
@@ -68,8 +66,6 @@ def build(name: str = "Lighthouse") -> bpy.types.Object:
         plain_material("Opening", (0.02, 0.022, 0.03), roughness=0.3),
     ]
     obj = mesh_object(name, points, faces, smooth=True, slots=slots, materials=surfaces)
-    mesh = obj.data
-    for edge in mesh.edges:
+    for edge in obj.data.edges:
         edge.crease = sharp.get(tuple(sorted(edge.vertices)), 0.0)
-    keep_rest_positions(mesh)
     return obj

@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A toy longship of objects of every type: meshes, bevelled curves, text, hair, and a lattice in its sail."""
 
-from __future__ import annotations
-
-from collections.abc import Iterable
+from collections.abc import Sequence
 from math import pi
 
 import bmesh
@@ -12,7 +10,7 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 from ..materials import plain_material
-from ..posing import add_object, make_active
+from ..posing import add_lines, add_object, make_active
 from .objects import grid_faces, mesh_object
 
 LENGTH = 0.95  # half of the hull's, along x
@@ -40,7 +38,7 @@ def build(name: str) -> list[bpy.types.Object]:
         hull(name),
         shields(name),
         tubes(f"{name} Keel", 0.034, "Dark Wood", [keel()]),
-        tubes(f"{name} Rim", 0.020, "Dark Wood", [rim(side) for side in (1.0, -1.0)]),
+        tubes(f"{name} Rim", 0.020, "Dark Wood", [rim_line(side) for side in (1.0, -1.0)]),
         tubes(f"{name} Spars", 0.026, "Dark Wood", spars()),
         tubes(f"{name} Ropes", 0.0075, "Rope", ropes()),
         lettering(name),
@@ -74,9 +72,8 @@ def hull(name: str) -> bpy.types.Object:
     across = across[inside]
     faces = quads(len(stations), len(girth))
     deck = quads(int(inside.sum()) // len(girth), len(girth)) + len(planks)
-    obj = mesh_object(
-        f"{name} Hull", np.concatenate((planks, across)), np.concatenate((faces, deck)), smooth=True
-    )
+    points = np.concatenate((planks, across))
+    obj = mesh_object(f"{name} Hull", points, np.concatenate((faces, deck)), smooth=True)
     coat(obj.data, "Wood")
     thickness = obj.modifiers.new("Solidify", "SOLIDIFY")
     thickness.thickness, thickness.offset = 0.024, 0.0
@@ -101,12 +98,9 @@ def shields(name: str) -> bpy.types.Object:
         for side in (1.0, -1.0):
             place = Matrix.Translation((x, side * (float(breadth(s)) + 0.03), float(rim_height(s)) - 0.01))
             for radius, depth, slot in ((0.108, 0.022, number % 2), (0.034, 0.042, 2)):
+                flat = place @ Matrix.Diagonal((radius, depth, radius, 1.0))
                 made = bmesh.ops.create_uvsphere(
-                    shapes,
-                    u_segments=32,
-                    v_segments=16,
-                    radius=1.0,
-                    matrix=place @ Matrix.Diagonal((radius, depth, radius, 1.0)),
+                    shapes, u_segments=32, v_segments=16, radius=1.0, matrix=flat
                 )
                 for face in {face for vertex in made["verts"] for face in vertex.link_faces}:
                     face.material_index, face.smooth = slot, True
@@ -129,51 +123,40 @@ def keel() -> np.ndarray:
     return np.concatenate((bow[::-1] * (-1.0, 1.0, 1.0), bottom, bow))
 
 
-def rim(side: float) -> np.ndarray:
+def rim_line(side: float) -> np.ndarray:
     s = np.linspace(-0.995, 0.995, 60)
     return np.stack((LENGTH * s, side * breadth(s), rim_height(s)), axis=1)
 
 
-def yard_end(side: float, height: float) -> Vector:
-    turned = Matrix.Rotation(np.radians(SAIL_TURN), 3, "Z") @ Vector((0.0, 0.5 * SAIL_WIDTH * side, 0.0))
-    return turned + Vector((0.0, 0.0, height))
+def turned(x: float, y: float, z: float) -> Vector:
+    """A place on the sail, which is turned about the mast."""
+    return Matrix.Rotation(np.radians(SAIL_TURN), 3, "Z") @ Vector((x, y, z))
 
 
 def spars() -> list[np.ndarray]:
     """The mast and the yard."""
-    return [
-        between((0.0, 0.0, 0.1), (0.0, 0.0, MAST)),
-        between(1.08 * yard_end(1.0, 0.0) + YARD * Vector((0, 0, 1)), yard_end(-1.0, YARD)),
-    ]
+    ends = [turned(0.0, 0.5 * SAIL_WIDTH * side, YARD) for side in (1.08, -1.0)]
+    return [between((0.0, 0.0, 0.1), (0.0, 0.0, MAST)), between(*ends)]
 
 
 def ropes() -> list[np.ndarray]:
-    top = (0.0, 0.0, MAST - 0.02)
     ends = [(0.93 * LENGTH * side, 0.0, 0.62) for side in (1.0, -1.0)]
     ends += [(x, side * 0.34, 0.40) for x in (-0.12, 0.0, 0.12) for side in (1.0, -1.0)]
-    sheets = [between(yard_end(side, FOOT), (-0.55, 0.28 * side, 0.42)) for side in (1.0, -1.0)]
-    return [between(top, end) for end in ends] + sheets
+    corners = {side: turned(0.0, 0.5 * SAIL_WIDTH * side, FOOT) for side in (1.0, -1.0)}
+    sheets = [between(corner, (-0.55, 0.28 * side, 0.42)) for side, corner in corners.items()]
+    return [between((0.0, 0.0, MAST - 0.02), end) for end in ends] + sheets
 
 
-def between(start: Iterable[float], end: Iterable[float], count: int = 24) -> np.ndarray:
-    return np.linspace(tuple(start), tuple(end), count)
+def between(start: Sequence[float], end: Sequence[float]) -> np.ndarray:
+    return np.linspace(tuple(start), tuple(end), 24)
 
 
 def tubes(name: str, radius: float, paint: str, lines: list[np.ndarray]) -> bpy.types.Object:
     """A bevelled curve object of polylines."""
-    data = bpy.data.curves.new(name, "CURVE")
-    data.dimensions, data.bevel_depth, data.bevel_resolution, data.use_fill_caps = "3D", radius, 3, True
-    add_lines(data, lines)
-    coat(data, paint)
-    return add_object(name, data)
-
-
-def add_lines(data: bpy.types.Curve, lines: list[np.ndarray]) -> None:
-    for line in lines:
-        spline = data.splines.new("POLY")
-        spline.points.add(len(line) - 1)
-        spline.points.foreach_set("co", np.column_stack((line, np.ones(len(line)))).ravel())
-        spline.use_smooth = True
+    obj = add_lines(name, lines, bevel=radius)
+    obj.data.bevel_resolution, obj.data.use_fill_caps = 3, True
+    coat(obj.data, paint)
+    return obj
 
 
 def sail_lattice(name: str) -> bpy.types.Object:
@@ -224,7 +207,7 @@ def emblem(name: str, lattice: bpy.types.Object) -> bpy.types.Object:
     place_at_sail(obj)
     front = Matrix.Rotation(np.radians(SAIL_TURN), 4, "Z") @ Matrix.Rotation(pi / 2, 4, "Z")
     obj.rotation_euler = (front @ Matrix.Rotation(pi / 2, 4, "X")).to_euler()
-    obj.location += Matrix.Rotation(np.radians(SAIL_TURN), 3, "Z") @ Vector((0.012, 0.0, 0.0))
+    obj.location += turned(0.012, 0.0, 0.0)
     follow(obj, lattice)
     return obj
 
@@ -249,26 +232,12 @@ def tail(name: str) -> bpy.types.Object:
     """A horse's tail at the masthead: hair curves."""
     chance = np.random.default_rng(7)
     way = np.linspace(0.0, 1.0, 14)
-
-    def strand() -> np.ndarray:
-        spread = chance.normal(0.0, 0.05, 3) * (1.0, 1.0, 0.6)
-        x, z = -0.40 * way, 0.10 * way - 0.26 * way**2
-        return np.stack((x, 0.0 * x, z + MAST), axis=1) + np.outer(way**0.8, spread)
-
-    data = bpy.data.curves.new(f"{name} Tail", "CURVE")
-    data.dimensions = "3D"
-    add_lines(data, [strand() for _ in range(220)])
-    obj = add_object(data.name, data)
-    return to_hair(obj)
-
-
-def to_hair(obj: bpy.types.Object) -> bpy.types.Object:
-    """The same lines as hair curves."""
-    name = obj.name
-    make_active(obj)
+    middle = np.stack((-0.40 * way, 0.0 * way, 0.10 * way - 0.26 * way**2 + MAST), axis=1)
+    spread = [chance.normal(0.0, 0.05, 3) * (1.0, 1.0, 0.6) for _ in range(220)]
+    make_active(add_lines(f"{name} Tail", [middle + np.outer(way**0.8, aside) for aside in spread]))
     bpy.ops.object.convert(target="CURVES")
     hair = bpy.context.object
-    hair.name = name
+    hair.name = f"{name} Tail"
     if "radius" not in hair.data.attributes:
         hair.data.attributes.new("radius", "FLOAT", "POINT")
     hair.data.attributes["radius"].data.foreach_set("value", [STRAND] * len(hair.data.points))

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A round pillar with grooves that wind around it and studs between them, which show how details turn."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 
@@ -23,26 +21,22 @@ def sculpture(cells: int = CELLS, rings: int = RINGS) -> Sculpture:
     top, quads, rim = disc(cells)
     heights = np.linspace(HEIGHT, 0.0, rings + 1)[1:]
     angle = np.arctan2(top[rim, 1], top[rim, 0])
-    sides = np.empty((len(heights), len(rim), 3))
-    for ring, height in zip(sides, heights):
-        radius = RADIUS * (1.0 + relief(angle, height))
-        ring[:, 0], ring[:, 1], ring[:, 2] = radius * np.cos(angle), radius * np.sin(angle), height
-    points = np.vstack((np.column_stack((RADIUS * top, np.full(len(top), HEIGHT))), sides.reshape(-1, 3)))
+    z, angle = np.meshgrid(heights, angle, indexing="ij")
+    radius = RADIUS * (1.0 + relief(angle, z))
+    sides = np.stack((radius * np.cos(angle), radius * np.sin(angle), z), -1).reshape(-1, 3)
+    points = np.vstack((np.column_stack((RADIUS * top, np.full(len(top), HEIGHT))), sides))
     number = np.concatenate((rim, np.arange(len(top), len(points))))
     around = number[grid_faces(len(heights) + 1, len(rim), around=True)][:, [3, 2, 1, 0]]
     quads = np.vstack((quads, around))
     head, foot = np.flatnonzero(points[:, 2] >= HEAD), np.flatnonzero(points[:, 2] <= FOOT)
     colours = np.tile(PLAIN, (len(points), 1))
     colours[head], colours[foot] = HANDLE_COLOUR, FIXED_COLOUR
-    fields = {
-        "handle": points[:, 2] - HEAD,
-        "fixed": FOOT - points[:, 2],
-    }  # zero on the borders of the regions
-    return Sculpture(points, quads, colours, np.zeros(len(quads)), fields, {"Head": head, "Foot": foot})
+    fields = {"handle": points[:, 2] - HEAD, "fixed": FOOT - points[:, 2]}  # zero on their borders
+    return Sculpture(points, quads, colours, None, fields, {"Head": head, "Foot": foot})
 
 
-def relief(angle: np.ndarray, height: float) -> np.ndarray:
-    """How far the surface stands out at angles (k,), as a share of the radius; none near the top."""
+def relief(angle: np.ndarray, height: np.ndarray) -> np.ndarray:
+    """How far the surface stands out, as a share of the radius; none near the top."""
     turns = GROOVES * (angle / (2 * np.pi) + WINDINGS * height / HEIGHT)
     across = turns - np.floor(turns)  # from groove to groove
     groove = -0.10 * np.exp(-(((across - 0.5) / 0.10) ** 2))
@@ -54,9 +48,7 @@ def relief(angle: np.ndarray, height: float) -> np.ndarray:
 
 def build(name: str = "Pillar") -> bpy.types.Object:
     """The pillar with its regions painted."""
-    pillar = to_object(name, sculpture())
-    pillar.data.materials.append(region_material("Pillar", PLAIN))
-    return pillar
+    return to_object(name, sculpture(), [region_material("Pillar", PLAIN)])
 
 
 def build_striped(name: str = "Pillar") -> bpy.types.Object:
@@ -64,8 +56,5 @@ def build_striped(name: str = "Pillar") -> bpy.types.Object:
     made = sculpture()
     x, y, _z = made.points.T
     made.attributes["stripe"] = np.hypot(x, y) * np.cos(STRIPES * np.arctan2(y, x))
-    pillar = to_object(name, made)
-    pillar.data.materials.append(
-        patched_material("Pillar", PLAIN, (("stripe", STRIPE, 0.006),), roughness=0.5)
-    )
-    return pillar
+    striped = patched_material("Pillar", PLAIN, (("stripe", STRIPE, 0.006),), roughness=0.5)
+    return to_object(name, made, [striped])

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Points scattered over a surface, and the cells around them. The same input gives the same points."""
 
-from __future__ import annotations
-
 import numpy as np
 from mathutils.kdtree import KDTree
 

@@ -5,8 +5,6 @@ A shape is anything with ``bounds() -> (low, high)`` and ``distance(points) -> (
 exact near the surface, which is all that the blending needs. Points are (n, 3) float arrays.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -75,15 +73,8 @@ class Tube:
         for i in range(1, len(padded) - 2):
             p0, p1, p2, p3 = padded[i - 1 : i + 3]
             t = np.linspace(0, 1, self.steps, endpoint=False)[:, None]
-            pieces.append(
-                0.5
-                * (
-                    2 * p1
-                    + (p2 - p0) * t
-                    + (2 * p0 - 5 * p1 + 4 * p2 - p3) * t**2
-                    + (3 * p1 - p0 - 3 * p2 + p3) * t**3
-                )
-            )
+            b, c, d = p2 - p0, 2 * p0 - 5 * p1 + 4 * p2 - p3, 3 * p1 - p0 - 3 * p2 + p3
+            pieces.append(p1 + 0.5 * (b * t + c * t**2 + d * t**3))
         curve = np.vstack((*pieces, knots[-1:]))
         return curve[:, :3], np.maximum(curve[:, 3], 1e-3)
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Spot, the cow by Keenan Crane (CC0), read from ``spot.obj``, with bead eyes and painted patches."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import bpy
@@ -11,7 +9,7 @@ from mathutils import Vector, noise
 from mathutils.bvhtree import BVHTree
 
 from ..materials import patched_material, plain_material
-from .objects import add_groups, keep_rest_positions, mesh_object
+from .objects import add_fields, add_groups, mesh_object
 from .sculpt import ball
 
 SOURCE = Path(__file__).with_name("spot.obj")
@@ -30,13 +28,9 @@ PATCHES = (  # what is painted on the hide: field, colour, softness of its borde
 
 def read() -> tuple[np.ndarray, np.ndarray]:
     """Points (n, 3), z up, hooves on the floor, looking along +x; triangles (m, 3)."""
-    points, faces = [], []
-    for line in SOURCE.read_text(encoding="ascii").splitlines():
-        word, *rest = line.split() or [""]
-        if word == "v":
-            points.append([float(c) for c in rest])
-        elif word == "f":
-            faces.append([int(corner.split("/")[0]) - 1 for corner in rest])
+    lines = [line.split() for line in SOURCE.read_text(encoding="ascii").splitlines()]
+    points = [[float(number) for number in words[1:]] for words in lines if words[:1] == ["v"]]
+    faces = [[int(corner.split("/")[0]) - 1 for corner in words[1:]] for words in lines if words[:1] == ["f"]]
     x, y, z = np.array(points).T
     turned = np.stack((-z, -x, y), 1)
     turned[:, 2] -= turned[:, 2].min()
@@ -45,13 +39,11 @@ def read() -> tuple[np.ndarray, np.ndarray]:
 
 def paint(points: np.ndarray) -> dict[str, np.ndarray]:
     """Colour fields (n,): positive where the colour is."""
-    _, y, z = points.T
+    x, y, z = points.T
     blot = np.array([noise.noise(Vector(p) * 2.1 + Vector((3.7, 0.4, 1.9))) for p in points])
     muzzle = 0.26 - np.linalg.norm((points - (0.60, 0, 1.02)) * (1.0, 0.80, 1.25), axis=1)
-    ear = np.maximum(
-        0.075 - np.linalg.norm((points - (0.235, 0.37, 1.40)) * (1.6, 0.8, 1.4), axis=1),
-        0.075 - np.linalg.norm((points - (0.235, -0.37, 1.40)) * (1.6, 0.8, 1.4), axis=1),
-    )
+    half = np.column_stack((x, np.abs(y), z))
+    ear = 0.075 - np.linalg.norm((half - (0.235, 0.37, 1.40)) * (1.6, 0.8, 1.4), axis=1)
     nostril = 0.030 - np.linalg.norm((np.abs(points) - (0.655, 0.085, 1.06)) * (0.4, 1.0, 1.0), axis=1)
     return {
         "blot": np.minimum(blot - 0.06, 0.6 * np.maximum(z - 0.15, -0.1)),
@@ -88,11 +80,6 @@ def build(name: str = "Spot") -> bpy.types.Object:
     bead = plain_material("Bead", (0.005, 0.004, 0.004), roughness=0.06, specular=0.6)
     slots = [HIDE] * len(faces) + [EYE] * (len(all_faces) - len(faces))
     obj = mesh_object(name, points, all_faces, smooth=True, slots=slots, materials=[hide, bead])
-    mesh = obj.data
-    for field, values in fields.items():
-        padded = np.full(len(points), -1.0, np.float32)
-        padded[: len(values)] = values
-        mesh.attributes.new(field, "FLOAT", "POINT").data.foreach_set("value", padded)
-    keep_rest_positions(mesh)
+    add_fields(obj.data, fields)
     add_groups(obj, regions)
     return obj

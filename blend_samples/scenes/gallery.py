@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The comparison gallery: every surface method on four hard edits, with its measured distortion."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -13,11 +12,9 @@ from .. import denoise, inside, studio
 from ..comparison import (
     CASES,
     Matrix,
-    Solve,
     all_figures,
     igl_arap,
     native_solve,
-    page,
     picture,
     registry_rows,
     space_rows,
@@ -31,18 +28,21 @@ OVERVIEW = (
     "Laplacian Editing: Implicit",
 )
 OUTPUT = Path(__file__).parents[1] / "output"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "methods" / "comparison.md"
+BEGIN, END = "<!-- figures: written by blend_samples/run --publish gallery -->", "<!-- end of figures -->"
 _made: list = []
 
 
 def make() -> bpy.types.Scene:
     scene = studio.empty_scene("Gallery")
+    modules = inside.registry(), inside.native()
     matrix = compared()
     matrix.write(OUTPUT / "gallery.json")
     studio.progress("drawing the sheets")
     sheets = [
         picture.of_matrix(matrix, OVERVIEW, "gallery", lines=1, rest="At rest"),
         *picture.paged(matrix, 6, "gallery"),
-        picture.of_figures(list(all_figures(ours)), "gallery-figures"),
+        picture.of_figures(list(all_figures(partial(native_solve, *modules))), "gallery-figures"),
     ]
     picture.add_camera(scene)
     picture.add_sheets(scene, sheets)
@@ -70,11 +70,6 @@ def compared() -> Matrix:
     return matrix
 
 
-def ours(name: str, **options: object) -> Solve:
-    """A row of the registry, with its defaults but for these options."""
-    return native_solve(inside.registry(), inside.native(), name, **options)
-
-
 def pictures(scene: bpy.types.Scene) -> Iterator[tuple[str, np.ndarray]]:
     """One picture per sheet: its name and its light (height, width, 3)."""
     _matrix, every = _made
@@ -84,7 +79,32 @@ def pictures(scene: bpy.types.Scene) -> Iterator[tuple[str, np.ndarray]]:
         yield sheet.name, denoise.render_passes(scene, ("Image",))["Image"]
 
 
+def table(matrix: Matrix) -> str:
+    """One line per row; of each case the rms, the least edge ratio, the ratio of areas and of volumes."""
+    names = [case.name for case in matrix.columns.values()]
+    lines = ["| | " + " | ".join(names) + " |", "|---|" + "---|" * len(names)]
+    for row in matrix.rows:
+        cells = []
+        for column in matrix.columns:
+            found = matrix.cells[row, column].distortion
+            if found is None:
+                cells.append("refused")
+                continue
+            volume = "" if found.volume is None else f", {found.volume:.2f}"
+            cells.append(f"{found.edge_rms:.3f}, {found.edge_least:.2f}, {found.area:.2f}{volume}")
+        lines.append(f"| {row} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
 def publish() -> None:
-    """Write the figures of all rows into the page of the comparison."""
+    """Write the table of all rows, and the pictures, between the marks of the page of the comparison."""
     matrix, every = _made
-    page.write(matrix, [sheet.name for sheet in every[1:-1]])
+    names = [sheet.name for sheet in every[1:-1]]
+    shown = [
+        f"![Rows of the matrix, sheet {number} of {len(names)}](../manual/images/{name}.jpg)"
+        for number, name in enumerate(names, 1)
+    ]
+    before, _begin, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
+    _old, _end, after = rest.partition(END)
+    part = "\n\n".join((table(matrix), *shown))
+    PAGE.write_text(f"{before}{BEGIN}\n{part}\n{END}{after}", encoding="utf-8")

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A ship of meshes, curves, text, hair and Blender's own lattice, all moved by one lattice or one twist."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 from mathutils import Matrix
@@ -43,31 +41,21 @@ def build(name: str, x: float) -> list[bpy.types.Object]:
 
 def pose_by_lattice(ship: list[bpy.types.Object]) -> None:
     """The ship rears: it bends along its length, and all above leans back."""
-    posing.make_active(ship[0])
-    for obj in ship:
-        obj.select_set(True)
-    posing.expect(bpy.ops.sinew.lattice_add(resolution=(5, 3, 4)), "lattice_add()")
-    lattice = ship[0].sinew.deformers[-1].controls[0].object
-    points = posing.lattice_points(lattice)
-    x, _y, z = points.T
+    lattice = posing.add_lattice(ship[0], (5, 3, 4), *ship[1:])
+    x, y, z = posing.lattice_points(lattice).T
     height = z + 0.5
-    moved = points.copy()
-    moved[:, 0] = x * (1.0 - 0.25 * height) - 0.30 * height**2
-    moved[:, 2] = z + 0.30 * (x + 0.2) ** 2 - 0.04
-    posing.add_pose(lattice, "Rear", moved, {1: 0.0, POSE_FRAME: 1.0, 60: 1.0, 96: 0.0})
+    moved = (x * (1.0 - 0.25 * height) - 0.30 * height**2, y, z + 0.30 * (x + 0.2) ** 2 - 0.04)
+    posing.add_pose(lattice, "Rear", np.column_stack(moved), {1: 0.0, POSE_FRAME: 1.0, 60: 1.0, 96: 0.0})
 
 
 def pose_by_twist(ship: list[bpy.types.Object]) -> None:
     """One tool on the mast: the higher, the farther it turns."""
-    posing.make_active(ship[0])
+    bpy.context.view_layer.update()
     middle = ship[0].matrix_world.translation.copy()
     middle.z = 1.0
     control = ""
     for obj in ship:
-        posing.make_active(obj)
-        answer = bpy.ops.sinew.tool_add(tool="twist", location=middle, outer=0.8, control=control)
-        posing.expect(answer, f"{obj.name}: tool_add()")
-        row = obj.sinew.active.controls[-1]
+        row = posing.operate(obj, "tool_add", tool="twist", location=middle, control=control).controls[-1]
         row.inner, row.outer, row.width = -1.2, 0.9, 3.0
         control = row.object.name
     turn = Move(turn=(0.0, 0.0, 100.0), pivot=(0.0, 0.0, 1.0))

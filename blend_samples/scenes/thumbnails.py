@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The pictures of the browser: one for each method and task, in one light, written into the add-on."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -20,7 +18,7 @@ from ..lineups import LINEUPS, cows
 from ..models import spot
 from ..models.objects import mesh_object
 from ..models.shapes import smoothstep
-from . import elbow, longship, mesh_sequence, pyramid_coordinates, silhouette, wires
+from . import elbow, longship, mesh_sequence
 
 PICTURES = Path(__file__).parents[2] / "addon" / "pictures"
 SIZE = 128  # pixels
@@ -70,21 +68,27 @@ def of_row(sample: str, label: str, painted: bool = True) -> Shown:
     if painted:
         _paint(obj)
     if lineup.smooth:
-        _smooth(obj)
+        posing.subdivide(obj)
     return [obj]
 
 
 def dragged() -> Shown:
     """The cow that is dragged far at its back and its head, with balls where it is held."""
-    obj = spot.build()
-    obj.rotation_euler.z = radians(LINEUPS["inverse_ffd"].heading)
-    bpy.context.view_layer.update()
+    obj = _cow("inverse_ffd")
     cows.dragged(7, farther=2.2)(obj)
-    _smooth(obj)
+    posing.subdivide(obj)
     for ball in (obj for obj in bpy.data.objects if obj.name.endswith(" Pin")):
         for vertex in ball.data.vertices:
             vertex.co *= 2.2
     return [obj]
+
+
+def _cow(sample: str) -> bpy.types.Object:
+    """The cow as it stands in a line-up."""
+    obj = spot.build()
+    obj.rotation_euler.z = radians(LINEUPS[sample].heading)
+    bpy.context.view_layer.update()
+    return obj
 
 
 def in_a_cage(method: str) -> Shown:
@@ -139,15 +143,6 @@ def ship() -> Shown:
     return [*shown, _lines_of(parts[0].sinew.active.controls[0].object)]
 
 
-def face() -> Shown:
-    """The yeti's head with its wires, which frown."""
-    head = wires.bust()
-    head.rotation_euler.z = radians(-90.0)
-    bpy.context.view_layer.update()
-    wires.expression(-1.0, -0.9)(head)
-    return [head]
-
-
 def keyed() -> Shown:
     """The frame of the swaying pillar at whose key it was edited."""
     mesh_sequence.make()
@@ -159,11 +154,10 @@ def keyed() -> Shown:
 
 def half_way() -> Shown:
     """The cow between itself and its twisted twin."""
-    rest, target = spot.build(), spot.build()
-    target.data = pyramid_coordinates.twisted(rest.data)
-    rest.rotation_euler.z = radians(-52.0)
-    pyramid_coordinates.pose(rest, target)
-    _smooth(rest)
+    rest, target = _cow("pyramid_coordinates"), spot.build()
+    target.data = cows.twisted(rest.data)
+    cows.morph(rest, target)
+    posing.subdivide(rest)
     return [rest]
 
 
@@ -180,12 +174,11 @@ def corrected() -> Shown:
 
 def redrawn() -> Shown:
     """The cow that two strokes have redrawn, and the strokes."""
-    silhouette.make()
+    LINEUPS["silhouette"].make()
     cow = next(obj for obj in bpy.data.objects if obj.type == "MESH" and obj.data.shape_keys)
     strokes = [bpy.data.objects[name] for name in ("Back", "Muzzle")]
     for stroke in strokes:
         stroke.hide_render, stroke.data.bevel_depth = False, 0.025
-        stroke.data.materials.append(materials.plain_material("Stroke", silhouette.INK))
     return [cow, *strokes]
 
 
@@ -215,15 +208,15 @@ SUBJECTS: dict[str, Subject] = {
     "mls": Subject(_row("machine", "Moving Least Squares", painted=False)),
     "rbf": Subject(_case("branches", "rbf")),
     "embedded_deformation": Subject(
-        _row("embedded_deformation", "Embedded Deformation", painted=False), aim=(0.42, 1.0)
+        _row("embedded_deformation", "Embedded Deformation", False), aim=(0.42, 1.0)
     ),
     "rigid_cells": Subject(_row("rigid_cells", "Rigid Cells", painted=False)),
     "space_propagation": Subject(_case("branches", "space_propagation")),
-    "wires": Subject(face, elevation=4.0, aim=(0.3, 1.0)),
+    "wires": Subject(_row("wires", "Angry", painted=False), elevation=4.0, aim=(0.3, 1.0)),
     "vector_field": Subject(pushed),
     "mesh_puppetry": Subject(_row("puppet", "Hand", painted=False)),
     "mesh_sequence": Subject(keyed, frame=mesh_sequence.KEY),
-    "pyramid_coordinates": Subject(half_way, frame=pyramid_coordinates.MIDDLE_FRAME),
+    "pyramid_coordinates": Subject(half_way, frame=cows.MIDDLE_FRAME),
     "multiresolution": Subject(_row("multiresolution", "Multiresolution, Thin Shell")),
     "multiresolution_space": Subject(_row("space_details", "Multiresolution in Space")),
     "joint": Subject(corrected, frame=elbow.MADE),
@@ -267,22 +260,19 @@ def photograph(scene: bpy.types.Scene, shown: Shown, subject: Subject) -> None:
     if "Backdrop" in bpy.data.materials:
         bpy.data.materials.remove(bpy.data.materials["Backdrop"])  # of another colour
     kept = _with_markers(shown)
-    points = np.concatenate(
-        [_in_the_world(obj) for obj in kept if not obj.name.endswith((" Edges", " Lines"))]
-    )
+    seen = [_in_the_world(obj) for obj in kept if not obj.name.endswith((" Edges", " Lines"))]
+    points = np.concatenate(seen)
     for obj in scene.objects:
         obj.hide_render = obj.hide_render or obj not in kept
-    low, high = points.min(axis=0), points.max(axis=0)
-    floor = low[2]
-    height = high[2] - low[2]
-    low[2], high[2] = floor + subject.aim[0] * height, floor + subject.aim[1] * height
-    points = points[(points[:, 2] >= low[2]) & (points[:, 2] <= high[2])]
+    floor, height = points[:, 2].min(), np.ptp(points[:, 2])
+    depth = 0.5 * (points[:, 1].min() + points[:, 1].max())
+    low, high = (floor + share * height for share in subject.aim)
+    points = points[(points[:, 2] >= low) & (points[:, 2] <= high)]
     rise = radians(subject.elevation)
     up = np.array((0.0, np.sin(rise), np.cos(rise)))
     across, along = points[:, 0], points @ up
     middle = 0.5 * np.array((across.min() + across.max(), along.min() + along.max()))
     width = float(1.2 * max(np.ptp(across), np.ptp(along)))
-    depth = 0.5 * (low[1] + high[1])
     target = Vector((middle[0], depth, (middle[1] - depth * up[1]) / up[2]))
     studio.add_backdrop(scene, 5.0 * width, GREY)
     scene.objects["Backdrop"].location.z = floor
@@ -296,20 +286,15 @@ def _lines_of(lattice: bpy.types.Object) -> bpy.types.Object:
     """The outer lines of a lattice as it is posed, as thin tubes."""
     data = lattice.data
     places = _in_the_world(lattice).reshape(data.points_w, data.points_v, data.points_u, 3)
-    curve = bpy.data.curves.new("Lattice Lines", "CURVE")
-    curve.dimensions, curve.bevel_depth = "3D", 0.012
-    curve.materials.append(_clay()[2])
+    lines = []
     for axis in range(3):
-        lines = np.moveaxis(places, axis, 2)
-        rows, columns = lines.shape[:2]
-        for row in range(rows):
-            for column in range(columns):
-                if row in (0, rows - 1) or column in (0, columns - 1):
-                    spline = curve.splines.new("POLY")
-                    spline.points.add(lines.shape[2] - 1)
-                    for point, place in zip(spline.points, lines[row, column]):
-                        point.co = (*place, 1.0)
-    return posing.add_object(curve.name, curve)
+        grid = np.moveaxis(places, axis, 2)
+        outside = np.ones(grid.shape[:2], bool)
+        outside[1:-1, 1:-1] = False
+        lines += list(grid[outside])
+    obj = posing.add_lines("Lattice Lines", lines, bevel=0.012)
+    obj.data.materials.append(_clay()[2])
+    return obj
 
 
 def _in_the_world(obj: bpy.types.Object) -> np.ndarray:
@@ -348,23 +333,15 @@ def _paint(obj: bpy.types.Object, rigged: bpy.types.Object | None = None) -> Non
     for material in _clay()[1:]:
         obj.data.materials.append(material)
     slots = {"FIXED": first, "HANDLE": first + 1}
-    groups = {
-        rigged.vertex_groups[handle.vertex_group].index: slots[handle.kind]
-        for handle in rigged.sinew.active.handles
-        if handle.kind in slots
-    }
+    indices = {group.index: group.name for group in rigged.vertex_groups}
+    kinds = {handle.vertex_group: slots.get(handle.kind) for handle in rigged.sinew.active.handles}
     held = {
-        vertex.index: groups[row.group]
+        vertex.index: kinds[indices[row.group]]
         for vertex in rigged.data.vertices
         for row in vertex.groups
-        if row.group in groups
+        if kinds.get(indices[row.group]) is not None
     }
     for face in obj.data.polygons:
         found = {held.get(vertex) for vertex in face.vertices}
         if len(found) == 1 and None not in found:
             face.material_index = found.pop()
-
-
-def _smooth(obj: bpy.types.Object) -> None:
-    levels = obj.modifiers.new("Subdivision", "SUBSURF")
-    levels.levels, levels.render_levels = 1, 2

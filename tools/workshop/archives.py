@@ -5,6 +5,7 @@ import base64
 import contextlib
 import hashlib
 import os
+import shutil
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -29,6 +30,14 @@ def read_zip(source: Path) -> dict[str, bytes]:
         return {name: archive.read(name) for name in archive.namelist() if not name.endswith("/")}
 
 
+def unpack(source: Path, target: Path) -> Path:
+    """Unpacks a zip into a folder that holds nothing else then."""
+    shutil.rmtree(target, ignore_errors=True)
+    with zipfile.ZipFile(source) as archive:
+        archive.extractall(target)
+    return target
+
+
 def write_zip(target: Path, files: dict[str, bytes]) -> Path:
     """Writes a zip. Whoever reads it at the same time finds the whole of the old or of the new one."""
     target.parent.mkdir(parents=True, exist_ok=True)
@@ -46,11 +55,8 @@ def write_zip(target: Path, files: dict[str, bytes]) -> Path:
 def write_wheel(target: Path, files: dict[str, bytes]) -> Path:
     """Does the same as write_zip(), and writes the RECORD of the wheel again."""
     record = next(name for name in files if name.endswith(".dist-info/RECORD"))
-    lines = [
-        f"{name},{_digest(content)},{len(content)}\n"
-        for name, content in sorted(files.items())
-        if name != record
-    ]
+    rows = sorted((name, content) for name, content in files.items() if name != record)
+    lines = [f"{name},{_digest(content)},{len(content)}\n" for name, content in rows]
     return write_zip(target, files | {record: "".join([*lines, f"{record},,\n"]).encode()})
 
 

@@ -18,7 +18,3 @@ def main() -> None:
     for count in COUNTS:
         goal = count.limit if count.goal is None else count.goal
         say(f"{count.name:<62}{count.find():>8.6g}{count.limit:>8.6g}{goal:>8.6g}")
-
-
-if __name__ == "__main__":
-    main()

@@ -114,9 +114,8 @@ def build(system: System, name: str, source: Path, *settings: str) -> None:
     say(f"Building {name} for {system.title}")
     tree = system.tree / name
     prefix = f"-DCMAKE_INSTALL_PREFIX={system.prefix}"
-    must(
-        ["cmake", "--fresh", "-S", source, "-B", tree, *system.configuration(), prefix, *settings], quiet=True
-    )
+    options = [*system.configuration(), prefix, *settings]
+    must(["cmake", "--fresh", "-S", source, "-B", tree, *options], quiet=True)
     must(["cmake", "--build", tree, "--target", "install", "-j", str(jobs())], quiet=True)
 
 

@@ -34,9 +34,8 @@ def isolated(files: dict[str, bytes], builder: Environment) -> dict[str, bytes]:
         exported = {symbol for path in owned for symbol in symbols(path, "--defined-only")}
         changed = {symbol for symbol in exported if RENAMED.match(symbol)}
         names = Path(folder) / "names"
-        names.write_text(
-            "".join(f"{symbol} {PREFIX}{symbol}\n" for symbol in sorted(changed)), encoding="utf-8"
-        )
+        lines = [f"{symbol} {PREFIX}{symbol}\n" for symbol in sorted(changed)]
+        names.write_text("".join(lines), encoding="utf-8")
         for path in paths.values():
             must([builder.bin / "patchelf", "--rename-dynamic-symbols", names, path], quiet=True)
         left = {symbol for path in paths.values() for symbol in symbols(path)} & changed

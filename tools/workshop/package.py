@@ -30,7 +30,6 @@ from .shell import must, one_at_a_time, say
 MANIFEST = "blender_manifest.toml"
 NATIVE_FOLDER = "_native"
 RENDER = Path(__file__).parent / "inside" / "render_manual.py"
-EXCLUDED_NAMES = ("__pycache__", ".DS_Store")
 EXCLUDED_SUFFIXES = (".pyc", ".blend1", ".orig", ".swp")
 BUILDERS = {"linux": wheels.build_wheels} | wheels.OTHERS
 PLATFORMS = {
@@ -46,13 +45,9 @@ def addon_files() -> dict[str, bytes]:
     found = {}
     for path in sorted(ADDON.rglob("*")):
         inside = path.relative_to(ADDON)
-        hidden = any(part in EXCLUDED_NAMES or part.startswith(".") for part in inside.parts)
-        if (
-            path.is_file()
-            and not hidden
-            and path.suffix not in EXCLUDED_SUFFIXES
-            and inside.parts[0] != NATIVE_FOLDER
-        ):
+        hidden = any(part == "__pycache__" or part.startswith(".") for part in inside.parts)
+        hidden |= path.suffix in EXCLUDED_SUFFIXES or inside.parts[0] == NATIVE_FOLDER
+        if path.is_file() and not hidden:
             found[inside.as_posix()] = path.read_bytes()
     if MANIFEST not in found or "__init__.py" not in found:
         raise SystemExit(f"{ADDON} is not an add-on: {MANIFEST} or __init__.py is missing")
@@ -91,9 +86,8 @@ def filled_manifest(text: str, wheel_names: list[str]) -> str:
     }
     for key, items in values.items():
         line = f"{key} = [\n" + "".join(f'  "{item}",\n' for item in items) + "]\n"
-        text, replaced = re.subn(
-            rf"^{key}\s*=\s*\[[^\]]*\]\s*?\n", lambda _, line=line: line, text, flags=re.M
-        )
+        old = rf"^{key}\s*=\s*\[[^\]]*\]\s*?\n"
+        text, replaced = re.subn(old, line.replace("\\", r"\\"), text, flags=re.M)
         if replaced == 0:  # keys must stand before the first table
             table = re.search(r"^\[", text, flags=re.M)
             place = table.start() if table else len(text)
@@ -106,10 +100,10 @@ def filled_manifest(text: str, wheel_names: list[str]) -> str:
 
 def _platform(wheel_name: str) -> str:
     tag = wheel_name.removesuffix(".whl").rsplit("-", 1)[-1]
-    for prefix, platform in PLATFORMS.items():
-        if tag.startswith(prefix):
-            return platform
-    raise SystemExit(f"{wheel_name}: no Blender platform is known for {tag}")
+    found = [platform for prefix, platform in PLATFORMS.items() if tag.startswith(prefix)]
+    if not found:
+        raise SystemExit(f"{wheel_name}: no Blender platform is known for {tag}")
+    return found[0]
 
 
 def pack(target: Path, files: dict[str, bytes]) -> Path:
@@ -120,9 +114,8 @@ def pack(target: Path, files: dict[str, bytes]) -> Path:
 
 def validate(extension: Path, blender: Environment) -> None:
     """Lets a Blender check an extension, if that Blender is set up (``tools/setup tests``)."""
-    tools = sorted(
-        blender.folder.glob("lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
-    )
+    scripts = "lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli"
+    tools = sorted(blender.folder.glob(f"{scripts}/blender_ext.py"))
     if not tools:
         say(f"{extension.name} was not validated: {blender.folder.relative_to(ROOT)} is not set up")
         return
@@ -164,17 +157,9 @@ def package_for_this_machine() -> Path:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="tools/package", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    as_it_is = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(prog="tools/package", description=__doc__, formatter_class=as_it_is)
     systems = (*BUILDERS, "here")
     parser.add_argument("system", nargs="?", default="linux", choices=systems, help="without one, linux")
     system = parser.parse_args().system
-    if system == "here":
-        package_for_this_machine()
-    else:
-        package(system)
-
-
-if __name__ == "__main__":
-    main()
+    package_for_this_machine() if system == "here" else package(system)

@@ -14,12 +14,9 @@ class Outcome:
     note: str = ""
 
     def __add__(self, other: "Outcome") -> "Outcome":
-        return Outcome(
-            self.passed + other.passed,
-            self.failed + other.failed,
-            self.skipped + other.skipped,
-            "; ".join(note for note in (self.note, other.note) if note),
-        )
+        passed, failed = self.passed + other.passed, self.failed + other.failed
+        note = "; ".join(note for note in (self.note, other.note) if note)
+        return Outcome(passed, failed, self.skipped + other.skipped, note)
 
 
 def outcome(junit: Path, status: int) -> Outcome:

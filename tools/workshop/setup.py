@@ -41,14 +41,7 @@ PURPOSES = {
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/setup", description=__doc__)
-    parser.add_argument("what", nargs="*", metavar="WHAT", help=f"{', '.join(PURPOSES)}; without a name, all")
-    chosen = parser.parse_args().what or list(PURPOSES)
-    unknown = sorted(set(chosen) - set(PURPOSES))
-    if unknown:
-        parser.error(f"unknown: {', '.join(unknown)}; one of {', '.join(PURPOSES)}")
-    for purpose in chosen:
+    about = f"{', '.join(PURPOSES)}; without a name, all"
+    parser.add_argument("what", nargs="*", choices=[[], *PURPOSES], default=[], metavar="WHAT", help=about)
+    for purpose in parser.parse_args().what or PURPOSES:
         PURPOSES[purpose]()
-
-
-if __name__ == "__main__":
-    main()

@@ -35,15 +35,11 @@ def tidy(only: Set[Path] | None = None) -> bool:
     """Whether all sources of native/ pass, or these. Prints the complaints about those that do not."""
     environments.dev().make()
     configure_tree("dev")
-    must(
-        ["cmake", "--build", "--preset", "dev", "--target", "build.ninja"], quiet=True
-    )  # may list new sources
+    # New sources may have to be listed
+    must(["cmake", "--build", "--preset", "dev", "--target", "build.ninja"], quiet=True)
     PASSED.mkdir(parents=True, exist_ok=True)
-    chosen = {
-        file: command
-        for file, command in sorted(commands().items())
-        if only is None or sources_in(file) & only
-    }
+    every = sorted(commands().items())
+    chosen = {file: command for file, command in every if only is None or sources_in(file) & only}
     stamps = {file: PASSED / digest(file, command) for file, command in chosen.items()}
     changed = {file: chosen[file] for file, stamp in stamps.items() if not stamp.exists()}
     if changed:

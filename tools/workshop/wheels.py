@@ -13,7 +13,7 @@ import tempfile
 from pathlib import Path
 
 from . import debian, environments, macos_wheels, windows_wheels
-from .archives import read_zip, write_wheel
+from .archives import read_zip, unpack, write_wheel
 from .environments import Environment
 from .isolation import isolated
 from .notices import notices, of_packages, repaired
@@ -41,9 +41,8 @@ def build_wheels(for_programs: bool = False) -> list[Path]:
 @one_at_a_time()
 def build_wheel(builder: Environment) -> Path:
     tag = _tag(builder)
-    stamp = Stamp(
-        WHEELS / f"{tag}.made-from", fingerprint([ROOT / name for name in INPUTS], str(builder.interpreter))
-    )
+    made_from = fingerprint([ROOT / name for name in INPUTS], str(builder.interpreter))
+    stamp = Stamp(WHEELS / f"{tag}.made-from", made_from)
     if stamp.is_fresh() and len(list(WHEELS.glob(f"*-{tag}-*linux*.whl"))) == 1:
         return _wheel(tag)
     say(f"Building the wheel for {tag}")
@@ -52,9 +51,8 @@ def build_wheel(builder: Environment) -> Path:
     for old in WHEELS.glob(f"*-{tag}-*linux*.whl"):
         old.unlink()
     with tempfile.TemporaryDirectory(dir=_made(BUILD)) as raw:
-        path = f"{builder.bin}{os.pathsep}{os.environ['PATH']}"
         settings = {
-            "PATH": path,
+            "PATH": f"{builder.bin}{os.pathsep}{os.environ['PATH']}",
             "CC": "gcc",  # the same for every Python, so that ccache can reuse the compiled library
             "CXX": "g++",
             "CMAKE_BUILD_PARALLEL_LEVEL": str(jobs()),
@@ -76,11 +74,7 @@ def build_wheel(builder: Environment) -> Path:
 
 def check_wheel(wheel: Path, builder: Environment) -> None:
     """Loads the wheel without the libraries of the build, in plain CPython and, if installed, in Blender."""
-    unpacked = BUILD / "wheel-check" / _tag(builder)
-    shutil.rmtree(unpacked, ignore_errors=True)
-    for name, content in read_zip(wheel).items():
-        _made((unpacked / name).parent)
-        (unpacked / name).write_bytes(content)
+    unpacked = unpack(wheel, BUILD / "wheel-check" / _tag(builder))
     must([builder.python, "-I", CHECK, "--own-libraries", unpacked, "--alone"], timeout=120, quiet=True)
     say(f"{wheel.name} works in {builder.interpreter}")
     blender = shutil.which("blender", path="/usr/bin")
@@ -122,17 +116,10 @@ def _wheel(tag: str) -> Path:
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/build_wheels", description=__doc__)
-    parser.add_argument(
-        "system", nargs="?", default="linux", choices=("linux", *OTHERS), help="without one, linux"
-    )
-    parser.add_argument(
-        "--all", action="store_true", help="on Linux also for Python 3.12 and 3.14, where these exist"
-    )
+    systems, further = ("linux", *OTHERS), "on Linux also for Python 3.12 and 3.14, where these exist"
+    parser.add_argument("system", nargs="?", default="linux", choices=systems, help="without one, linux")
+    parser.add_argument("--all", action="store_true", help=further)
     options = parser.parse_args()
     other = OTHERS.get(options.system)
     for wheel in other() if other else build_wheels(options.all):
         say(str(wheel.relative_to(ROOT)))
-
-
-if __name__ == "__main__":
-    main()

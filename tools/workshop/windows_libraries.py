@@ -61,7 +61,6 @@ def import_library(minor: int) -> Path:
 
 def imported_libraries(binary: Path) -> set[str]:
     """The DLLs that Windows must find before it loads a binary, in lower case."""
-    listing = subprocess.run(
-        ["x86_64-w64-mingw32-objdump", "-p", str(binary)], capture_output=True, text=True
-    )
-    return {name.lower() for name in re.findall(r"DLL Name: (\S+)", listing.stdout)}
+    command = ["x86_64-w64-mingw32-objdump", "-p", str(binary)]
+    listing = subprocess.run(command, capture_output=True, text=True).stdout
+    return {name.lower() for name in re.findall(r"DLL Name: (\S+)", listing)}
