@@ -19,33 +19,6 @@ from .parameters import BASE
 from .scene import SinewScene
 from .setting import row_at
 
-__all__ = (
-    "BAKE_TARGETS",
-    "BALANCE",
-    "BASE",
-    "DRAG_MODES",
-    "HANDLE_ROLES",
-    "MAX_FRAME",
-    "PIXELS",
-    "REACH",
-    "STANDS_ON",
-    "UNLIMITED",
-    "SinewBone",
-    "SinewControl",
-    "SinewDeformer",
-    "SinewDrag",
-    "SinewHandle",
-    "SinewKey",
-    "SinewObject",
-    "SinewScene",
-    "StoredCage",
-    "deformers_of",
-    "method_items",
-    "register",
-    "row_at",
-    "unregister",
-)
-
 _CLASSES = (
     *parameters.GROUPS.values(),
     bake.SinewBakedKey,

@@ -61,22 +61,14 @@ def declare(parameter: Parameter):
         return setting(EnumProperty, items=items, **common)
     if isinstance(parameter, Bool):
         return setting(BoolProperty, **common)
-    limits = {
-        "min": parameter.minimum,
-        "max": parameter.maximum,
-        "soft_max": min(parameter.soft_maximum, parameter.maximum),
-    }
+    if isinstance(parameter, Int | Float):
+        span = parameter.span
+        common |= {"min": span.minimum, "max": span.maximum, "soft_max": min(span.soft, span.maximum)}
     if isinstance(parameter, Int):
-        return setting(IntProperty, **limits, **common)
+        return setting(IntProperty, **common)
     if isinstance(parameter, Float):
-        return setting(
-            FloatProperty,
-            **limits,
-            precision=parameter.precision,
-            step=round(100 * parameter.step),
-            subtype=_SUBTYPES.get(parameter.unit, "NONE"),
-            **common,
-        )
+        look = {"precision": span.digits, "step": round(100 * span.step)}
+        return setting(FloatProperty, subtype=_SUBTYPES.get(parameter.unit, "NONE"), **look, **common)
     raise TypeError(f"{parameter.id}: no property for {type(parameter).__name__}")
 
 

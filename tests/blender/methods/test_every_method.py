@@ -117,7 +117,7 @@ def test_a_painted_parameter_changes_the_shape_where_it_is_painted(rig: HandleRi
     rig.bind(rig.method.id)
     for parameter in rig.method.paintable:
         value = max(parameter.default, 0.5)
-        stiffness = np.full(len(rig.rest()), parameter.minimum)
+        stiffness = np.full(len(rig.rest()), parameter.span.minimum)
         stiffness[left] = value
         rig.control.matrix_basis = Matrix.Identity(4)
         choice, among = parameter.only_with or (None, ())

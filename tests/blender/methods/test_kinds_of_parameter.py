@@ -24,7 +24,6 @@ ROWS = (
         label="Throwaway",
         family=Family.MULTIRESOLUTION,
         control=Control.HANDLES,
-        native="Throwaway",
         section="1",
         paper="none",
         **WORDS,
@@ -33,22 +32,13 @@ ROWS = (
         moves=frozenset({Moved.MESH}),
         bind_seconds=factorising(0.01),
         parameters=(
-            Curve(
-                "profile",
-                ((0.0, 0.0), (1.0, 1.0)),
-                samples=3,
-                rebinds=True,
-                label="Profile",
-                description="What the constructor gets",
+            Curve("profile", "Profile", ((0.0, 0.0), (1.0, 1.0)), samples=3).described(
+                "What the constructor gets"
             ),
             Curve(
-                "falloff",
-                ((0.0, 0.0), (0.5, 1.0), (1.0, 0.0)),
-                samples=5,
-                label="Falloff",
-                description="What each solve gets",
-            ),
-            Pointer("frame", types=("EMPTY",), label="Frame", description="Where each solve looks"),
+                "falloff", "Falloff", ((0.0, 0.0), (0.5, 1.0), (1.0, 0.0)), samples=5, rebinds=False
+            ).described("What each solve gets"),
+            Pointer("frame", "Frame", types=("EMPTY",), rebinds=False).described("Where each solve looks"),
         ),
     ),
     Method(
@@ -57,7 +47,6 @@ ROWS = (
         label="Around",
         family=Family.MULTIRESOLUTION,
         control=Control.HANDLES,
-        native="Around",
         section="1",
         paper="none",
         **WORDS,
@@ -73,7 +62,6 @@ ROWS = (
         label="Nearest",
         family=Family.SPACE_LINEAR,
         control=Control.HANDLES,
-        native="Nearest",
         section="1",
         paper="none",
         **WORDS,
