@@ -17,7 +17,7 @@ from .handle import STANDS_ON, SinewHandle
 from .key import SinewKey
 from .parameters import BASE
 from .scene import SinewScene
-from .setting import row_at
+from .setting import SHARE, field, row_at
 
 _CLASSES = (
     *parameters.GROUPS.values(),

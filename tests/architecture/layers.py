@@ -26,6 +26,7 @@ INNER_RANKS = {
     "core": {
         "elements": 0,
         "memory": 0,
+        "field": 0,
         "names": 1,
         "point_types": 0,
         "sides": 0,
