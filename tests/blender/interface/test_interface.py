@@ -283,7 +283,7 @@ def test_nothing_to_cancel_is_greyed_out(bound_plate: Rig):
 
 def draw_row(cls: type, owner, item, width: int) -> Sheet:
     sheet = Sheet()
-    cls.draw_item(SimpleNamespace(), DrawContext(width), sheet, owner, item, 0, owner, "")
+    cls.draw_row(SimpleNamespace(), DrawContext(width), sheet, owner, item, 0, 0)
     return sheet
 
 
