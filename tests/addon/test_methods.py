@@ -46,7 +46,6 @@ def test_numbers_in_files_never_change():
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
 def test_a_row_is_complete(method: methods.Method):
     assert re.fullmatch(r"[a-z][a-z0-9_]*", method.id)
-    assert method.native.lower() == method.id.replace("_", "")
     assert isinstance(method.family, Family)
     assert isinstance(method.control, Control)
     assert method.paper
@@ -99,8 +98,8 @@ def test_parameters_teach(method: methods.Method):
             assert parameter.default in items
             assert all(len(item) == 3 and item[1] and item[2] for item in parameter.items)
         if isinstance(parameter, (Float, Int)):
-            assert parameter.minimum <= parameter.default <= parameter.maximum
-            assert parameter.default <= parameter.soft_maximum <= parameter.maximum
+            assert parameter.span.minimum <= parameter.default <= parameter.span.soft
+            assert parameter.span.soft <= parameter.span.maximum
 
 
 def test_an_iterative_method_can_show_an_early_step():

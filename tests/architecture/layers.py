@@ -19,7 +19,7 @@ ADDON_RANKS = ranked(
 # Large rooms have ranks inside; their __init__.py is the face, which only other rooms see.
 INNER_RANKS = {
     "core": ranked(
-        "elements memory point_types sides traits",
+        "elements field memory point_types sides traits",
         "names status",
         "errors",
         "methods geometry transform",

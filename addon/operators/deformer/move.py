@@ -5,6 +5,7 @@ from bpy.props import EnumProperty
 from bpy.types import Context, Operator
 
 from ...ids import Operators
+from ...properties import field
 from ...session.actions import order
 from ..arguments import row_index
 from ..offered import OnDeformer
@@ -32,8 +33,8 @@ class SINEW_OT_deformer_move(OnDeformer, Operator):
     bl_idname = Operators.DEFORMER_MOVE
     bl_label = "Move Deformer"
 
-    direction: EnumProperty(
-        name="Direction", items=DIRECTIONS, description="Choose whether to move up or down in the list"
+    direction: field(EnumProperty, items=DIRECTIONS).named(
+        "Direction", "Choose whether to move up or down in the list"
     )
     index: row_index("Choose which deformer; -1 is the active one")
 
@@ -54,8 +55,8 @@ class SINEW_OT_handle_move(OnDeformer, Operator):
     bl_idname = Operators.HANDLE_MOVE
     bl_label = "Move Handle"
 
-    direction: EnumProperty(
-        name="Direction", items=DIRECTIONS, description="Choose whether to move up or down in the list"
+    direction: field(EnumProperty, items=DIRECTIONS).named(
+        "Direction", "Choose whether to move up or down in the list"
     )
     index: row_index("Choose which handle; -1 is the active one")
 

@@ -267,7 +267,7 @@ def test_a_cage_being_made_shows_progress_in_place_of_its_button(plate: Rig, mon
 
 def draw_row(cls: type, owner, item, width: int) -> Sheet:
     sheet = Sheet()
-    cls.draw_item(SimpleNamespace(), DrawContext(width), sheet, owner, item, 0, owner, "")
+    cls.draw_row(SimpleNamespace(), DrawContext(width), sheet, owner, item, 0, 0)
     return sheet
 
 

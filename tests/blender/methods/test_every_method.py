@@ -110,7 +110,7 @@ def test_a_painted_parameter_changes_the_shape_where_it_is_painted_until_its_gro
     values, plain = rig.deformer.parameters, None
     for parameter in rig.method.paintable:
         group, value = f"{parameter.id}_group", max(parameter.default, 0.5)
-        stiffness = np.full(len(rig.rest()), parameter.minimum)
+        stiffness = np.full(len(rig.rest()), parameter.span.minimum)
         stiffness[left] = value
         rig.control.matrix_basis = Matrix.Identity(4)
         choice, among = parameter.only_with or (None, ())

@@ -130,14 +130,14 @@ def use_threads(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def bind_in_thread(obj: bpy.types.Object, deformer, monkeypatch: pytest.MonkeyPatch) -> None:
     """A bind for another value of a parameter is under way in a window; nobody wants it any more."""
-    numbers = [row for row in deformer.definition.parameters if row.rebinds and hasattr(row, "minimum")]
+    numbers = [row for row in deformer.definition.parameters if row.rebinds and hasattr(row, "span")]
     if not numbers:
         pytest.skip("no number of this method makes a new factor")
     parameter = numbers[0]
     before = getattr(deformer.parameters, parameter.id)
     with monkeypatch.context() as patch:
         use_threads(patch)
-        setattr(deformer.parameters, parameter.id, parameter.soft_maximum)
+        setattr(deformer.parameters, parameter.id, parameter.span.soft)
         inner.sessions.find(deformer.uid).bound = None
         inner.bind.bind(obj, deformer, wait=False)
     assert inner.binding.job(deformer.uid) is not None

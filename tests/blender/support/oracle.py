@@ -373,7 +373,7 @@ def options_of(deformer, row, weights: Weights) -> dict[str, object]:
         group = getattr(values, f"{parameter.id}_group")
         share = weights(group) if group else None
         if share is not None:  # without its group, a parameter is not painted
-            options[parameter.id] = np.maximum(options[parameter.id] * share, parameter.minimum)
+            options[parameter.id] = np.maximum(options[parameter.id] * share, parameter.span.minimum)
     return options
 
 

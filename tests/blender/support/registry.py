@@ -70,7 +70,7 @@ def other_values(parameter: object) -> Iterable[object]:
         return [item[0] for item in parameter.items if item[0] not in TAKES_MINUTES]
     if isinstance(parameter.default, bool):
         return [True, False]
-    if not hasattr(parameter, "minimum"):
+    if not hasattr(parameter, "span"):
         return []
-    least, most = parameter.minimum, parameter.soft_maximum
+    least, most = parameter.span.minimum, parameter.span.soft
     return [most if most != parameter.default else type(parameter.default)(0.5 * (least + most))]

@@ -73,7 +73,8 @@ class DrawPreferences:
 
 def draw(cls: type, context: DrawContext | None = None) -> Sheet:
     sheet = Sheet()
-    cls.draw(SimpleNamespace(layout=sheet, role=getattr(cls, "role", "")), context or DrawContext())
+    said = {name: getattr(cls, name) for name in ("role", "ADDING", "DOING") if hasattr(cls, name)}
+    cls.draw(SimpleNamespace(layout=sheet, **said), context or DrawContext())
     return sheet
 
 

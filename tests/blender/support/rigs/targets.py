@@ -83,8 +83,8 @@ def values_of(parameter) -> tuple:
         return ()
     if not parameter.rebinds:  # how far a solve goes: a loose end is no answer to compare with
         return (3,) if isinstance(parameter.default, int) else ()
-    half = 0.5 * parameter.soft_maximum
-    return (parameter.minimum, int(half) if isinstance(parameter.default, int) else half)
+    half = 0.5 * parameter.span.soft
+    return (parameter.span.minimum, int(half) if isinstance(parameter.default, int) else half)
 
 
 SETTINGS = tuple(
