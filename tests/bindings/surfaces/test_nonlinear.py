@@ -172,6 +172,15 @@ def test_four_iterations_of_primo_are_within_one_percent(triangles: bool) -> Non
             assert left < 0.01 * np.linalg.norm(limit - mesh.points)
 
 
+def test_five_iterations_of_a_puppet_without_bones_are_near_the_end() -> None:
+    few = bound(sn.MeshPuppetry, bar(20, 5), 2, max_iterations=5)
+    end = bound(sn.MeshPuppetry, bar(20, 5), 2, max_iterations=2000, tolerance=1e-13)
+    for poses in (bend(90, 20), twist(135)):
+        found, report = few.solve(poses)
+        assert report.iterations + report.rejected <= 5
+        assert off(found, end.solve(poses)[0]) < 0.1 * size(found)
+
+
 def turns_along(q: np.ndarray, row: int = 2) -> np.ndarray:
     """The angles between neighbouring edges along a row of a strip of 30 cells."""
     sides = np.diff(q.reshape(-1, 31, 3)[row], axis=0)

@@ -230,6 +230,8 @@ TEST_P(SurfaceContract, a_part_without_a_handle_stays_and_the_others_do_not_feel
         incoming.bottomRows(idle).rowwise() += Eigen::RowVector3d(0, 0, 9);
         EXPECT_EQ(solve(*method, traits().bent, {.incoming = view(incoming)}).bottomRows(idle),
                   incoming.bottomRows(idle));
+        EXPECT_EQ(solve(*method, traits().bent, {.substeps = 3}).bottomRows(idle),
+                  both.points().bottomRows(idle));
     }
 }
 

@@ -36,13 +36,4 @@ SpaceTraits traits()
 
 INSTANTIATE_TEST_SUITE_P(SpacePropagation, SpaceContract, testing::Values(traits()));
 
-TEST(SpacePropagation, points_of_a_handle_go_where_it_takes_them)
-{
-    const HandlePoints handles = regions(30);
-    SpacePropagation method(handles);
-    EXPECT_LT(shapes::distance(warped(method, handles.points(), posed(handles, three_poses)),
-                               moved(handles, three_poses)),
-              1e-14 * 8);
-}
-
 } // namespace sinew::test_space_propagation

@@ -80,23 +80,6 @@ TEST_F(HierarchicalSmoothing, planes_are_exact)
         << "at free borders, the Laplacian of 1e-8 pulls a little";
 }
 
-TEST_F(HierarchicalSmoothing, details_are_reconstructed_exactly_on_all_levels)
-{
-    const SurfaceMesh mesh = shapes::sphere(4); // 1026 vertices
-    Method smoothing(mesh);
-    smoothing.set_handles(shapes::ends(mesh, 0.3));
-    EXPECT_GT(smoothing.level_count(), 6);
-    const Points incoming = shapes::Random(4).shaken(mesh.points(), 0.05);
-    for (const Points& y : {mesh.points(), incoming}) {
-        Points q;
-        smoothing.solve({.poses = Poses(2, shapes::still()), .incoming = view(y)}, q);
-        EXPECT_LT(shapes::distance(q, y), 1e-14);
-        const Pose pose = shapes::turn({1, 2, -0.5}, 170, {3, 7, 1}, {3, -2, 1});
-        smoothing.solve({.poses = {pose, pose}, .incoming = view(y)}, q);
-        EXPECT_LT(shapes::distance(q, shapes::transformed(y, pose)), 1e-13);
-    }
-}
-
 TEST_F(HierarchicalSmoothing, details_turn_with_the_coarser_shape)
 {
     // A plate with a fine pattern, whose end is turned up: single vertices that stand 0.05 above their
