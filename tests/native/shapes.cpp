@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/native/shapes.h"
 
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <array>
-#include <map>
 #include <numeric>
 
 namespace sinew::shapes {

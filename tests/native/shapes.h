@@ -6,6 +6,7 @@
 #include "native/mesh/surface_mesh.h"
 
 #include <Eigen/Geometry>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>

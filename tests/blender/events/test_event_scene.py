@@ -199,9 +199,7 @@ def second_scene(*objects: bpy.types.Object) -> bpy.types.Scene:
 
 
 @pytest.mark.parametrize("has_control", [True, False])
-def test_scenes_at_different_frames_share_a_target_and_render_apart(
-    animated: HandleRig, has_control: bool
-):
+def test_scenes_at_different_frames_share_a_target_and_render_apart(animated: HandleRig, has_control: bool):
     """Blender has one animated state of an object: what counts is the scene that is looked at, when it is.
 
     In a scene without the control it follows by the driver.

@@ -4,11 +4,8 @@
 #include "native/attachments/attachments.h"
 #include "tests/native/shapes.h"
 
-#include <cmath>
 #include <functional>
-#include <map>
 #include <string>
-#include <vector>
 
 /// Bodies with loose parts, and ways to deform the bodies.
 namespace sinew::scenes {

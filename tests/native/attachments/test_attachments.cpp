@@ -6,11 +6,7 @@
 #include "tests/native/attachments/scenes.h"
 #include "tests/native/refusals.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_attachments {
-
-namespace {
 
 using scenes::Carried;
 using scenes::Scene;
@@ -50,8 +46,6 @@ const std::vector<Pose> similarities{
     shapes::affine(.3 * shapes::rotation({3, 2, 1}, -57)),
     shapes::affine(1e-3 * Matrix3::Identity()),
 };
-
-} // namespace
 
 TEST(Attachments, similarities_of_the_body_or_of_an_incoming_pose_are_those_of_all_parts)
 {

@@ -3,14 +3,9 @@
 
 #include "tests/native/attachments/scenes.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <random>
 
 namespace sinew::test_find_hosts {
-
-namespace {
 
 double median(std::vector<double> values)
 {
@@ -63,8 +58,6 @@ std::vector<Attachment> seats_of(const scenes::Scene& scene, std::vector<int> dr
         }
     return attachments;
 }
-
-} // namespace
 
 TEST(FindHosts, finds_the_nearest_driven_part_unless_a_larger_part_is_much_nearer)
 {

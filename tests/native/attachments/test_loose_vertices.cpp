@@ -3,11 +3,7 @@
 
 #include "tests/native/attachments/scenes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_loose_vertices {
-
-namespace {
 
 /// A plate with loose vertices above it.
 scenes::Carried dusty(const std::vector<double>& heights)
@@ -17,8 +13,6 @@ scenes::Carried dusty(const std::vector<double>& heights)
         scene.add({{Vector3(1.03 + .7 * static_cast<double>(k), 4.87, heights[k])}, {}});
     return scenes::Carried(scene);
 }
-
-} // namespace
 
 TEST(LooseVertices, stay_on_the_surface_and_at_their_height_above_it)
 {

@@ -3,11 +3,7 @@
 
 #include "tests/native/attachments/scenes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_part {
-
-namespace {
 
 Part part_of(const scenes::Piece& piece)
 {
@@ -16,8 +12,6 @@ Part part_of(const scenes::Piece& piece)
 }
 
 double thickness(const scenes::Piece& piece) { return ClosedPart(part_of(piece)).thickness(); }
-
-} // namespace
 
 TEST(Part, splits_a_mesh_by_its_components)
 {

@@ -3,8 +3,6 @@
 
 #include "tests/native/refusals.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_errors {
 
 TEST(Errors, carry_the_elements_at_fault)

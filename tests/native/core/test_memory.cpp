@@ -3,17 +3,11 @@
 
 #include "tests/native/refusals.h"
 
-#include <gtest/gtest.h>
-
 #include <string>
 
 namespace sinew::test_memory {
 
-namespace {
-
 constexpr std::int64_t megabyte = 1024 * 1024;
-
-} // namespace
 
 TEST(Memory, is_not_limited_until_a_limit_is_set)
 {

@@ -3,22 +3,16 @@
 
 #include "tests/native/refusals.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <stdexcept>
 
 namespace sinew::test_parallel {
-
-namespace {
 
 /// A sum whose value depends on the order of its terms.
 double touchy_sum()
 {
     return parallel_sum(100'000, [](int i) { return std::sin(i) * std::pow(10.0, i % 17 - 8); }, 500);
 }
-
-} // namespace
 
 TEST(Parallel, sums_are_equal_to_the_bit_for_any_thread_limit)
 {

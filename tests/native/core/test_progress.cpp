@@ -3,8 +3,6 @@
 
 #include "tests/native/refusals.h"
 
-#include <gtest/gtest.h>
-
 #include <string>
 
 namespace sinew::test_progress {

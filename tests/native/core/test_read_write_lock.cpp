@@ -3,19 +3,13 @@
 
 #include "tests/native/threads.h"
 
-#include <gtest/gtest.h>
-
 #include <atomic>
 #include <latch>
 #include <utility>
 
 namespace sinew::test_read_write_lock {
 
-namespace {
-
 constexpr auto reading = AccessLock::reading, changing = AccessLock::changing;
-
-} // namespace
 
 TEST(ReadWriteLock, any_number_of_calls_read_at_once)
 {

@@ -5,13 +5,9 @@
 #include "native/operators/laplacian.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 // Its solutions and energies, with loads and soft handles, are those of dense matrices in
 // tests/bindings/oracles/test_oracles_surface.py, through the methods that it solves.
 namespace sinew::test_constrained_system {
-
-namespace {
 
 const Poses moved{shapes::still(), shapes::turn({0, 1, 0}, 40, {6, 0, 0}, {-1, 0.5, 2}),
                   shapes::shift(0, 0, 3)};
@@ -28,8 +24,6 @@ auto matrix_of(const SurfaceMesh& mesh)
 {
     return std::make_shared<SparseMatrix>(laplacian_matrix(mesh, Discretization::cotan));
 }
-
-} // namespace
 
 TEST(ConstrainedSystem, what_comes_after_its_factor_may_fail_and_then_nothing_has_changed)
 {

@@ -3,8 +3,6 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_handle_groups {
 
 TEST(HandleGroups, have_the_handles_of_each_part)

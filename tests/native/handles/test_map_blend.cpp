@@ -3,11 +3,7 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_map_blend {
-
-namespace {
 
 /// As many handles on one triangle.
 HandleGroups all_in_one_part(int handles)
@@ -36,8 +32,6 @@ Matrix3 symmetric(shapes::Random& random)
     const Matrix3 A = random.matrix();
     return Matrix3::Identity() + 0.4 * (A + A.transpose());
 }
-
-} // namespace
 
 TEST(MapBlend, a_share_of_one_is_the_map_itself_even_where_it_reflects_or_collapses)
 {

@@ -3,18 +3,9 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 namespace sinew::test_edge_distances {
 
-namespace {
-
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-} // namespace
 
 TEST(EdgeDistances, are_those_of_all_ways)
 {

@@ -4,8 +4,6 @@
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_flat_outline {
 
 TEST(FlatOutline, of_a_grid_is_its_border)

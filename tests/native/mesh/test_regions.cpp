@@ -3,16 +3,10 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_regions {
-
-namespace {
 
 /// Two parts: 0-5 and 6-8.
 const Components two_parts{2, {0, 0, 0, 0, 0, 0, 1, 1, 1}};
-
-} // namespace
 
 TEST(Regions, tell_held_free_and_idle_vertices_apart)
 {

@@ -4,8 +4,6 @@
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 #include <limits>
 
 // Cuts, parts and other refusals are in tests/bindings/surfaces/test_surface_meshes.py and test_errors.py.

@@ -4,14 +4,7 @@
 #include "native/mesh/edge_distances.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <cstdint>
-
 namespace sinew::test_geodesic_distance {
-
-namespace {
 
 std::vector<GeodesicDistance::Source> all_of(const std::vector<int>& vertices)
 {
@@ -31,8 +24,6 @@ double error_on_a_sphere(int level)
         error = std::max(error, std::abs(found[v] - std::acos(std::clamp(ball.point(v).z(), -1.0, 1.0))));
     return error;
 }
-
-} // namespace
 
 TEST(GeodesicDistance, from_a_straight_line_is_exact)
 {

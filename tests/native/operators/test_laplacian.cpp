@@ -3,8 +3,6 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_laplacian {
 
 // Other tests of it are in tests/bindings/oracles/test_oracles_linear.py, against libigl.

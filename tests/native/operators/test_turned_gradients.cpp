@@ -4,11 +4,7 @@
 #include "native/operators/gradient.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_turned_gradients {
-
-namespace {
 
 RowMatrix source(const TurnedGradients& turned, const Points& y, const std::vector<Matrix3>& maps,
                  double* sum)
@@ -24,8 +20,6 @@ RowMatrix source(const TurnedGradients& turned, const Points& y, const std::vect
         forces, b);
     return b;
 }
-
-} // namespace
 
 TEST(TurnedGradients, are_those_of_the_gradient_matrix_turned_by_the_transpose)
 {

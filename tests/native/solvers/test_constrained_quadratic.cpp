@@ -5,13 +5,9 @@
 #include "tests/native/refusals.h"
 #include "tests/native/solvers/matrices.h"
 
-#include <gtest/gtest.h>
-
 #include <memory>
 
 namespace sinew::test_constrained_quadratic {
-
-namespace {
 
 /// The minimiser from the dense saddle-point system [A C^T; C 0].
 MatrixX dense_kkt(const SparseMatrix& A, const std::vector<bool>& free, const MatrixX& given,
@@ -46,8 +42,6 @@ std::shared_ptr<const SparseMatrix> kept(const SparseMatrix& A) { return std::ma
 
 // Condition below 1e4 in all of these.
 constexpr double tolerance = 1e-11;
-
-} // namespace
 
 TEST(ConstrainedQuadratic, minimises_as_the_dense_saddle_point_system_does)
 {

@@ -6,16 +6,11 @@
 #include "native/solvers/spd_factor.h"
 #include "tests/native/solvers/matrices.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
 #include <future>
 #include <limits>
 #include <set>
 
 namespace sinew::test_orderings {
-
-namespace {
 
 /// Entries of the factor by elimination on the graph, without numbers.
 int fill_in(const SparseMatrix& matrix, const std::vector<int>& order)
@@ -62,8 +57,6 @@ SparseMatrix two_parts_and_a_loner()
     matrix.setFromTriplets(entries.begin(), entries.end());
     return matrix;
 }
-
-} // namespace
 
 TEST(Orderings, name_every_unknown_once)
 {

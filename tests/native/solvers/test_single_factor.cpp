@@ -6,10 +6,6 @@
 #include "tests/native/solvers/matrices.h"
 #include "tests/native/threads.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 namespace sinew::test_single_factor {
 
 TEST(SingleFactor, solves_to_single_precision_and_twice_to_its_square)

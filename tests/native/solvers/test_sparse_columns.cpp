@@ -3,8 +3,6 @@
 
 #include "tests/native/solvers/matrices.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_sparse_columns {
 
 TEST(SparseColumns, product_is_that_of_dense_matrices)

@@ -9,8 +9,6 @@
 
 namespace sinew::test_bspline_basis {
 
-namespace {
-
 using Ends = BsplineBasis::Ends;
 
 /// All functions at t.
@@ -23,8 +21,6 @@ std::vector<double> all_values(const BsplineBasis& basis, double t)
         all.at(first + k) = some[k];
     return all;
 }
-
-} // namespace
 
 TEST(BsplineBasis, is_never_negative_and_sums_to_one)
 {

@@ -5,11 +5,7 @@
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_spline_grid {
-
-namespace {
 
 std::vector<SplineGrid::Stencil> scattered(const SplineGrid& grid, int count, std::uint64_t seed)
 {
@@ -21,8 +17,6 @@ std::vector<SplineGrid::Stencil> scattered(const SplineGrid& grid, int count, st
     }
     return stencils;
 }
-
-} // namespace
 
 TEST(SplineGrid, moves_by_one_point_only_the_stated_rectangle_of_degree_plus_one_spans)
 {

@@ -6,13 +6,9 @@
 #include "tests/native/shapes.h"
 #include "tests/native/wide_kernels.h"
 
-#include <gtest/gtest.h>
-
 #include <cstring>
 
 namespace sinew::test_stencils {
-
-namespace {
 
 /// Rows of 0 to 19 entries.
 SparseRows random_matrix(int rows, int columns)
@@ -26,8 +22,6 @@ SparseRows random_matrix(int rows, int columns)
     matrix.setFromTriplets(entries.begin(), entries.end());
     return matrix;
 }
-
-} // namespace
 
 TEST(Stencils, give_what_the_matrix_gives)
 {

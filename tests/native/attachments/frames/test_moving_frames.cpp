@@ -3,11 +3,7 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_moving_frames {
-
-namespace {
 
 /// Where a frame on all triangles of a mesh goes.
 struct Moved
@@ -36,8 +32,6 @@ struct Moved
         }
     }
 };
-
-} // namespace
 
 TEST(MovingFrames, reproduce_similarities_of_every_patch)
 {

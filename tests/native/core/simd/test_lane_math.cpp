@@ -4,22 +4,14 @@
 #include "tests/native/shapes.h"
 #include "tests/native/wide_kernels.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <limits>
-#include <vector>
 
 namespace sinew::test_lane_math {
-
-namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
 /// Positive, of every size that may come up.
 double positive(shapes::Random& random) { return std::exp(60.0 * random.signed_unit()); }
-
-} // namespace
 
 TEST(LaneMath, angles_are_those_of_the_c_library_to_two_units)
 {

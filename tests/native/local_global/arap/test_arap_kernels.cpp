@@ -8,13 +8,9 @@
 #include "tests/native/shapes.h"
 #include "tests/native/wide_kernels.h"
 
-#include <gtest/gtest.h>
-
 #include <memory>
 
 namespace sinew::test_arap_kernels {
-
-namespace {
 
 /// Matrices one after the other, `rows` numbers a column.
 std::vector<double> flat(const std::vector<Matrix3>& matrices, int rows)
@@ -77,8 +73,6 @@ struct Example
                 .smoothing = graph.cells().smoothing};
     }
 };
-
-} // namespace
 
 TEST(ArapKernels, the_wide_ones_agree_with_the_plain_ones_to_the_last_bit)
 {

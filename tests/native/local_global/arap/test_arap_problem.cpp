@@ -7,11 +7,8 @@
 #include "tests/native/shapes.h"
 
 #include <Eigen/LU>
-#include <gtest/gtest.h>
 
 namespace sinew::test_arap_problem {
-
-namespace {
 
 struct Variant
 {
@@ -79,8 +76,6 @@ double settled(ArapProblem& problem, const Points& x, Points& gradient)
     }
     return F;
 }
-
-} // namespace
 
 TEST(ArapProblem, gradient_equals_finite_differences)
 {

@@ -5,14 +5,7 @@
 #include "native/mesh/components.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 namespace sinew::test_coarse_start {
-
-namespace {
 
 struct Setting
 {
@@ -35,8 +28,6 @@ struct Setting
         return result;
     }
 };
-
-} // namespace
 
 /// Once with clusters, once on a mesh that is too small for them.
 TEST(CoarseStart, turns_a_bar_evenly_along_its_length)

@@ -6,13 +6,8 @@
 #include "tests/native/shapes.h"
 
 #include <Eigen/LU>
-#include <gtest/gtest.h>
-
-#include <algorithm>
 
 namespace sinew::test_multilevel_start {
-
-namespace {
 
 struct Setting
 {
@@ -42,8 +37,6 @@ struct Setting
         return rotations;
     }
 };
-
-} // namespace
 
 TEST(MultilevelStart, levels_shrink_and_none_is_tiny)
 {

@@ -6,11 +6,7 @@
 #include "tests/native/local_global/arap/graphs.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_body_problem {
-
-namespace {
 
 /// Bodies at the vertices of a sphere, joined along its edges by random joints, and held at the poles.
 struct Setting
@@ -95,8 +91,6 @@ private:
         return result;
     }
 };
-
-} // namespace
 
 TEST(BodyProblem, energy_and_gradient_are_those_of_a_table_of_rows)
 {

@@ -3,16 +3,7 @@
 
 #include "tests/native/local_global/graph/mesh_graph.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <map>
-#include <utility>
-#include <vector>
-
 namespace sinew::test_clusters {
-
-namespace {
 
 /// Clusters of a graph and, in a second step, clusters of these.
 struct Level
@@ -43,8 +34,6 @@ struct Setting : graphs::BarAndSphere
         return {{&graph, &middle}, {&middle.graph, &coarse}};
     }
 };
-
-} // namespace
 
 TEST(Clusters, are_as_many_as_wanted_and_reach_as_far_as_they_say)
 {

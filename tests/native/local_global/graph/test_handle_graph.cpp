@@ -3,14 +3,7 @@
 
 #include "tests/native/local_global/graph/mesh_graph.h"
 
-#include <gtest/gtest.h>
-
-#include <map>
-#include <utility>
-
 namespace sinew::test_handle_graph {
-
-namespace {
 
 std::map<std::pair<int, int>, double> entries(const GraphEdges& edges, const std::vector<int>& names)
 {
@@ -20,8 +13,6 @@ std::map<std::pair<int, int>, double> entries(const GraphEdges& edges, const std
             found[{names[i], names[edges.neighbours[a]]}] = edges.weights[a];
     return found;
 }
-
-} // namespace
 
 TEST(HandleGraph, says_of_each_node_what_the_regions_say_of_its_vertex)
 {

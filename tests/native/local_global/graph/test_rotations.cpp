@@ -3,13 +3,7 @@
 
 #include "tests/native/local_global/graph/mesh_graph.h"
 
-#include <gtest/gtest.h>
-
-#include <vector>
-
 namespace sinew::test_rotations {
-
-namespace {
 
 struct Setting : graphs::BarAndSphere
 {
@@ -44,8 +38,6 @@ double apart(const Eigen::Quaterniond& a, const Matrix3& b)
 {
     return Eigen::AngleAxisd(a.toRotationMatrix().transpose() * b).angle();
 }
-
-} // namespace
 
 TEST(BlendedRotations, are_that_of_all_handles_where_these_agree)
 {

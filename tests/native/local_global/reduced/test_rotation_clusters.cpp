@@ -5,13 +5,9 @@
 #include "tests/native/dense.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 #include <memory>
 
 namespace sinew::test_rotation_clusters {
-
-namespace {
 
 constexpr int clusters = 6;
 
@@ -86,8 +82,6 @@ std::vector<Matrix3> start(bool random)
             R = shapes::rotation(numbers.vector(), 60 * numbers.unit());
     return rotations;
 }
-
-} // namespace
 
 TEST(RotationClusters, has_the_energy_of_the_points_and_never_raises_it)
 {

@@ -6,13 +6,9 @@
 #include "tests/native/differences.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 #include <memory>
 
 namespace sinew::test_subspace_cells {
-
-namespace {
 
 /// A bar whose vertices follow 40 random combinations of themselves.
 struct Setting
@@ -97,8 +93,6 @@ struct Setting
 
 Pose mean() { return shapes::still(); }
 Poses twisted() { return {shapes::still(), shapes::turn({1, 0.2, 0}, 100, {5, 1, 1}, {0, 1, 0})}; }
-
-} // namespace
 
 TEST(SubspaceCells, has_the_energy_of_its_header)
 {

@@ -7,11 +7,7 @@
 #include "tests/native/local_global/arap/graphs.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_row_problem {
-
-namespace {
 
 const Poses bent{shapes::still(), shapes::turn({1, 0, 0}, 30, {0, 0, 1}, {0.2, 0.4, 0.3})};
 
@@ -72,8 +68,6 @@ private:
         return table;
     }
 };
-
-} // namespace
 
 TEST(RowProblem, a_table_of_arap_agrees_with_its_own_kernels)
 {

@@ -3,11 +3,7 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_enclosed_volume {
-
-namespace {
 
 EnclosedVolume volume_of(const SurfaceMesh& mesh) { return {mesh.triangles(), mesh.vertex_count()}; }
 
@@ -21,8 +17,6 @@ SurfaceMesh cup()
             faces.push_back(face);
     return shapes::over(bar.points(), faces);
 }
-
-} // namespace
 
 TEST(EnclosedVolume, is_that_of_known_shapes)
 {

@@ -4,11 +4,7 @@
 #include "tests/native/dense.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_principal_frame {
-
-namespace {
 
 std::vector<int> all(const Points& points) { return shapes::numbers(0, static_cast<int>(points.rows())); }
 
@@ -17,8 +13,6 @@ void expect_rotation(const Matrix3& axes)
     EXPECT_LT((axes.transpose() * axes - Matrix3::Identity()).norm(), 1e-14);
     EXPECT_GT(axes.determinant(), 0.0);
 }
-
-} // namespace
 
 TEST(PrincipalFrame, has_the_axes_of_the_covariance_from_the_longest_to_the_normal)
 {

@@ -3,14 +3,7 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 namespace sinew::test_surface_frame {
-
-namespace {
 
 /// A hill with a loose vertex far away, or with its faces cut, moved and turned.
 SurfaceMesh hill_with_a_loose_vertex()
@@ -20,8 +13,6 @@ SurfaceMesh hill_with_a_loose_vertex()
     points << hill.points(), 300.0, 20.0, -50.0;
     return shapes::over(points, shapes::faces_of(hill));
 }
-
-} // namespace
 
 TEST(SurfaceFrame, has_the_size_of_simple_shapes)
 {

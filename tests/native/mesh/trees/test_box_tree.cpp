@@ -8,8 +8,6 @@
 
 namespace sinew::test_box_tree {
 
-namespace {
-
 using Box = BoxTree::Box;
 using Point = Eigen::Vector3d;
 
@@ -28,8 +26,6 @@ std::vector<Box> boxes_of(int count)
     boxes.resize(count);
     return boxes;
 }
-
-} // namespace
 
 TEST(BoxTree, visits_boxes_by_rising_bound_and_equal_ones_by_rising_index)
 {

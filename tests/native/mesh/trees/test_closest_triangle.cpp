@@ -4,14 +4,9 @@
 #include "native/mesh/trees/triangle_tree.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <limits>
 
 namespace sinew::test_closest_triangle {
-
-namespace {
 
 constexpr double anywhere = std::numeric_limits<double>::infinity();
 
@@ -48,8 +43,6 @@ Soup soup(int count)
     }
     return made;
 }
-
-} // namespace
 
 TEST(ClosestTriangle, is_that_of_the_tree_in_a_soup)
 {

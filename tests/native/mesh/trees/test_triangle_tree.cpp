@@ -3,15 +3,9 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <limits>
-#include <utility>
 
 namespace sinew::test_triangle_tree {
-
-namespace {
 
 const Corners base{Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 1, 0)};
 const Triangle base_indices{0, 1, 2};
@@ -22,8 +16,6 @@ bool meets_base(const Corners& other, const Triangle& indices)
     EXPECT_EQ(triangles_meet(other, indices, base, base_indices), found); // both ways round
     return found;
 }
-
-} // namespace
 
 TEST(CageTriangles, meet_beside_what_they_share)
 {

@@ -3,11 +3,7 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_winding_tree {
-
-namespace {
 
 /// The largest difference from the sum over all triangles, at points in and around the mesh.
 double worst_error(const SurfaceMesh& mesh, const std::vector<Triangle>& triangles, int count)
@@ -23,8 +19,6 @@ double worst_error(const SurfaceMesh& mesh, const std::vector<Triangle>& triangl
     }
     return worst;
 }
-
-} // namespace
 
 TEST(WindingTree, agrees_with_the_sum_over_all_triangles)
 {

@@ -5,11 +5,7 @@
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_cholesky {
-
-namespace {
 
 DenseCholesky of(const MatrixX& A)
 {
@@ -21,8 +17,6 @@ DenseCholesky of(const MatrixX& A)
 }
 
 MatrixX definite(int size) { return dense::random_definite(size, size); }
-
-} // namespace
 
 TEST(DenseCholesky, solves_with_a_small_residual)
 {

@@ -7,13 +7,9 @@
 #include "tests/native/shapes.h"
 #include "tests/native/wide_kernels.h"
 
-#include <gtest/gtest.h>
-
 #include <cstddef>
 
 namespace sinew::test_system {
-
-namespace {
 
 MatrixX solved(const MatrixX& A, const MatrixX& B, const Progress& progress = {})
 {
@@ -31,8 +27,6 @@ MatrixX solved(const MatrixX& A, const MatrixX& B, const Progress& progress = {}
             X(i, j) = system.solution(i)[j];
     return X;
 }
-
-} // namespace
 
 TEST(DenseSystem, agrees_with_eigen_at_sizes_around_its_blocks)
 {

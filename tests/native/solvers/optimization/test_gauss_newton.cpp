@@ -8,8 +8,6 @@
 
 namespace sinew::test_gauss_newton {
 
-namespace {
-
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 VectorX vector(std::initializer_list<double> numbers)
@@ -87,8 +85,6 @@ VariableLimits unlimited(Eigen::Index n)
 {
     return {VectorX::Constant(n, -infinite), VectorX::Constant(n, infinite), {}};
 }
-
-} // namespace
 
 TEST(GaussNewton, FollowsANarrowValley)
 {

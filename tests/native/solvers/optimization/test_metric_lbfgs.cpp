@@ -6,15 +6,9 @@
 #include "tests/native/shapes.h"
 #include "tests/native/wide_kernels.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
 #include <cstring>
-#include <vector>
 
 namespace sinew::test_metric_lbfgs {
-
-namespace {
 
 /// Any F over dense points, with a dense metric. Its hidden state is the point it saw last.
 class DenseProblem : public MetricProblem
@@ -111,8 +105,6 @@ void expect_never_rises(const std::vector<double>& F)
     for (std::size_t k = 1; k < F.size(); ++k)
         EXPECT_LE(F[k], F[k - 1]) << "iteration " << k;
 }
-
-} // namespace
 
 TEST(MetricLbfgs, with_the_true_hessian_as_metric_needs_one_step)
 {
@@ -337,8 +329,6 @@ TEST(MetricLbfgs, shorter_plain_steps_help_where_the_metric_is_too_small)
     }
 }
 
-namespace {
-
 /// A quadratic with one soft direction, along the ones. A correction moves by `share` of the way to the
 /// minimum in that direction.
 class Soft final : public DenseProblem
@@ -367,8 +357,6 @@ private:
     static constexpr double softness = 1e-3;
     double share_;
 };
-
-} // namespace
 
 TEST(MetricLbfgs, corrections_settle_what_steps_hardly_change)
 {

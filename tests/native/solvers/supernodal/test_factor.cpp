@@ -7,13 +7,7 @@
 #include "tests/native/refusals.h"
 #include "tests/native/solvers/matrices.h"
 
-#include <gtest/gtest.h>
-
-#include <vector>
-
 namespace sinew::test_factor {
-
-namespace {
 
 /// Large enough for several subtrees, and for supernodes of several panels.
 SparseMatrix large()
@@ -58,8 +52,6 @@ protected:
     }
     void TearDown() override { limit_threads(0); }
 };
-
-} // namespace
 
 TEST_F(SupernodalFactorTest, solves_as_another_library_does)
 {

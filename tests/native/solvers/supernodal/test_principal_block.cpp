@@ -3,8 +3,6 @@
 
 #include "tests/native/solvers/matrices.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_principal_block {
 
 TEST(PrincipalBlock, is_the_dense_block_with_rows_of_the_identity)

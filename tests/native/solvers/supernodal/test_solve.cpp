@@ -5,15 +5,11 @@
 #include "tests/native/dense.h"
 #include "tests/native/threads.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <random>
 #include <vector>
 
 namespace sinew::test_solve {
-namespace {
-
 /// A dense random lower triangle cut into supernodes of the given widths; entries below a supernode's own
 /// columns are kept where `keep` says so, at least the first.
 struct Example
@@ -223,5 +219,4 @@ TEST(Lanes, substitute_as_dense_triangles_do_and_to_the_same_bits_with_wide_inst
     expect_kernels<float>(5e-5);
 }
 
-} // namespace
 } // namespace sinew::test_solve
