@@ -10,7 +10,6 @@ import bpy
 import numpy as np
 import pytest
 from inside import catch_up, inner, settle
-from libraries import add_collection, overridden, override, put_into_a_library
 from mathutils import Matrix
 from probe import exported_points, render_points
 from rigs.cages import SHEAR, ball, transform
@@ -38,7 +37,6 @@ from rigs.rig import (
     FLOAT32,
     add_key,
     apply_matrix,
-    close,
     duplicated,
     in_mode,
     make_active,
@@ -330,28 +328,6 @@ def test_a_duplicate_gets_shapes_of_its_own(kind: str):
     assert_lifted(copy, rest, 0.5)
 
 
-def test_a_linked_text_shows_the_last_solution_and_an_override_can_be_posed(tmp_path: Path):
-    """Rigs of other kinds: ``test_event_files``."""
-    obj, cage = bind(outline())
-    cage.location.z += 0.5
-    posed, name = shown(obj), obj.name
-    path = put_into_a_library(tmp_path / "library.blend", obj, cage)
-    obj = add_collection(path, link=True).objects[name]
-    bpy.context.scene.frame_set(3)
-    assert close(shown(obj), posed)
-    assert "library override" in obj.sinew.deformers[0].status
-    obj = override(path)
-    deformer = obj.sinew.deformers[0]
-    assert deformer.proxy.library is None
-    assert deformer.cage.library is None
-    assert close(shown(obj), posed)
-    deformer.cage.location.z += 0.25
-    moved = shown(obj)
-    assert close(moved, posed + (0.0, 0.0, 0.25), TESSELLATED)
-    reopen(tmp_path / "shot.blend")
-    assert close(shown(overridden()), moved, TESSELLATED)
-
-
 def hidden_meshes() -> int:
     return len([mesh for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew")])
 
@@ -426,21 +402,6 @@ def test_surface_methods_are_refused_with_a_way_out(caged: Caged):
     deformer.method = "mean_value"
     rebind(obj)
     assert_well(obj)
-
-
-def test_points_outside_are_said_or_refused():
-    obj, _cage = bind(bezier())
-    obj.data.splines[0].bezier_points[3].handle_right = (0.0, 0.0, 9.0)
-    bpy.ops.sinew.bind()
-    deformer = obj.sinew.active
-    (note,) = inner.status.notes(deformer.uid)
-    assert note.text == "1 point or handle lies outside the cage"
-    deformer.method = "harmonic"
-    update()
-    assert deformer.status_level == "ERROR"
-    make_active(obj)
-    assert bpy.ops.sinew.select_problems() == {"CANCELLED"}
-    assert obj.mode == "OBJECT"
 
 
 def test_apply_writes_points_and_handles_where_there_are_any(caged: Caged):
