@@ -65,7 +65,6 @@ def loaded(rig: HandleRig) -> None:
 
 @EVENTS.on(ALL)
 def reverted(rig: HandleRig) -> None:
-    """What was not saved is taken back."""
     before = rig.points()
     rig.lift(0.4)
     rig.deformer.method = rig.methods[-1]
@@ -96,14 +95,12 @@ def its_copy_saved_before_a_pause(rig: HandleRig) -> None:
 @EVENTS.on(ALL)
 def recovered_from_the_last_session(rig: HandleRig) -> None:
     """``quit.blend`` lies in the folder for temporary files, and opens with its own path forgotten."""
-    paths = bpy.context.preferences.filepaths
-    before, paths.temporary_directory = paths.temporary_directory, str(rig.folder)
-    try:
-        save(rig.folder / "quit.blend", copy=True)
-        rig.lift(1.0)
-        bpy.ops.wm.recover_last_session()
-    finally:
-        bpy.context.preferences.filepaths.temporary_directory = before
+    before = bpy.context.preferences.filepaths.temporary_directory
+    bpy.context.preferences.filepaths.temporary_directory = str(rig.folder)
+    save(rig.folder / "quit.blend", copy=True)
+    rig.lift(1.0)
+    bpy.ops.wm.recover_last_session()
+    bpy.context.preferences.filepaths.temporary_directory = before
     rig.height = 0.5
 
 
@@ -128,23 +125,17 @@ def loaded_on_a_posed_frame(rig: HandleRig) -> None:
     however it is reached, and in renders.
     """
     rig.press("deformer_remove")
-    armature = add_armature(rig.obj)
+    bone = add_armature(rig.obj).pose.bones["high"]
     rig.bind("arap")
-    key(
-        armature.pose.bones["high"],
-        {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 20: {"rotation_euler": (0.9, 0.0, 0.0)}},
-    )
+    key(bone, {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 20: {"rotation_euler": (0.9, 0.0, 0.0)}})
     key_heights(rig.control, {1: 0.0, 20: 0.9})
-
-    def look(frame: int) -> np.ndarray:
-        bpy.context.scene.frame_set(frame)
-        return rig.points()
-
-    frames = {frame: look(frame) for frame in (1, 12, 20)}
-    for _ in range(2):
-        for frame in (20, 1, 12):
-            assert np.array_equal(look(frame), frames[frame])
-            assert np.array_equal(render_points(rig.obj), frames[frame])
+    shapes: dict[int, np.ndarray] = {}
+    for frames in ((1, 12, 20), (20, 1, 12), (12, 20, 1)):
+        for frame in frames:
+            bpy.context.scene.frame_set(frame)
+            shape = shapes.setdefault(frame, rig.points())
+            assert np.array_equal(rig.points(), shape)
+            assert np.array_equal(render_points(rig.obj), shape)
         reopen(rig.folder / "posed.blend")
 
 
@@ -189,14 +180,9 @@ def disabled_and_enabled(rig: HandleRig) -> None:
 def upgraded(rig: HandleRig) -> None:
     """The old code is unloaded and read again; the native module stays until Blender ends."""
     name, count = inner.ids.__package__, handlers_of_ours()
-    old = {
-        key: module
-        for key, module in sys.modules.items()
-        if (key == name or key.startswith(name + ".")) and "_native" not in key
-    }
+    ours = [key for key in sys.modules if f"{key}.".startswith(f"{name}.") and "_native" not in key]
     sys.modules[name].unregister()
-    for module in old:
-        del sys.modules[module]
+    old = {key: sys.modules.pop(key) for key in ours}
     new = importlib.import_module(name)
     try:
         new.register()
@@ -235,7 +221,6 @@ def appended(rig: HandleRig) -> None:
 
 @ASSETS.on(ALL)
 def appended_twice(rig: HandleRig) -> None:
-    """Two rigs."""
     for _ in range(2):
         add_collection(library(rig))
     settle()
@@ -249,7 +234,6 @@ def appended_twice(rig: HandleRig) -> None:
 
 @ASSETS.on(ALL)
 def appended_into_a_file_that_has_the_rig_itself(rig: HandleRig) -> None:
-    """The same keys come in once more."""
     load(library(rig))
     save(rig.folder / "other.blend")  # no file appends from itself
     copy = read(library(rig), False, "objects", rig.name)
@@ -268,8 +252,7 @@ def appended_by_the_file_browsers_operator(rig: HandleRig) -> None:
 @ASSETS.on(ALL, then=is_over)
 def linked(rig: HandleRig) -> None:
     """The last solution, by itself and through an instance; the status says how to pose it."""
-    collection = read(library(rig), True)
-    instance = new_empty("Instance")
+    collection, instance = read(library(rig), True), new_empty("Instance")
     instance.instance_type, instance.instance_collection = "COLLECTION", collection
     obj = collection.objects[rig.name]
     bpy.context.scene.collection.objects.link(obj)
@@ -341,7 +324,6 @@ def hidden_ones() -> list[str]:
 
 
 def hides_its_shapes(rig: HandleRig) -> None:
-    """After pauses, and in files."""
     for _ in range(2):
         settle()
         assert hidden_ones() == []
@@ -350,12 +332,11 @@ def hides_its_shapes(rig: HandleRig) -> None:
     follows_its_control(rig, overridden())
 
 
-@ASSETS.on(ALL, then=is_over)
+@ASSETS.on(ALL, then=hides_its_shapes)
 def overridden_by_a_script(rig: HandleRig) -> None:
     """It can be posed at once, without a pause, and without a call of ours."""
-    add_collection(library(rig), link=True).override_hierarchy_create(
-        bpy.context.scene, bpy.context.view_layer
-    )
+    added = add_collection(library(rig), link=True)
+    added.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
     obj = overridden()
     assert obj.name == rig.name
     rig.control_of(obj).location.z += 0.25
@@ -363,10 +344,9 @@ def overridden_by_a_script(rig: HandleRig) -> None:
     assert not rig.shows(rig.at(0.5), obj, 0.1)
     assert obj.sinew.deformers[0].status_level == "INFO"
     assert hidden_ones() == []
-    hides_its_shapes(rig)
 
 
-@ASSETS.on(ALL, then=is_over)
+@ASSETS.on(ALL, then=hides_its_shapes)
 def overridden_by_the_operator(rig: HandleRig) -> None:
     control = rig.control_of(read(library(rig), True, "objects", rig.name)).name
     for wanted in (rig.name, control):
@@ -376,7 +356,6 @@ def overridden_by_the_operator(rig: HandleRig) -> None:
     make_active(bpy.data.objects[rig.name])
     assert bpy.ops.object.make_override_library() == {"FINISHED"}
     assert rig.shows(rig.at(0.5), overridden(), MATRIX)
-    hides_its_shapes(rig)
 
 
 def made_local(rig: HandleRig) -> None:
@@ -422,20 +401,22 @@ def its_target_alone_made_local(rig: HandleRig) -> None:
 @ASSETS.on(ALL, then=is_over)
 def linked_and_overridden_and_the_library_reloaded(rig: HandleRig) -> None:
     """As Reload in the outliner: a linked rig shows the new solution, an override its own pose."""
+
+    def linked_one() -> bpy.types.Object:
+        return next(obj for obj in bpy.data.objects if obj.library and obj.sinew.deformers)
+
     load(library(rig))
     rig.lift(0.1)
     rig.points()
     changed = save(rig.folder / "changed.blend")
     new_file()
     rig.lift_of(override(library(rig)), 0.25)
-    plain = next(obj for obj in bpy.data.objects if obj.library and obj.sinew.deformers)
-    bpy.context.scene.collection.objects.link(plain)
-    assert rig.shows(rig.at(0.5), plain)
+    bpy.context.scene.collection.objects.link(linked_one())
+    assert rig.shows(rig.at(0.5), linked_one())
     shutil.copyfile(changed, library(rig))
     bpy.data.libraries[0].reload()
     settle()
-    plain = next(obj for obj in bpy.data.objects if obj.library and obj.sinew.deformers)
-    assert rig.shows(rig.at(0.6), plain, MATRIX)
+    assert rig.shows(rig.at(0.6), linked_one(), MATRIX)
     follows_its_control(rig, overridden())
 
 

@@ -68,7 +68,6 @@ class Posed(Rig):
         return self
 
     def far_edge(self, obj: bpy.types.Object | None = None) -> np.ndarray:
-        """What the viewport shows of it in the world."""
         obj = obj or self.obj
         return apply_matrix(obj.matrix_world, evaluated_points(obj)[self.top])
 
@@ -77,7 +76,6 @@ class Posed(Rig):
         return apply_matrix(self.carried() @ self.motion @ self.made, self.at_rest())
 
     def at_rest(self) -> np.ndarray:
-        """Where the far edge is without bones, in the world."""
         return apply_matrix(self.obj.matrix_world, base_points(self.obj)[self.top])
 
     def carried(self) -> np.ndarray:
@@ -296,7 +294,6 @@ def test_a_parent_that_moves_the_mesh_already_does_not_count_twice(corrected: Po
 
 
 def test_keyframes_are_converted(arm: Posed):
-    """Each keeps the shape of its frame, both ways."""
     arm.bind("thin_shell")
     shown = {}
     for frame, motion in ((7, LIFT), (30, TURN)):
