@@ -6,15 +6,15 @@ from __future__ import annotations
 import importlib
 import shutil
 import sys
-from pathlib import Path
 
 import bpy
 import numpy as np
+import pytest
 from events import ALL, REGIONS, Event, Table, every, is_over, lives_on
 from inside import handlers_of_ours, inner, settle, without_the_add_on
 from libraries import add_collection, overridden, override, put_into_a_library, read
 from probe import render_points
-from rigs.kinds import RIGS, HandleRig
+from rigs.kinds import HandleRig
 from rigs.rig import (
     MATRIX,
     add_armature,
@@ -29,11 +29,11 @@ from rigs.rig import (
     new_empty,
     new_file,
     press,
+    refused,
     reopen,
     save,
     update,
 )
-from second_blender import another_blender
 
 EVENTS = Table()  # to a rig in the file rig.blend
 ASSETS = Table()  # to a file that is empty, beside library.blend with a rig in the collection Asset
@@ -154,13 +154,49 @@ def replaced_by_a_new_file(rig: HandleRig) -> None:
 
 @EVENTS.on(ALL)
 def loaded_without_the_add_on_and_enabled(rig: HandleRig) -> None:
+    """It shows the last solution, whatever moves, and saves; here all goes on with its settings."""
     control = rig.control.name
     with without_the_add_on():
         load(rig.folder / "rig.blend")
+        assert rig.is_right()
         bpy.data.objects[control].location.z += 0.25
-        update()
+        bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
+        assert rig.is_right()
+        bpy.ops.wm.save_mainfile()
     rig.height += 0.25
     rig.lift(0.25)
+    lives_on(rig)
+    load(rig.folder / "rig.blend")
+    rig.height = 0.75
+
+
+@EVENTS.on(ALL)
+def loaded_without_its_native_module(rig: HandleRig) -> None:
+    """The last solution, and words about it; Bind is refused, and nothing is lost."""
+
+    def is_missing(name: str) -> None:
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+    loader = inner.loader
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(loader.importlib, "import_module", is_missing)
+        missing = loader.load()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(inner.binding, "availability", lambda: missing)
+        load(rig.folder / "rig.blend")
+        assert rig.is_right()
+        rig.control.location.z += 0.25
+        bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
+        assert rig.is_right()
+        assert rig.deformer.status_level == "ERROR"
+        assert "is missing" in rig.deformer.status
+        assert f"cp{sys.version_info.major}{sys.version_info.minor}" in rig.deformer.status
+        refused("is missing", "bind", rig.obj)
+        assert rig.deformer.is_bound
+        assert rig.is_right()
+        bpy.ops.wm.save_mainfile()
+    load(rig.folder / "rig.blend")
+    rig.height = 0.75
 
 
 @EVENTS.on(ALL)
@@ -433,92 +469,3 @@ def test_a_rig_is(posed: HandleRig, event: Event):
 def test_a_rig_in_a_library_is(posed: HandleRig, event: Event):
     put_into_a_library(posed.folder / "library.blend", posed.obj, posed.control)
     event.run(posed)
-
-
-# --- another Blender
-
-ELSEWHERE = """
-import importlib.machinery
-
-class Instead:
-    def __init__(self, fault):
-        self.fault = fault
-
-    def find_spec(self, name, path=None, target=None):
-        if name.rpartition(".")[2] != "sinew_native":
-            return None
-        if self.fault == "is missing":
-            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-        loader = importlib.machinery.ExtensionFileLoader(name, foreign)
-        return importlib.machinery.ModuleSpec(name, loader, origin=foreign)
-
-def pose(fault, status):
-    bpy.ops.wm.open_mainfile(filepath=f"{folder}/rig.blend")
-    seen[fault] = {}
-    for kind, (name, control) in rigs.items():
-        obj, said = bpy.data.objects[name], {"points": []}
-        said["points"].append(evaluated_points(obj).tolist())
-        bpy.data.objects[control].location.z += 0.25
-        bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
-        said["points"].append(evaluated_points(obj).tolist())
-        if status:
-            from rigs.kinds import RIGS  # it knows the add-on
-            deformer = RIGS[kind].called(name).deformer
-            said["status"], said["level"] = deformer.status, deformer.status_level
-            make_active(obj)
-            try:
-                bpy.ops.sinew.bind()
-            except RuntimeError as refusal:
-                said["refusal"] = str(refusal)
-            said["points"].append(evaluated_points(obj).tolist())
-            said["bound"] = deformer.is_bound
-        seen[fault][kind] = said
-    bpy.ops.wm.save_as_mainfile(filepath=f"{folder}/{fault}.blend")
-
-seen["has_sinew"] = hasattr(bpy.types.Object, "sinew")
-pose("no add-on", status=False)
-for fault in ("is missing", "does not load"):
-    sys.meta_path.insert(0, Instead(fault))
-    addon_utils.enable(addon, default_set=True)
-    pose(fault, status=True)
-    addon_utils.disable(addon)
-    sys.meta_path.pop(0)
-    for name in [name for name in sys.modules if name.startswith(addon)]:
-        del sys.modules[name]
-"""
-
-
-def test_a_blender_without_the_add_on_or_its_native_module(scene, tmp_path: Path, addon_name: str):
-    """It shows the last solution, whatever moves, and saves; here all live on with their settings.
-
-    Without its native module the add-on registers and says what is wrong. A module built for another Python
-    does not load: here a library that is no Python module at all.
-    """
-    rigs = {kind: new.new().start() for kind, new in RIGS.items()}
-    for rig in rigs.values():
-        rig.lift(0.5)
-        rig.deformer.factor = 0.5
-        rig.shown = rig.points()
-    regions = [handle.vertex_group for handle in rigs["handles"].deformer.handles]
-    foreign = tmp_path / "sinew_native.cpython-399-x86_64-linux-gnu.so"
-    foreign.write_bytes(b"\x7fELF" + bytes(60))
-    save(tmp_path / "rig.blend")
-    names = {kind: (rig.name, rig.control.name) for kind, rig in rigs.items()}
-    given = f"addon, rigs, folder, foreign = {addon_name!r}, {names}, {str(tmp_path)!r}, {str(foreign)!r}"
-    found = another_blender(f"{given}\n{ELSEWHERE}", tmp_path)
-    assert not found["has_sinew"]
-    for fault in ("no add-on", "is missing", "does not load"):
-        load(tmp_path / f"{fault}.blend")
-        assert [handle.vertex_group for handle in rigs["handles"].deformer.handles] == regions
-        for kind, rig in rigs.items():
-            said = found[fault][kind]
-            for points in said["points"]:
-                assert close(np.array(points), rig.shown, rig.tolerance)
-            for text in (said["status"], said["refusal"]) if "status" in said else ():
-                assert fault in text
-                assert f"cp{sys.version_info.major}{sys.version_info.minor}" in text
-                assert said["level"] == "ERROR"
-                assert said["bound"]
-            rig.deformer.factor = 1.0
-            rig.height = 0.75
-            lives_on(rig)

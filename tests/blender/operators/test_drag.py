@@ -11,7 +11,7 @@ import pytest
 from editing import placed_object
 from inside import finish, inner, use_threads
 from libraries import override, put_into_a_library, read
-from mathutils import Matrix, Vector
+from mathutils import Matrix
 from mouse import event
 from rigs.rig import (
     FLOAT32,
@@ -31,6 +31,7 @@ from rigs.rig import (
     on_all,
     press,
     refused,
+    subdivided,
     update,
 )
 from seen import assert_seen, seen
@@ -133,7 +134,7 @@ def test_the_side_that_is_seen_is_taken_also_where_a_vertex_of_the_other_one_is_
 def test_a_placed_object_moves_by_the_numbers_of_the_world():
     obj = placed_object(cells=16)
     world = apply_matrix(obj.matrix_world, base_points(obj))
-    place, normal = world[8 * 17 + 8], obj.matrix_world.inverted().transposed().to_3x3() @ Vector((0, 0, 1))
+    place, normal = world[8 * 17 + 8], obj.matrix_world.inverted().transposed().to_3x3().col[2]
     drag(*(place + np.array(normal)), direction=-normal, value=(0.1, 0.2, 0.3), reach=1.5)
     chosen = members(obj, grabbed(obj)[0])
     assert set(chosen) == set(np.flatnonzero(np.linalg.norm(world - place, axis=1) <= 0.25))
@@ -166,7 +167,7 @@ def test_on_the_surface_that_modifiers_make(kind: str):
 
 def test_a_mesh_too_coarse_for_the_handle_is_dragged_behind_its_subdivision():
     obj = grid_object(cells=2)
-    obj.modifiers.new("Made", "SUBSURF").levels = 3
+    subdivided(obj, 3)
     drag(0.1)
     assert [modifier.type for modifier in obj.modifiers] == ["SUBSURF", "NODES"]
 
