@@ -130,7 +130,6 @@ def assert_right(rig: HandleRig, tolerance: float = EXACT) -> None:
 
 
 def assert_lives_on(rig: HandleRig, tolerance: float = EXACT) -> None:
-    """Now, and after the next moves."""
     for lift in (0.0, 0.25):
         rig.lift(lift)
         assert_right(rig, tolerance)
@@ -249,7 +248,6 @@ def test_modifiers_that_number_their_vertices_anew_for_turned_faces(rig: HandleR
 
 
 def places_shown(rig: HandleRig) -> list[np.ndarray]:
-    """Where the vertices are in the world: in the viewport, and in a render."""
     return [
         apply_matrix(rig.obj.matrix_world, shape)
         for shape in (evaluated_points(rig.obj), render_points(rig.obj))
@@ -349,7 +347,6 @@ def test_a_copy_stays_where_it_is(placed: HandleRig, on_the_same_mesh: bool):
 
 
 def test_an_armature_below(plate):
-    """It carries the mesh as before, and so does the handle."""
     bone = add_armature(plate.obj).pose.bones["high"]
     plate.obj.matrix_world = Matrix.Translation((0.0, 0.0, 0.6)) @ Matrix.Rotation(0.5, 4, "Z")
     plate.bind("thin_shell")

@@ -53,7 +53,6 @@ def new_base() -> HandleRig:
 
 
 def on_vertex(obj: bpy.types.Object, base: Rig, *vertices: int) -> bpy.types.Object:
-    """A child of one vertex, or of three."""
     obj.parent, obj.parent_type = base.obj, "VERTEX" if len(vertices) == 1 else "VERTEX_3"
     obj.parent_vertices = [int(vertex) for vertex in (*vertices, 0, 0)[:3]]
     update()
@@ -68,7 +67,6 @@ def constrain(owner: bpy.types.Object | bpy.types.PoseBone, kind: str, **setting
 
 
 def free(control: bpy.types.Object) -> bpy.types.Object:
-    """Without a parent, where it is."""
     place = control.matrix_world.copy()
     control.parent = None
     control.matrix_world = place
@@ -143,7 +141,6 @@ def its_control_sticks_to_the_surface(base: HandleRig, follower: HandleRig) -> N
 
 @hangs()
 def its_control_is_armature_constrained_to_a_bone(base: HandleRig, follower: HandleRig) -> None:
-    """Which sticks to the surface."""
     armature = new_armature(button=((0.0, 1.0, 0.0), (0.0, 1.5, 0.0)))
     constrain(armature.pose.bones["button"], "COPY_LOCATION", target=base.obj, subtarget="Top")
     control = free(follower.control)
@@ -166,7 +163,6 @@ def its_control_is_such_a_bone(base: HandleRig, follower: HandleRig) -> None:
 
 @hangs()
 def its_control_is_driven(base: HandleRig, follower: HandleRig) -> None:
-    """By where a child of a vertex is."""
     empty = on_vertex(new_empty("Between"), base, base.top[3])
     driver = follower.control.driver_add("location", 2).driver
     driver.type = "SUM"
@@ -178,14 +174,12 @@ def its_control_is_driven(base: HandleRig, follower: HandleRig) -> None:
 
 @hangs()
 def it_is_itself_on_a_vertex(base: HandleRig, follower: HandleRig) -> None:
-    """And its control is not."""
     free(follower.control)
     on_vertex(follower.obj, base, base.top[3])
 
 
 @hangs(bound="after")
 def it_is_hooked_to_a_child_of_a_vertex(base: HandleRig, follower: HandleRig) -> None:
-    """Below us."""
     add_group(follower.obj, "Hooked", lambda point: abs(point[1]) < 0.5)
     hook = follower.obj.modifiers.new("Hook", "HOOK")
     hook.object, hook.vertex_group = on_vertex(new_empty("Between"), base, base.top[3]), "Hooked"
@@ -193,7 +187,6 @@ def it_is_hooked_to_a_child_of_a_vertex(base: HandleRig, follower: HandleRig) ->
 
 @hangs(bound="after")
 def it_is_wrapped_onto_the_base(base: HandleRig, follower: HandleRig) -> None:
-    """Below us."""
     follower.obj.modifiers.new("Shrinkwrap", "SHRINKWRAP").target = base.obj
 
 
@@ -263,7 +256,6 @@ def moved_lattice() -> tuple[bpy.types.Object, bpy.types.Object]:
 
 @chain_of_its_own
 def it_is_below_a_lattice_that_a_cage_moves(name: str) -> Chain:
-    """By Blender's own modifier, before ours."""
     base, cage = moved_lattice()
     follower = HandleRig.new(name)
     follower.obj.modifiers.new("Lattice", "LATTICE").object = base
@@ -273,7 +265,6 @@ def it_is_below_a_lattice_that_a_cage_moves(name: str) -> Chain:
 
 @chain_of_its_own
 def its_lattice_has_a_deformer(name: str) -> Chain:
-    """The lattice of the follower is moved by a cage itself."""
     base, cage = moved_lattice()
     follower = ball(name, 2)
     press(follower, "lattice_add", source="OBJECT", lattice=base.name)

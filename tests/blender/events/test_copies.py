@@ -86,7 +86,6 @@ def test_a_copy_is_a_rig_of_its_own_at_once(posed: HandleRig, made: Callable):
 
 
 def test_a_copy_made_between_two_frames(posed: HandleRig):
-    """Nothing is evaluated before the next frame is."""
     copy = linked(posed.obj.copy())
     copy.location.z -= 0.4
     bpy.context.scene.frame_set(7)
@@ -111,7 +110,6 @@ def test_copies_in_a_file_that_an_autosave_left(posed: HandleRig):
 
 
 def test_without_copies_an_update_looks_at_no_object(posed: HandleRig):
-    """Only when their number has changed."""
     update()
     found = calls_of(lambda: posed.lift(0.1))
     assert found["has_copies"] > 0

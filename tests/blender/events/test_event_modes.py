@@ -9,7 +9,6 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
-from editing import edit
 from events import ALL, MESHES, REBIND, REGIONS, Event, Table, every, is_bound_again, is_over, lives_on
 from inside import catch_up, inner, settle
 from rigs.kinds import HandleRig
@@ -86,26 +85,8 @@ def subdivided(rig: HandleRig) -> None:
     rig.change_topology()
 
 
-@EDITS.on(REGIONS)
-def extruded(rig: HandleRig) -> None:
-    """The far edge grows; new vertices inherit the groups."""
-
-    edit(rig.obj, lambda point: point.y > 0.95)
-    bpy.ops.mesh.extrude_region_move(TRANSFORM_OT_translate={"value": (0.0, 0.2, 0.0)})
-    bpy.ops.object.mode_set(mode="OBJECT")
-
-
-@EDITS.on(MESHES)
-def cut(rig: HandleRig) -> None:
-    """A hole."""
-    edit(rig.obj, lambda point: abs(point.x) < 0.1 and abs(point.y) < 0.5)
-    bpy.ops.mesh.delete(type="VERT")
-    bpy.ops.object.mode_set(mode="OBJECT")
-
-
 @EDITS.on(MESHES)
 def reversed_in_order(rig: HandleRig) -> None:
-    """The same number of vertices."""
     on_all(rig.obj, bpy.ops.mesh.sort_elements, type="REVERSE", elements={"VERT"})
 
 
@@ -113,20 +94,6 @@ def reversed_in_order(rig: HandleRig) -> None:
 def triangulated(rig: HandleRig) -> None:
     """The same vertices, other faces. A ball has triangles already."""
     on_all(rig.obj, bpy.ops.mesh.quads_convert_to_tris)
-
-
-@EDITS.on(MESHES)
-def given_another_part(rig: HandleRig) -> None:
-    on_all(rig.obj, bpy.ops.mesh.primitive_cube_add, size=0.1, location=(0.0, 0.0, 0.3))
-
-
-@EDITS.on(MESHES)
-def given_a_vertex_for_another(rig: HandleRig) -> None:
-    def exchange(edit: bmesh.types.BMesh) -> None:
-        bmesh.ops.delete(edit, geom=[edit.verts[len(edit.verts) // 2]], context="VERTS")
-        edit.verts.new((0.0, 0.0, 0.4))
-
-    change_in_edit_mode(rig.obj, exchange)
 
 
 @pytest.mark.parametrize("automatic", [False, True])
@@ -159,7 +126,6 @@ def its_topology_changed_and_changed_back(rig: HandleRig) -> None:
 
 
 def turn_faces(obj: bpy.types.Object, where: Callable[[np.ndarray], bool]) -> None:
-    """Flip Normals on the faces whose centres are there."""
 
     def flip(edit: bmesh.types.BMesh) -> None:
         for face in edit.faces:
@@ -248,7 +214,6 @@ def its_vertices_moved_in_edit_or_sculpt_mode(rig: HandleRig) -> None:
 
 @EVENTS.on(MESHES)
 def edited_beside_its_copy(rig: HandleRig) -> None:
-    """Both in Edit Mode at once."""
     copy = duplicated(rig.obj, rig.control)
     catch_up()
     make_active(rig.obj, copy)
@@ -290,7 +255,6 @@ def sculpted_with_dynamic_topology(rig: HandleRig) -> None:
 
 @EVENTS.on(REGIONS, then=is_over)
 def given_levels_of_multires_above(rig: HandleRig) -> None:
-    """They smooth its result."""
     rig.obj.modifiers.new("Multires", "MULTIRES")
     assert rig.is_right()
     enter(rig, "SCULPT")
@@ -300,7 +264,6 @@ def given_levels_of_multires_above(rig: HandleRig) -> None:
 
 
 def test_multires_below(plate: Rig):
-    """The deformer works on the fine mesh."""
     make_active(plate.obj)
     plate.obj.modifiers.new("Multires", "MULTIRES")
     bpy.ops.object.multires_subdivide(modifier="Multires", mode="SIMPLE")
@@ -388,7 +351,6 @@ def test_weights_painted_on_a_mesh_that_an_armature_poses_keep_the_rest_shape(pl
 
 
 def datablocks_of(deformer) -> list[int]:
-    """Which ones a deformer points to."""
     shapes = [deformer.proxy, deformer.proxy_render]
     kept = [*shapes, *(shape.data for shape in shapes), deformer.rest, deformer.rest_render]
     return [datablock.as_pointer() for datablock in kept]

@@ -147,7 +147,7 @@ def test_view_layers_with_exclusions(animated: HandleRig):
     own_collection(animated.control)
     targets = bpy.data.collections.new("Targets")
     scene.collection.children.link(targets)
-    scene.collection.objects.unlink(obj)
+    unlink(obj)
     targets.objects.link(obj)
     first, second = bpy.context.view_layer, scene.view_layers.new("Second")
     layer_collection(first).exclude = True
@@ -156,9 +156,8 @@ def test_view_layers_with_exclusions(animated: HandleRig):
     scene.frame_set(11)
     seen = render(layer="")
     assert [obj.name in layer for layer in seen] == [True, False, True]
-    for layer in (seen[0], seen[2]):
-        assert close(layer[obj.name], animated.at(1.0), animated.tolerance)
-    for layer in (first, third):
+    for layer, shapes in ((first, seen[0]), (third, seen[2])):
+        assert close(shapes[obj.name], animated.at(1.0), animated.tolerance)
         layer.update()
         assert animated.shows_in(layer, animated.at(1.0))
 

@@ -22,7 +22,7 @@ from events import (
     says_rebind,
 )
 from expected import Expected
-from inside import inner, settle
+from inside import notes_of, settle
 from mathutils import Matrix
 from probe import render_points
 from rigs.kinds import HandleRig
@@ -103,26 +103,6 @@ def apply(rig: Rig, name: str) -> None:
 # --- Blender's modifiers
 
 
-@EVENTS.on(MESHES)
-def a_deforming_modifier_added_moved_muted_and_removed(rig: HandleRig) -> None:
-    """Before ours in the stack its result is what we deform; after ours it works on our result."""
-    twist(rig.obj)
-    after = by_blender(rig, rig.at(0.5), twist)
-    assert rig.shows(after)
-    move_to(rig, "Twist", 0)
-    before = rig.now(incoming=by_blender(rig, rig.rest(), twist))
-    assert np.abs(before - after).max() > 1e-3
-    assert rig.shows(before)
-    move_to(rig, "Twist", 1)
-    assert rig.shows(after)
-    rig.obj.modifiers["Twist"].show_viewport = False
-    assert rig.is_right()
-    assert rig.renders(after)
-    rig.obj.modifiers["Twist"].show_viewport = True
-    rig.obj.modifiers.remove(rig.obj.modifiers["Twist"])
-    assert rig.is_right()
-
-
 @EVENTS.on(REGIONS)
 def a_deforming_modifier_before_ours_applied(rig: HandleRig) -> None:
     """The mesh takes its shape; what enters ours stays the same, and so does what is seen."""
@@ -154,21 +134,26 @@ def a_constructive_modifier_added_after_ours_and_removed(rig: HandleRig) -> None
         assert rig.is_right()
 
 
+def is_noticed(rig: HandleRig, automatic: bool, resting: np.ndarray) -> None:
+    """Other vertices enter: rest and a word about it, right after Rebind or by itself."""
+    settle()
+    if not automatic:
+        assert rig.shows(resting)
+        assert rig.deformer.status == REBIND
+        rig.press("bind")
+
+
 @pytest.mark.parametrize("automatic", [False, True])
 @pytest.mark.parametrize("rig", MESHES, indirect=True)
 @pytest.mark.parametrize("add", [subdivision, array], ids=lambda add: add.__name__)
 def test_a_constructive_modifier_put_before_ours(posed: HandleRig, add: Add, automatic: bool):
-    """Other vertices enter: rest and a word about it, right after Rebind or by itself; so when it goes."""
+    """And so when it goes."""
     posed.deformer.auto_rebind = automatic
     rest = posed.rest()
     modifier = add(posed.obj)
     move_to(posed, modifier.name, 0)
-    settle()
     entering = by_blender(posed, rest, add)
-    if not automatic:
-        assert posed.shows(entering)
-        assert posed.deformer.status == REBIND
-        posed.press("bind")
+    is_noticed(posed, automatic, entering)
     shown = posed.points()
     assert np.abs(shown - entering).max() > 0.4
     if posed.deformer.handles:
@@ -192,10 +177,7 @@ def test_a_constructive_modifier_after_ours_applied(posed_plate: HandleRig, auto
     posed_plate.points()
     apply(posed_plate, "Subdivision")
     assert len(posed_plate.rest()) > 400
-    if not automatic:
-        assert posed_plate.is_at_rest()
-        assert posed_plate.deformer.status == REBIND
-        posed_plate.press("bind")
+    is_noticed(posed_plate, automatic, posed_plate.rest())
     rebinds_by_itself(posed_plate)
 
 
@@ -232,8 +214,6 @@ def test_a_modifier_that_makes_other_vertices_gets_displacements(plate: Rig):
     plate.lift(0.5)
     armature.pose.bones["high"].location = (0.0, 0.0, 0.2)
     assert plate.points()[:, 2].max() > 0.3
-    plate.obj.modifiers.remove(plate.obj.modifiers["Remesh"])
-    update()
 
 
 def test_vertices_in_another_order_keep_their_own_displacement(plate: Rig):
@@ -246,42 +226,39 @@ def test_vertices_in_another_order_keep_their_own_displacement(plate: Rig):
     plate.lift(0.0)
     shuffled = plate.points()
     assert not np.array_equal(shuffled, ordered)
-    same_order = [points[np.lexsort(np.round(points, 4).T)] for points in (ordered, shuffled)]
-    assert close(*same_order)
-    notes = [line.text for line in inner.status.notes(plate.deformer.uid)]
-    assert any("displacement" in text for text in notes)
+    assert close(*(points[np.lexsort(np.round(points, 4).T)] for points in (ordered, shuffled)))
+    assert any("displacement" in text for text in notes_of(plate.deformer))
 
 
 @pytest.mark.parametrize("levels", [(1, 2), (2, 1), (0, 1), (0, 2)])
 def test_other_subdivision_levels_in_renders_before_ours(plate: Rig, levels: tuple[int, int]):
     """Each as a rig of its own that has these levels in the viewport."""
-    subdivision(plate.obj, *levels)
-    plate.bind()
-    plate.lift(0.5)
     expected = []
     for level in levels:
         fresh = Rig(grid_object(f"Level {level}"))
         subdivision(fresh.obj, level, level)
         fresh.bind().lift(0.5)
         expected.append(fresh.points())
+    subdivision(plate.obj, *levels)
+    plate.bind().lift(0.5)
     for _ in range(2):
         assert close(plate.points(), expected[0])
         assert close(render_points(plate.obj), expected[1])
     assert plate.deformer.status_level == "INFO"
 
 
-@pytest.mark.parametrize("shown_in", ["viewport", "render"])
-def test_a_modifier_before_ours_that_is_shown_in_one_place_only(plate: Rig, shown_in: str):
+@pytest.mark.parametrize("in_viewport", [True, False])
+def test_a_modifier_before_ours_that_is_shown_in_one_place_only(plate: Rig, in_viewport: bool):
     modifier, flat = twist(plate.obj), plate.rest()
-    modifier.show_viewport, modifier.show_render = shown_in == "viewport", shown_in == "render"
-    twisted = by_blender(plate, flat, twist)
-    in_viewport, in_render = (twisted, flat) if shown_in == "viewport" else (flat, twisted)
+    modifier.show_viewport, modifier.show_render = in_viewport, not in_viewport
+    shapes = [by_blender(plate, flat, twist), flat]
+    viewport, rendered = shapes if in_viewport else shapes[::-1]
     plate.bind()
     plate.deformer.handles[0].stands_on = "WORLD"  # as its pose is read there
-    expected = Expected(plate.obj, plate.control, points=in_viewport)
+    expected = Expected(plate.obj, plate.control, points=viewport)
     plate.lift(0.5)
-    assert close(plate.points(), expected.now(plate.obj, plate.control, incoming=in_viewport))
-    assert close(render_points(plate.obj), expected.now(plate.obj, plate.control, incoming=in_render))
+    assert close(plate.points(), expected.now(plate.obj, plate.control, incoming=viewport))
+    assert close(render_points(plate.obj), expected.now(plate.obj, plate.control, incoming=rendered))
 
 
 # --- ours, by Blender's own buttons
@@ -291,36 +268,15 @@ def test_a_modifier_before_ours_that_is_shown_in_one_place_only(plate: Rig, show
 def ours_muted_and_shown(rig: HandleRig) -> None:
     modifier = rig.obj.modifiers[0]
     modifier.show_viewport = False
-    assert rig.is_at_rest()
-    rig.lift(0.25)
-    assert rig.is_at_rest()
+    for lift in (0.0, 0.25):
+        rig.lift(lift)
+        assert rig.is_at_rest()
     assert rig.renders(rig.at(0.75))
-    modifier.show_viewport = True
+    modifier.show_viewport, modifier.show_render = True, False
     assert rig.is_right()
-    modifier.show_render = False
     assert rig.renders(rig.rest())
     assert rig.is_right()
     modifier.show_render = True
-
-
-@EVENTS.on(MESHES, then=is_over)
-def ours_applied(rig: HandleRig) -> None:
-    """The mesh takes the shape once; the deformer left behind deforms nothing, and says what to do."""
-    apply(rig, rig.obj.modifiers[0].name)
-    shape = rig.at(0.5)
-    assert close(rig.rest(), shape)
-    assert rig.shows(shape)
-    rig.lift(0.25)
-    assert rig.shows(shape)
-    assert rig.deformer.status_level in ("ERROR", "WARNING")
-    rig.press("deformer_remove")
-    assert rig.shows(shape)
-
-
-@EVENTS.on(ALL, then=bind_restores)
-def ours_removed(rig: HandleRig) -> None:
-    make_active(rig.obj)
-    bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
 
 
 @EVENTS.on(MESHES)
@@ -332,6 +288,26 @@ def ours_copied(rig: HandleRig) -> None:
         settle()
         assert rig.is_right()
         rig.lift(0.25)
+    bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
+
+
+@EVENTS.on(MESHES, then=is_over)
+def ours_applied(rig: HandleRig) -> None:
+    """The mesh takes the shape once; the deformer left behind deforms nothing, and says what to do."""
+    apply(rig, rig.obj.modifiers[0].name)
+    shape = rig.at(0.5)
+    assert close(rig.rest(), shape)
+    for _ in range(2):
+        assert rig.shows(shape)
+        rig.lift(0.25)
+    assert rig.deformer.status_level in ("ERROR", "WARNING")
+    rig.press("deformer_remove")
+    assert rig.shows(shape)
+
+
+@EVENTS.on(ALL, then=bind_restores)
+def ours_removed(rig: HandleRig) -> None:
+    make_active(rig.obj)
     bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
 
 

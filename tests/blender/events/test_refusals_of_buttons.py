@@ -82,7 +82,6 @@ def no_vertices() -> None:
 
 
 def bound_behind(modify: Spoil) -> Callable[[], None]:
-    """Another modifier."""
 
     def prepare() -> None:
         plate = Rig.plate()
@@ -94,7 +93,6 @@ def bound_behind(modify: Spoil) -> Callable[[], None]:
 
 
 def dragged() -> None:
-    """A plate with a handle that a drag has made."""
     plate = grid_object(cells=12)
     draggable()()
     make_active(plate)
@@ -108,7 +106,6 @@ def two_in_one_cage() -> None:
 
 
 def stroke(places: np.ndarray) -> Callable[[], object]:
-    """A stroke, and a ball beside it."""
     return lambda: (polyline(places, "Stroke"), ball())
 
 
@@ -172,7 +169,6 @@ def each(*spoils: Spoil) -> Spoil:
 
 
 def beside(make: Callable, *arguments: object) -> Spoil:
-    """There is another object."""
     return lambda _obj: make(*arguments)
 
 
@@ -241,7 +237,6 @@ def has_no_selected_edges(obj: bpy.types.Object) -> None:
 
 
 def on_two(obj: bpy.types.Object) -> None:
-    """There is another deformer."""
     press(obj, "deformer_add", method="arap")
 
 

@@ -75,31 +75,29 @@ def test_controls_have_no_effect_while_baked_and_nothing_is_solved(
     assert not calls
 
 
-def test_a_bake_that_is_invoked_without_a_window_is_a_pc2_file_that_renders_show(moving: Rig, tmp_path: Path):
-    live = played(moving.obj)
-    make_active(moving.obj)
-    path = tmp_path / "plate.pc2"
-    assert bpy.ops.sinew.bake("INVOKE_DEFAULT", target="PC2", filepath=str(path)) == {"FINISHED"}
-    assert_same(played(moving.obj), live)
-    content = path.read_bytes()
-    head = np.frombuffer(content, dtype="S12,<i4,<i4,<f4,<f4,<i4", count=1)[0]
-    assert head.tolist() == (b"POINTCACHE2", 1, len(moving.rest()), 1.0, 1.0, 8)
-    samples = np.frombuffer(content, dtype="<f4", offset=32).reshape(8, -1, 3)
-    assert np.array_equal(samples, np.array([live[frame] for frame in FRAMES]))
-    bpy.context.scene.frame_set(5)
-    assert np.array_equal(render_points(moving.obj), live[5])
+HEADS = {  # of the formats: the numbers before the samples, and their types
+    "PC2": ("S12,<i4,<i4,<f4,<f4,<i4", (b"POINTCACHE2", 1, 121, 1.0, 1.0, 8)),
+    "MDD": (">i4,>i4," + ",".join([">f4"] * 8), (8, 121, *(np.arange(1, 9, dtype="f4") / 24.0))),
+}
 
 
-def test_an_mdd_file_holds_what_its_format_says(moving: Rig, tmp_path: Path):
+@pytest.mark.parametrize("target", CACHES)
+def test_a_file_holds_what_its_format_says_and_renders_show_it(moving: Rig, tmp_path: Path, target: str):
+    """Also where it is invoked without a window."""
     bpy.context.scene.render.fps = 24
     live = played(moving.obj)
-    bake(moving, "MDD", tmp_path / "plate.mdd")
-    content = (tmp_path / "plate.mdd").read_bytes()
-    assert np.frombuffer(content, dtype=">i4", count=2).tolist() == [8, len(moving.rest())]
-    times = np.frombuffer(content, dtype=">f4", offset=8, count=8)
-    assert np.abs(times - np.arange(1, 9) / 24.0).max() < 1e-7
-    samples = np.frombuffer(content, dtype=">f4", offset=8 + 32).reshape(8, -1, 3)
-    assert np.array_equal(samples, np.array([live[frame] for frame in FRAMES]))
+    make_active(moving.obj)
+    path = tmp_path / f"plate.{target.lower()}"
+    assert bpy.ops.sinew.bake("INVOKE_DEFAULT", target=target, filepath=str(path)) == {"FINISHED"}
+    assert_same(played(moving.obj), live)
+    (kinds, wanted), content = HEADS[target], path.read_bytes()
+    head = np.frombuffer(content, dtype=kinds, count=1)
+    assert head[0].item()[:3] == wanted[:3]
+    assert head[0].item()[3:] == pytest.approx(wanted[3:], abs=1e-7)
+    samples = np.frombuffer(content, dtype=kinds[0:1].replace("S", "<") + "f4", offset=head.nbytes)
+    assert np.array_equal(samples.reshape(8, -1, 3), np.array([live[frame] for frame in FRAMES]))
+    bpy.context.scene.frame_set(5)
+    assert np.array_equal(render_points(moving.obj), live[5])
 
 
 @pytest.mark.parametrize("target", CACHES)

@@ -32,7 +32,6 @@ def head() -> bpy.types.Object:
 
 
 def stroke(length: float, middle: np.ndarray) -> list[dict[str, object]]:
-    """One of a length along y, about a place."""
     return stroke_through(middle + np.outer(np.linspace(-0.5, 0.5, 20), (0.0, length, 0.0)))
 
 

@@ -252,7 +252,6 @@ def test_a_baked_deformer_is_unbaked_before_it_is_removed(plate: Rig, tmp_path, 
 
 
 def test_a_control_outside_the_view_layer_moves_its_region_all_the_same(plate: Rig):
-    """It cannot be selected there, which is no reason to refuse: the region is made and follows."""
     away, control = bpy.data.collections.new("Away"), bpy.data.objects.new("Far", None)
     bpy.context.scene.collection.children.link(away)
     away.objects.link(control)

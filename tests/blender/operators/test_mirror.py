@@ -39,7 +39,6 @@ def paint(obj: bpy.types.Object, name: str, weight) -> None:
 
 
 def weights(obj: bpy.types.Object, name: str) -> dict[tuple[float, ...], float]:
-    """Weight by place, of the vertices in a group."""
     found = painted(obj.data, obj.vertex_groups[name].index)
     places = map(tuple, np.round(base_points(obj), 4) + 0.0)
     return {place: weight for place, weight in zip(places, found, strict=True) if weight}
@@ -100,7 +99,6 @@ def low_corner(sign: float):
 
 
 def on_the_right(plate: Rig) -> list[int]:
-    """The hard vertices of what mirrors Hand.L."""
     return [i for i, p in enumerate(plate.rest()) if p[0] < -0.76 and p[1] > -0.5]
 
 

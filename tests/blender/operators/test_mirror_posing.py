@@ -166,7 +166,6 @@ def test_both_moved_at_once_keep_what_the_transform_gave_them(hands: Rig):
 
 @pytest.mark.parametrize("by", ["evaluations", "Mirror"])
 def test_the_first_control_is_moved_no_further(hands: Rig, by: str):
-    """Bit for bit: nothing comes back."""
     pose(left(hands), **POSED)
     given = [tuple(getattr(left(hands), name)) for name in POSED]
     if by == "Mirror":
@@ -210,8 +209,8 @@ def test_drivers_constraints_and_parents_are_not_mirrored(hands: Rig):
     master = new_empty("Master")
     driver = left(hands).driver_add("location", 2).driver
     driver.type = "SUM"
-    variable = driver.variables.new()
-    variable.targets[0].id, variable.targets[0].data_path = master, "location[0]"
+    target = driver.variables.new().targets[0]
+    target.id, target.data_path = master, "location[0]"
     update()
     pose(master, location=(0.4, 0.0, 0.0))
     assert left(hands).location.z == pytest.approx(0.4)
@@ -221,10 +220,9 @@ def test_drivers_constraints_and_parents_are_not_mirrored(hands: Rig):
     constraint = left(hands).constraints.new("COPY_LOCATION")
     constraint.target, constraint.use_offset = master, True
     update()
-    pose(master, location=(0.0, 0.4, 0.0))
-    assert is_at(right(hands), REST)
-    pose(hands.obj, location=(1.0, 2.0, 3.0))
-    assert is_at(right(hands), REST)
+    for mover, place in ((master, (0.0, 0.4, 0.0)), (hands.obj, (1.0, 2.0, 3.0))):
+        pose(mover, location=place)
+        assert is_at(right(hands), REST)
 
 
 def push_before_the_partner_follows(message: str) -> None:
@@ -262,7 +260,6 @@ def test_steps_of_undo_that_lack_the_partner_are_completed(hands: Rig):
 
 
 def aside(hands: Rig, one: bpy.types.Object, other: bpy.types.Object) -> None:
-    """In any place and turn at rest."""
     other.location = (-0.7, 0.3, 0.2)
     one.rotation_euler, other.rotation_euler = (0.1, 0.2, 0.3), (1.0, -0.4, 2.0)
     other.rotation_mode = "QUATERNION"
@@ -316,15 +313,15 @@ def test_what_cannot_be_mirrored_stays_quietly(hands: Rig):
     pose(hands.obj, scale=(0.0, 1.0, 1.0))
     pose(left(hands), location=(0.0, 0.0, 0.1))
     pose(hands.obj, scale=(1.0, 1.0, 1.0))
-    pose(left(hands), location=(0.0, 0.0, float("nan")))
+    pose(left(hands), location=(0.0, 0.0, math.nan))
     assert np.isfinite(right(hands).location).all()
     pose(left(hands), **POSED)
-    hands.obj.name = hands.name = "Renamed"
+    hands.name = "Renamed"
+    bpy.data.objects["Plate"].name = hands.name
     update()
     pose(left(hands), location=(0.1, 0.0, 0.0))
     assert is_at(right(hands), {"location": (-0.1, 0.0, 0.0)})
-    other = new_empty("Elsewhere", (-2.0, 0.0, 0.0))
-    by_name(hands, "Hand.R").control = other
+    other = by_name(hands, "Hand.R").control = new_empty("Elsewhere", (-2.0, 0.0, 0.0))
     update()
     pose(left(hands), location=(0.2, 0.0, 0.0))
     assert np.allclose(other.location, (-2.1, 0.0, 0.0), atol=1e-5)
@@ -349,16 +346,13 @@ def test_automatic_keyframes_key_the_partner_too(hands: Rig, monkeypatch):
     scene = bpy.context.scene
     scene.tool_settings.use_keyframe_insert_auto = True
     monkeypatch.setattr(bpy.context.preferences.edit, "use_keyframe_insert_available", False)
-    scene.frame_set(1)
     make_active(left(hands))
-    bpy.ops.transform.translate(value=(0.1, 0.2, 0.3))
-    settle()
-    assert left(hands).animation_data is not None
-    keyed = {(curve.data_path, curve.array_index) for curve in curves_of(left(hands))}
-    assert {(curve.data_path, curve.array_index) for curve in curves_of(right(hands))} == keyed
-    scene.frame_set(11)
-    bpy.ops.transform.translate(value=(0.0, 0.0, 0.5))
-    settle()
+    for frame, move in ((1, (0.1, 0.2, 0.3)), (11, (0.0, 0.0, 0.5))):
+        scene.frame_set(frame)
+        bpy.ops.transform.translate(value=move)
+        settle()
+        assert keys_of(left(hands))
+        assert keys_of(right(hands)) == keys_of(left(hands))
     for frame, height in ((1, 0.3), (11, 0.8)):
         scene.frame_set(frame)
         assert is_at(right(hands), {"location": (-0.1, 0.2, height)}, 1e-5)
@@ -366,7 +360,7 @@ def test_automatic_keyframes_key_the_partner_too(hands: Rig, monkeypatch):
     scene.frame_set(5)
     bpy.ops.transform.translate(value=(0.0, 0.1, 0.0))
     settle()
-    assert all(len(curve.keyframe_points) <= 2 for curve in curves_of(right(hands)))
+    assert all(len(frames) <= 2 for frames in keys_of(right(hands)).values())
 
 
 def insert_keyframes(kind: str = "LocRotScale") -> None:
@@ -378,7 +372,6 @@ def insert_keyframes(kind: str = "LocRotScale") -> None:
 
 
 def keys_of(obj: bpy.types.Object) -> dict[tuple[str, int], list[float]]:
-    """The frames of its keyframes, by channel."""
     curves = [] if obj.animation_data is None else curves_of(obj)
     return {(c.data_path, c.array_index): [point.co.x for point in c.keyframe_points] for c in curves}
 

@@ -80,14 +80,12 @@ def test_a_modifier_dragged_by_the_user_falls_in_line_with_the_list(plate: Rig):
 
 
 def keyed(obj: bpy.types.Object) -> None:
-    """Factor of B and weight of C's handle, each from 0 at frame 1 to 1 at frame 11."""
     second, third = obj.sinew.deformers[1:]
     key(second, {1: {"factor": 0.0}, 11: {"factor": 1.0}})
     key(third.handles[0], {1: {"weight": 0.0}, 11: {"weight": 1.0}})
 
 
 def values(obj: bpy.types.Object) -> dict[tuple[str, int], tuple[float, float]]:
-    """Factor and first weight by name of deformer and frame."""
     found = {}
     for frame in (1, 6, 11):
         bpy.context.scene.frame_set(frame)
@@ -125,7 +123,6 @@ def two_handles_with_animation(plate: Rig) -> bpy.types.Object:
 
 
 def drive(driver: bpy.types.Driver, source: bpy.types.Object, path: str) -> None:
-    """The value at ``path``, and nothing else."""
     driver.type = "SUM"
     variable = driver.variables.new()
     variable.targets[0].id = source

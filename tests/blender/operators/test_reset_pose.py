@@ -45,7 +45,6 @@ def by_a_shape_key(control: bpy.types.Object) -> None:
 
 
 def edited_in_its_mode(control: bpy.types.Object) -> None:
-    """It is still in Edit Mode when the button is pressed."""
     stretched(control)
     make_active(control)
     if control.type != "EMPTY":
