@@ -40,8 +40,8 @@ def render_passes(scene: bpy.types.Scene, names: Sequence[str]) -> dict[str, np.
     tree = scene.node_tree
     tree.nodes.clear()
     source, target = (tree.nodes.new(f"CompositorNode{kind}") for kind in ("RLayers", "OutputFile"))
-    target.format.file_format, target.format.color_depth = "OPEN_EXR", "32"
-    target.format.color_mode = "RGB"
+    form = target.format
+    form.file_format, form.color_depth, form.color_mode = "OPEN_EXR", "32", "RGB"
     target.file_slots.clear()
     for name in names:
         target.file_slots.new(name)

@@ -8,9 +8,8 @@ import bpy
 from mathutils import Vector
 
 from . import markers, posing, studio
-from .posing import Move
+from .posing import POSE_FRAME, Move
 
-POSE_FRAME = 40
 Pose = Callable[[bpy.types.Object], object]
 
 
@@ -22,7 +21,6 @@ class Lineup:
     An object that gets a property ``label`` while it is posed has that text instead of the key of the row.
     """
 
-    title: str
     build: Callable[..., bpy.types.Object]
     row: Mapping[str, Pose | None]
     spacing: float
@@ -37,12 +35,12 @@ class Lineup:
     about: str = ""  # what ``run --list`` says
 
     def make(self) -> bpy.types.Scene:
-        scene = studio.empty_scene(self.title)
+        scene = studio.empty_scene()
+        places = posing.places(len(self.row), self.spacing)
         if self.anew:
-            places = posing.places(len(self.row), self.spacing)
             row = [self.build(label, x) for label, x in zip(self.row, places)]
         else:
-            row = posing.line_up(self.build(), self.row, self.spacing, self.heading)
+            row = posing.line_up(self.build(), self.row, places, self.heading)
         for obj, pose in zip(row, self.row.values()):
             if pose:
                 pose(obj)
@@ -52,10 +50,10 @@ class Lineup:
             for obj in row:
                 posing.subdivide(obj)
         scene.frame_set(self.frame)
-        places = [(obj, obj.location.x) for obj in row]
-        self.shot.set_up(scene, [(obj.get("label", key), x) for key, (obj, x) in zip(self.row, places)])
+        labels = [obj.get("label", key) for key, obj in zip(self.row, row)]
+        self.shot.set_up(scene, zip(labels, places))
         if self.note:
-            self.shot.add_notes(scene, [(self.note(obj, row[0]), x) for obj, x in places])
+            self.shot.add_notes(scene, [(self.note(obj, row[0]), x) for obj, x in zip(row, places)])
         studio.open_at(scene, self.frame, row[self.active])
         return scene
 
@@ -100,7 +98,7 @@ class Regions:
         if self.method:
             for control, handle in zip(controls, self.handles):
                 posing.animate(control, handle.moves, obj)
-            posing.check_posed(obj, 1, POSE_FRAME)
+            posing.check_posed(obj)
 
 
 def add_thickness(obj: bpy.types.Object, thickness: float) -> None:

@@ -7,6 +7,7 @@ from math import radians
 
 import bpy
 import numpy as np
+from bpy.types import ID, Mesh, Object, PoseBone, PropertyGroup, bpy_prop_collection, bpy_struct
 from mathutils import Euler, Matrix, Vector
 
 from .studio import progress
@@ -31,11 +32,10 @@ class Move:
 
 
 REST = Move()
+POSE_FRAME = 40
 
 
-def add_object(
-    name: str, data: bpy.types.ID | None, parent: bpy.types.Object | None = None
-) -> bpy.types.Object:
+def add_object(name: str, data: ID | None, parent: Object | None = None) -> Object:
     """A new object in the scene's collection; without data an empty."""
     obj = bpy.data.objects.new(name, data)
     obj.parent = parent
@@ -43,7 +43,7 @@ def add_object(
     return obj
 
 
-def add_lines(name: str, lines: Iterable[Sequence[Sequence[float]]], bevel: float = 0.0) -> bpy.types.Object:
+def add_lines(name: str, lines: Iterable[Sequence[Sequence[float]]], bevel: float = 0.0) -> Object:
     """A curve object of lines through points (n, 3), as thick as ``bevel``."""
     data = bpy.data.curves.new(name, "CURVE")
     data.dimensions, data.bevel_depth = "3D", bevel
@@ -57,9 +57,9 @@ def add_lines(name: str, lines: Iterable[Sequence[Sequence[float]]], bevel: floa
 def add_armature(
     name: str,
     bones: Iterable[tuple[str, Sequence[float], Sequence[float], str]],
-    parent: bpy.types.Object | None = None,
+    parent: Object | None = None,
     side: Sequence[float] | None = None,
-) -> bpy.types.Object:
+) -> Object:
     """An armature of bones: name, head, tail, and the bone above. ``side`` is where their z axes point."""
     data = bpy.data.armatures.new(name)
     data.display_type = "STICK"
@@ -75,7 +75,7 @@ def add_armature(
     return rig
 
 
-def make_active(obj: bpy.types.Object, *others: bpy.types.Object) -> None:
+def make_active(obj: Object, *others: Object) -> None:
     """Select the object, and perhaps others, and nothing else."""
     for other in bpy.context.selected_objects:
         other.select_set(False)
@@ -90,12 +90,12 @@ def places(count: int, spacing: float) -> list[float]:
 
 
 def line_up(
-    first: bpy.types.Object, labels: Iterable[str], spacing: float, heading: float = 0.0
-) -> list[bpy.types.Object]:
-    """The object and copies of it in a row along x, one per label, each turned by ``heading`` degrees."""
+    first: Object, labels: Iterable[str], places: Iterable[float], heading: float = 0.0
+) -> list[Object]:
+    """The object and copies of it at places along x, one per label, each turned by ``heading`` degrees."""
     name, labels = first.name, list(labels)
     row = [first, *(first.copy() for _ in labels[1:])]
-    for obj, label, x in zip(row, labels, places(len(row), spacing)):
+    for obj, label, x in zip(row, labels, places):
         obj.name = f"{name} {label}"
         obj.location.x = x
         obj.rotation_euler.z = radians(heading)
@@ -105,9 +105,7 @@ def line_up(
     return row
 
 
-def operate(
-    obj: bpy.types.Object, operator: str, *others: bpy.types.Object, **options: object
-) -> bpy.types.PropertyGroup | None:
+def operate(obj: Object, operator: str, *others: Object, **options: object) -> PropertyGroup | None:
     """Call an operator of Sinew on the object, with others selected, too. Returns its last deformer."""
     make_active(obj, *others)
     expect(getattr(bpy.ops.sinew, operator)(**options), f"{obj.name}: {operator}({options})")
@@ -119,12 +117,12 @@ def expect(result: set[str], what: str) -> None:
         raise SampleError(f"{what} answered {result}")
 
 
-def set_parameters(deformer: bpy.types.PropertyGroup, parameters: Mapping[str, float | str]) -> None:
+def set_parameters(deformer: PropertyGroup, parameters: Mapping[str, float | str]) -> None:
     for name, value in parameters.items():
         setattr(deformer.parameters, name, value)
 
 
-def add_deformer(obj: bpy.types.Object, method: str, **parameters: float | str) -> bpy.types.PropertyGroup:
+def add_deformer(obj: Object, method: str, **parameters: float | str) -> PropertyGroup:
     """A Sinew deformer on the object, its parameters set by name."""
     progress(f"posing {obj.name} by {method}")
     deformer = operate(obj, "deformer_add", method=method)
@@ -132,27 +130,25 @@ def add_deformer(obj: bpy.types.Object, method: str, **parameters: float | str) 
     return deformer
 
 
-def add_region(obj: bpy.types.Object, kind: str, group: str, **control: str) -> bpy.types.PropertyGroup:
-    """A handle, fixed or support region from a vertex group. The operator also binds.
-
-    A new empty moves a handle unless ``control`` names an object, ``control_object``, and its ``bone``.
-    """
+def add_region(obj: Object, kind: str, group: str, **control: str) -> PropertyGroup:
+    """A handle, fixed or support region from a vertex group. The operator also binds. A new empty moves a
+    handle unless ``control`` names an object, ``control_object``, and its ``bone``."""
     return operate(obj, "handle_add", kind=kind, vertex_group=group, **control).handles[-1]
 
 
-def add_cage(obj: bpy.types.Object, method: str, **options: float | str | bool) -> bpy.types.Object:
+def add_cage(obj: Object, method: str, **options: float | str | bool) -> Object:
     """The cage of a new deformer: an automatic one, or with ``source="OBJECT"`` the named object."""
     progress(f"a cage around {obj.name}, {method}")
     return operate(obj, "cage_add", method=method, **options).cage
 
 
-def subdivide(obj: bpy.types.Object, levels: int = 1, rendered: int = 2) -> None:
+def subdivide(obj: Object, levels: int = 1, rendered: int = 2) -> None:
     """A Subdivision after the modifiers that are there."""
     smooth = obj.modifiers.new("Subdivision", "SUBSURF")
     smooth.levels, smooth.render_levels = levels, rendered
 
 
-def share_cage(cage: bpy.types.Object, obj: bpy.types.Object, method: str) -> bpy.types.Object:
+def share_cage(cage: Object, obj: Object, method: str) -> Object:
     """A cage of the same mesh around another object, so that both take every pose together."""
     twin = cage.copy()
     twin.name, twin.parent = f"{obj.name} Cage", obj
@@ -162,14 +158,14 @@ def share_cage(cage: bpy.types.Object, obj: bpy.types.Object, method: str) -> bp
     return add_cage(obj, method, source="OBJECT", cage=twin.name)
 
 
-def weigh(obj: bpy.types.Object, rig: bpy.types.Object) -> None:
+def weigh(obj: Object, rig: Object) -> None:
     """Parent the object to the armature as Ctrl P, With Automatic Weights does."""
     make_active(rig, obj)
     bpy.context.view_layer.update()
     expect(bpy.ops.object.parent_set(type="ARMATURE_AUTO"), "parent_set(type='ARMATURE_AUTO')")
 
 
-def carry_cage(cage: bpy.types.Object, rig: bpy.types.Object) -> None:
+def carry_cage(cage: Object, rig: Object) -> None:
     """Parent the cage to the armature, which has to carry all of it from where it is."""
     bpy.context.view_layer.update()
     place = cage.matrix_world.translation.copy()
@@ -181,9 +177,7 @@ def carry_cage(cage: bpy.types.Object, rig: bpy.types.Object) -> None:
         raise SampleError("The armature leaves vertices of the cage behind")
 
 
-def add_lattice(
-    obj: bpy.types.Object, resolution: Sequence[int], *others: bpy.types.Object, **parameters: float | str
-) -> bpy.types.Object:
+def add_lattice(obj: Object, resolution: Sequence[int], *others: Object, **parameters: float | str) -> Object:
     """The lattice of a new deformer, fitted to the object, and to others."""
     progress(f"a lattice around {obj.name}")
     deformer = operate(obj, "lattice_add", *others, resolution=resolution)
@@ -191,19 +185,19 @@ def add_lattice(
     return deformer.controls[0].object
 
 
-def lattice_points(lattice: bpy.types.Object) -> np.ndarray:
+def lattice_points(lattice: Object) -> np.ndarray:
     """The points (c, 3) as they are stored, object space."""
     return stored(lattice.data.points, "co_deform").astype(np.float64)
 
 
-def key(owner: bpy.types.bpy_struct, name: str, values: Mapping[int, object]) -> None:
+def key(owner: bpy_struct, name: str, values: Mapping[int, object]) -> None:
     """Keyframe a property: its value at each frame."""
     for frame, value in values.items():
         setattr(owner, name, value)
         owner.keyframe_insert(name, frame=frame)
 
 
-def add_pose(cage: bpy.types.Object, name: str, points: np.ndarray, values: Mapping[int, float]) -> None:
+def add_pose(cage: Object, name: str, points: np.ndarray, values: Mapping[int, float]) -> None:
     """Add a shape key with the cage vertices at ``points`` (c, 3); ``values`` is its strength per frame."""
     if cage.data.shape_keys is None:
         cage.shape_key_add(name="Rest")
@@ -218,9 +212,7 @@ def blended(move: Move, points: np.ndarray, weights: np.ndarray) -> np.ndarray:
     return points + weights[:, None] * (points @ matrix[:3, :3].T + matrix[:3, 3] - points)
 
 
-def animate(
-    control: bpy.types.Object, keys: Mapping[int, Move], frame_of: bpy.types.Object | None = None
-) -> None:
+def animate(control: Object, keys: Mapping[int, Move], frame_of: Object | None = None) -> None:
     """Keyframe a control: at each frame its move from where it stands now, in the space of ``frame_of``."""
     bpy.context.view_layer.update()
     rest = control.matrix_world.copy()
@@ -237,7 +229,7 @@ def animate(
         previous = turn
 
 
-def key_turns(joint: bpy.types.PoseBone, keys: Mapping[int, Sequence[float]]) -> None:
+def key_turns(joint: PoseBone, keys: Mapping[int, Sequence[float]]) -> None:
     """Keyframe a bone: at each frame its turn in degrees about the axes of the armature."""
     joint.rotation_mode = "QUATERNION"
     axes = joint.bone.matrix_local.to_quaternion()
@@ -245,18 +237,18 @@ def key_turns(joint: bpy.types.PoseBone, keys: Mapping[int, Sequence[float]]) ->
     key(joint, "rotation_quaternion", {frame: axes.inverted() @ turn @ axes for frame, turn in turns.items()})
 
 
-def key_angles(joint: bpy.types.PoseBone, keys: Mapping[int, Sequence[float]]) -> None:
+def key_angles(joint: PoseBone, keys: Mapping[int, Sequence[float]]) -> None:
     """Keyframe a bone: at each frame its Euler angles in degrees."""
     joint.rotation_mode = "XYZ"
     key(joint, "rotation_euler", {frame: np.radians(angles) for frame, angles in keys.items()})
 
 
-def vertices(obj: bpy.types.Object) -> np.ndarray:
+def vertices(obj: Object) -> np.ndarray:
     """The vertices (n, 3) as they are stored, object space."""
     return stored(obj.data.vertices, "co").astype(np.float64)
 
 
-def shape(obj: bpy.types.Object) -> np.ndarray:
+def shape(obj: Object) -> np.ndarray:
     """The vertices (n, 3) as the modifiers leave them, object space; points of a lattice or of hair."""
     shown = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     if obj.type == "LATTICE":
@@ -268,19 +260,19 @@ def shape(obj: bpy.types.Object) -> np.ndarray:
     return points
 
 
-def shown_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
+def shown_mesh(obj: Object) -> Mesh:
     """A copy of the mesh as the modifiers leave it at the current frame."""
     return bpy.data.meshes.new_from_object(obj.evaluated_get(bpy.context.evaluated_depsgraph_get()))
 
 
-def stored(points: bpy.types.bpy_prop_collection, name: str) -> np.ndarray:
+def stored(points: bpy_prop_collection, name: str) -> np.ndarray:
     """Coordinates (n, 3) float32 of vertices or points."""
     flat = np.empty(3 * len(points), np.float32)
     points.foreach_get(name, flat)
     return flat.reshape(-1, 3)
 
 
-def check_posed(obj: bpy.types.Object, rest_frame: int, pose_frame: int) -> None:
+def check_posed(obj: Object, rest_frame: int = 1, pose_frame: int = POSE_FRAME) -> None:
     """Stop the sample unless all deformers are bound without an error and the pose is finite and moves it."""
     for deformer in obj.sinew.deformers:
         if not deformer.is_bound or deformer.status_level in {"ERROR", "WARNING"}:

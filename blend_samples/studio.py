@@ -7,6 +7,7 @@ from math import cos, pi, radians, sin
 from pathlib import Path
 
 import bpy
+from bpy.types import ID, Collection, Material, Object, Scene, SpaceView3D, VectorFont
 from mathutils import Vector
 
 from .materials import add_math, add_node, backdrop_material, ink_material
@@ -33,7 +34,7 @@ class Shot:
     nearer: float = 1.0  # the x of objects times this, as the camera sees their middle
     floor: float = 0.0  # the height that labels stand on
 
-    def set_up(self, scene: bpy.types.Scene, labels: Iterable[tuple[str, float]]) -> None:
+    def set_up(self, scene: Scene, labels: Iterable[tuple[str, float]]) -> None:
         """Add backdrop, camera, lights and a label for each object, by its x; and set up the renderer."""
         add_backdrop(scene, 14.0, self.tint)
         add_camera(scene, self.target, self.distance, self.elevation, self.width)
@@ -42,18 +43,17 @@ class Shot:
             add_label(scene, text, (self.nearer * x + self.aside, self.front, self.floor), self.text)
         set_up_render(scene, self.samples, *self.picture)
 
-    def add_notes(self, scene: bpy.types.Scene, notes: Iterable[tuple[str, float]]) -> None:
+    def add_notes(self, scene: Scene, notes: Iterable[tuple[str, float]]) -> None:
         """A second, smaller line below each label."""
         for text, x in notes:
             add_label(scene, text, (x + self.aside, self.front - 0.5, self.floor), 0.85 * self.text)
 
 
-def empty_scene(name: str) -> bpy.types.Scene:
+def empty_scene() -> Scene:
     """A scene with nothing in it, seconds of 24 frames, colours managed for soft daylight."""
     progress("modelling")
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)  # keeps the add-ons enabled
     scene = bpy.context.scene
-    scene.name = name
     scene.frame_start, scene.frame_end = FRAMES
     scene.render.fps = 24
     scene.view_settings.view_transform = "Filmic"
@@ -67,7 +67,7 @@ def progress(text: str) -> None:
     print(f"> {text} ...", flush=True)
 
 
-def set_up_render(scene: bpy.types.Scene, samples: int, width: int, height: int) -> None:
+def set_up_render(scene: Scene, samples: int, width: int, height: int) -> None:
     """Cycles on the CPU, few bounces. Debian's build has no denoiser: see ``denoise``."""
     render, cycles = scene.render, scene.cycles
     render.engine, render.use_persistent_data = "CYCLES", False
@@ -84,7 +84,7 @@ def set_up_render(scene: bpy.types.Scene, samples: int, width: int, height: int)
     cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 1.6
 
 
-def studio_collection(scene: bpy.types.Scene) -> bpy.types.Collection:
+def studio_collection(scene: Scene) -> Collection:
     """The collection of everything that is not posed."""
     if "Studio" not in scene.collection.children:
         scene.collection.children.link(bpy.data.collections.new("Studio"))
@@ -92,12 +92,12 @@ def studio_collection(scene: bpy.types.Scene) -> bpy.types.Collection:
 
 
 def put(
-    scene: bpy.types.Scene,
+    scene: Scene,
     name: str,
-    data: bpy.types.ID,
+    data: ID,
     place: Sequence[float] = (0.0, 0.0, 0.0),
     target: Sequence[float] | None = None,
-) -> bpy.types.Object:
+) -> Object:
     """A new object of the studio, which looks at a target if there is one."""
     obj = bpy.data.objects.new(name, data)
     obj.location = place
@@ -107,7 +107,7 @@ def put(
     return obj
 
 
-def add_backdrop(scene: bpy.types.Scene, behind: float, tint: Sequence[float], width: float = 80.0) -> None:
+def add_backdrop(scene: Scene, behind: float, tint: Sequence[float], width: float = 80.0) -> None:
     """A floor at z = 0 that bends up into a wall at ``y = behind``, seen from -y."""
     radius = 6.0
     turns = [pi * k / 48 for k in range(25)]
@@ -122,7 +122,7 @@ def add_backdrop(scene: bpy.types.Scene, behind: float, tint: Sequence[float], w
     put(scene, "Backdrop", mesh).hide_select = True
 
 
-def add_lights(scene: bpy.types.Scene, target: Sequence[float], size: float) -> None:
+def add_lights(scene: Scene, target: Sequence[float], size: float) -> None:
     """A large warm key from the upper left, a cool rim from behind; the sky fills the shadows."""
     world = bpy.data.worlds.new("Sky")
     scene.world = world
@@ -143,7 +143,7 @@ def add_lights(scene: bpy.types.Scene, target: Sequence[float], size: float) -> 
 
 
 def add_area(
-    scene: bpy.types.Scene,
+    scene: Scene,
     name: str,
     target: Sequence[float],
     size: float,
@@ -163,7 +163,7 @@ def add_area(
 
 
 def add_camera(
-    scene: bpy.types.Scene, target: Sequence[float], distance: float, elevation: float, width: float
+    scene: Scene, target: Sequence[float], distance: float, elevation: float, width: float
 ) -> None:
     """A long lens that sees ``width`` units at the target, from ``elevation`` degrees above it."""
     camera = bpy.data.cameras.new("Camera")
@@ -175,20 +175,15 @@ def add_camera(
     scene.camera = put(scene, "Camera", camera, place, target)
 
 
-def add_label(scene: bpy.types.Scene, text: str, place: Sequence[float], size: float) -> None:
+def add_label(scene: Scene, text: str, place: Sequence[float], size: float) -> None:
     """A line of text above ``place`` on the floor, parallel to the picture; the camera is there already."""
     above = Vector(place) + Vector((0.0, 0.0, 0.28 * size))  # room below the line for g and p
     add_text(scene, text, above, size, ink_material()).data.extrude = 0.02 * size
 
 
 def add_text(
-    scene: bpy.types.Scene,
-    text: str,
-    place: Sequence[float],
-    size: float,
-    ink: bpy.types.Material,
-    align: str = "CENTER",
-) -> bpy.types.Object:
+    scene: Scene, text: str, place: Sequence[float], size: float, ink: Material, align: str = "CENTER"
+) -> Object:
     """A line of text, parallel to the picture, without a shadow."""
     curve = bpy.data.curves.new(text, "FONT")
     curve.body, curve.font, curve.size, curve.align_x = text, label_font(), size, align
@@ -199,7 +194,7 @@ def add_text(
     return label
 
 
-def label_font() -> bpy.types.VectorFont:
+def label_font() -> VectorFont:
     """Blender's own interface font, stored in the file; the built-in one where it is missing."""
     for font in bpy.data.fonts:
         if font.name.startswith("DejaVu"):
@@ -212,7 +207,7 @@ def label_font() -> bpy.types.VectorFont:
     return bpy.data.fonts.load("<builtin>")
 
 
-def open_at(scene: bpy.types.Scene, frame: int, posed: bpy.types.Object) -> None:
+def open_at(scene: Scene, frame: int, posed: Object) -> None:
     """Make the file open with the view through the camera; a control is selected, or what has none."""
     scene.frame_set(frame)
     for other in scene.objects:
@@ -226,7 +221,7 @@ def open_at(scene: bpy.types.Scene, frame: int, posed: bpy.types.Object) -> None
         space.shading.color_type = "VERTEX" if posed.data.color_attributes else "MATERIAL"
 
 
-def look_through_camera() -> list[bpy.types.SpaceView3D]:
+def look_through_camera() -> list[SpaceView3D]:
     """Let every 3D view of the file open with the camera's view, and return them."""
     areas = (area for screen in bpy.data.screens for area in screen.areas)
     spaces = [area.spaces.active for area in areas if area.type == "VIEW_3D"]

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The peers of the benchmarks as a Python module: CHOLMOD, the loops of papers, and OpenSubdiv's evaluator.
-#include "benchmarks/peers/papers.h"
-
 #include <cholmod.h>
 #ifdef SINEW_HAVE_OPENMP
 #include <omp.h>
@@ -131,14 +129,9 @@ private:
     cholmod_dense *x_ = nullptr, *y_ = nullptr, *e_ = nullptr;
 };
 
-PeerCage cage(const Doubles& vertices, const Ints& triangles)
-{
-    return {vertices.data(), triangles.data(), static_cast<int>(vertices.shape(0)),
-            static_cast<int>(triangles.shape(0))};
-}
-
 } // namespace
 
+void bind_papers(py::module_& m);
 void bind_subdivision(py::module_& m);
 
 PYBIND11_MODULE(sinew_peers, m)
@@ -151,26 +144,6 @@ PYBIND11_MODULE(sinew_peers, m)
         .def("solve", &Cholmod::solve, "rhs"_a)
         .def_property_readonly("solution", &Cholmod::solution)
         .def_property_readonly("bytes", &Cholmod::bytes);
-    m.def(
-        "mean_value",
-        [](Doubles vertices, Ints triangles, Doubles points, Doubles weights) {
-            peer_mean_value(cage(vertices, triangles), points.data(), static_cast<int>(points.shape(0)),
-                            weights.mutable_data());
-        },
-        "vertices"_a, "triangles"_a, "points"_a, "weights"_a.noconvert());
-    m.def(
-        "green",
-        [](Doubles vertices, Ints triangles, Doubles points, Doubles phi, Doubles psi) {
-            peer_green(cage(vertices, triangles), points.data(), static_cast<int>(points.shape(0)),
-                       phi.mutable_data(), psi.mutable_data());
-        },
-        "vertices"_a, "triangles"_a, "points"_a, "phi"_a.noconvert(), "psi"_a.noconvert());
-    m.def(
-        "rigid_mls",
-        [](Doubles handles, Doubles posed, Doubles points, Doubles result) {
-            peer_rigid_mls(handles.data(), posed.data(), static_cast<int>(handles.shape(0)), points.data(),
-                           static_cast<int>(points.shape(0)), result.mutable_data());
-        },
-        "handles"_a, "posed"_a, "points"_a, "result"_a.noconvert());
+    bind_papers(m);
     bind_subdivision(m);
 }

@@ -59,12 +59,8 @@ def embedded(size: int, threads: Sequence[int]) -> list[Row]:
     if np.linalg.norm(method.warp_poses(case.poses) - limit) > most:
         raise SystemExit("a frame is away from the limit of Gauss-Newton")
     out = np.empty(case.points.shape, np.float32)
-    rows = compare(
-        lambda: method.warp_poses(case.poses, out=out),
-        lambda: shown(paper.gauss_newton(steps)),
-        threads,
-        least=1,
-    )
+    ours, peer = lambda: method.warp_poses(case.poses, out=out), lambda: shown(paper.gauss_newton(steps))
+    rows = compare(ours, peer, threads, least=1)
     return [{"vertices": case.vertex_count, "iterations": steps, **row} for row in rows]
 
 
@@ -72,12 +68,8 @@ def cells(size: int, threads: Sequence[int]) -> list[Row]:
     case = bar("twist 135", size)
     method = _by_handles(sinew_native.RigidCells, case, cells=min(2000, size // 20))
     arap, out = bound(case), np.empty(case.points.shape, np.float32)
-    rows = compare(
-        lambda: method.warp_poses(case.poses, out=out),
-        lambda: arap.solve(case.poses),
-        threads,
-        least=rounds(size),
-    )
+    ours, peer = lambda: method.warp_poses(case.poses, out=out), lambda: arap.solve(case.poses)
+    rows = compare(ours, peer, threads, least=rounds(size))
     return [{"vertices": case.vertex_count, **row} for row in rows]
 
 
@@ -104,13 +96,10 @@ def mls(size: int, threads: Sequence[int]) -> list[Row]:
     method = sinew_native.Mls(handles, alpha=1.0)
     method.bind(points)
     out, peers = np.zeros((size, 3), np.float32), np.zeros((size, 3))
-    sinew_peers.rigid_mls(handles, posed, points, peers)
+    loop = lambda: sinew_peers.rigid_mls(handles, posed, points, peers)  # noqa: E731
+    loop()
     require_equal(method.warp(posed), peers, SAME)
-    rows = compare(
-        lambda: method.warp(posed, out=out),
-        lambda: sinew_peers.rigid_mls(handles, posed, points, peers),
-        threads,
-    )
+    rows = compare(lambda: method.warp(posed, out=out), loop, threads)
     return [{**row, "case": f"{size:,} points, 50 handles"} for row in rows]
 
 
@@ -138,10 +127,8 @@ def wires(size: int, threads: Sequence[int]) -> list[Row]:
     points = np.random.default_rng(0).uniform(-1.0, 1.0, (size, 3))
     x = np.linspace(-1.0, 1.0, SAMPLES)
     rest = [np.stack((x, y + 0.1 * np.sin(5.0 * x), 0.1 * np.cos(4.0 * x)), axis=1) for y in (-0.5, 0.0, 0.5)]
-    posed = [
-        wire + (0.1 * k, 0.2, 0.3) + np.outer(np.sin(3.0 * x + k), (0.0, 0.1, 0.2))
-        for k, wire in enumerate(rest)
-    ]
+    sway = [np.outer(np.sin(3.0 * x + k), (0.0, 0.1, 0.2)) + (0.1 * k, 0.2, 0.3) for k in range(WIRES)]
+    posed = [wire + moved for wire, moved in zip(rest, sway)]
     loop, now = WireLoop(points, rest), np.concatenate(posed)
     out = np.empty((size, 3), np.float32)
     found: list[Row] = []
@@ -182,9 +169,8 @@ class WireLoop:
 
     def warp(self, posed: list[np.ndarray]) -> np.ndarray:
         total, weights = np.zeros_like(self.points), np.zeros((len(self.points), 1))
-        for (inside, near, t, y, F), rest, now, before in zip(
-            self.found, self.rest, posed, self.before, strict=True
-        ):
+        for found, rest, now, before in zip(self.found, self.rest, posed, self.before, strict=True):
+            inside, near, t, y, F = found
             after = _tangents(now)
             axes = np.cross(before, after)
             sine = np.linalg.norm(axes, axis=1, keepdims=True)

@@ -121,9 +121,7 @@ def about(centre: tuple[float, float, float], linear: np.ndarray) -> np.ndarray:
 
 def bend(angle: float, axis: int, length: float, start: float) -> np.ndarray:
     """The pose (3, 4) of what lies beyond ``start + length`` along an axis, if that length becomes an arc.
-
-    The z axis bends towards x, and the x axis towards z.
-    """
+    The z axis bends towards x, and the x axis towards z."""
     along, across = np.eye(3)[axis], np.eye(3)[2 - axis]
     turn, radius = np.radians(angle), length / np.radians(angle)
     end = start * along + radius * (np.sin(turn) * along + (1.0 - np.cos(turn)) * across)

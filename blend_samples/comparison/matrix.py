@@ -63,9 +63,8 @@ class Matrix:
 
     def column(self, name: str) -> list[np.ndarray]:
         """The shapes of a case by all methods that gave one."""
-        return [
-            cell.shape for (_row, at), cell in self.cells.items() if at == name and cell.shape is not None
-        ]
+        found = [cell.shape for (_row, at), cell in self.cells.items() if at == name]
+        return [shape for shape in found if shape is not None]
 
     def write(self, path: Path) -> None:
         """What was measured, as JSON: of each row and case the figures, or why there are none."""

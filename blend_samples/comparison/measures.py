@@ -34,8 +34,7 @@ class Distortion:
 
 def distortion(case: Case, shape: np.ndarray) -> Distortion:
     """The distortion of a shape (n, 3) of a case."""
-    rest, faces = case.points, case.triangles
-    free = case.free
+    rest, faces, free = case.points, case.triangles, case.free
     edges = edges_of(faces)
     edges = edges[free[edges].any(1)]
     ratio = lengths(shape, edges) / lengths(rest, edges)
@@ -45,18 +44,11 @@ def distortion(case: Case, shape: np.ndarray) -> Distortion:
     stretched = after / before
     whole = areas(shape, faces).sum() / areas(rest, faces).sum()
     gap = np.linalg.norm((shape - case.targets)[case.held], axis=1).max() / np.ptp(rest, axis=0).max()
-    return Distortion(
-        edge_rms=float(np.sqrt(np.mean((ratio - 1.0) ** 2))),
-        edge_least=float(ratio.min()),
-        edge_largest=float(ratio.max()),
-        angle_mean=float(turned.mean()),
-        angle_max=float(turned.max()),
-        area=float(whole),
-        face_area_mean=float(np.average(np.abs(stretched - 1.0), weights=before)),
-        face_area_max=float(stretched.max()),
-        volume=float(volume(shape, faces) / volume(rest, faces)) if case.closed else None,
-        handle_error=float(gap),
-    )
+    rms, mean = np.sqrt(np.mean((ratio - 1.0) ** 2)), np.average(np.abs(stretched - 1.0), weights=before)
+    edges_found, angles_found = (rms, ratio.min(), ratio.max()), (turned.mean(), turned.max())
+    areas_found = whole, mean, stretched.max()
+    enclosed = volume(shape, faces) / volume(rest, faces) if case.closed else None
+    return Distortion(*map(float, (*edges_found, *angles_found, *areas_found)), enclosed, float(gap))
 
 
 def edges_of(faces: np.ndarray) -> np.ndarray:

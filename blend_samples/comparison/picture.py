@@ -9,6 +9,7 @@ from math import radians
 
 import bpy
 import numpy as np
+from bpy.types import Material, NodeSocket, Scene
 from mathutils import Vector
 
 from .. import materials, posing, studio
@@ -16,7 +17,7 @@ from ..models.objects import add_fields, add_groups, mesh_object
 from ..models.shapes import rotation
 from .cases import Case
 from .figures import Figure
-from .matrix import Cell, Matrix
+from .matrix import Matrix
 from .measures import Distortion, distortion
 
 PLAIN, INSIDE = (0.70, 0.66, 0.58), (0.30, 0.10, 0.22)  # of the two sides of a surface
@@ -105,22 +106,22 @@ def figures(found: Distortion) -> tuple[str, ...]:
 
 def of_matrix(matrix: Matrix, rows: Sequence[str], name: str, lines: int = 4, rest: str = "") -> Sheet:
     """A sheet of some rows of a matrix; the row ``rest``, if it is named, comes first."""
-    frames = {name: Frame.around(case, matrix.column(name)) for name, case in matrix.columns.items()}
+    cases = matrix.columns
+    frames = {key: Frame.around(case, matrix.column(key)) for key, case in cases.items()}
     found: dict[str, list[View]] = {}
     if rest:
-        found[rest] = [View(case, case.points, frames[key], ()) for key, case in matrix.columns.items()]
+        found[rest] = [View(case, case.points, frames[key], ()) for key, case in cases.items()]
     for row in rows:
-        found[row] = [
-            _view(matrix.cells[row, key], case, frames[key], lines) for key, case in matrix.columns.items()
-        ]
-    return Sheet(name, [case.name for case in matrix.columns.values()], found)
+        found[row] = []
+        for key, case in cases.items():
+            cell = matrix.cells[row, key]
+            words = figures(cell.distortion) if cell.distortion else refused(cell.refusal)
+            found[row].append(View(case, cell.shape, frames[key], words[:lines]))
+    return Sheet(name, [case.name for case in cases.values()], found)
 
 
-def _view(cell: Cell, case: Case, frame: Frame, lines: int) -> View:
-    if cell.distortion is None:
-        words = textwrap.wrap(cell.refusal, 30)[:6]
-        return View(case, None, frame, ["cannot do this:", *words][: max(lines, 1)])
-    return View(case, cell.shape, frame, figures(cell.distortion)[:lines])
+def refused(why: str) -> Sequence[str]:
+    return ("cannot do this:", *textwrap.wrap(why, 30))
 
 
 def of_figures(every: Sequence[Figure], name: str) -> Sheet:
@@ -128,18 +129,14 @@ def of_figures(every: Sequence[Figure], name: str) -> Sheet:
     rows = {}
     for figure in every:
         frame = Frame.around(figure.views[0][1], [shape for _caption, _case, shape in figure.views])
-        rows[figure.title] = [
-            View(case, shape, frame, (caption, *_strain(case, shape)))
-            for caption, case, shape in figure.views
-        ]
+        rows[figure.title] = []
+        for caption, case, shape in figure.views:
+            strain = () if shape is case.points else figures(distortion(case, shape))[:1]
+            rows[figure.title].append(View(case, shape, frame, (caption, *strain)))
     return Sheet(name, (), rows)
 
 
-def _strain(case: Case, shape: np.ndarray) -> Sequence[str]:
-    return () if shape is case.points else figures(distortion(case, shape))[:1]
-
-
-def add_sheets(scene: bpy.types.Scene, sheets: Sequence[Sheet]) -> None:
+def add_sheets(scene: Scene, sheets: Sequence[Sheet]) -> None:
     """Fill the scene with the sheets, side by side, on paper."""
     ink = _glowing(materials.patched_material("Ink", (0.012, 0.012, 0.015), (), roughness=0.6))
     material = _material()
@@ -158,7 +155,7 @@ def add_sheets(scene: bpy.types.Scene, sheets: Sequence[Sheet]) -> None:
                 _add_view(scene, f"{title} {across}", view, place, material, ink)
 
 
-def look_at(scene: bpy.types.Scene, sheets: Sequence[Sheet], number: int) -> None:
+def look_at(scene: Scene, sheets: Sequence[Sheet], number: int) -> None:
     """Point the camera at a sheet, and set the size of its picture."""
     width, height = sheets[number].size
     camera = scene.camera
@@ -167,7 +164,7 @@ def look_at(scene: bpy.types.Scene, sheets: Sequence[Sheet], number: int) -> Non
     scene.render.resolution_x, scene.render.resolution_y = round(PIXELS * width), round(PIXELS * height)
 
 
-def add_camera(scene: bpy.types.Scene) -> None:
+def add_camera(scene: Scene) -> None:
     data = bpy.data.cameras.new("Camera")
     data.type, data.clip_end = "ORTHO", 200.0
     scene.camera = studio.put(scene, "Camera", data)
@@ -175,12 +172,7 @@ def add_camera(scene: bpy.types.Scene) -> None:
 
 
 def _add_view(
-    scene: bpy.types.Scene,
-    name: str,
-    view: View,
-    corner: tuple[float, float],
-    material: bpy.types.Material,
-    ink: bpy.types.Material,
+    scene: Scene, name: str, view: View, corner: tuple[float, float], material: Material, ink: Material
 ) -> None:
     x, top = corner
     for number, line in enumerate(view.lines):
@@ -199,7 +191,7 @@ def _add_view(
     mesh.attributes["rest"].data.foreach_set("vector", height.ravel())
 
 
-def _material() -> bpy.types.Material:
+def _material() -> Material:
     """Light from one side and the sky, computed from the normal, and so without noise."""
     patches = (("handle", materials.HANDLE_COLOUR, 0.05), ("fixed", materials.FIXED_COLOUR, 0.05))
     material = materials.patched_material("Surface", PLAIN, patches, roughness=0.6)
@@ -220,7 +212,7 @@ def _material() -> bpy.types.Material:
     return _glowing(material, math("MULTIPLY", light, facing))
 
 
-def _glowing(material: bpy.types.Material, light: bpy.types.NodeSocket | float = 1.0) -> bpy.types.Material:
+def _glowing(material: Material, light: NodeSocket | float = 1.0) -> Material:
     """The material as a lamp of its colour."""
     tree = material.node_tree
     colour = tree.nodes["Principled BSDF"].inputs["Base Color"].links[0].from_socket
@@ -229,7 +221,7 @@ def _glowing(material: bpy.types.Material, light: bpy.types.NodeSocket | float =
     return material
 
 
-def set_up_render(scene: bpy.types.Scene) -> None:
+def set_up_render(scene: Scene) -> None:
     """No light but what the camera sees itself, and colours as they are."""
     studio.set_up_render(scene, 16, 1440, 600)
     scene.cycles.use_adaptive_sampling, scene.cycles.max_bounces = False, 0

@@ -80,9 +80,7 @@ def _by_points(
 
 def _by_lattice(native: ModuleType, method, case: Case, options: dict[str, object]) -> np.ndarray:
     """A lattice around the shape, as an artist poses it: each point follows the handles by how near they are.
-
-    Its cells are about as long as wide, with 12 along the longest side.
-    """
+    Its cells are about as long as wide, with 12 along the longest side."""
     low, high = case.points.min(axis=0), case.points.max(axis=0)
     sides = np.maximum(high - low, 0.05 * np.ptp(case.points))
     counts = np.maximum(np.round(12 * sides / sides.max()).astype(int) + 1, 4)

@@ -37,9 +37,7 @@ def share_pose(
     thickness: float,
 ) -> None:
     """Pose objects, each by a method, by copies of a cage in one pose; the cage itself stays at rest.
-
-    ``posed`` turns its points (c, 3) into those of the pose; ``values`` is its strength per frame.
-    """
+    ``posed`` turns its points (c, 3) into those of the pose; ``values`` is its strength per frame."""
     objects = list(methods)
     cages = [posing.share_cage(rest, obj, method) for obj, method in objects]
     rest.data = rest.data.copy()  # the others share their mesh, and its poses
@@ -48,7 +46,7 @@ def share_pose(
         markers.add_cage_edges(cage, thickness)
     rest.hide_render = True
     for obj, _method in objects:
-        posing.check_posed(obj, 1, POSE_FRAME)
+        posing.check_posed(obj)
 
 
 def stack_of_boxes(floors: Iterable[tuple[float, float]], parent: bpy.types.Object) -> bpy.types.Object:
@@ -97,7 +95,7 @@ def squeeze(blocks: Sequence[bpy.types.Object]) -> None:
     for block, faces in zip(blocks[1:], ("triangles", "quads")):
         block.sinew.deformers[-1].parameters.faces = faces
         posing.operate(block, "bind")
-        posing.check_posed(block, 1, POSE_FRAME)
+        posing.check_posed(block)
         print(f"> {faces}: {asymmetry(block):.4f} of the width from its mirror image", flush=True)
 
 
@@ -164,7 +162,6 @@ def ovalness(obj: bpy.types.Object) -> float:
 LINEUPS = {
     "lighthouse": Lineup(
         about="A subdivided lighthouse in a leaning cage: mean values shear it, Green turns its parts.",
-        title="Lighthouse",
         build=lighthouse.build,
         row=dict.fromkeys(("Rest", *KINDS)),
         spacing=2.1,
@@ -173,7 +170,6 @@ LINEUPS = {
     ),
     "quad_cages": Lineup(
         about="A symmetric pose of a cage of quads: two triangles per quad lean to one side, quads do not.",
-        title="Quad Cages",
         build=block,
         row=dict.fromkeys(("Rest", "Triangles", "Quads")),
         spacing=2.9,
@@ -182,7 +178,6 @@ LINEUPS = {
     ),
     "flat_art": Lineup(
         about="Flat art in a flat cage: with mean_value its dots become oval, with green they stay round.",
-        title="Flat Art",
         build=fish,
         row=dict.fromkeys(("Rest", *KINDS)),
         spacing=3.1,

@@ -80,7 +80,7 @@ def pose_in_cages(cows: Sequence[bpy.types.Object]) -> None:
     posing.add_pose(cages[0], "Step", posing.blended(STEP, points, leg), step)
     for cow, cage in zip(cows, cages):
         markers.add_cage_edges(cage, 0.006)
-        posing.check_posed(cow, 1, POSE_FRAME)
+        posing.check_posed(cow)
 
 
 # Where one looks along the cow's own axes, from a place outside, and how far the surface is dragged there.
@@ -103,7 +103,7 @@ def dragged(resolution: int, farther: float = 1.0):
             markers.add_pin(control, control.matrix_world.translation, 0.03)
             move = Move(shift=[farther * step for step in shift])
             posing.animate(control, there_and_back((POSE_FRAME, move), (70, move)), cow)
-        posing.check_posed(cow, 1, POSE_FRAME)
+        posing.check_posed(cow)
 
     return pose
 
@@ -214,7 +214,6 @@ FOUR = Shot(
 LINEUPS = {
     "spot": Cows(
         about="Spot lifts a hoof: a coarse mesh, as rigid as possible, with a Subdivision below.",
-        title="Spot",
         row={"Rest": None, "As-Rigid-As-Possible": LIFT_A_HOOF},
         spacing=2.35,
         smooth=True,
@@ -222,7 +221,6 @@ LINEUPS = {
     ),
     "loose_parts": Cows(
         about="Spot in harness: its studs, bands and belt are loose parts, which follow or stay behind.",
-        title="Loose parts",
         build=harness.build,
         row={
             "Rest": None,
@@ -234,7 +232,6 @@ LINEUPS = {
     ),
     "coordinates": Cows(
         about="Spot in an automatic cage: one pose of it, followed by four kinds of coordinates.",
-        title="Coordinates",
         row=dict.fromkeys(COORDINATES),
         spacing=1.72,
         heading=-38.0,
@@ -245,7 +242,6 @@ LINEUPS = {
     ),
     "inverse_ffd": Cows(
         about="Spot dragged at the head and the back; finer hidden lattices let a drag reach less far.",
-        title="Inverse Free-Form Deformation",
         row={"Rest": None} | {f"{count} x {count} x {count} points": dragged(count) for count in (4, 7, 12)},
         spacing=1.72,
         heading=-38.0,
@@ -255,7 +251,6 @@ LINEUPS = {
     ),
     "pyramid_coordinates": Cows(
         about="Half-way to a twisted Spot: pyramid coordinates keep the body, straight lines shrink it.",
-        title="Pyramid Coordinates",
         row=dict.fromkeys(("Rest", "Half, straight lines", "Half, Pyramid Coordinates", "Target shape")),
         spacing=2.35,
         frame=MIDDLE_FRAME,
@@ -266,7 +261,6 @@ LINEUPS = {
     ),
     "silhouette": Cows(
         about="Spot gets two humps and a longer muzzle: strokes redraw the outline, and the surface follows.",
-        title="Silhouette",
         row=dict.fromkeys(("Strokes", "Draw Outline")),
         spacing=2.75,
         heading=0.0,
@@ -276,7 +270,6 @@ LINEUPS = {
     ),
     "machine": Lineup(
         about="A locomotive of thousands of loose parts: its boiler stretches, its wheels stay round.",
-        title="Machine",
         build=locomotive.build,
         row={
             "Rest": say_parts,

@@ -117,7 +117,7 @@ def pose_by_bones(dragon: bpy.types.Object) -> None:
     for bone, (first, second) in TURNS.items():
         posing.key_turns(rig.pose.bones[bone], {1: (0, 0, 0), POSE_FRAME: first, 64: second, 96: (0, 0, 0)})
     markers.add_cage_edges(cage, 0.006)
-    posing.check_posed(dragon, 1, POSE_FRAME)
+    posing.check_posed(dragon)
 
 
 def bones() -> Iterator[tuple[str, tuple, tuple, str]]:
@@ -140,13 +140,11 @@ Dragons = partial(Lineup, build=creature.build, spacing=2.75, heading=-49.0)
 LINEUPS = {
     "creature": Dragons(
         about="A dragon with three regions (head, tail, fixed feet), posed alike by two methods.",
-        title="Creature",
         row={"Rest": REST, "Thin Shell": posed("thin_shell"), "As-Rigid-As-Possible": posed("arap")},
         shot=SHOT,
     ),
     "embedded_deformation": Dragons(
         about="A dragon of 400 loose pieces, posed by embedded deformation, and the graph that moves it.",
-        title="Embedded Deformation",
         build=creature.build_shattered,
         row={
             "Rest": REST,
@@ -158,14 +156,12 @@ LINEUPS = {
     ),
     "rigid_cells": Dragons(
         about="A dragon filled with rigid cells: the cells at rest, and the pose that they give.",
-        title="Rigid Cells",
         row={"Rest": REST, "Its 2,500 Cells": REST, "Rigid Cells": posed("rigid_cells", cells=2500)},
         finish=show_cells,
         shot=replace(SHOT, samples=24, text=0.2),
     ),
     "rig": Dragons(
         about="A dragon whose armature carries a cage of 500 faces instead of a mesh of 88,000 vertices.",
-        title="Rig",
         row={"Rest": None, "Armature, Cage, Harmonic": pose_by_bones},
         spacing=3.0,
         shot=replace(SHOT, width=6.6, light=8.0, picture=(1080, 520), text=0.17, front=-1.55),

@@ -69,7 +69,7 @@ def puppet(bone: str = "", value: tuple[float, float, float] = (0.0, 0.0, 0.0), 
         if bone:
             bpy.context.scene.frame_set(POSE_FRAME)
             markers.add_ball(f"{rig.name} Drag", rig.matrix_world @ rig.pose.bones[bone].tail, 0.05)
-            posing.check_posed(skin, 1, POSE_FRAME)
+            posing.check_posed(skin)
 
     return pose
 
@@ -86,7 +86,7 @@ def space(segments: bool):
         bpy.ops.object.mode_set(mode="OBJECT")
         skin.sinew.active.parameters.alpha = FALLOFF
         key_bones(rig, turn_bones)
-        posing.check_posed(skin, 1, POSE_FRAME)
+        posing.check_posed(skin)
 
     return pose
 
@@ -147,7 +147,7 @@ def run(by_cage: bool):
             posing.key_turns(rig.pose.bones[bone], {1: (0, 0, 0), POSE_FRAME: angles})
         for obj in (skin, *clothes):
             if obj.sinew.deformers:
-                posing.check_posed(obj, 1, POSE_FRAME)
+                posing.check_posed(obj)
         bpy.context.scene.frame_set(POSE_FRAME)
         posing.progress(f"{_entered(skin, clothes)} points of the clothes of {skin.name} are inside the body")
 
@@ -203,7 +203,6 @@ Mannequins = partial(Lineup, build=mannequin.build, anew=True)
 LINEUPS = {
     "puppet": Mannequins(
         about="A mannequin as a puppet: a hand or the hip is dragged, and its feet are pinned.",
-        title="Puppet",
         row={
             "Rest": puppet(),
             "Hand": puppet("hand.L", (-0.25, -0.45, 0.45)),
@@ -216,14 +215,12 @@ LINEUPS = {
     ),
     "segments": Mannequins(
         about="A mannequin whose bones bend space: as places at their joints, or as segments.",
-        title="Segments",
         row={"Rest": None, "Bones as places": space(False), "Bones as segments": space(True)},
         spacing=2.1,
         shot=SHOT(width=6.6, picture=(1440, 640)),
     ),
     "clothes": Mannequins(
         about="A dressed mannequin that runs: by weights for each object, or by a cage around all.",
-        title="Clothes",
         row={"Rest": dress, "Weights for each": run(by_cage=False), "Bones move a cage": run(by_cage=True)},
         spacing=1.5,
         shot=SHOT(width=5.6, picture=(1440, 640)),

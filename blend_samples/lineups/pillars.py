@@ -56,7 +56,7 @@ def tool(kind: str, height: float, move: Move, **reach: float):
             setattr(row, name, value)
         about = Move(move.shift, move.turn, pivot=(0.0, 0.0, height))
         posing.animate(row.object, there_and_back((POSE_FRAME, about)), obj)
-        posing.check_posed(obj, 1, POSE_FRAME)
+        posing.check_posed(obj)
 
     return pose
 
@@ -88,7 +88,6 @@ Pillars = partial(Lineup, build=pillar.build, spacing=2.2)
 LINEUPS = {
     "pillars": Pillars(
         about="One pillar, bent by each linear surface method: which of them turn the grooves and studs.",
-        title="Pillars",
         row={
             "Rest": None,
             "Thin Shell": bent("thin_shell"),
@@ -104,7 +103,6 @@ LINEUPS = {
     ),
     "multiresolution": Pillars(
         about="One pillar, bent by the thin shell alone, and with multiresolution, which turns its studs.",
-        title="Multiresolution",
         row={
             "Rest": None,
             "Thin Shell": bent("thin_shell"),
@@ -115,7 +113,6 @@ LINEUPS = {
     ),
     "space_details": Pillars(
         about="One pillar, bent by a space method alone, and with its details put back on a smooth base.",
-        title="Details in space",
         row={
             "Rest": None,
             "Radial Basis Functions": bent("rbf"),
@@ -127,7 +124,6 @@ LINEUPS = {
     ),
     "volume": Pillars(
         about="One pillar, bent by methods of its surface and one of its inside: the volume that they keep.",
-        title="Volume",
         row={
             "Rest": None,
             "Thin Shell": bent("thin_shell"),
@@ -139,7 +135,6 @@ LINEUPS = {
     ),
     "reduced": Pillars(
         about="One pillar, bent by surface methods with few unknowns: those of bands, and those of a cage.",
-        title="Few Unknowns",
         row={
             "Rest": None,
             "As-Rigid-As-Possible": bent("arap"),
@@ -152,7 +147,6 @@ LINEUPS = {
     ),
     "vector_field": Pillars(
         about="One pillar, twisted, bent and dragged by vector fields: its volume stays.",
-        title="Vector Fields",
         build=pillar.build_striped,
         row={
             "Rest": None,
@@ -165,7 +159,6 @@ LINEUPS = {
     ),
     "sheets": Lineup(
         about="One hose, bent by the nonlinear thin shell: a thin wall kinks, a thick one keeps its round.",
-        title="Sheets",
         build=hose.build,
         row={"Rest": None, "Thickness 0.5 %": hose_of(0.005), "2 %": hose_of(0.02), "8 %": hose_of(0.08)},
         spacing=2.3,

@@ -52,7 +52,7 @@ def ridge(count: int, ball: float, **settings: object):
         posing.add_pose(lattice, "Ridge", raised, {1: 0.0, POSE_FRAME: 1.0, 60: 1.0, 80: -0.4, 96: 0.0})
         markers.add_lattice_points(lattice, ball, POSE_FRAME)
         add_thickness(obj, 0.035)
-        posing.check_posed(obj, 1, POSE_FRAME)
+        posing.check_posed(obj)
 
     return pose
 
@@ -62,7 +62,6 @@ Plates = partial(Lineup, build=plate.build, spacing=2.45, shot=SHOT, active=1)
 LINEUPS = {
     "plate": Plates(
         about="The plate of the tutorial's figure 9: three ratios of stretching (k_s) to bending (k_b).",
-        title="Plate",
         row={
             "Membrane   k_s = 1, k_b = 0": lifted("thin_shell", stretching=1.0, bending=0.0),
             "Blend   k_s = 1, k_b = 0.005": lifted("thin_shell", stretching=1.0, bending=0.005),
@@ -71,12 +70,10 @@ LINEUPS = {
     ),
     "prisms": Plates(
         about="A plate lifted and tilted by its handle, by PriMo with prisms of three heights.",
-        title="Prisms",
         row={f"PriMo   height {height}": prisms(height) for height in (0.002, 0.02, 0.1)},
     ),
     "spline_surface": Plates(
         about="One plate and one pose, displaced by spline surfaces of other degrees and grids.",
-        title="Spline Surface",
         row={
             "Degree 1, 8 x 8 points": lifted("spline_surface", degree=1, columns=8, rows=8),
             "Degree 3, 8 x 8 points": lifted("spline_surface", degree=3, columns=8, rows=8),
@@ -85,7 +82,6 @@ LINEUPS = {
     ),
     "ffd": Plates(
         about="One oval ridge by lattices of rising resolution, whose rows show as steps in the surface.",
-        title="Free-Form Deformation",
         build=plate.build_plain,
         row={
             "8 x 8 points": ridge(8, 0.03, degree=3),

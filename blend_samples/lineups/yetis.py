@@ -47,7 +47,7 @@ def expression(brows: float = 0.0, mouth: float = 0.0):
                 posing.operate(head, "wire_add", curve=wire.name, radius=radius)
                 steer(wire, moves, mouth if name == "Mouth" else brows)
         if mouth:
-            posing.check_posed(head, 1, POSE_FRAME)
+            posing.check_posed(head)
 
     return pose
 
@@ -116,7 +116,6 @@ def steer(wire: bpy.types.Object, moves: Sequence[Sequence[float]], strength: fl
 LINEUPS = {
     "wires": Lineup(
         about="A yeti whose brows and mouth follow wires: curves on the face, a shape key per expression.",
-        title="Wires",
         build=bust,
         row={"Rest": expression(), "Angry": expression(-1.0, -0.9), "Happy": expression(0.8, 1.0)},
         spacing=1.32,

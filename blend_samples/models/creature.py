@@ -10,7 +10,7 @@ from ..materials import skin_material
 from .objects import Eyes, Sculpture, hollows, layered, soften, to_object
 from .scatter import lobes
 from .sculpt import Clay, vertex_normals
-from .shapes import Ellipsoid, Mirrored, Squashed, Tube, rotation, smoothstep
+from .shapes import Ellipsoid, Mirrored, Squashed, Tube, path_length, rotation, smoothstep
 
 PIECES, SHRUNK = 400, 0.9  # of a shattered dragon; each piece has this share of its size, so that gaps show
 BACK_X = (-2.02, -1.86, -1.52, -1.08, -0.62, -0.10, 0.34, 0.66, 0.92)  # of joints from the tail to the neck
@@ -43,18 +43,19 @@ CLAWS = [Mirrored(Tube(CLAW + (x, y, 0.0), [0.036, 0.026, 0.006])) for x, y in T
 def spikes() -> list[Squashed]:
     """The row of spikes from the nape to the tail, large over the shoulders."""
     curve, radii = SPINE.path()
-    length = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))))
+    length = path_length(curve)
     row = []
     for place in np.linspace(0.10, 0.93, 13):
-        at = [np.interp(place * length[-1], length, c) for c in (*curve.T, radii)]
-        ahead = [np.interp(place * length[-1] + 0.05, length, c) for c in curve.T]
-        along = (np.array(ahead) - at[:3]) / np.linalg.norm(np.array(ahead) - at[:3])
+        *at, radius = (np.interp(place * length[-1], length, c) for c in (*curve.T, radii))
+        ahead = np.array([np.interp(place * length[-1] + 0.05, length, c) for c in curve.T]) - at
+        along = ahead / np.linalg.norm(ahead)
         up = np.array((-along[2], 0.0, along[0]))
         size = 0.55 + 0.75 * np.sin(np.pi * place**1.15) ** 1.5
-        foot = np.array(at[:3]) + up * (at[3] - 0.03)
-        tip = foot + size * (0.21 * up - 0.085 * along)
-        middle = foot + size * (0.12 * up - 0.020 * along)
-        thorn = Tube([foot, middle, tip], [0.082 * size, 0.056 * size, 0.008])
+        foot = at + up * (radius - 0.03)
+        line = [
+            foot + size * (rise * up - back * along) for rise, back in ((0, 0), (0.12, 0.02), (0.21, 0.085))
+        ]
+        thorn = Tube(line, [0.082 * size, 0.056 * size, 0.008])
         row.append(Squashed(thorn, foot, (0, 1, 0), 1.8))
     return row
 

@@ -30,8 +30,7 @@ def build(name: str = "Spot") -> bpy.types.Object:
     points, faces = weld_lists(shells)
     brass = plain_material("Brass", (0.62, 0.30, 0.05), roughness=0.25, specular=0.8)
     harness = mesh_object("Harness", points, faces, smooth=True, materials=[brass])
-    posing.make_active(cow)
-    harness.select_set(True)
+    posing.make_active(cow, harness)
     bpy.ops.object.join()
     cow[COUNT] = len(points)
     return cow
@@ -50,11 +49,10 @@ def band(tree: BVHTree, centre: tuple, axis: tuple, reach: float) -> tuple[np.nd
     first = along.orthogonal().normalized()
     second = along.cross(first)
     rings = []
-    turns = [tau * number / sides for number in range(sides)]
-    for number in range(around):
-        angle = tau * number / around
+    for angle in tau / around * np.arange(around):
         outward = cos(angle) * first + sin(angle) * second
         place, *_rest = tree.ray_cast(middle + reach * outward, -outward)
+        turns = tau / sides * np.arange(sides)
         rings += [place + BAND * (cos(turn) * outward + sin(turn) * along) for turn in turns]
     inner = grid_faces(around + 1, sides, around=True)[:, [0, 3, 2, 1]] % len(rings)
     return np.array(rings), inner

@@ -51,10 +51,8 @@ class Eyes:
         return eye_material("Eye", self.iris, self.pupil, self.edge)
 
     def put_in(self, points: np.ndarray, quads: np.ndarray, colours: np.ndarray, cuts: int) -> Sculpture:
-        """The mesh of a skin with these eyes, in the second material, and with the attribute ``gaze``.
-
-        Their colours are for the viewport; the material has them sharp.
-        """
+        """The mesh of a skin with these eyes, in the second material, and with the attribute ``gaze``. Their
+        colours are for the viewport; the material has them sharp."""
         parts, angles = [(points, quads)], [np.full(len(points), np.pi)]
         for place, gaze, _axes in self.frames():
             parts.append(ball(place, self.radius, cuts))
@@ -98,9 +96,7 @@ def to_object(
 
 def add_fields(mesh: bpy.types.Mesh, fields: Mapping[str, np.ndarray]) -> None:
     """Store numbers (n,) of the vertices for materials, and the rest positions, which keep textures in place.
-
-    Vertices beyond the end of a field get -1.
-    """
+    Vertices beyond the end of a field get -1."""
     for name, values in fields.items():
         padded = np.full(len(mesh.vertices), -1.0, np.float32)
         padded[: len(values)] = values

@@ -24,7 +24,7 @@ FLEX = {
 
 
 def make() -> bpy.types.Scene:
-    scene = empty_scene("Character")
+    scene = empty_scene()
     first, rig = yeti.build()
     second, second_rig = first.copy(), rig.copy()
     second.parent = second.modifiers["Armature"].object = second_rig
@@ -52,10 +52,8 @@ def make() -> bpy.types.Scene:
 
 
 def correct_elbows(body: bpy.types.Object, rig: bpy.types.Object) -> None:
-    """A band of skin at each elbow rides on a bone that turns half as far as the forearm.
-
-    Around it the correction fades out smoothly; the rest of the body stays as the armature poses it.
-    """
+    """A band of skin at each elbow rides on a bone that turns half as far as the forearm. Around it the
+    correction fades out smoothly; the rest of the body stays as the armature poses it."""
     posing.add_deformer(body, "thin_shell")
     for suffix in (".L", ".R"):
         bone = "elbow" + suffix

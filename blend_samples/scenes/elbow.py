@@ -20,7 +20,7 @@ SHOT = Shot((0, 0, 1.5), 5.2, 10, 26, 1.5, 8, (1400, 760), text=0.13, front=-0.4
 
 
 def make() -> bpy.types.Scene:
-    scene = studio.empty_scene("Elbow")
+    scene = studio.empty_scene()
     scene.frame_start, scene.frame_end = SHOWN[0], MADE
     body, bones = yeti.build()
     body.color[3] = 0.0

@@ -34,7 +34,7 @@ _made: list = []
 
 
 def make() -> bpy.types.Scene:
-    scene = studio.empty_scene("Gallery")
+    scene = studio.empty_scene()
     modules = inside.registry(), inside.native()
     matrix = compared()
     matrix.write(OUTPUT / "gallery.json")

@@ -17,13 +17,13 @@ LABELS = ("Rest", "One Lattice", "One Twist")
 
 
 def make() -> bpy.types.Scene:
-    scene = empty_scene("Longship")
+    scene = empty_scene()
     places = posing.places(len(LABELS), SPACING)
     ships = [build(label, x) for label, x in zip(LABELS, places)]
     pose_by_lattice(ships[1])
     pose_by_twist(ships[2])
     for obj in (*ships[1], *ships[2]):
-        posing.check_posed(obj, 1, POSE_FRAME)
+        posing.check_posed(obj)
     SHOT.set_up(scene, zip(LABELS, places))
     open_at(scene, POSE_FRAME, ships[1][0])
     return scene

@@ -17,7 +17,7 @@ SHOT = Shot((0.2, 0.0, 0.92), 11.4, distance=26.0, picture=(1600, 380))
 
 
 def make() -> bpy.types.Scene:
-    scene = empty_scene("Mesh Sequence")
+    scene = empty_scene()
     scene.frame_start, scene.frame_end = FIRST, LAST
     live = pillar.build()
     sway = live.modifiers.new("Sway", "SIMPLE_DEFORM")  # Blender's own animation, from side to side

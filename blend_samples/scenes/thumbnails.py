@@ -38,9 +38,7 @@ Shown = Sequence[bpy.types.Object]  # what fills the picture
 @dataclass(frozen=True)
 class Subject:
     """What a picture shows: ``build`` fills the empty scene; the camera looks from above by ``elevation``.
-
-    ``aim`` is what part of the height of the objects is seen, from 0 at their feet to 1.
-    """
+    ``aim`` is what part of the height of the objects is seen, from 0 at their feet to 1."""
 
     build: Callable[[], Shown]
     elevation: float = 12.0
@@ -96,7 +94,7 @@ def in_a_cage(method: str) -> Shown:
     points, faces = _trousers()
     bands = [_clay()[0], materials.plain_material("Band", BAND, roughness=0.6)]
     body = mesh_object("Legs", points, faces, smooth=True, materials=bands)
-    body.modifiers.new("Subdivision", "SUBSURF").levels = 4
+    posing.subdivide(body, levels=4)
     posing.make_active(body)
     bpy.ops.object.modifier_apply(modifier="Subdivision")
     for face in body.data.polygons:
@@ -182,7 +180,7 @@ def redrawn() -> Shown:
     return [cow, *strokes]
 
 
-_case, _row = partial(partial, of_case), partial(partial, of_row)
+_case, _row, _cage = (partial(partial, show) for show in (of_case, of_row, in_a_cage))
 
 SUBJECTS: dict[str, Subject] = {
     "arap": Subject(_case("branches", "arap")),
@@ -201,10 +199,10 @@ SUBJECTS: dict[str, Subject] = {
     "subdivision_editing": Subject(_row("pillars", "Subdivision")),
     "ffd": Subject(ship),
     "inverse_ffd": Subject(dragged),
-    "mean_value": Subject(partial(in_a_cage, "mean_value")),
-    "positive_mean_value": Subject(partial(in_a_cage, "positive_mean_value")),
-    "harmonic": Subject(partial(in_a_cage, "harmonic")),
-    "green": Subject(partial(in_a_cage, "green")),
+    "mean_value": Subject(_cage("mean_value")),
+    "positive_mean_value": Subject(_cage("positive_mean_value")),
+    "harmonic": Subject(_cage("harmonic")),
+    "green": Subject(_cage("green")),
     "mls": Subject(_row("machine", "Moving Least Squares", painted=False)),
     "rbf": Subject(_case("branches", "rbf")),
     "embedded_deformation": Subject(
@@ -226,7 +224,7 @@ SUBJECTS: dict[str, Subject] = {
 
 def make() -> bpy.types.Scene:
     """A scene that holds the settings; each picture is built in it anew."""
-    return studio.empty_scene("Thumbnails")
+    return studio.empty_scene()
 
 
 def pictures(_scene: bpy.types.Scene) -> Iterator[tuple[str, np.ndarray]]:
@@ -242,7 +240,7 @@ def render(name: str) -> np.ndarray:
     """Write one picture; its light (height, width, 3), from below."""
     subject = SUBJECTS[name]
     studio.progress(f"the picture {name}")
-    studio.empty_scene("Thumbnails")
+    studio.empty_scene()
     shown = subject.build()
     scene = bpy.context.scene  # some samples begin with a new one
     scene.frame_set(subject.frame)
@@ -333,14 +331,10 @@ def _paint(obj: bpy.types.Object, rigged: bpy.types.Object | None = None) -> Non
     for material in _clay()[1:]:
         obj.data.materials.append(material)
     slots = {"FIXED": first, "HANDLE": first + 1}
-    indices = {group.index: group.name for group in rigged.vertex_groups}
-    kinds = {handle.vertex_group: slots.get(handle.kind) for handle in rigged.sinew.active.handles}
-    held = {
-        vertex.index: kinds[indices[row.group]]
-        for vertex in rigged.data.vertices
-        for row in vertex.groups
-        if kinds.get(indices[row.group]) is not None
-    }
+    handles = [handle for handle in rigged.sinew.active.handles if handle.kind in slots]
+    painted = {rigged.vertex_groups[handle.vertex_group].index: slots[handle.kind] for handle in handles}
+    rows = [(vertex.index, row.group) for vertex in rigged.data.vertices for row in vertex.groups]
+    held = {vertex: painted[group] for vertex, group in rows if group in painted}
     for face in obj.data.polygons:
         found = {held.get(vertex) for vertex in face.vertices}
         if len(found) == 1 and None not in found:

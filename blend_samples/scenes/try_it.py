@@ -110,7 +110,7 @@ RIGS = {"limb": limb, "joint": joint, "lines": lines, "cage": cage, "figure": fi
 
 def make() -> bpy.types.Scene:
     """Write the files, and leave all models in one row."""
-    overview = studio.empty_scene("Try It")
+    overview = studio.empty_scene()
     FOLDER.mkdir(exist_ok=True)
     labels = []
     for (name, build), x in zip(RIGS.items(), posing.places(len(RIGS), SPACING)):

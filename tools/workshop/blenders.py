@@ -25,10 +25,8 @@ def blender_module(
     timeout: float,
     further: Mapping[str, str | Path] | None = None,
 ) -> Outcome:
-    """Runs ``tests``, or all, on the installed extension in a Blender that is a Python module.
-
-    ``further`` are environment variables for the tests.
-    """
+    """Runs ``tests``, or all, on the installed extension in a Blender that is a Python module. ``further``
+    are environment variables for the tests."""
     env = install_extension(blender.make(), name) | dict(further or {})
     junit = new_junit(name)
     command = [blender.python, RUN_PYTEST, "--", *tests, *OPTIONS, f"--junitxml={junit}"]
@@ -42,8 +40,7 @@ def layer_of(version: str) -> str:
 
 def conditions(name: str) -> dict[str, str]:
     """Lets freed memory be overwritten, so that dangling pointers are found, and gives each layer its own
-    seed.
-    """
+    seed."""
     seed = str(zlib.crc32(name.encode()))
     between = any(name == layer_of(version) for version in LONG_TERM_BLENDERS)
     wanted = {
@@ -56,10 +53,8 @@ def conditions(name: str) -> dict[str, str]:
 
 @one_at_a_time()
 def install_legacy(name: str, from_wheel: bool = True) -> dict[str, str | Path]:
-    """Installs the legacy zip in Debian's Blender, in a new user folder.
-
-    Returns the environment variables. Without a wheel, the zip has the module of the developer's tree.
-    """
+    """Installs the legacy zip in Debian's Blender, in a new user folder. Returns the environment variables.
+    Without a wheel, the zip has the module of the developer's tree."""
     zip_file = package()[1] if from_wheel else package_for_this_machine()
     user = emptied(BUILD / "blender-users" / name)
     env = {

@@ -155,15 +155,9 @@ def _apt_of_sources() -> list[str]:
     folder = SOURCES / "apt"
     (folder / "lists" / "partial").mkdir(parents=True, exist_ok=True)
     (folder / "sources.list").write_text("".join(f"deb-src {line}\n" for line in lines), encoding="utf-8")
-    places = {
-        "Dir::Etc::sourcelist": folder / "sources.list",
-        "Dir::Etc::sourceparts": "-",
-        "Dir::State::lists": folder / "lists",
-        "Dir::Cache::pkgcache": "",
-        "Dir::Cache::srcpkgcache": "",
-        "APT::Sandbox::User": "root",
-    }
-    return [word for name, value in places.items() for word in ("-o", f"{name}={value}")]
+    sources = ("Dir::Etc::sourceparts=-", f"Dir::Etc::sourcelist={folder / 'sources.list'}")
+    caches = ("Dir::Cache::pkgcache=", "Dir::Cache::srcpkgcache=", f"Dir::State::lists={folder / 'lists'}")
+    return [word for place in (*sources, *caches, "APT::Sandbox::User=root") for word in ("-o", place)]
 
 
 def check(source: Source) -> None:

@@ -120,10 +120,8 @@ def configure(target: Target, builder: Environment, minor: int, *further: str) -
 
 
 def python_headers(system: System, builder: Environment, minor: int) -> Path:
-    """The headers of this machine's Python 3.``minor`` with the pyconfig.h of the system.
-
-    Python.h looks for pyconfig.h in its own folder first, so the headers are copied and this one is replaced.
-    """
+    """The headers of this machine's Python 3.``minor`` with the pyconfig.h of the system. Python.h looks for
+    pyconfig.h in its own folder first, so the headers are copied and this one is replaced."""
     question = "import sysconfig; print(sysconfig.get_path('include'))"
     asked = subprocess.run([builder.interpreter, "-c", question], capture_output=True, text=True, check=True)
     folder = system.tree / f"python3{minor}-headers"

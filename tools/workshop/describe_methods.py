@@ -37,11 +37,8 @@ CONTROLS = {
 
 @dataclass(frozen=True)
 class Entry:
-    """A line of the tables.
-
-    ``link`` is its page or, without one, its header, relative to the root; empty if it is planned.
-    ``known_as`` is its name in the literature, empty where that is the label.
-    """
+    """A line of the tables. ``link`` is its page or, without one, its header, relative to the root; empty if
+    it is planned. ``known_as`` is its name in the literature, empty where that is the label."""
 
     id: str
     label: str

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The virtual environments in ``.build``. Each is made once, and again when its pinned versions change."""
 
-import functools
 import shutil
 import subprocess
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
 
 from . import debian
@@ -91,7 +91,7 @@ def python313() -> Path | None:
     return python(13)
 
 
-@functools.cache
+@cache
 def python(minor: int) -> Path | None:
     """A Python 3.``minor`` with headers, from PATH or from pyenv, or None."""
     name = f"python3.{minor}"
@@ -109,12 +109,7 @@ def python(minor: int) -> Path | None:
     return None
 
 
-def build() -> Environment:
-    return Environment("build", PYTHON311, ("build",))
-
-
-def build313() -> Environment | None:
-    return build_for(13)
+build, dev, api = (partial(Environment, name, PYTHON311, (name,)) for name in ("build", "dev", "api"))
 
 
 def build_for(minor: int) -> Environment | None:
@@ -123,21 +118,14 @@ def build_for(minor: int) -> Environment | None:
     return Environment(f"build-3.{minor}", interpreter, ("build",)) if interpreter else None
 
 
-def dev() -> Environment:
-    return Environment("dev", PYTHON311, ("dev",))
-
-
-def api() -> Environment:
-    return Environment("api", PYTHON311, ("api",))
+build313 = partial(build_for, 13)
 
 
 def blender(version: str) -> Environment | None:
     """Blender as a Python module; None if its Python (3.13 from Blender 5.1 on) is missing."""
-    major, minor = (int(part) for part in version.split(".")[:2])
-    interpreter = python313() if (major, minor) >= (5, 1) else PYTHON311
-    if interpreter is None:
-        return None
-    return Environment(f"bpy-{version}", interpreter, (f"bpy-{version}",), debian.BPY)
+    name, series = f"bpy-{version}", [int(part) for part in version.split(".")[:2]]
+    interpreter = python313() if series >= [5, 1] else PYTHON311
+    return Environment(name, interpreter, (name,), debian.BPY) if interpreter else None
 
 
 def newest_blender() -> Environment:

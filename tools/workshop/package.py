@@ -147,10 +147,8 @@ def zips(wheels: list[Path], manual: dict[str, bytes]) -> tuple[Path, Path]:
 @functools.cache
 @one_at_a_time()
 def package_for_this_machine() -> Path:
-    """Packs the legacy zip with the module of the developer's tree, for Debian's Blender.
-
-    That module uses the libraries of this machine, so it takes no wheel to build, and works nowhere else.
-    """
+    """Packs the legacy zip with the module of the developer's tree, for Debian's Blender. That module uses
+    the libraries of this machine, so it takes no wheel to build, and works nowhere else."""
     build_tree("dev", "sinew_native")
     module = {path.name: path.read_bytes() for path in DEV_MODULE.glob("sinew_native*.so")}
     return pack(BUILD / "sinew-legacy-here.zip", legacy_files(module, manual_files()))

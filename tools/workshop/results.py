@@ -20,10 +20,8 @@ class Outcome:
 
 
 def outcome(junit: Path, status: int) -> Outcome:
-    """The counts of a file.
-
-    A run that failed without a failed test, or had no test, counts as one failure.
-    """
+    """The counts of a file. A run that failed without a failed test, or had no test, counts as one
+    failure."""
     try:
         root = ElementTree.parse(junit).getroot()
     except (OSError, ElementTree.ParseError):

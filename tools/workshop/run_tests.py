@@ -35,10 +35,8 @@ def run_layer(layer: Layer) -> tuple[Outcome, float]:
 
 
 def run_beside_each_other(layers: list[Layer]) -> dict[str, tuple[Outcome, float]]:
-    """Runs as many layers at a time as there are cores, and one more for each that mostly waits.
-
-    These come first, then the longest.
-    """
+    """Runs as many layers at a time as there are cores, and one more for each that mostly waits. These come
+    first, then the longest."""
     RESULTS.mkdir(parents=True, exist_ok=True)
     _beside[:] = sorted(layers, key=lambda layer: (layer.waits, layer.timeout), reverse=True)
     processes = jobs() + sum(layer.waits for layer in layers)
@@ -86,11 +84,8 @@ def run_layers(layers: Iterable[Layer], remark: str = "") -> int:
 
 
 def chosen(names: list[str], whole: bool = False) -> list[Layer]:
-    """The layers of these names, or whose names begin with such a word.
-
-    Without a name, all but those that only run when they are named. ``whole`` takes all tests where a layer
-    is a core of them.
-    """
+    """The layers of these names, or whose names begin with such a word. Without a name, all but those that
+    only run when they are named. ``whole`` takes all tests where a layer is a core of them."""
     if names:
         layers = [layer for layer in LAYERS if not {layer.name, first_word(layer.name)}.isdisjoint(names)]
     else:

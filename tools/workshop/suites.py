@@ -44,9 +44,7 @@ def googletest(
     drive: str = "",
 ) -> Outcome:
     """Runs a program of GoogleTest, or one with a command before it, in several processes; some tests in one.
-
-    ``drive`` is that of Windows on which the program finds this machine's files.
-    """
+    ``drive`` is that of Windows on which the program finds this machine's files."""
     shards = 1 if only_some() else SHARDS
     files = [new_junit(f"{name}-{number}") for number in range(shards)]
     status = run(

@@ -16,6 +16,7 @@ import subprocess
 from collections.abc import Iterable, Mapping, Set
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from itertools import dropwhile
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -69,43 +70,35 @@ def batches(changed: Mapping[Path, str]) -> list[Batch]:
 
 def options_in(file: Path, command: str) -> tuple[str, ...]:
     """The options of a compiler's command, without its source and what it writes."""
-    words = iter(shlex.split(command))
-    found = []
-    for word in words:
-        if word == "-o":
-            next(words)
-        elif word not in ("-c", str(file)) and (found or word.startswith("-")):
-            found.append(word)
-    return tuple(found)
+    words = shlex.split(re.sub(r" -o \S+", "", command))
+    options = dropwhile(lambda word: not word.startswith("-"), words)
+    return tuple(word for word in options if word not in ("-c", str(file)))
 
 
 def commands() -> dict[Path, str]:
-    """The commands by which the dev preset compiles native/; of the kernels, only their baseline.
-
-    Sources that are compiled as one stand in a file of CMake, which includes them.
-    """
+    """The commands by which the dev preset compiles native/; of the kernels, only their baseline. Sources
+    that are compiled as one stand in a file of CMake, which includes them."""
     entries = json.loads((NATIVE_TREE / "compile_commands.json").read_text(encoding="utf-8"))
     found = {Path(entry["file"]): entry["command"] for entry in entries}
     native, kernels = ROOT / "native", NATIVE_TREE / "native"
     several = NATIVE_TREE / "CMakeFiles"
-    return {
-        file: command
-        for file, command in found.items()
-        if file.is_relative_to(native)
-        or (file.is_relative_to(kernels) and file.stem.endswith("_baseline"))
-        or (file.is_relative_to(several) and file.parent.name == "Unity")
-    }
+
+    def is_read(file: Path) -> bool:
+        kernel = file.is_relative_to(kernels) and file.stem.endswith("_baseline")
+        together = file.is_relative_to(several) and file.parent.name == "Unity"
+        return kernel or together or file.is_relative_to(native)
+
+    return {file: command for file, command in found.items() if is_read(file)}
 
 
 def uncommitted() -> set[Path]:
     """The sources that differ from the last commit; none where git cannot tell."""
-    names = ["*.cpp", "*.inl"]
-    asked = (["diff", "--name-only", "HEAD"], ["ls-files", "--others", "--exclude-standard"])
-    answers = [
-        subprocess.run(["git", *words, "--", *names], cwd=ROOT, capture_output=True, text=True).stdout
-        for words in asked
-    ]
-    return {ROOT / name for answer in answers for name in answer.splitlines()}
+    found: set[Path] = set()
+    for words in (["diff", "--name-only", "HEAD"], ["ls-files", "--others", "--exclude-standard"]):
+        command = ["git", *words, "--", "*.cpp", "*.inl"]
+        answer = subprocess.run(command, cwd=ROOT, capture_output=True, text=True).stdout
+        found |= {ROOT / name for name in answer.splitlines()}
+    return found
 
 
 def sources_in(file: Path) -> set[Path]:
@@ -137,10 +130,8 @@ def directly_included(file: Path) -> tuple[Path, ...]:
 
 
 def complaints_about(batch: Batch) -> dict[Path, str]:
-    """What clang-tidy says about each source; empty if it passes.
-
-    A batch with complaints is read again source by source, as they may come from names that are alike.
-    """
+    """What clang-tidy says about each source; empty if it passes. A batch with complaints is read again
+    source by source, as they may come from names that are alike."""
     options, files = batch
     if len(files) > 1:
         with TemporaryDirectory(dir=BUILD) as folder:

@@ -85,10 +85,8 @@ def check_wheel(wheel: Path, builder: Environment) -> None:
 
 
 def _require_threaded_blas() -> None:
-    """Several builds of OpenBLAS may be installed.
-
-    With the serial one, two binds at once give wrong results.
-    """
+    """Several builds of OpenBLAS may be installed. With the serial one, two binds at once give wrong
+    results."""
     chosen = Path("/usr/lib/x86_64-linux-gnu/libblas.so.3").resolve()
     if "openblas-pthread" not in str(chosen):
         raise SystemExit(

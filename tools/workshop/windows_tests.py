@@ -104,10 +104,8 @@ def build_wheel(minor: int) -> Path:
 
 
 def bindings_in(minor: int, names: tuple[str, ...], timeout: float) -> Outcome:
-    """These files of the bindings' tests, or all, on the unpacked wheel.
-
-    One of them compares the answers of all methods with those of this machine.
-    """
+    """These files of the bindings' tests, or all, on the unpacked wheel. One of them compares the answers of
+    all methods with those of this machine."""
     build_wheel(minor)
     here = answers_of_this_machine(minor)
     python = wine.python(minor)
@@ -147,10 +145,8 @@ def answers_of_this_machine(minor: int) -> Path:
 
 
 def blender(whole: bool, timeout: float) -> Outcome:
-    """A core of the tests in a Blender for Windows, or all.
-
-    The same release on this machine leaves files for it, and opens those that it leaves.
-    """
+    """A core of the tests in a Blender for Windows, or all. The same release on this machine leaves files for
+    it, and opens those that it leaves."""
     here, exchange = environments.blender(VERSION), ("test_other_systems.py",)
     total = blender_module("exchange", here, exchange, timeout)
     for_it = {OF_ANOTHER_SYSTEM: f"Z:{RESULTS / 'exchange' / 'files'}"}
@@ -199,10 +195,8 @@ def extension_with(wheels: list[Path]) -> Path:
 
 @one_at_a_time()
 def python_with_blender(version: str) -> Path:
-    """The Python for Windows that holds a Blender.
-
-    Blender 5.2 asks for a NumPy that Wine 8 cannot import; that of the tests of the bindings takes its place.
-    """
+    """The Python for Windows that holds a Blender. Blender 5.2 asks for a NumPy that Wine 8 cannot import;
+    that of the tests of the bindings takes its place."""
     if version != NEWEST:
         return wine.python(11, f"bpy-{version}")
     python = wine.python(13, f"bpy-{version}")

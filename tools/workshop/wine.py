@@ -60,10 +60,8 @@ def set_up() -> None:
 
 @one_at_a_time()
 def python(minor: int, name: str = "") -> Path:
-    """Python 3.``minor`` for Windows, with the packages that are pinned for it or for ``name``.
-
-    It is python.org's embedded one without the file that would make it ignore PYTHONPATH.
-    """
+    """Python 3.``minor`` for Windows, with the packages that are pinned for it or for ``name``. It is
+    python.org's embedded one without the file that would make it ignore PYTHONPATH."""
     embedded = windows_python(minor)
     requirements = [environments.REQUIREMENTS / f"windows-{name or f'3.{minor}'}.txt"]
     folder = WINDOWS.tree / f"environment-{name or f'3.{minor}'}"
