@@ -402,8 +402,7 @@ def test_what_was_confirmed_is_what_the_properties_repeat(method: str):
     hand.tool.grab.restore(obj)
     assert np.array_equal(edited(obj), before)
     grab(mode="ROTATE", angle=motion.angle, axis=motion.axis, radius=hand.tool.radius, method=method)
-    # The factors of two binds may differ by rounding on some processors, as the system's BLAS decides.
-    np.testing.assert_allclose(edited(obj), after, rtol=0.0, atol=1e-6)
+    assert np.array_equal(edited(obj), after)
 
 
 def test_the_wheel_changes_how_much_follows(hand: Hand):
