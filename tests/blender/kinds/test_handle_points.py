@@ -10,7 +10,7 @@ from inside import notes_of
 from mathutils import Matrix, Vector
 from registry import ON_HANDLE_POINTS
 from rigs.cages import ball
-from rigs.point_objects import add, add_bones, bezier
+from rigs.point_objects import add, bezier
 from rigs.rig import (
     add_armature,
     add_regions,
@@ -19,7 +19,6 @@ from rigs.rig import (
     evaluated_points,
     grid_object,
     move_world,
-    new_armature,
     new_empty,
     new_object,
     press,
@@ -72,18 +71,6 @@ def test_empties_follow_the_points_of_an_object():
     corner = np.abs(base_points(plate) - (1, 1, 0)).sum(axis=1).argmin()
     assert shown[corner, 2] > 0.3
     assert np.abs(shown - base_points(plate)).min(axis=0).max() < 0.2
-
-
-def test_bones_are_handle_points():
-    plate = grid_object()
-    up = Vector((0, 0, 0.3))
-    rig = new_armature(
-        **{f"Bone {number}": (place, Vector(place) + up) for number, place in enumerate(PLACES)}
-    )
-    deformer = add_bones(plate, rig)
-    assert [handle.bone for handle in deformer.handles] == [bone.name for bone in rig.pose.bones]
-    rig.location.x += 0.5
-    assert np.abs(evaluated_points(plate) - base_points(plate) - (0.5, 0, 0)).max() < 1e-5
 
 
 def test_handles_that_cannot_be_met_are_named():

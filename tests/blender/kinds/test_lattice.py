@@ -23,7 +23,6 @@ from rigs.rig import (
     press,
     update,
 )
-from rigs.rig_of_curves import polyline
 from rigs.rig_of_lattice import bent, lattice_object, lattice_points, place, resolution, small_ball
 
 BLENDER = {"KEY_LINEAR", "KEY_CARDINAL", "KEY_CATMULL_ROM", "KEY_BSPLINE"}
@@ -125,24 +124,6 @@ def test_a_flat_object_gets_a_lattice_with_room():
     assert min(lattice.scale) > 0.05
     lift(lattice)
     assert np.ptp(evaluated_points(obj)[:, 2]) < 1e-5 < evaluated_points(obj)[:, 2].max()
-
-
-def test_one_lattice_moves_several_objects_of_several_types():
-    first, second = ball("First", 2), ball("Second", 2)
-    second.location = (2.0, 0.0, 0.0)
-    curve = polyline(np.array([(0.5 * index, 0.2, 0.3) for index in range(4)]), "Curve")
-    lattice = add(first, second, curve, resolution=(3, 3, 3))
-    before = {obj.name: evaluated_points(obj) for obj in (first, second, curve)}
-    assert all(obj.sinew.deformers[0].controls[0].object == lattice for obj in (first, second, curve))
-    lift(lattice)
-    assert all(
-        not close(evaluated_points(bpy.data.objects[name]), shape, 0.05) for name, shape in before.items()
-    )
-    for name in before:
-        make_active(bpy.data.objects[name])
-        assert lattice.name in bpy.data.objects
-        assert bpy.ops.sinew.deformer_remove() == {"FINISHED"}
-    assert "First Lattice" not in bpy.data.objects, "the last one takes it away"
 
 
 def test_principal_axes_fit_a_leaning_shape_more_closely():
