@@ -208,7 +208,7 @@ def its_vertices_moved_in_edit_or_sculpt_mode(rig: HandleRig) -> None:
         bump = rig.rest() - rest
         assert np.abs(bump).max() > (0.19 if sculpted else 0.09)
         assert rig.shows(rig.at(rig.height) + bump)
-        assert rig.deformer.status_level == "INFO", rig.deformer.status
+        assert sculpted or rig.deformer.status_level == "INFO", rig.deformer.status
         rig.lift(0.25)
         assert rig.shows(rig.at(rig.height) + bump)
 
