@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Undo and redo of every operator, of settings and of control moves, also across binds and topology edits."""
+"""Undo and redo of settings and of control moves, and what is done while a thread binds."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from events import ALL, MESHES, REGIONS, Event, Table, every
+from events import ALL, MESHES, REGIONS
 from inside import bind_in_thread, finish, inner, settle
 from mathutils import Matrix
 from registry import BY_ID
@@ -27,7 +27,8 @@ from rigs.rig import (
 )
 from test_undo_of_buttons import BUTTONS
 
-LIFT = Matrix.Translation((0.0, 0.0, 0.5))
+Act = Callable[[HandleRig], object]
+Shape = Callable[[HandleRig], np.ndarray]
 
 
 def test_every_operator_has_its_undo_tested():
@@ -41,94 +42,95 @@ def test_every_operator_has_its_undo_tested():
     assert names - with_undo <= without | beginnings
 
 
-def set_factor(rig: HandleRig) -> np.ndarray:
-    rig.deformer.factor = 0.25
+# --- what changes a rig that is lifted by a half, and what is to be seen then
+
+
+def half(rig: HandleRig) -> np.ndarray:
+    return rig.at(0.5)
+
+
+def at_rest(rig: HandleRig) -> np.ndarray:
+    return rig.rest()
+
+
+def now(rig: HandleRig) -> np.ndarray:
+    return rig.now()
+
+
+def faded(rig: HandleRig) -> np.ndarray:
     return 0.75 * rig.rest() + 0.25 * rig.at(0.5)
 
 
-def stop_live(rig: HandleRig) -> np.ndarray:
-    rig.deformer.live = False
-    return rig.at(0.5)
-
-
-def set_mask(rig: HandleRig) -> np.ndarray:
+def masked(rig: HandleRig) -> np.ndarray:
     """The masked vertices are whole or at rest to the last bit."""
-    shown, whole = rig.rest(), rig.points()
-    shown[rig.top] = whole[rig.top]
+    seen, shown = rig.points(), rig.rest()
+    rig.deformer.mask_group = ""
+    shown[rig.top] = rig.points()[rig.top]
     rig.deformer.mask_group = "Top"
-    assert np.array_equal(rig.points(), shown)
+    assert np.array_equal(seen, shown)
     return shown
 
 
-def switch_off_its_handle(rig: HandleRig) -> np.ndarray:
+def sets(name: str, value: object) -> Act:
+    return lambda rig: setattr(rig.deformer, name, value)
+
+
+def pressed(operator: str) -> Act:
+    return lambda rig: rig.press(operator)
+
+
+def moved(motion: Matrix) -> Act:
+    return lambda rig: move_world(rig.control, motion)
+
+
+def release(rig: HandleRig) -> None:
     rig.deformer.handles[0].enabled = False
-    return rig.rest()
 
 
-def press_bind(rig: HandleRig) -> np.ndarray:
-    rig.press("bind")
-    return rig.at(0.5)
-
-
-def press_unbind(rig: HandleRig) -> np.ndarray:
-    rig.press("unbind")
-    return rig.rest()
-
-
-def remove_deformer(rig: HandleRig) -> np.ndarray:
-    rig.press("deformer_remove")
-    return rig.rest()
-
-
-def move_on(rig: HandleRig) -> np.ndarray:
-    move_world(rig.control, Matrix.Translation((0.0, 0.0, 0.25)))
-    return rig.at(0.75)
-
-
-def change_topology(rig: HandleRig) -> np.ndarray:
-    rig.change_topology()
-    return rig.rest()
-
-
-def turn(rig: HandleRig) -> np.ndarray:
-    move_world(rig.control, Matrix.Rotation(0.4, 4, "X"))
-    return rig.now()
-
-
-def constrain(rig: HandleRig) -> np.ndarray:
+def constrain(rig: HandleRig) -> None:
     rig.control.constraints.new("CHILD_OF").target = new_empty("Parent")
     update()
-    return rig.now()
 
 
-def move_its_parent(rig: HandleRig) -> np.ndarray:
+def move_its_parent(rig: HandleRig) -> None:
     constrain(rig)
     push("constrained")
     bpy.data.objects["Parent"].location.x = 0.3
-    update()
-    return rig.now()
 
 
-CHANGES = Table()
-CHANGES.on(MESHES)(set_mask)
-CHANGES.on(REGIONS)(switch_off_its_handle)
-ON_ALL = (set_factor, stop_live, press_bind, press_unbind, remove_deformer, change_topology)
-for changed in (*ON_ALL, move_on, turn, constrain, move_its_parent):
-    CHANGES.on(ALL)(changed)
+CHANGES: dict[str, tuple[tuple[str, ...], Act, Shape]] = {
+    "set_factor": (ALL, sets("factor", 0.25), faded),
+    "set_mask": (MESHES, sets("mask_group", "Top"), masked),
+    "stop_live": (ALL, sets("live", False), half),
+    "switch_off_its_handle": (REGIONS, release, at_rest),
+    "press_bind": (ALL, pressed("bind"), half),
+    "press_unbind": (ALL, pressed("unbind"), at_rest),
+    "remove_deformer": (ALL, pressed("deformer_remove"), at_rest),
+    "change_topology": (ALL, lambda rig: rig.change_topology(), at_rest),
+    "move_on": (ALL, moved(Matrix.Translation((0.0, 0.0, 0.25))), lambda rig: rig.at(0.75)),
+    "turn": (ALL, moved(Matrix.Rotation(0.4, 4, "X")), now),
+    "constrain": (ALL, constrain, now),
+    "move_its_parent": (ALL, move_its_parent, now),
+}
 
 
-@every(CHANGES)
-def test_undo_and_redo_on_every_rig(posed: HandleRig, event: Event):
+@pytest.mark.parametrize(
+    ("rig", "act", "shape"),
+    [pytest.param(kind, *row[1:], id=f"{name}-{kind}") for name, row in CHANGES.items() for kind in row[0]],
+    indirect=["rig"],
+)
+def test_undo_and_redo_on_every_rig(posed: HandleRig, act: Act, shape: Shape):
     make_active(posed.obj)
     push("posed")
-    shape, whole = event.happen(posed), posed.at(0.5)
+    act(posed)
+    changed, whole = shape(posed), posed.at(0.5)
     push("changed")
-    assert posed.shows(shape)
+    assert posed.shows(changed)
     for _ in range(2):
         go(bpy.ops.ed.undo, posed, len(whole))
         assert posed.is_right()
-        go(bpy.ops.ed.redo, posed, len(shape))
-        assert posed.shows(shape)
+        go(bpy.ops.ed.redo, posed, len(changed))
+        assert posed.shows(changed)
     go(bpy.ops.ed.undo, posed, len(whole))
     assert posed.is_right()
     posed.lift(0.25)  # and it lives on
@@ -146,49 +148,33 @@ def go(way: Callable, rig: HandleRig, count: int) -> None:
 # --- while a thread binds: what the user does meanwhile, and what is seen then
 
 
-def undone(rig: HandleRig) -> np.ndarray:
-    bpy.ops.ed.undo()
-    return rig.at(0.0)
-
-
-def saved_and_loaded(rig: HandleRig) -> np.ndarray:
-    reopen(rig.folder / "rig.blend")
-    return rig.at(0.5)
-
-
-def rendered(rig: HandleRig) -> np.ndarray:
-    assert rig.renders(rig.at(0.5))
-    return rig.at(0.5)
-
-
-def frame_changed(rig: HandleRig) -> np.ndarray:
-    bpy.context.scene.frame_set(5)
-    return rig.at(0.5)
-
-
-def switched_forth_and_back(rig: HandleRig) -> np.ndarray:
+def switch_forth_and_back(rig: HandleRig) -> None:
     method = rig.deformer.method
     rig.deformer.method = next(other for other in (*rig.methods, *BY_ID) if other != method)
     update()
     rig.deformer.method = method
-    return rig.at(0.5)
 
 
-def deleted(rig: HandleRig) -> None:
+def delete(rig: HandleRig) -> None:
     make_active(rig.obj)
     bpy.ops.object.delete()
 
 
-def replaced_by_a_new_file(_rig: HandleRig) -> None:
-    new_file()
+MEANWHILE: dict[str, tuple[Act, Shape | None]] = {
+    "undone": (lambda _rig: bpy.ops.ed.undo(), lambda rig: rig.at(0.0)),
+    "saved_and_loaded": (lambda rig: reopen(rig.folder / "rig.blend"), half),
+    "rendered": (lambda rig: rig.renders(rig.at(0.5)) or pytest.fail("the render"), half),
+    "frame_changed": (lambda _rig: bpy.context.scene.frame_set(5), half),
+    "set_factor": (sets("factor", 0.25), faded),
+    "switched_forth_and_back": (switch_forth_and_back, half),
+    "press_unbind": (pressed("unbind"), at_rest),
+    "deleted": (delete, None),
+    "replaced_by_a_new_file": (lambda _rig: new_file(), None),
+}
 
 
-MEANWHILE = (undone, saved_and_loaded, rendered, frame_changed, set_factor, switched_forth_and_back)
-MEANWHILE += (press_unbind, deleted, replaced_by_a_new_file)
-
-
-@pytest.mark.parametrize("event", MEANWHILE, ids=lambda event: event.__name__)
-def test_while_a_thread_binds_a_rig_is(rig: HandleRig, monkeypatch, tmp_path: Path, event: Callable):
+@pytest.mark.parametrize(("act", "shape"), MEANWHILE.values(), ids=MEANWHILE)
+def test_while_a_thread_binds_a_rig_is(rig: HandleRig, monkeypatch, tmp_path: Path, act: Act, shape):
     """What the thread was asked for is no longer wanted, or comes later: the shape is that of now."""
     rig.folder = tmp_path
     rig.start()
@@ -196,15 +182,12 @@ def test_while_a_thread_binds_a_rig_is(rig: HandleRig, monkeypatch, tmp_path: Pa
     rig.lift(0.5)
     push("posed")
     bind_in_thread(rig.obj, rig.deformer, monkeypatch)
-    shape = event(rig)
+    act(rig)
     assert finish()
     if shape is None:
         assert inner.owners.owners() == []
-        fresh = type(rig).new("Fresh").start()
-        fresh.lift(0.25)
-        assert fresh.is_right()
-    else:
-        assert rig.shows(shape)
+        rig, shape = type(rig).new("Fresh").start(), now
+    assert rig.shows(shape(rig))
     assert not inner.binding.busy()
 
 

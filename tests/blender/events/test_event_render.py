@@ -192,18 +192,14 @@ def render_image(size: int, engine: str = "CYCLES") -> np.ndarray:
         scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 6.0
         turn = Matrix.Rotation(math.pi / 2.0, 4, "X")
         scene.camera.matrix_world = Matrix.Translation((0.0, -10.0, 0.0)) @ turn
-    scene.render.engine = engine
-    scene.render.resolution_x = scene.render.resolution_y = size
-    scene.render.resolution_percentage = 100
-    scene.render.image_settings.file_format = "PNG"
-    scene.render.image_settings.color_mode = "RGB"
-    scene.render.dither_intensity = 0.0
-    scene.render.filepath = bpy.app.tempdir + "sinew.png"
-    scene.view_settings.view_transform = "Standard"
+    render, scene.view_settings.view_transform = scene.render, "Standard"
+    render.engine, render.filepath, render.dither_intensity = engine, f"{bpy.app.tempdir}sinew.png", 0.0
+    render.resolution_x, render.resolution_y, render.resolution_percentage = size, size, 100
+    render.image_settings.file_format, render.image_settings.color_mode = "PNG", "RGB"
     if engine == "CYCLES":
         scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.device = 4, False, "CPU"
     bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(scene.render.filepath, check_existing=False)
+    image = bpy.data.images.load(render.filepath, check_existing=False)
     pixels = np.array(image.pixels[:]).reshape(size, size, 4)[:, :, 0]
     bpy.data.images.remove(image)
     return pixels - pixels[0, 0]
@@ -298,18 +294,15 @@ def test_another_process_renders_the_same_bits(
     for frame in range(5, 15):
         bpy.context.scene.frame_set(frame)
         here[frame] = animated.points()
-    found = another_blender(
-        f"""
+    script = f"""
         import probe
         bpy.ops.wm.open_mainfile(filepath={shot!r})
         bpy.context.scene.frame_set(11)
-        seen["frames"], seen["shapes"] = [11], [probe.render()[-1][{animated.name!r}].tolist()]
-        seen["shapes"] += [shapes[{animated.name!r}].tolist() for shapes in probe.render(animation=True)]
-        seen["frames"] += list(probe.Probe.frames)
-        """,
-        tmp_path,
-        addon_name,
-    )
+        shapes, frames = probe.render(), [11]
+        shapes, frames = shapes + probe.render(animation=True), frames + list(probe.Probe.frames)
+        seen["frames"], seen["shapes"] = frames, [shape[{animated.name!r}].tolist() for shape in shapes]
+        """
+    found = another_blender(script, tmp_path, addon_name)
     assert found["frames"] == [11, 5, 8, 11, 14]
     for frame, shape in zip(found["frames"], found["shapes"], strict=True):
         assert np.array_equal(np.array(shape), here[frame])

@@ -241,8 +241,7 @@ def test_a_baked_deformer_is_unbaked_before_it_is_removed(plate: Rig, tmp_path, 
     press(plate.obj, "deformer_add", method="thin_shell")
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
     plate.obj.sinew.active_deformer = 0
-    bpy.context.scene.frame_end = 2
-    bpy.ops.sinew.bake(target=target)
+    bpy.ops.sinew.bake(target=target, frame_start=1, frame_end=2)
     assert plate.obj.sinew.deformers[0].bake.is_baked
     refused("Unbake it first", "deformer_move", direction="DOWN", index=0)
     bpy.ops.sinew.deformer_remove(index=0)

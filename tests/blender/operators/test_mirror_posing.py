@@ -12,6 +12,7 @@ from probe import render
 from rigs.rig import (
     Rig,
     add_group,
+    add_regions,
     curves_of,
     grid_object,
     key,
@@ -100,9 +101,7 @@ def test_it_is_off_until_it_is_switched_on(hands: Rig):
     for _ in range(2):
         update()
     assert is_at(right(hands), REST)
-    other = Rig(grid_object("Other"))
-    bpy.ops.sinew.deformer_add(method="thin_shell")
-    assert not other.deformer.use_mirror_x
+    assert not add_regions(grid_object("Other"), "thin_shell", {}).use_mirror_x
 
 
 TRANSFORMS = {
@@ -166,8 +165,11 @@ def test_both_moved_at_once_keep_what_the_transform_gave_them(hands: Rig):
 
 @pytest.mark.parametrize("by", ["evaluations", "Mirror"])
 def test_the_first_control_is_moved_no_further(hands: Rig, by: str):
+    def numbers() -> list[tuple]:
+        return [tuple(getattr(left(hands), name)) for name in POSED]
+
     pose(left(hands), **POSED)
-    given = [tuple(getattr(left(hands), name)) for name in POSED]
+    given = numbers()
     if by == "Mirror":
         hands.deformer.active_handle = 0
         press(hands.obj, "handle_mirror")
@@ -175,7 +177,7 @@ def test_the_first_control_is_moved_no_further(hands: Rig, by: str):
         bpy.context.view_layer.objects.active = hands.obj
         hands.obj.update_tag()
         update()
-    assert [tuple(getattr(left(hands), name)) for name in POSED] == given
+    assert numbers() == given
     pose(left(hands), **REST)
     assert is_at(right(hands), REST)
 
@@ -190,14 +192,11 @@ def test_animation_is_not_mirrored(hands: Rig):
         scene.frame_set(frame)
         render()
         assert is_at(right(hands), REST)
-    control(hands, "Head").location.z += 0.1
-    new_empty("Other").location.x = 1.0
     hands.obj.data.update_tag()
-    update()
-    assert is_at(right(hands), REST)
+    new_empty("Other")
+    pose(control(hands, "Head"), location=(0.0, 0.0, 0.1))
     assert left(hands).location.z > 0.1
-    point = curves_of(left(hands))[2].keyframe_points[0]
-    point.co.y = -0.5  # the curve is edited, not the control
+    curves_of(left(hands))[2].keyframe_points[0].co.y = -0.5  # the curve is edited, not the control
     left(hands).animation_data.action.update_tag()
     update()
     assert is_at(right(hands), REST)
@@ -332,10 +331,10 @@ def test_what_cannot_be_mirrored_stays_quietly(hands: Rig):
 
 
 def test_names_of_groups_and_of_controls_tell_the_side_too(hands: Rig):
-    for name, new in (("Hand.L", "One"), ("Hand.R", "Two")):
-        by_name(hands, name).name = new
+    for name, new, grip in (("Hand.L", "One", "Grip_l"), ("Hand.R", "Two", "Grip_r")):
+        handle = by_name(hands, name)
+        handle.name, handle.control.name = new, grip
     hands.obj.vertex_groups["Hand.L"].name = "Group One"
-    control(hands, "One").name, control(hands, "Two").name = "Grip_l", "Grip_r"
     update()
     pose(bpy.data.objects["Grip_l"], **POSED)
     assert is_at(bpy.data.objects["Grip_r"], MIRRORED)
@@ -381,26 +380,21 @@ def test_inserting_keyframes_keys_the_partner_too(hands: Rig, one, other):
     """At rest, moved, moved once more; and one channel alone."""
     scene = bpy.context.scene
     make_active(one(hands))
-    scene.frame_set(1)
-    insert_keyframes()
-    assert set(map(tuple, keys_of(one(hands)).values())) == {(1.0,)}
-    assert keys_of(other(hands)) == keys_of(one(hands))
-    scene.frame_set(11)
-    for height in (0.4, 0.7):
-        pose(one(hands), **POSED | {"location": (0.1, 0.2, height)})
-        insert_keyframes()
+    high = {"location": (0.1, 0.2, 0.7)}
+    for frame, values, kind in (
+        (1, {}, "LocRotScale"),
+        (11, POSED, "LocRotScale"),
+        (11, POSED | high, "LocRotScale"),
+        (21, {"location": (0.0, 0.5, 0.0)}, "Location"),
+    ):
+        scene.frame_set(frame)
+        pose(one(hands), **values)
+        insert_keyframes(kind)
         assert keys_of(other(hands)) == keys_of(one(hands))
-    scene.frame_set(21)
-    pose(one(hands), location=(0.0, 0.5, 0.0))
-    insert_keyframes("Location")
     assert keys_of(one(hands))["location", 0] == [1.0, 11.0, 21.0]
     assert keys_of(one(hands))["scale", 0] == [1.0, 11.0]
-    assert keys_of(other(hands)) == keys_of(one(hands))
-    for frame, values in (
-        (1, REST),
-        (11, MIRRORED | {"location": (-0.1, 0.2, 0.7)}),
-        (21, {"location": (0.0, 0.5, 0.0)}),
-    ):
+    there = {1: REST, 11: MIRRORED | {"location": (-0.1, 0.2, 0.7)}, 21: {"location": (0.0, 0.5, 0.0)}}
+    for frame, values in there.items():
         scene.frame_set(frame)
         assert is_at(other(hands), values, 1e-5)
 
