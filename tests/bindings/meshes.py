@@ -47,12 +47,9 @@ def bar(along: int, across: int) -> tuple[np.ndarray, np.ndarray]:
     ring += [(z - across / 2, -across / 2) for z in range(across)]
     points = np.array([(x, y, z) for x in range(along + 1) for y, z in ring], float)
     k = len(ring)
-    faces = [
-        (k * x + i, k * x + (i + 1) % k, k * (x + 1) + (i + 1) % k, k * (x + 1) + i)
-        for x in range(along)
-        for i in range(k)
-    ]
-    return points, np.array(faces)
+    i, a = np.arange(k * along) % k, np.arange(k * along)
+    b = a - i + (i + 1) % k
+    return points, np.stack([a, b, b + k, a + k], 1)
 
 
 def closed_bar(along: int, across: int) -> tuple[np.ndarray, tuple[list[int], np.ndarray]]:

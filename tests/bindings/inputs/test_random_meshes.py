@@ -81,13 +81,8 @@ def tasks(draw: st.DrawFn) -> dict[str, object]:
         weights.append(draw(st.sampled_from([None, 1.0, 0.5, 0.0, 1e-12, 1 - 1e-12])))
     scale = float(np.abs(points).max()) or 1.0
     poses = np.zeros((count, 3, 4))
-    motions = {
-        "still": np.eye(3),
-        "affine": rng.normal(size=(3, 3)),
-        "mirror": np.diag([1, 1, -1]),
-        "collapse": np.zeros((3, 3)),
-        "huge": 1e6 * np.eye(3),
-    }
+    motions = {"still": np.eye(3), "affine": rng.normal(size=(3, 3)), "mirror": np.diag([1, 1, -1])}
+    motions |= {"collapse": np.zeros((3, 3)), "huge": 1e6 * np.eye(3)}
     for h in range(count):
         motion = draw(st.sampled_from(sorted(motions)))
         poses[h, :, :3] = motions[motion]
@@ -115,14 +110,11 @@ def bind_and_solve(surface: sn.SurfaceMethod, task: dict[str, object], **options
     np.testing.assert_array_equal(positions[report.free_vertices], base[report.free_vertices])
 
 
+SHELLS = map(st.sampled_from, (STIFFNESSES, KINDS, (False, True), (None, 0, 1, 1.5)))
+
+
 @EVERY_RUN
-@given(
-    tasks(),
-    st.sampled_from(STIFFNESSES),
-    st.sampled_from(KINDS),
-    st.booleans(),
-    st.sampled_from([None, 0, 1, 1.5]),
-)
+@given(tasks(), *SHELLS)
 def test_thin_shell_answers_or_refuses(task, k, kind: str, basis: bool, continuity) -> None:
     stiffness = dict(zip(("stretching", "bending", "variation"), k))
     shell = sn.ThinShell(mesh_of(task), **stiffness, laplacian=kind, affine_basis=basis)
@@ -142,11 +134,11 @@ def test_arap_answers_or_refuses(task, smoothness: float, cells: str, painted: b
     bind_and_solve(arap, task, max_iterations=8)
 
 
+OTHERS = [each for each in EVERY_SURFACE_METHOD if each[0] not in (sn.ThinShell, sn.Arap)]
+
+
 @EVERY_RUN
-@given(
-    tasks(),
-    st.sampled_from([each for each in EVERY_SURFACE_METHOD if each[0] not in (sn.ThinShell, sn.Arap)]),
-)
+@given(tasks(), st.sampled_from(OTHERS))
 def test_every_other_method_answers_or_refuses(task, method_and_options) -> None:
     method, options = method_and_options
     bind_and_solve(made(method, mesh_of(task), **options), task)

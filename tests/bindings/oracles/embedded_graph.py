@@ -26,9 +26,8 @@ class PaperEnergy:
         # and the sum of w_j (A_j (p - g_j) + t_j + g_j) = the target of p.
         weights, away = graph["pull_weights"], graph["pulls"][:, None] / self.unit - self.nodes
         pulled = weights[:, :, None] * np.concatenate([away, np.ones((*away.shape[:2], 1))], -1)
-        roots = np.sqrt([WEIGHTS["regularity"]] * len(j) + [*(WEIGHTS["pulls"] * graph["strengths"])])[
-            :, None
-        ]
+        squares = [WEIGHTS["regularity"]] * len(j), WEIGHTS["pulls"] * graph["strengths"]
+        roots = np.sqrt(np.concatenate(squares))[:, None]
         left = np.concatenate([regular, pulled]).reshape(-1, 4 * m)
         self.linear = sparse.csr_matrix(roots * left)
         self.right = roots * np.concatenate([ways, self.targets - weights @ self.nodes])
@@ -57,10 +56,8 @@ class PaperEnergy:
                 rows.append(np.repeat(len(PRODUCTS) * np.arange(m) + e, 3))
                 columns.append(((4 * np.arange(m) + own)[:, None] * 3 + np.arange(3)).ravel())
                 values.append(root * x[:, other].ravel())
-        quartic = sparse.csr_matrix(
-            (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
-            (len(PRODUCTS) * m, 12 * m),
-        )
+        values, rows, columns = map(np.concatenate, (values, rows, columns))
+        quartic = sparse.csr_matrix((values, (rows, columns)), (len(PRODUCTS) * m, 12 * m))
         return sparse.vstack((quartic, sparse.kron(self.linear, sparse.eye(3)))).tocsr()
 
     def energy(self, flat: np.ndarray) -> float:

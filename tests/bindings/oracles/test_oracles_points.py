@@ -99,9 +99,8 @@ def test_rbf_solves_the_saddle_point_system(kernel: str, asked: int, degree: int
 def test_regions_equal_the_sum_over_all_centres(kernel: str, degree: int, radius: float) -> None:
     centres, counts, goals = regions(250)
     points = np.concatenate([cloud(1003, 4.0, 5), centres])
-    rbf = sn.Rbf(
-        centres, counts, kernel=kernel, degree=degree, radius=radius, tolerance=0, precision="double"
-    )
+    words = {"kernel": kernel, "degree": degree, "radius": radius, "tolerance": 0, "precision": "double"}
+    rbf = sn.Rbf(centres, counts, **words)
     rbf.bind(points)
     lengths = radius * sn.diameter(centres)
     expected = by_a_dense_system(centres, goals - centres, points, kernel, degree, lengths)
@@ -142,23 +141,20 @@ def least_squares(p, q, share, v, maps: str, alpha: float) -> np.ndarray:
 MAPS = ("affine", "similarity", "rigid")
 
 
+@pytest.mark.parametrize("of_regions", [False, True])
 @pytest.mark.parametrize("alpha", [1.0, 2.0, 0.7])
 @pytest.mark.parametrize("maps", MAPS)
-def test_mls_is_what_the_papers_say_at_every_point(maps: str, alpha: float) -> None:
-    p, points = cloud(30, 1.0, 1), cloud(150, 1.5, 3)
-    q = p + cloud(30, 0.4, 2)
-    mls = bound_to(sn.Mls(p, maps=maps, alpha=alpha, precision="double"), points)
-    expected = [least_squares(p, q, np.ones(30), v, maps, alpha) for v in points]
-    np.testing.assert_allclose(mls.warp(q), expected, rtol=0, atol=1e-10)
-
-
-@pytest.mark.parametrize("maps", MAPS)
-def test_points_of_a_region_share_its_weight_and_move_by_one_map(maps: str) -> None:
+def test_mls_is_what_the_papers_say_at_every_point(maps: str, alpha: float, of_regions: bool) -> None:
+    """Points of a region share its weight and move by one map."""
     p, counts, q = regions(40)
+    if not of_regions:
+        p, counts = cloud(30, 1.0, 1), np.ones(30, int)
+        q = p + cloud(30, 0.4, 2)
     points, share = cloud(150, 3.0, 5), np.repeat(1 / np.array(counts), counts)
-    mls = bound_to(sn.Mls(p, counts, maps=maps, alpha=1.3, precision="double"), points)
-    expected = [least_squares(p, q, share, v, maps, 1.3) for v in points]
-    np.testing.assert_allclose(mls.warp(posed(mls.control)), expected, rtol=0, atol=1e-10)
+    mls = bound_to(sn.Mls(p, counts, maps=maps, alpha=alpha, precision="double"), points)
+    expected = [least_squares(p, q, share, v, maps, alpha) for v in points]
+    found = mls.warp(posed(mls.control) if of_regions else q)
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-10)
 
 
 @pytest.mark.parametrize("alpha", [1.0, 2.0])
@@ -214,9 +210,8 @@ def test_large_regions_are_met_within_the_tolerance_by_ever_more_centres(name: s
     for tolerance in tolerances:
         rbf = sn.Rbf(rest, counts, tolerance=tolerance, precision="double")
         report = rbf.bind(rest)
-        missed = off(
-            rbf.warp(rbf.control + np.repeat(moves, 4, axis=0)), rest + np.repeat(moves, counts, axis=0)
-        )
+        found = rbf.warp(rbf.control + np.repeat(moves, 4, axis=0))
+        missed = off(found, rest + np.repeat(moves, counts, axis=0))
         assert missed <= report.error * np.linalg.norm(moves, axis=1).max()
         assert report.error <= 1.001 * tolerance
         assert report.remarks == []

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Surface methods with few unknowns against NumPy and SciPy."""
 
+import itertools
+
 import igl
 import numpy as np
 import pytest
@@ -9,7 +11,9 @@ import scipy.sparse as sparse
 import sinew_native as sn
 
 from ..cages import bound
+from ..figures import animal, spot
 from ..meshes import STILL, ends, grid, moved, sphere, turn
+from ..methods import bound_to
 from .rows import Rows, differences
 from .test_oracles_surface import positive
 
@@ -124,3 +128,39 @@ def test_more_bands_than_a_frame_can_turn_are_remarked_on() -> None:
     [remark] = method.set_handles([[300], [1400]]).remarks
     assert sn.Multiresolution(mesh, method).set_handles([[300], [1400]]).remarks == [remark]
     assert remark.startswith(f"{method.bands().max() + 1} bands take long to bind and to solve")
+
+
+def feet(points: np.ndarray) -> list[np.ndarray]:
+    """Hind and front, each left and right: what is near the ground."""
+    x, y, z = points.T
+    low, middle = z < z.min() + 0.04 * np.ptp(z), (x.min() + x.max()) / 2
+    sides = itertools.product((0, 1), (0, 1))
+    return [np.flatnonzero(low & (front == (x > middle)) & (left == (y > 0))) for front, left in sides]
+
+
+def folds(points: np.ndarray, faces: np.ndarray) -> int:
+    """Faces that look to the other side than the faces around them do together."""
+    a, b, c = np.moveaxis(points[faces], 1, 0)
+    areas = np.cross(b - a, c - a)
+    around = np.zeros_like(points)
+    for corner in faces.T:
+        np.add.at(around, corner, areas)
+    return int((np.einsum("ij,ikj->i", areas, around[faces]) < 0).sum())
+
+
+@pytest.mark.parametrize("figure", [spot, animal])
+def test_nothing_folds_beside_feet(figure) -> None:
+    points, faces = figure()
+    size = np.linalg.norm(np.ptp(points, axis=0))
+    handles = feet(points)
+    middles = [points[foot].mean(axis=0) for foot in handles]
+    ways = zip((1, -1, -1, 1), middles)
+    swing = [turn((0, 1, 0), 15 * k, at, (0.08 * k * size, 0, 0.03 * size)) for k, at in ways]
+    lift = [STILL, STILL, STILL, turn((0, 1, 0), 0, middles[3], (0.1 * size, 0, 0.08 * size))]
+    found = {}
+    for cage_faces in (160, 0):
+        method = bound_to(sn.SubspaceLaplacian(sn.SurfaceMesh(points, faces), cage_faces=cage_faces), handles)
+        found[cage_faces] = [folds(method.solve(np.stack(poses))[0], faces) for poses in (swing, lift)]
+    assert folds(points, faces) == 0
+    assert sum(found[160]) > 5
+    assert found[0] == [0, 0]

@@ -21,9 +21,8 @@ def test_embedded_deformation_has_the_minimum_of_gauss_newton_on_the_paper_s_ene
     points, faces = tube(29, 12)
     points = points[:, [1, 2, 0]] * (1, 1, 6 / 29)
     ends = [np.flatnonzero(points[:, 2] < 0.5), np.flatnonzero(points[:, 2] > 5.5)]
-    method = sn.EmbeddedDeformation(
-        sn.SurfaceMesh(points, faces), points[np.concatenate(ends)], [len(end) for end in ends], nodes=40
-    )
+    mesh, places = sn.SurfaceMesh(points, faces), points[np.concatenate(ends)]
+    method = sn.EmbeddedDeformation(mesh, places, [*map(len, ends)], nodes=40)
     method.bind(points)
     graph = method.graph()
     oracle = PaperEnergy(graph, carried(POSES[motion][graph["pull_handles"]], graph["pulls"]))

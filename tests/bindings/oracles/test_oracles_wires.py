@@ -70,16 +70,10 @@ def test_counts_flags_and_values_come_as_numbers_or_one_per_curve() -> None:
     twice = np.concatenate((line, line + (0, 0, 3)))
     wires = sn.Wires(twice, [3, 3], closed=[True, False], radius=[1.0, 2.0], domain=np.full((6, 3), np.nan))
     assert (wires.curve_count, wires.sample_count) == (2, 6)
-    for wrong in (
-        {"counts": [3, 2]},
-        {"counts": [5, 1]},
-        {"closed": [True, False, True]},
-        {"radius": [1.0, 2.0, 3.0]},
-        {"domain": line},
-        {"rotation": 2.0},
-    ):
+    wrong = {"radius": [1.0, 2.0, 3.0], "closed": [True, False, True], "domain": line, "rotation": 2.0}
+    for name, value in (*wrong.items(), ("counts", [3, 2]), ("counts", [5, 1])):
         with pytest.raises(sn.Error):
-            sn.Wires(twice, **{"counts": [3, 3], **wrong})
+            sn.Wires(twice, **{"counts": [3, 3], name: value})
     for few in (line[:0], line[:1]):
         with pytest.raises(sn.Error):
             sn.Wires(few)

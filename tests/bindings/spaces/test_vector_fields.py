@@ -68,12 +68,6 @@ def test_a_bend_takes_what_is_above_rigidly_and_keeps_what_is_below_and_beside()
     assert min(above.sum(), beside.sum(), below.sum() / 5) > 20
 
 
-def test_a_turn_about_another_axis_is_no_twist_and_no_bend() -> None:
-    points = scattered(100)
-    np.testing.assert_array_equal(warped(points, turn((0, 0, 1), 80), **BEND), points)
-    np.testing.assert_allclose(warped(points, turn((1, 0, 0), 80), **TWIST), points, rtol=0, atol=1e-12)
-
-
 def drift(points: np.ndarray, **options: object) -> float:
     """How far the determinant of the warp's derivative is from 1, by central differences."""
     step = 1e-4 * np.concatenate([np.eye(3), -np.eye(3)])
@@ -133,10 +127,13 @@ def test_the_path_counts_and_not_only_its_end() -> None:
     np.testing.assert_array_equal(warped(points, end, end, **exact), straight)
 
 
-def test_a_scaled_tool_reaches_farther() -> None:
+def test_a_scaled_tool_reaches_farther_and_one_about_another_axis_does_nothing() -> None:
     point, grown = np.array([(0, 0, 1.5)]), np.column_stack([2 * np.eye(3), (0.5, 0, 0)])
     np.testing.assert_array_equal(warped(point, shift(0.5, 0, 0), **DRAG), point)
     assert off(warped(point, grown, **DRAG), point) > 1e-3
+    points = scattered(100)  # a turn about another axis is no twist and no bend
+    np.testing.assert_array_equal(warped(points, turn((0, 0, 1), 80), **BEND), points)
+    np.testing.assert_allclose(warped(points, turn((1, 0, 0), 80), **TWIST), points, rtol=0, atol=1e-12)
     gone = np.column_stack([np.zeros((3, 3)), (0.5, 0, 0)])
     assert np.isfinite(warped(scattered(100), gone, **DRAG)).all()
 
@@ -262,11 +259,9 @@ def test_refusals_name_tools() -> None:
         sn.VectorField(np.concatenate((FRAME, flat)), [1, 1])
     assert (refused.value.element_kind, list(refused.value.elements)) == ("handle", [1])
     apart = np.concatenate((FRAME, FRAME + (1, 0, 0)))  # at rest, the frames of a path are one
-    for frames in (unknown, apart):
-        with pytest.raises(sn.InvalidConstraint):
-            sn.VectorField(frames)
-    for frames in (FRAME[:0], FRAME[:3]):
-        with pytest.raises(sn.InvalidOption):
+    unfit = [(sn.InvalidConstraint, unknown), (sn.InvalidConstraint, apart)]
+    for error, frames in (*unfit, (sn.InvalidOption, FRAME[:0]), (sn.InvalidOption, FRAME[:3])):
+        with pytest.raises(error):
             sn.VectorField(frames)
     wrong_values = {"tools": "pull", "order": 3, "inner": 2.0, "outer": [1.0, 2.0, 3.0], "counts": [2]}
     # An inner radius below zero means nothing to a drag.

@@ -8,7 +8,7 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, closed_bar, ends, halved, moved, off, quad_grid, shift, sphere, turn
+from ..meshes import STILL, closed_bar, ends, halved, moved, off, quad_grid, shift, sphere, tube, turn
 
 VARIANTS = [{"smoothness": s, "cells": c} for s in (0.0, 5e-4, 0.1) for c in ("spokes", "rims")]
 LONG = {"max_iterations": 1000, "tolerance": 1e-12}
@@ -104,10 +104,8 @@ def bar_with_cut_lids(along: int, across: int) -> tuple[np.ndarray, tuple]:
 
 
 ON_BAR = [bend(60, 24)[1], twist(90)[1], turn((0.3, 1, 0.2), 70, (22, 0, 0), (-3, 2, 4))]
-ON_SPHERE = [
-    turn((0, 0, 1), 60, (0.9, 0, 0), (0.3, 0.2, 0)),
-    turn((1, 0.2, 0), 80, (0.9, 0, 0), (0.5, 0, 0.3)),
-]
+TIP = (0.9, 0, 0)
+ON_SPHERE = [turn((0, 0, 1), 60, TIP, (0.3, 0.2, 0)), turn((1, 0.2, 0), 80, TIP, (0.5, 0, 0.3))]
 
 
 @pytest.mark.parametrize(
@@ -119,10 +117,8 @@ def test_last_bits_of_poses_and_of_the_rest_shape_stay_small(mesh, depth: float,
     """On symmetric meshes, whose clusters and diagonals are decided between equals."""
     (points, faces), rng = mesh, np.random.default_rng(3)
     whole, handles = size(points), ends(points, depth)
-    arap, other = (
-        sn.Arap(sn.SurfaceMesh(points + 3e-8 * whole * rng.uniform(-by, by, points.shape), faces))
-        for by in (0, 1)
-    )
+    noise = 3e-8 * whole * rng.uniform(-1, 1, points.shape)
+    arap, other = (sn.Arap(sn.SurfaceMesh(shape, faces)) for shape in (points, points + noise))
     arap.set_handles(handles)
     other.set_handles(handles)
     for target in targets:
@@ -192,10 +188,8 @@ def test_a_painted_height_stiffens_its_region_and_black_is_solved() -> None:
     points, quads = quad_grid(30, 4)
     painted = np.where((points[:, 0] >= 10) & (points[:, 0] <= 20), 0.2, 0.005)
     poses = [STILL, turn((0, 1, 0), 80, (29, 2, 0), (-5, 0, 0))]
-    stiff, even = (
-        turns_along(bound(sn.Primo, (points, quads), 1, height=h).solve(poses, max_iterations=400)[0])
-        for h in (painted, 0.005)
-    )
+    primos = [bound(sn.Primo, (points, quads), 1, height=height) for height in (painted, 0.005)]
+    stiff, even = (turns_along(primo.solve(poses, max_iterations=400)[0]) for primo in primos)
     assert stiff[11:18].sum() < 0.2 * even[11:18].sum()
     painted[7] = 0  # raised to a thousandth of the largest value
     assert np.isfinite(bound(sn.Primo, (points, quads), 1, height=painted).solve(bend(60, 30))[0]).all()
@@ -208,12 +202,7 @@ def test_an_affine_pose_takes_its_handle_along(scale: tuple) -> None:
     handle = ends(mesh.points, 2)[1]
     assert np.isfinite(found).all()
     np.testing.assert_allclose(found[handle], moved(pose, mesh.points[handle]), rtol=0, atol=1e-12)
-
-
-def test_a_bar_whose_ends_grow_grows_near_them() -> None:
-    """No prism is against it."""
-    mesh = bar(12, 3)
-    x, y, _ = mesh.points.T
+    x, y, _ = mesh.points.T  # and a bar whose ends grow grows near them: no prism is against it
     found = bound(sn.Primo, mesh, 2).solve([2 * STILL] * 2)[0]
     near = (x == 3) | (x == 9)
     assert (np.abs(found[near, 1] - found[:, 1].mean()) > 1.2 * np.abs(y[near] - y.mean())).all()
@@ -221,15 +210,11 @@ def test_a_bar_whose_ends_grow_grows_near_them() -> None:
 
 def test_faces_of_many_corners_stay_stiff() -> None:
     """A drum: two polygons of 24 corners and a wall of quads."""
-    k, z = np.mgrid[:24, :4].reshape(2, -1)
-    points = np.column_stack([np.cos(2 * np.pi * k / 24), np.sin(2 * np.pi * k / 24), z])
-    a = np.arange(96).reshape(24, 4)
-    b = np.roll(a, -1, axis=0)
-    wall = np.stack([a[:, :-1], b[:, :-1], b[:, 1:], a[:, 1:]], -1).reshape(-1, 4)
-    corners = np.concatenate([a[::-1, 0], a[:, 3], wall.ravel()])
-    primo = sn.Primo(sn.SurfaceMesh(points, ([24, 24] + [4] * len(wall), corners)))
-    primo.set_handles([a[:, 0], [3]])  # the bottom, and a vertex of the top
-    lid = primo.solve([STILL, shift(0.5, 0, 0.5)], max_iterations=200)[0][a[:, 3]]
+    points, wall = tube(3, 24)
+    corners = np.concatenate([wall.ravel(), np.arange(24)[::-1], 72 + np.arange(24)])
+    primo = sn.Primo(sn.SurfaceMesh(points, ([4] * 72 + [24, 24], corners)))
+    primo.set_handles([np.arange(24), [72]])  # the bottom, and a vertex of the top
+    lid = primo.solve([STILL, shift(0.5, 0.5, 0)], max_iterations=200)[0][72:]
     # Its vertices are means of where it and two faces of the wall take them.
     across = np.linalg.norm(lid - np.roll(lid, 12, axis=0), axis=1)
     np.testing.assert_allclose(np.delete(across, [0, 12]), 2, atol=0.2)

@@ -153,9 +153,8 @@ def test_the_nearer_side_of_the_outline_goes_onto_the_stroke_and_keeps_its_depth
     ball = sn.SurfaceMesh(points, faces)
     axes, eye = seen_from(6, (0, 0, 4))
     angles = np.pi * (0.5 - np.arange(21) / 20)
-    stroke = (1 + 0.3 * np.cos(angles))[:, None] * (
-        np.outer(np.cos(angles), axes[0]) + np.outer(np.sin(angles), axes[1])
-    )
+    round_it = np.stack([np.cos(angles), np.sin(angles)], 1) @ axes[:2]
+    stroke = (1 + 0.3 * np.cos(angles))[:, None] * round_it
     edges, shares, targets = sn.fit_stroke(ball, stroke, axes, eye)
 
     def on_screen(x: np.ndarray) -> np.ndarray:

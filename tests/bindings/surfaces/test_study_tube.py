@@ -104,9 +104,8 @@ def test_a_volumetric_graph_keeps_more_of_the_volume_than_the_surface_alone() ->
         return np.linalg.det(x[FACES]).sum() / 6
 
     of_surface = solved(sn.LaplacianEditing, BENT, transforms="explicit")
-    surface, both = (
-        1 - volume(x) / volume(POINTS) for x in (of_surface, solved(sn.VolumetricGraphLaplacian, BENT))
-    )
+    shapes = of_surface, solved(sn.VolumetricGraphLaplacian, BENT)
+    surface, both = (1 - volume(x) / volume(POINTS) for x in shapes)
     assert surface == pytest.approx(0.0429, abs=0.0005)
     assert 0 < both < 0.6 * surface  # measured: .0225
 

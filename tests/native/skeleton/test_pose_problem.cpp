@@ -16,7 +16,7 @@ Skeleton zigzag(int count, const std::vector<Joint>& joints)
     return {ends.topRows(count), ends.bottomRows(count), shapes::numbers(-1, count - 1), {}, joints};
 }
 
-// What the solver finds is in tests/bindings/surfaces/test_poses.py and test_mesh_puppetry.py.
+// What the solver finds is in tests/bindings/surfaces/test_mesh_puppetry.py.
 TEST(PoseProblem, SlopesAreThoseOfDifferences)
 {
     std::vector<Joint> joints(6);
