@@ -26,17 +26,13 @@ def native() -> ModuleType:
 
 def bound(obj: bpy.types.Object, method: str, names: Iterable[str]) -> object:
     """A method of handle points, built from a posed object's handles and its parameters of these names."""
-    points, faces, parameters = posing.vertices(obj), obj.data.polygons, obj.sinew.active.parameters
-    counts, corners = np.empty(len(faces), np.int32), np.empty(len(obj.data.loops), np.int32)
-    faces.foreach_get("loop_total", counts)
-    obj.data.loops.foreach_get("vertex_index", corners)
+    points, parameters = posing.vertices(obj), obj.sinew.active.parameters
+    faces = [list(face.vertices) for face in obj.data.polygons]
     groups = [obj.vertex_groups[handle.vertex_group].index for handle in obj.sinew.active.handles]
-    held = [
-        points[[v.index for v in obj.data.vertices if any(g.group == group for g in v.groups)]]
-        for group in groups
-    ]
+    rows = [(vertex.index, row.group) for vertex in obj.data.vertices for row in vertex.groups]
+    held = [points[[vertex for vertex, of in rows if of == group]] for group in groups]
     made = getattr(native(), method)(
-        native().SurfaceMesh(points, (counts, corners)),
+        native().SurfaceMesh(points, faces),
         np.concatenate(held),
         [len(own) for own in held],
         **{name: getattr(parameters, name) for name in names},

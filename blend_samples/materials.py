@@ -32,14 +32,6 @@ def plain_material(
     return material
 
 
-def backdrop_material(tint: Sequence[float]) -> Material:
-    return plain_material("Backdrop", tint, roughness=0.9, specular=0.1)
-
-
-def ink_material() -> Material:
-    return plain_material("Ink", (0.035, 0.035, 0.04), roughness=0.8, specular=0.1)
-
-
 def add_node(tree: NodeTree, kind: str, inputs: Mapping[str | int, object], **settings: object) -> NodeSocket:
     """A shader node; of each input a value, or the socket to link it to. Returns its first output in use."""
     node = tree.nodes.new(f"ShaderNode{kind}")

@@ -131,9 +131,7 @@ def bones() -> Iterator[tuple[str, tuple, tuple, str]]:
                 above = name
 
 
-SHOT = Shot(
-    (-0.06, 0.0, 0.90), 8.6, 13.0, 26.0, light=10.0, picture=(1440, 540), text=0.22, front=-1.75, aside=0.12
-)
+SHOT = Shot((-0.06, 0, 0.9), 8.6, 13, 26, light=10, picture=(1440, 540), text=0.22, front=-1.75, aside=0.12)
 # The dragons stand in a row and look to the front right.
 Dragons = partial(Lineup, build=creature.build, spacing=2.75, heading=-49.0)
 
@@ -146,11 +144,8 @@ LINEUPS = {
     "embedded_deformation": Dragons(
         about="A dragon of 400 loose pieces, posed by embedded deformation, and the graph that moves it.",
         build=creature.build_shattered,
-        row={
-            "Rest": REST,
-            "Its Graph of 250 Nodes": REST,
-            "Embedded Deformation": posed("embedded_deformation", nodes=250),
-        },
+        row={"Rest": REST, "Its Graph of 250 Nodes": REST}
+        | {"Embedded Deformation": posed("embedded_deformation", nodes=250)},
         finish=show_graph,
         shot=replace(SHOT, samples=24, text=0.17),
     ),

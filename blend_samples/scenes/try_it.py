@@ -154,15 +154,11 @@ def _tidy(obj: bpy.types.Object) -> None:
 
 
 def _values(obj: bpy.types.Object, name: str) -> np.ndarray:
-    values = np.empty(len(obj.data.vertices), np.float32)
-    obj.data.attributes[name].data.foreach_get("value", values)
-    return values
+    return np.array([row.value for row in obj.data.attributes[name].data])
 
 
 def _colours(obj: bpy.types.Object) -> np.ndarray:
-    rgba = np.empty(4 * len(obj.data.vertices), np.float32)
-    obj.data.color_attributes[COLOUR].data.foreach_get("color", rgba)
-    return rgba.reshape(-1, 4)[:, :3]
+    return np.array([row.color[:3] for row in obj.data.color_attributes[COLOUR].data])
 
 
 def _paint(obj: bpy.types.Object, colours: np.ndarray) -> None:
