@@ -11,7 +11,6 @@ FIXED_COLOUR = (0.04, 0.13, 0.45)
 
 
 def principled(name: str, roughness: float = 0.5, specular: float = 0.4) -> tuple[Material, Node]:
-    """A new material and its Principled BSDF."""
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     shader = material.node_tree.nodes["Principled BSDF"]

@@ -68,7 +68,6 @@ def empty_scene() -> Scene:
 
 
 def progress(text: str) -> None:
-    """Print a line for the person who waits."""
     print(f"> {text} ...", flush=True)
 
 

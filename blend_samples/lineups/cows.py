@@ -12,7 +12,7 @@ from mathutils import Matrix, Vector
 
 from .. import markers, materials, posing
 from ..lineup import POSE_FRAME, Handle, Lineup, Regions, there_and_back
-from ..models import harness, locomotive, spot
+from ..models import locomotive, spot
 from ..models.shapes import smoothstep
 from ..posing import Move
 from ..studio import Shot
@@ -48,7 +48,7 @@ def loose_parts(choice: str):
 def check_harness(cows: Sequence[bpy.types.Object]) -> None:
     """The parts that follow are elsewhere than those that stay."""
     bpy.context.scene.frame_set(POSE_FRAME)
-    stays, follows = (posing.shape(cow)[-cow[harness.COUNT] :] for cow in cows[1:])
+    stays, follows = (posing.shape(cow)[-cow[spot.HARNESS] :] for cow in cows[1:])
     if np.abs(follows - stays).max() < 0.05:
         raise posing.SampleError("The harness does not follow")
 
@@ -220,7 +220,7 @@ LINEUPS = {
     ),
     "loose_parts": Cows(
         about="Spot in harness: its studs, bands and belt are loose parts, which follow or stay behind.",
-        build=harness.build,
+        build=spot.build_harnessed,
         row={"Rest": None}
         | {f"Loose Parts: {choice}": loose_parts(choice.upper()) for choice in ("Stay", "Follow")},
         finish=check_harness,

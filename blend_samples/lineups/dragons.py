@@ -9,7 +9,7 @@ from itertools import pairwise
 import bpy
 import numpy as np
 
-from .. import inside, markers, materials, posing
+from .. import markers, materials, posing
 from ..lineup import POSE_FRAME, Handle, Lineup, Regions, there_and_back
 from ..models import creature
 from ..models.objects import mesh_object
@@ -68,7 +68,7 @@ REST = posed("")
 
 def show_graph(dragons: Sequence[bpy.types.Object]) -> None:
     """The graph at rest, as bars and beads, in the place of the second dragon."""
-    graph = inside.bound(dragons[-1], "EmbeddedDeformation", ("nodes",)).graph()
+    graph = posing.bound(dragons[-1], "EmbeddedDeformation", ("nodes",)).graph()
     nodes = np.asarray(graph["nodes"])
     start, end = (nodes[np.asarray(graph["edges"])[:, k]] for k in (0, 1))
     along = (end - start) / np.linalg.norm(end - start, axis=1, keepdims=True)
@@ -85,7 +85,7 @@ def show_graph(dragons: Sequence[bpy.types.Object]) -> None:
 
 def show_cells(dragons: Sequence[bpy.types.Object]) -> None:
     """The cells at rest, a little smaller than they are, in the place of the second dragon."""
-    cells = inside.bound(dragons[-1], "RigidCells", ("cells", "levels")).cells()
+    cells = posing.bound(dragons[-1], "RigidCells", ("cells", "levels")).cells()
     cubes = cells["centres"][:, None] + 0.46 * cells["sides"][:, None, None] * CUBE
     which = np.where(cells["handles"] < 0, 0, np.where(cells["handles"] == 2, 2, 1))
     paints = {f"{name} Cells": colour for name, colour in CELLS.items()}

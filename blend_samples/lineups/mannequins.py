@@ -78,7 +78,6 @@ def space(segments: bool):
 
 
 def turn_bones(rig: bpy.types.Object) -> None:
-    """Turn each bone about its head."""
     for axis, angles in TURNS.items():
         for name, degrees in angles.items():
             bpy.context.view_layer.update()

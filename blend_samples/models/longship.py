@@ -138,7 +138,6 @@ def lines(name: str) -> list[bpy.types.Object]:
 
 
 def tubes(name: str, radius: float, paint: str, lines: list[np.ndarray]) -> bpy.types.Object:
-    """A bevelled curve object of polylines."""
     obj = add_lines(name, lines, bevel=radius)
     obj.data.bevel_resolution, obj.data.use_fill_caps = 3, True
     coat(obj.data, paint)
@@ -181,7 +180,6 @@ def sail(name: str, lattice: bpy.types.Object) -> bpy.types.Object:
 
 
 def follow(obj: bpy.types.Object, lattice: bpy.types.Object) -> None:
-    """Let Blender's lattice carry and bend the object."""
     bpy.context.view_layer.update()
     obj.parent, obj.matrix_parent_inverse = lattice, lattice.matrix_world.inverted()
     obj.modifiers.new("Lattice", "LATTICE").object = lattice

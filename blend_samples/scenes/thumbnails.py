@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from .. import denoise, inside, markers, materials, posing, studio
+from .. import denoise, markers, materials, posing, studio
 from ..comparison import CASES, native_solve
 from ..lineup import POSE_FRAME
 from ..lineups import LINEUPS, cows
@@ -49,7 +49,7 @@ class Subject:
 def of_case(name: str, method: str, **options: object) -> Shown:
     """A case of the comparison, solved by a method: clay, with its handle and what holds still."""
     case = CASES[name]()
-    shape = native_solve(inside.registry(), inside.native(), method, **options)(case)
+    shape = native_solve(posing.registry(), posing.native(), method, **options)(case)
     slots = np.zeros(len(case.triangles), int)
     for slot, handle in enumerate(case.handles, 1):
         slots[np.isin(case.triangles, handle).all(axis=1)] = slot

@@ -76,7 +76,6 @@ def lines() -> list[bpy.types.Object]:
 
 
 def cage() -> list[bpy.types.Object]:
-    """The cow, and a cage around it."""
     cow = spot.build("Cow")
     colours = np.tile((0.80, 0.74, 0.66), (len(cow.data.vertices), 1))
     for field, colour, _softness in spot.PATCHES:
@@ -97,7 +96,6 @@ def cage() -> list[bpy.types.Object]:
 
 
 def figure() -> list[bpy.types.Object]:
-    """The mannequin and its bones."""
     skin = mannequin.build("Mannequin", cell=0.034)
     rig = mannequin.rig_of(skin)
     rig.show_in_front = True
