@@ -39,17 +39,13 @@ KNOWN_PEERS = (
 def known_peers(rows: list[Row]) -> str:
     """The rows of the README, as far as they are stored."""
     stored = {tuple(row.get(name) for name in ("work", "size", "case", "threads")): row for row in rows}
-    lines = [
-        (what, peer, words.format(*(_rounded(stored[key]) for key in keys)))
-        for what, peer, words, keys in KNOWN_PEERS
-        if all(key in stored for key in keys)
-    ]
+    lines = []
+    for what, peer, words, keys in KNOWN_PEERS:
+        if all(key in stored for key in keys):
+            ratios = [BY_ID[stored[key]["work"]].ratio(stored[key]) for key in keys]
+            rounded = [f"{ratio:.0f}" if ratio >= 9.95 else f"{ratio:.1f}" for ratio in ratios]
+            lines.append((what, peer, words.format(*rounded)))
     return report.table(("measured", "next to", "Sinew is"), lines)
-
-
-def _rounded(row: Row) -> str:
-    ratio = BY_ID[row["work"]].ratio(row)
-    return f"{ratio:.0f}" if ratio >= 9.95 else f"{ratio:.1f}"
 
 
 def in_short(rows: list[Row], page: str) -> str:
@@ -100,6 +96,5 @@ def renewed(folder: Path = record.RESULTS, readme: Path = README, page: Path = P
 
 
 def render(folder: Path = record.RESULTS, readme: Path = README, page: Path = PAGE) -> None:
-    """Rewrite the figures of both documents."""
     for path, text in renewed(folder, readme, page).items():
         path.write_text(text, encoding="utf-8")

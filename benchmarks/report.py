@@ -36,7 +36,6 @@ def bare_ratio(work: Work, row: Row) -> str:
 
 
 def line(row: Row) -> str:
-    """The line for a row in the terminal."""
     work = BY_ID[row["work"]]
     threads = f"{row['threads']}T" if row.get("threads") else ""
     head = f"{work.id:22}{short(row['size']):>6} {threads:3}{row.get('case') or '':26}"

@@ -11,7 +11,6 @@ FIXED_COLOUR = (0.04, 0.13, 0.45)
 
 
 def principled(name: str, roughness: float = 0.5, specular: float = 0.4) -> tuple[Material, Node]:
-    """A new material and its Principled BSDF."""
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     shader = material.node_tree.nodes["Principled BSDF"]
@@ -30,14 +29,6 @@ def plain_material(
     shader.inputs["Base Color"].default_value = (*colour, 1.0)
     material.diffuse_color = (*colour, 1.0)
     return material
-
-
-def backdrop_material(tint: Sequence[float]) -> Material:
-    return plain_material("Backdrop", tint, roughness=0.9, specular=0.1)
-
-
-def ink_material() -> Material:
-    return plain_material("Ink", (0.035, 0.035, 0.04), roughness=0.8, specular=0.1)
 
 
 def add_node(tree: NodeTree, kind: str, inputs: Mapping[str | int, object], **settings: object) -> NodeSocket:

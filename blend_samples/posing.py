@@ -3,7 +3,9 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from importlib import import_module
 from math import radians
+from types import ModuleType
 
 import bpy
 import numpy as np
@@ -143,7 +145,6 @@ def add_cage(obj: Object, method: str, **options: float | str | bool) -> Object:
 
 
 def subdivide(obj: Object, levels: int = 1, rendered: int = 2) -> None:
-    """A Subdivision after the modifiers that are there."""
     smooth = obj.modifiers.new("Subdivision", "SUBSURF")
     smooth.levels, smooth.render_levels = levels, rendered
 
@@ -300,3 +301,31 @@ def check_posed(obj: Object, rest_frame: int = 1, pose_frame: int = POSE_FRAME) 
         raise SampleError(f"{obj.name}: the pose moves vertices by {travel:.3g} of its size")
     how = "; ".join(f"{deformer.method}: {deformer.status}" for deformer in obj.sinew.deformers)
     print(f"> {obj.name}: {how}", flush=True)
+
+
+def registry() -> ModuleType:
+    return import_module("sinew.core.methods")
+
+
+def native() -> ModuleType:
+    found = import_module("sinew.backend").availability()
+    if found.module is None:
+        raise SampleError(found.remedy)
+    return found.module
+
+
+def bound(obj: Object, method: str, names: Iterable[str]) -> object:
+    """A method of handle points, built from a posed object's handles and its parameters of these names."""
+    points, parameters = vertices(obj), obj.sinew.active.parameters
+    faces = [list(face.vertices) for face in obj.data.polygons]
+    groups = [obj.vertex_groups[handle.vertex_group].index for handle in obj.sinew.active.handles]
+    rows = [(vertex.index, row.group) for vertex in obj.data.vertices for row in vertex.groups]
+    held = [points[[vertex for vertex, of in rows if of == group]] for group in groups]
+    made = getattr(native(), method)(
+        native().SurfaceMesh(points, faces),
+        np.concatenate(held),
+        [len(own) for own in held],
+        **{name: getattr(parameters, name) for name in names},
+    )
+    made.bind(points)
+    return made

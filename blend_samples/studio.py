@@ -10,9 +10,14 @@ import bpy
 from bpy.types import ID, Collection, Material, Object, Scene, SpaceView3D, VectorFont
 from mathutils import Vector
 
-from .materials import add_math, add_node, backdrop_material, ink_material
+from .materials import add_math, add_node, plain_material
 
 FRAMES = (1, 96)
+# Area lights: where they are from the target, as multiples of the lit place, and their size, power and colour
+LAMPS = (
+    ("Key", (-0.75, -0.95, 1.25), 0.70, 46.0, (1.0, 0.93, 0.84)),
+    ("Rim", (0.95, 0.95, 0.95), 0.55, 32.0, (0.80, 0.90, 1.0)),
+)
 
 
 @dataclass(frozen=True)
@@ -63,7 +68,6 @@ def empty_scene() -> Scene:
 
 
 def progress(text: str) -> None:
-    """Print a line for the person who waits."""
     print(f"> {text} ...", flush=True)
 
 
@@ -118,7 +122,7 @@ def add_backdrop(scene: Scene, behind: float, tint: Sequence[float], width: floa
     mesh = bpy.data.meshes.new("Backdrop")
     mesh.from_pydata(points, [], faces)
     mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
-    mesh.materials.append(backdrop_material(tint))
+    mesh.materials.append(plain_material("Backdrop", tint, roughness=0.9, specular=0.1))
     put(scene, "Backdrop", mesh).hide_select = True
 
 
@@ -138,28 +142,12 @@ def add_lights(scene: Scene, target: Sequence[float], size: float) -> None:
     background["Strength"].default_value = 0.31
     world.cycles.sampling_method = "NONE"  # smooth: chance finds it with less noise
 
-    add_area(scene, "Key", target, size, (-0.75, -0.95, 1.25), 0.70, 46.0, (1.0, 0.93, 0.84))
-    add_area(scene, "Rim", target, size, (0.95, 0.95, 0.95), 0.55, 32.0, (0.80, 0.90, 1.0))
-
-
-def add_area(
-    scene: Scene,
-    name: str,
-    target: Sequence[float],
-    size: float,
-    direction: Sequence[float],
-    spread: float,
-    power: float,
-    colour: Sequence[float],
-) -> None:
-    """One area light at ``size`` times ``direction`` from the target, as bright there at any size."""
-    light = bpy.data.lights.new(name, "AREA")
-    light.shape = "DISK"
-    light.size = spread * size
-    light.energy = power * size * size
-    light.color = colour
-    lamp = put(scene, name, light, Vector(target) + size * Vector(direction), target)
-    lamp.hide_set(True)  # its lines would cross the view; it shines all the same
+    for name, direction, spread, power, colour in LAMPS:
+        light = bpy.data.lights.new(name, "AREA")
+        light.shape, light.size = "DISK", spread * size
+        light.energy, light.color = power * size * size, colour  # as bright there at any size
+        lamp = put(scene, name, light, Vector(target) + size * Vector(direction), target)
+        lamp.hide_set(True)  # its lines would cross the view; it shines all the same
 
 
 def add_camera(
@@ -178,7 +166,8 @@ def add_camera(
 def add_label(scene: Scene, text: str, place: Sequence[float], size: float) -> None:
     """A line of text above ``place`` on the floor, parallel to the picture; the camera is there already."""
     above = Vector(place) + Vector((0.0, 0.0, 0.28 * size))  # room below the line for g and p
-    add_text(scene, text, above, size, ink_material()).data.extrude = 0.02 * size
+    ink = plain_material("Ink", (0.035, 0.035, 0.04), roughness=0.8, specular=0.1)
+    add_text(scene, text, above, size, ink).data.extrude = 0.02 * size
 
 
 def add_text(

@@ -57,7 +57,6 @@ def instructions(frames: Path, valgrind: str, words: list[str]) -> int:
 
 
 def count(frames: Path, valgrind: str, loops: dict) -> dict[str, int]:
-    """The instructions of each loop."""
     runs = {
         loop: [instructions(frames, valgrind, run.split()) for run in runs] for loop, runs in loops.items()
     }

@@ -7,7 +7,7 @@ limit; then SciPy's sparse product moves the points. Rigid cells are measured ne
 others get random points in a cube, and check that their peer moves them to the same places.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import sinew_peers
@@ -129,7 +129,7 @@ def wires(size: int, threads: Sequence[int]) -> list[Row]:
     rest = [np.stack((x, y + 0.1 * np.sin(5.0 * x), 0.1 * np.cos(4.0 * x)), axis=1) for y in (-0.5, 0.0, 0.5)]
     sway = [np.outer(np.sin(3.0 * x + k), (0.0, 0.1, 0.2)) + (0.1 * k, 0.2, 0.3) for k in range(WIRES)]
     posed = [wire + moved for wire, moved in zip(rest, sway)]
-    loop, now = WireLoop(points, rest), np.concatenate(posed)
+    loop, now = wire_loop(points, rest), np.concatenate(posed)
     out = np.empty((size, 3), np.float32)
     found: list[Row] = []
     for case, options in (
@@ -139,44 +139,25 @@ def wires(size: int, threads: Sequence[int]) -> list[Row]:
         method = sinew_native.Wires(np.concatenate(rest), [SAMPLES] * WIRES, radius=RADIUS, **options)
         method.bind(points)
         if options:
-            require_equal(method.warp(now), loop.warp(posed), 1e-10)
-        rows = compare(lambda method=method: method.warp(now, out=out), lambda: loop.warp(posed), threads)
+            require_equal(method.warp(now), loop(posed), 1e-10)
+        rows = compare(lambda method=method: method.warp(now, out=out), lambda: loop(posed), threads)
         found += [{**row, "case": case} for row in rows]
     return found
 
 
-class WireLoop:
-    """Wires by NumPy, by the rule of the nearest place, and of the points in reach."""
+def wire_loop(points: np.ndarray, rest: list[np.ndarray]) -> Callable[[list[np.ndarray]], np.ndarray]:
+    """The points for poses of wires by NumPy, by the rule of the nearest place, and of those in reach."""
+    found = [(*_nearest(points, wire), wire, _tangents(wire)) for wire in rest]
 
-    def __init__(self, points: np.ndarray, rest: list[np.ndarray]) -> None:
-        self.points, self.rest = points, rest
-        self.found = [self._nearest(wire) for wire in rest]
-        self.before = [_tangents(wire) for wire in rest]
-
-    def _nearest(self, wire: np.ndarray) -> tuple[np.ndarray, ...]:
-        least, near = np.full(len(self.points), np.inf), np.zeros(len(self.points), int)
-        share = np.zeros(len(self.points))
-        for number, side in enumerate(np.diff(wire, axis=0)):
-            t = np.clip((self.points - wire[number]) @ side / (side @ side), 0.0, 1.0)
-            square = ((self.points - wire[number] - t[:, None] * side) ** 2).sum(1)
-            nearer = square < least
-            least[nearer], near[nearer], share[nearer] = square[nearer], number, t[nearer]
-        inside = np.flatnonzero(least < RADIUS**2)
-        near, t = near[inside], share[inside, None]
-        foot = (1 - t) * wire[near] + t * wire[near + 1]
-        falloff = (1 - least[inside, None] / RADIUS**2) ** 2
-        return inside, near, t, self.points[inside] - foot, falloff
-
-    def warp(self, posed: list[np.ndarray]) -> np.ndarray:
-        total, weights = np.zeros_like(self.points), np.zeros((len(self.points), 1))
-        for found, rest, now, before in zip(self.found, self.rest, posed, self.before, strict=True):
-            inside, near, t, y, F = found
+    def warp(posed: list[np.ndarray]) -> np.ndarray:
+        total, weights = np.zeros_like(points), np.zeros((len(points), 1))
+        for (inside, near, t, y, F, wire, before), now in zip(found, posed, strict=True):
             after = _tangents(now)
             axes = np.cross(before, after)
             sine = np.linalg.norm(axes, axis=1, keepdims=True)
             angle = np.arctan2(sine, (before * after).sum(1, keepdims=True))
             turns = axes * np.divide(angle, sine, out=np.zeros_like(sine), where=sine > 0)
-            move = now - rest
+            move = now - wire
             turn = F * ((1 - t) * turns[near] + t * turns[near + 1])
             theta = np.sqrt(np.einsum("ij,ij->i", turn, turn))[:, None]
             axis = turn / np.maximum(theta, 1e-300)
@@ -186,7 +167,22 @@ class WireLoop:
             length = np.sqrt(np.einsum("ij,ij->i", D, D))[:, None]
             total[inside] += length * D
             weights[inside] += length
-        return self.points + total / np.maximum(weights, 1e-300)
+        return points + total / np.maximum(weights, 1e-300)
+
+    return warp
+
+
+def _nearest(points: np.ndarray, wire: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Of the points in reach: which, the piece of wire and the place on it that are nearest, arm, falloff."""
+    sides = np.diff(wire, axis=0)
+    along = np.clip([(points - foot) @ side / (side @ side) for foot, side in zip(wire, sides)], 0.0, 1.0)
+    arms = points - wire[:-1, None] - along[..., None] * sides[:, None]
+    squares = np.einsum("snk,snk->sn", arms, arms)
+    near, row = squares.argmin(0), np.arange(len(points))
+    inside = np.flatnonzero(squares[near, row] < RADIUS**2)
+    near = near[inside]
+    falloff = (1 - squares[near, inside] / RADIUS**2) ** 2
+    return inside, near, along[near, inside, None], arms[near, inside], falloff[:, None]
 
 
 def _tangents(wire: np.ndarray) -> np.ndarray:

@@ -37,7 +37,6 @@ PATCH = 10  # vertices along a side of the handle that is added later
 
 
 def room(path: str):
-    """Import a room of the add-on."""
     return sys.modules[f"{ADDON}.{path}"]
 
 
@@ -103,7 +102,6 @@ def bind_peer(obj: bpy.types.Object, modifier, operator: Callable, bound: str) -
 
 
 def linked(name: str, data: bpy.types.ID | None) -> bpy.types.Object:
-    """A new object in the scene."""
     obj = bpy.data.objects.new(name, data)
     bpy.context.scene.collection.objects.link(obj)
     return obj
@@ -125,7 +123,6 @@ def motion(number: int) -> Matrix:
 
 
 def read_back(obj: bpy.types.Object, flat: np.ndarray) -> np.ndarray:
-    """Read the positions of the evaluated mesh."""
     mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     attribute = mesh.attributes.get("position")
     attribute.data.foreach_get("vector", flat) if attribute else mesh.vertices.foreach_get("co", flat)

@@ -5,8 +5,8 @@ from .cases import CASES as CASES
 from .cases import Case as Case
 from .figures import all_figures as all_figures
 from .matrix import Matrix as Matrix
+from .matrix import distortion as distortion
 from .matrix import filled as filled
-from .measures import distortion as distortion
 from .rows import igl_arap as igl_arap
 from .rows import native_solve as native_solve
 from .rows import registry_rows as registry_rows

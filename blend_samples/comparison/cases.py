@@ -110,7 +110,6 @@ def branches(voxel: float = 0.07) -> Case:
 
 
 def moved(x: float, y: float, z: float) -> np.ndarray:
-    """The pose (3, 4) of a translation."""
     return np.column_stack((np.eye(3), (x, y, z)))
 
 

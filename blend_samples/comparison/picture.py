@@ -17,8 +17,7 @@ from ..models.objects import add_fields, add_groups, mesh_object
 from ..models.shapes import rotation
 from .cases import Case
 from .figures import Figure
-from .matrix import Matrix
-from .measures import Distortion, distortion
+from .matrix import Distortion, Matrix, distortion
 
 PLAIN, INSIDE = (0.70, 0.66, 0.58), (0.30, 0.10, 0.22)  # of the two sides of a surface
 PAPER = (0.90, 0.90, 0.885)

@@ -12,7 +12,7 @@ from mathutils import Matrix, Vector
 
 from .. import markers, materials, posing
 from ..lineup import POSE_FRAME, Handle, Lineup, Regions, there_and_back
-from ..models import harness, locomotive, spot
+from ..models import locomotive, spot
 from ..models.shapes import smoothstep
 from ..posing import Move
 from ..studio import Shot
@@ -48,7 +48,7 @@ def loose_parts(choice: str):
 def check_harness(cows: Sequence[bpy.types.Object]) -> None:
     """The parts that follow are elsewhere than those that stay."""
     bpy.context.scene.frame_set(POSE_FRAME)
-    stays, follows = (posing.shape(cow)[-cow[harness.COUNT] :] for cow in cows[1:])
+    stays, follows = (posing.shape(cow)[-cow[spot.HARNESS] :] for cow in cows[1:])
     if np.abs(follows - stays).max() < 0.05:
         raise posing.SampleError("The harness does not follow")
 
@@ -207,9 +207,8 @@ def stretched(method: str) -> Regions:
 
 Cows = partial(Lineup, build=spot.build, spacing=2.30, heading=-52.0)
 SHOT = Shot((0.05, 0.0, 0.88), 7.2, 12.0, lit=0.8, light=7.0, picture=(1280, 460), front=-1.30)
-FOUR = Shot(
-    (-0.12, 0, 0.84), 7.15, 9, lit=0.8, picture=(1440, 480), text=0.15, front=-1.25, aside=-0.17, nearer=0.95
-)
+FOUR = Shot((-0.12, 0, 0.84), 7.15, 9, lit=0.8, picture=(1440, 480), text=0.15, front=-1.25, aside=-0.17)
+FourCows = partial(Cows, spacing=1.72, heading=-38.0, smooth=True, shot=replace(FOUR, nearer=0.95))
 
 LINEUPS = {
     "spot": Cows(
@@ -221,33 +220,22 @@ LINEUPS = {
     ),
     "loose_parts": Cows(
         about="Spot in harness: its studs, bands and belt are loose parts, which follow or stay behind.",
-        build=harness.build,
-        row={
-            "Rest": None,
-            "Loose Parts: Stay": loose_parts("STAY"),
-            "Loose Parts: Follow": loose_parts("FOLLOW"),
-        },
+        build=spot.build_harnessed,
+        row={"Rest": None}
+        | {f"Loose Parts: {choice}": loose_parts(choice.upper()) for choice in ("Stay", "Follow")},
         finish=check_harness,
         shot=SHOT,
     ),
-    "coordinates": Cows(
+    "coordinates": FourCows(
         about="Spot in an automatic cage: one pose of it, followed by four kinds of coordinates.",
         row=dict.fromkeys(COORDINATES),
-        spacing=1.72,
-        heading=-38.0,
         active=0,
-        smooth=True,
         finish=pose_in_cages,
-        shot=FOUR,
     ),
-    "inverse_ffd": Cows(
+    "inverse_ffd": FourCows(
         about="Spot dragged at the head and the back; finer hidden lattices let a drag reach less far.",
         row={"Rest": None} | {f"{count} x {count} x {count} points": dragged(count) for count in (4, 7, 12)},
-        spacing=1.72,
-        heading=-38.0,
         active=1,
-        smooth=True,
-        shot=FOUR,
     ),
     "pyramid_coordinates": Cows(
         about="Half-way to a twisted Spot: pyramid coordinates keep the body, straight lines shrink it.",

@@ -9,7 +9,7 @@ from itertools import pairwise
 import bpy
 import numpy as np
 
-from .. import inside, markers, materials, posing
+from .. import markers, materials, posing
 from ..lineup import POSE_FRAME, Handle, Lineup, Regions, there_and_back
 from ..models import creature
 from ..models.objects import mesh_object
@@ -68,7 +68,7 @@ REST = posed("")
 
 def show_graph(dragons: Sequence[bpy.types.Object]) -> None:
     """The graph at rest, as bars and beads, in the place of the second dragon."""
-    graph = inside.bound(dragons[-1], "EmbeddedDeformation", ("nodes",)).graph()
+    graph = posing.bound(dragons[-1], "EmbeddedDeformation", ("nodes",)).graph()
     nodes = np.asarray(graph["nodes"])
     start, end = (nodes[np.asarray(graph["edges"])[:, k]] for k in (0, 1))
     along = (end - start) / np.linalg.norm(end - start, axis=1, keepdims=True)
@@ -85,7 +85,7 @@ def show_graph(dragons: Sequence[bpy.types.Object]) -> None:
 
 def show_cells(dragons: Sequence[bpy.types.Object]) -> None:
     """The cells at rest, a little smaller than they are, in the place of the second dragon."""
-    cells = inside.bound(dragons[-1], "RigidCells", ("cells", "levels")).cells()
+    cells = posing.bound(dragons[-1], "RigidCells", ("cells", "levels")).cells()
     cubes = cells["centres"][:, None] + 0.46 * cells["sides"][:, None, None] * CUBE
     which = np.where(cells["handles"] < 0, 0, np.where(cells["handles"] == 2, 2, 1))
     paints = {f"{name} Cells": colour for name, colour in CELLS.items()}
@@ -131,9 +131,7 @@ def bones() -> Iterator[tuple[str, tuple, tuple, str]]:
                 above = name
 
 
-SHOT = Shot(
-    (-0.06, 0.0, 0.90), 8.6, 13.0, 26.0, light=10.0, picture=(1440, 540), text=0.22, front=-1.75, aside=0.12
-)
+SHOT = Shot((-0.06, 0, 0.9), 8.6, 13, 26, light=10, picture=(1440, 540), text=0.22, front=-1.75, aside=0.12)
 # The dragons stand in a row and look to the front right.
 Dragons = partial(Lineup, build=creature.build, spacing=2.75, heading=-49.0)
 
@@ -146,11 +144,8 @@ LINEUPS = {
     "embedded_deformation": Dragons(
         about="A dragon of 400 loose pieces, posed by embedded deformation, and the graph that moves it.",
         build=creature.build_shattered,
-        row={
-            "Rest": REST,
-            "Its Graph of 250 Nodes": REST,
-            "Embedded Deformation": posed("embedded_deformation", nodes=250),
-        },
+        row={"Rest": REST, "Its Graph of 250 Nodes": REST}
+        | {"Embedded Deformation": posed("embedded_deformation", nodes=250)},
         finish=show_graph,
         shot=replace(SHOT, samples=24, text=0.17),
     ),

@@ -20,29 +20,15 @@ from ..studio import Shot
 
 FEET = ("foot.L", "foot.R")
 FALLOFF = 2.0
-# Bone -> degrees about an axis of the figure, parents first.
+# Degrees about an axis of the figure, parents first
 TURNS = {
-    "spine": (14.0, "Y"),
-    "chest": (12.0, "Y"),
-    "upper.L": (-42.0, "Y"),
-    "lower.L": (-78.0, "Y"),
-    "upper.R": (-50.0, "Y"),
-    "lower.R": (-55.0, "Y"),
-    "thigh.L": (-68.0, "X"),
-    "shin.L": (88.0, "X"),
+    "Y": {"spine": 14, "chest": 12, "upper.L": -42, "lower.L": -78, "upper.R": -50, "lower.R": -55},
+    "X": {"thigh.L": -68, "shin.L": 88},
 }
 # bone -> turns in degrees about the axes of the figure
-RUN = {
-    "chest": (6, 0, 10),
-    "thigh.L": (-62, 0, 0),
-    "shin.L": (70, 0, 0),
-    "thigh.R": (28, 0, 0),
-    "shin.R": (52, 0, 0),
-    "upper.L": (0, 66, 0),
-    "upper.R": (0, -66, 0),
-    "lower.L": (0, 0, -70),
-    "lower.R": (0, 0, 70),
-}
+LEGS = {"thigh.L": (-62, 0, 0), "shin.L": (70, 0, 0), "thigh.R": (28, 0, 0), "shin.R": (52, 0, 0)}
+ARMS = {"upper.L": (0, 66, 0), "upper.R": (0, -66, 0), "lower.L": (0, 0, -70), "lower.R": (0, 0, 70)}
+RUN = {"chest": (6, 0, 10)} | LEGS | ARMS
 STAND_OFF, BUTTON = 0.014, 0.016
 
 
@@ -92,12 +78,12 @@ def space(segments: bool):
 
 
 def turn_bones(rig: bpy.types.Object) -> None:
-    """Turn each bone about its head."""
-    for name, (degrees, axis) in TURNS.items():
-        bpy.context.view_layer.update()
-        bone = rig.pose.bones[name]
-        head, turn = Matrix.Translation(bone.head), Matrix.Rotation(radians(degrees), 4, axis)
-        bone.matrix = head @ turn @ head.inverted() @ bone.matrix
+    for axis, angles in TURNS.items():
+        for name, degrees in angles.items():
+            bpy.context.view_layer.update()
+            bone = rig.pose.bones[name]
+            head, turn = Matrix.Translation(bone.head), Matrix.Rotation(radians(degrees), 4, axis)
+            bone.matrix = head @ turn @ head.inverted() @ bone.matrix
 
 
 def key_bones(rig: bpy.types.Object, pose: Callable[[bpy.types.Object], None] | None) -> None:

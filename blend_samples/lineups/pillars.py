@@ -62,7 +62,6 @@ def tool(kind: str, height: float, move: Move, **reach: float):
 
 
 def volume(obj: bpy.types.Object) -> float:
-    """What the evaluated mesh encloses."""
     shape = bmesh.new()
     shape.from_object(obj, bpy.context.evaluated_depsgraph_get())
     enclosed = shape.calc_volume()

@@ -13,17 +13,8 @@ from ..models import plate
 from ..posing import Move
 from ..studio import Shot
 
-SHOT = Shot(
-    (0.0, 0.0, 0.31),
-    width=7.5,
-    elevation=19.0,
-    lit=0.3,
-    light=11.0,
-    picture=(1440, 450),
-    tint=(0.30, 0.27, 0.235),
-    text=0.165,
-    front=-1.52,
-)
+DARK = (0.30, 0.27, 0.235)
+SHOT = Shot((0, 0, 0.31), 7.5, 19.0, 24.0, 0.3, 11.0, (1440, 450), tint=DARK, text=0.165, front=-1.52)
 LIFT = Move(shift=(0.0, 0.0, 0.72), turn=(10.0, -9.0, 0.0))
 TILT = Move(shift=(0.0, 0.0, 0.6), turn=(25.0, -30.0, 0.0))
 SPIN = Move(shift=(0.0, 0.0, 0.40), turn=(-16.0, 20.0, 45.0))
@@ -75,9 +66,8 @@ LINEUPS = {
     "spline_surface": Plates(
         about="One plate and one pose, displaced by spline surfaces of other degrees and grids.",
         row={
-            "Degree 1, 8 x 8 points": lifted("spline_surface", degree=1, columns=8, rows=8),
-            "Degree 3, 8 x 8 points": lifted("spline_surface", degree=3, columns=8, rows=8),
-            "Degree 3, 20 x 20 points": lifted("spline_surface", degree=3, columns=20, rows=20),
+            f"Degree {degree}, {n} x {n} points": lifted("spline_surface", degree=degree, columns=n, rows=n)
+            for degree, n in ((1, 8), (3, 8), (3, 20))
         },
     ),
     "ffd": Plates(

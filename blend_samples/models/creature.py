@@ -7,8 +7,7 @@ import bpy
 import numpy as np
 
 from ..materials import skin_material
-from .objects import Eyes, Sculpture, hollows, layered, soften, to_object
-from .scatter import lobes
+from .objects import Eyes, Sculpture, hollows, layered, lobes, soften, to_object
 from .sculpt import Clay, vertex_normals
 from .shapes import Ellipsoid, Mirrored, Squashed, Tube, path_length, rotation, smoothstep
 

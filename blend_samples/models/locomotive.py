@@ -63,8 +63,10 @@ class Yard:
         self, middle: Sequence[float], axis: np.ndarray, along, radii, turns, material: int, *groups: str
     ) -> None:
         """A rectangle about an axis: from one place ``along`` it to another, between radii, through turns."""
-        corners = [middle + u * axis + r * out for u, r, out in _rectangles(axis, along, radii, turns)]
-        self.loft(np.reshape(corners, (-1, 4, 3)), material, *groups)
+        (a, b), (c, d) = along, radii
+        corners = ((a, c), (b, c), (b, d), (a, d))
+        sections = [[middle + u * axis + r * _outward(axis, turn) for u, r in corners] for turn in turns]
+        self.loft(sections, material, *groups)
 
     def box(self, centre: tuple, half: tuple, material: int, *groups: str, turn: float = 0.0) -> None:
         """A box, turned about x."""
@@ -91,12 +93,6 @@ def _outward(axis: np.ndarray, turn: float) -> np.ndarray:
     """A direction across one of the three axes, turned about it from the first of the other two."""
     first = np.eye(3)[np.argmin(np.abs(axis))]
     return cos(turn) * first + sin(turn) * np.cross(axis, first)
-
-
-def _rectangles(axis: np.ndarray, along, radii, turns):
-    (a, b), (c, d) = along, radii
-    for turn, (u, r) in product(turns, ((a, c), (b, c), (b, d), (a, d))):
-        yield u, r, _outward(axis, turn)
 
 
 def _circle(along: np.ndarray, sides: int) -> np.ndarray:

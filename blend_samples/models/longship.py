@@ -16,6 +16,7 @@ from .objects import grid_faces, mesh_object
 LENGTH = 0.95  # half of the hull's, along x
 MAST, YARD, FOOT = 1.86, 1.66, 0.80  # heights: top of the mast, upper and lower edge of the sail
 SAIL_WIDTH, SAIL_TURN = 1.16, -38.0  # the turn of the yard in degrees about z
+SIDES = (1.0, -1.0)
 STRAND = 0.0025  # radius of a hair
 WIND = 0.30  # how far the middle of the sail is blown out
 PAINT = {
@@ -34,17 +35,10 @@ def build(name: str) -> list[bpy.types.Object]:
     lattice = sail_lattice(name)
     sail(name, lattice)
     emblem(name, lattice)
-    return [
-        hull(name),
-        shields(name),
-        tubes(f"{name} Keel", 0.034, "Dark Wood", [keel()]),
-        tubes(f"{name} Rim", 0.020, "Dark Wood", [rim_line(side) for side in (1.0, -1.0)]),
-        tubes(f"{name} Spars", 0.026, "Dark Wood", spars()),
-        tubes(f"{name} Ropes", 0.0075, "Rope", ropes()),
-        lettering(name),
-        tail(name),
-        lattice,
-    ]
+    letters = text(f"{name} Name", "SINEW", 0.14)  # on the planks, under the shields
+    letters.location = 0.0, -0.318, 0.215
+    letters.rotation_euler.x = np.radians(118.0)
+    return [hull(name), shields(name), *lines(name), letters, tail(name), lattice]
 
 
 def breadth(s: np.ndarray) -> np.ndarray:
@@ -111,48 +105,39 @@ def shields(name: str) -> bpy.types.Object:
     return add_object(mesh.name, mesh)
 
 
-def keel() -> np.ndarray:
-    """From the curl of the stern along the bottom to that of the bow."""
-    s = np.linspace(-1.0, 1.0, 60)
-    bottom = np.stack((LENGTH * s, 0.0 * s, keel_height(s) - 0.01), axis=1)
-    turn = np.linspace(-0.1 * pi, 1.75 * pi, 40)
-    radius = np.linspace(0.26, 0.05, 40)
-    x, z = radius * np.cos(turn), radius * np.sin(turn)
-    curl = np.stack((x, 0.0 * x, z), axis=1)
-    bow = curl - curl[0] + bottom[-1] + (0.03, 0.0, 0.05)
-    return np.concatenate((bow[::-1] * (-1.0, 1.0, 1.0), bottom, bow))
-
-
-def rim_line(side: float) -> np.ndarray:
-    s = np.linspace(-0.995, 0.995, 60)
-    return np.stack((LENGTH * s, side * breadth(s), rim_height(s)), axis=1)
-
-
 def turned(x: float, y: float, z: float) -> Vector:
     """A place on the sail, which is turned about the mast."""
     return Matrix.Rotation(np.radians(SAIL_TURN), 3, "Z") @ Vector((x, y, z))
-
-
-def spars() -> list[np.ndarray]:
-    """The mast and the yard."""
-    ends = [turned(0.0, 0.5 * SAIL_WIDTH * side, YARD) for side in (1.08, -1.0)]
-    return [between((0.0, 0.0, 0.1), (0.0, 0.0, MAST)), between(*ends)]
-
-
-def ropes() -> list[np.ndarray]:
-    ends = [(0.93 * LENGTH * side, 0.0, 0.62) for side in (1.0, -1.0)]
-    ends += [(x, side * 0.34, 0.40) for x in (-0.12, 0.0, 0.12) for side in (1.0, -1.0)]
-    corners = {side: turned(0.0, 0.5 * SAIL_WIDTH * side, FOOT) for side in (1.0, -1.0)}
-    sheets = [between(corner, (-0.55, 0.28 * side, 0.42)) for side, corner in corners.items()]
-    return [between((0.0, 0.0, MAST - 0.02), end) for end in ends] + sheets
 
 
 def between(start: Sequence[float], end: Sequence[float]) -> np.ndarray:
     return np.linspace(tuple(start), tuple(end), 24)
 
 
+def lines(name: str) -> list[bpy.types.Object]:
+    """The keel from the curl of the stern to that of the bow, rims, mast and yard, and ropes."""
+    s = np.linspace(-1.0, 1.0, 60)
+    bottom = np.stack((LENGTH * s, 0.0 * s, keel_height(s) - 0.01), axis=1)
+    turn, radius = np.linspace(-0.1 * pi, 1.75 * pi, 40), np.linspace(0.26, 0.05, 40)
+    curl = np.stack((radius * np.cos(turn), 0.0 * turn, radius * np.sin(turn)), axis=1)
+    bow = curl - curl[0] + bottom[-1] + (0.03, 0.0, 0.05)
+    keel = np.concatenate((bow[::-1] * (-1.0, 1.0, 1.0), bottom, bow))
+    t = 0.995 * s
+    rims = [np.stack((LENGTH * t, side * breadth(t), rim_height(t)), axis=1) for side in SIDES]
+    yard = between(*(turned(0.0, 0.5 * SAIL_WIDTH * side, YARD) for side in (1.08, -1.0)))
+    ends = [(0.93 * LENGTH * side, 0.0, 0.62) for side in SIDES]
+    ends += [(x, side * 0.34, 0.40) for x in (-0.12, 0.0, 0.12) for side in SIDES]
+    corners = {side: turned(0.0, 0.5 * SAIL_WIDTH * side, FOOT) for side in SIDES}
+    sheets = [between(corner, (-0.55, 0.28 * side, 0.42)) for side, corner in corners.items()]
+    return [
+        tubes(f"{name} Keel", 0.034, "Dark Wood", [keel]),
+        tubes(f"{name} Rim", 0.020, "Dark Wood", rims),
+        tubes(f"{name} Spars", 0.026, "Dark Wood", [between((0.0, 0.0, 0.1), (0.0, 0.0, MAST)), yard]),
+        tubes(f"{name} Ropes", 0.0075, "Rope", [between((0, 0, MAST - 0.02), end) for end in ends] + sheets),
+    ]
+
+
 def tubes(name: str, radius: float, paint: str, lines: list[np.ndarray]) -> bpy.types.Object:
-    """A bevelled curve object of polylines."""
     obj = add_lines(name, lines, bevel=radius)
     obj.data.bevel_resolution, obj.data.use_fill_caps = 3, True
     coat(obj.data, paint)
@@ -195,7 +180,6 @@ def sail(name: str, lattice: bpy.types.Object) -> bpy.types.Object:
 
 
 def follow(obj: bpy.types.Object, lattice: bpy.types.Object) -> None:
-    """Let Blender's lattice carry and bend the object."""
     bpy.context.view_layer.update()
     obj.parent, obj.matrix_parent_inverse = lattice, lattice.matrix_world.inverted()
     obj.modifiers.new("Lattice", "LATTICE").object = lattice
@@ -209,14 +193,6 @@ def emblem(name: str, lattice: bpy.types.Object) -> bpy.types.Object:
     obj.rotation_euler = (front @ Matrix.Rotation(pi / 2, 4, "X")).to_euler()
     obj.location += turned(0.012, 0.0, 0.0)
     follow(obj, lattice)
-    return obj
-
-
-def lettering(name: str) -> bpy.types.Object:
-    """The name on the planks, under the shields."""
-    obj = text(f"{name} Name", "SINEW", 0.14)
-    obj.location = 0.0, -0.318, 0.215
-    obj.rotation_euler.x = np.radians(118.0)
     return obj
 
 

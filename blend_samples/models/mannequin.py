@@ -35,7 +35,6 @@ def all_bones() -> Iterator[tuple[str, Vector, Vector, str, float, float]]:
 
 
 def rig_of(skin: bpy.types.Object) -> bpy.types.Object:
-    """The armature of a mannequin."""
     return bpy.data.objects[skin.name.replace("Skin", "Rig")]
 
 

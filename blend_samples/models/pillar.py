@@ -47,7 +47,6 @@ def relief(angle: np.ndarray, height: np.ndarray) -> np.ndarray:
 
 
 def build(name: str = "Pillar") -> bpy.types.Object:
-    """The pillar with its regions painted."""
     return to_object(name, sculpture(), [region_material("Pillar", PLAIN)])
 
 

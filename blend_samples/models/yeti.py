@@ -8,8 +8,7 @@ import numpy as np
 
 from ..materials import skin_material
 from ..posing import add_armature, vertices
-from .objects import Eyes, Sculpture, add_groups, hollows, layered, soften, to_object
-from .scatter import lobes
+from .objects import Eyes, Sculpture, add_groups, hollows, layered, lobes, soften, to_object
 from .sculpt import Clay, vertex_normals
 from .shapes import Ellipsoid, Mirrored, Squashed, Tube, smoothstep
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from .. import denoise, inside, studio
+from .. import denoise, posing, studio
 from ..comparison import (
     CASES,
     Matrix,
@@ -35,7 +35,7 @@ _made: list = []
 
 def make() -> bpy.types.Scene:
     scene = studio.empty_scene()
-    modules = inside.registry(), inside.native()
+    modules = posing.registry(), posing.native()
     matrix = compared()
     matrix.write(OUTPUT / "gallery.json")
     studio.progress("drawing the sheets")
@@ -54,12 +54,11 @@ def make() -> bpy.types.Scene:
 
 
 def compared() -> Matrix:
-    """Every row on every case."""
-    matrix = Matrix(refusals=(inside.native().Error,), progress=studio.progress)
+    matrix = Matrix(refusals=(posing.native().Error,), progress=studio.progress)
     for name, case in CASES.items():
         matrix.compare(name, case())
     for rows in (registry_rows, space_rows):
-        for name, solve in rows(inside.registry(), inside.native()):
+        for name, solve in rows(posing.registry(), posing.native()):
             matrix.compare(name, solve)
     matrix.compare("Laplacian Deform of Blender", picture.laplacian_deform)
     arap = igl_arap()

@@ -30,7 +30,6 @@ def make() -> bpy.types.Scene:
 
 
 def build(name: str, x: float) -> list[bpy.types.Object]:
-    """A ship in its row."""
     ship = longship.build(name)
     bpy.context.view_layer.update()
     stand = Matrix.Translation((x, 0.0, 0.0)) @ Matrix.Rotation(np.radians(HEADING), 4, "Z")

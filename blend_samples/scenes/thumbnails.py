@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from .. import denoise, inside, markers, materials, posing, studio
+from .. import denoise, markers, materials, posing, studio
 from ..comparison import CASES, native_solve
 from ..lineup import POSE_FRAME
 from ..lineups import LINEUPS, cows
@@ -49,8 +49,10 @@ class Subject:
 def of_case(name: str, method: str, **options: object) -> Shown:
     """A case of the comparison, solved by a method: clay, with its handle and what holds still."""
     case = CASES[name]()
-    shape = native_solve(inside.registry(), inside.native(), method, **options)(case)
-    slots = _slots(case.triangles, {1: case.handles[0], 2: case.handles[1]}, len(shape))
+    shape = native_solve(posing.registry(), posing.native(), method, **options)(case)
+    slots = np.zeros(len(case.triangles), int)
+    for slot, handle in enumerate(case.handles, 1):
+        slots[np.isin(case.triangles, handle).all(axis=1)] = slot
     obj = mesh_object(name, shape, case.triangles, smooth=name != "bar", slots=slots, materials=_clay())
     obj.rotation_euler.z = radians(case.heading)
     return [obj]
@@ -313,15 +315,6 @@ def _clay() -> list[bpy.types.Material]:
         materials.plain_material("Still", materials.FIXED_COLOUR, roughness=0.5),
         materials.plain_material("Handle", materials.HANDLE_COLOUR, roughness=0.3),
     ]
-
-
-def _slots(faces: np.ndarray, regions: dict[int, np.ndarray], count: int) -> np.ndarray:
-    """The material slot of each face: that of the region in which all its corners are, else 0."""
-    of_vertex = np.zeros(count, int)
-    for slot, members in regions.items():
-        of_vertex[members] = slot
-    corners = of_vertex[faces]
-    return np.where((corners == corners[:, :1]).all(axis=1), corners[:, 0], 0)
 
 
 def _paint(obj: bpy.types.Object, rigged: bpy.types.Object | None = None) -> None:

@@ -76,7 +76,6 @@ def lines() -> list[bpy.types.Object]:
 
 
 def cage() -> list[bpy.types.Object]:
-    """The cow, and a cage around it."""
     cow = spot.build("Cow")
     colours = np.tile((0.80, 0.74, 0.66), (len(cow.data.vertices), 1))
     for field, colour, _softness in spot.PATCHES:
@@ -97,7 +96,6 @@ def cage() -> list[bpy.types.Object]:
 
 
 def figure() -> list[bpy.types.Object]:
-    """The mannequin and its bones."""
     skin = mannequin.build("Mannequin", cell=0.034)
     rig = mannequin.rig_of(skin)
     rig.show_in_front = True
@@ -154,15 +152,11 @@ def _tidy(obj: bpy.types.Object) -> None:
 
 
 def _values(obj: bpy.types.Object, name: str) -> np.ndarray:
-    values = np.empty(len(obj.data.vertices), np.float32)
-    obj.data.attributes[name].data.foreach_get("value", values)
-    return values
+    return np.array([row.value for row in obj.data.attributes[name].data])
 
 
 def _colours(obj: bpy.types.Object) -> np.ndarray:
-    rgba = np.empty(4 * len(obj.data.vertices), np.float32)
-    obj.data.color_attributes[COLOUR].data.foreach_get("color", rgba)
-    return rgba.reshape(-1, 4)[:, :3]
+    return np.array([row.color[:3] for row in obj.data.color_attributes[COLOUR].data])
 
 
 def _paint(obj: bpy.types.Object, colours: np.ndarray) -> None:

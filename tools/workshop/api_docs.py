@@ -46,7 +46,6 @@ def first_page() -> str:
 
 
 def settings(main_page: Path, target: Path) -> str:
-    """The configuration of Doxygen."""
     values = SETTINGS | {
         "EXCLUDE": " ".join(f'"{NATIVE / room}"' for room in LEFT_OUT),
         "INPUT_FILTER": f'"{KEEP_TABLES}"',
@@ -57,12 +56,6 @@ def settings(main_page: Path, target: Path) -> str:
         "USE_MDFILE_AS_MAINPAGE": f'"{main_page}"',
     }
     return "".join(f"{name} = {value}\n" for name, value in sorted(values.items()))
-
-
-def write_python_pages(target: Path) -> None:
-    build_tree("dev", MODULE)
-    python = environments.api().make().python
-    must([python, RENDER, MODULE, target], env={"PYTHONPATH": str(DEV_MODULE)})
 
 
 def write_native_pages(target: Path) -> None:
@@ -88,7 +81,9 @@ FRONT_PAGE = """<!DOCTYPE html>
 def main() -> None:
     argparse.ArgumentParser(prog="tools/api_docs", description=__doc__).parse_args()
     shutil.rmtree(PAGES, ignore_errors=True)
-    write_python_pages(PAGES / "python")
+    build_tree("dev", MODULE)
+    python = environments.api().make().python
+    must([python, RENDER, MODULE, PAGES / "python"], env={"PYTHONPATH": DEV_MODULE})
     write_native_pages(PAGES / "native")
     front_page = FRONT_PAGE.format(version=version(), module=MODULE)
     (PAGES / "index.html").write_text(front_page, encoding="utf-8")

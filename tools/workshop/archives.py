@@ -25,6 +25,11 @@ def written_whole(target: Path) -> Iterator[Path]:
         part.unlink(missing_ok=True)
 
 
+def read_folder(folder: Path) -> dict[str, bytes]:
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
+
+
 def read_zip(source: Path) -> dict[str, bytes]:
     with zipfile.ZipFile(source) as archive:
         return {name: archive.read(name) for name in archive.namelist() if not name.endswith("/")}
@@ -56,9 +61,9 @@ def write_wheel(target: Path, files: dict[str, bytes]) -> Path:
     """Does the same as write_zip(), and writes the RECORD of the wheel again."""
     record = next(name for name in files if name.endswith(".dist-info/RECORD"))
     rows = sorted((name, content) for name, content in files.items() if name != record)
-    lines = [f"{name},{_digest(content)},{len(content)}\n" for name, content in rows]
+    digests = [base64.urlsafe_b64encode(hashlib.sha256(content).digest()) for _name, content in rows]
+    lines = [
+        f"{name},sha256={digest.rstrip(b'=').decode()},{len(content)}\n"
+        for (name, content), digest in zip(rows, digests)
+    ]
     return write_zip(target, files | {record: "".join([*lines, f"{record},,\n"]).encode()})
-
-
-def _digest(content: bytes) -> str:
-    return "sha256=" + base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()

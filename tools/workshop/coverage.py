@@ -17,10 +17,10 @@ from itertools import chain
 from pathlib import Path
 
 from . import debian, environments
-from .blenders import INSIDE, install_legacy
+from .blenders import HEADLESS, INSIDE, install_legacy
 from .dev import build_tree
 from .places import BUILD, DEV_MODULE, ROOT
-from .shell import jobs, run, say
+from .shell import jobs, run, said, say
 from .suites import OPTIONS
 
 TREE = BUILD / "coverage"
@@ -46,8 +46,7 @@ def native() -> Lines:
 
 def _gcov(notes: Path) -> list[tuple[Path, int, bool]]:
     """The lines below native/ that are compiled into one object file."""
-    command = ["gcov", "--json-format", "--stdout", notes]
-    text = subprocess.run(command, check=True, capture_output=True, text=True, cwd=TREE).stdout
+    text = said(["gcov", "--json-format", "--stdout", notes], cwd=TREE, stderr=subprocess.DEVNULL)
     reports = [json.loads(line) for line in text.splitlines() if line.startswith("{")]
     return [
         (path, line["line_number"], line["count"] > 0)
@@ -70,8 +69,7 @@ def blender() -> Lines:
     dev, data = environments.dev().make(), _fresh("blender.coverage")
     env = install_legacy("coverage")
     env["SINEW_COVERAGE"] = f"{data}{os.pathsep}{dev.site_packages}"
-    headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python"]
-    run([*headless, INSIDE / "measured_pytest.py", "--", *OPTIONS], env=env)
+    run([*HEADLESS, INSIDE / "measured_pytest.py", "--", *OPTIONS], env=env)
     return _reported(data)
 
 

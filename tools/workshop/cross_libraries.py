@@ -8,7 +8,6 @@ and Boost are headers, which come from the packages of this machine.
 
 import hashlib
 import shutil
-import subprocess
 import tarfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from pathlib import Path
 
 from . import debian
 from .places import BUILD
-from .shell import Stamp, fingerprint, jobs, must, one_at_a_time, say
+from .shell import Stamp, fingerprint, jobs, must, one_at_a_time, said, say
 
 LIBRARIES = Path(__file__).parent / "libraries"
 SOURCES = BUILD / "sources"
@@ -148,8 +147,7 @@ def fetch_from_debian() -> None:
 def _apt_of_sources() -> list[str]:
     """Options that let apt-get know Debian's source packages, without a change to the machine's own lists."""
     question = ["apt-get", "indextargets", "--format", "$(REPO_URI) $(CODENAME) $(COMPONENT)"]
-    asked = [*question, "Created-By: Packages", "Codename: bookworm"]
-    lines = subprocess.run(asked, capture_output=True, text=True, check=True).stdout.splitlines()
+    lines = said([*question, "Created-By: Packages", "Codename: bookworm"]).splitlines()
     if not lines:
         raise SystemExit("apt knows no package of Debian 12, whose sources are needed: apt-get update")
     folder = SOURCES / "apt"

@@ -3,20 +3,19 @@
 
 import re
 import shutil
-import subprocess
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from . import environments
-from .archives import write_wheel
+from .archives import read_folder, write_wheel
 from .cross_libraries import System, libraries
 from .dev import types
 from .environments import Environment
 from .notices import notices
 from .places import ROOT, WHEEL_SOURCES, WHEELS, version
-from .shell import Stamp, fingerprint, jobs, must, one_at_a_time, say
+from .shell import Stamp, fingerprint, jobs, must, one_at_a_time, said, say
 
 INPUTS = (
     *WHEEL_SOURCES,
@@ -88,7 +87,7 @@ def build_wheel(target: Target, builder: Environment, minor: int) -> Path:
         target.check_module(next(Path(folder).glob(f"*{_suffix(target, minor)}")), minor)
         must([builder.python, "-c", METADATA, folder], quiet=True)
         shutil.copy(types(), folder)  # of this machine's module, which has the same names
-        files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in _files(Path(folder))}
+        files = read_folder(Path(folder))
     about = next(name for name in files if name.endswith(".dist-info/WHEEL"))
     files[about] = re.sub(rb"(?m)^Tag: .*$", f"Tag: {tag}-{tag}-{target.platform}".encode(), files[about])
     files[about.replace("WHEEL", "RECORD")] = b""
@@ -123,16 +122,12 @@ def python_headers(system: System, builder: Environment, minor: int) -> Path:
     """The headers of this machine's Python 3.``minor`` with the pyconfig.h of the system. Python.h looks for
     pyconfig.h in its own folder first, so the headers are copied and this one is replaced."""
     question = "import sysconfig; print(sysconfig.get_path('include'))"
-    asked = subprocess.run([builder.interpreter, "-c", question], capture_output=True, text=True, check=True)
+    headers = said([builder.interpreter, "-c", question]).strip()
     folder = system.tree / f"python3{minor}-headers"
     shutil.rmtree(folder, ignore_errors=True)
-    shutil.copytree(asked.stdout.strip(), folder)
+    shutil.copytree(headers, folder)
     return Path(shutil.copytree(system.files / "python", folder, dirs_exist_ok=True))
 
 
 def _suffix(target: Target, minor: int) -> str:
     return target.suffix.format(minor=minor)
-
-
-def _files(folder: Path) -> list[Path]:
-    return sorted(path for path in folder.rglob("*") if path.is_file())

@@ -106,7 +106,6 @@ def overview(found: Iterable[Entry]) -> str:
 
 
 def tables(found: Iterable[Entry]) -> str:
-    """One table per group."""
     lines = []
     for group, members in _grouped(found):
         columns = "| id | name | section | what it does | paper | state |"
@@ -120,7 +119,6 @@ def tables(found: Iterable[Entry]) -> str:
 
 
 def head(root: Path, row) -> str:
-    """The head of the page of a method."""
     header = _header(root, f"{row.id}.h")
     moved = ", and of ".join(target.value for target in registry(root).Moved if target in row.moves)
     steps = "step by step, so that a drag shows an early step" if row.iterative else "in one step"

@@ -63,7 +63,6 @@ class Environment:
         self.pip("install", *options, "--no-cache-dir", *chosen, files=files, quiet=quiet)
 
     def pip(self, *words: str | Path, files: Iterable[Path], quiet: bool) -> None:
-        """For packages that requirement files name."""
         named = ", ".join(str(file.relative_to(ROOT)) for file in files)
         lacking = f"pip could not get what {named} names: that takes a network with a package index"
         command = [self.python, "-m", "pip", "--quiet", "--disable-pip-version-check", *words]

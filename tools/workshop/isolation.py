@@ -9,12 +9,11 @@ quits.)
 """
 
 import re
-import subprocess
 import tempfile
 from pathlib import Path
 
 from .environments import Environment
-from .shell import must
+from .shell import must, said
 
 PREFIX = "sinew_"
 OWNED = re.compile(r"lib(openblas|blas|lapack|cholmod|c?amd|c?colamd|metis|suitesparse|tbb)")
@@ -46,6 +45,5 @@ def isolated(files: dict[str, bytes], builder: Environment) -> dict[str, bytes]:
 
 def symbols(binary: Path, *options: str) -> set[str]:
     """The dynamic symbols of a shared library, without their versions."""
-    command = ["nm", "--dynamic", "--format=posix", *options, str(binary)]
-    listing = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    listing = said(["nm", "--dynamic", "--format=posix", *options, binary])
     return {line.split()[0].split("@")[0] for line in listing.splitlines()}

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from . import debian, environments, windows_tests
-from .blenders import RUN_PYTEST, blender_module, conditions, install_legacy, layer_of
+from .blenders import HEADLESS, RUN_PYTEST, blender_module, conditions, install_legacy, layer_of
 from .dev import BENCHMARK_TARGETS, build_tree
 from .format import checks
 from .neon_tests import neon
@@ -64,14 +64,10 @@ def lint(timeout: float, quick: bool = False) -> Outcome:
     return total + (Outcome(passed=1) if tidy(sources) else Outcome(failed=1, note="clang-tidy"))
 
 
-def native(timeout: float) -> Outcome:
-    build_tree("dev")
-    return googletest("native", [NATIVE_TREE / PROGRAM], timeout) + _other_native_tests(timeout)
-
-
-def native_quick(timeout: float) -> Outcome:
-    build_tree("dev", "sinew_native", "sinew_tests")
-    return googletest("native", [NATIVE_TREE / PROGRAM], timeout)
+def native(timeout: float, quick: bool = False) -> Outcome:
+    build_tree("dev", *(("sinew_native", "sinew_tests") if quick else ()))
+    found = googletest("native", [NATIVE_TREE / PROGRAM], timeout)
+    return found if quick else found + _other_native_tests(timeout)
 
 
 def sanitizers(timeout: float) -> Outcome:
@@ -105,8 +101,7 @@ def blender_3_4(timeout: float, from_wheel: bool = True, tests: tuple[str, ...] 
     debian.install(debian.BLENDER_TESTS)
     env = install_legacy("blender-3.4", from_wheel)
     junit = new_junit("blender-3.4")
-    headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python"]
-    command = [*headless, RUN_PYTEST, "--", *tests, *OPTIONS, f"--junitxml={junit}"]
+    command = [*HEADLESS, RUN_PYTEST, "--", *tests, *OPTIONS, f"--junitxml={junit}"]
     return outcome(junit, run(command, env=env | conditions("blender-3.4"), timeout=timeout))
 
 
@@ -198,7 +193,7 @@ SOME_ADDON = ("-m", "not slow", "--ignore=tests/addon/install/test_old_processor
 QUICK_SESSION = ("-k", "[start- or [start]")  # of those in windows
 LEFT_IN_BLENDER = "all but every method, and the events on regions and cages"
 QUICK = (
-    Layer("native", 300, native_quick, without="the count of instructions"),
+    Layer("native", 300, partial(native, quick=True), without="the count of instructions"),
     Alone("lint", 240, partial(lint, quick=True), without="clang-tidy on committed sources"),
     Alone("architecture", 60, _of(_pytest, "architecture")),
     Alone("tools", 60, _of(_pytest, "tools")),

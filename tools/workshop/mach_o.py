@@ -40,7 +40,7 @@ def read(content: bytes) -> MachO:
         raise ValueError("no 64-bit Mach-O file for one processor")
     found = MachO(processor, kind)
     commands, place = [], 32
-    for _ in range(count):
+    while len(commands) < count:
         command, size = struct.unpack_from("<2I", content, place)
         commands.append((command, content[place : place + size]))
         place += size

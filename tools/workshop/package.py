@@ -21,7 +21,7 @@ import tomllib
 from pathlib import Path
 
 from . import environments, wheels
-from .archives import read_zip, write_zip
+from .archives import read_folder, read_zip, write_zip
 from .dev import build_tree
 from .environments import Environment
 from .places import ADDON, BUILD, DEV_MODULE, DIST, MANUAL, METHODS, ROOT, version
@@ -59,8 +59,7 @@ def manual_files() -> dict[str, bytes]:
     """The manual that the ``?`` buttons open: path inside the add-on -> content."""
     with tempfile.TemporaryDirectory() as folder:
         must([environments.build().make().python, RENDER, MANUAL, METHODS, folder])
-        pages = sorted(path for path in Path(folder).rglob("*") if path.is_file())
-        return {f"manual/{path.relative_to(folder).as_posix()}": path.read_bytes() for path in pages}
+        return {f"manual/{name}": content for name, content in read_folder(Path(folder)).items()}
 
 
 def extension_files(wheels: list[Path], manual: dict[str, bytes]) -> dict[str, bytes]:

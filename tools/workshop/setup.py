@@ -7,33 +7,28 @@ from . import debian, environments
 from .shell import say
 
 
-def set_up_build() -> None:
-    debian.install(debian.BUILD)
-    environments.build().make()
-    newer = environments.build313()
-    if newer:
-        newer.make()
-
-
-def set_up_samples() -> None:
-    debian.install(debian.BUILD, debian.BLENDER)
-    environments.build().make()
+def set_up(packages: tuple[tuple[str, ...], ...], *made: environments.Environment | None) -> None:
+    debian.install(*packages)
+    for environment in made:
+        if environment:
+            environment.make()
 
 
 def set_up_tests() -> None:
-    debian.install(debian.BUILD, debian.GUI, debian.BPY)
-    set_up_build()
-    environments.dev().make()
-    for version in environments.LONG_TERM_BLENDERS:
-        environments.blender(version).make()
-    newest = environments.newest_blender().make()
+    releases = map(environments.blender, environments.LONG_TERM_BLENDERS)
+    newest = environments.newest_blender()
+    set_up((debian.BUILD, debian.GUI, debian.BPY), *builders(), environments.dev(), *releases, newest)
     if newest.name == "bpy-5.0.1":
         say("No Python 3.13 here: Blender 5.0.1 stands in, 5.2 is not run.")
 
 
+def builders() -> tuple[environments.Environment | None, ...]:
+    return environments.build(), environments.build313()
+
+
 PURPOSES = {
-    "build": set_up_build,
-    "samples": set_up_samples,
+    "build": lambda: set_up((debian.BUILD,), *builders()),
+    "samples": lambda: set_up((debian.BUILD, debian.BLENDER), environments.build()),
     "dev": lambda: environments.dev().make(),
     "tests": set_up_tests,
 }

@@ -104,6 +104,12 @@ def must(command: Iterable[str | Path], *, lacking: str = "", **options) -> None
         raise SystemExit(lacking or f"failed with {status}: {' '.join(words)}")
 
 
+def said(command: Iterable[str | Path], **options) -> str:
+    """What a command prints, which has to succeed."""
+    words = [str(word) for word in command]
+    return subprocess.run(words, stdout=subprocess.PIPE, text=True, check=True, **options).stdout
+
+
 def fingerprint(paths: Iterable[Path], *words: str) -> str:
     """A digest of the names and contents of files, also those in folders, and of some words."""
     digest = hashlib.sha256("\0".join(words).encode())

@@ -23,7 +23,7 @@ from tempfile import TemporaryDirectory
 from . import environments
 from .dev import configure_tree
 from .places import BUILD, NATIVE_TREE, ROOT
-from .shell import fingerprint, jobs, must, say
+from .shell import fingerprint, jobs, must, said, say
 
 AT_A_TIME = 5
 PASSED = BUILD / "ccache" / "tidy"
@@ -95,9 +95,10 @@ def uncommitted() -> set[Path]:
     """The sources that differ from the last commit; none where git cannot tell."""
     found: set[Path] = set()
     for words in (["diff", "--name-only", "HEAD"], ["ls-files", "--others", "--exclude-standard"]):
-        command = ["git", *words, "--", "*.cpp", "*.inl"]
-        answer = subprocess.run(command, cwd=ROOT, capture_output=True, text=True).stdout
-        found |= {ROOT / name for name in answer.splitlines()}
+        answer = subprocess.run(
+            ["git", *words, "--", "*.cpp", "*.inl"], cwd=ROOT, stdout=subprocess.PIPE, text=True
+        )
+        found |= {ROOT / name for name in answer.stdout.splitlines()}
     return found
 
 
@@ -158,5 +159,5 @@ def compiler_arguments() -> tuple[str, ...]:
     GCC's own headers come after all others, for headers that Clang does not have, such as OpenMP's. Templates
     that are never used are not checked, since some of CGAL's refer to members that do not exist.
     """
-    answer = subprocess.run(["g++", "-print-file-name=include"], check=True, capture_output=True, text=True)
-    return (f"--extra-arg=-idirafter{answer.stdout.strip()}", "--extra-arg=-fdelayed-template-parsing")
+    headers = said(["g++", "-print-file-name=include"]).strip()
+    return (f"--extra-arg=-idirafter{headers}", "--extra-arg=-fdelayed-template-parsing")

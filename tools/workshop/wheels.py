@@ -85,8 +85,7 @@ def check_wheel(wheel: Path, builder: Environment) -> None:
 
 
 def _require_threaded_blas() -> None:
-    """Several builds of OpenBLAS may be installed. With the serial one, two binds at once give wrong
-    results."""
+    """Of several builds of OpenBLAS, the serial one gives wrong results when two binds run at once."""
     chosen = Path("/usr/lib/x86_64-linux-gnu/libblas.so.3").resolve()
     if "openblas-pthread" not in str(chosen):
         raise SystemExit(

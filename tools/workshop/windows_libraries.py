@@ -6,7 +6,6 @@
 
 import re
 import shutil
-import subprocess
 import tarfile
 import zipfile
 from functools import partial
@@ -14,7 +13,7 @@ from pathlib import Path
 
 from . import debian, environments
 from .cross_libraries import SOURCES, System, check, pinned
-from .shell import Stamp, must, one_at_a_time
+from .shell import Stamp, must, one_at_a_time, said
 
 WINDOWS = System(
     "windows",
@@ -61,6 +60,5 @@ def import_library(minor: int) -> Path:
 
 def imported_libraries(binary: Path) -> set[str]:
     """The DLLs that Windows must find before it loads a binary, in lower case."""
-    command = ["x86_64-w64-mingw32-objdump", "-p", str(binary)]
-    listing = subprocess.run(command, capture_output=True, text=True).stdout
+    listing = said(["x86_64-w64-mingw32-objdump", "-p", binary])
     return {name.lower() for name in re.findall(r"DLL Name: (\S+)", listing)}

@@ -54,7 +54,6 @@ def native(timeout: float) -> Outcome:
 
 @one_at_a_time()
 def test_program() -> Path:
-    """Builds the program of GoogleTest for Windows."""
     install(GOOGLETEST)
     libraries(WINDOWS)
     if not (WINDOWS.prefix / "lib" / "libgtest.a").is_file():

@@ -6,14 +6,13 @@ in a way that Windows' stack is not aligned for, and works in Windows' Python un
 """
 
 import re
-import subprocess
 from pathlib import Path
 
 from . import cross_wheels, wine
 from .archives import unpack
 from .cross_wheels import Target
 from .notices import of_packages
-from .shell import say
+from .shell import said, say
 from .windows_libraries import WINDOWS, import_library, imported_libraries
 
 INPUTS = (
@@ -47,8 +46,7 @@ def check_module(module: Path, minor: int) -> None:
 
 
 def disassembled(module: Path) -> str:
-    listing = ["x86_64-w64-mingw32-objdump", "-d", "--no-show-raw-insn", str(module)]
-    return subprocess.run(listing, capture_output=True, text=True, check=True).stdout
+    return said(["x86_64-w64-mingw32-objdump", "-d", "--no-show-raw-insn", module])
 
 
 def check_wheel(wheel: Path, minor: int) -> None:

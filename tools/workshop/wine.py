@@ -47,7 +47,6 @@ def said_in_windows(command: Iterable[str | Path], env: Mapping[str, str | Path]
 
 @one_at_a_time()
 def set_up() -> None:
-    """Installs Wine, and makes its drive C."""
     debian.install(debian.WINE)
     stamp = Stamp(PREFIX / "made", "by wineboot\n")
     if not stamp.is_fresh():
