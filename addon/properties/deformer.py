@@ -16,16 +16,7 @@ from bpy.types import Context, Mesh, Modifier, Object, PropertyGroup
 
 from ..core import status
 from ..core.labels import items_of
-from ..core.methods import (
-    BY_ID,
-    DEFAULT_METHOD,
-    METHODS,
-    Curve,
-    Method,
-    Pointer,
-    group_property,
-    wrapper_of,
-)
+from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Curve, Method, Pointer, group_property, wrapper_of
 from ..core.names import is_numbered, numbered
 from ..core.tasks import TASKS, task_of
 from ..ids import Keys

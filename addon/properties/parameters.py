@@ -3,14 +3,7 @@
 
 from collections.abc import Callable
 
-from bpy.props import (
-    BoolProperty,
-    EnumProperty,
-    FloatProperty,
-    IntProperty,
-    PointerProperty,
-    StringProperty,
-)
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty, StringProperty
 from bpy.types import NodeTree, Object, PropertyGroup
 
 from ..core.labels import items_of
