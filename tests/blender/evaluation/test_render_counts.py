@@ -232,18 +232,6 @@ def test_renders_and_exporters_are_bound_for_their_own_counts(changed: Rig, tmp_
     assert not [line for line in notes_of(changed.deformer) if "render" in line]
 
 
-@pytest.mark.parametrize("changed", ["a lower level", "a higher level"], indirect=True)
-def test_alembic_files_hold_them_too(changed: Rig, tmp_path: Path):
-    if not bpy.app.build_options.alembic:
-        pytest.skip("this Blender has no Alembic")
-    wanted, path = expected(changed), str(tmp_path / "counts.abc")
-    make_active(changed.obj)
-    options = {"filepath": path, "start": 1, "end": 1, "selected": True, "evaluation_mode": "RENDER"}
-    assert bpy.ops.wm.alembic_export(**options, as_background_job=False) == {"FINISHED"}
-    bpy.ops.wm.alembic_import(filepath=path, as_background_job=False)
-    assert off(evaluated_points(bpy.context.object), wanted) < EXACT
-
-
 @pytest.mark.parametrize("changed", ["hidden in renders", "another level in the viewport"], indirect=True)
 def test_another_process_renders_them(changed: Rig, tmp_path: Path, addon_name: str):
     """All frames of ``blender -b FILE -a``, of a file that was saved right after the change."""
@@ -269,22 +257,6 @@ def frames_of(path: str, folder: Path, addon_name: str, name: str) -> list[np.nd
         addon_name,
     )
     return [np.array(shape) for shape in found["shapes"]]
-
-
-def rendered(frames: range, name: str) -> list[tuple[int, np.ndarray]]:
-    """An animation, by frame."""
-    scene = bpy.context.scene
-    scene.frame_start, scene.frame_end, scene.frame_step = frames.start, frames.stop - 1, frames.step
-    return list(zip(frames, (shapes[name] for shapes in render(animation=True)), strict=True))
-
-
-def test_a_level_that_is_keyed_counts_in_each_frame():
-    rig = bound(subdivision)
-    key(rig.obj.modifiers[0], {1: {"render_levels": 2}, 2: {"render_levels": 3}, 3: {"render_levels": 1}})
-    bpy.context.scene.frame_set(1)
-    for frame, shape in rendered(range(1, 4), rig.name):
-        bpy.context.scene.frame_set(frame)
-        assert off(shape, expected(rig)) < EXACT, frame
 
 
 def test_a_level_of_renders_comes_back():
@@ -439,12 +411,21 @@ def test_automatic_rebind_where_the_count_changes_by_the_frame():
     assert len(counts) == 2
 
 
-def test_renders_whose_count_changes_by_the_frame():
+def keyed_level(obj: bpy.types.Object) -> None:
+    levels = ((1, 2), (4, 3), (10, 1))
+    modifier = subdivision(obj)
+    key(modifier, {frame: {"render_levels": level} for frame, level in levels})
+    bpy.context.scene.frame_set(1)
+
+
+@pytest.mark.parametrize("prepare", [opened, keyed_level])
+def test_renders_whose_count_changes_by_the_frame(prepare: Change):
     """Also without Automatic Rebind, which is about the viewport."""
-    rig = bound(opened)
-    for frame, shape in rendered(range(1, 11, 9), rig.name):
-        bpy.context.scene.frame_set(frame)
-        assert off(shape, expected(rig)) < EXACT, frame
+    rig, scene = bound(prepare), bpy.context.scene
+    scene.frame_start, scene.frame_end, scene.frame_step = 1, 10, 3
+    for frame, shapes in zip((1, 4, 7, 10), render(animation=True), strict=True):
+        scene.frame_set(frame)
+        assert off(shapes[rig.name], expected(rig)) < EXACT, frame
 
 
 # --- where it cannot be

@@ -17,13 +17,11 @@ from rigs.point_objects import (
     CURVES,
     MAKERS,
     TESSELLATED,
-    add_bezier,
     bend,
     bezier,
     bind,
     cage_around,
     controls_of,
-    curve_object,
     hair,
     has_surface,
     inside,
@@ -330,20 +328,6 @@ def test_an_automatic_cage_holds_points_and_handles_moves_them_and_leaves_nothin
     assert hidden_meshes() == 0
     assert not obj.modifiers
     assert np.array_equal(shown(obj), plain)
-
-
-@pytest.mark.parametrize("shape", ["straight", "planar", "point", "spike"])
-def test_an_automatic_cage_fits_around_thin_curves(shape: str):
-    obj = curve_object()
-    add_bezier(obj, 4)
-    for index, point in enumerate(obj.data.splines[0].bezier_points):
-        point.handle_left_type = point.handle_right_type = "FREE"
-        along = {"straight": (index, 0, 0), "planar": (index, index % 2, 0)}.get(shape, (0, 0, 0))
-        point.co = point.handle_left = point.handle_right = along
-        if shape == "spike":  # one handle sticks out of everything that is seen
-            point.handle_right = (0.0, 0.0, 8.0 if index == 3 else 0.01 * index)
-    press(obj, "cage_add")
-    assert inside(controls_of(obj), obj.sinew.active.cage).all()
 
 
 def test_surface_methods_are_refused_with_a_way_out(caged: Caged):

@@ -296,20 +296,6 @@ def test_a_lattice_follows_neither_itself_nor_what_follows_it():
     assert "follows its own shape" in panel()
 
 
-def test_an_outer_lattice_moves_inner_ones_and_other_objects_in_one_go():
-    inner, mesh = lattice(), ball("Mesh", 2)
-    inside = follower(inner)
-    before = [evaluated_points(obj) for obj in (inner, mesh, inside)]
-    make_active(inner, mesh)
-    assert bpy.ops.sinew.lattice_add() == {"FINISHED"}
-    outer = inner.sinew.active.controls[0].object
-    assert mesh.sinew.active.controls[0].object == outer
-    assert close(evaluated_points(inner), before[0], FLOAT32)
-    outer.location.z += 1.0
-    for obj, rest in zip((inner, mesh, inside), before, strict=True):
-        assert is_at(obj, rest + UP), obj.name
-
-
 def test_a_rig_that_follows_the_lattice_is_solved_after_it():
     """The empties of the rig are parented to a mesh that the lattice moves."""
     obj = lattice()

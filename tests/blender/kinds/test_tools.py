@@ -121,16 +121,11 @@ def test_progress_goes_along_the_path(walked) -> None:
     obj, row = walked
     stations = np.array([(0.0, 0.0, 0.0), *STOPS, END])
     ways = np.linalg.norm(np.diff(stations, axis=0), axis=1)
-    ways /= ways.sum()
-    middle = 0.5 * (stations[1] + stations[2])
-    for progress, places in (
-        (0.0, stations[:1]),
-        (ways[0], stations[1:2]),
-        (ways[0] + 0.5 * ways[1], (stations[1], middle)),
-        (1.0, stations[1:]),
-    ):
-        row.progress = progress
-        assert is_on_path(obj, *places), progress
+    half, middle = ways[0] + 0.5 * ways[1], 0.5 * (stations[1] + stations[2])
+    paths = {0.0: stations[:1], ways[0]: stations[1:2], half: (stations[1], middle), ways.sum(): stations[1:]}
+    for way, places in paths.items():
+        row.progress = way / ways.sum()
+        assert is_on_path(obj, *places), way
 
 
 def test_progress_and_tools_can_be_keyed() -> None:

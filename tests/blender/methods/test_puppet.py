@@ -66,18 +66,6 @@ def test_a_hand_is_dragged_and_the_arm_follows(mode: str, world: Matrix):
     assert all(bone.matrix_basis == Matrix.Identity(4) for bone in legs)
 
 
-def test_pinned_feet_stay_when_the_hip_sinks_and_the_knees_bend():
-    armature = standing()
-    ends = [(name, end) for name in FEET for end in ("head", "tail")]
-    feet = np.array([end_of(armature, *end) for end in ends])
-    pose(armature, "hip", (0.05, 0.0, -0.3))
-    for end, height in (("head", 0.7), ("tail", 0.9)):  # upright: the whole bone moved
-        assert close(end_of(armature, "hip", end), np.array((0.05, 0.0, height)), 5e-3)
-    assert close(np.array([end_of(armature, *end) for end in ends]), feet, 1e-4)
-    for side in "LR":
-        assert armature.pose.bones[f"shin.{side}"].matrix_basis.to_quaternion().angle > 0.5
-
-
 def test_a_second_drag_begins_where_the_first_one_ended():
     armature = standing()
     pose(armature, "hip", (0.0, 0.0, -0.2))
@@ -120,10 +108,11 @@ def test_pinned_bones_are_held_as_a_whole(pinned, bone: str, value):
     for name in pinned:
         armature.pose.bones[name].sinew.pin = True
     armature.pose.bones["shin.L"].rotation_quaternion = Matrix.Rotation(0.3, 3, "X").to_quaternion()
-    before = [shown(armature, name) for name in pinned]
+    before, place = [shown(armature, name) for name in pinned], end_of(armature, bone)
     pose(armature, bone, value)
     after = [shown(armature, name) for name in pinned]
     assert close(np.array(after), np.array(before), 5e-3)  # pins count much, but not infinitely
+    assert np.dot(end_of(armature, bone) - place, value) > 0.8 * np.dot(value, value)
 
 
 # Limits
