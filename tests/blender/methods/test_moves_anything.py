@@ -20,7 +20,7 @@ from rigs.rig import apply_matrix, evaluated_points, make_active, new_empty, pre
 from rigs.rig import close as within
 from rigs.rig_of_curves import polyline
 
-# What handles move while all else stays has a test of its own: in test_drag_points.
+# What handles move while all else stays has a test of its own: in test_drag_tool.
 ON_POINTS = [
     method.id
     for method in METHODS

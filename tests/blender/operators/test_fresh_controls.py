@@ -55,15 +55,15 @@ def test_a_wire_reaches_as_its_stroke_and_its_part_ask_for(
 
 
 def test_each_of_several_curves_gets_a_radius_of_its_own(head: bpy.types.Object):
-    lengths = (0.3, 0.9)
-    for length in lengths:
-        ends = np.array([(0.0, -0.5 * length, 2.0), (0.0, 0.5 * length, 2.0)])
-        polyline(ends, f"Curve {length}").select_set(True)
-    head.select_set(True)
-    bpy.context.view_layer.objects.active = head
+    lengths = {"Short": 0.3, "Long": 0.9}
+    curves = [
+        polyline(np.array([(0.0, end * length, 2.0) for end in (-0.5, 0.5)]), name)
+        for name, length in lengths.items()
+    ]
+    make_active(head, *curves)
     assert bpy.ops.sinew.wire_add(source="CURVES") == {"FINISHED"}
     found = {row.object.name: row.radius for row in head.sinew.active.controls}
-    assert found == pytest.approx({f"Curve {length}": 0.35 * length for length in lengths}, rel=0.01)
+    assert found == pytest.approx({name: 0.35 * length for name, length in lengths.items()}, rel=0.01)
 
 
 @pytest.mark.parametrize(("place", "size"), [((0.0, 0.0, 2.0), BIG), (tuple(CENTRE), SMALL)])
@@ -79,23 +79,19 @@ def test_a_field_reaches_as_the_part_asks_for(head: bpy.types.Object, place: tup
 
 
 def test_the_rings_of_the_active_control_are_as_large_as_it_reaches(head: bpy.types.Object):
-    rings = inner.reach.rings
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-
-    def radii(place: np.ndarray) -> list[float]:
-        lines = rings(head.sinew.active.controls[-1], depsgraph)
-        return [float(np.linalg.norm(line - place, axis=1).mean()) for line in lines]
-
     middle = np.array((0.0, 0.0, 2.0))
+
+    def radii() -> list[float]:
+        update()
+        rings = inner.reach.rings(head.sinew.active.controls[-1], bpy.context.evaluated_depsgraph_get())
+        return [float(np.linalg.norm(line - middle, axis=1).mean()) for line in rings]
+
     bpy.ops.sinew.wire_draw(stroke=stroke(0.4, middle), points=0)
-    update()
-    assert radii(middle) == pytest.approx([0.14], rel=0.1)
+    assert radii() == pytest.approx([0.14], rel=0.1)
     press(head, "tool_add", tool="drag", location=middle, outer=0.8)
-    update()
-    assert radii(middle) == pytest.approx([0.2] * 3 + [0.8] * 3, rel=1e-4)
+    assert radii() == pytest.approx([0.2] * 3 + [0.8] * 3, rel=1e-4)
     head.sinew.active.controls[-1].object.scale = (2.0, 2.0, 2.0)
-    update()
-    assert radii(middle) == pytest.approx([0.4] * 3 + [1.6] * 3, rel=1e-4)
+    assert radii() == pytest.approx([0.4] * 3 + [1.6] * 3, rel=1e-4)
 
 
 def _handles(obj: bpy.types.Object) -> None:

@@ -33,8 +33,7 @@ def paint(obj: bpy.types.Object, name: str, weight) -> None:
     """A vertex group with ``weight(point)`` where that is above 0."""
     group = obj.vertex_groups.new(name=name)
     for vertex in obj.data.vertices:
-        value = weight(vertex.co)
-        if value > 0.0:
+        if (value := weight(vertex.co)) > 0.0:
             group.add([vertex.index], value, "REPLACE")
 
 
@@ -355,17 +354,6 @@ def test_a_handle_is_named_by_the_side_that_it_lies_on(hand: Rig, capfd, sign, e
     assert hand.deformer.status_level == "INFO"
 
 
-def test_a_selection_that_became_a_handle_gets_the_names_of_both_sides(hand: Rig):
-    with in_mode(hand.obj):
-        select(hand.obj, low_corner(1.0))
-        bpy.ops.sinew.handle_add(kind="HANDLE")
-    press(hand.obj, "handle_mirror")
-    assert handle_names(hand) == ["Hand.L", "Spine", "Handle L", "Handle R"]
-    bpy.ops.sinew.handle_remove(index=3)
-    bpy.ops.sinew.handle_remove(index=2)
-    assert {group.name for group in hand.obj.vertex_groups} == {"Top", "Base", "Hand.L", "Spine"}
-
-
 def test_what_names_the_group_of_a_handle_follows_its_new_name(hand: Rig, tmp_path):
     """Shape keys, masks, modifiers, constraints, painted parameters, and the regions of other deformers."""
     add_region(hand, "Foot", low_corner(1.0), "HANDLE")
@@ -405,9 +393,17 @@ def test_a_group_that_a_bone_needs_keeps_its_name(hand: Rig):
     add_region(hand, "Foot", low_corner(1.0), "HANDLE")
     hand.obj.modifiers.new("Armature", "ARMATURE").object = armature
     press(hand.obj, "handle_mirror")
-    assert handle_names(hand)[2:] == ["Foot.L", "Foot.R"]
-    assert by_name(hand, "Foot.L").vertex_group == "Foot"
-    assert by_name(hand, "Foot.R").vertex_group == "Foot.R"
+    groups = {handle.name: handle.vertex_group for handle in hand.deformer.handles[2:]}
+    assert groups == {"Foot.L": "Foot", "Foot.R": "Foot.R"}
+
+
+def test_a_name_that_is_taken_gets_a_number(hand: Rig):
+    hand.obj.vertex_groups.new(name="Foot.R")
+    add_region(hand, "Foot", low_corner(1.0), "HANDLE")
+    mirror()
+    assert handle_names(hand)[2:] == ["Foot.001.L", "Foot.001.R"]
+    assert "Foot.001.L" in hand.obj.vertex_groups
+    assert not weights(hand.obj, "Foot.R")
 
 
 def test_a_region_on_the_centre_line_stays_one_handle_and_is_said_to(hand: Rig, capfd):
@@ -430,26 +426,16 @@ def test_two_nameless_handles_that_mirror_each_other_become_a_pair(hand: Rig):
     assert hand.deformer.status_level == "INFO"
 
 
-def test_a_name_that_is_taken_gets_a_number(hand: Rig):
-    hand.obj.vertex_groups.new(name="Foot.R")
-    add_region(hand, "Foot", low_corner(1.0), "HANDLE")
-    mirror()
-    assert handle_names(hand)[2:] == ["Foot.001.L", "Foot.001.R"]
-    assert hand.obj.vertex_groups.get("Foot.001.L") is not None
-    assert not weights(hand.obj, "Foot.R")
-
-
-def test_the_handle_is_mirrored_and_not_the_fixed_region_that_was_added_last():
-    """As the README has it: the control is active after Edit Mode is left, and so is its row."""
-    obj = grid_object("Plate")
-    with in_mode(obj):
-        for kind, name, chosen in (
-            ("HANDLE", "Hand.L", lambda point: point.x > 0.9),
-            ("FIXED", "Feet", lambda point: point.y < -0.9),
-        ):
-            select(obj, chosen)
-            assert bpy.ops.sinew.handle_add(kind=kind, handle_name=name) == {"FINISHED"}
+def test_a_selection_that_became_a_handle_gets_the_names_of_both_sides(hand: Rig):
+    """It is mirrored and not what was held still last: the control is active after Edit Mode, and its row."""
+    with in_mode(hand.obj):
+        for kind, chosen in (("HANDLE", low_corner(1.0)), ("FIXED", lambda point: point[1] > 0.9)):
+            select(hand.obj, chosen)
+            assert bpy.ops.sinew.handle_add(kind=kind) == {"FINISHED"}
     update()
-    assert bpy.context.object == obj.sinew.active.handles["Hand.L"].control
+    assert bpy.context.object == hand.deformer.handles[2].control
     mirror()
-    assert [handle.name for handle in obj.sinew.active.handles] == ["Hand.L", "Feet", "Hand.R"]
+    assert handle_names(hand) == ["Hand.L", "Spine", "Handle L", "Still", "Handle R"]
+    for index in (4, 3, 2):
+        bpy.ops.sinew.handle_remove(index=index)
+    assert set(hand.obj.vertex_groups.keys()) == {"Top", "Base", "Hand.L", "Spine"}

@@ -78,19 +78,17 @@ def broken_plate() -> Rig:
 
 
 def test_every_fault_is_mended_and_counted():
-    plate = broken_plate()
-    obj = plate.obj
+    obj = broken_plate().obj
     before = faults(obj)
     assert (before["not_finite"], before["coincident"]) == (2, 11)
     assert all(before.values()), before
     mended, left = inner.repair.repair(obj, inner.repair.RepairOptions())
-    expected = {"not_finite": 2, "coincident": 11, "duplicate": 1, "degenerate": 1}
-    assert {fault: mended[fault] for fault in expected} == expected
+    assert mended.items() >= {"not_finite": 2, "coincident": 11, "duplicate": 1, "degenerate": 1}.items()
     assert mended["loose"] >= 1
     assert not any(left.values()), left
     assert not any(faults(obj).values()), faults(obj)
-    neighbours = np.mean([base_points(obj)[index] for index in (49, 59, 61, 71)], axis=0)
-    assert np.abs(base_points(obj)[60] - neighbours).max() < FLOAT32
+    points = base_points(obj)
+    assert np.abs(points[60] - points[[49, 59, 61, 71]].mean(axis=0)).max() < FLOAT32
 
 
 def test_the_operator_says_what_it_did_and_binds_again(capfd):
@@ -163,18 +161,16 @@ def test_each_shape_key_is_filled_from_its_own_neighbours():
     """In Edit Mode with another key than the first one active, the mesh shows that key."""
     obj = grid_object()
     add_key(obj, "Wave", Matrix.Translation((0.0, 0.0, 1.0)))
-    for key in obj.data.shape_keys.key_blocks:
-        key.data[60].co.y = NAN
-    obj.data.vertices[60].co.y = NAN
-    obj.active_shape_key_index = 1
-    make_active(obj)
-    for mode in ("EDIT", "OBJECT"):
-        bpy.ops.object.mode_set(mode=mode)
-        bpy.ops.sinew.repair()
     keys = obj.data.shape_keys.key_blocks
-    for name, height in (("Basis", 0.0), ("Wave", 1.0)):
-        assert np.abs(np.array(keys[name].data[60].co) - (0.0, 0.0, height)).max() < FLOAT32, name
-    assert np.abs(np.array(obj.data.vertices[60].co)).max() < FLOAT32
+    for points in (keys[0].data, keys[1].data, obj.data.vertices):
+        points[60].co.y = NAN
+    obj.active_shape_key_index = 1
+    for mode in ("EDIT", "OBJECT"):
+        with in_mode(obj, mode):
+            bpy.ops.sinew.repair()
+    keys = obj.data.shape_keys.key_blocks
+    for points, height in ((keys[0].data, 0.0), (keys[1].data, 1.0), (obj.data.vertices, 0.0)):
+        assert np.abs(np.array(points[60].co) - (0.0, 0.0, height)).max() < FLOAT32
 
 
 CUBE = 0.5 * (np.array(CORNERS) + 1.0)

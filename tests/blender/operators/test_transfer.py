@@ -18,21 +18,9 @@ from rigs.rig import Rig, add_key, fails, key, linked, make_active, save
 from second_blender import look_elsewhere
 
 
-def stout(source: bpy.types.Object, shape) -> bpy.types.Object:
-    """A copy of the mesh, reshaped, without deformers and modifiers."""
-    mesh = source.data.copy()
-    for vertex in mesh.vertices:
-        vertex.co = shape(np.array(vertex.co))
-    return linked(bpy.data.objects.new("Stout", mesh))
-
-
-def transfer(
-    source: bpy.types.Object, target: bpy.types.Object, path: Path | None, /, **keywords
-) -> set[str]:
+def transfer(source: bpy.types.Object, target: bpy.types.Object, path: Path, /, **keywords) -> set[str]:
     make_active(target, source)
-    if path is not None:
-        keywords["filepath"] = str(path)
-    return bpy.ops.sinew.transfer_deformation(**keywords)
+    return bpy.ops.sinew.transfer_deformation(filepath=str(path), **keywords)
 
 
 @pytest.fixture
@@ -40,7 +28,9 @@ def pair(plate: Rig) -> tuple[Rig, bpy.types.Object]:
     """A plate that Sinew moves through the frames, and one of twice the size."""
     plate.bind("arap")
     animate(plate.control)
-    return plate, stout(plate.obj, lambda co: 2.0 * co)
+    stout = linked(bpy.data.objects.new("Stout", plate.obj.data.copy()))
+    stout.data.transform(Matrix.Scale(2.0, 4))
+    return plate, stout
 
 
 SPOILED: dict[str, Callable[[bpy.types.Object], object]] = {
