@@ -16,10 +16,8 @@ Pose = Callable[[bpy.types.Object], object]
 @dataclass(frozen=True)
 class Lineup:
     """A sample: ``build`` makes the model, and ``row`` says for each label what poses its copy, if anything.
-
-    With ``anew``, ``build`` makes each of them, of a label and a place along x; without, they are copies.
-    An object that gets a property ``label`` while it is posed has that text instead of the key of the row.
-    """
+    With ``anew``, ``build`` makes each of them, of a label and a place along x; without, they are copies. An
+    object that gets a property ``label`` while it is posed has that text instead of the key of the row."""
 
     build: Callable[..., bpy.types.Object]
     row: Mapping[str, Pose | None]

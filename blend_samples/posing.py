@@ -277,9 +277,8 @@ def check_posed(obj: Object, rest_frame: int = 1, pose_frame: int = POSE_FRAME) 
     """Stop the sample unless all deformers are bound without an error and the pose is finite and moves it."""
     for deformer in obj.sinew.deformers:
         if not deformer.is_bound or deformer.status_level in {"ERROR", "WARNING"}:
-            raise SampleError(
-                f"{obj.name}: deformer {deformer.name!r} is not well: {deformer.status or 'not bound'}"
-            )
+            why = deformer.status or "not bound"
+            raise SampleError(f"{obj.name}: deformer {deformer.name!r} is not well: {why}")
     scene = bpy.context.scene
     shapes = []
     for frame in (rest_frame, pose_frame):

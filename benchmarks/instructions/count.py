@@ -14,6 +14,7 @@ import re
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 
 TABLE = Path(__file__).with_name("table.json")
@@ -57,9 +58,8 @@ def instructions(frames: Path, valgrind: str, words: list[str]) -> int:
 
 
 def count(frames: Path, valgrind: str, loops: dict) -> dict[str, int]:
-    runs = {
-        loop: [instructions(frames, valgrind, run.split()) for run in runs] for loop, runs in loops.items()
-    }
+    counted = partial(instructions, frames, valgrind)
+    runs = {loop: [counted(run.split()) for run in runs] for loop, runs in loops.items()}
     return {loop: (each[0] - sum(each[1:])) // (ITERATIONS if each[1:] else 1) for loop, each in runs.items()}
 
 

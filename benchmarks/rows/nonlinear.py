@@ -136,11 +136,9 @@ def _libigl_to_one_percent(case: Case, method: "sinew_native.Arap", patience: fl
 
 
 def arrival(excess: np.ndarray, seconds: np.ndarray) -> Row:
-    """When a peer's excess over the least energy falls to 1 %, from samples every ``CHUNK`` iterations.
-
-    If it does not fall so far, the second half of the samples is extrapolated, by a power of the time and
-    exponentially; the earlier of both times counts.
-    """
+    """When a peer's excess over the least energy falls to 1 %, from samples every ``CHUNK`` iterations. If it
+    does not fall so far, the second half of the samples is extrapolated, by a power of the time and
+    exponentially; the earlier of both times counts."""
     within = np.flatnonzero(excess <= WITHIN)
     if len(within):
         k = within[0]

@@ -20,10 +20,8 @@ STILL = np.eye(3, 4)
 @dataclass(frozen=True)
 class Case:
     """One edit: a mesh of ``points`` (n, 3) and ``triangles`` (t, 3), and the poses (2, 3, 4) of two handles.
-
     The first handle stays. The picture is seen from -y, with z up, after a turn by ``heading`` degrees about
-    z. Only a ``closed`` mesh has a volume.
-    """
+    z. Only a ``closed`` mesh has a volume."""
 
     name: str
     points: np.ndarray

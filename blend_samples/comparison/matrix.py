@@ -17,12 +17,9 @@ from .rows import Solve
 
 @dataclass(frozen=True)
 class Distortion:
-    """What is measured of one shape.
-
-    Edges and faces of which every corner is held are left out: no method decides about them. Edge ratios and
-    area ratios are those of lengths and areas to the ones at rest. Angles are changes of the corners of
-    faces, in degrees. The volume is None for a mesh with a border.
-    """
+    """What is measured of one shape. Edges and faces of which every corner is held are left out: no method
+    decides about them. Edge ratios and area ratios are those of lengths and areas to the ones at rest. Angles
+    are changes of the corners of faces, in degrees. The volume is None for a mesh with a border."""
 
     edge_rms: float  # root of the mean square of the edge ratio less 1
     edge_least: float

@@ -102,11 +102,8 @@ def _made(methods: ModuleType, native: ModuleType, method, mesh: object, options
 
 def _values(method, rebinds: bool, options: dict[str, object]) -> dict[str, object]:
     """What the native constructor takes, or ``solve``: the defaults of the row but for ``options``."""
-    return {
-        parameter.id: options.get(parameter.id, parameter.native_default)
-        for parameter in method.parameters
-        if parameter.rebinds == rebinds
-    }
+    taken = [parameter for parameter in method.parameters if parameter.rebinds == rebinds]
+    return {each.id: options.get(each.id, each.native_default) for each in taken}
 
 
 def igl_arap(iterations: int = 200) -> Solve | None:

@@ -24,17 +24,10 @@ WAVE = Move(shift=(0.30, -0.12, 0.38), turn=(0.0, -52.0, -10.0), pivot=HOOF)
 HIGH = Move(shift=(0.34, -0.18, 0.48), turn=(0.0, -66.0, -10.0), pivot=HOOF)
 HEAD_MOVES = there_and_back((POSE_FRAME, NOD), (56, LOOK), (72, NOD))
 HOOF_MOVES = there_and_back((POSE_FRAME, WAVE), (48, HIGH), (56, WAVE), (64, HIGH), (72, WAVE))
-LIFT_A_HOOF = Regions(
-    "arap",
-    (
-        Handle("Head", HEAD_MOVES, (0.10, 0, 1.88), (0.14, 0, 1.5)),
-        Handle("Hoof", HOOF_MOVES, (0.52, -0.2, 0.10), (0.2, -0.2, 0.08)),
-    ),
-    "Hooves",
-    pin=0.05,
-    pads=((-0.02, 0.235), (-0.79, 0.20), (-0.79, -0.20)),
-    pad=0.23,
-)
+HEAD = Handle("Head", HEAD_MOVES, (0.10, 0, 1.88), (0.14, 0, 1.5))
+HANDLES = (HEAD, Handle("Hoof", HOOF_MOVES, (0.52, -0.2, 0.10), (0.2, -0.2, 0.08)))
+PADS = ((-0.02, 0.235), (-0.79, 0.20), (-0.79, -0.20))
+LIFT_A_HOOF = Regions("arap", HANDLES, "Hooves", pin=0.05, pads=PADS, pad=0.23)
 
 
 def loose_parts(choice: str):
@@ -198,10 +191,8 @@ def stretched(method: str) -> Regions:
         ("Chimney", up, (1.12, 0.0, 2.05), (1.12, 0.0, 1.72)),
         ("Cab", back, (-1.12, 0.0, 1.85), (-1.12, 0.0, 1.55)),
     )
-    handles = [
-        Handle(group, there_and_back((POSE_FRAME, move), (60, move)), tip, foot)
-        for group, move, tip, foot in rows
-    ]
+    keys = [there_and_back((POSE_FRAME, row[1]), (60, row[1])) for row in rows]
+    handles = [Handle(group, moves, tip, foot) for (group, _move, tip, foot), moves in zip(rows, keys)]
     return Regions(method, handles, "Drivers", pin=0.07)
 
 

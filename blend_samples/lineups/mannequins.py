@@ -36,9 +36,7 @@ def puppet(bone: str = "", value: tuple[float, float, float] = (0.0, 0.0, 0.0), 
     """The bones are handles, the feet are pinned, and a bone is dragged by ``value`` where one is named."""
 
     def drag(rig: bpy.types.Object) -> None:
-        posing.expect(
-            bpy.ops.sinew.puppet_pose(bone=bone, value=value, **options), f"{rig.name}: puppet_pose"
-        )
+        posing.operate(rig, "puppet_pose", bone=bone, value=value, **options)
 
     def pose(skin: bpy.types.Object) -> None:
         rig = mannequin.rig_of(skin)

@@ -16,25 +16,14 @@ from ..studio import Shot
 
 # The axis between foot and head becomes an arc of its own length.
 BEND = Move(shift=(0.94, 0.0, -0.61), turn=(0.0, 100.0, 0.0), pivot=(0.0, 0.0, pillar.HEAD))
-HEAD = Handle(
-    "Head",
-    there_and_back((POSE_FRAME, BEND), (52, BEND), (76, Move(turn=(0.0, 0.0, 135.0)))),
-    (0, 0, 2.25),
-    (0, 0, 2.0),
-)
+HEAD_MOVES = there_and_back((POSE_FRAME, BEND), (52, BEND), (76, Move(turn=(0.0, 0.0, 135.0))))
+HEAD = Handle("Head", HEAD_MOVES, (0, 0, 2.25), (0, 0, 2.0))
 # The same of the hose, by 120 degrees.
 FREE, ANGLE = hose.HEIGHT - 2 * hose.HELD, 2 * pi / 3
-ARC = Move(
-    shift=(FREE / ANGLE * (1 - cos(ANGLE)), 0.0, FREE / ANGLE * sin(ANGLE) - FREE),
-    turn=(0.0, 120.0, 0.0),
-    pivot=(0.0, 0.0, hose.HEIGHT - hose.HELD),
-)
-END = Handle(
-    "Head",
-    there_and_back((POSE_FRAME, ARC), (52, ARC)),
-    (0, 0, hose.HEIGHT + 0.25),
-    (0, 0, hose.HEIGHT),
-)
+SHIFT = (FREE / ANGLE * (1 - cos(ANGLE)), 0.0, FREE / ANGLE * sin(ANGLE) - FREE)
+ARC = Move(SHIFT, turn=(0.0, 120.0, 0.0), pivot=(0.0, 0.0, hose.HEIGHT - hose.HELD))
+TOP = (0, 0, hose.HEIGHT)
+END = Handle("Head", there_and_back((POSE_FRAME, ARC), (52, ARC)), (0, 0, hose.HEIGHT + 0.25), TOP)
 
 
 def bent(method: str, **parameters: object) -> Regions:
@@ -74,9 +63,8 @@ def share_of_volume(obj: bpy.types.Object, first: bpy.types.Object) -> str:
 
 
 def drift_of_volume(obj: bpy.types.Object, first: bpy.types.Object) -> str:
-    if obj == first:
-        return "100 % of the volume"
-    return f"{100 * (volume(obj) / volume(first) - 1):+.3f} % of the volume"
+    drift = f"{100 * (volume(obj) / volume(first) - 1):+.3f}"
+    return f"{'100' if obj == first else drift} % of the volume"
 
 
 # Bent, they reach to the right, where their labels stand.

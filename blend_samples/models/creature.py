@@ -51,9 +51,8 @@ def spikes() -> list[Squashed]:
         up = np.array((-along[2], 0.0, along[0]))
         size = 0.55 + 0.75 * np.sin(np.pi * place**1.15) ** 1.5
         foot = at + up * (radius - 0.03)
-        line = [
-            foot + size * (rise * up - back * along) for rise, back in ((0, 0), (0.12, 0.02), (0.21, 0.085))
-        ]
+        rises = ((0, 0), (0.12, 0.02), (0.21, 0.085))
+        line = [foot + size * (rise * up - back * along) for rise, back in rises]
         thorn = Tube(line, [0.082 * size, 0.056 * size, 0.008])
         row.append(Squashed(thorn, foot, (0, 1, 0), 1.8))
     return row
@@ -111,9 +110,7 @@ def sculpture(voxel: float = 0.0135) -> Sculpture:
         "spade": SPADE.distance(points),
     }
     mask = {key: smoothstep(0.022, 0.006, distance) for key, distance in hard.items()}
-    smooth_parts = np.max(
-        [*(mask[key] for key in ("spike", "horn", "claw", "spade")), 0.8 * mask["ear"]], axis=0
-    )
+    smooth_parts = np.max([(0.8 if key == "ear" else 1.0) * part for key, part in mask.items()], axis=0)
     near_eye = EYES.distance(points)
     face = smoothstep(1.02, 1.22, x)
     # the underside: below the spine's axis, from the chin to the tail, and the lower jaw

@@ -18,7 +18,7 @@ def build(name: str = "Hose") -> bpy.types.Object:
     points = np.stack((RADIUS * np.cos(a), RADIUS * np.sin(a), z), -1).reshape(-1, 3)
     fields = {"handle": points[:, 2] - HEIGHT + HELD, "fixed": HELD - points[:, 2]}
     regions = {
-        name: np.flatnonzero(fields[of] >= 0.0) for name, of in (("Head", "handle"), ("Foot", "fixed"))
+        group: np.flatnonzero(values >= 0.0) for group, values in zip(("Head", "Foot"), fields.values())
     }
     plain, quads = np.tile(PLAIN, (len(points), 1)), grid_faces(RINGS + 1, AROUND, around=True)
     made = Sculpture(points, quads, plain, attributes=fields, regions=regions)

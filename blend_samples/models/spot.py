@@ -70,9 +70,8 @@ def build(name: str = "Spot") -> bpy.types.Object:
     tree = BVHTree.FromPolygons(points.tolist(), faces.tolist())
     all_points, all_faces = [points], faces.tolist()
     for side in (1, -1):
-        place, normal, _, _ = tree.ray_cast(
-            Vector((1.1, 0.49 * side, 1.37)), Vector((-0.75, -0.30 * side, -0.06))
-        )
+        source, way = Vector((1.1, 0.49 * side, 1.37)), Vector((-0.75, -0.30 * side, -0.06))
+        place, normal, _, _ = tree.ray_cast(source, way)
         globe, quads = ball(place - 0.45 * EYE_RADIUS * normal, EYE_RADIUS, 6)
         start = sum(len(part) for part in all_points)
         regions["Head"] = np.concatenate((regions["Head"], start + np.arange(len(globe))))

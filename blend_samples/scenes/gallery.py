@@ -99,10 +99,8 @@ def publish() -> None:
     """Write the table of all rows, and the pictures, between the marks of the page of the comparison."""
     matrix, every = _made
     names = [sheet.name for sheet in every[1:-1]]
-    shown = [
-        f"![Rows of the matrix, sheet {number} of {len(names)}](../manual/images/{name}.jpg)"
-        for number, name in enumerate(names, 1)
-    ]
+    words = "![Rows of the matrix, sheet {} of {}](../manual/images/{}.jpg)"
+    shown = [words.format(number, len(names), name) for number, name in enumerate(names, 1)]
     before, _begin, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
     _old, _end, after = rest.partition(END)
     part = "\n\n".join((table(matrix), *shown))

@@ -41,9 +41,8 @@ def make() -> bpy.types.Scene:
     for number, x in enumerate(posing.places(2 * len(SHOWN), 1.75)):
         frame, edited = SHOWN[number // 2], number % 2 == 1
         _show(live, frame, edited, x)
-        labels.append(
-            (("Edited at its key" if frame == KEY else "Edited") if edited else f"Frame {frame}", x)
-        )
+        how = "Edited at its key" if frame == KEY else "Edited"
+        labels.append((how if edited else f"Frame {frame}", x))
     live.location.y = 6.0  # behind what the picture shows, to play with
     for obj in (live, *control.children):
         obj.hide_render = True

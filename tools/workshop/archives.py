@@ -62,8 +62,6 @@ def write_wheel(target: Path, files: dict[str, bytes]) -> Path:
     record = next(name for name in files if name.endswith(".dist-info/RECORD"))
     rows = sorted((name, content) for name, content in files.items() if name != record)
     digests = [base64.urlsafe_b64encode(hashlib.sha256(content).digest()) for _name, content in rows]
-    lines = [
-        f"{name},sha256={digest.rstrip(b'=').decode()},{len(content)}\n"
-        for (name, content), digest in zip(rows, digests)
-    ]
+    hashes = [digest.rstrip(b"=").decode() for digest in digests]
+    lines = [f"{name},sha256={digest},{len(content)}\n" for (name, content), digest in zip(rows, hashes)]
     return write_zip(target, files | {record: "".join([*lines, f"{record},,\n"]).encode()})

@@ -63,10 +63,8 @@ def _wheel(target: Target, builder: Environment, minor: int) -> tuple[Path, Stam
     tag = f"cp3{minor}"
     inputs = [ROOT / name for name in (*INPUTS, *target.inputs)]
     made_from = fingerprint(inputs, str(builder.interpreter))
-    return (
-        WHEELS / f"sinew_native-{version()}-{tag}-{tag}-{target.platform}.whl",
-        Stamp(WHEELS / f"{tag}-{target.platform}.made-from", made_from),
-    )
+    stamp = Stamp(WHEELS / f"{tag}-{target.platform}.made-from", made_from)
+    return WHEELS / f"sinew_native-{version()}-{tag}-{tag}-{target.platform}.whl", stamp
 
 
 @one_at_a_time()

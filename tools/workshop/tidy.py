@@ -154,10 +154,8 @@ def complaints_by(options: Iterable[str], file: Path) -> str:
 
 @cache
 def compiler_arguments() -> tuple[str, ...]:
-    """The arguments that Clang needs to read what GCC compiles.
-
-    GCC's own headers come after all others, for headers that Clang does not have, such as OpenMP's. Templates
-    that are never used are not checked, since some of CGAL's refer to members that do not exist.
-    """
+    """The arguments that Clang needs to read what GCC compiles. GCC's own headers come after all others, for
+    headers that Clang does not have, such as OpenMP's. Templates that are never used are not checked, since
+    some of CGAL's refer to members that do not exist."""
     headers = said(["g++", "-print-file-name=include"]).strip()
     return (f"--extra-arg=-idirafter{headers}", "--extra-arg=-fdelayed-template-parsing")

@@ -15,12 +15,8 @@ from . import debian, environments
 from .cross_libraries import SOURCES, System, check, pinned
 from .shell import Stamp, must, one_at_a_time, said
 
-WINDOWS = System(
-    "windows",
-    "Windows",
-    partial(debian.install, debian.WINDOWS),
-    ("-DCMAKE_C_COMPILER_LAUNCHER=ccache", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"),
-)
+CACHED = ("-DCMAKE_C_COMPILER_LAUNCHER=ccache", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
+WINDOWS = System("windows", "Windows", partial(debian.install, debian.WINDOWS), CACHED)
 PYTHONS = WINDOWS.files / "pythons.txt"
 
 

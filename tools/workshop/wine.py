@@ -28,11 +28,9 @@ SETTINGS = {
 def run_in_windows(
     command: Iterable[str | Path], env: Mapping[str, str | Path] | None = None, **options
 ) -> int:
-    """Does the same as run(), for a program of Windows. Its paths may be those of this machine.
-
-    Of the status of a program Wine hands on the lowest byte, which is 0 after some crashes. So a status of 0
-    proves nothing: look at what the program wrote.
-    """
+    """Does the same as run(), for a program of Windows. Its paths may be those of this machine. Of the status
+    of a program Wine hands on the lowest byte, which is 0 after some crashes. So a status of 0 proves
+    nothing: look at what the program wrote."""
     set_up()
     return run([*THROUGH_A_PIPE, *command], env=SETTINGS | dict(env or {}), **options)
 
