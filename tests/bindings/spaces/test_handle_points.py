@@ -82,6 +82,13 @@ def test_multiresolution_puts_details_back_on_the_base_of_any_of_them() -> None:
         assert np.array_equal(made.warp(made.control), points)
         found = made.warp(made.control @ TURN.T + 1.0)
         assert np.abs(found - points @ TURN.T - 1.0).max() < 1e-5
+        poses = [np.eye(3, 4), turn((0, 1, 0), 60, (11, 0, 0), (-2, 0, 4))]
+        alone = base(places, counts)
+        alone.bind(points)
+        found = made.warp_poses(poses)
+        assert np.abs(found - alone.warp_poses(poses)).max() > 1e-3, "details turn"
+        for part, pose, held in zip(parts, poses, (x < 1, x > 10), strict=True):
+            np.testing.assert_allclose(found[held], moved(pose, part), rtol=0, atol=1e-5)
 
 
 def bones(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

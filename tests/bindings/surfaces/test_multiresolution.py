@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The multiresolution deformation around each other surface method, and with any number of bands."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -41,11 +43,20 @@ def test_any_method_can_be_the_base(base: type, details: str) -> None:
         np.testing.assert_allclose(positions, moved(pose, POINTS), atol=1e-8)
 
 
-def test_levels_are_the_rest_shape_and_one_shape_per_band() -> None:
-    levels = around(sn.ThinShell, bands=3).levels()
-    assert [level.shape for level in levels] == [POINTS.shape] * 4
-    np.testing.assert_array_equal(levels[0], POINTS)
-    assert np.abs(levels[1] - POINTS).max() > 1e-3
+def test_levels_are_the_rest_shape_and_ever_smoother_ones_that_agree_on_handles() -> None:
+    points, faces = grid(30)
+    points[:, 2] = 2.4 * np.maximum(0.0, np.sin(0.25 * np.pi * points[:, :2]).prod(axis=1)) ** 2
+    mesh, held = sn.SurfaceMesh(points, faces), np.concatenate(ends(points, 3.0))
+    method = sn.Multiresolution(mesh, sn.ThinShell(mesh), bands=3, wavelength=4.0)
+    np.testing.assert_array_equal(method.levels(), [points])
+    method.set_handles(ends(points, 3.0))
+    levels = method.levels()
+    assert [level.shape for level in levels] == [points.shape] * 4
+    np.testing.assert_array_equal(levels[0], points)
+    heights = [np.linalg.norm(level[:, 2]) for level in levels]
+    assert all(after < 0.99 * before for before, after in itertools.pairwise(heights))
+    for level in levels:
+        np.testing.assert_array_equal(level[held], points[held])
 
 
 def test_details_without_a_height_are_counted() -> None:
