@@ -172,6 +172,47 @@ def test_a_segment_weighs_as_the_many_points_on_it(maps: str, alpha: float) -> N
     np.testing.assert_allclose(mls.warp(control), expected, rtol=0, atol=2e-3)  # 8 nodes on each side
 
 
+@pytest.mark.parametrize("maps", MAPS)
+def test_places_on_handles_and_segments_go_where_these_take_them(maps: str) -> None:
+    """And what is near gets near: the map is continuous."""
+    points, counts, goals = regions(40)
+    share = np.linspace(0, 1, 9)[:, None]
+    ends = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0.2), (1, 1, 0), (0.4, 0.3, 1)])
+    posed_ends = ends + np.array([(0, 0, 0), (-0.2, 0.5, 0.1), (0, 0, 0), (0, 0, 0), (0, 0, 0.4)])
+    on, there = (x[0] + share * (x[1] - x[0]) for x in (ends, posed_ends))
+    for precision in ("single", "double"):
+        words = {"maps": maps, "alpha": 1.0, "precision": precision}
+        by_regions, by_segments = (
+            sn.Mls(points, counts, **words),
+            sn.Mls(ends, segments=[[0, 1], [2, 3]], **words),
+        )
+        for made, places, control, wanted in (
+            (by_regions, points, posed(by_regions.control), goals),
+            (by_segments, on, posed_ends, there),
+        ):
+            for away, tolerance in ((0.0, 1e-13), (1e-7, 1e-4)):
+                made.bind(places + away)
+                np.testing.assert_allclose(made.warp(control), wanted, rtol=0, atol=tolerance)
+
+
+def test_handles_in_a_plane_or_on_a_line_carry_rigid_maps_and_the_report_says_so() -> None:
+    points, plane = cloud(40, 1.0, 6), cloud(12, 1.0, 5) * (1, 1, 0)
+    line = np.array([(0.0, 0, 0), (1, 0, 0), (2.5, 0, 0)])
+    mls = sn.Mls(plane, maps="affine", alpha=1.0, precision="double")
+    assert len(mls.bind(points).remarks) == 1
+    assert mls.maps == "rigid"
+    pose = turn((1, 2, 3), 80, (0, 0, 1), (1, 0, 0))
+    np.testing.assert_allclose(mls.warp(moved(pose, plane)), moved(pose, points), rtol=0, atol=1e-12)
+    pose = turn((0, 0, 1), 50, move=(1, 2, 3))  # the smallest angle from one line to the other
+    for maps in ("rigid", "similarity"):
+        mls = sn.Mls(line, maps=maps, alpha=1.0, precision="double")
+        mls.bind(points)
+        np.testing.assert_allclose(mls.warp(moved(pose, line)), moved(pose, points), rtol=0, atol=1e-9)
+    alone = sn.Mls(line[:1])
+    alone.bind(points)
+    np.testing.assert_allclose(alone.warp(line[1:2]), points + (1, 0, 0), rtol=0, atol=1e-15)
+
+
 def bump(points: np.ndarray, **options: object) -> np.ndarray:
     """How high the points go if the middle of {0, .5, 1}^3 goes up by one."""
     places = np.array([(x, y, z) for x in (0, 0.5, 1) for y in (0, 0.5, 1) for z in (0, 0.5, 1)])

@@ -58,7 +58,15 @@ def test_multiresolution_puts_details_back_on_the_base_of_any_of_them() -> None:
         )
         made.bind(points)
         assert np.array_equal(made.warp(made.control), points)
-        assert np.abs(made.warp(made.control @ TURN.T + 1.0) - points @ TURN.T - 1.0).max() < 1e-5
+        found = made.warp(made.control @ TURN.T + 1.0)
+        assert np.abs(found - points @ TURN.T - 1.0).max() < 1e-5
+        poses = [np.eye(3, 4), turn((0, 1, 0), 60, (11, 0, 0), (-2, 0, 4))]
+        alone = base(places, counts)
+        alone.bind(points)
+        found = made.warp_poses(poses)
+        assert np.abs(found - alone.warp_poses(poses)).max() > 1e-3, "details turn"
+        for pose, held in zip(poses, (x < 1, x > 10), strict=True):
+            np.testing.assert_allclose(found[held], moved(pose, points[held]), rtol=0, atol=1e-5)
 
 
 def bones(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -82,6 +82,29 @@ def test_frozen_borders_end_the_deformation_with_continuous_derivatives(continui
     assert np.log2(moved[0] / moved[2]) == pytest.approx(continuity + 1, abs=0.1)
 
 
+@pytest.mark.parametrize("counts", [(1, 1, 1), (2, 1, 1), (1, 3, 1), (2, 2, 1), (1, 2, 5)])
+@pytest.mark.parametrize("basis", ["bspline", "bezier", "blender linear", "blender bspline"])
+def test_lattices_of_few_points_follow_what_they_have(counts: tuple[int, int, int], basis: str) -> None:
+    basis, *kind = basis.split()
+    options = {"basis": basis, "interpolation": 3 * kind} if kind else {"basis": basis}
+    rest, points = lattice(*counts), 2.0 * POINTS - 0.5
+    method = bound(rest, points, resolution=counts, **options)
+    np.testing.assert_allclose(method.warp(rest + (1, 2, 3)), points + (1, 2, 3), rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("basis", ["bspline", "bezier"])
+def test_a_bent_lattice_places_points_by_its_own_map_and_a_mirrored_one_is_not_folded(basis: str) -> None:
+    straight, mirror = lattice(4, 4, 4), (-1, 1, 1)
+    x, y, z = straight.T
+    bent = straight + 0.15 * np.column_stack([y * z, x * x, np.sin(2 * x)])
+    posed = bent + np.random.default_rng(3).uniform(-0.3, 0.3, bent.shape)
+    plain = bound(straight, POINTS, basis=basis)
+    found = bound(bent, plain.warp(bent), basis=basis).warp(posed)
+    np.testing.assert_allclose(found, plain.warp(posed), rtol=0, atol=1e-9)
+    found = bound(straight * mirror, POINTS * mirror, basis=basis).warp(2 * straight * mirror)
+    np.testing.assert_allclose(found, 2 * POINTS * mirror, rtol=0, atol=1e-13)
+
+
 @pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
 def test_lattices_do_the_same_in_every_unit_and_place(scale: float) -> None:
     rest = lattice(4, 4, 4)

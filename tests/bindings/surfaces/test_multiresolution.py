@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Multiresolution deformations around other methods, with any number of bands, also by dense matrices."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -37,6 +39,22 @@ def test_any_method_can_be_the_base(base: type, details: str) -> None:
     if np.allclose(alone.solve(np.stack([pose, pose]))[0], moved(pose, POINTS), atol=1e-8):  # it can turn
         positions, _ = method.solve(np.stack([pose, pose]))
         np.testing.assert_allclose(positions, moved(pose, POINTS), atol=1e-8)
+
+
+def test_levels_are_the_rest_shape_and_ever_smoother_ones_that_agree_on_handles() -> None:
+    points, faces = grid(30)
+    points[:, 2] = 2.4 * np.maximum(0.0, np.sin(0.25 * np.pi * points[:, :2]).prod(axis=1)) ** 2
+    mesh, held = sn.SurfaceMesh(points, faces), np.concatenate(ends(points, 3.0))
+    method = sn.Multiresolution(mesh, sn.ThinShell(mesh), bands=3, wavelength=4.0)
+    np.testing.assert_array_equal(method.levels(), [points])
+    method.set_handles(ends(points, 3.0))
+    levels = method.levels()
+    assert [level.shape for level in levels] == [points.shape] * 4
+    np.testing.assert_array_equal(levels[0], points)
+    heights = [np.linalg.norm(level[:, 2]) for level in levels]
+    assert all(after < 0.99 * before for before, after in itertools.pairwise(heights))
+    for level in levels:
+        np.testing.assert_array_equal(level[held], points[held])
 
 
 def test_details_without_a_height_are_counted() -> None:

@@ -10,8 +10,7 @@ namespace sinew::test_space_propagation {
 
 namespace {
 
-using handles::moved, handles::posed, handles::random_points, handles::regions, handles::three_poses,
-    handles::warped;
+using handles::random_points, handles::regions;
 
 SpaceTraits traits()
 {
@@ -34,6 +33,7 @@ SpaceTraits traits()
 
 } // namespace
 
+// What it does to points is in tests/bindings/oracles/test_oracles_points.py.
 INSTANTIATE_TEST_SUITE_P(SpacePropagation, SpaceContract, testing::Values(traits()));
 
 } // namespace sinew::test_space_propagation

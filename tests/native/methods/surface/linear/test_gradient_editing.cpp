@@ -18,7 +18,7 @@ SurfaceTraits traits()
                                             {"geodesic", Fixture::maker({Field::geodesic}), 1, true, 1e-11}});
     made.translation = 1e-11;
     made.rigid = 1e-12; // a condition of 1e3
-    made.similar = made.scaled = 1e-10;
+    made.similar = 1e-10;
     made.rides = 1e-11;
     made.apart = 1e-12;
     made.parts_apart = true;

@@ -24,11 +24,11 @@ public:
             {{"hierarchy", maker({64, 4})}, {"one level", maker({0, 4})}, {"unrelaxed", maker({64, 0})}});
         made.mesh = shapes::hill(16, 10);
         made.large = shapes::hill(20, 18);
-        made.allocates = "one level";
+        made.allocates = {"one level"}; // its coarse mesh is the mesh itself
         made.rest = made.incoming = 1e-13; // each level takes its details apart and puts them together
         made.translation = 1e-8; // a single vertex leaves turns to the Laplacian of 1e-8
         made.rigid = 1e-11; // rounding errors, carried through all levels
-        made.similar = made.scaled = 1e-9;
+        made.similar = 1e-9;
         made.many_enter = true;
         made.updates = "levels";
         made.updated = maker({2, 4});

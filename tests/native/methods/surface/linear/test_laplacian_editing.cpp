@@ -25,7 +25,7 @@ public:
         made.follow = 3.0;
         made.rest = made.incoming = 1e-11; // rotations are fitted to edges that have not turned
         made.translation = 1e-9;
-        made.similar = made.scaled = 1e-8;
+        made.similar = 1e-8;
         made.rides = 1e-9;
         made.other = maker({.laplacian = Discretization::uniform});
         return made;

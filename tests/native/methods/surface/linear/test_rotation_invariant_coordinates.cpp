@@ -21,7 +21,7 @@ public:
                                                     {"uniform", maker({Discretization::uniform})}});
         made.translation = 1e-11;
         made.rigid = 1e-12; // a condition of 1e3
-        made.similar = made.scaled = 1e-10;
+        made.similar = 1e-10;
         made.other = maker({Discretization::uniform});
         return made;
     }

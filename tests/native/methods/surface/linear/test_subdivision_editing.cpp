@@ -39,7 +39,7 @@ SurfaceTraits traits()
     made.rest = made.incoming = 1e-13; // each level takes its details apart and puts them together
     made.translation = 1e-9;
     made.rigid = 1e-11; // rounding errors, carried through all levels
-    made.similar = made.scaled = 1e-9;
+    made.similar = 1e-9;
     made.updates = "coarsening";
     made.updated = Fixture::maker({Coarsening::levels, 1});
     return made;

@@ -66,8 +66,6 @@ protected:
 
 TEST_P(ThinShellUpdates, an_added_handle_gives_what_a_new_object_gives_and_taken_away_what_was_before)
 {
-    EXPECT_EQ(shell.set_handles(ends).refactored, 0.0) << "nothing changed";
-    EXPECT_EQ(solve(shell), before);
     const BindReport report = shell.set_handles(three);
     EXPECT_EQ(report.analyses, 1);
     EXPECT_EQ(report.factorizations, 2);
@@ -79,6 +77,8 @@ TEST_P(ThinShellUpdates, an_added_handle_gives_what_a_new_object_gives_and_taken
     for (int v : few)
         EXPECT_LT((positions.row(v) - mesh.points().row(v) - Eigen::RowVector3d(0, 0, 1.5)).norm(), 1e-12);
     EXPECT_EQ(shell.set_handles(ends).analyses, 1) << "the ordering is kept";
+    EXPECT_EQ(solve(shell), before);
+    EXPECT_EQ(shell.set_handles(ends).refactored, 0.0) << "nothing changed";
     EXPECT_EQ(solve(shell), before);
 }
 

@@ -53,7 +53,7 @@ public:
         made.follow = 3.0;
         made.rest = made.incoming = 1e-11;
         made.translation = made.rigid.emplace(1e-9);
-        made.similar = made.scaled = 1e-8;
+        made.similar = 1e-8;
         made.rides = 1e-9;
         made.turns_incoming = made.parts_apart = made.many_enter = true;
         made.half_turns = half_turns;

@@ -20,7 +20,7 @@ SurfaceTraits traits()
     made.rest = 1e-13; // rounding of the fits
     made.rigid = 1e-12; // everything is relative to a rigid motion
     made.held = 1e-13;
-    made.similar = made.scaled = 1e-4; // columns are stored in single precision, and turns end at 1e-6
+    made.similar = 1e-4; // columns are stored in single precision, and turns end at 1e-6
     made.apart = made.folded = 1e-5; // single precision, of columns that are summed up in another order
     made.updates = "bands";
     made.updated = Fixture::maker({.bands = 8});
