@@ -84,7 +84,7 @@ def polygons() -> Iterator[object]:
         "spiral": spiral(),
         "ring with a narrow slit": flat(*NARROW),
         "ring with a slit of no width": flat(*CLOSED),
-        # Rounding moves the ends of the slit: only the side to which a corner opens tells the ears inside.
+        # After rounding, only the side to which a corner opens tells which ears are inside.
         "tilted, with a slit that ends": flat((0, 0), (2, 0), (2, 2), (0, 2), (0, 0), (1, 1))
         @ [(-3, 0, 1), (0, -3, -3), (0, 0, 0)],
     }

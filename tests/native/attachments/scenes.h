@@ -144,9 +144,6 @@ Scene tube_and_balls();
 
 Scene belts();
 
-/// A plate of scales.
-Scene scales(int columns, int rows, int per_side, double size);
-
 /// A head with two sockets; in each an eye with an iris and a pupil, which overlap.
 Scene head();
 

@@ -71,8 +71,7 @@ TEST(BlendedRotations, lie_between_those_of_the_handles)
 
 TEST(BlendedRotations, take_the_short_way_between_half_turns_about_neighbouring_axes)
 {
-    // Two half turns, six degrees apart, whose quaternions come out of their matrices with
-    // opposite signs: the largest component is made positive.
+    // Their quaternions come out of their matrices with opposite signs: the largest component is made positive.
     const Setting setting;
     const auto rotations =
         setting.blended({shapes::turn({1, -0.9, 0}, 180), shapes::turn({0.9, -1, 0}, 180)});

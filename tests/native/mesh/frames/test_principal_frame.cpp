@@ -19,11 +19,9 @@ TEST(PrincipalFrame, has_the_axes_of_the_covariance_from_the_longest_to_the_norm
     shapes::Random random(3);
     for (double scale : {1e-12, 1.0, 1e12}) {
         const Matrix3 turn = random.rotation();
-        Points points(200, 3);
-        for (int i = 0; i < 200; ++i)
-            points.row(i) =
-                scale *
-                (turn * random.vector().cwiseProduct(Vector3(5, 2, 0.3)) + Vector3(9, -4, 2)).transpose();
+        const Matrix3 stretched = scale * turn * Vector3(5, 2, 0.3).asDiagonal();
+        const Points points =
+            shapes::transformed(random.points(200), shapes::affine(stretched, scale * Vector3(9, -4, 2)));
         const PrincipalFrame frame = principal_frame(points, all(points));
         expect_rotation(frame.axes);
         const Points around = points.rowwise() - points.colwise().mean();
