@@ -84,25 +84,21 @@ def by_an_evaluation(plate: Rig) -> None:
     update()
 
 
-def by_a_thread(plate: Rig) -> None:
+def by_a_thread(plate: Rig, cancel: bool = False) -> None:
     plate.deformer.method = "arap"
     ask_for_factor(plate.deformer)
-    inner.binding.job(plate.deformer.uid).thread.join()
-    catch_up()
+    if cancel:
+        inner.binding.cancel(plate.deformer.uid)
+    else:
+        assert finish()
 
 
-def by_the_user(plate: Rig) -> None:
-    plate.deformer.method = "arap"
-    ask_for_factor(plate.deformer)
-    inner.binding.cancel(plate.deformer.uid)
-
-
-@pytest.mark.parametrize("refused", [by_an_operator, by_an_evaluation, by_a_thread, by_the_user])
-def test_a_refusal_is_shown_by_one_call(
-    plate: Rig, monkeypatch: pytest.MonkeyPatch, refused: Callable[[Rig], None]
-):
+@pytest.mark.parametrize(
+    "refused", [by_an_operator, by_an_evaluation, by_a_thread, partial(by_a_thread, cancel=True)]
+)
+def test_a_refusal_is_shown_by_one_call(plate: Rig, monkeypatch: pytest.MonkeyPatch, refused: Callable):
     plate.bind("thin_shell").lift(0.1)
-    if refused in (by_a_thread, by_the_user):
+    if refused not in (by_an_operator, by_an_evaluation):
         use_threads(monkeypatch)
         monkeypatch.setattr(inner.binding, "build_factor", refuse)
     found = calls_of(lambda: refused(plate))

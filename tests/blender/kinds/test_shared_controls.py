@@ -47,12 +47,10 @@ def scaled_ball(name: str, size: float, at: tuple = (0.0, 0.0, 0.0)) -> bpy.type
 def clothed() -> list[bpy.types.Object]:
     """A body, a suit that stands off from it with loose buttons, and a hat; moved, turned, mirrored."""
     body, suit, hat = (
-        scaled_ball("Body", 1.0),
-        scaled_ball("Suit", 1.25),
-        scaled_ball("Hat", 0.3, (0, 0, 1.3)),
+        scaled_ball(name, size, (0, 0, height))
+        for name, size, height in (("Body", 1.0, 0.0), ("Suit", 1.25, 0.0), ("Hat", 0.3, 1.3))
     )
-    buttons = [scaled_ball("Button", 0.03, (0.85 * x, 0.1, 0.1)) for x in (-1, 1)]
-    make_active(suit, *buttons)
+    make_active(suit, *(scaled_ball("Button", 0.03, (0.85 * x, 0.1, 0.1)) for x in (-1, 1)))
     assert bpy.ops.object.join() == {"FINISHED"}
     suit.scale = (-1.0, 1.0, 1.0)
     hat.location.y, hat.rotation_euler.x = 0.1, 0.2

@@ -28,18 +28,13 @@ PLACES = 2e-5  # rotations go through float32 channels, from bone to bone
 
 
 def channels(armature: bpy.types.Object) -> np.ndarray:
-    return np.array(
-        [
-            (*bone.location, *bone.rotation_quaternion, *bone.rotation_euler, *bone.rotation_axis_angle)
-            for bone in (armature.pose.bones if armature.pose else ())
-        ]
-    )
+    names = ("location", "rotation_quaternion", "rotation_euler", "rotation_axis_angle")
+    return np.array([np.concatenate([getattr(bone, name) for name in names]) for bone in armature.pose.bones])
 
 
 def lengths(armature: bpy.types.Object) -> np.ndarray:
-    return np.array(
-        [np.linalg.norm(end_of(armature, name) - end_of(armature, name, "head")) for name in BONES]
-    )
+    ends = [(end_of(armature, name), end_of(armature, name, "head")) for name in BONES]
+    return np.linalg.norm([tail - head for tail, head in ends], axis=1)
 
 
 # Dragging
