@@ -10,7 +10,7 @@ from mathutils import Vector
 
 from .. import posing
 from ..lineup import POSE_FRAME, Handle, Lineup, Regions, there_and_back
-from ..models import hose, pillar
+from ..models import pillar
 from ..posing import Move
 from ..studio import Shot
 
@@ -19,11 +19,11 @@ BEND = Move(shift=(0.94, 0.0, -0.61), turn=(0.0, 100.0, 0.0), pivot=(0.0, 0.0, p
 HEAD_MOVES = there_and_back((POSE_FRAME, BEND), (52, BEND), (76, Move(turn=(0.0, 0.0, 135.0))))
 HEAD = Handle("Head", HEAD_MOVES, (0, 0, 2.25), (0, 0, 2.0))
 # The same of the hose, by 120 degrees.
-FREE, ANGLE = hose.HEIGHT - 2 * hose.HELD, 2 * pi / 3
+FREE, ANGLE = pillar.LONG - 2 * pillar.HELD, 2 * pi / 3
 SHIFT = (FREE / ANGLE * (1 - cos(ANGLE)), 0.0, FREE / ANGLE * sin(ANGLE) - FREE)
-ARC = Move(SHIFT, turn=(0.0, 120.0, 0.0), pivot=(0.0, 0.0, hose.HEIGHT - hose.HELD))
-TOP = (0, 0, hose.HEIGHT)
-END = Handle("Head", there_and_back((POSE_FRAME, ARC), (52, ARC)), (0, 0, hose.HEIGHT + 0.25), TOP)
+ARC = Move(SHIFT, turn=(0.0, 120.0, 0.0), pivot=(0.0, 0.0, pillar.LONG - pillar.HELD))
+TOP = (0, 0, pillar.LONG)
+END = Handle("Head", there_and_back((POSE_FRAME, ARC), (52, ARC)), (0, 0, pillar.LONG + 0.25), TOP)
 
 
 def bent(method: str, **parameters: object) -> Regions:
@@ -146,7 +146,7 @@ LINEUPS = {
     ),
     "sheets": Lineup(
         about="One hose, bent by the nonlinear thin shell: a thin wall kinks, a thick one keeps its round.",
-        build=hose.build,
+        build=pillar.build_hose,
         row={"Rest": None, "Thickness 0.5 %": hose_of(0.005), "2 %": hose_of(0.02), "8 %": hose_of(0.08)},
         spacing=2.3,
         shot=Photo((0.5, 0, 1), 10.0, distance=28.0, samples=32, picture=(1600, 480), text=0.2),

@@ -13,6 +13,8 @@ GROOVES, WINDINGS = 7, 0.5
 CELLS = 40  # across the top; each ring has 4 * CELLS corners
 RINGS = 360
 PLAIN = (0.55, 0.50, 0.43)
+LONG, WIDE, TURNS, AROUND = 2.4, 0.26, 96, 48  # of the hose: height, radius, rings, corners of each
+HELD, RUBBER = 0.3, (0.55, 0.40, 0.22)  # of its height, at each end; its colour
 STRIPES, STRIPE = 3, (0.30, 0.035, 0.02)  # how many, and their colour
 
 
@@ -57,3 +59,17 @@ def build_striped(name: str = "Pillar") -> bpy.types.Object:
     made.attributes["stripe"] = np.hypot(x, y) * np.cos(STRIPES * np.arctan2(y, x))
     striped = patched_material("Pillar", PLAIN, (("stripe", STRIPE, 0.006),), roughness=0.5)
     return to_object(name, made, [striped])
+
+
+def build_hose(name: str = "Hose") -> bpy.types.Object:
+    """A tube open at both ends, which are its regions."""
+    height, turn = np.linspace(0, LONG, TURNS + 1), 2 * np.pi / AROUND * np.arange(AROUND)
+    z, a = np.meshgrid(height, turn, indexing="ij")
+    points = np.stack((WIDE * np.cos(a), WIDE * np.sin(a), z), -1).reshape(-1, 3)
+    fields = {"handle": points[:, 2] - LONG + HELD, "fixed": HELD - points[:, 2]}
+    regions = {
+        group: np.flatnonzero(values >= 0.0) for group, values in zip(("Head", "Foot"), fields.values())
+    }
+    plain, quads = np.tile(RUBBER, (len(points), 1)), grid_faces(TURNS + 1, AROUND, around=True)
+    made = Sculpture(points, quads, plain, attributes=fields, regions=regions)
+    return to_object(name, made, [region_material("Hose", RUBBER)])
