@@ -11,16 +11,7 @@ from expected import Expected
 from inside import inner
 from mathutils import Matrix, Vector
 from probe import render_points
-from rigs.rig import (
-    Rig,
-    base_points,
-    change_in_edit_mode,
-    close,
-    linked,
-    make_active,
-    press,
-    update,
-)
+from rigs.rig import Rig, base_points, change_in_edit_mode, close, linked, make_active, press, update
 
 METHOD = "spline_surface"
 SIDE = 9  # control points in each direction: 6 spans

@@ -12,15 +12,7 @@ from inside import notes_of
 from mathutils import Matrix
 from registry import WITH_CAGE
 from rigs.cages import TURN, assert_goes_on, ball, box, surround, transform
-from rigs.point_objects import (
-    MAKERS,
-    TESSELLATED,
-    controls_of,
-    has_surface,
-    inside,
-    moved_by_hand,
-    shown,
-)
+from rigs.point_objects import MAKERS, TESSELLATED, controls_of, has_surface, inside, moved_by_hand, shown
 from rigs.rig import (
     FLOAT32,
     MATRIX,
