@@ -8,17 +8,7 @@ import numpy as np
 import pytest
 from inside import inner
 from registry import WITH_CAGE
-from rigs.cages import (
-    assert_goes_on,
-    assert_rests,
-    ball,
-    box,
-    motion_of,
-    place,
-    selected,
-    set_rest,
-    surround,
-)
+from rigs.cages import assert_goes_on, assert_rests, ball, box, motion_of, place, selected, set_rest, surround
 from rigs.rig import (
     CORNERS,
     FLOAT32,

@@ -11,16 +11,7 @@ from expected import Expected
 from inside import inner
 from mathutils import Matrix, Vector
 from probe import render_points
-from rigs.rig import (
-    Rig,
-    base_points,
-    change_in_edit_mode,
-    close,
-    linked,
-    make_active,
-    press,
-    update,
-)
+from rigs.rig import Rig, base_points, change_in_edit_mode, close, linked, make_active, press, update
 
 METHOD = "spline_surface"
 SIDE = 9  # control points in each direction: 6 spans
@@ -183,14 +174,12 @@ def test_points_that_are_not_finite_are_refused_and_the_grid_goes_with_its_defor
     assert name not in bpy.data.objects
 
 
-def test_other_methods_have_no_grid(bound_plate: Rig):
-    make_active(bound_plate.obj)
-    assert not bpy.ops.sinew.grid_new.poll()
-
-
 def test_around_a_spline_multiresolution_moves_its_grid_too(sheet: Rig):
     new_grid(sheet)
     drag(sheet, at_middle())
+    sheet.deformer.method = "thin_shell"
+    make_active(sheet.obj)
+    assert not bpy.ops.sinew.grid_new.poll()
     sheet.deformer.method = "multiresolution"
     sheet.deformer.parameters.base = METHOD
     update()

@@ -12,15 +12,7 @@ from inside import notes_of
 from mathutils import Matrix
 from registry import WITH_CAGE
 from rigs.cages import TURN, assert_goes_on, ball, box, surround, transform
-from rigs.point_objects import (
-    MAKERS,
-    TESSELLATED,
-    controls_of,
-    has_surface,
-    inside,
-    moved_by_hand,
-    shown,
-)
+from rigs.point_objects import MAKERS, TESSELLATED, controls_of, has_surface, inside, moved_by_hand, shown
 from rigs.rig import (
     FLOAT32,
     MATRIX,
@@ -155,12 +147,27 @@ def test_faces_of_a_shared_cage_can_be_changed(active: int):
         assert close(evaluated_points(obj), points + (0.0, 0.0, 0.3), MATRIX)
 
 
-def test_a_flip_turns_a_shared_cage_once():
+def pull_a_vertex_out(obj: bpy.types.Object, cage: bpy.types.Object) -> None:
+    obj.data.vertices[3].co.z = 5.0
+
+
+def turn_inside_out(obj: bpy.types.Object, cage: bpy.types.Object) -> None:
+    if obj.name == "Body":
+        cage.data.flip_normals()
+
+
+@pytest.mark.parametrize(
+    ("break_it", "buttons"),
+    [(turn_inside_out, ["cage_flip"]), (pull_a_vertex_out, ["cage_outside_follow", "settings_share"])],
+)
+def test_one_button_mends_all_targets_of_a_cage(break_it: Callable, buttons: list[str]):
+    """A flip turns the cage once; those that are refused because of what is outside are bound."""
     objects, cage = (ball("Body"), ball("Suit")), box()
-    cage.data.flip_normals()
     for obj in objects:
-        assert "inside out" in surround(obj, cage).status
-    press(objects[0], "cage_flip")
+        break_it(obj, cage)
+        assert surround(obj, cage, "harmonic").status_level == "ERROR"
+    for button in buttons:
+        press(objects[0], button)
     for obj in objects:
         assert_goes_on(obj, cage)
 
@@ -229,18 +236,6 @@ def test_all_targets_of_a_control_can_get_the_same_settings_and_rest(share: Call
     surround(alone, box("Own"))
     make_active(alone)
     assert not bpy.ops.sinew.settings_share.poll()
-
-
-def test_outside_can_be_set_for_all_targets_of_a_cage():
-    """Those that are refused are bound by it."""
-    objects, cage = (ball("Body"), ball("Suit")), box()
-    for obj in objects:
-        obj.data.vertices[3].co.z = 5.0
-        assert surround(obj, cage, "harmonic").status_level == "ERROR"
-    press(objects[0], "cage_outside_follow")
-    assert bpy.ops.sinew.settings_share() == {"FINISHED"}
-    for obj in objects:
-        assert_goes_on(obj, cage)
 
 
 def test_an_object_without_points_gets_no_cage_and_says_so():

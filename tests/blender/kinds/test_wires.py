@@ -177,8 +177,7 @@ def test_a_domain_curve_limits_its_wire() -> None:
 
 def test_curves_without_length_are_refused_by_name() -> None:
     plate = grid_object()
-    dot = polyline(np.zeros((3, 3)), "Dot")
-    press(plate, "wire_add", curve=dot.name)
+    press(plate, "wire_add", curve=polyline(np.zeros((3, 3)), "Dot").name)
     assert plate.sinew.active.status_level == "ERROR"
     assert "Dot has no length" in plate.sinew.active.status
     assert close(evaluated_points(plate), base_points(plate))
@@ -186,8 +185,7 @@ def test_curves_without_length_are_refused_by_name() -> None:
 
 @pytest.mark.parametrize("what", ["bevel_depth", "extrude"])
 def test_a_curve_that_shows_faces_is_refused_by_name(what: str) -> None:
-    plate = grid_object()
-    wire = curve("BEZIER", "Thick")
+    plate, wire = grid_object(), curve("BEZIER", "Thick")
     setattr(wire.data, what, 0.1)
     press(plate, "wire_add", curve=wire.name)
     assert "Thick shows faces" in plate.sinew.active.status

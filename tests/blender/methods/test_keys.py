@@ -183,6 +183,9 @@ def test_keys_move_and_go_like_keyframes(swaying: Rig):
     assert frames_of(swaying) == [1, 20]
     for frame in FRAMES:
         assert close(*there(swaying, frame)), frame
+    swaying.deformer.method = "arap"  # which has no keys
+    update()
+    assert not bpy.ops.sinew.key_add.poll()
 
 
 def test_the_list_jumps_from_key_to_key_also_in_stretched_time(swaying: Rig):
@@ -313,12 +316,6 @@ def test_a_handle_that_comes_later_is_edited_by_its_own_keys(swaying: Rig):
         # That bind took the shape of frame 10 as its rest shape, so the faces between have other weights.
         assert close(swaying.points(), before[frame], 0.02)
         assert close(swaying.points()[swaying.top], before[frame][swaying.top], SINGLE)
-
-
-def test_other_methods_have_no_keys(swaying: Rig):
-    swaying.deformer.method = "arap"
-    update()
-    assert not bpy.ops.sinew.key_add.poll()
 
 
 def test_a_key_that_is_no_number_is_named(swaying: Rig):

@@ -13,17 +13,7 @@ from inside import factor_of, inner, native, notes_of, settle
 from mathutils import Matrix
 from rigs.cages import box, transform
 from rigs.kinds import HandleRig
-from rigs.rig import (
-    CORNERS,
-    close,
-    duplicated,
-    evaluated_points,
-    new_empty,
-    press,
-    refused,
-    reopen,
-    update,
-)
+from rigs.rig import CORNERS, close, duplicated, evaluated_points, new_empty, press, refused, reopen, update
 from rigs.sheet import DrawContext, Sheet
 
 DRAWN = 1e-3  # Blender keeps a drawn curve as a table

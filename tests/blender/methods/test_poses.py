@@ -4,17 +4,7 @@
 import numpy as np
 import pytest
 from mathutils import Matrix
-from rigs.rig import (
-    Rig,
-    add_group,
-    apply_matrix,
-    close,
-    move_world,
-    new_empty,
-    press,
-    some_motion,
-    update,
-)
+from rigs.rig import Rig, add_group, apply_matrix, close, move_world, new_empty, press, some_motion, update
 
 
 @pytest.mark.parametrize("parented", [False, True])

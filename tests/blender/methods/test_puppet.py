@@ -14,15 +14,7 @@ from libraries import put_into_a_library, read
 from mathutils import Matrix, Vector
 from mouse import event, front_view
 from rigs.puppets import BONES, FEET, end_of, figure, pose, standing
-from rigs.rig import (
-    close,
-    curves_of,
-    linked,
-    new_empty,
-    new_file,
-    refused,
-    update,
-)
+from rigs.rig import close, curves_of, linked, new_empty, new_file, refused, update
 
 PLACES = 2e-5  # rotations go through float32 channels, from bone to bone
 
