@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Apply Location, Rotation and Scale, and Set Origin: rest and pose stay where they are in the world."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path

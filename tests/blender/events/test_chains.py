@@ -5,8 +5,6 @@ The oracle: whatever is evaluated again changes nothing, and a frame looks the s
 reached. Where a control is followed, a solve by the library for where Blender has put that control.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import NamedTuple
 

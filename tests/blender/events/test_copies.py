@@ -4,8 +4,6 @@
 The scripts call nothing of ours, and they wait for nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import bpy

@@ -4,8 +4,6 @@
 The expected shape is that of the same rig with the value set by hand, or a closed form.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 
 import bpy

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Copies, deletions, new names, new orders, orphans, shared meshes."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 import pytest

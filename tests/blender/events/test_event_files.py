@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Save, load, recover, new, append, link, override, make local; the add-on off, on, upgraded, missing."""
 
-from __future__ import annotations
-
 import importlib
 import shutil
 import sys

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Edit, Sculpt, Weight Paint Mode on the target; its topology and its weights changed there."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import bmesh

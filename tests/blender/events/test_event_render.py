@@ -5,8 +5,6 @@ A viewport render (``render.opengl``) needs a window: ``tests/gui`` has it. Play
 ``screen.animation_play`` needs one, too; what it does in the background is the same change of frames.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Modifiers added, removed, applied, muted, moved, copied; ours too, by the buttons that Blender has."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import bpy

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a button refuses, it refuses in words, and all that was seen and listed stays as it was."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path

@@ -4,8 +4,6 @@
 What it has made is in the saved file, too.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path

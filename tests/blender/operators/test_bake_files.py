@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where a bake writes, and what goes wrong; bakes of several deformers, through renames, copies and saves."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

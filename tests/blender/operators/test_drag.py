@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sinew Drag by its properties, as scripts and Adjust Last Operation call it, and by events of a mouse."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import bpy

@@ -5,8 +5,6 @@ Handles at the very place are tested with each method that they move through spa
 a window, too. What begins with a press in one is in the sessions of ``tests/gui``.
 """
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 import pytest

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Controls as they are made: how far they reach, what is drawn of that, and the numbers in the sidebar."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import bpy

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Grab Once by its properties, as scripts and Adjust Last Operation call it, and by events."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

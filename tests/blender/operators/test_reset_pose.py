@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reset Pose brings every kind of control back to rest, and Key Pose keys all of them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import bpy

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draw Outline by a curve as the stroke, as in scripts, and by events, as a window would send them."""
 
-from __future__ import annotations
-
 import math
 
 import bpy

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Try It: rigs open beside what the artist works on, their steps tick, and Back leaves nothing behind."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import bpy
