@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The rows of the registry that handles steer, their options as the native module takes them, and turns."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from types import ModuleType
 

@@ -2,7 +2,7 @@
 """The state of the sources: licence lines, sizes, door-plates, versions, and words that do not belong."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from .tree import files, lines
@@ -44,12 +44,9 @@ def sources(root: Path) -> Iterator[Path]:
 
 def licence_offences(root: Path) -> list[str]:
     """The licence stands in the first three lines (a shebang or an empty comment may come before)."""
-    offences = []
-    for path in sources(root):
-        head = [line for number, line in lines(path) if number <= 3]
-        if not any(LICENCE in line for line in head):
-            offences.append(f"{path.relative_to(root)}:1: does not name its licence")
-    return offences
+    heads = {path: path.read_text(encoding="utf-8").splitlines()[:3] for path in sources(root)}
+    lacking = [path for path, head in heads.items() if not any(LICENCE in line for line in head)]
+    return [f"{path.relative_to(root)}:1: does not name its licence" for path in lacking]
 
 
 def size_offences(root: Path) -> list[str]:
@@ -57,37 +54,33 @@ def size_offences(root: Path) -> list[str]:
     return [f"{path.relative_to(root)}: {count} lines" for path, count in counted if count > LONGEST]
 
 
-def word_offences(root: Path) -> list[str]:
+def matching(root: Path, paths: Iterable[Path], patterns: dict[str, str | re.Pattern]) -> list[str]:
+    """The lines in which a pattern stands, with what that is."""
     return [
         f"{path.relative_to(root)}:{number}: {what}: {line.strip()}"
-        for path in [*sources(root), *files(root, ".", ".md", ".json", ".cff")]
+        for path in paths
         for number, line in lines(path)
-        for what, pattern in FORBIDDEN.items()
+        for what, pattern in patterns.items()
         if re.search(pattern, line)
     ]
+
+
+def word_offences(root: Path) -> list[str]:
+    return matching(root, [*sources(root), *files(root, ".", ".md", ".json", ".cff")], FORBIDDEN)
 
 
 def former_name_offences(root: Path) -> list[str]:
     """What artists see has one name, in the add-on and on their pages."""
     pages = [*files(root, "docs/manual", ".md"), *files(root, "docs/methods", ".md"), root / "README.md"]
-    return [
-        f"{path.relative_to(root)}:{number}: a former name: {line.strip()}"
-        for path in [*files(root, "addon", ".py"), *pages]
-        if path.is_file()
-        for number, line in lines(path)
-        if FORMER.search(line)
-    ]
+    paths = filter(Path.is_file, [*files(root, "addon", ".py"), *pages])
+    return matching(root, paths, {"a former name": FORMER})
 
 
 def system_offences(root: Path) -> list[str]:
     """The same C++ compiles for every system; what differs between systems stands in ``core``."""
-    return [
-        f"{path.relative_to(root)}:{number}: only native/core may ask for a system: {line.strip()}"
-        for path in files(root, "native", ".h", ".cpp", ".inl", ".in")
-        if path.relative_to(root).parts[1] != "core"
-        for number, line in lines(path)
-        if re.search(SYSTEM, line)
-    ]
+    paths = files(root, "native", ".h", ".cpp", ".inl", ".in")
+    others = (path for path in paths if path.relative_to(root).parts[1] != "core")
+    return matching(root, others, {"only native/core may ask for a system": SYSTEM})
 
 
 def class_name_offences(root: Path) -> list[str]:

@@ -2,6 +2,8 @@
 from pathlib import Path
 
 import pytest
+from workshop.coverage import table
+from workshop.places import ROOT
 from workshop.results import Outcome, closing_line, outcome
 
 PYTEST = """<testsuites><testsuite name="pytest" tests="4">
@@ -39,3 +41,16 @@ def test_crash_without_a_file_is_a_failure(tmp_path: Path) -> None:
 def test_closing_line_is_plain() -> None:
     assert closing_line(Outcome(7, 0) + Outcome(1, 2)) == "8 passed, 2 failed"
     assert closing_line(Outcome(7, 0, 3)) == "7 passed, 0 failed, 3 skipped"
+
+
+ARAP, REGIONS = ROOT / "native/methods/surface/arap.cpp", ROOT / "native/mesh/regions.h"
+
+
+def test_line_that_one_part_of_the_tests_reached_counts_as_reached() -> None:
+    parts = [{ARAP: {1: True, 2: False}, REGIONS: {5: False}}, {ARAP: {2: True, 3: False}}]
+    rows = [line.split() for line in table(parts)]
+    assert rows[1:] == [
+        ["native", "4", "50.0", "%"],
+        ["native/mesh", "1", "0.0", "%"],
+        ["native/methods/surface", "3", "66.7", "%"],
+    ]

@@ -2,7 +2,6 @@
 """Bad input: a report and a status with remedy, the rest shape, nothing lost, no traceback."""
 
 import re
-from collections.abc import Callable
 
 import bpy
 import numpy as np
@@ -51,34 +50,14 @@ def weigh(obj: bpy.types.Object, name: str, weight: float) -> None:
     settle()
 
 
-def hold_by(name: str) -> Callable[[Rig], None]:
-    """All vertices are in a group that one of the settings names."""
-
-    def hold(plate: Rig) -> None:
-        owner = plate.deformer if name == "mask_group" else plate.deformer.parameters
-        plate.deformer.parameters.stretching = 1.0  # so that it counts how the surface resists bends
-        plate.obj.vertex_groups["Left"].add(range(len(plate.rest())), 1.0, "REPLACE")
-        setattr(owner, name, "Left")
-        settle()
-
-    return hold
-
-
-def hold_as(role: str) -> Callable[[Rig], None]:
-    def hold(plate: Rig) -> None:
-        press(plate.obj, "handle_add", kind=role, vertex_group="Left")
-
-    return hold
-
-
-HOLDS = {
-    "handle": ("thin_shell", hold_as("HANDLE")),
-    "fixed": ("arap", hold_as("FIXED")),
-    "support": ("thin_shell", hold_as("SUPPORT")),
-    "painted parameter": ("thin_shell", hold_by("bending_group")),
-    "mask": ("thin_shell", hold_by("mask_group")),
-    "handle in space": ("rbf", hold_as("HANDLE")),
-    "fixed in space": ("mls", hold_as("FIXED")),
+HOLDS = {  # the method, and how all its vertices are held: by a role, or by a group that a setting names
+    "handle": ("thin_shell", "HANDLE"),
+    "fixed": ("arap", "FIXED"),
+    "support": ("thin_shell", "SUPPORT"),
+    "painted parameter": ("thin_shell", "bending_group"),
+    "mask": ("thin_shell", "mask_group"),
+    "handle in space": ("rbf", "HANDLE"),
+    "fixed in space": ("mls", "FIXED"),
 }
 
 
@@ -88,7 +67,14 @@ def test_weights_above_1_count_as_1(plate: Rig, what: str):
     method, hold = HOLDS[what]
     add_group(plate.obj, "Left", lambda point: point[0] < -0.5 and abs(point[1]) < 0.5)
     plate.bind(method)
-    hold(plate)
+    if hold.isupper():
+        press(plate.obj, "handle_add", kind=hold, vertex_group="Left")
+    else:
+        plate.deformer.parameters.stretching = 1.0  # so that it counts how the surface resists bends
+        plate.obj.vertex_groups["Left"].add(range(len(plate.rest())), 1.0, "REPLACE")
+        owner = plate.deformer if hold == "mask_group" else plate.deformer.parameters
+        setattr(owner, hold, "Left")
+        settle()
     plate.lift(0.5)
     before = plate.points()
     for weight in (1.003, 1.7):
@@ -202,9 +188,6 @@ def test_a_painted_number_that_is_none_is_named_and_mended(plate: Rig, method: s
     group.add([60], 1.0, "REPLACE")
     assert bpy.ops.sinew.bind() == {"FINISHED"}
     assert_lifted(plate)
-
-
-# --- a bind that needs more memory than the preferences allow
 
 
 LIMIT = 0.0001  # gigabytes; shown as 0.1 MB

@@ -5,8 +5,6 @@ Whatever stands in our properties: no traceback, no crash, no point that is not 
 changed; and where the shape is not the one asked for, a status says so. Also after saving and loading.
 """
 
-from __future__ import annotations
-
 import math
 import os
 import time

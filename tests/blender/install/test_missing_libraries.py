@@ -4,8 +4,6 @@
 What they move stays where it was, the status says why, and the other rigs live.
 """
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 
@@ -176,9 +174,6 @@ def test_it_goes_on_when_the_library_is_back(lost, tmp_path: Path):
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     bpy.context.scene.frame_set(1)
     assert not close(evaluated_points(obj), shown, 0.1)
-
-
-# --- wrong types
 
 
 OTHERS = {

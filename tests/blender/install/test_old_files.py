@@ -6,8 +6,6 @@ automatic cage that its deformer owns, a pear in a box that somebody made (both 
 a plate has handles. All are posed; the attribute ``expected`` of each mesh has the points that were shown.
 """
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes in folders as artists have them: with letters of all languages, on other drives, read-only."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

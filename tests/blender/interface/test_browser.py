@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tasks: what each starts on a fresh object, why it is grey; the browser, its search, and the menus."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable
 from types import SimpleNamespace
@@ -37,9 +35,6 @@ from rigs.sheet import WIDE, DrawContext, Sheet, draw
 
 LINE = np.column_stack((np.linspace(-1.0, 1.0, 6), np.zeros((6, 2))))
 TASKS = inner.tasks.TASKS
-
-
-# The scenes: fresh objects, the active one last
 
 
 def far_side(point) -> bool:
@@ -255,9 +250,6 @@ def test_started_twice_before_anything_is_held_there_is_one_deformer():
     assert len(target().sinew.deformers) == 1
 
 
-# Why a task is grey
-
-
 REFUSALS = {
     "limb": (letters, "Needs a surface: this is a text - use Move Loose Parts"),
     "limb without a selection": (lambda: edit(grid_object(), lambda _point: False), "Select the vertices"),
@@ -295,32 +287,9 @@ def test_in_sculpt_mode_every_task_says_so():
         refused("Leave Sculpt Mode first", "start_task", None, task=task.id)
 
 
-# The browser
-
-
-class Shown(Sheet):
-    """A layout that also records the buttons of tasks and methods, and whether they can be pressed."""
-
-    def __init__(self, *known: object) -> None:
-        super().__init__(*known[:3])
-        self.buttons: list[tuple[str, bool]] = known[3] if len(known) > 3 else []
-
-    def __getattr__(self, name: str):
-        def record(*args, **keywords):
-            settings = SimpleNamespace()
-            self.calls.append((name, args, keywords, settings))
-            if name == "operator" and "depress" in keywords:
-                self.buttons.append((keywords["text"], self.enabled))
-            if name == "operator":
-                return settings
-            return Shown(self.calls, self.greyed, self.enabled, self.buttons)
-
-        return record
-
-
-def shown(name: str, search: str = "") -> Shown:
+def shown(name: str, search: str = "") -> Sheet:
     """What a popup draws, with words in its search."""
-    cls, sheet = getattr(bpy.types, name), Shown()
+    cls, sheet = getattr(bpy.types, name), Sheet()
     ours = [base for base in reversed(cls.__mro__) if base.__module__.startswith(inner.ids.__package__)]
     known = {key: value for base in ours for key, value in vars(base).items() if not key.startswith("__")}
     popup = type("Popup", (), known | {"search": search, "layout": sheet})()
@@ -446,9 +415,6 @@ def test_a_click_on_a_method_is_one_step_back():
     for method in ("thin_shell", "arap"):
         bpy.ops.ed.undo()
         assert plate.deformer.method == method
-
-
-# The menus, which Blender's search looks through
 
 
 def entries(menu: type, path: tuple[str, ...] = ()) -> list[tuple[str, object, tuple[str, ...]]]:

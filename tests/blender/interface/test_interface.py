@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What an artist sees and reads: panels, lists, menus, tooltips."""
 
-from __future__ import annotations
-
 import ast
 import re
+from collections.abc import Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
 import bpy
 import pytest
 from inside import inner
+from pages import ROOT
 from rigs.point_objects import bind, lattice
 from rigs.rig import Rig, linked, make_active, on_all, refused, update
 from rigs.sheet import NARROW, WIDE, DrawContext, Sheet, draw, draw_panel
@@ -160,44 +160,28 @@ def of_target(element: str, *indices: int):
     return elements.Elements(elements.Owner.TARGET, element, indices)
 
 
-def test_a_refusal_is_shown_before_the_settings(bound_plate: Rig):
-    """Also where the panel is longer than the window."""
-    core = inner.status
-    said = core.Status(core.Level.ERROR, "Two regions share 4 vertices", of_target("vertex", 1, 2))
-    core.put(bound_plate.deformer.uid, said)
+def test_each_line_with_elements_selects_its_own_and_one_button_mends_all(bound_plate: Rig):
+    """Also where the panel is longer than the window, a refusal is seen: it stands before the settings."""
+    core, uid = inner.status, bound_plate.deformer.uid
+    core.put(uid, core.Status(core.Level.ERROR, "Two regions share 4 vertices", of_target("vertex", 1, 2)))
     sheet = draw_panel(WIDE)
     assert sheet.texts().index("share") < sheet.texts().index("Shape a Sheet")
     select = [settings.line for name, settings in sheet.operators() if name == "sinew.select_problems"]
     assert select == [0]
-
-
-def test_each_line_with_elements_selects_its_own(bound_plate: Rig):
-    core = inner.status
-    faces = of_target("face", 4)
-    lines = (
-        core.Status(core.Level.WARNING, "2 free parts stay at rest", of_target("vertex", 1, 2)),
-        core.Status(core.Level.WARNING, "nothing to select"),
-        core.Status(core.Level.WARNING, "3 faces without area", faces, core.Remedy.REPAIR),
-    )
-    core.put_notes(bound_plate.deformer.uid, lines)
-    sheet = draw_panel()
-    assert [s.line for name, s in sheet.operators() if name == "sinew.select_problems"] == [0, 1]
-    assert "sinew.repair" in sheet.operator_names()
-    assert inner.situations.situation_of(bpy.context).page(bpy.context) == "troubles"
-
-
-def test_what_one_press_mends_has_one_button(bound_plate: Rig):
-    core = inner.status
-    lines = [
-        core.Status(core.Level.WARNING, text, of_target("vertex", 1), core.Remedy.REPAIR)
-        for text in ("4 coincident vertices", "3 faces without area", "2 loose vertices")
+    core.clear(uid)
+    texts = ("4 coincident vertices", "3 faces without area", "2 loose vertices")
+    mended = [
+        core.Status(core.Level.WARNING, text, of_target("face", 1), core.Remedy.REPAIR) for text in texts
     ]
+    plain = core.Status(core.Level.WARNING, "nothing to select")
     rebind = core.Status(core.Level.WARNING, "topology changed", remedy=core.Remedy.BIND)
-    core.put_notes(bound_plate.deformer.uid, (*lines, rebind))
-    buttons = draw_panel().operator_names()
-    assert buttons.count("sinew.select_problems") == 3
+    core.put_notes(uid, (mended[0], plain, *mended[1:], rebind))
+    sheet = draw_panel()
+    assert [s.line for name, s in sheet.operators() if name == "sinew.select_problems"] == [0, 1, 2]
+    buttons = sheet.operator_names()
     assert buttons.count("sinew.repair") == 1
     assert buttons.index("sinew.repair") < buttons.index("sinew.bind")
+    assert inner.situations.situation_of(bpy.context).page(bpy.context) == "troubles"
 
 
 def test_every_remedy_has_a_button_that_exists(addon_name):
@@ -329,9 +313,6 @@ def test_the_modifiers_tab_has_every_panel_of_the_sidebar(bound_plate: Rig):
         assert calls == others
 
 
-# Texts
-
-
 def shown_properties() -> list[tuple[str, bpy.types.Property]]:
     """Every property of ours that an artist may meet, and where it is."""
     groups = (bpy.types.AddonPreferences, bpy.types.PropertyGroup)
@@ -434,3 +415,28 @@ def test_drawing_never_writes():
                     assert not isinstance(part, ast.Attribute) or part.attr in DRAWN.split(), (
                         f"{path}: {part.attr}"
                     )
+
+
+def stored(group: bpy.types.Struct, path: str) -> Iterator[str]:
+    """The properties below one, by path."""
+    for prop in group.properties:
+        if prop.identifier not in ("rna_type", "name"):
+            yield f"{path}.{prop.identifier}"
+            kind = prop.fixed_type if prop.type in ("POINTER", "COLLECTION") else None
+            if kind and kind.base and kind.base.identifier == "PropertyGroup":
+                yield from stored(kind, f"{path}.{prop.identifier}")
+
+
+def operators() -> Iterator[str]:
+    for name in dir(bpy.ops.sinew):
+        kind = getattr(bpy.ops.sinew, name).get_rna_type()
+        arguments = sorted(prop.identifier for prop in kind.properties if prop.identifier != "rna_type")
+        yield f"sinew.{name}({', '.join(arguments)})"
+
+
+def test_operators_and_properties_keep_their_names():
+    owners = (bpy.types.Object, bpy.types.Scene, bpy.types.PoseBone)
+    groups = {owner.__name__: owner.bl_rna.properties["sinew"].fixed_type for owner in owners}
+    now = [line for name, group in groups.items() for line in stored(group, f"{name}.sinew")]
+    kept = (ROOT / "tests" / "names" / "blender.txt").read_text(encoding="utf-8").splitlines()
+    assert sorted([*operators(), *now]) == kept

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Keys that nobody else has, the page in Preferences, and the manual behind the question marks."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 from types import SimpleNamespace
@@ -94,9 +92,6 @@ def test_every_key_calls_something_that_exists():
             assert hasattr(bpy.types, value)
 
 
-# Preferences
-
-
 @pytest.fixture
 def values(addon_name):
     """Our preferences, as they were before the test."""
@@ -153,9 +148,6 @@ def test_new_deformers_start_with_the_preferred_method(values, plate: Rig):
     values.method = "thin_shell"
     bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
     assert plate.deformer.method == "thin_shell"
-
-
-# The manual
 
 
 def test_a_packaged_page_comes_first_then_the_one_of_a_checkout(monkeypatch, tmp_path):

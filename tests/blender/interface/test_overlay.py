@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What overlays would draw, without drawing: arrays, when they are made anew, what stays registered."""
 
-from __future__ import annotations
-
 import builtins
 import types
 from collections.abc import Callable, Iterable
@@ -32,16 +30,14 @@ SLACK = 1e-4  # a fortieth of what a screen can show; Blender's own conversion i
 KINDS = ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "GRID", "BANDS", "GRAPH", "DISTORTION")
 
 
-@pytest.fixture
-def scale() -> Callable[[float], np.ndarray]:
+def scale(value: float) -> np.ndarray:
     """The colour of a value between 0 and 1."""
-    return lambda value: np.array(inner.overlay_colours.scale(np.full(1, value))[0])
+    return np.array(inner.overlay_colours.scale(np.full(1, value))[0])
 
 
-@pytest.fixture
-def chosen() -> Callable[[str], np.ndarray]:
+def chosen(name: str) -> np.ndarray:
     """The colour that the preferences give something, as it is on the screen."""
-    return lambda name: on_screen(getattr(inner.preferences.preferences(bpy.context), name))
+    return on_screen(getattr(inner.preferences.preferences(bpy.context), name))
 
 
 def covered(picture) -> np.ndarray:
@@ -137,7 +133,7 @@ def test_bands_lie_between_the_handles(paint, plate: Rig):
     assert paint(plate.obj, overlay="BANDS").legend.note == "Soft Sheet has no bands"
 
 
-def test_regions_have_their_colours_on_the_whole_mesh(paint, chosen, bound_plate: Rig):
+def test_regions_have_their_colours_on_the_whole_mesh(paint, bound_plate: Rig):
     """Where one ends its colour goes on without cover, else the faces around it would fade to black."""
     picture = paint(bound_plate.obj, overlay="REGIONS")
     assert picture.colours.dtype == picture.points.dtype == np.float32
@@ -167,7 +163,7 @@ def test_soft_weights_fade(paint, plate: Rig):
     assert_covers(paint(plate.obj, overlay="REGIONS"), plate.top, colour_of(plate), amount)
 
 
-def test_around_a_support_is_fixed(paint, chosen, plate: Rig):
+def test_around_a_support_is_fixed(paint, plate: Rig):
     soft = add_group(plate.obj, "Soft", lambda point: point[1] > -0.3)
     plate.bind(fixed=False)
     press(plate.obj, "handle_add", kind="SUPPORT", vertex_group="Soft")
@@ -191,7 +187,7 @@ def test_what_the_mask_hides_is_dark(paint, bound_plate: Rig):
     assert mask.legend.note == "Painted by Left"
 
 
-def test_weight_of_the_active_handle(paint, scale, bound_plate: Rig):
+def test_weight_of_the_active_handle(paint, bound_plate: Rig):
     bound_plate.deformer.active_handle = 1
     picture = paint(bound_plate.obj, overlay="WEIGHT")
     assert_covers(picture, bound_plate.base, scale(1.0))
@@ -216,7 +212,7 @@ def test_painted_parameter_and_its_numbers(paint, plate: Rig):
     assert other.legend.title == "Rigidity"
 
 
-def test_a_parameter_of_zero_is_zero_everywhere(paint, scale, bound_plate: Rig):
+def test_a_parameter_of_zero_is_zero_everywhere(paint, bound_plate: Rig):
     bound_plate.deformer.thin_shell.stretching = 0.0
     picture = paint(bound_plate.obj, overlay="PARAMETER", parameter="stretching")
     assert np.abs(picture.colours[:, :3] - scale(0.0)).max() < SLACK
@@ -253,7 +249,7 @@ def stretched_plate(plate: Rig, *factors: float) -> bpy.types.Object:
         ("DIRICHLET", (4.0, 4.0, 1.0), "overlay_stretched"),
     ],
 )
-def test_distortion_has_full_colour_at_the_range(paint, chosen, plate: Rig, measure, factors, end):
+def test_distortion_has_full_colour_at_the_range(paint, plate: Rig, measure, factors, end):
     obj = stretched_plate(plate, *factors)
     picture = paint(obj, overlay="DISTORTION", measure=measure, distortion_range=2.0)
     assert_covers(picture, slice(None), chosen(end))
@@ -388,9 +384,10 @@ def test_a_picture_is_made_anew_exactly_when_something_changed(paint, overlay, b
     assert cache.computed == before
 
 
-def test_select_shows_the_most_distorted_vertex(plate: Rig):
+def test_select_shows_the_most_distorted_vertex(paint, plate: Rig):
     plate.bind("arap")
     move_world(plate.control, Matrix.Translation((0.2, 0.5, 0.4)))
+    paint(plate.obj, overlay="DISTORTION", measure="STRETCH")
     found = inner.result.measured(plate.obj, plate.deformer, inner.distortion.Measure.STRETCH)
     press(plate.obj, "select_distorted", measure="STRETCH")
     assert plate.obj.mode == "EDIT"
@@ -506,7 +503,7 @@ def caged(scene) -> tuple[bpy.types.Object, bpy.types.Object]:
     return target, cage
 
 
-def test_weight_of_the_selected_cage_vertices(paint, scale, caged):
+def test_weight_of_the_selected_cage_vertices(paint, caged):
     target, cage = caged
     choose(cage, [5])
     one = paint(target, overlay="CAGE")
@@ -525,7 +522,7 @@ def test_weight_of_the_selected_cage_vertices(paint, scale, caged):
         assert paint(target).legend.title == "Weight of cage vertex 3"
 
 
-def test_vertices_outside_the_cage_and_negative_weights_stand_out(paint, chosen, caged):
+def test_vertices_outside_the_cage_and_negative_weights_stand_out(paint, caged):
     target, cage = caged
     cage.scale = (0.5, 1.0, 1.0)
     update()

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the panels show in each situation: few buttons, no label cut, the right page, nothing looked up."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whose overlay a 3D Viewport shows, and which: viewports exist without a window, too, undrawn."""
 
-from __future__ import annotations
-
 import itertools
 
 import bpy

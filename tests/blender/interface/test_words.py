@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Words and buttons as artists meet them: what is called how, and what a message tells them to press."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from types import SimpleNamespace
@@ -30,8 +28,6 @@ from rigs.rig import (
     update,
 )
 from rigs.sheet import WIDE, Sheet, draw, draw_panel
-
-# The menu of methods, and the names of the rows
 
 
 def test_the_menu_of_methods_is_headed_by_what_artists_move():
@@ -80,9 +76,6 @@ def test_a_row_that_an_earlier_build_named_follows_its_method(given: str):
     assert deformer.name == "Box"
 
 
-# Lost controls
-
-
 @pytest.mark.parametrize("index", [-1, 0])
 @pytest.mark.parametrize("saved", [False, True])
 def test_new_control_takes_over_where_one_was_lost(plate: Rig, tmp_path: Path, index: int, saved: bool):
@@ -121,9 +114,6 @@ def test_a_lost_bone_gets_an_empty_too(plate: Rig):
     assert armature.name in bpy.data.objects
 
 
-# Regions without vertices
-
-
 @pytest.mark.parametrize(
     ("is_there", "said"),
     [(False, "is not on the mesh - pick another"), (True, "has no vertices - assign some")],
@@ -148,9 +138,6 @@ def test_a_region_without_vertices_is_left_out_and_the_others_go_on(plate: Rig, 
     for name in ("Top", "Base"):
         groups.remove(groups[name])
     refused("'Top' is not on the mesh", "bind", plate.obj)
-
-
-# What is reported
 
 
 def test_the_report_after_add_handle_is_the_state_after_it(plate: Rig, capfd: pytest.CaptureFixture):
@@ -205,9 +192,6 @@ def test_the_status_counts_regions_by_their_role(plate: Rig, kinds, said: str):
 def test_a_time_is_never_nothing():
     said = {0.0: "less than 0.1 ms", 0.04: "less than 0.1 ms", 0.4: "0.4 ms", 41.0: "41 ms", 2100.0: "2.1 s"}
     assert {milliseconds: inner.binding.duration(milliseconds) for milliseconds in said} == said
-
-
-# What a message tells to press
 
 
 def cancelled(plate: Rig, monkeypatch) -> None:
@@ -273,9 +257,6 @@ def test_an_error_of_the_library_names_the_handle(plate: Rig):
     refused = errors.ConstraintError("handle 1: weights outside [0, 1] at vertices 3, 4; see handle 0")
     text = str(binding._with_selectable(refused, request))
     assert text == "Base: weights outside [0, 1] at vertices 3, 4; see Top"
-
-
-# Rows of the list
 
 
 def test_the_arrow_of_a_row_makes_the_row_active(bound_plate: Rig):
@@ -351,9 +332,6 @@ def test_a_copy_keeps_the_names_of_its_groups(plate: Rig):
     assert copy.sinew.active.status_level == "INFO", copy.sinew.active.status
 
 
-# Presets of parameters
-
-
 @pytest.mark.parametrize("method", [method.id for method in METHODS])
 def test_a_preset_brings_the_parameters_back(plate: Rig, method: str):
     press(plate.obj, "deformer_add", method=method)
@@ -395,9 +373,6 @@ def test_the_panel_offers_presets(bound_plate: Rig):
     assert [keywords["panel"] for keywords in found] == [inner.ids.Panels.PRESETS]
 
 
-# Copied modifiers
-
-
 def test_a_copied_modifier_says_what_to_do(bound_plate: Rig):
     other = grid_object("Other")
     make_active(bound_plate.obj, other)
@@ -411,9 +386,6 @@ def test_a_copied_modifier_says_what_to_do(bound_plate: Rig):
     assert "copied" not in draw_panel(WIDE).texts()
     make_active(bound_plate.obj)
     assert "copied" not in draw_panel(WIDE).texts()
-
-
-# Objects that a script deletes
 
 
 @pytest.mark.parametrize("kind", ["handles", "cage"])
@@ -435,9 +407,6 @@ def test_nothing_is_printed_when_a_script_deletes_what_is_deformed(kind: str, ca
     reopen(tmp_path / "deleted.blend")
     said = "".join(capfd.readouterr()).splitlines()
     assert not [line for line in said if line and not re.search("Info: (Total|Saved)|Read b", line)], said
-
-
-# Which object is active
 
 
 def test_after_tab_the_control_is_active_and_the_panel_stays(plate: Rig):

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds tracebacks and errors that appear between two steps of one test."""
 
-from __future__ import annotations
-
 import os
 import stat
 import sys

@@ -4,8 +4,6 @@
 Without a window there are no timers, threads and drags, so tests call the functions that these would call.
 """
 
-from __future__ import annotations
-
 import functools
 import importlib
 import sys

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sentences in the source of the add-on and of the library, with gaps for what differs."""
 
-from __future__ import annotations
-
 import ast
 import functools
 import re

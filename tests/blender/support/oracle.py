@@ -8,8 +8,6 @@ equal shapes, whatever came before. That its shapes are those of the formulas, t
 Triangles only, so that no choice of diagonals comes in.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 

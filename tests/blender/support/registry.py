@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The rows of the add-on's registry, for tests that run on every row and name no method."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Iterable
 

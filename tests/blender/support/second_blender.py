@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Programs that run in a second Blender of the same version, with or without the add-on."""
 
-from __future__ import annotations
-
 import ctypes
 import json
 import os

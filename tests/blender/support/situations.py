@@ -89,12 +89,10 @@ def steps_of(sheet: Sheet) -> Iterator[Step]:
 # How Blender calls the arguments that it also takes by place.
 _ARGUMENTS = {
     "operator": ("operator",),
-    "operator_menu_enum": ("operator", "property"),
-    "operator_enum": ("operator", "property"),
     "menu": ("menu",),
-    "prop": ("data", "property"),
-    "prop_search": ("data", "property"),
     "prop_enum": ("data", "property", "value"),
+    **dict.fromkeys(("operator_menu_enum", "operator_enum"), ("operator", "property")),
+    **dict.fromkeys(("prop", "prop_search"), ("data", "property")),
 }
 
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Targets and cages that the tests of cages share, and what mean value coordinates make of them."""
 
-from __future__ import annotations
-
 import bmesh
 import bpy
 import numpy as np

@@ -96,13 +96,7 @@ class HandleRig(Rig):
         """That is what Blender shows of the rig, or of another object of its kind."""
         return close(evaluated_points(obj or self.obj), shape, max(tolerance, self.tolerance))
 
-    def shows_in(
-        self,
-        scene: bpy.types.Scene | bpy.types.ViewLayer,
-        shape: np.ndarray,
-        obj: bpy.types.Object | None = None,
-        tolerance: float = 0.0,
-    ) -> bool:
+    def shows_in(self, scene, shape: np.ndarray, obj=None, tolerance: float = 0.0) -> bool:
         """So does any view layer, or the first one of any scene."""
         layer = scene.view_layers[0] if isinstance(scene, bpy.types.Scene) else scene
         found = points_of((obj or self.obj).evaluated_get(layer.depsgraph))

@@ -3,8 +3,6 @@
 triangles only.
 """
 
-from __future__ import annotations
-
 from itertools import product
 
 import bpy
