@@ -137,6 +137,7 @@ struct Carried
             all.row(v) = by(mesh.point(v)).transpose();
         return all;
     }
+    Points rest(int part) const { return scene.piece(mesh.points(), part); }
     const Ride& ride(int part) const { return attachments.rides().at(part - 1); }
 };
 

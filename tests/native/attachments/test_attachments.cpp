@@ -105,7 +105,7 @@ TEST(Attachments, a_ball_in_a_bent_tube_keeps_its_shape_and_its_distance_to_the_
     for (double radius : {20.0, 10.0, 5.0}) {
         const Points moved = carried.moved([&](const Vector3& p) { return scenes::rolled(p, radius); });
         const Points after = carried.scene.piece(moved, 1);
-        EXPECT_LT(off_rigid(carried.scene.piece(carried.mesh.points(), 1), after), 1e-6);
+        EXPECT_LT(off_rigid(carried.rest(1), after), 1e-6);
         double wall = 1; // the bent tube is a torus of this radius
         for (Eigen::Index v = 0; v < after.rows(); ++v) {
             const double across = std::hypot(after(v, 0) - 5, radius - after(v, 2)) - radius;
@@ -126,7 +126,7 @@ TEST(Attachments, a_button_and_a_strap_follow_a_plate_that_is_rolled_up)
         const auto by = [&](const Vector3& p) { return scenes::rolled(p, radius); };
         const Points exact = carried.deformed(by), moved = carried.moved(by);
         const Points button = carried.scene.piece(moved, 1);
-        const Matrix3 R = turn_between(carried.scene.piece(carried.mesh.points(), 1), button);
+        const Matrix3 R = turn_between(carried.rest(1), button);
         EXPECT_NEAR(std::atan2(-R(2, 0), R(0, 0)), 2 / radius, .01) << radius;
         EXPECT_LT((button.colwise().mean() - by({3, 5, .2}).transpose()).norm(), .05 / radius);
         const Points off = carried.scene.piece(moved, 2) - carried.scene.piece(exact, 2);
@@ -140,8 +140,7 @@ TEST(Attachments, a_belt_and_a_tooth_follow_a_twisted_tube)
                            scenes::block({.2, .2, .2}, {3, 0, 1.1}, {3, 3, 3})});
     const Points exact = carried.deformed(scenes::twisted), moved = carried.moved(scenes::twisted);
     EXPECT_LT((carried.scene.piece(moved, 1) - carried.scene.piece(exact, 1)).cwiseAbs().maxCoeff(), .04);
-    const Matrix3 R =
-        turn_between(carried.scene.piece(carried.mesh.points(), 2), carried.scene.piece(moved, 2));
+    const Matrix3 R = turn_between(carried.rest(2), carried.scene.piece(moved, 2));
     EXPECT_NEAR(std::atan2(R(2, 1), R(1, 1)), .9, .01);
 }
 
@@ -165,8 +164,7 @@ TEST(Attachments, a_part_midway_between_two_limbs_follows_one_of_them_whole)
     const Points moved = carried.moved(scenes::stride);
     for (int part : {1, 2}) {
         // Each limb moves rigidly there, so following both would show in the turn.
-        const Matrix3 R =
-            turn_between(carried.scene.piece(carried.mesh.points(), part), carried.scene.piece(moved, part));
+        const Matrix3 R = turn_between(carried.rest(part), carried.scene.piece(moved, part));
         EXPECT_NEAR(std::abs(std::atan2(R(2, 1), R(1, 1))), 50 * shapes::pi / 180, .01) << part;
         EXPECT_LT(worst_stretch(carried, part, moved), 1e-12);
     }
@@ -197,7 +195,7 @@ TEST(Attachments, between_rigid_and_bending_there_is_no_jump)
             {scenes::tube(1, 10), scenes::block({length, .2, .04}, {5, 0, 1.04}, {cells, 2, 1})});
         const Points moved =
             carried.scene.piece(carried.moved([](const Vector3& p) { return scenes::rolled(p, 7); }), 1);
-        const double bent = off_rigid(carried.scene.piece(carried.mesh.points(), 1), moved) / length;
+        const double bent = off_rigid(carried.rest(1), moved) / length;
         EXPECT_LT(std::abs(bent - before), .03) << length;
         before = bent;
     }

@@ -11,20 +11,23 @@
 
 namespace sinew::test_system {
 
-MatrixX solved(const MatrixX& A, const MatrixX& B, const Progress& progress = {})
+DenseSystem system_of(const MatrixX& A, const MatrixX& B)
 {
     DenseSystem system(static_cast<int>(A.rows()), static_cast<int>(B.cols()));
     for (int i = 0; i < system.size(); ++i) {
-        for (Eigen::Index j = 0; j < A.cols(); ++j)
-            system.row(i)[j] = A(i, j);
-        for (Eigen::Index j = 0; j < B.cols(); ++j)
-            system.right_side(i)[j] = B(i, j);
+        Eigen::RowVectorXd::Map(system.row(i), A.cols()) = A.row(i);
+        Eigen::RowVectorXd::Map(system.right_side(i), B.cols()) = B.row(i);
     }
+    return system;
+}
+
+MatrixX solved(const MatrixX& A, const MatrixX& B, const Progress& progress = {})
+{
+    DenseSystem system = system_of(A, B);
     system.solve(progress);
     MatrixX X(B.rows(), B.cols());
     for (int i = 0; i < system.size(); ++i)
-        for (Eigen::Index j = 0; j < B.cols(); ++j)
-            X(i, j) = system.solution(i)[j];
+        X.row(i) = Eigen::RowVectorXd::Map(system.solution(i), B.cols());
     return X;
 }
 
@@ -49,10 +52,7 @@ TEST(DenseSystem, tells_the_unknown_whose_pivot_is_missing)
     shapes::Random random(2);
     MatrixX A = random.dense(100, 100);
     A.col(70) = A.col(20);
-    DenseSystem system(100, 1);
-    for (int i = 0; i < 100; ++i)
-        for (int j = 0; j < 100; ++j)
-            system.row(i)[j] = A(i, j);
+    DenseSystem system = system_of(A, random.dense(100, 1));
     system.solve({});
     for (int k = 0; k < 70; ++k)
         EXPECT_GT(system.pivot_sizes()[static_cast<std::size_t>(k)], 1e-6);
