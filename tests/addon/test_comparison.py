@@ -7,6 +7,7 @@ Nothing here needs Blender. The figures stand in docs/methods/comparison.md.
 import json
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -22,8 +23,8 @@ sys.path.insert(0, str(ROOT))
 
 from blend_samples.comparison import CASES, Case, Matrix, distortion, filled, native_solve, registry_rows  # noqa: E402
 from blend_samples.comparison import igl_arap as libigl  # noqa: E402
-from blend_samples.comparison.cases import bar, cylinder, plane  # noqa: E402
-from blend_samples.comparison.figures import bent_bumps, lifted_disc, uneven_strip  # noqa: E402
+from blend_samples.comparison.cases import bar, branches, cylinder, plane  # noqa: E402
+from blend_samples.comparison.figures import beast, bent_bumps, lifted_disc, uneven_strip  # noqa: E402
 from blend_samples.comparison.numpy_rows import unrotated_gradients  # noqa: E402
 from blend_samples.comparison.space_rows import space_rows  # noqa: E402
 
@@ -248,6 +249,62 @@ def test_propagation_by_distance_dents_the_inside_of_a_handle() -> None:
     assert height["geodesic"].min() < 0.75 * 0.5
     np.testing.assert_allclose(height["harmonic"], 0.5, atol=1e-9)
     assert 0.5 < height["shell"].min() < height["shell"].max() < 1.05 * 0.5
+
+
+def test_splines_of_degree_one_are_creased_and_smoother_ones_less_round_than_the_thin_shell() -> None:
+    """Figure 6, on the way from the fixed frame to the lifted disc."""
+    edit = lifted_disc()
+    middle = np.flatnonzero(np.abs(edit.points[:, 1] - 1.0) < 1e-9)
+    middle = middle[np.argsort(edit.points[middle, 0])]
+    x = edit.points[middle[1:-1], 0]
+    between, border = (x > 0.15) & (x < 0.5), np.abs(x - 0.55) < 0.06
+
+    def bends(name: str, **options: object) -> np.ndarray:
+        return np.abs(np.diff(ours(name, **options)(edit)[middle, 2], 2))
+
+    creased, smooth, finer = (
+        bends("spline_surface", **options) for options in ({"degree": 1}, {}, {"columns": 20, "rows": 20})
+    )
+    assert creased[between].max() > 5.0 * smooth[between].max()
+    shell = bends("thin_shell")
+    assert min(smooth[border].max(), finer[border].max()) > 1.5 * shell[border].max()
+
+
+def test_a_handle_that_moves_far_turns_too_little_or_too_much() -> None:
+    """Figure 16: the turn of the forelegs, in degrees, of an animal whose head is lifted and carried back."""
+    edit = beast(0.1)
+    x, _y, z = edit.points.T
+    forelegs = edit.points[(x > 0.4) & (x < 1.3) & (z < 0.6)]
+
+    def turn(solve) -> float:
+        found = solve(edit)[(x > 0.4) & (x < 1.3) & (z < 0.6)]
+        u, _s, v = np.linalg.svd((forelegs - forelegs.mean(0)).T @ (found - found.mean(0)))
+        rotation = (u @ v).T
+        return float(np.degrees(np.arctan2(rotation[2, 0], rotation[2, 2])))
+
+    blind, overdone, rigid = (turn(solve) for solve in (ours("gradient_editing"), implicit(), ours("arap")))
+    assert abs(blind) < 3.0
+    assert 30.0 < rigid < 60.0 < 1.5 * rigid < overdone
+
+
+def test_implicit_transforms_let_what_hangs_free_turn() -> None:
+    """At a small turn of the crown, where they are nearly exact."""
+    edit = branches(0.13)
+    still, pose = edit.poses
+    centre = edit.points[edit.handles[1]].mean(0)
+    angle = np.radians(9.0)
+    linear = np.array(((np.cos(angle), 0, np.sin(angle)), (0, 1, 0), (-np.sin(angle), 0, np.cos(angle))))
+    move = 0.125 * (pose[:, :3] @ centre + pose[:, 3] - centre)
+    edit = replace(edit, poses=np.stack((still, np.column_stack((linear, centre + move - linear @ centre)))))
+    right = edit.points[:, 0] > 1.1
+    arm = edit.points[right] - edit.points[right].mean(0)
+
+    def turn(solve) -> float:
+        found = solve(edit)[right]
+        u, _sizes, v = np.linalg.svd(arm.T @ (found - found.mean(0)))
+        return float(np.degrees(np.arccos(min(0.5 * (np.trace(u @ v) - 1.0), 1.0))))
+
+    assert turn(implicit()) > 4.0 * turn(ours("arap"))
 
 
 @pytest.mark.parametrize(("bumps", "first"), [(0.09, 133), (0.12, 82), (0.12, 122)])
