@@ -138,6 +138,19 @@ def test_another_option_updates_the_factor_or_leaves_it_as_it_is(backend, method
         same_as_new(backend, updated, wanted)
 
 
+@pytest.mark.parametrize(
+    ("method", "name", "value", "updates"),
+    [
+        ("thin_shell", "bending", np.linspace(0.5, 1.0, len(POINTS)), True),
+        ("thin_shell", "laplacian", "uniform", False),
+        ("arap", "rigidity", np.linspace(0.5, 1.0, len(POINTS)), False),
+    ],
+)
+def test_which_options_update_a_factor(backend, method: str, name: str, value: object, updates: bool):
+    factor = backend.build_factor(recipe(backend, method))
+    assert (factor.prepare_rebind(recipe(backend, method, **{name: value})) is not None) is updates
+
+
 def test_nobody_takes_a_factor_from_under_a_solve(backend):
     wanted = recipe(backend, "arap", (*ENDS, MIDDLE))
     factor = backend.build_factor(recipe(backend, "arap"))

@@ -14,7 +14,7 @@ from libraries import put_into_a_library, read
 from mathutils import Matrix, Vector
 from mouse import event, front_view
 from rigs.puppets import BONES, FEET, end_of, figure, pose, standing
-from rigs.rig import close, curves_of, linked, new_empty, new_file, refused, update
+from rigs.rig import close, curves_of, linked, new_empty, new_file, refused, reopen, update
 
 PLACES = 2e-5  # rotations go through float32 channels, from bone to bone
 
@@ -255,6 +255,13 @@ def test_bones_are_pinned_and_released():
     for name in FEET:
         inner.compat.select_bone(armature, name, False)
     refused("Select the bones to pin", "puppet_pin")
+
+
+def test_pins_are_saved(tmp_path: Path):
+    standing()
+    reopen(tmp_path / "figure.blend")
+    bones = bpy.data.objects["Figure"].pose.bones
+    assert {bone.name for bone in bones if bone.sinew.pin} == set(FEET)
 
 
 def test_bones_are_keyed_if_asked_or_with_auto_keying():
