@@ -55,13 +55,9 @@ def box(size: tuple[float, float, float], step: float) -> tuple[np.ndarray, np.n
 
 def read_mesh(path: Path) -> tuple[np.ndarray, np.ndarray]:
     """Points and faces (all triangles or all quads) of an OBJ file."""
-    points, faces = [], []
-    for line in path.read_text(encoding="utf-8").splitlines():
-        tag, *words = line.split() or [""]
-        if tag == "v":
-            points.append([float(word) for word in words[:3]])
-        elif tag == "f":
-            faces.append([int(word.split("/")[0]) - 1 for word in words])
+    lines = [line.split() for line in path.read_text(encoding="utf-8").splitlines()]
+    points = [[float(word) for word in words[1:4]] for words in lines if words[:1] == ["v"]]
+    faces = [[int(word.split("/")[0]) - 1 for word in words[1:]] for words in lines if words[:1] == ["f"]]
     return np.array(points), np.array(faces)
 
 
@@ -113,8 +109,7 @@ def bar(pose: str, vertices: int) -> Case:
 
 def bumpy_plate(vertices: int) -> Case:
     """A plate of side 10 with bumps of height .2, three per unit of length; its far end is bent up by 60
-    degrees.
-    """
+    degrees."""
     k = max(8, round(np.sqrt(vertices)) - 1)
     x, y = (w.ravel() for w in np.meshgrid(*2 * [np.linspace(0, 10, k + 1)], indexing="ij"))
     points = np.column_stack([x, y, 0.1 * (np.sin(3 * np.pi * x) * np.sin(3 * np.pi * y) + 1)])

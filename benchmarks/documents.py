@@ -18,57 +18,34 @@ READING = (
     "error) divided by Sinew's. Where *at most* is wanted, it is Sinew's divided by the peer's. *Italic*:\n"
     "not as wanted. Rows for which nothing is wanted are plain figures."
 )
+FASTER = "{0} times as fast"
 # The rows of the README: what was measured, the peer, the result in words, and the stored rows of the result
 # (work, size, case, threads), whose ratios go into the words.
 KNOWN_PEERS = (
-    (
-        "an iteration of `arap`, 50,000 vertices",
-        "libigl",
-        "{0} times as fast",
-        [("arap_iteration", 50_000, None, 2)],
-    ),
-    ("binding `thin_shell`, 200,000 vertices", "CHOLMOD", "{0} times as fast", [("bind", 200_000, None, 2)]),
-    (
-        "a frame of `thin_shell` in Blender 5.2, 100,000 vertices",
-        "Laplacian Deform",
-        "{0} times as fast",
-        [("frame_thin_shell", 100_000, "5.2", None)],
-    ),
-    (
-        "a frame while `arap` is dragged in Blender 5.2, 100,000 vertices",
-        "Laplacian Deform, repeat 3",
-        "{0} times as fast",
-        [("drag_arap", 100_000, "5.2", None)],
-    ),
-    (
-        "binding `harmonic`, a cage of 150 faces around a cow",
-        "Mesh Deform, precision 5",
-        "{0} times as fast, errors {1} times smaller",
-        [("harmonic", 10_000, "cow, 150 faces", None), ("harmonic_error", 10_000, "cow, 150 faces", None)],
-    ),
-    (
-        "subdividing to a million vertices",
-        "OpenSubdiv's CPU evaluator",
-        "{0} times as fast",
-        [("subdivision", 1_000_000, None, 2)],
-    ),
-)
+    ("an iteration of `arap`, 50,000 vertices", "libigl", FASTER, [("arap_iteration", 50_000, None, 2)]),
+    ("binding `thin_shell`, 200,000 vertices", "CHOLMOD", FASTER, [("bind", 200_000, None, 2)]),
+    ("a frame of `thin_shell` in Blender 5.2, 100,000 vertices", "Laplacian Deform",
+     FASTER, [("frame_thin_shell", 100_000, "5.2", None)]),
+    ("a frame while `arap` is dragged in Blender 5.2, 100,000 vertices", "Laplacian Deform, repeat 3",
+     FASTER, [("drag_arap", 100_000, "5.2", None)]),
+    ("binding `harmonic`, a cage of 150 faces around a cow", "Mesh Deform, precision 5",
+     FASTER + ", errors {1} times smaller",
+     [(work, 10_000, "cow, 150 faces", None) for work in ("harmonic", "harmonic_error")]),
+    ("subdividing to a million vertices", "OpenSubdiv's CPU evaluator",
+     FASTER, [("subdivision", 1_000_000, None, 2)]),
+)  # fmt: skip
 
 
 def known_peers(rows: list[Row]) -> str:
     """The rows of the README, as far as they are stored."""
     stored = {tuple(row.get(name) for name in ("work", "size", "case", "threads")): row for row in rows}
-    lines = [
-        (what, peer, words.format(*(_rounded(stored[key]) for key in keys)))
-        for what, peer, words, keys in KNOWN_PEERS
-        if all(key in stored for key in keys)
-    ]
+    lines = []
+    for what, peer, words, keys in KNOWN_PEERS:
+        if all(key in stored for key in keys):
+            ratios = [BY_ID[stored[key]["work"]].ratio(stored[key]) for key in keys]
+            rounded = [f"{ratio:.0f}" if ratio >= 9.95 else f"{ratio:.1f}" for ratio in ratios]
+            lines.append((what, peer, words.format(*rounded)))
     return report.table(("measured", "next to", "Sinew is"), lines)
-
-
-def _rounded(row: Row) -> str:
-    ratio = BY_ID[row["work"]].ratio(row)
-    return f"{ratio:.0f}" if ratio >= 9.95 else f"{ratio:.1f}"
 
 
 def in_short(rows: list[Row], page: str) -> str:
@@ -81,10 +58,8 @@ def in_short(rows: list[Row], page: str) -> str:
 
 
 def measured_on(machines: list[Mapping[str, object]]) -> str:
-    described = []
-    for machine in machines:
-        memory = f", {machine['memory_gib']} GiB" if machine.get("memory_gib") else ""
-        described.append(f"{machine['system']}, {machine['processor']}, {machine['cores']} cores{memory}")
+    words = "{system}, {processor}, {cores} cores, {memory_gib} GiB"
+    described = [words.format_map(machine) for machine in machines]
     return f"Measured on {'; '.join(dict.fromkeys(described))}."
 
 
@@ -121,6 +96,5 @@ def renewed(folder: Path = record.RESULTS, readme: Path = README, page: Path = P
 
 
 def render(folder: Path = record.RESULTS, readme: Path = README, page: Path = PAGE) -> None:
-    """Rewrite the figures of both documents."""
     for path, text in renewed(folder, readme, page).items():
         path.write_text(text, encoding="utf-8")

@@ -16,9 +16,8 @@ TIE = 0.97  # of two equal measurements, one may look this much faster than the 
 
 def short(count: int) -> str:
     """A rounded number of vertices: 10178 -> "10k"."""
-    if count >= 1_000_000:
-        return f"{count / 1e6:.3g}M"
-    return f"{count // 1000}k" if count >= 1000 else str(count)
+    millions, thousands = f"{count / 1e6:.3g}M", f"{count // 1000}k"
+    return millions if count >= 1_000_000 else thousands if count >= 1000 else str(count)
 
 
 def amount(value: float, unit: str) -> str:
@@ -37,7 +36,6 @@ def bare_ratio(work: Work, row: Row) -> str:
 
 
 def line(row: Row) -> str:
-    """The line for a row in the terminal."""
     work = BY_ID[row["work"]]
     threads = f"{row['threads']}T" if row.get("threads") else ""
     head = f"{work.id:22}{short(row['size']):>6} {threads:3}{row.get('case') or '':26}"
@@ -85,10 +83,8 @@ def wanted(work: Work) -> str:
     for size, goal in work.wanted.items():
         pair = goal if isinstance(goal, tuple) else (goal,)
         sizes[", ".join(f"{value:g}" for value in pair)].append(size)
-    parts = [
-        goal if some == [ANY] else f"{'/'.join(short(size) for size in some)}: {goal}"
-        for goal, some in sizes.items()
-    ]
+    at = {goal: "" if some == [ANY] else f"{'/'.join(map(short, some))}: " for goal, some in sizes.items()}
+    parts = [place + goal for goal, place in at.items()]
     return f"{'at most' if work.at_most else 'at least'} {'; '.join(parts)}" if parts else ""
 
 
@@ -151,16 +147,11 @@ def _percent(value: float) -> str:
 
 
 def convergence(rows: list[Row]) -> str:
-    lines = [
-        (
-            row["case"],
-            f"{row['vertices']:,}",
-            " / ".join(map(_percent, row["excess_percent"])),
-            str(row["default_iterations"]),
-        )
-        for row in rows
-        if row["work"] == "convergence"
-    ]
+    lines = []
+    for row in rows:
+        if row["work"] == "convergence":
+            excess = " / ".join(map(_percent, row["excess_percent"]))
+            lines.append((row["case"], f"{row['vertices']:,}", excess, str(row["default_iterations"])))
     return table(("case", "vertices", "% after 0 / 4 / 10 / 20 / 40", "default stops at"), lines)
 
 
@@ -191,30 +182,20 @@ def bend(rows: list[Row]) -> str:
 
 def instructions() -> str:
     stored = json.loads(COUNTS.read_text(encoding="utf-8"))
-    lines = [
-        (loop, f"{count:,}", f"{count / stored['vertices']:,.0f}")
-        for loop, count in stored["instructions"].items()
-    ]
+    counts, vertices = stored["instructions"].items(), stored["vertices"]
+    lines = [(loop, f"{count:,}", f"{count / vertices:,.0f}") for loop, count in counts]
     avx2 = "with" if stored["avx2"] else "without"
-    return f"Compiler {stored['compiler']}, {avx2} AVX2, {stored['vertices']:,} vertices.\n\n" + table(
-        ("loop", "instructions", "per vertex"), lines
-    )
+    head = f"Compiler {stored['compiler']}, {avx2} AVX2, {vertices:,} vertices.\n\n"
+    return head + table(("loop", "instructions", "per vertex"), lines)
 
 
 def frames(rows: list[Row]) -> str:
     """A table of the parts of a frame in Blender."""
-    lines = [
-        (
-            row["case"],
-            row["work"],
-            f"{row['vertices']:,}",
-            amount(row["ours"], "s"),
-            amount(row["native_ms"] / 1000.0, "s"),
-            amount(row["around_ms"] / 1000.0, "s"),
-            amount(row["peer"], "s"),
-        )
-        for row in rows
-        if "native_ms" in row
-    ]
+    lines = []
+    for row in rows:
+        if "native_ms" in row:
+            parts = row["ours"], row["native_ms"] / 1000.0, row["around_ms"] / 1000.0, row["peer"]
+            times = (amount(part, "s") for part in parts)
+            lines.append((row["case"], row["work"], f"{row['vertices']:,}", *times))
     header = ("Blender", "row", "vertices", "frame", "native solve", "the rest", "Blender's deformer")
     return table(header, sorted(lines, key=lambda cells: cells[1::-1]))

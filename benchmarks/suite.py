@@ -90,9 +90,8 @@ def measure_here(measure: str, size: str, out: str, smallest: bool) -> None:
 
 
 def arguments() -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        prog="benchmarks/run", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    as_it_is = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(prog="benchmarks/run", description=__doc__, formatter_class=as_it_is)
     only = "a row, a function that measures rows, or instructions; may be repeated"
     parser.add_argument("--only", action="append", metavar="NAME", help=only)
     parser.add_argument("--quick", action="store_true", help="10,000 vertices and no Blender: some minutes")

@@ -6,6 +6,7 @@ import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from timeit import repeat, timeit
 
 import numpy as np
 from record import Row
@@ -35,25 +36,18 @@ class Timed:
     def median(self) -> float:
         return statistics.median(self.seconds)
 
-    def _once(self) -> float:
-        begin = time.perf_counter()
-        self.run()
-        return time.perf_counter() - begin
-
     def turn(self) -> None:
         self.prepare()
-        first = self._once()
-        self.seconds.append(first)
-        if self.repeatable:
-            self.seconds += [self._once() for _ in range(min(20, int(BURST / max(first, 1e-6))))]
+        first = timeit(self.run, number=1)
+        again = min(20, int(BURST / max(first, 1e-6))) if self.repeatable else 0
+        self.seconds += [first, *repeat(self.run, repeat=again, number=1)]
 
 
 def alternate(
     works: dict[object, Timed], *, budget: float = 4.0, least: int = 3, most: int = 20
 ) -> dict[object, Timed]:
     """Run all works by turns, for at least ``least`` rounds, until ``budget`` seconds are over."""
-    if FEWEST_ROUNDS:
-        budget, least = 0.0, 1
+    budget, least = (0.0, 1) if FEWEST_ROUNDS else (budget, least)
     begin = time.perf_counter()
     for done in range(most):
         if done >= least and time.perf_counter() - begin > budget:

@@ -15,11 +15,9 @@ ALL = (*WITH_PEERS, 1_000_000, 2_000_000)  # the largest meshes are measured wit
 
 @dataclass(frozen=True)
 class Work:
-    """A row. Stored results name its ``id``; ``what`` and ``peer`` are for readers.
-
-    ``measure`` names a function in a module of ``rows/``, which gets a size and the numbers of threads. Works
-    that name the same one share its runs.
-    """
+    """A row. Stored results name its ``id``; ``what`` and ``peer`` are for readers. ``measure`` names a
+    function in a module of ``rows/``, which gets a size and the numbers of threads. Works that name the same
+    one share its runs."""
 
     id: str
     what: str

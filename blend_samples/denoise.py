@@ -9,10 +9,9 @@ H. Dammertz et al. "Edge-Avoiding A-Trous Wavelet Transform for Fast Global Illu
 For the brightness: C. Schied et al. "Spatiotemporal Variance-Guided Filtering." HPG 2017.
 """
 
-from __future__ import annotations
-
 import tempfile
 from collections.abc import Sequence
+from itertools import product
 from pathlib import Path
 
 import bpy
@@ -41,8 +40,8 @@ def render_passes(scene: bpy.types.Scene, names: Sequence[str]) -> dict[str, np.
     tree = scene.node_tree
     tree.nodes.clear()
     source, target = (tree.nodes.new(f"CompositorNode{kind}") for kind in ("RLayers", "OutputFile"))
-    target.format.file_format, target.format.color_depth = "OPEN_EXR", "32"
-    target.format.color_mode = "RGB"
+    form = target.format
+    form.file_format, form.color_depth, form.color_mode = "OPEN_EXR", "32", "RGB"
     target.file_slots.clear()
     for name in names:
         target.file_slots.new(name)
@@ -65,8 +64,7 @@ def render_passes(scene: bpy.types.Scene, names: Sequence[str]) -> dict[str, np.
 
 def smooth(light: np.ndarray, normal: np.ndarray, depth: np.ndarray, levels: int) -> np.ndarray:
     """The light (h, w, 3) without its noise. ``normal`` (h, w, 3), ``depth`` (h, w, 1)."""
-    slope = np.hypot(*np.gradient(depth[..., 0]))[..., None]
-    slope = np.minimum(slope, 0.01 * depth)
+    slope = np.minimum(np.hypot(*np.gradient(depth[..., 0]))[..., None], 0.01 * depth)
     light = quench_fireflies(light)
     variance = local_variance(brightness(light))
     for level in range(levels):
@@ -74,22 +72,16 @@ def smooth(light: np.ndarray, normal: np.ndarray, depth: np.ndarray, levels: int
         scale = 3.0 * np.sqrt(blur(variance)) + 1e-4
         bright = brightness(light)
         total, weights, squares = np.zeros_like(light), np.zeros_like(depth), np.zeros_like(depth)
-        for dy in range(-2, 3):
-            for dx in range(-2, 3):
-                move = (step * dy, step * dx)
-                nearby = shifted(light, move)
-                alike = np.maximum((normal * shifted(normal, move)).sum(2, keepdims=True), 0.0) ** 48
-                reach = np.hypot(*move) * slope + 1e-3 * depth
-                away = (
-                    np.abs(depth - shifted(depth, move)) / reach
-                    + np.abs(bright - shifted(bright, move)) / scale
-                )
-                weight = KERNEL[abs(dy)] * KERNEL[abs(dx)] * alike * np.exp(-away)
-                if dy == dx == 0:
-                    weight = np.full_like(depth, KERNEL[0] ** 2)
-                total += weight * nearby
-                weights += weight
-                squares += weight**2 * shifted(variance, move)
+        for dy, dx in product(range(-2, 3), repeat=2):
+            move = (step * dy, step * dx)
+            alike = np.maximum((normal * shifted(normal, move)).sum(2, keepdims=True), 0.0) ** 48
+            reach = np.hypot(*move) * slope + 1e-3 * depth
+            away = np.abs(depth - shifted(depth, move)) / reach
+            away += np.abs(bright - shifted(bright, move)) / scale
+            weight = KERNEL[abs(dy)] * KERNEL[abs(dx)] * (alike * np.exp(-away) if dy or dx else 1.0)
+            total += weight * shifted(light, move)
+            weights += weight
+            squares += weight**2 * shifted(variance, move)
         light, variance = total / weights, squares / weights**2
     return light
 

@@ -1,31 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A row of one model before one camera: what most samples are, as data."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import bpy
-import numpy as np
 from mathutils import Vector
 
 from . import markers, posing, studio
-from .posing import Move
+from .posing import POSE_FRAME, Move
 
-POSE_FRAME = 40
 Pose = Callable[[bpy.types.Object], object]
 
 
 @dataclass(frozen=True)
 class Lineup:
     """A sample: ``build`` makes the model, and ``row`` says for each label what poses its copy, if anything.
+    With ``anew``, ``build`` makes each of them, of a label and a place along x; without, they are copies. An
+    object that gets a property ``label`` while it is posed has that text instead of the key of the row."""
 
-    With ``anew``, ``build`` makes each of them, of a label and a place along x; without, they are copies.
-    An object that gets a property ``label`` while it is posed has that text instead of the key of the row.
-    """
-
-    title: str
     build: Callable[..., bpy.types.Object]
     row: Mapping[str, Pose | None]
     spacing: float
@@ -40,12 +33,12 @@ class Lineup:
     about: str = ""  # what ``run --list`` says
 
     def make(self) -> bpy.types.Scene:
-        scene = studio.empty_scene(self.title)
+        scene = studio.empty_scene()
+        places = posing.places(len(self.row), self.spacing)
         if self.anew:
-            places = posing.places(len(self.row), self.spacing)
             row = [self.build(label, x) for label, x in zip(self.row, places)]
         else:
-            row = posing.line_up(self.build(), self.row, self.spacing, self.heading)
+            row = posing.line_up(self.build(), self.row, places, self.heading)
         for obj, pose in zip(row, self.row.values()):
             if pose:
                 pose(obj)
@@ -55,10 +48,10 @@ class Lineup:
             for obj in row:
                 posing.subdivide(obj)
         scene.frame_set(self.frame)
-        places = [(obj, obj.location.x) for obj in row]
-        self.shot.set_up(scene, [(obj.get("label", key), x) for key, (obj, x) in zip(self.row, places)])
+        labels = [obj.get("label", key) for key, obj in zip(self.row, row)]
+        self.shot.set_up(scene, zip(labels, places))
         if self.note:
-            self.shot.add_notes(scene, [(self.note(obj, row[0]), x) for obj, x in places])
+            self.shot.add_notes(scene, [(self.note(obj, row[0]), x) for obj, x in zip(row, places)])
         studio.open_at(scene, self.frame, row[self.active])
         return scene
 
@@ -103,7 +96,7 @@ class Regions:
         if self.method:
             for control, handle in zip(controls, self.handles):
                 posing.animate(control, handle.moves, obj)
-            posing.check_posed(obj, 1, POSE_FRAME)
+            posing.check_posed(obj)
 
 
 def add_thickness(obj: bpy.types.Object, thickness: float) -> None:
@@ -115,26 +108,3 @@ def add_thickness(obj: bpy.types.Object, thickness: float) -> None:
 def there_and_back(*moves: tuple[int, Move], end: int = 96) -> dict[int, Move]:
     """Keys of a control that rests at the first frame and at the last."""
     return {1: posing.REST, **dict(moves), end: posing.REST}
-
-
-def share_pose(
-    rest: bpy.types.Object,
-    methods: Iterable[tuple[bpy.types.Object, str]],
-    name: str,
-    posed: Callable[[np.ndarray], np.ndarray],
-    values: Mapping[int, float],
-    thickness: float,
-) -> None:
-    """Pose objects, each with a method, by copies of a cage in one pose; the cage itself stays at rest.
-
-    ``posed`` turns its points (c, 3) into those of the pose ``name``; ``values`` is its strength per frame.
-    """
-    objects = dict(methods)
-    cages = [posing.share_cage(rest, obj, method) for obj, method in objects.items()]
-    rest.data = rest.data.copy()  # the others share their mesh, and its poses
-    posing.add_pose(cages[0], name, posed(posing.vertices(rest)), values)
-    for cage in (rest, *cages):
-        markers.add_cage_edges(cage, thickness)
-    rest.hide_render = True
-    for obj in objects:
-        posing.check_posed(obj, 1, POSE_FRAME)

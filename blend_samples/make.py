@@ -4,8 +4,6 @@
 Lines for people start with ``> ``, so that ``run`` can tell them from Blender's own.
 """
 
-from __future__ import annotations
-
 import argparse
 import importlib
 import sys
@@ -30,11 +28,13 @@ def main() -> None:
             "The Sinew add-on is not enabled in this Blender: run blend_samples/run, which installs it."
         )
 
-    sample = importlib.import_module("blend_samples.catalogue").find(wanted.sample)
+    rows = importlib.import_module("blend_samples.lineups").LINEUPS
+    sample = rows.get(wanted.sample) or importlib.import_module(f"blend_samples.scenes.{wanted.sample}")
     studio = importlib.import_module("blend_samples.studio")
     denoise = importlib.import_module("blend_samples.denoise")
     OUTPUT.mkdir(exist_ok=True)
     scene = sample.make()
+    scene.name = wanted.sample
     bpy.context.preferences.filepaths.save_version = 0  # no .blend1 beside it
     scene.render.filepath = f"//{wanted.sample}.png"
     bpy.ops.wm.save_as_mainfile(filepath=str(OUTPUT / f"{wanted.sample}.blend"), compress=True)

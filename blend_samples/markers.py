@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Marks that show controls in a picture: orange pins, orange cage edges, blue pads on fixed regions."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import bpy
@@ -29,14 +27,10 @@ def add_pin(
     bpy.context.view_layer.update()
     parts = [add_ball(f"{control.name} Pin", tip, radius)]
     if foot is not None:
-        start, end = Vector(foot), Vector(tip)
-        bpy.ops.mesh.primitive_cylinder_add(
-            vertices=16,
-            radius=0.16 * radius,
-            depth=(end - start).length,
-            location=(start + end) / 2,
-            rotation=(end - start).to_track_quat("Z", "Y").to_euler(),
-        )
+        way = Vector(tip) - Vector(foot)
+        stem = {"radius": 0.16 * radius, "depth": way.length, "location": Vector(foot) + way / 2}
+        turn = way.to_track_quat("Z", "Y").to_euler()
+        bpy.ops.mesh.primitive_cylinder_add(vertices=16, rotation=turn, **stem)
         parts.append(dress(f"{control.name} Stem", handle_material(), smooth=True))
     for part in parts:
         part.parent, part.matrix_parent_inverse = control, control.matrix_world.inverted()
@@ -46,12 +40,9 @@ def add_lattice_points(lattice: bpy.types.Object, radius: float, frame: int) -> 
     """A ball at each point of the top layer of a lattice that has moved at a frame."""
     bpy.context.scene.frame_set(frame)
     evaluated = lattice.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    count = lattice.data.points_u * lattice.data.points_v
-    places = [
-        lattice.matrix_world @ point.co_deform
-        for point in evaluated.data.points[-count:]
-        if (point.co_deform - point.co).length > 1e-3
-    ]
+    top = evaluated.data.points[-lattice.data.points_u * lattice.data.points_v :]
+    moved = [point.co_deform for point in top if (point.co_deform - point.co).length > 1e-3]
+    places = [lattice.matrix_world @ place for place in moved]
     mesh = bpy.data.meshes.new(f"{lattice.name} Points")
     mesh.from_pydata(places, [], [])
     carrier = add_object(mesh.name, mesh)
@@ -88,9 +79,8 @@ def dress(name: str, material: bpy.types.Material, smooth: bool = False) -> bpy.
 
 def add_pad(centre: Sequence[float], radius: float, height: float = 0.012) -> None:
     """A thin disc on the floor under a part that stays where it is."""
-    bpy.ops.mesh.primitive_cylinder_add(
-        vertices=64, radius=radius, depth=height, location=(centre[0], centre[1], height / 2)
-    )
+    middle = (centre[0], centre[1], height / 2)
+    bpy.ops.mesh.primitive_cylinder_add(vertices=64, radius=radius, depth=height, location=middle)
     pad = dress("Fixed", plain_material("Fixed", FIXED_COLOUR, roughness=0.35))
     bevel = pad.modifiers.new("Bevel", "BEVEL")
     bevel.width, bevel.segments = 0.4 * height, 2

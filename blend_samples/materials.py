@@ -1,20 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials of the samples. Textures read attributes of the rest shape, so they stick to the surface."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import bpy
+from bpy.types import Material, Node, NodeSocket, NodeTree
 
 HANDLE_COLOUR = (0.85, 0.17, 0.01)
 FIXED_COLOUR = (0.04, 0.13, 0.45)
 
 
-def principled(
-    name: str, roughness: float = 0.5, specular: float = 0.4
-) -> tuple[bpy.types.Material, bpy.types.Node]:
-    """A new material and its Principled BSDF."""
+def principled(name: str, roughness: float = 0.5, specular: float = 0.4) -> tuple[Material, Node]:
     material = bpy.data.materials.new(name)
     material.use_nodes = True
     shader = material.node_tree.nodes["Principled BSDF"]
@@ -25,7 +21,7 @@ def principled(
 
 def plain_material(
     name: str, colour: Sequence[float], roughness: float = 0.5, specular: float = 0.4
-) -> bpy.types.Material:
+) -> Material:
     """One colour; made once for each name."""
     if name in bpy.data.materials:
         return bpy.data.materials[name]
@@ -35,55 +31,39 @@ def plain_material(
     return material
 
 
-def backdrop_material(tint: Sequence[float]) -> bpy.types.Material:
-    return plain_material("Backdrop", tint, roughness=0.9, specular=0.1)
-
-
-def ink_material() -> bpy.types.Material:
-    return plain_material("Ink", (0.035, 0.035, 0.04), roughness=0.8, specular=0.1)
-
-
-def add_node(
-    tree: bpy.types.NodeTree, kind: str, inputs: Mapping[str | int, object], **settings: object
-) -> bpy.types.NodeSocket:
+def add_node(tree: NodeTree, kind: str, inputs: Mapping[str | int, object], **settings: object) -> NodeSocket:
     """A shader node; of each input a value, or the socket to link it to. Returns its first output in use."""
     node = tree.nodes.new(f"ShaderNode{kind}")
     for name, value in settings.items():
         setattr(node, name, value)
     for key, value in inputs.items():
-        if isinstance(value, bpy.types.NodeSocket):
+        if isinstance(value, NodeSocket):
             tree.links.new(value, node.inputs[key])
         else:
             node.inputs[key].default_value = value
     return next(socket for socket in node.outputs if socket.enabled)
 
 
-def add_math(tree: bpy.types.NodeTree, operation: str, *inputs: object) -> bpy.types.NodeSocket:
+def add_math(tree: NodeTree, operation: str, *inputs: object) -> NodeSocket:
     return add_node(tree, "Math", dict(enumerate(inputs)), operation=operation)
 
 
-def attribute(material: bpy.types.Material, name: str, output: str = "Fac") -> bpy.types.NodeSocket:
+def attribute(material: Material, name: str, output: str = "Fac") -> NodeSocket:
     """An attribute of the mesh; as a colour or a vector by the name of the output."""
     node = material.node_tree.nodes.new("ShaderNodeAttribute")
     node.attribute_name = name
     return node.outputs[output]
 
 
-def smooth_edge(
-    tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, low: float, high: float, least: float = 0.0
-) -> bpy.types.NodeSocket:
+def smooth_edge(tree: NodeTree, value: NodeSocket, low: float, high: float, least: float = 0.0) -> NodeSocket:
     """From ``least`` where the value is at most ``low`` to 1 where it is at least ``high``."""
     inputs = {"Value": value, "From Min": low, "From Max": high, "To Min": least}
     return add_node(tree, "MapRange", inputs, interpolation_type="SMOOTHSTEP")
 
 
-def skin_material(
-    name: str, roughness: float, bump: float, grain: float, band: str = ""
-) -> bpy.types.Material:
-    """Painted colours (attribute ``Colour``) under a fine grain of the rest position.
-
-    The attribute ``band`` shows in the handles' colour, as strongly as the object colour's alpha.
-    """
+def skin_material(name: str, roughness: float, bump: float, grain: float, band: str = "") -> Material:
+    """Painted colours (attribute ``Colour``) under a fine grain of the rest position. The attribute ``band``
+    shows in the handles' colour, as strongly as the object colour's alpha."""
     material, shader = principled(name, roughness)
     tree = material.node_tree
     colour = attribute(material, "Colour", "Color")
@@ -99,7 +79,7 @@ def skin_material(
     return material
 
 
-def eye_material(name: str, iris: Sequence[float], pupil: float, size: float) -> bpy.types.Material:
+def eye_material(name: str, iris: Sequence[float], pupil: float, size: float) -> Material:
     """A wet eyeball; the attribute ``gaze`` is the angle from the line of sight in radians."""
     material, shader = principled(name, 0.08, 0.6)
     tree = material.node_tree
@@ -125,11 +105,9 @@ def eye_material(name: str, iris: Sequence[float], pupil: float, size: float) ->
 
 def patched_material(
     name: str, base: Sequence[float], patches: Sequence[tuple[str, Sequence[float], float]], roughness: float
-) -> bpy.types.Material:
+) -> Material:
     """Colour fields over a base: each (attribute, colour, softness) covers where its attribute is positive.
-
-    The attributes are smooth fields, zero on the border, so that borders are crisp on coarse meshes too.
-    """
+    The attributes are smooth fields, zero on the border, so that borders are crisp on coarse meshes too."""
     material, shader = principled(name, roughness, specular=0.3)
     tree = material.node_tree
     below = tree.nodes.new("ShaderNodeRGB").outputs[0]
@@ -141,7 +119,7 @@ def patched_material(
     return material
 
 
-def region_material(name: str, base: Sequence[float], ruled: bool = False) -> bpy.types.Material:
+def region_material(name: str, base: Sequence[float], ruled: bool = False) -> Material:
     """A base on which the fields ``handle`` and ``fixed`` show the regions, with lines if it is ``ruled``."""
     patches = (("handle", HANDLE_COLOUR, 0.002), ("fixed", FIXED_COLOUR, 0.002))
     material = patched_material(name, base, patches, roughness=0.5)
@@ -150,7 +128,7 @@ def region_material(name: str, base: Sequence[float], ruled: bool = False) -> bp
     return material
 
 
-def rule_lines(material: bpy.types.Material, cell: float, line: float) -> None:
+def rule_lines(material: Material, cell: float, line: float) -> None:
     """Fine darker lines on a material's colour, every ``cell`` units of the rest x and y."""
     tree = material.node_tree
     base = tree.nodes["Principled BSDF"].inputs["Base Color"]

@@ -1,19 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The photo studio of the samples: backdrop, lights, camera, labels, render settings."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import cos, pi, radians, sin
 from pathlib import Path
 
 import bpy
+from bpy.types import ID, Collection, Material, Object, Scene, SpaceView3D, VectorFont
 from mathutils import Vector
 
-from .materials import add_math, add_node, backdrop_material, ink_material
+from .materials import add_math, add_node, plain_material
 
 FRAMES = (1, 96)
+# Area lights: where they are from the target, as multiples of the lit place, and their size, power and colour
+LAMPS = (
+    ("Key", (-0.75, -0.95, 1.25), 0.70, 46.0, (1.0, 0.93, 0.84)),
+    ("Rim", (0.95, 0.95, 0.95), 0.55, 32.0, (0.80, 0.90, 1.0)),
+)
 
 
 @dataclass(frozen=True)
@@ -35,7 +39,7 @@ class Shot:
     nearer: float = 1.0  # the x of objects times this, as the camera sees their middle
     floor: float = 0.0  # the height that labels stand on
 
-    def set_up(self, scene: bpy.types.Scene, labels: Iterable[tuple[str, float]]) -> None:
+    def set_up(self, scene: Scene, labels: Iterable[tuple[str, float]]) -> None:
         """Add backdrop, camera, lights and a label for each object, by its x; and set up the renderer."""
         add_backdrop(scene, 14.0, self.tint)
         add_camera(scene, self.target, self.distance, self.elevation, self.width)
@@ -44,18 +48,17 @@ class Shot:
             add_label(scene, text, (self.nearer * x + self.aside, self.front, self.floor), self.text)
         set_up_render(scene, self.samples, *self.picture)
 
-    def add_notes(self, scene: bpy.types.Scene, notes: Iterable[tuple[str, float]]) -> None:
+    def add_notes(self, scene: Scene, notes: Iterable[tuple[str, float]]) -> None:
         """A second, smaller line below each label."""
         for text, x in notes:
             add_label(scene, text, (x + self.aside, self.front - 0.5, self.floor), 0.85 * self.text)
 
 
-def empty_scene(name: str) -> bpy.types.Scene:
+def empty_scene() -> Scene:
     """A scene with nothing in it, seconds of 24 frames, colours managed for soft daylight."""
     progress("modelling")
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)  # keeps the add-ons enabled
     scene = bpy.context.scene
-    scene.name = name
     scene.frame_start, scene.frame_end = FRAMES
     scene.render.fps = 24
     scene.view_settings.view_transform = "Filmic"
@@ -65,62 +68,65 @@ def empty_scene(name: str) -> bpy.types.Scene:
 
 
 def progress(text: str) -> None:
-    """Print a line for the person who waits."""
     print(f"> {text} ...", flush=True)
 
 
-def set_up_render(scene: bpy.types.Scene, samples: int, width: int, height: int) -> None:
+def set_up_render(scene: Scene, samples: int, width: int, height: int) -> None:
     """Cycles on the CPU, few bounces. Debian's build has no denoiser: see ``denoise``."""
     render, cycles = scene.render, scene.cycles
-    render.engine = "CYCLES"
+    render.engine, render.use_persistent_data = "CYCLES", False
     render.resolution_x, render.resolution_y, render.resolution_percentage = width, height, 100
-    render.image_settings.file_format = "PNG"
-    render.image_settings.color_mode = "RGB"
+    render.image_settings.file_format, render.image_settings.color_mode = "PNG", "RGB"
     render.image_settings.compression = 90
-    render.use_persistent_data = False
-    cycles.device = "CPU"
-    cycles.use_denoising = False
-    cycles.samples = samples
-    cycles.use_adaptive_sampling = True
-    cycles.adaptive_threshold = 0.03
+    cycles.device, cycles.use_denoising, cycles.samples = "CPU", False, samples
+    cycles.use_adaptive_sampling, cycles.adaptive_threshold = True, 0.03
     cycles.adaptive_min_samples = min(24, samples)
     cycles.max_bounces, cycles.diffuse_bounces, cycles.glossy_bounces = 4, 2, 2
     cycles.transmission_bounces = cycles.transparent_max_bounces = 2
-    cycles.sample_clamp_indirect = 3.0
-    cycles.blur_glossy = 1.0
+    cycles.sample_clamp_indirect, cycles.blur_glossy = 3.0, 1.0
     cycles.caustics_reflective = cycles.caustics_refractive = False
-    cycles.pixel_filter_type = "BLACKMAN_HARRIS"
-    cycles.filter_width = 1.6
+    cycles.pixel_filter_type, cycles.filter_width = "BLACKMAN_HARRIS", 1.6
 
 
-def studio_collection(scene: bpy.types.Scene) -> bpy.types.Collection:
+def studio_collection(scene: Scene) -> Collection:
     """The collection of everything that is not posed."""
     if "Studio" not in scene.collection.children:
         scene.collection.children.link(bpy.data.collections.new("Studio"))
     return scene.collection.children["Studio"]
 
 
-def add_backdrop(scene: bpy.types.Scene, behind: float, tint: Sequence[float], width: float = 80.0) -> None:
+def put(
+    scene: Scene,
+    name: str,
+    data: ID,
+    place: Sequence[float] = (0.0, 0.0, 0.0),
+    target: Sequence[float] | None = None,
+) -> Object:
+    """A new object of the studio, which looks at a target if there is one."""
+    obj = bpy.data.objects.new(name, data)
+    obj.location = place
+    if target is not None:
+        obj.rotation_euler = (Vector(target) - Vector(place)).to_track_quat("-Z", "Y").to_euler()
+    studio_collection(scene).objects.link(obj)
+    return obj
+
+
+def add_backdrop(scene: Scene, behind: float, tint: Sequence[float], width: float = 80.0) -> None:
     """A floor at z = 0 that bends up into a wall at ``y = behind``, seen from -y."""
     radius = 6.0
-    profile = [(-40.0, 0.0), (behind - radius, 0.0)]
-    profile += [
-        (behind - radius + radius * sin(pi * k / 48), radius - radius * cos(pi * k / 48))
-        for k in range(1, 25)
-    ]
-    profile.append((behind, 40.0))
+    turns = [pi * k / 48 for k in range(25)]
+    bow = [(behind - radius + radius * sin(turn), radius - radius * cos(turn)) for turn in turns]
+    profile = [(-40.0, 0.0), *bow, (behind, 40.0)]
     points = [(x, y, z) for y, z in profile for x in (-width / 2, width / 2)]
     faces = [(2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2) for i in range(len(profile) - 1)]
     mesh = bpy.data.meshes.new("Backdrop")
     mesh.from_pydata(points, [], faces)
     mesh.polygons.foreach_set("use_smooth", [True] * len(faces))
-    mesh.materials.append(backdrop_material(tint))
-    backdrop = bpy.data.objects.new("Backdrop", mesh)
-    backdrop.hide_select = True
-    studio_collection(scene).objects.link(backdrop)
+    mesh.materials.append(plain_material("Backdrop", tint, roughness=0.9, specular=0.1))
+    put(scene, "Backdrop", mesh).hide_select = True
 
 
-def add_lights(scene: bpy.types.Scene, target: Sequence[float], size: float) -> None:
+def add_lights(scene: Scene, target: Sequence[float], size: float) -> None:
     """A large warm key from the upper left, a cool rim from behind; the sky fills the shadows."""
     world = bpy.data.worlds.new("Sky")
     scene.world = world
@@ -136,71 +142,48 @@ def add_lights(scene: bpy.types.Scene, target: Sequence[float], size: float) -> 
     background["Strength"].default_value = 0.31
     world.cycles.sampling_method = "NONE"  # smooth: chance finds it with less noise
 
-    add_area(scene, "Key", target, size, (-0.75, -0.95, 1.25), 0.70, 46.0, (1.0, 0.93, 0.84))
-    add_area(scene, "Rim", target, size, (0.95, 0.95, 0.95), 0.55, 32.0, (0.80, 0.90, 1.0))
-
-
-def add_area(
-    scene: bpy.types.Scene,
-    name: str,
-    target: Sequence[float],
-    size: float,
-    direction: Sequence[float],
-    spread: float,
-    power: float,
-    colour: Sequence[float],
-) -> None:
-    """One area light at ``size`` times ``direction`` from the target, as bright there at any size."""
-    light = bpy.data.lights.new(name, "AREA")
-    light.shape = "DISK"
-    light.size = spread * size
-    light.energy = power * size * size
-    light.color = colour
-    lamp = bpy.data.objects.new(name, light)
-    lamp.location = Vector(target) + size * Vector(direction)
-    lamp.rotation_euler = (Vector(target) - lamp.location).to_track_quat("-Z", "Y").to_euler()
-    studio_collection(scene).objects.link(lamp)
-    lamp.hide_set(True)  # its lines would cross the view; it shines all the same
+    for name, direction, spread, power, colour in LAMPS:
+        light = bpy.data.lights.new(name, "AREA")
+        light.shape, light.size = "DISK", spread * size
+        light.energy, light.color = power * size * size, colour  # as bright there at any size
+        lamp = put(scene, name, light, Vector(target) + size * Vector(direction), target)
+        lamp.hide_set(True)  # its lines would cross the view; it shines all the same
 
 
 def add_camera(
-    scene: bpy.types.Scene,
-    target: Sequence[float],
-    distance: float,
-    elevation: float,
-    width: float,
+    scene: Scene, target: Sequence[float], distance: float, elevation: float, width: float
 ) -> None:
     """A long lens that sees ``width`` units at the target, from ``elevation`` degrees above it."""
     camera = bpy.data.cameras.new("Camera")
     camera.sensor_width = 36.0
     camera.lens = camera.sensor_width * distance / width
     camera.clip_end = 500.0
-    body = bpy.data.objects.new("Camera", camera)
     rise = radians(elevation)
-    body.location = Vector(target) + distance * Vector((0.0, -cos(rise), sin(rise)))
-    body.rotation_euler = (Vector(target) - body.location).to_track_quat("-Z", "Y").to_euler()
-    studio_collection(scene).objects.link(body)
-    scene.camera = body
+    place = Vector(target) + distance * Vector((0.0, -cos(rise), sin(rise)))
+    scene.camera = put(scene, "Camera", camera, place, target)
 
 
-def add_label(scene: bpy.types.Scene, text: str, place: Sequence[float], size: float) -> None:
+def add_label(scene: Scene, text: str, place: Sequence[float], size: float) -> None:
     """A line of text above ``place`` on the floor, parallel to the picture; the camera is there already."""
+    above = Vector(place) + Vector((0.0, 0.0, 0.28 * size))  # room below the line for g and p
+    ink = plain_material("Ink", (0.035, 0.035, 0.04), roughness=0.8, specular=0.1)
+    add_text(scene, text, above, size, ink).data.extrude = 0.02 * size
+
+
+def add_text(
+    scene: Scene, text: str, place: Sequence[float], size: float, ink: Material, align: str = "CENTER"
+) -> Object:
+    """A line of text, parallel to the picture, without a shadow."""
     curve = bpy.data.curves.new(text, "FONT")
-    curve.body = text
-    curve.font = label_font()
-    curve.size = size
-    curve.align_x = "CENTER"
-    curve.extrude = 0.02 * size
-    curve.materials.append(ink_material())
-    label = bpy.data.objects.new(f"Label {text}", curve)
-    label.location = Vector(place) + Vector((0.0, 0.0, 0.28 * size))  # room below the line for g and p
+    curve.body, curve.font, curve.size, curve.align_x = text, label_font(), size, align
+    curve.materials.append(ink)
+    label = put(scene, f"Label {text}", curve, place)
     label.rotation_euler = scene.camera.rotation_euler
-    label.hide_select = True
-    label.visible_shadow = False
-    studio_collection(scene).objects.link(label)
+    label.hide_select, label.visible_shadow = True, False
+    return label
 
 
-def label_font() -> bpy.types.VectorFont:
+def label_font() -> VectorFont:
     """Blender's own interface font, stored in the file; the built-in one where it is missing."""
     for font in bpy.data.fonts:
         if font.name.startswith("DejaVu"):
@@ -213,7 +196,7 @@ def label_font() -> bpy.types.VectorFont:
     return bpy.data.fonts.load("<builtin>")
 
 
-def open_at(scene: bpy.types.Scene, frame: int, posed: bpy.types.Object) -> None:
+def open_at(scene: Scene, frame: int, posed: Object) -> None:
     """Make the file open with the view through the camera; a control is selected, or what has none."""
     scene.frame_set(frame)
     for other in scene.objects:
@@ -227,7 +210,7 @@ def open_at(scene: bpy.types.Scene, frame: int, posed: bpy.types.Object) -> None
         space.shading.color_type = "VERTEX" if posed.data.color_attributes else "MATERIAL"
 
 
-def look_through_camera() -> list[bpy.types.SpaceView3D]:
+def look_through_camera() -> list[SpaceView3D]:
     """Let every 3D view of the file open with the camera's view, and return them."""
     areas = (area for screen in bpy.data.screens for area in screen.areas)
     spaces = [area.spaces.active for area in areas if area.type == "VIEW_3D"]

@@ -10,18 +10,3 @@ from .stretching import frame_at
 from .there import has_files, look, play_instead
 from .transfer import Transferring
 from .unbake import unbake
-
-__all__ = (
-    "Baking",
-    "Request",
-    "Transferring",
-    "can_write_alembic",
-    "choose_path",
-    "export_alembic",
-    "frame_at",
-    "has_files",
-    "look",
-    "offered_path",
-    "play_instead",
-    "unbake",
-)

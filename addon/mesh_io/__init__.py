@@ -17,27 +17,3 @@ from .rest import (
     weights_attribute,
 )
 from .shape import copy_shape, read_shape, resize_shape, shape_array, shape_mesh, write_shape
-
-__all__ = (
-    "Incoming",
-    "RestShape",
-    "copy_shape",
-    "group_names",
-    "group_weights",
-    "keep_lost_groups",
-    "keep_shape",
-    "known_groups",
-    "read_attributes",
-    "read_incoming",
-    "read_rest",
-    "read_shape",
-    "read_uv_map",
-    "renumbered",
-    "replace_rest",
-    "resize_shape",
-    "same_topology",
-    "shape_array",
-    "shape_mesh",
-    "weights_attribute",
-    "write_shape",
-)

@@ -72,32 +72,6 @@ from .tools.under_mouse import bone_under, surface_under
 from .tools.wire_draw import SINEW_OT_wire_draw
 from .waiting import redraw_panels
 
-__all__ = (
-    "AROUND",
-    "HANDLE",
-    "PAGES",
-    "ViewportTool",
-    "bone_under",
-    "choice_refusal",
-    "draw_line",
-    "entering",
-    "explain_no_target",
-    "handle_sizes",
-    "makes_handles",
-    "method_refusal",
-    "page_of",
-    "preset_folder",
-    "redraw_panels",
-    "register",
-    "ring",
-    "surface_under",
-    "target_of",
-    "task_refusal",
-    "tasks_beside",
-    "template_refusal",
-    "unregister",
-)
-
 _CLASSES = (
     SINEW_OT_start_task,
     SINEW_OT_use_method,

@@ -8,25 +8,31 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 from ..core.labels import items_of
 from ..core.methods import BY_ID, METHODS, Method
+from ..properties import field
 from ..session.controls import kinds
 
 # The methods that regions steer.
 REGION_METHODS = tuple(method for method in METHODS if kinds.marks_regions(method) and not method.wraps)
 
 
-def once(kind: Callable, name: str, description: str, **details: Any) -> Any:
+def once(kind: Callable, **details: Any) -> field:
     """A property of this ``kind`` that later calls do not take over: each begins with the default."""
-    return kind(name=name, description=description, options={"SKIP_SAVE"}, **details)
+    return field(kind, options={"SKIP_SAVE"}, **details)
+
+
+def given(kind: Callable, **details: Any) -> field:
+    """The same, for what only buttons and scripts say: it is not shown."""
+    return field(kind, options={"HIDDEN", "SKIP_SAVE"}, **details)
 
 
 def row_index(description: str, **details: Any) -> Any:
     """Which row of a list, where -1 means the active one or all."""
-    return IntProperty(name="Index", default=-1, min=-1, description=description, **details)
+    return field(IntProperty, default=-1, min=-1, **details).named("Index", description)
 
 
 def distance(name: str, description: str, **details: Any) -> Any:
     """A distance that is not negative, shown in the units of the scene."""
-    return FloatProperty(name=name, description=description, subtype="DISTANCE", min=0.0, **details)
+    return field(FloatProperty, subtype="DISTANCE", min=0.0, **details).named(name, description)
 
 
 def method_choice(
@@ -34,6 +40,4 @@ def method_choice(
 ) -> Any:
     """One of these methods. ``default`` is the id of one."""
     items = items_of(tuple(methods))
-    return EnumProperty(
-        name=name, items=items, default=BY_ID[default].number, description=description, **details
-    )
+    return field(EnumProperty, items=items, default=BY_ID[default].number, **details).named(name, description)

@@ -44,21 +44,15 @@ class FrameByFrame(StaysInWindow):
     did: ClassVar[str]
     cancelled: ClassVar[str]
 
-    frame_start: once(
-        IntProperty,
-        "Start",
-        "Set the first frame; if it is not given, the first frame of the scene",
-        min=-MAX_FRAME,
-        max=MAX_FRAME,
+    frame_start: once(IntProperty, min=-MAX_FRAME, max=MAX_FRAME).named(
+        "Start", "Set the first frame; if it is not given, the first frame of the scene"
     )
-    frame_end: once(
-        IntProperty,
-        "End",
-        "Set the last frame; if it is not given, the last frame of the scene",
-        min=-MAX_FRAME,
-        max=MAX_FRAME,
+    frame_end: once(IntProperty, min=-MAX_FRAME, max=MAX_FRAME).named(
+        "End", "Set the last frame; if it is not given, the last frame of the scene"
     )
-    step: once(IntProperty, "Step", "Take every n-th frame; the frames between are blended", default=1, min=1)
+    step: once(IntProperty, default=1, min=1).named(
+        "Step", "Take every n-th frame; the frames between are blended"
+    )
 
     @abstractmethod
     def job(self, context: Context) -> Job:

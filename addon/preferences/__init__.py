@@ -6,22 +6,6 @@ import bpy
 from .page import DEFAULTS, PACKAGE, SinewPreferences, apply_limits, apply_names, preferences
 from .shortcuts import KEYMAP, SHORTCUTS, SPACE, Shortcut, find_item, find_items
 
-__all__ = (
-    "DEFAULTS",
-    "KEYMAP",
-    "PACKAGE",
-    "SHORTCUTS",
-    "SPACE",
-    "Shortcut",
-    "SinewPreferences",
-    "apply_limits",
-    "find_item",
-    "find_items",
-    "preferences",
-    "register",
-    "unregister",
-)
-
 
 def register() -> None:
     bpy.utils.register_class(SinewPreferences)

@@ -10,6 +10,7 @@ from bpy.types import AddonPreferences, Context, UILayout
 
 from .. import compat
 from ..backend import availability, last_check, limit_memory, limit_threads
+from ..core.field import field
 from ..core.labels import Names, choose, items_of
 from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS
 from ..ids import Operators
@@ -61,8 +62,8 @@ def apply_names(values: "SinewPreferences | SimpleNamespace") -> None:
 
 
 def _overlay_colour(name: str, default: tuple[float, float, float], description: str):
-    return FloatVectorProperty(
-        name=name, default=default, description=description, subtype="COLOR", size=3, min=0.0, max=1.0
+    return field(FloatVectorProperty, default=default, subtype="COLOR", size=3, min=0.0, max=1.0).named(
+        name, description
     )
 
 
@@ -71,9 +72,8 @@ class SinewPreferences(AddonPreferences):
 
     bl_idname = PACKAGE
 
-    section: EnumProperty(
-        name="Section",
-        description="Choose which of the settings below are shown",
+    section: field(
+        EnumProperty,
         items=(
             ("GENERAL", "General", "Defaults of new deformers, and how much of the machine Sinew may use", 0),
             ("OVERLAYS", "Show", "Colours of regions and of distortion in the viewport", 1),
@@ -81,40 +81,29 @@ class SinewPreferences(AddonPreferences):
         ),
         default="GENERAL",
         options={"SKIP_SAVE"},
+    ).named("Section", "Choose which of the settings below are shown")
+    method: field(EnumProperty, items=items_of(METHODS), default=BY_ID[DEFAULT_METHOD].number).named(
+        "Method", "Choose the method that Make Handle starts with; each deformer can change it"
     )
-    method: EnumProperty(
-        name="Method",
-        description="Choose the method that Make Handle starts with; each deformer can change it",
-        items=items_of(METHODS),
-        default=BY_ID[DEFAULT_METHOD].number,
-    )
-    names: EnumProperty(
-        name="Names",
-        description="Choose what methods are called, in all panels, menus and messages",
+    names: field(
+        EnumProperty,
         items=(
             (Names.TASKS.name, "Tasks", "By what they are for, such as Natural Bend", 0),
             (Names.LITERATURE.name, "Literature", "By what is published about them", 1),
         ),
         default=DEFAULTS.names,
         update=_names_changed,
+    ).named("Names", "Choose what methods are called, in all panels, menus and messages")
+    show_try_it: field(BoolProperty, default=DEFAULTS.show_try_it, update=_kept).named(
+        "Show Try It", "Show a box that offers small rigs to try Sinew on, while nothing is posed yet"
     )
-    show_try_it: BoolProperty(
-        name="Show Try It",
-        description="Show a box that offers small rigs to try Sinew on, while nothing is posed yet",
-        default=DEFAULTS.show_try_it,
-        update=_kept,
-    )
-    auto_rebind: BoolProperty(
-        name="Automatic Rebind",
-        description="Bind new deformers again by themselves when their mesh, or an object whose points move "
+    auto_rebind: field(BoolProperty, default=DEFAULTS.auto_rebind).named(
+        "Automatic Rebind",
+        "Bind new deformers again by themselves when their mesh, or an object whose points move "
         "it, gains or loses points, as you switch between modelling and posing",
-        default=DEFAULTS.auto_rebind,
     )
-    drag_budget: FloatProperty(
-        name="Drag Budget",
-        description="Set the milliseconds that an iterative method may spend on each redraw during a drag; "
-        "the exact shape follows when you stop; lower values are smoother, higher values are "
-        "closer to the exact shape",
+    drag_budget: field(
+        FloatProperty,
         default=DEFAULTS.drag_budget,
         min=1.0,
         max=10000.0,
@@ -122,21 +111,21 @@ class SinewPreferences(AddonPreferences):
         soft_max=200.0,
         step=100,
         precision=0,
+    ).named(
+        "Drag Budget",
+        "Set the milliseconds that an iterative method may spend on each redraw during a drag; "
+        "the exact shape follows when you stop; lower values are smoother, higher values are "
+        "closer to the exact shape",
     )
-    threads: IntProperty(
-        name="Threads",
-        description="Use at most this many processor threads for binding and solving; 0 uses all of them; "
+    threads: field(
+        IntProperty, default=DEFAULTS.threads, min=0, max=1024, soft_max=64, update=_limits_changed
+    ).named(
+        "Threads",
+        "Use at most this many processor threads for binding and solving; 0 uses all of them; "
         "lower it to leave some of them to a render",
-        default=DEFAULTS.threads,
-        min=0,
-        max=1024,
-        soft_max=64,
-        update=_limits_changed,
     )
-    memory_limit: FloatProperty(
-        name="Memory Limit",
-        description="Refuse to bind a mesh that needs more memory than this, in gigabytes; 0 sets no "
-        "limit; set it if a large bind must not slow down the machine",
+    memory_limit: field(
+        FloatProperty,
         default=DEFAULTS.memory_limit,
         min=0.0,
         max=100000.0,
@@ -144,6 +133,10 @@ class SinewPreferences(AddonPreferences):
         step=100,
         precision=1,
         update=_limits_changed,
+    ).named(
+        "Memory Limit",
+        "Refuse to bind a mesh that needs more memory than this, in gigabytes; 0 sets no "
+        "limit; set it if a large bind must not slow down the machine",
     )
     overlay_fixed: _overlay_colour(
         "Still",
@@ -158,14 +151,9 @@ class SinewPreferences(AddonPreferences):
     overlay_stretched: _overlay_colour(
         "Stretched", DEFAULTS.overlay_stretched, "Choose the colour of parts that became larger than at rest"
     )
-    overlay_opacity: FloatProperty(
-        name="Opacity",
-        description="Set how much of the mesh an overlay covers; lower it to keep the shading visible",
-        default=DEFAULTS.overlay_opacity,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-    )
+    overlay_opacity: field(
+        FloatProperty, default=DEFAULTS.overlay_opacity, min=0.0, max=1.0, subtype="FACTOR"
+    ).named("Opacity", "Set how much of the mesh an overlay covers; lower it to keep the shading visible")
 
     def draw(self, context: Context) -> None:
         layout = self.layout

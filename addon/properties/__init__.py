@@ -17,34 +17,7 @@ from .handle import STANDS_ON, SinewHandle
 from .key import SinewKey
 from .parameters import BASE
 from .scene import SinewScene
-from .setting import row_at
-
-__all__ = (
-    "BAKE_TARGETS",
-    "BALANCE",
-    "BASE",
-    "DRAG_MODES",
-    "HANDLE_ROLES",
-    "MAX_FRAME",
-    "PIXELS",
-    "REACH",
-    "STANDS_ON",
-    "UNLIMITED",
-    "SinewBone",
-    "SinewControl",
-    "SinewDeformer",
-    "SinewDrag",
-    "SinewHandle",
-    "SinewKey",
-    "SinewObject",
-    "SinewScene",
-    "StoredCage",
-    "deformers_of",
-    "method_items",
-    "register",
-    "row_at",
-    "unregister",
-)
+from .setting import SHARE, field, row_at
 
 _CLASSES = (
     *parameters.GROUPS.values(),

@@ -5,9 +5,10 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, EnumProperty, IntProperty, StringProperty
 from bpy.types import PropertyGroup
 
-from .setting import record, setting
+from .setting import option, record
 
 MAX_FRAME = 1_048_574  # Blender's own limit
+FRAMES = {"min": -MAX_FRAME, "max": MAX_FRAME}
 _ALEMBIC = "One Alembic file of the result, for other programs; the deformer stays live"
 
 TARGETS = (
@@ -39,52 +40,20 @@ class SinewBakedKey(PropertyGroup):
 class SinewBake(PropertyGroup):
     """Settings of a bake, and the record of one that was made"""
 
-    target: setting(
-        EnumProperty,
-        update=None,
-        name="Target",
-        items=TARGETS,
-        default="PC2",
-        description="Choose where the baked shapes go",
+    target: option(EnumProperty, items=TARGETS, default="PC2").named(
+        "Target", "Choose where the baked shapes go"
     )
-    custom_range: setting(
-        BoolProperty,
-        update=None,
-        name="Custom Range",
-        description="Bake another range of frames than that of the scene",
+    custom_range: option(BoolProperty).named(
+        "Custom Range", "Bake another range of frames than that of the scene"
     )
-    frame_start: setting(
-        IntProperty,
-        update=None,
-        name="Start",
-        default=1,
-        min=-MAX_FRAME,
-        max=MAX_FRAME,
-        description="Set the first frame to bake",
+    frame_start: option(IntProperty, default=1, **FRAMES).named("Start", "Set the first frame to bake")
+    frame_end: option(IntProperty, default=250, **FRAMES).named("End", "Set the last frame to bake")
+    step: option(IntProperty, default=1, min=1).named(
+        "Step", "Bake every n-th frame; the frames between are blended"
     )
-    frame_end: setting(
-        IntProperty,
-        update=None,
-        name="End",
-        default=250,
-        min=-MAX_FRAME,
-        max=MAX_FRAME,
-        description="Set the last frame to bake",
-    )
-    step: setting(
-        IntProperty,
-        update=None,
-        name="Step",
-        default=1,
-        min=1,
-        description="Bake every n-th frame; the frames between are blended",
-    )
-    exact_keys: setting(
-        BoolProperty,
-        update=None,
-        name="Exact",
-        default=True,
-        description="Make each frame exact to the last bit by one more shape key that cancels the basis; "
+    exact_keys: option(BoolProperty, default=True).named(
+        "Exact",
+        "Make each frame exact to the last bit by one more shape key that cancels the basis; "
         "turn it off for game engines",
     )
 

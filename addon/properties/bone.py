@@ -4,15 +4,12 @@
 from bpy.props import BoolProperty
 from bpy.types import PropertyGroup
 
-from .setting import setting
+from .setting import option
 
 
 class SinewBone(PropertyGroup):
     """What a pose bone does while another one is dragged"""
 
-    pin: setting(
-        BoolProperty,
-        update=None,
-        name="Pin",
-        description="Keep this bone where it is while Sinew Drag moves another one, as a foot on the ground",
+    pin: option(BoolProperty).named(
+        "Pin", "Keep this bone where it is while Sinew Drag moves another one, as a foot on the ground"
     )

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One of the objects that share handles with the target of a deformer."""
 
-from bpy.props import BoolProperty, FloatVectorProperty, PointerProperty
+from bpy.props import BoolProperty, PointerProperty
 from bpy.types import Mesh, PropertyGroup
 
-from .setting import record
+from .setting import matrix, record
 
 
 class SinewCompanion(PropertyGroup):
@@ -12,10 +12,4 @@ class SinewCompanion(PropertyGroup):
 
     is_target: record(BoolProperty, description="Whether it is the target itself, whose rest shape counts")
     rest: record(PointerProperty, type=Mesh, description="The rest shape of another object")
-    frame: record(
-        FloatVectorProperty,
-        name="Frame",
-        size=16,
-        subtype="MATRIX",
-        description="From the stored rest shape to the frame that all of the objects have in common",
-    )
+    frame: matrix("Frame", "From the stored rest shape to the frame that all of the objects have in common")

@@ -7,7 +7,7 @@ from bpy.types import Context, Mesh, Object, PropertyGroup
 
 from ..core.methods import CONTROL_PARAMETERS
 from .parameters import declare
-from .setting import evaluate_again, record, setting
+from .setting import evaluate_again, option, record, setting
 
 
 def _object_changed(control: "SinewControl", context: Context) -> None:
@@ -32,15 +32,9 @@ class SinewControl(PropertyGroup):
     """An object that moves a deformer"""
 
     kind: record(StringProperty, description="The kind of control, by the name of its folder")
-    name: setting(
-        StringProperty, update=None, name="Name", description="Give the name of the control in the list"
-    )
-    object: setting(
-        PointerProperty,
-        update=_object_changed,
-        name="Object",
-        type=Object,
-        description="Choose the object that moves this one, with its own modifiers applied",
+    name: option(StringProperty).named("Name", "Give the name of the control in the list")
+    object: setting(PointerProperty, update=_object_changed, type=Object).named(
+        "Object", "Choose the object that moves this one, with its own modifiers applied"
     )
     rest: record(
         PointerProperty,
@@ -53,17 +47,12 @@ class SinewControl(PropertyGroup):
     domain: setting(
         PointerProperty,
         update=_domain_changed,
-        name="Beside",
         type=Object,
         poll=lambda control, obj: obj.type == "CURVE" and obj not in (control.object, control.id_data),
-        description="Let the wire reach no farther than this curve, in its direction",
-    )
+    ).named("Beside", "Let the wire reach no farther than this curve, in its direction")
     has_domain: record(BoolProperty, description="Whether the rest shape holds the domain curve, too")
-    enabled: setting(
-        BoolProperty,
-        name="Use",
-        default=True,
-        description="Use this control; if it is off, nothing follows it",
+    enabled: setting(BoolProperty, default=True).named(
+        "Use", "Use this control; if it is off, nothing follows it"
     )
     missing = property(_is_missing)
 

@@ -8,7 +8,6 @@ from bpy.props import (
     CollectionProperty,
     EnumProperty,
     FloatProperty,
-    FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
@@ -17,16 +16,7 @@ from bpy.types import Context, Mesh, Modifier, Object, PropertyGroup
 
 from ..core import status
 from ..core.labels import items_of
-from ..core.methods import (
-    BY_ID,
-    DEFAULT_METHOD,
-    METHODS,
-    Curve,
-    Method,
-    Pointer,
-    group_property,
-    wrapper_of,
-)
+from ..core.methods import BY_ID, DEFAULT_METHOD, METHODS, Curve, Method, Pointer, group_property, wrapper_of
 from ..core.names import is_numbered, numbered
 from ..core.tasks import TASKS, task_of
 from ..ids import Keys
@@ -36,7 +26,7 @@ from .control import SinewControl, StoredCage
 from .handle import SinewHandle
 from .key import SinewKey
 from .parameters import BASE, GROUPS
-from .setting import evaluate_again, record, setting, setting_list
+from .setting import SHARE, evaluate_again, field, matrix, option, record, setting, setting_list
 
 LOOSE_PARTS = (
     ("FOLLOW", "Follow", "They ride on the surface that they lie on or in, like eyes, buttons and belts", 0),
@@ -143,13 +133,12 @@ def _clicked_row(rows: str, active: str):
         for observer in _click_observers:
             observer(deformer, rows)
 
-    return IntProperty(
-        name="Active Row",
+    return field(
+        IntProperty,
         get=lambda deformer: getattr(deformer, active),
         set=click,
         options={"HIDDEN", "SKIP_SAVE"},
-        description="Choose a row, and select what moves it",
-    )
+    ).named("Active Row", "Choose a row, and select what moves it")
 
 
 def _may_be_cage(deformer: "SinewDeformer", obj: Object) -> bool:
@@ -160,50 +149,28 @@ class SinewDeformer(PropertyGroup):
     """Settings of one deformer"""
 
     uid: record(StringProperty)
-    name: setting(
-        StringProperty,
-        update=None,
-        name="Name",
-        default="Sinew",
-        description="Name the deformer in the list; until you do, it has the name of its task",
+    name: option(StringProperty, default="Sinew").named(
+        "Name", "Name the deformer in the list; until you do, it has the name of its task"
     )
     method: setting(
-        EnumProperty,
-        update=_method_changed,
-        name="Method",
-        items=method_items,
-        default=BY_ID[DEFAULT_METHOD].number,
-        description="Set how the mesh follows its controls",
+        EnumProperty, update=_method_changed, items=method_items, default=BY_ID[DEFAULT_METHOD].number
+    ).named("Method", "Set how the mesh follows its controls")
+    keep_details: field(BoolProperty, get=_keeps_details, set=_keep_details, options={"SKIP_SAVE"}).named(
+        "Keep Details", "Turn bumps with the surface, or with the space around it, instead of shearing them"
     )
-    keep_details: BoolProperty(
-        name="Keep Details",
-        get=_keeps_details,
-        set=_keep_details,
-        options={"SKIP_SAVE"},
-        description="Turn bumps with the surface, or with the space around it, instead of shearing them",
-    )
-    cage: setting(
-        PointerProperty,
-        name="Cage",
-        type=Object,
-        poll=_may_be_cage,
-        update=_cage_changed,
-        description="Choose the closed mesh around this one that moves it, with its own modifiers applied",
+    cage: setting(PointerProperty, type=Object, poll=_may_be_cage, update=_cage_changed).named(
+        "Cage", "Choose the closed mesh around this one that moves it, with its own modifiers applied"
     )
     cage_rest: record(
         PointerProperty,
         type=Mesh,
         description="The shape of the cage at bind, in the object space of the target",
     )
-    cage_subdivision: IntProperty(
-        name="Subdivision",
-        min=0,
-        max=6,
-        soft_max=3,
-        get=_cage_levels,
-        set=_set_cage_levels,
-        options={"SKIP_SAVE"},
-        description="Smooth the cage by so many levels of a Subdivision modifier; press New Rest afterwards",
+    cage_subdivision: field(
+        IntProperty, min=0, max=6, soft_max=3, get=_cage_levels, set=_set_cage_levels, options={"SKIP_SAVE"}
+    ).named(
+        "Subdivision",
+        "Smooth the cage by so many levels of a Subdivision modifier; press New Rest afterwards",
     )
     owns_cage: record(
         BoolProperty, description="Whether the cage was made for this deformer, and is removed with it"
@@ -221,33 +188,19 @@ class SinewDeformer(PropertyGroup):
     )
     keys: setting_list(type=SinewKey)
     active_key: record(IntProperty)
-    use_mirror_x: setting(
-        BoolProperty,
-        options=set(),  # cannot be animated
-        name="Mirror",
-        description="Let the control of the other side follow as a mirror image, across the local X axis "
+    use_mirror_x: setting(BoolProperty, options=set()).named(
+        "Mirror",
+        "Let the control of the other side follow as a mirror image, across the local X axis "
         "of the mesh, where names have a side, such as Hand L",
     )
-    factor: setting(
-        FloatProperty,
-        name="Factor",
-        default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        description="Set how much of the deformation is shown",
-    )
-    mask_group: setting(
-        StringProperty,
-        name="Mask",
-        description="Choose the vertex group that limits where the deformation is shown; if empty, it is "
+    factor: setting(FloatProperty, **SHARE).named("Factor", "Set how much of the deformation is shown")
+    mask_group: setting(StringProperty).named(
+        "Mask",
+        "Choose the vertex group that limits where the deformation is shown; if empty, it is "
         "shown everywhere",
     )
-    loose_parts: setting(
-        EnumProperty,
-        name="Loose Parts",
-        items=LOOSE_PARTS,
-        description="Choose what the parts of the mesh do that no region touches",
+    loose_parts: setting(EnumProperty, items=LOOSE_PARTS).named(
+        "Loose Parts", "Choose what the parts of the mesh do that no region touches"
     )
     sizes: record(
         EnumProperty,
@@ -260,26 +213,15 @@ class SinewDeformer(PropertyGroup):
         description="How often defaults of parameters had changed when it was made. A file that says "
         "nothing is of an earlier build: 1 with sizes of the surface, else 0",
     )
-    live: setting(
-        BoolProperty,
-        name="Live",
-        default=True,
-        description="Follow the controls; if it is off, the last shape stays",
+    live: setting(BoolProperty, default=True).named(
+        "Live", "Follow the controls; if it is off, the last shape stays"
     )
-    playback: setting(
-        EnumProperty,
-        update=None,
-        options=set(),  # cannot be animated
-        name="Playback",
-        items=PLAYBACK,
-        description="Play faster by drafts in viewports; renders and bakes are always full",
+    playback: option(EnumProperty, options=set(), items=PLAYBACK).named(
+        "Playback", "Play faster by drafts in viewports; renders and bakes are always full"
     )
-    auto_rebind: setting(
-        BoolProperty,
-        update=None,
-        name="Automatic Rebind",
-        description="Bind again by itself when the mesh, or an object whose points move it, gains or loses "
-        "points",
+    auto_rebind: option(BoolProperty).named(
+        "Automatic Rebind",
+        "Bind again by itself when the mesh, or an object whose points move it, gains or loses points",
     )
     topology_changed: record(BoolProperty)
     proxy: record(PointerProperty, type=Object)
@@ -295,26 +237,16 @@ class SinewDeformer(PropertyGroup):
         "there",
     )
     has_applied: record(BoolProperty)
-    applied: record(
-        FloatVectorProperty,
-        name="Applied",
-        size=16,
-        subtype="MATRIX",
-        description="Transform from rest to current object space, after Apply or Set Origin",
-    )
-    bake: setting(PointerProperty, update=None, type=SinewBake)
-    status: StringProperty(
-        name="Status",
-        description="Say what the deformer is doing, or what is wrong and what to do about it",
-        options={"SKIP_SAVE"},
-        get=lambda deformer: status.told(deformer.uid),
-    )
-    status_level: StringProperty(
-        name="Status Level",
+    applied: matrix("Applied", "Transform from rest to current object space, after Apply or Set Origin")
+    bake: option(PointerProperty, type=SinewBake)()
+    status: field(
+        StringProperty, options={"SKIP_SAVE"}, get=lambda deformer: status.told(deformer.uid)
+    ).named("Status", "Say what the deformer is doing, or what is wrong and what to do about it")
+    status_level: field(
+        StringProperty,
         options={"HIDDEN", "SKIP_SAVE"},
-        description="NONE, INFO, WARNING or ERROR",
         get=lambda deformer: status.current(deformer.uid).level.value,
-    )
+    ).named("Status Level", "NONE, INFO, WARNING or ERROR")
 
     @property
     def definition(self) -> Method:
@@ -421,7 +353,7 @@ class SinewDeformer(PropertyGroup):
 
 
 for _method in METHODS:
-    SinewDeformer.__annotations__[_method.id] = setting(PointerProperty, update=None, type=GROUPS[_method.id])
+    SinewDeformer.__annotations__[_method.id] = option(PointerProperty, type=GROUPS[_method.id])()
 
 
 def deformers_of(obj: Object) -> Sequence[SinewDeformer]:

@@ -4,6 +4,8 @@
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 from bpy.types import PropertyGroup
 
+from .setting import field
+
 MODES = (
     ("AUTO", "Automatic", "Drag what lies under the mouse: a bone, a control of the mesh, or its surface", 0),
     ("SURFACE", "Surface", "Take the handle under the mouse, or make one, and bend the surface around it", 1),
@@ -51,18 +53,17 @@ BALANCE = {
 class SinewDrag(PropertyGroup):
     """The settings of the tool Sinew Drag"""
 
-    mode: EnumProperty(name="Drag", items=MODES, description="Choose what pressing and dragging does")
+    mode: field(EnumProperty, items=MODES).named("Drag", "Choose what pressing and dragging does")
     pixels: IntProperty(**PIXELS)
     reach: FloatProperty(**REACH)
-    reach_in_pixels: IntProperty(
-        name="Reach",
+    reach_in_pixels: field(
+        IntProperty,
         subtype="PIXEL",
         min=1,
         soft_max=2000,
         get=_reach_in_pixels,
         set=_set_reach_in_pixels,
         options={"HIDDEN", "SKIP_SAVE"},
-        description="Set how far the surface follows, on the screen",
-    )
+    ).named("Reach", "Set how far the surface follows, on the screen")
     unlimited: BoolProperty(**UNLIMITED)
     balance: BoolProperty(**BALANCE)

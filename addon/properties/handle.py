@@ -15,7 +15,7 @@ from bpy.types import Context, Mesh, Object, PropertyGroup
 from ..core.methods import HANDLE_PARAMETERS
 from ..core.names import without_number
 from .parameters import declare
-from .setting import evaluate_again, record, setting
+from .setting import SHARE, affine_map, evaluate_again, matrix, option, record, setting
 
 ROLES = (
     ("HANDLE", "Handle", "Follows a control: an empty, any object, or a bone", "EMPTY_AXIS", 0),
@@ -86,55 +86,33 @@ class SinewHandle(PropertyGroup):
     """A region of the mesh, its role and its control"""
 
     uid: record(StringProperty)
-    name: setting(
-        StringProperty,
-        update=_renamed,
-        name="Name",
-        default="Handle",
-        description="Name the region, and the vertex group and the empty that were made for it; with a "
+    name: setting(StringProperty, update=_renamed, default="Handle").named(
+        "Name",
+        "Name the region, and the vertex group and the empty that were made for it; with a "
         "side at the end, as in Hand L, it has a mirror image",
     )
     named: record(StringProperty, description="The name that the region had before it is renamed")
-    kind: setting(
-        EnumProperty,
-        name="Role",
-        items=ROLES,
-        default="HANDLE",
-        description="Say whether the region follows a control, holds still, or is all that may move",
+    kind: setting(EnumProperty, items=ROLES, default="HANDLE").named(
+        "Role", "Say whether the region follows a control, holds still, or is all that may move"
     )
-    vertex_group: setting(
-        StringProperty,
-        name="Vertex Group",
-        description="Choose the vertices of this region and their weights: 1 holds a vertex exactly, a "
+    vertex_group: setting(StringProperty).named(
+        "Vertex Group",
+        "Choose the vertices of this region and their weights: 1 holds a vertex exactly, a "
         "lower weight lets it give way",
     )
-    control: setting(
-        PointerProperty,
-        name="Control",
-        type=Object,
-        description="Choose the object that moves this region",
-        update=_control_changed,
+    control: setting(PointerProperty, type=Object, update=_control_changed).named(
+        "Control", "Choose the object that moves this region"
     )
-    bone: setting(
-        StringProperty,
-        name="Bone",
-        description="Choose the pose bone that moves this region, if the control is an armature",
-        update=_control_changed,
+    bone: setting(StringProperty, update=_control_changed).named(
+        "Bone", "Choose the pose bone that moves this region, if the control is an armature"
     )
-    acts_as: setting(
-        EnumProperty,
-        options=set(),  # cannot be animated
-        name="Acts As",
-        items=ACTS_AS,
-        description="Choose where a handle without a vertex group takes hold: at a place, at points, or "
-        "along lines",
+    acts_as: setting(EnumProperty, options=set(), items=ACTS_AS).named(
+        "Acts As",
+        "Choose where a handle without a vertex group takes hold: at a place, at points, or along lines",
     )
-    stands_on: setting(
-        EnumProperty,
-        options=set(),  # cannot be animated
-        name="Stands On",
-        items=STANDS_ON,
-        description="Choose whether the control stays in the world, or rides on the surface that modifiers "
+    stands_on: setting(EnumProperty, options=set(), items=STANDS_ON).named(
+        "Stands On",
+        "Choose whether the control stays in the world, or rides on the surface that modifiers "
         "before Sinew move",
     )
     owns_control: record(
@@ -143,37 +121,19 @@ class SinewHandle(PropertyGroup):
     owns_group: record(
         BoolProperty, description="Whether the vertex group was made for this handle, and is removed with it"
     )
-    weight: setting(
-        FloatProperty,
-        name="Weight",
-        default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        description="Let the region give way by a weight below 1, which multiplies the weights of its "
-        "vertex group",
+    weight: setting(FloatProperty, **SHARE).named(
+        "Weight",
+        "Let the region give way by a weight below 1, which multiplies the weights of its vertex group",
     )
-    enabled: setting(
-        BoolProperty,
-        name="Use",
-        default=True,
-        description="Use this region; if it is off, its vertices are free",
+    enabled: setting(BoolProperty, default=True).named(
+        "Use", "Use this region; if it is off, its vertices are free"
     )
-    from_rest: setting(
-        BoolProperty,
-        name="From Rest",
-        description="Avoid moving twice what the bone of the handle has moved already, by moving the rest "
-        "shape",
+    from_rest: setting(BoolProperty).named(
+        "From Rest",
+        "Avoid moving twice what the bone of the handle has moved already, by moving the rest shape",
     )
-    colour: setting(
-        FloatVectorProperty,
-        update=None,
-        name="Colour",
-        subtype="COLOR",
-        default=(0.9, 0.5, 0.1),
-        min=0.0,
-        max=1.0,
-        description="Colour the region in the list and in the viewport; it does not affect the shape",
+    colour: option(FloatVectorProperty, subtype="COLOR", default=(0.9, 0.5, 0.1), min=0.0, max=1.0).named(
+        "Colour", "Colour the region in the list and in the viewport; it does not affect the shape"
     )
     has_rest: record(BoolProperty)
     rest: record(
@@ -181,33 +141,20 @@ class SinewHandle(PropertyGroup):
         type=Mesh,
         description="The points of the control at rest, in the object space of the target, if these count",
     )
-    rest_matrix: record(
-        FloatVectorProperty,
-        name="Rest Matrix",
-        size=16,
-        subtype="MATRIX",
-        description="The matrix of the control relative to the mesh object, at rest",
-    )
+    rest_matrix: matrix("Rest Matrix", "The matrix of the control relative to the mesh object, at rest")
     stood_on: record(
         EnumProperty,
         items=STANDS_ON,
         description="What the rest matrices refer to: they follow Stands On in the next evaluation",
     )
-    stand_matrix: record(
-        FloatVectorProperty,
-        name="Stand Matrix",
-        size=16,
-        subtype="MATRIX",
-        description="What carries the control on the surface at rest, relative to the mesh object",
+    stand_matrix: matrix(
+        "Stand Matrix", "What carries the control on the surface at rest, relative to the mesh object"
     )
 
     has_last_pose: record(BoolProperty)
-    last_pose: record(
-        FloatVectorProperty,
-        name="Last Pose",
-        size=12,
-        description="The pose that the region keeps while its control is missing: three rows of an affine "
-        "map",
+    last_pose: affine_map(
+        "Last Pose",
+        "The pose that the region keeps while its control is missing: three rows of an affine map",
     )
 
     @property

@@ -8,6 +8,7 @@ from bpy.types import Context, PropertyGroup, Scene
 
 from ..core.methods import METHODS
 from .drag import SinewDrag
+from .setting import SHARE, field
 
 OVERLAYS = (
     (
@@ -70,6 +71,10 @@ def _changed(_settings: "SinewScene", context: Context) -> None:
         observer(context)
 
 
+def _shown(declare: Callable, **keywords) -> field:
+    return field(declare, update=_changed, **keywords)
+
+
 def _parameters() -> tuple[tuple, ...]:
     """Every parameter that a vertex group may scale.
 
@@ -88,53 +93,28 @@ class SinewScene(PropertyGroup):
     """The settings of Sinew that a scene stores"""
 
     drag: PointerProperty(type=SinewDrag)
-    rig: StringProperty(name="Rig", description="Name the rig of Try It that this scene was opened for")
-    came_from: PointerProperty(
-        name="Came From", type=Scene, description="Choose the scene that Back to My Scene shows again"
+    rig: field(StringProperty).named("Rig", "Name the rig of Try It that this scene was opened for")
+    came_from: field(PointerProperty, type=Scene).named(
+        "Came From", "Choose the scene that Back to My Scene shows again"
     )
-    show_overlay: BoolProperty(
-        name="Show",
-        update=_changed,
-        description="Draw regions, painted values or distortion over the meshes that Sinew deforms",
+    show_overlay: _shown(BoolProperty).named(
+        "Show", "Draw regions, painted values or distortion over the meshes that Sinew deforms"
     )
-    overlay: EnumProperty(
-        name="Colours", items=OVERLAYS, update=_changed, description="Choose what the colours stand for"
+    overlay: _shown(EnumProperty, items=OVERLAYS).named("Colours", "Choose what the colours stand for")
+    parameter: _shown(EnumProperty, items=_parameters()).named(
+        "Parameter", "Choose which painted parameter is shown"
     )
-    parameter: EnumProperty(
-        name="Parameter",
-        items=_parameters(),
-        update=_changed,
-        description="Choose which painted parameter is shown",
+    measure: _shown(EnumProperty, items=MEASURES).named(
+        "Measure", "Choose the measure of distortion that is shown"
     )
-    measure: EnumProperty(
-        name="Measure",
-        items=MEASURES,
-        update=_changed,
-        description="Choose the measure of distortion that is shown",
+    distortion_range: _shown(
+        FloatProperty, default=2.0, min=1.01, max=1000.0, soft_min=1.1, soft_max=10.0
+    ).named(
+        "Range", "Set the distortion that is shown in full colour: 2 means twice the size and half the size"
     )
-    distortion_range: FloatProperty(
-        name="Range",
-        default=2.0,
-        min=1.01,
-        max=1000.0,
-        soft_min=1.1,
-        soft_max=10.0,
-        update=_changed,
-        description="Set the distortion that is shown in full colour: 2 means twice the size and half the "
-        "size",
+    opacity: _shown(FloatProperty, **SHARE).named(
+        "Opacity", "Set the opacity of the colours, as a share of that in the preferences"
     )
-    opacity: FloatProperty(
-        name="Opacity",
-        default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        update=_changed,
-        description="Set the opacity of the colours, as a share of that in the preferences",
-    )
-    all_viewports: BoolProperty(
-        name="All Viewports",
-        default=True,
-        update=_changed,
-        description="Draw in every 3D viewport, or only in the one where it was turned off",
+    all_viewports: _shown(BoolProperty, default=True).named(
+        "All Viewports", "Draw in every 3D viewport, or only in the one where it was turned off"
     )

@@ -3,10 +3,14 @@
 
 from collections.abc import Callable
 
-from bpy.props import CollectionProperty
+from bpy.props import CollectionProperty, FloatVectorProperty
 from bpy.types import Context, PropertyGroup
 
+from ..core.field import field
+
+SHARE = {"default": 1.0, "min": 0.0, "max": 1.0, "subtype": "FACTOR"}
 OVERRIDABLE = {"LIBRARY_OVERRIDABLE"}
+LIST_OVERRIDABLE = {*OVERRIDABLE, "USE_INSERTION"}
 
 
 def evaluate_again(values: PropertyGroup, _context: Context) -> None:
@@ -14,19 +18,30 @@ def evaluate_again(values: PropertyGroup, _context: Context) -> None:
     values.id_data.update_tag(refresh={"OBJECT"})
 
 
-def setting(declare: Callable, update: Callable | None = evaluate_again, **keywords):
-    """A property that an artist sets. ``declare`` is a function of bpy.props.
+def setting(declare: Callable, **keywords) -> field:
+    """A property of a deformer that an artist sets, and that affects the shape."""
+    return field(declare, **{"override": OVERRIDABLE, "update": evaluate_again, **keywords})
 
-    ``update`` is None if the property does not affect the shape.
-    """
-    return declare(override=OVERRIDABLE, update=update, **keywords)
+
+def option(declare: Callable, **keywords) -> field:
+    """A property of a deformer that an artist sets, and that does not affect the shape."""
+    return field(declare, override=OVERRIDABLE, **keywords)
 
 
 def record(declare: Callable, **keywords):
     """A property that the add-on sets, hidden from the artist."""
-    if declare is CollectionProperty:
-        return setting_list(options={"HIDDEN"}, **keywords)
-    return declare(override=OVERRIDABLE, options={"HIDDEN"}, **keywords)
+    override = LIST_OVERRIDABLE if declare is CollectionProperty else OVERRIDABLE
+    return declare(override=override, options={"HIDDEN"}, **keywords)
+
+
+def matrix(name: str, description: str):
+    """A record of a matrix of four rows."""
+    return record(FloatVectorProperty, name=name, size=16, subtype="MATRIX", description=description)
+
+
+def affine_map(name: str, description: str):
+    """A record of the three rows of an affine map."""
+    return record(FloatVectorProperty, name=name, size=12, description=description)
 
 
 def row_at(rows, index: int):
@@ -36,4 +51,4 @@ def row_at(rows, index: int):
 
 def setting_list(**keywords):
     """A list to which library overrides may also add items."""
-    return CollectionProperty(override={*OVERRIDABLE, "USE_INSERTION"}, **keywords)
+    return CollectionProperty(override=LIST_OVERRIDABLE, **keywords)

@@ -6,7 +6,7 @@ from bpy.types import Context, UILayout, UIList
 from ..ids import Operators
 from ..properties import SinewDeformer, SinewKey
 from ..session.actions import keys
-from .layouts import Button, draw_pair
+from .layouts import Button, RowList, draw_pair
 from .text import draw_text
 
 _ADDING = (
@@ -15,19 +15,11 @@ _ADDING = (
 )
 
 
-class SINEW_UL_keys(UIList):
+class SINEW_UL_keys(RowList, UIList):
     """The keys of a deformer: their frames, which can be changed here, and a button that goes there"""
 
-    def draw_item(
-        self,
-        context: Context,
-        layout: UILayout,
-        _owner: SinewDeformer,
-        key: SinewKey,
-        _icon: int,
-        _active_owner: SinewDeformer,
-        _active_property: str,
-        index: int,
+    def draw_row(
+        self, context: Context, layout: UILayout, _owner: SinewDeformer, key: SinewKey, _icon: int, index: int
     ) -> None:
         row = layout.row(align=True)
         is_here = key.frame == round(context.scene.frame_current_final)

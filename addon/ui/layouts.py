@@ -97,6 +97,38 @@ def invoking(layout: UILayout) -> UILayout:
     return layout
 
 
+class ControlMenu:
+    """The menu of a kind of control: what adds one, and below what else can be done with it."""
+
+    ADDING: tuple[Button, ...]
+    DOING: tuple[Button, ...]
+
+    def draw(self, _context: Context) -> None:
+        layout = invoking(self.layout)
+        for button in self.ADDING:
+            button.draw(layout)
+        layout.separator()
+        for button in self.DOING:
+            button.draw(layout)
+
+
+class RowList:
+    """A list whose rows ``draw_row`` draws, from less than Blender tells."""
+
+    def draw_item(
+        self,
+        context: Context,
+        layout: UILayout,
+        owner: bpy_struct,
+        item: bpy_struct,
+        icon: int,
+        _active_owner: bpy_struct,
+        _active_property: str,
+        index: int,
+    ) -> None:
+        self.draw_row(context, layout, owner, item, icon, index)
+
+
 def draw_move_entries(layout: UILayout, operator: str, row: str) -> None:
     """Draw the entries of a menu that move the active row of a list, which is called a ``row``."""
     layout.operator(operator, text=f"Move {row} Up", icon="TRIA_UP").direction = "UP"

@@ -10,6 +10,7 @@ from ..properties import HANDLE_ROLES, SinewControl, SinewDeformer, SinewHandle,
 from ..session.actions.controls import control_list as rows
 from ..session.targets.kinds import kind_of
 from .keys import SINEW_UL_keys
+from .layouts import RowList
 from .text import columns
 
 _ICONS = {identifier: icon for identifier, _label, _description, icon, _number in HANDLE_ROLES}
@@ -32,34 +33,20 @@ def draw_deformer(context: Context, layout: UILayout, owner: SinewObject, deform
             row.prop(modifier, "show_render", text="", emboss=False)
 
 
-class SINEW_UL_deformers(UIList):
+class SINEW_UL_deformers(RowList, UIList):
     """The deformers of an object: name, whether they are live, and where they are shown"""
 
-    def draw_item(
-        self,
-        context: Context,
-        layout: UILayout,
-        owner: SinewObject,
-        deformer: SinewDeformer,
-        _icon: int,
-        _active_owner: SinewObject,
-        _active_property: str,
+    def draw_row(
+        self, context: Context, layout: UILayout, owner: SinewObject, deformer: SinewDeformer, *_
     ) -> None:
         draw_deformer(context, layout, owner, deformer)
 
 
-class SINEW_UL_handles(UIList):
+class SINEW_UL_handles(RowList, UIList):
     """The regions of a deformer: colour, name, and whether they are used. A click selects the control"""
 
-    def draw_item(
-        self,
-        _context: Context,
-        layout: UILayout,
-        _owner: SinewDeformer,
-        handle: SinewHandle,
-        _icon: int,
-        _active_owner: SinewDeformer,
-        _active_property: str,
+    def draw_row(
+        self, _context: Context, layout: UILayout, _owner: SinewDeformer, handle: SinewHandle, *_
     ) -> None:
         row = layout.row(align=True)
         row.active = handle.enabled
@@ -78,18 +65,17 @@ class SINEW_UL_handles(UIList):
         row.prop(handle, "enabled", text="", emboss=False, icon="HIDE_OFF" if handle.enabled else "HIDE_ON")
 
 
-class SINEW_UL_controls(UIList):
+class SINEW_UL_controls(RowList, UIList):
     """The wires or tools of a deformer: the object, and whether it is used"""
 
-    def draw_item(
+    def draw_row(
         self,
         _context: Context,
         layout: UILayout,
         _owner: SinewDeformer,
         control: SinewControl,
         icon: int,
-        _active_owner: SinewDeformer,
-        _active_property: str,
+        _index: int,
     ) -> None:
         row = layout.row(align=True)
         row.active = control.enabled

@@ -68,7 +68,7 @@ def draw_parameter(context: Context, layout: UILayout, values: PropertyGroup, pa
 
 def _has_ends(parameter: Parameter) -> bool:
     """Whether a slider shows all values of a number: it ends where the parameter ends."""
-    return isinstance(parameter, Float) and parameter.soft_maximum >= parameter.maximum
+    return isinstance(parameter, Float) and parameter.span.soft >= parameter.span.maximum
 
 
 def _draw_curve(layout: UILayout, values: PropertyGroup, parameter: Curve) -> None:

@@ -37,8 +37,7 @@ def _installed(version: str, script: Path) -> tuple[list[object], dict[str, obje
     name = f"benchmarks-{version}"
     if version == "3.4":
         debian.install(debian.BLENDER)
-        headless = ["blender", "--background", "--factory-startup", "--python"]
-        return [*headless, script, "--"], blenders.install_legacy(name)
+        return [*blenders.HEADLESS, script, "--"], blenders.install_legacy(name)
     newest = environments.newest_blender().make()
     return [newest.python, script, "--"], blenders.install_extension(newest, name)
 

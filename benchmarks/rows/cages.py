@@ -5,6 +5,7 @@ next to Blender's Mesh Deform.
 
 import tempfile
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -17,28 +18,8 @@ import sinew_native
 
 from .blender import output_of
 
-CAGES = {100: (14, 8), 300: (25, 13), 1000: (37, 28)}  # vertices -> meridians, parallels
+CAGES = (100, 300, 1000)  # vertices, about
 SAMPLE = 30_000  # weights that the loops of the papers compute; each point takes them the same time
-
-
-def bumpy_sphere(vertices: int) -> tuple[np.ndarray, np.ndarray]:
-    """A closed sphere of triangles with bumps, of about that number of vertices."""
-    around, down = CAGES[vertices]
-    latitude = np.pi * np.arange(1, down)[:, None] / down
-    longitude = 2 * np.pi * np.arange(around)[None] / around
-    x, y = np.sin(latitude) * np.cos(longitude), np.sin(latitude) * np.sin(longitude)
-    rings = np.stack(np.broadcast_arrays(x, y, np.cos(latitude)), -1)
-    points = np.concatenate([[(0, 0, 1)], rings.reshape(-1, 3), [(0, 0, -1)]])
-    a = 1 + np.arange((down - 1) * around).reshape(down - 1, around)
-    b = np.roll(a, -1, axis=1)
-    last = np.full(around, len(points) - 1)
-    faces = [
-        np.stack([np.zeros_like(last), a[0], b[0]], -1),
-        np.stack([a[:-1], a[1:], b[1:]], -1).reshape(-1, 3),
-        np.stack([a[:-1], b[1:], b[:-1]], -1).reshape(-1, 3),
-        np.stack([last, b[-1], a[-1]], -1),
-    ]
-    return _bumpy(points), np.concatenate(faces).astype(np.int32)
 
 
 def quad_ball(vertices: int) -> tuple[np.ndarray, np.ndarray]:
@@ -57,28 +38,26 @@ def quad_ball(vertices: int) -> tuple[np.ndarray, np.ndarray]:
     every = np.concatenate(corners).reshape(-1, 3)
     _, first, index = np.unique(np.round(every, 9), axis=0, return_index=True, return_inverse=True)
     points = every[first] / np.linalg.norm(every[first], axis=1, keepdims=True)
-    return _bumpy(points), index.reshape(-1, 4).astype(np.int32)
-
-
-def _bumpy(points: np.ndarray) -> np.ndarray:
-    return points * np.random.default_rng(3).uniform(0.95, 1.05, (len(points), 1))
+    bumps = np.random.default_rng(3).uniform(0.95, 1.05, (len(points), 1))
+    return bumps * points, index.reshape(-1, 4).astype(np.int32)
 
 
 def _beside_paper(kind: type, peer: Callable[..., None], size: int, threads: Sequence[int]) -> list[Row]:
     found: list[Row] = []
     points = np.random.default_rng(0).uniform(-0.5, 0.5, (size, 3))
     for cage in CAGES:
-        vertices, triangles = bumpy_sphere(cage)
+        vertices, quads = quad_ball(cage)
+        triangles = quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
         coordinates = kind(sinew_native.SurfaceMesh(vertices, triangles))
         sample = points[:: max(1, size * len(vertices) // SAMPLE)].copy()
         outputs = [np.zeros((len(sample), len(vertices)))]
         if kind is sinew_native.Green:
             outputs.append(np.zeros((len(sample), len(triangles))))
-        loop = lambda args=(vertices, triangles, sample, *outputs): peer(*args)  # noqa: E731
+        loop = partial(peer, vertices, triangles, sample, *outputs)
         loop()
         coordinates.bind(sample)
         require_equal(coordinates.vertex_weights, outputs[0], 1e-6)  # ours have single precision
-        rows = compare(lambda coordinates=coordinates: coordinates.bind(points), loop, threads)
+        rows = compare(partial(coordinates.bind, points), loop, threads)
         share = size / len(sample)
         found += [{**row, "case": _case(size, cage), "peer": share * row["peer"]} for row in rows]
     return found
@@ -105,11 +84,7 @@ def green_quads(size: int, threads: Sequence[int]) -> list[Row]:
     for cage in CAGES:
         mesh = sinew_native.SurfaceMesh(*quad_ball(cage))
         quads, triangles = (sinew_native.Green(mesh, faces=faces) for faces in ("quads", "triangles"))
-        rows = compare(
-            lambda quads=quads: quads.bind(points),
-            lambda triangles=triangles: triangles.bind(points),
-            threads,
-        )
+        rows = compare(partial(quads.bind, points), partial(triangles.bind, points), threads)
         found += [{**row, "case": _case(size, cage)} for row in rows]
     return found
 

@@ -52,17 +52,13 @@ def convergence(size: int, _threads: Sequence[int]) -> list[Row]:
 def settled(size: int, _threads: Sequence[int]) -> list[Row]:
     """Iterations from the poses alone until the shape is close to its limit: the worse of two poses."""
     cases = [bar(pose, size) for pose in ("bend 90", "twist 135")]
-    return [
-        {
-            "case": name,
-            "unit": "iterations",
-            "vertices": cases[0].vertex_count,
-            "ours": max(
-                _iterations_to_settle(bound(case, getattr(sinew_native, name)), case) for case in cases
-            ),
-        }
-        for name in SETTLING
-    ]
+    about = {"unit": "iterations", "vertices": cases[0].vertex_count}
+    kinds = {name: getattr(sinew_native, name) for name in SETTLING}
+    worst = {
+        name: max(_iterations_to_settle(bound(case, kind), case) for case in cases)
+        for name, kind in kinds.items()
+    }
+    return [{"case": name, **about, "ours": count} for name, count in worst.items()]
 
 
 def _iterations_to_settle(method: sinew_native.SurfaceMethod, case: Case) -> int:

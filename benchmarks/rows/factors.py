@@ -29,9 +29,7 @@ def matrix(case: Case) -> tuple[sparse.csc_matrix, np.ndarray]:
 
 def cholmod(case: Case) -> "sinew_peers.Cholmod":
     A, free = matrix(case)
-    lower = sparse.tril(A[free][:, free], format="csc")
-    lower.sort_indices()
-    return sinew_peers.Cholmod(lower.indptr, lower.indices, lower.data)
+    return sinew_peers.Cholmod(sparse.tril(A[free][:, free], format="csc"))
 
 
 def bind(size: int, threads: Sequence[int]) -> list[Row]:

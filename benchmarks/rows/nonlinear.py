@@ -7,6 +7,7 @@ least value.
 """
 
 import time
+from bisect import bisect_left
 from collections.abc import Callable, Sequence
 
 import igl
@@ -112,15 +113,12 @@ def _fewest(method: "sinew_native.Arap", case: Case, energy: float) -> int:
         report = method.solve(case.poses, max_iterations=iterations, tolerance=0.0)[1]
         return report.energy <= energy
 
-    low, high = 0, 1
+    high = 1
     while not reaches(high):
-        low, high = high, 2 * high
+        high *= 2
         if high > 2 * LONG_RUN["max_iterations"]:
             raise SystemExit("Sinew does not reach the energy")
-    while high - low > 1:
-        middle = (low + high) // 2
-        low, high = (low, middle) if reaches(middle) else (middle, high)
-    return high
+    return bisect_left(range(high), True, lo=high // 2 + 1, key=reaches)
 
 
 def _libigl_to_one_percent(case: Case, method: "sinew_native.Arap", patience: float) -> Row:
@@ -138,11 +136,9 @@ def _libigl_to_one_percent(case: Case, method: "sinew_native.Arap", patience: fl
 
 
 def arrival(excess: np.ndarray, seconds: np.ndarray) -> Row:
-    """When a peer's excess over the least energy falls to 1 %, from samples every ``CHUNK`` iterations.
-
-    If it does not fall so far, the second half of the samples is extrapolated, by a power of the time and
-    exponentially; the earlier of both times counts.
-    """
+    """When a peer's excess over the least energy falls to 1 %, from samples every ``CHUNK`` iterations. If it
+    does not fall so far, the second half of the samples is extrapolated, by a power of the time and
+    exponentially; the earlier of both times counts."""
     within = np.flatnonzero(excess <= WITHIN)
     if len(within):
         k = within[0]

@@ -7,7 +7,7 @@ limit; then SciPy's sparse product moves the points. Rigid cells are measured ne
 others get random points in a cube, and check that their peer moves them to the same places.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 import sinew_peers
@@ -59,12 +59,8 @@ def embedded(size: int, threads: Sequence[int]) -> list[Row]:
     if np.linalg.norm(method.warp_poses(case.poses) - limit) > most:
         raise SystemExit("a frame is away from the limit of Gauss-Newton")
     out = np.empty(case.points.shape, np.float32)
-    rows = compare(
-        lambda: method.warp_poses(case.poses, out=out),
-        lambda: shown(paper.gauss_newton(steps)),
-        threads,
-        least=1,
-    )
+    ours, peer = lambda: method.warp_poses(case.poses, out=out), lambda: shown(paper.gauss_newton(steps))
+    rows = compare(ours, peer, threads, least=1)
     return [{"vertices": case.vertex_count, "iterations": steps, **row} for row in rows]
 
 
@@ -72,12 +68,8 @@ def cells(size: int, threads: Sequence[int]) -> list[Row]:
     case = bar("twist 135", size)
     method = _by_handles(sinew_native.RigidCells, case, cells=min(2000, size // 20))
     arap, out = bound(case), np.empty(case.points.shape, np.float32)
-    rows = compare(
-        lambda: method.warp_poses(case.poses, out=out),
-        lambda: arap.solve(case.poses),
-        threads,
-        least=rounds(size),
-    )
+    ours, peer = lambda: method.warp_poses(case.poses, out=out), lambda: arap.solve(case.poses)
+    rows = compare(ours, peer, threads, least=rounds(size))
     return [{"vertices": case.vertex_count, **row} for row in rows]
 
 
@@ -104,13 +96,10 @@ def mls(size: int, threads: Sequence[int]) -> list[Row]:
     method = sinew_native.Mls(handles, alpha=1.0)
     method.bind(points)
     out, peers = np.zeros((size, 3), np.float32), np.zeros((size, 3))
-    sinew_peers.rigid_mls(handles, posed, points, peers)
+    loop = lambda: sinew_peers.rigid_mls(handles, posed, points, peers)  # noqa: E731
+    loop()
     require_equal(method.warp(posed), peers, SAME)
-    rows = compare(
-        lambda: method.warp(posed, out=out),
-        lambda: sinew_peers.rigid_mls(handles, posed, points, peers),
-        threads,
-    )
+    rows = compare(lambda: method.warp(posed, out=out), loop, threads)
     return [{**row, "case": f"{size:,} points, 50 handles"} for row in rows]
 
 
@@ -138,11 +127,9 @@ def wires(size: int, threads: Sequence[int]) -> list[Row]:
     points = np.random.default_rng(0).uniform(-1.0, 1.0, (size, 3))
     x = np.linspace(-1.0, 1.0, SAMPLES)
     rest = [np.stack((x, y + 0.1 * np.sin(5.0 * x), 0.1 * np.cos(4.0 * x)), axis=1) for y in (-0.5, 0.0, 0.5)]
-    posed = [
-        wire + (0.1 * k, 0.2, 0.3) + np.outer(np.sin(3.0 * x + k), (0.0, 0.1, 0.2))
-        for k, wire in enumerate(rest)
-    ]
-    loop, now = WireLoop(points, rest), np.concatenate(posed)
+    sway = [np.outer(np.sin(3.0 * x + k), (0.0, 0.1, 0.2)) + (0.1 * k, 0.2, 0.3) for k in range(WIRES)]
+    posed = [wire + moved for wire, moved in zip(rest, sway)]
+    loop, now = wire_loop(points, rest), np.concatenate(posed)
     out = np.empty((size, 3), np.float32)
     found: list[Row] = []
     for case, options in (
@@ -152,45 +139,25 @@ def wires(size: int, threads: Sequence[int]) -> list[Row]:
         method = sinew_native.Wires(np.concatenate(rest), [SAMPLES] * WIRES, radius=RADIUS, **options)
         method.bind(points)
         if options:
-            require_equal(method.warp(now), loop.warp(posed), 1e-10)
-        rows = compare(lambda method=method: method.warp(now, out=out), lambda: loop.warp(posed), threads)
+            require_equal(method.warp(now), loop(posed), 1e-10)
+        rows = compare(lambda method=method: method.warp(now, out=out), lambda: loop(posed), threads)
         found += [{**row, "case": case} for row in rows]
     return found
 
 
-class WireLoop:
-    """Wires by NumPy, by the rule of the nearest place, and of the points in reach."""
+def wire_loop(points: np.ndarray, rest: list[np.ndarray]) -> Callable[[list[np.ndarray]], np.ndarray]:
+    """The points for poses of wires by NumPy, by the rule of the nearest place, and of those in reach."""
+    found = [(*_nearest(points, wire), wire, _tangents(wire)) for wire in rest]
 
-    def __init__(self, points: np.ndarray, rest: list[np.ndarray]) -> None:
-        self.points, self.rest = points, rest
-        self.found = [self._nearest(wire) for wire in rest]
-        self.before = [_tangents(wire) for wire in rest]
-
-    def _nearest(self, wire: np.ndarray) -> tuple[np.ndarray, ...]:
-        least, near = np.full(len(self.points), np.inf), np.zeros(len(self.points), int)
-        share = np.zeros(len(self.points))
-        for number, side in enumerate(np.diff(wire, axis=0)):
-            t = np.clip((self.points - wire[number]) @ side / (side @ side), 0.0, 1.0)
-            square = ((self.points - wire[number] - t[:, None] * side) ** 2).sum(1)
-            nearer = square < least
-            least[nearer], near[nearer], share[nearer] = square[nearer], number, t[nearer]
-        inside = np.flatnonzero(least < RADIUS**2)
-        near, t = near[inside], share[inside, None]
-        foot = (1 - t) * wire[near] + t * wire[near + 1]
-        falloff = (1 - least[inside, None] / RADIUS**2) ** 2
-        return inside, near, t, self.points[inside] - foot, falloff
-
-    def warp(self, posed: list[np.ndarray]) -> np.ndarray:
-        total, weights = np.zeros_like(self.points), np.zeros((len(self.points), 1))
-        for (inside, near, t, y, F), rest, now, before in zip(
-            self.found, self.rest, posed, self.before, strict=True
-        ):
+    def warp(posed: list[np.ndarray]) -> np.ndarray:
+        total, weights = np.zeros_like(points), np.zeros((len(points), 1))
+        for (inside, near, t, y, F, wire, before), now in zip(found, posed, strict=True):
             after = _tangents(now)
             axes = np.cross(before, after)
             sine = np.linalg.norm(axes, axis=1, keepdims=True)
             angle = np.arctan2(sine, (before * after).sum(1, keepdims=True))
             turns = axes * np.divide(angle, sine, out=np.zeros_like(sine), where=sine > 0)
-            move = now - rest
+            move = now - wire
             turn = F * ((1 - t) * turns[near] + t * turns[near + 1])
             theta = np.sqrt(np.einsum("ij,ij->i", turn, turn))[:, None]
             axis = turn / np.maximum(theta, 1e-300)
@@ -200,7 +167,22 @@ class WireLoop:
             length = np.sqrt(np.einsum("ij,ij->i", D, D))[:, None]
             total[inside] += length * D
             weights[inside] += length
-        return self.points + total / np.maximum(weights, 1e-300)
+        return points + total / np.maximum(weights, 1e-300)
+
+    return warp
+
+
+def _nearest(points: np.ndarray, wire: np.ndarray) -> tuple[np.ndarray, ...]:
+    """Of the points in reach: which, the piece of wire and the place on it that are nearest, arm, falloff."""
+    sides = np.diff(wire, axis=0)
+    along = np.clip([(points - foot) @ side / (side @ side) for foot, side in zip(wire, sides)], 0.0, 1.0)
+    arms = points - wire[:-1, None] - along[..., None] * sides[:, None]
+    squares = np.einsum("snk,snk->sn", arms, arms)
+    near, row = squares.argmin(0), np.arange(len(points))
+    inside = np.flatnonzero(squares[near, row] < RADIUS**2)
+    near = near[inside]
+    falloff = (1 - squares[near, inside] / RADIUS**2) ** 2
+    return inside, near, along[near, inside, None], arms[near, inside], falloff[:, None]
 
 
 def _tangents(wire: np.ndarray) -> np.ndarray:

@@ -27,9 +27,8 @@ def multiresolution(size: int, threads: Sequence[int]) -> list[Row]:
     whole = sinew_native.Multiresolution(mesh, base, details="displacement_vectors", wavelength=wavelength)
     for method in (whole, alone):
         method.set_handles(case.handles)
-    rows = compare(
-        lambda: whole.solve(case.poses), lambda: alone.solve(case.poses), threads, least=rounds(size)
-    )
+    ours, peer = lambda: whole.solve(case.poses), lambda: alone.solve(case.poses)
+    rows = compare(ours, peer, threads, least=rounds(size))
     return [{"vertices": case.vertex_count, **row} for row in rows]
 
 
@@ -42,12 +41,8 @@ def sequence(size: int, threads: Sequence[int]) -> list[Row]:
     middle = 6
     incoming = _animated(case.points, middle / 16)
     poses = method.poses(middle, keys=keys, incoming=incoming)
-    rows = compare(
-        lambda: method.solve_frame(middle, keys=keys, incoming=incoming),
-        lambda: arap.solve(poses, incoming=incoming),
-        threads,
-        budget=20.0,
-    )
+    ours = lambda: method.solve_frame(middle, keys=keys, incoming=incoming)  # noqa: E731
+    rows = compare(ours, lambda: arap.solve(poses, incoming=incoming), threads, budget=20.0)
     return [{"vertices": case.vertex_count, **row} for row in rows]
 
 
@@ -126,7 +121,6 @@ def subdivision(size: int, threads: Sequence[int]) -> list[Row]:
     out = np.empty((ours.vertex_count, 3), np.float32)
     peer.refine(points)
     require_equal(ours.refine(points, out), peer.result, 1e-5)
-    rows = compare(
-        lambda: ours.refine(points, out), lambda: peer.refine(points), threads, budget=12.0, most=40
-    )
+    refine = lambda: ours.refine(points, out)  # noqa: E731
+    rows = compare(refine, lambda: peer.refine(points), threads, budget=12.0, most=40)
     return [{"vertices": ours.vertex_count, **row} for row in rows]

@@ -29,14 +29,10 @@ def library(size: int, _threads: Sequence[int]) -> list[Row]:
         "ours": (wine.run_in_windows, wine.python(11), "Z:", WINDOWS.tree / "wheel-check" / "cp311"),
         "peer": (shell.run, environments.dev().make().python, "", BUILD / "wheel-check" / "cp311"),
     }
-    rounds = [
-        {side: _times(size, *run) for side, run in runs.items()}
-        for _ in range(1 if timing.FEWEST_ROUNDS else ROUNDS)
-    ]
-    return [
-        {"case": case, **{side: min(times[side][case] for times in rounds) for side in runs}}
-        for case in rounds[0]["ours"]
-    ]
+    count = 1 if timing.FEWEST_ROUNDS else ROUNDS
+    rounds = [{side: _times(size, *run) for side, run in runs.items()} for _ in range(count)]
+    least = lambda side, case: min(times[side][case] for times in rounds)  # noqa: E731
+    return [{"case": case, **{side: least(side, case) for side in runs}} for case in rounds[0]["ours"]]
 
 
 def _times(size: int, run: Callable, python: Path, drive: str, module: Path) -> dict[str, float]:

@@ -13,10 +13,11 @@ import json
 import math
 import os
 import sys
-import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, nullcontext
+from functools import partial
 from pathlib import Path
+from timeit import timeit
 
 import bpy
 import numpy as np
@@ -36,7 +37,6 @@ PATCH = 10  # vertices along a side of the handle that is added later
 
 
 def room(path: str):
-    """Import a room of the add-on."""
     return sys.modules[f"{ADDON}.{path}"]
 
 
@@ -50,25 +50,12 @@ def plate(side: int = SIDE) -> bpy.types.Object:
     number = np.arange(side * side, dtype=np.int32).reshape(side, side)
     corners = np.stack((number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]), axis=-1)
     mesh = bpy.data.meshes.new("Plate")
-    mesh.vertices.add(side * side)
-    mesh.vertices.foreach_set("co", points.astype(np.float32).ravel())
-    mesh.loops.add(corners.size)
-    mesh.loops.foreach_set("vertex_index", corners.ravel())
-    mesh.polygons.add(corners.size // 4)
-    mesh.polygons.foreach_set("loop_start", np.arange(0, corners.size, 4, dtype=np.int32))
-    mesh.polygons.foreach_set("loop_total", np.full(corners.size // 4, 4, dtype=np.int32))
-    mesh.update(calc_edges=True)
-    obj = bpy.data.objects.new("Plate", mesh)
-    bpy.context.scene.collection.objects.link(obj)
+    mesh.from_pydata(points.reshape(-1, 3).tolist(), [], corners.reshape(-1, 4).tolist())
+    obj = linked("Plate", mesh)
     middle = slice(side // 2, side // 2 + PATCH)
     top, base = number[y > BORDER], number[y < -BORDER]
-    groups = {
-        "Top": top,
-        "Base": base,
-        "Anchors": np.concatenate((top, base)),
-        "Patch": number[middle, middle],
-    }
-    for name, members in groups.items():
+    patch, both = number[middle, middle], np.concatenate((top, base))
+    for name, members in {"Top": top, "Base": base, "Anchors": both, "Patch": patch}.items():
         obj.vertex_groups.new(name=name).add(members.ravel().tolist(), 1.0, "REPLACE")
     make_active(obj)
     return obj
@@ -87,10 +74,8 @@ def deformer_on(obj: bpy.types.Object, method: str):
 def add_regions(obj: bpy.types.Object, **groups: str) -> list:
     """Add regions by their roles to the active deformer; no bind."""
     handles = room("session.actions.handles.handles")
-    return [
-        handles.add_handle(obj, obj.sinew.active, handles.NewRegion(role, group))
-        for role, group in groups.items()
-    ]
+    regions = [handles.NewRegion(role, group) for role, group in groups.items()]
+    return [handles.add_handle(obj, obj.sinew.active, region) for region in regions]
 
 
 def laplacian_deform_on(obj: bpy.types.Object, control: bpy.types.Object, repeat: int):
@@ -105,41 +90,42 @@ def laplacian_deform_on(obj: bpy.types.Object, control: bpy.types.Object, repeat
 
 def bind_laplacian_deform(obj: bpy.types.Object, modifier) -> None:
     """Bind Laplacian Deform, and evaluate it once, which computes the factor."""
+    bind_peer(obj, modifier, bpy.ops.object.laplaciandeform_bind, "is_bind")
+
+
+def bind_peer(obj: bpy.types.Object, modifier, operator: Callable, bound: str) -> None:
     with bpy.context.temp_override(object=obj, active_object=obj):
-        bpy.ops.object.laplaciandeform_bind(modifier=modifier.name)
+        operator(modifier=modifier.name)
     update()
-    if not modifier.is_bind:
-        raise RuntimeError("Laplacian Deform is not bound")
+    if not getattr(modifier, bound):
+        raise RuntimeError(f"{modifier.name} is not bound")
+
+
+def linked(name: str, data: bpy.types.ID | None) -> bpy.types.Object:
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
 
 
 def peer_of(obj: bpy.types.Object) -> tuple[bpy.types.Object, bpy.types.Object]:
     """A copy of the mesh without Sinew, and a control for it."""
-    peer = bpy.data.objects.new("Peer", obj.data.copy())
+    peer, control = linked("Peer", obj.data.copy()), linked("Peer Control", None)
     for group in obj.vertex_groups:
         peer.vertex_groups.new(name=group.name)
-    control = bpy.data.objects.new("Peer Control", None)
-    for made in (peer, control):
-        bpy.context.scene.collection.objects.link(made)
     update()
     return peer, control
 
 
 def motion(number: int) -> Matrix:
-    """The motion of a control in frame ``number``: about a lift by .4 and a turn by 35 degrees, never the
-    same.
-    """
+    """The motion of a control in a frame: about a lift by .4 and a turn by 35 degrees, never the same."""
     turn = Matrix.Rotation(math.radians(35.0 + 2.0 * math.sin(number)), 4, "X")
     return Matrix.Translation((0.0, 0.0, 0.4 + 0.01 * math.cos(number))) @ turn
 
 
 def read_back(obj: bpy.types.Object, flat: np.ndarray) -> np.ndarray:
-    """Read the positions of the evaluated mesh."""
     mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     attribute = mesh.attributes.get("position")
-    if attribute is not None:
-        attribute.data.foreach_get("vector", flat)
-    else:
-        mesh.vertices.foreach_get("co", flat)
+    attribute.data.foreach_get("vector", flat) if attribute else mesh.vertices.foreach_get("co", flat)
     return flat
 
 
@@ -196,37 +182,20 @@ def dragged() -> Iterator[None]:
         handlers.append(ours)
 
 
-class SolveTime:
-    """Counts the seconds of native solves."""
-
-    def __init__(self) -> None:
-        self.seconds = 0.0
-        factor = room("backend.native").Factor
-        inner = factor.solve
-
-        def timed(*arguments, **keywords):
-            begin = time.perf_counter()
-            try:
-                return inner(*arguments, **keywords)
-            finally:
-                self.seconds += time.perf_counter() - begin
-
-        factor.solve = timed
-
-    def take(self) -> float:
-        """The seconds since the last call."""
-        seconds, self.seconds = self.seconds, 0.0
-        return seconds
+timed = partial(timeit, number=1)  # the seconds of a call
+NATIVE: list[float] = []  # the seconds of native solves
 
 
-SOLVE = SolveTime()
+def count_native_solves() -> None:
+    factor = room("backend.native").Factor
+    solve = factor.solve
 
+    def counted(*arguments, **keywords):
+        answer = []
+        NATIVE.append(timed(lambda: answer.append(solve(*arguments, **keywords))))
+        return answer[0]
 
-def timed(call: Callable[[], object]) -> float:
-    """The seconds of a call."""
-    begin = time.perf_counter()
-    call()
-    return time.perf_counter() - begin
+    factor.solve = counted
 
 
 def medians(ours: Frames, peer: Frames, rounds: int) -> dict[str, float]:
@@ -234,10 +203,8 @@ def medians(ours: Frames, peer: Frames, rounds: int) -> dict[str, float]:
     rounds, warm = (1, 1) if SMALL else (rounds, 3)
     times: dict[str, list[float]] = {"ours": [], "peer": [], "native_ms": [], "around_ms": []}
     for number in range(rounds + warm):
-        SOLVE.take()
-        spent = timed(lambda number=number: ours(number))
-        native = SOLVE.take()
-        other = timed(lambda number=number: peer(number))
+        NATIVE.clear()
+        spent, native, other = timed(partial(ours, number)), sum(NATIVE), timed(partial(peer, number))
         if number >= warm:
             for name, value in zip(times, (spent, other, 1e3 * native, 1e3 * (spent - native))):
                 times[name].append(value)
@@ -266,8 +233,7 @@ def box_around(obj: bpy.types.Object) -> bpy.types.Object:
     bmesh.ops.subdivide_edges(made, edges=made.edges[:], cuts=CAGE_CUTS, use_grid_fill=True)
     made.to_mesh(mesh)
     made.free()
-    cage = bpy.data.objects.new("Cage", mesh)
-    bpy.context.scene.collection.objects.link(cage)
+    cage = linked("Cage", mesh)
     update()
     return cage
 
@@ -281,11 +247,7 @@ def cage_frame(method: str) -> dict[str, float]:
     bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name, method=method)
     modifier = peer.modifiers.new("Mesh Deform", "MESH_DEFORM")
     modifier.object, modifier.precision = other, 5
-    with bpy.context.temp_override(object=peer, active_object=peer):
-        bpy.ops.object.meshdeform_bind(modifier=modifier.name)
-    update()
-    if not modifier.is_bound:
-        raise RuntimeError("Mesh Deform is not bound")
+    bind_peer(peer, modifier, bpy.ops.object.meshdeform_bind, "is_bound")
     return medians(CageFrames(obj, cage), CageFrames(peer, other), 21)
 
 
@@ -307,7 +269,7 @@ def first_frame(method: str) -> dict[str, float]:
         obj = plate()
         peer, control = peer_of(obj)
         modifier = laplacian_deform_on(peer, control, 1)
-        theirs.append(timed(lambda peer=peer, modifier=modifier: bind_laplacian_deform(peer, modifier)))
+        theirs.append(timed(partial(bind_laplacian_deform, peer, modifier)))
     return {"ours": float(np.median(ours)), "peer": float(np.median(theirs))}
 
 
@@ -323,7 +285,7 @@ def rebind() -> dict[str, float]:
             if name == "peer":
                 room("core.memory").forget_all()
             # The operator is not used, since Blender evaluates before it runs one, which would bind already.
-            times[name].append(timed(lambda: bind(obj, deformer)))
+            times[name].append(timed(partial(bind, obj, deformer)))
         index = next(i for i, other in enumerate(deformer.handles) if other.uid == handle.uid)
         handles.remove_handle(obj, deformer, index)
         bpy.ops.sinew.bind()
@@ -341,6 +303,7 @@ ROWS: dict[str, Callable[[], dict[str, float]]] = {
 
 
 def main() -> None:
+    count_native_solves()
     about = {"vertices": SIDE * SIDE, "blender": bpy.app.version_string}
     rows = [{"work": work, **about, **measure()} for work, measure in ROWS.items()]
     Path(sys.argv[-1]).write_text(json.dumps(rows), encoding="utf-8")

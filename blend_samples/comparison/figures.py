@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Further figures of the tutorial on models of our own: one edit each, by the methods that it compares."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import partial
@@ -11,7 +9,7 @@ import numpy as np
 
 from ..models.sculpt import Clay
 from ..models.shapes import Ellipsoid, Tube
-from .cases import STILL, Case, bend, cylinder, moved, plane, sheet, split
+from .cases import STILL, Case, bend, case_of, cylinder, moved, plane, sheet, split
 from .numpy_rows import apart, turned_triangles, unrotated_gradients
 from .rows import Solve
 
@@ -35,9 +33,7 @@ def uneven_strip(cells: int = 40) -> Case:
     points[:, 0] = np.where(ends[0] | ends[1], x, 0.2 + 1.6 * (0.25 * along + 0.75 * along**2.2))
     inner = (x > 0.25) & (x < 1.75) & (y > 0.0) & (y < 1.0)
     points[inner, :2] += np.random.default_rng(1).uniform(-0.25, 0.25, (inner.sum(), 2)) / cells
-    handles = np.flatnonzero(ends[0]), np.flatnonzero(ends[1])
-    poses = np.stack((STILL, moved(0.0, 0.0, 0.8)))
-    return Case("Uneven strip, lifted", points, triangles, handles, poses, 24.0, closed=False)
+    return case_of("Uneven strip, lifted", (points, triangles), ends, moved(0, 0, 0.8), 24.0, closed=False)
 
 
 def lifted_disc(cells: int = 60, hollow: bool = False) -> Case:
@@ -47,9 +43,7 @@ def lifted_disc(cells: int = 60, hollow: bool = False) -> Case:
     outside = np.linalg.norm(beside, axis=1) - 0.45
     disc = (np.abs(outside) if hollow else outside) < 1.5 / cells
     frame = np.abs(beside).max(1) > 0.9
-    poses = np.stack((STILL, moved(0.0, 0.0, 0.5)))
-    handles = np.flatnonzero(frame), np.flatnonzero(disc)
-    return Case("Disc, lifted", points, triangles, handles, poses, 24.0, closed=False)
+    return case_of("Disc, lifted", (points, triangles), (frame, disc), moved(0, 0, 0.5), 24.0, closed=False)
 
 
 def beast(voxel: float = 0.075) -> Case:
@@ -63,12 +57,8 @@ def beast(voxel: float = 0.075) -> Case:
     clay.join(Ellipsoid((2.2, 0.0, 1.8), (0.42, 0.25, 0.23)), 0.1)
     clay.join(Tube([(-1.1, 0, 1.2), (-1.6, 0, 1.3), (-2.1, 0, 1.15)], [0.22, 0.15, 0.11]), 0.12)
     points, quads = clay.skin(12)
-    handles = (
-        np.flatnonzero((points[:, 0] < 0.0) & (points[:, 2] < 0.25)),
-        np.flatnonzero(points[:, 0] > 1.9),
-    )
-    lift = moved(-1.3, 0.0, 1.7)
-    return Case("Animal, head lifted", points, split(quads), handles, np.stack((STILL, lift)), -20.0)
+    ends = (points[:, 0] < 0.0) & (points[:, 2] < 0.25), points[:, 0] > 1.9
+    return case_of("Animal, head lifted", (points, split(quads)), ends, moved(-1.3, 0.0, 1.7), -20.0)
 
 
 def bent_bumps(bumps: float = 0.055, angle: float = 90.0) -> Case:
@@ -77,17 +67,15 @@ def bent_bumps(bumps: float = 0.055, angle: float = 90.0) -> Case:
 
 def arc(angle: float = 90.0) -> Case:
     """The cylinder with its axis bent to an arc of the same length."""
-    case = cylinder()
-    return replace(
-        case, name=f"Cylinder, bent by {angle:.0f}°", poses=np.stack((STILL, bend(angle, 2, 7.0, 1.5)))
-    )
+    poses = np.stack((STILL, bend(angle, 2, 7.0, 1.5)))
+    return replace(cylinder(), name=f"Cylinder, bent by {angle:.0f}°", poses=poses)
 
 
 def all_figures(ours: Ours) -> Iterator[Figure]:
     """The figures whose methods are here, in the order of the tutorial."""
-    for title, make, views in FIGURES:
+    for title, (make, views) in FIGURES.items():
         case = make()
-        yield Figure(title, tuple((caption, *show(ours, case)) for caption, show in views))
+        yield Figure(title, tuple((caption, *show(ours, case)) for caption, show in views.items()))
 
 
 Show = Callable[[Ours, Case], tuple[Case, np.ndarray]]  # the mesh that is shown, and its points
@@ -106,79 +94,59 @@ def _around(details: str, **options: object) -> Show:
     return _by("multiresolution", details=details, **options)
 
 
-REST, SHELL = ("At rest", _at_rest), ("Thin Shell", _by("thin_shell"))
-ARAP = "As-Rigid-As-Possible", _by("arap")
-GRADIENTS = "Gradient Editing", _by("gradient_editing")
-FIGURES: tuple[tuple[str, Callable[[], Case], tuple[tuple[str, Show], ...]], ...] = (
-    (
-        "Figure 5: the Laplacian on uneven faces",
+REST, SHELL = {"At rest": _at_rest}, {"Thin Shell": _by("thin_shell")}
+ARAP = {"As-Rigid-As-Possible": _by("arap")}
+GRADIENTS = {"Gradient Editing": _by("gradient_editing")}
+FIGURES: dict[str, tuple[Callable[[], Case], dict[str, Show]]] = {
+    "Figure 5: the Laplacian on uneven faces": (
         uneven_strip,
-        (
-            REST,
-            ("Uniform", _by("thin_shell", laplacian="uniform")),
-            ("Cotangent", _by("thin_shell", laplacian="cotan")),
-            ("Cotangent + Area", _by("thin_shell", laplacian="cotan_voronoi")),
-        ),
+        REST
+        | {"Uniform": _by("thin_shell", laplacian="uniform")}
+        | {"Cotangent": _by("thin_shell", laplacian="cotan")}
+        | {"Cotangent + Area": _by("thin_shell", laplacian="cotan_voronoi")},
     ),
-    (
-        "Figure 6: a grid of splines",
+    "Figure 6: a grid of splines": (
         lifted_disc,
-        (
-            ("Spline Surface, degree 1", _by("spline_surface", degree=1)),
-            ("Spline Surface, 8 x 8", _by("spline_surface")),
-            ("Spline Surface, 20 x 20", _by("spline_surface", columns=20, rows=20)),
-            SHELL,
-        ),
+        {"Spline Surface, degree 1": _by("spline_surface", degree=1)}
+        | {"Spline Surface, 8 x 8": _by("spline_surface")}
+        | {"Spline Surface, 20 x 20": _by("spline_surface", columns=20, rows=20)}
+        | SHELL,
     ),
-    (
-        "Figure 8: a dent inside the handle",
+    "Figure 8: a dent inside the handle": (
         partial(lifted_disc, hollow=True),
-        (
-            REST,
-            ("Propagation, geodesic", _by("propagation", field="geodesic")),
-            ("Propagation, harmonic", _by("propagation")),
-            SHELL,
-        ),
+        REST
+        | {"Propagation, geodesic": _by("propagation", field="geodesic")}
+        | {"Propagation, harmonic": _by("propagation")}
+        | SHELL,
     ),
-    (
-        "Figure 10: the bumpy plane, lifted",
+    "Figure 10: the bumpy plane, lifted": (
         plane,
-        (REST, SHELL, ("and normal displacements", _around("normal_displacements")), ARAP),
+        REST | SHELL | {"and normal displacements": _around("normal_displacements")} | ARAP,
     ),
-    (
-        "Figure 13: details without and with local frames",
+    "Figure 13: details without and with local frames": (
         bent_bumps,
-        (REST, SHELL, ("and displacement vectors", _around("displacement_vectors")), ARAP),
+        REST | SHELL | {"and displacement vectors": _around("displacement_vectors")} | ARAP,
     ),
-    (
-        "Figure 14: high bumps in a tight bend",
+    "Figure 14: high bumps in a tight bend": (
         partial(bent_bumps, 0.12, 140.0),
-        (
-            REST,
-            ("Normal displacements", _around("normal_displacements", wavelength=20.0)),
-            ("Displacement volumes", _around("displacement_volumes", wavelength=20.0)),
-            ("Deformation transfer", _around("deformation_transfer", wavelength=20.0)),
-        ),
+        REST
+        | {"Normal displacements": _around("normal_displacements", wavelength=20.0)}
+        | {"Displacement volumes": _around("displacement_volumes", wavelength=20.0)}
+        | {"Deformation transfer": _around("deformation_transfer", wavelength=20.0)},
     ),
-    (
-        "Figure 15: gradients of a cylinder, bent by 90°",
+    "Figure 15: gradients of a cylinder, bent by 90°": (
         arc,
-        (
-            REST,
-            ("Gradients at rest", lambda _ours, case: (case, unrotated_gradients(case))),
-            ("Turned triangles", lambda _ours, case: (apart(case), turned_triangles(case))),
-            GRADIENTS,
-        ),
+        REST
+        | {"Gradients at rest": lambda _ours, case: (case, unrotated_gradients(case))}
+        | {"Turned triangles": lambda _ours, case: (apart(case), turned_triangles(case))}
+        | GRADIENTS,
     ),
-    (
-        "Figure 16: a large edit in one step",
+    "Figure 16: a large edit in one step": (
         beast,
-        (
-            SHELL,
-            GRADIENTS,
-            ("Laplacian, implicit", _by("laplacian_editing", transforms="implicit")),
-            ARAP,
-            ("Nonlinear Thin Shell", _by("thin_shell_nonlinear")),
-        ),
+        SHELL
+        | GRADIENTS
+        | {"Laplacian, implicit": _by("laplacian_editing", transforms="implicit")}
+        | ARAP
+        | {"Nonlinear Thin Shell": _by("thin_shell_nonlinear")},
     ),
-)
+}

@@ -1,18 +1,88 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The matrix of methods and cases, with one function that adds a row or a column."""
+"""The matrix of methods and cases, with one function that adds a row or a column.
 
-from __future__ import annotations
+How much a shape is distorted is measured by NumPy alone, so that no method is judged by its own library.
+"""
 
 import json
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 import numpy as np
 
 from .cases import Case
-from .measures import Distortion, distortion
 from .rows import Solve
+
+
+@dataclass(frozen=True)
+class Distortion:
+    """What is measured of one shape. Edges and faces of which every corner is held are left out: no method
+    decides about them. Edge ratios and area ratios are those of lengths and areas to the ones at rest. Angles
+    are changes of the corners of faces, in degrees. The volume is None for a mesh with a border."""
+
+    edge_rms: float  # root of the mean square of the edge ratio less 1
+    edge_least: float
+    edge_largest: float
+    angle_mean: float
+    angle_max: float
+    area: float  # of the whole surface
+    face_area_mean: float  # of the faces, each with the weight of its area at rest, of |ratio - 1|
+    face_area_max: float  # the largest ratio of one face
+    volume: float | None
+    handle_error: float  # how far a handle is from its target, as a share of the size of the mesh
+
+    def as_dict(self) -> dict[str, float | None]:
+        return asdict(self)
+
+
+def distortion(case: Case, shape: np.ndarray) -> Distortion:
+    """The distortion of a shape (n, 3) of a case."""
+    rest, faces, free = case.points, case.triangles, case.free
+    edges = edges_of(faces)
+    edges = edges[free[edges].any(1)]
+    ratio = lengths(shape, edges) / lengths(rest, edges)
+    moving = faces[free[faces].any(1)]
+    turned = np.degrees(np.abs(angles(shape, moving) - angles(rest, moving)))
+    before, after = areas(rest, moving), areas(shape, moving)
+    stretched = after / before
+    whole = areas(shape, faces).sum() / areas(rest, faces).sum()
+    gap = np.linalg.norm((shape - case.targets)[case.held], axis=1).max() / np.ptp(rest, axis=0).max()
+    rms, mean = np.sqrt(np.mean((ratio - 1.0) ** 2)), np.average(np.abs(stretched - 1.0), weights=before)
+    edges_found, angles_found = (rms, ratio.min(), ratio.max()), (turned.mean(), turned.max())
+    areas_found = whole, mean, stretched.max()
+    enclosed = volume(shape, faces) / volume(rest, faces) if case.closed else None
+    return Distortion(*map(float, (*edges_found, *angles_found, *areas_found)), enclosed, float(gap))
+
+
+def edges_of(faces: np.ndarray) -> np.ndarray:
+    """Each edge of triangles (t, 3) once, (e, 2)."""
+    pairs = np.concatenate([faces[:, [k, (k + 1) % 3]] for k in range(3)])
+    return np.unique(np.sort(pairs, axis=1), axis=0)
+
+
+def lengths(points: np.ndarray, edges: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+
+
+def areas(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    return 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
+
+
+def angles(points: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """The corners of triangles (t, 3) in radians; 0 where two corners coincide."""
+    found = []
+    for k in range(3):
+        here = points[faces[:, k]]
+        u, v = points[faces[:, (k + 1) % 3]] - here, points[faces[:, (k + 2) % 3]] - here
+        found.append(np.arctan2(np.linalg.norm(np.cross(u, v), axis=1), (u * v).sum(1)))
+    return np.stack(found, 1)
+
+
+def volume(points: np.ndarray, faces: np.ndarray) -> float:
+    a, b, c = (points[faces[:, k]] for k in range(3))
+    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6.0)
 
 
 @dataclass(frozen=True)
@@ -65,9 +135,8 @@ class Matrix:
 
     def column(self, name: str) -> list[np.ndarray]:
         """The shapes of a case by all methods that gave one."""
-        return [
-            cell.shape for (_row, at), cell in self.cells.items() if at == name and cell.shape is not None
-        ]
+        found = [cell.shape for (_row, at), cell in self.cells.items() if at == name]
+        return [shape for shape in found if shape is not None]
 
     def write(self, path: Path) -> None:
         """What was measured, as JSON: of each row and case the figures, or why there are none."""
@@ -85,7 +154,6 @@ class Matrix:
 
 
 def filled(cases: Iterable[tuple[str, Case]], rows: Iterable[tuple[str, Solve]], **options: object) -> Matrix:
-    """A matrix of these cases and rows."""
     matrix = Matrix(**options)
     for name, entry in (*cases, *rows):
         matrix.compare(name, entry)

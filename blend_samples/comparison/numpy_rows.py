@@ -5,8 +5,6 @@ They are those of gradient editing in the tutorial's figure 15. They solve dense
 have no more than a few thousand vertices.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -32,10 +30,8 @@ def unrotated_gradients(case: Case) -> np.ndarray:
 
 
 def turned_triangles(case: Case) -> np.ndarray:
-    """Figure 15 c: each triangle turned about its centre, by the turn of the second handle times a field.
-
-    The field is harmonic: 1 on the second handle, 0 on the first. The points are those of ``apart(case)``.
-    """
+    """Figure 15 c: each triangle turned about its centre, by the turn of the second handle times a field. The
+    field is harmonic: 1 on the second handle, 0 on the first. The points are those of ``apart(case)``."""
     field = np.zeros((len(case.points), 1))
     field[case.handles[1]] = 1.0
     share = _poisson(case, np.zeros_like(field), field)[case.triangles].mean(axis=(1, 2))

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sheets in a Blender scene: rows of shapes, such as those of a matrix, with figures below each."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,13 +9,15 @@ from math import radians
 
 import bpy
 import numpy as np
-from mathutils import Euler, Vector
+from bpy.types import Material, NodeSocket, Scene
+from mathutils import Vector
 
-from .. import materials, studio
+from .. import materials, posing, studio
+from ..models.objects import add_fields, add_groups, mesh_object
+from ..models.shapes import rotation
 from .cases import Case
 from .figures import Figure
-from .matrix import Cell, Matrix
-from .measures import Distortion, distortion
+from .matrix import Distortion, Matrix, distortion
 
 PLAIN, INSIDE = (0.70, 0.66, 0.58), (0.30, 0.10, 0.22)  # of the two sides of a surface
 PAPER = (0.90, 0.90, 0.885)
@@ -27,6 +27,33 @@ CELL, PICTURE, LINE, HEADING, MARGIN = 3.0, 2.1, 0.21, 0.36, 0.2
 TEXT, TITLE = 0.185, 0.235
 TILT = 16.0  # degrees by which one looks down
 APART = 40.0  # between two sheets
+
+
+@dataclass(frozen=True)
+class Frame:
+    """How all shapes of a case are placed in their cells: turned, then moved and scaled alike."""
+
+    turn: np.ndarray  # (3, 3)
+    centre: np.ndarray  # (3,)
+    scale: float
+
+    @classmethod
+    def around(cls, case: Case, shapes: Sequence[np.ndarray]) -> "Frame":
+        """Every shape has room, unless it is much larger than the edit."""
+        turn = rotation(x=TILT) @ rotation(z=case.heading)
+        wanted = np.vstack((case.points, case.targets)) @ turn.T
+        low, high = wanted.min(0), wanted.max(0)
+        room = 0.35 * (high - low)
+        for shape in shapes:
+            seen = shape @ turn.T
+            low = np.maximum(np.minimum(low, seen.min(0)), low - room)
+            high = np.minimum(np.maximum(high, seen.max(0)), high + room)
+        size = high - low
+        scale = min(0.92 * CELL / size[0], 0.96 * PICTURE / size[2])
+        return cls(turn, 0.5 * (low + high), scale)
+
+    def place(self, points: np.ndarray, x: float, z: float) -> np.ndarray:
+        return self.scale * (points @ self.turn.T - self.centre) + (x, 0.0, z)
 
 
 @dataclass(frozen=True)
@@ -78,22 +105,22 @@ def figures(found: Distortion) -> tuple[str, ...]:
 
 def of_matrix(matrix: Matrix, rows: Sequence[str], name: str, lines: int = 4, rest: str = "") -> Sheet:
     """A sheet of some rows of a matrix; the row ``rest``, if it is named, comes first."""
-    frames = {name: Frame.around(case, matrix.column(name)) for name, case in matrix.columns.items()}
+    cases = matrix.columns
+    frames = {key: Frame.around(case, matrix.column(key)) for key, case in cases.items()}
     found: dict[str, list[View]] = {}
     if rest:
-        found[rest] = [View(case, case.points, frames[key], ()) for key, case in matrix.columns.items()]
+        found[rest] = [View(case, case.points, frames[key], ()) for key, case in cases.items()]
     for row in rows:
-        found[row] = [
-            _view(matrix.cells[row, key], case, frames[key], lines) for key, case in matrix.columns.items()
-        ]
-    return Sheet(name, [case.name for case in matrix.columns.values()], found)
+        found[row] = []
+        for key, case in cases.items():
+            cell = matrix.cells[row, key]
+            words = figures(cell.distortion) if cell.distortion else refused(cell.refusal)
+            found[row].append(View(case, cell.shape, frames[key], words[:lines]))
+    return Sheet(name, [case.name for case in cases.values()], found)
 
 
-def _view(cell: Cell, case: Case, frame: Frame, lines: int) -> View:
-    if cell.distortion is None:
-        words = textwrap.wrap(cell.refusal, 30)[:6]
-        return View(case, None, frame, ["cannot do this:", *words][: max(lines, 1)])
-    return View(case, cell.shape, frame, figures(cell.distortion)[:lines])
+def refused(why: str) -> Sequence[str]:
+    return ("cannot do this:", *textwrap.wrap(why, 30))
 
 
 def of_figures(every: Sequence[Figure], name: str) -> Sheet:
@@ -101,18 +128,14 @@ def of_figures(every: Sequence[Figure], name: str) -> Sheet:
     rows = {}
     for figure in every:
         frame = Frame.around(figure.views[0][1], [shape for _caption, _case, shape in figure.views])
-        rows[figure.title] = [
-            View(case, shape, frame, (caption, *_strain(case, shape)))
-            for caption, case, shape in figure.views
-        ]
+        rows[figure.title] = []
+        for caption, case, shape in figure.views:
+            strain = () if shape is case.points else figures(distortion(case, shape))[:1]
+            rows[figure.title].append(View(case, shape, frame, (caption, *strain)))
     return Sheet(name, (), rows)
 
 
-def _strain(case: Case, shape: np.ndarray) -> Sequence[str]:
-    return () if shape is case.points else figures(distortion(case, shape))[:1]
-
-
-def add_sheets(scene: bpy.types.Scene, sheets: Sequence[Sheet]) -> None:
+def add_sheets(scene: Scene, sheets: Sequence[Sheet]) -> None:
     """Fill the scene with the sheets, side by side, on paper."""
     ink = _glowing(materials.patched_material("Ink", (0.012, 0.012, 0.015), (), roughness=0.6))
     material = _material()
@@ -122,16 +145,16 @@ def add_sheets(scene: bpy.types.Scene, sheets: Sequence[Sheet]) -> None:
     for number, sheet in enumerate(sheets):
         left = APART * number + MARGIN
         for across, head in enumerate(sheet.heads):
-            add_text(scene, head, (left + CELL * (across + 0.5), -MARGIN - TITLE), TITLE, "CENTER", ink)
+            studio.add_text(scene, head, (left + CELL * (across + 0.5), -6.0, -MARGIN - TITLE), TITLE, ink)
         for down, (title, views) in enumerate(sheet.rows.items()):
             top = -sheet.top - sheet.row_height * down
-            add_text(scene, title, (left, top - 0.24), TITLE, "LEFT", ink)
+            studio.add_text(scene, title, (left, -6.0, top - 0.24), TITLE, ink, "LEFT")
             for across, view in enumerate(views):
                 place = left + CELL * (across + 0.5), top - HEADING
                 _add_view(scene, f"{title} {across}", view, place, material, ink)
 
 
-def look_at(scene: bpy.types.Scene, sheets: Sequence[Sheet], number: int) -> None:
+def look_at(scene: Scene, sheets: Sequence[Sheet], number: int) -> None:
     """Point the camera at a sheet, and set the size of its picture."""
     width, height = sheets[number].size
     camera = scene.camera
@@ -140,76 +163,34 @@ def look_at(scene: bpy.types.Scene, sheets: Sequence[Sheet], number: int) -> Non
     scene.render.resolution_x, scene.render.resolution_y = round(PIXELS * width), round(PIXELS * height)
 
 
-def add_camera(scene: bpy.types.Scene) -> None:
+def add_camera(scene: Scene) -> None:
     data = bpy.data.cameras.new("Camera")
     data.type, data.clip_end = "ORTHO", 200.0
-    scene.camera = bpy.data.objects.new("Camera", data)
+    scene.camera = studio.put(scene, "Camera", data)
     scene.camera.rotation_euler = (radians(90.0), 0.0, 0.0)
-    studio.studio_collection(scene).objects.link(scene.camera)
-
-
-@dataclass(frozen=True)
-class Frame:
-    """How all shapes of a case are placed in their cells: turned, then moved and scaled alike."""
-
-    turn: np.ndarray  # (3, 3)
-    centre: np.ndarray  # (3,)
-    scale: float
-
-    @staticmethod
-    def around(case: Case, shapes: Sequence[np.ndarray]) -> Frame:
-        """Every shape has room, unless it is much larger than the edit."""
-        tilt = (
-            Euler((radians(TILT), 0.0, 0.0)).to_matrix()
-            @ Euler((0.0, 0.0, radians(case.heading))).to_matrix()
-        )
-        turn = np.array(tilt)
-        wanted = np.vstack((case.points, case.targets)) @ turn.T
-        low, high = wanted.min(0), wanted.max(0)
-        room = 0.35 * (high - low)
-        for shape in shapes:
-            seen = shape @ turn.T
-            low = np.maximum(np.minimum(low, seen.min(0)), low - room)
-            high = np.minimum(np.maximum(high, seen.max(0)), high + room)
-        size = high - low
-        scale = min(0.92 * CELL / size[0], 0.96 * PICTURE / size[2])
-        return Frame(turn, 0.5 * (low + high), scale)
-
-    def place(self, points: np.ndarray, x: float, z: float) -> np.ndarray:
-        return self.scale * (points @ self.turn.T - self.centre) + (x, 0.0, z)
 
 
 def _add_view(
-    scene: bpy.types.Scene,
-    name: str,
-    view: View,
-    corner: tuple[float, float],
-    material: bpy.types.Material,
-    ink: bpy.types.Material,
+    scene: Scene, name: str, view: View, corner: tuple[float, float], material: Material, ink: Material
 ) -> None:
     x, top = corner
     for number, line in enumerate(view.lines):
-        add_text(scene, line, (x, top - PICTURE - LINE * (number + 0.8)), TEXT, "CENTER", ink)
+        studio.add_text(scene, line, (x, -6.0, top - PICTURE - LINE * (number + 0.8)), TEXT, ink)
     if view.shape is None:
         return
-    case, mesh = view.case, bpy.data.meshes.new(name)
+    case = view.case
     placed = view.frame.place(view.shape, x, top - 0.5 * PICTURE)
-    mesh.from_pydata(placed.tolist(), [], case.triangles.tolist())
-    mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
+    mesh = mesh_object(name, placed, case.triangles, smooth=True, materials=[material]).data
     mesh.use_auto_smooth, mesh.auto_smooth_angle = True, radians(50.0)
-    for field, handle in zip(("fixed", "handle"), case.handles):
-        values = np.full(len(case.points), -1.0, np.float32)
-        values[handle] = 1.0
-        mesh.attributes.new(field, "FLOAT", "POINT").data.foreach_set("value", values)
+    held = [np.isin(np.arange(len(case.points)), handle) for handle in case.handles]
+    add_fields(mesh, {field: np.where(own, 1.0, -1.0) for field, own in zip(("fixed", "handle"), held)})
     height = np.full((len(case.points), 3), 0.25, np.float32)  # between two lines
     if case.closed:
         height[:, 0] = case.points[:, 2]
-    mesh.attributes.new("rest", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", height.ravel())
-    mesh.materials.append(material)
-    scene.collection.objects.link(bpy.data.objects.new(name, mesh))
+    mesh.attributes["rest"].data.foreach_set("vector", height.ravel())
 
 
-def _material() -> bpy.types.Material:
+def _material() -> Material:
     """Light from one side and the sky, computed from the normal, and so without noise."""
     patches = (("handle", materials.HANDLE_COLOUR, 0.05), ("fixed", materials.FIXED_COLOUR, 0.05))
     material = materials.patched_material("Surface", PLAIN, patches, roughness=0.6)
@@ -230,7 +211,7 @@ def _material() -> bpy.types.Material:
     return _glowing(material, math("MULTIPLY", light, facing))
 
 
-def _glowing(material: bpy.types.Material, light: bpy.types.NodeSocket | float = 1.0) -> bpy.types.Material:
+def _glowing(material: Material, light: NodeSocket | float = 1.0) -> Material:
     """The material as a lamp of its colour."""
     tree = material.node_tree
     colour = tree.nodes["Principled BSDF"].inputs["Base Color"].links[0].from_socket
@@ -239,7 +220,7 @@ def _glowing(material: bpy.types.Material, light: bpy.types.NodeSocket | float =
     return material
 
 
-def set_up_render(scene: bpy.types.Scene) -> None:
+def set_up_render(scene: Scene) -> None:
     """No light but what the camera sees itself, and colours as they are."""
     studio.set_up_render(scene, 16, 1440, 600)
     scene.cycles.use_adaptive_sampling, scene.cycles.max_bounces = False, 0
@@ -248,31 +229,11 @@ def set_up_render(scene: bpy.types.Scene) -> None:
     scene.view_settings.exposure = 0.0
 
 
-def add_text(
-    scene: bpy.types.Scene,
-    text: str,
-    place: tuple[float, float],
-    size: float,
-    align: str,
-    ink: bpy.types.Material,
-) -> None:
-    curve = bpy.data.curves.new(text, "FONT")
-    curve.body, curve.font, curve.size, curve.align_x = text, studio.label_font(), size, align
-    curve.materials.append(ink)
-    label = bpy.data.objects.new(f"Text {text}", curve)
-    label.location = (place[0], -6.0, place[1])
-    label.rotation_euler = (radians(90.0), 0.0, 0.0)
-    label.hide_select, label.visible_shadow = True, False
-    studio.studio_collection(scene).objects.link(label)
-
-
 def laplacian_deform(case: Case) -> np.ndarray:
     """Blender's own Laplacian Deform modifier, with its default of one repetition."""
-    mesh = bpy.data.meshes.new("Peer")
-    mesh.from_pydata(case.points.tolist(), [], case.triangles.tolist())
-    peer = bpy.data.objects.new("Peer", mesh)
-    bpy.context.scene.collection.objects.link(peer)
-    peer.vertex_groups.new(name="Anchors").add(case.held.tolist(), 1.0, "REPLACE")
+    peer = mesh_object("Peer", case.points, case.triangles)
+    mesh = peer.data
+    add_groups(peer, {"Anchors": case.held})
     modifier = peer.modifiers.new("Laplacian Deform", "LAPLACIANDEFORM")
     modifier.vertex_group = "Anchors"
     bpy.context.view_layer.update()
@@ -282,12 +243,10 @@ def laplacian_deform(case: Case) -> np.ndarray:
     mesh.vertices.foreach_set("co", case.targets.astype(np.float32).ravel())
     mesh.update()
     peer.update_tag()
-    points = np.empty(3 * len(case.points), np.float32)
-    seen = peer.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    seen.vertices.foreach_get("co", points)
+    points = posing.shape(peer).astype(np.float64)
     bpy.data.objects.remove(peer)
     bpy.data.meshes.remove(mesh)
-    return points.reshape(-1, 3).astype(np.float64)
+    return points
 
 
 def paged(matrix: Matrix, count: int, name: str) -> Iterator[Sheet]:

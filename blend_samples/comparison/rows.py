@@ -4,8 +4,6 @@
 A row is a function of a case.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from types import ModuleType
 
@@ -29,13 +27,13 @@ def registry_rows(methods: ModuleType, native: ModuleType) -> Iterator[tuple[str
     for method in methods.METHODS:
         if method.keyed or method.control not in (methods.Control.HANDLES, methods.Control.LATTICE):
             continue
-        choice = next((p for p in method.parameters if p.id == SPLIT.get(method.id)), None)
-        if choice is None:
+        choices = [p for p in method.parameters if p.id == SPLIT.get(method.id)]
+        for choice in choices:
+            for identifier, label, _about in choice.items:
+                options = {choice.id: identifier}
+                yield f"{method.known_as}: {label}", native_solve(methods, native, method.id, **options)
+        if not choices:
             yield method.known_as, native_solve(methods, native, method.id)
-            continue
-        for identifier, label, _about in choice.items:
-            options = {choice.id: identifier}
-            yield f"{method.known_as}: {label}", native_solve(methods, native, method.id, **options)
 
 
 def native_solve(methods: ModuleType, native: ModuleType, name: str, **options: object) -> Solve:
@@ -55,9 +53,7 @@ def native_solve(methods: ModuleType, native: ModuleType, name: str, **options: 
     return solve
 
 
-def _by_points(
-    methods: ModuleType, native: ModuleType, method, case: Case, options: dict[str, object]
-) -> np.ndarray:
+def _by_points(methods: ModuleType, native: ModuleType, method, case: Case, options: dict) -> np.ndarray:
     """The vertices of both handles are the points that move space."""
     held = [case.points[handle] for handle in case.handles]
     points, counts = np.concatenate(held), [len(own) for own in held]
@@ -82,31 +78,23 @@ def _by_points(
 
 def _by_lattice(native: ModuleType, method, case: Case, options: dict[str, object]) -> np.ndarray:
     """A lattice around the shape, as an artist poses it: each point follows the handles by how near they are.
-
-    Its cells are about as long as wide, with 12 along the longest side.
-    """
+    Its cells are about as long as wide, with 12 along the longest side."""
     low, high = case.points.min(axis=0), case.points.max(axis=0)
     sides = np.maximum(high - low, 0.05 * np.ptp(case.points))
     counts = np.maximum(np.round(12 * sides / sides.max()).astype(int) + 1, 4)
     lines = [np.linspace(m - 0.51 * s, m + 0.51 * s, n) for m, s, n in zip(0.5 * (low + high), sides, counts)]
     w, v, u = np.meshgrid(*lines[::-1], indexing="ij")
     rest = np.stack((u, v, w), axis=-1).reshape(-1, 3)
-    away = [
-        np.maximum(
-            np.linalg.norm(rest[:, None] - case.points[handle][None, ::17], axis=2).min(axis=1) - 0.1, 0
-        )
-        for handle in case.handles
-    ]
-    share = (away[0] / np.maximum(away[0] + away[1], 1e-9))[:, None]
+    arms = (rest[:, None] - case.points[handle][None, ::17] for handle in case.handles)
+    near, far = (np.maximum(np.linalg.norm(arm, axis=2).min(axis=1) - 0.1, 0) for arm in arms)
+    share = (near / np.maximum(near + far, 1e-9))[:, None]
     first, second = (rest @ pose[:, :3].T + pose[:, 3] for pose in case.poses)
     made = getattr(native, method.native)(rest, resolution=counts, **_values(method, True, options))
     made.bind(case.points)
     return made.warp((1.0 - share) * first + share * second)
 
 
-def _made(
-    methods: ModuleType, native: ModuleType, method, mesh: object, options: dict[str, object]
-) -> object:
+def _made(methods: ModuleType, native: ModuleType, method, mesh: object, options: dict) -> object:
     bases = methods.wrapped(method)
     around = [_made(methods, native, bases[0], mesh, {})] if bases else []
     return getattr(native, method.native)(mesh, *around, **_values(method, True, options))
@@ -114,11 +102,8 @@ def _made(
 
 def _values(method, rebinds: bool, options: dict[str, object]) -> dict[str, object]:
     """What the native constructor takes, or ``solve``: the defaults of the row but for ``options``."""
-    return {
-        parameter.id: options.get(parameter.id, parameter.native_default)
-        for parameter in method.parameters
-        if parameter.rebinds == rebinds
-    }
+    taken = [parameter for parameter in method.parameters if parameter.rebinds == rebinds]
+    return {each.id: options.get(each.id, each.native_default) for each in taken}
 
 
 def igl_arap(iterations: int = 200) -> Solve | None:

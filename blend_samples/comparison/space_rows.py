@@ -4,8 +4,6 @@
 They know no handles. So they meet the poses of the case only as far as a curve, or one tool, can say them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import partial
 from types import ModuleType
@@ -30,8 +28,7 @@ def space_rows(methods: ModuleType, native: ModuleType) -> Iterator[tuple[str, S
 
 def by_wire(make: Callable[..., Any], case: Case) -> np.ndarray:
     """A curve through the middle of the shape, which the ends carry and bend: a twist is lost on it."""
-    start, along, places = _axis(case)
-    ends = places[case.handles[0]].max(), places[case.handles[1]].min()
+    start, along, places, ends = _axis(case)
     t = np.linspace(places.min(), places.max(), _SAMPLES)
     rest = start + t[:, None] * along
     moved = rest @ case.poses[1, :, :3].T + case.poses[1, :, 3]
@@ -54,8 +51,7 @@ def by_wire(make: Callable[..., Any], case: Case) -> np.ndarray:
 
 def by_tool(make: Callable[..., Any], case: Case) -> np.ndarray:
     """One tool: a twist or a bend in the middle of the free part, or else a drag of the second handle."""
-    start, along, places = _axis(case)
-    ends = places[case.handles[0]].max(), places[case.handles[1]].min()
+    start, along, places, ends = _axis(case)
     frame = _frame(along)
     rotation = _rotation(case.poses[1, :, :3])
     turned = rotation @ along
@@ -64,7 +60,7 @@ def by_tool(make: Callable[..., Any], case: Case) -> np.ndarray:
     if angle < 1e-6:
         centre = case.points[case.handles[1]].mean(axis=0)
         inner, outer = (np.linalg.norm(case.points[handle] - centre, axis=1) for handle in case.handles[::-1])
-        rest = np.concatenate((np.zeros((1, 3)), frame)) + centre
+        rest = np.vstack((np.zeros(3), frame)) + centre
         field = make(rest, tools="drag", inner=inner.max(), outer=max(outer.min(), 1.1 * inner.max()))
         posed = rest + case.poses[1, :, 3]
     else:
@@ -72,18 +68,20 @@ def by_tool(make: Callable[..., Any], case: Case) -> np.ndarray:
         centre = start + (ends[0] + half) * along
         aside = np.linalg.norm(case.points - start - places[:, None] * along, axis=1).max()
         tool = "bend" if swing > 0.5 * angle else "twist"
-        rest = np.concatenate((np.zeros((1, 3)), frame)) + centre
+        rest = np.vstack((np.zeros(3), frame)) + centre
         field = make(rest, tools=tool, inner=-half, outer=half, width=1.5 * aside)
         posed = (rest - centre) @ rotation.T + centre
     field.bind(case.points)
     return field.warp(posed)
 
 
-def _axis(case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """A point on the line through the middles of both handles, its direction, and places (n,) along it."""
+def _axis(case: Case) -> tuple[np.ndarray, np.ndarray, np.ndarray, tuple[float, float]]:
+    """A point on the line through the middles of both handles, its direction, and places (n,) along it. The
+    last two are the places where the free part begins and ends."""
     first, second = (case.points[handle].mean(axis=0) for handle in case.handles)
     along = (second - first) / np.linalg.norm(second - first)
-    return first, along, (case.points - first) @ along
+    places = (case.points - first) @ along
+    return first, along, places, (places[case.handles[0]].max(), places[case.handles[1]].min())
 
 
 def _frame(along: np.ndarray) -> np.ndarray:

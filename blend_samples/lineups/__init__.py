@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Samples that show one model in a row, each time posed in another way: a table for each family of models."""
 
-from . import cows, dragons, mannequins, pillars, plates
+from . import cages, cows, dragons, mannequins, pillars, plates, yetis
 
-LINEUPS = pillars.LINEUPS | plates.LINEUPS | cows.LINEUPS | dragons.LINEUPS | mannequins.LINEUPS
+TABLES = (cages, cows, dragons, mannequins, pillars, plates, yetis)
+LINEUPS = {name: row for table in TABLES for name, row in table.LINEUPS.items()}

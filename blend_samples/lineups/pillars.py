@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The pillar whose grooves and studs show how details turn, and a hose: bent by one handle at the top."""
 
-from __future__ import annotations
-
 from functools import partial
 from math import cos, pi, sin
 
@@ -12,31 +10,20 @@ from mathutils import Vector
 
 from .. import posing
 from ..lineup import POSE_FRAME, Handle, Lineup, Regions, there_and_back
-from ..models import hose, pillar
+from ..models import pillar
 from ..posing import Move
 from ..studio import Shot
 
 # The axis between foot and head becomes an arc of its own length.
 BEND = Move(shift=(0.94, 0.0, -0.61), turn=(0.0, 100.0, 0.0), pivot=(0.0, 0.0, pillar.HEAD))
-HEAD = Handle(
-    "Head",
-    there_and_back((POSE_FRAME, BEND), (52, BEND), (76, Move(turn=(0.0, 0.0, 135.0)))),
-    (0, 0, 2.25),
-    (0, 0, 2.0),
-)
+HEAD_MOVES = there_and_back((POSE_FRAME, BEND), (52, BEND), (76, Move(turn=(0.0, 0.0, 135.0))))
+HEAD = Handle("Head", HEAD_MOVES, (0, 0, 2.25), (0, 0, 2.0))
 # The same of the hose, by 120 degrees.
-FREE, ANGLE = hose.HEIGHT - 2 * hose.HELD, 2 * pi / 3
-ARC = Move(
-    shift=(FREE / ANGLE * (1 - cos(ANGLE)), 0.0, FREE / ANGLE * sin(ANGLE) - FREE),
-    turn=(0.0, 120.0, 0.0),
-    pivot=(0.0, 0.0, hose.HEIGHT - hose.HELD),
-)
-END = Handle(
-    "Head",
-    there_and_back((POSE_FRAME, ARC), (52, ARC)),
-    (0, 0, hose.HEIGHT + 0.25),
-    (0, 0, hose.HEIGHT),
-)
+FREE, ANGLE = pillar.LONG - 2 * pillar.HELD, 2 * pi / 3
+SHIFT = (FREE / ANGLE * (1 - cos(ANGLE)), 0.0, FREE / ANGLE * sin(ANGLE) - FREE)
+ARC = Move(SHIFT, turn=(0.0, 120.0, 0.0), pivot=(0.0, 0.0, pillar.LONG - pillar.HELD))
+TOP = (0, 0, pillar.LONG)
+END = Handle("Head", there_and_back((POSE_FRAME, ARC), (52, ARC)), (0, 0, pillar.LONG + 0.25), TOP)
 
 
 def bent(method: str, **parameters: object) -> Regions:
@@ -51,22 +38,19 @@ def tool(kind: str, height: float, move: Move, **reach: float):
     """Poses a pillar by a tool at a height of its axis; ``reach`` says how far it acts."""
 
     def pose(obj: bpy.types.Object) -> None:
-        posing.make_active(obj)
         place = obj.matrix_world @ Vector((0.0, 0.0, height))
-        answer = bpy.ops.sinew.tool_add(tool=kind, location=place, outer=reach["outer"])
-        posing.expect(answer, f"{obj.name}: tool_add({kind!r})")
-        row = obj.sinew.active.controls[-1]
+        added = posing.operate(obj, "tool_add", tool=kind, location=place, outer=reach["outer"])
+        row = added.controls[-1]
         for name, value in reach.items():
             setattr(row, name, value)
         about = Move(move.shift, move.turn, pivot=(0.0, 0.0, height))
         posing.animate(row.object, there_and_back((POSE_FRAME, about)), obj)
-        posing.check_posed(obj, 1, POSE_FRAME)
+        posing.check_posed(obj)
 
     return pose
 
 
 def volume(obj: bpy.types.Object) -> float:
-    """What the evaluated mesh encloses."""
     shape = bmesh.new()
     shape.from_object(obj, bpy.context.evaluated_depsgraph_get())
     enclosed = shape.calc_volume()
@@ -79,19 +63,18 @@ def share_of_volume(obj: bpy.types.Object, first: bpy.types.Object) -> str:
 
 
 def drift_of_volume(obj: bpy.types.Object, first: bpy.types.Object) -> str:
-    if obj == first:
-        return "100 % of the volume"
-    return f"{100 * (volume(obj) / volume(first) - 1):+.3f} % of the volume"
+    drift = f"{100 * (volume(obj) / volume(first) - 1):+.3f}"
+    return f"{'100' if obj == first else drift} % of the volume"
 
 
 # Bent, they reach to the right, where their labels stand.
 Photo = partial(Shot, aside=0.2)
+WIDE = partial(Photo, (0.55, 0.0, 0.84), samples=32, picture=(1680, 460), text=0.13)
 Pillars = partial(Lineup, build=pillar.build, spacing=2.2)
 
 LINEUPS = {
     "pillars": Pillars(
         about="One pillar, bent by each linear surface method: which of them turn the grooves and studs.",
-        title="Pillars",
         row={
             "Rest": None,
             "Thin Shell": bent("thin_shell"),
@@ -107,7 +90,6 @@ LINEUPS = {
     ),
     "multiresolution": Pillars(
         about="One pillar, bent by the thin shell alone, and with multiresolution, which turns its studs.",
-        title="Multiresolution",
         row={
             "Rest": None,
             "Thin Shell": bent("thin_shell"),
@@ -118,7 +100,6 @@ LINEUPS = {
     ),
     "space_details": Pillars(
         about="One pillar, bent by a space method alone, and with its details put back on a smooth base.",
-        title="Details in space",
         row={
             "Rest": None,
             "Radial Basis Functions": bent("rbf"),
@@ -126,11 +107,10 @@ LINEUPS = {
             "Moving Least Squares": bent("mls"),
         },
         spacing=2.3,
-        shot=Photo((0.55, 0.0, 0.84), 9.8, samples=32, picture=(1680, 460), text=0.13),
+        shot=WIDE(width=9.8),
     ),
     "volume": Pillars(
         about="One pillar, bent by methods of its surface and one of its inside: the volume that they keep.",
-        title="Volume",
         row={
             "Rest": None,
             "Thin Shell": bent("thin_shell"),
@@ -138,11 +118,10 @@ LINEUPS = {
             "Volumetric Graph Laplacian": bent("volumetric_graph_laplacian"),
         },
         note=share_of_volume,
-        shot=Photo((0.55, 0.0, 0.84), 9.2, samples=32, picture=(1680, 460), text=0.13),
+        shot=WIDE(width=9.2),
     ),
     "reduced": Pillars(
         about="One pillar, bent by surface methods with few unknowns: those of bands, and those of a cage.",
-        title="Few Unknowns",
         row={
             "Rest": None,
             "As-Rigid-As-Possible": bent("arap"),
@@ -151,11 +130,10 @@ LINEUPS = {
             "Subspace Laplacian": bent("subspace_laplacian"),
         },
         note=share_of_volume,
-        shot=Photo((0.55, 0.0, 0.84), 11.4, samples=32, picture=(1680, 400), text=0.13),
+        shot=WIDE(width=11.4, picture=(1680, 400)),
     ),
     "vector_field": Pillars(
         about="One pillar, twisted, bent and dragged by vector fields: its volume stays.",
-        title="Vector Fields",
         build=pillar.build_striped,
         row={
             "Rest": None,
@@ -168,14 +146,8 @@ LINEUPS = {
     ),
     "sheets": Lineup(
         about="One hose, bent by the nonlinear thin shell: a thin wall kinks, a thick one keeps its round.",
-        title="Sheets",
-        build=hose.build,
-        row={
-            "Rest": None,
-            "Thickness 0.5 %": hose_of(0.005),
-            "2 %": hose_of(0.02),
-            "8 %": hose_of(0.08),
-        },
+        build=pillar.build_hose,
+        row={"Rest": None, "Thickness 0.5 %": hose_of(0.005), "2 %": hose_of(0.02), "8 %": hose_of(0.08)},
         spacing=2.3,
         shot=Photo((0.5, 0, 1), 10.0, distance=28.0, samples=32, picture=(1600, 480), text=0.2),
     ),

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The plate of the tutorial's figure 9: lifted by its handle, or by the points of a lattice."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 
@@ -15,17 +13,8 @@ from ..models import plate
 from ..posing import Move
 from ..studio import Shot
 
-SHOT = Shot(
-    (0.0, 0.0, 0.31),
-    width=7.5,
-    elevation=19.0,
-    lit=0.3,
-    light=11.0,
-    picture=(1440, 450),
-    tint=(0.30, 0.27, 0.235),
-    text=0.165,
-    front=-1.52,
-)
+DARK = (0.30, 0.27, 0.235)
+SHOT = Shot((0, 0, 0.31), 7.5, 19.0, 24.0, 0.3, 11.0, (1440, 450), tint=DARK, text=0.165, front=-1.52)
 LIFT = Move(shift=(0.0, 0.0, 0.72), turn=(10.0, -9.0, 0.0))
 TILT = Move(shift=(0.0, 0.0, 0.6), turn=(25.0, -30.0, 0.0))
 SPIN = Move(shift=(0.0, 0.0, 0.40), turn=(-16.0, 20.0, 45.0))
@@ -54,7 +43,7 @@ def ridge(count: int, ball: float, **settings: object):
         posing.add_pose(lattice, "Ridge", raised, {1: 0.0, POSE_FRAME: 1.0, 60: 1.0, 80: -0.4, 96: 0.0})
         markers.add_lattice_points(lattice, ball, POSE_FRAME)
         add_thickness(obj, 0.035)
-        posing.check_posed(obj, 1, POSE_FRAME)
+        posing.check_posed(obj)
 
     return pose
 
@@ -64,7 +53,6 @@ Plates = partial(Lineup, build=plate.build, spacing=2.45, shot=SHOT, active=1)
 LINEUPS = {
     "plate": Plates(
         about="The plate of the tutorial's figure 9: three ratios of stretching (k_s) to bending (k_b).",
-        title="Plate",
         row={
             "Membrane   k_s = 1, k_b = 0": lifted("thin_shell", stretching=1.0, bending=0.0),
             "Blend   k_s = 1, k_b = 0.005": lifted("thin_shell", stretching=1.0, bending=0.005),
@@ -73,21 +61,17 @@ LINEUPS = {
     ),
     "prisms": Plates(
         about="A plate lifted and tilted by its handle, by PriMo with prisms of three heights.",
-        title="Prisms",
         row={f"PriMo   height {height}": prisms(height) for height in (0.002, 0.02, 0.1)},
     ),
     "spline_surface": Plates(
         about="One plate and one pose, displaced by spline surfaces of other degrees and grids.",
-        title="Spline Surface",
         row={
-            "Degree 1, 8 x 8 points": lifted("spline_surface", degree=1, columns=8, rows=8),
-            "Degree 3, 8 x 8 points": lifted("spline_surface", degree=3, columns=8, rows=8),
-            "Degree 3, 20 x 20 points": lifted("spline_surface", degree=3, columns=20, rows=20),
+            f"Degree {degree}, {n} x {n} points": lifted("spline_surface", degree=degree, columns=n, rows=n)
+            for degree, n in ((1, 8), (3, 8), (3, 20))
         },
     ),
     "ffd": Plates(
         about="One oval ridge by lattices of rising resolution, whose rows show as steps in the surface.",
-        title="Free-Form Deformation",
         build=plate.build_plain,
         row={
             "8 x 8 points": ridge(8, 0.03, degree=3),

@@ -1,15 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A mannequin of wood with its bones."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import bpy
 from mathutils import Vector
 
 from ..materials import plain_material
-from ..posing import add_object, make_active
+from ..posing import add_armature, add_object
 from ..studio import progress
 
 # Bones of the left side and the middle: head, tail, parent, and the radius of the limb at both ends.
@@ -37,25 +35,25 @@ def all_bones() -> Iterator[tuple[str, Vector, Vector, str, float, float]]:
 
 
 def rig_of(skin: bpy.types.Object) -> bpy.types.Object:
-    """The armature of a mannequin."""
     return bpy.data.objects[skin.name.replace("Skin", "Rig")]
 
 
 def build(label: str, x: float = 0.0, cell: float = 0.022) -> bpy.types.Object:
     """Tapered limbs as one surface of faces as large as ``cell``; beside it the armature: see ``rig_of``."""
     progress(f"modelling {label}")
+    places = []
+    for _name, head, tail, _parent, first, last in all_bones():
+        steps = max(4, round((tail - head).length / 0.02))
+        shares = [k / steps for k in range(steps + 1)]
+        places += [(head.lerp(tail, t), 1.25 * (first + (last - first) * t)) for t in shares]
+    # The shoulders, where there are no bones
+    places += [(Vector((-0.17 + 0.34 * k / 15, 0.0, 1.45)), 0.085) for k in range(16)]
     balls = bpy.data.metaballs.new(f"{label} Clay")
     balls.resolution = balls.render_resolution = cell
     balls.threshold = 0.1
-    for _name, head, tail, _parent, first, last in all_bones():
-        steps = max(4, round((tail - head).length / 0.02))
-        for k in range(steps + 1):
-            ball = balls.elements.new(type="BALL")
-            ball.co = head.lerp(tail, k / steps)
-            ball.radius = 1.25 * (first + (last - first) * k / steps)
-    for k in range(16):  # shoulders, where there are no bones
+    for place, radius in places:
         ball = balls.elements.new(type="BALL")
-        ball.co, ball.radius = (-0.17 + 0.34 * k / 15, 0.0, 1.45), 0.085
+        ball.co, ball.radius = place, radius
     clay = add_object(f"{label} Clay", balls)
     bpy.context.view_layer.update()
     mesh = bpy.data.meshes.new_from_object(clay.evaluated_get(bpy.context.evaluated_depsgraph_get()))
@@ -65,17 +63,7 @@ def build(label: str, x: float = 0.0, cell: float = 0.022) -> bpy.types.Object:
     mesh.polygons.foreach_set("use_smooth", [True] * len(mesh.polygons))
     mesh.materials.clear()
     mesh.materials.append(plain_material("Wood", (0.46, 0.27, 0.13), roughness=0.45))
-
-    data = bpy.data.armatures.new(f"{label} Rig")
-    data.display_type = "STICK"
-    rig = add_object(f"{label} Rig", data)
-    make_active(rig)
-    bpy.ops.object.mode_set(mode="EDIT")
-    for name, head, tail, parent, _first, _last in all_bones():
-        bone = data.edit_bones.new(name)
-        bone.head, bone.tail = head, tail
-        bone.parent = data.edit_bones[parent] if parent else None
-    bpy.ops.object.mode_set(mode="OBJECT")
+    rig = add_armature(f"{label} Rig", (bone[:4] for bone in all_bones()))
     skin.location.x = rig.location.x = x
     bpy.context.view_layer.update()
     return skin

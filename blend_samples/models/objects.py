@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From arrays to Blender mesh objects."""
 
-from __future__ import annotations
-
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import bmesh
 import bpy
 import numpy as np
+from mathutils.kdtree import KDTree
 
-from ..posing import add_object
-from .sculpt import neighbour_mean
+from ..materials import eye_material
+from ..posing import add_object, stored
+from .sculpt import ball, grid_faces, neighbour_mean, weld_lists
 
 
 @dataclass
@@ -21,36 +21,89 @@ class Sculpture:
     points: np.ndarray  # (n, 3)
     quads: np.ndarray  # (m, 4)
     colours: np.ndarray  # (n, 3) linear RGB
-    materials: np.ndarray  # (m,) material slot of each face
+    materials: np.ndarray | None = None  # (m,) material slot of each face
     attributes: dict[str, np.ndarray] = field(default_factory=dict)  # (n,) floats, read by the materials
     regions: dict[str, np.ndarray] = field(default_factory=dict)  # vertex group name -> vertex indices
 
 
-def to_object(name: str, sculpture: Sculpture) -> bpy.types.Object:
+@dataclass(frozen=True)
+class Eyes:
+    """A pair of balls. Angles are radians from the line of sight."""
+
+    places: np.ndarray  # (2, 3)
+    radius: float
+    sight: Sequence[float]  # of the left one
+    iris: Sequence[float]  # its colour
+    pupil: float  # how far it reaches
+    edge: float  # where the white begins
+
+    def frames(self) -> Iterator[tuple[np.ndarray, np.ndarray, np.ndarray]]:
+        """Of each eye its place, its line of sight, and axes (3, 3) as columns of which this is the first."""
+        for place, side in zip(self.places, (1, -1)):
+            gaze = np.array(self.sight) * (1, side, 1) / np.linalg.norm(self.sight)
+            across = np.cross((0, 0, 1), gaze) / np.linalg.norm(np.cross((0, 0, 1), gaze))
+            yield place, gaze, np.stack((gaze, across, np.cross(gaze, across)), 1)
+
+    def distance(self, points: np.ndarray) -> np.ndarray:
+        """How far points (n, 3) are from the middle of the nearer eye."""
+        return np.min([np.linalg.norm(points - place, axis=1) for place in self.places], axis=0)
+
+    def material(self) -> bpy.types.Material:
+        return eye_material("Eye", self.iris, self.pupil, self.edge)
+
+    def put_in(self, points: np.ndarray, quads: np.ndarray, colours: np.ndarray, cuts: int) -> Sculpture:
+        """The mesh of a skin with these eyes, in the second material, and with the attribute ``gaze``. Their
+        colours are for the viewport; the material has them sharp."""
+        parts, angles = [(points, quads)], [np.full(len(points), np.pi)]
+        for place, gaze, _axes in self.frames():
+            parts.append(ball(place, self.radius, cuts))
+            angles.append(np.arccos(np.clip((parts[-1][0] - place) @ gaze / self.radius, -1, 1)))
+        everywhere, faces = weld_lists(parts)
+        angle = np.concatenate(angles)
+        white = np.tile((0.80, 0.77, 0.72), (len(angle) - len(points), 1))
+        white[angle[len(points) :] < self.edge] = self.iris
+        white[angle[len(points) :] < self.pupil] = 0.004
+        slots = np.arange(len(faces)) >= len(quads)
+        return Sculpture(everywhere, faces, np.vstack((colours, white)), slots, {"gaze": angle})
+
+
+def layered(
+    colours: np.ndarray, layers: Iterable[tuple[np.ndarray, Sequence[float] | np.ndarray]]
+) -> np.ndarray:
+    """Colours (n, 3) under layers of paint: how much covers each vertex, and the colour."""
+    for weight, colour in layers:
+        colours = colours + np.asarray(weight)[:, None] * (np.asarray(colour) - colours)
+    return colours
+
+
+def hollows(points: np.ndarray, quads: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """How far the skin lies below its surroundings (n,): positive in hollows, negative on ridges."""
+    return soften(np.einsum("ij,ij->i", neighbour_mean(points, quads) - points, normals), quads, 1)
+
+
+def to_object(
+    name: str, sculpture: Sculpture, materials: Iterable[bpy.types.Material] = ()
+) -> bpy.types.Object:
     """A smooth-shaded object in the scene's collection, with colours, attributes and vertex groups."""
-    points, quads = sculpture.points, sculpture.quads
-    mesh = bpy.data.meshes.new(name)
-    mesh.vertices.add(len(points))
-    mesh.vertices.foreach_set("co", points.astype(np.float32).ravel())
-    mesh.loops.add(quads.size)
-    mesh.loops.foreach_set("vertex_index", quads.astype(np.int32).ravel())
-    mesh.polygons.add(len(quads))
-    mesh.polygons.foreach_set("loop_start", np.arange(0, quads.size, 4, dtype=np.int32))
-    mesh.polygons.foreach_set("loop_total", np.full(len(quads), 4, np.int32))
-    mesh.polygons.foreach_set("use_smooth", np.ones(len(quads), bool))
-    mesh.polygons.foreach_set("material_index", sculpture.materials.astype(np.int32))
-    mesh.update(calc_edges=True)
-    mesh.validate()
-
+    points, slots = sculpture.points, sculpture.materials
+    obj = mesh_object(name, points, sculpture.quads, smooth=True, slots=slots, materials=materials)
     rgba = np.column_stack((sculpture.colours, np.ones(len(points)))).astype(np.float32)
-    mesh.color_attributes.new("Colour", "FLOAT_COLOR", "POINT").data.foreach_set("color", rgba.ravel())
-    for key, values in sculpture.attributes.items():
-        mesh.attributes.new(key, "FLOAT", "POINT").data.foreach_set("value", values.astype(np.float32))
-    keep_rest_positions(mesh)
-
-    obj = add_object(name, mesh)
+    colours = obj.data.color_attributes.new("Colour", "FLOAT_COLOR", "POINT")
+    colours.data.foreach_set("color", rgba.ravel())
+    add_fields(obj.data, sculpture.attributes)
     add_groups(obj, sculpture.regions)
     return obj
+
+
+def add_fields(mesh: bpy.types.Mesh, fields: Mapping[str, np.ndarray]) -> None:
+    """Store numbers (n,) of the vertices for materials, and the rest positions, which keep textures in place.
+    Vertices beyond the end of a field get -1."""
+    for name, values in fields.items():
+        padded = np.full(len(mesh.vertices), -1.0, np.float32)
+        padded[: len(values)] = values
+        mesh.attributes.new(name, "FLOAT", "POINT").data.foreach_set("value", padded)
+    rest = stored(mesh.vertices, "co").ravel()
+    mesh.attributes.new("rest", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", rest)
 
 
 def mesh_object(
@@ -91,14 +144,6 @@ def add_groups(obj: bpy.types.Object, regions: dict[str, np.ndarray]) -> None:
         obj.vertex_groups.new(name=group).add(np.asarray(indices).tolist(), 1.0, "REPLACE")
 
 
-def grid_faces(rows: int, columns: int, around: bool = False) -> np.ndarray:
-    """The quads (m, 4) of a grid of points, row after row; ``around`` joins the last column to the first."""
-    number = np.arange(rows * columns).reshape(rows, columns)
-    beside = np.roll(number, -1, axis=1)
-    quads = np.stack((number[:-1], beside[:-1], beside[1:], number[1:]), axis=-1)
-    return quads[:, : columns if around else columns - 1].reshape(-1, 4)
-
-
 def disc(cells: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """A grid bent to a disc of radius 1: points (n, 2), quads (m, 4), and the vertices of its rim."""
     u, v = square(cells).T
@@ -114,13 +159,6 @@ def square(cells: int) -> np.ndarray:
     return np.stack([side.ravel() for side in np.meshgrid(line, line, indexing="ij")], 1)
 
 
-def keep_rest_positions(mesh: bpy.types.Mesh) -> None:
-    """Store the rest positions as the attribute ``rest``, so that textures stick to the deformed surface."""
-    rest = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", rest)
-    mesh.attributes.new("rest", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", rest)
-
-
 def soften(values: np.ndarray, quads: np.ndarray, rounds: int) -> np.ndarray:
     """Values at vertices (n, ...), averaged with their neighbours a few times."""
     for _ in range(rounds):
@@ -128,20 +166,29 @@ def soften(values: np.ndarray, quads: np.ndarray, rounds: int) -> np.ndarray:
     return values
 
 
-def eye_colours(gaze: np.ndarray, iris: tuple[float, float, float], pupil: float, edge: float) -> np.ndarray:
-    """Colours (n, 3) for the viewport, by the angle from the line of sight; the material has them sharp."""
-    white = np.tile((0.80, 0.77, 0.72), (len(gaze), 1))
-    white[gaze < edge] = iris
-    white[gaze < pupil] = 0.004
-    return white
+def lobes(points: np.ndarray, spacing: float, seed: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Cells around scattered points: offset (n, 3) from it, distance (n,) to the border, cell (n,)."""
+    centres = points[scatter(points, spacing, seed)]
+    tree = KDTree(len(centres))
+    for i, centre in enumerate(centres):
+        tree.insert(centre, i)
+    tree.balance()
+    found = [tree.find_n(point, 2) for point in points]
+    gap = np.array([second[2] - first[2] for first, second in found])
+    cell = np.array([first[1] for first, _ in found])
+    return points - centres[cell], gap, cell
 
 
-def stack_of_boxes(
-    name: str, floors: Sequence[tuple[float, float]], parent: bpy.types.Object
-) -> bpy.types.Object:
-    """A cage of boxes, one on the other: of each floor half its width, and its height."""
-    corners = ((-1, -1), (1, -1), (1, 1), (-1, 1))
-    points = [(x * half, y * half, z) for half, z in floors for x, y in corners]
-    sides = grid_faces(len(floors), 4, around=True)
-    faces = [(3, 2, 1, 0), tuple(range(len(points) - 4, len(points))), *sides.tolist()]
-    return mesh_object(name, points, faces, parent)
+def scatter(points: np.ndarray, spacing: float, seed: int) -> np.ndarray:
+    """Indices of points at least ``spacing`` apart, chosen at random but the same each time."""
+    tree = KDTree(len(points))
+    for i, point in enumerate(points):
+        tree.insert(point, i)
+    tree.balance()
+    free = np.ones(len(points), bool)
+    kept = []
+    for i in np.random.default_rng(seed).permutation(len(points)):
+        if free[i]:
+            kept.append(int(i))
+            free[[near[1] for near in tree.find_range(points[i], spacing)]] = False
+    return np.array(kept)

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A round pillar with grooves that wind around it and studs between them, which show how details turn."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 
@@ -15,6 +13,8 @@ GROOVES, WINDINGS = 7, 0.5
 CELLS = 40  # across the top; each ring has 4 * CELLS corners
 RINGS = 360
 PLAIN = (0.55, 0.50, 0.43)
+LONG, WIDE, TURNS, AROUND = 2.4, 0.26, 96, 48  # of the hose: height, radius, rings, corners of each
+HELD, RUBBER = 0.3, (0.55, 0.40, 0.22)  # of its height, at each end; its colour
 STRIPES, STRIPE = 3, (0.30, 0.035, 0.02)  # how many, and their colour
 
 
@@ -23,26 +23,22 @@ def sculpture(cells: int = CELLS, rings: int = RINGS) -> Sculpture:
     top, quads, rim = disc(cells)
     heights = np.linspace(HEIGHT, 0.0, rings + 1)[1:]
     angle = np.arctan2(top[rim, 1], top[rim, 0])
-    sides = np.empty((len(heights), len(rim), 3))
-    for ring, height in zip(sides, heights):
-        radius = RADIUS * (1.0 + relief(angle, height))
-        ring[:, 0], ring[:, 1], ring[:, 2] = radius * np.cos(angle), radius * np.sin(angle), height
-    points = np.vstack((np.column_stack((RADIUS * top, np.full(len(top), HEIGHT))), sides.reshape(-1, 3)))
+    z, angle = np.meshgrid(heights, angle, indexing="ij")
+    radius = RADIUS * (1.0 + relief(angle, z))
+    sides = np.stack((radius * np.cos(angle), radius * np.sin(angle), z), -1).reshape(-1, 3)
+    points = np.vstack((np.column_stack((RADIUS * top, np.full(len(top), HEIGHT))), sides))
     number = np.concatenate((rim, np.arange(len(top), len(points))))
     around = number[grid_faces(len(heights) + 1, len(rim), around=True)][:, [3, 2, 1, 0]]
     quads = np.vstack((quads, around))
     head, foot = np.flatnonzero(points[:, 2] >= HEAD), np.flatnonzero(points[:, 2] <= FOOT)
     colours = np.tile(PLAIN, (len(points), 1))
     colours[head], colours[foot] = HANDLE_COLOUR, FIXED_COLOUR
-    fields = {
-        "handle": points[:, 2] - HEAD,
-        "fixed": FOOT - points[:, 2],
-    }  # zero on the borders of the regions
-    return Sculpture(points, quads, colours, np.zeros(len(quads)), fields, {"Head": head, "Foot": foot})
+    fields = {"handle": points[:, 2] - HEAD, "fixed": FOOT - points[:, 2]}  # zero on their borders
+    return Sculpture(points, quads, colours, None, fields, {"Head": head, "Foot": foot})
 
 
-def relief(angle: np.ndarray, height: float) -> np.ndarray:
-    """How far the surface stands out at angles (k,), as a share of the radius; none near the top."""
+def relief(angle: np.ndarray, height: np.ndarray) -> np.ndarray:
+    """How far the surface stands out, as a share of the radius; none near the top."""
     turns = GROOVES * (angle / (2 * np.pi) + WINDINGS * height / HEIGHT)
     across = turns - np.floor(turns)  # from groove to groove
     groove = -0.10 * np.exp(-(((across - 0.5) / 0.10) ** 2))
@@ -53,10 +49,7 @@ def relief(angle: np.ndarray, height: float) -> np.ndarray:
 
 
 def build(name: str = "Pillar") -> bpy.types.Object:
-    """The pillar with its regions painted."""
-    pillar = to_object(name, sculpture())
-    pillar.data.materials.append(region_material("Pillar", PLAIN))
-    return pillar
+    return to_object(name, sculpture(), [region_material("Pillar", PLAIN)])
 
 
 def build_striped(name: str = "Pillar") -> bpy.types.Object:
@@ -64,8 +57,19 @@ def build_striped(name: str = "Pillar") -> bpy.types.Object:
     made = sculpture()
     x, y, _z = made.points.T
     made.attributes["stripe"] = np.hypot(x, y) * np.cos(STRIPES * np.arctan2(y, x))
-    pillar = to_object(name, made)
-    pillar.data.materials.append(
-        patched_material("Pillar", PLAIN, (("stripe", STRIPE, 0.006),), roughness=0.5)
-    )
-    return pillar
+    striped = patched_material("Pillar", PLAIN, (("stripe", STRIPE, 0.006),), roughness=0.5)
+    return to_object(name, made, [striped])
+
+
+def build_hose(name: str = "Hose") -> bpy.types.Object:
+    """A tube open at both ends, which are its regions."""
+    height, turn = np.linspace(0, LONG, TURNS + 1), 2 * np.pi / AROUND * np.arange(AROUND)
+    z, a = np.meshgrid(height, turn, indexing="ij")
+    points = np.stack((WIDE * np.cos(a), WIDE * np.sin(a), z), -1).reshape(-1, 3)
+    fields = {"handle": points[:, 2] - LONG + HELD, "fixed": HELD - points[:, 2]}
+    regions = {
+        group: np.flatnonzero(values >= 0.0) for group, values in zip(("Head", "Foot"), fields.values())
+    }
+    plain, quads = np.tile(RUBBER, (len(points), 1)), grid_faces(TURNS + 1, AROUND, around=True)
+    made = Sculpture(points, quads, plain, attributes=fields, regions=regions)
+    return to_object(name, made, [region_material("Hose", RUBBER)])

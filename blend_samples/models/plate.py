@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The plate of the tutorial's figure 9: flat and square, with a fixed frame and a round handle."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 
@@ -34,12 +32,9 @@ def sculpture() -> Sculpture:
     colours = np.tile(PLAIN, (len(points), 1))
     colours[handle], colours[fixed] = HANDLE_COLOUR, FIXED_COLOUR
     quads = np.vstack((inner, outer))
-    fields = {
-        "handle": HANDLE_RADIUS - np.linalg.norm(flat, axis=1),
-        "fixed": np.abs(flat).max(1) - FRAME,
-    }  # zero on the borders of the regions, so that the material can draw them sharply
-    regions = {"Handle": handle, "Frame": fixed}
-    return Sculpture(points, quads, colours, np.zeros(len(quads)), fields, regions)
+    # zero on the borders of the regions, so that the material can draw them sharply
+    fields = {"handle": HANDLE_RADIUS - np.linalg.norm(flat, axis=1), "fixed": np.abs(flat).max(1) - FRAME}
+    return Sculpture(points, quads, colours, None, fields, {"Handle": handle, "Frame": fixed})
 
 
 def build(name: str = "Plate") -> bpy.types.Object:
@@ -55,7 +50,6 @@ def build_plain(name: str = "Plate") -> bpy.types.Object:
 
 
 def _lying(name: str, surface: bpy.types.Material) -> bpy.types.Object:
-    plate = to_object(name, sculpture())
-    plate.data.materials.append(surface)
+    plate = to_object(name, sculpture(), [surface])
     plate.location.z = 0.05
     return plate

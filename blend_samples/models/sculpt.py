@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sculpting: soft unions of shapes on a grid, skinned by quads. The same input gives the same mesh."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from .shapes import Shape, Vector
+from .shapes import Mirrored, Shape, Tube, Vector
 
 
 class Clay:
@@ -25,9 +23,10 @@ class Clay:
         self.field[window] = np.minimum(old, distance) - overlap**2 * (blend / 4)
 
     def carve(self, shape: Shape, blend: float = 0.02) -> None:
-        window, distance, old = self._around(shape, blend)
-        overlap = np.maximum(blend - np.abs(old + distance), 0.0) / blend
-        self.field[window] = np.maximum(old, -distance) + overlap**2 * (blend / 4)
+        """What is left of the block joins with the shape."""
+        np.negative(self.field, out=self.field)
+        self.join(shape, blend)
+        np.negative(self.field, out=self.field)
 
     def cut_below(self, height: float) -> None:
         """Take away everything under the horizontal plane, so that feet stand flat."""
@@ -42,6 +41,13 @@ class Clay:
             step = self.sample(settled) / np.maximum((slope**2).sum(1), 0.25)
             settled -= 0.8 * np.clip(step, -4 * self.voxel, 4 * self.voxel)[:, None] * slope
         return settled
+
+    def carve_line(self, points: Sequence[Vector], radii: Sequence[float]) -> Mirrored:
+        """Carve a line onto the present surface, from y = 0 to both sides, and return it."""
+        line = self.onto(points)
+        line[0, 1] = 0.0
+        self.carve(carved := Mirrored(Tube(line, radii)))
+        return carved
 
     def _around(self, shape: Shape, blend: float) -> tuple[tuple[slice, ...], np.ndarray, np.ndarray]:
         margin = blend + 3 * self.voxel
@@ -67,9 +73,8 @@ class Clay:
 
     def gradient(self, points: np.ndarray) -> np.ndarray:
         step = np.eye(3) * self.voxel
-        return np.stack([self.sample(points + s) - self.sample(points - s) for s in step], 1) / (
-            2 * self.voxel
-        )
+        rises = [self.sample(points + s) - self.sample(points - s) for s in step]
+        return np.stack(rises, 1) / (2 * self.voxel)
 
     def skin(self, relaxations: int = 8) -> tuple[np.ndarray, np.ndarray]:
         """Points (n, 3) and quads (m, 4), facing outward: surface nets, evened out on the surface."""
@@ -109,17 +114,21 @@ class Clay:
 
         quads = []
         for axis in range(3):
-            ahead = [slice(None)] * 3
-            ahead[axis] = slice(1, None)
-            here = [slice(None)] * 3
-            here[axis] = slice(0, -1)
-            enters = inside[tuple(ahead)].astype(np.int8) - inside[tuple(here)]
+            enters = np.diff(inside.astype(np.int8), axis=axis)
             u, v = np.eye(3, dtype=int)[(axis + 1) % 3], np.eye(3, dtype=int)[(axis + 2) % 3]
             for sign in (-1, 1):
                 edge = np.argwhere(enters == sign)
                 ring = [number[tuple((edge - s).T)] for s in (0 * u, u, u + v, v)]
                 quads.append(np.stack(ring[::-1] if sign > 0 else ring, 1))
         return points, np.vstack(quads)
+
+
+def grid_faces(rows: int, columns: int, around: bool = False) -> np.ndarray:
+    """The quads (m, 4) of a grid of points, row after row; ``around`` joins the last column to the first."""
+    number = np.arange(rows * columns).reshape(rows, columns)
+    beside = np.roll(number, -1, axis=1)
+    quads = np.stack((number[:-1], beside[:-1], beside[1:], number[1:]), axis=-1)
+    return quads[:, : columns if around else columns - 1].reshape(-1, 4)
 
 
 def neighbour_mean(values: np.ndarray, quads: np.ndarray) -> np.ndarray:
@@ -145,22 +154,15 @@ def ball(centre: Vector, radius: float, cuts: int = 10) -> tuple[np.ndarray, np.
     sides = [
         np.roll(np.stack((np.full_like(u, s), u, s * v), 1), k, axis=1) for k in range(3) for s in (1, -1)
     ]
-    first = np.arange((cuts + 1) ** 2).reshape(cuts + 1, cuts + 1)
-    patch = np.stack((first[:-1, :-1], first[1:, :-1], first[1:, 1:], first[:-1, 1:]), -1).reshape(-1, 4)
-    points = np.vstack(sides)
-    quads = np.vstack([patch + k * len(u) for k in range(6)])
+    patch = grid_faces(cuts + 1, cuts + 1)[:, [0, 3, 2, 1]]
+    points, quads = np.vstack(sides), np.vstack([patch + k * len(u) for k in range(6)])
     _, keep, merged = np.unique(np.round(points, 6), axis=0, return_index=True, return_inverse=True)
-    points = points[keep]
-    return np.asarray(centre) + radius * points / np.linalg.norm(points, axis=1)[:, None], merged.reshape(-1)[
-        quads
-    ]
+    outward = points[keep] / np.linalg.norm(points[keep], axis=1)[:, None]
+    return np.asarray(centre) + radius * outward, merged.reshape(-1)[quads]
 
 
 def weld_lists(parts: Iterable[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
     """Several (points, quads) as one list; the parts stay loose from each other."""
-    points, quads, start = [], [], 0
-    for part_points, part_quads in parts:
-        points.append(part_points)
-        quads.append(part_quads + start)
-        start += len(part_points)
-    return np.vstack(points), np.vstack(quads)
+    points, quads = zip(*parts)
+    starts = np.cumsum([0, *map(len, points)])
+    return np.vstack(points), np.vstack([own + start for own, start in zip(quads, starts)])

@@ -5,8 +5,6 @@ A shape is anything with ``bounds() -> (low, high)`` and ``distance(points) -> (
 exact near the surface, which is all that the blending needs. Points are (n, 3) float arrays.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
@@ -24,17 +22,23 @@ class Shape(Protocol):
 
 def rotation(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> np.ndarray:
     """(3, 3) rotation by Euler angles in degrees, first about x, then y, then z."""
-    a, b, c = np.radians((x, y, z))
-    rx = np.array([[1, 0, 0], [0, np.cos(a), -np.sin(a)], [0, np.sin(a), np.cos(a)]])
-    ry = np.array([[np.cos(b), 0, np.sin(b)], [0, 1, 0], [-np.sin(b), 0, np.cos(b)]])
-    rz = np.array([[np.cos(c), -np.sin(c), 0], [np.sin(c), np.cos(c), 0], [0, 0, 1]])
-    return rz @ ry @ rx
+    turn = np.eye(3)
+    for axis, angle in enumerate(np.radians((x, y, z))):
+        c, s = np.cos(angle), np.sin(angle)
+        about = np.array([[1, 0, 0], [0, c, -s], [0, s, c]])
+        turn = np.roll(about, axis, axis=(0, 1)) @ turn
+    return turn
 
 
 def smoothstep(low: float, high: float, value: np.ndarray) -> np.ndarray:
     """0 below ``low``, 1 above ``high``, smooth in between (``low`` may be the larger one)."""
     t = np.clip((value - low) / (high - low), 0.0, 1.0)
     return t * t * (3.0 - 2.0 * t)
+
+
+def path_length(curve: np.ndarray) -> np.ndarray:
+    """The way along a curve (m, 3) to each of its points."""
+    return np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))))
 
 
 @dataclass(frozen=True)
@@ -44,14 +48,13 @@ class Ellipsoid:
     turn: np.ndarray | None = None
 
     def bounds(self) -> tuple[np.ndarray, np.ndarray]:
-        reach = np.full(3, max(self.radii)) if self.turn is not None else np.asarray(self.radii)
-        return np.asarray(self.centre) - reach, np.asarray(self.centre) + reach
+        reach = np.asarray(self.radii) if self.turn is None else np.full(3, max(self.radii))
+        return self.centre - reach, self.centre + reach
 
     def distance(self, points: np.ndarray) -> np.ndarray:
-        local = points - np.asarray(self.centre)
+        local, radii = points - np.asarray(self.centre), np.asarray(self.radii)
         if self.turn is not None:
             local = local @ self.turn
-        radii = np.asarray(self.radii)
         level = np.linalg.norm(local / radii, axis=1)
         slope = np.linalg.norm(local / (radii * radii), axis=1)
         return (level - 1.0) * np.where(slope > 1e-9, level / np.maximum(slope, 1e-9), radii.min())
@@ -75,15 +78,8 @@ class Tube:
         for i in range(1, len(padded) - 2):
             p0, p1, p2, p3 = padded[i - 1 : i + 3]
             t = np.linspace(0, 1, self.steps, endpoint=False)[:, None]
-            pieces.append(
-                0.5
-                * (
-                    2 * p1
-                    + (p2 - p0) * t
-                    + (2 * p0 - 5 * p1 + 4 * p2 - p3) * t**2
-                    + (3 * p1 - p0 - 3 * p2 + p3) * t**3
-                )
-            )
+            b, c, d = p2 - p0, 2 * p0 - 5 * p1 + 4 * p2 - p3, 3 * p1 - p0 - 3 * p2 + p3
+            pieces.append(p1 + 0.5 * (b * t + c * t**2 + d * t**3))
         curve = np.vstack((*pieces, knots[-1:]))
         return curve[:, :3], np.maximum(curve[:, 3], 1e-3)
 
@@ -94,18 +90,17 @@ class Tube:
     def nearest(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Distance (n,) to the tube and the place along it (n,), 0 at its start, 1 at its end."""
         curve, radii = self.path()
-        length = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))))
-        best = np.full(len(points), np.inf)
-        place = np.zeros(len(points))
+        length = path_length(curve)
+        best, place = np.full(len(points), np.inf), np.zeros(len(points))
         for i in range(len(curve) - 1):
             axis = curve[i + 1] - curve[i]
             t = np.clip((points - curve[i]) @ axis / (axis @ axis), 0.0, 1.0)
             offset = points - curve[i] - t[:, None] * axis
             away = np.sqrt(np.einsum("ij,ij->i", offset, offset))
             away -= radii[i] + t * (radii[i + 1] - radii[i])
-            closer = away < best
-            best[closer] = away[closer]
-            place[closer] = (length[i] + t * (length[i + 1] - length[i]))[closer] / length[-1]
+            at = (length[i] + t * (length[i + 1] - length[i])) / length[-1]
+            place = np.where(away < best, at, place)
+            best = np.minimum(away, best)
         return best, place
 
     def distance(self, points: np.ndarray) -> np.ndarray:
@@ -124,9 +119,8 @@ class Mirrored:
         return np.array((low[0], -reach, low[2])), np.array((high[0], reach, high[2]))
 
     def distance(self, points: np.ndarray) -> np.ndarray:
-        folded = points.copy()
-        folded[:, 1] = np.abs(folded[:, 1])
-        return self.shape.distance(folded)
+        x, y, z = points.T
+        return self.shape.distance(np.column_stack((x, np.abs(y), z)))
 
 
 @dataclass(frozen=True)

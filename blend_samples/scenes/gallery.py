@@ -1,23 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The comparison gallery: every surface method on four hard edits, with its measured distortion."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import bpy
 import numpy as np
 
-from .. import denoise, inside, studio
+from .. import denoise, posing, studio
 from ..comparison import (
     CASES,
     Matrix,
-    Solve,
     all_figures,
     igl_arap,
     native_solve,
-    page,
     picture,
     registry_rows,
     space_rows,
@@ -31,18 +28,21 @@ OVERVIEW = (
     "Laplacian Editing: Implicit",
 )
 OUTPUT = Path(__file__).parents[1] / "output"
+PAGE = Path(__file__).resolve().parents[2] / "docs" / "methods" / "comparison.md"
+BEGIN, END = "<!-- figures: written by blend_samples/run --publish gallery -->", "<!-- end of figures -->"
 _made: list = []
 
 
 def make() -> bpy.types.Scene:
-    scene = studio.empty_scene("Gallery")
+    scene = studio.empty_scene()
+    modules = posing.registry(), posing.native()
     matrix = compared()
     matrix.write(OUTPUT / "gallery.json")
     studio.progress("drawing the sheets")
     sheets = [
         picture.of_matrix(matrix, OVERVIEW, "gallery", lines=1, rest="At rest"),
         *picture.paged(matrix, 6, "gallery"),
-        picture.of_figures(list(all_figures(ours)), "gallery-figures"),
+        picture.of_figures(list(all_figures(partial(native_solve, *modules))), "gallery-figures"),
     ]
     picture.add_camera(scene)
     picture.add_sheets(scene, sheets)
@@ -54,12 +54,11 @@ def make() -> bpy.types.Scene:
 
 
 def compared() -> Matrix:
-    """Every row on every case."""
-    matrix = Matrix(refusals=(inside.native().Error,), progress=studio.progress)
+    matrix = Matrix(refusals=(posing.native().Error,), progress=studio.progress)
     for name, case in CASES.items():
         matrix.compare(name, case())
     for rows in (registry_rows, space_rows):
-        for name, solve in rows(inside.registry(), inside.native()):
+        for name, solve in rows(posing.registry(), posing.native()):
             matrix.compare(name, solve)
     matrix.compare("Laplacian Deform of Blender", picture.laplacian_deform)
     arap = igl_arap()
@@ -68,11 +67,6 @@ def compared() -> Matrix:
     else:
         matrix.compare("As-Rigid-As-Possible of libigl", arap)
     return matrix
-
-
-def ours(name: str, **options: object) -> Solve:
-    """A row of the registry, with its defaults but for these options."""
-    return native_solve(inside.registry(), inside.native(), name, **options)
 
 
 def pictures(scene: bpy.types.Scene) -> Iterator[tuple[str, np.ndarray]]:
@@ -84,7 +78,30 @@ def pictures(scene: bpy.types.Scene) -> Iterator[tuple[str, np.ndarray]]:
         yield sheet.name, denoise.render_passes(scene, ("Image",))["Image"]
 
 
+def table(matrix: Matrix) -> str:
+    """One line per row; of each case the rms, the least edge ratio, the ratio of areas and of volumes."""
+    names = [case.name for case in matrix.columns.values()]
+    lines = ["| | " + " | ".join(names) + " |", "|---|" + "---|" * len(names)]
+    for row in matrix.rows:
+        cells = []
+        for column in matrix.columns:
+            found = matrix.cells[row, column].distortion
+            if found is None:
+                cells.append("refused")
+                continue
+            volume = "" if found.volume is None else f", {found.volume:.2f}"
+            cells.append(f"{found.edge_rms:.3f}, {found.edge_least:.2f}, {found.area:.2f}{volume}")
+        lines.append(f"| {row} | " + " | ".join(cells) + " |")
+    return "\n".join(lines)
+
+
 def publish() -> None:
-    """Write the figures of all rows into the page of the comparison."""
+    """Write the table of all rows, and the pictures, between the marks of the page of the comparison."""
     matrix, every = _made
-    page.write(matrix, [sheet.name for sheet in every[1:-1]])
+    names = [sheet.name for sheet in every[1:-1]]
+    words = "![Rows of the matrix, sheet {} of {}](../manual/images/{}.jpg)"
+    shown = [words.format(number, len(names), name) for number, name in enumerate(names, 1)]
+    before, _begin, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
+    _old, _end, after = rest.partition(END)
+    part = "\n\n".join((table(matrix), *shown))
+    PAGE.write_text(f"{before}{BEGIN}\n{part}\n{END}{after}", encoding="utf-8")

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The pictures of the browser: one for each method and task, in one light, written into the add-on."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -13,14 +11,14 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from .. import denoise, inside, markers, materials, posing, studio
+from .. import denoise, markers, materials, posing, studio
 from ..comparison import CASES, native_solve
 from ..lineup import POSE_FRAME
 from ..lineups import LINEUPS, cows
 from ..models import spot
 from ..models.objects import mesh_object
 from ..models.shapes import smoothstep
-from . import elbow, longship, mesh_sequence, pyramid_coordinates, silhouette, wires
+from . import elbow, longship, mesh_sequence
 
 PICTURES = Path(__file__).parents[2] / "addon" / "pictures"
 SIZE = 128  # pixels
@@ -40,9 +38,7 @@ Shown = Sequence[bpy.types.Object]  # what fills the picture
 @dataclass(frozen=True)
 class Subject:
     """What a picture shows: ``build`` fills the empty scene; the camera looks from above by ``elevation``.
-
-    ``aim`` is what part of the height of the objects is seen, from 0 at their feet to 1.
-    """
+    ``aim`` is what part of the height of the objects is seen, from 0 at their feet to 1."""
 
     build: Callable[[], Shown]
     elevation: float = 12.0
@@ -53,8 +49,10 @@ class Subject:
 def of_case(name: str, method: str, **options: object) -> Shown:
     """A case of the comparison, solved by a method: clay, with its handle and what holds still."""
     case = CASES[name]()
-    shape = native_solve(inside.registry(), inside.native(), method, **options)(case)
-    slots = _slots(case.triangles, {1: case.handles[0], 2: case.handles[1]}, len(shape))
+    shape = native_solve(posing.registry(), posing.native(), method, **options)(case)
+    slots = np.zeros(len(case.triangles), int)
+    for slot, handle in enumerate(case.handles, 1):
+        slots[np.isin(case.triangles, handle).all(axis=1)] = slot
     obj = mesh_object(name, shape, case.triangles, smooth=name != "bar", slots=slots, materials=_clay())
     obj.rotation_euler.z = radians(case.heading)
     return [obj]
@@ -70,21 +68,27 @@ def of_row(sample: str, label: str, painted: bool = True) -> Shown:
     if painted:
         _paint(obj)
     if lineup.smooth:
-        _smooth(obj)
+        posing.subdivide(obj)
     return [obj]
 
 
 def dragged() -> Shown:
     """The cow that is dragged far at its back and its head, with balls where it is held."""
-    obj = spot.build()
-    obj.rotation_euler.z = radians(LINEUPS["inverse_ffd"].heading)
-    bpy.context.view_layer.update()
+    obj = _cow("inverse_ffd")
     cows.dragged(7, farther=2.2)(obj)
-    _smooth(obj)
+    posing.subdivide(obj)
     for ball in (obj for obj in bpy.data.objects if obj.name.endswith(" Pin")):
         for vertex in ball.data.vertices:
             vertex.co *= 2.2
     return [obj]
+
+
+def _cow(sample: str) -> bpy.types.Object:
+    """The cow as it stands in a line-up."""
+    obj = spot.build()
+    obj.rotation_euler.z = radians(LINEUPS[sample].heading)
+    bpy.context.view_layer.update()
+    return obj
 
 
 def in_a_cage(method: str) -> Shown:
@@ -92,7 +96,7 @@ def in_a_cage(method: str) -> Shown:
     points, faces = _trousers()
     bands = [_clay()[0], materials.plain_material("Band", BAND, roughness=0.6)]
     body = mesh_object("Legs", points, faces, smooth=True, materials=bands)
-    body.modifiers.new("Subdivision", "SUBSURF").levels = 4
+    posing.subdivide(body, levels=4)
     posing.make_active(body)
     bpy.ops.object.modifier_apply(modifier="Subdivision")
     for face in body.data.polygons:
@@ -139,15 +143,6 @@ def ship() -> Shown:
     return [*shown, _lines_of(parts[0].sinew.active.controls[0].object)]
 
 
-def face() -> Shown:
-    """The yeti's head with its wires, which frown."""
-    head = wires.bust()
-    head.rotation_euler.z = radians(-90.0)
-    bpy.context.view_layer.update()
-    wires.expression(-1.0, -0.9)(head)
-    return [head]
-
-
 def keyed() -> Shown:
     """The frame of the swaying pillar at whose key it was edited."""
     mesh_sequence.make()
@@ -159,11 +154,10 @@ def keyed() -> Shown:
 
 def half_way() -> Shown:
     """The cow between itself and its twisted twin."""
-    rest, target = spot.build(), spot.build()
-    target.data = pyramid_coordinates.twisted(rest.data)
-    rest.rotation_euler.z = radians(-52.0)
-    pyramid_coordinates.pose(rest, target)
-    _smooth(rest)
+    rest, target = _cow("pyramid_coordinates"), spot.build()
+    target.data = cows.twisted(rest.data)
+    cows.morph(rest, target)
+    posing.subdivide(rest)
     return [rest]
 
 
@@ -180,16 +174,15 @@ def corrected() -> Shown:
 
 def redrawn() -> Shown:
     """The cow that two strokes have redrawn, and the strokes."""
-    silhouette.make()
+    LINEUPS["silhouette"].make()
     cow = next(obj for obj in bpy.data.objects if obj.type == "MESH" and obj.data.shape_keys)
     strokes = [bpy.data.objects[name] for name in ("Back", "Muzzle")]
     for stroke in strokes:
         stroke.hide_render, stroke.data.bevel_depth = False, 0.025
-        stroke.data.materials.append(materials.plain_material("Stroke", silhouette.INK))
     return [cow, *strokes]
 
 
-_case, _row = partial(partial, of_case), partial(partial, of_row)
+_case, _row, _cage = (partial(partial, show) for show in (of_case, of_row, in_a_cage))
 
 SUBJECTS: dict[str, Subject] = {
     "arap": Subject(_case("branches", "arap")),
@@ -208,22 +201,22 @@ SUBJECTS: dict[str, Subject] = {
     "subdivision_editing": Subject(_row("pillars", "Subdivision")),
     "ffd": Subject(ship),
     "inverse_ffd": Subject(dragged),
-    "mean_value": Subject(partial(in_a_cage, "mean_value")),
-    "positive_mean_value": Subject(partial(in_a_cage, "positive_mean_value")),
-    "harmonic": Subject(partial(in_a_cage, "harmonic")),
-    "green": Subject(partial(in_a_cage, "green")),
+    "mean_value": Subject(_cage("mean_value")),
+    "positive_mean_value": Subject(_cage("positive_mean_value")),
+    "harmonic": Subject(_cage("harmonic")),
+    "green": Subject(_cage("green")),
     "mls": Subject(_row("machine", "Moving Least Squares", painted=False)),
     "rbf": Subject(_case("branches", "rbf")),
     "embedded_deformation": Subject(
-        _row("embedded_deformation", "Embedded Deformation", painted=False), aim=(0.42, 1.0)
+        _row("embedded_deformation", "Embedded Deformation", False), aim=(0.42, 1.0)
     ),
     "rigid_cells": Subject(_row("rigid_cells", "Rigid Cells", painted=False)),
     "space_propagation": Subject(_case("branches", "space_propagation")),
-    "wires": Subject(face, elevation=4.0, aim=(0.3, 1.0)),
+    "wires": Subject(_row("wires", "Angry", painted=False), elevation=4.0, aim=(0.3, 1.0)),
     "vector_field": Subject(pushed),
     "mesh_puppetry": Subject(_row("puppet", "Hand", painted=False)),
     "mesh_sequence": Subject(keyed, frame=mesh_sequence.KEY),
-    "pyramid_coordinates": Subject(half_way, frame=pyramid_coordinates.MIDDLE_FRAME),
+    "pyramid_coordinates": Subject(half_way, frame=cows.MIDDLE_FRAME),
     "multiresolution": Subject(_row("multiresolution", "Multiresolution, Thin Shell")),
     "multiresolution_space": Subject(_row("space_details", "Multiresolution in Space")),
     "joint": Subject(corrected, frame=elbow.MADE),
@@ -233,7 +226,7 @@ SUBJECTS: dict[str, Subject] = {
 
 def make() -> bpy.types.Scene:
     """A scene that holds the settings; each picture is built in it anew."""
-    return studio.empty_scene("Thumbnails")
+    return studio.empty_scene()
 
 
 def pictures(_scene: bpy.types.Scene) -> Iterator[tuple[str, np.ndarray]]:
@@ -249,7 +242,7 @@ def render(name: str) -> np.ndarray:
     """Write one picture; its light (height, width, 3), from below."""
     subject = SUBJECTS[name]
     studio.progress(f"the picture {name}")
-    studio.empty_scene("Thumbnails")
+    studio.empty_scene()
     shown = subject.build()
     scene = bpy.context.scene  # some samples begin with a new one
     scene.frame_set(subject.frame)
@@ -267,22 +260,19 @@ def photograph(scene: bpy.types.Scene, shown: Shown, subject: Subject) -> None:
     if "Backdrop" in bpy.data.materials:
         bpy.data.materials.remove(bpy.data.materials["Backdrop"])  # of another colour
     kept = _with_markers(shown)
-    points = np.concatenate(
-        [_in_the_world(obj) for obj in kept if not obj.name.endswith((" Edges", " Lines"))]
-    )
+    seen = [_in_the_world(obj) for obj in kept if not obj.name.endswith((" Edges", " Lines"))]
+    points = np.concatenate(seen)
     for obj in scene.objects:
         obj.hide_render = obj.hide_render or obj not in kept
-    low, high = points.min(axis=0), points.max(axis=0)
-    floor = low[2]
-    height = high[2] - low[2]
-    low[2], high[2] = floor + subject.aim[0] * height, floor + subject.aim[1] * height
-    points = points[(points[:, 2] >= low[2]) & (points[:, 2] <= high[2])]
+    floor, height = points[:, 2].min(), np.ptp(points[:, 2])
+    depth = 0.5 * (points[:, 1].min() + points[:, 1].max())
+    low, high = (floor + share * height for share in subject.aim)
+    points = points[(points[:, 2] >= low) & (points[:, 2] <= high)]
     rise = radians(subject.elevation)
     up = np.array((0.0, np.sin(rise), np.cos(rise)))
     across, along = points[:, 0], points @ up
     middle = 0.5 * np.array((across.min() + across.max(), along.min() + along.max()))
     width = float(1.2 * max(np.ptp(across), np.ptp(along)))
-    depth = 0.5 * (low[1] + high[1])
     target = Vector((middle[0], depth, (middle[1] - depth * up[1]) / up[2]))
     studio.add_backdrop(scene, 5.0 * width, GREY)
     scene.objects["Backdrop"].location.z = floor
@@ -296,20 +286,15 @@ def _lines_of(lattice: bpy.types.Object) -> bpy.types.Object:
     """The outer lines of a lattice as it is posed, as thin tubes."""
     data = lattice.data
     places = _in_the_world(lattice).reshape(data.points_w, data.points_v, data.points_u, 3)
-    curve = bpy.data.curves.new("Lattice Lines", "CURVE")
-    curve.dimensions, curve.bevel_depth = "3D", 0.012
-    curve.materials.append(_clay()[2])
+    lines = []
     for axis in range(3):
-        lines = np.moveaxis(places, axis, 2)
-        rows, columns = lines.shape[:2]
-        for row in range(rows):
-            for column in range(columns):
-                if row in (0, rows - 1) or column in (0, columns - 1):
-                    spline = curve.splines.new("POLY")
-                    spline.points.add(lines.shape[2] - 1)
-                    for point, place in zip(spline.points, lines[row, column]):
-                        point.co = (*place, 1.0)
-    return posing.add_object(curve.name, curve)
+        grid = np.moveaxis(places, axis, 2)
+        outside = np.ones(grid.shape[:2], bool)
+        outside[1:-1, 1:-1] = False
+        lines += list(grid[outside])
+    obj = posing.add_lines("Lattice Lines", lines, bevel=0.012)
+    obj.data.materials.append(_clay()[2])
+    return obj
 
 
 def _in_the_world(obj: bpy.types.Object) -> np.ndarray:
@@ -332,15 +317,6 @@ def _clay() -> list[bpy.types.Material]:
     ]
 
 
-def _slots(faces: np.ndarray, regions: dict[int, np.ndarray], count: int) -> np.ndarray:
-    """The material slot of each face: that of the region in which all its corners are, else 0."""
-    of_vertex = np.zeros(count, int)
-    for slot, members in regions.items():
-        of_vertex[members] = slot
-    corners = of_vertex[faces]
-    return np.where((corners == corners[:, :1]).all(axis=1), corners[:, 0], 0)
-
-
 def _paint(obj: bpy.types.Object, rigged: bpy.types.Object | None = None) -> None:
     """Give the faces of regions the colours of handles and of what holds still."""
     rigged = rigged or obj
@@ -348,23 +324,11 @@ def _paint(obj: bpy.types.Object, rigged: bpy.types.Object | None = None) -> Non
     for material in _clay()[1:]:
         obj.data.materials.append(material)
     slots = {"FIXED": first, "HANDLE": first + 1}
-    groups = {
-        rigged.vertex_groups[handle.vertex_group].index: slots[handle.kind]
-        for handle in rigged.sinew.active.handles
-        if handle.kind in slots
-    }
-    held = {
-        vertex.index: groups[row.group]
-        for vertex in rigged.data.vertices
-        for row in vertex.groups
-        if row.group in groups
-    }
+    handles = [handle for handle in rigged.sinew.active.handles if handle.kind in slots]
+    painted = {rigged.vertex_groups[handle.vertex_group].index: slots[handle.kind] for handle in handles}
+    rows = [(vertex.index, row.group) for vertex in rigged.data.vertices for row in vertex.groups]
+    held = {vertex: painted[group] for vertex, group in rows if group in painted}
     for face in obj.data.polygons:
         found = {held.get(vertex) for vertex in face.vertices}
         if len(found) == 1 and None not in found:
             face.material_index = found.pop()
-
-
-def _smooth(obj: bpy.types.Object) -> None:
-    levels = obj.modifiers.new("Subdivision", "SUBSURF")
-    levels.levels, levels.render_levels = 1, 2

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The small models of *Try It*, each written into the add-on as a file with one scene."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from math import radians
 from pathlib import Path
@@ -12,11 +10,11 @@ import bpy
 import numpy as np
 
 from .. import materials, posing, studio
+from ..lineups import yetis
 from ..models import mannequin, pillar, spot, yeti
-from ..models.objects import keep_vertices, to_object
+from ..models.objects import keep_vertices, layered, to_object
 from ..models.shapes import smoothstep
 from ..studio import Shot
-from . import wires
 
 FOLDER = Path(__file__).parents[2] / "addon" / "rigs"
 COLOUR = "Colour"
@@ -47,50 +45,44 @@ def joint() -> list[bpy.types.Object]:
     kept = ("upper_arm.L", "forearm.L", "hand.L")
     posing.make_active(bones)
     bpy.ops.object.mode_set(mode="EDIT")
-    for bone in list(bones.data.edit_bones):
-        if bone.name not in kept:
-            bones.data.edit_bones.remove(bone)
+    for bone in [bone for bone in bones.data.edit_bones if bone.name not in kept]:
+        bones.data.edit_bones.remove(bone)
     bpy.ops.object.mode_set(mode="OBJECT")
-    for group in list(body.vertex_groups):
-        if group.name not in kept:
-            body.vertex_groups.remove(group)
-    forearm = bones.pose.bones["forearm.L"]
-    forearm.rotation_mode = "XYZ"
-    for frame, angle in zip(FRAMES, (0.0, BENT)):
-        forearm.rotation_euler.z = radians(angle)
-        forearm.keyframe_insert("rotation_euler", frame=frame)
+    for group in [group for group in body.vertex_groups if group.name not in kept]:
+        body.vertex_groups.remove(group)
+    angles = {frame: (0.0, 0.0, angle) for frame, angle in zip(FRAMES, (0.0, BENT))}
+    posing.key_angles(bones.pose.bones["forearm.L"], angles)
     bones.rotation_euler.z = radians(-90.0)
     return [body, bones]
 
 
 def lines() -> list[bpy.types.Object]:
     """The head of the yeti, and curves along its brows and its mouth."""
-    head = wires.bust(voxel=0.026)
+    head = yetis.bust(voxel=0.026)
     head.name = head.data.name = "Yeti Head"
     _tidy(head)
     angles, colours = _values(head, "gaze"), _colours(head)
     seen = np.flatnonzero(angles < np.pi)
-    white = smoothstep(yeti.IRIS_EDGE - 0.08, yeti.IRIS_EDGE + 0.08, angles[seen])[:, None]
-    iris = smoothstep(yeti.PUPIL - 0.08, yeti.PUPIL + 0.08, angles[seen])[:, None]
-    colours[seen] = iris * ((1 - white) * np.array(yeti.IRIS) + white * np.array(WHITE)) + (1 - iris) * 0.004
+    black = np.full((len(seen), 3), 0.004)
+    iris, white = (smoothstep(at - 0.08, at + 0.08, angles[seen]) for at in (yeti.EYES.pupil, yeti.EYES.edge))
+    ring = layered(np.tile(yeti.EYES.iris, (len(seen), 1)), [(white, WHITE)])
+    colours[seen] = layered(black, [(iris, ring)])
     _paint(head, colours)
-    curves = [wires.draw(head, name, places) for name, places in wires.features().items()]
-    for curve, name in zip(curves, wires.RADII):
+    curves = yetis.draw_wires(head)
+    for curve, name in zip(curves, yetis.WIRES):
         curve.name = curve.data.name = name
     head.rotation_euler.z = radians(-90.0)
     return [head, *curves]
 
 
 def cage() -> list[bpy.types.Object]:
-    """The cow, and a cage around it."""
     cow = spot.build("Cow")
     colours = np.tile((0.80, 0.74, 0.66), (len(cow.data.vertices), 1))
     for field, colour, _softness in spot.PATCHES:
         colours[_values(cow, field) > 0.0] = colour
-    eyes = [
-        corner for face in cow.data.polygons if face.material_index == spot.EYE for corner in face.vertices
-    ]
-    colours[eyes] = 0.005
+    for face in cow.data.polygons:
+        if face.material_index == spot.EYE:
+            colours[list(face.vertices)] = 0.005
     cow.vertex_groups.clear()
     _paint(cow, colours)
     cow.rotation_euler.z = radians(-38.0)
@@ -98,13 +90,12 @@ def cage() -> list[bpy.types.Object]:
     around = made.copy()
     around.data = made.data.copy()
     bpy.context.scene.collection.objects.link(around)
-    posing.expect(bpy.ops.sinew.deformer_remove(), "deformer_remove")  # it removes its own cage
+    posing.operate(cow, "deformer_remove")  # it removes its own cage
     around.name = around.data.name = "Cow Cage"
     return [cow, around]
 
 
 def figure() -> list[bpy.types.Object]:
-    """The mannequin and its bones."""
     skin = mannequin.build("Mannequin", cell=0.034)
     rig = mannequin.rig_of(skin)
     rig.show_in_front = True
@@ -117,7 +108,7 @@ RIGS = {"limb": limb, "joint": joint, "lines": lines, "cage": cage, "figure": fi
 
 def make() -> bpy.types.Scene:
     """Write the files, and leave all models in one row."""
-    overview = studio.empty_scene("Try It")
+    overview = studio.empty_scene()
     FOLDER.mkdir(exist_ok=True)
     labels = []
     for (name, build), x in zip(RIGS.items(), posing.places(len(RIGS), SPACING)):
@@ -161,15 +152,11 @@ def _tidy(obj: bpy.types.Object) -> None:
 
 
 def _values(obj: bpy.types.Object, name: str) -> np.ndarray:
-    values = np.empty(len(obj.data.vertices), np.float32)
-    obj.data.attributes[name].data.foreach_get("value", values)
-    return values
+    return np.array([row.value for row in obj.data.attributes[name].data])
 
 
 def _colours(obj: bpy.types.Object) -> np.ndarray:
-    rgba = np.empty(4 * len(obj.data.vertices), np.float32)
-    obj.data.color_attributes[COLOUR].data.foreach_get("color", rgba)
-    return rgba.reshape(-1, 4)[:, :3]
+    return np.array([row.color[:3] for row in obj.data.color_attributes[COLOUR].data])
 
 
 def _paint(obj: bpy.types.Object, colours: np.ndarray) -> None:

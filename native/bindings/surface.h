@@ -9,6 +9,7 @@
 
 #include <memory>
 #include <utility>
+#include <vector>
 
 namespace sinew::bindings {
 
@@ -32,6 +33,30 @@ SurfaceClass<Method> bind_surface_method(py::module_& module, const char* name, 
         },
         {{"mesh", "SurfaceMesh, the rest shape"}}, raises, py::arg("mesh"), py::kw_only());
     return method;
+}
+
+/// What a method says of each vertex, or some vertices: found without the GIL.
+template <class Method>
+auto numbers_of(std::vector<int> (Method::*find)() const)
+{
+    return [find](const Method& method) {
+        std::vector<int> found;
+        {
+            const py::gil_scoped_release unlocked;
+            found = (method.*find)();
+        }
+        return to_numpy(found);
+    };
+}
+
+/// The energy of given points, found without the GIL.
+template <class Method>
+double energy_of(const Method& method, const ArrayLike& positions)
+{
+    const FloatArray array = floats(positions, "positions");
+    const PointsView view = points<InvalidConstraint>(array, "positions");
+    const py::gil_scoped_release unlocked;
+    return method.energy(view);
 }
 
 /// Runs solve(positions) without the GIL, and returns the positions as an array, with the report.

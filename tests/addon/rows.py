@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The rows of the registry that handles steer, their options as the native module takes them, and turns."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from types import ModuleType
 
@@ -48,7 +46,7 @@ def other_options(method: Method, count: int) -> Iterator[tuple[str, object]]:
         elif isinstance(parameter.default, bool):
             yield parameter.id, not parameter.default
         elif isinstance(parameter, Float | Int):
-            most = parameter.soft_maximum
+            most = parameter.span.soft
             yield parameter.id, type(most)(most if most != parameter.default else 0.5 * most)
         if parameter.paintable:
             yield parameter.id, np.linspace(0.5, 1.0, count)

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames and poses against closed forms."""
+"""Frames, poses, and how a piece of a surface has moved as a whole, against closed forms."""
 
 import numpy as np
 import pytest
 import rows
 
 from sinew.core.errors import ConstraintError
-from sinew.core.geometry import frames
+from sinew.core.geometry import frames, rigid_motion
 
 RANDOM = np.random.default_rng(7)
 
@@ -40,11 +40,6 @@ def test_region_frame_sits_at_the_centre_and_looks_along_the_normal():
     assert np.linalg.det(frame[:3, :3]) == pytest.approx(1.0)
 
 
-def test_region_without_whole_faces_keeps_the_axes():
-    frame = frames.region_frame(SQUARE, *ONE_QUAD, np.array([0, 1]))
-    assert np.allclose(frame[:3, :3], np.eye(3))
-
-
 def test_region_frame_looks_at_the_faces_of_the_region_alone():
     """Beside a triangle that stands upright and a quad of which half belongs to the region."""
     points = np.vstack((SQUARE, (4.0, 0.0, 0.0), (4.0, 2.0, 3.0), (0.0, 0.0, 5.0)))
@@ -53,7 +48,9 @@ def test_region_frame_looks_at_the_faces_of_the_region_alone():
     assert np.allclose(frames.region_frame(points, counts, corners, np.arange(4)), alone)
 
 
-def test_region_of_a_mesh_without_faces():
+def test_region_without_whole_faces_keeps_the_axes():
+    frame = frames.region_frame(SQUARE, *ONE_QUAD, np.array([0, 1]))
+    assert np.allclose(frame[:3, :3], np.eye(3))
     none = np.zeros(0, dtype=int)
     assert np.allclose(frames.region_frame(SQUARE, none, none, np.array([2])), translation(2.0, 2.0, 0.0))
 
@@ -75,18 +72,11 @@ def test_pose_is_the_identity_at_rest_and_the_motion_after():
     assert np.allclose(frames.pose(target, control, rest), np.eye(4)[:3])
     motion = translation(0.1, 0.2, 0.3) @ rotation((1.0, 1.0, 0.0), 0.4)
     moved = frames.pose(target, motion @ control, rest)
+    whole = translation(3.0, 1.0, 2.0) @ rotation((1.0, 2.0, 0.5), 2.0)
+    assert np.allclose(frames.pose(whole @ target, whole @ motion @ control, rest), moved)
     points = RANDOM.normal(size=(5, 3))
     in_world = frames.transformed(target, points @ moved[:, :3].T + moved[:, 3])
     assert np.allclose(in_world, frames.transformed(motion @ target, points))
-
-
-def test_moving_everything_leaves_the_pose():
-    target, control = rotation((1.0, 0.0, 0.0), 0.3), translation(1.0, 0.0, 2.0)
-    rest = translation(0.0, 0.5, 0.0)
-    all_of_it = translation(3.0, 1.0, 2.0) @ rotation((1.0, 2.0, 0.5), 2.0)
-    assert np.allclose(
-        frames.pose(all_of_it @ target, all_of_it @ control, rest), frames.pose(target, control, rest)
-    )
 
 
 @pytest.mark.parametrize(
@@ -116,15 +106,11 @@ def test_fit_finds_a_rigid_motion_from_any_number_of_points(count: int):
         assert np.allclose(found, motion[:3], atol=1e-6)
 
 
-def test_fit_finds_an_affine_motion():
+def test_fit_finds_an_affine_motion_and_a_rigid_fit_of_a_mirrored_cloud_is_a_rotation():
     before = RANDOM.normal(size=(20, 3))
     affine = np.column_stack((RANDOM.normal(size=(3, 3)) + 2.0 * np.eye(3), (1.0, 2.0, 3.0)))
     after = before @ affine[:, :3].T + affine[:, 3]
     assert np.allclose(frames.fit(before, after), affine)
-
-
-def test_rigid_fit_of_a_mirrored_cloud_is_a_rotation():
-    before = RANDOM.normal(size=(20, 3))
     found = frames.fit(before, before * (-1.0, 1.0, 1.0), rigid=True)
     assert np.linalg.det(found[:, :3]) == pytest.approx(1.0)
 
@@ -147,3 +133,44 @@ def test_faces_that_are_turned_are_told_from_other_faces(corners: list[int], tur
     one = np.array([4, 3]), np.array([0, 1, 2, 3, 2, 1, 4])
     found = frames.turned_faces(one, (counts, np.array(corners)))
     assert (None if found is None else found.tolist()) == turned
+
+
+SHEET = np.array([(x, y, 0.1 * x * y) for y in range(4) for x in range(4)], dtype=float)
+COUNTS = np.full(9, 4)
+CORNERS = np.array([(r + c, r + c + 1, r + c + 5, r + c + 4) for r in (0, 4, 8) for c in range(3)]).ravel()
+
+
+def turn(degrees: float) -> np.ndarray:
+    return rows.rotation((0.0, 1.0, 0.0), np.radians(degrees))
+
+
+@pytest.mark.parametrize("members", [[5], [5, 6], [5, 6, 7], [0, 1, 4, 5], list(range(16))])
+@pytest.mark.parametrize("degrees", [0.0, 40.0, 100.0, 179.0])
+def test_a_rigid_motion_is_found_however_small_the_region_is(members: list[int], degrees: float):
+    moved = SHEET @ turn(degrees).T + (1.0, -2.0, 0.5)
+    piece = rigid_motion.piece(SHEET, COUNTS, CORNERS, np.array(members))
+    found = rigid_motion.motion(SHEET[piece], moved[piece].astype(np.float32), np.eye(3))
+    assert np.abs(found[:3, :3] - turn(degrees)).max() < 1e-6
+    assert np.abs(found[:3, 3] - (1.0, -2.0, 0.5)).max() < 2e-6  # float32 at coordinates near 4
+
+
+def test_it_is_rigid_in_the_world_where_the_object_is_stretched():
+    linear = np.diag((1.0, 3.0, 0.5))
+    world = SHEET @ linear.T @ turn(70.0).T
+    found = rigid_motion.motion(SHEET, world @ np.linalg.inv(linear).T, linear)
+    assert np.allclose(linear @ found[:3, :3] @ np.linalg.inv(linear), turn(70.0))
+
+
+def test_points_on_a_line_or_alone_move_and_do_not_turn():
+    line = SHEET[:3] * (1.0, 0.0, 0.0)
+    moved = line @ turn(30.0).T + (0.0, 1.0, 0.0)
+    found = rigid_motion.motion(line, moved, np.eye(3))
+    assert np.array_equal(found[:3, :3], np.eye(3))
+    assert np.allclose(found[:3, 3], (moved - line).mean(axis=0))
+    assert np.array_equal(rigid_motion.motion(line[:0], line[:0], np.eye(3)), np.eye(4))
+
+
+def test_lost_points_move_nothing():
+    lost = SHEET.copy()
+    lost[3] = np.nan
+    assert np.array_equal(rigid_motion.motion(SHEET, lost, np.eye(3)), np.eye(4))

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The same vertices and faces in two orders, against orders that are known."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
@@ -13,15 +15,12 @@ KEPT, QUADS = 49, 36  # the vertices and faces of a grid; each quad gets four mo
 def refined_grid() -> list[list[int]]:
     """Each quad has a smaller one in its middle, and four around that."""
     faces: list[list[int]] = []
-    for row in range(6):
-        for column in range(6):
-            first, inner = row * 7 + column, KEPT + 4 * (row * 6 + column)
-            outside = [first, first + 1, first + 8, first + 7]
-            inside = [inner, inner + 1, inner + 2, inner + 3]
-            faces.append(inside)
-            faces += [
-                [outside[i], outside[i - 3], inside[i - 3], inside[i]] for i in range(4)
-            ]  # i - 3 is the next one
+    for row, column in product(range(6), range(6)):
+        first, inner = row * 7 + column, KEPT + 4 * (row * 6 + column)
+        outside = [first, first + 1, first + 8, first + 7]
+        inside = [inner, inner + 1, inner + 2, inner + 3]
+        around = ([outside[i], outside[i - 3], inside[i - 3], inside[i]] for i in range(4))  # i - 3: the next
+        faces += [inside, *around]
     return faces
 
 

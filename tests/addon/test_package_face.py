@@ -11,25 +11,16 @@ ADDON = Path(__file__).parents[2] / "addon"
 MANIFEST = tomllib.loads((ADDON / "blender_manifest.toml").read_text(encoding="utf-8"))
 
 
-def bl_info() -> dict:
-    tree = ast.parse((ADDON / "__init__.py").read_text(encoding="utf-8"))
-    node = next(
-        node for node in tree.body if isinstance(node, ast.Assign) and node.targets[0].id == "bl_info"
-    )
-    return ast.literal_eval(node.value)
-
-
-def test_manifest():
+def test_manifest_and_legacy_face():
+    source = ast.parse((ADDON / "__init__.py").read_text(encoding="utf-8")).body
+    (info,) = (row.value for row in source if isinstance(row, ast.Assign) and row.targets[0].id == "bl_info")
+    assert ast.literal_eval(info)["blender"] == (3, 4, 0)
     assert MANIFEST["id"] == "sinew"
     assert MANIFEST["schema_version"] == "1.0.0"
     assert len(MANIFEST["tagline"]) <= 64
     assert not MANIFEST["tagline"].endswith(".")
     assert MANIFEST["license"] == ["SPDX:GPL-3.0-or-later"]
     assert MANIFEST["wheels"] == []
-
-
-def test_legacy_face():
-    assert bl_info()["blender"] == (3, 4, 0)
 
 
 def test_operator_names_follow_one_pattern():

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The types of points that deformers move, by the identifiers that files keep."""
 
-from __future__ import annotations
-
 import pytest
 
 from sinew.core import point_types

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A factor that becomes another one: what that asks of the native module, and that nothing else differs."""
 
-from __future__ import annotations
-
 from collections import Counter
 
 import numpy as np

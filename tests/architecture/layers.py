@@ -5,51 +5,30 @@ import ast
 from collections.abc import Iterator
 from pathlib import Path
 
-from .tree import files
+from .tree import files, ranked
 
-ADDON_RANKS = {
-    "ids": 0,
-    "core": 0,
-    "compat": 0,
-    "backend": 1,
-    "properties": 2,
-    "preferences": 2,
-    "mesh_io": 2,
-    "session": 3,
-    "bake": 4,
-    "operators": 5,
-    "handlers": 6,
-    "ui": 6,
-}
+ADDON_RANKS = ranked(
+    "ids core compat",
+    "backend",
+    "properties preferences mesh_io",
+    "session",
+    "bake",
+    "operators",
+    "handlers ui",
+)
 # Large rooms have ranks inside; their __init__.py is the face, which only other rooms see.
 INNER_RANKS = {
-    "core": {
-        "elements": 0,
-        "memory": 0,
-        "names": 1,
-        "point_types": 0,
-        "sides": 0,
-        "status": 1,
-        "traits": 0,
-        "errors": 2,
-        "methods": 3,
-        "geometry": 3,
-        "transform": 3,
-        "labels": 4,
-        "tasks": 4,
-        "templates": 4,
-        "rigs": 5,
-    },
-    "session": {
-        "state": 0,
-        "targets": 1,
-        "datablocks": 2,
-        "controls": 3,
-        "results": 4,
-        "evaluation": 4,
-        "actions": 5,
-        "edit_mode": 5,
-    },
+    "core": ranked(
+        "elements field memory point_types sides traits",
+        "names status",
+        "errors",
+        "methods geometry transform",
+        "labels tasks templates",
+        "rigs",
+    ),
+    "session": ranked(
+        "state", "targets", "datablocks", "controls", "results evaluation", "actions edit_mode"
+    ),
 }
 # Folders whose sub-folders may not see each other: adding one kind must not need another.
 APART = ("session/controls",)

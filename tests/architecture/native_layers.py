@@ -9,35 +9,20 @@ from collections.abc import Iterator
 from pathlib import Path, PurePosixPath
 
 from .layers import step
-from .tree import files, lines
+from .tree import files, lines, ranked
 
-NATIVE_RANKS = {
-    "core": 0,
-    "mesh": 1,
-    "solvers": 1,
-    "methods/space": 1,
-    "splines": 1,
-    "caging": 2,
-    "operators": 2,
-    "subdivision": 2,
-    "methods/space/weights": 2,
-    "methods/space/handle_points": 2,
-    "local_global/graph": 3,
-    "handles": 3,
-    "attachments": 3,
-    "skeleton": 3,
-    "local_global": 4,
-    "methods/surface": 4,
-    "methods/surface/linear": 5,
-    "methods/surface/sketch": 5,
-    "methods/space/lattice": 5,
-    "methods/space/cage": 5,
-    "methods/space/points": 5,
-    "methods/surface/nonlinear": 6,
-    "methods/space/nonlinear": 6,
-    "methods/multiresolution": 7,
-    "bindings": 8,
-}
+NATIVE_RANKS = ranked(
+    "core",
+    "mesh solvers methods/space splines",
+    "caging operators subdivision methods/space/weights methods/space/handle_points",
+    "local_global/graph handles attachments skeleton",
+    "local_global methods/surface",
+    "methods/surface/linear methods/surface/sketch methods/space/lattice "
+    "methods/space/cage methods/space/points",
+    "methods/surface/nonlinear methods/space/nonlinear",
+    "methods/multiresolution",
+    "bindings",
+)
 # Room -> rank of each of its sub-rooms, of a pair of its files (with a dot) and of all other files ("").
 SUB_RANKS = {
     "attachments": {"part.": 0, "sampling.": 0, "host_surface.": 1, "find_hosts.": 2, "frames": 3, "": 4},
@@ -55,28 +40,16 @@ SUB_RANKS = {
     "methods/space/nonlinear": {"handles": 0, "fields": 0, "mls": 0, "cells": 1, "graph": 1, "": 2},
     "methods/multiresolution": {"details": 0, "transfer": 1, "": 1},
 }
-# Sub-rooms that nobody outside their room may see.
-INTERNAL = {
-    "solvers/engines",
-    "solvers/supernodal",
-    "methods/space/cage/closed_forms",
-    "methods/space/lattice/grid",
-    "methods/space/cage/harmonic",
-    "methods/space/cage/inside",
-    "methods/space/cage/visibility",
-    "methods/space/nonlinear/fields",
-    "methods/space/nonlinear/cells",
-    "methods/space/nonlinear/graph",
-    "methods/space/nonlinear/mls",
-    "methods/space/points/rbf",
-    "methods/space/points/wires",
-    "methods/surface/linear/pyramid",
-    "methods/surface/linear/semi_regular",
-    "methods/surface/linear/volume",
-    "methods/surface/nonlinear/primo",
-    "methods/surface/nonlinear/pyramids",
-    "methods/surface/nonlinear/subspace",
-    "methods/multiresolution/details",
+# Room -> its sub-rooms that nobody outside may see.
+HIDDEN = {
+    "solvers": "engines supernodal",
+    "methods/space/cage": "closed_forms harmonic inside visibility",
+    "methods/space/lattice": "grid",
+    "methods/space/nonlinear": "fields cells graph mls",
+    "methods/space/points": "rbf wires",
+    "methods/surface/linear": "pyramid semi_regular volume",
+    "methods/surface/nonlinear": "primo pyramids subspace",
+    "methods/multiresolution": "details",
 }
 # A header that only one room may include -> that room.
 RESERVED_HEADERS = {
@@ -143,5 +116,5 @@ def _include(place: str, line: str, below: str, room: str, target: str) -> Itera
         yield from step(place, line, sub_room_of(below, room) or "", inner, SUB_RANKS.get(room, {"": 0}))
     elif inner is None:
         yield place, f"names no room that has a rank: {line.strip()}"
-    elif f"{other}/{inner}" in INTERNAL:
+    elif inner in HIDDEN.get(other, "").split():
         yield place, f"native/{other}/{inner} may not be seen from outside native/{other}: {line.strip()}"

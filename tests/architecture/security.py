@@ -13,7 +13,7 @@ MODULES = {
     *("multiprocessing", "pickle", "pty", "requests", "runpy", "shelve", "smtplib", "socket", "ssl"),
     *("subprocess", "telnetlib", "urllib", "xmlrpc", "yaml", "zipimport"),
 }
-# In addon/bake alone, and so are these functions.
+# Functions for addon/bake alone.
 WRITING = {"mkdir", "rmtree", "touch", "unlink", "write_bytes", "write_text"}
 OPENING = {"NamedTemporaryFile", "TemporaryFile", "mkstemp", "open"}
 CALLS = {"eval", "exec", "compile", "__import__", "input", "globals", "locals"}

@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The state of the sources: licence lines, sizes, door-plates, versions, and words that do not belong."""
 
-import ast
 import re
-import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from .tree import files, lines
 
 SOURCES = {".h", ".cpp", ".inl", ".in", ".py", ".pyi", ".cmake", ".sh", ".toml", ".yml", ".yaml"}
 SOURCE_NAMES = {"CMakeLists.txt", "run", "setup", ".clang-format", ".clang-tidy"}
+SCRIPT_FOLDERS = ("tools", "workshop", "tests", ".ci", "blend_samples")
 LONGEST = 600
 LICENCE = "SPDX-License-Identifier: GPL-3.0-or-later"
 # One-letter classes, so that this file holds none of them.
@@ -38,25 +37,16 @@ SYSTEM = r"\b(?:_WIN(?:32|64)|_MSC_VER|__MINGW\w+|__APPLE__|__linux__|__unix__|_
 def sources(root: Path) -> Iterator[Path]:
     """Everything that a person wrote for a machine to read."""
     for path in files(root):
-        script = not path.suffix and path.parent.name in (
-            "tools",
-            "workshop",
-            "tests",
-            ".ci",
-            "blend_samples",
-        )
-        if path.suffix in SOURCES or path.name in SOURCE_NAMES or (script and _has_shebang(path)):
+        script = not path.suffix and path.parent.name in SCRIPT_FOLDERS
+        if path.suffix in SOURCES or path.name in SOURCE_NAMES or (script and path.read_bytes()[:2] == b"#!"):
             yield path
 
 
 def licence_offences(root: Path) -> list[str]:
     """The licence stands in the first three lines (a shebang or an empty comment may come before)."""
-    offences = []
-    for path in sources(root):
-        head = [line for number, line in lines(path) if number <= 3]
-        if not any(LICENCE in line for line in head):
-            offences.append(f"{path.relative_to(root)}:1: does not name its licence")
-    return offences
+    heads = {path: path.read_text(encoding="utf-8").splitlines()[:3] for path in sources(root)}
+    lacking = [path for path, head in heads.items() if not any(LICENCE in line for line in head)]
+    return [f"{path.relative_to(root)}:1: does not name its licence" for path in lacking]
 
 
 def size_offences(root: Path) -> list[str]:
@@ -64,37 +54,33 @@ def size_offences(root: Path) -> list[str]:
     return [f"{path.relative_to(root)}: {count} lines" for path, count in counted if count > LONGEST]
 
 
-def word_offences(root: Path) -> list[str]:
+def matching(root: Path, paths: Iterable[Path], patterns: dict[str, str | re.Pattern]) -> list[str]:
+    """The lines in which a pattern stands, with what that is."""
     return [
         f"{path.relative_to(root)}:{number}: {what}: {line.strip()}"
-        for path in [*sources(root), *files(root, ".", ".md", ".json", ".cff")]
+        for path in paths
         for number, line in lines(path)
-        for what, pattern in FORBIDDEN.items()
+        for what, pattern in patterns.items()
         if re.search(pattern, line)
     ]
+
+
+def word_offences(root: Path) -> list[str]:
+    return matching(root, [*sources(root), *files(root, ".", ".md", ".json", ".cff")], FORBIDDEN)
 
 
 def former_name_offences(root: Path) -> list[str]:
     """What artists see has one name, in the add-on and on their pages."""
     pages = [*files(root, "docs/manual", ".md"), *files(root, "docs/methods", ".md"), root / "README.md"]
-    return [
-        f"{path.relative_to(root)}:{number}: a former name: {line.strip()}"
-        for path in [*files(root, "addon", ".py"), *pages]
-        if path.is_file()
-        for number, line in lines(path)
-        if FORMER.search(line)
-    ]
+    paths = filter(Path.is_file, [*files(root, "addon", ".py"), *pages])
+    return matching(root, paths, {"a former name": FORMER})
 
 
 def system_offences(root: Path) -> list[str]:
     """The same C++ compiles for every system; what differs between systems stands in ``core``."""
-    return [
-        f"{path.relative_to(root)}:{number}: only native/core may ask for a system: {line.strip()}"
-        for path in files(root, "native", ".h", ".cpp", ".inl", ".in")
-        if path.relative_to(root).parts[1] != "core"
-        for number, line in lines(path)
-        if re.search(SYSTEM, line)
-    ]
+    paths = files(root, "native", ".h", ".cpp", ".inl", ".in")
+    others = (path for path in paths if path.relative_to(root).parts[1] != "core")
+    return matching(root, others, {"only native/core may ask for a system": SYSTEM})
 
 
 def class_name_offences(root: Path) -> list[str]:
@@ -119,50 +105,30 @@ def class_name_offences(root: Path) -> list[str]:
 def door_plate_offences(root: Path) -> list[str]:
     """Each room says in a README.md of one sentence what it is for."""
     offences = []
-    rooms = [
-        p for part in ("native", "addon") for p in [root / part, *(root / part).rglob("*")] if p.is_dir()
-    ]
-    for room in sorted(rooms):
-        if not any(path.is_file() for path in files(root, room.relative_to(root).as_posix())):
-            continue
+    rooms = {path.parent for part in ("native", "addon") for path in files(root, part)}
+    for room in sorted(rooms | {above for each in rooms for above in each.parents if root in above.parents}):
         plate = room / "README.md"
         text = plate.read_text(encoding="utf-8").strip() if plate.is_file() else ""
         # A point inside a word (e.g. a file name) ends no sentence.
-        if not text or not text.endswith(".") or len(re.findall(r"[.!?](?=\s|$)", text)) != 1:
+        if not text.endswith(".") or len(re.findall(r"[.!?](?=\s|$)", text)) != 1:
             offences.append(f"{plate.relative_to(root)}: must be one sentence")
     return offences
 
 
+VERSIONS = {
+    "CMakeLists.txt": r"project\(sinew\s+VERSION\s+([\d.]+)",
+    "addon/blender_manifest.toml": r'^version\s*=\s*"([\d.]+)"',
+    "addon/__init__.py": r'^bl_info(?:.|\n)*?"version": \(([\d, ]+)\)',
+    "addon/ids.py": r'^VERSION\s*(?::[^=]*)?=\s*"([\d.]+)"',
+    "CITATION.cff": r'^version:\s*"?([\d.]+)',
+    "CHANGELOG.md": r"^## \[(\d[\d.]*)\]",
+}
+
+
 def versions(root: Path) -> dict[str, str]:
     """Every place that states a version -> the version it states."""
-    cmake = (root / "CMakeLists.txt").read_text(encoding="utf-8")
-    manifest = tomllib.loads((root / "addon/blender_manifest.toml").read_text(encoding="utf-8"))
-    citation = (root / "CITATION.cff").read_text(encoding="utf-8")
-    changes = (root / "CHANGELOG.md").read_text(encoding="utf-8")
-    return {
-        "CMakeLists.txt": _first(r"project\(sinew\s+VERSION\s+([\d.]+)", cmake),
-        "addon/blender_manifest.toml": manifest["version"],
-        "addon/__init__.py (bl_info)": _bl_info_version(root / "addon/__init__.py"),
-        "addon/ids.py (VERSION)": _first(
-            r'^VERSION\s*(?::[^=]*)?=\s*"([\d.]+)"', (root / "addon/ids.py").read_text()
-        ),
-        "CITATION.cff": _first(r'^version:\s*"?([\d.]+)', citation),
-        "CHANGELOG.md": _first(r"^## \[(\d[\d.]*)\]", changes),
-    }
-
-
-def _first(pattern: str, text: str) -> str:
-    found = re.search(pattern, text, re.MULTILINE)
-    return found.group(1) if found else "none"
-
-
-def _bl_info_version(path: Path) -> str:
-    for node in ast.parse(path.read_text(encoding="utf-8")).body:
-        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "bl_info":
-            return ".".join(str(number) for number in ast.literal_eval(node.value)["version"])
-    return "none"
-
-
-def _has_shebang(path: Path) -> bool:
-    with path.open("rb") as file:
-        return file.read(2) == b"#!"
+    found = {}
+    for name, pattern in VERSIONS.items():
+        stated = re.search(pattern, (root / name).read_text(encoding="utf-8"), re.MULTILINE)
+        found[name] = stated[1].replace(", ", ".") if stated else "none"
+    return found

@@ -6,7 +6,7 @@ from urllib.parse import unquote
 
 import pytest
 
-from .links import LINK
+from .links import links
 from .tree import ROOT
 
 # A question, the file that answers it, and the words of the answer there.
@@ -28,16 +28,12 @@ QUESTIONS = (
 
 def linked(page: Path) -> set[Path]:
     """The files of the tree that a page links."""
-    if page.suffix != ".md":
-        return set()
-    found = (next(filter(None, groups)) for groups in LINK.findall(page.read_text(encoding="utf-8")))
-    return {(page.parent / unquote(link.partition("#")[0])).resolve() for link in found if "://" not in link}
+    found = links(page) if page.suffix == ".md" else ()
+    return {(page.parent / unquote(link.partition("#")[0])).resolve() for _number, link in found}
 
 
 @pytest.mark.parametrize(("question", "answer", "words"), QUESTIONS, ids=[row[0] for row in QUESTIONS])
-def test_a_question_is_answered_within_two_links_of_the_readme(
-    question: str, answer: str, words: str
-) -> None:
+def test_a_question_is_answered_within_two_links_of_the_readme(question: str, answer: str, words: str):
     near = linked(ROOT / "README.md")
     pages = near | {file for page in near for file in linked(page)}
     assert ROOT / answer in pages, question

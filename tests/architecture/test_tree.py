@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from . import layers, links, native_layers, registry, security, sources
+from .counts import COUNTS, Count
 from .tree import ROOT, files, listed
 
 MODULES = (native_layers, layers, registry, security, sources, links)
@@ -31,3 +32,9 @@ def test_there_is_something_to_find_offences_in() -> None:
     assert registry.rows(ROOT)
     assert len(list(sources.sources(ROOT))) > 20
     assert sum(len(list(links.links(page))) for page in files(ROOT, ".", ".md")) > 30
+
+
+@pytest.mark.parametrize("count", COUNTS, ids=lambda count: count.name)
+def test_no_count_passes_its_limit(count: Count) -> None:
+    now = count.find()
+    assert now <= count.limit, f"{count.name}: {now:g}, at most {count.limit:g}"

@@ -36,3 +36,8 @@ def grow(root: Path, tree: dict[str, str]) -> Path:
 def listed(offences: list[str]) -> str:
     """The message of a failed test: all offences, one a line."""
     return "\n".join([f"{len(offences)} to mend", *offences])
+
+
+def ranked(*rooms: str) -> dict[str, int]:
+    """The rank of each room: words of one text have one rank, from 0 upwards."""
+    return {room: rank for rank, words in enumerate(rooms) for room in words.split()}

@@ -26,6 +26,15 @@ def quad_grid(columns: int, rows: int, spacing: float = 1.0) -> tuple[np.ndarray
     return points, first[:, None] + (0, 1, columns + 2, columns + 1)
 
 
+def tube(along: int, around: int) -> tuple[np.ndarray, np.ndarray]:
+    """Of quads, outward and open, around the x axis: of the radius 1, with rings at 0, 1, 2..."""
+    x, j = np.mgrid[: along + 1, :around].reshape(2, -1)
+    a = np.flatnonzero(x < along)
+    b = a - j[a] + (j[a] + 1) % around
+    angle = 2 * np.pi * j / around
+    return np.column_stack([x, np.cos(angle), np.sin(angle)]), np.stack([a, a + around, b + around, b], 1)
+
+
 def halved(quads: np.ndarray) -> np.ndarray:
     return np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
 
@@ -38,12 +47,9 @@ def bar(along: int, across: int) -> tuple[np.ndarray, np.ndarray]:
     ring += [(z - across / 2, -across / 2) for z in range(across)]
     points = np.array([(x, y, z) for x in range(along + 1) for y, z in ring], float)
     k = len(ring)
-    faces = [
-        (k * x + i, k * x + (i + 1) % k, k * (x + 1) + (i + 1) % k, k * (x + 1) + i)
-        for x in range(along)
-        for i in range(k)
-    ]
-    return points, np.array(faces)
+    i, a = np.arange(k * along) % k, np.arange(k * along)
+    b = a - i + (i + 1) % k
+    return points, np.stack([a, b, b + k, a + k], 1)
 
 
 def closed_bar(along: int, across: int) -> tuple[np.ndarray, tuple[list[int], np.ndarray]]:
@@ -139,6 +145,11 @@ def turn(axis, degrees: float, centre=(0.0, 0.0, 0.0), move=(0.0, 0.0, 0.0)) -> 
 
 def moved(pose: np.ndarray, points: np.ndarray) -> np.ndarray:
     return points @ pose[:, :3].T + pose[:, 3]
+
+
+def carried(poses: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Each point (n, 3) by a pose of its own."""
+    return np.einsum("nij,nj->ni", poses[:, :, :3], points) + poses[:, :, 3]
 
 
 def off(a: np.ndarray, b: np.ndarray) -> float:

@@ -55,29 +55,36 @@ def made(method: type, mesh: sn.SurfaceMesh, **options: object):
     return method(**{word: given[word] for word in required(method)}, **options)
 
 
+def bound_to(method, parts, *more: object, **words: object):
+    """A surface method, now bound to these handles, or a space method to these points."""
+    (method.set_handles if isinstance(method, sn.SurfaceMethod) else method.bind)(parts, *more, **words)
+    return method
+
+
 def bound(method: type, n: int = 8, **options: object):
     """A method on the hill, its two ends held: the object, the points and the handles."""
     points, faces = grid(n)
     surface = made(method, sn.SurfaceMesh(points, faces), **options)
-    handles = ends(points)
-    surface.set_handles(handles)
-    return surface, points, handles
+    return bound_to(surface, ends(points)), points, ends(points)
+
+
+# What a docstring says of a choice, and the options with which such a method works in another way.
+CHOICES: dict[str, list[dict[str, object]]] = {
+    "exact: bool": [{"exact": False}],
+    "'lattice'": [{"solver": "lattice"}],
+    "smoothness: ": [{"smoothness": 0.0}],
+    "'rims'": [{"cells": "rims"}],
+    "variation: ": [{"variation": 1.0, "stretching": 1.0}],
+    "field: str": [{"field": "geodesic"}, {"field": "euclidean"}],
+    "bands: ": [{"bands": 2}],
+    "transforms: str": [{"transforms": name} for name in ("none", "explicit", "implicit")],
+    "threshold: ": [{"threshold": 1e-3, "precision": "double"}],
+}
 
 
 def choices(method: type) -> list[dict[str, object]]:
-    """Options with which a method works in another way."""
     text = inspect.getdoc(method.__init__)
-    found: list[dict[str, object]] = [{}]
-    found += [{"exact": False}] if "exact: bool" in text else []
-    found += [{"solver": "lattice"}] if "'lattice'" in text else []
-    found += [{"smoothness": 0.0}] if "smoothness: " in text else []
-    found += [{"cells": "rims"}] if "'rims'" in text else []
-    found += [{"variation": 1.0, "stretching": 1.0}] if "variation: " in text else []
-    found += [{"field": "geodesic"}, {"field": "euclidean"}] if "field: str" in text else []
-    found += [{"bands": 2}] if "bands: " in text else []
-    transforms = ("none", "explicit", "implicit") if "transforms: str" in text else ()
-    found += [{"transforms": name} for name in transforms]
-    return found + ([{"threshold": 1e-3, "precision": "double"}] if "threshold: " in text else [])
+    return [{}] + [each for says, options in CHOICES.items() if says in text for each in options]
 
 
 def called(entry: type | dict[str, object]) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The module says itself what it is. Nothing here names a method."""
+"""The module says itself what it is, and keeps the names that scripts use. Nothing here names a method."""
 
 import ast
 import inspect
@@ -15,16 +15,16 @@ import sinew_native as sn
 
 from . import cages, meshes, methods
 
+NAMES = Path(__file__).parents[1] / "names" / "python.txt"
 TYPES = Path(sn.__file__).with_name("sinew_native.pyi")  # by the build, from the signatures of the module
 NODES = ast.parse(TYPES.read_text(encoding="utf-8")).body
 CLASSES = {node.name: node for node in NODES if isinstance(node, ast.ClassDef)}
 FUNCTIONS = {node.name: node for node in NODES if isinstance(node, ast.FunctionDef)}
 PUBLIC = {name: value for name, value in vars(sn).items() if not name.startswith("_")}
+SURFACE, SPACE = (
+    [method.__name__ for method in every] for every in (methods.SURFACE_METHODS, methods.SPACE_METHODS)
+)
 ERRORS = {name: v for name, v in PUBLIC.items() if inspect.isclass(v) and issubclass(v, Exception)}
-
-
-def subclasses(base: type) -> list[str]:
-    return [method.__name__ for method in methods.methods_of(base)]
 
 
 def members(node: ast.ClassDef) -> Iterator[ast.FunctionDef]:
@@ -45,11 +45,6 @@ def callables() -> Iterator[tuple[str, ast.FunctionDef, object]]:
                 yield f"{owner}.{child.name}", child, getattr(getattr(sn, owner, None), child.name, None)
 
 
-def parameters(node: ast.FunctionDef) -> list[str]:
-    named = [a.arg for a in node.args.posonlyargs + node.args.args if a.arg != "self"]
-    return named + (["*"] if node.args.kwonlyargs else []) + [a.arg for a in node.args.kwonlyargs]
-
-
 def stated_parameters(function: object) -> list[str]:
     return [argument.split()[0] for argument in methods.arguments(function)]
 
@@ -60,10 +55,6 @@ def told(function: object) -> str:
     return text.split("\n", 1)[1].strip() if "\n" in text else ""
 
 
-EVERY_CALLABLE = pytest.mark.parametrize(
-    ("name", "node", "function"), list(callables()), ids=lambda v: v if isinstance(v, str) else ""
-)
-EVERY_CLASS = pytest.mark.parametrize("name", CLASSES)
 SHAPE = re.compile(r"\((?:[a-z]|\d[a-z]?)(?:_i)?,(?: ?[\w +]+,?)*\)")  # (n, 3), (k,), (3t, n), (3,)
 ARRAYS = re.compile(r"\b(ArrayLike|Floats|Singles|Ints|NDArray|csc_matrix|csr_matrix)\b")
 REFUSES = re.compile(r"\b(ArrayLike|spmatrix|SurfaceMethod|SpaceMethod)\b")
@@ -90,11 +81,8 @@ def test_every_error_is_an_error_and_says_when_it_is_raised(name: str) -> None:
     assert name == "Error" or vars(error)["__doc__"].startswith("Raised when ")
 
 
-def test_version_is_three_numbers() -> None:
+def test_version_is_three_numbers_and_instructions_are_those_of_the_processor() -> None:
     assert re.fullmatch(r"\d+\.\d+\.\d+", sn.__version__)
-
-
-def test_instructions_are_those_of_the_processor() -> None:
     assert sn.instructions() in ("SSE4.2", "AVX2", "AVX-512", "NEON")
     if os.path.exists("/proc/cpuinfo") and sn.instructions() != "NEON":
         with open("/proc/cpuinfo", encoding="utf-8") as info:
@@ -110,28 +98,19 @@ def test_every_public_name_has_a_docstring_of_its_own(name: str) -> None:
     assert len((vars(value).get("__doc__") if inspect.isclass(value) else value.__doc__) or "") > 15, name
 
 
-@EVERY_CALLABLE
-def test_every_function_tells_what_it_does(name: str, node: ast.FunctionDef, function: object) -> None:
-    assert len(told(function)) > 15, f"{name} has no docstring"
+@pytest.mark.parametrize(
+    ("name", "node", "function"), list(callables()), ids=lambda v: v if isinstance(v, str) else ""
+)
+def test_docstrings_tell_what_a_function_does_with_shapes_and_errors(name: str, node, function) -> None:
+    """Wherever an array goes in or comes out, and wherever input may be refused; with progress, cancelled."""
+    text, inputs = told(function), ast.unparse(node.args)
+    assert len(text) > 15, "no docstring"
+    assert not ARRAYS.search(inputs + ast.unparse(node.returns)) or SHAPE.search(text), "no shape"
+    assert not REFUSES.search(inputs) or "Raises" in text, "it does not say what it refuses"
+    assert "progress" not in inputs or "Cancelled" in text
 
 
-@EVERY_CALLABLE
-def test_docstrings_give_shapes(name: str, node: ast.FunctionDef, function: object) -> None:
-    """Wherever an array goes in or comes out."""
-    if ARRAYS.search(ast.unparse(node.args) + ast.unparse(node.returns)):
-        assert SHAPE.search(told(function)), f"{name} gives no shape"
-
-
-@EVERY_CALLABLE
-def test_docstrings_give_errors(name: str, node: ast.FunctionDef, function: object) -> None:
-    """Wherever an array or another method goes in, it may be refused; with progress, cancelled."""
-    if REFUSES.search(ast.unparse(node.args)):
-        assert "Raises" in told(function), f"{name} does not say what it refuses"
-    if "progress" in parameters(node):
-        assert "Cancelled" in told(function)
-
-
-@EVERY_CLASS
+@pytest.mark.parametrize("name", CLASSES)
 def test_every_property_tells_what_it_is(name: str) -> None:
     for child in members(CLASSES[name]):
         if is_property(child):
@@ -140,7 +119,7 @@ def test_every_property_tells_what_it_is(name: str) -> None:
             assert not ARRAYS.search(ast.unparse(child.returns)) or SHAPE.search(text), f"{name}.{child.name}"
 
 
-@pytest.mark.parametrize("name", [*subclasses(sn.SurfaceMethod), *subclasses(sn.SpaceMethod)])
+@pytest.mark.parametrize("name", [*SURFACE, *SPACE])
 def test_a_method_is_its_constructor_and_its_own_words(name: str) -> None:
     """What all methods of a level can do is bound once: signatures cannot drift apart."""
     level = sn.SurfaceMethod if issubclass(PUBLIC[name], sn.SurfaceMethod) else sn.SpaceMethod
@@ -157,24 +136,20 @@ def made(name: str) -> object:
     return methods.made(PUBLIC[name], CUBE)
 
 
-@pytest.mark.parametrize("name", subclasses(sn.SurfaceMethod))
+@pytest.mark.parametrize("name", SURFACE)
 def test_surface_methods_agree_on_shapes_and_refusals(name: str) -> None:
     method = made(name)
     assert method.rest.vertex_count == 8
     report = method.set_handles([[0, 1], [6, 7]])
     assert (report.reuse, report.changed, report.handle_count) == ("anew", "", 2)
-    poses = np.stack([np.eye(4)[:3]] * 2)
+    poses = np.stack([np.eye(3, 4)] * 2)
     out = np.empty((8, 3), dtype=np.float32)
     positions, solved = method.solve(poses, incoming=CUBE.points, from_rest=[True, False], start=CUBE.points)
     assert (positions.shape, positions.dtype, solved.converged) == ((8, 3), np.float64, True)
     assert method.solve(poses, out=out)[0] is out
-    for wrong in (
-        {"poses": poses[:1]},
-        {"poses": poses, "incoming": CUBE.points[1:]},
-        {"poses": poses, "start": [[0.0]]},
-    ):
+    for wrong in ({"poses": poses[:1]}, {"incoming": CUBE.points[1:]}, {"start": [[0.0]]}):
         with pytest.raises(sn.InvalidConstraint):
-            method.solve(**wrong)
+            method.solve(**{"poses": poses} | wrong)
     for wrong in ({"max_iterations": -1}, {"tolerance": np.nan}):
         with pytest.raises(sn.InvalidOption):
             method.solve(poses, **wrong)
@@ -190,7 +165,7 @@ def test_surface_methods_agree_on_shapes_and_refusals(name: str) -> None:
     assert not again.can_reuse(object())
 
 
-@pytest.mark.parametrize("name", subclasses(sn.SpaceMethod))
+@pytest.mark.parametrize("name", SPACE)
 def test_space_methods_agree_on_shapes_and_refusals(name: str) -> None:
     method, points = made(name), np.random.default_rng(1).uniform(0.2, 0.8, (20, 3))
     control = methods.control(PUBLIC[name], CUBE)
@@ -204,9 +179,8 @@ def test_space_methods_agree_on_shapes_and_refusals(name: str) -> None:
     np.testing.assert_array_equal(method.warp(control), points)
     np.testing.assert_array_equal(method.warp(control, incoming=entering), entering)
     moved = control * 1.1
-    np.testing.assert_allclose(
-        method.warp(moved, incoming=entering) - entering, method.warp(moved) - points, atol=1e-15
-    )
+    way = method.warp(moved, incoming=entering) - entering
+    np.testing.assert_allclose(way, method.warp(moved) - points, atol=1e-15)
     assert method.warp(moved, out, incoming=entering) is out
     np.testing.assert_array_equal(out, method.warp(moved, incoming=entering).astype(np.float32))
     for wrong in ({"cage_points": moved[1:]}, {"cage_points": moved, "incoming": points[1:]}):
@@ -248,12 +222,12 @@ def options(name: str) -> Iterator[tuple[str, object, list[object]]]:
 
 
 LATTICES = ("Ffd", "InverseFfd")  # of which the lattice counts as a whole
-MADE_OF_OPTIONS = {*subclasses(sn.SurfaceMethod), *subclasses(sn.SpaceMethod)} - {*LATTICES}
-OPTIONS = [(name, *option) for name in sorted(MADE_OF_OPTIONS) for option in options(name) if option[2]]
+OPTIONS = [(name, *option) for name in (*SURFACE, *SPACE) for option in options(name) if option[2]]
+REBOUND = [option for option in OPTIONS if option[0] not in LATTICES]
 
 
 @pytest.mark.parametrize(
-    ("name", "option", "default", "others"), OPTIONS, ids=[f"{name}-{option}" for name, option, *_ in OPTIONS]
+    ("name", "option", "default", "others"), REBOUND, ids=[f"{name}-{option}" for name, option, *_ in REBOUND]
 )
 def test_a_rebind_names_an_option_that_changed(name: str, option: str, default: object, others: list) -> None:
     """Where only solves read an option, all is taken over."""
@@ -268,19 +242,18 @@ def test_a_rebind_names_an_option_that_changed(name: str, option: str, default: 
     (former.set_handles if isinstance(former, sn.SurfaceMethod) else former.bind)(bound)
     assert same.rebind(former, bound).reuse == "kept"
     report = changed.rebind(same, bound)
-    is_read_by_solves = option == "max_iterations" or (
-        option == "tolerance" and name not in ("Rbf", "VectorField")
-    )
+    of_binds = ("Rbf", "VectorField")
+    is_read_by_solves = option == "max_iterations" or (option == "tolerance" and name not in of_binds)
     assert (report.reuse == "kept") == is_read_by_solves
     assert report.changed == ("" if is_read_by_solves else option)
 
 
 @pytest.mark.parametrize(
-    ("name", "option"), [(name, option) for name, option, default, _ in OPTIONS if isinstance(default, float)]
+    ("name", "option"), [(name, option) for name, option, default, _ in OPTIONS if isinstance(default, str)]
 )
-def test_none_is_no_number(name: str, option: str) -> None:
-    with pytest.raises(TypeError):
-        methods.made(PUBLIC[name], CUBE, **{option: None})
+def test_a_choice_that_nobody_knows_is_refused_by_name(name: str, option: str) -> None:
+    with pytest.raises(sn.InvalidOption, match=f"{option}.*'no choice' is not one of"):
+        methods.made(PUBLIC[name], CUBE, **{option: "no choice"})
 
 
 def described(name: str) -> dict[str, str]:
@@ -305,22 +278,22 @@ def beyond(words: str) -> list[float]:
 NUMBERS = [
     (name, option, type(default), beyond(described(name).get(option, "")))
     for name, option, default, _ in OPTIONS
-    if type(default) in (int, float) and option not in ("exit_face", "threshold")  # which may be any
+    if type(default) in (int, float) and option not in ("exit_face", "smooth", "threshold")  # any number
 ]
 PAINTED = [
-    (name, option)
-    for name in subclasses(sn.SurfaceMethod)
-    for option, words in described(name).items()
-    if "(n,) painted" in words
+    (name, option) for name in SURFACE for option, words in described(name).items() if "(n,) painted" in words
 ]
 
 
 @pytest.mark.parametrize(("name", "option", "kind", "outside"), NUMBERS)
 def test_numbers_outside_the_range_of_an_option_are_refused(name, option, kind, outside) -> None:
-    assert outside or option in ("inner", "outer", "scale"), "the docstring states no range"
+    assert outside or option in ("cut_off", "inner", "outer", "scale"), "the docstring states no range"
     for value in [*map(kind, outside), *((np.nan, np.inf) if kind is float else ())]:
         with pytest.raises(sn.InvalidOption, match=option):
             methods.made(PUBLIC[name], CUBE, **{option: value})
+    if kind is float:
+        with pytest.raises(TypeError):
+            methods.made(PUBLIC[name], CUBE, **{option: None})
 
 
 @pytest.mark.parametrize(("name", "option"), PAINTED)
@@ -344,19 +317,39 @@ def test_every_class_prints_itself_and_a_report_in_words_of_its_own(name: str):
     assert "__repr__" in vars(PUBLIC[name]) or not name.endswith(("Report", "Diagnosis"))
 
 
-def test_objects_say_what_they_hold():
+def test_objects_say_what_they_hold_and_a_derived_class_its_own_name():
     square = sn.SurfaceMesh(np.eye(4, 3), np.array([[0, 1, 2], [0, 2, 3]]))
     shell = sn.ThinShell(square)
     shell.set_handles([[0, 1, 2], [3]])
     assert repr(shell) == "<ThinShell: 4 vertices>"
     assert repr(sn.AffineBasis(shell)) == "<AffineBasis: 4 vertices, 2 handles>"
+    for budget, says in ((1, "not converged"), (None, "converged")):
+        report = methods.bound(sn.Arap, 12)[0].solve(meshes.BENT, max_iterations=budget)[1]
+        assert repr(report).endswith(f", {says}>")
     assert repr(sn.Green(CUBE)) == "<Green: a cage of 8 vertices>"
     factor = sn.SpdFactor(pytest.importorskip("scipy.sparse").identity(3, format="csc"))
     assert re.fullmatch(r"<SpdFactor: 3 rows, \d+ entries>", repr(factor))
 
-
-def test_a_derived_class_prints_its_own_name():
     class Mine(sn.Green):
         """A user's class."""
 
     assert repr(Mine(CUBE)) == "<Mine: a cage of 8 vertices>"
+
+
+def named(path: str, thing: object) -> Iterator[str]:
+    """A line for a thing, with its arguments in their order, and one for each of its public members."""
+    if inspect.isclass(thing):
+        made_by = stated_parameters(thing.__init__) if "__init__" in vars(thing) else []
+        yield f"{path}({', '.join(made_by)})".removesuffix("(type(self))").removesuffix("()")
+        for name, member in vars(thing).items():
+            if not name.startswith("_"):
+                yield from named(f"{path}.{name}", member)
+    elif callable(thing):
+        yield f"{path}({', '.join(stated_parameters(thing))})"
+    else:
+        yield path
+
+
+def test_the_module_keeps_its_names() -> None:
+    now = sorted(line for name, thing in PUBLIC.items() for line in named(name, thing))
+    assert now == NAMES.read_text(encoding="utf-8").splitlines()

@@ -27,35 +27,23 @@ def names() -> dict:
     return {"points": points, "faces": faces, "head": head, "feet": feet}
 
 
-def run(script: str, page: str, names: dict) -> None:
-    exec(compile(script, page, "exec"), names)
-
-
 @pytest.mark.parametrize("page", ["README.md", "docs/manual/scripting.md"])
 def test_the_first_script_lifts_the_head(page: str, names: dict) -> None:
-    points, head, feet = names["points"], names["head"], names["feet"]
-
-    run(scripts(page)[0], page, names)
-
-    # Handles are held exactly.
-    assert np.allclose(names["positions"][head], points[head] + (0.0, 0.0, 0.5), atol=1e-12)
-    assert np.allclose(names["positions"][feet], points[feet], atol=1e-12)
+    exec(scripts(page)[0], names)
+    for part, lift in (("head", 0.5), ("feet", 0.0)):  # handles are held exactly
+        held = names[part]
+        assert np.allclose(names["positions"][held], names["points"][held] + (0.0, 0.0, lift), atol=1e-12)
     assert names["report"].converged
 
 
 def test_the_manuals_cage_and_subdivision(names: dict) -> None:
-    page = "docs/manual/scripting.md"
-    first, cage, subdivision = scripts(page)
-    run(first, page, names)
-
-    run(cage, page, names)
-
+    first, cage, subdivision = scripts("docs/manual/scripting.md")
+    exec(first, names)
+    exec(cage, names)
     points = names["points"]
     assert names["problems"].clean
     assert np.abs(names["positions"] - points * (1.0, 1.0, 1.5)).max() < 1e-6 * np.abs(points).max()
-
-    run(subdivision, page, names)
-
+    exec(subdivision, names)
     # refine works in single precision: some bits of the largest coordinate.
     expected = names["smooth"].matrix @ names["positions"]
     assert np.abs(names["fine"] - expected).max() < 1e-6 * np.abs(expected).max()

@@ -30,15 +30,12 @@ def test_answers_are_those_of_the_other_system() -> None:
     assert found.keys() == expected.keys()
     differences = {name: abs(found[name] - expected[name]).max() for name in expected}
     others = {name: np.count_nonzero(found[name] != expected[name]) for name in expected}
-    rows = [
-        f"| {name} | {most:.1e} | {others[name]} of {expected[name].size} |\n"
-        for name, most in differences.items()
-    ]
+    told = [f"| {k} | {v:.1e} | {others[k]} of {expected[k].size} |\n" for k, v in differences.items()]
     head = "| answer | largest difference | numbers that differ |\n|---|---|---|\n"
     table = Path(FILE).with_name(f"answers-3.{sys.version_info.minor}.md")
-    table.write_text(head + "".join(rows), encoding="utf-8")
-    allowed = {
-        name: next((most for prefix, most in LARGEST.items() if name.startswith(prefix)), 0.0)
-        for name in expected
-    }
-    assert {name: far for name, far in differences.items() if far > allowed[name]} == {}
+    table.write_text(head + "".join(told), encoding="utf-8")
+
+    def allowed(name: str) -> float:
+        return next((most for prefix, most in LARGEST.items() if name.startswith(prefix)), 0.0)
+
+    assert {name: far for name, far in differences.items() if far > allowed(name)} == {}

@@ -12,14 +12,9 @@ import inside
 import installed
 import pytest
 from baking import animate
-from overlays import OPACITY
 from registry import without_method
 from rigs.kinds import RIGS, HandleRig
-from rigs.rig import (
-    Rig,
-    new_file,
-    save,
-)
+from rigs.rig import Rig, new_file, save
 
 # isort: split
 import addon_utils  # comes with bpy, not before it
@@ -48,13 +43,11 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
 @pytest.fixture(scope="session")
 def addon_name() -> str:
-    """The module name of the installed add-on."""
     return installed.name()
 
 
 @pytest.fixture(scope="session")
 def addon(addon_name: str) -> ModuleType:
-    """The installed add-on."""
     return importlib.import_module(addon_name)
 
 
@@ -138,7 +131,6 @@ def posed_plate(tmp_path: Path) -> HandleRig:
 
 @pytest.fixture
 def bound_plate(plate: Rig) -> Rig:
-    """The plate with a thin shell, bound."""
     return plate.bind("thin_shell")
 
 
@@ -179,7 +171,7 @@ def overlay(room, scene):
     module.cache.clear()
     preferences = room("preferences").preferences(bpy.context)
     preferences.overlay_opacity = 1.0
-    bpy.context.scene.sinew.opacity = OPACITY
+    bpy.context.scene.sinew.opacity = inside.OPACITY
     bpy.app.handlers.depsgraph_update_post.append(module.on_update)
     yield module
     bpy.app.handlers.depsgraph_update_post.remove(module.on_update)
@@ -202,7 +194,6 @@ def paint(overlay, room):
 
 @pytest.fixture
 def viewport(scene):
-    """The context of a 3D Viewport."""
     window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     region = next(region for region in area.regions if region.type == "WINDOW")

@@ -61,7 +61,6 @@ def above(value: float, limit: float) -> None:
 
 
 def rest(steps: int = 2) -> Iterator[None]:
-    """Let Blender draw."""
     for _ in range(steps):
         yield
 

@@ -23,7 +23,6 @@ def press(key: str, character: str = "", **modifiers: bool) -> None:
 
 
 def write(text: str) -> None:
-    """Type it."""
     for character in text:
         press(_KEYS.get(character, character.upper()), character)
 
@@ -43,7 +42,6 @@ def keys(*presses: str, at: Place | None = None) -> Iterator[None]:
 
 
 def undo() -> Iterator[None]:
-    """One step back by the keyboard."""
     yield from keys("ctrl Z")
     yield
 
@@ -79,7 +77,6 @@ def polyline(corners: Sequence[tuple[float, float]]) -> list[Place]:
 
 
 def glide(way: Sequence[Place]) -> Iterator[None]:
-    """Move the mouse along these places."""
     for place in way:
         move(*place)
         yield
@@ -95,13 +92,11 @@ def hold(way: Sequence[Place]) -> Iterator[None]:
 
 
 def release() -> Iterator[None]:
-    """Release the left button, where the mouse is."""
     window().event_simulate("LEFTMOUSE", "RELEASE", x=mouse[0], y=mouse[1])
     yield from rest(3)
 
 
 def drag(start: Place, end: Place, steps: int = 4) -> Iterator[None]:
-    """Hold the left button on the way."""
     yield from hold([start, *between(start, end, steps)])
     yield from release()
 

@@ -19,24 +19,13 @@ def empty_scene() -> None:
 
 
 def new_camera(resolution: int) -> bpy.types.Object:
-    """The camera of the scene, for square pictures."""
     scene = bpy.context.scene
     scene.camera = linked(bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera")))
     scene.render.resolution_x = scene.render.resolution_y = resolution
     return scene.camera
 
 
-def add_regions(obj: bpy.types.Object, regions: Regions) -> None:
-    """To the deformer of an object; it is active in the end."""
-    for name, (kind, where) in regions.items():
-        add_group(obj, name, where)
-        bpy.context.view_layer.objects.active = obj
-        bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
-    bpy.context.view_layer.objects.active = obj
-
-
 def only_head(size: float = 2.0) -> bpy.types.Object:
-    """A head alone in the scene."""
     empty_scene()
     bpy.ops.mesh.primitive_monkey_add(size=size)
     bpy.context.object.name = "Head"
@@ -49,7 +38,11 @@ def smooth_head(levels: int, regions: Regions | None = None) -> None:
     obj.modifiers.new("Subdivision", "SUBSURF").levels = levels
     bpy.ops.object.modifier_apply(modifier="Subdivision")
     bpy.ops.object.shade_smooth()
-    add_regions(obj, regions or {})
+    for name, (kind, where) in (regions or {}).items():
+        add_group(obj, name, where)
+        bpy.context.view_layer.objects.active = obj
+        bpy.ops.sinew.handle_add(kind=kind, vertex_group=name)
+    bpy.context.view_layer.objects.active = obj
     bpy.ops.ed.undo_push(message="Head")
 
 
@@ -58,7 +51,6 @@ def head() -> bpy.types.Object:
 
 
 def deformer():
-    """That of the head which the panel shows."""
     return head().sinew.active
 
 

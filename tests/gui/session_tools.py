@@ -7,10 +7,9 @@ from collections.abc import Callable, Iterator
 import bpy
 import numpy as np
 from driving import above, apart, claim, near, rest, run, settled, until
-from expected import members_of
 from hand import click, hold, keys, move, open_sidebar, redo, release, stroke, undo
 from rigs.rig import base_points, curves_of, make_active
-from scenes import MODELS, add_regions, deformer, empty_scene, head, shown, smooth_head
+from scenes import MODELS, deformer, empty_scene, head, shown, smooth_head
 from window import Place, button, differing, look_from_front, middle, on_screen, screenshot, viewport
 
 sys.path.insert(0, str(MODELS.parents[1]))
@@ -67,14 +66,11 @@ def mirror() -> Iterator[None]:
     make_active(ear("L"))
     bpy.ops.ed.undo_push(message="Mirror")
     yield from rest()
-    yield from mirrored_drag()
-    yield from mirrored_clear()
-    yield from mirrored_cancel()
+    for step in (mirrored_drag, mirrored_clear, mirrored_cancel):
+        yield from step()
     with claim("the other ear follows typed numbers"):
         yield from keys("G", "Z", "1", "RET", at=middle())
         assert_mirrored()
-    yield from mirrored_keys()
-    yield from ridden()
 
 
 def mirrored_drag() -> Iterator[None]:
@@ -135,76 +131,6 @@ def mirrored_cancel() -> Iterator[None]:
         near(places()[0] * FLIP, places()[1], FLOAT32)
         yield from keys("ESC")
         assert (places() == before).all()
-
-
-def keyframes(side: str) -> dict[str, list[tuple[float, float]]]:
-    """Frames and values, by channel."""
-    curves = curves_of(ear(side))
-    return {f"{c.data_path} {c.array_index}": [tuple(key.co) for key in c.keyframe_points] for c in curves}
-
-
-def unlike() -> float:
-    """By how much keyframes of the right differ from mirror images of those of the left."""
-    left, right = ([keyframes(side).get(f"location {axis}", []) for axis in range(3)] for side in "LR")
-    if [*map(len, left)] != [*map(len, right)] or not all(left):
-        return np.inf
-    mirror = np.stack((np.ones(3), FLIP), axis=1)[:, None]
-    return float(np.abs(np.array(left) * mirror - np.array(right)).max())
-
-
-def mirrored_keys() -> Iterator[None]:
-    """I, and Location in its menu: as it is, then moved on another frame, then moved again on that frame."""
-    found = []
-    with claim("the key I keys both sides"):
-        for frame, height, frames in ((1, "", [1.0]), (11, "1", [1.0, 11.0]), (11, "2", [1.0, 11.0])):
-            bpy.context.scene.frame_set(frame)
-            make_active(ear("L"))
-            yield from rest()
-            yield from keys(*(("G", "Z", height, "RET") if height else ()), at=middle())
-            yield from keys("I", "L")
-            yield from until(lambda: unlike() < FLOAT32, 10.0)  # the other side follows in a pause
-            assert unlike() < FLOAT32
-            found.append(keyframes("L"))
-            assert [frame for frame, _value in found[-1]["location 2"]] == frames
-        assert found[1] != found[2]
-    for side in "LR":
-        ear(side).animation_data_clear()
-
-
-def ridden() -> Iterator[None]:
-    """A flag whose control is a child of a vertex of the ear that is dragged."""
-    deformer().use_mirror_x = False
-    bpy.ops.mesh.primitive_grid_add(x_subdivisions=8, y_subdivisions=8, location=(2.0, 0.0, 1.5))
-    flag = bpy.context.object
-    ends = {
-        "Mast": ("FIXED", lambda point: point[0] == -1.0),
-        "Tip": ("HANDLE", lambda point: point[0] == 1.0),
-    }
-    add_regions(flag, ends)
-    members, _weights = members_of(flag, "Tip")
-    control, base = flag.sinew.active.handles[1].control, base_points(flag)[members]
-    rested = np.array(control.matrix_world.translation)
-    vertex = max(head().data.vertices, key=lambda one: one.co.x).index
-    control.parent, control.parent_type, control.parent_vertices = head(), "VERTEX", (vertex, 0, 0)
-    control.location = (0.0, 0.0, 0.0)
-    make_active(ear("L"))
-    yield from rest(4)
-    heights = []
-
-    def check() -> None:
-        """The control is at the vertex that is shown, and the tip at the control."""
-        carrier, place = shown()[vertex], np.array(control.matrix_world.translation)
-        near(place, carrier, FLOAT32)
-        near(shown(flag)[members] - base, place - rested, FLOAT32)
-        heights.append(float(carrier[2]))
-
-    with claim("a rig that rides on a vertex is right at each step of a drag"):
-        check()
-        yield from grab(up=-12, check=check)
-        assert len(heights) == 5
-        assert (np.diff(heights) < -0.01).all(), heights
-        yield from keys("LEFTMOUSE")
-        check()
 
 
 HAND, HIP = "hand.L", "hip"
@@ -288,36 +214,15 @@ def puppet() -> Iterator[None]:
                 above(apart(shapes[0], still), 0.3)
                 keyed = {curve.data_path.split('"')[1] for curve in curves_of(figure())}
                 assert {HAND, "lower.L", "upper.L"} <= keyed
-    reached, crouched = shapes
     with claim("a drag of a puppet is one step of undo"):
-        yield from undo()
-        near(shown(skin()), reached, THROUGH_BONES)
-        yield from redo()
-        near(shown(skin()), crouched, THROUGH_BONES)
-    yield from pull(HAND, (0.2, 0.0, -0.4))
-    with claim("Esc puts a puppet back"):
-        above(apart(shown(skin()), crouched), 0.1)
-        yield from keys("ESC")
-        yield from release()
-        near(shown(skin()), crouched, THROUGH_BONES)
+        for step, shape in ((undo, shapes[0]), (redo, shapes[1])):
+            yield from step()
+            near(shown(skin()), shape, THROUGH_BONES)
         assert bpy.context.mode == "POSE"
 
 
 # From below the ear around it to above, as seen from the front: an ear that is larger and ends in a point.
 STROKE = ((1.3, -0.25), (1.75, -0.1), (2.2, 0.2), (2.65, 0.75), (2.1, 0.85), (1.6, 0.85), (1.2, 0.75))
-ELSEWHERE = ((10.3, -0.25), (-2.4, 1.9), (-2.0, 2.1))
-ELEMENT = {  # of a stroke, as Blender wants it whole
-    "name": "",
-    "mouse": (0.0, 0.0),
-    "mouse_event": (0.0, 0.0),
-    "pen_flip": False,
-    "is_start": False,
-    "pressure": 1.0,
-    "size": 1.0,
-    "time": 0.0,
-    "x_tilt": 0.0,
-    "y_tilt": 0.0,
-}
 ONE_KEY = ["Basis", "Silhouette"]
 
 
@@ -326,21 +231,16 @@ def shape_keys() -> list[str]:
     return [] if found is None else [key.name for key in found.key_blocks]
 
 
-def start_sketch() -> Iterator[None]:
-    move(*on_screen((0.0, 0.0, 0.0)))
-    yield from rest()
-    button("silhouette_sketch")
-    yield from rest()
-
-
 def silhouette() -> Iterator[None]:
-    """The outline of an ear is drawn anew."""
     smooth_head(2)
     look_from_front()
     yield from rest()
     before = shown()
     screenshot("1-before")
-    yield from start_sketch()
+    move(*on_screen((0.0, 0.0, 0.0)))
+    yield from rest()
+    button("silhouette_sketch")
+    yield from rest()
     yield from stroke(STROKE, "2-drawn")
     with claim("the surface follows a sketch when the button is released"):
         assert shape_keys() == ONE_KEY
@@ -349,45 +249,25 @@ def silhouette() -> Iterator[None]:
     def changed() -> np.ndarray:
         return np.abs(shown() - before).max(axis=1) > 1e-6
 
-    with claim("the wheel changes how much follows a sketch"):
+    with claim("the wheel changes how much follows a sketch, and confirming keeps what is shown"):
         narrow = changed().sum()
         yield from keys("WHEELDOWNMOUSE")
         above(changed().sum(), narrow)
-    wider = shown()
-    yield from keys("RET")
-    yield
-    screenshot("4-kept")
-    kept, last = shown(), bpy.context.window_manager.operators[-1]
-    with claim("confirming a sketch keeps what is shown"):
+        wider = shown()
+        yield from keys("RET")
+        yield
+        screenshot("4-kept")
+        kept = shown()
         assert shape_keys() == ONE_KEY
         near(kept, wider, FLOAT32)
         assert before[:, 0].max() < 2.2 < kept[:, 0].max() < 2.75
         assert not changed()[before[:, 0] < 0.0].any()
-        assert last.bl_idname == "SINEW_OT_silhouette_sketch"
-    repeated = {name: getattr(last, name) for name in ("reach", "unlimited", "sharpness", "perspective")}
-    repeated["view"] = [tuple(row) for row in last.view]
-    points = [{**ELEMENT, "location": tuple(point.location)} for point in last.points]
+        assert bpy.context.window_manager.operators[-1].bl_idname == "SINEW_OT_silhouette_sketch"
     with claim("a sketch is one step of undo"):
         for step, names, shape in ((undo, [], before), (redo, ONE_KEY, kept), (undo, [], before)):
             yield from step()
             assert shape_keys() == names
             near(shown(), shape, FLOAT32)
-    bpy.ops.sinew.silhouette_sketch("EXEC_DEFAULT", True, points=points, **repeated)
-    yield from rest(3)
-    with claim("Adjust Last Operation repeats a sketch"):
-        assert shape_keys() == ONE_KEY
-        near(shown(), kept, 1e-4)  # points and reach went through float32
-    yield from undo()
-    yield from start_sketch()
-    with claim("a sketch elsewhere changes nothing, and Esc puts everything back"):
-        yield from stroke(ELSEWHERE)
-        assert shape_keys() == []
-        yield from stroke(STROKE)
-        assert shape_keys() == ONE_KEY
-        yield from keys("ESC")
-        yield
-        assert shape_keys() == []
-        near(shown(), before, FLOAT32)
 
 
 # Buttons in a window of 1280 x 800 pixels, from its lower left corner: of tasks in a popup that was opened
@@ -411,7 +291,6 @@ def methods() -> list[str]:
 
 
 def browser() -> Iterator[None]:
-    """Tasks are started in one popup, and methods are tried in the other."""
     smooth_head(1)
     look_from_front()
     yield from rest()

@@ -93,10 +93,6 @@ def test_a_session_comes_to_its_end_without_a_complaint(seen: Seen, session: str
         assert complaint not in seen(session)["said"], seen(session)["said"][-3000:]
 
 
-def test_a_render_that_nothing_was_bound_for_says_so_in_the_terminal(seen: Seen):
-    assert "Warning: Sheet: In the render: Topology changed - Rebind" in seen("threads")["said"]
-
-
 def test_blenders_own_autosave_opens_with_the_pose_and_lives_on(seen: Seen, tmp_path: Path):
     """In another Blender, as after a crash."""
     autosave, answer = seen("threads").get("autosave"), tmp_path / "seen.json"

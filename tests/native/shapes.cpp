@@ -1,11 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "tests/native/shapes.h"
 
-#include <Eigen/Geometry>
-
-#include <algorithm>
-#include <array>
-#include <map>
 #include <numeric>
 
 namespace sinew::shapes {
@@ -15,14 +10,6 @@ Vector3 Random::vector()
     const double x = signed_unit();
     const double y = signed_unit();
     return {x, y, signed_unit()};
-}
-
-Matrix3 Random::matrix()
-{
-    Matrix3 m;
-    for (int k = 0; k < 9; ++k)
-        m(k) = signed_unit();
-    return m;
 }
 
 Matrix3 Random::rotation()
@@ -165,18 +152,11 @@ SurfaceMesh quad_grid(int columns, int rows, double spacing)
 SurfaceMesh grid(int columns, int rows, double spacing, double jitter)
 {
     Polygons faces;
-    const auto v = [&](int i, int j) { return j * (columns + 1) + i; };
-    for (int j = 0; j < rows; ++j)
-        for (int i = 0; i < columns; ++i) {
-            const int a = v(i, j), b = v(i + 1, j), c = v(i + 1, j + 1), d = v(i, j + 1);
-            if ((i + j) % 2) {
-                faces.push_back({a, b, c});
-                faces.push_back({a, c, d});
-            } else {
-                faces.push_back({a, b, d});
-                faces.push_back({b, c, d});
-            }
-        }
+    for (const std::vector<int>& quad : faces_of(quad_grid(columns, rows))) {
+        const bool rising = (quad[0] / (columns + 1) + quad[0] % (columns + 1)) % 2;
+        faces.push_back({quad[0], quad[1], quad[rising ? 2 : 3]});
+        faces.push_back({quad[rising ? 0 : 1], quad[2], quad[3]});
+    }
     return over(grid_points(columns, rows, spacing, jitter), faces);
 }
 
@@ -284,12 +264,7 @@ std::vector<Handle> ends(const SurfaceMesh& of, double depth)
             {where(of, [&](const Vector3& p) { return p.x() >= high - depth; }), {}}};
 }
 
-Pose still()
-{
-    Pose pose;
-    pose << Matrix3::Identity(), Vector3::Zero();
-    return pose;
-}
+Pose still() { return affine(Matrix3::Identity()); }
 
 Pose affine(const Matrix3& linear, const Vector3& move)
 {

@@ -6,6 +6,7 @@
 #include "native/mesh/surface_mesh.h"
 
 #include <Eigen/Geometry>
+#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
@@ -41,7 +42,7 @@ public:
     double unit() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
     int below(int bound) { return static_cast<int>(bits() % static_cast<std::uint64_t>(bound)); }
     Vector3 vector();
-    Matrix3 matrix();
+    Matrix3 matrix() { return dense(3, 3); }
     Matrix3 rotation();
     MatrixX dense(int rows, int columns);
     /// 0 to count - 1 in another order.

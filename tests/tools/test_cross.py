@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from workshop import cross_libraries, macos_wheels, neon_tests, windows_libraries
+from workshop.places import ROOT
 
 SOURCES = cross_libraries.LIBRARIES / "sources.txt"
 
@@ -39,15 +40,13 @@ def test_each_system_has_its_own_tree_and_its_toolchain(system: cross_libraries.
 
 
 def test_the_tests_of_all_kernels_run_on_arm() -> None:
-    root = Path(__file__).resolve().parents[2] / "tests" / "native"
-    named = [path for path in root.rglob("*.cpp") if "kernels<" in path.read_text(encoding="utf-8")]
+    tests = (ROOT / "tests" / "native").rglob("*.cpp")
+    named = [path for path in tests if "kernels<" in path.read_text(encoding="utf-8")]
     assert len(named) >= 10
     assert [path for path in named if not re.search(neon_tests.KERNELS, path.as_posix())] == []
 
 
 def test_what_is_compiled_for_arm_is_there() -> None:
     text = (neon_tests.SYSTEM.files / "CMakeLists.txt").read_text(encoding="utf-8")
-    listed = re.search(r"set\(sources ([^)]+)\)", text)
-    assert listed
-    native = Path(__file__).resolve().parents[2] / "native"
-    assert [name for name in listed[1].split() if not (native / f"{name}.cpp").is_file()] == []
+    listed = re.search(r"set\(sources ([^)]+)\)", text)[1].split()
+    assert [name for name in listed if not (ROOT / "native" / f"{name}.cpp").is_file()] == []

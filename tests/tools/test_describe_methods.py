@@ -34,12 +34,8 @@ def test_every_method_of_the_tutorial_is_listed_once() -> None:
 
 
 def test_every_page_shows_the_method_and_has_words_of_its_own() -> None:
-    pages = {
-        entry.link
-        for entry in describe_methods.entries(ROOT)
-        if entry.link.startswith(describe_methods.PAGES)
-    }
-    for page in sorted(pages):
+    links = {entry.link for entry in describe_methods.entries(ROOT)}
+    for page in sorted(link for link in links if link.startswith(describe_methods.PAGES)):
         text = (ROOT / page).read_text(encoding="utf-8")
         assert re.search(r"^!\[.+\]\(../manual/images/", text, flags=re.MULTILINE), f"{page} has no picture"
         own = text.split(describe_methods.END)[-1]  # what it is good and bad at, at least

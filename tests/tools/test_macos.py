@@ -4,6 +4,7 @@
 import hashlib
 import struct
 from collections.abc import Callable
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
@@ -70,11 +71,6 @@ def _signature(content: bytes) -> bytes:
     return struct.pack(">5I", mach_o.ALL_PARTS, 20 + len(code) + len(digests), 1, 0, 20) + code + digests
 
 
-def test_a_module_without_flaw_is_taken(tmp_path: Path) -> None:
-    (tmp_path / "a.so").write_bytes(Module().write())
-    macos_wheels.check_module(tmp_path / "a.so", 11)
-
-
 def _changed(**values: object) -> Callable[[Module], None]:
     return lambda module: module.__dict__.update(values)
 
@@ -86,6 +82,7 @@ def _with(name: str, bits: int, more: int) -> Callable[[Module], None]:
 @pytest.mark.parametrize(
     ("change", "complaint"),
     [
+        (_changed(), None),
         (_changed(processor=0x01000007), "no library for Apple's processors"),
         (_changed(kind=2), "no library for Apple's processors"),
         (_changed(minimum=14 << 16 | 2 << 8), r"\(14, 2\)"),
@@ -99,12 +96,12 @@ def _with(name: str, bits: int, more: int) -> Callable[[Module], None]:
     ],
 )
 def test_a_module_that_not_every_mac_could_load_is_refused(
-    change: Callable[[Module], None], complaint: str, tmp_path: Path
+    change: Callable[[Module], None], complaint: str | None, tmp_path: Path
 ) -> None:
     module = Module()
     change(module)
     (tmp_path / "a.so").write_bytes(module.write())
-    with pytest.raises(SystemExit, match=complaint):
+    with pytest.raises(SystemExit, match=complaint) if complaint else nullcontext():
         macos_wheels.check_module(tmp_path / "a.so", 11)
 
 
@@ -124,9 +121,6 @@ def test_a_wheel_says_inside_what_its_name_says(tag: str, right: bool, tmp_path:
     about = f"Wheel-Version: 1.0\nRoot-Is-Purelib: false\nTag: cp311-cp311-{tag}\n"
     files = {"sinew.dist-info/WHEEL": about.encode(), "sinew.dist-info/RECORD": b""}
     wheel = write_wheel(tmp_path / "sinew_native-0.1.0-cp311-cp311-macosx_11_0_arm64.whl", files)
-    if right:
+    with nullcontext() if right else pytest.raises(SystemExit, match="does not say"):
         macos_wheels.check_wheel(wheel, 11)
-    else:
-        with pytest.raises(SystemExit, match="does not say"):
-            macos_wheels.check_wheel(wheel, 11)
     assert wheel.is_file() is right

@@ -50,9 +50,7 @@ def test_the_rigs_to_try_are_small_and_name_their_licences() -> None:
     assert sum(sizes) <= 1_200_000
 
 
-def test_packing_again_leaves_no_moment_without_a_zip(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_packing_again_leaves_no_moment_without_a_zip(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """Another command may look for the zips of this checkout at any moment."""
     for name in ("__init__.py", "blender_manifest.toml"):
         (tmp_path / "addon" / name).parent.mkdir(exist_ok=True)
@@ -82,9 +80,7 @@ def test_packing_again_leaves_no_moment_without_a_zip(
     assert [set(new) <= set(names) for names in seen[2:]] == [True, True]
 
 
-def test_legacy_zip_holds_the_unpacked_wheel_inside_the_addon(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_legacy_zip_holds_the_unpacked_wheel_inside_the_addon(tmp_path: Path, monkeypatch):
     for name in ("__init__.py", "blender_manifest.toml"):
         (tmp_path / name).write_text("")
     wheel = {"sinew_native.so": b"1", "sinew_native.libs/libx.so": b"2"}

@@ -31,9 +31,7 @@ def test_includes_are_followed_to_their_end(sources: Path) -> None:
 @pytest.mark.parametrize(
     ("changed", "again"), [("a.cpp", True), ("b.inl", True), ("c.h", False), ("../.clang-tidy", True)]
 )
-def test_source_is_read_again_when_what_it_depends_on_changed(
-    sources: Path, changed: str, again: bool
-) -> None:
+def test_source_is_read_again_when_what_it_depends_on_changed(sources: Path, changed: str, again: bool):
     before = tidy.digest(sources / "a.cpp", "g++ -c a.cpp")
     (sources / changed).write_text("// new\n" + (sources / changed).read_text())
     tidy.directly_included.cache_clear()
@@ -47,9 +45,7 @@ def test_source_is_read_again_when_it_is_compiled_otherwise_but_not_elsewhere(so
     assert tidy.digest(sources / "a.cpp", f"g++ -I{root}") == tidy.digest(sources / "a.cpp", "g++ -I")
 
 
-def test_sources_that_are_compiled_as_one_are_read_as_one(
-    sources: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_sources_that_are_compiled_as_one_are_read_as_one(sources: Path, monkeypatch: pytest.MonkeyPatch):
     tree = sources.parent / "tree"
     monkeypatch.setattr(tidy, "NATIVE_TREE", tree)
     read = [sources / "a.cpp", tree / "native" / "k_baseline.cpp", tree / "CMakeFiles" / "Unity" / "0.cxx"]
@@ -58,9 +54,6 @@ def test_sources_that_are_compiled_as_one_are_read_as_one(
     entries = [{"file": str(file), "command": "g++"} for file in (*read, *others)]
     (tree / "compile_commands.json").write_text(json.dumps(entries))
     assert set(tidy.commands()) == set(read)
-
-
-def test_sources_can_be_chosen_also_inside_of_what_is_compiled_as_one(sources: Path) -> None:
     together = sources / "Unity.cxx"
     together.write_text(f'#include "{sources / "a.cpp"}"\n')
     assert tidy.sources_in(together) == {together, sources / "a.cpp"}

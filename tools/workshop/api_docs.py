@@ -17,24 +17,16 @@ RENDER = Path(__file__).parent / "inside" / "render_api.py"
 MODULE = "sinew_native"
 # The Python pages describe the bindings, so the C++ pages leave them out.
 LEFT_OUT = ("bindings", "cmake")
+YES = "EXTRACT_ALL FULL_PATH_NAMES GENERATE_TREEVIEW JAVADOC_AUTOBRIEF QUIET RECURSIVE"
+NO = "GENERATE_LATEX HAVE_DOT REPEAT_BRIEF SORT_MEMBER_DOCS WARN_IF_INCOMPLETE_DOC WARN_IF_UNDOCUMENTED"
 SETTINGS = {
-    "EXTRACT_ALL": "YES",
+    **dict.fromkeys(YES.split(), "YES"),
+    **dict.fromkeys(NO.split(), "NO"),
     "EXCLUDE_SYMBOLS": "std Eigen",
     "FILE_PATTERNS": "*.h",
-    "FULL_PATH_NAMES": "YES",
-    "GENERATE_LATEX": "NO",
-    "GENERATE_TREEVIEW": "YES",
-    "HAVE_DOT": "NO",
     "HTML_OUTPUT": ".",
-    "JAVADOC_AUTOBRIEF": "YES",
     "PROJECT_NAME": "Sinew",
-    "QUIET": "YES",
-    "RECURSIVE": "YES",
-    "REPEAT_BRIEF": "NO",
-    "SORT_MEMBER_DOCS": "NO",
     "TOC_INCLUDE_HEADINGS": "0",
-    "WARN_IF_INCOMPLETE_DOC": "NO",
-    "WARN_IF_UNDOCUMENTED": "NO",
 }
 # Tables in comments are indented by three spaces. Markdown keeps their columns from five spaces on.
 KEEP_TABLES = "sed -E 's|^( *///)   |\\1     |'"
@@ -54,7 +46,6 @@ def first_page() -> str:
 
 
 def settings(main_page: Path, target: Path) -> str:
-    """The configuration of Doxygen."""
     values = SETTINGS | {
         "EXCLUDE": " ".join(f'"{NATIVE / room}"' for room in LEFT_OUT),
         "INPUT_FILTER": f'"{KEEP_TABLES}"',
@@ -67,12 +58,6 @@ def settings(main_page: Path, target: Path) -> str:
     return "".join(f"{name} = {value}\n" for name, value in sorted(values.items()))
 
 
-def write_python_pages(target: Path) -> None:
-    build_tree("dev", MODULE)
-    python = environments.api().make().python
-    must([python, RENDER, MODULE, target], env={"PYTHONPATH": str(DEV_MODULE)})
-
-
 def write_native_pages(target: Path) -> None:
     debian.install(debian.API)
     target.mkdir(parents=True)
@@ -83,12 +68,11 @@ def write_native_pages(target: Path) -> None:
         must(["doxygen", configuration])
 
 
-def front_page() -> str:
-    return f"""<!DOCTYPE html>
+FRONT_PAGE = """<!DOCTYPE html>
 <html lang="en">
-<title>Sinew {version()}</title>
-<h1>Sinew {version()}</h1>
-<p><a href="python/index.html">The Python module {MODULE}</a></p>
+<title>Sinew {version}</title>
+<h1>Sinew {version}</h1>
+<p><a href="python/index.html">The Python module {module}</a></p>
 <p><a href="native/index.html">The C++ library</a></p>
 </html>
 """
@@ -97,11 +81,10 @@ def front_page() -> str:
 def main() -> None:
     argparse.ArgumentParser(prog="tools/api_docs", description=__doc__).parse_args()
     shutil.rmtree(PAGES, ignore_errors=True)
-    write_python_pages(PAGES / "python")
+    build_tree("dev", MODULE)
+    python = environments.api().make().python
+    must([python, RENDER, MODULE, PAGES / "python"], env={"PYTHONPATH": DEV_MODULE})
     write_native_pages(PAGES / "native")
-    (PAGES / "index.html").write_text(front_page(), encoding="utf-8")
+    front_page = FRONT_PAGE.format(version=version(), module=MODULE)
+    (PAGES / "index.html").write_text(front_page, encoding="utf-8")
     say(f"Open {(PAGES / 'index.html').relative_to(ROOT)}")
-
-
-if __name__ == "__main__":
-    main()

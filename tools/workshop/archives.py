@@ -5,6 +5,7 @@ import base64
 import contextlib
 import hashlib
 import os
+import shutil
 import zipfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -24,9 +25,22 @@ def written_whole(target: Path) -> Iterator[Path]:
         part.unlink(missing_ok=True)
 
 
+def read_folder(folder: Path) -> dict[str, bytes]:
+    files = sorted(path for path in folder.rglob("*") if path.is_file())
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
+
+
 def read_zip(source: Path) -> dict[str, bytes]:
     with zipfile.ZipFile(source) as archive:
         return {name: archive.read(name) for name in archive.namelist() if not name.endswith("/")}
+
+
+def unpack(source: Path, target: Path) -> Path:
+    """Unpacks a zip into a folder that holds nothing else then."""
+    shutil.rmtree(target, ignore_errors=True)
+    with zipfile.ZipFile(source) as archive:
+        archive.extractall(target)
+    return target
 
 
 def write_zip(target: Path, files: dict[str, bytes]) -> Path:
@@ -46,13 +60,8 @@ def write_zip(target: Path, files: dict[str, bytes]) -> Path:
 def write_wheel(target: Path, files: dict[str, bytes]) -> Path:
     """Does the same as write_zip(), and writes the RECORD of the wheel again."""
     record = next(name for name in files if name.endswith(".dist-info/RECORD"))
-    lines = [
-        f"{name},{_digest(content)},{len(content)}\n"
-        for name, content in sorted(files.items())
-        if name != record
-    ]
+    rows = sorted((name, content) for name, content in files.items() if name != record)
+    digests = [base64.urlsafe_b64encode(hashlib.sha256(content).digest()) for _name, content in rows]
+    hashes = [digest.rstrip(b"=").decode() for digest in digests]
+    lines = [f"{name},sha256={digest},{len(content)}\n" for (name, content), digest in zip(rows, hashes)]
     return write_zip(target, files | {record: "".join([*lines, f"{record},,\n"]).encode()})
-
-
-def _digest(content: bytes) -> str:
-    return "sha256=" + base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode()

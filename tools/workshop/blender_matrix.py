@@ -5,7 +5,6 @@ Each release takes 1 GB in ``.build/venv-bpy-<version>``, which can be deleted a
 """
 
 import argparse
-import re
 import sys
 
 from . import environments
@@ -17,16 +16,14 @@ BETWEEN = (*environments.LONG_TERM_BLENDERS, "4.3.0", "4.4.0", "5.0.1", "5.1.2")
 
 def pinned() -> list[str]:
     """The releases that have a requirements file."""
-    names = (file.name for file in environments.REQUIREMENTS.glob("bpy-*.txt"))
-    return sorted(re.fullmatch(r"bpy-(.*)\.txt", name).group(1) for name in names)
+    return sorted(file.stem.removeprefix("bpy-") for file in environments.REQUIREMENTS.glob("bpy-*.txt"))
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/blender_matrix", description=__doc__)
     known = ", ".join(pinned())
-    parser.add_argument(
-        "versions", nargs="*", metavar="VERSION", help=f"one of {known}; without any, {', '.join(BETWEEN)}"
-    )
+    without = f"one of {known}; without any, {', '.join(BETWEEN)}"
+    parser.add_argument("versions", nargs="*", metavar="VERSION", help=without)
     chosen = parser.parse_args().versions or BETWEEN
     unknown = sorted(set(chosen) - set(pinned()))
     if unknown:
@@ -35,7 +32,3 @@ def main() -> None:
     if missing:
         parser.error(f"{', '.join(missing)} needs a Python 3.13 with headers on PATH or in pyenv")
     sys.exit(1 if run_layers([blender_layer(version) for version in chosen]) else 0)
-
-
-if __name__ == "__main__":
-    main()

@@ -15,6 +15,7 @@ from .suites import OPTIONS, RESULTS, emptied, new_junit
 
 INSIDE = Path(__file__).parent / "inside"
 RUN_PYTEST = ROOT / "tests" / "blender" / "run_pytest.py"
+HEADLESS = ("blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python")
 RANDOM_SEQUENCES = 50  # in the oldest and in the newest release, and half as many in those between
 
 
@@ -25,10 +26,8 @@ def blender_module(
     timeout: float,
     further: Mapping[str, str | Path] | None = None,
 ) -> Outcome:
-    """Runs ``tests``, or all, on the installed extension in a Blender that is a Python module.
-
-    ``further`` are environment variables for the tests.
-    """
+    """Runs ``tests``, or all, on the installed extension in a Blender that is a Python module. ``further``
+    are environment variables for the tests."""
     env = install_extension(blender.make(), name) | dict(further or {})
     junit = new_junit(name)
     command = [blender.python, RUN_PYTEST, "--", *tests, *OPTIONS, f"--junitxml={junit}"]
@@ -41,25 +40,20 @@ def layer_of(version: str) -> str:
 
 
 def conditions(name: str) -> dict[str, str]:
-    """Lets freed memory be overwritten, so that dangling pointers are found, and gives each layer its own
-    seed.
-    """
-    seed = str(zlib.crc32(name.encode()))
+    """Lets freed memory be overwritten, which finds dangling pointers, and gives each layer its own seed."""
     between = any(name == layer_of(version) for version in LONG_TERM_BLENDERS)
     wanted = {
         "MALLOC_PERTURB_": "165",
         "SINEW_RANDOM_SEQUENCES": str(RANDOM_SEQUENCES // 2 if between else RANDOM_SEQUENCES),
-        "SINEW_RANDOM_SEED": seed,
+        "SINEW_RANDOM_SEED": str(zlib.crc32(name.encode())),
     }
     return {key: os.environ.get(key, value) for key, value in wanted.items()}
 
 
 @one_at_a_time()
 def install_legacy(name: str, from_wheel: bool = True) -> dict[str, str | Path]:
-    """Installs the legacy zip in Debian's Blender, in a new user folder.
-
-    Returns the environment variables. Without a wheel, the zip has the module of the developer's tree.
-    """
+    """Installs the legacy zip in Debian's Blender, in a new user folder. Returns the environment variables.
+    Without a wheel, the zip has the module of the developer's tree."""
     zip_file = package()[1] if from_wheel else package_for_this_machine()
     user = emptied(BUILD / "blender-users" / name)
     env = {
@@ -68,8 +62,7 @@ def install_legacy(name: str, from_wheel: bool = True) -> dict[str, str | Path]:
         "SINEW_ADDON_MODULE": "sinew",
         "SINEW_TEST_OUTPUT": emptied(RESULTS / name),
     }
-    headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1"]
-    must([*headless, "--python", INSIDE / "install_zip.py", "--", zip_file], env=env, timeout=120, quiet=True)
+    must([*HEADLESS, INSIDE / "install_zip.py", "--", zip_file], env=env, timeout=120, quiet=True)
     return env
 
 

@@ -14,11 +14,6 @@ from architecture.counts import COUNTS
 
 def main() -> None:
     argparse.ArgumentParser(prog="tools/counts", description=__doc__).parse_args()
-    say(f"{'':<62}{'now':>8}{'limit':>8}{'goal':>8}")
+    say(f"{'':<62}{'now':>8}{'limit':>8}")
     for count in COUNTS:
-        goal = count.limit if count.goal is None else count.goal
-        say(f"{count.name:<62}{count.find():>8.6g}{count.limit:>8.6g}{goal:>8.6g}")
-
-
-if __name__ == "__main__":
-    main()
+        say(f"{count.name:<62}{count.find():>8.6g}{count.limit:>8.6g}")

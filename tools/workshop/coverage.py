@@ -13,13 +13,14 @@ import subprocess
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from itertools import chain
 from pathlib import Path
 
 from . import debian, environments
-from .blenders import INSIDE, install_legacy
+from .blenders import HEADLESS, INSIDE, install_legacy
 from .dev import build_tree
 from .places import BUILD, DEV_MODULE, ROOT
-from .shell import jobs, run, say
+from .shell import jobs, run, said, say
 from .suites import OPTIONS
 
 TREE = BUILD / "coverage"
@@ -45,14 +46,11 @@ def native() -> Lines:
 
 def _gcov(notes: Path) -> list[tuple[Path, int, bool]]:
     """The lines below native/ that are compiled into one object file."""
-    command = ["gcov", "--json-format", "--stdout", notes]
-    text = subprocess.run(command, check=True, capture_output=True, text=True, cwd=TREE).stdout
-    files = [
-        entry for line in text.splitlines() if line.startswith("{") for entry in json.loads(line)["files"]
-    ]
+    text = said(["gcov", "--json-format", "--stdout", notes], cwd=TREE, stderr=subprocess.DEVNULL)
+    reports = [json.loads(line) for line in text.splitlines() if line.startswith("{")]
     return [
         (path, line["line_number"], line["count"] > 0)
-        for entry in files
+        for entry in chain.from_iterable(report["files"] for report in reports)
         if (path := (TREE / entry["file"]).resolve()).is_relative_to(ROOT / "native")
         for line in entry["lines"]
     ]
@@ -71,8 +69,7 @@ def blender() -> Lines:
     dev, data = environments.dev().make(), _fresh("blender.coverage")
     env = install_legacy("coverage")
     env["SINEW_COVERAGE"] = f"{data}{os.pathsep}{dev.site_packages}"
-    headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python"]
-    run([*headless, INSIDE / "measured_pytest.py", "--", *OPTIONS], env=env)
+    run([*HEADLESS, INSIDE / "measured_pytest.py", "--", *OPTIONS], env=env)
     return _reported(data)
 
 
@@ -119,17 +116,9 @@ PARTS: dict[str, Callable[[], Lines]] = {"native": native, "addon": addon, "blen
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="tools/coverage", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("parts", nargs="*", metavar="PART", help="the parts to run; without any, all")
-    chosen = parser.parse_args().parts or list(PARTS)
-    unknown = sorted(set(chosen) - set(PARTS))
-    if unknown:
-        parser.error(f"no part {', '.join(unknown)}; the parts are {', '.join(PARTS)}")
-    for line in table([PARTS[name]() for name in chosen]):
+    as_it_is = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(prog="tools/coverage", description=__doc__, formatter_class=as_it_is)
+    about = "the parts to run; without any, all"
+    parser.add_argument("parts", nargs="*", choices=[[], *PARTS], default=[], metavar="PART", help=about)
+    for line in table([PARTS[name]() for name in parser.parse_args().parts or PARTS]):
         say(line)
-
-
-if __name__ == "__main__":
-    main()

@@ -8,7 +8,6 @@ and Boost are headers, which come from the packages of this machine.
 
 import hashlib
 import shutil
-import subprocess
 import tarfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from pathlib import Path
 
 from . import debian
 from .places import BUILD
-from .shell import Stamp, fingerprint, jobs, must, one_at_a_time, say
+from .shell import Stamp, fingerprint, jobs, must, one_at_a_time, said, say
 
 LIBRARIES = Path(__file__).parent / "libraries"
 SOURCES = BUILD / "sources"
@@ -114,9 +113,8 @@ def build(system: System, name: str, source: Path, *settings: str) -> None:
     say(f"Building {name} for {system.title}")
     tree = system.tree / name
     prefix = f"-DCMAKE_INSTALL_PREFIX={system.prefix}"
-    must(
-        ["cmake", "--fresh", "-S", source, "-B", tree, *system.configuration(), prefix, *settings], quiet=True
-    )
+    options = [*system.configuration(), prefix, *settings]
+    must(["cmake", "--fresh", "-S", source, "-B", tree, *options], quiet=True)
     must(["cmake", "--build", tree, "--target", "install", "-j", str(jobs())], quiet=True)
 
 
@@ -149,22 +147,15 @@ def fetch_from_debian() -> None:
 def _apt_of_sources() -> list[str]:
     """Options that let apt-get know Debian's source packages, without a change to the machine's own lists."""
     question = ["apt-get", "indextargets", "--format", "$(REPO_URI) $(CODENAME) $(COMPONENT)"]
-    asked = [*question, "Created-By: Packages", "Codename: bookworm"]
-    lines = subprocess.run(asked, capture_output=True, text=True, check=True).stdout.splitlines()
+    lines = said([*question, "Created-By: Packages", "Codename: bookworm"]).splitlines()
     if not lines:
         raise SystemExit("apt knows no package of Debian 12, whose sources are needed: apt-get update")
     folder = SOURCES / "apt"
     (folder / "lists" / "partial").mkdir(parents=True, exist_ok=True)
     (folder / "sources.list").write_text("".join(f"deb-src {line}\n" for line in lines), encoding="utf-8")
-    places = {
-        "Dir::Etc::sourcelist": folder / "sources.list",
-        "Dir::Etc::sourceparts": "-",
-        "Dir::State::lists": folder / "lists",
-        "Dir::Cache::pkgcache": "",
-        "Dir::Cache::srcpkgcache": "",
-        "APT::Sandbox::User": "root",
-    }
-    return [word for name, value in places.items() for word in ("-o", f"{name}={value}")]
+    sources = ("Dir::Etc::sourceparts=-", f"Dir::Etc::sourcelist={folder / 'sources.list'}")
+    caches = ("Dir::Cache::pkgcache=", "Dir::Cache::srcpkgcache=", f"Dir::State::lists={folder / 'lists'}")
+    return [word for place in (*sources, *caches, "APT::Sandbox::User=root") for word in ("-o", place)]
 
 
 def check(source: Source) -> None:

@@ -3,20 +3,19 @@
 
 import re
 import shutil
-import subprocess
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from . import environments
-from .archives import write_wheel
+from .archives import read_folder, write_wheel
 from .cross_libraries import System, libraries
 from .dev import types
 from .environments import Environment
 from .notices import notices
 from .places import ROOT, WHEEL_SOURCES, WHEELS, version
-from .shell import Stamp, fingerprint, jobs, must, one_at_a_time, say
+from .shell import Stamp, fingerprint, jobs, must, one_at_a_time, said, say
 
 INPUTS = (
     *WHEEL_SOURCES,
@@ -60,10 +59,8 @@ def _wheel(target: Target, builder: Environment, minor: int) -> tuple[Path, Stam
     tag = f"cp3{minor}"
     inputs = [ROOT / name for name in (*INPUTS, *target.inputs)]
     made_from = fingerprint(inputs, str(builder.interpreter))
-    return (
-        WHEELS / f"sinew_native-{version()}-{tag}-{tag}-{target.platform}.whl",
-        Stamp(WHEELS / f"{tag}-{target.platform}.made-from", made_from),
-    )
+    stamp = Stamp(WHEELS / f"{tag}-{target.platform}.made-from", made_from)
+    return WHEELS / f"sinew_native-{version()}-{tag}-{tag}-{target.platform}.whl", stamp
 
 
 @one_at_a_time()
@@ -84,7 +81,7 @@ def build_wheel(target: Target, builder: Environment, minor: int) -> Path:
         target.check_module(next(Path(folder).glob(f"*{_suffix(target, minor)}")), minor)
         must([builder.python, "-c", METADATA, folder], quiet=True)
         shutil.copy(types(), folder)  # of this machine's module, which has the same names
-        files = {path.relative_to(folder).as_posix(): path.read_bytes() for path in _files(Path(folder))}
+        files = read_folder(Path(folder))
     about = next(name for name in files if name.endswith(".dist-info/WHEEL"))
     files[about] = re.sub(rb"(?m)^Tag: .*$", f"Tag: {tag}-{tag}-{target.platform}".encode(), files[about])
     files[about.replace("WHEEL", "RECORD")] = b""
@@ -122,8 +119,7 @@ def python_headers(system: System, builder: Environment, minor: int) -> Path:
     For Linux it stays, with the one that Debian's includes.
     """
     question = "import sysconfig as s; print(s.get_path('include'), s.get_config_var('MULTIARCH'))"
-    asked = subprocess.run([builder.interpreter, "-c", question], capture_output=True, text=True, check=True)
-    headers, machine = map(Path, asked.stdout.split())
+    headers, machine = map(Path, said([builder.interpreter, "-c", question]).split())
     folder = system.tree / f"python3{minor}-headers"
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(headers, folder)
@@ -138,7 +134,3 @@ def python_headers(system: System, builder: Environment, minor: int) -> Path:
 
 def _suffix(target: Target, minor: int) -> str:
     return target.suffix.format(minor=minor)
-
-
-def _files(folder: Path) -> list[Path]:
-    return sorted(path for path in folder.rglob("*") if path.is_file())

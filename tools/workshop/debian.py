@@ -6,22 +6,10 @@ from pathlib import Path
 from .shell import must, one_at_a_time
 
 PYTHON = ("python3.11", "python3.11-venv")
-BUILD = (
-    *PYTHON,
-    "python3.11-dev",
-    "g++",
-    "cmake",
-    "ninja-build",
-    "ccache",
-    "binutils",
-    "libsuitesparse-dev",
-    "libopenblas-pthread-dev",  # the serial build is not thread-safe, and the OpenMP build is far too slow
-    "libtbb-dev",
-    "libeigen3-dev",
-    "libgtest-dev",
-    "libosd-dev",
-    "libcgal-dev",  # only headers
-)
+COMPILERS = (*PYTHON, "python3.11-dev", "g++", "cmake", "ninja-build", "ccache", "binutils")
+# The serial build of OpenBLAS is not thread-safe, and its OpenMP build is far too slow.
+ALGEBRA = ("libsuitesparse-dev", "libopenblas-pthread-dev", "libeigen3-dev")
+BUILD = (*COMPILERS, *ALGEBRA, "libtbb-dev", "libgtest-dev", "libosd-dev", "libcgal-dev")
 WINDOWS = ("g++-mingw-w64-x86-64-posix", "mingw-w64-tools")  # compilers for Windows, and gendef
 WINE = ("wine", "wine64")  # runs Windows' programs
 QEMU = ("qemu-user-static",)  # runs Linux's programs for other processors
@@ -33,19 +21,8 @@ BLENDER = ("blender", "python3-numpy", "libegl1", "libgl1")
 BLENDER_TESTS = (*BLENDER, "python3-pytest", "python3-hypothesis")
 GUI = (*BLENDER_TESTS, "xvfb", "xauth", "xdotool", "imagemagick")
 # The libraries that Blender as a Python module needs.
-BPY = (
-    *PYTHON,
-    "libx11-6",
-    "libxrender1",
-    "libxxf86vm1",
-    "libxfixes3",
-    "libxi6",
-    "libxkbcommon0",
-    "libsm6",
-    "libgl1",
-    "libegl1",
-    "libgomp1",
-)
+X11 = ("libx11-6", "libxrender1", "libxxf86vm1", "libxfixes3", "libxi6", "libxkbcommon0", "libsm6")
+BPY = (*PYTHON, *X11, "libgl1", "libegl1", "libgomp1")
 
 
 @one_at_a_time()

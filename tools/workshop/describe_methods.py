@@ -12,6 +12,7 @@ import tomllib
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
+from itertools import groupby, takewhile
 from pathlib import Path
 from types import ModuleType
 
@@ -36,11 +37,8 @@ CONTROLS = {
 
 @dataclass(frozen=True)
 class Entry:
-    """A line of the tables.
-
-    ``link`` is its page or, without one, its header, relative to the root; empty if it is planned.
-    ``known_as`` is its name in the literature, empty where that is the label.
-    """
+    """A line of the tables. ``link`` is its page or, without one, its header, relative to the root; empty if
+    it is planned. ``known_as`` is its name in the literature, empty where that is the label."""
 
     id: str
     label: str
@@ -59,10 +57,8 @@ class Entry:
 @cache
 def registry(root: Path) -> ModuleType:
     """The registry, imported without Blender."""
-    folder = root / "addon/core/methods"
-    spec = importlib.util.spec_from_file_location(
-        "described_methods", folder / "__init__.py", submodule_search_locations=[str(folder)]
-    )
+    init = root / "addon/core/methods/__init__.py"  # beside which Python finds the other modules
+    spec = importlib.util.spec_from_file_location("described_methods", init)
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
     spec.loader.exec_module(module)
@@ -71,20 +67,12 @@ def registry(root: Path) -> ModuleType:
 
 def entries(root: Path) -> list[Entry]:
     """All methods, in the order of the registry's families and of the tutorial's sections."""
-    rows = registry(root).METHODS
-    found = [
-        Entry(
-            m.id,
-            m.label,
-            m.family.value,
-            m.section,
-            m.paper,
-            m.summary,
-            f"{PAGES}/{m.id}.md",
-            "" if m.known_as == m.label else m.known_as,
-        )
-        for m in rows
-    ]
+    found = []
+    for row in registry(root).METHODS:
+        names = {name: getattr(row, name) for name in ("id", "label", "section", "paper", "summary")}
+        known_as = "" if row.known_as == row.label else row.known_as
+        page = f"{PAGES}/{row.id}.md"
+        found.append(Entry(**names, group=row.family.value, link=page, known_as=known_as))
     for words in tomllib.loads((root / CATALOGUE).read_text(encoding="utf-8"))["method"]:
         name = words.pop("header", "")
         page = f"{PAGES}/{words['id']}.md"
@@ -109,7 +97,8 @@ def documents(root: Path) -> dict[Path, str]:
 def overview(found: Iterable[Entry]) -> str:
     """One line per group, with the available and the planned methods."""
     lines = ["| | available | planned |", "|---|---|---|"]
-    for group, members in _grouped(found):
+    for group, some in _grouped(found):
+        members = list(some)
         there = ", ".join(f"[{entry.both_names}]({entry.link})" for entry in members if entry.link)
         to_come = ", ".join(entry.label for entry in members if not entry.link)
         lines.append(f"| {group} | {there} | {to_come} |")
@@ -117,16 +106,10 @@ def overview(found: Iterable[Entry]) -> str:
 
 
 def tables(found: Iterable[Entry]) -> str:
-    """One table per group."""
     lines = []
     for group, members in _grouped(found):
-        lines += [
-            "",
-            f"## {group}",
-            "",
-            "| id | name | section | what it does | paper | state |",
-            "|---|---|---|---|---|---|",
-        ]
+        columns = "| id | name | section | what it does | paper | state |"
+        lines += ["", f"## {group}", "", columns, "|---|---|---|---|---|---|"]
         for entry in members:
             link = Path(entry.link).name if entry.link.startswith(PAGES) else f"../../{entry.link}"
             state = f"[available]({link})" if entry.link else "planned"
@@ -136,13 +119,11 @@ def tables(found: Iterable[Entry]) -> str:
 
 
 def head(root: Path, row) -> str:
-    """The head of the page of a method."""
     header = _header(root, f"{row.id}.h")
     moved = ", and of ".join(target.value for target in registry(root).Moved if target in row.moves)
     steps = "step by step, so that a drag shows an early step" if row.iterative else "in one step"
-    wraps = (
-        [("around", "a method of " + " or ".join(family.value for family in row.wraps))] if row.wraps else []
-    )
+    around = "a method of " + " or ".join(family.value for family in row.wraps)
+    kernels = nearest_kernels(root, header)
     facts = [
         ("known as", row.known_as),
         ("fails", f"{row.fails}."),
@@ -150,28 +131,24 @@ def head(root: Path, row) -> str:
         ("bind", SPEEDS[row.cost]),
         ("id", f"`{row.id}`, in Python `sinew_native.{row.native}`"),
         ("library", _links(root, [header, header.with_suffix(".cpp")])),
-        *([("kernels", _links(root, kernels))] if (kernels := nearest_kernels(root, header)) else []),
+        ("kernels", _links(root, kernels)),
         ("tests", _links(root, sorted((root / "tests/native").rglob(f"test_{row.id}.cpp")))),
         ("tutorial", f"section {row.section}"),
         ("paper", row.paper),
         ("moved by", CONTROLS[row.control.name]),
         ("moves", f"points of {moved}"),
-        *wraps,
+        ("around", around if row.wraps else ""),
         ("solves", steps),
     ]
     lines = [f"# {row.label}", "", f"{row.summary}.", "", "| | |", "|---|---|"]
-    lines += [f"| {name} | {value} |" for name, value in facts]
-    for title, parameters in (
-        ("parameter", row.parameters),
-        ("of each handle", row.handle_parameters),
-        ("of each control", row.control_parameters),
-    ):
-        if parameters:
+    lines += [f"| {name} | {value} |" for name, value in facts if value]
+    titles = ("parameter", "of each handle", "of each control")
+    for title, rows in zip(titles, (row.parameters, row.handle_parameters, row.control_parameters)):
+        if rows:
             lines += ["", f"| {title} | default | unit | what it does |", "|---|---|---|---|"]
-            lines += map(_parameter, parameters)
-    return "\n".join(
-        [*lines, "", "What a call costs:", "", "```text", *_costs(root, header, row.native), "```"]
-    )
+            lines += map(_parameter, rows)
+    costs = ["", "What a call costs:", "", "```text", *_costs(root, header, row.native), "```"]
+    return "\n".join([*lines, *costs])
 
 
 def nearest_kernels(root: Path, header: Path) -> list[Path]:
@@ -182,9 +159,8 @@ def nearest_kernels(root: Path, header: Path) -> list[Path]:
         found = sorted(file for path in included if (file := path.with_suffix(".inl")).is_file())
         if found:
             return found
-        level = {
-            file for path in included for file in (path, path.with_suffix(".cpp")) if file.is_file()
-        } - seen
+        both = {file for path in included for file in (path, path.with_suffix(".cpp"))}
+        level = {file for file in both if file.is_file()} - seen
         seen = seen | level
     return []
 
@@ -223,36 +199,30 @@ def _costs(root: Path, header: Path, native: str) -> list[str]:
         if base is None:
             raise SystemExit(f"{header.relative_to(root)} has no cost table, and {native} no base class")
         return _costs(root, _declaring(root, base[1]), base[1])
-    table = []
-    for line in lines[at:]:
-        if not line.startswith("///") or line == "///":
-            break
-        table.append(line.removeprefix("///").removeprefix("   "))
-    return table
+    table = takewhile(lambda line: line.startswith("///") and line != "///", lines[at:])
+    return [line.removeprefix("///").removeprefix("   ") for line in table]
 
 
 def _header(root: Path, name: str) -> Path:
-    found = list((root / "native").rglob(name))
-    if len(found) != 1:
-        raise SystemExit(f"native/ has {len(found)} headers called {name}, not one")
-    return found[0]
+    return _only(list((root / "native").rglob(name)), f"headers called {name}")
 
 
 def _declaring(root: Path, native: str) -> Path:
     pattern = re.compile(rf"^class {native}\b[^;]*$", re.MULTILINE)
-    found = [
-        path for path in sorted((root / "native").rglob("*.h")) if pattern.search(path.read_text("utf-8"))
-    ]
+    headers = (root / "native").rglob("*.h")
+    found = [path for path in headers if pattern.search(path.read_text("utf-8"))]
+    return _only(found, f"headers that declare {native}")
+
+
+def _only(found: list[Path], what: str) -> Path:
     if len(found) != 1:
-        raise SystemExit(f"native/ declares {native} in {len(found)} headers, not in one")
+        raise SystemExit(f"native/ has {len(found)} {what}, not one")
     return found[0]
 
 
-def _grouped(found: Iterable[Entry]) -> Iterator[tuple[str, list[Entry]]]:
-    groups: dict[str, list[Entry]] = {}
-    for entry in found:
-        groups.setdefault(entry.group, []).append(entry)
-    yield from groups.items()
+def _grouped(found: Iterable[Entry]) -> Iterator[tuple[str, Iterator[Entry]]]:
+    """The entries are in the order of their groups."""
+    return groupby(found, key=lambda entry: entry.group)
 
 
 def _with(page: Path, part: str) -> str:
@@ -267,18 +237,14 @@ def _with(page: Path, part: str) -> str:
 
 def outdated(root: Path) -> list[Path]:
     """The pages that differ from the rows and headers."""
-    return [
-        page
-        for page, text in documents(root).items()
-        if not page.is_file() or page.read_text(encoding="utf-8") != text
-    ]
+    wanted = documents(root).items()
+    return [page for page, text in wanted if not page.is_file() or page.read_text("utf-8") != text]
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/describe_methods", description=__doc__)
-    parser.add_argument(
-        "--check", action="store_true", help="change nothing, and fail if a page is out of date"
-    )
+    about = "change nothing, and fail if a page is out of date"
+    parser.add_argument("--check", action="store_true", help=about)
     if parser.parse_args().check:
         pages = outdated(ROOT)
         for page in pages:
@@ -287,7 +253,3 @@ def main() -> None:
     for page, text in documents(ROOT).items():
         page.parent.mkdir(parents=True, exist_ok=True)
         page.write_text(text, encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()

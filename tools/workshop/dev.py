@@ -37,11 +37,6 @@ def types() -> Path:
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/dev", description=__doc__)
-    parser.add_argument(
-        "preset", nargs="?", default="dev", help="a preset of CMakePresets.json; without one, dev"
-    )
+    about = "a preset of CMakePresets.json; without one, dev"
+    parser.add_argument("preset", nargs="?", default="dev", help=about)
     build_tree(parser.parse_args().preset)
-
-
-if __name__ == "__main__":
-    main()

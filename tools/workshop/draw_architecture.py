@@ -16,7 +16,3 @@ def main() -> None:
     argparse.ArgumentParser(prog="tools/draw_architecture", description=__doc__).parse_args()
     (ROOT / PICTURE).write_text(draw(), encoding="utf-8")
     say(f"wrote {PICTURE}")
-
-
-if __name__ == "__main__":
-    main()

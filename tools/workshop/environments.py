@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The virtual environments in ``.build``. Each is made once, and again when its pinned versions change."""
 
-import functools
 import shutil
 import subprocess
 from collections.abc import Iterable
 from dataclasses import dataclass
+from functools import cache, partial
 from pathlib import Path
 
 from . import debian
@@ -65,7 +65,6 @@ class Environment:
         self.pip("install", *options, "--no-cache-dir", *chosen, files=files, quiet=quiet)
 
     def pip(self, *words: str | Path, files: Iterable[Path], quiet: bool) -> None:
-        """For packages that requirement files name."""
         named = ", ".join(str(file.relative_to(ROOT)) for file in files)
         lacking = f"pip could not get what {named} names: that takes a network with a package index"
         command = [self.python, "-m", "pip", "--quiet", "--disable-pip-version-check", *words]
@@ -93,7 +92,7 @@ def python313() -> Path | None:
     return python(13)
 
 
-@functools.cache
+@cache
 def python(minor: int) -> Path | None:
     """A Python 3.``minor`` with headers, from PATH or from pyenv, or None."""
     name = f"python3.{minor}"
@@ -111,8 +110,7 @@ def python(minor: int) -> Path | None:
     return None
 
 
-def build() -> Environment:
-    return Environment("build", PYTHON311, ("build",))
+build, dev, api = (partial(Environment, name, PYTHON311, (name,)) for name in ("build", "dev", "api"))
 
 
 def build_for(minor: int) -> Environment | None:
@@ -129,21 +127,11 @@ def builders(for_programs: bool = False) -> dict[int, Environment]:
     return {minor: builder for minor, builder in found.items() if builder}
 
 
-def dev() -> Environment:
-    return Environment("dev", PYTHON311, ("dev",))
-
-
-def api() -> Environment:
-    return Environment("api", PYTHON311, ("api",))
-
-
 def blender(version: str) -> Environment | None:
     """Blender as a Python module; None if its Python (3.13 from Blender 5.1 on) is missing."""
-    major, minor = (int(part) for part in version.split(".")[:2])
-    interpreter = python313() if (major, minor) >= (5, 1) else PYTHON311
-    if interpreter is None:
-        return None
-    return Environment(f"bpy-{version}", interpreter, (f"bpy-{version}",), debian.BPY)
+    name, series = f"bpy-{version}", [int(part) for part in version.split(".")[:2]]
+    interpreter = python313() if series >= [5, 1] else PYTHON311
+    return Environment(name, interpreter, (name,), debian.BPY) if interpreter else None
 
 
 def newest_blender() -> Environment:

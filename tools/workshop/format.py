@@ -36,12 +36,7 @@ def checks(write: bool = False) -> dict[str, list[str | Path]]:
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/format", description=__doc__)
-    parser.add_argument(
-        "--check", action="store_true", help="change nothing, and fail if something would change"
-    )
+    about = "change nothing, and fail if something would change"
+    parser.add_argument("--check", action="store_true", help=about)
     write = not parser.parse_args().check
     raise SystemExit(max(run(command) for command in checks(write).values()))
-
-
-if __name__ == "__main__":
-    main()

@@ -10,7 +10,7 @@ from functools import partial
 from pathlib import Path
 
 from . import debian, environments, windows_tests
-from .blenders import RUN_PYTEST, blender_module, conditions, install_legacy, layer_of
+from .blenders import HEADLESS, RUN_PYTEST, blender_module, conditions, install_legacy, layer_of
 from .dev import BENCHMARK_TARGETS, build_tree
 from .format import checks
 from .neon_tests import neon
@@ -18,7 +18,7 @@ from .package import package
 from .places import DEV_MODULE, NATIVE_TREE, PYTHON311
 from .results import Outcome, outcome
 from .shell import run
-from .suites import OPTIONS, googletest, new_junit, only_some
+from .suites import OPTIONS, files, googletest, new_junit, only_some
 from .tidy import tidy, uncommitted
 
 PROGRAM = "tests/native/sinew_tests"  # in a tree of CMake
@@ -33,23 +33,8 @@ METHODS_OF_EACH_KIND = "--all-methods-in=none"
 # and random sequences.
 CORE_TESTS = (
     METHODS_OF_EACH_KIND,
-    "test_bake.py",
-    "test_browser.py",
-    "test_cage_kinds.py",
-    "test_chains.py",
-    "test_event_files.py",
-    "test_event_render.py",
-    "test_event_stack.py",
-    "test_every_method.py",
-    "test_handles.py",
-    "test_installation.py",
-    "test_interface.py",
-    "test_methods.py",
-    "test_missing_libraries.py",
-    "test_other_systems.py",
-    "test_overlay.py",
-    "test_panels.py",
-    "test_random_operations.py",
+    *files("bake browser cage_kinds chains event_files event_render event_stack every_method handles"),
+    *files("installation interface methods missing_libraries other_systems overlay panels random_operations"),
 )
 
 
@@ -79,22 +64,10 @@ def lint(timeout: float, quick: bool = False) -> Outcome:
     return total + (Outcome(passed=1) if tidy(sources) else Outcome(failed=1, note="clang-tidy"))
 
 
-def architecture(timeout: float) -> Outcome:
-    return _pytest("architecture", timeout)
-
-
-def tools(timeout: float) -> Outcome:
-    return _pytest("tools", timeout)
-
-
-def native(timeout: float) -> Outcome:
-    build_tree("dev")
-    return googletest("native", [NATIVE_TREE / PROGRAM], timeout) + _other_native_tests(timeout)
-
-
-def native_quick(timeout: float) -> Outcome:
-    build_tree("dev", "sinew_native", "sinew_tests")
-    return googletest("native", [NATIVE_TREE / PROGRAM], timeout)
+def native(timeout: float, quick: bool = False) -> Outcome:
+    build_tree("dev", *(("sinew_native", "sinew_tests") if quick else ()))
+    found = googletest("native", [NATIVE_TREE / PROGRAM], timeout)
+    return found if quick else found + _other_native_tests(timeout)
 
 
 def sanitizers(timeout: float) -> Outcome:
@@ -107,26 +80,12 @@ def sanitizers(timeout: float) -> Outcome:
     return googletest("sanitizers", [NATIVE_TREE / f"{PROGRAM}_sanitized"], timeout, sanitizer_options)
 
 
-def bindings(timeout: float) -> Outcome:
+def in_python(timeout: float, name: str, *options: str, qemu: bool = False) -> Outcome:
+    """The tests in a folder that import the Python module."""
+    if qemu:
+        debian.install(debian.QEMU)
     build_tree("dev", "sinew_native")
-    return _pytest("bindings", timeout, {"PYTHONPATH": DEV_MODULE})
-
-
-def bindings_quick(timeout: float) -> Outcome:
-    build_tree("dev", "sinew_native")
-    return _pytest("bindings", timeout, {"PYTHONPATH": DEV_MODULE}, "-m", "not slow")
-
-
-def addon(timeout: float) -> Outcome:
-    debian.install(debian.QEMU)
-    build_tree("dev", "sinew_native")
-    return _pytest("addon", timeout, {"PYTHONPATH": DEV_MODULE})
-
-
-def addon_quick(timeout: float) -> Outcome:
-    build_tree("dev", "sinew_native")
-    chosen = ("-m", "not slow", "--ignore=tests/addon/install/test_old_processors.py")
-    return _pytest("addon", timeout, {"PYTHONPATH": DEV_MODULE}, *chosen)
+    return _pytest(timeout, name, *options, env={"PYTHONPATH": DEV_MODULE})
 
 
 def benchmarks(timeout: float) -> Outcome:
@@ -134,7 +93,7 @@ def benchmarks(timeout: float) -> Outcome:
     build_tree("dev", *BENCHMARK_TARGETS)
     package()  # done first, so that no row has to wait for it
     environments.newest_blender().make()
-    return _pytest("benchmarks", timeout, {"PYTHONPATH": DEV_MODULE})
+    return _pytest(timeout, "benchmarks", env={"PYTHONPATH": DEV_MODULE})
 
 
 def blender_3_4(timeout: float, from_wheel: bool = True, tests: tuple[str, ...] = ()) -> Outcome:
@@ -142,20 +101,15 @@ def blender_3_4(timeout: float, from_wheel: bool = True, tests: tuple[str, ...] 
     debian.install(debian.BLENDER_TESTS)
     env = install_legacy("blender-3.4", from_wheel)
     junit = new_junit("blender-3.4")
-    headless = ["blender", "--background", "--factory-startup", "--python-exit-code", "1", "--python"]
-    status = run(
-        [*headless, RUN_PYTEST, "--", *tests, *OPTIONS, f"--junitxml={junit}"],
-        env=env | conditions("blender-3.4"),
-        timeout=timeout,
-    )
-    return outcome(junit, status)
+    command = [*HEADLESS, RUN_PYTEST, "--", *tests, *OPTIONS, f"--junitxml={junit}"]
+    return outcome(junit, run(command, env=env | conditions("blender-3.4"), timeout=timeout))
 
 
 def blender_layer(version: str, tests: tuple[str, ...] = ()) -> Layer:
     """A layer for a release of Blender, which runs ``tests``, or all."""
     name = layer_of(version)
     run_tests = partial(blender_module, name, environments.blender(version), tests)
-    return Layer(name, 1200 if tests else 3000, run_tests, one_process=True)
+    return Alone(name, 1200 if tests else 3000, run_tests)
 
 
 def blender_5(timeout: float) -> Outcome:
@@ -175,18 +129,10 @@ def gui(timeout: float, from_wheel: bool = True, tests: tuple[str, ...] = ()) ->
     return outcome(junit, run(command, env=env, timeout=timeout))
 
 
-def _pytest(name: str, timeout: float, env: Mapping[str, str | Path] | None = None, *options: str) -> Outcome:
+def _pytest(timeout: float, name: str, *options: str, env: Mapping[str, str | Path] | None = None) -> Outcome:
     junit = new_junit(name)
-    command = [
-        environments.dev().make().python,
-        "-m",
-        "pytest",
-        f"tests/{name}",
-        *options,
-        *OPTIONS,
-        f"--junitxml={junit}",
-    ]
-    return outcome(junit, run(command, env=env, timeout=timeout))
+    command = [environments.dev().make().python, "-m", "pytest", f"tests/{name}", *options, *OPTIONS]
+    return outcome(junit, run([*command, f"--junitxml={junit}"], env=env, timeout=timeout))
 
 
 def _other_native_tests(timeout: float) -> Outcome:
@@ -200,77 +146,61 @@ def _other_native_tests(timeout: float) -> Outcome:
     return Outcome() if none else outcome(junit, status)
 
 
+def _of(
+    function: Callable[..., Outcome], *arguments: object, **options: object
+) -> Callable[[float], Outcome]:
+    """The function of a timeout that also gets these arguments."""
+    return lambda timeout: function(timeout, *arguments, **options)
+
+
 def windows_layer(name: str, tests: Callable[[bool, float], Outcome]) -> Layer:
     """A layer of a core of these tests; by --whole, of all of them."""
-    whole = Layer(f"windows-{name}", 5400, partial(tests, True), one_process=True, only_by_name=True)
-    core = partial(tests, False)
-    return Layer(f"windows-{name}", 600, core, one_process=True, only_by_name=True, whole=whole)
+    whole = Alone(f"windows-{name}", 5400, partial(tests, True), only_by_name=True)
+    return Alone(f"windows-{name}", 600, partial(tests, False), only_by_name=True, whole=whole)
 
 
+Alone = partial(Layer, one_process=True)
 LAYERS = (
     Layer("lint", 420, lint),
     Layer("native", 300, native),
     Layer("sanitizers", 1200, sanitizers),
     Layer("windows-native", 420, windows_tests.native, only_by_name=True),
-    Layer("architecture", 60, architecture, one_process=True),
-    Layer("tools", 60, tools, one_process=True),
-    Layer("benchmarks", 600, benchmarks, one_process=True),
-    Layer("addon", 600, addon, one_process=True),
-    Layer("bindings", 1200, bindings, one_process=True),
-    Layer("blender-3.4", 3000, blender_3_4, one_process=True),
+    Alone("architecture", 60, _of(_pytest, "architecture")),
+    Alone("tools", 60, _of(_pytest, "tools")),
+    Alone("benchmarks", 600, benchmarks),
+    Alone("addon", 600, _of(in_python, "addon", qemu=True)),
+    Alone("bindings", 1200, _of(in_python, "bindings")),
+    Alone("blender-3.4", 3000, blender_3_4),
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
-    Layer("blender-5", 3000, blender_5, one_process=True),
-    Layer("gui", 1200, gui, one_process=True, waits=True),
+    Alone("blender-5", 3000, blender_5),
+    Alone("gui", 1200, gui, waits=True),
     windows_layer("bindings", windows_tests.bindings),
     windows_layer("blender", windows_tests.blender),
     windows_layer("bindings-3.13", windows_tests.bindings_313),
-    Layer("windows-processors", 420, windows_tests.old_processors, one_process=True, only_by_name=True),
-    Layer("windows-blender-5", 900, windows_tests.blender_5, one_process=True, only_by_name=True),
+    Alone("windows-processors", 420, windows_tests.old_processors, only_by_name=True),
+    Alone("windows-blender-5", 900, windows_tests.blender_5, only_by_name=True),
     Layer("neon", 600, neon, only_by_name=True),
 )
 
 # What of the tests in Blender a plain tests/run takes: every method, and the table of events on the two rigs
 # that have regions and faces.
 QUICK_BLENDER = (
-    "test_every_method.py",
-    "test_event_data.py",
-    "test_event_files.py",
-    "test_event_history.py",
-    "test_event_modes.py",
-    "test_event_scene.py",
-    "test_event_stack.py",
+    *files("every_method event_data event_files event_history event_modes event_scene event_stack"),
     "-k",
     "test_every_method or [handles or -handles or [cage or -cage",
 )
-QUICK_SESSION = "[start- or [start]"  # of those in windows
+SOME_ADDON = ("-m", "not slow", "--ignore=tests/addon/install/test_old_processors.py")
+QUICK_SESSION = ("-k", "[start- or [start]")  # of those in windows
+LEFT_IN_BLENDER = "all but every method, and the events on regions and cages"
 QUICK = (
-    Layer("native", 300, native_quick, without="the count of instructions"),
-    Layer(
-        "lint", 240, partial(lint, quick=True), one_process=True, without="clang-tidy on committed sources"
+    Layer("native", 300, partial(native, quick=True), without="the count of instructions"),
+    Alone("lint", 240, partial(lint, quick=True), without="clang-tidy on committed sources"),
+    Alone("architecture", 60, _of(_pytest, "architecture")),
+    Alone("tools", 60, _of(_pytest, "tools")),
+    Alone(
+        "addon", 120, _of(in_python, "addon", *SOME_ADDON), without="emulators and the comparison of methods"
     ),
-    Layer("architecture", 60, architecture, one_process=True),
-    Layer("tools", 60, tools, one_process=True),
-    Layer(
-        "addon",
-        120,
-        addon_quick,
-        one_process=True,
-        without="emulated processors and the comparison of methods",
-    ),
-    Layer("bindings", 300, bindings_quick, one_process=True, without="those marked slow"),
-    Layer(
-        "blender-3.4",
-        420,
-        partial(blender_3_4, from_wheel=False, tests=QUICK_BLENDER),
-        one_process=True,
-        without="all but every method, and the events on regions and cages",
-    ),
-    Layer(
-        "gui",
-        240,
-        partial(gui, from_wheel=False, tests=("-k", QUICK_SESSION)),
-        one_process=True,
-        waits=True,
-        without="all but one session",
-    ),
+    Alone("bindings", 300, _of(in_python, "bindings", "-m", "not slow"), without="those marked slow"),
+    Alone("blender-3.4", 420, _of(blender_3_4, False, QUICK_BLENDER), without=LEFT_IN_BLENDER),
+    Alone("gui", 240, _of(gui, False, QUICK_SESSION), waits=True, without="all but one session"),
 )

@@ -7,15 +7,14 @@ entry, and works in plain CPython and, if installed, in Debian's Blender.
 
 import re
 import shutil
-import subprocess
 from pathlib import Path
 
 from . import environments, zig
-from .archives import read_zip
+from .archives import unpack
 from .cross_wheels import Target
 from .notices import of_packages
 from .places import PYTHON311
-from .shell import must, say
+from .shell import must, said, say
 
 GLIBC = (2, 28)
 SYSTEM = zig.system("linux", "Linux", f"x86_64-linux-gnu.{GLIBC[0]}.{GLIBC[1]}")
@@ -30,15 +29,16 @@ CHECK = Path(__file__).parent / "inside" / "check_module.py"
 
 def check_module(module: Path, minor: int) -> None:
     """Ends the tool if a module could not be loaded by every Linux of the last years."""
-    found = flaws(_said("readelf", "--wide", "--dynamic", "--dyn-syms", module))
+    found = flaws(said(["readelf", "--wide", "--dynamic", "--dyn-syms", module]))
     if found:
         raise SystemExit(f"{module.name}: {'; '.join(found)}")
 
 
 def flaws(listing: str) -> list[str]:
-    """What would keep a Linux with an old C library from loading a module, by readelf's listing of the module."""
+    """What would keep a Linux with an old C library from loading a module, by readelf's listing of it."""
     needed = re.findall(r"\(NEEDED\).*\[(.*)\]", listing)
-    found = [f"it needs {name}, which the wheel does not hold" for name in needed if not OF_LINUX.fullmatch(name)]
+    foreign = [name for name in needed if not OF_LINUX.fullmatch(name)]
+    found = [f"it needs {name}, which the wheel does not hold" for name in foreign]
     found += [f"it looks in {place}" for place in re.findall(r"\((?:RPATH|RUNPATH)\).*\[(.*)\]", listing)]
     versions = {tuple(map(int, each.split("."))) for each in re.findall(r"@GLIBC_([\d.]+)", listing)}
     found += [f"it needs glibc {'.'.join(map(str, each))}" for each in sorted(versions) if each > GLIBC]
@@ -46,18 +46,15 @@ def flaws(listing: str) -> list[str]:
     shown = {fields[7] for fields in symbols if fields[6] != "UND" and fields[4] in ("GLOBAL", "WEAK")}
     if shown != {"PyInit_sinew_native"}:
         found.append(f"it shows {', '.join(sorted(shown)[:9])}")
-    wanted = {fields[7] for fields in symbols if fields[6] == "UND" and len(fields) > 7 and fields[4] == "GLOBAL"}
+    asked = [fields for fields in symbols if len(fields) > 7 and fields[4] == "GLOBAL"]
+    wanted = {fields[7] for fields in asked if fields[6] == "UND"}
     unknown = sorted(name for name in wanted if "@" not in name and not name.startswith(("Py", "_Py")))
     return found + ([f"nothing defines {', '.join(unknown)}"] if unknown else [])
 
 
 def check_wheel(wheel: Path, minor: int) -> None:
     """Loads the wheel in plain CPython and, if installed, in Debian's Blender."""
-    unpacked = SYSTEM.tree / "wheel-check" / f"cp3{minor}"
-    shutil.rmtree(unpacked, ignore_errors=True)
-    for name, content in read_zip(wheel).items():
-        (unpacked / name).parent.mkdir(parents=True, exist_ok=True)
-        (unpacked / name).write_bytes(content)
+    unpacked = unpack(wheel, SYSTEM.tree / "wheel-check" / f"cp3{minor}")
     builder = environments.build_for(minor)
     must([builder.python, "-I", CHECK, unpacked], timeout=120, quiet=True)
     say(f"{wheel.name} works in {builder.interpreter}")
@@ -66,10 +63,6 @@ def check_wheel(wheel: Path, minor: int) -> None:
         script = [blender, "--background", "--factory-startup", "--python-exit-code", "1", "--python", CHECK]
         must([*script, "--", unpacked], timeout=120, quiet=True)
         say(f"{wheel.name} works in {blender}")
-
-
-def _said(*command: object) -> str:
-    return subprocess.run([str(word) for word in command], capture_output=True, text=True, check=True).stdout
 
 
 def licences() -> dict[str, Path]:

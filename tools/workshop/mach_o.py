@@ -26,9 +26,8 @@ class MachO:
     minimum: tuple[int, int] = (0, 0)  # the first macOS that loads it
     libraries: list[str] = field(default_factory=list)
     run_paths: list[str] = field(default_factory=list)  # where it looks for libraries beside the usual places
-    wanted: dict[str, str] = field(
-        default_factory=dict
-    )  # symbol -> its library; "" if any loaded one will do
+    # symbol -> its library; "" if any loaded one will do
+    wanted: dict[str, str] = field(default_factory=dict)
     exported: set[str] = field(default_factory=set)
     shared: set[str] = field(default_factory=set)  # exported, and replaced by what another library defines
     signed: bool = False  # ad hoc, and the signature fits the file
@@ -41,7 +40,7 @@ def read(content: bytes) -> MachO:
         raise ValueError("no 64-bit Mach-O file for one processor")
     found = MachO(processor, kind)
     commands, place = [], 32
-    for _ in range(count):
+    while len(commands) < count:
         command, size = struct.unpack_from("<2I", content, place)
         commands.append((command, content[place : place + size]))
         place += size

@@ -28,43 +28,32 @@ LIB_SYSTEM = "/usr/lib/libSystem.B.dylib"  # every Mac has it; libc++ is linked 
 
 def check_module(module: Path, minor: int) -> None:
     """Ends the tool if a module could not be loaded by macOS 11, as far as the file shows it."""
-    content = module.read_bytes()
-    found = flaws(content)
-    if found:
+    if found := flaws(module.read_bytes()):
         raise SystemExit(f"{module.name}: {'; '.join(found)}")
 
 
 def flaws(content: bytes) -> list[str]:
     """What would keep a Mac with an Apple processor from loading a module, or tells of this machine."""
     module = mach_o.read(content)
-    found = []
-    if (module.processor, module.kind) != (mach_o.ARM64, mach_o.LIBRARY):
-        found.append("it is no library for Apple's processors")
-    if (module.platform, module.minimum) != (mach_o.MACOS, (11, 0)):
-        found.append(
-            f"it is for platform {module.platform} from {module.minimum} on, not for macOS from 11.0 on"
-        )
-    foreign = sorted({*module.libraries, *module.run_paths} - {LIB_SYSTEM})
-    if foreign:
-        found.append(f"it looks for {', '.join(foreign)}, which the wheel does not hold")
-    unknown = sorted(
-        name
-        for name, library in module.wanted.items()
-        if not library and not name.startswith(("_Py", "__Py"))
-    )
-    if unknown:
-        found.append(f"nothing defines {', '.join(unknown)}")
-    if "_PyInit_sinew_native" not in module.exported:
-        found.append("Python cannot initialise it")
-    replaced = sorted(name for name in module.shared if not ALLOCATION.match(name))
-    if replaced:
-        found.append(f"other libraries may replace its {', '.join(replaced)}")
-    places = [str(place) for place in (ROOT, Path.home()) if f"{place}/".encode() in content]
-    if places:
-        found.append(f"it names {', '.join(places)}")
-    if not module.signed:
-        found.append("its signature is missing or wrong")
-    return found
+    fits = (module.processor, module.kind) == (mach_o.ARM64, mach_o.LIBRARY)
+    system = f"platform {module.platform} from {module.minimum} on"
+    foreign = {*module.libraries, *module.run_paths} - {LIB_SYSTEM}
+    lacking = {name for name, library in module.wanted.items() if not library}
+    unknown = {name for name in lacking if not name.startswith(("_Py", "__Py"))}
+    replaced = {name for name in module.shared if not ALLOCATION.match(name)}
+    places = {str(place) for place in (ROOT, Path.home()) if f"{place}/".encode() in content}
+    found = {
+        "it is no library for Apple's processors": not fits,
+        f"it is for {system}, not for macOS from 11.0 on": (module.platform, module.minimum)
+        != (mach_o.MACOS, (11, 0)),
+        f"it looks for {', '.join(sorted(foreign))}, which the wheel does not hold": foreign,
+        f"nothing defines {', '.join(sorted(unknown))}": unknown,
+        "Python cannot initialise it": "_PyInit_sinew_native" not in module.exported,
+        f"other libraries may replace its {', '.join(sorted(replaced))}": replaced,
+        f"it names {', '.join(sorted(places))}": places,
+        "its signature is missing or wrong": not module.signed,
+    }
+    return [flaw for flaw, is_there in found.items() if is_there]
 
 
 def check_wheel(wheel: Path, minor: int) -> None:

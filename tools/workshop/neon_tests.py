@@ -27,9 +27,7 @@ def test_program() -> Path:
     debian.install(debian.GOOGLETEST)
     libraries(SYSTEM, ("onetbb",))
     tree = SYSTEM.tree / "tests"
-    must(
-        ["cmake", "-S", SYSTEM.files, "-B", tree, *SYSTEM.configuration(), f"-DSINEW_TESTED={KERNELS}"],
-        quiet=True,
-    )
+    settings = [*SYSTEM.configuration(), f"-DSINEW_TESTED={KERNELS}"]
+    must(["cmake", "-S", SYSTEM.files, "-B", tree, *settings], quiet=True)
     must(["cmake", "--build", tree, "--target", "sinew_tests", "-j", str(jobs())], quiet=True)
     return tree / "sinew_tests"

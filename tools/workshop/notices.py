@@ -18,7 +18,6 @@ def notices(files: dict[str, bytes], licences: Mapping[str, Path], builder: Envi
 
 
 def of_packages(names: Iterable[str]) -> dict[str, Path]:
-    """The licences of Debian packages by their names."""
     return {name: Path("/usr/share/doc") / name / "copyright" for name in names}
 
 

@@ -21,7 +21,7 @@ import tomllib
 from pathlib import Path
 
 from . import cross_wheels, environments, wheels
-from .archives import read_zip, write_zip
+from .archives import read_folder, read_zip, write_zip
 from .dev import build_tree
 from .environments import Environment
 from .places import ADDON, BUILD, DEV_MODULE, DIST, MANUAL, METHODS, ROOT, version
@@ -31,7 +31,6 @@ MANIFEST = "blender_manifest.toml"
 NATIVE_FOLDER = "_native"
 TAGS = Path(__file__).with_name("tags.json")  # those of the platform for extensions
 RENDER = Path(__file__).parent / "inside" / "render_manual.py"
-EXCLUDED_NAMES = ("__pycache__", ".DS_Store")
 EXCLUDED_SUFFIXES = (".pyc", ".blend1", ".orig", ".swp")
 PLATFORMS = {
     "manylinux": "linux-x64",
@@ -45,13 +44,9 @@ def addon_files() -> dict[str, bytes]:
     found = {}
     for path in sorted(ADDON.rglob("*")):
         inside = path.relative_to(ADDON)
-        hidden = any(part in EXCLUDED_NAMES or part.startswith(".") for part in inside.parts)
-        if (
-            path.is_file()
-            and not hidden
-            and path.suffix not in EXCLUDED_SUFFIXES
-            and inside.parts[0] != NATIVE_FOLDER
-        ):
+        hidden = any(part == "__pycache__" or part.startswith(".") for part in inside.parts)
+        hidden |= path.suffix in EXCLUDED_SUFFIXES or inside.parts[0] == NATIVE_FOLDER
+        if path.is_file() and not hidden:
             found[inside.as_posix()] = path.read_bytes()
     if MANIFEST not in found or "__init__.py" not in found:
         raise SystemExit(f"{ADDON} is not an add-on: {MANIFEST} or __init__.py is missing")
@@ -63,8 +58,7 @@ def manual_files() -> dict[str, bytes]:
     """The manual that the ``?`` buttons open: path inside the add-on -> content."""
     with tempfile.TemporaryDirectory() as folder:
         must([environments.build().make().python, RENDER, MANUAL, METHODS, folder])
-        pages = sorted(path for path in Path(folder).rglob("*") if path.is_file())
-        return {f"manual/{path.relative_to(folder).as_posix()}": path.read_bytes() for path in pages}
+        return {f"manual/{name}": content for name, content in read_folder(Path(folder)).items()}
 
 
 def extension_files(wheels: list[Path], manual: dict[str, bytes]) -> dict[str, bytes]:
@@ -90,9 +84,8 @@ def filled_manifest(text: str, wheel_names: list[str]) -> str:
     }
     for key, items in values.items():
         line = f"{key} = [\n" + "".join(f'  "{item}",\n' for item in items) + "]\n"
-        text, replaced = re.subn(
-            rf"^{key}\s*=\s*\[[^\]]*\]\s*?\n", lambda _, line=line: line, text, flags=re.M
-        )
+        old = rf"^{key}\s*=\s*\[[^\]]*\]\s*?\n"
+        text, replaced = re.subn(old, line.replace("\\", r"\\"), text, flags=re.M)
         if replaced == 0:  # keys must stand before the first table
             table = re.search(r"^\[", text, flags=re.M)
             place = table.start() if table else len(text)
@@ -105,10 +98,10 @@ def filled_manifest(text: str, wheel_names: list[str]) -> str:
 
 def _platform(wheel_name: str) -> str:
     tag = wheel_name.removesuffix(".whl").rsplit("-", 1)[-1]
-    for prefix, platform in PLATFORMS.items():
-        if tag.startswith(prefix):
-            return platform
-    raise SystemExit(f"{wheel_name}: no Blender platform is known for {tag}")
+    found = [platform for prefix, platform in PLATFORMS.items() if tag.startswith(prefix)]
+    if not found:
+        raise SystemExit(f"{wheel_name}: no Blender platform is known for {tag}")
+    return found[0]
 
 
 def pack(target: Path, files: dict[str, bytes]) -> Path:
@@ -119,9 +112,8 @@ def pack(target: Path, files: dict[str, bytes]) -> Path:
 
 def validate(extension: Path, blender: Environment) -> None:
     """Lets a Blender check an extension, if that Blender is set up (``tools/setup tests``)."""
-    tools = sorted(
-        blender.folder.glob("lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
-    )
+    scripts = "lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli"
+    tools = sorted(blender.folder.glob(f"{scripts}/blender_ext.py"))
     if not tools:
         say(f"{extension.name} was not validated: {blender.folder.relative_to(ROOT)} is not set up")
         return
@@ -153,27 +145,17 @@ def zips(wheels: list[Path], manual: dict[str, bytes]) -> tuple[Path, Path]:
 @functools.cache
 @one_at_a_time()
 def package_for_this_machine() -> Path:
-    """Packs the legacy zip with the module of the developer's tree, for Debian's Blender.
-
-    That module uses the libraries of this machine, so it takes no wheel to build, and works nowhere else.
-    """
+    """Packs the legacy zip with the module of the developer's tree, for Debian's Blender. That module uses
+    the libraries of this machine, so it takes no wheel to build, and works nowhere else."""
     build_tree("dev", "sinew_native")
     module = {path.name: path.read_bytes() for path in DEV_MODULE.glob("sinew_native*.so")}
     return pack(BUILD / "sinew-legacy-here.zip", legacy_files(module, manual_files()))
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(
-        prog="tools/package", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
+    as_it_is = argparse.RawDescriptionHelpFormatter
+    parser = argparse.ArgumentParser(prog="tools/package", description=__doc__, formatter_class=as_it_is)
     systems = (*wheels.TARGETS, "here")
     parser.add_argument("system", nargs="?", default="linux", choices=systems, help="without one, linux")
     system = parser.parse_args().system
-    if system == "here":
-        package_for_this_machine()
-    else:
-        package(system)
-
-
-if __name__ == "__main__":
-    main()
+    package_for_this_machine() if system == "here" else package(system)

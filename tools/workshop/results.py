@@ -14,32 +14,21 @@ class Outcome:
     note: str = ""
 
     def __add__(self, other: "Outcome") -> "Outcome":
-        return Outcome(
-            self.passed + other.passed,
-            self.failed + other.failed,
-            self.skipped + other.skipped,
-            "; ".join(note for note in (self.note, other.note) if note),
-        )
+        passed, failed = self.passed + other.passed, self.failed + other.failed
+        note = "; ".join(note for note in (self.note, other.note) if note)
+        return Outcome(passed, failed, self.skipped + other.skipped, note)
 
 
 def outcome(junit: Path, status: int) -> Outcome:
-    """The counts of a file.
-
-    A run that failed without a failed test, or had no test, counts as one failure.
-    """
+    """The counts of a file. A run that failed without a failed test, or without any test, is one failure."""
     try:
         root = ElementTree.parse(junit).getroot()
     except (OSError, ElementTree.ParseError):
         return Outcome(failed=1, note=f"no result was written (status {status})")
-    passed = failed = skipped = 0
-    for case in root.iter("testcase"):
-        outcomes = {child.tag for child in case}
-        if outcomes & {"failure", "error"} or case.get("status") == "fail":
-            failed += 1
-        elif "skipped" in outcomes or case.get("status") in ("notrun", "disabled"):
-            skipped += 1
-        else:
-            passed += 1
+    cases = [{case.get("status"), *(child.tag for child in case)} for case in root.iter("testcase")]
+    failed = sum(bool(said & {"failure", "error", "fail"}) for said in cases)
+    skipped = sum(bool(said & {"skipped", "notrun", "disabled"}) for said in cases)
+    passed = len(cases) - failed - skipped
     if passed + failed + skipped == 0:
         return Outcome(failed=1, note="no test was found")
     if status != 0 and failed == 0:

@@ -19,7 +19,3 @@ def main() -> None:
         build_tree("dev", *BENCHMARK_TARGETS)
     python = environments.dev().make().python
     sys.exit(run([python, SUITE, *words], env={"PYTHONPATH": DEV_MODULE}))
-
-
-if __name__ == "__main__":
-    main()

@@ -35,10 +35,8 @@ def run_layer(layer: Layer) -> tuple[Outcome, float]:
 
 
 def run_beside_each_other(layers: list[Layer]) -> dict[str, tuple[Outcome, float]]:
-    """Runs as many layers at a time as there are cores, and one more for each that mostly waits.
-
-    These come first, then the longest.
-    """
+    """Runs as many layers at a time as there are cores, and one more for each that mostly waits. These come
+    first, then the longest."""
     RESULTS.mkdir(parents=True, exist_ok=True)
     _beside[:] = sorted(layers, key=lambda layer: (layer.waits, layer.timeout), reverse=True)
     processes = jobs() + sum(layer.waits for layer in layers)
@@ -86,17 +84,12 @@ def run_layers(layers: Iterable[Layer], remark: str = "") -> int:
 
 
 def chosen(names: list[str], whole: bool = False) -> list[Layer]:
-    """The layers of these names, or whose names begin with such a word.
-
-    Without a name, all but those that only run when they are named. ``whole`` takes all tests where a layer
-    is a core of them.
-    """
-    layers = [
-        layer
-        for layer in LAYERS
-        if not {layer.name, first_word(layer.name)}.isdisjoint(names)
-        or (not names and not layer.only_by_name)
-    ]
+    """The layers of these names, or whose names begin with such a word. Without a name, all but those that
+    only run when they are named. ``whole`` takes all tests where a layer is a core of them."""
+    if names:
+        layers = [layer for layer in LAYERS if not {layer.name, first_word(layer.name)}.isdisjoint(names)]
+    else:
+        layers = [layer for layer in LAYERS if not layer.only_by_name]
     return [layer.whole or layer for layer in layers] if whole else layers
 
 
@@ -123,19 +116,12 @@ def first_word(name: str) -> str:
 def main() -> None:
     names = [layer.name for layer in LAYERS]
     parser = argparse.ArgumentParser(prog="tests/run", description=__doc__)
-    parser.add_argument(
-        "layers", nargs="*", metavar="LAYER", help=f"{', '.join(names)}; or a first word of them"
-    )
-    parser.add_argument("--list", action="store_true", help="name the layers and stop")
-    parser.add_argument(
-        "--all", action="store_true", help="all layers but those that only run where they are named"
-    )
-    parser.add_argument(
-        "--whole", action="store_true", help="all tests also on Windows, whose layers else run a core of them"
-    )
-    parser.add_argument(
-        "-k", dest="tests", metavar="NAME", help="of the named layers only the tests whose names hold this"
-    )
+    add, flag = parser.add_argument, "store_true"
+    add("layers", nargs="*", metavar="LAYER", help=f"{', '.join(names)}; or a first word of them")
+    add("--list", action=flag, help="name the layers and stop")
+    add("--all", action=flag, help="all layers but those that only run where they are named")
+    add("--whole", action=flag, help="all tests also on Windows, whose layers else run a core of them")
+    add("-k", dest="tests", metavar="NAME", help="of the named layers only the tests whose names hold this")
     options = parser.parse_args()
     if options.list:
         print(*names, sep="\n")
@@ -149,12 +135,7 @@ def main() -> None:
         parser.error("-k needs the name of a layer")
     if options.tests:
         only_named(options.tests)
-    if options.layers or options.all or options.whole:
-        failed = run_layers(chosen(options.layers, options.whole), "" if options.layers else by_name())
-    else:
-        failed = run_layers(QUICK, left_out())
-    sys.exit(1 if failed else 0)
-
-
-if __name__ == "__main__":
-    main()
+    quick = not (options.layers or options.all or options.whole)
+    layers = QUICK if quick else chosen(options.layers, options.whole)
+    remark = left_out() if quick else "" if options.layers else by_name()
+    sys.exit(1 if run_layers(layers, remark) else 0)

@@ -7,33 +7,28 @@ from . import debian, environments
 from .shell import say
 
 
-def set_up_build() -> None:
-    debian.install(debian.BUILD)
-    environments.build().make()
-    newer = environments.build_for(13)
-    if newer:
-        newer.make()
-
-
-def set_up_samples() -> None:
-    debian.install(debian.BUILD, debian.BLENDER)
-    environments.build().make()
+def set_up(packages: tuple[tuple[str, ...], ...], *made: environments.Environment | None) -> None:
+    debian.install(*packages)
+    for environment in made:
+        if environment:
+            environment.make()
 
 
 def set_up_tests() -> None:
-    debian.install(debian.BUILD, debian.GUI, debian.BPY)
-    set_up_build()
-    environments.dev().make()
-    for version in environments.LONG_TERM_BLENDERS:
-        environments.blender(version).make()
-    newest = environments.newest_blender().make()
+    releases = map(environments.blender, environments.LONG_TERM_BLENDERS)
+    newest = environments.newest_blender()
+    set_up((debian.BUILD, debian.GUI, debian.BPY), *builders(), environments.dev(), *releases, newest)
     if newest.name == "bpy-5.0.1":
         say("No Python 3.13 here: Blender 5.0.1 stands in, 5.2 is not run.")
 
 
+def builders() -> tuple[environments.Environment | None, ...]:
+    return environments.build(), environments.build_for(13)
+
+
 PURPOSES = {
-    "build": set_up_build,
-    "samples": set_up_samples,
+    "build": lambda: set_up((debian.BUILD,), *builders()),
+    "samples": lambda: set_up((debian.BUILD, debian.BLENDER), environments.build()),
     "dev": lambda: environments.dev().make(),
     "tests": set_up_tests,
 }
@@ -41,14 +36,7 @@ PURPOSES = {
 
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/setup", description=__doc__)
-    parser.add_argument("what", nargs="*", metavar="WHAT", help=f"{', '.join(PURPOSES)}; without a name, all")
-    chosen = parser.parse_args().what or list(PURPOSES)
-    unknown = sorted(set(chosen) - set(PURPOSES))
-    if unknown:
-        parser.error(f"unknown: {', '.join(unknown)}; one of {', '.join(PURPOSES)}")
-    for purpose in chosen:
+    about = f"{', '.join(PURPOSES)}; without a name, all"
+    parser.add_argument("what", nargs="*", choices=[[], *PURPOSES], default=[], metavar="WHAT", help=about)
+    for purpose in parser.parse_args().what or PURPOSES:
         PURPOSES[purpose]()
-
-
-if __name__ == "__main__":
-    main()

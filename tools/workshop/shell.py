@@ -64,11 +64,8 @@ def run(
     timeout: float | None = None,
     quiet: bool = False,
 ) -> int:
-    """Runs a command and returns its exit status.
-
-    After ``timeout`` the command is stopped, with all processes that it started. ``quiet`` shows its output
-    only if it fails.
-    """
+    """Runs a command and returns its exit status. After ``timeout`` the command is stopped, with all
+    processes that it started. ``quiet`` shows its output only if it fails."""
     sink = subprocess.PIPE if quiet else None
     with subprocess.Popen(
         [str(word) for word in command],
@@ -99,14 +96,18 @@ def run(
 
 
 def must(command: Iterable[str | Path], *, lacking: str = "", **options) -> None:
-    """Does the same as run(), but ends the tool if the command fails.
-
-    ``lacking`` says what cannot be had then; without it the command itself is named.
-    """
+    """Does the same as run(), but ends the tool if the command fails. ``lacking`` says what cannot be had
+    then; without it the command itself is named."""
     words = [str(word) for word in command]
     status = run(words, **options)
     if status != 0:
         raise SystemExit(lacking or f"failed with {status}: {' '.join(words)}")
+
+
+def said(command: Iterable[str | Path], **options) -> str:
+    """What a command prints, which has to succeed."""
+    words = [str(word) for word in command]
+    return subprocess.run(words, stdout=subprocess.PIPE, text=True, check=True, **options).stdout
 
 
 def fingerprint(paths: Iterable[Path], *words: str) -> str:

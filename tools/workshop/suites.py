@@ -20,6 +20,11 @@ IN_SHARDS = """seq 0 $((GTEST_TOTAL_SHARDS - 1)) |
     xargs -P "$1" -I{} env GTEST_SHARD_INDEX={} "${@:3}" --gtest_output="xml:$2-{}.xml" """
 
 
+def files(words: str) -> tuple[str, ...]:
+    """The names of files of tests, by what they test."""
+    return tuple(f"test_{word}.py" for word in words.split())
+
+
 def only_named(expression: str) -> None:
     """Lets pytest and GoogleTest, which read these variables, run the tests of this name alone."""
     os.environ["PYTEST_ADDOPTS"] = shlex.join(["-k", expression])
@@ -39,9 +44,7 @@ def googletest(
     drive: str = "",
 ) -> Outcome:
     """Runs a program of GoogleTest, or one with a command before it, in several processes; some tests in one.
-
-    ``drive`` is that of Windows on which the program finds this machine's files.
-    """
+    ``drive`` is that of Windows on which the program finds this machine's files."""
     shards = 1 if only_some() else SHARDS
     files = [new_junit(f"{name}-{number}") for number in range(shards)]
     status = run(

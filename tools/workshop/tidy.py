@@ -16,13 +16,14 @@ import subprocess
 from collections.abc import Iterable, Mapping, Set
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
+from itertools import dropwhile
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from . import environments
 from .dev import configure_tree
 from .places import BUILD, NATIVE_TREE, ROOT
-from .shell import fingerprint, jobs, must, say
+from .shell import fingerprint, jobs, must, said, say
 
 AT_A_TIME = 5
 PASSED = BUILD / "ccache" / "tidy"
@@ -35,15 +36,11 @@ def tidy(only: Set[Path] | None = None) -> bool:
     """Whether all sources of native/ pass, or these. Prints the complaints about those that do not."""
     environments.dev().make()
     configure_tree("dev")
-    must(
-        ["cmake", "--build", "--preset", "dev", "--target", "build.ninja"], quiet=True
-    )  # may list new sources
+    # New sources may have to be listed
+    must(["cmake", "--build", "--preset", "dev", "--target", "build.ninja"], quiet=True)
     PASSED.mkdir(parents=True, exist_ok=True)
-    chosen = {
-        file: command
-        for file, command in sorted(commands().items())
-        if only is None or sources_in(file) & only
-    }
+    every = sorted(commands().items())
+    chosen = {file: command for file, command in every if only is None or sources_in(file) & only}
     stamps = {file: PASSED / digest(file, command) for file, command in chosen.items()}
     changed = {file: chosen[file] for file, stamp in stamps.items() if not stamp.exists()}
     if changed:
@@ -73,43 +70,36 @@ def batches(changed: Mapping[Path, str]) -> list[Batch]:
 
 def options_in(file: Path, command: str) -> tuple[str, ...]:
     """The options of a compiler's command, without its source and what it writes."""
-    words = iter(shlex.split(command))
-    found = []
-    for word in words:
-        if word == "-o":
-            next(words)
-        elif word not in ("-c", str(file)) and (found or word.startswith("-")):
-            found.append(word)
-    return tuple(found)
+    words = shlex.split(re.sub(r" -o \S+", "", command))
+    options = dropwhile(lambda word: not word.startswith("-"), words)
+    return tuple(word for word in options if word not in ("-c", str(file)))
 
 
 def commands() -> dict[Path, str]:
-    """The commands by which the dev preset compiles native/; of the kernels, only their baseline.
-
-    Sources that are compiled as one stand in a file of CMake, which includes them.
-    """
+    """The commands by which the dev preset compiles native/; of the kernels, only their baseline. Sources
+    that are compiled as one stand in a file of CMake, which includes them."""
     entries = json.loads((NATIVE_TREE / "compile_commands.json").read_text(encoding="utf-8"))
     found = {Path(entry["file"]): entry["command"] for entry in entries}
     native, kernels = ROOT / "native", NATIVE_TREE / "native"
     several = NATIVE_TREE / "CMakeFiles"
-    return {
-        file: command
-        for file, command in found.items()
-        if file.is_relative_to(native)
-        or (file.is_relative_to(kernels) and file.stem.endswith("_baseline"))
-        or (file.is_relative_to(several) and file.parent.name == "Unity")
-    }
+
+    def is_read(file: Path) -> bool:
+        kernel = file.is_relative_to(kernels) and file.stem.endswith("_baseline")
+        together = file.is_relative_to(several) and file.parent.name == "Unity"
+        return kernel or together or file.is_relative_to(native)
+
+    return {file: command for file, command in found.items() if is_read(file)}
 
 
 def uncommitted() -> set[Path]:
     """The sources that differ from the last commit; none where git cannot tell."""
-    names = ["*.cpp", "*.inl"]
-    asked = (["diff", "--name-only", "HEAD"], ["ls-files", "--others", "--exclude-standard"])
-    answers = [
-        subprocess.run(["git", *words, "--", *names], cwd=ROOT, capture_output=True, text=True).stdout
-        for words in asked
-    ]
-    return {ROOT / name for answer in answers for name in answer.splitlines()}
+    found: set[Path] = set()
+    for words in (["diff", "--name-only", "HEAD"], ["ls-files", "--others", "--exclude-standard"]):
+        answer = subprocess.run(
+            ["git", *words, "--", "*.cpp", "*.inl"], cwd=ROOT, stdout=subprocess.PIPE, text=True
+        )
+        found |= {ROOT / name for name in answer.stdout.splitlines()}
+    return found
 
 
 def sources_in(file: Path) -> set[Path]:
@@ -141,10 +131,8 @@ def directly_included(file: Path) -> tuple[Path, ...]:
 
 
 def complaints_about(batch: Batch) -> dict[Path, str]:
-    """What clang-tidy says about each source; empty if it passes.
-
-    A batch with complaints is read again source by source, as they may come from names that are alike.
-    """
+    """What clang-tidy says about each source; empty if it passes. A batch with complaints is read again
+    source by source, as they may come from names that are alike."""
     options, files = batch
     if len(files) > 1:
         with TemporaryDirectory(dir=BUILD) as folder:
@@ -166,10 +154,8 @@ def complaints_by(options: Iterable[str], file: Path) -> str:
 
 @cache
 def compiler_arguments() -> tuple[str, ...]:
-    """The arguments that Clang needs to read what GCC compiles.
-
-    GCC's own headers come after all others, for headers that Clang does not have, such as OpenMP's. Templates
-    that are never used are not checked, since some of CGAL's refer to members that do not exist.
-    """
-    answer = subprocess.run(["g++", "-print-file-name=include"], check=True, capture_output=True, text=True)
-    return (f"--extra-arg=-idirafter{answer.stdout.strip()}", "--extra-arg=-fdelayed-template-parsing")
+    """The arguments that Clang needs to read what GCC compiles. GCC's own headers come after all others, for
+    headers that Clang does not have, such as OpenMP's. Templates that are never used are not checked, since
+    some of CGAL's refer to members that do not exist."""
+    headers = said(["g++", "-print-file-name=include"]).strip()
+    return (f"--extra-arg=-idirafter{headers}", "--extra-arg=-fdelayed-template-parsing")

@@ -29,7 +29,3 @@ def main() -> None:
     missing = [f"3.{minor}" for minor in FOR_PROGRAMS if not build_for(minor)] if options.all else []
     if missing:
         say(f"Not built, as this machine has no headers of these Pythons: {', '.join(missing)}")
-
-
-if __name__ == "__main__":
-    main()

@@ -6,7 +6,6 @@
 
 import re
 import shutil
-import subprocess
 import tarfile
 import zipfile
 from functools import partial
@@ -14,14 +13,10 @@ from pathlib import Path
 
 from . import debian, environments
 from .cross_libraries import SOURCES, System, check, pinned
-from .shell import Stamp, must, one_at_a_time
+from .shell import Stamp, must, one_at_a_time, said
 
-WINDOWS = System(
-    "windows",
-    "Windows",
-    partial(debian.install, debian.WINDOWS),
-    ("-DCMAKE_C_COMPILER_LAUNCHER=ccache", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"),
-)
+CACHED = ("-DCMAKE_C_COMPILER_LAUNCHER=ccache", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
+WINDOWS = System("windows", "Windows", partial(debian.install, debian.WINDOWS), CACHED)
 PYTHONS = WINDOWS.files / "pythons.txt"
 
 
@@ -61,7 +56,5 @@ def import_library(minor: int) -> Path:
 
 def imported_libraries(binary: Path) -> set[str]:
     """The DLLs that Windows must find before it loads a binary, in lower case."""
-    listing = subprocess.run(
-        ["x86_64-w64-mingw32-objdump", "-p", str(binary)], capture_output=True, text=True
-    )
-    return {name.lower() for name in re.findall(r"DLL Name: (\S+)", listing.stdout)}
+    listing = said(["x86_64-w64-mingw32-objdump", "-p", binary])
+    return {name.lower() for name in re.findall(r"DLL Name: (\S+)", listing)}

@@ -21,7 +21,7 @@ from .package import extension_files, manual_files, package
 from .places import BUILD, DEV_MODULE, ROOT, version
 from .results import Outcome, outcome
 from .shell import jobs, must, one_at_a_time, run
-from .suites import OPTIONS, RESULTS, emptied, googletest, new_junit
+from .suites import OPTIONS, RESULTS, emptied, files, googletest, new_junit
 from .windows_libraries import WINDOWS
 from .windows_wheels import TARGET
 
@@ -32,29 +32,13 @@ LOADER = Path("/usr/lib/wine/wine64")  # the program itself; "wine" is a script 
 LINALG = re.compile(r"\bscipy\.(?!sparse\b)\w|\bscipy\.sparse\.linalg\b")
 OWN_MODULES = re.compile(r"^from \.*(?:\w+\.)*(\w+) import", flags=re.MULTILINE)
 # Python 3.11 runs all tests of the bindings; 3.13 these, which call every method and convert every argument.
-CORE_BINDINGS = (
-    "test_arguments.py",
-    "test_contract.py",
-    "test_errors.py",
-    "test_out.py",
-    "test_same_answers.py",
-)
+CORE_BINDINGS = files("arguments contract errors out same_answers")
 # Every method's bind, pose, frame, undo, save and load; cages; bakes and their paths; modules that do not
 # load, broken installations and known answers; files of earlier versions and of other systems.
 CORE_TESTS = (
     "--all-methods-in=test_other_systems",  # of other tables over methods, one of each kind of control
-    "test_bake.py",
-    "test_bake_files.py",
-    "test_cage.py",
-    "test_event_files.py",
-    "test_event_history.py",
-    "test_every_method.py",
-    "test_foreign_modules.py",
-    "test_handles.py",
-    "test_installation.py",
-    "test_old_files.py",
-    "test_other_systems.py",
-    "test_paths.py",
+    *files("bake bake_files cage event_files event_history every_method foreign_modules handles"),
+    *files("installation old_files other_systems paths"),
 )
 NO_PYTHON = Outcome(skipped=1, note="no Python 3.13 here, so there is no wheel for it")
 VERSION = "4.5.15"
@@ -70,7 +54,6 @@ def native(timeout: float) -> Outcome:
 
 @one_at_a_time()
 def test_program() -> Path:
-    """Builds the program of GoogleTest for Windows."""
     install(GOOGLETEST)
     libraries(WINDOWS)
     if not (WINDOWS.prefix / "lib" / "libgtest.a").is_file():
@@ -120,25 +103,18 @@ def build_wheel(minor: int) -> Path:
 
 
 def bindings_in(minor: int, names: tuple[str, ...], timeout: float) -> Outcome:
-    """These files of the bindings' tests, or all, on the unpacked wheel.
-
-    One of them compares the answers of all methods with those of this machine.
-    """
+    """These files of the bindings' tests, or all, on the unpacked wheel. One of them compares the answers of
+    all methods with those of this machine."""
     build_wheel(minor)
     here = answers_of_this_machine(minor)
     python = wine.python(minor)
-    files = [file for file in sorted(BINDINGS.rglob("test_*.py")) if not names or file.name in names]
-    left_out = [file for file in files if minor == 13 and calls_linalg(file)]
+    every = [file for file in sorted(BINDINGS.rglob("test_*.py")) if not names or file.name in names]
+    left_out = [file for file in every if minor == 13 and calls_linalg(file)]
     junit = new_junit(f"windows-bindings-3.{minor}")
-    status = wine.run_in_windows(
-        [
-            *(python, "-m", "pytest", *(file for file in files if file not in left_out)),
-            *(*OPTIONS, f"--junitxml=Z:{junit}"),
-        ],
-        env={"PYTHONPATH": f"Z:{unpacked_wheel(minor)}", "SINEW_ANSWERS": f"Z:{here}"},
-        timeout=timeout,
-    )
-    found = outcome(junit, status)
+    tested = [file for file in every if file not in left_out]
+    command = [python, "-m", "pytest", *tested, *OPTIONS, f"--junitxml=Z:{junit}"]
+    env = {"PYTHONPATH": f"Z:{unpacked_wheel(minor)}", "SINEW_ANSWERS": f"Z:{here}"}
+    found = outcome(junit, wine.run_in_windows(command, env=env, timeout=timeout))
     if left_out:
         count = len(left_out)
         note = f"{count} files left out in Python 3.13: Wine 8 lacks crealf, which SciPy's linalg calls"
@@ -168,10 +144,8 @@ def answers_of_this_machine(minor: int) -> Path:
 
 
 def blender(whole: bool, timeout: float) -> Outcome:
-    """A core of the tests in a Blender for Windows, or all.
-
-    The same release on this machine leaves files for it, and opens those that it leaves.
-    """
+    """A core of the tests in a Blender for Windows, or all. The same release on this machine leaves files for
+    it, and opens those that it leaves."""
     here, exchange = environments.blender(VERSION), ("test_other_systems.py",)
     total = blender_module("exchange", here, exchange, timeout)
     for_it = {OF_ANOTHER_SYSTEM: f"Z:{RESULTS / 'exchange' / 'files'}"}
@@ -220,10 +194,8 @@ def extension_with(wheels: list[Path]) -> Path:
 
 @one_at_a_time()
 def python_with_blender(version: str) -> Path:
-    """The Python for Windows that holds a Blender.
-
-    Blender 5.2 asks for a NumPy that Wine 8 cannot import; that of the tests of the bindings takes its place.
-    """
+    """The Python for Windows that holds a Blender. Blender 5.2 asks for a NumPy that Wine 8 cannot import;
+    that of the tests of the bindings takes its place."""
     if version != NEWEST:
         return wine.python(11, f"bpy-{version}")
     python = wine.python(13, f"bpy-{version}")

@@ -6,15 +6,13 @@ in a way that Windows' stack is not aligned for, and works in Windows' Python un
 """
 
 import re
-import shutil
-import subprocess
 from pathlib import Path
 
 from . import wine
-from .archives import read_zip
+from .archives import unpack
 from .cross_wheels import Target
 from .notices import of_packages
-from .shell import say
+from .shell import said, say
 from .windows_libraries import WINDOWS, import_library, imported_libraries
 
 INPUTS = (
@@ -44,17 +42,12 @@ def check_module(module: Path, minor: int) -> None:
 
 
 def disassembled(module: Path) -> str:
-    listing = ["x86_64-w64-mingw32-objdump", "-d", "--no-show-raw-insn", str(module)]
-    return subprocess.run(listing, capture_output=True, text=True, check=True).stdout
+    return said(["x86_64-w64-mingw32-objdump", "-d", "--no-show-raw-insn", module])
 
 
 def check_wheel(wheel: Path, minor: int) -> None:
     """Loads the wheel in Windows' Python under Wine, from a folder that holds nothing else."""
-    unpacked = WINDOWS.tree / "wheel-check" / f"cp3{minor}"
-    shutil.rmtree(unpacked, ignore_errors=True)
-    for name, content in read_zip(wheel).items():
-        (unpacked / name).parent.mkdir(parents=True, exist_ok=True)
-        (unpacked / name).write_bytes(content)
+    unpacked = unpack(wheel, WINDOWS.tree / "wheel-check" / f"cp3{minor}")
     said = wine.said_in_windows([wine.python(minor), CHECK], {"PYTHONPATH": f"Z:{unpacked}"}, timeout=300)
     if f"works in Python 3.{minor}." not in said:
         wheel.unlink()

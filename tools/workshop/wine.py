@@ -28,11 +28,9 @@ SETTINGS = {
 def run_in_windows(
     command: Iterable[str | Path], env: Mapping[str, str | Path] | None = None, **options
 ) -> int:
-    """Does the same as run(), for a program of Windows. Its paths may be those of this machine.
-
-    Of the status of a program Wine hands on the lowest byte, which is 0 after some crashes. So a status of 0
-    proves nothing: look at what the program wrote.
-    """
+    """Does the same as run(), for a program of Windows. Its paths may be those of this machine. Of the status
+    of a program Wine hands on the lowest byte, which is 0 after some crashes. So a status of 0 proves
+    nothing: look at what the program wrote."""
     set_up()
     return run([*THROUGH_A_PIPE, *command], env=SETTINGS | dict(env or {}), **options)
 
@@ -47,7 +45,6 @@ def said_in_windows(command: Iterable[str | Path], env: Mapping[str, str | Path]
 
 @one_at_a_time()
 def set_up() -> None:
-    """Installs Wine, and makes its drive C."""
     debian.install(debian.WINE)
     stamp = Stamp(PREFIX / "made", "by wineboot\n")
     if not stamp.is_fresh():
@@ -60,10 +57,8 @@ def set_up() -> None:
 
 @one_at_a_time()
 def python(minor: int, name: str = "") -> Path:
-    """Python 3.``minor`` for Windows, with the packages that are pinned for it or for ``name``.
-
-    It is python.org's embedded one without the file that would make it ignore PYTHONPATH.
-    """
+    """Python 3.``minor`` for Windows, with the packages that are pinned for it or for ``name``. It is
+    python.org's embedded one without the file that would make it ignore PYTHONPATH."""
     embedded = windows_python(minor)
     requirements = [environments.REQUIREMENTS / f"windows-{name or f'3.{minor}'}.txt"]
     folder = WINDOWS.tree / f"environment-{name or f'3.{minor}'}"

@@ -32,45 +32,6 @@ from .schema import (
     group_property,
 )
 
-__all__ = (
-    "BY_ID",
-    "CONTROL_PARAMETERS",
-    "DEFAULTS",
-    "DEFAULT_CAGE_METHOD",
-    "DEFAULT_GRIP_METHOD",
-    "DEFAULT_HOLD_METHOD",
-    "DEFAULT_METHOD",
-    "DEFAULT_POINT_METHOD",
-    "DEFAULT_PUPPET_METHOD",
-    "DEFAULT_TOOL_METHOD",
-    "DEFAULT_WIRE_METHOD",
-    "HANDLE_PARAMETERS",
-    "METHODS",
-    "Bool",
-    "Box",
-    "Choice",
-    "Control",
-    "Curve",
-    "Family",
-    "Float",
-    "GridPoints",
-    "Int",
-    "MeshObject",
-    "MeshShape",
-    "Method",
-    "Moved",
-    "Parameter",
-    "Pointer",
-    "Posed",
-    "Reproduced",
-    "Size",
-    "UvMap",
-    "following",
-    "group_property",
-    "wrapped",
-    "wrapper_of",
-)
-
 DEFAULT_METHOD = "arap"  # the method of a deformer that Make Handle makes
 DEFAULT_CAGE_METHOD = "mean_value"  # the method of a deformer that Wrap in a Cage makes
 DEFAULT_PUPPET_METHOD = "mesh_puppetry"

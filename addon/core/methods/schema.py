@@ -2,10 +2,10 @@
 """The fields of a row of the method registry, and the types of parameters."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, dataclass, replace
 from enum import Enum
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import Any, ClassVar, TypeVar
 
 import numpy as np
 
@@ -71,6 +71,7 @@ class Size(Enum):
     HANDLES = "of all handles"  # the ``diameter`` of their points
 
 
+_P = TypeVar("_P", bound="Parameter")
 DEFAULTS = 2  # how often defaults have changed, see ``Parameter.earlier`` and ``SinewDeformer.defaults``
 
 
@@ -87,12 +88,12 @@ class Parameter:
     """
 
     id: str
+    label: str
     default: Any
     _: KW_ONLY
-    label: str
-    description: str
+    description: str = ""
     unit: str = ""
-    rebinds: bool = False
+    rebinds: bool = True
     advanced: bool = False
     only_with: tuple[str, tuple[str, ...]] | None = None
     earlier: tuple[Any, int] | None = None
@@ -103,25 +104,38 @@ class Parameter:
         """The default in the form that the native module takes."""
         return self.default
 
+    def described(self: _P, description: str) -> _P:
+        """With this tooltip, which every row has."""
+        return replace(self, description=description)
+
     def is_used(self, settings: object) -> bool:
         """Whether the method uses this parameter. ``settings`` has its parameters as attributes."""
         return self.only_with is None or getattr(settings, self.only_with[0]) in self.only_with[1]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Float(Parameter):
-    """A real number.
-
-    ``step`` is how much one click on an arrow of its field adds. If it is ``paintable``, a vertex group may
-    scale it per vertex. ``share_of`` says which size it is a share of, if of any; ``share_with`` a choice of
-    the same method, and its value with which it is one.
-    """
+@dataclass(frozen=True)
+class Span:
+    """The values of a number, and how its field shows them: a drag of it ends at ``soft``, and one click on
+    an arrow of it adds ``step``."""
 
     minimum: float = 0.0
     maximum: float = 1e9
-    soft_maximum: float = 10.0
-    precision: int = 3
+    _: KW_ONLY
+    soft: float = 10.0
+    digits: int = 3
     step: float = 0.01
+
+
+@dataclass(frozen=True)
+class Float(Parameter):
+    """A real number.
+
+    If it is ``paintable``, a vertex group may scale it per vertex. ``share_of`` says which size it is a share
+    of, if of any; ``share_with`` a choice of the same method, and its value with which it is one.
+    """
+
+    span: Span = Span()
+    _: KW_ONLY
     paintable: bool = False  # type: ignore[misc]  # rows set it, while all other types share one value
     share_of: Size | None = None
     share_with: tuple[str, str] | None = None
@@ -132,16 +146,14 @@ class Float(Parameter):
         return self.share_of if chosen else None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Int(Parameter):
     """A whole number."""
 
-    minimum: int = 0
-    maximum: int = 1_000_000
-    soft_maximum: int = 100
+    span: Span
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Bool(Parameter):
     """A value that is on or off."""
 
@@ -197,6 +209,7 @@ class GridPoints(Pointer):
     the space of the target, or None if no object is chosen. It is a keyword of ``solve``.
     """
 
+    rebinds: bool = False
     types: tuple[str, ...] = ("MESH",)
 
 
@@ -232,81 +245,66 @@ class UvMap(Parameter):
     default: None = None
 
 
+def items(**described: str | tuple[str, str]) -> tuple[tuple[str, str, str], ...]:
+    """The items of a choice: what each of them does, behind its label if that is not its identifier."""
+    return tuple(
+        (name, name.replace("_", " ").title(), words) if isinstance(words, str) else (name, *words)
+        for name, words in described.items()
+    )
+
+
 # Parameters that several methods have
 
-LAPLACIANS = (
-    (
-        "uniform",
-        "Uniform",
-        "Treats all neighbours equally: for messy meshes, whose angles and areas mean nothing",
-    ),
-    ("cotan", "Cotangent", "Takes the angles of the faces into account, but not their sizes"),
-    (
-        "cotan_voronoi",
+LAPLACIANS = items(
+    uniform="Treats all neighbours equally: for messy meshes, whose angles and areas mean nothing",
+    cotan=("Cotangent", "Takes the angles of the faces into account, but not their sizes"),
+    cotan_voronoi=(
         "Cotangent + Area",
         "Takes the angles and sizes of the faces into account: depends least on how the mesh is divided",
     ),
 )
 
-PRECISIONS = (
-    (
-        "single",
-        "Single",
-        "Half the memory, and half the time per frame; errors of a ten-millionth of the cage's size",
-    ),
-    ("double", "Double", "As exact as the coordinates themselves"),
+PRECISIONS = items(
+    single="Half the memory, and half the time per frame; errors of a ten-millionth of the cage's size",
+    double="As exact as the coordinates themselves",
 )
 
 
-def iterations(default: int, soft_maximum: int = 100, **others: Any) -> Int:
+def iterations(default: int, soft: int = 100, maximum: int = 1_000_000, **others: Any) -> Int:
     """The largest number of steps of a frame of an iterative method."""
     usual: dict[str, Any] = {
-        "unit": "iterations",
         "label": "Iterations",
         "description": "Limit the steps of a frame; while you drag fewer are computed, and the others "
         "follow when you stop",
+        "unit": "iterations",
+        "rebinds": False,
     }
-    return Int(
-        "max_iterations", default, minimum=1, soft_maximum=soft_maximum, advanced=True, **usual | others
-    )
+    span = Span(1, maximum, soft=soft)
+    return Int("max_iterations", default=default, span=span, advanced=True, **usual | others)
 
 
-def tolerance(default: float = 1e-4, **others: Any) -> Float:
+def tolerance(default: float = 1e-4, soft: float = 0.001, digits: int = 6, **others: Any) -> Float:
     """When the steps of a frame of an iterative method stop."""
     usual: dict[str, Any] = {
-        "maximum": 1.0,
-        "soft_maximum": 0.001,
-        "precision": 6,
-        "unit": "share of the energy",
-        "label": "Tolerance",
         "description": "Stop when two steps in a row lower the energy by less than this share of it",
+        "unit": "share of the energy",
+        "rebinds": False,
     }
-    return Float("tolerance", default, advanced=True, **usual | others)
+    span = Span(0.0, 1.0, soft=soft, digits=digits)
+    return Float("tolerance", "Tolerance", default, span, advanced=True, **usual | others)
 
 
 def stored_precision(of: str) -> Choice:
     """With how many digits a space method stores its weights: ``of`` says which."""
-    return Choice(
-        "precision",
-        "single",
-        PRECISIONS,
-        rebinds=True,
-        advanced=True,
-        label="Precision",
-        description=f"Save memory, or store {of} more exactly",
+    return Choice("precision", "Precision", "single", PRECISIONS, advanced=True).described(
+        f"Save memory, or store {of} more exactly"
     )
 
 
 def laplacian(default: str = "cotan_voronoi", choices: int = 3) -> Choice:
     """The weights of the Laplacian of a surface: the first of them, as many as the method can use."""
-    return Choice(
-        "laplacian",
-        default,
-        LAPLACIANS[:choices],
-        rebinds=True,
-        label="Laplacian",
-        description="Make the shape depend less on how the faces divide the surface, by looking at their "
-        "angles and sizes",
+    return Choice("laplacian", "Laplacian", default, LAPLACIANS[:choices]).described(
+        "Make the shape depend less on how the faces divide the surface, by looking at their angles and sizes"
     )
 
 
@@ -374,7 +372,6 @@ class Method:
     search: str
     family: Family
     control: Control = Control.HANDLES
-    native: str
     section: str
     paper: str
     summary: str
@@ -399,6 +396,11 @@ class Method:
     parameters: tuple[Parameter, ...] = ()
     handle_parameters: tuple[Parameter, ...] = ()
     control_parameters: tuple[Parameter, ...] = ()
+
+    @property
+    def native(self) -> str:
+        """Its class in the native module."""
+        return "".join(word.capitalize() for word in self.id.split("_"))
 
     @property
     def is_space(self) -> bool:

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Methods that edit animations: their handles are edited at keys, and the frames between follow."""
 
-from .schema import Family, Method, Reproduced, factorising
+from .schema import Family, Method, factorising
 from .surface_nonlinear import ROWS as _SURFACE_NONLINEAR
+from .surface_nonlinear import STEPS
 
 _ARAP = next(row for row in _SURFACE_NONLINEAR if row.id == "arap")
 
@@ -15,17 +16,15 @@ ROWS = (
         known_as="Mesh Sequence",
         search="animation cache alembic shot jiggle fix",
         family=Family.SURFACE_NONLINEAR,
-        native="MeshSequence",
         section="6",
         paper="Xu et al. 2007",
         summary="Edits a moving mesh at keys; the frames between follow",
         fails="Follows only frames that the animation has",
         picture="mesh_sequence",
-        main=("rigidity",),
-        iterative=True,
         bind_seconds=factorising(0.12),
-        reproduces=Reproduced.RIGID_MOTIONS,
         keyed=True,
+        **STEPS,
+        main=("rigidity",),
         parameters=_ARAP.parameters,
     ),
 )

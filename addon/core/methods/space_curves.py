@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Space methods that curves control."""
 
-from .schema import Control, Family, Float, Method, Moved
+from .schema import Control, Family, Float, Method, Moved, Span
 
 ROWS = (
     Method(
@@ -11,69 +11,40 @@ ROWS = (
         known_as="Wires",
         search="brow lip fold crease curve face bulge",
         family=Family.SPACE_LINEAR,
-        control=Control.CURVES,
-        native="Wires",
         section="5.4",
         paper="Singh & Fiume 1998",
         summary="Carries what lies beside a curve: brows, lips, folds",
         fails="Loses twists about the curve itself",
         picture="wires: angry",
-        main=("radius", "exponent"),
+        control=Control.CURVES,
         moves=frozenset(Moved),
         bind_seconds=lambda points, size, _options: 5e-7 * points + 1.5e-8 * points * size,
+        main=("radius", "exponent"),
         parameters=(
-            Float(
-                "exponent",
-                1.0,
-                maximum=100.0,
-                soft_maximum=8.0,
-                rebinds=True,
-                label="Dominance",
-                description="Let the wire with the longest move prevail where several reach; 0 takes the "
-                "mean of all",
+            Float("exponent", "Dominance", 1.0, Span(0.0, 100.0, soft=8.0)).described(
+                "Let the wire with the longest move prevail where several reach; 0 takes the mean of all"
             ),
             Float(
                 "smoothing",
+                "Smoothing",
                 0.2,
-                maximum=10.0,
-                soft_maximum=1.0,
-                rebinds=True,
+                Span(0.0, 10.0, soft=1.0),
                 advanced=True,
                 unit="share of the distance",
-                label="Smoothing",
-                description="Set how much farther than the nearest place of a wire other places count; "
-                "with 0 only the nearest counts, and the shape tears inside a bent wire",
+            ).described(
+                "Set how much farther than the nearest place of a wire other places count; "
+                "with 0 only the nearest counts, and the shape tears inside a bent wire"
             ),
         ),
         control_parameters=(
-            Float(
-                "radius",
-                0.5,
-                minimum=1e-6,
-                precision=3,
-                unit="length",
-                rebinds=True,
-                label="Radius",
-                description="Set how far from the wire points follow it, in the space of the curve",
+            Float("radius", "Radius", 0.5, Span(1e-6, digits=3), unit="length").described(
+                "Set how far from the wire points follow it, in the space of the curve"
             ),
-            Float(
-                "scale",
-                1.0,
-                minimum=-100.0,
-                maximum=100.0,
-                soft_maximum=3.0,
-                rebinds=True,
-                label="Scale",
-                description="Scale the distances from the wire near it, also while the wire rests",
+            Float("scale", "Scale", 1.0, Span(-100.0, 100.0, soft=3.0)).described(
+                "Scale the distances from the wire near it, also while the wire rests"
             ),
-            Float(
-                "rotation",
-                1.0,
-                maximum=1.0,
-                soft_maximum=1.0,
-                rebinds=True,
-                label="Rotation",
-                description="Set how much of the turn of the wire points follow; with 0 they only move",
+            Float("rotation", "Rotation", 1.0, Span(0.0, 1.0, soft=1.0)).described(
+                "Set how much of the turn of the wire points follow; with 0 they only move"
             ),
         ),
     ),

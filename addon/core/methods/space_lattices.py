@@ -4,15 +4,21 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .schema import Box, Choice, Control, Family, Float, Int, Method, Moved, Posed, Reproduced
+from .schema import Box, Choice, Control, Family, Float, Int, Method, Moved, Posed, Reproduced, Span, items
 
-_SPLINES = (
-    ("bspline", "B-Spline", "Smooth, and each point reaches some cells; the degree says how smooth"),
-    (
-        "bezier",
-        "Bezier",
-        "One polynomial along each axis: each point reaches everything; up to 16 points along an axis",
-    ),
+_SPLINES = items(
+    bspline=("B-Spline", "Smooth, and each point reaches some cells; the degree says how smooth"),
+    bezier="One polynomial along each axis: each point reaches everything; up to 16 points along an axis",
+)
+_BASES = _SPLINES + items(
+    blender=(
+        "Blender's Lattice",
+        "What the interpolation types of the lattice say: the shape of Blender's modifier",
+    )
+)
+_OUTSIDE = items(
+    follow="The motion at the border goes on outside",
+    freeze=("Stay", "Some planes of points beside each border stay at rest, and so does all outside"),
 )
 
 
@@ -35,88 +41,54 @@ ROWS = (
         known_as="Free-Form Deformation",
         search="lattice box squash stretch taper",
         family=Family.SPACE_LINEAR,
-        control=Control.LATTICE,
-        native="Ffd",
         section="5.1",
         paper="Sederberg & Parry 1986, Coquillart 1990",
         summary="Bends everything in a box of points, several objects at once",
         fails="Pinches what is twisted",
         picture="longship: one lattice",
+        control=Control.LATTICE,
         moves=frozenset(Moved),
         bind_seconds=_seconds,
         reproduces=Reproduced.AFFINE_MAPS,
         parameters=(
             Choice(
                 "basis",
+                "Interpolation",
                 "bspline",
-                (
-                    *_SPLINES,
-                    (
-                        "blender",
-                        "Blender's Lattice",
-                        "What the interpolation types of the lattice say: the shape of Blender's modifier",
-                    ),
-                ),
-                rebinds=True,
-                label="Interpolation",
-                description="Choose how the points of the lattice blend",
-            ),
+                _BASES,
+            ).described("Choose how the points of the lattice blend"),
             Int(
                 "degree",
+                "Degree",
                 3,
-                minimum=1,
-                maximum=5,
-                soft_maximum=5,
-                rebinds=True,
+                Span(1, 5, soft=5),
                 only_with=("basis", ("bspline",)),
                 unit="degree of the polynomials",
-                label="Degree",
-                description="Smooth the lattice by higher degrees, which reach farther; 1 is straight from "
-                "point to point",
+            ).described(
+                "Smooth the lattice by higher degrees, which reach farther; 1 is straight from point to point"
             ),
             Choice(
                 "outside",
+                "Outside",
                 "follow",
-                (
-                    ("follow", "Follow", "The motion at the border goes on outside"),
-                    (
-                        "freeze",
-                        "Stay",
-                        "Some planes of points beside each border stay at rest, and so does all outside",
-                    ),
-                ),
-                rebinds=True,
+                _OUTSIDE,
                 only_with=("basis", ("bspline", "bezier")),
-                label="Outside",
-                description="Choose what happens outside the lattice",
-            ),
+            ).described("Choose what happens outside the lattice"),
             Int(
                 "continuity",
+                "Continuity",
                 1,
-                minimum=0,
-                maximum=4,
-                soft_maximum=2,
-                rebinds=True,
+                Span(0, 4, soft=2),
                 advanced=True,
                 only_with=("outside", ("freeze",)),
                 unit="continuous derivatives",
-                label="Continuity",
-                description="Set how smoothly the motion ends at the border, where so many planes of "
-                "points and one more stay",
+            ).described(
+                "Set how smoothly the motion ends at the border, where so many planes of "
+                "points and one more stay"
             ),
             Int(
-                "smooth",
-                1,
-                minimum=0,
-                maximum=4,
-                soft_maximum=3,
-                rebinds=True,
-                advanced=True,
-                unit="steps of subdivision",
-                label="Smooth",
-                description="Set how often a lattice of hexahedra is subdivided; 0 bends at each of its "
-                "faces",
-            ),
+                "smooth", "Smooth", 1, Span(0, 4, soft=3), advanced=True, unit="steps of subdivision"
+            ).described("Set how often a lattice of hexahedra is subdivided; 0 bends at each of its faces"),
         ),
     ),
     Method(
@@ -126,73 +98,45 @@ ROWS = (
         known_as="Inverse Free-Form Deformation",
         search="pull place text logo",
         family=Family.SPACE_LINEAR,
-        native="InverseFfd",
         section="5.1",
         paper="Hsu, Hughes & Kaufman 1992",
         summary="Pulls at places of text, curves or meshes; what is far stays",
         fails="Shears bumps",
         picture="inverse_ffd",
-        main=("resolution",),
         moves=frozenset(Moved),
         posed=Posed.POINTS,
         bind_seconds=_inverse_seconds,
         reproduces=Reproduced.REST,
+        main=("resolution",),
         parameters=(
             Int(
-                "resolution",
-                5,
-                minimum=2,
-                maximum=16,
-                soft_maximum=10,
-                rebinds=True,
-                unit="control points along each axis",
-                label="Resolution",
-                description="Let a drag reach less far by more points of the hidden lattice along each axis",
-            ),
-            Choice(
-                "basis",
-                "bspline",
-                _SPLINES,
-                rebinds=True,
-                advanced=True,
-                label="Interpolation",
-                description="Set how the points of the hidden lattice blend",
+                "resolution", "Resolution", 5, Span(2, 16, soft=10), unit="control points along each axis"
+            ).described("Let a drag reach less far by more points of the hidden lattice along each axis"),
+            Choice("basis", "Interpolation", "bspline", _SPLINES, advanced=True).described(
+                "Set how the points of the hidden lattice blend"
             ),
             Int(
                 "degree",
+                "Degree",
                 3,
-                minimum=1,
-                maximum=5,
-                soft_maximum=5,
-                rebinds=True,
+                Span(1, 5, soft=5),
                 advanced=True,
                 only_with=("basis", ("bspline",)),
                 unit="degree of the polynomials",
-                label="Degree",
-                description="Smooth the hidden lattice by higher degrees, which reach farther",
-            ),
+            ).described("Smooth the hidden lattice by higher degrees, which reach farther"),
             Float(
                 "cut_off",
+                "Cut-Off",
                 1e-3,
-                minimum=1e-6,
-                maximum=0.5,
-                soft_maximum=0.1,
-                precision=5,
-                rebinds=True,
+                Span(1e-6, 0.5, soft=0.1, digits=5),
                 advanced=True,
                 unit="share of the most visible direction",
-                label="Cut-Off",
-                description="Calm the shape where handles are close to each other; higher values meet them "
-                "less exactly",
+            ).described(
+                "Calm the shape where handles are close to each other; higher values meet them less exactly"
             ),
-            Box(
-                "frame",
-                types=("EMPTY",),
-                rebinds=True,
-                advanced=True,
-                label="Box",
-                description="Choose an empty whose cube of size 1 the hidden lattice fills; without one, "
-                "it fills a box around the surface",
+            Box("frame", "Box", types=("EMPTY",), advanced=True).described(
+                "Choose an empty whose cube of size 1 the hidden lattice fills; without one, "
+                "it fills a box around the surface"
             ),
         ),
     ),

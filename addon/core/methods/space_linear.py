@@ -14,48 +14,56 @@ from .schema import (
     Method,
     Moved,
     Reproduced,
+    Span,
+    items,
     per_pair,
     stored_precision,
 )
 
+_CAGE: dict[str, Any] = {"control": Control.CAGE, "moves": frozenset(Moved)}
+
+
+_REFUSED = items(
+    error=("Refuse", "The vertices outside are named in an error; nothing moves until they are inside"),
+    mean_value=("Follow", "Vertices outside the cage follow it, too"),
+)
+
+_OUTSIDE = items(
+    nearest=("Nearest Face", "Each vertex outside the cage follows its nearest face"),
+    error=("Refuse", "The vertices outside are named in an error; nothing moves until they are inside"),
+)
+
+_FACES = items(
+    triangles="A quad is cut along a diagonal, which the shape shows",
+    quads="A quad is a smooth patch, and a symmetric cage gives symmetric shapes: binding "
+    "takes three to five times as long, a frame a third longer",
+)
+
+
 CAGE_PARAMETERS = (
     Float(
         "threshold",
+        "Threshold",
         0.0,
-        maximum=0.1,
-        soft_maximum=0.01,
-        precision=5,
-        rebinds=True,
+        Span(0.0, 0.1, soft=0.01, digits=5),
         advanced=True,
         unit="weight of a cage vertex",
-        label="Threshold",
-        description="Speed up large cages by letting each point follow only the near part of the cage; 0 "
-        "keeps all weights",
+    ).described(
+        "Speed up large cages by letting each point follow only the near part of the cage; 0 "
+        "keeps all weights"
     ),
     stored_precision("the weights"),
 )
 
-OUTSIDE_REFUSED = Choice(
-    "outside",
-    "error",
-    (
-        (
-            "error",
-            "Refuse",
-            "The vertices outside are named in an error; nothing moves until they are inside",
-        ),
-        ("mean_value", "Follow", "Vertices outside the cage follow it, too"),
-    ),
-    rebinds=True,
-    label="Outside",
-    description="Choose what happens to vertices outside the cage",
+OUTSIDE_REFUSED = Choice("outside", "Outside", "error", _REFUSED).described(
+    "Choose what happens to vertices outside the cage"
 )
 
-QUALITIES = (
-    ("fast", "Fast", "Some hundredths of a second for 150 faces; errors of the weights up to 1/50"),
-    ("medium", "Medium", "Some tenths of a second for 150 faces; errors of the weights up to 1/200"),
-    ("fine", "Fine", "A second or two for 150 faces"),
-    ("finest", "Finest", "A minute and a gigabyte of memory; for comparisons"),
+QUALITIES = items(
+    fast="Some hundredths of a second for 150 faces; errors of the weights up to 1/50",
+    medium="Some tenths of a second for 150 faces; errors of the weights up to 1/200",
+    fine="A second or two for 150 faces",
+    finest="A minute and a gigabyte of memory; for comparisons",
 )
 
 
@@ -96,18 +104,16 @@ ROWS = (
         known_as="Mean Value Cage",
         search="cage wrap mesh deform",
         family=Family.SPACE_LINEAR,
-        control=Control.CAGE,
-        native="MeanValue",
         section="5.4",
         paper="Ju, Schaefer & Warren 2005; Floater 2003",
         summary="Follows a coarse mesh around it at once; limbs side by side pull at each other",
         fails="Lets limbs side by side pull at each other",
         picture="coordinates",
-        main=("cage_subdivision",),
-        moves=frozenset(Moved),
         bind_seconds=per_pair(1e-8),
         reproduces=Reproduced.AFFINE_MAPS,
         takes_flat=True,
+        **_CAGE,
+        main=("cage_subdivision",),
         parameters=CAGE_PARAMETERS,
     ),
     Method(
@@ -117,37 +123,22 @@ ROWS = (
         known_as="Positive Mean Value Cage",
         search="cage legs fingers apart",
         family=Family.SPACE_LINEAR,
-        control=Control.CAGE,
-        native="PositiveMeanValue",
         section="5.4",
         paper="Lipman, Kopf, Cohen-Or & Levin 2007",
         summary="Follows only the part of the cage it can see, so legs do not pull at each other",
         fails="Shows creases where sight of the cage ends",
-        also_needs="which is closed and around everything",
         picture="coordinates",
-        main=("cage_subdivision",),
-        moves=frozenset(Moved),
+        also_needs="which is closed and around everything",
         bind_seconds=_positive_seconds,
         reproduces=Reproduced.AFFINE_MAPS,
+        **_CAGE,
+        main=("cage_subdivision",),
         parameters=(
-            Bool(
-                "exact",
-                True,
-                rebinds=True,
-                label="Exact",
-                description="Compute the weights exactly, instead of estimating them with rays: smoother, "
-                "but slower",
+            Bool("exact", "Exact", True).described(
+                "Compute the weights exactly, instead of estimating them with rays: smoother, but slower"
             ),
-            Int(
-                "directions",
-                1024,
-                minimum=8,
-                maximum=65536,
-                soft_maximum=4096,
-                rebinds=True,
-                unit="rays per point",
-                label="Rays",
-                description="Set the number of rays per point, if the weights are not exact",
+            Int("directions", "Rays", 1024, Span(8, 65536, soft=4096), unit="rays per point").described(
+                "Set the number of rays per point, if the weights are not exact"
             ),
             OUTSIDE_REFUSED,
             *CAGE_PARAMETERS,
@@ -160,26 +151,19 @@ ROWS = (
         known_as="Harmonic Cage",
         search="cage character pixar smooth",
         family=Family.SPACE_LINEAR,
-        control=Control.CAGE,
-        native="Harmonic",
         section="5.4",
         paper="Joshi, Meyer, DeRose, Green & Sanocki 2007",
         summary="Follows the cage along limbs and never across gaps; takes seconds to bind",
         fails="Refuses vertices outside the cage, and takes long to bind",
-        also_needs="which is closed and around everything",
         picture="coordinates",
-        main=("quality",),
-        moves=frozenset(Moved),
+        also_needs="which is closed and around everything",
         bind_seconds=_harmonic_seconds,
         reproduces=Reproduced.AFFINE_MAPS,
+        **_CAGE,
+        main=("quality",),
         parameters=(
-            Choice(
-                "quality",
-                "medium",
-                QUALITIES,
-                rebinds=True,
-                label="Quality",
-                description="Set how exactly the weights are computed at bind",
+            Choice("quality", "Quality", "medium", QUALITIES).described(
+                "Set how exactly the weights are computed at bind"
             ),
             OUTSIDE_REFUSED,
             *CAGE_PARAMETERS,
@@ -192,50 +176,23 @@ ROWS = (
         known_as="Green Cage",
         search="cage details shape",
         family=Family.SPACE_LINEAR,
-        control=Control.CAGE,
-        native="Green",
         section="5.4",
         paper="Lipman, Levin & Cohen-Or 2008; Thiery & Boubekeur 2022",
         summary="Follows the cage and keeps details in shape; bulges a little out of it",
         fails="Bulges out of the cage",
-        also_needs="which is closed",
         picture="coordinates",
-        main=("faces",),
-        moves=frozenset(Moved),
+        also_needs="which is closed",
         bind_seconds=_green_seconds,
         reproduces=Reproduced.SIMILARITIES,
         takes_flat=True,
+        **_CAGE,
+        main=("faces",),
         parameters=(
-            Choice(
-                "outside",
-                "nearest",
-                (
-                    ("nearest", "Nearest Face", "Each vertex outside the cage follows its nearest face"),
-                    (
-                        "error",
-                        "Refuse",
-                        "The vertices outside are named in an error; nothing moves until they are inside",
-                    ),
-                ),
-                rebinds=True,
-                label="Outside",
-                description="Choose what happens to vertices outside the cage",
+            Choice("outside", "Outside", "nearest", _OUTSIDE).described(
+                "Choose what happens to vertices outside the cage"
             ),
-            Choice(
-                "faces",
-                "triangles",
-                (
-                    ("triangles", "Triangles", "A quad is cut along a diagonal, which the shape shows"),
-                    (
-                        "quads",
-                        "Quads",
-                        "A quad is a smooth patch, and a symmetric cage gives symmetric shapes: binding "
-                        "takes three to five times as long, a frame a third longer",
-                    ),
-                ),
-                rebinds=True,
-                label="Quads",
-                description="Choose what the faces of the cage with four corners are",
+            Choice("faces", "Quads", "triangles", _FACES).described(
+                "Choose what the faces of the cage with four corners are"
             ),
             *CAGE_PARAMETERS,
         ),

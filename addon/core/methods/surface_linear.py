@@ -15,56 +15,25 @@ from .schema import (
     Int,
     Method,
     Reproduced,
+    Span,
     UvMap,
     factorising,
+    items,
     laplacian,
-)
-
-CONTINUITY = Float(
-    "continuity",
-    2.0,
-    maximum=2.0,
-    soft_maximum=2.0,
-    precision=1,
-    step=0.1,
-    rebinds=True,
-    unit="derivatives kept",
-    label="Continuity",
-    description="Set how smoothly the surface leaves this region: 0 allows a crease, 1 keeps the slope, 2 "
-    "keeps the curvature",
-)
-
-FIELD = Choice(
-    "field",
-    "harmonic",
-    (
-        (
-            "harmonic",
-            "Harmonic",
-            "As heat spreads from the handles: smooth everywhere, and quick to bind",
-        ),
-        ("geodesic", "Geodesic", "By the distances from the handles along the surface"),
-        ("euclidean", "Euclidean", "By the straight distances from the handles, across gaps"),
-    ),
-    rebinds=True,
-    label="Falloff",
-    description="Set how the turn of a handle fades over the surface towards the other regions",
 )
 
 
 def _substeps(which: str, only_with: tuple[str, tuple[str, ...]] | None = None) -> Int:
     return Int(
         "substeps",
+        "Substeps",
         1,
-        minimum=1,
-        maximum=1000,
-        soft_maximum=16,
+        Span(1, 1000, soft=16),
+        rebinds=False,
         advanced=True,
         only_with=only_with,
         unit="steps",
-        label="Substeps",
-        description="Take the handles from rest to their poses in so many steps; " + which,
-    )
+    ).described("Take the handles from rest to their poses in so many steps; " + which)
 
 
 def _laplacian_bind_seconds(points: int, size: int, options: Mapping[str, Any]) -> float:
@@ -78,6 +47,43 @@ def _spline_bind_seconds(points: int, size: int, options: Mapping[str, Any]) -> 
     )
 
 
+_FIELDS = items(
+    harmonic="As heat spreads from the handles: smooth everywhere, and quick to bind",
+    geodesic="By the distances from the handles along the surface",
+    euclidean="By the straight distances from the handles, across gaps",
+)
+
+_TRANSFORMS = items(
+    none="Details keep their directions, as in the thin shell",
+    explicit=("From Handles", "Details turn as the handles do, and the turn fades by the falloff"),
+    estimated="Details turn as their neighbourhoods do in a first solution",
+    implicit="Details turn as their neighbourhoods do, found together with their places; takes "
+    "about 20 times as long to bind",
+)
+
+_SECOND_STAGES = items(
+    polar=("Rotation", "Turns the details, each by the rotation nearest to its transformation"),
+    length="Transforms the details and restores their lengths",
+)
+
+_COARSENINGS = items(
+    automatic="Undoes subdivision as often as each loose part keeps 64 vertices",
+    levels="Undoes subdivision as often as Levels says",
+)
+
+
+CONTINUITY = Float(
+    "continuity", "Continuity", 2.0, Span(0.0, 2.0, soft=2.0, digits=1, step=0.1), unit="derivatives kept"
+).described(
+    "Set how smoothly the surface leaves this region: 0 allows a crease, 1 keeps the slope, 2 "
+    "keeps the curvature"
+)
+
+FIELD = Choice("field", "Falloff", "harmonic", _FIELDS).described(
+    "Set how the turn of a handle fades over the surface towards the other regions"
+)
+
+
 ROWS = (
     Method(
         id="thin_shell",
@@ -86,52 +92,31 @@ ROWS = (
         known_as="Thin Shell",
         search="cloth flag leaf smooth relax membrane",
         family=Family.SURFACE_LINEAR,
-        native="ThinShell",
         section="4.3",
         paper="Botsch & Kobbelt 2004",
         summary="Lifts and bends cloth, leaves and skin as softly as can be",
         fails="Collapses in twists and tight bends",
         picture="gallery: plane",
-        main=("stretching", "bending"),
         bind_seconds=factorising(0.035),
+        main=("stretching", "bending"),
         handle_parameters=(CONTINUITY,),
         parameters=(
             Float(
-                "stretching",
-                0.0,
-                soft_maximum=1.0,
-                paintable=True,
-                rebinds=True,
-                unit="relative weight",
-                label="Stretching",
-                description="Tighten the surface like a rubber skin, so that it goes straighter from one "
-                "region to the other",
+                "stretching", "Stretching", 0.0, Span(soft=1.0), paintable=True, unit="relative weight"
+            ).described(
+                "Tighten the surface like a rubber skin, so that it goes straighter from one "
+                "region to the other"
             ),
             Float(
-                "bending",
-                1.0,
-                soft_maximum=1.0,
-                paintable=True,
-                rebinds=True,
-                unit="relative weight",
-                label="Bending",
-                description="Stiffen the surface like a thin plate, so that it leaves handles smoothly",
-            ),
+                "bending", "Bending", 1.0, Span(soft=1.0), paintable=True, unit="relative weight"
+            ).described("Stiffen the surface like a thin plate, so that it leaves handles smoothly"),
             Float(
-                "variation",
-                0.0,
-                soft_maximum=1.0,
-                paintable=True,
-                rebinds=True,
-                unit="relative weight",
-                label="Variation",
-                description="Round the surface most by resisting changes of its curvature, which needs "
-                "wider handles",
+                "variation", "Variation", 0.0, Span(soft=1.0), paintable=True, unit="relative weight"
+            ).described(
+                "Round the surface most by resisting changes of its curvature, which needs wider handles"
             ),
             laplacian(),
-            _substeps(
-                "more steps keep twists from collapsing, and a frame takes as many binds",
-            ),
+            _substeps("more steps keep twists from collapsing, and a frame takes as many binds"),
         ),
     ),
     Method(
@@ -141,15 +126,14 @@ ROWS = (
         known_as="Gradient Editing",
         search="twist turn poisson gradient",
         family=Family.SURFACE_LINEAR,
-        native="GradientEditing",
         section="4.5.1",
         paper="Yu et al. 2004, Zayer et al. 2005",
         summary="Spreads the turn of a handle evenly; handles have to turn, not only move",
         fails="Shears the surface beside handles that only move",
         picture="gallery: cylinder",
-        main=("field",),
         bind_seconds=factorising(0.03),
         reproduces=Reproduced.AFFINE_MAPS,
+        main=("field",),
         parameters=(FIELD,),
     ),
     Method(
@@ -159,7 +143,6 @@ ROWS = (
         known_as="Rotation-Invariant Coordinates",
         search="twist even unstretched",
         family=Family.SURFACE_LINEAR,
-        native="RotationInvariantCoordinates",
         section="4.5.3",
         paper="Lipman et al. 2005, 2007",
         summary="Twists and bends with little stretch; handles have to turn, not only move",
@@ -176,24 +159,19 @@ ROWS = (
         known_as="Transformation Propagation",
         search="proportional soft selection softmod magnet falloff",
         family=Family.SURFACE_LINEAR,
-        native="Propagation",
         section="4.2",
         paper="Bendels & Klein 2003, Pauly et al. 2003",
         summary="Lets a move fade over the surface by a curve that you draw",
         fails="Keeps nothing stiff",
         picture="gallery: branches",
-        main=("field",),
         bind_seconds=factorising(0.03),
         reproduces=Reproduced.AFFINE_MAPS,
+        main=("field",),
         parameters=(
             FIELD,
-            Curve(
-                "transfer",
-                ((0.0, 0.0), (1.0, 1.0)),
-                rebinds=True,
-                label="Falloff Curve",
-                description="Draw how much of the motion of a handle is left, from the other regions "
-                "(left) to the handle itself (right)",
+            Curve("transfer", "Falloff Curve", ((0.0, 0.0), (1.0, 1.0))).described(
+                "Draw how much of the motion of a handle is left, from the other regions "
+                "(left) to the handle itself (right)"
             ),
         ),
     ),
@@ -204,80 +182,41 @@ ROWS = (
         known_as="Laplacian Editing",
         search="laplacian deform smooth",
         family=Family.SURFACE_LINEAR,
-        native="LaplacianEditing",
         section="4.5.2",
         paper="Lipman et al. 2004, Sorkine et al. 2004",
         summary="Moves a bumpy surface smoothly, and turns its bumps",
         fails="Flattens what is twisted by more than a right angle",
         picture="gallery: plane",
-        main=("transforms",),
         bind_seconds=_laplacian_bind_seconds,
+        main=("transforms",),
         parameters=(
-            Choice(
-                "transforms",
-                "estimated",
-                (
-                    ("none", "None", "Details keep their directions, as in the thin shell"),
-                    (
-                        "explicit",
-                        "From Handles",
-                        "Details turn as the handles do, and the turn fades by the falloff",
-                    ),
-                    ("estimated", "Estimated", "Details turn as their neighbourhoods do in a first solution"),
-                    (
-                        "implicit",
-                        "Implicit",
-                        "Details turn as their neighbourhoods do, found together with their places; takes "
-                        "about 20 times as long to bind",
-                    ),
-                ),
-                rebinds=True,
-                label="Details",
-                description="Set how the details of the surface are turned",
+            Choice("transforms", "Details", "estimated", _TRANSFORMS).described(
+                "Set how the details of the surface are turned"
             ),
             replace(FIELD, only_with=("transforms", ("explicit",))),
             Int(
                 "refits",
+                "Refits",
                 2,
-                maximum=64,
-                soft_maximum=16,
-                rebinds=True,
-                unit="solves",
+                Span(0, 64, soft=16),
                 only_with=("transforms", ("estimated",)),
-                label="Refits",
-                description="Bring twists closer to rigid by estimating the turns so many times again",
-            ),
+                unit="solves",
+            ).described("Bring twists closer to rigid by estimating the turns so many times again"),
             Choice(
                 "second_stage",
+                "Second Stage",
                 "polar",
-                (
-                    (
-                        "polar",
-                        "Rotation",
-                        "Turns the details, each by the rotation nearest to its transformation",
-                    ),
-                    (
-                        "length",
-                        "Length",
-                        "Transforms the details and restores their lengths",
-                    ),
-                ),
-                rebinds=True,
+                _SECOND_STAGES,
                 advanced=True,
                 only_with=("transforms", ("implicit",)),
-                label="Second Stage",
-                description="Keep the size of details by what is done with how they are found to turn and "
-                "grow",
-            ),
+            ).described("Keep the size of details by what is done with how they are found to turn and grow"),
             Bool(
                 "mean_frame",
+                "Mean Frame",
                 True,
-                rebinds=True,
                 advanced=True,
                 only_with=("transforms", ("estimated", "implicit")),
-                label="Mean Frame",
-                description="Improve large turns by looking from the middle of the turns of all handles",
-            ),
+            ).described("Improve large turns by looking from the middle of the turns of all handles"),
             laplacian(),
             _substeps(
                 "more steps help where two handles twist the surface, and may take as many binds",
@@ -292,38 +231,22 @@ ROWS = (
         known_as="Hierarchical Smoothing",
         search="levels multires hierarchical",
         family=Family.SURFACE_LINEAR,
-        native="HierarchicalSmoothing",
         section="4.3",
         paper="Guskov, Sweldens & Schröder 1999",
         summary="Bends coarse and fine details level by level",
         fails="Bends symmetric meshes not quite symmetrically",
         picture="gallery: branches",
-        main=("levels",),
         bind_seconds=factorising(0.08),
         reproduces=Reproduced.RIGID_MOTIONS,
         symmetric=False,
+        main=("levels",),
         parameters=(
-            Int(
-                "levels",
-                64,
-                maximum=1000,
-                soft_maximum=100,
-                rebinds=True,
-                unit="levels",
-                label="Levels",
-                description="Set how often the surface between the regions is thinned out, at most; with "
-                "few levels, only fine details turn",
+            Int("levels", "Levels", 64, Span(0, 1000, soft=100), unit="levels").described(
+                "Set how often the surface between the regions is thinned out, at most; with "
+                "few levels, only fine details turn"
             ),
-            Int(
-                "relaxations",
-                4,
-                maximum=1000,
-                soft_maximum=32,
-                rebinds=True,
-                unit="sweeps",
-                label="Relaxations",
-                description="Round the way out of each region by smoothing each level more often, which "
-                "takes longer",
+            Int("relaxations", "Relaxations", 4, Span(0, 1000, soft=32), unit="sweeps").described(
+                "Round the way out of each region by smoothing each level more often, which takes longer"
             ),
         ),
     ),
@@ -334,85 +257,39 @@ ROWS = (
         known_as="Spline Surface",
         search="patch nurbs uv grid banner",
         family=Family.SURFACE_LINEAR,
-        native="SplineSurface",
         section="4.1",
         paper="Farin 1997",
         summary="Moves a sheet by a grid of smooth bumps on its UV map",
         fails="Moves front and back of closed bodies alike",
-        also_needs="best with a UV map",
         picture="spline_surface",
-        main=("columns", "rows"),
+        also_needs="best with a UV map",
         draws="GRID",
         bind_seconds=_spline_bind_seconds,
+        main=("columns", "rows"),
         parameters=(
-            Int(
-                "degree",
-                3,
-                minimum=1,
-                maximum=5,
-                soft_maximum=5,
-                rebinds=True,
-                unit="polynomial degree",
-                label="Degree",
-                description="Smooth the sheet by higher degrees, which reach farther; 1 joins straight "
-                "pieces with creases",
+            Int("degree", "Degree", 3, Span(1, 5, soft=5), unit="polynomial degree").described(
+                "Smooth the sheet by higher degrees, which reach farther; 1 joins straight "
+                "pieces with creases"
             ),
-            Int(
-                "columns",
-                8,
-                minimum=2,
-                maximum=32,
-                soft_maximum=32,
-                rebinds=True,
-                unit="control points",
-                label="Columns",
-                description="Set the control points along the longer side of the plane, or along u of the "
-                "UV map",
+            Int("columns", "Columns", 8, Span(2, 32, soft=32), unit="control points").described(
+                "Set the control points along the longer side of the plane, or along u of the UV map"
             ),
-            Int(
-                "rows",
-                8,
-                minimum=2,
-                maximum=32,
-                soft_maximum=32,
-                rebinds=True,
-                unit="control points",
-                label="Rows",
-                description="Set the control points across it, or along v of the UV map",
+            Int("rows", "Rows", 8, Span(2, 32, soft=32), unit="control points").described(
+                "Set the control points across it, or along v of the UV map"
             ),
-            GridPoints(
-                "grid",
-                label="Grid Object",
-                description="Choose the mesh whose points move those of the control grid; if empty, the "
-                "regions alone move them",
+            GridPoints("grid", "Grid Object").described(
+                "Choose the mesh whose points move those of the control grid; if empty, the "
+                "regions alone move them"
             ),
-            UvMap(
-                "uv_map",
-                rebinds=True,
-                label="UV Map",
-                description="Choose where the grid lies; if empty, on the plane that fits the surface best",
+            UvMap("uv_map", "UV Map").described(
+                "Choose where the grid lies; if empty, on the plane that fits the surface best"
             ),
             Float(
-                "smoothing",
-                1e-3,
-                soft_maximum=1.0,
-                precision=4,
-                step=0.001,
-                rebinds=True,
-                unit="relative weight",
-                label="Smoothing",
-                description="Calm the control grid, which overshoots with 0",
-            ),
-            Float(
-                "margin",
-                0.2,
-                soft_maximum=1.0,
-                rebinds=True,
-                advanced=True,
-                unit="share of the size",
-                label="Margin",
-                description="Leave regions more smoothly by letting the grid reach into them, as a share "
-                "of the size of the free surface",
+                "smoothing", "Smoothing", 1e-3, Span(soft=1.0, digits=4, step=0.001), unit="relative weight"
+            ).described("Calm the control grid, which overshoots with 0"),
+            Float("margin", "Margin", 0.2, Span(soft=1.0), advanced=True, unit="share of the size").described(
+                "Leave regions more smoothly by letting the grid reach into them, as a share "
+                "of the size of the free surface"
             ),
         ),
     ),
@@ -423,27 +300,19 @@ ROWS = (
         known_as="Volumetric Graph Laplacian",
         search="volume inside stuffed",
         family=Family.SURFACE_LINEAR,
-        native="VolumetricGraphLaplacian",
         section="4.5.2",
         paper="Zhou et al. 2005",
         summary="Bends as if the body were filled, so that it stays full",
         fails="Narrows what is twisted, and finds no inside in flat sheets",
-        also_needs="best a closed one",
         picture="volume",
-        main=("volume",),
+        also_needs="best a closed one",
         bind_seconds=factorising(0.3),
         reproduces=Reproduced.AFFINE_MAPS,
         symmetric=False,
+        main=("volume",),
         parameters=(
-            Float(
-                "volume",
-                1.0,
-                soft_maximum=10.0,
-                rebinds=True,
-                unit="relative weight",
-                label="Volume",
-                description="Set how much the points inside count beside the surface; 0 leaves the surface "
-                "alone",
+            Float("volume", "Volume", 1.0, Span(soft=10.0), unit="relative weight").described(
+                "Set how much the points inside count beside the surface; 0 leaves the surface alone"
             ),
             laplacian(),
         ),
@@ -455,44 +324,30 @@ ROWS = (
         known_as="Subdivision Editing",
         search="multires subdivision sculpt",
         family=Family.SURFACE_LINEAR,
-        native="SubdivisionEditing",
         section="4.3",
         paper="Zorin, Schröder & Sweldens 1997",
         summary="Moves a coarse level of a subdivided mesh, and keeps the sculpt on the finer ones",
         fails="Finds no levels in a mesh that was not subdivided",
-        also_needs="which was subdivided",
         picture="pillars",
-        main=("levels",),
+        also_needs="which was subdivided",
         bind_seconds=factorising(0.045),
         reproduces=Reproduced.RIGID_MOTIONS,
+        main=("levels",),
         parameters=(
-            Choice(
-                "coarsening",
-                "automatic",
-                (
-                    (
-                        "automatic",
-                        "Automatic",
-                        "Undoes subdivision as often as each loose part keeps 64 vertices",
-                    ),
-                    ("levels", "Levels", "Undoes subdivision as often as Levels says"),
-                ),
-                rebinds=True,
-                label="Coarsening",
-                description="Choose the level that handles pull: coarse ones turn large details along, "
-                "fine ones follow more closely",
+            Choice("coarsening", "Coarsening", "automatic", _COARSENINGS).described(
+                "Choose the level that handles pull: coarse ones turn large details along, "
+                "fine ones follow more closely"
             ),
             Int(
                 "levels",
+                "Levels",
                 1,
-                maximum=1000,
-                soft_maximum=6,
-                rebinds=True,
-                unit="levels",
+                Span(0, 1000, soft=6),
                 only_with=("coarsening", ("levels",)),
-                label="Levels",
-                description="Set how often subdivision is undone, where the mesh has so many levels; 0 "
-                "bends the mesh itself as a plate",
+                unit="levels",
+            ).described(
+                "Set how often subdivision is undone, where the mesh has so many levels; 0 "
+                "bends the mesh itself as a plate"
             ),
         ),
     ),

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Nonlinear surface methods: they minimise an energy, step by step, from a start."""
 
+from typing import Any
+
 from .schema import (
     Bool,
     Choice,
@@ -12,24 +14,35 @@ from .schema import (
     Method,
     Reproduced,
     Size,
+    Span,
     factorising,
+    items,
     iterations,
     tolerance,
 )
 
-CELLS = (
-    ("spokes", "Spokes", "Each vertex keeps the edges that meet it rigid"),
-    (
-        "rims",
+STEPS: dict[str, Any] = {"iterative": True, "reproduces": Reproduced.RIGID_MOTIONS}
+
+
+_FIELDS = items(
+    harmonic="Isolines of a smooth field between the handles",
+    geodesic="Isolines by distances along the surface",
+    euclidean=("Straight", "Isolines by distances in a straight line"),
+)
+
+
+CELLS = items(
+    spokes="Each vertex keeps the edges that meet it rigid",
+    rims=(
         "Spokes and Rims",
         "Each vertex also keeps the edges opposite to it rigid: firmer, and more stable on thin triangles",
     ),
 )
 
-MEASURES = (
-    ("share", "Share of the Size", "Thickness is a share of the size of each part of the surface"),
-    ("length", "Length", "Thickness is a length"),
-    ("stiffness", "Stretching and Bending", "Both stiffnesses are set by themselves"),
+MEASURES = items(
+    share=("Share of the Size", "Thickness is a share of the size of each part of the surface"),
+    length="Thickness is a length",
+    stiffness=("Stretching and Bending", "Both stiffnesses are set by themselves"),
 )
 
 
@@ -41,64 +54,47 @@ ROWS = (
         known_as="Nonlinear Thin Shell",
         search="rubber hose tyre kink elastic",
         family=Family.SURFACE_NONLINEAR,
-        native="ThinShellNonlinear",
         section="4.3",
         paper="Terzopoulos et al. 1987",
         summary="Bends, stretches and kinks like rubber",
         fails="Presses hollow parts flat where they bend",
         picture="sheets: kink",
-        main=("thickness",),
-        iterative=True,
         bind_seconds=factorising(0.2),
-        reproduces=Reproduced.RIGID_MOTIONS,
+        **STEPS,
+        main=("thickness",),
         parameters=(
-            Choice(
-                "measure",
-                "share",
-                MEASURES,
-                rebinds=True,
-                label="Stiffness From",
-                description="Choose what says how stiff the sheet is",
+            Choice("measure", "Stiffness From", "share", MEASURES).described(
+                "Choose what says how stiff the sheet is"
             ),
             Float(
                 "thickness",
+                "Thickness",
                 0.02,
-                soft_maximum=0.1,
-                precision=4,
-                step=0.1,
+                Span(soft=0.1, digits=4, step=0.1),
                 paintable=True,
-                rebinds=True,
                 only_with=("measure", ("share", "length")),
-                unit="share of the size, or a length",
                 share_of=Size.SURFACE,
                 share_with=("measure", "share"),
-                label="Thickness",
-                description="Set how thick the sheet is: a thin one bends like paper, a thick one stretches",
-            ),
+                unit="share of the size, or a length",
+            ).described("Set how thick the sheet is: a thin one bends like paper, a thick one stretches"),
             Float(
                 "stretching",
+                "Stretching",
                 1.0,
-                minimum=0.001,
-                soft_maximum=10.0,
+                Span(0.001, soft=10.0),
                 paintable=True,
-                rebinds=True,
                 only_with=("measure", ("stiffness",)),
                 unit="relative weight",
-                label="Stretching",
-                description="Set how much the sheet resists being stretched",
-            ),
+            ).described("Set how much the sheet resists being stretched"),
             Float(
                 "bending",
+                "Bending",
                 1.0,
-                soft_maximum=10.0,
-                precision=5,
+                Span(soft=10.0, digits=5),
                 paintable=True,
-                rebinds=True,
                 only_with=("measure", ("stiffness",)),
                 unit="area, times that of Stretching",
-                label="Bending",
-                description="Set how much the sheet resists being bent",
-            ),
+            ).described("Set how much the sheet resists being bent"),
             iterations(60),
             tolerance(),
         ),
@@ -110,60 +106,43 @@ ROWS = (
         known_as="As-Rigid-As-Possible",
         search="limb arm leg tail elbow pose rigid corrective",
         family=Family.SURFACE_NONLINEAR,
-        native="Arap",
         section="6",
         paper="Sorkine & Alexa 2007, Levi & Gotsman 2015",
         summary="Bends limbs and bodies through large turns, and keeps their details",
         fails="Leaves spikes at handles of a single vertex",
         picture="gallery: branches",
-        main=("rigidity",),
-        iterative=True,
         bind_seconds=factorising(0.12),
-        reproduces=Reproduced.RIGID_MOTIONS,
+        **STEPS,
+        main=("rigidity",),
         parameters=(
             Float(
                 "smoothness",
+                "Evenness",
                 5e-4,
-                maximum=10.0,
-                soft_maximum=0.01,
-                precision=5,
-                rebinds=True,
+                Span(0.0, 10.0, soft=0.01, digits=5),
                 unit="share of the rest area",
-                label="Evenness",
-                description="Let neighbouring parts turn evenly, as a share of the area of the surface; "
-                "with 0, fine meshes buckle",
+            ).described(
+                "Let neighbouring parts turn evenly, as a share of the area of the surface; "
+                "with 0, fine meshes buckle"
             ),
-            Choice(
-                "cells",
-                "spokes",
-                CELLS,
-                rebinds=True,
-                label="Cells",
-                description="Make the surface firmer by keeping more edges around each vertex rigid",
+            Choice("cells", "Cells", "spokes", CELLS).described(
+                "Make the surface firmer by keeping more edges around each vertex rigid"
             ),
             Float(
                 "point_handles",
+                "Round Points",
                 0.0,
-                maximum=0.99,
-                soft_maximum=0.9,
-                rebinds=True,
+                Span(0.0, 0.99, soft=0.9),
                 advanced=True,
                 unit="share of the energy",
-                label="Round Points",
-                description="Avoid spikes at handles of a single vertex by 0.5 to 0.9; 0 is right for "
-                "handles of many vertices",
+            ).described(
+                "Avoid spikes at handles of a single vertex by 0.5 to 0.9; 0 is right for "
+                "handles of many vertices"
             ),
             Float(
-                "rigidity",
-                1.0,
-                minimum=0.001,
-                soft_maximum=1.0,
-                paintable=True,
-                rebinds=True,
-                unit="relative weight",
-                label="Rigidity",
-                description="Set how firmly the surface keeps its shape, everywhere or as a vertex group "
-                "is painted",
+                "rigidity", "Rigidity", 1.0, Span(0.001, soft=1.0), paintable=True, unit="relative weight"
+            ).described(
+                "Set how firmly the surface keeps its shape, everywhere or as a vertex group is painted"
             ),
             iterations(40),
             tolerance(),
@@ -176,31 +155,24 @@ ROWS = (
         known_as="PriMo",
         search="prism thickness stiff leather",
         family=Family.SURFACE_NONLINEAR,
-        native="Primo",
         section="6",
         paper="Botsch, Pauly, Gross & Kobbelt 2006",
         summary="Bends like a sheet as thick as you say",
         fails="Takes long to bind",
         picture="prisms",
-        main=("height",),
-        iterative=True,
         bind_seconds=factorising(0.12),
-        reproduces=Reproduced.RIGID_MOTIONS,
+        **STEPS,
+        main=("height",),
         parameters=(
             Float(
                 "height",
+                "Height",
                 0.05,
-                minimum=0.0001,
-                maximum=10.0,
-                soft_maximum=0.2,
-                precision=4,
+                Span(0.0001, 10.0, soft=0.2, digits=4),
                 paintable=True,
-                rebinds=True,
-                unit="share of the size",
                 share_of=Size.SURFACE,
-                label="Height",
-                description="Stiffen bends and twists by a thicker sheet, as a share of the size of the part",
-            ),
+                unit="share of the size",
+            ).described("Stiffen bends and twists by a thicker sheet, as a share of the size of the part"),
             iterations(40),
             tolerance(),
         ),
@@ -212,52 +184,32 @@ ROWS = (
         known_as="Pyramid Coordinates",
         search="morph blend shape between twins grow",
         family=Family.SURFACE_NONLINEAR,
-        native="PyramidCoordinates",
         section="6",
         paper="Sheffer & Kraevoy 2004, Kraevoy & Sheffer 2006",
         summary="Turns one mesh into its twin; parts turn instead of shrinking",
         fails="Kinks tubes that bend by more than 55 degrees",
-        also_needs="a twin of the mesh to morph to",
         picture="pyramid_coordinates: half",
-        main=("morph",),
-        iterative=True,
+        also_needs="a twin of the mesh to morph to",
         bind_seconds=factorising(0.2),
-        reproduces=Reproduced.RIGID_MOTIONS,
+        **STEPS,
+        main=("morph",),
         parameters=(
             Float(
-                "morph",
-                0.0,
-                maximum=1.0,
-                soft_maximum=1.0,
-                unit="share of the way",
-                label="Morph",
-                description="Key how far the surface morphs to the target shape",
-            ),
-            MeshShape(
-                "target_shape",
-                rebinds=True,
-                label="Target Shape",
-                description="Choose the mesh with the same faces to morph to, without its modifiers and "
-                "shape keys",
+                "morph", "Morph", 0.0, Span(0.0, 1.0, soft=1.0), rebinds=False, unit="share of the way"
+            ).described("Key how far the surface morphs to the target shape"),
+            MeshShape("target_shape", "Target Shape").described(
+                "Choose the mesh with the same faces to morph to, without its modifiers and shape keys"
             ),
             Float(
                 "side",
+                "Edge Stiffness",
                 0.05,
-                minimum=0.0001,
-                soft_maximum=1.0,
-                precision=4,
-                rebinds=True,
+                Span(0.0001, soft=1.0, digits=4),
                 unit="weight of a ring's edges; that of heights is 1 at 1,000 vertices",
-                label="Edge Stiffness",
-                description="Set how firmly edges keep their lengths; lower it to let the surface stretch",
-            ),
-            Bool(
-                "similarity",
-                False,
-                rebinds=True,
-                label="Let Regions Grow",
-                description="Choose whether regions may grow or shrink, up to twice or half their size, "
-                "where handles pull them apart or are scaled",
+            ).described("Set how firmly edges keep their lengths; lower it to let the surface stretch"),
+            Bool("similarity", "Let Regions Grow", False).described(
+                "Choose whether regions may grow or shrink, up to twice or half their size, "
+                "where handles pull them apart or are scaled"
             ),
             iterations(40),
             tolerance(),
@@ -270,69 +222,41 @@ ROWS = (
         known_as="Subspace Laplacian",
         search="volume bulge muscle belly fat",
         family=Family.SURFACE_NONLINEAR,
-        native="SubspaceLaplacian",
         section="6",
         paper="Huang et al. 2006",
         summary="Bends a body and keeps its volume exactly",
         fails="Smears small bumps, and bends thin sheets badly",
         picture="reduced",
-        main=("keep_volume", "bending"),
-        iterative=True,
         bind_seconds=lambda points, _size, _options: 0.14 + 5e-5 * points,
-        reproduces=Reproduced.RIGID_MOTIONS,
         symmetric=False,
+        **STEPS,
+        main=("keep_volume", "bending"),
         parameters=(
-            Bool(
-                "keep_volume",
-                True,
-                rebinds=True,
-                label="Keep Volume",
-                description="Keep the volume of parts that are closed, or nearly, exactly",
+            Bool("keep_volume", "Keep Volume", True).described(
+                "Keep the volume of parts that are closed, or nearly, exactly"
             ),
-            MeshObject(
-                "cage",
-                rebinds=True,
-                label="Cage",
-                description="Choose a closed mesh around the parts that have handles; without one, each "
-                "part gets its own, which is not shown",
+            MeshObject("cage", "Cage").described(
+                "Choose a closed mesh around the parts that have handles; without one, each "
+                "part gets its own, which is not shown"
             ),
             Int(
-                "cage_faces",
-                0,
-                maximum=2000,
-                soft_maximum=600,
-                earlier=(160, 2),
-                rebinds=True,
-                unit="triangles",
-                label="Cage Faces",
-                description="Bend more freely with more faces of the cage that each part gets; 0 is 160, "
-                "and more beside small handles",
+                "cage_faces", "Cage Faces", 0, Span(0, 2000, soft=600), earlier=(160, 2), unit="triangles"
+            ).described(
+                "Bend more freely with more faces of the cage that each part gets; 0 is 160, "
+                "and more beside small handles"
             ),
             Float(
                 "bending",
+                "Bending",
                 0.0015,
-                maximum=10.0,
-                soft_maximum=0.05,
-                precision=4,
-                rebinds=True,
+                Span(0.0, 10.0, soft=0.05, digits=4),
                 unit="share of the rest area",
-                label="Bending",
-                description="Set how stiff the surface is in bends, as a share of its area",
-            ),
+            ).described("Set how stiff the surface is in bends, as a share of its area"),
             Int(
-                "clusters",
-                60,
-                minimum=1,
-                maximum=2000,
-                soft_maximum=200,
-                rebinds=True,
-                advanced=True,
-                unit="clusters per part",
-                label="Clusters",
-                description="Bend finer with more groups of vertices that turn each as one",
-            ),
-            iterations(60, soft_maximum=200),
-            tolerance(1e-5, precision=7),
+                "clusters", "Clusters", 60, Span(1, 2000, soft=200), advanced=True, unit="clusters per part"
+            ).described("Bend finer with more groups of vertices that turn each as one"),
+            iterations(60, soft=200),
+            tolerance(1e-5, digits=7),
         ),
     ),
     Method(
@@ -342,34 +266,24 @@ ROWS = (
         known_as="Mesh Puppetry",
         search="skin weights bind rig automatic",
         family=Family.SURFACE_NONLINEAR,
-        native="MeshPuppetry",
         section="6",
         paper="Shi et al. 2007",
         summary="Keeps limbs rigid between joints and bends the skin there",
         fails="Holds everything where vertex groups overlap all over",
-        also_needs="an armature",
         picture="puppet: hand",
-        main=("bending",),
-        iterative=True,
+        also_needs="an armature",
         bind_seconds=factorising(0.2),
-        reproduces=Reproduced.RIGID_MOTIONS,
+        **STEPS,
+        main=("bending",),
         parameters=(
             Float(
-                "bending",
-                1e-3,
-                maximum=10.0,
-                soft_maximum=0.1,
-                precision=5,
-                rebinds=True,
-                unit="share of the rest area",
-                label="Bending",
-                description="Set how much bends and bumps of the surface are kept, beside the lengths of "
-                "its edges; more of it makes the skin around joints rounder",
+                "bending", "Bending", 1e-3, Span(0.0, 10.0, soft=0.1, digits=5), unit="share of the rest area"
+            ).described(
+                "Set how much bends and bumps of the surface are kept, beside the lengths of "
+                "its edges; more of it makes the skin around joints rounder"
             ),
             iterations(
-                20,
-                soft_maximum=50,
-                description="Limit the steps of a frame; joints need few, long free parts more",
+                20, soft=50, description="Limit the steps of a frame; joints need few, long free parts more"
             ),
             tolerance(),
         ),
@@ -381,52 +295,31 @@ ROWS = (
         known_as="Handle-Aware Isolines",
         search="heavy fast million bands isolines",
         family=Family.SURFACE_NONLINEAR,
-        native="HandleAwareIsolines",
         section="6",
         paper="Au et al. 2007",
         summary="Bends the heaviest meshes in milliseconds, with few handles",
         fails="Slows down with many handles",
         picture="reduced",
-        main=("bands",),
-        iterative=True,
         draws="BANDS",
         bind_seconds=factorising(0.06),
-        reproduces=Reproduced.RIGID_MOTIONS,
+        **STEPS,
+        main=("bands",),
         parameters=(
-            Int(
-                "bands",
-                24,
-                minimum=2,
-                maximum=1000,
-                soft_maximum=64,
-                rebinds=True,
-                unit="bands between two handles",
-                label="Bands",
-                description="Set how many bands between two handles turn each as one; more of them bend "
-                "more evenly, and take more memory and time",
+            Int("bands", "Bands", 24, Span(2, 1000, soft=64), unit="bands between two handles").described(
+                "Set how many bands between two handles turn each as one; more of them bend "
+                "more evenly, and take more memory and time"
             ),
-            Choice(
-                "field",
-                "harmonic",
-                (
-                    ("harmonic", "Harmonic", "Isolines of a smooth field between the handles"),
-                    ("geodesic", "Geodesic", "Isolines by distances along the surface"),
-                    ("euclidean", "Straight", "Isolines by distances in a straight line"),
-                ),
-                rebinds=True,
-                label="Isolines",
-                description="Choose what bounds the bands",
-            ),
+            Choice("field", "Isolines", "harmonic", _FIELDS).described("Choose what bounds the bands"),
             iterations(
                 200,
-                soft_maximum=500,
+                soft=500,
                 unit="turns",
                 label="Turns",
                 description="Limit how many times the rotations are fitted per frame",
             ),
             tolerance(
                 1e-6,
-                precision=7,
+                digits=7,
                 unit="norm of a rotation matrix",
                 description="Stop when the matrix of no rotation changes by more than this",
             ),

@@ -7,7 +7,7 @@ from bpy.types import Context, Event, Object, Operator
 
 from ... import bake
 from ...ids import Operators
-from ...properties import BAKE_TARGETS, SinewDeformer
+from ...properties import BAKE_TARGETS, SinewDeformer, field
 from ..arguments import once
 from ..frame_by_frame import FrameByFrame
 from ..offered import OnDeformer
@@ -44,28 +44,20 @@ class SINEW_OT_bake(OnDeformer, FrameByFrame, Operator):
     doing, did = "baking", "Baked"
     cancelled = "The bake was cancelled - everything is as it was"
 
-    target: EnumProperty(
-        name="Target",
-        items=BAKE_TARGETS,
-        default="PC2",
-        description="Choose what the shapes are written to; use caches for long shots and shape keys for "
-        "single poses",
+    target: field(EnumProperty, items=BAKE_TARGETS, default="PC2").named(
+        "Target",
+        "Choose what the shapes are written to; use caches for long shots and shape keys for single poses",
     )
-    filepath: once(
-        StringProperty,
-        "Path",
-        "Choose the file to write; if empty, a file in the folder sinew_cache beside the .blend file",
-        subtype="FILE_PATH",
+    filepath: once(StringProperty, subtype="FILE_PATH").named(
+        "Path", "Choose the file to write; if empty, a file in the folder sinew_cache beside the .blend file"
     )
     all_deformers: BoolProperty(**_ALL)
-    exact_keys: once(
-        BoolProperty,
+    exact_keys: once(BoolProperty, default=True).named(
         "Exact Shape Keys",
         "Add one more shape key that cancels the basis, so that each frame is exact to the last bit",
-        default=True,
     )
-    again: once(
-        BoolProperty, "Again", "Bake what is baked once more: the same frames, to the same target and file"
+    again: once(BoolProperty).named(
+        "Again", "Bake what is baked once more: the same frames, to the same target and file"
     )
     choose_path: BoolProperty(options={"HIDDEN", "SKIP_SAVE"})
     filter_glob: StringProperty(default="*.pc2;*.mdd;*.abc", options={"HIDDEN", "SKIP_SAVE"})
@@ -159,7 +151,9 @@ class SINEW_OT_unbake(OnDeformer, Operator):
     bl_label = "Unbake"
 
     all_deformers: BoolProperty(**_ALL)
-    delete_file: once(BoolProperty, "Delete File", "Delete the cache file too, which undo cannot bring back")
+    delete_file: once(BoolProperty).named(
+        "Delete File", "Delete the cache file too, which undo cannot bring back"
+    )
 
     @classmethod
     def refusal(cls, context: Context) -> str:
@@ -190,7 +184,7 @@ class SINEW_OT_bake_find(OnDeformer, Operator):
     bl_idname = Operators.BAKE_FIND
     bl_label = "Find File"
 
-    filepath: once(StringProperty, "Path", "Choose the file to play", subtype="FILE_PATH")
+    filepath: once(StringProperty, subtype="FILE_PATH").named("Path", "Choose the file to play")
     filter_glob: StringProperty(default="*.pc2;*.mdd", options={"HIDDEN", "SKIP_SAVE"})
 
     @classmethod

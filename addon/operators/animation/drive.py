@@ -24,19 +24,12 @@ class SINEW_OT_drive_by_bone(OnDeformer, Operator):
     bl_idname = Operators.DRIVE
     bl_label = "Drive by Bone..."
 
-    armature: once(
-        StringProperty,
-        "Armature",
-        "Choose the armature; if empty, the bent bone nearest to the handle counts",
+    armature: once(StringProperty).named(
+        "Armature", "Choose the armature; if empty, the bent bone nearest to the handle counts"
     )
-    bone: once(StringProperty, "Bone", "Choose the bone that bends, such as the lower arm")
-    angle: once(
-        FloatProperty,
-        "Full At",
-        "Set the bend at which Factor is 1; 0 takes the present one",
-        subtype="ANGLE",
-        min=0.0,
-        max=math.pi,
+    bone: once(StringProperty).named("Bone", "Choose the bone that bends, such as the lower arm")
+    angle: once(FloatProperty, subtype="ANGLE", min=0.0, max=math.pi).named(
+        "Full At", "Set the bend at which Factor is 1; 0 takes the present one"
     )
 
     @classmethod

@@ -7,7 +7,7 @@ from bpy.types import Context, Operator
 from ... import bake
 from ...core.errors import SinewError
 from ...ids import Operators
-from ...properties import MAX_FRAME, SinewDeformer
+from ...properties import MAX_FRAME, SinewDeformer, field
 from ...session.actions import keys
 from ..arguments import once
 from ..offered import OnDeformer
@@ -48,8 +48,8 @@ class SINEW_OT_key_add(OnKeys, Operator):
     bl_idname = Operators.KEY_ADD
     bl_label = "Key Edit"
 
-    blank: once(
-        BoolProperty, "Blank", "Edit nothing in this frame, whatever the controls and the other keys do"
+    blank: once(BoolProperty).named(
+        "Blank", "Edit nothing in this frame, whatever the controls and the other keys do"
     )
 
     @reports_errors
@@ -83,9 +83,7 @@ class SINEW_OT_key_move(OnKeys, Operator):
     bl_label = "Move Key"
 
     index: IntProperty(**_INDEX)
-    frame: IntProperty(
-        name="Frame", min=-MAX_FRAME, max=MAX_FRAME, description="Set the new frame of the key"
-    )
+    frame: field(IntProperty, min=-MAX_FRAME, max=MAX_FRAME).named("Frame", "Set the new frame of the key")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -102,15 +100,14 @@ class SINEW_OT_key_jump(OnKeys, Operator):
     bl_label = "Jump to Key"
     bl_options = {"INTERNAL"}
 
-    to: EnumProperty(
-        name="To",
+    to: field(
+        EnumProperty,
         items=(
             ("ACTIVE", "Active", "The active key, or the one with the index", 0),
             ("NEXT", "Next", "The next key after this frame", 1),
             ("PREVIOUS", "Previous", "The last key before this frame", 2),
         ),
-        description="Choose which key",
-    )
+    ).named("To", "Choose which key")
     index: IntProperty(**_INDEX)
 
     @reports_errors

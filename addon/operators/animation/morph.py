@@ -8,6 +8,7 @@ from bpy.types import Context, Object, Operator
 from ...core.errors import SinewError
 from ...core.methods import METHODS, MeshShape
 from ...ids import Operators
+from ...properties import field
 from ...session.actions import bind, deformers
 from ..arguments import once
 from ..offered import Offered
@@ -34,19 +35,14 @@ class SINEW_OT_morph(Offered, BindingOperator, Operator):
     bl_idname = Operators.MORPH
     bl_label = "Morph to a Mesh"
 
-    target: once(
-        StringProperty,
-        "Target Shape",
-        "Give the name of the mesh object to morph to; if empty, the other selected one",
+    target: once(StringProperty).named(
+        "Target Shape", "Give the name of the mesh object to morph to; if empty, the other selected one"
     )
-    morph: FloatProperty(
-        name="Morph", default=1.0, min=0.0, max=1.0, description="Set how far to morph, from 0 to 1"
+    morph: field(FloatProperty, default=1.0, min=0.0, max=1.0).named(
+        "Morph", "Set how far to morph, from 0 to 1"
     )
-    key: once(
-        BoolProperty,
-        "Key",
-        "Key Morph from 0 at the first frame of the scene to the value above at the last one",
-        default=False,
+    key: once(BoolProperty, default=False).named(
+        "Key", "Key Morph from 0 at the first frame of the scene to the value above at the last one"
     )
 
     @classmethod

@@ -25,16 +25,12 @@ class SINEW_OT_transfer_deformation(Offered, FrameByFrame, Operator):
     doing, did = "transferring", "Transferred"
     cancelled = "The transfer was cancelled - everything is as it was"
 
-    source: once(
-        StringProperty,
+    source: once(StringProperty).named(
         "Source",
         "Give the name of the mesh object that is deformed already; if empty, the other selected one",
     )
-    filepath: once(
-        StringProperty,
-        "Path",
-        "Choose the PC2 file to write; if empty, one in the folder sinew_cache beside the .blend file",
-        subtype="FILE_PATH",
+    filepath: once(StringProperty, subtype="FILE_PATH").named(
+        "Path", "Choose the PC2 file to write; if empty, one in the folder sinew_cache beside the .blend file"
     )
 
     @classmethod

@@ -10,7 +10,7 @@ from ... import compat
 from ...core.errors import SinewError
 from ...core.methods import DEFAULT_CAGE_METHOD
 from ...ids import Operators
-from ...properties import SinewDeformer, deformers_of
+from ...properties import SinewDeformer, deformers_of, field
 from ...session.actions import bind, rigging, sharing
 from ...session.actions.controls import automatic as edit_automatic
 from ...session.actions.controls import cages, making
@@ -119,8 +119,8 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
 
     CANCELLED = "No cage was made"
 
-    source: EnumProperty(
-        name="Source",
+    source: field(
+        EnumProperty,
         items=(
             (
                 "AUTO",
@@ -131,8 +131,7 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
             ("OBJECT", "Selected Object", "The other selected mesh becomes the cage", 1),
         ),
         default="AUTO",
-        description="Choose where the cage comes from",
-    )
+    ).named("Source", "Choose where the cage comes from")
     method: method_choice(
         CAGE_METHODS,
         "Set how points follow the cage; it can be changed later, and the cage stays",
@@ -140,26 +139,15 @@ class SINEW_OT_cage_add(_MakesCage, Operator):
         default=DEFAULT_CAGE_METHOD,
     )
     faces: IntProperty(**_FACES)
-    margin: FloatProperty(
-        name="Margin",
-        default=1.0 / 60.0,
-        min=0.004,
-        max=0.25,
-        soft_max=0.1,
-        precision=3,
-        step=1,
-        description="Set how far from the mesh the automatic cage starts, as a share of the mesh's size",
+    margin: field(
+        FloatProperty, default=1.0 / 60.0, min=0.004, max=0.25, soft_max=0.1, precision=3, step=1
+    ).named("Margin", "Set how far from the mesh the automatic cage starts, as a share of the mesh's size")
+    quads: field(BoolProperty).named(
+        "Quads", "Join the triangles of the automatic cage in pairs, where that is safe"
     )
-    quads: BoolProperty(
-        name="Quads", description="Join the triangles of the automatic cage in pairs, where that is safe"
-    )
-    symmetric: BoolProperty(
-        name="Symmetric",
-        default=True,
-        description="Give a symmetric mesh a symmetric cage",
-    )
-    cage: once(
-        StringProperty, "Cage", "Give the name of a mesh object; if empty, the other selected mesh is used"
+    symmetric: field(BoolProperty, default=True).named("Symmetric", "Give a symmetric mesh a symmetric cage")
+    cage: once(StringProperty).named(
+        "Cage", "Give the name of a mesh object; if empty, the other selected mesh is used"
     )
 
     def invoke(self, context: Context, event: Event) -> set[str]:

@@ -8,6 +8,7 @@ from ...core.errors import OptionError
 from ...core.labels import label_of
 from ...core.methods import Curve
 from ...ids import Operators
+from ...properties import field
 from ...session.datablocks import references
 from ..arguments import once
 from ..offered import OnDeformer
@@ -22,8 +23,8 @@ class SINEW_OT_curve_edit(OnDeformer, Operator):
     bl_label = "Draw Curve"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    parameter: StringProperty(name="Parameter", description="Give the identifier of the curve to draw")
-    reset: once(BoolProperty, "Reset", "Discard the drawn curve and use the default")
+    parameter: field(StringProperty).named("Parameter", "Give the identifier of the curve to draw")
+    reset: once(BoolProperty).named("Reset", "Discard the drawn curve and use the default")
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_curve_edit") -> str:

@@ -6,6 +6,7 @@ from bpy.types import Context, Object, Operator
 
 from ...core.errors import SinewError
 from ...ids import Operators
+from ...properties import field
 from ...session.actions import rigging
 from ...session.actions.controls import lattices as edit_lattices
 from ...session.actions.controls.lattices import LATTICE_METHODS, LatticeShape
@@ -18,6 +19,20 @@ from ..waiting import BindingOperator
 from .cage import show_only
 
 _LATTICES = ("LATTICE", "MESH")
+_SOURCES = (
+    ("FIT", "Fitted", "A new lattice around all selected objects", 0),
+    ("OBJECT", "Selected Object", "The other selected lattice, or mesh of hexahedra", 1),
+)
+_SHAPES = (
+    ("BOX", "Box", "A lattice object of rows, columns and layers", 0),
+    ("CYLINDER", "Cylinder", "A mesh of hexahedra about the third axis", 1),
+    ("FITTED", "Fitted Boxes", "A mesh of boxes where the objects are: welded hexahedra", 2),
+)
+_ORIENTATIONS = (
+    ("OBJECT", "Object", "Along the axes of the active object", 0),
+    ("PRINCIPAL", "Principal Axes", "Along the directions in which the shape is longest", 1),
+    ("WORLD", "World", "Along the axes of the world", 2),
+)
 
 
 class SINEW_OT_lattice_add(OnTarget, BindingOperator, Operator):
@@ -26,57 +41,24 @@ class SINEW_OT_lattice_add(OnTarget, BindingOperator, Operator):
     bl_idname = Operators.LATTICE_ADD
     bl_label = "Add Lattice"
 
-    source: EnumProperty(
-        name="Source",
-        items=(
-            ("FIT", "Fitted", "A new lattice around all selected objects", 0),
-            ("OBJECT", "Selected Object", "The other selected lattice, or mesh of hexahedra", 1),
-        ),
-        default="FIT",
-        description="Choose where the lattice comes from",
+    source: field(EnumProperty, items=_SOURCES, default="FIT").named(
+        "Source", "Choose where the lattice comes from"
     )
-    shape: EnumProperty(
-        name="Shape",
-        items=(
-            ("BOX", "Box", "A lattice object of rows, columns and layers", 0),
-            ("CYLINDER", "Cylinder", "A mesh of hexahedra about the third axis", 1),
-            ("FITTED", "Fitted Boxes", "A mesh of boxes where the objects are: welded hexahedra", 2),
-        ),
-        default="BOX",
-        description="Choose what the new lattice looks like",
+    shape: field(EnumProperty, items=_SHAPES, default="BOX").named(
+        "Shape", "Choose what the new lattice looks like"
     )
-    resolution: IntVectorProperty(
-        name="Resolution",
-        size=3,
-        default=(4, 4, 4),
-        min=1,
-        max=64,
-        soft_max=16,
-        description="Set the points along each axis, or of a mesh the cells; of a cylinder across the "
+    resolution: field(IntVectorProperty, size=3, default=(4, 4, 4), min=1, max=64, soft_max=16).named(
+        "Resolution",
+        "Set the points along each axis, or of a mesh the cells; of a cylinder across the "
         "core, from there outwards, and along the axis",
     )
-    orientation: EnumProperty(
-        name="Orientation",
-        items=(
-            ("OBJECT", "Object", "Along the axes of the active object", 0),
-            ("PRINCIPAL", "Principal Axes", "Along the directions in which the shape is longest", 1),
-            ("WORLD", "World", "Along the axes of the world", 2),
-        ),
-        default="OBJECT",
-        description="Set how the new lattice is turned",
+    orientation: field(EnumProperty, items=_ORIENTATIONS, default="OBJECT").named(
+        "Orientation", "Set how the new lattice is turned"
     )
-    margin: FloatProperty(
-        name="Margin",
-        default=0.02,
-        min=0.0,
-        max=1.0,
-        soft_max=0.25,
-        precision=3,
-        step=1,
-        description="Set how far the new lattice stands out, as a share of its longest side",
+    margin: field(FloatProperty, default=0.02, min=0.0, max=1.0, soft_max=0.25, precision=3, step=1).named(
+        "Margin", "Set how far the new lattice stands out, as a share of its longest side"
     )
-    lattice: once(
-        StringProperty,
+    lattice: once(StringProperty).named(
         "Lattice",
         "Give the name of a lattice object, or of a mesh of hexahedra; if empty, the other selected one is "
         "used",

@@ -23,7 +23,7 @@ class SINEW_OT_reset_pose(OnLiveDeformer, Operator):
     bl_idname = Operators.POSE_RESET
     bl_label = "Reset Pose"
 
-    selected: once(BoolProperty, "Selected", "Bring back the controls that are selected, and no others")
+    selected: once(BoolProperty).named("Selected", "Bring back the controls that are selected, and no others")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

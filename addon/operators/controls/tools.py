@@ -9,6 +9,7 @@ from mathutils import Vector
 
 from ...core.methods import BY_ID, DEFAULT_TOOL_METHOD
 from ...ids import Operators
+from ...properties import field
 from ...session.actions.controls import control_list as rows
 from ...session.datablocks.parts import ShownParts
 from ..arguments import distance, once
@@ -28,18 +29,14 @@ class SINEW_OT_tool_add(OnTarget, BindingOperator, Operator):
     bl_idname = Operators.TOOL_ADD
     bl_label = "Add Tool"
 
-    tool: EnumProperty(name="Tool", items=_TOOL.items, default="drag", description=_TOOL.description)
-    control: once(
-        StringProperty,
-        "Control",
-        "Give the name of an object to use as the tool; if empty, a new empty is made",
+    tool: field(EnumProperty, items=_TOOL.items, default="drag").named("Tool", _TOOL.description)
+    control: once(StringProperty).named(
+        "Control", "Give the name of an object to use as the tool; if empty, a new empty is made"
     )
-    location: once(
-        FloatVectorProperty,
+    location: once(FloatVectorProperty, subtype="XYZ").named(
         "Location",
         "Place the new tool in the world; else a drag is at the 3D cursor, and the others in the middle of "
         "the object",
-        subtype="XYZ",
     )
     outer: distance(
         "Outer",
@@ -103,8 +100,8 @@ class SINEW_OT_tool_stop(OnRows, BindingOperator, Operator):
     bl_idname = Operators.TOOL_STOP
     bl_label = "Add Stop"
 
-    clear: once(
-        BoolProperty, "Straight", "Remove all stops, so that the tool goes straight from rest to where it is"
+    clear: once(BoolProperty).named(
+        "Straight", "Remove all stops, so that the tool goes straight from rest to where it is"
     )
 
     @classmethod

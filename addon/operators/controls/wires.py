@@ -44,19 +44,15 @@ class SINEW_OT_wire_add(OnTarget, BindingOperator, Operator):
 
     source: once(
         EnumProperty,
-        "Source",
-        "Choose where the wires come from",
         items=(
             ("AUTO", "Automatic", "The selected edges in Edit Mode, else the selected curves", 0),
             ("CURVES", "Selected Curves", "The other selected curve objects become wires", 1),
             ("EDGES", "Selected Edges", "A new curve along the selected rows and rings of edges", 2),
         ),
         default="AUTO",
-    )
-    curve: once(
-        StringProperty,
-        "Curve",
-        "Give the name of a curve object; if empty, the other selected curves are used",
+    ).named("Source", "Choose where the wires come from")
+    curve: once(StringProperty).named(
+        "Curve", "Give the name of a curve object; if empty, the other selected curves are used"
     )
     points: IntProperty(**POINTS)
     radius: FloatProperty(**RADIUS)

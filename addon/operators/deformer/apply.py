@@ -18,11 +18,11 @@ class SINEW_OT_apply(OnDeformer, Operator):
     bl_idname = Operators.APPLY
     bl_label = "Apply"
 
-    as_shape_key: once(
-        BoolProperty, "As Shape Key", "Add the shape as a new shape key instead of changing the mesh"
+    as_shape_key: once(BoolProperty).named(
+        "As Shape Key", "Add the shape as a new shape key instead of changing the mesh"
     )
-    keep_deformer: once(
-        BoolProperty, "Keep Deformer", "Leave the deformer on the mesh, to make more shape keys with it"
+    keep_deformer: once(BoolProperty).named(
+        "Keep Deformer", "Leave the deformer on the mesh, to make more shape keys with it"
     )
 
     @reports_errors

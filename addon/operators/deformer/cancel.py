@@ -5,6 +5,7 @@ from bpy.props import StringProperty
 from bpy.types import Context, Event, Operator
 
 from ...ids import Operators
+from ...properties import field
 from ...session.actions.controls import making
 from ...session.evaluation import binding
 from ...session.evaluation.binding import CANCELLED
@@ -52,7 +53,7 @@ class SINEW_OT_watch(WaitsForBind, Operator):
     bl_label = "Watch Bind"
     bl_options = {"INTERNAL"}
 
-    uid: StringProperty(name="Key", description="The key of the deformer being bound", options={"HIDDEN"})
+    uid: field(StringProperty, options={"HIDDEN"}).named("Key", "The key of the deformer being bound")
 
     def invoke(self, context: Context, _event: Event) -> set[str]:
         return self.wait_for(context, self.uid, {"CANCELLED"})

@@ -10,7 +10,7 @@ from ... import bake
 from ...core.methods import BY_ID, DEFAULT_METHOD
 from ...ids import Operators
 from ...preferences import preferences
-from ...properties import method_items
+from ...properties import field, method_items
 from ...session.actions import deformers
 from ..arguments import row_index
 from ..offered import OnDeformer, OnTarget
@@ -25,11 +25,8 @@ class SINEW_OT_deformer_add(OnTarget, Operator):
     bl_label = "Add Deformer"
     bl_options: ClassVar[set[str]] = {"REGISTER", "UNDO", "INTERNAL"}  # tasks add deformers
 
-    method: EnumProperty(
-        name="Method",
-        items=method_items,
-        default=BY_ID[DEFAULT_METHOD].number,
-        description="Set how the surface follows its handles; it can be changed later, and the handles stay",
+    method: field(EnumProperty, items=method_items, default=BY_ID[DEFAULT_METHOD].number).named(
+        "Method", "Set how the surface follows its handles; it can be changed later, and the handles stay"
     )
 
     def invoke(self, context: Context, _event: object) -> set[str]:

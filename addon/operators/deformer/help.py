@@ -64,7 +64,9 @@ class SINEW_OT_help(Reports, Operator):
     bl_idname = Operators.HELP
     bl_label = "Sinew Manual"
 
-    page: once(EnumProperty, "Page", "Choose what to read about", items=PAGES + _OF_METHODS, default="start")
+    page: once(EnumProperty, items=PAGES + _OF_METHODS, default="start").named(
+        "Page", "Choose what to read about"
+    )
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_help") -> str:

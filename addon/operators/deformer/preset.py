@@ -63,7 +63,7 @@ class SINEW_OT_preset_apply(OnDeformer, Operator):
     bl_label = "Apply Method Preset"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    filepath: once(StringProperty, "File Path", "Choose the file of the preset", subtype="FILE_PATH")
+    filepath: once(StringProperty, subtype="FILE_PATH").named("File Path", "Choose the file of the preset")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -85,11 +85,8 @@ class SINEW_OT_use_template(OnLiveDeformer, Operator):
     bl_label = "Use Template"
     bl_options = {"REGISTER", "UNDO", "INTERNAL"}
 
-    template: once(
-        EnumProperty,
-        "Template",
-        "Choose what the result looks like",
-        items=tuple((row.id, row.label, row.purpose) for row in TEMPLATES),
+    template: once(EnumProperty, items=tuple((row.id, row.label, row.purpose) for row in TEMPLATES)).named(
+        "Template", "Choose what the result looks like"
     )
 
     @classmethod

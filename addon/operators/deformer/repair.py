@@ -7,6 +7,7 @@ from bpy.types import Context, Object, Operator
 from ...core.errors import SinewError
 from ...core.labels import label_of
 from ...ids import Operators
+from ...properties import field
 from ...session.actions import bind, refining, repair
 from ...session.actions.handles import overlaps
 from ...session.actions.repair import RepairOptions
@@ -26,17 +27,14 @@ class SINEW_OT_repair(OnTarget, Operator):
     bl_label = "Repair"
     MESHES_ONLY = True
 
-    not_finite: BoolProperty(
-        name="Lost Positions",
-        default=True,
-        description="Move vertices with invalid coordinates (NaN or infinite) between their neighbours; "
+    not_finite: field(BoolProperty, default=True).named(
+        "Lost Positions",
+        "Move vertices with invalid coordinates (NaN or infinite) between their neighbours; "
         "remove them if they have none",
     )
-    coincident: BoolProperty(
-        name="Seams",
-        default=True,
-        description="Merge vertices of open borders that lie at the same place; "
-        "closed parts that touch stay separate",
+    coincident: field(BoolProperty, default=True).named(
+        "Seams",
+        "Merge vertices of open borders that lie at the same place; closed parts that touch stay separate",
     )
     distance: distance(
         "Merge Distance",
@@ -46,23 +44,17 @@ class SINEW_OT_repair(OnTarget, Operator):
         soft_max=0.1,
         precision=5,
     )
-    degenerate: BoolProperty(
-        name="Zero-Area Faces",
-        default=True,
-        description="Collapse faces without area and edges without length",
+    degenerate: field(BoolProperty, default=True).named(
+        "Zero-Area Faces", "Collapse faces without area and edges without length"
     )
-    duplicate: BoolProperty(
-        name="Duplicate Faces", default=True, description="Keep one of several faces with the same vertices"
+    duplicate: field(BoolProperty, default=True).named(
+        "Duplicate Faces", "Keep one of several faces with the same vertices"
     )
-    non_manifold: BoolProperty(
-        name="Fins and Inner Walls",
-        default=True,
-        description="Remove faces that stick out of an edge or divide the inside, "
-        "if an ordinary surface remains",
+    non_manifold: field(BoolProperty, default=True).named(
+        "Fins and Inner Walls",
+        "Remove faces that stick out of an edge or divide the inside, if an ordinary surface remains",
     )
-    loose: BoolProperty(
-        name="Loose Vertices", default=True, description="Remove vertices that are in no face"
-    )
+    loose: field(BoolProperty, default=True).named("Loose Vertices", "Remove vertices that are in no face")
 
     @classmethod
     def refusal(cls, context: Context) -> str:

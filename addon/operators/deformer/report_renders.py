@@ -5,6 +5,7 @@ from bpy.props import StringProperty
 from bpy.types import Context, Operator
 
 from ...ids import Operators
+from ...properties import field
 from ..reporting import Reports
 
 
@@ -15,7 +16,7 @@ class SINEW_OT_report_renders(Reports, Operator):
     bl_label = "Report Renders"
     bl_options = {"INTERNAL"}  # Sinew calls it after a render
 
-    text: StringProperty(name="Text", description="Say what to report")
+    text: field(StringProperty).named("Text", "Say what to report")
 
     def execute(self, _context: Context) -> set[str]:
         self.tell({"WARNING"}, self.text)

@@ -8,6 +8,7 @@ from bpy.types import Context, Operator
 from ...core.elements import Elements, Owner
 from ...core.geometry.distortion import Measure
 from ...ids import Operators
+from ...properties import field
 from ...properties.scene import MEASURES
 from ...session.actions import selection
 from ...session.results import result
@@ -25,7 +26,7 @@ class SINEW_OT_select_distorted(OnDeformer, Operator):
     bl_label = "Select Most Distorted"
     MESHES_ONLY = True
 
-    measure: EnumProperty(name="Measure", description="Choose the measure of distortion", items=MEASURES)
+    measure: field(EnumProperty, items=MEASURES).named("Measure", "Choose the measure of distortion")
 
     @classmethod
     def refusal(cls, context: Context) -> str:

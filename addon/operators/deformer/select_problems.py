@@ -7,6 +7,7 @@ from bpy.types import Context, Operator
 
 from ...core import status
 from ...ids import Operators
+from ...properties import field
 from ...session.actions import selection
 from ...session.controls import kinds
 from ...session.targets import targets
@@ -21,11 +22,8 @@ class SINEW_OT_select_problems(OnDeformer, Operator):
     bl_idname = Operators.SELECT_PROBLEMS
     bl_label = "Show"
 
-    line: IntProperty(
-        name="Line",
-        default=-1,
-        min=-1,
-        description="Choose the status line by its index; -1 is the first warning",
+    line: field(IntProperty, default=-1, min=-1).named(
+        "Line", "Choose the status line by its index; -1 is the first warning"
     )
 
     @reports_errors

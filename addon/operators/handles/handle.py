@@ -9,7 +9,7 @@ from ... import compat
 from ...core.errors import SinewError
 from ...ids import Operators
 from ...preferences import preferences
-from ...properties import HANDLE_ROLES, SinewDeformer, SinewHandle
+from ...properties import HANDLE_ROLES, SinewDeformer, SinewHandle, field
 from ...session.actions import bind, rigging, selection
 from ...session.actions.handles import handles
 from ...session.actions.handles.handles import NewRegion
@@ -31,33 +31,21 @@ class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
     bl_label = "Make Handle"
     MESHES_ONLY = True
 
-    kind: EnumProperty(
-        name="Role",
-        items=HANDLE_ROLES,
-        default="HANDLE",
-        description="Say whether the region follows a control, holds still, or is all that may move",
+    kind: field(EnumProperty, items=HANDLE_ROLES, default="HANDLE").named(
+        "Role", "Say whether the region follows a control, holds still, or is all that may move"
     )
-    vertex_group: StringProperty(
-        name="Vertex Group",
-        description="Choose a vertex group; if empty, the selected vertices in Edit Mode, else the active "
-        "group",
+    vertex_group: field(StringProperty).named(
+        "Vertex Group",
+        "Choose a vertex group; if empty, the selected vertices in Edit Mode, else the active group",
     )
-    handle_name: once(
-        StringProperty, "Name", "Give the name of the region; if empty, the name of its vertex group"
+    handle_name: once(StringProperty).named(
+        "Name", "Give the name of the region; if empty, the name of its vertex group"
     )
-    weight: once(
-        FloatProperty,
-        "Weight",
-        "Let the region give way by a weight below 1",
-        default=1.0,
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
+    weight: once(FloatProperty, default=1.0, min=0.0, max=1.0, subtype="FACTOR").named(
+        "Weight", "Let the region give way by a weight below 1"
     )
     control: once(
         EnumProperty,
-        "Control",
-        "Choose what will move the region, for a handle",
         items=(
             ("AUTO", "Automatic", "The active bone in Pose and Weight Paint Mode, else a new empty", 2),
             ("NEW", "New Empty", "An empty at the region, aligned with its mean normal", 0),
@@ -69,11 +57,11 @@ class SINEW_OT_handle_add(OnTarget, BindingOperator, Operator):
             ),
         ),
         default="AUTO",
+    ).named("Control", "Choose what will move the region, for a handle")
+    control_object: once(StringProperty).named(
+        "Control Object", "Give the name of the object that will move the region"
     )
-    control_object: once(
-        StringProperty, "Control Object", "Give the name of the object that will move the region"
-    )
-    bone: once(StringProperty, "Bone", "Give the name of a pose bone, if the control is an armature")
+    bone: once(StringProperty).named("Bone", "Give the name of a pose bone, if the control is an armature")
 
     @reports_errors
     def run(self, context: Context, wait: bool) -> set[str]:
@@ -186,7 +174,7 @@ class SINEW_OT_select_handle(OnDeformer, Operator):
     bl_label = "Select Handle"
 
     index: row_index("Choose which handle; -1 is the active one")
-    extend: once(BoolProperty, "Extend", "Add to the selection")
+    extend: once(BoolProperty).named("Extend", "Add to the selection")
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:

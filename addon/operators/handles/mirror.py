@@ -6,6 +6,7 @@ from bpy.types import Context, Operator
 
 from ...core.sides import Side
 from ...ids import Operators
+from ...properties import field
 from ...session.actions import rigging
 from ...session.actions.handles import mirror
 from ...session.actions.handles.mirror import Mirrored, MirrorOptions
@@ -27,9 +28,8 @@ class SINEW_OT_handle_mirror(OnDeformer, BindingOperator, Operator):
     bl_label = "Mirror Handle"
     MESHES_ONLY = True
 
-    side: EnumProperty(
-        name="Side",
-        description="Choose which handles are mirrored, and to where",
+    side: field(
+        EnumProperty,
         items=(
             ("ACTIVE", "Active Handle", "Mirror the active handle to the other side", 0),
             (
@@ -45,13 +45,12 @@ class SINEW_OT_handle_mirror(OnDeformer, BindingOperator, Operator):
                 2,
             ),
         ),
+    ).named("Side", "Choose which handles are mirrored, and to where")
+    weights_only: field(BoolProperty).named(
+        "Weights Only", "Keep the controls and settings of the other side as they are"
     )
-    weights_only: BoolProperty(
-        name="Weights Only", description="Keep the controls and settings of the other side as they are"
-    )
-    painted_groups: BoolProperty(
-        name="Painted Groups",
-        description="Make the mask and the vertex groups of painted parameters symmetric, too",
+    painted_groups: field(BoolProperty).named(
+        "Painted Groups", "Make the mask and the vertex groups of painted parameters symmetric, too"
     )
     tolerance: distance(
         "Tolerance",

@@ -8,6 +8,7 @@ from ...core.errors import SinewError
 from ...core.labels import items_of
 from ...core.methods import BY_ID, DEFAULT_POINT_METHOD, METHODS, Control
 from ...ids import Operators
+from ...properties import field
 from ...session.actions import rigging
 from ...session.actions.handles import points as edit_handles_points
 from ...session.controls import twice
@@ -56,20 +57,15 @@ class SINEW_OT_point_add(OnTarget, BindingOperator, Operator):
     bl_idname = Operators.POINT_ADD
     bl_label = "Add Points"
 
-    source: EnumProperty(
-        name="Where", items=_SOURCES, default="CURSOR", description="Choose what the handles follow"
+    source: field(EnumProperty, items=_SOURCES, default="CURSOR").named(
+        "Where", "Choose what the handles follow"
     )
-    method: EnumProperty(
-        name="Method",
-        items=items_of(_METHODS),
-        default=BY_ID[DEFAULT_POINT_METHOD].number,
-        description="Set how space follows the handles, for an object that has no deformer yet",
+    method: field(EnumProperty, items=items_of(_METHODS), default=BY_ID[DEFAULT_POINT_METHOD].number).named(
+        "Method", "Set how space follows the handles, for an object that has no deformer yet"
     )
 
-    segments: BoolProperty(
-        name="Segments",
-        default=False,
-        description="Use bones and edges as line handles, if the method supports them",
+    segments: field(BoolProperty, default=False).named(
+        "Segments", "Use bones and edges as line handles, if the method supports them"
     )
 
     @reports_errors

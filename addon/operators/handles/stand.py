@@ -5,7 +5,7 @@ from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Operator
 
 from ...ids import Operators
-from ...properties import STANDS_ON
+from ...properties import STANDS_ON, field
 from ...session.actions.handles import standing
 from ...session.controls.handles import riding
 from ..arguments import once, row_index
@@ -20,16 +20,12 @@ class SINEW_OT_handle_stand(OnDeformer, Operator):
     bl_idname = Operators.HANDLE_STAND
     bl_label = "Stands On"
 
-    on: once(
-        EnumProperty,
-        "Stands On",
-        "Choose whether the control stays in the world, or rides on the surface that enters",
-        items=STANDS_ON,
+    on: once(EnumProperty, items=STANDS_ON).named(
+        "Stands On", "Choose whether the control stays in the world, or rides on the surface that enters"
     )
-    convert_keyframes: BoolProperty(
-        name="Convert Keyframes",
-        default=True,
-        description="Rewrite the keyframes of the control, so that the shape stays in each of their frames",
+    convert_keyframes: field(BoolProperty, default=True).named(
+        "Convert Keyframes",
+        "Rewrite the keyframes of the control, so that the shape stays in each of their frames",
     )
     index: row_index("Choose which handle; -1 is the active one", options={"SKIP_SAVE"})
 

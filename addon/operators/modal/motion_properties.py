@@ -38,25 +38,19 @@ MOTION_KEYS: Keys = (
 class MotionValues:
     """Mixin for an operator that moves something: the motion as properties."""
 
-    mode: once(
-        EnumProperty,
-        "Mode",
-        "Choose whether this moves, turns or scales at the start",
-        items=_MODES,
-        default="TRANSLATE",
+    mode: once(EnumProperty, items=_MODES, default="TRANSLATE").named(
+        "Mode", "Choose whether this moves, turns or scales at the start"
     )
-    value: once(FloatVectorProperty, "Move", "Set how far along each axis", subtype="TRANSLATION")
-    angle: once(FloatProperty, "Angle", "Set the turn about the axis", subtype="ANGLE")
-    axis: once(
-        FloatVectorProperty, "Axis", "Choose what to turn about", subtype="XYZ", default=(0.0, 0.0, 1.0)
+    value: once(FloatVectorProperty, subtype="TRANSLATION").named("Move", "Set how far along each axis")
+    angle: once(FloatProperty, subtype="ANGLE").named("Angle", "Set the turn about the axis")
+    axis: once(FloatVectorProperty, subtype="XYZ", default=(0.0, 0.0, 1.0)).named(
+        "Axis", "Choose what to turn about"
     )
-    scale: once(FloatVectorProperty, "Scale", "Scale along each axis", subtype="XYZ", default=(1.0, 1.0, 1.0))
-    orientation: once(
-        EnumProperty,
-        "Orientation",
-        "Choose which axes X, Y and Z mean",
-        items=_ORIENTATIONS,
-        default="GLOBAL",
+    scale: once(FloatVectorProperty, subtype="XYZ", default=(1.0, 1.0, 1.0)).named(
+        "Scale", "Scale along each axis"
+    )
+    orientation: once(EnumProperty, items=_ORIENTATIONS, default="GLOBAL").named(
+        "Orientation", "Choose which axes X, Y and Z mean"
     )
 
     @property

@@ -31,14 +31,14 @@ class SINEW_OT_start_task(Offered, Operator):
 
     task: once(
         EnumProperty,
-        "Task",
-        "Choose what is to be done",
         items=tuple(
             (task.id, task.label, task.purpose, task.icon, number) for number, task in enumerate(TASKS)
         ),
         default=TASKS[0].id,
+    ).named("Task", "Choose what is to be done")
+    method: once(StringProperty).named(
+        "Method", "Give the method to start with; if empty, the recommended one"
     )
-    method: once(StringProperty, "Method", "Give the method to start with; if empty, the recommended one")
 
     @classmethod
     def description(cls, context: Context, properties: "SINEW_OT_start_task") -> str:
@@ -81,7 +81,7 @@ class SINEW_OT_use_method(OnLiveDeformer, Operator):
     bl_label = "Use Method"
     bl_options = {"UNDO", "INTERNAL"}
 
-    method: once(StringProperty, "Method", "Give the method to use")
+    method: once(StringProperty).named("Method", "Give the method to use")
 
     @classmethod
     def description(cls, context: Context, properties: "SINEW_OT_use_method") -> str:

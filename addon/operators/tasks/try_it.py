@@ -41,11 +41,9 @@ class SINEW_OT_try_it(Offered, Operator):
 
     rig: once(
         EnumProperty,
-        "Rig",
-        "Choose what to try",
         items=tuple((rig.id, rig.label, rig.purpose, rig.icon, number) for number, rig in enumerate(RIGS)),
         default=RIGS[0].id,
-    )
+    ).named("Rig", "Choose what to try")
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_try_it") -> str:

@@ -8,7 +8,7 @@ from bpy.types import Context, Event, Object, Operator
 from ...core.errors import SinewError
 from ...ids import Operators
 from ...session.actions.control_drag import ControlDrag
-from ..arguments import once
+from ..arguments import given, once
 from ..modal.motion_properties import MotionValues
 from ..modal.view import axes_of, view_of
 from ..offered import Offered
@@ -24,15 +24,9 @@ class SINEW_OT_control_drag(Offered, MotionValues, Drags, Operator):
     bl_label = "Sinew Drag: Control"
     bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING", "INTERNAL"}  # it begins with a press
 
-    control: StringProperty(
-        name="Control", description="Give the name of the object", options={"SKIP_SAVE", "HIDDEN"}
-    )
-    point: once(
-        IntProperty,
-        "Point",
-        "Choose the point by its number in the mesh, lattice or curve; -1 is the whole object",
-        default=-1,
-        min=-1,
+    control: given(StringProperty).named("Control", "Give the name of the object")
+    point: once(IntProperty, default=-1, min=-1).named(
+        "Point", "Choose the point by its number in the mesh, lattice or curve; -1 is the whole object"
     )
 
     @classmethod

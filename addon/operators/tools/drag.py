@@ -20,7 +20,7 @@ from ...session.datablocks import parts, surface
 from ...session.datablocks.surface import Hit
 from ...session.evaluation import binding
 from ...session.targets import targets
-from ..arguments import REGION_METHODS, distance, method_choice, once
+from ..arguments import REGION_METHODS, distance, given, method_choice, once
 from ..handles.handle import select_control
 from ..modal.motion_properties import MotionProperties
 from ..modal.ring import draw_line, ring
@@ -56,18 +56,11 @@ class SINEW_OT_drag(Offered, MotionProperties, Drags, Operator):
         default=DEFAULT_METHOD,
         options={"SKIP_SAVE"},
     )
-    origin: FloatVectorProperty(
-        name="Origin",
-        subtype="XYZ",
-        options={"SKIP_SAVE", "HIDDEN"},
-        description="Choose where the line of sight begins that meets the surface",
+    origin: given(FloatVectorProperty, subtype="XYZ").named(
+        "Origin", "Choose where the line of sight begins that meets the surface"
     )
-    direction: FloatVectorProperty(
-        name="Direction",
-        subtype="XYZ",
-        default=(0.0, 0.0, -1.0),
-        options={"SKIP_SAVE", "HIDDEN"},
-        description="The direction of the line of sight",
+    direction: given(FloatVectorProperty, subtype="XYZ", default=(0.0, 0.0, -1.0)).named(
+        "Direction", "The direction of the line of sight"
     )
     pixels: IntProperty(**PIXELS, options={"HIDDEN"})
     radius: distance(
@@ -78,11 +71,7 @@ class SINEW_OT_drag(Offered, MotionProperties, Drags, Operator):
         options={"SKIP_SAVE"},
     )
     reach: FloatProperty(**REACH)
-    places: once(
-        BoolProperty,
-        "Places",
-        "Take the very place that is pressed, and no region around it",
-    )
+    places: once(BoolProperty).named("Places", "Take the very place that is pressed, and no region around it")
 
     @classmethod
     def refusal(cls, context: Context) -> str:

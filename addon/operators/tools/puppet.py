@@ -9,10 +9,10 @@ from ... import compat
 from ...core.errors import SinewError
 from ...core.methods import DEFAULT_PUPPET_METHOD
 from ...ids import Operators
-from ...properties import BALANCE
+from ...properties import BALANCE, field
 from ...session.actions.puppet import bones, rigging
 from ...session.actions.puppet.posing import Part, PuppetDrag, PuppetOptions
-from ..arguments import REGION_METHODS, method_choice, once
+from ..arguments import REGION_METHODS, given, method_choice, once
 from ..modal.motion_properties import MotionValues
 from ..modal.view import axes_of, length_text, view_of
 from ..offered import Offered
@@ -38,23 +38,19 @@ class SINEW_OT_puppet_pose(Offered, MotionValues, Drags, Operator):
     bl_label = "Sinew Drag: Bones"
     bl_options = {"REGISTER", "UNDO", "GRAB_CURSOR", "BLOCKING", "INTERNAL"}  # buttons start the tool
 
-    armature: StringProperty(
-        name="Armature",
-        description="Give the name of the armature; if empty, the active one",
-        options={"SKIP_SAVE", "HIDDEN"},
+    armature: given(StringProperty).named(
+        "Armature", "Give the name of the armature; if empty, the active one"
     )
-    bone: once(StringProperty, "Bone", "Give the name of the bone to drag; if empty, the active one")
-    part: once(EnumProperty, "Part", "Choose the point that is dragged", items=_PARTS, default="AUTO")
+    bone: once(StringProperty).named("Bone", "Give the name of the bone to drag; if empty, the active one")
+    part: once(EnumProperty, items=_PARTS, default="AUTO").named("Part", "Choose the point that is dragged")
     balance: BoolProperty(**BALANCE)
-    from_rest: once(
-        BoolProperty, "From Rest", "Let joints stay close to their rest, instead of how they are now"
+    from_rest: once(BoolProperty).named(
+        "From Rest", "Let joints stay close to their rest, instead of how they are now"
     )
-    click_pins: BoolProperty(
-        name="Click Pins",
-        description="Pin the bone, or release it, if the mouse does not move",
-        options={"SKIP_SAVE", "HIDDEN"},
+    click_pins: given(BoolProperty).named(
+        "Click Pins", "Pin the bone, or release it, if the mouse does not move"
     )
-    key: once(BoolProperty, "Insert Keyframes", "Key the bones that follow, as Auto Keying does")
+    key: once(BoolProperty).named("Insert Keyframes", "Key the bones that follow, as Auto Keying does")
 
     @classmethod
     def refusal(cls, context: Context) -> str:
@@ -131,15 +127,13 @@ class SINEW_OT_puppet_pin(Offered, Operator):
 
     action: once(
         EnumProperty,
-        "Action",
-        "Choose what to do with the selected bones",
         items=(
             ("TOGGLE", "Toggle", "Pin the bones, or release them if all are pinned", "NONE", 0),
             ("PIN", "Pin", "Pin the bones", "NONE", 1),
             ("RELEASE", "Release", "Release the bones", "NONE", 2),
         ),
         default="TOGGLE",
-    )
+    ).named("Action", "Choose what to do with the selected bones")
 
     @classmethod
     def refusal(cls, context: Context) -> str:
@@ -165,8 +159,8 @@ class SINEW_OT_puppet_rig(Offered, BindingOperator, Operator):
     bl_idname = Operators.PUPPET_RIG
     bl_label = "Skin by Bones"
 
-    armature: once(
-        StringProperty, "Armature", "Give the name of the armature; if empty, the other selected object"
+    armature: once(StringProperty).named(
+        "Armature", "Give the name of the armature; if empty, the other selected object"
     )
     method: method_choice(
         REGION_METHODS,
@@ -174,18 +168,12 @@ class SINEW_OT_puppet_rig(Offered, BindingOperator, Operator):
         default=DEFAULT_PUPPET_METHOD,
         options={"SKIP_SAVE"},
     )
-    automatic: once(
-        BoolProperty,
+    automatic: once(BoolProperty).named(
         "Automatic Regions",
         "Make new vertex groups by distance, even if there are groups with the names of bones",
     )
-    margin: FloatProperty(
-        name="Margin",
-        default=0.25,
-        min=0.0,
-        max=0.45,
-        subtype="FACTOR",
-        description="Set how much of a bone's length is left free at each joint, by automatic regions",
+    margin: field(FloatProperty, default=0.25, min=0.0, max=0.45, subtype="FACTOR").named(
+        "Margin", "Set how much of a bone's length is left free at each joint, by automatic regions"
     )
 
     @classmethod

@@ -137,13 +137,10 @@ class SINEW_OT_reach_drag(OnLiveDeformer, ViewportTool, Operator):
 
     KEYS = _KEYS
 
-    length: once(
-        EnumProperty,
-        "Length",
-        "Choose which length",
-        items=[(row.id, row.label, row.description) for row in _TOLD.values()],
+    length: once(EnumProperty, items=[(row.id, row.label, row.description) for row in _TOLD.values()]).named(
+        "Length", "Choose which length"
     )
-    value: once(FloatProperty, "Value", "Set the length, in the space of the control", unit="LENGTH")
+    value: once(FloatProperty, unit="LENGTH").named("Value", "Set the length, in the space of the control")
 
     @classmethod
     def description(cls, _context: Context, properties: "SINEW_OT_reach_drag") -> str:

@@ -20,9 +20,10 @@ from mathutils import Vector
 from ...core.errors import SinewError
 from ...core.geometry import frames
 from ...ids import Operators
+from ...properties import field
 from ...session.edit_mode import sketch as tools_sketch
 from ...session.edit_mode.sketch import Sight, Sketch
-from ..arguments import distance, once
+from ..arguments import distance, given, once
 from ..modal.ring import draw_line
 from ..modal.shell import Keys, ViewportTool
 from ..modal.view import axes_of, length_text
@@ -59,28 +60,22 @@ class SINEW_OT_silhouette_sketch(Offered, ViewportTool, Operator):
 
     KEYS = _KEYS
 
-    stroke: once(StringProperty, "Stroke", "Give the name of a curve object to take as the stroke")
+    stroke: once(StringProperty).named("Stroke", "Give the name of a curve object to take as the stroke")
     points: CollectionProperty(type=OperatorStrokeElement, options={"SKIP_SAVE", "HIDDEN"})
-    view: FloatVectorProperty(
-        name="View",
-        size=(4, 4),
-        subtype="MATRIX",
-        options={"SKIP_SAVE", "HIDDEN"},
-        description="Choose where the viewer is and how turned, as the matrix of a camera in the world; if "
+    view: given(FloatVectorProperty, size=(4, 4), subtype="MATRIX").named(
+        "View",
+        "Choose where the viewer is and how turned, as the matrix of a camera in the world; if "
         "it is not given, the view is that of the camera",
     )
-    perspective: BoolProperty(
-        name="Perspective",
-        options={"SKIP_SAVE", "HIDDEN"},
-        description="Choose whether the view by a matrix is that of a near eye rather than orthographic",
+    perspective: given(BoolProperty).named(
+        "Perspective", "Choose whether the view by a matrix is that of a near eye rather than orthographic"
     )
-    shape_key: once(
-        StringProperty,
+    shape_key: once(StringProperty).named(
         "Shape Key",
         "Give the name of a shape key to redraw, for example after its stroke was edited; if empty, a new "
         "one is made",
     )
-    line: EnumProperty(name="Line", items=_LINES, description="Choose what the stroke redraws")
+    line: field(EnumProperty, items=_LINES).named("Line", "Choose what the stroke redraws")
     reach: distance(
         "Reach",
         "Set how far from the line, along the surface, vertices follow; the others stay",
@@ -88,26 +83,19 @@ class SINEW_OT_silhouette_sketch(Offered, ViewportTool, Operator):
         soft_min=0.001,
         options={"SKIP_SAVE"},
     )
-    unlimited: once(
-        BoolProperty, "Whole Surface", "Move everything that is connected with the line, at any distance"
+    unlimited: once(BoolProperty).named(
+        "Whole Surface", "Move everything that is connected with the line, at any distance"
     )
-    use_hidden: BoolProperty(
-        name="Hidden Lines",
-        description="Redraw silhouettes, too, that the mesh itself hides in this view",
+    use_hidden: field(BoolProperty).named(
+        "Hidden Lines", "Redraw silhouettes, too, that the mesh itself hides in this view"
     )
-    sharpness: once(
-        FloatProperty,
+    sharpness: once(FloatProperty, min=-1.0, soft_min=0.0, soft_max=3.0).named(
         "Sharpness",
         "Set how much curvature is added along the line, as a multiple of its own: a crease above 0, a "
         "softer line below",
-        min=-1.0,
-        soft_min=0.0,
-        soft_max=3.0,
     )
-    keep_stroke: once(
-        BoolProperty,
-        "Keep Stroke",
-        "Leave the stroke in the scene as a curve, which can be edited and sketched with again",
+    keep_stroke: once(BoolProperty).named(
+        "Keep Stroke", "Leave the stroke in the scene as a curve, which can be edited and sketched with again"
     )
 
     @classmethod

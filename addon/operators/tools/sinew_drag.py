@@ -170,7 +170,7 @@ class SINEW_OT_drag_start(Offered, Operator):
     bl_label = "Sinew Drag"
     bl_options = {"REGISTER"}  # the choice of a tool is no step of undo
 
-    mode: once(EnumProperty, "Drag", "Choose what pressing and dragging does", items=DRAG_MODES)
+    mode: once(EnumProperty, items=DRAG_MODES).named("Drag", "Choose what pressing and dragging does")
 
     @classmethod
     def refusal(cls, context: Context) -> str:

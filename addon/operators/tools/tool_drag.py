@@ -203,14 +203,8 @@ class SINEW_OT_tool_drag(OnTarget, ViewportTool, Operator):
         "Set how far the drag reaches; 0 for a third of the size of the part that is pressed",
         options={"SKIP_SAVE"},
     )
-    inner: once(
-        FloatProperty,
-        "Inner",
-        "Set the share of the radius within which all moves as one",
-        default=_INNER,
-        min=0.0,
-        max=0.99,
-        subtype="FACTOR",
+    inner: once(FloatProperty, default=_INNER, min=0.0, max=0.99, subtype="FACTOR").named(
+        "Inner", "Set the share of the radius within which all moves as one"
     )
 
     @classmethod

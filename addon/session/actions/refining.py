@@ -19,7 +19,7 @@ def refine(deformer: SinewDeformer) -> tuple[str, int]:
     finer = next(row for row in method.parameters if isinstance(row, Int) and row.id == method.finer)
     value = getattr(deformer.parameters, finer.id)
     while True:
-        value = min(2 * value, finer.maximum)
+        value = min(2 * value, finer.span.maximum)
         group = list(sharing_handles(deformer))
         for other in group:
             setattr(other.parameters, finer.id, value)
@@ -28,7 +28,7 @@ def refine(deformer: SinewDeformer) -> tuple[str, int]:
         refusals = [refusal for other in group if (refusal := try_bind(other.id_data, other)) is not None]
         if not refusals:
             return finer.label, value
-        if value == finer.maximum or any(refusal.remedy is not Remedy.REFINE for refusal in refusals):
+        if value == finer.span.maximum or any(refusal.remedy is not Remedy.REFINE for refusal in refusals):
             raise refusals[0]
 
 

@@ -124,7 +124,7 @@ def _options(method: Method, values: PropertyGroup, rest: RestShape, of_boxes: b
         value = _value(values, parameter)
         painted = rest.weights.get(getattr(values, group_property(parameter), ""))
         if isinstance(parameter, Float) and painted is not None:
-            value = np.maximum(value * painted.astype(np.float64), parameter.minimum)
+            value = np.maximum(value * painted.astype(np.float64), parameter.span.minimum)
         size = parameter.size_in_use(values) if of_boxes and isinstance(parameter, Float) else None
         if size is not None:
             value = BoxShare(value, size)

@@ -48,14 +48,14 @@ def read_place(
             _settings, attached = _in_renders.get(control.name_full, ((), None))
             if attached is not None and attached.count == len(vertices):
                 vertices = attached.at(vertices).astype(np.float32)
-        return Place((hash(world), hash(vertices.tobytes())), (world,), vertices)
+        return Place((fingerprint(world), hash(vertices.tobytes())), (world,), vertices)
     if not bone:
-        return Place((hash(world),), (world,))
+        return Place((fingerprint(world),), (world,))
     posed = evaluated.pose.bones.get(bone) if evaluated.pose else None
     if posed is None:
         return None
     in_object = posed.matrix.copy().freeze()
-    return Place((hash(world), hash(in_object)), (world, in_object))
+    return Place((fingerprint(world), fingerprint(in_object)), (world, in_object))
 
 
 def read_vertices(control: Object, depsgraph: Depsgraph) -> np.ndarray:
@@ -77,5 +77,9 @@ def look_at_renders(control: Object) -> None:
 
 
 def fingerprint(matrix: Matrix) -> int:
-    """A number that changes with the matrix, to 64 bits."""
-    return hash(matrix.copy().freeze())
+    """A number that changes with the matrix, to 64 bits.
+
+    Blender's own is the same for a coordinate of -1 and of -2, and before and after some moves.
+    """
+    numbers = np.array(matrix.copy()) + 0.0  # by which -0 becomes 0; what is frozen cannot be read
+    return hash(numbers.tobytes())

@@ -15,6 +15,7 @@ from ...core.tasks import TASKS, Task, found, task_for, task_of
 from ...ids import Operators
 from ...operators import choice_refusal, method_refusal, page_of, target_of, task_refusal, tasks_beside
 from ...operators.offered import Offered
+from ...properties import field
 from ...session.evaluation.binding import duration, expected_seconds
 from ..layouts import invoking
 from .pictures import beside_picture, draw_picture
@@ -46,11 +47,8 @@ class _Browser(Offered):
 
     bl_options = set()
 
-    search: StringProperty(
-        name="Search",
-        description="Search by a name, by what another program calls it, or by what you want to do",
-        options={"SKIP_SAVE", "TEXTEDIT_UPDATE"},
-        update=_search_changed,
+    search: field(StringProperty, options={"SKIP_SAVE", "TEXTEDIT_UPDATE"}, update=_search_changed).named(
+        "Search", "Search by a name, by what another program calls it, or by what you want to do"
     )
     QUESTION = ""
 

@@ -6,7 +6,7 @@ from bpy.types import Context, Menu, Object, UILayout
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
 from ...session.actions.controls import making
-from ..layouts import Button, draw_field, invoking
+from ..layouts import Button, ControlMenu, draw_field
 from ..pose import draw_pose
 from ..status_box import draw_progress
 
@@ -21,23 +21,19 @@ _ADDING = (
 POSE = Button(Operators.CONTROL_EDIT, "Pose the Cage", "EDITMODE_HLT")
 
 
-class SINEW_MT_cage(Menu):
+class SINEW_MT_cage(ControlMenu, Menu):
     """What can be done with the cage of the active deformer"""
 
     bl_idname = Menus.CAGE
     bl_label = "Cage"
     ICON = "MESH_CUBE"
-
-    def draw(self, _context: Context) -> None:
-        layout = invoking(self.layout)
-        for adding in _ADDING:
-            adding.draw(layout)
-        layout.separator()
-        POSE.draw(layout)
-        for rest in REST:
-            rest.draw(layout)
-        layout.operator(Operators.CAGE_FLIP, icon="NORMALS_FACE")
-        layout.operator(Operators.CAGE_OUTSIDE, icon="MOD_MESHDEFORM")
+    ADDING = _ADDING
+    DOING = (
+        POSE,
+        *REST,
+        Button(Operators.CAGE_FLIP, "Flip Cage", "NORMALS_FACE"),
+        Button(Operators.CAGE_OUTSIDE, "Let Outside Follow", "MOD_MESHDEFORM"),
+    )
 
 
 MENUS = (SINEW_MT_cage,)

@@ -7,7 +7,7 @@ from ...ids import Menus, Operators
 from ...properties import SinewDeformer
 from ...session.actions.controls import control_list
 from ...session.targets import targets
-from ..layouts import Button, beside, draw_field, invoking
+from ..layouts import Button, ControlMenu, beside, draw_field
 from ..pose import RESET, draw_reset
 from .rows import draw_rows, row_name
 
@@ -21,21 +21,14 @@ _ADDING = (
 )
 
 
-class SINEW_MT_wires(Menu):
+class SINEW_MT_wires(ControlMenu, Menu):
     """What can be done with the wires of the active deformer"""
 
     bl_idname = Menus.WIRES
     bl_label = "Wire"
     ICON = "CURVE_DATA"
-
-    def draw(self, _context: Context) -> None:
-        layout = invoking(self.layout)
-        for adding in _ADDING:
-            adding.draw(layout)
-        layout.separator()
-        for rest in REST:
-            rest.draw(layout)
-        layout.operator(Operators.ROW_REMOVE, text="Remove Wire", icon="REMOVE")
+    ADDING = _ADDING
+    DOING = (*REST, Button(Operators.ROW_REMOVE, "Remove Wire", "REMOVE"))
 
 
 MENUS = (SINEW_MT_wires,)

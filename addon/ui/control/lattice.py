@@ -5,7 +5,7 @@ from bpy.types import Context, Menu, Object, UILayout
 
 from ...ids import Menus, Operators
 from ...properties import SinewControl, SinewDeformer
-from ..layouts import Button, draw_field, invoking
+from ..layouts import Button, ControlMenu, draw_field
 from ..pose import draw_pose
 
 REST = (Button(Operators.LATTICE_REST, "New Rest of the Lattice", "PIVOT_BOUNDBOX"),)
@@ -23,21 +23,14 @@ _ADDING = (
 POSE = Button(Operators.CONTROL_EDIT, "Pose the Lattice", "EDITMODE_HLT")
 
 
-class SINEW_MT_lattice(Menu):
+class SINEW_MT_lattice(ControlMenu, Menu):
     """What can be done with the lattice of the active deformer"""
 
     bl_idname = Menus.LATTICE
     bl_label = "Lattice"
     ICON = "LATTICE_DATA"
-
-    def draw(self, _context: Context) -> None:
-        layout = invoking(self.layout)
-        for adding in _ADDING:
-            adding.draw(layout)
-        layout.separator()
-        POSE.draw(layout)
-        for rest in REST:
-            rest.draw(layout)
+    ADDING = _ADDING
+    DOING = (POSE, *REST)
 
 
 MENUS = (SINEW_MT_lattice,)

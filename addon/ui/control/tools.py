@@ -6,7 +6,7 @@ from bpy.types import Context, Menu, Object, UILayout
 from ...ids import Menus, Operators
 from ...properties import SinewDeformer
 from ...session.actions.controls import control_list
-from ..layouts import Button, beside, draw_field, draw_pair, invoking
+from ..layouts import Button, ControlMenu, beside, draw_field, draw_pair
 from ..pose import RESET, draw_drag, draw_reset
 from ..text import draw_text
 from .rows import draw_rows, parameter_text, row_name
@@ -24,21 +24,14 @@ _STOPS = (
 )
 
 
-class SINEW_MT_tools(Menu):
+class SINEW_MT_tools(ControlMenu, Menu):
     """What can be done with the tools of the active deformer"""
 
     bl_idname = Menus.TOOLS
     bl_label = "Tool"
     ICON = "TOOL_SETTINGS"
-
-    def draw(self, _context: Context) -> None:
-        layout = invoking(self.layout)
-        for adding in _ADDING:
-            adding.draw(layout)
-        layout.separator()
-        for button in (*_STOPS, *REST):
-            button.draw(layout)
-        layout.operator(Operators.ROW_REMOVE, text="Remove Tool", icon="REMOVE")
+    ADDING = _ADDING
+    DOING = (*_STOPS, *REST, Button(Operators.ROW_REMOVE, "Remove Tool", "REMOVE"))
 
 
 MENUS = (SINEW_MT_tools,)

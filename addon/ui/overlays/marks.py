@@ -13,7 +13,7 @@ from ...properties import SinewDeformer
 from ...session.controls.handles import riding
 from ..drag_tool import is_hand_tool
 from ..places import active_deformer
-from .reach import SINEW_GT_lines
+from .reach import OverViewports, SINEW_GT_lines
 
 _DISC = 0.12  # of the length of a bone
 _PINNED, _RIDING = (1.0, 0.25, 0.1), (0.6, 0.6, 0.6)
@@ -38,14 +38,11 @@ def rests(obj: Object, deformer: SinewDeformer) -> Iterator[np.ndarray]:
             yield np.array((handle.control.matrix_world.translation, carried.translation))
 
 
-class SINEW_GGT_marks(GizmoGroup):
+class SINEW_GGT_marks(OverViewports, GizmoGroup):
     """Pinned bones, and where riding controls rest"""
 
     bl_idname = "SINEW_GGT_marks"
     bl_label = "Marks of Sinew's Controls"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "WINDOW"
-    bl_options = {"3D", "PERSISTENT", "SHOW_MODAL_ALL"}
 
     @classmethod
     def poll(cls, context: Context) -> bool:

@@ -80,14 +80,19 @@ def _cone() -> list[list[float]]:
     return np.array(corners).reshape(-1, 3).tolist()
 
 
-class SINEW_GGT_reach(GizmoGroup):
+class OverViewports:
+    """Where a group of gizmos is drawn: in every 3D viewport, also while an operator runs."""
+
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "WINDOW"
+    bl_options = {"3D", "PERSISTENT", "SHOW_MODAL_ALL"}
+
+
+class SINEW_GGT_reach(OverViewports, GizmoGroup):
     """How far the active wire or tool reaches"""
 
     bl_idname = "SINEW_GGT_reach"
     bl_label = "Reach of Sinew's Controls"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "WINDOW"
-    bl_options = {"3D", "PERSISTENT", "SHOW_MODAL_ALL"}
 
     @classmethod
     def poll(cls, context: Context) -> bool:

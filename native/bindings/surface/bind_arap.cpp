@@ -16,16 +16,8 @@ Minimises sum_i r_i sum_j w_ij |(q_i - q_j) - R_i (p_i - p_j)|^2 + alpha A sum_i
 over points q and rotations R, for ordered pairs of neighbours (tutorial section 6). Details rotate with the
 surface. p is the incoming shape. set_handles() costs two factorisations and those of a hierarchy of coarser
 graphs.)")
-        .def(
-            "energy",
-            [](const Arap& arap, const ArrayLike& object) {
-                const FloatArray array = floats(object, "positions");
-                const PointsView view = points<InvalidConstraint>(array, "positions");
-                const py::gil_scoped_release unlocked;
-                return arap.energy(view);
-            },
-            py::arg("positions"),
-            R"(Energy of given points over the parts with a handle, with fitted rotations -> a number.
+        .def("energy", &energy_of<Arap>, py::arg("positions"),
+             R"(Energy of given points over the parts with a handle, with fitted rotations -> a number.
 
 positions  (n, 3). The unit is that of sum w |edge|^2: the square of a length.
 

@@ -18,15 +18,7 @@ and four per handle, and 4 bytes per vertex for each of these columns. A frame f
 of the size of the mesh, and then takes one product of these columns: the method for few handles on heavy meshes. Where
 another shape than the rest shape enters, a frame takes one solve for x, y and z instead.)")
         .def(
-            "bands",
-            [](const HandleAwareIsolines& method) {
-                std::vector<int> bands;
-                {
-                    const py::gil_scoped_release unlocked;
-                    bands = method.bands();
-                }
-                return to_numpy(bands);
-            },
+            "bands", numbers_of(&HandleAwareIsolines::bands),
             R"(The band of each vertex -> (n,) int32, -1 in a part without a handle; empty before set_handles().
 
 The bands around a handle follow each other, from the handle outwards.)");

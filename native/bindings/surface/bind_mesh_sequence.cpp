@@ -240,16 +240,8 @@ The arguments are those of solve_frame(). Raises InvalidConstraint or InvalidOpt
             R"(The poses that edit nothing -> (k, 3, 4): the identity, or with from_rest the moving frame.
 
 The arguments are those of solve_frame(). Raises InvalidConstraint.)")
-        .def(
-            "energy",
-            [](const MeshSequence& method, const ArrayLike& object) {
-                const FloatArray array = floats(object, "positions");
-                const PointsView view = points<InvalidConstraint>(array, "positions");
-                const py::gil_scoped_release unlocked;
-                return method.energy(view);
-            },
-            py::arg("positions"),
-            R"(Energy of given points, with the rest shape as its base, as that of Arap -> a number.
+        .def("energy", &energy_of<MeshSequence>, py::arg("positions"),
+             R"(Energy of given points, with the rest shape as its base, as that of Arap -> a number.
 
 positions  (n, 3).
 

@@ -21,15 +21,7 @@ factorisation and those of a hierarchy of coarser graphs.)",
         R"(Raises InvalidOption; InvalidMesh if the target shape has another number of vertices or other faces, which the error
 names.)")
         .def_property_readonly(
-            "folded_rings",
-            [](const PyramidCoordinates& method) {
-                std::vector<int> found;
-                {
-                    const py::gil_scoped_release unlocked;
-                    found = method.folded_rings();
-                }
-                return to_numpy(found);
-            },
+            "folded_rings", numbers_of(&PyramidCoordinates::folded_rings),
             "(f,) vertices whose ring overlaps in its projection, at rest or in the target shape: they have "
             "equal weights.\nNone before set_handles().");
 }

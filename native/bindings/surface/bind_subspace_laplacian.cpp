@@ -48,15 +48,7 @@ iteration never touches the surface; a frame ends with one product of the weight
 
 Empty before set_handles().)")
         .def(
-            "clusters",
-            [](const SubspaceLaplacian& method) {
-                std::vector<int> clusters;
-                {
-                    const py::gil_scoped_release unlocked;
-                    clusters = method.clusters();
-                }
-                return to_numpy(clusters);
-            },
+            "clusters", numbers_of(&SubspaceLaplacian::clusters),
             R"(The cluster of each vertex -> (n,) int32, -1 in a part without a handle; empty before set_handles().)");
 }
 

@@ -19,16 +19,8 @@ factorisation and those of a hierarchy of coarser graphs.)",
 edge, and stiffer than asked for.
 
 Raises InvalidOption.)")
-        .def(
-            "energy",
-            [](const ThinShellNonlinear& shell, const ArrayLike& object) {
-                const FloatArray array = floats(object, "positions");
-                const PointsView view = points<InvalidConstraint>(array, "positions");
-                const py::gil_scoped_release unlocked;
-                return shell.energy(view);
-            },
-            py::arg("positions"),
-            R"(Energy of given points over the parts with a handle, with the best rotations -> a number.
+        .def("energy", &energy_of<ThinShellNonlinear>, py::arg("positions"),
+             R"(Energy of given points over the parts with a handle, with the best rotations -> a number.
 
 positions  (n, 3). The unit is that of an area, times that of k_s.
 

@@ -33,7 +33,12 @@ double normal_unit(const Points& points)
     return as_it_is ? 1.0 : std::ldexp(1.0, std::ilogb(size));
 }
 
-SurfaceMesh in_unit(const SurfaceMesh& mesh, double unit) { return over(mesh.points() / unit, mesh); }
+std::optional<SurfaceMesh> in_unit(const SurfaceMesh& mesh, double unit)
+{
+    if (unit == 1.0)
+        return {};
+    return over(mesh.points() / unit, mesh);
+}
 
 std::vector<Vector3> points_in_unit(const PointsView& points, double unit)
 {

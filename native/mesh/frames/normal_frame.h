@@ -3,6 +3,7 @@
 
 #include "native/mesh/surface_mesh.h"
 
+#include <optional>
 #include <vector>
 
 namespace sinew {
@@ -11,8 +12,8 @@ namespace sinew {
 /// in this unit have squares and volumes in single precision, too. No digit is lost by a power of two.
 double normal_unit(const Points& points);
 
-/// A mesh with all lengths divided by a power of two.
-SurfaceMesh in_unit(const SurfaceMesh& mesh, double unit);
+/// A mesh with all lengths divided by a power of two; nothing where that is 1, so that the mesh itself will do.
+std::optional<SurfaceMesh> in_unit(const SurfaceMesh& mesh, double unit);
 
 /// The same for points, in which coordinates below 1e-150 become 0: exact predicates cannot take numbers that
 /// are too small to be normal.

@@ -36,26 +36,21 @@ struct Binding
 struct Multiresolution::Impl
 {
     std::shared_ptr<SurfaceMethod> base;
-    MultiresolutionOptions options;
     std::shared_ptr<const RingRotations> rings;
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
 };
 
 Multiresolution::Multiresolution(const SurfaceMesh& rest, std::shared_ptr<SurfaceMethod> base,
                                  const MultiresolutionOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>())
 {
     if (!base)
         throw InvalidOption("base: there is no method to put this one around");
     if (!(base->rest() == SurfaceMethod::rest()))
         throw InvalidOption("base: its rest shape is another one; make both on the same mesh");
-    require_valid(options);
     impl_->base = std::move(base);
-    impl_->options = options;
     impl_->rings = std::make_shared<const RingRotations>(SurfaceMethod::rest());
 }
-
-const MultiresolutionOptions& Multiresolution::options() const { return impl_->options; }
 
 std::vector<Points> Multiresolution::levels() const
 {
@@ -77,7 +72,7 @@ void Multiresolution::bind(const Regions& regions, BindReport& report, const Pro
             return true;
         });
     };
-    next->bands = DetailBands(rest(), regions, faired, impl_->options, impl_->rings, half(0.0));
+    next->bands = DetailBands(rest(), regions, faired, options(), impl_->rings, half(0.0));
     BindReport of_bands;
     next->bands.report(of_bands);
     next->factorizations += of_bands.factorizations;

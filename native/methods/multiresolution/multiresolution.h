@@ -48,8 +48,6 @@ public:
     Multiresolution(const SurfaceMesh& rest, std::shared_ptr<SurfaceMethod> base,
                     const MultiresolutionOptions& options = {});
 
-    const MultiresolutionOptions& options() const override;
-
     /// (bands + 1) the rest shape and what each band left of it, each (n, 3); the rest shape alone before
     /// set_handles().
     std::vector<Points> levels() const;

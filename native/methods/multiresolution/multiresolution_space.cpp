@@ -82,7 +82,8 @@ struct MultiresolutionSpace::Binding
 
 MultiresolutionSpace::MultiresolutionSpace(HandlePoints handles, std::shared_ptr<SpaceMethod> base,
                                            const SurfaceMesh& mesh, const MultiresolutionOptions& options)
-    : handles_(std::move(handles)), base_(std::move(base)), mesh_(mesh), options_(options)
+    : SpaceMethod("handles"), handles_(std::move(handles)), base_(std::move(base)), mesh_(mesh),
+      options_(options)
 {
     if (!base_)
         throw InvalidOption("base: there is no method to put this one around");

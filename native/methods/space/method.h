@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -84,7 +85,9 @@ public:
     AccessLock reading() const { return {AccessLock::reading, access_}; }
 
 protected:
-    SpaceMethod() = default;
+    /// \param control_name  what the control is called in messages: "cage".
+    explicit SpaceMethod(const char* control_name) : control_name_(control_name) {}
+    const char* control_name() const { return control_name_; }
 
     /// The shape that a warp deforms, checked as warp() does; the caller holds reading().
     /// \throw InvalidConstraint  as warp()
@@ -101,18 +104,32 @@ protected:
     virtual std::vector<std::string> changed_settings(const SpaceMethod& former) const = 0;
     /// Exchanges all that compute() made with an object of the same class and settings.
     virtual void swap_weights(SpaceMethod& other) = 0;
-    /// What the control is called in messages: "cage".
-    virtual const char* control_name() const = 0;
 
 private:
     SpaceReport hold(PointsView points, const Progress& progress);
     std::vector<std::string> differences(const SpaceMethod& former, const PointsView& points) const;
     void swap_all(SpaceMethod& other);
 
+    const char* control_name_;
     Points points_;
     SpaceReport report_;
     bool bound_ = false;
     mutable ReadWriteLock access_;
+};
+
+/// A space method whose bind makes one object, or one array.
+template <class Weights>
+class SpaceMethodWith : public SpaceMethod
+{
+protected:
+    using SpaceMethod::SpaceMethod;
+
+    void swap_weights(SpaceMethod& other) override
+    {
+        std::swap(weights_, static_cast<SpaceMethodWith&>(other).weights_);
+    }
+
+    Weights weights_;
 };
 
 } // namespace sinew

@@ -192,16 +192,23 @@ class SurfaceMethodWith : public SurfaceMethod
 {
 public:
     using Options = OptionsOfMethod;
-    virtual const Options& options() const = 0;
+    const Options& options() const { return *options_; }
 
 protected:
-    using SurfaceMethod::SurfaceMethod;
+    /// \throw InvalidOption  an option is not in its range.
+    SurfaceMethodWith(const SurfaceMesh& rest, const Options& options)
+        : SurfaceMethod(rest), options_(std::make_shared<const Options>(options))
+    {
+        require_valid(options);
+    }
 
     std::vector<std::string> changed_options(const SurfaceMethod& former) const override
     {
         return changed(options(), static_cast<const SurfaceMethodWith&>(former).options());
     }
     bool updates(const std::string& option) const override { return is_updated<Options>(option); }
+
+    std::shared_ptr<const Options> options_; ///< shared, so that its address stays when the method is moved
 };
 
 } // namespace sinew

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A native module that cannot be loaded: each reason has its remedy, and nothing is raised."""
+"""A native module that cannot be loaded: its reason, its remedy, the name of its wheel, and no exception."""
 
+import fnmatch
+import platform
 import sys
 from pathlib import Path
 
@@ -9,6 +11,19 @@ import pytest
 from sinew.backend import loader
 
 THIS = f"cp{sys.version_info.major}{sys.version_info.minor}"
+WHEELS = {
+    ("Linux", "x86_64"): "manylinux_2_34_x86_64",
+    ("Windows", "AMD64"): "win_amd64",
+    ("Darwin", "arm64"): "macosx_11_0_arm64",
+}
+
+
+@pytest.mark.parametrize("here", WHEELS)
+def test_the_name_fits_the_wheel_of_this_system_alone(here: tuple[str, str], monkeypatch: pytest.MonkeyPatch):
+    for ask, answer in zip(("system", "machine"), here, strict=True):
+        monkeypatch.setattr(platform, ask, lambda answer=answer: answer)
+    names = {key: f"sinew_native-{loader.VERSION}-{THIS}-{THIS}-{tag}.whl" for key, tag in WHEELS.items()}
+    assert [key for key, name in names.items() if fnmatch.fnmatchcase(name, loader.wheel_name())] == [here]
 
 
 def refused(monkeypatch: pytest.MonkeyPatch, error: Exception) -> loader.Availability:
@@ -47,16 +62,23 @@ def test_nobody_is_told_to_install_something_on_a_processor_that_is_too_old(monk
     assert "nstall" not in remedy
 
 
-@pytest.mark.parametrize("folder", ["_UNPACKED", "_WHEELS"])
-def test_a_zip_for_another_system_is_named(monkeypatch, tmp_path: Path, folder: str):
-    monkeypatch.setattr(loader, "_UNPACKED", tmp_path / "_native")
-    monkeypatch.setattr(loader, "_WHEELS", tmp_path / "wheels")
-    name = {
-        "_UNPACKED": "sinew_native.cp399-win_amd64.pyd",
-        "_WHEELS": "sinew_native-0.1.0-cp399-cp399-win_amd64.whl",
-    }[folder]
-    getattr(loader, folder).mkdir()
-    (getattr(loader, folder) / name).touch()
+def test_another_version_of_the_module_asks_for_a_restart(backend, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(loader, "VERSION", "99.0.0")
+    assert "Restart Blender" in loader.load().remedy
+
+
+@pytest.mark.parametrize(
+    ("folder", "name"),
+    [
+        ("_UNPACKED", "sinew_native.cp399-win_amd64.pyd"),
+        ("_WHEELS", "sinew_native-0.1.0-cp399-cp399-win_amd64.whl"),
+    ],
+)
+def test_a_zip_for_another_system_is_named(monkeypatch, tmp_path: Path, folder: str, name: str):
+    for each in ("_UNPACKED", "_WHEELS"):
+        monkeypatch.setattr(loader, each, tmp_path / each)
+    (tmp_path / folder).mkdir()
+    (tmp_path / folder / name).touch()
     remedy = refused(monkeypatch, ModuleNotFoundError("sinew_native")).remedy
     assert f"the installed zip holds {name}." in remedy
     assert remedy.endswith(f"Install the Sinew zip for this Blender, which holds {loader.wheel_name()}")
@@ -68,6 +90,4 @@ def test_a_wheel_that_blender_did_not_install_is_named(monkeypatch, tmp_path: Pa
     (tmp_path / f"{fitting}.whl").touch()
     (tmp_path / "sinew_native-0.1.0-cp399-cp399-win_amd64.whl").touch()
     remedy = refused(monkeypatch, ModuleNotFoundError("sinew_native")).remedy
-    assert "has not installed" in remedy
-    assert "install the zip again" in remedy
-    assert THIS in remedy
+    assert all(words in remedy for words in ("has not installed", "install the zip again", THIS))

@@ -9,7 +9,7 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, closed_bar, ends, grid, moved, shift, turn
+from ..meshes import STILL, closed_bar, ends, messy, moved, shift, turn
 from ..methods import EVERY_SURFACE_METHOD, called, made
 
 Polygons = tuple[np.ndarray, list[list[int]]]
@@ -30,11 +30,6 @@ def honeycomb(columns: int, rows: int) -> Polygons:
     place = np.zeros(len(points), dtype=int)
     place[used] = np.arange(len(used))
     return points[used], place[np.array(faces)].tolist()
-
-
-def mesh_of(points: np.ndarray, faces: list[list[int]]) -> sn.SurfaceMesh:
-    counts = np.array([len(face) for face in faces], dtype=np.int32)
-    return sn.SurfaceMesh(points, (counts, np.concatenate(faces).astype(np.int32)))
 
 
 def check(method: type, options: dict, mesh: sn.SurfaceMesh, handles: list[np.ndarray], scale: float) -> None:
@@ -79,37 +74,14 @@ def test_n_gons_in_two_parts_one_with_a_border(method: type, options: dict) -> N
 
 @EVERY_METHOD
 def test_a_scan_that_is_no_manifold(method: type, options: dict) -> None:
-    """With noise, a hole, fins on inner edges, faces twice and turned over, a pinch, a crumb and a stray."""
-    n = 24
-    points, triangles = grid(n)
-    rng = np.random.default_rng(8)
-    points[:, 2] += rng.normal(scale=0.15, size=len(points))
-    faces = triangles.tolist()
-    middle = points[triangles].mean(1)
-    hole = np.linalg.norm(middle[:, :2] - (15.0, 8.0), axis=1) < 2.5
-    faces = [face for face, gone in zip(faces, hole, strict=True) if not gone]
-    count = len(points)
-    fins = []
-    for at in (3 * (n + 1) + 8, 12 * (n + 1) + 10, 18 * (n + 1) + 14):
-        faces.append([at, at + 1, count + len(fins)])
-        fins.append(points[at] + (0.5, 0.1, 1.5))
-    faces += [faces[100], faces[200][::-1], faces[300], faces[300]]
-    for k in range(400, 420):
-        faces[k] = faces[k][::-1]
-    pinch = 12 * (n + 1) + 6
-    above = points[pinch] + ((0.6, 0.0, 1.0), (-0.6, 0.3, 1.0))
-    crumb = points[pinch] + (0.0, 4.0, 3.0) + rng.normal(scale=0.3, size=(3, 3))
-    points = np.concatenate([points, fins, above, crumb, [(40.0, 40.0, 0.0)]])
-    first = count + len(fins)
-    faces += [[pinch, first, first + 1], [first + 2, first + 3, first + 4]]
-    points[7 * (n + 1) + 9] = points[7 * (n + 1) + 8]  # two vertices in one place
-    mesh = mesh_of(points, faces)
-    found = mesh.diagnose()
-    assert len(found.non_manifold_edges) > 3
-    assert found.component_count > 3  # vertices in the hole are loose
-    x = points[:first, 0]
-    handles = [np.flatnonzero(x <= 2.5), np.flatnonzero(x >= n - 2.5)]
-    check(method, options, mesh, handles, float(n))
+    """With noise, faces turned over, a hole, two vertices in one place, and all that a messy mesh has."""
+    points, faces = messy()
+    points[:81, 2] += np.random.default_rng(8).normal(scale=0.15, size=81)
+    points[22] = points[23]
+    faces[60:70] = faces[60:70, ::-1]
+    mesh = sn.SurfaceMesh(points, np.delete(faces, [90, 91], axis=0))
+    assert len(mesh.diagnose().non_manifold_edges) > 3
+    check(method, options, mesh, ends(points[:81], 1.5), 8.0)
 
 
 @pytest.mark.slow

@@ -13,7 +13,8 @@ from hypothesis import strategies as st
 
 import sinew_native as sn
 
-from ..meshes import grid
+from ..cages import CUBE, QUADS
+from ..meshes import grid, sphere
 from ..methods import EVERY_SURFACE_METHOD, made
 
 EVERY_RUN = settings(
@@ -36,9 +37,8 @@ def meshes(draw: st.DrawFn) -> tuple[np.ndarray, list[list[int]]]:
     seed = draw(st.integers(0, 2**32 - 1))
     rng = np.random.default_rng(seed)
     if kind == "surface":
-        points, triangles = grid(
-            draw(st.one_of(st.integers(1, 9), st.just(17))), draw(st.sampled_from([0.0, 0.2, 0.49]))
-        )
+        cells, jitters = st.one_of(st.integers(1, 9), st.just(17)), st.sampled_from([0.0, 0.2, 0.49])
+        points, triangles = grid(draw(cells), draw(jitters))
         faces = triangles.tolist()
     else:
         n = draw(st.integers(1, 40))
@@ -81,29 +81,16 @@ def tasks(draw: st.DrawFn) -> dict[str, object]:
         weights.append(draw(st.sampled_from([None, 1.0, 0.5, 0.0, 1e-12, 1 - 1e-12])))
     scale = float(np.abs(points).max()) or 1.0
     poses = np.zeros((count, 3, 4))
-    motions = {
-        "still": np.eye(3),
-        "affine": rng.normal(size=(3, 3)),
-        "mirror": np.diag([1, 1, -1]),
-        "collapse": np.zeros((3, 3)),
-        "huge": 1e6 * np.eye(3),
-    }
+    motions = {"still": np.eye(3), "affine": rng.normal(size=(3, 3)), "mirror": np.diag([1, 1, -1])}
+    motions |= {"collapse": np.zeros((3, 3)), "huge": 1e6 * np.eye(3)}
     for h in range(count):
         motion = draw(st.sampled_from(sorted(motions)))
         poses[h, :, :3] = motions[motion]
         if motion != "still":
             poses[h, :, 3] = scale * rng.normal(size=3)
     incoming = points + scale * rng.normal(size=points.shape) if draw(st.booleans()) else None
-    free_parts = draw(st.sampled_from(["stay", "follow"]))
-    return {
-        "points": points,
-        "faces": faces,
-        "handles": handles,
-        "weights": weights,
-        "poses": poses,
-        "incoming": incoming,
-        "free_parts": free_parts,
-    }
+    task = {"points": points, "faces": faces, "handles": handles, "weights": weights, "poses": poses}
+    return task | {"incoming": incoming, "free_parts": draw(st.sampled_from(["stay", "follow"]))}
 
 
 def mesh_of(task: dict[str, object]) -> sn.SurfaceMesh:
@@ -118,21 +105,16 @@ def bind_and_solve(surface: sn.SurfaceMethod, task: dict[str, object], **options
     except sn.Error:
         return
     assert positions.shape == task["points"].shape
-    assert np.isfinite(positions).all()
-    assert np.isfinite(solved.energy)
-    assert np.isfinite(solved.residual)
+    assert np.isfinite([*positions.ravel(), solved.energy, solved.residual]).all()
     base = task["points"] if task["incoming"] is None else task["incoming"]
     np.testing.assert_array_equal(positions[report.free_vertices], base[report.free_vertices])
 
 
+SHELLS = map(st.sampled_from, (STIFFNESSES, KINDS, (False, True), (None, 0, 1, 1.5)))
+
+
 @EVERY_RUN
-@given(
-    tasks(),
-    st.sampled_from(STIFFNESSES),
-    st.sampled_from(KINDS),
-    st.booleans(),
-    st.sampled_from([None, 0, 1, 1.5]),
-)
+@given(tasks(), *SHELLS)
 def test_thin_shell_answers_or_refuses(task, k, kind: str, basis: bool, continuity) -> None:
     stiffness = dict(zip(("stretching", "bending", "variation"), k))
     shell = sn.ThinShell(mesh_of(task), **stiffness, laplacian=kind, affine_basis=basis)
@@ -152,11 +134,11 @@ def test_arap_answers_or_refuses(task, smoothness: float, cells: str, painted: b
     bind_and_solve(arap, task, max_iterations=8)
 
 
+OTHERS = [each for each in EVERY_SURFACE_METHOD if each[0] not in (sn.ThinShell, sn.Arap)]
+
+
 @EVERY_RUN
-@given(
-    tasks(),
-    st.sampled_from([each for each in EVERY_SURFACE_METHOD if each[0] not in (sn.ThinShell, sn.Arap)]),
-)
+@given(tasks(), st.sampled_from(OTHERS))
 def test_every_other_method_answers_or_refuses(task, method_and_options) -> None:
     method, options = method_and_options
     bind_and_solve(made(method, mesh_of(task), **options), task)
@@ -174,8 +156,7 @@ def test_operators_and_diagnosis_are_finite(mesh_data) -> None:
     assert found.clean == (found.summary() == "clean")
     for kind in KINDS:
         L, mass = sn.laplacian(mesh, kind), sn.mass(mesh, kind)
-        assert np.isfinite(L.data).all()
-        assert np.isfinite(mass).all()
+        assert np.isfinite([*L.data, *mass]).all()
         assert (mass >= 0).all()
         largest = abs(L).max() if L.nnz else 0.0
         assert np.abs(L @ np.ones(len(points))).max() <= 1e-12 * largest  # some hundred terms a row at most
@@ -190,3 +171,109 @@ def test_rotation_fits_are_rotations(rows) -> None:
     R = sn.fit_rotations(np.array(rows).reshape(-1, 3, 3))
     np.testing.assert_allclose(np.linalg.det(R), 1, atol=1e-12)
     np.testing.assert_allclose(R @ R.transpose(0, 2, 1), np.broadcast_to(np.eye(3), R.shape), atol=1e-12)
+
+
+CAGE_RUN = settings(EVERY_RUN, max_examples=100)
+CAGE_FLAWS = ("collapse", "flatten", "fold", "needle", "line")
+CAGE_SCALES = st.sampled_from([1.0, 1.0, 1e-12, 1e-6, 1e6, 1e12])
+SEEDS = st.integers(0, 2**32 - 1)
+THRESHOLDS = st.sampled_from([0.0, 1e-3])
+Cage = tuple[np.ndarray, np.ndarray]
+
+
+def spoiled(draw: st.DrawFn, points: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """With edges without length, faces without area, and folds; at any scale."""
+    for flaw in draw(st.lists(st.sampled_from(CAGE_FLAWS), max_size=3)):
+        i, j, k = rng.integers(len(points), size=3)
+        if flaw == "collapse":
+            points[i] = points[j]
+        elif flaw == "flatten":
+            points[:, 1] *= draw(st.sampled_from([1e-3, 1e-9, 1e-13]))
+        elif flaw == "fold":
+            points[i] *= -1
+        elif flaw == "needle":
+            points[i] = points[j] + draw(st.sampled_from([1e-15, 1e-9, 1e-4]))
+        elif flaw == "line":
+            points[i] = (points[j] + points[k]) / 2
+    return points * draw(CAGE_SCALES) + draw(st.sampled_from([0.0, 0.0, 1e3]))
+
+
+@st.composite
+def balls(draw: st.DrawFn) -> Cage:
+    """Closed meshes of triangles with vertices anywhere, twice where there are two parts, and loose ones."""
+    points, faces = sphere(draw(st.integers(0, 1)))
+    rng = np.random.default_rng(draw(SEEDS))
+    points = points + rng.normal(size=points.shape) * draw(st.sampled_from([0.0, 0.1, 1.0]))
+    if draw(st.booleans()):
+        faces = np.concatenate([faces, faces + len(points)])
+        points = np.concatenate([points, points + draw(st.sampled_from([0.0, 1e-9, 0.5, 5.0]))])
+    if draw(st.booleans()):
+        points = np.concatenate([points, rng.normal(size=(1, 3))])
+    return spoiled(draw, points, rng), faces
+
+
+@st.composite
+def boxes(draw: st.DrawFn) -> Cage:
+    """Closed cages of quads, twisted, folded and without area."""
+    rng = np.random.default_rng(draw(SEEDS))
+    points = CUBE - 0.5 + rng.normal(size=CUBE.shape) * draw(st.sampled_from([0.0, 0.1, 0.5]))
+    return spoiled(draw, points, rng), QUADS
+
+
+@st.composite
+def outlines(draw: st.DrawFn) -> Cage:
+    """Polygons in a plane, often concave."""
+    rng = np.random.default_rng(draw(SEEDS))
+    count = draw(st.integers(3, 12))
+    angle = 2 * np.pi * (np.arange(count) + rng.uniform(0, 0.9, count)) / count
+    radius = rng.uniform(draw(st.sampled_from([0.9, 0.3, 0.01])), 1.0, count)
+    points = np.stack((radius * np.cos(angle), radius * np.sin(angle), np.zeros(count)), 1)
+    return spoiled(draw, points, rng), np.arange(count)[None]
+
+
+def check_cage(methods: list[type], cage: Cage, seed: int, **options: object) -> None:
+    """At points on the cage, by a hair beside it, and far away; and for a pose out of all measure."""
+    (vertices, faces), rng = cage, np.random.default_rng(seed)
+    size = np.linalg.norm(np.ptp(vertices, axis=0))
+    shares = rng.dirichlet(np.ones(faces.shape[1]), len(faces))
+    points = np.concatenate(
+        [
+            vertices,
+            vertices[faces].mean(1),
+            np.einsum("fk,fkd->fd", shares, vertices[faces]),
+            (vertices[faces[:, 0]] + vertices[faces[:, 1]]) / 2,
+            vertices + 1e-12 * size * rng.normal(size=vertices.shape),
+            vertices + 1e-10 * size * rng.normal(size=vertices.shape),
+            vertices.mean(0) + size * rng.normal(size=(20, 3)),
+            1e3 * size * rng.normal(size=(3, 3)),
+            1e30 * rng.normal(size=(3, 3)),
+        ]
+    )
+    pose = vertices + size * rng.normal(size=vertices.shape)
+    pose[rng.integers(len(pose))] = pose[0]
+    precision = rng.choice(["single", "double"])
+    for method in methods:
+        with contextlib.suppress(sn.InvalidMesh):
+            coordinates = method(sn.SurfaceMesh(vertices, faces), precision=precision, **options)
+            coordinates.bind(points)
+            assert np.isfinite(coordinates.vertex_weights).all()
+            assert np.isfinite(coordinates.warp(pose)).all()
+            np.testing.assert_array_equal(coordinates.warp(vertices), points)
+
+
+@settings(EVERY_RUN, max_examples=200)
+@given(balls(), SEEDS, THRESHOLDS)
+def test_triangles_are_finite_or_refused(cage: Cage, seed: int, threshold: float) -> None:
+    check_cage([sn.MeanValue, sn.Green], cage, seed, threshold=threshold)
+
+
+@CAGE_RUN
+@given(boxes(), SEEDS, THRESHOLDS)
+def test_quads_are_finite_or_refused(cage: Cage, seed: int, threshold: float) -> None:
+    check_cage([sn.Green], cage, seed, threshold=threshold, faces="quads")
+
+
+@CAGE_RUN
+@given(outlines(), SEEDS, THRESHOLDS)
+def test_flat_cages_are_finite_or_refused(cage: Cage, seed: int, threshold: float) -> None:
+    check_cage([sn.MeanValue, sn.Green], cage, seed, threshold=threshold)

@@ -82,9 +82,7 @@ def by_quads_and_outlines(of: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     green = sn.Green(sn.SurfaceMesh(box, QUADS), faces="quads")
     green.bind(of["points"])
     found = {"warp Green faces=quads box": green.warp(1.5 * box + 0.1 * box[:, ::-1] ** 2)}
-    corners = np.array(
-        [(-2.0, -2.0, 0.0), (2.0, -2.0, 0.0), (2.0, 2.0, 0.0), (0.0, 0.5, 0.0), (-2.0, 2.0, 0.0)]
-    )
+    corners = np.array([(-2, -2, 0), (2, -2, 0), (2, 2, 0), (0, 0.5, 0), (-2, 2, 0)])
     for method in (sn.Green, sn.MeanValue):
         flat = method(sn.SurfaceMesh(corners, [[0, 1, 2, 3, 4]]))
         flat.bind(of["points"])

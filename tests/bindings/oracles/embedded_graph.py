@@ -17,37 +17,20 @@ class PaperEnergy:
     def __init__(self, graph: dict, targets: np.ndarray) -> None:
         self.unit = graph["edge_length"]
         self.nodes, self.targets = graph["nodes"] / self.unit, targets / self.unit
-        pulls = graph["pulls"] / self.unit
-        m = len(self.nodes)
-        rows, columns, values = [], [], []
-
-        def field(row: int, at: np.ndarray, j: int, weight: float) -> None:
-            """weight (A_j (at - g_j) + t_j), whose three coordinates are rows of one matrix each."""
-            rows.extend([row] * 4)
-            columns.extend(range(4 * j, 4 * j + 4))
-            values.extend(weight * np.append(at - self.nodes[j], 1.0))
-
-        self.right, row = [], 0
-        for a, b in graph["edges"]:
-            for j, k in ((a, b), (b, a)):
-                root = np.sqrt(WEIGHTS["regularity"])
-                field(row, self.nodes[k], j, root)
-                rows.append(row)
-                columns.append(4 * k + 3)
-                values.append(-root)
-                self.right.append(root * (self.nodes[k] - self.nodes[j]))
-                row += 1
-        for p in range(len(pulls)):
-            root = np.sqrt(WEIGHTS["pulls"] * graph["strengths"][p])
-            wanted = self.targets[p].copy()
-            for j in np.flatnonzero(graph["pull_weights"][p]):
-                weight = graph["pull_weights"][p, j]
-                field(row, pulls[p], j, root * weight)
-                wanted -= weight * self.nodes[j]
-            self.right.append(root * wanted)
-            row += 1
-        self.linear = sparse.csr_matrix((values, (rows, columns)), (row, 4 * m))
-        self.right = np.array(self.right)
+        j, k = np.concatenate([graph["edges"], np.fliplr(graph["edges"])]).T
+        m, rows, ways = len(self.nodes), np.arange(len(j)), self.nodes[k] - self.nodes[j]
+        # Rows (r, m, 4) over the columns of A_j and t_j: A_j (g_k - g_j) + t_j - t_k = g_k - g_j
+        regular = np.zeros((len(j), m, 4))
+        regular[rows, j] = np.column_stack([ways, np.ones(len(j))])
+        regular[rows, k, 3] = -1.0
+        # and the sum of w_j (A_j (p - g_j) + t_j + g_j) = the target of p.
+        weights, away = graph["pull_weights"], graph["pulls"][:, None] / self.unit - self.nodes
+        pulled = weights[:, :, None] * np.concatenate([away, np.ones((*away.shape[:2], 1))], -1)
+        squares = [WEIGHTS["regularity"]] * len(j), WEIGHTS["pulls"] * graph["strengths"]
+        roots = np.sqrt(np.concatenate(squares))[:, None]
+        left = np.concatenate([regular, pulled]).reshape(-1, 4 * m)
+        self.linear = sparse.csr_matrix(roots * left)
+        self.right = roots * np.concatenate([ways, self.targets - weights @ self.nodes])
 
     def start(self) -> np.ndarray:
         x = np.zeros((len(self.nodes), 4, 3))
@@ -73,10 +56,8 @@ class PaperEnergy:
                 rows.append(np.repeat(len(PRODUCTS) * np.arange(m) + e, 3))
                 columns.append(((4 * np.arange(m) + own)[:, None] * 3 + np.arange(3)).ravel())
                 values.append(root * x[:, other].ravel())
-        quartic = sparse.csr_matrix(
-            (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))),
-            (len(PRODUCTS) * m, 12 * m),
-        )
+        values, rows, columns = map(np.concatenate, (values, rows, columns))
+        quartic = sparse.csr_matrix((values, (rows, columns)), (len(PRODUCTS) * m, 12 * m))
         return sparse.vstack((quartic, sparse.kron(self.linear, sparse.eye(3)))).tocsr()
 
     def energy(self, flat: np.ndarray) -> float:

@@ -5,16 +5,11 @@ Nothing here knows the four orthogonal parts of a gap, or centres of gravity of 
 more corners, and the gaps between them are weighted as the paper says.
 """
 
-from __future__ import annotations
-
-from dataclasses import dataclass
-
 import numpy as np
-import scipy.sparse as sp
-from scipy.sparse.linalg import spsolve
-from scipy.spatial.transform import Rotation
+import scipy.sparse as sparse
 
-from ..meshes import nearest_rotations
+from ..meshes import carried, nearest_rotations
+from .rows import Rows, crosses, differences
 
 ANCHOR = 10.0  # of a held corner of a free prism, in medians of the weights
 # (1/9) 2^(-|i-k| - |j-l|) for the corners (i, j) and (k, l) of a side: (0, 0), (0, 1), (1, 0), (1, 1)
@@ -22,151 +17,68 @@ CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
 MASS = 2.0 ** -np.abs(CORNERS[:, None] - CORNERS[None]).sum(-1) / 9.0
 
 
-def crosses(v: np.ndarray) -> np.ndarray:
-    """(k, 3, 3) the matrices of v x."""
-    zero = np.zeros(len(v))
-    x, y, z = v.T
-    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], 1).reshape(-1, 3, 3)
+class Prisms(Rows):
+    """The prisms of a mesh of faces with equally many corners, without a degenerate one, on a manifold.
 
+    Their centres are the points of the rows: a row is a gap between two prisms, or one to a held vertex.
+    """
 
-@dataclass
-class Prisms:
-    """The prisms of a mesh of faces with equally many corners, without a degenerate one, on a manifold."""
-
-    points: np.ndarray  # (n, 3)
-    faces: np.ndarray  # (m, k)
-    handles: list[np.ndarray]
-    poses: np.ndarray  # rigid
-    height: float  # a length
-
-    def __post_init__(self) -> None:
-        points, faces = self.points, self.faces
-        self.centres = points[faces].mean(1)
-        following = np.roll(faces, -1, 1)
-        area = 0.5 * np.cross(
-            points[faces] - self.centres[:, None], points[following] - self.centres[:, None]
-        )
-        area = area.sum(1)
+    def __init__(self, points, faces, handles: list[np.ndarray], poses: np.ndarray, height: float) -> None:
+        self.points, self.faces, self.centres = points, faces, points[faces].mean(1)
+        following, spokes = np.roll(faces, -1, 1), points[faces] - self.centres[:, None]
+        area = 0.5 * np.cross(spokes, np.roll(spokes, -1, axis=1)).sum(1)
         normals = np.zeros_like(points)
         np.add.at(normals, faces, area[:, None])
         normals /= np.linalg.norm(normals, axis=1)[:, None]
+        hand = np.full(len(points), -1)
+        for h, vertices in enumerate(handles):
+            hand[vertices] = h
+        held = (hand[faces] >= 0).all(1)
+        self.free = np.flatnonzero(~held)
 
         ends = np.sort(np.stack([faces, following], -1).reshape(-1, 2), 1)
         owner = np.repeat(np.arange(len(faces)), faces.shape[1])
         order = np.lexsort(ends.T)
         ends, owner = ends[order], owner[order]
         first = np.flatnonzero((ends[:-1] == ends[1:]).all(1))
-        self.pairs = np.stack([owner[first], owner[first + 1]], 1)
-        edge = ends[first]
+        a, b, edge = owner[first], owner[first + 1], ends[first]
         sizes = np.linalg.norm(area, axis=1)
-        length = np.linalg.norm(points[edge[:, 0]] - points[edge[:, 1]], axis=1)
-        self.weights = 2 * length**2 / sizes[self.pairs].sum(1)
-        self.typical = np.median(self.weights)
-        up = self.height * normals[edge]
-        self.corners = np.stack([points[edge] - up, points[edge] + up], 2).reshape(-1, 4, 3)
-
-        hand = np.full(len(points), -1)
-        for h, vertices in enumerate(self.handles):
-            hand[vertices] = h
-        self.held = (hand[faces] >= 0).all(1)
-        self.free = np.flatnonzero(~self.held)
-        both = ~self.held[self.pairs].all(1)
-        self.pairs, self.weights, self.corners = self.pairs[both], self.weights[both], self.corners[both]
-        face, corner = np.nonzero((hand[faces] >= 0) & ~self.held[:, None])
+        weights = 2 * ((points[edge[:, 0]] - points[edge[:, 1]]) ** 2).sum(1) / (sizes[a] + sizes[b])
+        typical, both = np.median(weights), ~(held[a] & held[b])
+        a, b, edge, weights = a[both], b[both], edge[both], weights[both]
+        up = height * normals[edge]
+        corners = np.stack([points[edge] - up, points[edge] + up], 2).reshape(-1, 4, 3)
+        face, corner = np.nonzero((hand[faces] >= 0) & ~held[:, None])
         vertex = faces[face, corner]
-        self.anchored, self.anchors = face, points[vertex]
-        self.anchor_targets = self._posed(points[vertex], hand[vertex])
-        self.t = self.centres.copy()
-        self.R = np.tile(np.eye(3), (len(faces), 1, 1))
-        own = hand[faces[self.held, 0]]
-        self.t[self.held] = self._posed(self.centres[self.held], own)
-        self.R[self.held] = self.poses[own][:, :, :3]
+
+        C = np.linalg.cholesky(MASS).T  # takes gaps of corners to rows whose squares add up
+        gaps = sparse.kron(differences(a, b, len(faces)), C.sum(1)[:, None])
+        self.D = sparse.vstack([gaps, sparse.identity(len(faces), format="csr")[face]]).tocsr()
+        self.weight = np.concatenate([np.repeat(weights, 4), np.full(len(face), ANCHOR * typical)])
+        self.sides = []  # the prism of each row, and what it turns
+        for prism, sign, own in ((a, -1.0, points[vertex] - self.centres[face]), (b, 1.0, 0.0)):
+            arms = sign * np.einsum("cd,pdk->pck", C, corners - self.centres[prism][:, None]).reshape(-1, 3)
+            whole = np.concatenate([arms, np.broadcast_to(-1.0 * np.asarray(own), (len(face), 3))])
+            self.sides.append((np.concatenate([np.repeat(prism, 4), face]), whole))
+        targets = carried(poses[hand[vertex]], points[vertex])
+        self.fixed = np.concatenate([np.zeros((4 * len(a), 3)), targets])
+
+        self.t, self.R = self.centres.copy(), np.tile(np.eye(3), (len(faces), 1, 1))
+        own = poses[hand[faces[held, 0]]]
+        self.t[held], self.R[held] = carried(own, self.centres[held]), own[:, :, :3]
         self.held_vertices = np.flatnonzero(hand >= 0)
-        self.targets = self._posed(points[self.held_vertices], hand[self.held_vertices])
+        self.targets = carried(poses[hand[self.held_vertices]], points[self.held_vertices])
 
-    def _posed(self, points: np.ndarray, handle: np.ndarray) -> np.ndarray:
-        poses = self.poses[handle]
-        return np.einsum("kij,kj->ki", poses[:, :, :3], points) + poses[:, :, 3]
+    def turned(self, R: np.ndarray) -> np.ndarray:
+        return self.fixed + sum(np.einsum("kab,kb->ka", R[prism], u) for prism, u in self.sides)
 
-    def _arms(self) -> tuple[np.ndarray, np.ndarray]:
-        """R (corner - centre) for both prisms of each pair (pairs, 2, 4, 3), and for anchors (anchors, 3)."""
-        arms = np.einsum(
-            "psij,pscj->psci",
-            self.R[self.pairs],
-            self.corners[:, None] - self.centres[self.pairs][:, :, None],
-        )
-        own = np.einsum("kij,kj->ki", self.R[self.anchored], self.anchors - self.centres[self.anchored])
-        return arms, own
+    def slopes(self, R: np.ndarray) -> sparse.csr_matrix:
+        return sum(crosses(np.einsum("kab,kb->ka", R[g], u), g, len(R)) for g, u in self.sides)
 
-    def residual(self) -> np.ndarray:
-        """Half its square is the energy."""
-        arms, own = self._arms()
-        images = self.t[self.pairs][:, :, None] + arms
-        gaps = np.einsum("cd,pdk->pck", np.linalg.cholesky(MASS).T, images[:, 0] - images[:, 1])
-        pulls = self.t[self.anchored] + own - self.anchor_targets
-        return np.concatenate(
-            [
-                (np.sqrt(self.weights)[:, None, None] * gaps).ravel(),
-                np.sqrt(ANCHOR * self.typical) * pulls.ravel(),
-            ]
-        )
-
-    def energy(self) -> float:
-        return 0.5 * float(self.residual() @ self.residual())
-
-    def jacobian(self) -> sp.csr_matrix:
-        """Of the residual, by the translations and turns of the free prisms, six columns each."""
-        place = np.full(len(self.faces), -1)
-        place[self.free] = np.arange(len(self.free))
-        arms, own = self._arms()
-        count = len(self.pairs)
-        C = np.linalg.cholesky(MASS).T
-        rows, columns, values = [], [], []
-
-        def add(block: np.ndarray, row: np.ndarray, body: np.ndarray) -> None:
-            """Blocks (k, 3, 6) at rows 3 ``row`` and the columns of ``body``."""
-            inside = place[body] >= 0
-            r = 3 * row[inside, None, None] + np.arange(3)[:, None]
-            c = 6 * place[body[inside], None, None] + np.arange(6)
-            rows.append(np.broadcast_to(r, block[inside].shape).ravel())
-            columns.append(np.broadcast_to(c, block[inside].shape).ravel())
-            values.append(block[inside].ravel())
-
-        for side, sign in ((0, 1.0), (1, -1.0)):
-            for c in range(4):
-                arm = np.einsum("d,pdk->pk", C[c], arms[:, side])
-                unit = np.broadcast_to(C[c].sum() * np.eye(3), (count, 3, 3))
-                block = sign * np.sqrt(self.weights)[:, None, None] * np.concatenate([unit, -crosses(arm)], 2)
-                add(block, 4 * np.arange(count) + c, self.pairs[:, side])
-        unit = np.broadcast_to(np.eye(3), (len(own), 3, 3))
-        block = np.sqrt(ANCHOR * self.typical) * np.concatenate([unit, -crosses(own)], 2)
-        add(block, 4 * count + np.arange(len(own)), self.anchored)
-        shape = 12 * count + 3 * len(own), 6 * len(self.free)
-        joined = [np.concatenate(part) for part in (values, rows, columns)]
-        return sp.csr_matrix((joined[0], (joined[1], joined[2])), shape=shape)
-
-    def gauss_newton(self, steps: int = 40, tolerance: float = 1e-12) -> float:
-        """Joint steps of all prisms, halved until the energy falls."""
-        for _ in range(steps):
-            J, r = self.jacobian(), self.residual()
-            H = (J.T @ J).tocsc()
-            gradient = J.T @ r
-            step = -spsolve(H + 1e-10 * H.diagonal().mean() * sp.identity(H.shape[0], format="csc"), gradient)
-            d = step.reshape(-1, 6)
-            before, t, R = 0.5 * float(r @ r), self.t.copy(), self.R.copy()
-            length = 1.0
-            while length > 1e-4:
-                self.t[self.free] = t[self.free] + length * d[:, :3]
-                self.R[self.free] = Rotation.from_rotvec(length * d[:, 3:]).as_matrix() @ R[self.free]
-                if self.energy() <= before + 1e-4 * length * float(gradient @ step):
-                    break
-                length /= 2
-            else:
-                self.t, self.R = t, R
-                break
-            if before - self.energy() <= tolerance * before:
-                break
-        return self.energy()
+    def gauss_newton(self) -> float:
+        """Joint steps of all prisms."""
+        self.t, energy, self.R = self.minimum(self.t, self.free, self.R, self.free)
+        return energy
 
     def vertices(self) -> np.ndarray:
         """(n, 3) the mean of what the prisms around each vertex say; held vertices at their targets."""

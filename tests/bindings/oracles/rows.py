@@ -20,6 +20,14 @@ def differences(i: np.ndarray, j: np.ndarray, count: int) -> sparse.csr_matrix:
     return one[i] - one[j]
 
 
+def crosses(turned: np.ndarray, group: np.ndarray, groups: int) -> sparse.csr_matrix:
+    """(3 m, 3 groups) the matrices of turned x at the columns of their groups."""
+    rows = 3 * np.arange(len(group))[:, None, None] + np.arange(3)[:, None] + np.zeros(3, int)
+    columns = 3 * group[:, None, None] + np.zeros((3, 1), int) + np.arange(3)
+    blocks = -np.cross(turned[:, None], np.eye(3))
+    return sparse.csr_matrix((blocks.ravel(), (rows.ravel(), columns.ravel())), (3 * len(group), 3 * groups))
+
+
 @dataclass
 class Rows:
     """Half the sum of weight |D x - R_group u|^2, with a rotation for each group."""
@@ -50,32 +58,30 @@ class Rows:
         gaps = self.D @ x - self.turned(self.rotations(x) if R is None else R)
         return self.D.T @ (self.weight[:, None] * gaps)
 
-    def minimum(self, x: np.ndarray, free: np.ndarray) -> tuple[np.ndarray, float]:
-        """Over free points and all rotations, from a start: the points, and their energy."""
+    def slopes(self, R: np.ndarray) -> sparse.csr_matrix:
+        """(3 m, 3 groups): how the residuals change as rotations turn."""
+        return crosses(self.turned(R), self.group, len(R))
+
+    def minimum(self, x: np.ndarray, free: np.ndarray, R: np.ndarray | None = None, loose=None) -> tuple:
+        """Over free points and rotations, all unless told, from a start: points, their energy, rotations."""
         root = sparse.diags(np.sqrt(np.repeat(self.weight, 3)))
         of_points = sparse.kron(self.D[:, free], sparse.identity(3), format="csr")
-        R, m = self.rotations(x), len(self.u)
-        rows = np.broadcast_to(3 * np.arange(m)[:, None, None] + np.arange(3)[:, None], (m, 3, 3)).ravel()
-        columns = np.broadcast_to(3 * self.group[:, None, None] + np.arange(3), (m, 3, 3)).ravel()
-        E = self.energy(x, R)
+        R = self.rotations(x) if R is None else R
+        loose = np.arange(len(R)) if loose is None else loose
+        columns, E = (3 * loose[:, None] + np.arange(3)).ravel(), self.energy(x, R)
         for _ in range(200):
-            turned, cross = self.turned(R), np.zeros((m, 3, 3))
-            for a, b, c in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-                cross[:, a, b], cross[:, b, a] = -turned[:, c], turned[:, c]
-            of_turns = sparse.csr_matrix((cross.ravel(), (rows, columns)), (3 * m, 3 * len(R)))
-            J = root @ sparse.hstack([of_points, of_turns])
+            J = root @ sparse.hstack([of_points, self.slopes(R)[:, columns]])
             A = (J.T @ J).tocsc()
             A += 1e-10 * A.diagonal().mean() * sparse.identity(A.shape[0])
-            step = -splu(A.tocsc()).solve(J.T @ (root @ (self.D @ x - turned).ravel()))
+            step = -splu(A.tocsc()).solve(J.T @ (root @ (self.D @ x - self.turned(R)).ravel()))
             move, spin = (part.reshape(-1, 3) for part in np.split(step, [3 * len(free)]))
-            length, F, y = 2.0, np.inf, x
+            length, F, y, Q = 2.0, np.inf, x.copy(), R.copy()
             while F > E and length > 1e-6:
                 length /= 2
-                y = x.copy()
-                y[free] += length * move
-                Q = Rotation.from_rotvec(length * spin).as_matrix() @ R
+                y[free] = x[free] + length * move
+                Q[loose] = Rotation.from_rotvec(length * spin).as_matrix() @ R[loose]
                 F = self.energy(y, Q)
             if not F < E * (1 - 1e-12):
                 break
             x, R, E = y, Q, F
-        return x, E
+        return x, E, R

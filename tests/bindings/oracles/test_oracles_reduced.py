@@ -1,16 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Surface methods with few unknowns against NumPy and SciPy."""
 
+import itertools
+
 import igl
 import numpy as np
 import pytest
 import scipy.sparse as sparse
-from scipy.sparse.linalg import splu
 
 import sinew_native as sn
 
 from ..cages import bound
+from ..figures import animal, spot
 from ..meshes import STILL, ends, grid, moved, sphere, turn
+from ..methods import bound_to
 from .rows import Rows, differences
 from .test_oracles_surface import positive
 
@@ -28,33 +31,23 @@ def cotan(points: np.ndarray, faces: np.ndarray) -> tuple[sparse.csr_matrix, np.
 
 
 def test_isolines_are_the_minimum_of_their_energy() -> None:
-    """By turns of dense rotations and sparse solves on the whole mesh."""
+    """On the whole mesh, over all points and rotations."""
     method = sn.HandleAwareIsolines(sn.SurfaceMesh(POINTS, FACES), tolerance=1e-10, max_iterations=5000)
     method.set_handles(HANDLES)
-    bands = method.bands()
     L, _mass = cotan(POINTS, FACES)
     W = (sparse.diags(L.diagonal()) - L).tocoo()
     D = differences(W.row, W.col, len(POINTS))
-    rows = Rows(D, D @ POINTS, bands[W.row], W.data)
-    held = np.concatenate(HANDLES)
-    free = np.setdiff1d(np.arange(len(POINTS)), held)
-    solve = splu(sparse.csc_matrix(L[free][:, free])).solve
+    rows = Rows(D, D @ POINTS, method.bands()[W.row], W.data)
+    free = np.setdiff1d(np.arange(len(POINTS)), np.concatenate(HANDLES))
     for poses in (BENT, TWISTED):
-        x = np.empty_like(POINTS)
+        found, report = method.solve(poses)
+        x = POINTS.copy()
         for pose, handle in zip(poses, HANDLES):
             x[handle] = moved(pose, POINTS[handle])
-        R = np.tile(np.eye(3), (bands.max() + 1, 1, 1))
-        for _turn in range(3000):
-            b = 0.5 * D.T @ (rows.weight[:, None] * rows.turned(R))
-            x[free] = solve((b - L[:, held] @ x[held])[free])
-            fitted = rows.rotations(x)
-            change, R = np.abs(fitted - R).max(), fitted
-            if change < 1e-10:
-                break
-        found, report = method.solve(poses)
+        x, energy, _turns = rows.minimum(x, free)
         assert report.converged
         assert np.abs(found - x).max() < 1e-5  # its columns are in single precision
-        assert report.energy == pytest.approx(2 * rows.energy(x, R), rel=1e-6)
+        assert report.energy == pytest.approx(2 * energy, rel=1e-6)
 
 
 def volume(x: np.ndarray) -> tuple[float, np.ndarray]:
@@ -135,3 +128,39 @@ def test_more_bands_than_a_frame_can_turn_are_remarked_on() -> None:
     [remark] = method.set_handles([[300], [1400]]).remarks
     assert sn.Multiresolution(mesh, method).set_handles([[300], [1400]]).remarks == [remark]
     assert remark.startswith(f"{method.bands().max() + 1} bands take long to bind and to solve")
+
+
+def feet(points: np.ndarray) -> list[np.ndarray]:
+    """Hind and front, each left and right: what is near the ground."""
+    x, y, z = points.T
+    low, middle = z < z.min() + 0.04 * np.ptp(z), (x.min() + x.max()) / 2
+    sides = itertools.product((0, 1), (0, 1))
+    return [np.flatnonzero(low & (front == (x > middle)) & (left == (y > 0))) for front, left in sides]
+
+
+def folds(points: np.ndarray, faces: np.ndarray) -> int:
+    """Faces that look to the other side than the faces around them do together."""
+    a, b, c = np.moveaxis(points[faces], 1, 0)
+    areas = np.cross(b - a, c - a)
+    around = np.zeros_like(points)
+    for corner in faces.T:
+        np.add.at(around, corner, areas)
+    return int((np.einsum("ij,ikj->i", areas, around[faces]) < 0).sum())
+
+
+@pytest.mark.parametrize("figure", [spot, animal])
+def test_nothing_folds_beside_feet(figure) -> None:
+    points, faces = figure()
+    size = np.linalg.norm(np.ptp(points, axis=0))
+    handles = feet(points)
+    middles = [points[foot].mean(axis=0) for foot in handles]
+    ways = zip((1, -1, -1, 1), middles)
+    swing = [turn((0, 1, 0), 15 * k, at, (0.08 * k * size, 0, 0.03 * size)) for k, at in ways]
+    lift = [STILL, STILL, STILL, turn((0, 1, 0), 0, middles[3], (0.1 * size, 0, 0.08 * size))]
+    found = {}
+    for cage_faces in (160, 0):
+        method = bound_to(sn.SubspaceLaplacian(sn.SurfaceMesh(points, faces), cage_faces=cage_faces), handles)
+        found[cage_faces] = [folds(method.solve(np.stack(poses))[0], faces) for poses in (swing, lift)]
+    assert folds(points, faces) == 0
+    assert sum(found[160]) > 5
+    assert found[0] == [0, 0]

@@ -7,8 +7,7 @@ import pytest
 
 import sinew_native as sn
 
-from .. import limits
-from ..meshes import STILL, bar, edges_of, ends, grid, joined, shift, sphere
+from ..meshes import bar, edges_of, ends, grid, joined, shift, sphere
 
 Meshes = tuple[np.ndarray, np.ndarray]
 FIELDS = ("harmonic", "geodesic", "euclidean")
@@ -111,13 +110,3 @@ def test_shares_of_soft_handles_near_those_of_hard_ones_as_the_weight_nears_one(
         assert gaps[-1] < 0.5 * gaps[-2]
     assert gaps[-1] < 1e-7
     assert shares((points, faces), handles, [1.0, 1e-300], field)[40, 1] < 1e-9
-
-
-@EVERY_FIELD
-def test_shares_above_the_memory_limit_are_refused(field: str) -> None:
-    points, faces = grid(40)
-    method = bound((points, faces), ends(points, 1.5), None, field)
-    before = method.solve([STILL, shift(1, 2, 3)])[0]
-    with limits.memory(1000), pytest.raises(sn.OutOfMemory):
-        method.set_handles(ends(points, 2.5))
-    np.testing.assert_array_equal(method.solve([STILL, shift(1, 2, 3)])[0], before)

@@ -30,18 +30,17 @@ def test_few_handles_move_the_spline_of_scipys_pseudo_inverse(degree: int) -> No
     mean = moves.mean(0)
     expected = points + B @ (np.linalg.pinv(B[held]) @ (moves - mean)) + mean
 
-    surface = sn.SplineSurface(
-        sn.SurfaceMesh(points, faces), degree=degree, columns=columns, rows=rows, smoothing=0, uv_map=uv
-    )
+    words = {"degree": degree, "columns": columns, "rows": rows, "smoothing": 0, "uv_map": uv}
+    surface = sn.SplineSurface(sn.SurfaceMesh(points, faces), **words)
     surface.set_handles([[vertex] for vertex in held])
     found, report = surface.solve(np.stack([shift(*move) for move in moves]))
     # Normal equations square the condition number of nine rows, at most some hundreds.
     np.testing.assert_allclose(found, expected, atol=1e-8)
     assert report.residual < 1e-9
-    at_rest = surface.control_grids(np.stack([STILL] * 9))
-    posed = surface.control_grids(np.stack([shift(*move) for move in moves]))
-    assert [shown.shape for shown in posed] == [(rows, columns, 3)]
-    displaced = B @ (posed[0] - at_rest[0]).reshape(-1, 3)
+    [at_rest] = surface.control_grids([STILL] * 9)
+    [posed] = surface.control_grids([shift(*move) for move in moves])
+    assert posed.shape == (rows, columns, 3)
+    displaced = B @ (posed - at_rest).reshape(-1, 3)
     np.testing.assert_allclose(points + displaced, expected, atol=1e-8)
 
 
@@ -91,18 +90,11 @@ def test_a_map_is_read_from_any_real_array_and_vertices_without_a_place_are_name
 
 def test_moved_points_of_the_grid_add_scipys_spline_and_held_vertices_stay() -> None:
     points, faces = grid(16)
-    degree, columns, rows = 3, 9, 8
-    u, v = (design(points[:, axis], degree, count) for axis, count in ((0, columns), (1, rows)))
-    B = np.einsum("nj,ni->nji", v, u).reshape(len(points), -1)
+    columns, rows, uv = 9, 8, points[:, :2]
+    B = np.einsum("nj,ni->nji", design(uv[:, 1], 3, rows), design(uv[:, 0], 3, columns)).reshape(len(uv), -1)
     held = np.flatnonzero(points[:, 0] == 0.0)
-    surface = sn.SplineSurface(
-        sn.SurfaceMesh(points, faces),
-        degree=degree,
-        columns=columns,
-        rows=rows,
-        uv_map=points[:, :2],
-        margin=9.0,
-    )
+    words = {"degree": 3, "columns": columns, "rows": rows, "uv_map": uv, "margin": 9.0}
+    surface = sn.SplineSurface(sn.SurfaceMesh(points, faces), **words)
     surface.set_handles([held])
     moves = np.random.default_rng(6).normal(size=(rows, columns, 3))
     moves[:, :4] = 0.0  # these reach the held vertices

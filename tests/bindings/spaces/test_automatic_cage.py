@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""automatic_cage from Python, checked by NumPy."""
+"""Automatic cages, checked by NumPy, and what keeps a mesh from being a good cage, by its elements."""
 
 from collections import Counter
 
@@ -9,7 +9,8 @@ import pytest
 import sinew_native as sn
 
 from .. import limits
-from ..meshes import angles_filled, closed_bar, grid, joined, messy, sphere, spread, torus
+from ..cages import CUBE, QUADS
+from ..meshes import angles_filled, closed_bar, grid, joined, messy, sphere, spread, torus, turn
 
 GAPS = {60: 0.12, 100: 0.09}  # by number of faces: of a vertex of the cage, as a share of the size
 WIDE = 0.06  # a margin that makes the wrap coarse and quick
@@ -35,16 +36,10 @@ def corners_of(polygons: object) -> list[list[int]]:
     return polygons.tolist()
 
 
-TARGETS = {
-    "sphere": sphere(3),
-    "bar": closed_bar(8, 2),
-    "hill": grid(12),
-    "torus": torus(40, 20),
-    "messy": messy(),
-}
-EVERY_TARGET = pytest.mark.parametrize(
-    "mesh", [sn.SurfaceMesh(*each) for each in TARGETS.values()], ids=TARGETS
-)
+TARGETS = {"sphere": sphere(3), "bar": closed_bar(8, 2), "hill": grid(12)}
+TARGETS |= {"torus": torus(40, 20), "messy": messy()}
+MESHES = [sn.SurfaceMesh(*target) for target in TARGETS.values()]
+EVERY_TARGET = pytest.mark.parametrize("mesh", MESHES, ids=TARGETS)
 
 
 @EVERY_TARGET
@@ -71,9 +66,8 @@ def test_holes_and_parts_are_kept() -> None:
     ring, _report = good_cage(sn.SurfaceMesh(*torus(40, 20)), 200, margin=0.03)
     assert ring.vertex_count - 3 * ring.face_count // 2 + ring.face_count == 0, "one hole"
     ball, faces = sphere(2)
-    two, _report = good_cage(
-        sn.SurfaceMesh(*joined((ball, faces), (ball + (5, 1, 0), faces))), 150, margin=0.03
-    )
+    both = sn.SurfaceMesh(*joined((ball, faces), (ball + (5, 1, 0), faces)))
+    two, _report = good_cage(both, 150, margin=0.03)
     assert sn.diagnose_cage(two).component_count == 2
 
 
@@ -104,20 +98,15 @@ def test_quads_are_safe_along_both_diagonals() -> None:
     points, (counts, corners), report = sn.automatic_cage(bar, 120, WIDE, quads=True)
     assert (counts == 4).sum() == report.quads > report.faces / 4, "more faces of quads than triangles left"
     for first in (0, 1):
-        fans = [
-            (face[first], face[(first + j - 1) % len(face)], face[(first + j) % len(face)])
-            for face in corners_of((counts, corners))
-            for j in range(2, len(face))
-        ]
+        turned = [np.roll(face, -first) for face in corners_of((counts, corners))]
+        fans = [(face[0], face[j - 1], face[j]) for face in turned for j in range(2, len(face))]
         assert sn.diagnose_cage(sn.SurfaceMesh(points, fans), bar.points).clean
 
 
 @pytest.mark.slow
 @EVERY_TARGET
 @pytest.mark.parametrize("symmetry", ["none", "x", "y"])
-def test_no_diagonal_of_a_quad_is_an_edge_or_a_diagonal_of_another(
-    mesh: sn.SurfaceMesh, symmetry: str
-) -> None:
+def test_no_diagonal_of_a_quad_is_an_edge_or_a_diagonal_of_another(mesh, symmetry: str) -> None:
     for wanted in (12, 16, 24, 40, 64, 100):
         points, faces, _report = sn.automatic_cage(mesh, wanted, 0.1, symmetry=symmetry, quads=True)
         used: Counter = Counter()  # sides count half, as two faces have each
@@ -131,10 +120,9 @@ def test_no_diagonal_of_a_quad_is_an_edge_or_a_diagonal_of_another(
 
 
 def test_the_report_says_why_there_are_more_faces_than_asked_for() -> None:
+    """A ring needs more than twelve."""
     report = sn.automatic_cage(sn.SurfaceMesh(*torus(40, 20)), 12, WIDE)[2]
-    assert report.wanted == 12
-    assert not report.reached, "a ring needs more than twelve"
-    assert report.faces > 13
+    assert (report.wanted, report.reached, report.faces > 13) == (12, False, True)
     assert report.reason
 
 
@@ -168,28 +156,24 @@ def test_flat_open_and_loose_targets_of_any_scale_get_a_cage(name: str) -> None:
 
 def test_a_cage_is_the_same_on_one_thread() -> None:
     mesh = sn.SurfaceMesh(*grid(12))
-    many = sn.automatic_cage(mesh, 80, WIDE)[:2]
+    points, faces, _report = sn.automatic_cage(mesh, 80, WIDE)
     with limits.threads(1):
-        one = sn.automatic_cage(mesh, 80, WIDE)[:2]
-    for found, expected in zip(one, many, strict=True):
-        np.testing.assert_array_equal(found, expected)
+        one = sn.automatic_cage(mesh, 80, WIDE)
+    np.testing.assert_array_equal(one[0], points)
+    np.testing.assert_array_equal(one[1], faces)
 
 
 def angles_around(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     """The sum (n,) of the angles of the triangles at each vertex."""
-    sums = np.zeros(len(points))
-    for k in range(3):
-        at, u, v = (points[triangles[:, (k + i) % 3]] for i in range(3))
-        u, v = u - at, v - at
-        angles = np.arctan2(np.linalg.norm(np.cross(u, v), axis=1), (u * v).sum(axis=1))
-        np.add.at(sums, triangles[:, k], angles)
-    return sums
+    corners = points[triangles]
+    u, v = (np.roll(corners, -k, axis=1) - corners for k in (1, 2))
+    angles = np.arctan2(np.linalg.norm(np.cross(u, v), axis=2), (u * v).sum(axis=2))
+    return np.bincount(triangles.ravel(), angles.ravel())
 
 
 def ellipsoid(middle: tuple, radii: tuple, angle: float) -> tuple[np.ndarray, np.ndarray]:
     ball, faces = sphere(4)
-    c, s = np.cos(angle), np.sin(angle)
-    return ball @ np.array(((c, -s, 0.0), (s, c, 0.0), (0.0, 0.0, 1.0))) * radii + middle, faces
+    return ball @ turn((0, 0, 1), np.degrees(angle))[:, :3] * radii + middle, faces
 
 
 def character() -> tuple[np.ndarray, np.ndarray]:
@@ -197,12 +181,9 @@ def character() -> tuple[np.ndarray, np.ndarray]:
 
     It is rounded: sines and products differ in their last bits from system to system, and so would cages.
     """
-    points, corners = joined(
-        ellipsoid((0.0, 0.0, 0.0), (1.0, 0.9, 1.0), 0.3),
-        ellipsoid((1.5, 0.2, 0.3), (0.8, 0.15, 0.7), 0.5),
-        ellipsoid((-1.5, 0.2, 0.3), (0.8, 0.15, 0.7), 0.1),
-        ellipsoid((0.0, -1.1, -0.6), (0.25, 0.3, 0.9), 0.2),
-    )
+    head, trunk = ((0, 0, 0), (1, 0.9, 1), 0.3), ((0, -1.1, -0.6), (0.25, 0.3, 0.9), 0.2)
+    ears = [((side, 0.2, 0.3), (0.8, 0.15, 0.7), angle) for side, angle in ((1.5, 0.5), (-1.5, 0.1))]
+    points, corners = joined(*(ellipsoid(*part) for part in (head, *ears, trunk)))
     return np.round(points, 9), corners
 
 
@@ -258,21 +239,102 @@ def test_progress_may_cancel() -> None:
             sn.automatic_cage(mesh, 60, WIDE, progress=lambda _share, now, stage=stage: now != stage)
 
 
+def test_options_out_of_range_and_targets_without_a_size_are_refused() -> None:
+    wrong = {"faces": (3, 11, 100_001), "margin": (0.0, -1.0, 0.3, np.nan), "symmetry": "w", "progress": (3,)}
+    for name, values in wrong.items():
+        for value in values:
+            with pytest.raises(TypeError if name == "progress" else sn.InvalidOption, match=name):
+                sn.automatic_cage(sn.SurfaceMesh(*sphere(1)), **{name: value})
+    for points in ([(1, 2, 3), (1, 2, 3)], [(-1e308, 0, 0), (1e308, 0, 0)]):
+        with pytest.raises(sn.InvalidMesh):
+            sn.automatic_cage(sn.SurfaceMesh(points, []))
+
+
+CUBE_MESH = (CUBE, QUADS)
+NESTED = joined(CUBE_MESH, (CUBE / 2 + 0.25, QUADS))
+BESIDE = joined(CUBE_MESH, (CUBE + (3, 0, 0), QUADS))
+FOLDED = sphere(0)[0].copy()
+FOLDED[4] = FOLDED[2]  # an edge of the octahedron is a point
+TETRAHEDRON = np.concatenate([np.zeros((1, 3)), np.eye(3)])
+GOOD = {"summary": "clean", "component_count": 1, "crowded_diagonals": []}
+PLACES = [(0.5, 0.5, 0.5), (1.5, 0.5, 0.5), (1, 1, 1), (1, 0.5, 0.5), (0.5, 0.5, 1 + 1e-6)]
+
+
+def flipped(mesh: tuple[np.ndarray, np.ndarray], faces) -> tuple[np.ndarray, np.ndarray]:
+    points, all_faces = mesh[0], mesh[1].copy()
+    all_faces[faces] = all_faces[faces][:, ::-1]
+    return points, all_faces
+
+
 @pytest.mark.parametrize(
-    ("keywords", "error"),
+    ("mesh", "found"),
     [
-        *(({"faces": count}, sn.InvalidOption) for count in (3, 11, 100_001)),
-        *(({"margin": share}, sn.InvalidOption) for share in (0.0, -1.0, 0.3, np.nan)),
-        ({"symmetry": "w"}, sn.InvalidOption),
-        ({"progress": 3}, TypeError),
+        *((mesh, GOOD) for mesh in (CUBE_MESH, sphere(0), sphere(2), closed_bar(6, 2))),
+        ((CUBE, QUADS[:5]), {"open_edges": [(1, 3), (1, 5), (3, 7), (5, 7)], "summary": "4 open edges"}),
+        # Two faces of a tetrahedron as one quad: its other diagonal is the edge opposite.
+        ((TETRAHEDRON, ([4, 3, 3], [0, 2, 1, 3, 0, 3, 1, 1, 2, 0])), {"crowded_diagonals": [(0, 1)]}),
+        (flipped(CUBE_MESH, [2, 4]), {"inverted_faces": [2, 4]}),
+        (flipped(CUBE_MESH, range(6)), {"inverted_faces": [*range(6)]}),
+        (BESIDE, {"component_count": 2, "summary": "clean"}),
+        (flipped(BESIDE, range(6, 12)), {"inverted_faces": [*range(6, 12)]}),  # each part for itself
+        (NESTED, {"inverted_faces": [*range(6, 12)]}),  # the inner one is a cavity and has to look inward
+        (flipped(NESTED, range(6, 12)), {"summary": "clean"}),
+        ((FOLDED, sphere(0)[1]), {"degenerate_faces": [0, 1]}),
+        (
+            (CUBE, ([4] * 6 + [3], [*QUADS.ravel(), 0, 4, 7])),
+            {"non_manifold_edges": [(0, 4)], "open_edges": [(0, 7), (4, 7)]},
+        ),
     ],
 )
-def test_options_out_of_range_are_refused(keywords: dict, error: type) -> None:
-    with pytest.raises(error, match=next(iter(keywords))):
-        sn.automatic_cage(sn.SurfaceMesh(*sphere(1)), **keywords)
+def test_what_is_wrong_is_named(mesh, found: dict[str, object]) -> None:
+    diagnosis = sn.diagnose_cage(sn.SurfaceMesh(*mesh))
+    for name, expected in found.items():
+        value = getattr(diagnosis, name)
+        told = value() if callable(value) else value
+        assert np.array(told).tolist() == np.array(expected).tolist(), name
+    assert diagnosis.clean == (diagnosis.summary() == "clean")
 
 
-@pytest.mark.parametrize("points", [[(1, 2, 3), (1, 2, 3)], [(-1e308, 0, 0), (1e308, 0, 0)]])
-def test_targets_without_a_size_are_refused(points: list) -> None:
-    with pytest.raises(sn.InvalidMesh):
-        sn.automatic_cage(sn.SurfaceMesh(points, []))
+@pytest.mark.parametrize("sides", [4, 5])
+def test_a_pillow_of_two_polygons_has_crowded_diagonals(sides: int) -> None:
+    """Of quads both, twice; of pentagons those that it is cut along."""
+    angles = 2 * np.pi * np.arange(sides) / sides
+    rim = np.column_stack([np.cos(angles), np.sin(angles), 0 * angles])
+    found = sn.diagnose_cage(sn.SurfaceMesh(rim, [range(sides), range(sides)[::-1]]))
+    assert len(found.crowded_diagonals) >= 1
+    assert "more than two triangles" in found.summary()
+
+
+def test_faces_that_cross_are_pairs_of_one_of_each_cube() -> None:
+    found = sn.diagnose_cage(sn.SurfaceMesh(*joined(CUBE_MESH, (CUBE + (0.5, 0.5, 0.25), QUADS))))
+    assert len(found.crossing_faces) > 4, "an edge of each cube goes through two faces of the other"
+    assert ((found.crossing_faces < 6) == (True, False)).all()
+    assert len(found.open_edges) == len(found.inverted_faces) == 0
+
+
+@pytest.mark.parametrize(("faces", "outside"), [(QUADS, [1, 4]), ([], [0, 1, 2, 3, 4])])
+def test_points_outside_are_named_but_none_on_a_corner_or_a_face(faces, outside: list[int]) -> None:
+    found = sn.diagnose_cage(sn.SurfaceMesh(CUBE, faces), PLACES)
+    np.testing.assert_array_equal(found.outside_points, outside)
+
+
+def test_many_loose_faces_take_no_longer_than_one_part() -> None:
+    points = np.arange(20_000)[:, None, None] * (1.0, 0, 0) + [(0, 0, 0), (0.5, 0, 0), (0, 0.5, 0)]
+    found = sn.diagnose_cage(sn.SurfaceMesh(points.reshape(-1, 3), np.arange(60_000).reshape(-1, 3)))
+    assert (len(found.open_edges), found.component_count) == (60_000, 20_000)
+    assert found.crossing_faces.shape == (0, 2)
+
+
+def test_everything_may_be_wrong_at_once() -> None:
+    found = sn.diagnose_cage(sn.SurfaceMesh(*messy()), messy()[0])
+    assert all(map(len, (found.open_edges, found.degenerate_faces, found.crossing_faces)))
+    points, faces = sphere(1)
+    broken = flipped((points, np.delete(faces, 5, axis=0)), [3])
+    summary = sn.diagnose_cage(sn.SurfaceMesh(*broken), [(0, 0, 0), (2, 0, 0)]).summary()
+    assert summary == "3 open edges, 1 inverted face, 1 point outside"
+
+
+def test_points_that_are_not_finite_are_named() -> None:
+    with pytest.raises(sn.InvalidConstraint) as caught:
+        sn.diagnose_cage(sn.SurfaceMesh(*grid(2)), [(0, 0, 0), (np.nan, 0, 0)])
+    assert caught.value.elements == [1]

@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Edits of animations, next to NumPy."""
+"""Edits of animations, next to NumPy, and between their keys, next to SciPy's cubics."""
+
+import itertools
 
 import numpy as np
 import pytest
+from scipy.interpolate import CubicHermiteSpline
 
 import sinew_native as sn
 
 from ..meshes import STILL, grid, moved, nearest_rotations, shift, turn
-from ..methods import bound
+from ..methods import bound, bound_to
 
-KEYS = np.array(
-    [(0, 1, *STILL.ravel()), (10, 1, *turn((0, 1, 0), 40, move=(0.5, 0, 2)).ravel()), (20, 1, *STILL.ravel())]
-)
+LIFTED = turn((0, 1, 0), 40, move=(0.5, 0, 2))
+KEYS = np.array([(frame, 1, *edit.ravel()) for frame, edit in ((0, STILL), (10, LIFTED), (20, STILL))])
 
 
 def shapes(points: np.ndarray, frames: np.ndarray) -> np.ndarray:
@@ -19,10 +21,9 @@ def shapes(points: np.ndarray, frames: np.ndarray) -> np.ndarray:
     found = []
     for frame in frames:
         bend, x, z = 0.004 * frame + 1e-6, points[:, 0], points[:, 2] * (1 + 0.02 * frame)
-        rolled = np.column_stack(
-            [np.sin(bend * x) * (1 / bend - z), points[:, 1], 1 / bend - np.cos(bend * x) * (1 / bend - z)]
-        )
-        found.append(rolled + 0.1 * frame)
+        away = 1 / bend - z
+        rolled = [np.sin(bend * x) * away, points[:, 1], 1 / bend - np.cos(bend * x) * away]
+        found.append(np.column_stack(rolled) + 0.1 * frame)
     return np.array(found)
 
 
@@ -42,11 +43,9 @@ def test_frames_meet_their_keys_in_the_moving_frames() -> None:
     assert found.shape == animation.shape
     assert all(report.converged for report in reports)
     np.testing.assert_allclose(found[[0, 20]], animation[[0, 20]], atol=1e-10)
-    keys = [
-        (frame, h, turn(rng.normal(size=3), 60, move=rng.uniform(-2, 2, 3)) * (1.2, 1, 0.8, 1))
-        for frame in (2, 9, 15)
-        for h in (0, 1)
-    ]
+    keys = []
+    for frame, h in itertools.product((2, 9, 15), (0, 1)):
+        keys.append((frame, h, turn(rng.normal(size=3), 60, move=rng.uniform(-2, 2, 3)) * (1.2, 1, 0.8, 1)))
     found, _ = method.solve_frames(frames, animation, keys=[(f, h, *edit.ravel()) for f, h, edit in keys])
     for frame, h, edit in keys:
         shape, handle = animation[frame], handles[h]
@@ -114,8 +113,7 @@ def test_a_handle_of_one_vertex_turns_with_the_faces_around_it_and_one_on_a_line
         (sn.SurfaceMesh(points, faces), [range(9), [80]], carried[:, :3] @ lift),
         (sn.SurfaceMesh(np.outer([0, 1, 2], [1.0, 0, 0]), [[0, 1, 2]]), [[1], [0]], lift),
     ):
-        method = sn.MeshSequence(mesh)
-        method.set_handles(handles)
+        method = bound_to(sn.MeshSequence(mesh), handles)
         shape, tip = moved(carried, mesh.points), handles[1][0]
         found, _ = method.solve_frame(0, keys=[(0, 1, *shift(*lift).ravel())], incoming=shape)
         np.testing.assert_allclose(found[tip] - shape[tip], turned, rtol=0, atol=1e-12)
@@ -123,14 +121,11 @@ def test_a_handle_of_one_vertex_turns_with_the_faces_around_it_and_one_on_a_line
 
 def test_a_frame_alone_has_the_bits_of_all_of_them() -> None:
     method, points, handles = bound(sn.MeshSequence, 12)
-    farm, _, _ = bound(sn.MeshSequence, 12)  # another machine
     frames = np.array([3.5, 17.0, 8.0])
     animation = shapes(points, frames)
-    together, reports = method.solve_frames(frames, animation, keys=KEYS)
-    for frame, shape, expected, told in zip(frames, animation, together, reports, strict=True):
-        alone, report = farm.solve_frame(frame, keys=KEYS, incoming=shape)
-        np.testing.assert_array_equal(alone, expected)
-        assert report.iterations == told.iterations
+    together, _reports = method.solve_frames(frames, animation, keys=KEYS)
+    for frame, shape, expected in zip(frames, animation, together, strict=True):
+        np.testing.assert_array_equal(method.solve_frame(frame, keys=KEYS, incoming=shape)[0], expected)
         poses = method.poses(frame, keys=KEYS, incoming=shape)
         arap, _, _ = bound(sn.Arap, 12)
         np.testing.assert_array_equal(arap.solve(poses, incoming=shape)[0], expected)
@@ -174,8 +169,7 @@ def test_what_means_nothing_is_refused() -> None:
     for call in (method.solve_frame, method.edits, method.poses):
         with pytest.raises(sn.InvalidConstraint, match="2 handles"):
             call(1, poses=[STILL] * 3, incoming=points)
-    one = sn.MeshSequence(method.rest)
-    one.set_handles([[0, 1, 2]])
+    one = bound_to(sn.MeshSequence(method.rest), [[0, 1, 2]])
     with pytest.raises(sn.InvalidConstraint, match="there is no handle 1; the mesh has 1"):
         one.solve_frame(0, keys=KEYS)
     with pytest.raises(sn.InvalidOption, match="2 given for 3 frames"):
@@ -189,3 +183,121 @@ def test_what_means_nothing_is_refused() -> None:
         method.solve_frames([7], animation[:1, :-1])
     with pytest.raises(sn.Cancelled):
         method.solve_frames([1], animation[:1], progress=lambda fraction, stage: False)
+
+
+def edit_keys(frames, edits, handle: int = 0) -> sn.EditKeys:
+    return sn.EditKeys([(frame, handle, *edit.ravel()) for frame, edit in zip(frames, edits, strict=True)])
+
+
+def about_z(*degrees: float) -> list[np.ndarray]:
+    return [turn((0, 0, 1), angle) for angle in degrees]
+
+
+def test_no_keys_edit_nothing() -> None:
+    assert sn.EditKeys([]).handle_count == 0
+    np.testing.assert_array_equal(sn.EditKeys([]).at(3, 7.5), STILL)
+    keys = edit_keys([10], about_z(30), handle=2)
+    assert repr(keys) == "<EditKeys: 3 handles>"
+    for handle in (-1, 0, 1, 5):
+        np.testing.assert_array_equal(keys.at(handle, 10), STILL)
+
+
+def test_a_key_is_met_to_the_bit_and_held_before_the_first_and_after_the_last() -> None:
+    frames, edits = [30.0, -4.0, 12.5, 80.0], np.random.default_rng(3).uniform(-1, 1, (4, 3, 4))
+    keys = edit_keys(frames, edits)
+    for frame, edit in [*zip(frames, edits), (-1e6, edits[1]), (1e6, edits[3])]:
+        np.testing.assert_array_equal(keys.at(0, frame), edit)
+    one = edit_keys([30], edits[:1])
+    for frame in (-9, 30, 31):
+        np.testing.assert_array_equal(one.at(0, frame), edits[0])
+
+
+def test_between_equal_keys_the_edit_is_constant_to_the_bit() -> None:
+    held = turn((1, 2, 3), 40, move=(1, 2, 3))
+    keys = edit_keys([0, 10, 20, 30, 40], [held, held, *about_z(90), STILL, STILL])
+    for t in (0.5, 3.0, 9.9):
+        np.testing.assert_array_equal(keys.at(0, t), held)
+        np.testing.assert_array_equal(keys.at(0, 30 + t), STILL)
+
+
+def test_moves_are_the_cubics_of_the_definition() -> None:
+    """In one direction the slope at a middle key is a b (a + b) / (a^2 + b^2)."""
+    frames, places = [0, 10, 15], [1, 3, 8]
+    a, b = np.diff(places) / np.diff(frames)
+    cubic = CubicHermiteSpline(frames, places, [0, a * b * (a + b) / (a * a + b * b), 0])
+    keys = edit_keys(frames, [shift(x, 0, 0) for x in places])
+    for t in np.arange(0.25, 15, 0.5):
+        assert keys.at(0, t)[0, 3] == pytest.approx(cubic(t), abs=1e-12)
+    symmetric = edit_keys([0, 10, 20], [STILL, turn((0, 1, 0), 40, move=(0.5, 0, 2)), STILL])
+    np.testing.assert_allclose(symmetric.at(0, 5), turn((0, 1, 0), 20, move=(0.25, 0, 1)), atol=1e-12)
+    mirrored = edit_keys([0, 10, 20], [STILL, STILL * [[1], [1], [-1]], 0 * STILL])
+    assert all(np.isfinite(mirrored.at(0, t)).all() for t in np.arange(0, 20.1, 0.5))
+
+
+def random_edits(count: int, seed: int) -> list[np.ndarray]:
+    rng = np.random.default_rng(seed)
+    stretches = np.eye(3) + 0.2 * rng.uniform(-1, 1, (count, 3, 3))
+    turns = [turn(rng.normal(size=3), 80 * rng.uniform(-1, 1))[:, :3] for _ in range(count)]
+    return [np.column_stack([R @ S, rng.uniform(-5, 5, 3)]) for R, S in zip(turns, stretches)]
+
+
+def test_the_edit_is_smooth_and_along_a_line_never_exceeds_its_keys() -> None:
+    rng, step = np.random.default_rng(8), 1e-5
+    frames = 4 * np.arange(9) + rng.uniform(-1, 1, 9)
+    keys = edit_keys(frames, random_edits(9, 8))
+    for t in frames[1:-1]:
+        before, here, after = (keys.at(0, t + by) for by in (-step, 0, step))
+        # Curvatures of some units times the step, and rounding over it.
+        np.testing.assert_allclose((after - here) / step, (here - before) / step, rtol=0, atol=1e-3)
+    frames, places = 3 * np.arange(40) + rng.random(40), np.round(rng.uniform(-4, 4, 40))
+    along = edit_keys(frames, [shift(x, 0, 0) for x in places])
+    for k in range(39):
+        low, high = sorted(places[k : k + 2])
+        between = [along.at(0, t)[0, 3] for t in np.linspace(*frames[k : k + 2], 21)]
+        assert min(between) >= low - 1e-12
+        assert max(between) <= high + 1e-12
+
+
+def test_turns_add_up_over_several_keys() -> None:
+    keys = edit_keys([0, 10, 20, 30, 40], about_z(0, 120, 240, 360, 300))
+
+    def angle(t: float) -> float:
+        at = keys.at(0, t)
+        return np.degrees(np.arctan2(at[1, 0], at[0, 0])) % 360
+
+    # Even steps: the slope at the middle keys is that of the line.
+    assert angle(15) == pytest.approx(180, abs=1e-9)
+    assert angle(14.9) == pytest.approx(178.8, abs=0.01)
+    assert angle(35) == pytest.approx(330, abs=1e-9)  # back again, from 360 to 300
+    onward = [angle(t) for t in np.arange(20, 30, 0.5)]  # from 240 to 360 instead of back to 0
+    assert (np.diff(onward) > 0).all()
+    for t in np.arange(0, 40, 0.25):
+        R = keys.at(0, t)[:, :3]
+        np.testing.assert_allclose(R.T @ R, np.eye(3), atol=1e-14)
+
+
+def test_edits_do_not_depend_on_the_axes() -> None:
+    to = turn((1, -2, 0.5), 100)[:, :3]
+
+    def seen(edit: np.ndarray) -> np.ndarray:
+        return to @ np.column_stack([edit[:, :3] @ to.T, edit[:, 3]])
+
+    edits, frames = random_edits(5, 2), range(0, 25, 5)
+    here, there = edit_keys(frames, edits), edit_keys(frames, map(seen, edits))
+    for t in np.arange(0.3, 20, 0.7):
+        np.testing.assert_allclose(there.at(0, t), seen(here.at(0, t)), rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("keys", "words"),
+    [
+        ([(0, 0, STILL), (np.nan, 0, STILL)], "key 1 has a number that is not finite"),
+        ([(0, 0, shift(np.nan, 0, 0))], "key 0 has a number that is not finite"),
+        ([(0, -1, STILL)], "key 0 names handle -1"),
+        ([(0, 0.5, STILL)], "names handle -1"),
+        ([(7.5, 2, STILL), (3, 2, STILL), (7.5, 2, STILL)], "handle 2 has two keys at frame 7.5"),
+    ],
+)
+def test_keys_that_mean_nothing_are_refused_and_named(keys: list, words: str) -> None:
+    with pytest.raises(sn.InvalidOption, match=words):
+        sn.EditKeys([(frame, handle, *edit.ravel()) for frame, handle, edit in keys])

@@ -18,18 +18,13 @@ def test_a_turn_of_the_source_turns_the_target() -> None:
     np.testing.assert_allclose(both.transfer(moved(pose, POINTS)), moved(pose, STOUT), atol=1e-11)
     bent = POINTS + np.outer(POINTS[:, 0] ** 2, (0.0, 0.0, 0.05))
     found = both.transfer(bent)
-    edges = [(STOUT, found), (POINTS, bent)]
-    stretch = [
-        np.linalg.norm(np.diff(after[:9], axis=0)) / np.linalg.norm(np.diff(before[:9], axis=0))
-        for before, after in edges
-    ]
-    assert stretch[0] == pytest.approx(stretch[1], rel=0.02)
+    rows = [np.linalg.norm(np.diff(shape[:9], axis=0)) for shape in (found, STOUT, bent, POINTS)]
+    assert rows[0] / rows[1] == pytest.approx(rows[2] / rows[3], rel=0.02)
 
 
 BALL, BALL_FACES = sphere(2)
-TWO = joined(
-    (BALL, BALL_FACES), (BALL + (3, 1, 0), BALL_FACES), (np.array([(9.0, 0, 1)]), np.zeros((0, 3), int))
-)
+LOOSE = np.array([(9.0, 0, 1)]), np.zeros((0, 3), int)
+TWO = joined((BALL, BALL_FACES), (BALL + (3, 1, 0), BALL_FACES), LOOSE)
 
 
 def test_two_parts_and_a_loose_vertex_move_as_the_source_in_their_own_size() -> None:

@@ -8,7 +8,7 @@ import pytest
 
 import sinew_native as sn
 
-from ..meshes import STILL, closed_bar, ends, halved, moved, off, quad_grid, shift, sphere, turn
+from ..meshes import STILL, closed_bar, ends, halved, moved, off, quad_grid, shift, sphere, tube, turn
 
 VARIANTS = [{"smoothness": s, "cells": c} for s in (0.0, 5e-4, 0.1) for c in ("spokes", "rims")]
 LONG = {"max_iterations": 1000, "tolerance": 1e-12}
@@ -61,23 +61,14 @@ def test_arap_lifts_the_octahedron_as_known() -> None:
     np.testing.assert_allclose(np.linalg.norm(found[:4, :2], axis=1), 1, rtol=0, atol=1e-7)
 
 
-def energies(method: sn.SurfaceMethod, poses: list[np.ndarray]) -> list[float]:
-    return [method.solve(poses, max_iterations=k, tolerance=0)[1].energy for k in range(17)]
-
-
-@pytest.mark.parametrize("options", [*VARIANTS, *({"point_handles": share} for share in (0.1, 0.5, 0.9))])
-def test_arap_never_raises_its_energy_with_painted_rigidity_or_point_handles(options: dict) -> None:
+@pytest.mark.parametrize("options", VARIANTS)
+def test_arap_never_raises_its_energy_with_painted_rigidity(options: dict) -> None:
     mesh = bar(12, 3)
-    targets = [bend(120), twist(135), [STILL, shift(-6, 8, 0)]]
-    if "point_handles" in options:
-        arap = sn.Arap(mesh, **options)
-        arap.set_handles([ends(mesh.points, 2)[0], [70]])
-        targets = [[STILL, turn((0, 0, 1), 60, (6, 0, 0), (0, 2, 1))]]
-    else:
-        painted = 10 ** np.random.default_rng(5).uniform(-1, 1, mesh.vertex_count)
-        arap = bound(sn.Arap, mesh, 2, **options, rigidity=painted)
-    for poses in targets:
-        for before, after in itertools.pairwise(energies(arap, poses)):
+    painted = 10 ** np.random.default_rng(5).uniform(-1, 1, mesh.vertex_count)
+    arap = bound(sn.Arap, mesh, 2, **options, rigidity=painted)
+    for poses in (bend(120), twist(135), [STILL, shift(-6, 8, 0)]):
+        energies = [arap.solve(poses, max_iterations=k, tolerance=0)[1].energy for k in range(17)]
+        for before, after in itertools.pairwise(energies):
             assert after <= before * (1 + 1e-12)
 
 
@@ -86,10 +77,8 @@ def test_arap_is_near_its_minimum_after_ten_iterations() -> None:
     arap = bound(sn.Arap, bar(20, 5), 1)
     lifts = ([STILL, shift(-8, 11, 0)], [STILL, shift(0, 10, 0)])
     for poses in (bend(90, 20, 1), twist(135), *lifts):
-        least, ten, forty = (
-            arap.solve(poses, max_iterations=k, tolerance=0)[1].energy for k in (400, 10, 40)
-        )
-        report = arap.solve(poses)[1]
+        energies = [arap.solve(poses, max_iterations=k, tolerance=0)[1].energy for k in (400, 10, 40)]
+        (least, ten, forty), report = energies, arap.solve(poses)[1]
         assert ten < 1.01 * least
         assert max(forty, report.energy) < 1.001 * least
         assert report.converged
@@ -114,36 +103,26 @@ def bar_with_cut_lids(along: int, across: int) -> tuple[np.ndarray, tuple]:
     return points, (counts, np.concatenate([quads, lids.ravel()]))
 
 
+ON_BAR = [bend(60, 24)[1], twist(90)[1], turn((0.3, 1, 0.2), 70, (22, 0, 0), (-3, 2, 4))]
+TIP = (0.9, 0, 0)
+ON_SPHERE = [turn((0, 0, 1), 60, TIP, (0.3, 0.2, 0)), turn((1, 0.2, 0), 80, TIP, (0.5, 0, 0.3))]
+
+
 @pytest.mark.parametrize(
     ("mesh", "depth", "targets"),
-    [
-        (
-            bar_with_cut_lids(24, 6),
-            2,
-            [bend(60, 24), twist(90), [STILL, turn((0.3, 1, 0.2), 70, (22, 0, 0), (-3, 2, 4))]],
-        ),
-        (
-            sphere(4),
-            0.2,
-            [
-                [STILL, turn((0, 0, 1), 60, (0.9, 0, 0), (0.3, 0.2, 0))],
-                [STILL, turn((1, 0.2, 0), 80, (0.9, 0, 0), (0.5, 0, 0.3))],
-            ],
-        ),
-    ],
+    [(bar_with_cut_lids(24, 6), 2, ON_BAR), (sphere(4), 0.2, ON_SPHERE)],
     ids=["bar", "sphere"],
 )
 def test_last_bits_of_poses_and_of_the_rest_shape_stay_small(mesh, depth: float, targets: list) -> None:
     """On symmetric meshes, whose clusters and diagonals are decided between equals."""
     (points, faces), rng = mesh, np.random.default_rng(3)
     whole, handles = size(points), ends(points, depth)
-    arap, other = (
-        sn.Arap(sn.SurfaceMesh(points + 3e-8 * whole * rng.uniform(-by, by, points.shape), faces))
-        for by in (0, 1)
-    )
+    noise = 3e-8 * whole * rng.uniform(-1, 1, points.shape)
+    arap, other = (sn.Arap(sn.SurfaceMesh(shape, faces)) for shape in (points, points + noise))
     arap.set_handles(handles)
     other.set_handles(handles)
-    for poses in targets:
+    for target in targets:
+        poses = [STILL, target]
         found = arap.solve(poses)[0]
         assert off(other.solve(poses)[0], found) < 1e-4 * whole
         noise = 1e-7 * rng.uniform(-1, 1, (2, 3, 4)) * (1, 1, 1, whole)
@@ -161,39 +140,6 @@ def test_arap_from_a_warm_start_stays_near_the_answer_from_the_poses_alone() -> 
     again, other = exact.solve(bend(60), start=answer)
     assert off(again, answer) < 1e-3 * 12  # E settles to 1e-10: half its digits
     assert other.energy <= report.energy * (1 + 1e-6)
-
-
-def test_a_scaled_rigidity_scales_the_energy_alone() -> None:
-    """By a power of two: steps taken in single precision round alike."""
-    words = {"max_iterations": 5, "tolerance": 0}
-    one, more = (bound(sn.Arap, bar(12, 3), 2, rigidity=k).solve(bend(60), **words) for k in (1.0, 16.0))
-    assert more[1].energy == pytest.approx(16 * one[1].energy, rel=1e-9)  # five steps of rounding
-    assert off(more[0], one[0]) < 1e-9
-
-
-def test_painted_rigidity_keeps_its_region_stiffer() -> None:
-    """Stretch between the ends has to go elsewhere."""
-    mesh = bar(16, 4)
-    x = mesh.points[:, 0]
-
-    def middle_length(rigidity: float) -> float:
-        painted = np.where((x >= 6) & (x <= 10), rigidity, 1.0)
-        q = bound(sn.Arap, mesh, 2, rigidity=painted).solve([STILL, shift(4, 0, 0)], max_iterations=100)[0]
-        return q[x == 10, 0].mean() - q[x == 6, 0].mean()
-
-    soft, even, stiff = map(middle_length, (0.1, 1, 100))
-    assert soft > even + 0.1
-    assert stiff < even - 0.1
-    assert stiff == pytest.approx(4, abs=0.2)  # nearly as long as at rest
-
-
-@pytest.mark.parametrize("options", VARIANTS)
-def test_a_mirrored_handle_leaves_rotations_and_energy_sound(options: dict) -> None:
-    """A mirrored cell fits no rotation: the energy cannot be that of a rigid motion."""
-    mirrored = STILL * np.array((1, 1, -1))[:, None]
-    found, report = bound(sn.Arap, bar(12, 3), 2, **options).solve([STILL, mirrored])
-    assert np.isfinite(found).all()
-    assert report.energy > 1
 
 
 @pytest.mark.parametrize(
@@ -222,6 +168,15 @@ def test_four_iterations_of_primo_are_within_one_percent(triangles: bool) -> Non
             assert left < 0.01 * np.linalg.norm(limit - mesh.points)
 
 
+def test_five_iterations_of_a_puppet_without_bones_are_near_the_end() -> None:
+    few = bound(sn.MeshPuppetry, bar(20, 5), 2, max_iterations=5)
+    end = bound(sn.MeshPuppetry, bar(20, 5), 2, max_iterations=2000, tolerance=1e-13)
+    for poses in (bend(90, 20), twist(135)):
+        found, report = few.solve(poses)
+        assert report.iterations + report.rejected <= 5
+        assert off(found, end.solve(poses)[0]) < 0.1 * size(found)
+
+
 def turns_along(q: np.ndarray, row: int = 2) -> np.ndarray:
     """The angles between neighbouring edges along a row of a strip of 30 cells."""
     sides = np.diff(q.reshape(-1, 31, 3)[row], axis=0)
@@ -229,26 +184,12 @@ def turns_along(q: np.ndarray, row: int = 2) -> np.ndarray:
     return np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), (a * b).sum(1))
 
 
-def test_higher_prisms_bend_less() -> None:
-    """A strip hangs between two handles, one of which tilts: the higher, the farther it keeps the tilt."""
-    tilt = [STILL, turn((0, 1, 0), 40, (29, 2, 0))]
-    sharpest = [
-        turns_along(
-            bound(sn.Primo, quad_grid(30, 4), 1, height=height).solve(tilt, max_iterations=300)[0]
-        ).max()
-        for height in (0.003, 0.01, 0.03, 0.1)
-    ]
-    assert sharpest == sorted(sharpest, reverse=True)
-
-
 def test_a_painted_height_stiffens_its_region_and_black_is_solved() -> None:
     points, quads = quad_grid(30, 4)
     painted = np.where((points[:, 0] >= 10) & (points[:, 0] <= 20), 0.2, 0.005)
     poses = [STILL, turn((0, 1, 0), 80, (29, 2, 0), (-5, 0, 0))]
-    stiff, even = (
-        turns_along(bound(sn.Primo, (points, quads), 1, height=h).solve(poses, max_iterations=400)[0])
-        for h in (painted, 0.005)
-    )
+    primos = [bound(sn.Primo, (points, quads), 1, height=height) for height in (painted, 0.005)]
+    stiff, even = (turns_along(primo.solve(poses, max_iterations=400)[0]) for primo in primos)
     assert stiff[11:18].sum() < 0.2 * even[11:18].sum()
     painted[7] = 0  # raised to a thousandth of the largest value
     assert np.isfinite(bound(sn.Primo, (points, quads), 1, height=painted).solve(bend(60, 30))[0]).all()
@@ -261,12 +202,7 @@ def test_an_affine_pose_takes_its_handle_along(scale: tuple) -> None:
     handle = ends(mesh.points, 2)[1]
     assert np.isfinite(found).all()
     np.testing.assert_allclose(found[handle], moved(pose, mesh.points[handle]), rtol=0, atol=1e-12)
-
-
-def test_a_bar_whose_ends_grow_grows_near_them() -> None:
-    """No prism is against it."""
-    mesh = bar(12, 3)
-    x, y, _ = mesh.points.T
+    x, y, _ = mesh.points.T  # and a bar whose ends grow grows near them: no prism is against it
     found = bound(sn.Primo, mesh, 2).solve([2 * STILL] * 2)[0]
     near = (x == 3) | (x == 9)
     assert (np.abs(found[near, 1] - found[:, 1].mean()) > 1.2 * np.abs(y[near] - y.mean())).all()
@@ -274,39 +210,17 @@ def test_a_bar_whose_ends_grow_grows_near_them() -> None:
 
 def test_faces_of_many_corners_stay_stiff() -> None:
     """A drum: two polygons of 24 corners and a wall of quads."""
-    k, z = np.mgrid[:24, :4].reshape(2, -1)
-    points = np.column_stack([np.cos(2 * np.pi * k / 24), np.sin(2 * np.pi * k / 24), z])
-    a = np.arange(96).reshape(24, 4)
-    b = np.roll(a, -1, axis=0)
-    wall = np.stack([a[:, :-1], b[:, :-1], b[:, 1:], a[:, 1:]], -1).reshape(-1, 4)
-    corners = np.concatenate([a[::-1, 0], a[:, 3], wall.ravel()])
-    primo = sn.Primo(sn.SurfaceMesh(points, ([24, 24] + [4] * len(wall), corners)))
-    primo.set_handles([a[:, 0], [3]])  # the bottom, and a vertex of the top
-    lid = primo.solve([STILL, shift(0.5, 0, 0.5)], max_iterations=200)[0][a[:, 3]]
+    points, wall = tube(3, 24)
+    corners = np.concatenate([wall.ravel(), np.arange(24)[::-1], 72 + np.arange(24)])
+    primo = sn.Primo(sn.SurfaceMesh(points, ([4] * 72 + [24, 24], corners)))
+    primo.set_handles([np.arange(24), [72]])  # the bottom, and a vertex of the top
+    lid = primo.solve([STILL, shift(0.5, 0.5, 0)], max_iterations=200)[0][72:]
     # Its vertices are means of where it and two faces of the wall take them.
     across = np.linalg.norm(lid - np.roll(lid, 12, axis=0), axis=1)
     np.testing.assert_allclose(np.delete(across, [0, 12]), 2, atol=0.2)
 
 
 STIFF = {"measure": "stiffness"}
-
-
-def test_a_folded_hinge_costs_what_its_angle_says() -> None:
-    """Two right triangles, |e|^2 / A = 1. The cell folds as a sheet of k_b does for small angles."""
-    rest = np.array([(0, 0, 0), (1, 0, 0), (0.5, 1, 0), (0.5, -1, 0)])
-
-    def energy(bending: float, angle: float) -> float:
-        shell = sn.ThinShellNonlinear(sn.SurfaceMesh(rest, [(0, 1, 2), (1, 0, 3)]), **STIFF, bending=bending)
-        shell.set_handles([[0]])
-        return shell.energy([*rest[:3], (0.5, -np.cos(angle), np.sin(angle))])
-
-    for angle in (0.01, 0.1):
-        assert energy(4.0, angle) == pytest.approx(2 * angle**2, abs=1.2 * angle**4)
-    # At .7 the vector's length, 2 sin(theta / 2), is 2 % below the angle, and the triangles give a little.
-    assert energy(4.0, 0.7) == pytest.approx(0.98, abs=0.04 * 0.98)
-    # Below its own stiffness it does not become softer: 1 / 4, as A = |e| = 1 and both triangles are its own.
-    assert energy(0.1, 0.1) == energy(0.0, 0.1)
-    assert energy(0.0, 0.01) == pytest.approx(0.125e-4, abs=1e-8)
 
 
 def test_rolling_and_re_rolling_a_sheet_cost_what_curvature_says() -> None:
@@ -317,10 +231,8 @@ def test_rolling_and_re_rolling_a_sheet_cost_what_curvature_says() -> None:
     one = np.column_stack([a, np.sin(b), np.cos(b)])
     other = np.column_stack([np.sin(a), b, np.cos(a)])
     words = STIFF | {"stretching": 1e-3, "bending": 1.0}
-    rolled = 2.0 * (n - 1) / n
-    assert bound(sn.ThinShellNonlinear, (flat, faces), 0.1, **words).energy(one) == pytest.approx(
-        rolled, rel=0.01
-    )
+    rolled, sheet = 2.0 * (n - 1) / n, bound(sn.ThinShellNonlinear, (flat, faces), 0.1, **words)
+    assert sheet.energy(one) == pytest.approx(rolled, rel=0.01)
     # From one cylinder to the other across: the mean curvature is the same, and II is not.
     roll = bound(sn.ThinShellNonlinear, (one, faces), 0.1, **words)
     assert roll.energy(other) == pytest.approx(2 * rolled, rel=0.01)

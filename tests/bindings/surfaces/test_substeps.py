@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Substeps of all surface methods, through the Python module."""
+"""Substeps of all surface methods, and handles that hold almost fully, which move it almost as hard ones."""
 
 import numpy as np
 import pytest
 
 import sinew_native as sn
 
-from ..meshes import BENT, STILL, ends, grid, moved, turn
-from ..methods import EVERY_SURFACE_METHOD, called, made
+from ..meshes import BENT, STILL, ends, grid, moved, off, sphere, turn
+from ..methods import EVERY_SURFACE_METHOD, SURFACE_METHODS, called, made
 
 POINTS, FACES = grid(8)
 EVERY = pytest.mark.parametrize(("method", "options"), EVERY_SURFACE_METHOD, ids=called)
@@ -64,3 +64,15 @@ def test_what_makes_no_sense_is_refused() -> None:
     implicit = bound(sn.LaplacianEditing, {"transforms": "implicit"})
     found, _ = implicit.solve(np.stack([pose, pose]), substeps=3)
     np.testing.assert_allclose(found, moved(pose, POINTS), atol=1e-8)
+
+
+@pytest.mark.parametrize("method", SURFACE_METHODS)
+def test_weights_near_one_are_nearly_one(method: type) -> None:
+    points, faces = sphere(4)
+    points = points * (3, 1, 1)
+    surface = made(method, sn.SurfaceMesh(points, faces))
+    shapes = []
+    for weight in (1.0, 0.999, 1.0 - 1e-5, 1.0 - 1e-9):
+        surface.set_handles(ends(points, 0.8), [1.0, weight])
+        shapes.append(surface.solve([STILL, turn((0, 0, 1), 60, move=(-0.5, 0.8, 0.0))])[0])
+    assert max(off(shape, shapes[0]) for shape in shapes[1:]) < 0.003 * 6.0

@@ -9,10 +9,10 @@ from collections.abc import Callable
 
 import bpy
 import pytest
-from inside import CONTROL_READS, LOOKS, READS, WORK, calls_of, catch_up, functions, inner
+from inside import CONTROL_READS, LOOKS, READS, WORK, calls_of, catch_up, dragging, functions, inner
 from registry import BY_ID, WITH_HANDLES
 from rigs.kinds import HandleRig
-from rigs.rig import Rig, add_armature, key_heights, linked, make_active, update
+from rigs.rig import Rig, add_armature, key_heights, linked, make_active, new_file, update
 
 CELLS = 60  # 3,721 vertices: one array of them is larger than all else that a frame allocates
 SHAPE = 12  # bytes a vertex, of a shape array
@@ -23,18 +23,9 @@ RIG = {"modifier_input", "tell_copies_apart", "follow_renamed_groups", "_layout"
 @pytest.fixture
 def native(count_native) -> Counter:
     """How often the native module was asked for something."""
-    module = inner.backend.availability().module
+    binds = ("SurfaceMesh", "diagnose", "set_handles", "bind", "rebind")
     return count_native(
-        module,
-        "SurfaceMesh",
-        "diagnose",
-        "set_handles",
-        "bind",
-        "rebind",
-        "solve",
-        "solve_frame",
-        "warp",
-        "warp_poses",
+        inner.backend.availability().module, *binds, "solve", "solve_frame", "warp", "warp_poses"
     )
 
 
@@ -51,15 +42,20 @@ def peak_of(action: Callable[[], object]) -> int:
         tracemalloc.stop()
 
 
-def of_one_vertex(rig: Rig, size: int) -> float:
-    return size / len(rig.obj.data.vertices)
+def bytes_per_vertex(rig: Rig, action: Callable[[], object]) -> float:
+    return peak_of(action) / len(rig.obj.data.vertices)
+
+
+def moving(rig: Rig) -> Rig:
+    """After some moves, as in a drag."""
+    for _ in range(3):
+        rig.lift(0.1)
+    return rig
 
 
 @pytest.mark.parametrize("method", WITH_HANDLES)
 def test_a_moved_control_is_one_solve_and_one_write(method: str, native: Counter):
-    plate = Rig.plate(CELLS).bind(method)
-    for _ in range(3):
-        plate.lift(0.1)
+    plate = moving(Rig.plate(CELLS).bind(method))
     native.clear()
     found = calls_of(lambda: plate.lift(0.1))
     row = BY_ID[method]
@@ -81,25 +77,19 @@ def test_a_moved_control_needs_one_new_array(method: str):
 
     A space method needs the posed points of its handles too, so its regions are small here.
     """
-    plate = Rig.plate(CELLS, edge=0.99 if BY_ID[method].is_space else 0.75).bind(method)
-    for _ in range(3):
-        plate.lift(0.1)
-    assert SHAPE < of_one_vertex(plate, peak_of(lambda: plate.lift(0.1))) < 1.5 * SHAPE
+    plate = moving(Rig.plate(CELLS, edge=0.99 if BY_ID[method].is_space else 0.75).bind(method))
+    assert SHAPE < bytes_per_vertex(plate, lambda: plate.lift(0.1)) < 1.5 * SHAPE
 
 
 def test_a_drag_widens_the_shape_that_it_starts_from():
     """And holds no other array as large as the mesh."""
-    plate = Rig.plate(CELLS).bind("arap")
-    evaluate, update_all = inner.evaluate, inner.evaluate.update
-    for _ in range(3):
-        plate.lift(0.1)
+    plate = moving(Rig.plate(CELLS).bind("arap"))
 
     def drag() -> None:
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(evaluate, "update", lambda graph, **_: update_all(graph, preview=True, edit=True))
+        with dragging():
             plate.lift(0.1)
 
-    assert 3.0 * SHAPE < of_one_vertex(plate, peak_of(drag)) < 3.5 * SHAPE
+    assert 3.0 * SHAPE < bytes_per_vertex(plate, drag) < 3.5 * SHAPE
     assert inner.sessions.unsettled()
 
 
@@ -148,14 +138,14 @@ UNRELATED = 1000
 
 
 def crowd(count: int) -> list[bpy.types.Object]:
-    """Empties and meshes that have nothing to do with us."""
+    """Empties and meshes that have nothing to do with us; two updates have passed."""
     mesh = bpy.data.meshes.new("Point")
     mesh.vertices.add(1)
-    made = []
-    for number in range(count):
-        obj = linked(bpy.data.objects.new(f"Unrelated {number}", mesh if number % 2 else None))
-        made.append(obj)
-    update()
+    new = bpy.data.objects.new
+    made = [linked(new(f"Unrelated {number}", mesh if number % 2 else None)) for number in range(count)]
+    make_active(made[0])
+    for _ in range(2):
+        nudge(made[0])
     return made
 
 
@@ -166,18 +156,13 @@ def nudge(obj: bpy.types.Object) -> None:
 
 @pytest.fixture
 def crowded(plate: Rig) -> tuple[Rig, list[bpy.types.Object]]:
-    """One bound and posed plate among a thousand objects; two updates have passed."""
+    """One bound and posed plate among a thousand objects."""
     plate.bind().lift(0.5)
-    others = crowd(UNRELATED)
-    make_active(others[0])
-    for _ in range(2):
-        nudge(others[0])
-    return plate, others
+    return plate, crowd(UNRELATED)
 
 
 def test_moving_something_else_does_no_work_of_ours(crowded):
-    _plate, others = crowded
-    for obj in others[:4]:
+    for obj in crowded[1][:4]:
         found = calls_of(lambda obj=obj: nudge(obj))
         assert found["on_depsgraph_update"] == 1, found
         assert not WORK & found.keys(), found
@@ -185,22 +170,16 @@ def test_moving_something_else_does_no_work_of_ours(crowded):
 
 
 def test_what_an_update_calls_does_not_grow_with_the_scene_or_the_mesh():
+    """Without a deformer it calls next to nothing."""
     counts = []
-    for unrelated, cells in ((4, 6), (UNRELATED, 30)):
-        bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
-        Rig.plate(cells=cells).bind().lift(0.5)
+    for unrelated, cells in ((8, None), (4, 6), (UNRELATED, 30)):
+        new_file()
+        if cells is not None:
+            Rig.plate(cells=cells).bind().lift(0.5)
         others = crowd(unrelated)
-        for _ in range(2):
-            nudge(others[0])
         counts.append(calls_of(lambda others=others: nudge(others[1])).total())
-    assert counts[0] == counts[1]
-    assert counts[0] < 60
-
-
-def test_without_a_deformer_an_update_calls_next_to_nothing():
-    others = crowd(8)
-    nudge(others[0])
-    assert calls_of(lambda: nudge(others[0])).total() <= 6
+    assert counts[0] <= 6
+    assert counts[1] == counts[2] < 60
 
 
 def test_changing_the_frame_solves_nothing_when_nothing_of_ours_moves(crowded):
@@ -215,20 +194,16 @@ def test_changing_the_frame_solves_nothing_when_nothing_of_ours_moves(crowded):
     assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=1e-6)
 
 
-def test_objects_that_are_not_ours_get_no_settings(crowded):
+def test_objects_that_are_not_ours_get_no_settings_and_a_deformer_has_all(crowded):
     """Blender makes settings where they are read, in render threads too, and saves them with the file."""
     plate, others = crowded
+    assert all(plate.deformer.is_property_set(name) for name in ("bake", *inner.methods.BY_ID))
     bpy.context.scene.frame_set(5)
     catch_up()
     make_active(others[1])
     assert not bpy.ops.sinew.bind.poll()
     assert plate.obj.is_property_set("sinew")
     assert not any(obj.is_property_set("sinew") for obj in (*others, plate.control))
-
-
-def test_a_deformer_has_all_its_settings_before_a_render_reads_them(crowded):
-    plate, _others = crowded
-    assert all(plate.deformer.is_property_set(name) for name in ("bake", *inner.methods.BY_ID))
 
 
 def test_the_functions_that_are_counted_exist():

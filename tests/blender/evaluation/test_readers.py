@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import ExitStack
 
 import bpy
 import numpy as np
@@ -29,24 +30,20 @@ def rising(rig: HandleRig) -> HandleRig:
 @pytest.fixture
 def listen():
     """Add a handler of another add-on, which reads an object."""
-    added = []
+    with ExitStack() as added:
 
-    def add(event: str, name: str) -> list[tuple[str, np.ndarray, set[str]]]:
-        seen = []
+        def add(event: str, name: str) -> list[tuple[str, np.ndarray, set[str]]]:
+            seen, handlers = [], getattr(bpy.app.handlers, event)
 
-        def read(_scene: object, depsgraph: bpy.types.Depsgraph) -> None:
-            found = points_of(bpy.data.objects[name].evaluated_get(depsgraph))
-            listed = {update.id.name for update in depsgraph.updates}
-            seen.append((depsgraph.mode, found.copy(), listed))
+            def read(_scene: object, depsgraph: bpy.types.Depsgraph) -> None:
+                found = points_of(bpy.data.objects[name].evaluated_get(depsgraph))
+                seen.append((depsgraph.mode, found, {update.id.name for update in depsgraph.updates}))
 
-        handlers = getattr(bpy.app.handlers, event)
-        handlers.append(read)
-        added.append((handlers, read))
-        return seen
+            handlers.append(read)
+            added.callback(handlers.remove, read)
+            return seen
 
-    yield add
-    for handlers, handler in added:
-        handlers.remove(handler)
+        yield add
 
 
 def height_at(frame: float) -> float:

@@ -35,39 +35,38 @@ CORNERS = [(-1.0, -1.0, 0.2), (1.0, -1.0, 0.0), (1.0, 1.0, -0.3), (-1.0, 1.0, 0.
 
 
 def by_a_cage() -> None:
-    target, cage = ball("Target"), box("Control")
-    press(target, "cage_add", source="OBJECT", cage=cage.name)
+    press(ball("Target"), "cage_add", source="OBJECT", cage=box("Control").name)
 
 
 def by_a_lattice() -> None:
-    target, lattice = small_ball("Target", 2), lattice_object((3, 3, 3), "Control")
-    press(target, "lattice_add", source="OBJECT", lattice=lattice.name)
+    lattice_object((3, 3, 3), "Control")
+    press(small_ball("Target", 2), "lattice_add", source="OBJECT", lattice="Control")
 
 
 def by_hexahedra() -> None:
-    target, cell = small_ball("Target", 2), box("Control", 4.0)
-    press(target, "lattice_add", source="OBJECT", lattice=cell.name)
+    box("Control", 4.0)
+    press(small_ball("Target", 2), "lattice_add", source="OBJECT", lattice="Control")
 
 
 def by_a_wire() -> None:
     """It reaches so far that it carries everything."""
-    target, wire = grid_object("Target"), polyline(LINE, "Control")
-    press(target, "wire_add", curve=wire.name, radius=1e5)
+    polyline(LINE, "Control")
+    press(grid_object("Target"), "wire_add", curve="Control", radius=1e5)
 
 
 def by_points(method: str = "mls") -> None:
-    target = grid_object("Target")
-    use_points(target, new_object("Control", CORNERS, edges=[(0, 1), (1, 2), (2, 3)]), method)
+    new_object("Control", CORNERS, edges=[(0, 1), (1, 2), (2, 3)])
+    use_points(grid_object("Target"), method)
 
 
 def by_points_of_a_curve() -> None:
-    target = grid_object("Target")
-    use_points(target, polyline(np.array(CORNERS), "Control"), "rbf")
+    polyline(np.array(CORNERS), "Control")
+    use_points(grid_object("Target"), "rbf")
 
 
-def use_points(target: bpy.types.Object, points: bpy.types.Object, method: str = "mls") -> None:
+def use_points(target: bpy.types.Object, method: str = "mls") -> None:
     press(target, "deformer_add", method=method)
-    points.select_set(True)
+    control().select_set(True)
     bpy.ops.sinew.point_add(source="POINTS")
 
 
@@ -95,18 +94,14 @@ def not_repeated() -> None:
     control().modifiers.remove(control().modifiers["Array"])
 
 
-def finer() -> None:
-    """As artists set the resolution of a lattice."""
-    control().data.points_u = 5
+def resolution(**points: int) -> Callable[[], None]:
+    """As artists set it of a lattice."""
 
+    def change() -> None:
+        for name, count in points.items():
+            setattr(control().data, name, count)
 
-def coarser() -> None:
-    control().data.points_u = 2
-
-
-def as_many_in_another_order() -> None:
-    data = control().data
-    data.points_u, data.points_v = 9, 1
+    return change
 
 
 def smooth() -> None:
@@ -117,27 +112,21 @@ def smooth() -> None:
         bpy.ops.curve.handle_type_set(type="AUTOMATIC")
 
 
+MORE = "Control has 7 points, at bind it had 4 - Rebind takes it as it is now"
 # How it is bound, what happens to the control, what then takes it as it is now, and what is said until then.
-CASES = [
-    (by_a_cage, subdivided, "cage_set_rest", "26 vertices, at bind it had 8"),
-    (by_a_lattice, finer, "lattice_set_rest", "5 x 3 x 3"),
-    (by_a_lattice, coarser, "lattice_set_rest", "2 x 3 x 3"),
-    (by_a_lattice, as_many_in_another_order, "lattice_set_rest", "9 x 1 x 3"),
-    (by_hexahedra, repeated, "lattice_set_rest", "at bind it had"),
-    (by_a_wire, subdivided, "bind", "at bind it had 6"),
-    (by_a_wire, smooth, "bind", "at bind it had 6"),
-    (
-        by_points,
-        subdivided,
-        "bind",
-        "Control has 7 points, at bind it had 4 - Rebind takes it as it is now",
-    ),
-    (by_points, repeated, "bind", "at bind it had 4"),
-    (by_points_of_a_curve, subdivided, "bind", "at bind it had 4"),
-]
-each_case = pytest.mark.parametrize(
-    ("rig", "change", "remedy", "said"), CASES, ids=lambda value: getattr(value, "__name__", "")
-)
+CASES = {
+    "a cage, subdivided": (by_a_cage, subdivided, "cage_set_rest", "26 vertices, at bind it had 8"),
+    "a finer lattice": (by_a_lattice, resolution(points_u=5), "lattice_set_rest", "5 x 3 x 3"),
+    "a coarser lattice": (by_a_lattice, resolution(points_u=2), "lattice_set_rest", "2 x 3 x 3"),
+    "as many": (by_a_lattice, resolution(points_u=9, points_v=1), "lattice_set_rest", "9 x 1 x 3"),
+    "hexahedra, repeated": (by_hexahedra, repeated, "lattice_set_rest", "at bind it had"),
+    "a wire, subdivided": (by_a_wire, subdivided, "bind", "at bind it had 6"),
+    "a wire that is smooth": (by_a_wire, smooth, "bind", "at bind it had 6"),
+    "points, subdivided": (by_points, subdivided, "bind", MORE),
+    "points, repeated": (by_points, repeated, "bind", "at bind it had 4"),
+    "a curve, subdivided": (by_points_of_a_curve, subdivided, "bind", "at bind it had 4"),
+}
+each_case = pytest.mark.parametrize(("rig", "change", "remedy", "said"), CASES.values(), ids=CASES)
 
 
 def posed(rig: Callable[..., None], automatic: bool = True, **words: str) -> None:
@@ -158,6 +147,12 @@ def assert_bound_at_rest() -> None:
     assert at_rest()
 
 
+def assert_goes_on_from_rest() -> None:
+    settle()
+    assert_bound_at_rest()
+    assert_follows()
+
+
 def assert_follows() -> None:
     """A motion of the whole control moves everything, from where it was."""
     before = evaluated_points(target())
@@ -172,11 +167,10 @@ def test_a_control_with_other_points(rig, change, remedy: str, said: str, automa
     change()
     settle()
     if not automatic:
-        status = target().sinew.active.status
-        assert target().sinew.active.status_level == "ERROR"
-        assert "at bind it had" in status
-        assert said in status
-        assert ("Rebind" if remedy == "bind" else "New Rest") in status
+        deformer = target().sinew.active
+        assert deformer.status_level == "ERROR"
+        for words in ("at bind it had", said, "Rebind" if remedy == "bind" else "New Rest"):
+            assert words in deformer.status
         assert at_rest()
         press(target(), remedy)
     assert_bound_at_rest()
@@ -187,9 +181,7 @@ def test_a_control_with_other_points(rig, change, remedy: str, said: str, automa
 def test_every_method_goes_on_with_more_handle_points(method: str):
     posed(by_points, method=method)
     subdivided()
-    settle()
-    assert_bound_at_rest()
-    assert_follows()
+    assert_goes_on_from_rest()
 
 
 @each_case
@@ -218,8 +210,7 @@ def test_saving_right_after_the_edit(rig, change, remedy: str, said: str, automa
     settle()
     assert at_rest()
     if automatic:
-        assert_bound_at_rest()
-        assert_follows()
+        assert_goes_on_from_rest()
     else:
         assert "at bind it had" in target().sinew.active.status
 
@@ -232,9 +223,7 @@ def test_it_waits_for_the_end_of_edit_mode():
         control().update_from_editmode()
         settle()
         assert "at bind it had 4" in target().sinew.active.status
-    settle()
-    assert_bound_at_rest()
-    assert_follows()
+    assert_goes_on_from_rest()
 
 
 def test_modifiers_come_and_go():
@@ -242,9 +231,7 @@ def test_modifiers_come_and_go():
     for _again in range(2):
         for change in (repeated, not_repeated):
             change()
-            settle()
-            assert_bound_at_rest()
-            assert_follows()
+            assert_goes_on_from_rest()
 
 
 def test_the_points_of_other_controls_stay_posed():
@@ -268,7 +255,7 @@ def test_the_points_of_other_controls_stay_posed():
 def test_all_objects_that_the_points_move_are_bound_again():
     posed(by_points)
     other = grid_object("Second", cells=7)
-    use_points(other, control())
+    use_points(other)
     other.sinew.active.auto_rebind = True
     subdivided()
     settle()

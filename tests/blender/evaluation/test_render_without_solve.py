@@ -76,45 +76,36 @@ def agree(rig: HandleRig, seen: list[np.ndarray], height: float = 0.75) -> None:
 
 
 def test_a_render_without_the_add_on_shows_the_pose(posed: HandleRig):
-    """That no render has shown before."""
+    """That no render has shown before; no older one; and one that a script has moved and saved at once."""
     agree(posed, seen_elsewhere(posed), 0.5)
-
-
-def test_a_render_without_the_add_on_shows_no_older_pose(rendered: HandleRig):
-    agree(rendered, seen_elsewhere(rendered))
-    assert rendered.renders(rendered.at(0.75))
-    rendered.lift(0.25)
-    assert rendered.renders(rendered.at(1.0))
-
-
-def test_a_script_may_save_right_after_it_has_moved_a_control(rendered: HandleRig):
-    rendered.control.location.z += 0.25
-    agree(rendered, seen_elsewhere(rendered), 1.0)
-    rendered.height += 0.25
-    assert rendered.is_right()
+    assert posed.renders(posed.at(0.5))
+    posed.lift(0.25)
+    agree(posed, seen_elsewhere(posed))
+    assert posed.renders(posed.at(0.75))
+    posed.control.location.z += 0.25
+    agree(posed, seen_elsewhere(posed), 1.0)
+    posed.height += 0.25
+    assert posed.is_right()
+    assert posed.renders(posed.at(1.0))
 
 
 def test_factor_and_mask_are_those_of_the_viewport(posed_plate: HandleRig):
-    plate = posed_plate
-    assert plate.renders(plate.at(0.5))
-    add_group(plate.obj, "Left", lambda point: point[0] < 0.0)
-    plate.deformer.mask_group, plate.deformer.factor = "Left", 0.25
-    shown = plate.points()
-    assert not close(shown, plate.at(0.5), 0.1)
-    for shape in seen_elsewhere(plate):
+    assert posed_plate.renders(posed_plate.at(0.5))
+    add_group(posed_plate.obj, "Left", lambda point: point[0] < 0.0)
+    posed_plate.deformer.mask_group, posed_plate.deformer.factor = "Left", 0.25
+    shown = posed_plate.points()
+    assert not close(shown, posed_plate.at(0.5), 0.1)
+    for shape in seen_elsewhere(posed_plate):
         assert close(shape, shown)
 
 
-def disabled_in(addon_name: str, rig: HandleRig) -> np.ndarray:
+def test_a_render_after_the_add_on_was_switched_off(rendered: HandleRig, addon_name: str):
     addon_utils.disable(addon_name)
     try:
-        return render_points(rig.obj)
+        shape = render_points(rendered.obj)
     finally:
         addon_utils.enable(addon_name)
-
-
-def test_a_render_after_the_add_on_was_switched_off(rendered: HandleRig, addon_name: str):
-    agree(rendered, [disabled_in(addon_name, rendered)])
+    agree(rendered, [shape])
 
 
 @pytest.mark.parametrize("below", ["rest", "armature"])
@@ -137,12 +128,11 @@ def test_other_vertices_in_renders_than_in_the_viewport(plate: Rig, tmp_path: Pa
 
 
 def test_a_modifier_that_only_renders_show(posed_plate: HandleRig):
-    plate = posed_plate
-    plate.obj.modifiers[0].show_viewport = False
-    plate.lift(0.25)
-    shown, rendered = seen_elsewhere(plate)
-    assert close(shown, plate.rest())
-    assert close(rendered, plate.at(0.75))
+    posed_plate.obj.modifiers[0].show_viewport = False
+    posed_plate.lift(0.25)
+    shown, rendered = seen_elsewhere(posed_plate)
+    assert close(shown, posed_plate.rest())
+    assert close(rendered, posed_plate.at(0.75))
 
 
 # --- with the add-on, but without a solve
@@ -164,23 +154,18 @@ def test_a_linked_rig_without_an_override(rendered: HandleRig):
 
 
 def test_a_render_while_live_is_off(rendered: HandleRig):
-    """Whatever the control does; and as before when it is on again."""
+    """Whatever the control does, also since the file was opened; and as before when it is on again."""
     before, rendered.deformer.live = rendered.points(), False
     rendered.lift(0.25)
     assert np.array_equal(rendered.points(), before)
     agree(rendered, [before, render_points(rendered.obj), rendered.points()])
-    rendered.deformer.live = True
-    assert rendered.renders(rendered.at(1.0))
-    assert rendered.is_right()
-
-
-def test_live_is_off_since_the_file_was_opened(rendered: HandleRig):
-    rendered.deformer.live = False
-    rendered.lift(0.25)
     with without_our_save_handler():
         path = save(rendered.folder / "shot.blend")
     load(path)
     agree(rendered, [rendered.points(), render_points(rendered.obj)])
+    rendered.deformer.live = True
+    assert rendered.renders(rendered.at(1.0))
+    assert rendered.is_right()
 
 
 def test_live_is_off_and_renders_have_other_vertices(plate: Rig, tmp_path: Path):

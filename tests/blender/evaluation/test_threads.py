@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from inside import ask_for_factor, catch_up, inner, settle, use_threads
+from inside import ask_for_factor, catch_up, finish, inner, settle, use_threads
 from rigs.rig import Rig, update
 
 MISTAKE = "a mistake in the code"
@@ -31,12 +31,15 @@ class Mistake:
         raise TypeError(MISTAKE)
 
 
-def finish(plate: Rig) -> None:
-    """Wait for the threads; the timer of a window looks for them, and the next evaluation shows them."""
-    job = inner.binding.job(plate.deformer.uid)
-    if job is not None:
-        job.thread.join()
-    settle()
+def session_of(plate: Rig):
+    return inner.sessions.find(plate.deformer.uid)
+
+
+def ask_for_another_method(plate: Rig) -> threading.Thread:
+    """The thread that binds it."""
+    plate.deformer.method = "arap"
+    ask_for_factor(plate.deformer)
+    return inner.binding.job(plate.deformer.uid).thread
 
 
 @the_console_shows_it
@@ -50,7 +53,7 @@ def test_a_mistake_in_a_bind_is_shown_and_not_repeated_until_bind_is_pressed(
         plate.deformer.method = "arap"
         for _ in range(3):
             ask_for_factor(plate.deformer)
-            finish(plate)
+            assert finish()
         assert MISTAKE in plate.deformer.status
         assert not inner.binding.busy()
         np.testing.assert_allclose(plate.points(), plate.rest(), atol=1e-6)
@@ -62,16 +65,14 @@ def test_a_mistake_in_a_bind_is_shown_and_not_repeated_until_bind_is_pressed(
 
 @the_console_shows_it
 def test_a_mistake_in_a_solve_is_shown_and_not_repeated(plate: Rig, monkeypatch: pytest.MonkeyPatch):
-    mistake = Mistake()
+    mistake, evaluate = Mistake(), inner.evaluate.update
     plate.bind("arap")
-    depsgraph_of = inner.evaluate.update
-    bound = inner.sessions.find(plate.deformer.uid).bound
-    monkeypatch.setattr(bound.factor, "solve", mistake)
-    inner.sessions.find(plate.deformer.uid).step_milliseconds = 1e6  # dearer than any budget of a drag
-    monkeypatch.setattr(inner.evaluate, "update", lambda graph, **_how: depsgraph_of(graph, preview=True))
+    monkeypatch.setattr(session_of(plate).bound.factor, "solve", mistake)
+    session_of(plate).step_milliseconds = 1e6  # dearer than any budget of a drag
+    monkeypatch.setattr(inner.evaluate, "update", lambda graph, **_how: evaluate(graph, preview=True))
     plate.lift(0.5)
     for _ in range(4):
-        work = inner.sessions.find(plate.deformer.uid).work
+        work = session_of(plate).work
         if work is not None:
             work.thread.join()
         catch_up()
@@ -84,45 +85,37 @@ def test_a_mistake_in_a_solve_is_shown_and_not_repeated(plate: Rig, monkeypatch:
 
 def test_a_bind_that_is_no_longer_wanted_is_dropped(plate: Rig):
     """The method is switched forth and back while a thread binds for the other one."""
-    plate.bind("thin_shell")
-    plate.lift(0.5)
-    shown = plate.points()
-    factor = inner.sessions.find(plate.deformer.uid).bound.factor
-    plate.deformer.method = "arap"
-    ask_for_factor(plate.deformer)
-    assert inner.binding.job(plate.deformer.uid) is not None
+    plate.bind("thin_shell").lift(0.5)
+    shown, factor = plate.points(), session_of(plate).bound.factor
+    ask_for_another_method(plate)
     plate.deformer.method = "thin_shell"
     update()
     assert inner.binding.job(plate.deformer.uid) is None
     assert not inner.binding.busy()
-    finish(plate)
-    assert inner.sessions.find(plate.deformer.uid).bound.factor is factor
+    settle()
+    assert session_of(plate).bound.factor is factor
     np.testing.assert_array_equal(plate.points(), shown)
 
 
 def test_a_finished_bind_is_taken_in_by_the_next_evaluation(plate: Rig):
     """No timer of ours has to fire for it."""
     plate.bind("thin_shell")
-    plate.deformer.method = "arap"
-    ask_for_factor(plate.deformer)
-    inner.binding.job(plate.deformer.uid).thread.join()
+    ask_for_another_method(plate).join()
     ask_for_factor(plate.deformer)
     assert not inner.binding.busy()
-    assert inner.sessions.find(plate.deformer.uid).bound.factor.recipe.method.id == "arap"
+    assert session_of(plate).bound.factor.recipe.method.id == "arap"
 
 
 def test_a_bind_of_a_deformer_that_is_gone_is_dropped(plate: Rig):
     """Undo takes a deformer away without a word to us."""
     plate.bind("thin_shell")
-    plate.deformer.method = "arap"
-    ask_for_factor(plate.deformer)
-    uid = plate.deformer.uid
-    inner.binding.job(uid).thread.join()
+    uid, session = plate.deformer.uid, session_of(plate)
+    ask_for_another_method(plate).join()
     plate.obj.sinew.deformers.clear()
     inner.owners.forget_owners()
     catch_up()
     assert inner.binding.job(uid) is None
-    assert inner.sessions.find(uid).bound.factor.recipe.method.id == "thin_shell"
+    assert session.bound.factor.recipe.method.id == "thin_shell"
 
 
 # --- writes of render threads are carried out once: by the main thread where it serves, else by their own
@@ -139,11 +132,11 @@ def relay(monkeypatch: pytest.MonkeyPatch):
 class Render(threading.Thread):
     """Hands over one write; who carried it out, and what it gave."""
 
-    def __init__(self, relay, write=None) -> None:
+    def __init__(self, relay, write=lambda: True) -> None:
         super().__init__(daemon=True)
         self.relay, self.by, self.result = relay, [], None
-        self.lock = threading.RLock()
-        self.write = write or (lambda: True)
+        self.lock, self.write = threading.RLock(), write
+        self.start()
 
     def run(self) -> None:
         def write() -> bool:
@@ -153,44 +146,40 @@ class Render(threading.Thread):
         with self.lock:
             self.result = self.relay.write(SimpleNamespace(), write, self.lock)
 
+    def serve(self) -> None:
+        """The main thread carries out writes until one came; it may take the lock meanwhile."""
+        while not self.by:
+            with self.lock:
+                self.relay.carry_out_writes()
+        self.join(10.0)
 
-def test_the_main_thread_carries_it_out_and_may_take_the_lock_meanwhile(relay):
+
+def test_the_main_thread_carries_it_out(relay):
     render = Render(relay)
-    render.start()
-    while not render.by:
-        with render.lock:
-            relay.carry_out_writes()
-    render.join(10.0)
-    assert render.by == [threading.main_thread()]
-    assert render.result is True
+    render.serve()
+    assert (render.by, render.result) == ([threading.main_thread()], True)
 
 
 def test_without_an_answer_the_render_thread_does_it_itself_once(relay, monkeypatch):
     monkeypatch.setattr(relay, "PATIENCE", 0.05)
     render = Render(relay, lambda: False)
-    render.start()
     render.join(10.0)
     relay.carry_out_writes()  # too late
-    assert render.by == [render]
-    assert render.result is False
+    assert (render.by, render.result) == ([render], False)
 
 
 def test_what_blender_forbids_the_main_thread_for_a_moment_is_tried_again(relay):
-    tries = []
+    tries = iter((AttributeError("Writing to ID classes in this context is not allowed"), None))
 
     def write() -> bool:
-        tries.append(1)
-        if len(tries) == 1:
-            raise AttributeError("Writing to ID classes in this context is not allowed")
+        error = next(tries)
+        if error:
+            raise error
         return True
 
     render = Render(relay, write)
-    render.start()
-    while not render.by:
-        relay.carry_out_writes()
-    render.join(10.0)
-    assert render.by == [threading.main_thread(), render]
-    assert render.result is True
+    render.serve()
+    assert (render.by, render.result) == ([threading.main_thread(), render], True)
 
 
 @pytest.mark.parametrize(

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Apply Location, Rotation and Scale, and Set Origin: rest and pose stay where they are in the world."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -15,9 +13,10 @@ from inside import calls_of, settle
 from mathutils import Matrix
 from probe import render_points
 from registry import METHODS
-from rigs.kinds import HandleRig, rig_for
+from rigs.kinds import RIGS, HandleRig, rig_for
 from rigs.rig import (
     add_armature,
+    add_key,
     apply_matrix,
     close,
     evaluated_points,
@@ -29,6 +28,7 @@ from rigs.rig import (
     on_all,
     push,
     reopen,
+    slope,
     subdivided,
     update,
 )
@@ -128,7 +128,6 @@ def assert_right(rig: HandleRig, tolerance: float = EXACT) -> None:
 
 
 def assert_lives_on(rig: HandleRig, tolerance: float = EXACT) -> None:
-    """Now, and after the next moves."""
     for lift in (0.0, 0.25):
         rig.lift(lift)
         assert_right(rig, tolerance)
@@ -144,24 +143,30 @@ def placed(rig: HandleRig, tmp_path: Path) -> HandleRig:
     return rig
 
 
-@pytest.mark.parametrize("lift", [0.0, 0.4], ids=["at rest", "posed"])
-@pytest.mark.parametrize("way", WAYS)
-def test_the_shape_stays_where_it_was(placed: HandleRig, way: str, lift: float):
-    placed.lift(lift)
-    before = world_points(placed)
-    WAYS[way](placed.obj)
-    assert_shows(placed, before)
-    assert_lives_on(placed)
-    placed.press("bind")
-    assert_lives_on(placed)
+PLACED = [(way, PLACE, lift) for way in WAYS for lift in (0.0, 0.4)]
+for scale in ((-1.0, 1.0, 1.0), (1.0, -1.0, 1.0), (-2.0, -2.0, -2.0)):
+    PLACED.append(("all", Matrix.Translation((0.5, 0.0, 0.2)) @ Matrix.Diagonal((*scale, 1.0)), 0.3))
+
+
+@pytest.mark.parametrize(("way", "where", "lift"), PLACED)
+def test_the_shape_stays_where_it_was(rig: HandleRig, way: str, where: Matrix, lift: float):
+    """Where the scale mirrors, Blender 5.2 turns the faces to point outwards: they are the same faces."""
+    rig.start()
+    place(rig, where)
+    rig.lift(lift)
+    before = world_points(rig)
+    WAYS[way](rig.obj)
+    assert_shows(rig, before)
+    assert_lives_on(rig)
+    rig.press("bind")
+    assert_lives_on(rig)
 
 
 def test_twice_and_in_a_saved_file(placed: HandleRig):
     placed.lift(0.4)
-    WAYS["rotation"](placed.obj)
-    assert_right(placed)
-    WAYS["origin to cursor"](placed.obj)
-    assert_right(placed)
+    for way in ("rotation", "origin to cursor"):
+        WAYS[way](placed.obj)
+        assert_right(placed)
     reopen(placed.folder / "applied.blend")
     assert_lives_on(placed)
     ALL(placed.obj)
@@ -174,24 +179,14 @@ def test_undo_and_redo(placed: HandleRig, way: str):
     push("posed")
     WAYS[way](placed.obj)
     assert_right(placed)
-    for _ in range(2):
-        bpy.ops.ed.undo()
-        settle()
-        assert np.allclose(np.array(placed.obj.matrix_world), placed.frame)
-        assert_right(placed)
-        bpy.ops.ed.redo()
-        settle()
-        assert not np.allclose(np.array(placed.obj.matrix_world), placed.frame)
-        assert_right(placed)
     placed.lift(0.25)
     push("lifted")
-    assert_right(placed)
-    for _ in range(2):
-        bpy.ops.ed.undo()
+    undo, redo = bpy.ops.ed.undo, bpy.ops.ed.redo
+    for way, applied in ((undo, 1), (undo, 0), (redo, 1), (undo, 0), (redo, 1), (redo, 1)):
+        way()
         settle()
+        assert np.allclose(np.array(placed.obj.matrix_world), placed.frame) != bool(applied)
         assert_right(placed)
-    bpy.ops.ed.redo()
-    settle()
     assert_lives_on(placed)
 
 
@@ -220,20 +215,6 @@ def test_every_method(method, mirrored: bool):
     else:
         assert changed < rig.exactness
     assert_shows(rig, after, rig.exactness)
-
-
-@pytest.mark.parametrize("scale", [(-1.0, 1.0, 1.0), (1.0, -1.0, 1.0), (-2.0, -2.0, -2.0)], ids=str)
-def test_a_mirroring_scale(rig: HandleRig, scale: tuple[float, float, float]):
-    """Blender 5.2 turns the faces, so that they point outwards again. They are the same faces."""
-    rig.start()
-    place(rig, Matrix.Translation((0.5, 0.0, 0.2)) @ Matrix.Diagonal((*scale, 1.0)))
-    rig.lift(0.3)
-    before = world_points(rig)
-    ALL(rig.obj)
-    assert_shows(rig, before)
-    assert_lives_on(rig)
-    rig.press("bind")
-    assert_lives_on(rig)
 
 
 def flip_all(obj: bpy.types.Object) -> None:
@@ -265,28 +246,50 @@ def test_modifiers_that_number_their_vertices_anew_for_turned_faces(rig: HandleR
 
 
 def places_shown(rig: HandleRig) -> list[np.ndarray]:
-    """Where the vertices are in the world: in the viewport, and in a render."""
     return [
         apply_matrix(rig.obj.matrix_world, shape)
         for shape in (evaluated_points(rig.obj), render_points(rig.obj))
     ]
 
 
-def test_far_from_the_origin(posed_plate: HandleRig):
-    rig = posed_plate
+def far_away(rig: HandleRig) -> None:
     place(rig, Matrix.Translation((2000.0, -1000.0, 500.0)))
-    before = world_points(rig)
-    ALL(rig.obj)
-    assert_shows(rig, before, 1e-3)
 
 
-def test_an_uneven_scale_is_exact_at_rest(rig: HandleRig):
-    rig.start()
+def stretched_at_rest(rig: HandleRig) -> None:
+    """An uneven scale is exact there."""
+    rig.lift_to(0.0)
     rig.relax()
     carry(rig, STRETCH)
-    before = world_points(rig)
-    ALL(rig.obj)
-    assert_shows(rig, before)
+
+
+def with_shape_keys(rig: HandleRig) -> None:
+    add_key(rig.obj, "Bump", slope(0.2)).value = 0.5
+    rig.obj.matrix_world = PLACE
+
+
+def with_two_deformers(rig: HandleRig) -> None:
+    place(rig)
+    if rig.deformer.handles:
+        rig.bind("arap")
+        rig.lift(0.1)
+
+
+@pytest.mark.parametrize(
+    ("rig", "prepare", "tolerance"),
+    [
+        ("handles", far_away, 1e-3),
+        ("handles", with_shape_keys, EXACT),
+        *((kind, stretched_at_rest, EXACT) for kind in RIGS),
+        *((kind, with_two_deformers, 2e-3) for kind in RIGS),
+    ],
+    indirect=["rig"],
+)
+def test_all_of_it_is_applied(posed: HandleRig, prepare: Callable, tolerance: float):
+    prepare(posed)
+    before = world_points(posed)
+    ALL(posed.obj)
+    assert_shows(posed, before, tolerance)
 
 
 @pytest.mark.parametrize("carried", [1.0, 10.0], ids=["alone", "on a parent of ten times the scale"])
@@ -321,73 +324,38 @@ def test_where_the_proportions_count_the_status_says_so(posed_plate: HandleRig, 
 # --- what else hangs on the mesh
 
 
-def test_a_linked_copy_stays_where_it_is(placed: HandleRig):
-    """Set Origin moves the mesh that both share, and both objects if both are selected."""
+@pytest.mark.parametrize("on_the_same_mesh", [True, False])
+def test_a_copy_stays_where_it_is(placed: HandleRig, on_the_same_mesh: bool):
+    """Set Origin moves the mesh that both share, and both objects; others share the stored rest shapes."""
     rig = placed
     rig.lift(0.4)
-    copy = duplicate(rig, linked=True)
-    move_world(rig.control_of(copy), Matrix.Translation((0.0, 0.0, 0.1)))
+    copy = duplicate(rig, linked=on_the_same_mesh)
+    rig.lift_of(copy, 0.1)
     before = [world_points(rig, obj) for obj in (rig.obj, copy)]
-    make_active(rig.obj, copy)
-    assert bpy.ops.object.origin_set("EXEC_DEFAULT", True, type="ORIGIN_CURSOR") == {"FINISHED"}
-    settle()
-    for obj, shape in zip((rig.obj, copy), before, strict=True):
-        assert_shows(rig, shape, obj=obj)
-
-
-def test_a_copy_with_a_mesh_of_its_own_keeps_its_rest(placed: HandleRig):
-    """Copies share the stored rest shapes."""
-    rig = placed
-    copy = duplicate(rig)
-    rig.lift_of(copy, 0.3)
-    before = [world_points(rig, obj) for obj in (rig.obj, copy)]
-    ALL(copy)
+    if on_the_same_mesh:
+        make_active(rig.obj, copy)
+        assert bpy.ops.object.origin_set("EXEC_DEFAULT", True, type="ORIGIN_CURSOR") == {"FINISHED"}
+        settle()
+    else:
+        ALL(copy)
     for obj, shape in zip((rig.obj, copy), before, strict=True):
         assert_shows(rig, shape, obj=obj)
     rig.lift(0.2)
     assert_right(rig)
 
 
-def test_shape_keys_are_applied_too(posed_plate: HandleRig):
-    rig = posed_plate
-    rig.obj.shape_key_add(name="Basis")
-    bump = rig.obj.shape_key_add(name="Bump")
-    for index in (50, 60, 70):
-        bump.data[index].co.z += 0.2
-    bump.value = 0.5
-    rig.obj.matrix_world = PLACE
-    update()
-    before = world_points(rig)
-    ALL(rig.obj)
-    assert_shows(rig, before)
-
-
-def test_an_armature_below(plate, tmp_path: Path):
-    """It carries the mesh as before, and so does the handle."""
-    armature = add_armature(plate.obj)
+def test_an_armature_below(plate):
+    bone = add_armature(plate.obj).pose.bones["high"]
     plate.obj.matrix_world = Matrix.Translation((0.0, 0.0, 0.6)) @ Matrix.Rotation(0.5, 4, "Z")
     plate.bind("thin_shell")
-    armature.pose.bones["high"].rotation_euler.x = 0.5
+    bone.rotation_euler.x = 0.5
     plate.lift(0.3)
     before = world_points(plate)
     ALL(plate.obj)
     assert_shows(plate, before)
-    armature.pose.bones["high"].rotation_euler.x = 0.2
-    posed = world_points(plate)
-    armature.pose.bones["high"].rotation_euler.x = 0.5
-    assert not close(world_points(plate), posed, 0.01)
-    assert close(world_points(plate), before, EXACT)
-
-
-def test_two_deformers(placed: HandleRig):
-    rig = placed
-    rig.lift(0.3)
-    if rig.deformer.handles:
-        rig.bind("arap")
-        rig.lift(0.1)
-    before = world_points(rig)
-    ALL(rig.obj)
-    assert_shows(rig, before, 2e-3)
+    for angle in (0.2, 0.5):
+        bone.rotation_euler.x = angle
+        assert close(world_points(plate), before, EXACT if angle == 0.5 else 0.01) == (angle == 0.5)
 
 
 def test_while_live_is_off(placed: HandleRig):
@@ -429,12 +397,6 @@ def test_the_cage_rests_again_where_it_is(placed: HandleRig):
 # --- what is no Apply
 
 
-def test_a_mesh_moved_in_the_world_is_an_edit_on_top_of_the_pose(posed_plate: HandleRig):
-    rig = posed_plate
-    rig.obj.data.transform(Matrix.Translation((0.0, 0.0, 0.1)))
-    assert close(rig.points(), rig.at(0.5) + (0.0, 0.0, 0.1), EXACT)
-
-
 def geometry_to_origin(obj: bpy.types.Object) -> None:
     """Moves the mesh, and neither its object nor its controls."""
     set_origin("GEOMETRY_ORIGIN")(obj)
@@ -446,13 +408,10 @@ def transformed(obj: bpy.types.Object) -> None:
     push("moved")
 
 
-STRAYS = [geometry_to_origin, transformed]
-
-
-@pytest.mark.parametrize("move", STRAYS, ids=lambda move: move.__name__)
+@pytest.mark.parametrize("move", [geometry_to_origin, transformed], ids=lambda move: move.__name__)
 def test_a_mesh_that_was_moved_away_from_its_controls_says_so(rig: HandleRig, move: Callable):
     """It is an edit on top of the pose, until it is undone."""
-    unlike(rig)
+    rig.obj.data.transform(Matrix.Translation((0.0, 0.0, 0.5)))  # away from the origin before it is bound
     rig.start()
     rig.lift(0.4)
     before = world_points(rig)
@@ -466,12 +425,6 @@ def test_a_mesh_that_was_moved_away_from_its_controls_says_so(rig: HandleRig, mo
     settle()
     assert rig.deformer.status_level == "INFO"
     assert close(world_points(rig), before, EXACT)
-
-
-def unlike(rig: HandleRig) -> None:
-    """Away from the origin of its object, before it is bound."""
-    rig.obj.data.transform(Matrix.Translation((0.0, 0.0, 0.5)))
-    update()
 
 
 def test_an_ordinary_frame_looks_at_nothing(posed_plate: HandleRig):

@@ -4,14 +4,12 @@
 The scripts call nothing of ours, and they wait for nothing.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import bpy
 import numpy as np
 import pytest
-from inside import calls_of
+from inside import calls_of, settle
 from probe import render
 from rigs.kinds import HandleRig
 from rigs.rig import MATRIX, close, duplicated, linked, load, make_active, save, update
@@ -72,10 +70,13 @@ def test_a_copy_is_a_rig_of_its_own_at_once(posed: HandleRig, made: Callable):
     copy.location.z -= 0.4
     update()
     assert copy.sinew.deformers[0].uid != posed.deformer.uid
-    for height in (0.0, 0.25):
+    for height in (0.0, 0.25, -0.1):
         posed.lift(height)
         assert posed.shows(posed.now(copy), copy, tolerance=MATRIX)
         assert posed.is_right()
+        bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
+        settle()
+    assert copy.sinew.deformers[0].proxy != posed.deformer.proxy
     assert np.abs(posed.now(copy) - posed.at(posed.height)).max() > 0.1
     seen = render()[-1]
     for obj in (copy, posed.obj):
@@ -83,7 +84,6 @@ def test_a_copy_is_a_rig_of_its_own_at_once(posed: HandleRig, made: Callable):
 
 
 def test_a_copy_made_between_two_frames(posed: HandleRig):
-    """Nothing is evaluated before the next frame is."""
     copy = linked(posed.obj.copy())
     copy.location.z -= 0.4
     bpy.context.scene.frame_set(7)
@@ -93,17 +93,14 @@ def test_a_copy_made_between_two_frames(posed: HandleRig):
 
 def test_copies_in_a_file_that_an_autosave_left(posed: HandleRig):
     """No handler ran when it was written, so its copies share their shapes until it is opened."""
-    handlers = list(bpy.app.handlers.depsgraph_update_post), list(bpy.app.handlers.save_pre)
     copy = linked(posed.obj.copy()).name
-    try:
-        for running in (bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.save_pre):
-            running.clear()
-        path = save(posed.folder / "autosave.blend", copy=True)
-    finally:
-        for running, before in zip(
-            (bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.save_pre), handlers, strict=True
-        ):
-            running.extend(before)
+    running = (bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.save_pre)
+    before = [list(handlers) for handlers in running]
+    for handlers in running:
+        handlers.clear()
+    path = save(posed.folder / "autosave.blend", copy=True)
+    for handlers, kept in zip(running, before, strict=True):
+        handlers.extend(kept)
     load(path)
     bpy.data.objects[copy].location.z -= 0.4
     assert posed.shows(posed.now(bpy.data.objects[copy]), bpy.data.objects[copy], tolerance=MATRIX)
@@ -111,7 +108,6 @@ def test_copies_in_a_file_that_an_autosave_left(posed: HandleRig):
 
 
 def test_without_copies_an_update_looks_at_no_object(posed: HandleRig):
-    """Only when their number has changed."""
     update()
     found = calls_of(lambda: posed.lift(0.1))
     assert found["has_copies"] > 0

@@ -1,20 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Save, load, recover, new, append, link, override, make local; the add-on off, on, upgraded, missing."""
 
-from __future__ import annotations
-
 import importlib
 import shutil
 import sys
-from pathlib import Path
 
 import bpy
 import numpy as np
+import pytest
 from events import ALL, REGIONS, Event, Table, every, is_over, lives_on
 from inside import handlers_of_ours, inner, settle, without_the_add_on
 from libraries import add_collection, overridden, override, put_into_a_library, read
 from probe import render_points
-from rigs.kinds import RIGS, HandleRig
+from rigs.kinds import HandleRig
 from rigs.rig import (
     MATRIX,
     add_armature,
@@ -29,11 +27,11 @@ from rigs.rig import (
     new_empty,
     new_file,
     press,
+    refused,
     reopen,
     save,
     update,
 )
-from second_blender import another_blender
 
 EVENTS = Table()  # to a rig in the file rig.blend
 ASSETS = Table()  # to a file that is empty, beside library.blend with a rig in the collection Asset
@@ -65,7 +63,6 @@ def loaded(rig: HandleRig) -> None:
 
 @EVENTS.on(ALL)
 def reverted(rig: HandleRig) -> None:
-    """What was not saved is taken back."""
     before = rig.points()
     rig.lift(0.4)
     rig.deformer.method = rig.methods[-1]
@@ -96,14 +93,12 @@ def its_copy_saved_before_a_pause(rig: HandleRig) -> None:
 @EVENTS.on(ALL)
 def recovered_from_the_last_session(rig: HandleRig) -> None:
     """``quit.blend`` lies in the folder for temporary files, and opens with its own path forgotten."""
-    paths = bpy.context.preferences.filepaths
-    before, paths.temporary_directory = paths.temporary_directory, str(rig.folder)
-    try:
-        save(rig.folder / "quit.blend", copy=True)
-        rig.lift(1.0)
-        bpy.ops.wm.recover_last_session()
-    finally:
-        bpy.context.preferences.filepaths.temporary_directory = before
+    before = bpy.context.preferences.filepaths.temporary_directory
+    bpy.context.preferences.filepaths.temporary_directory = str(rig.folder)
+    save(rig.folder / "quit.blend", copy=True)
+    rig.lift(1.0)
+    bpy.ops.wm.recover_last_session()
+    bpy.context.preferences.filepaths.temporary_directory = before
     rig.height = 0.5
 
 
@@ -128,23 +123,17 @@ def loaded_on_a_posed_frame(rig: HandleRig) -> None:
     however it is reached, and in renders.
     """
     rig.press("deformer_remove")
-    armature = add_armature(rig.obj)
+    bone = add_armature(rig.obj).pose.bones["high"]
     rig.bind("arap")
-    key(
-        armature.pose.bones["high"],
-        {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 20: {"rotation_euler": (0.9, 0.0, 0.0)}},
-    )
+    key(bone, {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 20: {"rotation_euler": (0.9, 0.0, 0.0)}})
     key_heights(rig.control, {1: 0.0, 20: 0.9})
-
-    def look(frame: int) -> np.ndarray:
-        bpy.context.scene.frame_set(frame)
-        return rig.points()
-
-    frames = {frame: look(frame) for frame in (1, 12, 20)}
-    for _ in range(2):
-        for frame in (20, 1, 12):
-            assert np.array_equal(look(frame), frames[frame])
-            assert np.array_equal(render_points(rig.obj), frames[frame])
+    shapes: dict[int, np.ndarray] = {}
+    for frames in ((1, 12, 20), (20, 1, 12), (12, 20, 1)):
+        for frame in frames:
+            bpy.context.scene.frame_set(frame)
+            shape = shapes.setdefault(frame, rig.points())
+            assert np.array_equal(rig.points(), shape)
+            assert np.array_equal(render_points(rig.obj), shape)
         reopen(rig.folder / "posed.blend")
 
 
@@ -163,13 +152,49 @@ def replaced_by_a_new_file(rig: HandleRig) -> None:
 
 @EVENTS.on(ALL)
 def loaded_without_the_add_on_and_enabled(rig: HandleRig) -> None:
+    """It shows the last solution, whatever moves, and saves; here all goes on with its settings."""
     control = rig.control.name
     with without_the_add_on():
         load(rig.folder / "rig.blend")
+        assert rig.is_right()
         bpy.data.objects[control].location.z += 0.25
-        update()
+        bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
+        assert rig.is_right()
+        bpy.ops.wm.save_mainfile()
     rig.height += 0.25
     rig.lift(0.25)
+    lives_on(rig)
+    load(rig.folder / "rig.blend")
+    rig.height = 0.75
+
+
+@EVENTS.on(ALL)
+def loaded_without_its_native_module(rig: HandleRig) -> None:
+    """The last solution, and words about it; Bind is refused, and nothing is lost."""
+
+    def is_missing(name: str) -> None:
+        raise ModuleNotFoundError(f"No module named {name!r}", name=name)
+
+    loader = inner.loader
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(loader.importlib, "import_module", is_missing)
+        missing = loader.load()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(inner.binding, "availability", lambda: missing)
+        load(rig.folder / "rig.blend")
+        assert rig.is_right()
+        rig.control.location.z += 0.25
+        bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
+        assert rig.is_right()
+        assert rig.deformer.status_level == "ERROR"
+        assert "is missing" in rig.deformer.status
+        assert f"cp{sys.version_info.major}{sys.version_info.minor}" in rig.deformer.status
+        refused("is missing", "bind", rig.obj)
+        assert rig.deformer.is_bound
+        assert rig.is_right()
+        bpy.ops.wm.save_mainfile()
+    load(rig.folder / "rig.blend")
+    rig.height = 0.75
 
 
 @EVENTS.on(ALL)
@@ -189,14 +214,9 @@ def disabled_and_enabled(rig: HandleRig) -> None:
 def upgraded(rig: HandleRig) -> None:
     """The old code is unloaded and read again; the native module stays until Blender ends."""
     name, count = inner.ids.__package__, handlers_of_ours()
-    old = {
-        key: module
-        for key, module in sys.modules.items()
-        if (key == name or key.startswith(name + ".")) and "_native" not in key
-    }
+    ours = [key for key in sys.modules if f"{key}.".startswith(f"{name}.") and "_native" not in key]
     sys.modules[name].unregister()
-    for module in old:
-        del sys.modules[module]
+    old = {key: sys.modules.pop(key) for key in ours}
     new = importlib.import_module(name)
     try:
         new.register()
@@ -235,7 +255,6 @@ def appended(rig: HandleRig) -> None:
 
 @ASSETS.on(ALL)
 def appended_twice(rig: HandleRig) -> None:
-    """Two rigs."""
     for _ in range(2):
         add_collection(library(rig))
     settle()
@@ -249,7 +268,6 @@ def appended_twice(rig: HandleRig) -> None:
 
 @ASSETS.on(ALL)
 def appended_into_a_file_that_has_the_rig_itself(rig: HandleRig) -> None:
-    """The same keys come in once more."""
     load(library(rig))
     save(rig.folder / "other.blend")  # no file appends from itself
     copy = read(library(rig), False, "objects", rig.name)
@@ -268,8 +286,7 @@ def appended_by_the_file_browsers_operator(rig: HandleRig) -> None:
 @ASSETS.on(ALL, then=is_over)
 def linked(rig: HandleRig) -> None:
     """The last solution, by itself and through an instance; the status says how to pose it."""
-    collection = read(library(rig), True)
-    instance = new_empty("Instance")
+    collection, instance = read(library(rig), True), new_empty("Instance")
     instance.instance_type, instance.instance_collection = "COLLECTION", collection
     obj = collection.objects[rig.name]
     bpy.context.scene.collection.objects.link(obj)
@@ -282,15 +299,21 @@ def linked(rig: HandleRig) -> None:
     assert "library override" in obj.sinew.deformers[0].status
 
 
+def lives_as_an_override(rig: HandleRig, obj: bpy.types.Object) -> None:
+    settle()
+    goes_on(rig, obj, 0.5, MATRIX)
+    reopen(rig.folder / "shot.blend")
+    settle()
+    goes_on(rig, overridden(), 0.75, MATRIX)
+
+
 @ASSETS.on(ALL, then=is_over)
 def overridden_posed_and_saved(rig: HandleRig) -> None:
     """With a shape of its own, which the library does not have."""
     obj = override(library(rig))
     assert obj.sinew.deformers[0].proxy.library is None
     assert rig.control_of(obj).library is None
-    goes_on(rig, obj, 0.5, MATRIX)
-    reopen(rig.folder / "shot.blend")
-    goes_on(rig, overridden(), 0.75, MATRIX)
+    lives_as_an_override(rig, obj)
 
 
 @ASSETS.on(ALL, then=is_over)
@@ -301,11 +324,7 @@ def overridden_with_its_hidden_shapes(rig: HandleRig) -> None:
         shape = getattr(obj.sinew.deformers[0], name)
         if shape is not None and shape.library is not None:
             shape.override_create(remap_local_usages=True)
-    settle()
-    goes_on(rig, obj, 0.5, MATRIX)
-    reopen(rig.folder / "shot.blend")
-    settle()
-    goes_on(rig, overridden(), 0.75, MATRIX)
+    lives_as_an_override(rig, obj)
 
 
 @ASSETS.on(ALL, then=is_over)
@@ -339,7 +358,6 @@ def hidden_ones() -> list[str]:
 
 
 def hides_its_shapes(rig: HandleRig) -> None:
-    """After pauses, and in files."""
     for _ in range(2):
         settle()
         assert hidden_ones() == []
@@ -348,12 +366,11 @@ def hides_its_shapes(rig: HandleRig) -> None:
     follows_its_control(rig, overridden())
 
 
-@ASSETS.on(ALL, then=is_over)
+@ASSETS.on(ALL, then=hides_its_shapes)
 def overridden_by_a_script(rig: HandleRig) -> None:
     """It can be posed at once, without a pause, and without a call of ours."""
-    add_collection(library(rig), link=True).override_hierarchy_create(
-        bpy.context.scene, bpy.context.view_layer
-    )
+    added = add_collection(library(rig), link=True)
+    added.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
     obj = overridden()
     assert obj.name == rig.name
     rig.control_of(obj).location.z += 0.25
@@ -361,10 +378,9 @@ def overridden_by_a_script(rig: HandleRig) -> None:
     assert not rig.shows(rig.at(0.5), obj, 0.1)
     assert obj.sinew.deformers[0].status_level == "INFO"
     assert hidden_ones() == []
-    hides_its_shapes(rig)
 
 
-@ASSETS.on(ALL, then=is_over)
+@ASSETS.on(ALL, then=hides_its_shapes)
 def overridden_by_the_operator(rig: HandleRig) -> None:
     control = rig.control_of(read(library(rig), True, "objects", rig.name)).name
     for wanted in (rig.name, control):
@@ -374,7 +390,6 @@ def overridden_by_the_operator(rig: HandleRig) -> None:
     make_active(bpy.data.objects[rig.name])
     assert bpy.ops.object.make_override_library() == {"FINISHED"}
     assert rig.shows(rig.at(0.5), overridden(), MATRIX)
-    hides_its_shapes(rig)
 
 
 def made_local(rig: HandleRig) -> None:
@@ -388,16 +403,14 @@ def made_local(rig: HandleRig) -> None:
     goes_on(rig, obj, 0.75, MATRIX)
 
 
-@ASSETS.on(ALL, then=is_over)
+@ASSETS.on(ALL, then=made_local)
 def linked_and_made_local(rig: HandleRig) -> None:
     add_collection(library(rig), link=True)
-    made_local(rig)
 
 
-@ASSETS.on(ALL, then=is_over)
+@ASSETS.on(ALL, then=made_local)
 def overridden_and_made_local(rig: HandleRig) -> None:
     override(library(rig))
-    made_local(rig)
 
 
 @ASSETS.on(ALL, then=is_over)
@@ -422,20 +435,22 @@ def its_target_alone_made_local(rig: HandleRig) -> None:
 @ASSETS.on(ALL, then=is_over)
 def linked_and_overridden_and_the_library_reloaded(rig: HandleRig) -> None:
     """As Reload in the outliner: a linked rig shows the new solution, an override its own pose."""
+
+    def linked_one() -> bpy.types.Object:
+        return next(obj for obj in bpy.data.objects if obj.library and obj.sinew.deformers)
+
     load(library(rig))
     rig.lift(0.1)
     rig.points()
     changed = save(rig.folder / "changed.blend")
     new_file()
     rig.lift_of(override(library(rig)), 0.25)
-    plain = next(obj for obj in bpy.data.objects if obj.library and obj.sinew.deformers)
-    bpy.context.scene.collection.objects.link(plain)
-    assert rig.shows(rig.at(0.5), plain)
+    bpy.context.scene.collection.objects.link(linked_one())
+    assert rig.shows(rig.at(0.5), linked_one())
     shutil.copyfile(changed, library(rig))
     bpy.data.libraries[0].reload()
     settle()
-    plain = next(obj for obj in bpy.data.objects if obj.library and obj.sinew.deformers)
-    assert rig.shows(rig.at(0.6), plain, MATRIX)
+    assert rig.shows(rig.at(0.6), linked_one(), MATRIX)
     follows_its_control(rig, overridden())
 
 
@@ -452,92 +467,3 @@ def test_a_rig_is(posed: HandleRig, event: Event):
 def test_a_rig_in_a_library_is(posed: HandleRig, event: Event):
     put_into_a_library(posed.folder / "library.blend", posed.obj, posed.control)
     event.run(posed)
-
-
-# --- another Blender
-
-ELSEWHERE = """
-import importlib.machinery
-
-class Instead:
-    def __init__(self, fault):
-        self.fault = fault
-
-    def find_spec(self, name, path=None, target=None):
-        if name.rpartition(".")[2] != "sinew_native":
-            return None
-        if self.fault == "is missing":
-            raise ModuleNotFoundError(f"No module named {name!r}", name=name)
-        loader = importlib.machinery.ExtensionFileLoader(name, foreign)
-        return importlib.machinery.ModuleSpec(name, loader, origin=foreign)
-
-def pose(fault, status):
-    bpy.ops.wm.open_mainfile(filepath=f"{folder}/rig.blend")
-    seen[fault] = {}
-    for kind, (name, control) in rigs.items():
-        obj, said = bpy.data.objects[name], {"points": []}
-        said["points"].append(evaluated_points(obj).tolist())
-        bpy.data.objects[control].location.z += 0.25
-        bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
-        said["points"].append(evaluated_points(obj).tolist())
-        if status:
-            from rigs.kinds import RIGS  # it knows the add-on
-            deformer = RIGS[kind].called(name).deformer
-            said["status"], said["level"] = deformer.status, deformer.status_level
-            make_active(obj)
-            try:
-                bpy.ops.sinew.bind()
-            except RuntimeError as refusal:
-                said["refusal"] = str(refusal)
-            said["points"].append(evaluated_points(obj).tolist())
-            said["bound"] = deformer.is_bound
-        seen[fault][kind] = said
-    bpy.ops.wm.save_as_mainfile(filepath=f"{folder}/{fault}.blend")
-
-seen["has_sinew"] = hasattr(bpy.types.Object, "sinew")
-pose("no add-on", status=False)
-for fault in ("is missing", "does not load"):
-    sys.meta_path.insert(0, Instead(fault))
-    addon_utils.enable(addon, default_set=True)
-    pose(fault, status=True)
-    addon_utils.disable(addon)
-    sys.meta_path.pop(0)
-    for name in [name for name in sys.modules if name.startswith(addon)]:
-        del sys.modules[name]
-"""
-
-
-def test_a_blender_without_the_add_on_or_its_native_module(scene, tmp_path: Path, addon_name: str):
-    """It shows the last solution, whatever moves, and saves; here all live on with their settings.
-
-    Without its native module the add-on registers and says what is wrong. A module built for another Python
-    does not load: here a library that is no Python module at all.
-    """
-    rigs = {kind: new.new().start() for kind, new in RIGS.items()}
-    for rig in rigs.values():
-        rig.lift(0.5)
-        rig.deformer.factor = 0.5
-        rig.shown = rig.points()
-    regions = [handle.vertex_group for handle in rigs["handles"].deformer.handles]
-    foreign = tmp_path / "sinew_native.cpython-399-x86_64-linux-gnu.so"
-    foreign.write_bytes(b"\x7fELF" + bytes(60))
-    save(tmp_path / "rig.blend")
-    names = {kind: (rig.name, rig.control.name) for kind, rig in rigs.items()}
-    given = f"addon, rigs, folder, foreign = {addon_name!r}, {names}, {str(tmp_path)!r}, {str(foreign)!r}"
-    found = another_blender(f"{given}\n{ELSEWHERE}", tmp_path)
-    assert not found["has_sinew"]
-    for fault in ("no add-on", "is missing", "does not load"):
-        load(tmp_path / f"{fault}.blend")
-        assert [handle.vertex_group for handle in rigs["handles"].deformer.handles] == regions
-        for kind, rig in rigs.items():
-            said = found[fault][kind]
-            for points in said["points"]:
-                assert close(np.array(points), rig.shown, rig.tolerance)
-            for text in (said["status"], said["refusal"]) if "status" in said else ():
-                assert fault in text
-                assert f"cp{sys.version_info.major}{sys.version_info.minor}" in text
-                assert said["level"] == "ERROR"
-                assert said["bound"]
-            rig.deformer.factor = 1.0
-            rig.height = 0.75
-            lives_on(rig)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Undo and redo of every operator, of settings and of control moves, also across binds and topology edits."""
+"""Undo and redo of settings and of control moves, and what is done while a thread binds."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,9 +7,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from events import ALL, MESHES, REGIONS, Event, Table, every
-from expected import Expected
-from inside import bind_in_thread, evaluated_by, finish, inner, settle
+from events import ALL, MESHES, REGIONS
+from inside import bind_in_thread, finish, inner, settle
 from mathutils import Matrix
 from registry import BY_ID
 from rigs.kinds import HandleRig
@@ -18,7 +17,6 @@ from rigs.rig import (
     close,
     duplicated,
     evaluated_points,
-    in_mode,
     make_active,
     move_world,
     new_empty,
@@ -29,125 +27,110 @@ from rigs.rig import (
 )
 from test_undo_of_buttons import BUTTONS
 
-LIFT = Matrix.Translation((0.0, 0.0, 0.5))
-
-
-def pose(plate: Rig) -> Expected:
-    """Bound and lifted by a half, with an undo step of its own."""
-    plate.bind()
-    expected = Expected.of_rig(plate)
-    push("bound")
-    plate.lift(0.5)
-    make_active(plate.obj)
-    push("posed")
-    return expected
+Act = Callable[[HandleRig], object]
+Shape = Callable[[HandleRig], np.ndarray]
 
 
 def test_every_operator_has_its_undo_tested():
     """What changes nothing leaves no step. Some are tested where the operator is, one changes the mode."""
     names = set(dir(bpy.ops.sinew))
     with_undo = {n for n in names if "UNDO" in getattr(getattr(bpy.types, f"SINEW_OT_{n}"), "bl_options", ())}
-    elsewhere = {
-        "handle_stand",
-        "puppet_pin",
-        "puppet_rig",
-        "armature_off",
-        "refine",
-        "keep_inside",
-        "control_edit",
-    }
-    assert with_undo == {*elsewhere, *(names & set(BUTTONS) - {"start_task"})}
+    elsewhere = {"handle_stand", "puppet_pin", "puppet_rig", "armature_off", "refine", "keep_inside"}
+    assert with_undo == {*elsewhere, "control_edit", *(names & set(BUTTONS) - {"start_task"})}
     without = {"cancel", "check_installation", "help", "key_jump", "preset_add", "report_renders", "watch"}
     beginnings = {"all_tasks", "choose_method", "drag_press", "drag_start", "start_task"}  # of what has steps
     assert names - with_undo <= without | beginnings
 
 
-def set_factor(rig: HandleRig) -> np.ndarray:
-    rig.deformer.factor = 0.5
-    return 0.5 * rig.rest() + 0.5 * rig.at(0.5)
+# --- what changes a rig that is lifted by a half, and what is to be seen then
 
 
-def stop_live(rig: HandleRig) -> np.ndarray:
-    rig.deformer.live = False
+def half(rig: HandleRig) -> np.ndarray:
     return rig.at(0.5)
 
 
-def set_mask(rig: HandleRig) -> np.ndarray:
+def at_rest(rig: HandleRig) -> np.ndarray:
+    return rig.rest()
+
+
+def now(rig: HandleRig) -> np.ndarray:
+    return rig.now()
+
+
+def faded(rig: HandleRig) -> np.ndarray:
+    return 0.75 * rig.rest() + 0.25 * rig.at(0.5)
+
+
+def masked(rig: HandleRig) -> np.ndarray:
+    """The masked vertices are whole or at rest to the last bit."""
+    seen, shown = rig.points(), rig.rest()
+    rig.deformer.mask_group = ""
+    shown[rig.top] = rig.points()[rig.top]
     rig.deformer.mask_group = "Top"
-    shown = rig.rest()
-    shown[rig.top] = rig.at(0.5)[rig.top]
+    assert np.array_equal(seen, shown)
     return shown
 
 
-def switch_off_its_handle(rig: HandleRig) -> np.ndarray:
+def sets(name: str, value: object) -> Act:
+    return lambda rig: setattr(rig.deformer, name, value)
+
+
+def pressed(operator: str) -> Act:
+    return lambda rig: rig.press(operator)
+
+
+def moved(motion: Matrix) -> Act:
+    return lambda rig: move_world(rig.control, motion)
+
+
+def release(rig: HandleRig) -> None:
     rig.deformer.handles[0].enabled = False
-    return rig.rest()
 
 
-def press_bind(rig: HandleRig) -> np.ndarray:
-    rig.press("bind")
-    return rig.at(0.5)
-
-
-def press_unbind(rig: HandleRig) -> np.ndarray:
-    rig.press("unbind")
-    return rig.rest()
-
-
-def remove_deformer(rig: HandleRig) -> np.ndarray:
-    rig.press("deformer_remove")
-    return rig.rest()
-
-
-def move_on(rig: HandleRig) -> np.ndarray:
-    move_world(rig.control, Matrix.Translation((0.0, 0.0, 0.25)))
-    return rig.at(0.75)
-
-
-def change_topology(rig: HandleRig) -> np.ndarray:
-    rig.change_topology()
-    return rig.rest()
-
-
-def turn(rig: HandleRig) -> np.ndarray:
-    move_world(rig.control, Matrix.Rotation(0.4, 4, "X"))
-    return rig.now()
-
-
-def constrain(rig: HandleRig) -> np.ndarray:
+def constrain(rig: HandleRig) -> None:
     rig.control.constraints.new("CHILD_OF").target = new_empty("Parent")
     update()
-    return rig.now()
 
 
-def move_its_parent(rig: HandleRig) -> np.ndarray:
+def move_its_parent(rig: HandleRig) -> None:
     constrain(rig)
     push("constrained")
     bpy.data.objects["Parent"].location.x = 0.3
-    update()
-    return rig.now()
 
 
-CHANGES = Table()
-CHANGES.on(MESHES)(set_mask)
-CHANGES.on(REGIONS)(switch_off_its_handle)
-ON_ALL = (set_factor, stop_live, press_bind, press_unbind, remove_deformer, change_topology)
-for changed in (*ON_ALL, move_on, turn, constrain, move_its_parent):
-    CHANGES.on(ALL)(changed)
+CHANGES: dict[str, tuple[tuple[str, ...], Act, Shape]] = {
+    "set_factor": (ALL, sets("factor", 0.25), faded),
+    "set_mask": (MESHES, sets("mask_group", "Top"), masked),
+    "stop_live": (ALL, sets("live", False), half),
+    "switch_off_its_handle": (REGIONS, release, at_rest),
+    "press_bind": (ALL, pressed("bind"), half),
+    "press_unbind": (ALL, pressed("unbind"), at_rest),
+    "remove_deformer": (ALL, pressed("deformer_remove"), at_rest),
+    "change_topology": (ALL, lambda rig: rig.change_topology(), at_rest),
+    "move_on": (ALL, moved(Matrix.Translation((0.0, 0.0, 0.25))), lambda rig: rig.at(0.75)),
+    "turn": (ALL, moved(Matrix.Rotation(0.4, 4, "X")), now),
+    "constrain": (ALL, constrain, now),
+    "move_its_parent": (ALL, move_its_parent, now),
+}
 
 
-@every(CHANGES)
-def test_undo_and_redo_on_every_rig(posed: HandleRig, event: Event):
+@pytest.mark.parametrize(
+    ("rig", "act", "shape"),
+    [pytest.param(kind, *row[1:], id=f"{name}-{kind}") for name, row in CHANGES.items() for kind in row[0]],
+    indirect=["rig"],
+)
+def test_undo_and_redo_on_every_rig(posed: HandleRig, act: Act, shape: Shape):
     make_active(posed.obj)
     push("posed")
-    shape, whole = event.happen(posed), posed.at(0.5)
+    act(posed)
+    changed, whole = shape(posed), posed.at(0.5)
     push("changed")
-    assert posed.shows(shape)
+    assert posed.shows(changed)
     for _ in range(2):
         go(bpy.ops.ed.undo, posed, len(whole))
         assert posed.is_right()
-        go(bpy.ops.ed.redo, posed, len(shape))
-        assert posed.shows(shape)
+        go(bpy.ops.ed.redo, posed, len(changed))
+        assert posed.shows(changed)
     go(bpy.ops.ed.undo, posed, len(whole))
     assert posed.is_right()
     posed.lift(0.25)  # and it lives on
@@ -162,139 +145,36 @@ def go(way: Callable, rig: HandleRig, count: int) -> None:
             way()
 
 
-def test_undo_and_redo_of_weights(plate: Rig):
-    """A soft handle gives way: the library solves with the weight itself."""
-    expected = pose(plate)
-    plate.deformer.handles[0].weight = 0.25
-    push("weight")
-    plate.obj.vertex_groups["Top"].add([int(index) for index in plate.top], 0.25, "REPLACE")
-    at_rest = plate.control.copy()  # an object in no scene keeps the matrix it is given
-    at_rest.parent = None
-    at_rest.matrix_world = LIFT.inverted() @ plate.control.matrix_world
-    soft = Expected(plate.obj, at_rest).shape(LIFT)
-    bpy.data.objects.remove(at_rest)
-    assert np.abs(soft - expected.shape(LIFT)).max() > 1e-3
-    assert close(plate.points(), soft)
-    bpy.ops.ed.undo()
-    assert close(plate.points(), expected.shape(LIFT))
-    bpy.ops.ed.redo()
-    assert close(plate.points(), soft)
-
-
-def test_undo_to_a_step_that_was_saved_before_it_was_solved(plate: Rig):
-    """Blender then brings back a shape mesh that is older than the pose."""
-    plate.bind()
-    push("bound")
-    with evaluated_by(None):
-        plate.lift(0.5)
-        push("moved, not solved")
-    plate.obj.update_tag()
-    moved = plate.points()
-    assert close(moved[plate.top], plate.rest()[plate.top] + (0.0, 0.0, 0.5))
-    plate.obj.location.x += 1.0
-    push("later")
-    bpy.ops.ed.undo()
-    assert np.array_equal(plate.points(), moved)
-
-
-def test_history_across_binds_and_topology_edits(plate: Rig):
-    steps: list[tuple[str, np.ndarray | None]] = []  # of undo, with what each must show: None in Edit Mode
-
-    def tell(name: str, shape: np.ndarray | None) -> None:
-        push(name)
-        steps.append((name, shape))
-        check(len(steps) - 1)
-
-    def check(number: int) -> None:
-        name, shape = steps[number]
-        if shape is not None:
-            assert plate.obj.mode == "OBJECT", name
-            assert close(plate.points(), shape), name
-
-    make_active(plate.obj)
-    tell("start", plate.rest())
-    plate.bind()
-    expected = Expected.of_rig(plate)
-    tell("bound", plate.rest())
-    plate.lift(0.5)
-    tell("moved", expected.lifted(0.5))
-    with in_mode(plate.obj):
-        tell("Edit Mode", None)
-        bpy.ops.mesh.select_all(action="SELECT")
-        tell("selected", None)
-        bpy.ops.mesh.subdivide()
-        tell("subdivided", None)
-    tell("topology changed", plate.rest())
-    move_world(plate.control, LIFT.inverted())
-    fine = Expected.of_rig(plate)
-    move_world(plate.control, LIFT)
-    bpy.ops.sinew.bind()
-    tell("rebound", fine.lifted(0.5))
-    plate.lift(-0.2)
-    tell("moved again", fine.lifted(0.3))
-    bpy.ops.sinew.unbind()
-    tell("unbound", plate.rest())
-    bpy.ops.sinew.bind()
-    tell("bound where it stood", plate.rest())
-    plate.lift(0.4)
-    tell("moved at last", fine.lifted(0.4))
-    now = last = len(steps) - 1
-    for goal in (0, last, 2, 7, 5, last):
-        way, step = (bpy.ops.ed.redo, 1) if goal > now else (bpy.ops.ed.undo, -1)
-        while now != goal:
-            now += step
-            way()
-            check(now)
-        if goal == 0:
-            assert len(plate.obj.sinew.deformers) == len(plate.obj.modifiers) == 0
-
-
 # --- while a thread binds: what the user does meanwhile, and what is seen then
 
 
-def undone(rig: HandleRig) -> np.ndarray:
-    bpy.ops.ed.undo()
-    return rig.at(0.0)
-
-
-def saved_and_loaded(rig: HandleRig) -> np.ndarray:
-    reopen(rig.folder / "rig.blend")
-    return rig.at(0.5)
-
-
-def rendered(rig: HandleRig) -> np.ndarray:
-    assert rig.renders(rig.at(0.5))
-    return rig.at(0.5)
-
-
-def frame_changed(rig: HandleRig) -> np.ndarray:
-    bpy.context.scene.frame_set(5)
-    return rig.at(0.5)
-
-
-def switched_forth_and_back(rig: HandleRig) -> np.ndarray:
+def switch_forth_and_back(rig: HandleRig) -> None:
     method = rig.deformer.method
     rig.deformer.method = next(other for other in (*rig.methods, *BY_ID) if other != method)
     update()
     rig.deformer.method = method
-    return rig.at(0.5)
 
 
-def deleted(rig: HandleRig) -> None:
+def delete(rig: HandleRig) -> None:
     make_active(rig.obj)
     bpy.ops.object.delete()
 
 
-def replaced_by_a_new_file(_rig: HandleRig) -> None:
-    new_file()
+MEANWHILE: dict[str, tuple[Act, Shape | None]] = {
+    "undone": (lambda _rig: bpy.ops.ed.undo(), lambda rig: rig.at(0.0)),
+    "saved_and_loaded": (lambda rig: reopen(rig.folder / "rig.blend"), half),
+    "rendered": (lambda rig: rig.renders(rig.at(0.5)) or pytest.fail("the render"), half),
+    "frame_changed": (lambda _rig: bpy.context.scene.frame_set(5), half),
+    "set_factor": (sets("factor", 0.25), faded),
+    "switched_forth_and_back": (switch_forth_and_back, half),
+    "press_unbind": (pressed("unbind"), at_rest),
+    "deleted": (delete, None),
+    "replaced_by_a_new_file": (lambda _rig: new_file(), None),
+}
 
 
-MEANWHILE = (undone, saved_and_loaded, rendered, frame_changed, set_factor, switched_forth_and_back)
-MEANWHILE += (press_unbind, deleted, replaced_by_a_new_file)
-
-
-@pytest.mark.parametrize("event", MEANWHILE, ids=lambda event: event.__name__)
-def test_while_a_thread_binds_a_rig_is(rig: HandleRig, monkeypatch, tmp_path: Path, event: Callable):
+@pytest.mark.parametrize(("act", "shape"), MEANWHILE.values(), ids=MEANWHILE)
+def test_while_a_thread_binds_a_rig_is(rig: HandleRig, monkeypatch, tmp_path: Path, act: Act, shape):
     """What the thread was asked for is no longer wanted, or comes later: the shape is that of now."""
     rig.folder = tmp_path
     rig.start()
@@ -302,15 +182,12 @@ def test_while_a_thread_binds_a_rig_is(rig: HandleRig, monkeypatch, tmp_path: Pa
     rig.lift(0.5)
     push("posed")
     bind_in_thread(rig.obj, rig.deformer, monkeypatch)
-    shape = event(rig)
+    act(rig)
     assert finish()
     if shape is None:
         assert inner.owners.owners() == []
-        fresh = type(rig).new("Fresh").start()
-        fresh.lift(0.25)
-        assert fresh.is_right()
-    else:
-        assert rig.shows(shape)
+        rig, shape = type(rig).new("Fresh").start(), now
+    assert rig.shows(shape(rig))
     assert not inner.binding.busy()
 
 
@@ -321,40 +198,32 @@ def test_while_a_thread_binds_a_rig_is(rig: HandleRig, monkeypatch, tmp_path: Pa
 
 @pytest.mark.parametrize("lost", [("VIEWPORT",), ("RENDER",), ("VIEWPORT", "RENDER")], ids=str)
 def test_a_deformer_finds_its_hidden_shapes_again(plate: Rig, lost: tuple[str, ...]):
+    """So does a copy."""
     plate.bind()
-    plate.lift(0.5)
-    moved, shapes = plate.points(), (plate.deformer.proxy.name, plate.deformer.proxy_render.name)
-    push("moved")
-    for mode in lost:
-        plate.deformer.shape(mode).user_remap(plate.obj)
-    push("with pointers to the target itself")
-    bpy.ops.ed.undo()
-    bpy.ops.ed.redo()
-    assert (plate.deformer.proxy.name, plate.deformer.proxy_render.name) == shapes
-    assert plate.deformer.proxy.users
-    assert plate.deformer.proxy_render.users
-    assert np.array_equal(plate.points(), moved)
-    assert plate.deformer.status_level == "INFO"
-    plate.lift(0.5)
-    assert close(plate.points()[plate.top], plate.rest()[plate.top] + (0.0, 0.0, 1.0))
-
-
-def test_a_copy_finds_its_own_shapes_again(plate: Rig):
-    plate.bind()
-    copy = duplicated(plate.obj)
+    names = plate.name, duplicated(plate.obj).name
     settle()
     plate.lift(0.5)
-    shapes = [(obj.sinew.deformers[0].proxy.name, evaluated_points(obj)) for obj in (plate.obj, copy)]
-    assert shapes[0][0] != shapes[1][0]
-    names = plate.obj.name, copy.name
+
+    def seen() -> list[tuple]:
+        objects = [bpy.data.objects[name] for name in names]
+        rows = [obj.sinew.deformers[0] for obj in objects]
+        assert all(row.proxy.users and row.proxy_render.users for row in rows)
+        return [
+            (row.proxy.name, row.proxy_render.name, evaluated_points(obj).tolist(), row.status_level)
+            for obj, row in zip(objects, rows, strict=True)
+        ]
+
+    before = seen()
+    assert before[0][:2] != before[1][:2]
     push("moved")
     for name in names:
         obj = bpy.data.objects[name]
-        obj.sinew.deformers[0].proxy.user_remap(obj)
+        for mode in lost:
+            obj.sinew.deformers[0].shape(mode).user_remap(obj)
     push("with pointers to the targets themselves")
     bpy.ops.ed.undo()
     bpy.ops.ed.redo()
-    for name, (shape, points) in zip(names, shapes, strict=True):
-        obj = bpy.data.objects[name]
-        assert obj.sinew.deformers[0].proxy.name == shape
-        assert np.array_equal(evaluated_points(obj), points)
+    assert seen() == before
+    assert before[0][3] == "INFO"
+    plate.lift(0.5)
+    assert close(plate.points()[plate.top], plate.rest()[plate.top] + (0.0, 0.0, 1.0))

@@ -5,8 +5,6 @@ A viewport render (``render.opengl``) needs a window: ``tests/gui`` has it. Play
 ``screen.animation_play`` needs one, too; what it does in the background is the same change of frames.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
@@ -75,23 +73,30 @@ def test_playback_in_every_direction_and_speed(animated: HandleRig):
 
 
 def test_scrubbing_and_edits_in_turn(animated: HandleRig):
-    """The frame changes, the user moves something else, drags the control without a key, scrubs on."""
+    """The frame changes, the user moves something else, drags the control without a key, scrubs on.
 
-    def away() -> Matrix:
+    F12 shows the keys. In the background Blender then sets the frame again, and so takes the drag back; a
+    window goes on showing it (``tests/gui``).
+    """
+
+    def keyed(frame: int) -> np.ndarray:
         """Where the target has gone from a control that does not ride along."""
-        return Matrix.Identity(4) if animated.control.parent else animated.obj.matrix_world.inverted()
+        rides = animated.control.parent
+        return at_frame(animated, frame, None if rides else animated.obj.matrix_world.inverted())
 
     exactness = animated.exactness
     for frame in (5, 12):
         bpy.context.scene.frame_set(frame)
         animated.obj.location.x += 0.5
         update()
-        assert animated.shows(at_frame(animated, frame, away()), tolerance=exactness)
+        assert animated.shows(keyed(frame), tolerance=exactness)
         animated.lift(0.3)
         assert animated.shows(animated.now(), tolerance=exactness)
-        assert not animated.shows(at_frame(animated, frame, away()), tolerance=0.1)
+        assert not animated.shows(keyed(frame), tolerance=0.1)
+    assert animated.renders(keyed(12), exactness)
+    assert animated.shows(animated.now(), tolerance=exactness)
     bpy.context.scene.frame_set(8)
-    assert animated.shows(at_frame(animated, 8.0, away()), tolerance=exactness)
+    assert animated.shows(keyed(8), tolerance=exactness)
 
 
 def test_motion_blur_sees_the_shapes_between_frames(animated: HandleRig):
@@ -104,18 +109,6 @@ def test_motion_blur_sees_the_shapes_between_frames(animated: HandleRig):
         assert close(seen[animated.name], at_frame(animated, 10.0 + subframe), animated.exactness)
     assert np.array_equal(animated.points(), viewport)
     assert (scene.frame_current, scene.frame_subframe) == (10, 0.0)
-
-
-def test_f12_while_the_viewport_shows_an_unkeyed_pose(animated: HandleRig):
-    """The render shows the keys. In the background Blender then sets the frame again, and so takes the drag
-    back; a window goes on showing it (``tests/gui``).
-    """
-    bpy.context.scene.frame_set(7)
-    animated.lift(0.4)
-    assert animated.shows(animated.now(), tolerance=animated.exactness)
-    assert not animated.shows(at_frame(animated, 7.0), tolerance=0.1)
-    assert animated.renders(at_frame(animated, 7.0), animated.exactness)
-    assert animated.shows(animated.now(), tolerance=animated.exactness)
 
 
 @pytest.mark.parametrize("persistent", [False, True])
@@ -197,18 +190,14 @@ def render_image(size: int, engine: str = "CYCLES") -> np.ndarray:
         scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 6.0
         turn = Matrix.Rotation(math.pi / 2.0, 4, "X")
         scene.camera.matrix_world = Matrix.Translation((0.0, -10.0, 0.0)) @ turn
-    scene.render.engine = engine
-    scene.render.resolution_x = scene.render.resolution_y = size
-    scene.render.resolution_percentage = 100
-    scene.render.image_settings.file_format = "PNG"
-    scene.render.image_settings.color_mode = "RGB"
-    scene.render.dither_intensity = 0.0
-    scene.render.filepath = bpy.app.tempdir + "sinew.png"
-    scene.view_settings.view_transform = "Standard"
+    render, scene.view_settings.view_transform = scene.render, "Standard"
+    render.engine, render.filepath, render.dither_intensity = engine, f"{bpy.app.tempdir}sinew.png", 0.0
+    render.resolution_x, render.resolution_y, render.resolution_percentage = size, size, 100
+    render.image_settings.file_format, render.image_settings.color_mode = "PNG", "RGB"
     if engine == "CYCLES":
         scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.device = 4, False, "CPU"
     bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(scene.render.filepath, check_existing=False)
+    image = bpy.data.images.load(render.filepath, check_existing=False)
     pixels = np.array(image.pixels[:]).reshape(size, size, 4)[:, :, 0]
     bpy.data.images.remove(image)
     return pixels - pixels[0, 0]
@@ -303,18 +292,15 @@ def test_another_process_renders_the_same_bits(
     for frame in range(5, 15):
         bpy.context.scene.frame_set(frame)
         here[frame] = animated.points()
-    found = another_blender(
-        f"""
+    script = f"""
         import probe
         bpy.ops.wm.open_mainfile(filepath={shot!r})
         bpy.context.scene.frame_set(11)
-        seen["frames"], seen["shapes"] = [11], [probe.render()[-1][{animated.name!r}].tolist()]
-        seen["shapes"] += [shapes[{animated.name!r}].tolist() for shapes in probe.render(animation=True)]
-        seen["frames"] += list(probe.Probe.frames)
-        """,
-        tmp_path,
-        addon_name,
-    )
+        shapes, frames = probe.render(), [11]
+        shapes, frames = shapes + probe.render(animation=True), frames + list(probe.Probe.frames)
+        seen["frames"], seen["shapes"] = frames, [shape[{animated.name!r}].tolist() for shape in shapes]
+        """
+    found = another_blender(script, tmp_path, addon_name)
     assert found["frames"] == [11, 5, 8, 11, 14]
     for frame, shape in zip(found["frames"], found["shapes"], strict=True):
         assert np.array_equal(np.array(shape), here[frame])

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Modifiers added, removed, applied, muted, moved, copied; ours too, by the buttons that Blender has."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import bpy
@@ -22,10 +20,10 @@ from events import (
     says_rebind,
 )
 from expected import Expected
-from inside import inner, settle
+from inside import notes_of, settle
 from mathutils import Matrix
 from probe import render_points
-from rigs.kinds import RIGS, HandleRig
+from rigs.kinds import HandleRig
 from rigs.rig import (
     Rig,
     add_armature,
@@ -103,26 +101,6 @@ def apply(rig: Rig, name: str) -> None:
 # --- Blender's modifiers
 
 
-@EVENTS.on(MESHES)
-def a_deforming_modifier_added_moved_muted_and_removed(rig: HandleRig) -> None:
-    """Before ours in the stack its result is what we deform; after ours it works on our result."""
-    twist(rig.obj)
-    after = by_blender(rig, rig.at(0.5), twist)
-    assert rig.shows(after)
-    move_to(rig, "Twist", 0)
-    before = rig.now(incoming=by_blender(rig, rig.rest(), twist))
-    assert np.abs(before - after).max() > 1e-3
-    assert rig.shows(before)
-    move_to(rig, "Twist", 1)
-    assert rig.shows(after)
-    rig.obj.modifiers["Twist"].show_viewport = False
-    assert rig.is_right()
-    assert rig.renders(after)
-    rig.obj.modifiers["Twist"].show_viewport = True
-    rig.obj.modifiers.remove(rig.obj.modifiers["Twist"])
-    assert rig.is_right()
-
-
 @EVENTS.on(REGIONS)
 def a_deforming_modifier_before_ours_applied(rig: HandleRig) -> None:
     """The mesh takes its shape; what enters ours stays the same, and so does what is seen."""
@@ -154,21 +132,26 @@ def a_constructive_modifier_added_after_ours_and_removed(rig: HandleRig) -> None
         assert rig.is_right()
 
 
+def is_noticed(rig: HandleRig, automatic: bool, resting: np.ndarray) -> None:
+    """Other vertices enter: rest and a word about it, right after Rebind or by itself."""
+    settle()
+    if not automatic:
+        assert rig.shows(resting)
+        assert rig.deformer.status == REBIND
+        rig.press("bind")
+
+
 @pytest.mark.parametrize("automatic", [False, True])
 @pytest.mark.parametrize("rig", MESHES, indirect=True)
 @pytest.mark.parametrize("add", [subdivision, array], ids=lambda add: add.__name__)
 def test_a_constructive_modifier_put_before_ours(posed: HandleRig, add: Add, automatic: bool):
-    """Other vertices enter: rest and a word about it, right after Rebind or by itself; so when it goes."""
+    """And so when it goes."""
     posed.deformer.auto_rebind = automatic
     rest = posed.rest()
     modifier = add(posed.obj)
     move_to(posed, modifier.name, 0)
-    settle()
     entering = by_blender(posed, rest, add)
-    if not automatic:
-        assert posed.shows(entering)
-        assert posed.deformer.status == REBIND
-        posed.press("bind")
+    is_noticed(posed, automatic, entering)
     shown = posed.points()
     assert np.abs(shown - entering).max() > 0.4
     if posed.deformer.handles:
@@ -192,10 +175,7 @@ def test_a_constructive_modifier_after_ours_applied(posed_plate: HandleRig, auto
     posed_plate.points()
     apply(posed_plate, "Subdivision")
     assert len(posed_plate.rest()) > 400
-    if not automatic:
-        assert posed_plate.is_at_rest()
-        assert posed_plate.deformer.status == REBIND
-        posed_plate.press("bind")
+    is_noticed(posed_plate, automatic, posed_plate.rest())
     rebinds_by_itself(posed_plate)
 
 
@@ -232,8 +212,6 @@ def test_a_modifier_that_makes_other_vertices_gets_displacements(plate: Rig):
     plate.lift(0.5)
     armature.pose.bones["high"].location = (0.0, 0.0, 0.2)
     assert plate.points()[:, 2].max() > 0.3
-    plate.obj.modifiers.remove(plate.obj.modifiers["Remesh"])
-    update()
 
 
 def test_vertices_in_another_order_keep_their_own_displacement(plate: Rig):
@@ -246,42 +224,39 @@ def test_vertices_in_another_order_keep_their_own_displacement(plate: Rig):
     plate.lift(0.0)
     shuffled = plate.points()
     assert not np.array_equal(shuffled, ordered)
-    same_order = [points[np.lexsort(np.round(points, 4).T)] for points in (ordered, shuffled)]
-    assert close(*same_order)
-    notes = [line.text for line in inner.status.notes(plate.deformer.uid)]
-    assert any("displacement" in text for text in notes)
+    assert close(*(points[np.lexsort(np.round(points, 4).T)] for points in (ordered, shuffled)))
+    assert any("displacement" in text for text in notes_of(plate.deformer))
 
 
 @pytest.mark.parametrize("levels", [(1, 2), (2, 1), (0, 1), (0, 2)])
 def test_other_subdivision_levels_in_renders_before_ours(plate: Rig, levels: tuple[int, int]):
     """Each as a rig of its own that has these levels in the viewport."""
-    subdivision(plate.obj, *levels)
-    plate.bind()
-    plate.lift(0.5)
     expected = []
     for level in levels:
         fresh = Rig(grid_object(f"Level {level}"))
         subdivision(fresh.obj, level, level)
         fresh.bind().lift(0.5)
         expected.append(fresh.points())
+    subdivision(plate.obj, *levels)
+    plate.bind().lift(0.5)
     for _ in range(2):
         assert close(plate.points(), expected[0])
         assert close(render_points(plate.obj), expected[1])
     assert plate.deformer.status_level == "INFO"
 
 
-@pytest.mark.parametrize("shown_in", ["viewport", "render"])
-def test_a_modifier_before_ours_that_is_shown_in_one_place_only(plate: Rig, shown_in: str):
+@pytest.mark.parametrize("in_viewport", [True, False])
+def test_a_modifier_before_ours_that_is_shown_in_one_place_only(plate: Rig, in_viewport: bool):
     modifier, flat = twist(plate.obj), plate.rest()
-    modifier.show_viewport, modifier.show_render = shown_in == "viewport", shown_in == "render"
-    twisted = by_blender(plate, flat, twist)
-    in_viewport, in_render = (twisted, flat) if shown_in == "viewport" else (flat, twisted)
+    modifier.show_viewport, modifier.show_render = in_viewport, not in_viewport
+    shapes = [by_blender(plate, flat, twist), flat]
+    viewport, rendered = shapes if in_viewport else shapes[::-1]
     plate.bind()
     plate.deformer.handles[0].stands_on = "WORLD"  # as its pose is read there
-    expected = Expected(plate.obj, plate.control, points=in_viewport)
+    expected = Expected(plate.obj, plate.control, points=viewport)
     plate.lift(0.5)
-    assert close(plate.points(), expected.now(plate.obj, plate.control, incoming=in_viewport))
-    assert close(render_points(plate.obj), expected.now(plate.obj, plate.control, incoming=in_render))
+    assert close(plate.points(), expected.now(plate.obj, plate.control, incoming=viewport))
+    assert close(render_points(plate.obj), expected.now(plate.obj, plate.control, incoming=rendered))
 
 
 # --- ours, by Blender's own buttons
@@ -291,36 +266,15 @@ def test_a_modifier_before_ours_that_is_shown_in_one_place_only(plate: Rig, show
 def ours_muted_and_shown(rig: HandleRig) -> None:
     modifier = rig.obj.modifiers[0]
     modifier.show_viewport = False
-    assert rig.is_at_rest()
-    rig.lift(0.25)
-    assert rig.is_at_rest()
+    for lift in (0.0, 0.25):
+        rig.lift(lift)
+        assert rig.is_at_rest()
     assert rig.renders(rig.at(0.75))
-    modifier.show_viewport = True
+    modifier.show_viewport, modifier.show_render = True, False
     assert rig.is_right()
-    modifier.show_render = False
     assert rig.renders(rig.rest())
     assert rig.is_right()
     modifier.show_render = True
-
-
-@EVENTS.on(MESHES, then=is_over)
-def ours_applied(rig: HandleRig) -> None:
-    """The mesh takes the shape once; the deformer left behind deforms nothing, and says what to do."""
-    apply(rig, rig.obj.modifiers[0].name)
-    shape = rig.at(0.5)
-    assert close(rig.rest(), shape)
-    assert rig.shows(shape)
-    rig.lift(0.25)
-    assert rig.shows(shape)
-    assert rig.deformer.status_level in ("ERROR", "WARNING")
-    rig.press("deformer_remove")
-    assert rig.shows(shape)
-
-
-@EVENTS.on(ALL, then=bind_restores)
-def ours_removed(rig: HandleRig) -> None:
-    make_active(rig.obj)
-    bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
 
 
 @EVENTS.on(MESHES)
@@ -332,6 +286,26 @@ def ours_copied(rig: HandleRig) -> None:
         settle()
         assert rig.is_right()
         rig.lift(0.25)
+    bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
+
+
+@EVENTS.on(MESHES, then=is_over)
+def ours_applied(rig: HandleRig) -> None:
+    """The mesh takes the shape once; the deformer left behind deforms nothing, and says what to do."""
+    apply(rig, rig.obj.modifiers[0].name)
+    shape = rig.at(0.5)
+    assert close(rig.rest(), shape)
+    for _ in range(2):
+        assert rig.shows(shape)
+        rig.lift(0.25)
+    assert rig.deformer.status_level in ("ERROR", "WARNING")
+    rig.press("deformer_remove")
+    assert rig.shows(shape)
+
+
+@EVENTS.on(ALL, then=bind_restores)
+def ours_removed(rig: HandleRig) -> None:
+    make_active(rig.obj)
     bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
 
 
@@ -365,93 +339,32 @@ def converted_to_a_mesh(rig: HandleRig) -> None:
 LIFT, SHIFT = Matrix.Translation((0.0, 0.0, 0.5)), Matrix.Translation((0.2, 0.0, 0.0))
 
 
-class Two:
-    """A rig with a deformer behind, which moves a corner by itself; what to see of each by what enters it."""
-
-    def __init__(self, rig: HandleRig, method: str = "thin_shell") -> None:
-        self.rig, obj = rig.start(), rig.obj
-        self.first = rig.control
-        extent = np.abs(rig.rest()).max()
-        self.corner = add_group(obj, "Corner", lambda p: p[0] > 0.6 * extent and p[1] > 0.3 * extent)
-        add_group(obj, "Rest", lambda p: p[0] < 0.3 * extent or p[1] < 0.1 * extent)
-        add_regions(obj, method, {"Corner": "HANDLE", "Rest": "FIXED"})
-        obj.sinew.deformers[1].handles[0].stands_on = "WORLD"  # as its pose is read there
-        self.second = obj.sinew.deformers[1].handles[0].control
-        entering, regions = rig.points(), {"handle": "Corner", "fixed": ("Rest",)}
-        self.poses = Expected(obj, self.second, **regions, method=method, points=entering)
-
-    def after_first(self, incoming: np.ndarray | None = None) -> np.ndarray:
-        return self.rig.poses.now(self.rig.obj, self.first, incoming).astype(np.float32)
-
-    def after_second(self, incoming: np.ndarray | None = None) -> np.ndarray:
-        incoming = self.rig.rest() if incoming is None else incoming
-        return self.poses.now(self.rig.obj, self.second, incoming).astype(np.float32)
-
-    def shows(self, shape: np.ndarray) -> bool:
-        settle()
-        return self.rig.shows(shape, tolerance=1e-5)
-
-
-@pytest.fixture(params=MESHES)
-def two(request: pytest.FixtureRequest) -> Two:
-    """Both controls moved."""
-    two = Two(RIGS[request.param].new())
-    move_world(two.first, LIFT)
-    move_world(two.second, SHIFT)
-    return two
-
-
-def test_two_deformers_add_up_in_any_order_with_others_between(two: Two):
-    rig, obj = two.rig, two.rig.obj
-    assert two.shows(two.after_second(two.after_first()))
-    names = [modifier.name for modifier in obj.modifiers]
-    twist(obj)
-    move_to(rig, "Twist", 1)
-    assert two.shows(two.after_second(by_blender(rig, two.after_first(), twist)))
-    obj.modifiers.remove(obj.modifiers["Twist"])
-    assert two.shows(two.after_second(two.after_first()))
-    move_to(rig, names[0], 1)
-    assert [modifier.name for modifier in obj.modifiers] == names[::-1]
-    assert two.shows(two.after_first(two.after_second()))
-    obj.modifiers[0].show_viewport = False
-    assert two.shows(two.after_first())
-    obj.modifiers[0].show_viewport = True
-    rig.press("deformer_remove", index=0)
-    assert two.shows(two.after_second())
-
-
-def test_the_factor_of_the_first_of_two_deformers_counts(two: Two):
-    before = two.rig.points()[two.corner]
-    two.rig.obj.sinew.deformers[0].factor = 0.5
-    rest = two.rig.rest()
-    half = 0.5 * (rest + two.after_first())
-    assert two.shows(two.after_second(half))
-    assert np.abs(two.rig.points()[two.corner] - before).max() > 0.1
-
-
 def test_the_second_of_two_deformers_is_right_at_once_in_a_jump(plate: Rig):
     """No frame of delay: the answer after one jump is the answer after many evaluations."""
-    two = Two(HandleRig.new(), "arap")
-    key_heights(two.first, {1: 0.0, 10: 0.8})
-    two.second.rotation_euler.x = 0.4
+    first = plate.bind().control
+    for name, where in (("Corner", lambda p: min(p[:2]) > 0.3), ("Rest", lambda p: min(p[:2]) < 0.1)):
+        add_group(plate.obj, name, where)
+    add_regions(plate.obj, "arap", {"Corner": "HANDLE", "Rest": "FIXED"})
+    key_heights(first, {1: 0.0, 10: 0.8})
+    plate.obj.sinew.deformers[1].handles[0].control.rotation_euler.x = 0.4
     bpy.context.scene.frame_set(1)
     bpy.context.scene.frame_set(10)
-    once = two.rig.points()
+    once = plate.points()
+    assert np.abs(once - plate.rest()).max() > 0.7
     for _ in range(3):
-        two.rig.obj.update_tag()
+        plate.obj.update_tag()
         update()
-    assert np.array_equal(once, two.rig.points())
+    assert np.array_equal(once, plate.points())
 
 
 @pytest.mark.parametrize("moved", [True, False])
 def test_the_second_follows_at_once_where_the_first_lets_go(plate: Rig, moved: bool):
     """What enters it in that evaluation is still what the first one showed before."""
-    plate.bind()
-    control = plate.control
+    control = plate.bind().control
     bpy.ops.sinew.deformer_add(method="arap")
     bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Top")
     if moved:
-        move_world(control, LIFT)
+        move_world(control, Matrix.Translation((0.0, 0.0, 0.5)))
     assert (np.abs(plate.points() - plate.rest()).max() > 0.4) == moved
     handle = plate.obj.sinew.deformers[0].handles[1]
     handle.vertex_group = "Top"  # refused, since the other region has these vertices
@@ -476,22 +389,6 @@ def given_deformers_without_regions_between(rig: HandleRig) -> None:
     rig.press("deformer_remove", index=2)
     rig.press("deformer_remove", index=1)
     rig.obj.sinew.active_deformer = 0
-
-
-@EVENTS.on(ALL)
-def its_factor_and_its_mask_set(rig: HandleRig) -> None:
-    """A part of the way; and the masked vertices alone, which are whole or at rest to the last bit."""
-    whole = rig.points()
-    rig.deformer.factor = 0.25
-    assert rig.shows(rig.rest() * 0.75 + whole * 0.25)
-    rig.deformer.factor = 1.0
-    if rig.obj.type == "MESH":
-        rig.deformer.mask_group = "Top"
-        shown = rig.rest()
-        shown[rig.top] = whole[rig.top]
-        assert np.array_equal(rig.points(), shown)
-        rig.deformer.mask_group = ""
-    assert np.array_equal(rig.points(), whole)
 
 
 # --- each of them

@@ -4,8 +4,6 @@
 What it has made is in the saved file, too.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from pathlib import Path
@@ -40,6 +38,7 @@ from rigs.rig import (
 )
 from rigs.rig_of_curves import polyline, stroke_through
 from seen import assert_seen, seen
+from situations import cage_inside_out, lost_control
 
 LINE = np.column_stack((np.linspace(-1.0, 1.0, 6), np.zeros((6, 2))))
 UP = [(0.0, 0.0, 0.1 * k) for k in range(5)]
@@ -58,7 +57,6 @@ def button(operator: str, **options: object) -> Callable[[], None]:
 
 
 def on_plate(operator: str, **options: object) -> Rig:
-    """The plate, after one button."""
     plate = Rig(grid_object())
     press(plate.obj, operator, **options)
     make_active(plate.obj)
@@ -77,6 +75,10 @@ def posed(then: Callable[[Rig], object] = lambda plate: None) -> Callable[[], No
     return prepare
 
 
+def after(operator: str, **options: object) -> Callable[[], None]:
+    return posed(lambda plate: press(plate.obj, operator, **options))
+
+
 def add_middle(plate: Rig) -> None:
     add_group(plate.obj, "Middle", lambda point: abs(point[1]) < 0.15)
 
@@ -84,6 +86,11 @@ def add_middle(plate: Rig) -> None:
 def add_left_side(plate: Rig) -> None:
     add_group(plate.obj, "Side.L", lambda point: point[0] > 0.75 and abs(point[1]) < 0.3)
     press(plate.obj, "handle_add", kind="FIXED", vertex_group="Side.L")
+
+
+def let_the_handle_give_way() -> None:
+    bpy.data.objects["Plate"].sinew.active.handles[0].weight = 0.25
+    push("softer")
 
 
 def add_loose_vertex(plate: Rig) -> None:
@@ -99,7 +106,7 @@ def let_regions_overlap(plate: Rig) -> None:
 
 def with_another_file() -> None:
     """A plate that plays a file, beside which there is one with other shapes."""
-    posed(lambda plate: press(plate.obj, "bake", target="PC2", **FILE))()
+    after("bake", target="PC2", **FILE)()
     played = Path(bpy.path.abspath(bpy.context.object.sinew.active.bake.filepath)).read_bytes()
     points = np.frombuffer(played[32:], dtype="<f4") + np.float32(0.25)  # behind the header of a PC2
     Path(FOUND).write_bytes(played[:32] + points.tobytes())
@@ -117,21 +124,12 @@ def on(kind: str) -> Callable[[], None]:
 
 
 def in_an_automatic_cage(faces: int) -> Callable[[], None]:
-    """At rest."""
-
     def prepare() -> None:
         target = ball()
         press(target, "cage_add", faces=faces)
         make_active(target)
 
     return prepare
-
-
-def in_a_cage_inside_out() -> None:
-    target, cage = ball(), box()
-    cage.data.flip_normals()
-    surround(target, cage)
-    make_active(target)
 
 
 def send_the_cage_nowhere() -> None:
@@ -148,9 +146,21 @@ def a_lattice_in_a_box() -> None:
 
 def a_caged_lattice() -> None:
     a_lattice_in_a_box()
-    run("cage_add", source="OBJECT", cage="Cage")
+    press(bpy.context.object, "cage_add", source="OBJECT", cage="Cage")
     bpy.data.objects["Cage"].location.z = 1.0
     make_active(bpy.data.objects["Lattice"])
+
+
+def a_figure() -> None:
+    make_active(standing())
+
+
+def a_fine_grid() -> None:
+    grid_object(cells=20)
+
+
+def draw_a_wire() -> None:
+    run("wire_draw", points=5, stroke=stroke_through(LINE[1:-1]))
 
 
 def a_curve() -> None:
@@ -214,11 +224,6 @@ def apply_the_preset() -> None:
     run("preset_apply", filepath=f"{folder}/Undo.py")
 
 
-def without_its_control() -> None:
-    plate = lifted("thin_shell")
-    bpy.data.objects.remove(plate.control)
-
-
 def refused_outside() -> None:
     """Two balls of which a vertex is outside of their common cage, which is posed."""
     cage = box()
@@ -236,7 +241,6 @@ def allowed_outside() -> None:
 
 
 def with_a_stroke() -> None:
-    """Along the outline of a ball, but farther out."""
     angles = np.linspace(-1.0, 1.0, 61)
     radii = 0.6 + 0.2 * np.cos(0.5 * math.pi * angles)
     polyline(np.column_stack((radii * np.cos(angles), np.full(61, -3.0), radii * np.sin(angles))), "Stroke")
@@ -284,30 +288,28 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "deformer_add": (posed(), button("deformer_add", method="thin_shell")),
     "deformer_remove": (posed(), button("deformer_remove")),
     "deformer_move": (
-        posed(lambda plate: press(plate.obj, "deformer_add", method="arap")),
+        after("deformer_add", method="arap"),
         button("deformer_move", direction="DOWN", index=0),
     ),
     "cage_add": (posed(lambda _plate: box(size=6.0)), button("cage_add", source="OBJECT", cage="Cage")),
     "cage_set_rest": (on("cage"), button("cage_set_rest")),
-    "cage_flip": (in_a_cage_inside_out, button("cage_flip")),
+    "cage_flip": (cage_inside_out, button("cage_flip")),
     "cage_faces": (in_an_automatic_cage(60), button("cage_faces", faces=30)),
     "a cage sent nowhere": (on("cage"), send_the_cage_nowhere),
     "cage_add around a lattice": (a_lattice_in_a_box, button("cage_add", source="OBJECT", cage="Cage")),
     "deformer_remove of a lattice": (a_caged_lattice, button("deformer_remove")),
     "handle_add": (posed(add_middle), button("handle_add", kind="FIXED", vertex_group="Middle")),
     "handle_remove": (posed(), button("handle_remove", index=1)),
+    "weights of a handle": (posed(), let_the_handle_give_way),
     "handle_move": (posed(), button("handle_move", direction="DOWN", index=0)),
     "handle_mirror": (posed(add_left_side), button("handle_mirror", side="LEFT_TO_RIGHT")),
-    "bind": (posed(lambda plate: press(plate.obj, "unbind")), button("bind")),
+    "bind": (after("unbind"), button("bind")),
     "unbind": (posed(), button("unbind")),
     "apply": (posed(), button("apply")),
     "bake": (posed(), button("bake", **BAKE)),
-    "unbake": (posed(lambda plate: press(plate.obj, "bake", **BAKE)), button("unbake")),
+    "unbake": (after("bake", **BAKE), button("unbake")),
     **{f"bake to {target}": (posed(), button("bake", target=target, **FILE)) for target in CACHES},
-    "unbake of a file": (
-        posed(lambda plate: press(plate.obj, "bake", target="PC2", **FILE)),
-        button("unbake"),
-    ),
+    "unbake of a file": (after("bake", target="PC2", **FILE), button("unbake")),
     "bake_find": (with_another_file, button("bake_find", filepath=FOUND)),
     "transfer_deformation": (two_of_one_topology, button("transfer_deformation", **FILE)),
     "repair": (posed(add_loose_vertex), button("repair")),
@@ -319,10 +321,7 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "lattice_add": (grid_object, button("lattice_add", resolution=(3, 3, 2))),
     "lattice_set_rest": (on("lattice"), button("lattice_set_rest")),
     "wire_add": (a_curve, button("wire_add", curve="Wire", radius=0.6)),
-    "wire_draw": (
-        grid_object,
-        lambda: run("wire_draw", points=5, stroke=stroke_through(LINE[1:-1])),
-    ),
+    "wire_draw": (grid_object, draw_a_wire),
     "control_remove": (on("curves"), button("control_remove", index=0)),
     "control_set_rest": (on("curves"), button("control_set_rest")),
     "tool_add": (grid_object, button("tool_add", tool="twist")),
@@ -351,13 +350,10 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "try_it": (grid_object, button("try_it", rig="lines")),
     "try_it beside another rig": (button("try_it", rig="limb"), button("try_it", rig="joint")),
     "try_back": (button("try_it", rig="limb"), button("try_back")),
-    "control_new": (without_its_control, button("control_new")),
+    "control_new": (lost_control, button("control_new")),
     "cage_outside_follow": (refused_outside, button("cage_outside_follow")),
     "settings_share": (allowed_outside, button("settings_share")),
-    "puppet_pose": (
-        lambda: make_active(standing()),
-        button("puppet_pose", bone="hip", value=(0.0, 0.0, -0.3)),
-    ),
+    "puppet_pose": (a_figure, button("puppet_pose", bone="hip", value=(0.0, 0.0, -0.3))),
     "silhouette_sketch": (with_a_stroke, button("silhouette_sketch", stroke="Stroke", view=FRONT)),
     "handle_add in Edit Mode": (selected(lambda point: point.y > 0.75), button("handle_add", kind="HANDLE")),
     "grab_region": (selected(centre), button("grab_region", **GRAB)),
@@ -365,7 +361,7 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "handle_mirror that names both sides": (with_nameless_sides, button("handle_mirror")),
     "drag": (grid_object, draggable()),
     **{
-        f"drag by {method}": (lambda: grid_object(cells=20), draggable(method))
+        f"drag by {method}": (a_fine_grid, draggable(method))
         for method in ON_HANDLE_POINTS
         if not BY_ID[method].wraps
     },

@@ -4,8 +4,6 @@
 The operating system itself refuses each file. What the add-on does then, stands in test_event_files.py.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import sys
 import zipfile

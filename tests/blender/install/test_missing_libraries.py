@@ -4,8 +4,6 @@
 What they move stays where it was, the status says why, and the other rigs live.
 """
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 
@@ -91,10 +89,7 @@ RIGS = {
 
 @pytest.fixture(params=RIGS)
 def lost(request: pytest.FixtureRequest, tmp_path: Path) -> tuple[str, np.ndarray]:
-    """The name of a target, and what it showed when the file was saved; then its library went away.
-
-    Beside it is another rig, which lacks nothing.
-    """
+    """A target and what it showed before its library went away; beside it is a rig that lacks nothing."""
     target = RIGS[request.param](tmp_path)
     other = HandleRig.new("Other").start()
     other.lift(0.5)
@@ -179,9 +174,6 @@ def test_it_goes_on_when_the_library_is_back(lost, tmp_path: Path):
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     bpy.context.scene.frame_set(1)
     assert not close(evaluated_points(obj), shown, 0.1)
-
-
-# --- wrong types
 
 
 OTHERS = {

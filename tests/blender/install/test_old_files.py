@@ -6,8 +6,6 @@ automatic cage that its deformer owns, a pear in a box that somebody made (both 
 a plate has handles. All are posed; the attribute ``expected`` of each mesh has the points that were shown.
 """
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 
@@ -40,9 +38,7 @@ def opened(old: str) -> None:
 
 
 @pytest.mark.parametrize("saved_again", [False, True])
-def test_it_shows_what_it_showed_with_its_cages_and_goes_on(
-    opened, tmp_path: Path, saved_again: bool
-) -> None:
+def test_it_shows_what_it_showed_with_its_cages_and_goes_on(opened, tmp_path: Path, saved_again: bool):
     if saved_again:
         reopen(tmp_path / "new.blend")
         update()

@@ -5,8 +5,6 @@ Each run leaves its files in the folder ``files`` of ``SINEW_TEST_OUTPUT``.
 ``SINEW_FILES_OF_ANOTHER_SYSTEM`` is such a folder that a Blender of another system left.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 from pathlib import Path

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes in folders as artists have them: with letters of all languages, on other drives, read-only."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 
@@ -40,9 +38,7 @@ def read_only(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("target", TARGETS)
-def test_a_bake_in_a_folder_of_any_name_plays_before_and_after_loading(
-    moving: Rig, named: Path, target: str
-) -> None:
+def test_a_bake_in_a_folder_of_any_name_plays_before_and_after_loading(moving: Rig, named: Path, target: str):
     live = played(moving.obj)
     bake(moving, target)
     assert_same(played(moving.obj), live)
@@ -69,9 +65,7 @@ def test_a_chosen_path_beside_the_file_has_the_slashes_of_every_system(
         bpy.ops.sinew.unbake()
 
 
-def test_a_path_by_another_way_to_the_folder_of_the_file_is_relative_to_it(
-    moving: Rig, tmp_path: Path
-) -> None:
+def test_a_path_by_another_way_to_the_folder_of_the_file_is_relative_to_it(moving: Rig, tmp_path: Path):
     (tmp_path / "real").mkdir()
     link = tmp_path / "link"
     link.symlink_to(tmp_path / "real", target_is_directory=True)

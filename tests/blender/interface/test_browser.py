@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Tasks: what each starts on a fresh object, why it is grey; the browser, its search, and the menus."""
 
-from __future__ import annotations
-
+from collections import Counter
 from collections.abc import Callable
 from types import SimpleNamespace
 
@@ -24,6 +23,7 @@ from rigs.rig import (
     key_heights,
     linked,
     make_active,
+    members,
     new_empty,
     push,
     refused,
@@ -35,9 +35,6 @@ from rigs.sheet import WIDE, DrawContext, Sheet, draw
 
 LINE = np.column_stack((np.linspace(-1.0, 1.0, 6), np.zeros((6, 2))))
 TASKS = inner.tasks.TASKS
-
-
-# The scenes: fresh objects, the active one last
 
 
 def far_side(point) -> bool:
@@ -99,12 +96,12 @@ def keyed() -> None:
     raised.keyframe_insert("value", frame=1)
 
 
-def twin(points: int = 10) -> Callable[[], bpy.types.Object]:
-    return lambda: grid_object("Twin", points)
-
-
 def letters() -> None:
     make_active(text())
+
+
+def twin(points: int = 10) -> Callable[[], bpy.types.Object]:
+    return lambda: grid_object("Twin", points)
 
 
 # By the task: the scene, and of the deformer that it makes the name, the method, and what moves it
@@ -137,12 +134,10 @@ STARTS = {
 
 
 def moved_by(deformer) -> set[str]:
-    """The roles of its handles, and the types of the objects that control it."""
     return {row.kind for row in deformer.handles} | {row.object.type for row in deformer.all_controls}
 
 
 def target() -> bpy.types.Object:
-    """The object that is deformed, or is to be."""
     return next(obj for obj in bpy.data.objects if obj.is_property_set("sinew") and obj.sinew.deformers)
 
 
@@ -202,16 +197,8 @@ def test_the_border_of_a_sheet_holds_still_but_for_what_is_pulled():
     start("sheet")
     obj = target()
     held = {handle.kind: handle.vertex_group for handle in obj.sinew.active.handles}
-    members = {
-        role: {
-            vertex.index
-            for vertex in obj.data.vertices
-            if any(row.group == obj.vertex_groups[group].index for row in vertex.groups)
-        }
-        for role, group in held.items()
-    }
-    assert members["HANDLE"] == set(np.flatnonzero(chosen))
-    assert len(members["FIXED"]) == 40 - chosen.sum(), "the border has 40 vertices"
+    assert np.array_equal(members(obj, held["HANDLE"]), np.flatnonzero(chosen))
+    assert len(members(obj, held["FIXED"])) == 40 - chosen.sum(), "the border has 40 vertices"
 
 
 @pytest.mark.parametrize(
@@ -263,9 +250,6 @@ def test_started_twice_before_anything_is_held_there_is_one_deformer():
     assert len(target().sinew.deformers) == 1
 
 
-# Why a task is grey
-
-
 REFUSALS = {
     "limb": (letters, "Needs a surface: this is a text - use Move Loose Parts"),
     "limb without a selection": (lambda: edit(grid_object(), lambda _point: False), "Select the vertices"),
@@ -303,32 +287,9 @@ def test_in_sculpt_mode_every_task_says_so():
         refused("Leave Sculpt Mode first", "start_task", None, task=task.id)
 
 
-# The browser
-
-
-class Shown(Sheet):
-    """A layout that also records the buttons of tasks and methods, and whether they can be pressed."""
-
-    def __init__(self, *known: object) -> None:
-        super().__init__(*known[:3])
-        self.buttons: list[tuple[str, bool]] = known[3] if len(known) > 3 else []
-
-    def __getattr__(self, name: str):
-        def record(*args, **keywords):
-            settings = SimpleNamespace()
-            self.calls.append((name, args, keywords, settings))
-            if name == "operator" and "depress" in keywords:
-                self.buttons.append((keywords["text"], self.enabled))
-            return (
-                settings if name == "operator" else Shown(self.calls, self.greyed, self.enabled, self.buttons)
-            )
-
-        return record
-
-
-def shown(name: str, search: str = "") -> Shown:
+def shown(name: str, search: str = "") -> Sheet:
     """What a popup draws, with words in its search."""
-    cls, sheet = getattr(bpy.types, name), Shown()
+    cls, sheet = getattr(bpy.types, name), Sheet()
     ours = [base for base in reversed(cls.__mro__) if base.__module__.startswith(inner.ids.__package__)]
     known = {key: value for base in ours for key, value in vars(base).items() if not key.startswith("__")}
     popup = type("Popup", (), known | {"search": search, "layout": sheet})()
@@ -336,28 +297,28 @@ def shown(name: str, search: str = "") -> Shown:
     return sheet
 
 
-@pytest.mark.parametrize("name", ["SINEW_OT_all_tasks", "SINEW_OT_choose_method"])
-def test_the_browser_has_a_cell_for_each(name: str):
+def labels(name: str, search: str = "") -> list[str]:
+    """What the popups of all tasks and of the methods offer."""
+    return [text for text, _enabled in shown(f"SINEW_OT_{name}", search).buttons]
+
+
+HANDLE_TASKS = [task for task in TASKS if task.id in ("limb", "sheet", "parts")]
+HANDLE_METHODS = [method for task in HANDLE_TASKS for method in task.methods if not BY_ID[method].wraps]
+
+
+def test_the_browser_has_a_cell_for_each():
     Rig.plate().bind("arap")
-    labels = [text for text, _enabled in shown(name).buttons]
-    tasks = [task.label for task in TASKS]
-    groups = [row for task in TASKS if task.id in ("limb", "sheet", "parts") for row in task.methods]
-    methods = [BY_ID[row].label for row in groups if not BY_ID[row].wraps]
-    assert labels == (tasks if name == "SINEW_OT_all_tasks" else methods)
-    wide = 114 if name == "SINEW_OT_all_tasks" else 83
-    cut = [label for label in labels if inner.compat.text_width(label, 11.0) > wide]
-    assert not cut
+    wanted = {"all_tasks": [task.label for task in TASKS]}
+    wanted["choose_method"] = [BY_ID[method].label for method in HANDLE_METHODS]
+    for (name, expected), wide in zip(wanted.items(), (114, 83), strict=True):
+        assert labels(name) == expected
+        assert not [label for label in expected if inner.compat.text_width(label, 11.0) > wide]
     assert inner.compat.text_width("Rotation-Invariant Coordinates", 11.0) > 114, "it measures"
 
 
 def test_cages_show_the_cages_and_a_lattice_has_nothing_to_choose():
     surround(ball(), box())
-    assert [text for text, _on in shown("SINEW_OT_choose_method").buttons] == [
-        "Quick Cage",
-        "Split Cage",
-        "Limb Cage",
-        "Detail Cage",
-    ]
+    assert labels("choose_method") == ["Quick Cage", "Split Cage", "Limb Cage", "Detail Cage"]
     make_active(grid_object())
     assert not bpy.ops.sinew.choose_method.poll()
     start("box")
@@ -386,23 +347,14 @@ def test_the_card_tells_all_about_the_chosen_one():
 )
 def test_the_search_shows_what_is_found(words: str, first: str | None):
     grid_object()
-    found = [text for text, _on in shown("SINEW_OT_all_tasks", words).buttons]
-    assert (first in found) if first else "Nothing found" in shown("SINEW_OT_all_tasks", words).texts()
+    said = shown("SINEW_OT_all_tasks", words).texts()
+    assert first in labels("all_tasks", words) if first else "Nothing found" in said
 
 
 def test_the_search_among_methods_finds_only_those_that_can_be_used():
     Rig.plate().bind("arap")
-    assert "Wires" not in [text for text, _on in shown("SINEW_OT_choose_method", "face").buttons]
-    assert "Smooth Points" in [text for text, _on in shown("SINEW_OT_choose_method", "face").buttons]
-
-
-HANDLE_METHODS = [
-    method
-    for task in TASKS
-    if task.id in ("limb", "sheet", "parts")
-    for method in task.methods
-    if not BY_ID[method].wraps
-]
+    assert "Wires" not in labels("choose_method", "face")
+    assert "Smooth Points" in labels("choose_method", "face")
 
 
 def state(plate: Rig) -> tuple:
@@ -465,9 +417,6 @@ def test_a_click_on_a_method_is_one_step_back():
         assert plate.deformer.method == method
 
 
-# The menus, which Blender's search looks through
-
-
 def entries(menu: type, path: tuple[str, ...] = ()) -> list[tuple[str, object, tuple[str, ...]]]:
     """The labels of all entries below a menu, their settings, and the menus that lead to them."""
     found = []
@@ -486,21 +435,8 @@ def test_no_label_is_there_twice(mode: str):
     grid_object()  # without vertex groups, whose names are in menus
     start("limb")
     bpy.ops.object.mode_set(mode=mode)
-    labels = [label for label, _settings, _path in entries(bpy.types.SINEW_MT_object)]
-    twice = sorted({label for label in labels if labels.count(label) > 1})
-    assert twice == []
-
-
-def test_every_method_is_reached_by_its_task():
-    grid_object()
-    reached = {
-        (path[0], settings.method)
-        for _label, settings, path in entries(bpy.types.SINEW_MT_object)
-        if path and getattr(settings, "method", "")
-    }
-    for method in METHODS:
-        if not method.wraps:
-            assert (inner.tasks.task_of(method).label, method.id) in reached
+    times = Counter(label for label, _settings, _path in entries(bpy.types.SINEW_MT_object))
+    assert [label for label, count in times.items() if count > 1] == []
 
 
 def test_every_word_stands_in_a_label():
@@ -511,7 +447,8 @@ def test_every_word_stands_in_a_label():
         if hasattr(settings, "task")
     ]
     for method in METHODS:
-        for word in (*method.search.split(), method.label.lower(), method.known_as.lower()):
+        task = () if method.wraps else (inner.tasks.task_of(method).label.lower(),)
+        for word in (*method.search.split(), method.label.lower(), method.known_as.lower(), *task):
             assert any(word in text and settings.method == method.id for text, settings in known), word
     for task in TASKS:
         for word in (task.label, *task.other_names):

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Keys that nobody else has, the page in Preferences, and the manual behind the question marks."""
 
-from __future__ import annotations
-
 import importlib.util
 from pathlib import Path
 from types import SimpleNamespace
@@ -59,21 +57,18 @@ class KeyMaps(dict):
         return self.setdefault(name, SimpleNamespace(name=name, keymap_items=KeyItems()))
 
 
-@pytest.fixture
-def keyconfig(monkeypatch):
-    """A keyconfig as a window has it, with a key of someone else."""
-    made = SimpleNamespace(keymaps=KeyMaps())
-    made.keymaps.new("3D View", "VIEW_3D").keymap_items.new(
-        "wm.call_menu_pie", "Q", "PRESS"
-    ).properties.name = "X"
+def with_keys(monkeypatch, made) -> None:
     manager = SimpleNamespace(keyconfigs=SimpleNamespace(addon=made))
     fake = SimpleNamespace(context=SimpleNamespace(window_manager=manager))
     monkeypatch.setattr(inner.keymap, "bpy", fake)
-    return made
 
 
-def test_keys_come_and_go_with_the_add_on(keyconfig):
-    items = keyconfig.keymaps["3D View"].keymap_items
+def test_keys_come_and_go_with_the_add_on(monkeypatch):
+    """In a keyconfig as a window has it, with a key of someone else."""
+    keyconfig = SimpleNamespace(keymaps=KeyMaps())
+    items = keyconfig.keymaps.new("3D View", "VIEW_3D").keymap_items
+    items.new("wm.call_menu_pie", "Q", "PRESS").properties.name = "X"
+    with_keys(monkeypatch, keyconfig)
     inner.keymap.register()
     assert [item.idname for item in items[1:]] == [s.operator for s in inner.preferences.SHORTCUTS]
     assert [item.type for item in items[1:]] == [s.key for s in inner.preferences.SHORTCUTS]
@@ -83,9 +78,7 @@ def test_keys_come_and_go_with_the_add_on(keyconfig):
 
 
 def test_without_a_keyconfig_there_are_no_keys_and_no_error(monkeypatch):
-    manager = SimpleNamespace(keyconfigs=SimpleNamespace(addon=None))
-    fake = SimpleNamespace(context=SimpleNamespace(window_manager=manager))
-    monkeypatch.setattr(inner.keymap, "bpy", fake)
+    with_keys(monkeypatch, None)
     inner.keymap.register()
     inner.keymap.unregister()
 
@@ -97,9 +90,6 @@ def test_every_key_calls_something_that_exists():
         for key, value in shortcut.properties:
             assert key in properties
             assert hasattr(bpy.types, value)
-
-
-# Preferences
 
 
 @pytest.fixture
@@ -133,16 +123,9 @@ def test_defaults_stand_in_where_blender_has_no_entry(values):
     assert inner.preferences.preferences(bpy.context).drag_budget == 40.0
     for name, value in vars(defaults).items():
         shown = getattr(values, name)
-        assert (
-            tuple(shown) == pytest.approx(value)
-            if isinstance(value, tuple)
-            else shown == pytest.approx(value)
-        )
-    assert set(vars(defaults)) == {p.identifier for p in values.bl_rna.properties} - {
-        "bl_idname",
-        "rna_type",
-        "section",
-    }
+        assert (tuple(shown) if isinstance(value, tuple) else shown) == pytest.approx(value), name
+    known = {prop.identifier for prop in values.bl_rna.properties}
+    assert set(vars(defaults)) == known - {"bl_idname", "rna_type", "section"}
 
 
 def test_limits_reach_the_native_module_on_change_and_on_load(values, monkeypatch):
@@ -167,9 +150,6 @@ def test_new_deformers_start_with_the_preferred_method(values, plate: Rig):
     assert plate.deformer.method == "thin_shell"
 
 
-# The manual
-
-
 def test_a_packaged_page_comes_first_then_the_one_of_a_checkout(monkeypatch, tmp_path):
     help_room = inner.help
     monkeypatch.setattr(help_room, "_ADDON", tmp_path / "addon")
@@ -188,8 +168,3 @@ def test_help_tells_the_path_where_there_is_no_window(monkeypatch, tmp_path, cap
     monkeypatch.setattr(inner.help, "_ADDON", tmp_path)
     assert bpy.ops.sinew.help(page="troubles") == {"FINISHED"}
     assert str(page) in "".join(capfd.readouterr())
-
-
-def test_every_page_came_with_the_add_on():
-    for page, *_rest in inner.operators.PAGES:
-        assert inner.help.manual_page(page).is_file()

@@ -1,25 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What things are called: methods, new regions, and all of it in other languages."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import bpy
 import pytest
+from editing import select
 from inside import inner
 from rigs.rig import Rig, add_armature, in_mode, make_active, refused, reopen
 from rigs.sheet import WIDE, draw_panel
-
-# Names of methods, by tasks or as in the literature
-
-
-@pytest.fixture
-def literature():
-    chosen = inner.preferences.preferences(bpy.context)
-    chosen.names = "LITERATURE"
-    yield
-    chosen.names = "TASKS"
 
 
 def shown_names(deformer) -> tuple[str, ...]:
@@ -35,36 +24,30 @@ def shown_names(deformer) -> tuple[str, ...]:
     )
 
 
-def test_artists_read_names_by_tasks(plate: Rig):
-    plate.bind("arap")
-    label = "Natural Bend"
-    assert shown_names(plate.deformer) == (label, label, label, "Known as As-Rigid-As-Possible")
-    refused("Choose a method that has keys: Keyed Bend", "key_add", plate.obj)
-
-
-def test_who_knows_the_literature_reads_its_names_at_once(plate: Rig, literature, tmp_path: Path):
-    plate.bind("arap")
-    label = "As-Rigid-As-Possible"
-    assert shown_names(plate.deformer) == (label, label, label, "Known as Natural Bend")
-    refused("Choose a method that has keys: Mesh Sequence", "key_add", plate.obj)
-    assert (plate.deformer.method, plate.deformer.name) == ("arap", "Limb"), "what files store stays"
-    reopen(tmp_path / "literature.blend")
-    assert plate.deformer.method == "arap"
-
-
-# Names of new regions
+@pytest.mark.parametrize("names", ["TASKS", "LITERATURE"])
+def test_artists_read_names_by_tasks_or_at_once_those_of_the_literature(plate: Rig, names, tmp_path: Path):
+    preferences = inner.preferences.preferences(bpy.context)
+    preferences.names = names
+    try:
+        plate.bind("arap")
+        label, other = "Natural Bend", "As-Rigid-As-Possible"
+        keyed = "Keyed Bend" if names == "TASKS" else "Mesh Sequence"
+        label, other = (label, other) if names == "TASKS" else (other, label)
+        assert shown_names(plate.deformer) == (label, label, label, f"Known as {other}")
+        refused(f"Choose a method that has keys: {keyed}", "key_add", plate.obj)
+        assert (plate.deformer.method, plate.deformer.name) == ("arap", "Limb"), "what files store stays"
+        reopen(tmp_path / "names.blend")
+        assert plate.deformer.method == "arap"
+    finally:
+        inner.preferences.preferences(bpy.context).names = "TASKS"
 
 
 def pressed_at(plate: Rig, wanted, role: str = "HANDLE") -> str:
     """The name of a region made of the vertices of a plate, from -1 to 1, that are ``wanted``."""
-    make_active(plate.obj)
-    mesh = plate.obj.data
-    for part in (*mesh.edges, *mesh.polygons):
-        part.select = False
-    for vertex in mesh.vertices:
-        vertex.select = bool(wanted(vertex.co))
     with in_mode(plate.obj):
+        select(plate.obj, wanted)
         bpy.ops.sinew.handle_add(kind=role)
+    make_active(plate.obj)
     return plate.obj.sinew.active.handles[-1].name
 
 
@@ -97,9 +80,6 @@ def test_bones_are_spoken_as_people_write_them(bone: str, said: str):
 def test_a_number_stands_before_the_side():
     assert inner.names.numbered("Hand L", {"Hand L", "Hand 2 L"}) == "Hand 3 L"
     assert inner.names.numbered("Cage", {"Cage"}) == "Cage 2"
-
-
-# Languages
 
 
 @pytest.fixture

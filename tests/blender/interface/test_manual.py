@@ -5,8 +5,6 @@
 path, each step of which is shown by the one before. "(v)" is a menu behind an arrow.
 """
 
-from __future__ import annotations
-
 import functools
 import re
 from collections.abc import Iterable
@@ -26,6 +24,7 @@ from situations import (
     first_steps,
     leads_somewhere,
     operator_rna,
+    our_structs,
     sidebar,
     visible,
 )
@@ -105,15 +104,9 @@ def polls(operator: str) -> bool:
 
 def is_of_this_blender(name: Name) -> bool:
     """Whether the paragraph speaks of this release or of all, as "Blender 3.4 to 4.1" does of some."""
-    release = bpy.app.version[:2]
-    for low, high in re.findall(r"Blender (\d\.\d+) to (\d\.\d+)", name.around):
-        if not _release(low) <= release <= _release(high):
-            return False
-    return True
-
-
-def _release(text: str) -> tuple[int, ...]:
-    return tuple(int(number) for number in text.split("."))
+    spans = re.findall(r"Blender (\d)\.(\d+) to (\d)\.(\d+)", name.around)
+    numbers = [tuple(map(int, span)) for span in spans]
+    return all(span[:2] <= bpy.app.version[:2] <= span[2:] for span in numbers)
 
 
 def is_headline(name: Name) -> bool:
@@ -148,21 +141,6 @@ def words_of(structs: Iterable[bpy.types.Struct]) -> set[str]:
             found.add(known.name)
             if known.type == "ENUM":
                 found.update(choices_of(known))
-    return found
-
-
-def our_structs() -> list[bpy.types.Struct]:
-    """Operators, groups of properties and preferences."""
-    found = [operator_rna(f"sinew.{name}") for name in dir(bpy.ops.sinew)]
-    found.append(inner.preferences.SinewPreferences.bl_rna)
-    waiting = [
-        owner.bl_rna.properties["sinew"] for owner in (bpy.types.Object, bpy.types.Scene, bpy.types.PoseBone)
-    ]
-    while waiting:
-        struct = getattr(waiting.pop(), "fixed_type", None)
-        if struct is not None and struct.identifier.lower().startswith("sinew") and struct not in found:
-            found.append(struct)
-            waiting += struct.properties
     return found
 
 
@@ -209,20 +187,18 @@ def test_the_first_steps_of_a_page_begin_without_a_deformer():
 
 def test_what_is_said_to_be_in_our_tab_is_there_from_the_beginning():
     said = set()
+    place = r"\*+Sinew\*+ (?:tab|panel)"
     for block in all_blocks():
-        said.update(re.findall(r"\*\*(?:[^*]+ > )?([^*>]+)\*\*[^*.]*in the \*+Sinew\*+ (?:tab|panel)", block))
-        said.update(
-            re.findall(r"[Ii]n the \*+Sinew\*+ (?:tab|panel) (?:choose|press)\s+\*\*([^*]+)\*\*", block)
-        )
+        said.update(re.findall(rf"\*\*(?:[^*]+ > )?([^*>]+)\*\*[^*.]*in the {place}", block))
+        said.update(re.findall(rf"[Ii]n the {place} (?:choose|press)\s+\*\*([^*]+)\*\*", block))
     assert len(said) > 4
     assert said <= set().union(*tour().tab.values())
 
 
 def test_what_needs_no_deformer_is_not_said_to_be_beside_the_list_of_deformers():
     """Before there is one, there is no list."""
-    said = set()
-    for block in all_blocks():
-        said.update(re.findall(r"\*\*([^*]+)\*\*, in the menu beside the list", block))
+    told = (re.findall(r"\*\*([^*]+)\*\*, in the menu beside the list", block) for block in all_blocks())
+    said = {name for names_told in told for name in names_told}
     assert said
     new_file()
     SITUATIONS["a mesh"]()
@@ -250,14 +226,9 @@ def test_each_name_in_italics_is_shown_by_sinew_or_blender():
 @functools.cache
 def is_message(entry: str) -> bool:
     """Whether the add-on has such a sentence, or the library a clause of it."""
-    return any(messages.says(sentence, entry) for sentence in _sentences()[0]) or any(
-        clause in entry for clause in _sentences()[1]
-    )
-
-
-@functools.cache
-def _sentences() -> tuple[list[str], list[str]]:
-    return messages.of_the_addon(), messages.of_the_library()
+    if any(messages.says(sentence, entry) for sentence in messages.of_the_addon()):
+        return True
+    return any(clause in entry for clause in messages.of_the_library())
 
 
 def test_each_key_with_a_modifier_does_something():
@@ -282,10 +253,8 @@ def test_our_keys_are_on_the_pages():
 
 def test_each_page_of_the_manual_can_be_opened_from_blender():
     opened = {page for page, *_rest in inner.operators.PAGES}
+    assert all(inner.help.manual_page(page).is_file() for page in opened)
     assert opened == {page.stem for page in MANUAL} - {"README"} | {"methods/comparison"}
-
-
-# Messages
 
 
 # Parts of sentences, descriptions, and what only a script or a button that was just pressed says.
@@ -311,7 +280,6 @@ NOT_LISTED = {
         "... alone moves no handle - name the vertices that follow it",
         "... is a ... of ... already",
         "... has no keys - choose ...",
-        "... is not bound - press Bind first",
         "... does not follow its controls now - the panel says why",
         "... stands on the surface and moves with it",
         "... stays in the world",
@@ -343,40 +311,27 @@ def test_each_message_of_the_status_box_is_on_a_page():
     assert not [text.replace(messages.GAP, "...") for text in untold]
 
 
-# Buttons
-
-
 # Buttons that need a gesture, a selection of two, or a fault: the tests that press them.
-ELSEWHERE = {
-    "Bone Skin": "test_browser.py",
-    "Cage from Selected": "test_cage.py",
-    "Copy the Motion": "test_transfer.py",
-    "Correct a Joint": "test_browser.py",
-    "Draw Outline": "test_silhouette_sketch.py",
-    "Draw Wire": "test_wires.py",
-    "Grab Once": "test_grab_region.py",
-    "Keep Inside Parts": "test_loose_parts.py",
-    "Keyed Bend": "test_browser.py",
-    "Lattice from Selected": "test_lattice.py",
-    "Make Handle on Selected Object or Bone": "test_handles.py",
-    "Morph": "test_browser.py",
-    "Morph to a Mesh": "test_morph.py",
-    "New Grid": "test_control_grid.py",
-    "Refine": "test_space_nonlinear.py",
-    "Repair": "test_repair.py",
-    "Show": "test_cage.py",
-    "Sinew Drag: Bones": "test_drag_tool.py",
-    "Sinew Drag: Clay": "test_drag_tool.py",
-    "Sinew Drag: Points": "test_drag_tool.py",
-    "Sinew Drag: Surface": "test_drag_tool.py",
-    "Skin by Bones": "test_puppet_skin.py",
-    "Surface": "test_riding.py",
-    "Turn Off Armature": "test_moved_twice.py",
-    "Unshare": "test_repair.py",
-    "Wire along Edges": "test_wires.py",
-    "Wires": "test_browser.py",
-    "Wires from Selected": "test_wires.py",
+PRESSED_BY = {
+    "test_browser.py": ("Bone Skin", "Correct a Joint", "Keyed Bend", "Morph", "Wires"),
+    "test_cage.py": ("Cage from Selected", "Show"),
+    "test_control_grid.py": ("New Grid",),
+    "test_drag_tool.py": tuple(f"Sinew Drag: {what}" for what in ("Bones", "Clay", "Points", "Surface")),
+    "test_grab_region.py": ("Grab Once",),
+    "test_handles.py": ("Make Handle on Selected Object or Bone",),
+    "test_lattice.py": ("Lattice from Selected",),
+    "test_loose_parts.py": ("Keep Inside Parts",),
+    "test_morph.py": ("Morph to a Mesh",),
+    "test_moved_twice.py": ("Turn Off Armature",),
+    "test_puppet_skin.py": ("Skin by Bones",),
+    "test_repair.py": ("Repair", "Unshare"),
+    "test_riding.py": ("Surface",),
+    "test_silhouette_sketch.py": ("Draw Outline",),
+    "test_space_nonlinear.py": ("Refine",),
+    "test_transfer.py": ("Copy the Motion",),
+    "test_wires.py": ("Draw Wire", "Wire along Edges", "Wires from Selected"),
 }
+ELSEWHERE = {label: test for test, labels in PRESSED_BY.items() for label in labels}
 
 
 def test_each_button_that_a_page_names_does_its_work(tmp_path: Path):

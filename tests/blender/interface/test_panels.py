@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the panels show in each situation: few buttons, no label cut, the right page, nothing looked up."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 
@@ -19,10 +17,6 @@ from rigs.sheet import NARROW, draw_panel
 from ruler import Label, buttons, cut, measured, measured_panel
 
 TAB = 238  # pixels: the Properties editor of the factory layout, in a window of 1600
-
-
-def nothing() -> None:
-    pass
 
 
 def waiting() -> None:
@@ -51,23 +45,10 @@ def file_is_missing() -> None:
     catch_up()
 
 
-def sculpting() -> None:
-    situations.handles()
-    bpy.ops.object.mode_set(mode="SCULPT")
-
-
 def posing_a_cage() -> None:
     situations.cage()
     assert bpy.ops.sinew.control_edit() == {"FINISHED"}
     assert bpy.context.mode == "EDIT_MESH"
-
-
-def morphing() -> None:
-    situations.handles("pyramid_coordinates")
-
-
-def armature() -> None:
-    make_active(figure())
 
 
 def changed() -> None:
@@ -81,7 +62,7 @@ def changed() -> None:
 MADE = situations.SITUATIONS
 # By name: what makes it, the most buttons of the main panel, and the page of its question mark.
 SITUATIONS: dict[str, tuple[Callable[[], object], int, str]] = {
-    "nothing": (nothing, 2, "start"),
+    "nothing": (lambda: None, 2, "start"),
     "a mesh": (MADE["a mesh"], 5, "start"),
     "a posed mesh": (MADE["a posed mesh"], 5, "correct-an-elbow"),
     "a sheet": (counted, 5, "shape-a-sheet"),
@@ -90,7 +71,7 @@ SITUATIONS: dict[str, tuple[Callable[[], object], int, str]] = {
     "hair": (MADE["hair"], 5, "move-loose-parts"),
     "a lattice object": (MADE["a lattice object"], 5, "move-loose-parts"),
     "a mesh in Edit Mode": (MADE["a mesh in Edit Mode"], 5, "start"),
-    "Sculpt Mode": (sculpting, 2, "start"),
+    "Sculpt Mode": (lambda: situations.handles(mode="SCULPT"), 2, "start"),
     "handles": (MADE["handles"], 6, "shape-a-sheet"),
     "handles in Edit Mode": (MADE["handles in Edit Mode"], 11, "shape-a-sheet"),
     "handles in Weight Paint": (MADE["handles in Weight Paint"], 6, "shape-a-sheet"),
@@ -104,11 +85,11 @@ SITUATIONS: dict[str, tuple[Callable[[], object], int, str]] = {
     "a wire": (MADE["a wire"], 8, "brows-and-folds"),
     "tools": (MADE["tools"], 8, "push-like-clay"),
     "keys": (MADE["keys"], 10, "edit-an-animation"),
-    "a morph": (morphing, 6, "morph-and-copy"),
+    "a morph": (lambda: situations.handles("pyramid_coordinates"), 6, "morph-and-copy"),
     "baked": (MADE["baked"], 8, "bake"),
     "a missing file": (file_is_missing, 8, "troubles"),
     "a puppet": (MADE["a puppet"], 6, "pose-by-bones"),
-    "an armature": (armature, 2, "pose-by-bones"),
+    "an armature": (lambda: make_active(figure()), 2, "pose-by-bones"),
     "a skin": (MADE["a skin"], 7, "pose-by-bones"),
     "a task that waits": (waiting, 6, "correct-an-elbow"),
     "two deformers": (MADE["two deformers"], 8, "bend-a-limb"),
@@ -142,6 +123,9 @@ def test_a_linked_object_has_one_button(bound_plate: Rig, tmp_path: Path):
     labels = measured_panel(bpy.types.SINEW_PT_sinew, NARROW)
     assert buttons(labels) == ["Override to Pose It"]
     assert not cut(labels)
+    sheet = draw_panel()
+    assert sheet.operator_names() == ["object.make_override_library"]
+    assert "Linked from library.blend" in sheet.texts()
 
 
 def test_no_label_of_a_setting_is_cut(plate: Rig):
@@ -157,14 +141,6 @@ def test_no_label_of_a_setting_is_cut(plate: Rig):
         for parameter in (*method.handle_parameters, *method.control_parameters):
             assert not Label("prop", parameter.label, 168 - 75).is_cut
     assert beside > 15
-
-
-@pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
-def test_each_method_shows_two_settings_at_most_before_the_others(method):
-    """And each setting once."""
-    known = {parameter.id for parameter in (*method.parameters, *method.control_parameters)}
-    assert len(method.main) <= 2
-    assert set(method.main) <= known | {"cage_subdivision"}
 
 
 SUGGESTED = {

@@ -11,18 +11,14 @@ import numpy as np
 import pytest
 from rigs.rig import Rig, add_group, base_points, evaluated_points, grid_object, key_heights, make_active
 
-ROOT = Path(__file__).parents[3]
+ROOT, SCRIPTING = Path(__file__).parents[3], "docs/manual/scripting.md"
 FLOAT32 = 1e-6  # both regions are held exactly; float32 keeps some 1e-7 of a unit
 
 
-def scripts(page: str) -> list[str]:
-    """The Python blocks of a page that call operators of ours."""
-    return [block for block in blocks(page) if "bpy.ops.sinew" in block]
-
-
-def blocks(page: str) -> list[str]:
-    """The Python blocks of a page."""
-    return re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
+def blocks(page: str, word: str) -> list[str]:
+    """The Python blocks of a page in which a word stands."""
+    found = re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(encoding="utf-8"), re.DOTALL)
+    return [block for block in found if word in block]
 
 
 def run(script: str, page: str) -> dict:
@@ -43,7 +39,7 @@ def doll() -> tuple[bpy.types.Object, list[int], list[int]]:
 
 def test_the_readme_script_lifts_the_head(doll: tuple) -> None:
     obj, head, feet = doll
-    (script,) = scripts("README.md")
+    (script,) = blocks("README.md", "bpy.ops.sinew")
     run(script, "README.md")
     moved = evaluated_points(obj) - base_points(obj)
     assert np.allclose(moved[head], (0.0, 0.0, 0.5), atol=FLOAT32)
@@ -54,13 +50,13 @@ def test_the_manuals_script_poses_keys_and_bakes(doll: tuple, tmp_path: Path) ->
     obj, head, feet = doll
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "doll.blend"))
     bpy.context.scene.frame_start, bpy.context.scene.frame_end = 1, 3
-    script, *_ = scripts("docs/manual/scripting.md")
+    script, *_ = blocks(SCRIPTING, "bpy.ops.sinew")
     before_factor, after_factor = script.split("deformer.factor = 0.0\n")
-    names = run(before_factor, "docs/manual/scripting.md")
+    names = run(before_factor, SCRIPTING)
     moved = evaluated_points(obj) - base_points(obj)
     assert np.allclose(moved[head], (0.0, 0.0, 0.5), atol=FLOAT32)
     assert np.allclose(moved[feet], 0.0, atol=FLOAT32)
-    exec(compile("deformer.factor = 0.0\n" + after_factor, "docs/manual/scripting.md", "exec"), names)
+    exec(compile("deformer.factor = 0.0\n" + after_factor, SCRIPTING, "exec"), names)
     assert (tmp_path / "cache" / "head.pc2").is_file()
     assert names["deformer"].bake.is_baked
     assert np.allclose(evaluated_points(obj), base_points(obj), atol=FLOAT32)  # Factor is 0 in all frames
@@ -68,8 +64,8 @@ def test_the_manuals_script_poses_keys_and_bakes(doll: tuple, tmp_path: Path) ->
 
 def test_the_manuals_cage_moves_the_mesh(doll: tuple) -> None:
     obj, _head, _feet = doll
-    _, script, *_ = scripts("docs/manual/scripting.md")
-    names = run(script, "docs/manual/scripting.md")
+    _, script, *_ = blocks(SCRIPTING, "bpy.ops.sinew")
+    names = run(script, SCRIPTING)
     assert names["cage"].parent == obj
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     moved = np.abs(evaluated_points(obj) - base_points(obj)).max()
@@ -79,9 +75,8 @@ def test_the_manuals_cage_moves_the_mesh(doll: tuple) -> None:
 def test_the_manuals_handler_reads_the_shape_of_each_frame(plate: Rig) -> None:
     plate.bind()
     key_heights(plate.control, {1: 0.0, 11: 1.0}, linear=True)
-    page = "docs/manual/scripting.md"
-    (script,) = (block for block in blocks(page) if "frame_change_post" in block)
-    names, printed = run(script, page), StringIO()
+    (script,) = blocks(SCRIPTING, "frame_change_post")
+    names, printed = run(script, SCRIPTING), StringIO()
     try:
         with redirect_stdout(printed):
             for frame in (4, 9):
@@ -107,13 +102,9 @@ def test_the_manual_speaks_of_operators_that_exist() -> None:
 
 
 def test_the_scripting_page_lists_every_operator() -> None:
-    text = (ROOT / "docs" / "manual" / "scripting.md").read_text(encoding="utf-8")
+    text = (ROOT / SCRIPTING).read_text(encoding="utf-8")
     table = text[text.index("| operator") : text.index("Operators work on")]
     listed = set(re.findall(r"[`. ](?:sinew\.)?(\w+)[`(]", table))
-    made = {
-        name.removeprefix("SINEW_OT_")
-        for name in dir(bpy.types)
-        if name.startswith("SINEW_OT_")
-        and "INTERNAL" not in getattr(getattr(bpy.types, name), "bl_options", ())
-    }
-    assert made - listed == set()
+    for name in dir(bpy.ops.sinew):
+        options = getattr(getattr(bpy.types, f"SINEW_OT_{name}"), "bl_options", ())
+        assert name in listed or "INTERNAL" in options, name

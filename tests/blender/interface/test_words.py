@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Words and buttons as artists meet them: what is called how, and what a message tells them to press."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from types import SimpleNamespace
@@ -24,24 +22,23 @@ from rigs.rig import (
     make_active,
     move_world,
     press,
+    push,
     refused,
     reopen,
     update,
 )
 from rigs.sheet import WIDE, Sheet, draw, draw_panel
 
-# The menu of methods, and the names of the rows
-
 
 def test_the_menu_of_methods_is_headed_by_what_artists_move():
     items = inner.properties.method_items()
-    headings = [item[1] for item in items if not item[0]]
-    assert headings[:2] == ["Handles", "Cages"]
+    assert [item[1] for item in items if not item[0]][:2] == ["Handles", "Cages"]
     heading, found = "", {}
-    for item in items:
-        heading = item[1] if not item[0] else heading
-        if item[0]:
-            found[item[0]] = heading
+    for name, label, *_rest in items:
+        if name:
+            found[name] = heading
+        else:
+            heading = label
     assert found == {method.id: method.control.value for method in METHODS}
 
 
@@ -77,9 +74,6 @@ def test_a_row_that_an_earlier_build_named_follows_its_method(given: str):
     deformer.name = given
     deformer.method = "ffd"
     assert deformer.name == "Box"
-
-
-# Lost controls
 
 
 @pytest.mark.parametrize("index", [-1, 0])
@@ -120,33 +114,20 @@ def test_a_lost_bone_gets_an_empty_too(plate: Rig):
     assert armature.name in bpy.data.objects
 
 
-# The pie
-
-
-def test_the_pie_of_object_mode_offers_all_tasks(bound_plate: Rig):
-    assert "sinew.all_tasks" in draw(bpy.types.SINEW_MT_pie).operator_names()
-
-
-# Regions without vertices
-
-
 @pytest.mark.parametrize(
-    ("spoil", "said"),
-    [
-        (
-            lambda obj: obj.vertex_groups.remove(obj.vertex_groups["Side"]),
-            "is not on the mesh - pick another",
-        ),
-        (lambda obj: obj.vertex_groups["Side"].remove(range(121)), "has no vertices - assign some"),
-    ],
+    ("is_there", "said"),
+    [(False, "is not on the mesh - pick another"), (True, "has no vertices - assign some")],
 )
-def test_a_region_without_vertices_is_left_out_and_the_others_go_on(plate: Rig, spoil, said: str):
+def test_a_region_without_vertices_is_left_out_and_the_others_go_on(plate: Rig, is_there: bool, said: str):
     add_group(plate.obj, "Side", lambda point: point[0] > 0.75 and abs(point[1]) < 0.3)
     plate.bind()
     press(plate.obj, "handle_add", kind="FIXED", vertex_group="Side")
     plate.lift(0.5)
-    held = plate.points()
-    spoil(plate.obj)
+    held, groups = plate.points(), plate.obj.vertex_groups
+    if is_there:
+        groups["Side"].remove(range(121))
+    else:
+        groups.remove(groups["Side"])
     press(plate.obj, "bind")
     assert plate.deformer.status_level == "INFO"
     assert notes_of(plate.deformer) == [f"Side is not used: its vertex group 'Side' {said}"]
@@ -154,15 +135,9 @@ def test_a_region_without_vertices_is_left_out_and_the_others_go_on(plate: Rig, 
     shown = plate.points()
     assert np.abs(shown[plate.top] - plate.rest()[plate.top] - (0.0, 0.0, 0.5)).max() < 1e-5
     assert np.abs(shown - held).max() > 0.01, "the side is free now"
-
-
-def test_without_any_region_that_has_vertices_the_panel_names_one(plate: Rig):
-    plate.bind(fixed=False)
-    plate.obj.vertex_groups.remove(plate.obj.vertex_groups["Top"])
+    for name in ("Top", "Base"):
+        groups.remove(groups[name])
     refused("'Top' is not on the mesh", "bind", plate.obj)
-
-
-# What is reported
 
 
 def test_the_report_after_add_handle_is_the_state_after_it(plate: Rig, capfd: pytest.CaptureFixture):
@@ -174,9 +149,7 @@ def test_the_report_after_add_handle_is_the_state_after_it(plate: Rig, capfd: py
     assert "1 handle, 1 still" in plate.deformer.status
 
 
-def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(
-    plate: Rig, monkeypatch: pytest.MonkeyPatch
-):
+def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(plate: Rig, monkeypatch):
     """The report comes when the thread has ended, and tells the state then."""
     use_threads(monkeypatch)
     waiting, said = inner.waiting, []
@@ -216,21 +189,9 @@ def test_the_status_counts_regions_by_their_role(plate: Rig, kinds, said: str):
     assert re.match(rf"121 vertices, {said}, bound in", plate.deformer.status), plate.deformer.status
 
 
-@pytest.mark.parametrize(
-    ("milliseconds", "said"),
-    [
-        (0.0, "less than 0.1 ms"),
-        (0.04, "less than 0.1 ms"),
-        (0.4, "0.4 ms"),
-        (41.0, "41 ms"),
-        (2100.0, "2.1 s"),
-    ],
-)
-def test_a_time_is_never_nothing(milliseconds: float, said: str):
-    assert inner.binding.duration(milliseconds) == said
-
-
-# What a message tells to press
+def test_a_time_is_never_nothing():
+    said = {0.0: "less than 0.1 ms", 0.04: "less than 0.1 ms", 0.4: "0.4 ms", 41.0: "41 ms", 2100.0: "2.1 s"}
+    assert {milliseconds: inner.binding.duration(milliseconds) for milliseconds in said} == said
 
 
 def cancelled(plate: Rig, monkeypatch) -> None:
@@ -239,39 +200,28 @@ def cancelled(plate: Rig, monkeypatch) -> None:
     inner.binding.cancel(plate.deformer.uid)
 
 
-def without_modifier(plate: Rig, _monkeypatch) -> None:
-    plate.obj.modifiers.clear()
-
-
-def unbound(plate: Rig, _monkeypatch) -> None:
-    bpy.ops.sinew.unbind()
-
-
-def said_by(plate: Rig, press: str, **words: str) -> str:
-    """The refusal of a button, or without one the status."""
-    if not press:
-        return plate.deformer.status
-    with pytest.raises(RuntimeError) as refused:
-        getattr(bpy.ops.sinew, press)(**words)
-    return str(refused.value)
-
-
 @pytest.mark.parametrize(
     ("spoil", "press", "words"),
     [
         (cancelled, "", {}),
-        (unbound, "", {}),
-        (without_modifier, "apply", {}),
-        (without_modifier, "bake", {"target": "SHAPE_KEYS"}),
-        (unbound, "bake", {"target": "SHAPE_KEYS"}),
+        (lambda *_given: bpy.ops.sinew.unbind(), "", {}),
+        (lambda plate, _patch: plate.obj.modifiers.clear(), "apply", {}),
+        (lambda plate, _patch: plate.obj.modifiers.clear(), "bake", {"target": "SHAPE_KEYS"}),
+        (lambda *_given: bpy.ops.sinew.unbind(), "bake", {"target": "SHAPE_KEYS"}),
     ],
 )
 def test_a_message_names_the_button_as_it_reads(
     bound_plate: Rig, monkeypatch, spoil, press: str, words: dict
 ):
+    """The status, or the refusal of another button."""
     make_active(bound_plate.obj)
     spoil(bound_plate, monkeypatch)
-    said = re.search(r"press (Rebind|Bind)\b", said_by(bound_plate, press, **words))
+    text = bound_plate.deformer.status
+    if press:
+        with pytest.raises(RuntimeError) as refusal:
+            getattr(bpy.ops.sinew, press)(**words)
+        text = str(refusal.value)
+    said = re.search(r"press (Rebind|Bind)\b", text)
     buttons = [
         keywords["text"]
         for name, args, keywords, _settings in draw(bpy.types.SINEW_PT_order).calls
@@ -302,18 +252,11 @@ def test_an_error_of_the_library_names_the_handle(plate: Rig):
     plate.bind()
     binding, errors = inner.binding, inner.errors
     request = inner.kind.request(
-        plate.deformer,
-        plate.deformer.rest,
-        inner.mesh_io.read_rest(plate.deformer.rest),
-        (),
-        121,
+        plate.deformer, plate.deformer.rest, inner.mesh_io.read_rest(plate.deformer.rest), (), 121
     )
     refused = errors.ConstraintError("handle 1: weights outside [0, 1] at vertices 3, 4; see handle 0")
     text = str(binding._with_selectable(refused, request))
     assert text == "Base: weights outside [0, 1] at vertices 3, 4; see Top"
-
-
-# Rows of the list
 
 
 def test_the_arrow_of_a_row_makes_the_row_active(bound_plate: Rig):
@@ -324,6 +267,9 @@ def test_the_arrow_of_a_row_makes_the_row_active(bound_plate: Rig):
         bpy.ops.sinew.select_handle(index=0)
         assert (bound_plate.deformer.active_handle, bound_plate.obj.mode) == (0, mode)
         assert bound_plate.obj.vertex_groups.active.name == "Top"
+    assert bpy.context.view_layer.objects.active == bound_plate.control, "in Object Mode, the last one"
+    assert inner.operators.target_of(bpy.context) == bound_plate.obj
+    assert "Shape a Sheet" in draw_panel().texts()
 
 
 def from_selection(plate: Rig, name: str = "") -> None:
@@ -365,14 +311,10 @@ def test_what_has_a_name_of_its_own_keeps_it(plate: Rig):
     handle.name = "Head"
     assert (handle.vertex_group, handle.control.name) == ("Top", "Mine")
     assert "Handle" in plate.obj.vertex_groups
-
-
-def test_a_group_that_was_not_made_for_the_region_keeps_its_name(plate: Rig):
-    """An armature may go by it."""
-    plate.bind()
+    plate = Rig(grid_object("Second")).bind()
     plate.deformer.handles[0].name = "Head"
-    assert plate.deformer.handles[0].vertex_group == "Top"
-    assert plate.control.name == "Plate Head"
+    assert plate.deformer.handles[0].vertex_group == "Top", "an armature may go by it"
+    assert plate.control.name == "Second Head"
 
 
 def test_a_copy_keeps_the_names_of_its_groups(plate: Rig):
@@ -388,9 +330,6 @@ def test_a_copy_keeps_the_names_of_its_groups(plate: Rig):
     update()
     assert not any("not used" in note for note in notes_of(copy.sinew.active))
     assert copy.sinew.active.status_level == "INFO", copy.sinew.active.status
-
-
-# Presets of parameters
 
 
 @pytest.mark.parametrize("method", [method.id for method in METHODS])
@@ -434,9 +373,6 @@ def test_the_panel_offers_presets(bound_plate: Rig):
     assert [keywords["panel"] for keywords in found] == [inner.ids.Panels.PRESETS]
 
 
-# Copied modifiers
-
-
 def test_a_copied_modifier_says_what_to_do(bound_plate: Rig):
     other = grid_object("Other")
     make_active(bound_plate.obj, other)
@@ -452,13 +388,8 @@ def test_a_copied_modifier_says_what_to_do(bound_plate: Rig):
     assert "copied" not in draw_panel(WIDE).texts()
 
 
-# Objects that a script deletes
-
-
 @pytest.mark.parametrize("kind", ["handles", "cage"])
-def test_nothing_is_printed_when_a_script_deletes_what_is_deformed(
-    kind: str, capfd: pytest.CaptureFixture, tmp_path: Path
-):
+def test_nothing_is_printed_when_a_script_deletes_what_is_deformed(kind: str, capfd, tmp_path: Path):
     if kind == "cage":
         target, controls = ball(), [box()]
         surround(target, controls[0])
@@ -478,11 +409,11 @@ def test_nothing_is_printed_when_a_script_deletes_what_is_deformed(
     assert not [line for line in said if line and not re.search("Info: (Total|Saved)|Read b", line)], said
 
 
-# Which object is active
-
-
 def test_after_tab_the_control_is_active_and_the_panel_stays(plate: Rig):
+    make_active(plate.obj)
+    push("start")
     from_selection(plate)
+    push("Tab")
     assert bpy.context.mode == "OBJECT"
     assert bpy.context.view_layer.objects.active == plate.control
     assert bpy.context.selected_objects == [plate.control]
@@ -490,13 +421,10 @@ def test_after_tab_the_control_is_active_and_the_panel_stays(plate: Rig):
     bpy.context.object.location.z += 0.5  # as a number typed into the Item tab
     assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=1e-5)
     assert plate.obj.location.z == 0.0
-
-
-def test_the_arrow_in_object_mode_makes_the_control_active(bound_plate: Rig):
-    press(bound_plate.obj, "select_handle", index=0)
-    assert bpy.context.view_layer.objects.active == bound_plate.control
-    assert inner.operators.target_of(bpy.context) == bound_plate.obj
-    assert "Shape a Sheet" in draw_panel().texts()
+    push("moved")
+    bpy.ops.ed.undo()
+    update()
+    assert bpy.context.view_layer.objects.active == plate.control
 
 
 def test_the_arrow_in_the_modifiers_tab_leaves_the_tab_where_it_is(bound_plate: Rig):
@@ -526,15 +454,3 @@ def test_the_panel_stays_with_its_mesh_where_a_control_moves_two():
     assert inner.operators.target_of(bpy.context) == second.obj
     press(first.obj, "select_handle", index=0)
     assert inner.operators.target_of(bpy.context) == first.obj
-
-
-def test_undo_after_tab_leaves_the_control_active(plate: Rig):
-    make_active(plate.obj)
-    bpy.ops.ed.undo_push(message="start")
-    from_selection(plate)
-    bpy.ops.ed.undo_push(message="Tab")
-    plate.lift(0.5)
-    bpy.ops.ed.undo_push(message="Move")
-    bpy.ops.ed.undo()
-    update()
-    assert bpy.context.view_layer.objects.active == plate.control

@@ -7,27 +7,14 @@ import bpy
 import numpy as np
 import pytest
 from inside import inner
-from mathutils import Matrix
 from registry import WITH_CAGE
-from rigs.cages import (
-    assert_goes_on,
-    assert_rests,
-    ball,
-    box,
-    fine_box,
-    motion_of,
-    place,
-    selected,
-    set_rest,
-    surround,
-    transform,
-)
+from rigs.cages import assert_goes_on, assert_rests, ball, box, motion_of, place, selected, set_rest, surround
 from rigs.rig import (
     CORNERS,
     FLOAT32,
     SIDES,
-    apply_matrix,
     base_points,
+    close,
     evaluated_points,
     make_active,
     new_object,
@@ -46,9 +33,9 @@ def test_a_cage_that_is_nowhere_at_bind_or_later_leaves_the_rest_and_comes_back(
     cage.data.vertices[3].co.x = value
     deformer = surround(target, cage)
     assert status.current(deformer.uid).remedy is status.Remedy.CAGE_REST
-    for posed in (None, 0.5):
+    for posed in (False, True):
         if posed:
-            cage.location.z = posed
+            cage.location.z = 0.5
             shown = evaluated_points(target)
             cage.data.vertices[3].co.x = value
             cage.data.update()
@@ -61,7 +48,7 @@ def test_a_cage_that_is_nowhere_at_bind_or_later_leaves_the_rest_and_comes_back(
         cage.data.vertices[3].co.x = CORNERS[3][0]
         cage.data.update()
         if posed:
-            assert np.abs(evaluated_points(target) - shown).max() < FLOAT32
+            assert close(evaluated_points(target), shown)
         else:
             set_rest(target)
         assert_goes_on(target, cage)
@@ -78,7 +65,7 @@ def test_a_cage_object_that_is_nowhere_is_the_cages_fault() -> None:
     elements = inner.status.current(deformer.uid).elements
     assert (elements.owner.name, elements.element) == ("CONTROL", "vertex")
     cage.delta_location.y = 0.0
-    assert np.abs(evaluated_points(target) - posed).max() < FLOAT32
+    assert close(evaluated_points(target), posed)
     assert_goes_on(target, cage)
 
 
@@ -158,30 +145,22 @@ def test_a_cage_that_holds_nothing_is_refused_until_it_does(points, faces, said:
 
 
 @pytest.mark.parametrize("method", WITH_CAGE)
-def test_a_cage_in_one_place_takes_the_mesh_there_and_gives_it_back(method: str) -> None:
+def test_a_cage_in_one_place_takes_the_mesh_there_and_gives_it_back_but_is_no_rest(method: str) -> None:
     target, cage = ball(), box()
     deformer = surround(target, cage, method)
-    spot = (0.1, 0.2, -0.3)
+    spot = np.array((0.1, 0.2, -0.3))
     place(cage, [spot] * 8)
     assert np.abs(evaluated_points(target) - spot).max() < FLOAT32
     place(cage, CORNERS)
     cage.scale, cage.location = (0.0, 0.0, 0.0), spot
     assert np.abs(evaluated_points(target) - spot).max() < FLOAT32
     assert deformer.status_level == "INFO", deformer.status
-    cage.scale, cage.location = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
-    assert np.abs(motion_of(target)).max() < FLOAT32
-    assert_goes_on(target, cage)
-
-
-def test_a_cage_of_zero_scale_is_no_rest() -> None:
-    target, cage = ball(), box()
-    deformer = surround(target, cage)
-    cage.scale = (0.0, 1.0, 1.0)
     refused("encloses no volume", "cage_set_rest", target)
     assert inner.status.current(deformer.uid).remedy.name == "CAGE_REST"
     assert_rests(target)
-    cage.scale = (1.0, 1.0, 1.0)
+    cage.scale, cage.location = (1.0, 1.0, 1.0), (0.0, 0.0, 0.0)
     set_rest(target)
+    assert np.abs(motion_of(target)).max() < FLOAT32
     assert_goes_on(target, cage)
 
 
@@ -224,15 +203,4 @@ def test_faces_without_area_do_no_harm_or_are_shown(method: str) -> None:
         deformer.method = "mean_value"
         press(target, "bind")
     assert np.abs(motion_of(target)).max() < FLOAT32
-    assert_goes_on(target, cage)
-
-
-@pytest.mark.parametrize("method", WITH_CAGE)
-def test_vertices_on_edges_and_faces_of_the_cage_go_with_them(method: str) -> None:
-    target, cage = fine_box(3), box()
-    surround(target, cage, method)
-    assert np.abs(motion_of(target)).max() < FLOAT32
-    turn = Matrix.Translation((0.3, 0.0, 0.1)) @ Matrix.Rotation(0.7, 4, (0.0, 0.6, 0.8))
-    transform(cage, turn)
-    assert np.abs(evaluated_points(target) - apply_matrix(turn, base_points(target))).max() < FLOAT32
     assert_goes_on(target, cage)

@@ -11,16 +11,7 @@ from expected import Expected
 from inside import inner
 from mathutils import Matrix, Vector
 from probe import render_points
-from rigs.rig import (
-    Rig,
-    base_points,
-    change_in_edit_mode,
-    close,
-    linked,
-    make_active,
-    press,
-    update,
-)
+from rigs.rig import Rig, base_points, change_in_edit_mode, close, linked, make_active, press, update
 
 METHOD = "spline_surface"
 SIDE = 9  # control points in each direction: 6 spans
@@ -79,20 +70,6 @@ def test_a_new_grid_has_the_points_of_the_control_grid_and_moves_nothing(sheet: 
     places = base_points(grid)
     assert np.abs(places[:, 2]).max() < 1e-4
     assert np.ptp(places[:, 0]) == pytest.approx(np.ptp(places[:, 1]), rel=1e-3)
-
-
-def test_one_point_moves_its_degree_and_one_spans_only(sheet: Rig):
-    grid = new_grid(sheet)
-    places = base_points(grid)
-    span = np.linalg.norm(places[1] - places[0])
-    moves = drag(sheet, at_middle())
-    seen = sheet.points() - sheet.rest()
-    away = np.abs(sheet.rest() - places[SIDE * SIDE // 2])[:, :2].max(axis=1)
-    outside = away > 2.0 * span + 1e-3  # four spans of degree 3, two on each side
-    assert 50 < outside.sum() < len(seen) - 50
-    assert np.abs(seen[outside]).max() < 1e-15  # rounding of a solve that spreads nothing
-    assert np.linalg.norm(seen, axis=1).max() > 0.3
-    assert close(sheet.points(), expected(sheet, moves).lifted(0.0), TOLERANCE)
 
 
 def test_points_add_to_what_handles_do_and_held_vertices_stay_with_their_handles(sheet: Rig):
@@ -186,29 +163,23 @@ def test_a_grid_out_of_the_scene_a_deleted_one_and_another_mesh_move_nothing(she
     assert "is no control grid" in sheet.deformer.status
 
 
-def test_removing_the_deformer_removes_its_grid(sheet: Rig):
-    name = new_grid(sheet).name
-    press(sheet.obj, "deformer_remove")
-    assert name not in bpy.data.objects
-
-
-def test_other_methods_have_no_grid(bound_plate: Rig):
-    make_active(bound_plate.obj)
-    assert not bpy.ops.sinew.grid_new.poll()
-
-
-def test_points_that_are_not_finite_are_refused(sheet: Rig):
+def test_points_that_are_not_finite_are_refused_and_the_grid_goes_with_its_deformer(sheet: Rig):
     grid = new_grid(sheet)
     grid.data.vertices[5].co.z = float("nan")
     grid.data.update()
-    update()
-    assert "NaN" in sheet.deformer.status
     assert close(sheet.points(), sheet.rest(), 1e-6)
+    assert "NaN" in sheet.deformer.status
+    name = grid.name
+    press(sheet.obj, "deformer_remove")
+    assert name not in bpy.data.objects
 
 
 def test_around_a_spline_multiresolution_moves_its_grid_too(sheet: Rig):
     new_grid(sheet)
     drag(sheet, at_middle())
+    sheet.deformer.method = "thin_shell"
+    make_active(sheet.obj)
+    assert not bpy.ops.sinew.grid_new.poll()
     sheet.deformer.method = "multiresolution"
     sheet.deformer.parameters.base = METHOD
     update()

@@ -17,29 +17,17 @@ def members(protocol: type) -> Iterator[str]:
     yield from (name for name in vars(protocol) if not name.startswith("_"))
 
 
-def test_every_kind_answers_every_question() -> None:
-    kinds = inner.kinds
-    questions = set(members(kinds.ControlKind))
+def test_every_kind_answers_every_question_and_draws_itself_and_every_method_belongs_to_one() -> None:
+    kinds, drawing = inner.kinds, inner.control
+    questions, wanted = set(members(kinds.ControlKind)), set(members(drawing.ControlDrawing))
     assert len(questions) > 15
     for kind in kinds.every_kind():
-        missing = {name for name in questions if not hasattr(kind, name)}
-        assert not missing, (kind, missing)
-
-
-def test_every_kind_draws_itself() -> None:
-    drawing = inner.control
-    wanted = set(members(drawing.ControlDrawing))
-    for method in inner.methods.METHODS:
-        found = drawing.drawing_of(method)
-        assert wanted <= set(dir(found)), found.__name__
-
-
-def test_every_method_has_a_kind_and_belongs_to_it_alone() -> None:
-    kinds = inner.kinds
-    listed = [method for kind in kinds.every_kind() for method in kinds.methods_of(kind)]
-    assert sorted(method.id for method in listed) == sorted(m.id for m in inner.methods.METHODS)
-    for kind in kinds.every_kind():
+        assert questions <= set(dir(kind)), kind
         assert all(kinds.kind_of_method(method) is kind for method in kinds.methods_of(kind))
+    listed = [method.id for kind in kinds.every_kind() for method in kinds.methods_of(kind)]
+    assert sorted(listed) == sorted(method.id for method in inner.methods.METHODS)
+    for method in inner.methods.METHODS:
+        assert wanted <= set(dir(drawing.drawing_of(method))), method.id
 
 
 def test_one_call_lets_an_object_control_a_deformer_of_its_kind() -> None:

@@ -10,7 +10,7 @@ from inside import notes_of
 from mathutils import Matrix, Vector
 from registry import ON_HANDLE_POINTS
 from rigs.cages import ball
-from rigs.point_objects import add, add_bones, bezier
+from rigs.point_objects import add, bezier
 from rigs.rig import (
     add_armature,
     add_regions,
@@ -19,7 +19,6 @@ from rigs.rig import (
     evaluated_points,
     grid_object,
     move_world,
-    new_armature,
     new_empty,
     new_object,
     press,
@@ -37,17 +36,16 @@ def test_one_empty_turns_the_space_around_it():
     plate, controls = grid_object(), empties()
     add(plate, *controls, source="SELECTED", method="rbf")
     before = base_points(plate)
-    near = np.abs(before - PLACES[0]).sum(axis=1).argmin()
-    around = np.argsort(np.linalg.norm(before - before[near], axis=1))[1:3]
-    controls[0].rotation_euler.z = 0.8
-    shown = evaluated_points(plate)
-    assert np.abs(shown[near] - before[near]).max() < 1e-4
-    turned = apply_matrix(
-        Matrix.Translation(PLACES[0]) @ Matrix.Rotation(0.8, 4, "Z") @ Matrix.Translation(-Vector(PLACES[0])),
-        before[around],
+    away = np.linalg.norm(before - PLACES[0], axis=1)
+    near, *around = np.argsort(away)[:3]
+    motion = (
+        Matrix.Translation(PLACES[0]) @ Matrix.Rotation(0.8, 4, "Z") @ Matrix.Translation(-Vector(PLACES[0]))
     )
+    controls[0].rotation_euler.z = 0.8
+    shown, turned = evaluated_points(plate), apply_matrix(motion, before)
+    assert np.abs(shown[near] - before[near]).max() < 1e-4
     # In first order of the distance, which is 0.2 here.
-    assert np.abs(shown[around] - turned).max() < 0.5 * np.abs(turned - before[around]).max()
+    assert np.abs((shown - turned)[around]).max() < 0.5 * np.abs((turned - before)[around]).max()
 
 
 def test_the_cursor_places_an_empty_of_its_own_and_undo_takes_it_back():
@@ -64,15 +62,6 @@ def test_the_cursor_places_an_empty_of_its_own_and_undo_takes_it_back():
     assert name not in bpy.data.objects
 
 
-def test_the_same_empties_move_several_objects():
-    plate, other, controls = grid_object("One"), grid_object("Other"), empties()
-    add(plate, other, *controls, source="SELECTED", method="mls")
-    assert [handle.control for handle in other.sinew.active.handles] == controls
-    controls[3].location.z += 1.0
-    assert np.abs(evaluated_points(plate) - evaluated_points(other)).max() < 1e-6
-    assert np.abs(evaluated_points(plate) - base_points(plate)).max() > 0.3
-
-
 def test_empties_follow_the_points_of_an_object():
     plate, points = grid_object(), new_object("Points", PLACES, edges=[(0, 1), (2, 3)])
     assert len(add(plate, points, source="OBJECT", method="rbf").handles) == len(PLACES)
@@ -84,33 +73,20 @@ def test_empties_follow_the_points_of_an_object():
     assert np.abs(shown - base_points(plate)).min(axis=0).max() < 0.2
 
 
-def test_bones_are_handle_points():
-    plate = grid_object()
-    up = Vector((0, 0, 0.3))
-    rig = new_armature(
-        **{f"Bone {number}": (place, Vector(place) + up) for number, place in enumerate(PLACES)}
-    )
-    deformer = add_bones(plate, rig)
-    assert [handle.bone for handle in deformer.handles] == [bone.name for bone in rig.pose.bones]
-    rig.location.x += 0.5
-    assert np.abs(evaluated_points(plate) - base_points(plate) - (0.5, 0, 0)).max() < 1e-5
-
-
-def test_points_at_one_place_that_go_apart_are_named():
+def test_handles_that_cannot_be_met_are_named():
+    """Points at one place that go apart; one that has neither a region nor a control."""
     plate, controls = grid_object(), empties()
     controls[1].location = PLACES[0]
+    deformer = add(plate, *controls, source="SELECTED", method="rbf")
+    for apart, level in ((0.5, "ERROR"), (0.0, "INFO")):
+        controls[1].location.z = apart
+        update()
+        assert deformer.status_level == level, deformer.status
+        assert ("Point 0" in deformer.status and "Point 1" in deformer.status) == (apart > 0.0)
+    deformer.handles.add().name = "New"
+    plate.update_tag()
     update()
-    add(plate, *controls, source="SELECTED", method="rbf")
-    assert plate.sinew.active.status_level == "INFO", plate.sinew.active.status
-    controls[1].location.z += 0.5
-    update()
-    text = plate.sinew.active.status
-    assert plate.sinew.active.status_level == "ERROR"
-    assert "Point 0" in text, text
-    assert "Point 1" in text, text
-    controls[1].location.z -= 0.5
-    update()
-    assert plate.sinew.active.status_level == "INFO"
+    assert "New has no vertex group and no control" in deformer.status
 
 
 def test_two_points_carry_no_turn_and_the_panel_says_so():
@@ -172,28 +148,23 @@ def painted(method: str) -> bpy.types.Object:
     return obj
 
 
-def lifted(obj: bpy.types.Object) -> np.ndarray:
-    return (evaluated_points(obj) - base_points(obj))[:, 2]
-
-
 @pytest.mark.parametrize("method", ON_HANDLE_POINTS)
 def test_regions_that_share_painted_vertices_blend_and_their_weight_counts_at_once(method: str):
     obj = painted(method)
-    deformer = obj.sinew.active
+    deformer, rest = obj.sinew.active, base_points(obj)
     assert deformer.is_bound, deformer.status
     deformer.handles[0].control.location.z += LIFT
-    update()
-    assert deformer.status_level != "ERROR", (deformer.status, notes_of(deformer))
-    height, up = base_points(obj)[:, 2], lifted(obj)
+    height, lifts = rest[:, 2], []
+    for weight in (1.0, 0.2, 0.0):
+        deformer.handles[0].weight = weight
+        lifts.append((evaluated_points(obj) - rest)[:, 2])
+        assert deformer.status_level != "ERROR", (deformer.status, notes_of(deformer))
+    up, less, none = lifts
     assert up[height > 0.5].min() > 0.6 * LIFT
     assert up[height < -0.5].max() < 0.4 * LIFT
     rings = [up[np.abs(height - z) < 0.07].mean() for z in np.linspace(-0.36, 0.36, 7)]
     assert (np.diff(rings) > 0.0).all(), rings
     middle = np.abs(height) < 0.12
-    deformer.handles[0].weight = 0.2
-    update()
-    assert deformer.status_level != "ERROR", deformer.status
-    assert lifted(obj)[middle].mean() < up[middle].mean() - 1e-3
-    deformer.handles[0].weight = 0.0
-    assert np.abs(lifted(obj)).max() < 1e-5  # the lower one alone holds it
+    assert less[middle].mean() < up[middle].mean() - 1e-3
+    assert np.abs(none).max() < 1e-5  # the lower one alone holds it
     assert any("weight is 0" in note for note in (deformer.status, *notes_of(deformer)))

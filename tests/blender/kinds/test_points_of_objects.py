@@ -78,68 +78,42 @@ def skeleton() -> bpy.types.Object:
     )
 
 
-def test_bones_act_from_head_to_tail():
-    plate, armature = grid_object(), skeleton()
-    deformer = add_bones(plate, armature, method="mls", segments=True)
+@pytest.mark.parametrize("kind", ["plate", "bezier", "text", "hair"])
+def test_bones_act_from_head_to_tail(kind: str):
+    obj, armature = grid_object() if kind == "plate" else MAKERS[kind](), skeleton()
+    before = moved_by_hand(obj, lambda points: points)
+    deformer = add_bones(obj, armature, method="mls", segments=True)
     deformer.parameters.alpha = 1.0
     assert [handle.acts_as for handle in deformer.handles] == ["SEGMENTS"] * 3
-    rest, ends = base_points(plate), heads_and_tails(armature)
-    assert close(evaluated_points(plate), rest)
+    assert close(evaluated_points(obj), before, QUADRATURE)
+    ends = heads_and_tails(armature)
     low, high, _aside = armature.pose.bones
     low.rotation_euler, high.rotation_euler = (0.4, 0.2, -0.5), (-0.7, 0.0, 0.3)
     high.scale = 1.0, 1.3, 1.0
     posed = heads_and_tails(armature)
     assert np.abs(posed - ends).max() > 0.3
-    expected = by_segments(ends, posed, rest)
-    assert close(evaluated_points(plate), expected, QUADRATURE)
-    assert close(render_points(plate), expected, QUADRATURE)
+    expected = moved_by_hand(obj, lambda points: by_segments(ends, posed, points))
+    for shown in (evaluated_points(obj), render_points(obj)):
+        assert close(shown, expected, QUADRATURE)
     for handle in deformer.handles:  # a switch of each handle
         handle.acts_as = "PLACE"
-    assert np.abs(evaluated_points(plate) - expected).max() > 0.02, "bones turn the space at their heads"
-
-
-@pytest.mark.parametrize("kind", ["bezier", "text", "hair"])
-def test_bones_bend_curves_text_and_hair_along_their_length(kind: str):
-    obj, armature = MAKERS[kind](), skeleton()
-    before = moved_by_hand(obj, lambda points: points)
-    add_bones(obj, armature, method="mls", segments=True).parameters.alpha = 1.0
-    assert close(evaluated_points(obj), before, QUADRATURE)
-    ends = heads_and_tails(armature)
-    armature.pose.bones["Low"].rotation_euler = (0.4, 0.2, -0.5)
-    posed = heads_and_tails(armature)
-    expected = moved_by_hand(obj, lambda points: by_segments(ends, posed, points))
-    assert close(evaluated_points(obj), expected, QUADRATURE)
+    assert np.abs(evaluated_points(obj) - expected).max() > 0.02, "bones turn the space at their heads"
 
 
 def test_edges_of_an_object_act_as_segments():
-    plate, edges = grid_object(), frame()
+    """Points that no edge joins stay points among them."""
+    plate, edges = grid_object(), new_object("Mixed", [*CORNERS, (0.0, 0.0, 0.5)], edges=[(0, 1), (2, 3)])
     edges.location.z = 0.1
     deformer = add(plate, edges, method="mls", segments=True)
     deformer.parameters.alpha = 1.0
-    pairs = np.array([(0, 1), (1, 2), (2, 3)])
-    rest, ends = base_points(plate), in_target(plate, edges)[pairs]
-    assert close(evaluated_points(plate), rest)
-    edges.data.vertices[2].co = 1.4, 0.8, 0.6
+    at_rest, rest = base_points(plate), in_target(plate, edges)
+    edges.data.vertices[4].co.z, edges.data.vertices[2].co = 1.0, (1.4, 0.8, 0.6)
     edges.rotation_euler.x = 0.3
-    expected = by_segments(ends, in_target(plate, edges)[pairs], rest)
-    assert close(evaluated_points(plate), expected, QUADRATURE)
+    posed, options = in_target(plate, edges), {"alpha": 1.0, "segments": [(0, 1), (2, 3)]}
+    assert close(evaluated_points(plate), warped("mls", rest, posed, at_rest, **options), 1e-5)
     deformer.handles[0].acts_as = "POINTS"
     make_active(plate)
-    update()
-    places = ends[[0, 0, 1, 2], [0, 1, 1, 1]]
-    by_points = warped("mls", places, in_target(plate, edges), rest, alpha=1.0)
-    assert close(evaluated_points(plate), by_points, 1e-5)
-
-
-def test_points_that_no_edge_joins_stay_points_among_segments():
-    plate = grid_object()
-    mixed = new_object("Mixed", [*CORNERS, (0.0, 0.0, 0.5)], edges=[(0, 1), (2, 3)])
-    add(plate, mixed, method="mls", segments=True)
-    rest = in_target(plate, mixed)
-    mixed.data.vertices[4].co.z = 1.0
-    mixed.data.vertices[2].co.y = 1.3
-    expected = warped("mls", rest, in_target(plate, mixed), base_points(plate), segments=[(0, 1), (2, 3)])
-    assert close(evaluated_points(plate), expected, 1e-5)
+    assert close(evaluated_points(plate), warped("mls", rest, posed, at_rest, alpha=1.0), 1e-5)
 
 
 def test_points_and_lines_of_a_lattice_as_its_modifiers_move_them():
@@ -204,27 +178,21 @@ def test_single_points_turn_with_the_edges_at_them(method: str):
     assert close(shown[end], apply_matrix(turn, rest[end]), 0.03)
 
 
-@pytest.mark.parametrize("kind", ["cloud", "hair"])
+OTHERS = {  # points of other types, and more of them than empties are made for
+    "cloud": (MAKERS["cloud"], "points"),
+    "hair": (MAKERS["hair"], "points"),
+    "many": (lambda: grid_object("Points", cells=40), "1,681 points"),
+}
+
+
+@pytest.mark.parametrize("kind", OTHERS)
 def test_points_of_other_types_move_a_mesh(kind: str):
-    points, plate = MAKERS[kind](), grid_object()
-    assert "points" in add(plate, points, method="mls").status
+    points, plate = OTHERS[kind][0](), grid_object()
+    deformer = add(plate, points, method="mls")
+    assert OTHERS[kind][1] in deformer.status
+    assert len(deformer.handles) == 1
     move_world(points, some_motion())
     assert close(evaluated_points(plate), apply_matrix(some_motion(), base_points(plate)), 2e-5)
-
-
-def test_an_object_may_have_more_points_than_empties_are_made_for():
-    plate, points = grid_object(), grid_object("Points", cells=40)
-    points.location.z = 0.5
-    deformer = add(plate, points, method="mls")
-    assert len(deformer.handles) == 1
-    assert "1,681 points" in deformer.status
-    rest = in_target(plate, points)
-    for vertex in points.data.vertices:
-        vertex.co.z = 0.3 * np.sin(3.0 * vertex.co.x)
-    points.data.update()
-    assert close(
-        evaluated_points(plate), warped("mls", rest, in_target(plate, points), base_points(plate)), 1e-5
-    )
 
 
 def test_an_object_without_points_acts_as_a_place():
@@ -288,25 +256,19 @@ def test_segments_count_beside_points_as_in_the_build_that_saved_the_file(earlie
         deformer.property_unset("sizes")
 
     def places() -> np.ndarray:
-        update()
-        bone = armature.pose.bones[0]
-        ends = [armature.matrix_world @ end for end in (bone.head, bone.tail)]
+        ends = heads_and_tails(armature)[0]
         return np.array([*ends, *(empty.matrix_world.translation for empty in empties)])
 
     rest = places()
     armature.pose.bones[0].rotation_euler = 0.5, 0.3, 0.2
     empties[0].location.z += 1.0
-    posed, steps = places(), (np.arange(4000)[:, None] + 0.5) / 4000
-    low, high = rest.min(axis=0), rest.max(axis=0)
-    pairs = [np.linalg.norm(a - b) for a in rest for b in rest]
-    size = (high - low).max() if earlier else max(pairs)
-    before, after = (np.concatenate([p[0] + steps * (p[1] - p[0]), p[2:]]) for p in (rest, posed))
+    steps = (np.arange(4000)[:, None] + 0.5) / 4000
+    size = np.ptp(rest, axis=0).max() if earlier else np.linalg.norm(rest[:, None] - rest, axis=2).max()
+    before, after = (np.concatenate([p[0] + steps * (p[1] - p[0]), p[2:]]) for p in (rest, places()))
     length = np.linalg.norm(rest[1] - rest[0])
     shares = np.concatenate([np.full(4000, length / size / 4000), (1.0, 1.0)])
     expected = by_the_paper(before, after, shares, base_points(plate))
-    off = np.abs(evaluated_points(plate) - expected).max()
-    print(f"off by {off:.1e}")
-    assert off < 4e-3  # segments are quadratures of some places
+    assert close(evaluated_points(plate), expected, 4e-3)  # segments are quadratures of some places
 
 
 def test_not_a_number_among_points_is_refused():
@@ -337,14 +299,10 @@ def test_the_panel_offers_segments_where_the_method_has_them():
     assert not offered()
 
 
-def test_lost_points_keep_the_last_shape_and_a_new_control_is_a_place():
+def test_a_new_control_for_lost_points_is_a_place():
     plate, points = grid_object(), frame()
     deformer = add(plate, points, method="mls", segments=True)
-    points.data.vertices[0].co.z += 0.6
-    points.data.update()
-    before = evaluated_points(plate)
     bpy.data.objects.remove(points)
-    assert close(evaluated_points(plate), before)
     press(plate, "control_new")
     assert deformer.handles[0].acts_as == "PLACE"
     move_world(deformer.handles[0].control, some_motion())

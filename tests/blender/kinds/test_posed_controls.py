@@ -19,6 +19,7 @@ from rigs.point_objects import add
 from rigs.rig import (
     Rig,
     add_armature,
+    add_key,
     base_points,
     close,
     evaluated_points,
@@ -29,6 +30,7 @@ from rigs.rig import (
     new_empty,
     new_object,
     press,
+    slope,
     update,
 )
 from rigs.rig_of_lattice import WITH_LATTICE, by_lattice, lattice_object, lattice_points, small_ball
@@ -92,27 +94,23 @@ CONTROLS = {"cage": in_a_cage, "lattice": in_a_lattice, "grid": with_a_grid, **W
 # The ways. Each stops where one may look, with the points of the control in the space of the target.
 
 
-def add_key(control: bpy.types.Object) -> bpy.types.ShapeKey:
-    control.shape_key_add(name="Basis")
-    block = control.shape_key_add(name="Up")
-    for index, point in enumerate(block.data):
-        for name in ("co", "handle_left", "handle_right"):
-            if hasattr(point, name):
-                setattr(point, name, np.array(getattr(point, name)) + (0.0, 0.1, 0.3 + 0.02 * index))
+def up(control: bpy.types.Object) -> bpy.types.ShapeKey:
+    """A key that lifts the points, those ahead more."""
+    block = add_key(control, "Up", Matrix.Translation((0.0, 0.1, 0.4)) @ slope(0.3, 0.2))
     block.value = 0.8
     return block
 
 
 def shape_key(target: bpy.types.Object, control: bpy.types.Object) -> Iterator[np.ndarray]:
     """Also where nobody sees it."""
-    add_key(control)
+    up(control)
     yield (posed := in_target(target, control))
     control.hide_viewport = True
     yield posed
 
 
 def keyframes(target: bpy.types.Object, control: bpy.types.Object) -> Iterator[np.ndarray]:
-    key(add_key(control), {1: {"value": 0.0}, 11: {"value": 1.0}})
+    key(up(control), {1: {"value": 0.0}, 11: {"value": 1.0}})
     for frame in (11, 6, 1):
         bpy.context.scene.frame_set(frame)
         yield in_target(target, control)

@@ -11,16 +11,8 @@ import pytest
 from inside import notes_of
 from mathutils import Matrix
 from registry import WITH_CAGE
-from rigs.cages import TURN, assert_goes_on, ball, box, set_rest, surround, transform
-from rigs.point_objects import (
-    MAKERS,
-    TESSELLATED,
-    controls_of,
-    has_surface,
-    inside,
-    moved_by_hand,
-    shown,
-)
+from rigs.cages import TURN, assert_goes_on, ball, box, surround, transform
+from rigs.point_objects import MAKERS, TESSELLATED, controls_of, has_surface, inside, moved_by_hand, shown
 from rigs.rig import (
     FLOAT32,
     MATRIX,
@@ -47,12 +39,10 @@ def scaled_ball(name: str, size: float, at: tuple = (0.0, 0.0, 0.0)) -> bpy.type
 def clothed() -> list[bpy.types.Object]:
     """A body, a suit that stands off from it with loose buttons, and a hat; moved, turned, mirrored."""
     body, suit, hat = (
-        scaled_ball("Body", 1.0),
-        scaled_ball("Suit", 1.25),
-        scaled_ball("Hat", 0.3, (0, 0, 1.3)),
+        scaled_ball(name, size, (0, 0, height))
+        for name, size, height in (("Body", 1.0, 0.0), ("Suit", 1.25, 0.0), ("Hat", 0.3, 1.3))
     )
-    buttons = [scaled_ball("Button", 0.03, (0.85 * x, 0.1, 0.1)) for x in (-1, 1)]
-    make_active(suit, *buttons)
+    make_active(suit, *(scaled_ball("Button", 0.03, (0.85 * x, 0.1, 0.1)) for x in (-1, 1)))
     assert bpy.ops.object.join() == {"FINISHED"}
     suit.scale = (-1.0, 1.0, 1.0)
     hat.location.y, hat.rotation_euler.x = 0.1, 0.2
@@ -136,38 +126,48 @@ def test_a_control_around_several_follows_what_all_of_them_follow(add: str, led_
     assert np.abs(np.linalg.norm(evaluated_points(hat) - before, axis=1) - 0.5).max() < MATRIX
 
 
-def in_one_cage() -> tuple[bpy.types.Object, bpy.types.Object, bpy.types.Object]:
-    body, suit = ball("Body"), scaled_ball("Suit", 1.25)
-    body.location.x, suit.location.x = 0.1, -0.2
-    make_active(body, suit)
-    assert bpy.ops.sinew.cage_add(method="harmonic", faces=80, margin=0.05) == {"FINISHED"}
-    return body, suit, body.sinew.active.cage
-
-
 @pytest.mark.parametrize("active", [0, 1])
 def test_faces_of_a_shared_cage_can_be_changed(active: int):
-    *objects, cage = in_one_cage()
-    grown = objects[1 - active]
-    grown.data.transform(Matrix.Scale(1.4, 4))  # it no longer fits: the new cage goes around it again
+    """One of two has grown: the new cage goes around it again."""
+    objects = ball("Body"), scaled_ball("Suit", 1.25)
+    objects[0].location.x, objects[1].location.x = 0.1, -0.2
+    make_active(*objects)
+    assert bpy.ops.sinew.cage_add(method="harmonic", faces=80, margin=0.05) == {"FINISHED"}
+    cage = objects[0].sinew.active.cage
+    objects[1 - active].data.transform(Matrix.Scale(1.4, 4))
     press(objects[active], "cage_faces", faces=40)
     assert len(cage.data.polygons) <= 41
-    for obj in objects:
+    before = [evaluated_points(obj) for obj in objects]
+    for obj, points in zip(objects, before, strict=True):
         assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
         assert inside(points_in(cage, obj), cage).all()
-        assert close(evaluated_points(obj), base_points(obj), MATRIX)
-        make_active(obj)
-    before = [evaluated_points(obj) for obj in objects]
+        assert close(points, base_points(obj), MATRIX)
     transform(cage, Matrix.Translation((0.0, 0.0, 0.3)))
-    for obj, points in zip(objects, before):
+    for obj, points in zip(objects, before, strict=True):
         assert close(evaluated_points(obj), points + (0.0, 0.0, 0.3), MATRIX)
 
 
-def test_a_flip_turns_a_shared_cage_once():
+def pull_a_vertex_out(obj: bpy.types.Object, cage: bpy.types.Object) -> None:
+    obj.data.vertices[3].co.z = 5.0
+
+
+def turn_inside_out(obj: bpy.types.Object, cage: bpy.types.Object) -> None:
+    if obj.name == "Body":
+        cage.data.flip_normals()
+
+
+@pytest.mark.parametrize(
+    ("break_it", "buttons"),
+    [(turn_inside_out, ["cage_flip"]), (pull_a_vertex_out, ["cage_outside_follow", "settings_share"])],
+)
+def test_one_button_mends_all_targets_of_a_cage(break_it: Callable, buttons: list[str]):
+    """A flip turns the cage once; those that are refused because of what is outside are bound."""
     objects, cage = (ball("Body"), ball("Suit")), box()
-    cage.data.flip_normals()
     for obj in objects:
-        assert "inside out" in surround(obj, cage).status
-    press(objects[0], "cage_flip")
+        break_it(obj, cage)
+        assert surround(obj, cage, "harmonic").status_level == "ERROR"
+    for button in buttons:
+        press(objects[0], button)
     for obj in objects:
         assert_goes_on(obj, cage)
 
@@ -205,17 +205,19 @@ def with_tool(first: bpy.types.Object, second: bpy.types.Object) -> bpy.types.Ob
     return tool
 
 
-SHARES = {"cage": with_cage, "lattice": with_lattice, "wire": with_wire, "tool": with_tool}
+SHARES = {
+    with_cage: "cage_set_rest",
+    with_lattice: "lattice_set_rest",
+    with_wire: "control_set_rest",
+    with_tool: "control_set_rest",
+}
 
 
-REST = {"cage": "cage_set_rest", "lattice": "lattice_set_rest"}  # of the others: control_set_rest
-
-
-@pytest.mark.parametrize("kind", SHARES)
-def test_all_targets_of_a_control_can_get_the_same_settings_and_rest(kind: str):
+@pytest.mark.parametrize(("share", "rest"), SHARES.items())
+def test_all_targets_of_a_control_can_get_the_same_settings_and_rest(share: Callable, rest: str):
     """Twins at one place show the same shape then. Those that rest move on from there."""
     twins = ball("First"), ball("Second")
-    control = SHARES[kind](*twins)
+    control = share(*twins)
     twins[0].sinew.active.factor = 0.5
     update()
     control.rotation_euler.x, control.location.z = 0.5, control.location.z + 0.3
@@ -223,7 +225,7 @@ def test_all_targets_of_a_control_can_get_the_same_settings_and_rest(kind: str):
     press(twins[0], "settings_share")
     assert np.abs(evaluated_points(twins[1]) - base_points(twins[1])).max() > 0.02
     assert close(evaluated_points(twins[0]), evaluated_points(twins[1]))
-    press(twins[1], REST.get(kind, "control_set_rest"))
+    press(twins[1], rest)
     for obj in twins:
         assert close(evaluated_points(obj), base_points(obj), MATRIX), obj.name
         assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
@@ -234,30 +236,6 @@ def test_all_targets_of_a_control_can_get_the_same_settings_and_rest(kind: str):
     surround(alone, box("Own"))
     make_active(alone)
     assert not bpy.ops.sinew.settings_share.poll()
-
-
-def test_outside_can_be_set_for_all_targets_of_a_cage():
-    """Those that are refused are bound by it."""
-    objects, cage = (ball("Body"), ball("Suit")), box()
-    for obj in objects:
-        obj.data.vertices[3].co.z = 5.0
-        assert surround(obj, cage, "harmonic").status_level == "ERROR"
-    press(objects[0], "cage_outside_follow")
-    assert bpy.ops.sinew.settings_share() == {"FINISHED"}
-    for obj in objects:
-        assert_goes_on(obj, cage)
-
-
-def test_clothes_that_are_put_into_a_cage_later_get_room_by_change_faces():
-    body, suit = ball("Body"), scaled_ball("Suit", 1.25)
-    press(body, "cage_add", method="positive_mean_value", faces=80)
-    cage = body.sinew.active.cage
-    assert "lie outside the cage" in surround(suit, cage, "positive_mean_value").status
-    assert bpy.ops.sinew.cage_faces(faces=80) == {"FINISHED"}
-    for obj in (body, suit):
-        assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
-    set_rest(suit)
-    assert_goes_on(suit, cage)
 
 
 def test_an_object_without_points_gets_no_cage_and_says_so():

@@ -19,8 +19,8 @@ from rigs.rig import (
     evaluated_points,
     grid_object,
     key,
-    linked,
     make_active,
+    new_empty,
     press,
     reopen,
     update,
@@ -78,37 +78,32 @@ def test_tools_are_those_of_the_library(tool: str, inner: float, stops: list[Mat
     assert np.abs(expected - base_points(obj)).max() > 0.3
 
 
-def walk(row, *places: tuple[float, float, float]) -> None:
-    """Move the tool from stop to stop."""
-    for place in places:
-        row.object.location = place
-        press(row.id_data, "tool_stop")
-
-
 STOPS = ((0.5, 0.0, 0.0), (0.5, 0.5, 0.2))
 END = (0.0, 0.6, 0.4)
 
 
 @pytest.fixture
 def walked() -> tuple[bpy.types.Object, bpy.types.PropertyGroup]:
-    """A plate, and the row of the tool that was dragged over it."""
+    """A plate, and the row of the tool that was dragged over it, from stop to stop."""
     obj = grid_object(cells=20)
     row = add(obj, "drag", inner=0.3, outer=0.9)
-    walk(row, *STOPS)
+    for place in STOPS:
+        row.object.location = place
+        press(obj, "tool_stop")
     row.object.location = END
     return obj, row
 
 
-def on_path(obj: bpy.types.Object, places=(*STOPS, END), **options: object) -> np.ndarray:
+def is_on_path(obj: bpy.types.Object, *places) -> bool:
+    """It shows what a tool on this path makes of it."""
     frames = np.concatenate([FRAME + place for place in places])
-    return straight(base_points(obj), frames, inner=0.3, outer=0.9, **options)
+    return close(evaluated_points(obj), straight(base_points(obj), frames, inner=0.3, outer=0.9), INTEGRATED)
 
 
 def test_the_path_is_stored_and_a_frame_depends_on_it_alone(walked, tmp_path: Path) -> None:
     obj, _row = walked
     shape = evaluated_points(obj)
-    assert close(shape, on_path(obj), INTEGRATED)
-    assert not close(shape, on_path(obj, (END,)), 0.02), "the way counts"
+    assert is_on_path(obj, *STOPS, END)
     reopen(tmp_path / "path.blend")
     obj = bpy.data.objects["Plate"]
     assert close(evaluated_points(obj), shape)
@@ -118,37 +113,29 @@ def test_the_path_is_stored_and_a_frame_depends_on_it_alone(walked, tmp_path: Pa
     tool.location = END
     assert close(evaluated_points(obj), shape)
     press(obj, "tool_stop", clear=True)
-    assert close(evaluated_points(obj), on_path(obj, (END,)), INTEGRATED)
+    assert is_on_path(obj, END)
+    assert not close(evaluated_points(obj), shape, 0.02), "the way counts"
 
 
 def test_progress_goes_along_the_path(walked) -> None:
     obj, row = walked
-    whole = evaluated_points(obj)
-    row.progress = 0.0
-    assert close(evaluated_points(obj), base_points(obj))
-    ways = [
-        np.linalg.norm(np.subtract(b, a)) for a, b in zip(((0, 0, 0), *STOPS), (*STOPS, END), strict=True)
-    ]
-    row.progress = ways[0] / sum(ways)
-    assert close(evaluated_points(obj), on_path(obj, STOPS[:1]), INTEGRATED)
-    row.progress = (ways[0] + 0.5 * ways[1]) / sum(ways)
-    middle = tuple(0.5 * (np.array(STOPS[0]) + STOPS[1]))
-    assert close(evaluated_points(obj), on_path(obj, (STOPS[0], middle)), INTEGRATED)
-    row.progress = 1.0
-    assert close(evaluated_points(obj), whole)
+    stations = np.array([(0.0, 0.0, 0.0), *STOPS, END])
+    ways = np.linalg.norm(np.diff(stations, axis=0), axis=1)
+    half, middle = ways[0] + 0.5 * ways[1], 0.5 * (stations[1] + stations[2])
+    paths = {0.0: stations[:1], ways[0]: stations[1:2], half: (stations[1], middle), ways.sum(): stations[1:]}
+    for way, places in paths.items():
+        row.progress = way / ways.sum()
+        assert is_on_path(obj, *places), way
 
 
 def test_progress_and_tools_can_be_keyed() -> None:
     obj = grid_object(cells=20)
     row = add(obj, "drag", inner=0.3, outer=0.9)
-    row.object.location = (0.6, 0.0, 0.0)
     key(row, {1: {"progress": 0.0}, 11: {"progress": 1.0}})
-    key(row.object, {1: {"location": (0.6, 0.0, 0.0)}, 21: {"location": (0.6, 0.0, 0.5)}})
-    for frame, place in ((1, None), (11, (0.6, 0.0, row.object.location.z)), (21, (0.6, 0.0, 0.5))):
+    key(row.object, {1: {"location": (0.6, 0.0, 0.0)}, 21: {"location": (0.6, 0.0, 0.5)}}, linear=True)
+    for frame, place in ((1, (0.0, 0.0, 0.0)), (11, (0.6, 0.0, 0.25)), (21, (0.6, 0.0, 0.5))):
         bpy.context.scene.frame_set(frame)
-        place = place and tuple(row.object.evaluated_get(bpy.context.evaluated_depsgraph_get()).location)
-        expected = base_points(obj) if place is None else on_path(obj, (place,))
-        assert close(evaluated_points(obj), expected, INTEGRATED), frame
+        assert is_on_path(obj, place), frame
 
 
 def test_a_drag_from_a_script_leaves_a_path() -> None:
@@ -169,29 +156,26 @@ def test_a_drag_from_a_script_leaves_a_path() -> None:
 def test_wrong_reaches_are_refused_by_name() -> None:
     obj = grid_object()
     row = add(obj, "drag")
-    name = row.object.name
-    row.inner = row.outer + 1.0
-    update()
-    assert f"{name}: Outer must be larger than Inner" in obj.sinew.active.status
-    row.inner = -0.5
-    update()
-    assert f"{name}: Inner must not be negative for a Drag" in obj.sinew.active.status
-    row.tools = "bend"
-    update()
-    assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
+    for inner, tool, said in (
+        (row.outer + 1.0, "drag", "Outer must be larger than Inner"),
+        (-0.5, "drag", "Inner must not be negative for a Drag"),
+        (-0.5, "bend", ""),
+    ):
+        row.inner, row.tools = inner, tool
+        update()
+        assert f"{row.object.name}: {said}" in obj.sinew.active.status or not said
+        assert (obj.sinew.active.status_level == "INFO") is (not said), obj.sinew.active.status
 
 
 def test_a_tool_of_no_size_is_refused_by_name_and_one_scaled_to_nothing_later_is_not_a_crash() -> None:
-    obj = grid_object()
-    tool = linked(bpy.data.objects.new("Flat", None))
-    tool.scale = (1.0, 1.0, 0.0)
+    obj, tool = grid_object(), new_empty("Flat")
+    tool.scale.z = 0.0
     press(obj, "tool_add", control="Flat")
     assert "Flat is flat" in obj.sinew.active.status
-    tool.scale = (1.0, 1.0, 1.0)
+    tool.scale.z = 1.0
     press(obj, "unbind")
-    assert bpy.ops.sinew.bind() == {"FINISHED"}
-    tool.scale = (0.0, 0.0, 0.0)
-    tool.location.z = 0.3
+    press(obj, "bind")
+    tool.scale, tool.location.z = (0.0, 0.0, 0.0), 0.3
     assert np.isfinite(evaluated_points(obj)).all()
 
 
@@ -199,7 +183,7 @@ def test_lengths_are_those_of_the_tool() -> None:
     """A larger tool reaches farther, wherever the target is."""
     obj = grid_object(cells=20)
     obj.scale = (2.0, 2.0, 2.0)
-    tool = linked(bpy.data.objects.new("Tool", None))
+    tool = new_empty("Tool")
     tool.scale = (3.0, 3.0, 3.0)
     press(obj, "tool_add", control="Tool", outer=0.5)
     row = obj.sinew.active.controls[0]

@@ -6,18 +6,18 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
+from editing import edit
 from inside import native
 from probe import render_points
 from rigs.rig import (
     FLOAT32,
+    apply_matrix,
     base_points,
     close,
     evaluated_points,
     grid_object,
-    in_mode,
     linked,
     make_active,
-    points_of,
     press,
     update,
 )
@@ -55,9 +55,7 @@ def curve(kind: str, name: str = "Wire") -> bpy.types.Object:
 
 def drawn(wire: bpy.types.Object) -> np.ndarray:
     """What Blender draws of a curve, in the world, (c, 3)."""
-    update()
-    evaluated = wire.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    return points_of(evaluated) @ np.array(wire.matrix_world)[:3, :3].T + np.array(wire.matrix_world)[:3, 3]
+    return apply_matrix(wire.matrix_world, evaluated_points(wire))
 
 
 def wired(*wires: bpy.types.Object, radius: float = RADIUS, target: bpy.types.Object | None = None):
@@ -70,11 +68,12 @@ def wired(*wires: bpy.types.Object, radius: float = RADIUS, target: bpy.types.Ob
 
 
 def expected(
-    points: np.ndarray, *curves: tuple[np.ndarray, np.ndarray], radius: float = RADIUS
+    points: np.ndarray, *curves: tuple[np.ndarray, np.ndarray], radius: object = RADIUS, **options: object
 ) -> np.ndarray:
     """What wires at rest and now make of points."""
     rest, posed = zip(*curves, strict=True)
-    wires = native().Wires(np.concatenate(rest), [len(one) for one in rest], radius=radius)
+    counts = [len(one) for one in rest]
+    wires = native().Wires(np.concatenate(rest), counts, radius=radius, **options)
     wires.bind(points)
     return wires.warp(np.concatenate(posed))
 
@@ -85,13 +84,12 @@ def test_wires_share_a_deformer_until_they_are_removed_and_steer_several_targets
     other = wired(wires[0], target=grid_object("Other"))
     assert len(plate.sinew.deformers) == 1
     assert [row.object for row in plate.sinew.active.controls] == wires
-    rests = [places_of(wire) for wire in wires]
+    moves = []
     for wire, height in zip(wires, (0.3, 0.9), strict=True):
         wire.location.z = height
-    posed = [rest + (0.0, 0.0, height) for rest, height in zip(rests, (0.3, 0.9), strict=True)]
-    both = expected(base_points(plate), *zip(rests, posed, strict=True))
-    assert close(evaluated_points(plate), both)
-    assert close(evaluated_points(other), expected(base_points(other), (rests[0], posed[0])))
+        moves.append((places_of(wire), places_of(wire) + (0.0, 0.0, height)))
+    assert close(evaluated_points(plate), expected(base_points(plate), *moves))
+    assert close(evaluated_points(other), expected(base_points(other), moves[0]))
     press(plate, "control_remove", index=0)
     assert [row.object for row in plate.sinew.active.controls] == wires[1:]
     wires[1].location.z = 0.0
@@ -110,31 +108,22 @@ def test_each_wire_has_its_own_settings() -> None:
     for wire in wires:
         wire.rotation_euler.x = 0.5
     update()
-    rests = [places_of(wire) for wire in wires]
-    posed = [rest @ np.array(wire.matrix_world)[:3, :3].T for rest, wire in zip(rests, wires, strict=True)]
-    made = native().Wires(
-        np.concatenate(rests), [6, 6], radius=[0.3, 0.4], scale=[1.0, 1.5], rotation=[0.0, 1.0]
-    )
-    made.bind(base_points(plate))
-    both = made.warp(np.concatenate(posed))
+    moves = [(places_of(wire), apply_matrix(wire.matrix_world, places_of(wire))) for wire in wires]
+    own = {"radius": [0.3, 0.4], "scale": [1.0, 1.5], "rotation": [0.0, 1.0]}
+    both, rest = expected(base_points(plate), *moves, **own), base_points(plate)
     assert close(evaluated_points(plate), both)
     second.enabled = False
-    alone, rest = evaluated_points(plate), base_points(plate)
+    alone = evaluated_points(plate)
     assert not close(alone, both)
     assert np.array_equal(alone[rest[:, 1] > 0.3], rest[rest[:, 1] > 0.3])
 
 
 def test_a_wire_along_selected_edges_follows_and_goes_with_the_deformer() -> None:
     plate = grid_object()
-    with in_mode(plate):
-        bpy.ops.mesh.select_all(action="DESELECT")
-    for edge in plate.data.edges:
-        edge.select = all(abs(plate.data.vertices[v].co.y - 0.2) < 1e-4 for v in edge.vertices)
-    for vertex in plate.data.vertices:
-        vertex.select = abs(vertex.co.y - 0.2) < 1e-4
-    with in_mode(plate):
-        assert bpy.ops.sinew.wire_add(points=0, radius=RADIUS) == {"FINISHED"}
-        assert plate.mode == "EDIT"
+    edit(plate, lambda point: abs(point.y - 0.2) < 1e-4)
+    assert bpy.ops.sinew.wire_add(points=0, radius=RADIUS) == {"FINISHED"}
+    assert plate.mode == "EDIT"
+    bpy.ops.object.mode_set(mode="OBJECT")
     wire = plate.sinew.active.controls[0].object
     assert wire.parent == plate
     assert close(drawn(wire)[np.argsort(drawn(wire)[:, 0])], line(0.2, count=11))
@@ -149,12 +138,7 @@ def test_a_wire_along_selected_edges_follows_and_goes_with_the_deformer() -> Non
 def test_a_ring_of_edges_becomes_a_closed_curve_with_few_points() -> None:
     bpy.ops.mesh.primitive_cylinder_add(vertices=24, depth=2.0, radius=1.0)
     can = bpy.context.object
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="DESELECT")
-    bpy.ops.object.mode_set(mode="OBJECT")
-    for edge in can.data.edges:
-        edge.select = all(can.data.vertices[v].co.z > 0.9 for v in edge.vertices)
-    bpy.ops.object.mode_set(mode="EDIT")
+    edit(can, lambda point: point.z > 0.9)
     assert bpy.ops.sinew.wire_add(points=6) == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     (spline,) = can.sinew.active.controls[0].object.data.splines
@@ -188,15 +172,12 @@ def test_a_domain_curve_limits_its_wire() -> None:
     shape = evaluated_points(plate)
     far = base_points(plate)[:, 1] > 0.3 - 1e-4
     assert np.abs(shape[far, 2]).max() == 0.0
-    made = native().Wires(line(), radius=RADIUS, domain=line(0.3))
-    made.bind(base_points(plate))
-    assert close(shape, made.warp(line(z=0.5)))
+    assert close(shape, expected(base_points(plate), (line(), line(z=0.5)), domain=line(0.3)))
 
 
 def test_curves_without_length_are_refused_by_name() -> None:
     plate = grid_object()
-    dot = polyline(np.zeros((3, 3)), "Dot")
-    press(plate, "wire_add", curve=dot.name)
+    press(plate, "wire_add", curve=polyline(np.zeros((3, 3)), "Dot").name)
     assert plate.sinew.active.status_level == "ERROR"
     assert "Dot has no length" in plate.sinew.active.status
     assert close(evaluated_points(plate), base_points(plate))
@@ -204,8 +185,7 @@ def test_curves_without_length_are_refused_by_name() -> None:
 
 @pytest.mark.parametrize("what", ["bevel_depth", "extrude"])
 def test_a_curve_that_shows_faces_is_refused_by_name(what: str) -> None:
-    plate = grid_object()
-    wire = curve("BEZIER", "Thick")
+    plate, wire = grid_object(), curve("BEZIER", "Thick")
     setattr(wire.data, what, 0.1)
     press(plate, "wire_add", curve=wire.name)
     assert "Thick shows faces" in plate.sinew.active.status

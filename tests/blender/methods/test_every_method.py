@@ -18,7 +18,19 @@ from mathutils import Matrix
 from probe import render_points
 from registry import METHODS, other_values
 from rigs.kinds import HandleRig, rig_for
-from rigs.rig import MATRIX, add_group, apply_matrix, close, key, make_active, move_world, press, push, update
+from rigs.rig import (
+    MATRIX,
+    add_group,
+    apply_matrix,
+    close,
+    key,
+    make_active,
+    move_world,
+    press,
+    push,
+    reopen,
+    update,
+)
 
 ITERATED = 1e-3  # where a pose differs in its last digit, an iterative method may stop a step earlier
 PAINTABLE = [method for method in METHODS if method.paintable]
@@ -40,21 +52,6 @@ def expected(rig: HandleRig) -> Poses:
     return rig.start(rig.method.id).poses
 
 
-def animate(rig: HandleRig) -> None:
-    """From rest at frame 1 to a turn at frame 20."""
-    rig.control.rotation_mode = "XYZ"
-    rest = {"rotation_euler": (0.0, 0.0, 0.0), "location": (0.0, 0.0, 0.0)}
-    key(rig.control, {1: rest, 20: {"rotation_euler": (1.4, 0.0, 0.0), "location": (0.05, -0.6, 0.7)}})
-
-
-def pose_directly(rig: HandleRig, basis: Matrix) -> np.ndarray:
-    """What the rig shows where its control comes there from rest in one step."""
-    rig.control.matrix_basis = Matrix.Identity(4)
-    update()
-    rig.control.matrix_basis = basis
-    return rig.points()
-
-
 def test_bind_offers_the_parameters_and_factor_0_shows_rest(rig: HandleRig, expected: Poses):
     deformer = rig.deformer
     assert (deformer.method, deformer.status_level) == (rig.method.id, "INFO"), deformer.status
@@ -66,12 +63,6 @@ def test_bind_offers_the_parameters_and_factor_0_shows_rest(rig: HandleRig, expe
     assert close(rig.points(), expected.lifted(0.0), rig.tolerance)
     deformer.factor = 0.0
     assert close(rig.points(), rig.rest(), rig.tolerance)
-
-
-def test_unposed_controls_show_the_rest_shape(rig: HandleRig):
-    rig.bind_at_rest(rig.method.id)
-    assert close(rig.points(), rig.rest(), rig.tolerance)
-    assert rig.deformer.status_level == "INFO", rig.deformer.status
 
 
 def test_a_pose_is_that_of_a_native_object_made_anew(rig: HandleRig, expected: Poses):
@@ -112,42 +103,34 @@ def test_each_parameter_reaches_the_native_object(rig: HandleRig):
 
 
 @pytest.mark.parametrize("rig", PAINTABLE, ids=lambda method: method.id, indirect=True)
-def test_a_painted_parameter_changes_the_shape_where_it_is_painted(rig: HandleRig):
+def test_a_painted_parameter_changes_the_shape_where_it_is_painted_until_its_group_is_deleted(rig: HandleRig):
+    """Then it has its plain value, and says so."""
     left = add_group(rig.obj, "Left", lambda point: point[0] < 0.0)
     rig.bind(rig.method.id)
+    values, plain = rig.deformer.parameters, None
     for parameter in rig.method.paintable:
-        value = max(parameter.default, 0.5)
-        stiffness = np.full(len(rig.rest()), parameter.minimum)
+        group, value = f"{parameter.id}_group", max(parameter.default, 0.5)
+        stiffness = np.full(len(rig.rest()), parameter.span.minimum)
         stiffness[left] = value
         rig.control.matrix_basis = Matrix.Identity(4)
         choice, among = parameter.only_with or (None, ())
         used = {choice: among[0]} if choice else {}
-        chosen = {name: getattr(rig.deformer.parameters, name) for name in used}
-        for name, option in used.items():
-            setattr(rig.deformer.parameters, name, option)
         expected = rig.expected(rig.method.id, **{parameter.id: stiffness}, **used)
         move_world(rig.control, TURN)
-        before = getattr(rig.deformer.parameters, parameter.id)
-        setattr(rig.deformer.parameters, parameter.id, value)
+        plain = rig.points()
+        before = {name: getattr(values, name) for name in (*used, parameter.id)}
+        for name, option in (used | {parameter.id: value}).items():
+            setattr(values, name, option)
         even = rig.points()
-        setattr(rig.deformer.parameters, f"{parameter.id}_group", "Left")
+        setattr(values, group, "Left")
         painted = rig.points()
         assert rig.deformer.status_level == "INFO", rig.deformer.status
         assert np.abs(painted - even).max() > 1e-5, parameter.id
         assert close(painted, expected.now(rig.obj, rig.control), rig.exactness), parameter.id
-        setattr(rig.deformer.parameters, f"{parameter.id}_group", "")
-        for name, option in (chosen | {parameter.id: before}).items():
-            setattr(rig.deformer.parameters, name, option)
-
-
-@pytest.mark.parametrize("rig", PAINTABLE, ids=lambda method: method.id, indirect=True)
-def test_a_painted_parameter_whose_group_was_deleted_has_its_plain_value_and_says_so(rig: HandleRig):
-    add_group(rig.obj, "Left", lambda point: point[0] < 0.0)
-    rig.bind(rig.method.id)
-    move_world(rig.control, TURN)
-    plain = rig.points()
+        for name, option in (before | {group: ""}).items():
+            setattr(values, name, option)
     for parameter in rig.method.paintable:
-        setattr(rig.deformer.parameters, f"{parameter.id}_group", "Left")
+        setattr(values, f"{parameter.id}_group", "Left")
     assert not close(rig.points(), plain, 1e-5)
     rig.obj.vertex_groups.remove(rig.obj.vertex_groups["Left"])
     press(rig.obj, "bind")
@@ -166,54 +149,42 @@ def test_a_drag_makes_no_jump_and_settles_to_the_answer_reached_directly(rig: Ha
             shown.append(rig.points())
         reach = np.abs(np.array(rig.control.matrix_world)[:3]).max() * 0.25
         settle()
-    settled = rig.points()
+    settled, basis = rig.points(), rig.control.matrix_basis.copy()
     steps = [np.abs(after - before).max() for before, after in pairwise(shown)]
     assert max(steps) < 2.0 * min(steps) + reach
-    assert np.array_equal(settled, pose_directly(rig, rig.control.matrix_basis.copy()))
     rig.control.matrix_basis = Matrix.Identity(4)
     assert np.array_equal(rig.points(), shown[0])
+    rig.control.matrix_basis = basis
+    assert np.array_equal(rig.points(), settled)
 
 
-def test_a_frame_reached_by_scrubbing_equals_the_frame_reached_directly(rig: HandleRig, expected: Poses):
-    animate(rig)
-    scene = bpy.context.scene
-    scene.frame_set(1)
-    at_rest = rig.points()
-    scene.frame_set(20)
-    direct = rig.points()
-    for frame in (3, 17, 5, 12, 1, 19, 20):
+def test_a_frame_shows_its_pose_however_it_is_reached_and_so_does_a_render(rig: HandleRig, expected: Poses):
+    """Directly, by scrubbing, and by a drag without keys; from rest at frame 1 to a turn at frame 20."""
+    rig.control.rotation_mode, scene = "XYZ", bpy.context.scene
+    rest = {"rotation_euler": (0.0, 0.0, 0.0), "location": (0.0, 0.0, 0.0)}
+    key(rig.control, {1: rest, 20: {"rotation_euler": (1.4, 0.0, 0.0), "location": (0.05, -0.6, 0.7)}})
+    shown = {}
+    for frame in (1, 20, 3, 17, 14, 5, 12, 1, 19, 20, 14):
         scene.frame_set(frame)
-    assert np.abs(direct - at_rest).max() > 0.5
-    assert np.array_equal(rig.points(), direct)
-
-
-def test_dragging_to_a_pose_equals_the_frame_with_that_pose(rig: HandleRig, expected: Poses):
-    animate(rig)
-    bpy.context.scene.frame_set(14)
-    played, basis = rig.points(), rig.control.matrix_basis.copy()
-    bpy.context.scene.frame_set(1)
+        assert np.array_equal(rig.points(), shown.setdefault(frame, rig.points())), frame
+    assert np.abs(shown[20] - shown[1]).max() > 0.5
+    assert np.array_equal(render_points(rig.obj), shown[14])
+    assert np.array_equal(rig.points(), shown[14])
+    basis = rig.control.matrix_basis.copy()
+    scene.frame_set(1)
     rig.control.animation_data_clear()
     for step in np.linspace(0.0, 1.0, 5):
         rig.control.matrix_basis = Matrix.Identity(4).lerp(basis, float(step))
         update()
     rig.control.matrix_basis = basis
     # the control's basis went through location and Euler angles in float32 once more
-    assert np.abs(rig.points() - played).max() < 1e-4
-
-
-def test_a_render_equals_the_viewport_to_the_last_bit(rig: HandleRig, expected: Poses):
-    animate(rig)
-    bpy.context.scene.frame_set(13)
-    viewport = rig.points()
-    assert np.array_equal(render_points(rig.obj), viewport)
-    assert np.array_equal(rig.points(), viewport)
+    assert np.abs(rig.points() - shown[14]).max() < 1e-4
 
 
 def test_a_saved_pose_is_loaded_to_the_last_bit_and_lives_on(rig: HandleRig, expected: Poses, tmp_path: Path):
     rig.lift(0.5)
     before = rig.points()
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "rig.blend"))
-    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "rig.blend"))
+    reopen(tmp_path / "rig.blend")
     assert np.array_equal(rig.points(), before)
     assert rig.deformer.status_level == "INFO", rig.deformer.status
     rig.lift(0.5)
@@ -271,19 +242,15 @@ def test_switching_to_other_methods_and_back_keeps_the_control(rig: HandleRig):
     assert rig.control == bpy.data.objects[control]
 
 
-def test_ten_poses_need_one_factor(rig: HandleRig, expected: Poses):
-    factor = factor_of(rig.deformer)
+def test_ten_poses_need_one_factor_and_where_nothing_changed_nothing_is_solved(
+    rig: HandleRig, expected: Poses, monkeypatch: pytest.MonkeyPatch
+):
+    factor, calls = factor_of(rig.deformer), []
     for step in range(1, 11):
         rig.lift(0.05)
         assert close(rig.points(), expected.lifted(0.05 * step), rig.exactness)
     assert factor_of(rig.deformer) is factor
-
-
-def test_nothing_is_solved_when_nothing_changed(rig: HandleRig, expected: Poses, monkeypatch):
-    rig.lift(0.5)
-    rig.points()
-    calls = []
-    monkeypatch.setattr(factor_of(rig.deformer), "solve", lambda *_args, **_options: calls.append(1))
+    monkeypatch.setattr(factor, "solve", lambda *_args, **_options: calls.append(1))
     for _ in range(3):
         rig.obj.update_tag()
         update()
@@ -300,6 +267,7 @@ def test_unbind_shows_rest_and_bind_goes_on(rig: HandleRig, expected: Poses):
     rig.relax()
     assert bpy.ops.sinew.bind() == {"FINISHED"}
     assert close(rig.points(), rig.rest(), rig.tolerance)
+    assert rig.deformer.status_level == "INFO", rig.deformer.status
     rig.lift(0.25)
     lifted = rig.rest()[rig.held] + (0.0, 0.0, 0.25)
     assert close(rig.points()[rig.held], lifted, rig.tolerance)

@@ -16,20 +16,11 @@ from registry import BY_ID, METHODS, Control, Moved, Reproduced
 from rigs.cages import ball
 from rigs.kinds import BY_CONTROL
 from rigs.point_objects import MAKERS, TESSELLATED, add, attach, moved_by_hand
-from rigs.rig import (
-    apply_matrix,
-    base_points,
-    evaluated_points,
-    key,
-    make_active,
-    new_empty,
-    press,
-    some_motion,
-    update,
-)
+from rigs.rig import apply_matrix, evaluated_points, make_active, new_empty, press, some_motion, update
+from rigs.rig import close as within
 from rigs.rig_of_curves import polyline
 
-# What handles move while all else stays has a test of its own: in test_drag_points.
+# What handles move while all else stays has a test of its own: in test_drag_tool.
 ON_POINTS = [
     method.id
     for method in METHODS
@@ -44,18 +35,12 @@ ROUNDED = 3e-5
 
 def loose_parts() -> bpy.types.Object:
     """Two balls and a vertex that no face holds."""
-    obj, other = ball("Parts", 1), ball("Other", 1)
-    points = np.concatenate(
-        (0.3 * base_points(obj), 0.2 * base_points(other) + (0.6, 0.1, 0.0), [(0, 0, 0.7)])
-    )
-    count = len(obj.data.vertices)
-    faces = [tuple(face.vertices) for face in obj.data.polygons]
-    faces += [tuple(count + index for index in face.vertices) for face in other.data.polygons]
-    mesh = bpy.data.meshes.new("Parts")
-    mesh.from_pydata(points.tolist(), [], faces)
-    obj.data = mesh
-    bpy.data.objects.remove(other)
-    make_active(obj)
+    obj, other = ball("Parts", 1, 0.3), ball("Other", 1, 0.2)
+    other.data.transform(Matrix.Translation((0.6, 0.1, 0.0)))
+    make_active(obj, other)
+    bpy.ops.object.join()
+    obj.data.vertices.add(1)
+    obj.data.vertices[-1].co.z = 0.7
     return obj
 
 
@@ -72,10 +57,6 @@ def by_handles(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
     return empties
 
 
-def by_cage(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
-    return [attach(obj, method)]
-
-
 def by_lattice(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
     press(obj, "lattice_add")
     lattice = obj.sinew.active.controls[0].object
@@ -83,13 +64,13 @@ def by_lattice(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
     return [lattice]
 
 
-def by_curves(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
+def by_wire(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
     wire = polyline(np.array([(-1.0, 0.0, 0.0), (0.0, 0.2, 0.0), (1.0, 0.0, 0.0)]))
     press(obj, "wire_add", curve=wire.name, radius=1e4 * FAR)
     return [wire]
 
 
-def by_tools(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
+def by_tool(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
     tool = new_empty("Tool")
     press(obj, "tool_add", control=tool.name, outer=FAR)
     obj.sinew.active.controls[0].inner = 0.5 * FAR
@@ -98,10 +79,10 @@ def by_tools(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
 
 ADDED = {
     Control.HANDLES: by_handles,
-    Control.CAGE: by_cage,
+    Control.CAGE: lambda obj, method: [attach(obj, method)],
     Control.LATTICE: by_lattice,
-    Control.CURVES: by_curves,
-    Control.TOOLS: by_tools,
+    Control.CURVES: by_wire,
+    Control.TOOLS: by_tool,
 }
 
 
@@ -114,14 +95,8 @@ def motion_for(method: str) -> Matrix:
     return some_motion() if is_rigid else Matrix.Translation((0.4, -0.2, 0.7))
 
 
-def key_place(control: bpy.types.Object, frame: int) -> None:
-    names = ("location", "rotation_euler", "scale")
-    key(control, {frame: {name: getattr(control, name).copy() for name in names}})
-
-
 def close(seen: np.ndarray, expected: np.ndarray) -> bool:
-    tolerance = (TESSELLATED + ROUNDED) * max(1.0, float(np.abs(expected).max()))
-    return seen.shape == expected.shape and bool(np.abs(seen - expected).max() < tolerance)
+    return within(seen, expected, (TESSELLATED + ROUNDED) * max(1.0, float(np.abs(expected).max())))
 
 
 @pytest.mark.parametrize("kind", TARGETS)
@@ -132,15 +107,15 @@ def test_every_space_method_moves_everything_in_viewports_and_renders(kind: str,
     controls = ADDED[BY_ID[method].control](obj, method)
     assert obj.sinew.active.method == method
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
-    rest = moved_by_hand(obj, lambda points: points)
+    rest, motion = moved_by_hand(obj, lambda points: points), motion_for(method)
     assert close(evaluated_points(obj), rest)
-    motion = motion_for(method)
     expected = moved_by_hand(obj, lambda points: apply_matrix(motion, points))
     make_active(obj)
     for control in controls:
-        key_place(control, 1)
-        control.matrix_world = motion @ control.matrix_world
-        key_place(control, 11)
+        for frame, pose in ((1, Matrix.Identity(4)), (11, motion)):
+            control.matrix_world = pose @ control.matrix_world
+            for name in ("location", "rotation_euler", "scale"):
+                control.keyframe_insert(name, frame=frame)
     for frame, shape in ((11, expected), (1, rest), (11, expected)):
         bpy.context.scene.frame_set(frame)
         assert close(evaluated_points(obj), shape), frame

@@ -12,7 +12,6 @@ from rigs.rig import (
     add_group,
     add_key,
     coordinates,
-    evaluated_points,
     grid_object,
     make_active,
     press,
@@ -64,52 +63,24 @@ def test_below_an_armature_the_mesh_itself_is_deformed(plate: Rig, method: str):
 
 
 def test_as_shape_key_adds_a_key_and_leaves_the_mesh(posed: Rig):
-    shown, rest = posed.points(), posed.rest()
-    bpy.ops.sinew.apply(as_shape_key=True)
-    keys = posed.obj.data.shape_keys.key_blocks
-    assert [key.name for key in keys] == ["Basis", "Sinew"]
-    assert keys[1].value == 0.0
-    assert np.array_equal(coordinates(keys[1].data), shown)
-    assert np.array_equal(posed.points(), rest)
-    assert not posed.obj.modifiers
-    keys[1].value = 1.0
-    assert np.abs(posed.points() - shown).max() < FLOAT32
-
-
-def test_as_shape_key_beside_keys_of_the_user(plate: Rig):
-    obj = plate.obj
-    wave = add_key(obj, "Wave", slope(0.2))
-    wave.value = 0.5
-    plate.bind().lift(0.7)
-    shown = plate.points()
-    refused("Apply as Shape Key", "apply", obj)
-    bpy.ops.sinew.apply(as_shape_key=True)
-    keys = obj.data.shape_keys.key_blocks
-    assert [key.name for key in keys] == ["Basis", "Wave", "Sinew"]
-    keys["Sinew"].value = 1.0
-    assert np.abs(plate.points() - shown).max() < FLOAT32
-    wave.value = 0.0
-    assert np.abs(plate.points() - shown - (plate.rest() - evaluated_wave(obj, wave))).max() < FLOAT32
-
-
-def evaluated_wave(obj: bpy.types.Object, wave) -> np.ndarray:
-    """The mesh with half of the key ``Wave`` alone."""
-    wave.value, obj.data.shape_keys.key_blocks["Sinew"].value = 0.5, 0.0
-    points = evaluated_points(obj)
-    wave.value, obj.data.shape_keys.key_blocks["Sinew"].value = 0.0, 1.0
-    return points
-
-
-def test_shape_keys_are_made_one_after_another_with_the_deformer_kept(posed: Rig):
-    shapes = []
-    for _ in range(2):
+    """One after another while the deformer is kept."""
+    rest, shapes = posed.rest(), []
+    for keep in (True, False):
         shapes.append(posed.points())
-        bpy.ops.sinew.apply(as_shape_key=True, keep_deformer=True)
-        posed.lift(0.2)
+        bpy.ops.sinew.apply(as_shape_key=True, keep_deformer=keep)
+        assert np.array_equal(posed.rest(), rest)
+        if keep:
+            posed.lift(0.2)
     keys = posed.obj.data.shape_keys.key_blocks
+    assert [(key.name, key.value) for key in keys[1:]] == [("Sinew", 0.0), ("Sinew.001", 0.0)]
+    assert shapes[1][posed.top, 2].max() == pytest.approx(0.9, abs=1e-5)
+    assert not posed.obj.modifiers
+    assert np.array_equal(posed.points(), rest)
     for key, shape in zip(keys[1:], shapes, strict=True):
         assert np.array_equal(coordinates(key.data), shape)
-    assert posed.points()[posed.top, 2].max() == pytest.approx(1.1, abs=1e-5)
+        key.value = 1.0
+        assert np.abs(posed.points() - shape).max() < FLOAT32
+        key.value = 0.0
 
 
 def test_apply_in_edit_mode_comes_back_to_edit_mode(posed: Rig):
@@ -119,3 +90,20 @@ def test_apply_in_edit_mode_comes_back_to_edit_mode(posed: Rig):
     assert posed.obj.mode == "EDIT"
     bpy.ops.object.mode_set(mode="OBJECT")
     assert np.array_equal(posed.rest(), shown)
+
+
+def test_as_shape_key_beside_keys_of_the_user(plate: Rig):
+    obj = plate.obj
+    wave = add_key(obj, "Wave", slope(0.2))
+    wave.value = 0.5
+    waving = plate.points()
+    plate.bind().lift(0.7)
+    shown = plate.points()
+    refused("Apply as Shape Key", "apply", obj)
+    bpy.ops.sinew.apply(as_shape_key=True)
+    keys = obj.data.shape_keys.key_blocks
+    assert [key.name for key in keys] == ["Basis", "Wave", "Sinew"]
+    keys["Sinew"].value = 1.0
+    assert np.abs(plate.points() - shown).max() < FLOAT32
+    wave.value = 0.0
+    assert np.abs(plate.points() - shown - (plate.rest() - waving)).max() < FLOAT32

@@ -1,17 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Controls as they are made: how far they reach, what is drawn of that, and the numbers in the sidebar."""
 
-from __future__ import annotations
-
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 import bpy
 import numpy as np
 import pytest
 from inside import inner
-from mathutils import Euler, Matrix
+from mathutils import Euler, Matrix, Vector
 from rigs.cages import ball
-from rigs.rig import add_group, base_points, make_active, new_object, press, update
+from rigs.rig import add_group, base_points, make_active, press, update
 from rigs.rig_of_curves import polyline, stroke_through
 from test_drag import drag
 
@@ -22,20 +20,16 @@ CENTRE = np.array((5.0, 0.0, 0.0))  # of the small part
 @pytest.fixture
 def head() -> bpy.types.Object:
     """A large ball with a small one beside it, as one mesh."""
-    made = ball("Parts", 3)
-    points = base_points(made)
-    points /= np.abs(points).max()
-    faces = [list(face.vertices) for face in made.data.polygons]
-    beside = [[vertex + len(points) for vertex in face] for face in faces]
-    both = np.concatenate((0.5 * BIG * points, CENTRE + 0.5 * SMALL * points))
-    bpy.data.objects.remove(made)
-    obj = new_object("Head", both.tolist(), faces + beside)
-    make_active(obj)
-    return obj
+    parts = [ball("Head", 3), ball("Beside", 3)]
+    for part, size, place in zip(parts, (BIG, SMALL), (Vector(), Vector(CENTRE)), strict=True):
+        reach = np.abs(base_points(part)).max()
+        part.data.transform(Matrix.Translation(place) @ Matrix.Scale(0.5 * size / reach, 4))
+    make_active(*parts)
+    bpy.ops.object.join()
+    return parts[0]
 
 
 def stroke(length: float, middle: np.ndarray) -> list[dict[str, object]]:
-    """One of a length along y, about a place."""
     return stroke_through(middle + np.outer(np.linspace(-0.5, 0.5, 20), (0.0, length, 0.0)))
 
 
@@ -59,15 +53,15 @@ def test_a_wire_reaches_as_its_stroke_and_its_part_ask_for(
 
 
 def test_each_of_several_curves_gets_a_radius_of_its_own(head: bpy.types.Object):
-    lengths = (0.3, 0.9)
-    for length in lengths:
-        ends = np.array([(0.0, -0.5 * length, 2.0), (0.0, 0.5 * length, 2.0)])
-        polyline(ends, f"Curve {length}").select_set(True)
-    head.select_set(True)
-    bpy.context.view_layer.objects.active = head
+    lengths = {"Short": 0.3, "Long": 0.9}
+    curves = [
+        polyline(np.array([(0.0, end * length, 2.0) for end in (-0.5, 0.5)]), name)
+        for name, length in lengths.items()
+    ]
+    make_active(head, *curves)
     assert bpy.ops.sinew.wire_add(source="CURVES") == {"FINISHED"}
     found = {row.object.name: row.radius for row in head.sinew.active.controls}
-    assert found == pytest.approx({f"Curve {length}": 0.35 * length for length in lengths}, rel=0.01)
+    assert found == pytest.approx({name: 0.35 * length for name, length in lengths.items()}, rel=0.01)
 
 
 @pytest.mark.parametrize(("place", "size"), [((0.0, 0.0, 2.0), BIG), (tuple(CENTRE), SMALL)])
@@ -83,26 +77,22 @@ def test_a_field_reaches_as_the_part_asks_for(head: bpy.types.Object, place: tup
 
 
 def test_the_rings_of_the_active_control_are_as_large_as_it_reaches(head: bpy.types.Object):
-    rings = inner.reach.rings
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-
-    def radii(place: np.ndarray) -> list[float]:
-        lines = rings(head.sinew.active.controls[-1], depsgraph)
-        return [float(np.linalg.norm(line - place, axis=1).mean()) for line in lines]
-
     middle = np.array((0.0, 0.0, 2.0))
+
+    def radii() -> list[float]:
+        update()
+        rings = inner.reach.rings(head.sinew.active.controls[-1], bpy.context.evaluated_depsgraph_get())
+        return [float(np.linalg.norm(line - middle, axis=1).mean()) for line in rings]
+
     bpy.ops.sinew.wire_draw(stroke=stroke(0.4, middle), points=0)
-    update()
-    assert radii(middle) == pytest.approx([0.14], rel=0.1)
+    assert radii() == pytest.approx([0.14], rel=0.1)
     press(head, "tool_add", tool="drag", location=middle, outer=0.8)
-    update()
-    assert radii(middle) == pytest.approx([0.2] * 3 + [0.8] * 3, rel=1e-4)
+    assert radii() == pytest.approx([0.2] * 3 + [0.8] * 3, rel=1e-4)
     head.sinew.active.controls[-1].object.scale = (2.0, 2.0, 2.0)
-    update()
-    assert radii(middle) == pytest.approx([0.4] * 3 + [1.6] * 3, rel=1e-4)
+    assert radii() == pytest.approx([0.4] * 3 + [1.6] * 3, rel=1e-4)
 
 
-def _handle(obj: bpy.types.Object) -> None:
+def _handles(obj: bpy.types.Object) -> None:
     bpy.ops.sinew.deformer_add(method="arap")
     for name in ("One", "Two"):
         press(obj, "handle_add", kind="HANDLE", vertex_group=name)
@@ -130,8 +120,8 @@ def _tool(obj: bpy.types.Object) -> None:
         press(obj, "tool_add", tool=tool)
 
 
-MAKERS: dict[str, Callable[[bpy.types.Object], None]] = {
-    "handles": _handle,
+MAKERS: dict[str, Callable[[bpy.types.Object], object]] = {
+    "handles": _handles,
     "handles beside a moved one": _handle_beside_a_moved_one,
     "point at the cursor": _point,
     "point under the mouse": _drag,
@@ -140,11 +130,6 @@ MAKERS: dict[str, Callable[[bpy.types.Object], None]] = {
     "cage": lambda obj: bpy.ops.sinew.cage_add(),
     "lattice": lambda obj: bpy.ops.sinew.lattice_add(),
 }
-
-
-def numbers(obj: bpy.types.Object) -> Iterator[float]:
-    """Those in the sidebar."""
-    yield from (*obj.location, *obj.rotation_euler, *(1.0 - size for size in obj.scale))
 
 
 @pytest.mark.parametrize("turned", [False, True])
@@ -163,5 +148,5 @@ def test_a_fresh_control_shows_no_minus_zero(maker: str, turned: bool):
     made = [other for other in bpy.data.objects if other not in before and other.users_scene]
     assert made
     for other in made:
-        for value in numbers(other):
+        for value in (*other.location, *other.rotation_euler, *(1.0 - size for size in other.scale)):
             assert abs(value) >= 5e-7 or str(value) == "0.0", (other.name, value)

@@ -6,8 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from editing import edit, select
-from inside import inner, notes_of
-from mathutils import Matrix
+from inside import notes_of
 from rigs.rig import (
     FLOAT32,
     Rig,
@@ -19,8 +18,8 @@ from rigs.rig import (
     in_mode,
     in_pose_mode,
     make_active,
-    move_world,
     new_armature,
+    on_all,
     press,
     refused,
     select_bone,
@@ -38,19 +37,23 @@ def test_from_selection_to_pose():
     base = select(obj, lambda point: point.y < -0.75)
     assert bpy.ops.sinew.handle_add(kind="FIXED") == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
-
     deformer = obj.sinew.active
     assert [handle.vertex_group for handle in deformer.handles] == ["Handle", "Still"]
     assert len(obj.modifiers) == 1
     control = deformer.handles[0].control
-    assert control.select_get()
-    assert not obj.select_get()
+    assert (control.select_get(), obj.select_get()) == (True, False)
     assert np.allclose(control.matrix_world.translation, (0.0, 0.9, 0.0), atol=1e-6)
     assert np.allclose(np.array(control.matrix_world)[:3, 2], (0.0, 0.0, 1.0), atol=1e-6)  # the mean normal
-    move_world(control, Matrix.Translation((0.0, 0.0, 0.5)))
     rig = Rig.called(obj.name)
+    rig.lift(0.5)
     assert np.abs(rig.points()[top, 2] - 0.5).max() < 4e-6
     assert np.array_equal(rig.points()[base], rig.rest()[base])
+    soft = edit(obj, lambda point: point.y > -0.1)
+    bpy.ops.sinew.handle_add(kind="SUPPORT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    moved = np.abs(rig.points() - rig.rest()).max(axis=1) > 1e-6
+    assert set(np.flatnonzero(moved)) <= set(soft)
+    assert close(rig.points()[top], rig.rest()[top] + (0.0, 0.0, 0.5))
 
 
 def test_the_panel_says_where_nothing_will_bend(plate: Rig):
@@ -58,29 +61,15 @@ def test_the_panel_says_where_nothing_will_bend(plate: Rig):
         update()
         return " ".join(text for text in notes_of(plate.deformer) if text.startswith("Nothing will bend"))
 
-    deformer = plate.bind("arap", fixed=False).deformer
+    plate.bind("arap", fixed=False)
     assert "follows Top" in told()
     press(plate.obj, "handle_add", kind="FIXED", vertex_group="Base")
     assert not told()
     add_group(plate.obj, "Middle", lambda point: abs(point[1]) < 0.75)
     press(plate.obj, "handle_add", kind="FIXED", vertex_group="Middle")
     assert "all vertices" in told()
-    deformer.handles[0].enabled = False
+    plate.deformer.handles[0].enabled = False
     assert "no handle" in told()
-
-
-def test_support_from_the_selection():
-    obj = grid_object()
-    top = edit(obj, lambda point: point.y > 0.75)
-    bpy.ops.sinew.handle_add(kind="HANDLE")
-    soft = select(obj, lambda point: point.y > -0.1)
-    bpy.ops.sinew.handle_add(kind="SUPPORT")
-    bpy.ops.object.mode_set(mode="OBJECT")
-    move_world(obj.sinew.active.handles[0].control, Matrix.Translation((0.0, 0.0, 0.5)))
-    rig = Rig.called(obj.name)
-    moved = np.abs(rig.points() - rig.rest()).max(axis=1) > 1e-6
-    assert set(np.flatnonzero(moved)) <= set(soft)
-    assert close(rig.points()[top], rig.rest()[top] + (0.0, 0.0, 0.5))
 
 
 def test_control_of_a_selected_bone_or_object():
@@ -97,17 +86,14 @@ def test_control_of_a_selected_bone_or_object():
 
 
 def test_select_shows_free_parts(plate: Rig):
-    with in_mode(plate.obj):
-        bpy.ops.mesh.primitive_cube_add(size=0.2, location=(0.0, 0.0, 2.0))
+    on_all(plate.obj, bpy.ops.mesh.primitive_cube_add, size=0.2, location=(0.0, 0.0, 2.0))
     plate.bind()
     plate.deformer.loose_parts = "STAY"
     update()
-    lines = [line.text for line in inner.status.notes(plate.deformer.uid)]
-    assert "1 loose part stays at rest" in lines
+    assert "1 loose part stays at rest" in notes_of(plate.deformer)
     press(plate.obj, "select_problems")
-    edit = bmesh.from_edit_mesh(plate.obj.data)
-    chosen = [vertex.co.z for vertex in edit.verts if vertex.select]
     bpy.ops.object.mode_set(mode="OBJECT")
+    chosen = [vertex.co.z for vertex in plate.obj.data.vertices if vertex.select]
     assert len(chosen) == 8
     assert min(chosen) > 1.5
 
@@ -135,17 +121,13 @@ def is_selected(armature: bpy.types.Object, bone: str) -> bool:
 
 @pytest.mark.parametrize("mode", ["OBJECT", "WEIGHT_PAINT"])
 def test_the_active_group_becomes_the_region(plate: Rig, mode: str):
-    make_active(plate.obj)
     activate(plate.obj, "Top")
-    bpy.ops.object.mode_set(mode=mode)
-    assert bpy.ops.sinew.handle_add(kind="HANDLE") == {"FINISHED"}
-    assert plate.obj.mode == mode
-    (handle,) = plate.deformer.handles
-    assert handle.vertex_group == "Top"
-    assert not handle.owns_group
-    assert handle.control.type == "EMPTY"
-    refused("'Top' is a region of this deformer already", "handle_add", kind="FIXED")
-    bpy.ops.object.mode_set(mode="OBJECT")
+    with in_mode(plate.obj, mode):
+        assert bpy.ops.sinew.handle_add(kind="HANDLE") == {"FINISHED"}
+        assert plate.obj.mode == mode
+        (handle,) = plate.deformer.handles
+        assert (handle.vertex_group, handle.owns_group, handle.control.type) == ("Top", False, "EMPTY")
+        refused("'Top' is a region of this deformer already", "handle_add", kind="FIXED")
     bpy.ops.sinew.handle_remove(index=0)
     assert "Top" in plate.obj.vertex_groups  # it was the user's
 
@@ -175,31 +157,30 @@ def test_a_selected_bone_controls_its_own_group(plate: Rig):
     assert is_selected(armature, "high")
     bpy.ops.object.mode_set(mode="OBJECT")
     press(plate.obj, "handle_add", kind="FIXED", vertex_group="Base")
-    armature.pose.bones["high"].location = (0.1, 0.2, 0.3)
-    high = [index for index, point in enumerate(plate.rest()) if point[1] > 0.0]
-    bpy.context.view_layer.update()
-    motion = armature.pose.bones["high"].matrix @ armature.data.bones["high"].matrix_local.inverted()
-    expected = apply_matrix(motion, plate.rest()[high])
+    bone = armature.pose.bones["high"]
+    bone.location = (0.1, 0.2, 0.3)
+    update()
+    high = plate.rest()[:, 1] > 0.0
+    expected = apply_matrix(bone.matrix @ bone.bone.matrix_local.inverted(), plate.rest()[high])
     assert np.abs(expected - plate.rest()[high]).max() > 0.1
     assert np.abs(plate.points()[high] - expected).max() < 1e-5
     plate.deformer.handles[0].from_rest = False
     assert np.abs(plate.points()[high] - expected).max() > 0.1  # twice
 
 
-def test_a_bone_without_a_group_takes_the_active_one(plate: Rig):
-    armature = add_armature(plate.obj)
-    plate.obj.vertex_groups.remove(plate.obj.vertex_groups["high"])
-    activate(plate.obj, "Top")
-    in_pose_mode(armature, "high", plate.obj)
-    bpy.ops.sinew.handle_add(kind="HANDLE")
-    (handle,) = plate.deformer.handles
-    assert (handle.vertex_group, handle.bone, handle.from_rest) == ("Top", "high", False)
-
-
-def test_pose_mode_without_the_mesh_selected_is_refused(plate: Rig):
+def test_a_bone_without_a_group_takes_the_active_one_and_what_is_fixed_takes_no_bone(plate: Rig):
     armature = add_armature(plate.obj)
     in_pose_mode(armature, "high")
-    assert not bpy.ops.sinew.handle_add.poll()
+    assert not bpy.ops.sinew.handle_add.poll()  # the mesh is not selected
+    plate.obj.vertex_groups.remove(plate.obj.vertex_groups["high"])
+    for bone, kind, group in (("high", "HANDLE", "Top"), ("low", "FIXED", "Base")):
+        activate(plate.obj, group)
+        in_pose_mode(armature, bone, plate.obj)
+        bpy.ops.sinew.handle_add(kind=kind)
+        bpy.ops.object.mode_set(mode="OBJECT")
+    one, other = plate.deformer.handles
+    assert (one.vertex_group, one.bone, one.from_rest) == ("Top", "high", False)
+    assert other.control is None
 
 
 def test_weight_painting_with_an_armature_in_pose_mode(plate: Rig):
@@ -207,31 +188,18 @@ def test_weight_painting_with_an_armature_in_pose_mode(plate: Rig):
     in_pose_mode(armature, "high")
     bpy.context.view_layer.objects.active = plate.obj
     bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
-    activate(plate.obj, "Top")
     bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top")
     (handle,) = plate.deformer.handles
     assert (handle.control, handle.bone) == (armature, "high")
     assert plate.obj.mode == "WEIGHT_PAINT"
 
 
-def test_a_fixed_region_takes_no_bone(plate: Rig):
-    armature = add_armature(plate.obj)
-    in_pose_mode(armature, "low", plate.obj)
-    bpy.ops.sinew.handle_add(kind="FIXED")
-    (handle,) = plate.deformer.handles
-    assert handle.control is None
-
-
-def two_handles(plate: Rig) -> list[bpy.types.Object]:
+@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
+def test_select_and_extend(plate: Rig, mode: str):
     plate.bind(fixed=False)
     press(plate.obj, "handle_add", kind="HANDLE", vertex_group="Base")
     make_active(plate.obj)
-    return [handle.control for handle in plate.deformer.handles]
-
-
-@pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
-def test_select_and_extend(plate: Rig, mode: str):
-    first, second = ({control} for control in two_handles(plate))
+    first, second = ({handle.control} for handle in plate.deformer.handles)
     if mode == "EDIT":
         first, second = set(plate.top), set(plate.base)
     bpy.ops.object.mode_set(mode=mode)
@@ -261,7 +229,6 @@ def test_select_of_a_bone_leads_to_pose_mode(plate: Rig):
 def test_the_same_group_by_name_may_be_used_twice(plate: Rig):
     """A script that names the group means it: one soft, one hard region of the same vertices."""
     plate.bind()
-    add_group(plate.obj, "Other", lambda point: point[0] > 0.8 and abs(point[1]) < 0.3)
     press(plate.obj, "handle_add", kind="FIXED", vertex_group="Top", weight=0.5)
     assert [handle.name for handle in plate.deformer.handles] == ["Top", "Base", "Top.001"]
     assert plate.deformer.status_level == "INFO"
@@ -274,8 +241,7 @@ def test_a_baked_deformer_is_unbaked_before_it_is_removed(plate: Rig, tmp_path, 
     press(plate.obj, "deformer_add", method="thin_shell")
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "scene.blend"))
     plate.obj.sinew.active_deformer = 0
-    bpy.context.scene.frame_end = 2
-    bpy.ops.sinew.bake(target=target)
+    bpy.ops.sinew.bake(target=target, frame_start=1, frame_end=2)
     assert plate.obj.sinew.deformers[0].bake.is_baked
     refused("Unbake it first", "deformer_move", direction="DOWN", index=0)
     bpy.ops.sinew.deformer_remove(index=0)
@@ -285,14 +251,10 @@ def test_a_baked_deformer_is_unbaked_before_it_is_removed(plate: Rig, tmp_path, 
 
 
 def test_a_control_outside_the_view_layer_moves_its_region_all_the_same(plate: Rig):
-    """It cannot be selected there, which is no reason to refuse: the region is made and follows."""
-    away = bpy.data.collections.new("Away")
+    away, control = bpy.data.collections.new("Away"), bpy.data.objects.new("Far", None)
     bpy.context.scene.collection.children.link(away)
-    control = bpy.data.objects.new("Far", None)
     away.objects.link(control)
     bpy.context.view_layer.layer_collection.children["Away"].exclude = True
-    press(plate.obj, "deformer_add", method="thin_shell")
-    found = bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Top", control_object="Far")
-    assert found == {"FINISHED"}
+    press(plate.obj, "handle_add", kind="HANDLE", vertex_group="Top", control_object="Far")
     control.location.z += 0.5
     assert np.abs(plate.points()[plate.top, 2] - 0.5).max() < 1e-5

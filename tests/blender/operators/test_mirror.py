@@ -1,30 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mirror of handles: names by Blender's rules, weights by place, controls and poses by reflection."""
 
-import math
-
 import bpy
 import numpy as np
 import pytest
 from editing import edit, select
 from inside import inner
-from mathutils import Euler, Matrix
+from mathutils import Matrix
 from rigs.rig import (
     FLOAT32,
     Rig,
+    add_key,
     apply_matrix,
     base_points,
     evaluated_points,
     grid_object,
     in_mode,
-    linked,
     make_active,
-    move_world,
     new_armature,
     new_empty,
     painted,
     press,
-    refused,
     reopen,
     some_motion,
     update,
@@ -37,13 +33,11 @@ def paint(obj: bpy.types.Object, name: str, weight) -> None:
     """A vertex group with ``weight(point)`` where that is above 0."""
     group = obj.vertex_groups.new(name=name)
     for vertex in obj.data.vertices:
-        value = weight(vertex.co)
-        if value > 0.0:
+        if (value := weight(vertex.co)) > 0.0:
             group.add([vertex.index], value, "REPLACE")
 
 
 def weights(obj: bpy.types.Object, name: str) -> dict[tuple[float, ...], float]:
-    """Weight by place, of the vertices in a group."""
     found = painted(obj.data, obj.vertex_groups[name].index)
     places = map(tuple, np.round(base_points(obj), 4) + 0.0)
     return {place: weight for place, weight in zip(places, found, strict=True) if weight}
@@ -70,11 +64,16 @@ def hand() -> Rig:
 
 
 def by_name(plate: Rig, name: str):
-    return next(handle for handle in plate.deformer.handles if handle.name == name)
+    return plate.deformer.handles[name]
 
 
 def handle_names(plate: Rig) -> list[str]:
-    return [handle.name for handle in plate.deformer.handles]
+    return plate.deformer.handles.keys()
+
+
+def mirror(**options) -> None:
+    assert bpy.ops.sinew.handle_mirror(**options) == {"FINISHED"}
+    update()
 
 
 def add_region(plate: Rig, name: str, where, kind: str = "FIXED") -> None:
@@ -99,7 +98,6 @@ def low_corner(sign: float):
 
 
 def on_the_right(plate: Rig) -> list[int]:
-    """The hard vertices of what mirrors Hand.L."""
     return [i for i, p in enumerate(plate.rest()) if p[0] < -0.76 and p[1] > -0.5]
 
 
@@ -127,15 +125,14 @@ def test_names_flip_as_blender_flips_them(name: str):
 def test_a_handle_is_made_for_the_other_side(hand: Rig):
     source = by_name(hand, "Hand.L")
     source.weight, source.continuity, source.colour = 0.9, 1.0, (0.1, 0.2, 0.3)
-    assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    mirror()
     assert handle_names(hand) == ["Hand.L", "Spine", "Hand.R"]
     source, target = by_name(hand, "Hand.L"), by_name(hand, "Hand.R")
     assert_weights_are_mirrored(hand)
     assert len({round(weight, 3) for weight in weights(hand.obj, "Hand.R").values()}) > 2  # soft ones too
     assert target.vertex_group == "Hand.R"
-    for name in ("kind", "weight", "continuity"):
+    for name in ("kind", "weight", "continuity", "colour"):
         assert getattr(target, name) == getattr(source, name)
-    assert tuple(target.colour) == tuple(source.colour)
     assert target.control not in (None, source.control)
     places = [np.array(handle.control.matrix_world.translation) for handle in (source, target)]
     assert np.allclose(places[0] * FLIP, places[1], atol=1e-6)
@@ -145,22 +142,26 @@ def test_a_handle_is_made_for_the_other_side(hand: Rig):
 
 @pytest.mark.parametrize("turned", [False, True])
 def test_the_pose_is_mirrored_with_it(hand: Rig, turned: bool):
-    """The posed shape becomes its own mirror image, wherever the mesh object stands."""
+    """The posed shape becomes its own mirror image, wherever the mesh object stands.
+
+    The numbers are those with x, and the turns about y and z, reversed: what Paste Pose Flipped does.
+    """
     if turned:
         hand.obj.matrix_world = some_motion() @ Matrix.Diagonal((1.0, 2.0, 0.5, 1.0))
         bpy.ops.sinew.unbind()
         bpy.ops.sinew.bind()
     control = hand.control
-    control.location = (0.1, 0.2, 0.4)
-    control.rotation_euler = (0.3, 0.5, -0.2)
+    control.location, control.rotation_euler = (0.1, 0.2, 0.4), (0.3, 0.5, -0.2)
     before = hand.points()
     assert np.abs(before - hand.rest()).max() > 0.3
     press(hand.obj, "handle_mirror")
     assert_is_its_own_mirror_image(hand)
     assert np.abs(hand.points() - hand.rest()).max() > 0.3
     other = by_name(hand, "Hand.R").control
-    other.matrix_basis = Matrix.Identity(4)
-    control.matrix_basis = Matrix.Identity(4)
+    if not turned:
+        assert np.allclose(other.location, (-0.1, 0.2, 0.4), atol=1e-6)
+        assert np.allclose(other.rotation_euler, (0.3, -0.5, 0.2), atol=1e-6)
+    other.matrix_basis = control.matrix_basis = Matrix.Identity(4)
     assert np.abs(hand.points() - hand.rest()).max() < 2e-5  # Alt+G, Alt+R bring both back
 
 
@@ -175,41 +176,33 @@ def test_the_support_around_a_dragged_handle_is_mirrored_with_it():
 
 
 def test_the_next_mirror_updates_the_counterpart(hand: Rig):
-    bpy.ops.sinew.handle_mirror()
+    """Its weights only, or its settings and its pose as well."""
+    mirror()
     first = by_name(hand, "Hand.R").control
     by_name(hand, "Hand.L").control.location.z = 0.5
     by_name(hand, "Hand.L").weight = 0.5
-    hand.obj.vertex_groups["Hand.L"].add([60], 0.25, "REPLACE")
-    bpy.ops.sinew.handle_mirror()
-    assert len(hand.deformer.handles) == 3
-    target = by_name(hand, "Hand.R")
-    assert target.control == first
-    assert target.weight == 0.5
-    assert_weights_are_mirrored(hand)
+    hand.obj.vertex_groups["Hand.L"].add([30, 60], 0.25, "REPLACE")
+    for weights_only in (True, False):
+        mirror(weights_only=weights_only)
+        assert handle_names(hand) == ["Hand.L", "Spine", "Hand.R"]
+        target = by_name(hand, "Hand.R")
+        assert target.control == first
+        assert target.weight == (1.0 if weights_only else 0.5)
+        assert np.allclose(first.matrix_basis, Matrix.Identity(4)) == weights_only
+        assert_weights_are_mirrored(hand)
     assert_is_its_own_mirror_image(hand)
-
-
-def test_weights_only_leaves_settings_and_pose(hand: Rig):
-    bpy.ops.sinew.handle_mirror()
-    target = by_name(hand, "Hand.R")
-    target.weight = 0.75
-    by_name(hand, "Hand.L").control.location.z = 0.5
-    hand.obj.vertex_groups["Hand.L"].add([30], 0.5, "REPLACE")
-    bpy.ops.sinew.handle_mirror(weights_only=True)
-    target = by_name(hand, "Hand.R")
-    assert target.weight == 0.75
-    assert np.allclose(target.control.matrix_basis, Matrix.Identity(4))
-    assert_weights_are_mirrored(hand)
 
 
 @pytest.mark.parametrize("name", ["Foot.R", "Foot"])
 def test_all_of_one_side(hand: Rig, name: str):
-    """A handle without a side in its name gets one when its side is mirrored."""
+    """A handle without a side in its name gets one when its side is mirrored; what is fixed, no control."""
     add_region(hand, name, low_corner(-1.0), "HANDLE")
-    bpy.ops.sinew.handle_mirror(side="LEFT_TO_RIGHT")
-    assert handle_names(hand) == ["Hand.L", "Spine", name, "Hand.R"]
-    bpy.ops.sinew.handle_mirror(side="RIGHT_TO_LEFT")
-    assert handle_names(hand) == ["Hand.L", "Spine", "Foot.R", "Hand.R", "Foot.L"]
+    add_region(hand, "Pin.L", lambda point: point[0] > 0.9 and point[1] < -0.7)
+    mirror(side="LEFT_TO_RIGHT")
+    assert handle_names(hand) == ["Hand.L", "Spine", name, "Pin.L", "Hand.R", "Pin.R"]
+    assert (by_name(hand, "Pin.R").kind, by_name(hand, "Pin.R").control) == ("FIXED", None)
+    mirror(side="RIGHT_TO_LEFT")
+    assert handle_names(hand) == ["Hand.L", "Spine", "Foot.R", "Pin.L", "Hand.R", "Pin.R", "Foot.L"]
     assert_weights_are_mirrored(hand, "Foot.R", "Foot.L")
 
 
@@ -218,8 +211,7 @@ def test_vertices_on_the_centre_stay_with_the_source(capfd):
     plate = Rig(grid_object())
     bpy.ops.sinew.deformer_add(method="thin_shell")
     add_region(plate, "Half.L", lambda point: point[0] > -0.01, "HANDLE")
-    capfd.readouterr()
-    bpy.ops.sinew.handle_mirror()
+    mirror()
     assert "11 vertices on the centre line belong" in capfd.readouterr().out
     assert plate.deformer.status_level == "INFO"
     left, right = weights(plate.obj, "Half.L"), weights(plate.obj, "Half.R")
@@ -228,19 +220,21 @@ def test_vertices_on_the_centre_stay_with_the_source(capfd):
 
 
 def test_an_even_handle_takes_one_half_from_the_other(hand: Rig):
+    def aside_and_centre() -> tuple[set, dict]:
+        head = weights(hand.obj, "Head")
+        aside = {weight for place, weight in head.items() if place[0]}
+        return aside, {place: weight for place, weight in head.items() if not place[0]}
+
     add_region(hand, "Head", lambda point: (0.8 if point[0] > 0.0 else 0.3) * (abs(point[0]) < 0.5))
-    centre = {place: weight for place, weight in weights(hand.obj, "Head").items() if place[0] == 0.0}
-    bpy.ops.sinew.handle_mirror()  # the active one
-    head = weights(hand.obj, "Head")
-    assert head == pytest.approx(reflected(head))
-    assert {weight for place, weight in head.items() if place[0]} == {np.float32(0.8)}
-    assert {place: weight for place, weight in head.items() if place[0] == 0.0} == centre
+    centre = aside_and_centre()[1]
+    mirror()  # the active one
+    assert aside_and_centre() == ({np.float32(0.8)}, centre)
+    assert_weights_are_mirrored(hand, "Head", "Head")
     assert len(hand.deformer.handles) == 3
-    hand.obj.vertex_groups["Head"].add(
-        [i for i, p in enumerate(hand.rest()) if -0.5 < p[0] < -0.1], 0.4, "REPLACE"
-    )
-    bpy.ops.sinew.handle_mirror(side="RIGHT_TO_LEFT")
-    assert {weight for place, weight in weights(hand.obj, "Head").items() if place[0]} == {np.float32(0.4)}
+    right = [i for i, p in enumerate(hand.rest()) if -0.5 < p[0] < -0.1]
+    hand.obj.vertex_groups["Head"].add(right, 0.4, "REPLACE")
+    mirror(side="RIGHT_TO_LEFT")
+    assert aside_and_centre()[0] == {np.float32(0.4)}
 
 
 def test_painted_parameters_are_evened_out_on_request(hand: Rig):
@@ -248,40 +242,32 @@ def test_painted_parameters_are_evened_out_on_request(hand: Rig):
     hand.deformer.method = "arap"
     hand.deformer.arap.rigidity_group = "Stiff"
     before = weights(hand.obj, "Stiff")
-    bpy.ops.sinew.handle_mirror()
+    mirror()
     assert weights(hand.obj, "Stiff") == before
-    bpy.ops.sinew.handle_mirror(painted_groups=True)
+    mirror(painted_groups=True)
     after = weights(hand.obj, "Stiff")
     assert after == pytest.approx(reflected(after))
-    assert {place: weight for place, weight in after.items() if place[0] >= 0.0} == {
-        place: weight for place, weight in before.items() if place[0] >= 0.0
-    }
+    assert all(after[place] == weight for place, weight in before.items() if place[0] >= 0.0)
 
 
 def test_the_bone_of_the_other_side_becomes_the_control(hand: Rig):
-    data = bpy.data.armatures.new("Rig")
-    armature = linked(bpy.data.objects.new("Rig", data))
+    places = {f"arm.{side}": ((0.5 * x, 0, 0), (x, 0.2, 0.3)) for side, x in (("L", 1.0), ("R", -1.0))}
+    armature = new_armature(**places)
     armature.location = (0.0, 0.3, 0.1)
     with in_mode(armature):
-        for name, x, roll in (("arm.L", 1.0, 0.3), ("arm.R", -1.0, 1.1)):  # rolls that do not match
-            bone = data.edit_bones.new(name)
-            bone.head, bone.tail = (0.5 * x, 0.0, 0.0), (x, 0.2, 0.3)
+        for bone, roll in zip(armature.data.edit_bones, (0.3, 1.1), strict=True):  # they do not match
             bone.roll = roll
-    make_active(hand.obj)
     handle = by_name(hand, "Hand.L")
     handle.control, handle.bone = armature, "arm.L"
-    bpy.ops.sinew.bind()
-    bones = armature.pose.bones
-    bones["arm.R"].location = (0.0, 0.0, 0.2)  # posed before it becomes a control
-    bpy.ops.sinew.handle_mirror()
+    press(hand.obj, "bind")
+    bone = armature.pose.bones["arm.R"]
+    bone.location = (0.0, 0.0, 0.2)  # posed before it becomes a control
+    mirror()
     target = by_name(hand, "Hand.R")
-    assert (target.control, target.bone) == (armature, "arm.R")
-    assert not target.owns_control
-    moved = armature.matrix_world @ bones["arm.R"].matrix @ data.bones["arm.R"].matrix_local.inverted()
-    moved = moved @ armature.matrix_world.inverted()
+    assert (target.control, target.bone, target.owns_control) == (armature, "arm.R", False)
+    moved = armature.matrix_world @ bone.matrix @ bone.bone.matrix_local.inverted()
     hard = on_the_right(hand)
-    update()
-    expected = apply_matrix(moved, hand.rest()[hard])
+    expected = apply_matrix(moved @ armature.matrix_world.inverted(), hand.rest()[hard])
     assert np.abs(expected - hand.rest()[hard]).max() > 0.1
     assert np.abs(hand.points()[hard] - expected).max() < 1e-5
 
@@ -292,18 +278,11 @@ def test_the_object_of_the_other_side_becomes_the_control(hand: Rig):
     press(hand.obj, "bind")
     left.location.z = 0.4  # posed, while the other one rests
     update()
-    bpy.ops.sinew.handle_mirror()
+    mirror()
     assert by_name(hand, "Hand.R").control == right
     assert np.abs(hand.points()[on_the_right(hand), 2]).max() < FLOAT32
     right.location.z = 0.4
     assert_is_its_own_mirror_image(hand)
-
-
-def test_a_fixed_region_has_no_control(hand: Rig):
-    add_region(hand, "Pin.L", lambda point: point[0] > 0.9 and point[1] < -0.7)
-    bpy.ops.sinew.handle_mirror()
-    assert by_name(hand, "Pin.R").kind == "FIXED"
-    assert by_name(hand, "Pin.R").control is None
 
 
 def test_a_mirror_modifier_fills_the_other_side():
@@ -321,64 +300,31 @@ def test_a_mirror_modifier_fills_the_other_side():
     plate.deformer.active_handle = 0
     rest = evaluated_points(obj)
     plate.control.location.z = 0.5
-    bpy.ops.sinew.handle_mirror()
+    mirror()
     assert plate.deformer.status_level == "INFO"
-    points = plate.points()
-    ends = {sign: np.flatnonzero((rest[:, 0] * sign > 0.9) & (rest[:, 1] > 0.0)) for sign in (1, -1)}
-    for members in ends.values():
-        assert np.abs(points[members, 2] - 0.5).max() < FLOAT32
+    for sign in (1, -1):
+        ends = (rest[:, 0] * sign > 0.9) & (rest[:, 1] > 0.0)
+        assert np.abs(plate.points()[ends, 2] - 0.5).max() < FLOAT32
 
 
 def test_vertices_without_an_image_are_counted(hand: Rig, capfd):
     lifted = [i for i, p in enumerate(hand.rest()) if p[0] < -0.95 and p[1] > 0.3]
     for index in lifted:
         hand.obj.data.vertices[index].co.z = 0.02
-    hand.obj.data.update()
-    make_active(hand.obj)
-    capfd.readouterr()
-    bpy.ops.sinew.handle_mirror()
-    assert f"{len(lifted)} vertices have no mirror image" in capfd.readouterr().out
-    assert len(weights(hand.obj, "Hand.R")) == len(weights(hand.obj, "Hand.L")) - len(lifted)
-    bpy.ops.sinew.handle_mirror(tolerance=0.05)
-    assert "no mirror image" not in capfd.readouterr().out
-    assert len(weights(hand.obj, "Hand.R")) == len(weights(hand.obj, "Hand.L"))
-
-
-def test_refusals_change_nothing(hand: Rig):
-    add_region(hand, "Blob", low_corner(1.0))
-    for vertex in hand.obj.data.vertices:
-        if vertex.co.x < -0.1:
-            vertex.co.z = 3.0
-    for active in (0, 2):
-        hand.deformer.active_handle = active
-        refused("not symmetrical", "handle_mirror")
-    assert {group.name for group in hand.obj.vertex_groups} == {"Top", "Base", "Hand.L", "Spine", "Blob"}
-    assert handle_names(hand) == ["Hand.L", "Spine", "Blob"]
+    for tolerance, without in ((1e-4, len(lifted)), (0.05, 0)):
+        capfd.readouterr()
+        mirror(tolerance=tolerance)
+        assert (f"{without} vertices have no mirror image" in capfd.readouterr().out) == bool(without)
+        assert len(weights(hand.obj, "Hand.R")) == len(weights(hand.obj, "Hand.L")) - without
 
 
 def test_mirror_in_edit_and_weight_paint_mode(hand: Rig):
     for mode in ("EDIT", "WEIGHT_PAINT"):
         hand.deformer.active_handle = 0
         with in_mode(hand.obj, mode):
-            assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+            mirror()
             assert hand.obj.mode == mode
     assert_weights_are_mirrored(hand)
-
-
-def test_a_turned_empty_mirrors_as_a_flipped_pose(hand: Rig):
-    """The same numbers with x, and the turns about y and z, reversed: what Paste Pose Flipped does."""
-    control = hand.control
-    control.rotation_mode = "XYZ"
-    control.location, control.rotation_euler = (0.1, 0.2, 0.3), Euler((0.2, 0.0, 0.0))
-    bpy.ops.sinew.handle_mirror()
-    other = by_name(hand, "Hand.R").control
-    assert np.allclose(other.location, (-0.1, 0.2, 0.3), atol=1e-6)
-    assert np.allclose(other.rotation_euler, (0.2, 0.0, 0.0), atol=1e-6)
-    control.rotation_euler = (0.0, 0.0, math.radians(30.0))
-    update()
-    bpy.ops.sinew.handle_mirror()
-    assert np.allclose(other.rotation_euler, (0.0, 0.0, math.radians(-30.0)), atol=1e-6)
-    move_world(control, Matrix.Translation((0.0, 0.0, 0.1)))
 
 
 @pytest.mark.parametrize(("sign", "ending", "other"), [(1.0, ".L", ".R"), (-1.0, ".R", ".L")])
@@ -387,12 +333,10 @@ def test_a_handle_is_named_by_the_side_that_it_lies_on(hand: Rig, capfd, sign, e
     add_region(hand, "Foot", low_corner(sign), "HANDLE")
     control = by_name(hand, "Foot").control
     assert control.name == "Plate Foot"
-    control.location.z = 0.4
-    control.rotation_euler.y = 0.3
+    control.location.z, control.rotation_euler.y = 0.4, 0.3
     before = hand.points()
     make_active(hand.obj)
-    capfd.readouterr()
-    assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
+    mirror()
     said = capfd.readouterr().out
     assert f"Foot is now Foot{ending}, after the side that it lies on" in said
     assert f"Mirrored Foot{ending} to Foot{other}" in said
@@ -410,24 +354,11 @@ def test_a_handle_is_named_by_the_side_that_it_lies_on(hand: Rig, capfd, sign, e
     assert hand.deformer.status_level == "INFO"
 
 
-def test_a_selection_that_became_a_handle_gets_the_names_of_both_sides(hand: Rig):
-    with in_mode(hand.obj):
-        select(hand.obj, low_corner(1.0))
-        bpy.ops.sinew.handle_add(kind="HANDLE")
-    press(hand.obj, "handle_mirror")
-    assert handle_names(hand) == ["Hand.L", "Spine", "Handle L", "Handle R"]
-    bpy.ops.sinew.handle_remove(index=3)
-    bpy.ops.sinew.handle_remove(index=2)
-    assert {group.name for group in hand.obj.vertex_groups} == {"Top", "Base", "Hand.L", "Spine"}
-
-
 def test_what_names_the_group_of_a_handle_follows_its_new_name(hand: Rig, tmp_path):
     """Shape keys, masks, modifiers, constraints, painted parameters, and the regions of other deformers."""
     add_region(hand, "Foot", low_corner(1.0), "HANDLE")
     obj = hand.obj
-    bpy.ops.object.shape_key_add(from_mix=False)
-    bpy.ops.object.shape_key_add(from_mix=False)
-    key = obj.data.shape_keys.key_blocks[1]
+    key = add_key(obj, "Up", Matrix())
     key.data[0].co.z, key.value, key.vertex_group = 1.0, 0.5, "Foot"
     obj.modifiers.new("Smooth", "SMOOTH").vertex_group = "Foot"
     cloth = obj.modifiers.new("Cloth", "CLOTH")
@@ -436,28 +367,25 @@ def test_what_names_the_group_of_a_handle_follows_its_new_name(hand: Rig, tmp_pa
     follower = new_empty("Follower")
     constraint = follower.constraints.new("COPY_LOCATION")
     constraint.target, constraint.subtarget = obj, "Foot"
-    first = hand.deformer
-    first.mask_group = "Foot"
+    hand.deformer.mask_group = "Foot"
     press(obj, "deformer_add", method="arap")
     bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Foot", handle_name="Other")
     bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Spine")
-    second = hand.deformer
-    second.arap.rigidity_group = "Foot"
-    second.handles[0].control.location.z = 0.3
+    hand.deformer.arap.rigidity_group = "Foot"
+    hand.control.location.z = 0.3
     before, carried = hand.points(), np.array(follower.matrix_world.translation)
     obj.sinew.active_deformer, obj.sinew.deformers[0].active_handle = 0, 2
-    bpy.ops.sinew.handle_mirror()
+    mirror()
     first, second = obj.sinew.deformers
     assert handle_names(hand) == ["Hand.L", "Spine", "Foot.L", "Foot.R"]
     assert second.handles[0].vertex_group == second.arap.rigidity_group == first.mask_group == "Foot.L"
     assert key.vertex_group == obj.modifiers["Smooth"].vertex_group == constraint.subtarget == "Foot.L"
     assert cloth.settings.vertex_group_mass == "Foot.L"
-    assert [deformer.status_level for deformer in (first, second)] == ["INFO", "INFO"]
-    assert np.abs(hand.points() - before).max() < 2e-5
     assert np.allclose(follower.matrix_world.translation, carried, atol=1e-5)
-    reopen(tmp_path / "renamed.blend")
-    assert np.abs(hand.points() - before).max() < 2e-5
-    assert {deformer.status_level for deformer in hand.obj.sinew.deformers} == {"INFO"}
+    for _ in range(2):
+        assert np.abs(hand.points() - before).max() < 2e-5
+        assert {deformer.status_level for deformer in hand.obj.sinew.deformers} == {"INFO"}
+        reopen(tmp_path / "renamed.blend")
 
 
 def test_a_group_that_a_bone_needs_keeps_its_name(hand: Rig):
@@ -465,15 +393,22 @@ def test_a_group_that_a_bone_needs_keeps_its_name(hand: Rig):
     add_region(hand, "Foot", low_corner(1.0), "HANDLE")
     hand.obj.modifiers.new("Armature", "ARMATURE").object = armature
     press(hand.obj, "handle_mirror")
-    assert handle_names(hand)[2:] == ["Foot.L", "Foot.R"]
-    assert by_name(hand, "Foot.L").vertex_group == "Foot"
-    assert by_name(hand, "Foot.R").vertex_group == "Foot.R"
+    groups = {handle.name: handle.vertex_group for handle in hand.deformer.handles[2:]}
+    assert groups == {"Foot.L": "Foot", "Foot.R": "Foot.R"}
+
+
+def test_a_name_that_is_taken_gets_a_number(hand: Rig):
+    hand.obj.vertex_groups.new(name="Foot.R")
+    add_region(hand, "Foot", low_corner(1.0), "HANDLE")
+    mirror()
+    assert handle_names(hand)[2:] == ["Foot.001.L", "Foot.001.R"]
+    assert "Foot.001.L" in hand.obj.vertex_groups
+    assert not weights(hand.obj, "Foot.R")
 
 
 def test_a_region_on_the_centre_line_stays_one_handle_and_is_said_to(hand: Rig, capfd):
     hand.deformer.active_handle = 1
-    capfd.readouterr()
-    bpy.ops.sinew.handle_mirror()
+    mirror()
     assert "Spine lies on the centre line: it stays one handle, made symmetric" in capfd.readouterr().out
     assert handle_names(hand) == ["Hand.L", "Spine"]
 
@@ -491,26 +426,16 @@ def test_two_nameless_handles_that_mirror_each_other_become_a_pair(hand: Rig):
     assert hand.deformer.status_level == "INFO"
 
 
-def test_a_name_that_is_taken_gets_a_number(hand: Rig):
-    hand.obj.vertex_groups.new(name="Foot.R")
-    add_region(hand, "Foot", low_corner(1.0), "HANDLE")
-    bpy.ops.sinew.handle_mirror()
-    assert handle_names(hand)[2:] == ["Foot.001.L", "Foot.001.R"]
-    assert hand.obj.vertex_groups.get("Foot.001.L") is not None
-    assert not weights(hand.obj, "Foot.R")
-
-
-def test_the_handle_is_mirrored_and_not_the_fixed_region_that_was_added_last():
-    """As the README has it: the control is active after Edit Mode is left, and so is its row."""
-    obj = grid_object("Plate")
-    with in_mode(obj):
-        for kind, name, chosen in (
-            ("HANDLE", "Hand.L", lambda point: point.x > 0.9),
-            ("FIXED", "Feet", lambda point: point.y < -0.9),
-        ):
-            select(obj, chosen)
-            assert bpy.ops.sinew.handle_add(kind=kind, handle_name=name) == {"FINISHED"}
+def test_a_selection_that_became_a_handle_gets_the_names_of_both_sides(hand: Rig):
+    """It is mirrored and not what was held still last: the control is active after Edit Mode, and its row."""
+    with in_mode(hand.obj):
+        for kind, chosen in (("HANDLE", low_corner(1.0)), ("FIXED", lambda point: point[1] > 0.9)):
+            select(hand.obj, chosen)
+            assert bpy.ops.sinew.handle_add(kind=kind) == {"FINISHED"}
     update()
-    assert bpy.context.object == obj.sinew.active.handles["Hand.L"].control
-    assert bpy.ops.sinew.handle_mirror() == {"FINISHED"}
-    assert [handle.name for handle in obj.sinew.active.handles] == ["Hand.L", "Feet", "Hand.R"]
+    assert bpy.context.object == hand.deformer.handles[2].control
+    mirror()
+    assert handle_names(hand) == ["Hand.L", "Spine", "Handle L", "Still", "Handle R"]
+    for index in (4, 3, 2):
+        bpy.ops.sinew.handle_remove(index=index)
+    assert set(hand.obj.vertex_groups.keys()) == {"Top", "Base", "Hand.L", "Spine"}

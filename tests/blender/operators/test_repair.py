@@ -7,6 +7,7 @@ import bmesh
 import bpy
 import numpy as np
 import pytest
+from expected import faces_of as expected_faces
 from inside import inner
 from mathutils import Matrix
 from rigs.cages import selected
@@ -63,63 +64,51 @@ def broken_plate() -> Rig:
     """Every fault once: a NaN inside, an infinite corner of its own, a sliver, a duplicate face, a fin, a
     loose vertex, and the far row of quads cut off along a seam."""
     obj = grid_object()
-    points = [tuple(vertex.co) for vertex in obj.data.vertices]
+    points = base_points(obj).tolist()
     faces = [tuple(face.vertices) for face in obj.data.polygons]
     bpy.data.objects.remove(obj)
     points[60] = (NAN, 0.0, 0.0)
-    seam = range(99, 110)
-    copies = {vertex: len(points) + row for row, vertex in enumerate(seam)}
-    points += [points[vertex] for vertex in seam]
+    copies = {vertex: 121 + row for row, vertex in enumerate(range(99, 110))}  # of the seam
+    points += [points[vertex] for vertex in copies]
     faces = [tuple(copies.get(v, v) for v in face) if max(face) >= 110 else face for face in faces]
-    loose, lost, tip = len(points), len(points) + 1, len(points) + 2
-    points += [(5.0, 0.0, 0.0), (float("inf"), 0.0, 0.0), (0.1, 0.1, 0.5)]
-    middle = len(points)
-    points += [(0.0, -0.9, 0.0)]
-    faces += [faces[7], (36, 37, tip), (4, 5, middle)]
-    points[middle] = tuple((np.array(points[4]) + points[5]) / 2.0)
-    assert (loose, lost) == (len(points) - 4, len(points) - 3)
+    loose, lost, tip, middle = (5.0, 0.0, 0.0), (float("inf"), 0.0, 0.0), (0.1, 0.1, 0.5), (-0.1, -1.0, 0.0)
+    points += [loose, lost, tip, middle]
+    faces += [faces[7], (36, 37, len(points) - 2), (4, 5, len(points) - 1)]
     return Rig(mesh_object(points, faces, "Plate"))
 
 
 def test_every_fault_is_mended_and_counted():
-    plate = broken_plate()
-    obj = plate.obj
+    obj = broken_plate().obj
     before = faults(obj)
     assert (before["not_finite"], before["coincident"]) == (2, 11)
     assert all(before.values()), before
     mended, left = inner.repair.repair(obj, inner.repair.RepairOptions())
-    expected = {"not_finite": 2, "coincident": 11, "duplicate": 1, "degenerate": 1}
-    assert {fault: mended[fault] for fault in expected} == expected
+    assert mended.items() >= {"not_finite": 2, "coincident": 11, "duplicate": 1, "degenerate": 1}.items()
     assert mended["loose"] >= 1
     assert not any(left.values()), left
     assert not any(faults(obj).values()), faults(obj)
-    neighbours = np.mean([base_points(obj)[index] for index in (49, 59, 61, 71)], axis=0)
-    assert np.abs(base_points(obj)[60] - neighbours).max() < FLOAT32
+    points = base_points(obj)
+    assert np.abs(points[60] - points[[49, 59, 61, 71]].mean(axis=0)).max() < FLOAT32
 
 
 def test_the_operator_says_what_it_did_and_binds_again(capfd):
     plate = broken_plate()
     obj = plate.obj
-    add_regions(obj, "thin_shell", {"Base": "FIXED", "Top": "HANDLE"})
-    capfd.readouterr()
+    add_regions(obj, "thin_shell", {"Top": "HANDLE", "Base": "FIXED"})
     assert bpy.ops.sinew.repair() == {"FINISHED"}
     said = capfd.readouterr().out
     assert "Mended 2 vertices without a finite position, 11 coincident vertices" in said
-    assert obj.sinew.active.status_level == "INFO"
-    handle = next(handle for handle in obj.sinew.active.handles if handle.kind == "HANDLE")
-    handle.control.location.z += 0.5
-    top = [v.index for v in obj.data.vertices if v.co.y > 0.75]
-    assert np.abs(plate.points()[top, 2] - 0.5).max() < FLOAT32
-    middle = [v.index for v in obj.data.vertices if abs(v.co.y) < 0.3]
-    assert np.abs(plate.points()[middle, 2]).min() > 1e-3  # the seam passes the motion on
+    assert plate.deformer.status_level == "INFO"
+    plate.control.location.z += 0.5
+    points, along = plate.points(), plate.rest()[:, 1]
+    assert np.abs(points[along > 0.75, 2] - 0.5).max() < FLOAT32
+    assert np.abs(points[np.abs(along) < 0.3, 2]).min() > 1e-3  # the seam passes the motion on
 
 
 def test_a_mesh_that_is_well_is_left_alone(plate: Rig, capfd):
     plate.bind().lift(0.5)
     before, faces = plate.points(), faces_of(plate.obj)
-    make_active(plate.obj)
-    capfd.readouterr()
-    bpy.ops.sinew.repair()
+    press(plate.obj, "repair")
     assert "Nothing to mend" in capfd.readouterr().out
     assert faces_of(plate.obj) == faces
     assert np.array_equal(plate.points(), before)
@@ -140,25 +129,22 @@ def test_switched_off_cures_do_nothing():
 def test_groups_shape_keys_and_uvs_stay():
     plate = broken_plate()
     obj = plate.obj
-    mesh = obj.data
-    layer = mesh.uv_layers.new(name="Map")
-    for loop, corner in zip(layer.data, mesh.loops, strict=True):
-        place = mesh.vertices[corner.vertex_index].co
-        loop.uv = (place.x, place.y)
+    for loop, corner in zip(obj.data.uv_layers.new(name="Map").data, obj.data.loops, strict=True):
+        loop.uv = obj.data.vertices[corner.vertex_index].co.xy
     wave = add_key(obj, "Wave", Matrix.Translation((0.0, 0.0, 0.25)))
     wave.data[30].co.x = NAN
     press(obj, "repair")
-    mesh = obj.data
+    mesh, points = obj.data, base_points(obj)
     assert {group.name for group in obj.vertex_groups} == {"Top", "Base"}
     assert {element.weight for vertex in mesh.vertices for element in vertex.groups} == {1.0}
-    assert set(members(obj, "Top")) == {v.index for v in mesh.vertices if v.co.y > 0.75}
+    assert set(members(obj, "Top")) == set(np.flatnonzero(points[:, 1] > 0.75))
     basis, raised = (coordinates(mesh.shape_keys.key_blocks[name].data) for name in ("Basis", "Wave"))
-    assert np.abs(basis - base_points(obj)).max() < FLOAT32
+    assert np.abs(basis - points).max() < FLOAT32
     assert np.isfinite(raised).all()
     lifts = [np.abs(raised - basis - (0.0, 0.0, height)).max(axis=1) for height in (0.25, 0.0)]
     assert (np.minimum(*lifts) < FLOAT32).all()
     across = np.array([loop.uv[0] for loop in mesh.uv_layers["Map"].data])
-    off = np.abs(across - base_points(obj)[[corner.vertex_index for corner in mesh.loops], 0])
+    off = np.abs(across - points[[corner.vertex_index for corner in mesh.loops], 0])
     assert off[np.isfinite(across)].max() <= 1e-5
 
 
@@ -175,34 +161,25 @@ def test_each_shape_key_is_filled_from_its_own_neighbours():
     """In Edit Mode with another key than the first one active, the mesh shows that key."""
     obj = grid_object()
     add_key(obj, "Wave", Matrix.Translation((0.0, 0.0, 1.0)))
-    for key in obj.data.shape_keys.key_blocks:
-        key.data[60].co.y = NAN
-    obj.data.vertices[60].co.y = NAN
-    obj.active_shape_key_index = 1
-    make_active(obj)
-    for mode in ("EDIT", "OBJECT"):
-        bpy.ops.object.mode_set(mode=mode)
-        bpy.ops.sinew.repair()
     keys = obj.data.shape_keys.key_blocks
-    for name, height in (("Basis", 0.0), ("Wave", 1.0)):
-        assert np.abs(np.array(keys[name].data[60].co) - (0.0, 0.0, height)).max() < FLOAT32, name
-    assert np.abs(np.array(obj.data.vertices[60].co)).max() < FLOAT32
-
-
-def box_of_two_rooms() -> tuple[list, list]:
-    """The last face is the wall between them."""
-    points = [(x, y, z) for x in (0.0, 1.0, 2.0) for y in (0.0, 1.0) for z in (0.0, 1.0)]
-    faces = [(0, 1, 3, 2), (8, 10, 11, 9)]
-    for k in (0, 4):
-        faces += [(k, k + 4, k + 5, k + 1), (k + 2, k + 3, k + 7, k + 6), (k, k + 2, k + 6, k + 4)]
-        faces += [(k + 1, k + 5, k + 7, k + 3)]
-    return points, [*faces, (4, 5, 7, 6)]
+    for points in (keys[0].data, keys[1].data, obj.data.vertices):
+        points[60].co.y = NAN
+    obj.active_shape_key_index = 1
+    for mode in ("EDIT", "OBJECT"):
+        with in_mode(obj, mode):
+            bpy.ops.sinew.repair()
+    keys = obj.data.shape_keys.key_blocks
+    for points, height in ((keys[0].data, 0.0), (keys[1].data, 1.0), (obj.data.vertices, 0.0)):
+        assert np.abs(np.array(points[60].co) - (0.0, 0.0, height)).max() < FLOAT32
 
 
 CUBE = 0.5 * (np.array(CORNERS) + 1.0)
-TOUCHING = (  # merging the four places in common would change what they are
-    np.vstack((CUBE, CUBE + (1.0, 0.0, 0.0))),
-    SIDES + [tuple(v + 8 for v in side) for side in SIDES],
+TOUCHING = (np.vstack((CUBE, CUBE + (1, 0, 0))), SIDES + [tuple(v + 8 for v in side) for side in SIDES])
+TWO_ROOMS = (  # the last face is the wall between them
+    [(x, y, z) for x in (0, 1, 2) for y in (0, 1) for z in (0, 1)],
+    [(0, 1, 3, 2), (8, 10, 11, 9)]
+    + [tuple(v + k for v in side) for k in (0, 4) for side in SIDES[2:]]
+    + [(4, 5, 7, 6)],
 )
 ENDS = ((0.0, 0.0), (1.0, 0.0), (-1.0, 1.0), (-1.0, -1.0))
 SHEETS = ([(x, y, z) for x, y in ENDS for z in (0.0, 1.0)], [(0, 1, 3, 2), (0, 1, 5, 4), (0, 1, 7, 6)])
@@ -211,11 +188,11 @@ WIRE = ([(0.0, 0.0, 0.0), (1.0, 0.0, 0.0)], [])
 
 @pytest.mark.parametrize(
     ("shape", "left"),
-    [(TOUCHING, (16, 12)), (WIRE, (2, 0)), (SHEETS, (8, 3)), (box_of_two_rooms(), (12, 10))],
+    [(TOUCHING, (16, 12)), (WIRE, (2, 0)), (SHEETS, (8, 3)), (TWO_ROOMS, (12, 10))],
     ids=["closed parts that touch", "a wire", "a junction of sheets", "all but an inner wall"],
 )
 def test_what_is_meant_stays(shape: tuple, left: tuple[int, int]):
-    """Vertices and faces; of a box with a wall inside, the wall goes."""
+    """Vertices and faces; merging the places that two parts have in common would change what they are."""
     obj = mesh_object(*shape)
     bpy.ops.sinew.repair()
     assert (len(obj.data.vertices), len(obj.data.polygons)) == left
@@ -224,12 +201,10 @@ def test_what_is_meant_stays(shape: tuple, left: tuple[int, int]):
 
 def test_notes_name_each_fault_with_elements_and_remedy():
     plate = broken_plate()
-    Remedy = inner.status.Remedy
-    points, mesh = base_points(plate.obj), plate.obj.data
-    counts = np.array([len(face.vertices) for face in mesh.polygons], dtype=np.int32)
-    corners = np.array([v for face in mesh.polygons for v in face.vertices], dtype=np.int32)
-    lines = inner.mesh_notes.notes(inner.backend.diagnose(points, (counts, corners)))
-    assert all(line.remedy is Remedy.REPAIR and line.elements for line in lines)
+    points, notes = base_points(plate.obj), inner.mesh_notes.notes
+    found = inner.backend.diagnose(points, expected_faces(plate.obj.data))
+    lines = notes(found)
+    assert all(line.remedy is inner.status.Remedy.REPAIR and line.elements for line in lines)
     by_text = {line.text: line for line in lines}
     assert set(by_text) >= {
         "2 vertices without a finite position",
@@ -242,32 +217,26 @@ def test_notes_name_each_fault_with_elements_and_remedy():
     lost = np.flatnonzero(~np.isfinite(points).all(axis=1))
     assert set(by_text["2 vertices without a finite position"].elements.indices) == set(lost)
     assert by_text["1 duplicate face"].elements.element == "face"
-    hidden = inner.mesh_notes.notes(inner.backend.diagnose(points, (counts, corners)), selectable=False)
-    assert [line.text for line in hidden] == [line.text for line in lines]
-    assert not any(line.elements for line in hidden)
+    hidden = notes(found, selectable=False)
+    assert [(line.text, not line.elements) for line in hidden] == [(line.text, True) for line in lines]
 
 
-def overlapping(plate: Rig, name: str, where, weight: float = 1.0, bind: bool = True) -> set[int]:
+def overlapping(plate: Rig, name: str, where, weight: float = 1.0) -> set[int]:
     """A fixed region besides those of the plate; its vertices."""
-    if bind:
-        plate.bind()
-    group = add_group(plate.obj, name, where)
-    plate.obj.vertex_groups[name].add(group.tolist(), weight, "REPLACE")
+    group = add_group(plate.obj, name, where).tolist()
+    plate.obj.vertex_groups[name].add(group, weight, "REPLACE")
     press(plate.obj, "handle_add", kind="FIXED", vertex_group=name)
     return set(group)
 
 
 def test_shared_vertices_stay_in_the_first_region(plate: Rig, capfd):
+    plate.bind()
     shared = overlapping(plate, "Overlap", lambda point: point[1] > 0.55)
     line = inner.status.current(plate.deformer.uid)
     assert (line.level.name, line.remedy.name) == ("ERROR", "PART_REGIONS")
     assert "Top and Overlap share 22 vertices" in line.text
     assert np.array_equal(plate.points(), plate.rest())
     assert selected(plate.obj, "vertex")[1] == set(plate.top) & shared
-    bpy.ops.sinew.handle_remove()
-    assert plate.deformer.status_level == "INFO"
-    overlapping(plate, "Overlap", lambda point: point[1] > 0.55, bind=False)
-    capfd.readouterr()
     assert bpy.ops.sinew.part_regions() == {"FINISHED"}
     assert "22 vertices are now in Top alone, no longer in Overlap" in capfd.readouterr().out
     assert set(members(plate.obj, "Top")) == set(plate.top)
@@ -275,12 +244,13 @@ def test_shared_vertices_stay_in_the_first_region(plate: Rig, capfd):
     assert plate.deformer.status_level == "INFO"
     plate.lift(0.5)
     assert np.abs(plate.points()[plate.top, 2] - 0.5).max() < FLOAT32
+    make_active(plate.obj)
     assert bpy.ops.sinew.part_regions() == {"CANCELLED"}  # nothing is shared now
 
 
 def test_a_handle_inside_a_fixed_part_keeps_its_vertices(plate: Rig):
     press(plate.obj, "deformer_add", method="thin_shell")
-    everything = overlapping(plate, "All", lambda point: True, bind=False)
+    everything = overlapping(plate, "All", lambda point: True)
     press(plate.obj, "handle_add", kind="HANDLE", vertex_group="Top")
     bpy.ops.sinew.part_regions()
     assert set(members(plate.obj, "Top")) == set(plate.top)
@@ -289,9 +259,10 @@ def test_a_handle_inside_a_fixed_part_keeps_its_vertices(plate: Rig):
 
 
 def test_two_regions_of_the_same_vertices_are_refused_unless_one_is_soft(plate: Rig):
+    plate.bind()
     overlapping(plate, "Soft", lambda point: point[1] > 0.75, weight=0.5)
     assert bpy.ops.sinew.part_regions() == {"CANCELLED"}
     assert plate.deformer.status_level == "INFO"
-    overlapping(plate, "Twin", lambda point: point[1] > 0.75, bind=False)
+    overlapping(plate, "Twin", lambda point: point[1] > 0.75)
     refused("Top and Twin are the same vertices", "part_regions")
     assert set(members(plate.obj, "Twin")) == set(plate.top)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Reset Pose brings every kind of control back to rest, and Key Pose keys all of them."""
 
-from __future__ import annotations
+from collections.abc import Callable
 
 import bpy
 import numpy as np
@@ -13,6 +13,7 @@ from rigs.rig import (
     add_armature,
     add_group,
     add_key,
+    apply_matrix,
     close,
     curves_of,
     grid_object,
@@ -43,27 +44,22 @@ def by_a_shape_key(control: bpy.types.Object) -> None:
 
 
 def edited_in_its_mode(control: bpy.types.Object) -> None:
-    """It is still in Edit Mode when the button is pressed."""
     stretched(control)
     make_active(control)
     if control.type != "EMPTY":
         bpy.ops.object.mode_set(mode="EDIT")
 
 
-POSES = {
-    "moved": lambda control: move_world(control, MOVE),
-    "points": stretched,
-    "shape key": by_a_shape_key,
-    "Edit Mode": edited_in_its_mode,
-}
+def moved(control: bpy.types.Object) -> None:
+    move_world(control, MOVE)
 
 
 @pytest.mark.parametrize("kind", RIGS)
-@pytest.mark.parametrize("pose", POSES)
-def test_every_control_rests(kind: str, pose: str) -> None:
+@pytest.mark.parametrize("pose", [moved, stretched, by_a_shape_key, edited_in_its_mode])
+def test_every_control_rests(kind: str, pose: Callable) -> None:
     rig = RIGS[kind].new().start()
     rig.lift()
-    POSES[pose](rig.control)
+    pose(rig.control)
     update()
     assert not rig.is_at_rest()
     assert bpy.ops.sinew.reset_pose() == {"FINISHED"}
@@ -88,16 +84,15 @@ def test_a_path_of_bones_rests(plate: Rig) -> None:
     armature = new_armature(low=((0, -1, 0), (0, 0, 0)), high=((0, 0, 0), (0, 1, 0), "low"))
     for group, bone in (("Base", "low"), ("Top", "high")):
         press(plate.obj, "handle_add", kind="HANDLE", vertex_group=group, control_object="Rig", bone=bone)
-    for bone in armature.pose.bones:
-        bone.rotation_euler = (0.5, 0.2, -0.3)
+        armature.pose.bones[bone].rotation_euler = (0.5, 0.2, -0.3)
     assert not close(plate.points(), plate.rest(), 0.1)
     in_pose_mode(armature, "high", plate.obj)
     assert bpy.ops.sinew.reset_pose(selected=True) == {"FINISHED"}
     update()
-    assert np.abs(armature.pose.bones["low"].rotation_euler.x - 0.5) < REST
-    rest = Matrix(plate.deformer.handles[1].rest_matrix.copy())
-    placed = plate.obj.matrix_world.inverted() @ armature.matrix_world @ armature.pose.bones["high"].matrix
-    assert np.abs(np.array(placed) - np.array(rest)).max() < 1e-5
+    low, high = armature.pose.bones
+    assert np.abs(low.rotation_euler.x - 0.5) < REST
+    placed = plate.obj.matrix_world.inverted() @ armature.matrix_world @ high.matrix
+    assert close(np.array(placed), np.array(plate.deformer.handles[1].rest_matrix), 1e-5)
     bpy.ops.sinew.reset_pose()
     assert np.abs(plate.points() - plate.rest()).max() <= REST
     bpy.ops.object.mode_set(mode="OBJECT")
@@ -145,15 +140,13 @@ def test_it_rests_after_apply_and_in_a_file(tmp_path) -> None:
     update()
     rig.press("bind")
     rig.press("cage_set_rest")
-    rest = rig.points()
+    expected = apply_matrix(rig.obj.matrix_world, rig.points())
     make_active(rig.obj)
-    world = rig.obj.matrix_world.copy()
     bpy.ops.object.transform_apply()
     reopen(tmp_path / "applied.blend")
     move_world(rig.control, MOVE)
     stretched(rig.control)
     rig.press("reset_pose")
-    expected = rest @ np.array(world.to_3x3()).T + np.array(world.translation)
     assert close(rig.points(), expected, 1e-5)
 
 
@@ -164,12 +157,11 @@ def keyed(control: bpy.types.ID) -> list[str]:
     return sorted({curve.data_path for curve in curves_of(control)})
 
 
-def test_auto_keying_keys_what_rests(bound_plate: Rig) -> None:
-    settings = bpy.context.scene.tool_settings
+def test_auto_keying_keys_what_rests(bound_plate: Rig, monkeypatch) -> None:
     bound_plate.lift()
-    settings.use_keyframe_insert_auto = True
-    press(bound_plate.obj, "reset_pose")
-    settings.use_keyframe_insert_auto = False
+    with monkeypatch.context() as patch:
+        patch.setattr(bpy.context.scene.tool_settings, "use_keyframe_insert_auto", True)
+        press(bound_plate.obj, "reset_pose")
     assert keyed(bound_plate.control) == ["location", "rotation_euler", "scale"]
     bpy.context.scene.frame_set(10)
     assert bound_plate.control.location == Vector()

@@ -1,17 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Try It: rigs open beside what the artist works on, their steps tick, and Back leaves nothing behind."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import bpy
 import numpy as np
 import pytest
 from inside import inner
-from mathutils import Vector
 from registry import METHODS
-from rigs.rig import Rig, grid_object, make_active, press, refused, reopen, update
+from rigs.rig import (
+    Rig,
+    apply_matrix,
+    evaluated_points,
+    grid_object,
+    make_active,
+    press,
+    refused,
+    reopen,
+    select_bone,
+    update,
+)
 from rigs.sheet import draw_panel
 
 TICK = "CHECKBOX_HLT"
@@ -24,7 +32,6 @@ def run(operator: str, **options: object) -> None:
 
 
 def blocks() -> set[tuple[str, str]]:
-    """All datablocks of the file."""
     return {(type(block).__name__, block.name_full) for block in bpy.data.user_map()}
 
 
@@ -38,14 +45,13 @@ def button(operator: str, **options: object) -> Callable[[], None]:
 
 def pull_the_elbow() -> None:
     arm = bpy.context.object
-    shown = arm.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    lowest = min((arm.matrix_world @ vertex.co for vertex in shown.data.vertices), key=lambda place: place.z)
-    below = {"origin": lowest - Vector((0.0, 0.0, 1.0)), "direction": (0.0, 0.0, 1.0)}
+    lowest = min(apply_matrix(arm.matrix_world, evaluated_points(arm)), key=lambda place: place[2])
+    below = {"origin": lowest - (0.0, 0.0, 1.0), "direction": (0.0, 0.0, 1.0)}
     run("drag", value=(0.05, 0.0, -0.1), radius=0.1, reach=3.0, **below)
 
 
 def move_a_point(control: str) -> Callable[[], None]:
-    return lambda: run("control_drag", control=control, point=1, value=(0.0, 0.0, 0.1))
+    return button("control_drag", control=control, point=1, value=(0.0, 0.0, 0.1))
 
 
 def go_back_in_time() -> None:
@@ -58,8 +64,7 @@ def widen() -> None:
 
 
 def pin_a_foot() -> None:
-    bpy.context.object.data.bones.active = bpy.context.object.data.bones["foot.L"]
-    inner.compat.select_bone(bpy.context.object, "foot.L", True)
+    select_bone(bpy.context.object, "foot.L")
     run("puppet_pin", action="PIN")
 
 

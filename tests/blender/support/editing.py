@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Edit Mode from a test: selecting, reading what it shows, and Grab Once on it."""
 
-from __future__ import annotations
-
 import math
 
 import bmesh

@@ -1,18 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Finds tracebacks and errors that appear between two steps of one test."""
 
-from __future__ import annotations
-
 import os
 import stat
 import sys
 
 
 class ErrorLog:
-    """The exceptions and error messages since the last check.
-
-    Exceptions of callbacks reach ``sys.excepthook``.
-    """
+    """Exceptions, also of callbacks, which reach ``sys.excepthook``, and messages since the last check."""
 
     WORDS = (b"Traceback", b"Error in bpy.app.handlers", b"Dependency cycle")
 
@@ -31,15 +26,6 @@ class ErrorLog:
         found = os.fstat(fd)
         return found.st_size if stat.S_ISREG(found.st_mode) else 0
 
-    @staticmethod
-    def _between(fd: int, start: int, end: int) -> bytes:
-        """A part of the output; writing goes on at the end. Windows has no ``pread``."""
-        os.lseek(fd, start, os.SEEK_SET)
-        try:
-            return os.read(fd, end - start)
-        finally:
-            os.lseek(fd, 0, os.SEEK_END)
-
     def check(self) -> None:
         """Fail if an exception was raised or an error was printed since the last call."""
         if self.raised:
@@ -47,7 +33,9 @@ class ErrorLog:
         for stream in (sys.stdout, sys.stderr):
             stream.flush()
         for fd, start in self._read.items():
-            size = self._size(fd)
-            printed = self._between(fd, start, size) if size > start else b""
-            self._read[fd] = size
-            assert not any(word in printed for word in self.WORDS), printed.decode(errors="replace")
+            size = self._read[fd] = self._size(fd)
+            if size > start:
+                os.lseek(fd, start, os.SEEK_SET)  # Windows has no ``pread``
+                printed = os.read(fd, size - start)
+                os.lseek(fd, 0, os.SEEK_END)  # where writing goes on
+                assert not any(word in printed for word in self.WORDS), printed.decode(errors="replace")

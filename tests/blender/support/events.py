@@ -5,8 +5,6 @@ An event is a function of a rig that is bound and lifted by a half; ``rig.folder
 what is seen on the way. ``then`` says what holds when it is over, and is the same for all rigs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 

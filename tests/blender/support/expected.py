@@ -54,21 +54,12 @@ def new_native(row: object, target: object, options: dict[str, object]) -> objec
     return getattr(native(), row.native)(target, **options)
 
 
-def on_handle_points(
-    row: object,
-    parts: list[np.ndarray],
-    options: dict[str, object],
-    mesh: object,
-    weights: np.ndarray | None = None,
-) -> object:
-    """The native object of a space method, with the points (c, 3) of each handle, held by weights (c,).
-
-    The base of one around another is its native object, or its row with options; else the first one.
-    """
-    places, held = np.concatenate(parts), {"counts": [len(points) for points in parts], "weights": weights}
+def space_warp(row: object, rest: np.ndarray, faces: tuple, members: list, options: dict, strengths: list):
+    """A warp of ``rest`` (n, 3) for poses (k, 3, 4), by a new native object; members have strengths. The base
+    of one around another is its native object, or its row with options; else the first one."""
+    mesh, places = native().SurfaceMesh(rest, faces), np.concatenate(members)
+    held = {"counts": [len(points) for points in members], "weights": np.concatenate(strengths)}
     options = options | held
-    if row.posed is Posed.POSES:
-        return new_native(row, mesh, options | {"points": places})
     if row.wraps:
         base = options.get("base") or (base_of(row), options_of(base_of(row), {})[0])
         if isinstance(base, tuple):
@@ -76,23 +67,10 @@ def on_handle_points(
         options |= {"mesh": mesh, "base": base}
     if any(parameter.id == "frame" for parameter in row.parameters) and options.get("frame") is None:
         options["frame"] = mesh  # the lattice is along the axes of the surface
-    return new_native(row, places, options)
-
-
-def space_warp(
-    row: object,
-    rest: np.ndarray,
-    faces: tuple,
-    members: list[np.ndarray],
-    options: dict[str, object],
-    strengths: list[np.ndarray],
-) -> Callable[[np.ndarray, np.ndarray | None], np.ndarray]:
-    """A warp of ``rest`` (n, 3) by a new native object whose handles hold points: takes poses (k, 3, 4).
-
-    Each of the ``members`` is held by its strength.
-    """
-    mesh, weights = native().SurfaceMesh(rest, faces), np.concatenate(strengths)
-    solver = on_handle_points(row, members, options, mesh, weights)
+    if row.posed is Posed.POSES:
+        solver = new_native(row, mesh, options | {"points": places})
+    else:
+        solver = new_native(row, places, options)
     solver.bind(rest)
     return lambda poses, incoming: solver.warp_poses(poses, incoming=incoming)
 
@@ -119,25 +97,13 @@ class Poses(ABC):
 
 
 class Expected(Poses):
-    """What a mesh with one handle and fixed regions must show.
-
-    ``points`` (n, 3) is the rest shape where it is not the mesh itself.
-    """
+    """What a mesh with one handle and fixed regions must show, whose rest are its own or other ``points``."""
 
     def __init__(
-        self,
-        obj: bpy.types.Object,
-        control: bpy.types.Object,
-        handle: str = "Top",
-        fixed: tuple[str, ...] = ("Base",),
-        method: str = "thin_shell",
-        points: np.ndarray | None = None,
-        free_parts: str = "follow",
-        **options: object,
+        self, obj, control, handle="Top", fixed=("Base",), method="thin_shell", points=None, **options: object
     ) -> None:
         super().__init__(obj, control)
         self._regions, self._solver, self._row = (handle, *fixed), None, BY_ID[method]
-        self._free_parts = free_parts
         self._options, self._steps = options_of(self._row, options)
         self.rebind(obj, points)
 
@@ -155,7 +121,7 @@ class Expected(Poses):
         mesh = native().SurfaceMesh(rest, faces_of(obj.data))
         self._solver = new_native(self._row, mesh, self._options)
         members, weights = zip(*groups, strict=True)
-        self._solver.set_handles(members, weights=weights, free_parts=self._free_parts)
+        self._solver.set_handles(members, weights=weights, free_parts="follow")
 
     @classmethod
     def of_rig(cls, plate: Rig, method: str = "thin_shell", **options: object) -> Expected:
@@ -176,16 +142,7 @@ class ByPoints(Poses):
     that differs; ``told`` is what the native object has to know besides the options of the method.
     """
 
-    def __init__(
-        self,
-        obj: bpy.types.Object,
-        control: bpy.types.Object,
-        method: str,
-        points: np.ndarray,
-        rest: np.ndarray | None = None,
-        told: dict[str, object] | None = None,
-        **options: object,
-    ) -> None:
+    def __init__(self, obj, control, method: str, points: np.ndarray, rest=None, told=None, **options):
         super().__init__(obj, control)
         row = BY_ID[method]
         chosen, _none = options_of(row, options)
@@ -209,21 +166,12 @@ class ExpectedInCage(Poses):
     motion of the cage object is one of the shape. Made while the cage object is at rest, its vertices posed.
     """
 
-    def __init__(
-        self,
-        obj: bpy.types.Object,
-        cage: bpy.types.Object,
-        cage_rest: np.ndarray,
-        method: str,
-        by_hand: Callable[[bpy.types.Object, Warp], np.ndarray],
-        **options: object,
-    ) -> None:
+    def __init__(self, obj, cage, cage_rest: np.ndarray, method: str, by_hand: Callable, **options) -> None:
         super().__init__(obj, cage)
         self._row, self._by_hand = BY_ID[method], by_hand
         self._options, _none = options_of(self._row, options)
-        self._cage_rest, self._posed = (
-            apply_matrix(self._at_rest, points) for points in (cage_rest, base_points(cage))
-        )
+        self._cage_rest = apply_matrix(self._at_rest, cage_rest)
+        self._posed = apply_matrix(self._at_rest, base_points(cage))
         self._cage_faces = faces_of(cage.data)
         self.rebind(obj)
 

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Access to the inner parts of the add-on. Tests name these parts in this file only.
+"""Access to the inner parts of the add-on: tests reach them by their names, wherever they stand.
 
 Without a window there are no timers, threads and drags, so tests call the functions that these would call.
 """
 
-from __future__ import annotations
-
+import functools
 import importlib
 import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from types import ModuleType
 
 import addon_utils
@@ -20,108 +20,38 @@ import installed
 import pytest
 from rigs.rig import update
 
+OPACITY = 0.5  # of overlays, in tests
+
+
+# Modules whose names others have, too, or that tests call otherwise.
 MODULES = {
-    "animation_paths": "session.datablocks.animation_paths",
-    "backend": "backend",
     "bake": "bake",
     "bind": "session.actions.bind",
-    "binding": "session.evaluation.binding",
-    "compat": "compat",
     "control": "ui.control",
-    "core_rigs": "core.rigs",
     "control_drag": "operators.tools.control_drag",
-    "deferred": "handlers.deferred",
-    "deformers": "session.actions.deformers",
-    "distortion": "core.geometry.distortion",
+    "core_rigs": "core.rigs",
     "drag": "session.actions.drag",
-    "drag_tool": "ui.drag_tool",
-    "dragging": "operators.tools.dragging",
-    "elements": "core.elements",
-    "errors": "core.errors",
-    "evaluate": "session.evaluation.evaluate",
     "evaluation": "handlers.evaluation",
-    "frame_by_frame": "operators.frame_by_frame",
-    "grab": "session.edit_mode.grab",
-    "grabbing": "operators.tools.grabbing",
     "handles": "session.actions.handles.handles",
-    "help": "operators.deformer.help",
-    "ids": "ids",
-    "keymap": "ui.keymap",
     "kind": "session.controls.handles.kind",
     "kinds": "session.controls.kinds",
-    "labels": "core.labels",
     "live_drag": "session.evaluation.drag",
-    "loader": "backend.loader",
-    "making": "session.actions.controls.making",
-    "memory": "core.memory",
-    "mesh_io": "mesh_io",
-    "mesh_notes": "session.evaluation.mesh_notes",
-    "methods": "core.methods",
-    "mirroring": "session.evaluation.mirroring",
-    "modified": "session.targets.modified",
-    "motion": "core.transform.motion",
-    "names": "core.names",
-    "native": "backend.native",
-    "objects": "session.controls.objects",
-    "operators": "operators",
-    "overlay": "ui.overlays.overlay",
-    "overlay_colours": "ui.overlays.overlay_colours",
-    "overlay_draw": "ui.overlays.overlay_draw",
-    "overlay_mesh": "ui.overlays.overlay_mesh",
-    "own_shape": "session.datablocks.own_shape",
-    "owners": "session.datablocks.owners",
     "parameters": "ui.parameters",
-    "picking": "session.actions.picking",
-    "places": "ui.places",
-    "popups": "ui.browser.popups",
     "posing": "session.actions.puppet.posing",
-    "preferences": "preferences",
-    "properties": "properties",
-    "puppeteering": "operators.tools.puppeteering",
-    "marks": "ui.overlays.marks",
     "reach": "ui.overlays.reach",
-    "reach_drag": "operators.tools.reach_drag",
     "refining": "ui.refining",
-    "refresh": "session.actions.refresh",
-    "render_writes": "session.state.render_writes",
     "repair": "session.actions.repair",
-    "rest": "mesh_io.rest",
-    "result": "session.results.result",
     "rigging": "session.actions.rigging",
-    "schedule": "session.evaluation.schedule",
-    "sessions": "session.state.sessions",
     "sides": "core.sides",
-    "situations": "ui.situations",
-    "sketch": "session.edit_mode.sketch",
-    "sinew_drag": "operators.tools.sinew_drag",
-    "sketching": "operators.tools.sketching",
-    "solving": "session.evaluation.solving",
-    "status": "core.status",
-    "status_box": "ui.status_box",
-    "surface": "session.datablocks.surface",
     "tasks": "core.tasks",
-    "templates": "core.templates",
-    "text": "ui.text",
     "traits": "session.datablocks.traits",
     "try_it": "session.actions.try_it",
-    "translation": "compat.translation",
-    "typed_motion": "core.transform.typed_motion",
-    "ui": "ui",
-    "housekeeping": "session.actions.housekeeping",
-    "waiting": "operators.waiting",
 }
 
 # Functions that work in proportion to the mesh; that read its arrays; that read a control; that look through
 # the rig.
-WORK = {
-    "solve",
-    "read_incoming",
-    "read_rest",
-    "read_shape",
-    "write_shape",
-    "write_positions",
-    "read_positions",
-}
+WRITES = {"write_shape", "write_positions"}
+WORK = {"solve", "read_incoming", "read_rest", "read_shape", "read_positions", *WRITES}
 READS = {"read_positions", "read_incoming", "read_attributes", "read_shape", "read_rest", "read_faces"}
 CONTROL_READS = {"read_state", "read_place"}  # of a kind of control; of an object or a bone
 LOOKS = {"group_weights", "read_weights", "rest_meshes"}
@@ -132,11 +62,21 @@ def room(path: str) -> ModuleType:
     return importlib.import_module(f"{installed.name()}.{path}")
 
 
+@functools.cache
+def _path_of(name: str) -> str:
+    """Where the module of this name stands in the add-on."""
+    folder = Path(sys.modules[installed.name()].__file__).parent
+    inside = [path.relative_to(folder) for path in folder.rglob("*.py")]
+    known = [path.parent if path.name == "__init__.py" else path.with_suffix("") for path in inside]
+    (found,) = (path for path in known if path.name == name)
+    return ".".join(found.parts)
+
+
 class _Inner:
-    """Rooms and modules of the add-on by short names; looked up anew, for tests load the add-on again."""
+    """Rooms and modules of the add-on by their names; looked up anew, for tests load the add-on again."""
 
     def __getattr__(self, name: str) -> ModuleType:
-        return room(MODULES[name])
+        return room(MODULES.get(name) or _path_of(name))
 
 
 inner = _Inner()
@@ -188,14 +128,14 @@ def use_threads(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def bind_in_thread(obj: bpy.types.Object, deformer, monkeypatch: pytest.MonkeyPatch) -> None:
     """A bind for another value of a parameter is under way in a window; nobody wants it any more."""
-    numbers = [row for row in deformer.definition.parameters if row.rebinds and hasattr(row, "minimum")]
+    numbers = [row for row in deformer.definition.parameters if row.rebinds and hasattr(row, "span")]
     if not numbers:
         pytest.skip("no number of this method makes a new factor")
     parameter = numbers[0]
     before = getattr(deformer.parameters, parameter.id)
     with monkeypatch.context() as patch:
         use_threads(patch)
-        setattr(deformer.parameters, parameter.id, parameter.soft_maximum)
+        setattr(deformer.parameters, parameter.id, parameter.span.soft)
         inner.sessions.find(deformer.uid).bound = None
         inner.bind.bind(obj, deformer, wait=False)
     assert inner.binding.job(deformer.uid) is not None
@@ -256,10 +196,7 @@ MOST_PAUSES = 4  # each may cause another: an edit is looked at, a mesh bound an
 
 
 def assert_at_rest(seconds: float = 20.0) -> None:
-    """The user does nothing any more: threads end and are collected, and evaluations cease.
-
-    An evaluation that causes another, pause after pause, would keep a window busy for ever.
-    """
+    """The user does nothing any more: threads end, all is collected, and no evaluation causes another."""
     caused: list[list[str]] = []
 
     def note(_scene, depsgraph) -> None:

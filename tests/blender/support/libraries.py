@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Files that others link, append and override from."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import bpy

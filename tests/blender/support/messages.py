@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The sentences in the source of the add-on and of the library, with gaps for what differs."""
 
-from __future__ import annotations
-
 import ast
 import functools
 import re
@@ -42,10 +40,12 @@ def _text(node: ast.AST) -> Iterator[str]:
         yield re.sub(r"\{\w*\}|%[ds]|%\.\d+f", GAP, node.value)
 
 
+@functools.cache
 def of_the_addon() -> list[str]:
     return [text for path in sorted(ADDON.rglob("*.py")) for text in sentences(path)]
 
 
+@functools.cache
 def of_the_library() -> list[str]:
     """The clauses of literals in C++ that are long enough to be known again."""
     found = []

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a window would send to a modal tool: views and events."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

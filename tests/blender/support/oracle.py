@@ -8,19 +8,18 @@ equal shapes, whatever came before. That its shapes are those of the formulas, t
 Triangles only, so that no choice of diagonals comes in.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
-from expected import new_native, space_warp
-from registry import BY_ID
-from rigs.rig import base_points, coordinates, painted
+from expected import faces_of, new_native, space_warp
+from registry import BY_ID, Control
+from rigs.rig import apply_matrix, base_points, coordinates, painted, points_of
 
 IDENTITY = np.eye(4)[:3]
 EPSILON32 = 2.0**-23
+CAGED = 2e-5  # float32 weights and positions, of shapes of a few units
 Key = tuple[str, str]  # of a deformer and its handle
 
 
@@ -78,9 +77,7 @@ class Oracle:
         return bool(missing)
 
     def skip_poses(self, obj: bpy.types.Object) -> None:
-        """Forget the poses of an object that is not compared now, since only the add-on has followed its
-        controls.
-        """
+        """Forget the poses of an object that is not compared: only the add-on has followed its controls."""
         for deformer in obj.sinew.deformers:
             self.recalled |= {(deformer.uid, handle.uid) for handle in deformer.handles}
 
@@ -105,7 +102,10 @@ class Oracle:
         return answer
 
     def _take(self, obj, deformer, depsgraph, answer: Expected, displaces: bool) -> bool:
-        if deformer.rest is None or not any(handle.enabled for handle in deformer.handles):
+        row, regions = BY_ID[deformer.method], []
+        is_caged = row.control is Control.CAGE
+        holds = deformer.cage_rest if is_caged else any(handle.enabled for handle in deformer.handles)
+        if deformer.rest is None or not holds:
             return False
         rest = coordinates(deformer.rest.vertices)
         incoming = answer.points
@@ -115,12 +115,15 @@ class Oracle:
                 raise Refusal("Topology changed")
             faces = triangles(deformer.rest)
             part = parts(len(rest), faces)
-            regions = regions_of(deformer, weights, part)
-            options = options_of(deformer, BY_ID[deformer.method], weights)
-            before = rest if displaces else incoming.astype(np.float64)
-            poses, flags = self._poses(obj, deformer, regions, depsgraph, rest, before)
-            row, free_parts = BY_ID[deformer.method], deformer.loose_parts.lower()
-            moved, error = self._solve(row, free_parts, rest, faces, options, regions, poses, flags, before)
+            if is_caged:
+                displaces, moved, error = True, self._warp(obj, deformer, depsgraph, rest), CAGED
+            else:
+                regions = regions_of(deformer, weights, part)
+                options = options_of(deformer, row, weights)
+                before = rest if displaces else incoming.astype(np.float64)
+                poses, flags = self._poses(obj, deformer, regions, depsgraph, rest, before)
+                held = deformer.loose_parts.lower()
+                moved, error = self._solve(row, held, rest, faces, options, regions, poses, flags, before)
         except Refusal as refusal:
             answer.refused[deformer.uid] = str(refusal)
             return False
@@ -139,6 +142,20 @@ class Oracle:
         if any(region.handle is not None and is_missing(region.handle) for region in regions):
             answer.tolerance += 1e-4 * size  # from a saved float32 shape, where a file was loaded
         return True
+
+    def _warp(self, obj, deformer, depsgraph, rest: np.ndarray) -> np.ndarray:
+        """By double weights that are bound anew, of the rest cage in the file; Blender places the cage."""
+        if deformer.cage_missing:
+            raise Unsure("the last pose stays, whatever it was")
+        cage, target = (each.evaluated_get(depsgraph) for each in (deformer.cage, obj))
+        now = apply_matrix(target.matrix_world.inverted() @ cage.matrix_world, points_of(cage))
+        before = coordinates(deformer.cage_rest.vertices)
+        if len(now) != len(before):
+            raise Refusal("the cage has other vertices")
+        mesh = self.native.SurfaceMesh(before, faces_of(deformer.cage_rest))
+        weights = getattr(self.native, BY_ID[deformer.method].native)(mesh, precision="double")
+        weights.bind(rest)
+        return weights.warp(now)
 
     def _poses(self, obj, deformer, regions, depsgraph, rest_points, before) -> tuple[np.ndarray, np.ndarray]:
         """(k, 3, 4), and (k,) whether each moves the rest shape.
@@ -186,8 +203,8 @@ class Oracle:
         incoming = None if np.array_equal(before, rest) else before
         members, strengths = zip(*((region.members, region.strength) for region in regions), strict=True)
         if row.is_space:
-            warp = space_warp(row, rest, faces, [rest[rows] for rows in members], options, strengths)
             try:
+                warp = space_warp(row, rest, faces, [rest[rows] for rows in members], options, strengths)
                 return warp(poses, incoming), 0.0
             except self.native.InvalidConstraint as error:  # as of one place that two handles pull apart
                 raise Refusal(str(error)) from error
@@ -354,7 +371,7 @@ def options_of(deformer, row, weights: Weights) -> dict[str, object]:
         group = getattr(values, f"{parameter.id}_group")
         share = weights(group) if group else None
         if share is not None:  # without its group, a parameter is not painted
-            options[parameter.id] = np.maximum(options[parameter.id] * share, parameter.minimum)
+            options[parameter.id] = np.maximum(options[parameter.id] * share, parameter.span.minimum)
     return options
 
 

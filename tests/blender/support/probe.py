@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A render engine that draws nothing and records the shapes that it is given."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 
@@ -50,12 +48,7 @@ def _size(scene: bpy.types.Scene) -> tuple[int, int]:
     return int(scene.render.resolution_x * share), int(scene.render.resolution_y * share)
 
 
-def render(
-    scene: bpy.types.Scene | None = None,
-    layer: str = "",
-    subframes: tuple[float, ...] = (0.0,),
-    animation: bool = False,
-) -> list[dict[str, np.ndarray]]:
+def render(scene=None, layer="", subframes=(0.0,), animation=False) -> list[dict[str, np.ndarray]]:
     """Render; points by object name, object space, one dictionary a (sub)frame."""
     scene = scene or bpy.context.scene
     if scene.camera is None:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The rows of the add-on's registry, for tests that run on every row and name no method."""
 
-from __future__ import annotations
-
 import importlib
 from collections.abc import Iterable
 
@@ -11,12 +9,7 @@ import numpy as np
 
 _methods = importlib.import_module(f"{installed.name()}.core.methods")
 METHODS, BY_ID = _methods.METHODS, _methods.BY_ID
-Control, Moved, Posed, Reproduced = (
-    _methods.Control,
-    _methods.Moved,
-    _methods.Posed,
-    _methods.Reproduced,
-)
+Control, Moved, Posed, Reproduced = (_methods.Control, _methods.Moved, _methods.Posed, _methods.Reproduced)
 TAKES_MINUTES = {"finest"}  # choices that are meant for references
 
 
@@ -75,7 +68,7 @@ def other_values(parameter: object) -> Iterable[object]:
         return [item[0] for item in parameter.items if item[0] not in TAKES_MINUTES]
     if isinstance(parameter.default, bool):
         return [True, False]
-    if not hasattr(parameter, "minimum"):
+    if not hasattr(parameter, "span"):
         return []
-    least, most = parameter.minimum, parameter.soft_maximum
+    least, most = parameter.span.minimum, parameter.span.soft
     return [most if most != parameter.default else type(parameter.default)(0.5 * (least + most))]

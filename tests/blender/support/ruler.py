@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A layout that records what a panel draws, and how much room each label has, as Blender shares it."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -13,14 +11,13 @@ from rigs.sheet import DrawContext
 MARGINS = {
     "UI": 61,
     "WINDOW": 52,
-}  # of the sidebar with its tabs, and of the Properties editor with its scroll bar
+}  # of the sidebar with its tabs; of the Properties editor with its scroll bar
 BOX = 19  # the margins of a box
 UNIT = 20  # the height of a button, and the width of an icon
 ICON, PLAIN = 24, 8  # of a button, beside its text
 NUMBER = 26  # the margins of a number, and between its label and its value
-ROUNDED = (
-    0.08  # of its label, which a window clips earlier: letters are wider where a screen has 75 dots per inch
-)
+# Of its label, which a window clips earlier: letters are wider where a screen has 75 dots per inch.
+ROUNDED = 0.08
 BESIDE = 0.4  # of a choice or a picker, what its label gets
 _BUTTONS = ("operator", "menu", "operator_menu_enum")
 _INSIDE = ("BOOLEAN", "FLOAT", "INT")  # the types whose label stands in the field
@@ -136,12 +133,10 @@ def measured(draw, width: int, region: str = "UI") -> list[Label]:
 
 
 def measured_panel(cls: type, width: int, region: str = "UI") -> list[Label]:
-    """What a panel draws, without its header."""
     return measured(lambda context, layout: cls.draw(SimpleNamespace(layout=layout), context), width, region)
 
 
 def buttons(labels: list[Label]) -> list[str]:
-    """The texts of operators and menus."""
     return [label.text for label in labels if label.kind in _BUTTONS]
 
 

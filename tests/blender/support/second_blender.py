@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Programs that run in a second Blender of the same version, with or without the add-on."""
 
-from __future__ import annotations
-
 import ctypes
 import json
 import os
@@ -65,10 +63,7 @@ _lookers: dict[tuple[str, str], subprocess.Popen] = {}
 
 
 def another_blender(script: str, folder: Path, addon_name: str = "", prelude: str = "") -> dict:
-    """Run ``script`` in a new Blender of this version; the dictionary ``seen`` that it fills.
-
-    ``addon_name`` enables the add-on there; without, that Blender does not know it. ``prelude`` runs first.
-    """
+    """Run ``script`` after ``prelude`` in a new Blender, with the add-on or without; what it has ``seen``."""
     program, answer = folder / "script.py", folder / "seen.json"
     body = textwrap.indent(textwrap.dedent(script), "    ")
     program.write_text(
@@ -135,7 +130,6 @@ def _command(arguments: list[str], program: Path) -> list[str]:
 
 
 def is_executable() -> bool:
-    """Blender runs Python, not the other way round."""
     return Path(bpy.app.binary_path).name.lower().startswith("blender")
 
 

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """All that is seen and listed of a file, to tell what a button, undo, or a refusal has changed."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 
 import bpy
@@ -54,7 +52,6 @@ def words() -> list[object]:
 
 
 def shapes() -> Iterator[np.ndarray]:
-    """Of each object, and where it is."""
     for obj in bpy.context.scene.objects:
         yield np.array(obj.matrix_world)
         if obj.mode == "EDIT":

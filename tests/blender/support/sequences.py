@@ -5,8 +5,6 @@
 ``SINEW_RANDOM_SHRINK=0`` reports the first failure as it is.
 """
 
-from __future__ import annotations
-
 import os
 import tempfile
 from contextlib import nullcontext

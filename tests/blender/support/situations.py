@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import bpy
 import installed
+from inside import inner
 from rigs.cages import ball, box, surround
 from rigs.point_objects import bezier, hair, lattice, text
 from rigs.puppets import figure
@@ -28,10 +29,7 @@ def _nothing() -> Iterator[Step]:
 
 
 class Step(NamedTuple):
-    """An entry that is shown, what it opens, and the operator that it calls.
-
-    "(v)" is a menu behind an arrow.
-    """
+    """An entry that is shown, "(v)" for a menu behind an arrow, what it opens, and its operator."""
 
     label: str
     opens: Callable[[], Iterator[Step]] = _nothing
@@ -64,7 +62,6 @@ class _StandIn:
 
 
 def steps_of(sheet: Sheet) -> Iterator[Step]:
-    """The entries of a layout, by their labels."""
     for call, given, words, settings in sheet.calls:
         args = [*given, *(words[name] for name in _ARGUMENTS.get(call, ()) if name in words)]
         if "heading" in words:
@@ -92,18 +89,29 @@ def steps_of(sheet: Sheet) -> Iterator[Step]:
 # How Blender calls the arguments that it also takes by place.
 _ARGUMENTS = {
     "operator": ("operator",),
-    "operator_menu_enum": ("operator", "property"),
-    "operator_enum": ("operator", "property"),
     "menu": ("menu",),
-    "prop": ("data", "property"),
-    "prop_search": ("data", "property"),
     "prop_enum": ("data", "property", "value"),
+    **dict.fromkeys(("operator_menu_enum", "operator_enum"), ("operator", "property")),
+    **dict.fromkeys(("prop", "prop_search"), ("data", "property")),
 }
 
 
 def operator_rna(name: str) -> bpy.types.Struct:
     group, _dot, verb = name.partition(".")
     return getattr(getattr(bpy.ops, group), verb).get_rna_type()
+
+
+def our_structs() -> list[bpy.types.Struct]:
+    found = [operator_rna(f"sinew.{name}") for name in dir(bpy.ops.sinew)]
+    found.append(inner.preferences.SinewPreferences.bl_rna)
+    owners = (bpy.types.Object, bpy.types.Scene, bpy.types.PoseBone)
+    waiting = [owner.bl_rna.properties["sinew"] for owner in owners]
+    while waiting:
+        struct = getattr(waiting.pop(), "fixed_type", None)
+        if struct is not None and struct.identifier.lower().startswith("sinew") and struct not in found:
+            found.append(struct)
+            waiting += struct.properties
+    return found
 
 
 def _opening(known: bpy.types.Property | None, operator: str = "") -> Callable[[], Iterator[Step]]:
@@ -187,14 +195,11 @@ def visible() -> Iterator[Step]:
 # The situations. Each begins in an empty file and leaves something active.
 
 
-def fresh() -> None:
+def fresh(mode: str = "OBJECT") -> None:
     make_active(Rig.plate().obj)
-
-
-def fresh_in_edit_mode() -> None:
-    fresh()
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.object.mode_set(mode=mode)
+    if mode == "EDIT":
+        bpy.ops.mesh.select_all(action="SELECT")
 
 
 def posed() -> None:
@@ -204,20 +209,11 @@ def posed() -> None:
     make_active(plate.obj)
 
 
-def handles(method: str = "thin_shell") -> Rig:
+def handles(method: str = "thin_shell", mode: str = "OBJECT") -> Rig:
     plate = Rig.plate().bind(method)
     make_active(plate.obj)
+    bpy.ops.object.mode_set(mode=mode)
     return plate
-
-
-def handles_in_edit_mode() -> None:
-    handles()
-    bpy.ops.object.mode_set(mode="EDIT")
-
-
-def handles_in_weight_paint() -> None:
-    handles()
-    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
 
 
 def handle_points() -> None:
@@ -266,10 +262,6 @@ def tools() -> None:
         make_active(target)
 
 
-def keys() -> None:
-    handles("mesh_sequence")
-
-
 def puppet() -> None:
     make_active(figure())
     bpy.ops.object.mode_set(mode="POSE")
@@ -296,18 +288,13 @@ def two_deformers() -> None:
     make_active(plate.obj)
 
 
-def of(make: Callable[[], bpy.types.Object]) -> Callable[[], None]:
-    """An object of another type, alone."""
-    return lambda: make_active(make())
-
-
 SITUATIONS: dict[str, Callable[[], object]] = {
     "a mesh": fresh,
     "a posed mesh": posed,
-    "a mesh in Edit Mode": fresh_in_edit_mode,
+    "a mesh in Edit Mode": lambda: fresh("EDIT"),
     "handles": handles,
-    "handles in Edit Mode": handles_in_edit_mode,
-    "handles in Weight Paint": handles_in_weight_paint,
+    "handles in Edit Mode": lambda: handles(mode="EDIT"),
+    "handles in Weight Paint": lambda: handles(mode="WEIGHT_PAINT"),
     "handle points": handle_points,
     "a lost control": lost_control,
     "a cage": cage,
@@ -315,14 +302,14 @@ SITUATIONS: dict[str, Callable[[], object]] = {
     "a lattice": lattice_around,
     "a wire": wire,
     "tools": tools,
-    "keys": keys,
+    "keys": lambda: handles("mesh_sequence"),
     "a puppet": puppet,
     "a skin": skin,
     "baked": baked,
     "two deformers": two_deformers,
-    "a curve": of(bezier),
-    "a text": of(text),
-    "hair": of(hair),
-    "a lattice object": of(lattice),
+    "a curve": lambda: make_active(bezier()),
+    "a text": lambda: make_active(text()),
+    "hair": lambda: make_active(hair()),
+    "a lattice object": lambda: make_active(lattice()),
     "a rig to try": lambda: bpy.ops.sinew.try_it(rig="lines"),
 }

@@ -107,15 +107,14 @@ Scene belts()
             helix};
 }
 
-Scene scales(int columns, int rows, int per_side, double size)
+/// A plate of scales.
+Scene scales()
 {
-    Scene scene{plate(columns, rows)};
-    const Matrix3 tilted = shapes::rotation({0, 1, 0}, -7);
-    for (int i = 0; i < per_side; ++i)
-        for (int j = 0; j < per_side; ++j)
-            scene.add(block({.9 * size, .7 * size, .06 * size},
-                            {.6 + 8.8 * i / (per_side - 1), .6 + 8.8 * j / (per_side - 1), .08 * size},
-                            {3, 3, 1}, tilted));
+    Scene scene{plate(81, 81)};
+    for (int i = 0; i < 12; ++i)
+        for (int j = 0; j < 12; ++j)
+            scene.add(block({.9, .7, .06}, {.6 + .8 * i, .6 + .8 * j, .08}, {3, 3, 1},
+                            shapes::rotation({0, 1, 0}, -7)));
     return scene;
 }
 
@@ -170,9 +169,11 @@ std::map<std::string, Scene> all()
 {
     return {{"tube", tube_and_balls()},
             {"belts", belts()},
-            {"scales", scales(81, 81, 12, 1)},
+            {"scales", scales()},
             {"head", head()},
-            {"limbs", limbs()}};
+            {"limbs", limbs()},
+            {"one triangle",
+             {Piece{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {Triangle{0, 1, 2}}}, ball(.1, {.3, .3, .2}, 8, 6)}}};
 }
 
 } // namespace sinew::scenes

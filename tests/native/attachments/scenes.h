@@ -4,11 +4,8 @@
 #include "native/attachments/attachments.h"
 #include "tests/native/shapes.h"
 
-#include <cmath>
 #include <functional>
-#include <map>
 #include <string>
-#include <vector>
 
 /// Bodies with loose parts, and ways to deform the bodies.
 namespace sinew::scenes {
@@ -140,15 +137,13 @@ struct Carried
             all.row(v) = by(mesh.point(v)).transpose();
         return all;
     }
+    Points rest(int part) const { return scene.piece(mesh.points(), part); }
     const Ride& ride(int part) const { return attachments.rides().at(part - 1); }
 };
 
 Scene tube_and_balls();
 
 Scene belts();
-
-/// A plate of scales.
-Scene scales(int columns, int rows, int per_side, double size);
 
 /// A head with two sockets; in each an eye with an iris and a pupil, which overlap.
 Scene head();

@@ -3,27 +3,15 @@
 
 #include "tests/native/attachments/scenes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_loose_vertices {
-
-namespace {
-
-/// A plate with loose vertices above it.
-scenes::Carried dusty(const std::vector<double>& heights)
-{
-    scenes::Scene scene{scenes::plate(41, 41)};
-    for (std::size_t k = 0; k < heights.size(); ++k)
-        scene.add({{Vector3(1.03 + .7 * static_cast<double>(k), 4.87, heights[k])}, {}});
-    return scenes::Carried(scene);
-}
-
-} // namespace
 
 TEST(LooseVertices, stay_on_the_surface_and_at_their_height_above_it)
 {
     const std::vector<double> heights{0, 0, 0, 0, .05, .05, .3, 1};
-    const scenes::Carried carried = dusty(heights);
+    scenes::Scene scene{scenes::plate(41, 41)};
+    for (std::size_t k = 0; k < heights.size(); ++k)
+        scene.add({{Vector3(1.03 + .7 * static_cast<double>(k), 4.87, heights[k])}, {}});
+    const scenes::Carried carried(scene);
     EXPECT_EQ(carried.attachments.rides().size(), heights.size());
     for (double radius : {20.0, 8.0}) {
         const auto by = [&](const Vector3& p) { return scenes::rolled(p, radius); };

@@ -3,11 +3,7 @@
 
 #include "tests/native/attachments/scenes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_part {
-
-namespace {
 
 Part part_of(const scenes::Piece& piece)
 {
@@ -16,23 +12,6 @@ Part part_of(const scenes::Piece& piece)
 }
 
 double thickness(const scenes::Piece& piece) { return ClosedPart(part_of(piece)).thickness(); }
-
-} // namespace
-
-TEST(Part, splits_a_mesh_by_its_components)
-{
-    const SurfaceMesh mesh = shapes::joined(
-        shapes::grid(2, 1), shapes::joined(shapes::cube(), shapes::octahedron(), {9, 0, 0}), {0, 5, 0});
-    const std::vector<Part> parts = parts_of(mesh, connected_components(mesh));
-    ASSERT_EQ(parts.size(), 3u);
-    EXPECT_DOUBLE_EQ(parts[0].area, 2);
-    EXPECT_DOUBLE_EQ(parts[1].area, 6);
-    EXPECT_NEAR(parts[2].area, 8 * std::sqrt(3) / 2, 1e-14);
-    EXPECT_EQ(parts[1].vertices.front(), 6);
-    EXPECT_EQ(parts[1].points.front(), Vector3(0, 5, 0));
-    EXPECT_EQ(parts[1].triangles.size(), 12u);
-    EXPECT_DOUBLE_EQ(parts[1].extent(), std::sqrt(3));
-}
 
 TEST(Part, the_centre_is_the_lowest_of_the_points_nearest_the_centroid)
 {

@@ -3,41 +3,25 @@
 
 #include "tests/native/refusals.h"
 
-#include <gtest/gtest.h>
-
 #include <string>
 
 namespace sinew::test_memory {
 
-namespace {
-
 constexpr std::int64_t megabyte = 1024 * 1024;
 
-} // namespace
-
-TEST(Memory, is_not_limited_until_a_limit_is_set)
+TEST(Memory, above_a_limit_that_was_set_is_refused_with_both_sizes_and_a_remedy)
 {
-    EXPECT_NO_THROW(require_memory(std::int64_t{1} << 60));
+    const std::int64_t huge = std::int64_t{1} << 60;
+    EXPECT_NO_THROW(require_memory(huge));
     {
-        const MemoryLimit limit(megabyte);
-        EXPECT_THROW(require_memory(std::int64_t{1} << 60), OutOfMemory);
+        const MemoryLimit limit(2048 * megabyte);
+        EXPECT_NO_THROW(require_memory(2048 * megabyte));
+        EXPECT_THROW(require_memory(2048 * megabyte + 1), OutOfMemory);
+        const auto error = refusal<FactorizationFailed>([] { require_memory(3174 * megabyte); });
+        for (const char* part : {"3.1 GB", "2.0 GB", "raise the limit or use fewer vertices"})
+            EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
     }
-    EXPECT_NO_THROW(require_memory(std::int64_t{1} << 60));
-}
-
-TEST(Memory, of_exactly_the_limit_is_allowed)
-{
-    const MemoryLimit limit(megabyte);
-    EXPECT_NO_THROW(require_memory(megabyte));
-    EXPECT_THROW(require_memory(megabyte + 1), OutOfMemory);
-}
-
-TEST(Memory, refusal_names_both_sizes_and_a_remedy)
-{
-    const MemoryLimit limit(2048 * megabyte);
-    const auto error = refusal<FactorizationFailed>([] { require_memory(3174 * megabyte); });
-    for (const char* part : {"3.1 GB", "2.0 GB", "raise the limit or use fewer vertices"})
-        EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+    EXPECT_NO_THROW(require_memory(huge));
 }
 
 TEST(Memory, sizes_read_as_people_say_them)

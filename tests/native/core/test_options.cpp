@@ -1,10 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/core/options.h"
 
-#include "native/core/errors.h"
 #include "native/core/types.h"
-
-#include <gtest/gtest.h>
+#include "tests/native/refusals.h"
 
 #include <limits>
 
@@ -34,12 +32,8 @@ TEST(Options, a_number_outside_its_range_is_refused_by_name)
           Settings{.share = std::numeric_limits<double>::quiet_NaN()},
           Settings{.tolerance = std::numeric_limits<double>::infinity()}})
         EXPECT_THROW(require_valid(wrong), InvalidOption);
-    try {
-        require_valid(Settings{.share = 1.5});
-        FAIL();
-    } catch (const InvalidOption& error) {
-        EXPECT_STREQ(error.what(), "share: 1.5 is not a finite number in [0, 1)");
-    }
+    const auto error = refusal<InvalidOption>([] { require_valid(Settings{.share = 1.5}); });
+    EXPECT_STREQ(error.what(), "share: 1.5 is not a finite number in [0, 1)");
 }
 
 TEST(Options, a_range_says_itself_in_words)

@@ -4,10 +4,6 @@
 #include "tests/native/shapes.h"
 #include "tests/native/wide_kernels.h"
 
-#include <gtest/gtest.h>
-
-#include <array>
-
 namespace sinew::test_propagation_kernels {
 
 TEST(PropagationKernels, give_the_same_bits_with_every_set_of_instructions)

@@ -3,29 +3,23 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_regions {
-
-namespace {
 
 /// Two parts: 0-5 and 6-8.
 const Components two_parts{2, {0, 0, 0, 0, 0, 0, 1, 1, 1}};
 
-} // namespace
-
 TEST(Regions, tell_held_free_and_idle_vertices_apart)
 {
-    const Regions regions({{{1, 2}, {}}, {{4}, {}}}, two_parts);
-    EXPECT_EQ(regions.handle_count(), 2);
-    EXPECT_EQ(regions.vertex_count(), 9);
-    EXPECT_EQ(regions.hard(2), 0);
-    EXPECT_EQ(regions.hard(4), 1);
-    EXPECT_EQ(regions.hard(0), -1);
-    EXPECT_TRUE(regions.is_free(0));
-    EXPECT_FALSE(regions.is_free(1));
-    EXPECT_TRUE(regions.is_idle(7));
-    EXPECT_FALSE(regions.is_free(7));
+    const Regions regions({{{1, 2, 2}, {}}, {{4}, {}}, {{7, 8}, {0.0, 0.0}}}, two_parts);
+    EXPECT_EQ(regions.handle_count(), 3);
+    const std::vector<int> hard{-1, 0, 0, -1, 1, -1, -1, -1, -1};
+    for (int v = 0; v < regions.vertex_count(); ++v) {
+        EXPECT_EQ(regions.hard(v), hard[v]);
+        EXPECT_EQ(regions.is_free(v), v < 6 && hard[v] < 0);
+        EXPECT_EQ(regions.is_idle(v), v >= 6) << "weights of zero hold nothing";
+    }
+    EXPECT_EQ(regions.report().constrained_vertices, 3) << "one of them is named twice";
+    EXPECT_EQ(regions.report().free_parts, 1);
 }
 
 TEST(Regions, a_weight_of_one_holds_less_pulls_and_zero_lets_go)
@@ -39,57 +33,32 @@ TEST(Regions, a_weight_of_one_holds_less_pulls_and_zero_lets_go)
     EXPECT_TRUE(regions.is_free(2));
 }
 
-TEST(Regions, a_part_whose_weights_are_all_zero_is_idle)
+TEST(Regions, a_hard_constraint_overrides_soft_ones_whatever_the_order_and_soft_ones_all_count)
 {
-    const Regions regions({{{7}, {0.0}}, {{0}, {}}}, two_parts);
-    EXPECT_TRUE(regions.is_idle(7));
-    EXPECT_EQ(regions.report().free_parts, 1);
-}
-
-TEST(Regions, a_hard_constraint_overrides_soft_ones_whatever_the_order)
-{
-    const Handle hard{{3}, {}};
-    const Handle soft{{3, 4}, {0.5, 0.5}};
-    for (const auto& handles : {std::vector{hard, soft}, std::vector{soft, hard}}) {
+    const Handle hard{{3}, {}}, soft{{3, 4}, {0.5, 0.5}}, other{{4}, {0.25}};
+    for (const auto& handles : {std::vector{hard, soft, other}, std::vector{soft, other, hard}}) {
         const Regions regions(handles, two_parts);
         EXPECT_GE(regions.hard(3), 0);
-        ASSERT_EQ(regions.soft().size(), 1u);
+        ASSERT_EQ(regions.soft().size(), 2u);
         EXPECT_EQ(regions.soft()[0].vertex, 4);
+        EXPECT_EQ(regions.report().soft_vertices, 1);
     }
 }
 
-TEST(Regions, soft_constraints_of_several_handles_on_a_vertex_all_count)
-{
-    const Regions regions({{{3}, {0.5}}, {{3}, {0.25}}}, two_parts);
-    EXPECT_EQ(regions.soft().size(), 2u);
-    EXPECT_EQ(regions.report().soft_vertices, 1);
-}
-
-TEST(Regions, constraints_are_the_hard_ones_by_vertex_then_the_soft_ones)
+TEST(Regions, constraints_are_the_hard_ones_by_vertex_then_the_soft_ones_and_the_report_counts_them)
 {
     const Regions regions({{{5, 2}, {}}, {{4, 1}, {0.5, 1.0}}}, two_parts);
-    const auto all = regions.constraints();
-    ASSERT_EQ(all.size(), 4u);
-    const std::vector<std::pair<int, int>> expected{{1, 1}, {2, 0}, {5, 0}, {4, 1}};
-    for (std::size_t k = 0; k < all.size(); ++k)
-        EXPECT_EQ(std::pair(all[k].vertex, all[k].handle), expected[k]);
-}
-
-TEST(Regions, a_vertex_named_twice_by_one_handle_is_held_once)
-{
-    EXPECT_EQ(Regions({{{2, 2, 3}, {}}}, two_parts).report().constrained_vertices, 2);
-}
-
-TEST(Regions, the_report_counts)
-{
-    const BindReport report = Regions({{{0, 1}, {}}, {{2, 3}, {0.5, 0.5}}}, two_parts).report();
+    std::vector<std::pair<int, int>> found;
+    for (const auto& constraint : regions.constraints())
+        found.emplace_back(constraint.vertex, constraint.handle);
+    EXPECT_EQ(found, (std::vector<std::pair<int, int>>{{1, 1}, {2, 0}, {5, 0}, {4, 1}}));
+    const BindReport report = regions.report(), none = Regions({}, two_parts).report();
     EXPECT_EQ(report.handle_count, 2);
-    EXPECT_EQ(report.constrained_vertices, 2);
-    EXPECT_EQ(report.soft_vertices, 2);
-    EXPECT_EQ(report.free_parts, 1);
+    EXPECT_EQ(report.constrained_vertices, 3);
+    EXPECT_EQ(report.soft_vertices, 1);
     EXPECT_EQ(report.free_vertices, (std::vector{6, 7, 8}));
-    EXPECT_EQ(Regions({}, two_parts).report().free_parts, 2);
-    EXPECT_EQ(Regions({}, two_parts).report().free_vertices.size(), 9u);
+    EXPECT_EQ(none.free_parts, 2);
+    EXPECT_EQ(none.free_vertices.size(), 9u);
 }
 
 TEST(Targets, apply_the_pose_to_the_incoming_point_or_to_the_rest)

@@ -3,18 +3,7 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_laplacian {
-
-// Other tests of it are in tests/bindings/oracles/test_oracles_linear.py, against libigl.
-TEST(TriangleMetric, names_the_faces_without_area)
-{
-    const SurfaceMesh mesh = shapes::mesh({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {0.5, 1e-3, 0}},
-                                          {{0, 1, 2}, {0, 1, 3}, {0, 1, 4}});
-    EXPECT_EQ(triangle_metric(mesh).degenerate, std::vector{0});
-    EXPECT_EQ(triangle_metric(mesh).area[0], 0.0);
-}
 
 TEST(Mass, is_zero_at_loose_vertices_and_raised_before_it_divides)
 {

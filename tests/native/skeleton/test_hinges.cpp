@@ -3,14 +3,7 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-#include <vector>
-
 namespace sinew::test_hinges {
-
-namespace {
 
 /// A thigh, a calf that is bent back against it, to +y, by `bend`, and a foot; and the tails of another limb
 /// that hangs on the thigh.
@@ -28,8 +21,6 @@ Skeleton leg(double bend, const Joint& knee = {}, const std::vector<Vector3>& li
     joints[1] = knee;
     return {shapes::points_of(heads), shapes::points_of(tails), parents, {}, joints};
 }
-
-} // namespace
 
 TEST(Hinges, AKneeBendsFurtherAboutItsHinge)
 {

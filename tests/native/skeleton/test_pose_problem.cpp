@@ -4,11 +4,7 @@
 #include "native/skeleton/pose_solver.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_pose_problem {
-
-namespace {
 
 /// Bones along z, each joint a little beside the line, so that those in between have hinges in several planes.
 Skeleton zigzag(int count, const std::vector<Joint>& joints)
@@ -20,9 +16,7 @@ Skeleton zigzag(int count, const std::vector<Joint>& joints)
     return {ends.topRows(count), ends.bottomRows(count), shapes::numbers(-1, count - 1), {}, joints};
 }
 
-} // namespace
-
-// What the solver finds is in tests/bindings/surfaces/test_poses.py and test_mesh_puppetry.py.
+// What the solver finds is in tests/bindings/surfaces/test_mesh_puppetry.py.
 TEST(PoseProblem, SlopesAreThoseOfDifferences)
 {
     std::vector<Joint> joints(6);

@@ -4,8 +4,6 @@
 #include "native/core/types.h"
 #include "tests/native/shapes.h"
 
-#include <vector>
-
 /// Sparse matrices that the solver tests share.
 namespace sinew::matrices {
 

@@ -5,19 +5,13 @@
 #include "tests/native/dense.h"
 #include "tests/native/solvers/matrices.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_shared_analyses {
-
-namespace {
 
 std::shared_ptr<const Analysis> kept(const SparseMatrix& A)
 {
     return SharedAnalyses::find(
         {digest(A), static_cast<int>(A.cols()), FactorBackend::automatic, Ordering::minimum_degree});
 }
-
-} // namespace
 
 TEST(SharedAnalyses, serve_the_factors_of_one_pattern_while_they_live_and_change_no_bit)
 {

@@ -9,10 +9,6 @@
 
 namespace sinew::test_bspline_basis {
 
-namespace {
-
-using Ends = BsplineBasis::Ends;
-
 /// All functions at t.
 std::vector<double> all_values(const BsplineBasis& basis, double t)
 {
@@ -24,76 +20,32 @@ std::vector<double> all_values(const BsplineBasis& basis, double t)
     return all;
 }
 
-} // namespace
-
-TEST(BsplineBasis, is_never_negative_and_sums_to_one)
+// Its values are those of SciPy in tests/bindings/spaces/test_lattices.py and oracles/test_oracles_spline.py.
+TEST(BsplineBasis, is_positive_within_its_support_and_reproduces_lines_by_the_places_of_its_coefficients)
 {
-    for (Ends ends : {Ends::uniform, Ends::clamped})
+    for (BsplineBasis::Ends ends : {BsplineBasis::Ends::uniform, BsplineBasis::Ends::clamped})
         for (int degree = 1; degree <= 5; ++degree)
-            for (int count : {degree + 1, degree + 2, 11, 32}) {
+            for (int count : {degree + 1, degree + 2, 10, 32}) {
                 const BsplineBasis basis(degree, count, ends);
-                for (int k = -3; k <= 1003; ++k) {
-                    double sum = 0.0;
-                    for (double value : all_values(basis, k / 1000.0)) {
-                        EXPECT_GE(value, 0.0);
-                        sum += value;
+                for (int k = 0; k <= 1000; ++k) {
+                    const double t = k / 1000.0;
+                    const std::vector<double> values = all_values(basis, t);
+                    double sum = 0.0, line = 0.0;
+                    for (int i = 0; i < count; ++i) {
+                        const auto [low, high] = basis.support(i);
+                        if (t < low - 1e-12 || t > high + 1e-12) {
+                            EXPECT_EQ(values[i], 0.0);
+                        } else if (t > low + 1e-3 && t < high - 1e-3) {
+                            EXPECT_GT(values[i], 0.0);
+                        }
+                        EXPECT_GE(values[i], 0.0);
+                        sum += values[i];
+                        line += basis.place(i) * values[i];
                     }
                     EXPECT_NEAR(sum, 1.0, 1e-14); // some roundings of numbers up to 1
+                    EXPECT_NEAR(line, t, 1e-14);
                 }
             }
-}
-
-TEST(BsplineBasis, is_zero_outside_of_its_support_and_nowhere_inside)
-{
-    for (Ends ends : {Ends::uniform, Ends::clamped})
-        for (int degree = 1; degree <= 5; ++degree) {
-            const BsplineBasis basis(degree, 10, ends);
-            for (int k = 0; k <= 1000; ++k) {
-                const double t = k / 1000.0;
-                const std::vector<double> values = all_values(basis, t);
-                for (int i = 0; i < basis.count(); ++i) {
-                    const auto [low, high] = basis.support(i);
-                    if (t < low - 1e-12 || t > high + 1e-12) {
-                        EXPECT_EQ(values[i], 0.0);
-                    } else if (t > low + 1e-3 && t < high - 1e-3) {
-                        EXPECT_GT(values[i], 0.0);
-                    }
-                }
-            }
-            if (ends == Ends::uniform) {
-                EXPECT_NEAR(basis.support(4)[1] - basis.support(4)[0], (degree + 1.0) / basis.spans(), 1e-15);
-            }
-        }
-}
-
-TEST(BsplineBasis, has_the_places_of_its_coefficients_where_lines_are_reproduced)
-{
-    for (Ends ends : {Ends::uniform, Ends::clamped})
-        for (int degree = 1; degree <= 5; ++degree) {
-            const BsplineBasis basis(degree, 12, ends);
-            for (double t : {0.0, 0.123, 0.5, 0.871, 1.0}) {
-                const std::vector<double> values = all_values(basis, t);
-                double sum = 0.0;
-                for (int i = 0; i < basis.count(); ++i)
-                    sum += basis.place(i) * values[i];
-                EXPECT_NEAR(sum, t, 1e-14);
-            }
-        }
-}
-
-TEST(BsplineBasis, of_one_clamped_span_is_that_of_bernstein)
-{
-    for (double t : {0.0, 0.3, 0.5, 1.0}) {
-        const std::vector<double> values = all_values({3, 4, Ends::clamped}, t);
-        const double s = 1 - t;
-        for (const auto& [i, expected] : std::vector<std::pair<int, double>>{
-                 {0, s * s * s}, {1, 3 * s * s * t}, {2, 3 * s * t * t}, {3, t * t * t}})
-            EXPECT_NEAR(values[i], expected, 1e-15);
-    }
-}
-
-TEST(BsplineBasis, refuses_other_degrees_and_too_few_functions)
-{
     EXPECT_THROW(BsplineBasis(0, 4), InvalidOption);
     EXPECT_THROW(BsplineBasis(6, 8), InvalidOption);
     EXPECT_THROW(BsplineBasis(3, 3), InvalidOption);

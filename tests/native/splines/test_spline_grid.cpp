@@ -5,11 +5,7 @@
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_spline_grid {
-
-namespace {
 
 std::vector<SplineGrid::Stencil> scattered(const SplineGrid& grid, int count, std::uint64_t seed)
 {
@@ -21,8 +17,6 @@ std::vector<SplineGrid::Stencil> scattered(const SplineGrid& grid, int count, st
     }
     return stencils;
 }
-
-} // namespace
 
 TEST(SplineGrid, moves_by_one_point_only_the_stated_rectangle_of_degree_plus_one_spans)
 {
@@ -75,8 +69,8 @@ TEST(ControlFit, with_a_penalty_is_least_and_reproduces_linear_functions)
         for (int i = 0; i < grid.columns(); ++i)
             lines.row(j * grid.columns() + i) << 3.0, grid.along_u().place(i) - 2 * grid.along_v().place(j);
     const MatrixX B = MatrixX(grid.weights(stencils));
-    EXPECT_LT((fit.solve(B * lines) - lines).norm(),
-              1e-4); // the least norm pulls by 1e-8, and N by 1e-3 or more
+    // The least norm pulls by 1e-8, and N by 1e-3 or more.
+    EXPECT_LT((fit.solve(B * lines) - lines).norm(), 1e-4);
     const MatrixX d = shapes::Random(10).dense(40, 2);
     const MatrixX c = fit.solve(d), slope = B.transpose() * (B * c - d) / 40 + 1e-2 * grid.bending() * c;
     EXPECT_LT(slope.norm(), 1e-7);
@@ -85,6 +79,11 @@ TEST(ControlFit, with_a_penalty_is_least_and_reproduces_linear_functions)
 TEST(ControlFit, equal_wishes_move_all_points_alike)
 {
     const SplineGrid grid(3, 6, 6);
+    {
+        const MemoryLimit limit(1000);
+        EXPECT_THROW(ControlFit(grid.weights(scattered(grid, 4, 1)), VectorX::Ones(4), MatrixX(), 0.0),
+                     OutOfMemory);
+    }
     for (double smoothing : {0.0, 1e-3})
         for (int count : {1, 3, 200}) {
             const ControlFit fit(grid.weights(scattered(grid, count, 3)), VectorX::Ones(count),
@@ -92,14 +91,6 @@ TEST(ControlFit, equal_wishes_move_all_points_alike)
             const RowMatrix c = fit.solve(MatrixX::Constant(count, 1, 2.5));
             EXPECT_LT((c.array() - 2.5).abs().maxCoeff(), 1e-7) << count; // rounding over a pull of 1e-8
         }
-}
-
-TEST(ControlFit, takes_no_more_memory_than_is_allowed)
-{
-    const SplineGrid grid(3, 16, 16);
-    const MemoryLimit limit(1000);
-    EXPECT_THROW(ControlFit(grid.weights(scattered(grid, 4, 1)), VectorX::Ones(4), MatrixX(), 0.0),
-                 OutOfMemory);
 }
 
 } // namespace sinew::test_spline_grid

@@ -3,10 +3,6 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
-#include <cmath>
-
 // A surface takes masks of its own where it is sharp for a while alone; elsewhere it has those of OpenSubdiv. Both
 // are in tests/bindings/surfaces/test_subdivision.py, and here its own where their values are known.
 namespace sinew::test_limit_masks {

@@ -14,8 +14,8 @@ def pose_a_sheet(sinew_native):
     side = 41
     ticks = numpy.linspace(0.0, 1.0, side)
     points = numpy.array([(x, y, 0.0) for y in ticks for x in ticks])
-    corners = numpy.array([(j * side + i) for j in range(side - 1) for i in range(side - 1)])
-    faces = numpy.column_stack((corners, corners + 1, corners + side + 1, corners + side))
+    corners = numpy.arange(side * side).reshape(side, side)[:-1, :-1].reshape(-1, 1)
+    faces = corners + (0, 1, side + 1, side)
     handles = [numpy.arange(3 * side), numpy.arange((side - 3) * side, side * side)]
     poses = numpy.tile(numpy.eye(3, 4), (2, 1, 1))
     poses[1, 2, 3] = 0.25

@@ -28,11 +28,8 @@ TEMPLATE = """{% extends "default/module.html.jinja2" %}
 def plain_docstring(documented: Doc) -> str:
     """The docstring without the signature that pybind11 puts above it."""
     first, _, rest = documented.docstring.partition("\n")
-    return (
-        rest
-        if isinstance(documented, Function) and first.startswith(f"{documented.name}(")
-        else documented.docstring
-    ).strip()
+    is_signed = isinstance(documented, Function) and first.startswith(f"{documented.name}(")
+    return (rest if is_signed else documented.docstring).strip()
 
 
 def main(module: str, target: Path) -> None:

@@ -11,7 +11,6 @@ is left.
 import html
 import re
 import sys
-from html.parser import HTMLParser
 from pathlib import Path, PurePosixPath
 from urllib.parse import unquote, urlsplit
 
@@ -48,8 +47,7 @@ def render(source: Path) -> dict[str, bytes]:
     files = {STYLE.name: STYLE.read_bytes()}
     for name, text in bodies.items():
         for link in found[name].links:
-            problem = broken(link, name, source, found)
-            if problem:
+            if problem := broken(link, name, source, found):
                 raise SystemExit(f"{name}: {link} {problem}")
             path = unquote(urlsplit(link).path)
             if not is_elsewhere(link) and path.endswith(PICTURES):
@@ -87,9 +85,8 @@ def framed(text: str, back: str, up: str) -> bytes:
 def body(path: Path) -> str:
     """The HTML of a page, with its links as they are written."""
     text = re.sub(r"\A<!--.*?-->\s*", "", path.read_text(encoding="utf-8"), flags=re.S)  # the licence line
-    return markdown.markdown(
-        text, extensions=["tables", "fenced_code", "toc", "sane_lists"], output_format="html"
-    )
+    extensions = ["tables", "fenced_code", "toc", "sane_lists"]
+    return markdown.markdown(text, extensions=extensions, output_format="html")
 
 
 def page_name(markdown_name: str) -> str:
@@ -105,30 +102,16 @@ def linked(text: str) -> str:
     )
 
 
-class Links(HTMLParser):
+class Links:
     """The links of a page, its anchors, and its title."""
 
     def __init__(self, text: str) -> None:
-        super().__init__()
-        self.links: list[str] = []
-        self.anchors: set[str] = set()
-        self.title = ""
-        self._in_title = False
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attributes: list[tuple[str, str | None]]) -> None:
-        values = dict(attributes)
-        self.links += [values[key] or "" for key in ("href", "src") if key in values]
-        self.anchors |= {values[key] or "" for key in ("id", "name") if key in values}
-        self._in_title = tag == "h1" and not self.title
-
-    def handle_endtag(self, tag: str) -> None:
-        if tag == "h1":
-            self._in_title = False
-
-    def handle_data(self, text: str) -> None:
-        if self._in_title:
-            self.title += text
+        tags = re.findall(r"<[a-z][^>]*>", text)
+        found = [pair for tag in tags for pair in re.findall(r'\b(href|src|id|name)="([^"]*)"', tag)]
+        self.links = [html.unescape(value) for key, value in found if key in ("href", "src")]
+        self.anchors = {value for key, value in found if key in ("id", "name")}
+        title = re.search(r"<h1[^>]*>(.*?)</h1>", text, flags=re.S)
+        self.title = html.unescape(re.sub(r"<[^>]*>", "", title[1])) if title else ""
 
 
 def is_elsewhere(link: str) -> bool:

@@ -13,13 +13,7 @@ import bpy
 import numpy as np
 from bpy.types import ID, Mesh, Modifier, Object
 
-from ....compat import (
-    read_edges,
-    read_positions,
-    read_triangles,
-    remove_data,
-    write_positions,
-)
+from ....compat import read_edges, read_positions, read_triangles, remove_data, write_positions
 from ....core.errors import MeshError
 from ....core.point_types import MESH, point_type_with_id
 from ....ids import Datablocks, Keys

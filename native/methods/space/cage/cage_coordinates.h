@@ -22,7 +22,7 @@ public:
 
 protected:
     CageCoordinates(Cage cage, const PointWeightOptions& options)
-        : LinearSpaceMethod(options), cage_(std::move(cage))
+        : LinearSpaceMethod("cage", options), cage_(std::move(cage))
     {
     }
 
@@ -34,7 +34,6 @@ protected:
     void check_control(PointsView control) const override { cage_.check_pose(control); }
     /// "cage", "precision" and "threshold".
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
-    const char* control_name() const override { return "cage"; }
 
 private:
     Cage cage_;

@@ -9,8 +9,8 @@
 
 namespace sinew {
 
-Ffd::Ffd(RestGrid lattice) : lattice_(std::move(lattice)) {}
-Ffd::Ffd(Hexahedra lattice) : lattice_(std::move(lattice)) {}
+Ffd::Ffd(RestGrid lattice) : SpaceMethodWith("lattice"), lattice_(std::move(lattice)) {}
+Ffd::Ffd(Hexahedra lattice) : SpaceMethodWith("lattice"), lattice_(std::move(lattice)) {}
 
 int Ffd::control_count() const
 {
@@ -25,7 +25,7 @@ void Ffd::compute(PointsView points, SpaceReport& report, const Progress& progre
     if (const auto* const cells = std::get_if<Hexahedra>(&lattice_); cells && !cells->hanging().empty())
         report.remarks.push_back("control points " + list_some(cells->hanging()) +
                                  " lie on cells that they are no corners of: the cells come apart there");
-    placed_ = std::move(placed);
+    weights_ = std::move(placed);
 }
 
 void Ffd::displace(PointsView control, PointsView base, PositionsOut out) const
@@ -36,11 +36,12 @@ void Ffd::displace(PointsView control, PointsView base, PositionsOut out) const
             if (const RestGrid* const grid = std::get_if<RestGrid>(&lattice_)) {
                 Points moves;
                 grid->moves(control, moves);
-                placed_.blend([&](int cell) { return grid->cell(cell, moves.data()); }, base, positions);
+                weights_.blend([&](int cell) { return grid->cell(cell, moves.data()); }, base, positions);
             } else {
                 std::vector<double> moves;
                 std::get<Hexahedra>(lattice_).moves(control, moves);
-                placed_.blend([&](int cell) { return Hexahedra::cell(cell, moves.data()); }, base, positions);
+                weights_.blend([&](int cell) { return Hexahedra::cell(cell, moves.data()); }, base,
+                               positions);
             }
         },
         out);
@@ -50,7 +51,5 @@ std::vector<std::string> Ffd::changed_settings(const SpaceMethod& former) const
 {
     return names_of({{"lattice", !(lattice_ == static_cast<const Ffd&>(former).lattice_)}});
 }
-
-void Ffd::swap_weights(SpaceMethod& other) { std::swap(placed_, static_cast<Ffd&>(other).placed_); }
 
 } // namespace sinew

@@ -35,7 +35,7 @@ namespace sinew {
 ///   warp()        the lattice moved             O(points x functions): 64 functions for cubics, or 8
 ///
 /// Memory of a bind: up to 35 bytes per point, and 24 for the point itself; 120 more while it runs.
-class Ffd : public SpaceMethod
+class Ffd : public SpaceMethodWith<PlacedPoints>
 {
 public:
     explicit Ffd(RestGrid lattice);
@@ -48,12 +48,9 @@ protected:
     void displace(PointsView control, PointsView base, PositionsOut out) const override;
     /// "lattice", which includes its options.
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
-    void swap_weights(SpaceMethod& other) override;
-    const char* control_name() const override { return "lattice"; }
 
 private:
     std::variant<RestGrid, Hexahedra> lattice_;
-    PlacedPoints placed_;
 };
 
 } // namespace sinew

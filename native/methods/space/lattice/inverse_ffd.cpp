@@ -84,7 +84,8 @@ Pose InverseFfd::box_around(const SurfaceMesh& surface)
 }
 
 InverseFfd::InverseFfd(PointsView handles, const InverseFfdOptions& options)
-    : options_(options), handles_(checked(handles, control_name()), options.counts, options.weights)
+    : SpaceMethod("handles"), options_(options),
+      handles_(checked(handles, control_name()), options.counts, options.weights)
 {
     for (int count : options.resolution)
         if (count < 2 || count > most_points)

@@ -78,7 +78,6 @@ protected:
     /// "handles" and "lattice".
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
     void swap_weights(SpaceMethod& other) override;
-    const char* control_name() const override { return "handles"; }
 
 private:
     Points moves_for(PointsView posed) const;

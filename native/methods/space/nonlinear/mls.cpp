@@ -76,7 +76,7 @@ Vector3 move_of(MlsMaps kind, const MlsSums& sums, int lane)
 } // namespace
 
 Mls::Mls(HandlePoints handles, const MlsOptions& options)
-    : handles_(std::move(handles)), options_(options), maps_(options.maps)
+    : SpaceMethodWith("handles"), handles_(std::move(handles)), options_(options), maps_(options.maps)
 {
     require_valid(options);
     std::vector<char> in_segment(static_cast<std::size_t>(handles_.point_count()), 0);
@@ -146,8 +146,8 @@ void Mls::compute(PointsView points, SpaceReport& report, const Progress& progre
     report.weight_bytes = static_cast<std::int64_t>(4 * singles.size() + 8 * doubles.size());
     if (!remark_.empty())
         report.remarks.push_back(remark_);
-    singles_ = std::move(singles);
-    doubles_ = std::move(doubles);
+    weights_.singles = std::move(singles);
+    weights_.doubles = std::move(doubles);
 }
 
 void Mls::displace(PointsView control, PointsView base, PositionsOut out) const
@@ -210,10 +210,10 @@ void Mls::move(const MlsFrame& frame, PointsView base, Real* out) const
                 for (int k = 0; k < 3; ++k)
                     places[3 * lane + k] = bound(std::min(4 * b + lane, n - 1), k);
             const auto first = 4 * static_cast<std::size_t>(b) * numbers;
-            const int safe =
-                is_single()
-                    ? kernels.move_singles(frame, singles_.data() + first, places.data(), sums, moves.data())
-                    : kernels.move_doubles(frame, doubles_.data() + first, places.data(), sums, moves.data());
+            const int safe = is_single() ? kernels.move_singles(frame, weights_.singles.data() + first,
+                                                                places.data(), sums, moves.data())
+                                         : kernels.move_doubles(frame, weights_.doubles.data() + first,
+                                                                places.data(), sums, moves.data());
             for (int lane = 0; lane < 4 && 4 * b + lane < n; ++lane) {
                 const int i = 4 * b + lane;
                 if (!(safe >> lane & 1))
@@ -230,13 +230,6 @@ std::vector<std::string> Mls::changed_settings(const SpaceMethod& former) const
 {
     const auto& other = static_cast<const Mls&>(former);
     return changed(options_, other.options_, names_of({{"handles", !(handles_ == other.handles_)}}));
-}
-
-void Mls::swap_weights(SpaceMethod& other)
-{
-    auto& others = static_cast<Mls&>(other);
-    std::swap(singles_, others.singles_);
-    std::swap(doubles_, others.doubles_);
 }
 
 } // namespace sinew

@@ -44,6 +44,13 @@ struct MlsOptions
     }
 };
 
+/// Four points after the other: (numbers, 4) each, in one of the two.
+struct MlsWeights
+{
+    std::vector<float> singles;
+    std::vector<double> doubles;
+};
+
 /// Moving least squares: at each point, the map that fits the handles best, near ones the more.
 ///
 /// S. Schaefer, T. McPhail, J. Warren. "Image Deformation Using Moving Least Squares." SIGGRAPH 2006.
@@ -78,7 +85,7 @@ struct MlsOptions
 /// Memory per point: 24 bytes, and 4 (single precision) or 8 per handle of one point, and ten times as much
 /// per handle of several points and per segment. Rounded weights of points and of groups are other weights of
 /// about the same value, so all maps are reproduced as in double precision; with segments, to 1e-7.
-class Mls final : public SpaceMethod
+class Mls final : public SpaceMethodWith<MlsWeights>
 {
 public:
     /// \throw InvalidOption      alpha is not > 0, or no number.
@@ -94,8 +101,6 @@ protected:
     void compute(PointsView points, SpaceReport& report, const Progress& progress) override;
     void displace(PointsView control, PointsView base, PositionsOut out) const override;
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
-    void swap_weights(SpaceMethod& other) override;
-    const char* control_name() const override { return "handles"; }
 
 private:
     template <class T>
@@ -109,8 +114,6 @@ private:
     MlsMaps maps_;
     std::string remark_;
     MlsElements elements_;
-    std::vector<float> singles_; ///< four points after the other: (numbers, 4) each
-    std::vector<double> doubles_;
 };
 
 } // namespace sinew

@@ -89,7 +89,7 @@ std::vector<Value> per_tool(std::vector<Value> values, std::size_t tools, const 
 } // namespace
 
 VectorField::VectorField(Points frames, const VectorFieldOptions& options)
-    : frames_(std::move(frames)), options_(options)
+    : SpaceMethod("tools"), frames_(std::move(frames)), options_(options)
 {
     if (!all_finite(frames_))
         throw InvalidConstraint("a number of the frames of tools is not finite");

@@ -125,7 +125,6 @@ protected:
     void displace(PointsView control, PointsView base, PositionsOut out) const override;
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
     void swap_weights(SpaceMethod&) override {}
-    const char* control_name() const override { return "tools"; }
 
 private:
     struct Tool

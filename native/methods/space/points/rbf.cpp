@@ -164,7 +164,7 @@ struct Rbf::Eight
 };
 
 Rbf::Rbf(HandlePoints handles, const RbfOptions& options)
-    : LinearSpaceMethod({options.precision, 0.0}), handles_(std::move(handles)), options_(options)
+    : LinearSpaceMethod("handles", {options.precision, 0.0}), handles_(std::move(handles)), options_(options)
 {
     require_valid(options);
     basis_ = {options.function, is_compact(options.function) ? 1.0 / options.radius : 1.0};

@@ -110,7 +110,6 @@ protected:
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
     void swap_weights(SpaceMethod& other) override;
     int block_size() const override { return (is_compact(basis_.function) ? 8 : 1) * PointWeights::part; }
-    const char* control_name() const override { return "handles"; }
 
 private:
     struct Solved;

@@ -15,7 +15,7 @@
 namespace sinew {
 
 SpacePropagation::SpacePropagation(HandlePoints handles, const SpacePropagationOptions& options)
-    : handles_(std::move(handles)), options_(options), transfer_(options.transfer)
+    : SpaceMethodWith("handles"), handles_(std::move(handles)), options_(options), transfer_(options.transfer)
 {
     groups_.handles.resize(static_cast<std::size_t>(handles_.handle_count()));
     std::iota(groups_.handles.begin(), groups_.handles.end(), 0);
@@ -61,13 +61,13 @@ void SpacePropagation::compute(PointsView points, SpaceReport& report, const Pro
     }
     progress.tick(1.0, "measuring distances");
     report.weight_bytes = static_cast<std::int64_t>(4 * size);
-    shares_ = std::move(shares);
+    weights_ = std::move(shares);
 }
 
 double SpacePropagation::share(int point, int handle) const
 {
     const int kept = handles_.handle_count() - 1;
-    const float* const own = shares_.data() + static_cast<std::size_t>(point) * kept;
+    const float* const own = weights_.data() + static_cast<std::size_t>(point) * kept;
     if (handle < kept)
         return own[handle];
     double last = 1.0;
@@ -103,7 +103,7 @@ void SpacePropagation::move(PointsView control, PointsView base, Real* out) cons
     const PropagatedMotions blend(groups_, maps, motions);
     const PointsView rest = view(points());
     const auto held = [&](int v, Vector3& place) {
-        const float* const own = shares_.data() + static_cast<std::size_t>(v) * (k - 1);
+        const float* const own = weights_.data() + static_cast<std::size_t>(v) * (k - 1);
         int handle = k - 1; // if none of the others has a share
         for (int h = 0; h < k - 1; ++h)
             if (own[h] == 1.0f)
@@ -134,11 +134,6 @@ std::vector<std::string> SpacePropagation::changed_settings(const SpaceMethod& f
 {
     const auto& other = static_cast<const SpacePropagation&>(former);
     return changed(options_, other.options_, names_of({{"handles", !(handles_ == other.handles_)}}));
-}
-
-void SpacePropagation::swap_weights(SpaceMethod& other)
-{
-    std::swap(shares_, static_cast<SpacePropagation&>(other).shares_);
 }
 
 } // namespace sinew

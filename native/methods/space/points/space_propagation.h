@@ -50,7 +50,9 @@ struct SpacePropagationOptions
 ///   warp()         the handles moved        O(n k) for k handles
 ///
 /// Memory per point: 24 bytes, and 4 for each handle but one.
-class SpacePropagation final : public SpaceMethod
+///
+/// The weights are (n, handles - 1) shares.
+class SpacePropagation final : public SpaceMethodWith<std::vector<float>>
 {
 public:
     /// \throw InvalidOption  `transfer` has less than two values, or one that is not finite.
@@ -63,8 +65,6 @@ protected:
     void compute(PointsView points, SpaceReport& report, const Progress& progress) override;
     void displace(PointsView control, PointsView base, PositionsOut out) const override;
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
-    void swap_weights(SpaceMethod& other) override;
-    const char* control_name() const override { return "handles"; }
 
 private:
     template <class Real>
@@ -77,7 +77,6 @@ private:
     TransferCurve transfer_;
     HandleGroups groups_;       ///< one, of all handles
     std::vector<Vector3> means_; ///< of the points of each handle
-    std::vector<float> shares_; ///< (n, handles - 1)
 };
 
 } // namespace sinew

@@ -39,7 +39,7 @@ std::vector<double> per_curve(std::vector<double> values, std::size_t curves, co
 } // namespace
 
 Wires::Wires(Points reference, const WireOptions& options)
-    : reference_(std::move(reference)), options_(options)
+    : SpaceMethod("curves"), reference_(std::move(reference)), options_(options)
 {
     std::vector<int> bad;
     for (int v = 0; v < reference_.rows(); ++v)

@@ -92,7 +92,6 @@ protected:
     void displace(PointsView control, PointsView base, PositionsOut out) const override;
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
     void swap_weights(SpaceMethod& other) override;
-    const char* control_name() const override { return "curves"; }
 
 private:
     /// A run of samples.

@@ -22,7 +22,10 @@ public:
     const PointWeights& weights() const { return weights_; }
 
 protected:
-    explicit LinearSpaceMethod(const PointWeightOptions& options) : weight_options_(options) {}
+    LinearSpaceMethod(const char* control_name, const PointWeightOptions& options)
+        : SpaceMethod(control_name), weight_options_(options)
+    {
+    }
 
     /// (c, 3) the control at rest.
     virtual PointsView rest_control() const = 0;

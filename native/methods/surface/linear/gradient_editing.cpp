@@ -54,18 +54,13 @@ struct Binding
 
 struct GradientEditing::Impl
 {
-    GradientEditingOptions options;
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
 };
 
 GradientEditing::GradientEditing(const SurfaceMesh& rest, const GradientEditingOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>())
 {
-    require_valid(options);
-    impl_->options = options;
 }
-
-const GradientEditingOptions& GradientEditing::options() const { return impl_->options; }
 
 void GradientEditing::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
@@ -82,9 +77,9 @@ void GradientEditing::bind(const Regions& regions, BindReport& report, const Pro
     progress.tick(0.2, "factorising");
     bound.system.factorize(std::move(L), regions, [&] {
         progress.tick(0.7, "computing the fields");
-        fields = impl_->options.field == Field::harmonic
+        fields = options().field == Field::harmonic
                      ? HandleFields(std::move(groups), regions, bound.system)
-                     : HandleFields(std::move(groups), regions, rest(), impl_->options.field);
+                     : HandleFields(std::move(groups), regions, rest(), options().field);
         progress.tick(1.0, "bound");
     });
     bound.fields = std::move(fields);

@@ -64,8 +64,6 @@ class GradientEditing final : public SurfaceMethodWith<GradientEditingOptions>
 public:
     explicit GradientEditing(const SurfaceMesh& rest, const GradientEditingOptions& options = {});
 
-    const GradientEditingOptions& options() const override;
-
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;

@@ -101,19 +101,14 @@ Details details_of(const std::vector<RelaxedLevel>& levels, int sweeps, Points& 
 
 struct HierarchicalSmoothing::Impl
 {
-    HierarchicalSmoothingOptions options;
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
 };
 
 HierarchicalSmoothing::HierarchicalSmoothing(const SurfaceMesh& rest,
                                              const HierarchicalSmoothingOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>())
 {
-    require_valid(options);
-    impl_->options = options;
 }
-
-const HierarchicalSmoothingOptions& HierarchicalSmoothing::options() const { return impl_->options; }
 
 int HierarchicalSmoothing::level_count() const
 {
@@ -130,7 +125,7 @@ void HierarchicalSmoothing::bind(const Regions& regions, BindReport& report, con
     for (int v = 0; v < n; ++v)
         removable[v] = !touched[v] && regions.is_free(v);
     const ProgressiveLevels hierarchy =
-        progressive_levels(rest(), std::move(removable), impl_->options.levels, enough, progress);
+        progressive_levels(rest(), std::move(removable), options().levels, enough, progress);
 
     std::vector<int> number(n, 0), kept;
     std::vector<RelaxedLevel> levels;
@@ -152,7 +147,7 @@ void HierarchicalSmoothing::bind(const Regions& regions, BindReport& report, con
         }
     Points coarse_rest = rows_of(view(rest().points()), kept), shape = rest().points();
     RelaxedLevel::Workspace work;
-    Details details = details_of(levels, impl_->options.relaxations, shape, work);
+    Details details = details_of(levels, options().relaxations, shape, work);
     std::vector<std::vector<int>> patches = handle_patches(rest(), regions);
     std::size_t bytes = 0;
     for (std::size_t k = 0; k < levels.size(); ++k)
@@ -187,7 +182,7 @@ SolveReport HierarchicalSmoothing::deform(const SolveRequest& /*request*/, const
                                           Points& positions) const
 {
     const Binding& bound = *impl_->bound;
-    const int sweeps = impl_->options.relaxations, kept = static_cast<int>(bound.kept.size());
+    const int sweeps = options().relaxations, kept = static_cast<int>(bound.kept.size());
     const auto work = bound.workspaces.take([&] {
         auto made = std::make_unique<Workspace>();
         made->details.resize(bound.levels.size());

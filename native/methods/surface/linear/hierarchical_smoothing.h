@@ -66,8 +66,6 @@ public:
     /// \throw InvalidOption  levels or relaxations < 0.
     explicit HierarchicalSmoothing(const SurfaceMesh& rest, const HierarchicalSmoothingOptions& options = {});
 
-    const HierarchicalSmoothingOptions& options() const override;
-
     /// The number of levels that the last bind made, without the coarsest one.
     int level_count() const;
 

@@ -94,7 +94,9 @@ struct Binding
 
 struct LaplacianEditing::Impl
 {
-    LaplacianEditingOptions options;
+    explicit Impl(const LaplacianEditingOptions& given) : options(given) {}
+
+    const LaplacianEditingOptions& options;
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
 
     bool has_fields() const { return options.transforms == LocalTransforms::from_handles; }
@@ -188,17 +190,13 @@ struct LaplacianEditing::Impl
 };
 
 LaplacianEditing::LaplacianEditing(const SurfaceMesh& rest, const LaplacianEditingOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>(this->options()))
 {
-    require_valid(options);
-    impl_->options = options;
 }
-
-const LaplacianEditingOptions& LaplacianEditing::options() const { return impl_->options; }
 
 SurfaceMethod::Stepping LaplacianEditing::stepping() const
 {
-    switch (impl_->options.transforms) {
+    switch (options().transforms) {
     case LocalTransforms::from_handles:
         return Stepping::none;
     case LocalTransforms::estimated:
@@ -208,14 +206,11 @@ SurfaceMethod::Stepping LaplacianEditing::stepping() const
     }
 }
 
-bool LaplacianEditing::displaces_all_alike() const
-{
-    return impl_->options.transforms == LocalTransforms::none;
-}
+bool LaplacianEditing::displaces_all_alike() const { return options().transforms == LocalTransforms::none; }
 
 std::unique_ptr<SurfaceMethod> LaplacianEditing::made_anew(const SurfaceMesh& rest) const
 {
-    return std::make_unique<LaplacianEditing>(rest, impl_->options);
+    return std::make_unique<LaplacianEditing>(rest, options());
 }
 
 void LaplacianEditing::bind(const Regions& regions, BindReport& report, const Progress& progress)
@@ -226,8 +221,8 @@ void LaplacianEditing::bind(const Regions& regions, BindReport& report, const Pr
     {
         const TriangleMetric metric = triangle_metric(rest(), least_area_for_order(2));
         report.degenerate_faces = degenerate_face_count(rest(), metric);
-        L = laplacian_matrix(rest(), impl_->options.laplacian, metric);
-        mass = divisible_mass(rest(), impl_->options.laplacian, metric);
+        L = laplacian_matrix(rest(), options().laplacian, metric);
+        mass = divisible_mass(rest(), options().laplacian, metric);
     }
     auto A = std::make_shared<SparseMatrix>(sparse_product(L, mass.cwiseInverse(), L));
     HandleGroups groups(regions, connected_components(rest()));

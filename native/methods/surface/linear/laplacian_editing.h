@@ -123,8 +123,6 @@ public:
     /// \throw InvalidOption  refits < 0.
     explicit LaplacianEditing(const SurfaceMesh& rest, const LaplacianEditingOptions& options = {});
 
-    const LaplacianEditingOptions& options() const override;
-
     /// `none` and `implicit` are made anew. `estimated` fits its first rotations to the last step. The maps
     /// of handles fade in one step as in many.
     Stepping stepping() const override;

@@ -50,20 +50,15 @@ std::vector<HandleMotion> Binding::motions(const Targets& targets, const std::ve
 
 struct Propagation::Impl
 {
-    PropagationOptions options;
     TransferCurve transfer;
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
 };
 
 Propagation::Propagation(const SurfaceMesh& rest, const PropagationOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>())
 {
-    require_valid(options);
     impl_->transfer = TransferCurve(options.transfer);
-    impl_->options = options;
 }
-
-const PropagationOptions& Propagation::options() const { return impl_->options; }
 
 void Propagation::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
@@ -77,7 +72,7 @@ void Propagation::bind(const Regions& regions, BindReport& report, const Progres
     const TriangleMetric metric = triangle_metric(rest());
     report.degenerate_faces = degenerate_face_count(rest(), metric);
     HandleFields fields;
-    if (impl_->options.field == Field::harmonic) {
+    if (options().field == Field::harmonic) {
         auto L = std::make_shared<SparseMatrix>(laplacian_matrix(rest(), Discretization::cotan, metric));
         make_weights_positive(*L);
         progress.tick(0.2, "factorising");
@@ -88,7 +83,7 @@ void Propagation::bind(const Regions& regions, BindReport& report, const Progres
         });
     } else {
         progress.tick(0.2, "measuring distances");
-        fields = HandleFields(std::move(groups), regions, rest(), impl_->options.field);
+        fields = HandleFields(std::move(groups), regions, rest(), options().field);
         progress.tick(1.0, "bound");
     }
     bound.fields = std::move(fields);

@@ -63,8 +63,6 @@ public:
     /// \throw InvalidOption  `transfer` has less than two values, or one that is not finite.
     explicit Propagation(const SurfaceMesh& rest, const PropagationOptions& options = {});
 
-    const PropagationOptions& options() const override;
-
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;

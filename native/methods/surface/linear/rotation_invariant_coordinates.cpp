@@ -123,23 +123,15 @@ double Binding::source(const PointsView& y, const RowMatrix& turns, RowMatrix& b
 
 struct RotationInvariantCoordinates::Impl
 {
-    RotationInvariantCoordinatesOptions options;
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
 };
 
 RotationInvariantCoordinates::RotationInvariantCoordinates(const SurfaceMesh& rest,
                                                            const RotationInvariantCoordinatesOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>())
 {
-    require_valid(options);
     if (options.laplacian == Discretization::cotan_voronoi)
         throw InvalidOption("laplacian: 'cotan_voronoi' is not one of 'uniform', 'cotan'");
-    impl_->options = options;
-}
-
-const RotationInvariantCoordinatesOptions& RotationInvariantCoordinates::options() const
-{
-    return impl_->options;
 }
 
 void RotationInvariantCoordinates::bind(const Regions& regions, BindReport& report, const Progress& progress)
@@ -147,7 +139,7 @@ void RotationInvariantCoordinates::bind(const Regions& regions, BindReport& repo
     Binding& bound = *impl_->bound;
     const TriangleMetric metric = triangle_metric(rest());
     report.degenerate_faces = degenerate_face_count(rest(), metric);
-    auto L = std::make_shared<SparseMatrix>(laplacian_matrix(rest(), impl_->options.laplacian, metric));
+    auto L = std::make_shared<SparseMatrix>(laplacian_matrix(rest(), options().laplacian, metric));
     std::vector<std::vector<int>> patches = handle_patches(rest(), regions);
     HandleFields fields;
     progress.tick(0.2, "factorising");

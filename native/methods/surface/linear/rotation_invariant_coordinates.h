@@ -64,8 +64,6 @@ public:
     explicit RotationInvariantCoordinates(const SurfaceMesh& rest,
                                           const RotationInvariantCoordinatesOptions& options = {});
 
-    const RotationInvariantCoordinatesOptions& options() const override;
-
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;

@@ -161,7 +161,7 @@ struct Binding
 
 struct SplineSurface::Impl
 {
-    SplineSurfaceOptions options;
+    const SplineSurfaceOptions& options;
     SplineGrid grid;
     std::unique_ptr<Binding> bound;
 
@@ -257,9 +257,8 @@ struct SplineSurface::Impl
 };
 
 SplineSurface::SplineSurface(const SurfaceMesh& rest, const SplineSurfaceOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>(options))
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>(this->options()))
 {
-    require_valid(options);
     const RowMatrix& uv = options.uv_map;
     if (uv.size() > 0 && (uv.rows() != rest.vertex_count() || uv.cols() != 2))
         throw InvalidOption("uv_map: (" + std::to_string(uv.rows()) + ", " + std::to_string(uv.cols()) +
@@ -267,8 +266,6 @@ SplineSurface::SplineSurface(const SurfaceMesh& rest, const SplineSurfaceOptions
     if ((uv.array().abs() == std::numeric_limits<double>::infinity()).any())
         throw InvalidOption("uv_map: infinite numbers");
 }
-
-const SplineSurfaceOptions& SplineSurface::options() const { return impl_->options; }
 
 void SplineSurface::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {

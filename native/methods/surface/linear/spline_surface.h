@@ -87,8 +87,6 @@ public:
     ///   has vertices, not two columns, or an infinite number.
     explicit SplineSurface(const SurfaceMesh& rest, const SplineSurfaceOptions& options = {});
 
-    const SplineSurfaceOptions& options() const override;
-
     bool displaces_all_alike() const override { return true; }
 
     /// The grid of a part, as the handles move it.

@@ -71,7 +71,9 @@ std::vector<int> at(const std::vector<int>& values, const std::vector<int>& kept
 
 struct SubdivisionEditing::Impl
 {
-    SubdivisionEditingOptions options;
+    explicit Impl(const SubdivisionEditingOptions& given) : options(given) {}
+
+    const SubdivisionEditingOptions& options;
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
 
     /// Undoes the levels of all parts with handles, and tells which parts have none.
@@ -129,13 +131,9 @@ struct SubdivisionEditing::Impl
 };
 
 SubdivisionEditing::SubdivisionEditing(const SurfaceMesh& rest, const SubdivisionEditingOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>(this->options()))
 {
-    require_valid(options);
-    impl_->options = options;
 }
-
-const SubdivisionEditingOptions& SubdivisionEditing::options() const { return impl_->options; }
 
 std::vector<int> SubdivisionEditing::level_counts() const
 {

@@ -78,8 +78,6 @@ public:
     /// \throw InvalidOption  levels < 0.
     explicit SubdivisionEditing(const SurfaceMesh& rest, const SubdivisionEditingOptions& options = {});
 
-    const SubdivisionEditingOptions& options() const override;
-
     /// How often the last bind coarsened each part of the mesh; parts are numbered by their lowest vertices.
     std::vector<int> level_counts() const;
     /// The control mesh of the last bind, of all parts together; before it, the rest shape.

@@ -63,12 +63,11 @@ struct Binding
 struct ThinShell::Impl
 {
     const SurfaceMesh& rest;
-    ThinShellOptions options;
     Coefficients k;
     Binding bound;
 
     Impl(const SurfaceMesh& mesh, const ThinShellOptions& given)
-        : rest(mesh), options(given), k(coefficients(given.stretching, given.bending, given.variation))
+        : rest(mesh), k(coefficients(given.stretching, given.bending, given.variation))
     {
     }
 
@@ -92,11 +91,12 @@ struct ThinShell::Impl
     }
 
     /// A in the header, without soft terms.
-    std::shared_ptr<SparseMatrix> assemble(const Regions& regions, const TriangleMetric& metric) const
+    std::shared_ptr<SparseMatrix> assemble(const Regions& regions, const TriangleMetric& metric,
+                                           Discretization of) const
     {
         const int n = rest.vertex_count();
         const auto laplacian = [&](const ElementScale& scale) {
-            return laplacian_matrix(rest, options.laplacian, metric, scale);
+            return laplacian_matrix(rest, of, metric, scale);
         };
         auto sum = std::make_shared<SparseMatrix>(n, n);
         SparseMatrix& A = *sum;
@@ -112,7 +112,7 @@ struct ThinShell::Impl
             return sum;
 
         const SparseMatrix L = laplacian({});
-        VectorX CM = divisible_mass(rest, options.laplacian, metric).cwiseInverse();
+        VectorX CM = divisible_mass(rest, of, metric).cwiseInverse();
         for (int i = 0; i < n; ++i)
             CM[i] *= bending_continuity(regions, i);
         if (!k.bending.empty())
@@ -129,13 +129,14 @@ struct ThinShell::Impl
     }
 
     /// The factor is used again where the pattern of the matrix is the same.
-    void bind(const Regions& regions, BindReport& report, const Progress& progress)
+    void bind(const ThinShellOptions& options, const Regions& regions, BindReport& report,
+              const Progress& progress)
     {
         std::shared_ptr<SparseMatrix> A;
         {
             const TriangleMetric metric = triangle_metric(rest, least_area());
             report.degenerate_faces = degenerate_face_count(rest, metric);
-            A = assemble(regions, metric);
+            A = assemble(regions, metric, options.laplacian);
         }
         progress.tick(0.2, "factorising");
         std::unique_ptr<AffineBasis> basis;
@@ -153,23 +154,20 @@ struct ThinShell::Impl
 };
 
 ThinShell::ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>(this->rest(), options))
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>(this->rest(), options))
 {
-    require_valid(options);
 }
-
-const ThinShellOptions& ThinShell::options() const { return impl_->options; }
 
 std::unique_ptr<SurfaceMethod> ThinShell::made_anew(const SurfaceMesh& rest) const
 {
-    ThinShellOptions options = impl_->options;
+    ThinShellOptions options = this->options();
     options.affine_basis = false;
     return std::make_unique<ThinShell>(rest, options);
 }
 
 void ThinShell::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
-    impl_->bind(regions, report, progress);
+    impl_->bind(options(), regions, report, progress);
 }
 
 BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness& bending,
@@ -178,25 +176,28 @@ BindReport ThinShell::set_stiffness(const Stiffness& stretching, const Stiffness
     const AccessLock alone = changing();
     struct Exchange ///< exchanges the stiffnesses, and exchanges them back unless all went well
     {
-        Impl& own;
-        ThinShellOptions options;
+        ThinShell& own;
+        std::shared_ptr<const ThinShellOptions> options;
         Coefficients k;
         bool done = false;
 
         void swap()
         {
-            std::swap(own.options, options);
-            std::swap(own.k, k);
+            own.options_.swap(options);
+            std::swap(own.impl_->k, k);
         }
         ~Exchange()
         {
             if (!done)
                 swap();
         }
-    } exchange{*impl_, impl_->options, impl_->coefficients(stretching, bending, variation)};
-    exchange.options.stretching = stretching;
-    exchange.options.bending = bending;
-    exchange.options.variation = variation;
+    };
+    ThinShellOptions next = options();
+    next.stretching = stretching;
+    next.bending = bending;
+    next.variation = variation;
+    Exchange exchange{*this, std::make_shared<const ThinShellOptions>(std::move(next)),
+                      impl_->coefficients(stretching, bending, variation)};
     exchange.swap();
     const BindReport report = hold(regions().handles(), progress, free_parts());
     exchange.done = true;

@@ -84,8 +84,6 @@ public:
     ///   three are zero.
     explicit ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options = {});
 
-    const ThinShellOptions& options() const override;
-
     /// Changes k_s, k_b and k_v and keeps the handles. Leaves the object as it was if it throws.
     /// \throw InvalidOption  as the constructor.
     /// \throw FactorizationFailed, Cancelled  as set_handles().

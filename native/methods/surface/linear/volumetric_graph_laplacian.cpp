@@ -153,19 +153,14 @@ SparseMatrix system_matrix(const SparseMatrix& L, const VectorX& mass, const Ins
 
 struct VolumetricGraphLaplacian::Impl
 {
-    VolumetricGraphLaplacianOptions options;
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
 };
 
 VolumetricGraphLaplacian::VolumetricGraphLaplacian(const SurfaceMesh& rest,
                                                    const VolumetricGraphLaplacianOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>())
 {
-    require_valid(options);
-    impl_->options = options;
 }
-
-const VolumetricGraphLaplacianOptions& VolumetricGraphLaplacian::options() const { return impl_->options; }
 
 Points VolumetricGraphLaplacian::inner_points() const
 {
@@ -184,7 +179,7 @@ std::vector<std::array<int, 2>> VolumetricGraphLaplacian::graph_edges() const
 void VolumetricGraphLaplacian::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
     Binding& bound = *impl_->bound;
-    const double alpha = impl_->options.volume;
+    const double alpha = options().volume;
     const int n = rest().vertex_count();
     std::shared_ptr<const Inside> inside = bound.inside;
     if (!inside || inside->filled != (alpha > 0))
@@ -195,8 +190,8 @@ void VolumetricGraphLaplacian::bind(const Regions& regions, BindReport& report, 
     {
         const TriangleMetric metric = triangle_metric(rest(), least_area_for_order(2));
         report.degenerate_faces = degenerate_face_count(rest(), metric);
-        L = laplacian_matrix(rest(), impl_->options.laplacian, metric);
-        mass = divisible_mass(rest(), impl_->options.laplacian, metric);
+        L = laplacian_matrix(rest(), options().laplacian, metric);
+        mass = divisible_mass(rest(), options().laplacian, metric);
     }
     VectorX weights = inside->weights(alpha, mass);
     Points delta, inner;

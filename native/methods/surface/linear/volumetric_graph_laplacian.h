@@ -71,8 +71,6 @@ public:
     explicit VolumetricGraphLaplacian(const SurfaceMesh& rest,
                                       const VolumetricGraphLaplacianOptions& options = {});
 
-    const VolumetricGraphLaplacianOptions& options() const override;
-
     /// (g, 3) the points inside, at rest; none before the first bind.
     Points inner_points() const;
     /// (e) the edges a < b of the graph; node n + k is inner point k.

@@ -162,7 +162,6 @@ struct Binding
 
 struct Arap::Impl
 {
-    ArapOptions options;
     std::vector<double> rigidity;       ///< one per vertex
     double unit = 1.0; ///< see normal_unit()
     std::optional<RestGraph> assembled; ///< by the first bind
@@ -172,32 +171,26 @@ struct Arap::Impl
 };
 
 Arap::Arap(const SurfaceMesh& rest, const ArapOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>())
 {
-    require_valid(options);
     if (options.point_handles > 0.0 && options.cells == ArapOptions::Cells::rims)
         throw InvalidOption("point_handles: only with cells of spokes; set it to 0, or take spokes");
-    impl_->options = options;
     impl_->unit = normal_unit(rest.points());
     impl_->rigidity = painted_rigidity(options.rigidity, rest.vertex_count());
 }
 
-const ArapOptions& Arap::options() const { return impl_->options; }
-
 void Arap::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
     Impl& self = *impl_;
-    std::optional<SurfaceMesh> scaled;
-    if (self.unit != 1.0)
-        scaled = in_unit(rest(), self.unit);
+    const std::optional<SurfaceMesh> scaled = in_unit(rest(), self.unit);
     const SurfaceMesh& mesh = scaled ? *scaled : rest();
     if (!self.assembled) {
-        self.assembled.emplace(mesh, self.options, self.rigidity);
+        self.assembled.emplace(mesh, options(), self.rigidity);
         self.degenerate_faces = degenerate_face_count(mesh);
     }
     progress.tick(0.2, "factorising");
     auto next = std::make_unique<Binding>(*self.assembled, self.unit, mesh.points(), regions, progress);
-    const double lambda = self.options.point_handles;
+    const double lambda = options().point_handles;
     if (lambda > 0 && next->graph.free_count() > 0)
         next->smooth_points(lambda, divisible_mass(mesh, Discretization::cotan_voronoi));
     progress.tick(1.0, "bound");
@@ -226,8 +219,8 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
 {
     const Binding& bound = *impl_->bound;
     const ArapSystem& graph = bound.graph;
-    LbfgsOptions options{.max_iterations = request.max_iterations.value_or(impl_->options.max_iterations),
-                         .tolerance = request.tolerance.value_or(impl_->options.tolerance)};
+    LbfgsOptions options{.max_iterations = request.max_iterations.value_or(this->options().max_iterations),
+                         .tolerance = request.tolerance.value_or(this->options().tolerance)};
 
     const auto work = bound.workspaces.take([] { return std::make_unique<Workspace>(); });
     GraphWorkspace& fine = work->fine;

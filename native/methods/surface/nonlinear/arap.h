@@ -91,8 +91,6 @@ public:
     ///   nor n numbers or is zero everywhere, or point_handles >= 1, or > 0 with rims.
     explicit Arap(const SurfaceMesh& rest, const ArapOptions& options = {});
 
-    const ArapOptions& options() const override;
-
     /// E of deformed points, over the parts with a handle and without soft pulls. The rotations are
     /// fitted to the points; with smoothness, until the relative decrease of E is below 1e-9.
     /// \param positions  (n, 3)

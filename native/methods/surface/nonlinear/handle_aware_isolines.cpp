@@ -233,25 +233,20 @@ void eliminate(std::vector<Part>& parts, const ConstrainedSystem& system, const 
 
 struct HandleAwareIsolines::Impl
 {
-    HandleAwareIsolinesOptions options;
     std::unique_ptr<Binding> bound = std::make_unique<Binding>();
     mutable Pool<Frame> frames;
 };
 
 HandleAwareIsolines::HandleAwareIsolines(const SurfaceMesh& rest, const HandleAwareIsolinesOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>())
 {
-    require_valid(options);
-    impl_->options = options;
 }
-
-const HandleAwareIsolinesOptions& HandleAwareIsolines::options() const { return impl_->options; }
 
 void HandleAwareIsolines::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
     Binding& bound = *impl_->bound;
     const double unit = normal_unit(rest().points());
-    const int n = rest().vertex_count(), bands_per_handle = (impl_->options.bands + 1) / 2;
+    const int n = rest().vertex_count(), bands_per_handle = (options().bands + 1) / 2;
     const TriangleMetric metric = triangle_metric(rest());
     report.degenerate_faces = degenerate_face_count(rest(), metric);
     auto L = std::make_shared<SparseMatrix>(laplacian_matrix(rest(), Discretization::cotan, metric));
@@ -263,10 +258,9 @@ void HandleAwareIsolines::bind(const Regions& regions, BindReport& report, const
     progress.tick(0.1, "factorising");
     bound.system.factorize(std::move(L), regions, [&] {
         progress.tick(0.4, "computing the fields");
-        const HandleFields fields =
-            impl_->options.field == Field::harmonic
-                ? HandleFields(std::move(groups), regions, bound.system)
-                : HandleFields(std::move(groups), regions, rest(), impl_->options.field);
+        const HandleFields fields = options().field == Field::harmonic
+                                        ? HandleFields(std::move(groups), regions, bound.system)
+                                        : HandleFields(std::move(groups), regions, rest(), options().field);
         parts = parts_of(rest(), regions, fields, bands_per_handle, labels);
         const int bands = parts.empty() ? 0 : parts.back().first_band + parts.back().band_count();
         const ClusterLoads loads(bound.system.matrix(), rest().points() / unit, labels, bands);
@@ -382,8 +376,8 @@ SolveReport HandleAwareIsolines::deform(const SolveRequest& request, const Targe
 {
     const Binding& bound = *impl_->bound;
     const Points& points = rest().points();
-    const int most = request.max_iterations.value_or(impl_->options.max_iterations);
-    const double tolerance = request.tolerance.value_or(impl_->options.tolerance);
+    const int most = request.max_iterations.value_or(options().max_iterations);
+    const double tolerance = request.tolerance.value_or(options().tolerance);
     const bool from_rest =
         !targets.incoming || std::equal(points.data(), points.data() + points.size(), targets.base().data());
     const auto frame = impl_->frames.take([] { return std::make_unique<Frame>(); });

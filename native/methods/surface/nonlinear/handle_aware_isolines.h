@@ -73,8 +73,6 @@ public:
     /// \throw InvalidOption  bands < 2, max_iterations < 1, or tolerance is negative or not finite.
     explicit HandleAwareIsolines(const SurfaceMesh& rest, const HandleAwareIsolinesOptions& options = {});
 
-    const HandleAwareIsolinesOptions& options() const override;
-
     /// (n) the band of each vertex, -1 in a part without a handle. The bands around a handle follow each
     /// other, from the handle outwards. Empty before the first bind.
     std::vector<int> bands() const;

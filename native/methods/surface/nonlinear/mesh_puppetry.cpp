@@ -136,30 +136,23 @@ std::unique_ptr<const Binding> bound(const SurfaceMesh& mesh, double unit, const
 
 struct MeshPuppetry::Impl
 {
-    MeshPuppetryOptions options;
     double unit = 1.0; ///< see normal_unit()
     int factorizations = 0;
     std::unique_ptr<const Binding> bound; ///< null before the first bind
 };
 
 MeshPuppetry::MeshPuppetry(const SurfaceMesh& rest, const MeshPuppetryOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>())
 {
-    require_valid(options);
-    impl_->options = options;
     impl_->unit = normal_unit(rest.points());
 }
-
-const MeshPuppetryOptions& MeshPuppetry::options() const { return impl_->options; }
 
 void MeshPuppetry::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
     Impl& self = *impl_;
-    std::optional<SurfaceMesh> scaled;
-    if (self.unit != 1.0)
-        scaled = in_unit(rest(), self.unit);
+    const std::optional<SurfaceMesh> scaled = in_unit(rest(), self.unit);
     const SurfaceMesh& mesh = scaled ? *scaled : rest();
-    auto next = bound(mesh, self.unit, regions, self.options.bending, progress);
+    auto next = bound(mesh, self.unit, regions, options().bending, progress);
     progress.tick(1.0, "bound");
     self.bound = std::move(next);
     self.factorizations += 2;
@@ -222,8 +215,8 @@ SolveReport MeshPuppetry::deform(const SolveRequest& request, const Targets& tar
     } else {
         problem.global_step(work->x);
     }
-    LbfgsOptions options{.max_iterations = request.max_iterations.value_or(impl_->options.max_iterations),
-                         .tolerance = request.tolerance.value_or(impl_->options.tolerance),
+    LbfgsOptions options{.max_iterations = request.max_iterations.value_or(this->options().max_iterations),
+                         .tolerance = request.tolerance.value_or(this->options().tolerance),
                          .floor = rounding_floor * cells.scale(*vectors)};
     const int half_turns = report.half_turns;
     report = minimize(problem, work->x, options, request.progress, &work->descent);

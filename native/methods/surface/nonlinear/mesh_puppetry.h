@@ -56,8 +56,6 @@ public:
     /// \throw InvalidOption  a number is negative or not finite, or max_iterations < 1.
     explicit MeshPuppetry(const SurfaceMesh& rest, const MeshPuppetryOptions& options = {});
 
-    const MeshPuppetryOptions& options() const override;
-
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     SolveReport deform(const SolveRequest& request, const Targets& targets, Points& positions) const override;

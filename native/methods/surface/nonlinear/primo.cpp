@@ -257,7 +257,6 @@ private:
 
 struct Primo::Impl
 {
-    PrimoOptions options;
     std::vector<double> height; ///< one per vertex, as a share
     double unit = 1.0;          ///< see normal_unit()
     int degenerate_faces = -1;  ///< counted by the first bind
@@ -266,24 +265,18 @@ struct Primo::Impl
 };
 
 Primo::Primo(const SurfaceMesh& rest, const PrimoOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>())
 {
-    require_valid(options);
-    impl_->options = options;
     impl_->unit = normal_unit(rest.points());
     impl_->height = painted(options.height, rest.vertex_count(), least_height, "height");
     if (impl_->height.empty())
         throw InvalidOption("height: zero everywhere; give at least one vertex a positive value");
 }
 
-const PrimoOptions& Primo::options() const { return impl_->options; }
-
 void Primo::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
     Impl& self = *impl_;
-    std::optional<SurfaceMesh> scaled;
-    if (self.unit != 1.0)
-        scaled = in_unit(rest(), self.unit);
+    const std::optional<SurfaceMesh> scaled = in_unit(rest(), self.unit);
     const SurfaceMesh& mesh = scaled ? *scaled : rest();
     if (self.degenerate_faces < 0)
         self.degenerate_faces = degenerate_face_count(mesh);
@@ -324,10 +317,9 @@ SolveReport Primo::deform(const SolveRequest& request, const Targets& targets, P
             solve.start(*request.start);
         else
             solve.start();
-        report =
-            solve.descend({.max_iterations = request.max_iterations.value_or(impl_->options.max_iterations),
-                           .tolerance = request.tolerance.value_or(impl_->options.tolerance)},
-                          request.progress);
+        report = solve.descend({.max_iterations = request.max_iterations.value_or(options().max_iterations),
+                                .tolerance = request.tolerance.value_or(options().tolerance)},
+                               request.progress);
     }
     solve.read_out(positions);
     if (solve.has_free_bodies())

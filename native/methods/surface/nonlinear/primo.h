@@ -66,8 +66,6 @@ public:
     ///   1 nor n numbers or is zero everywhere.
     explicit Primo(const SurfaceMesh& rest, const PrimoOptions& options = {});
 
-    const PrimoOptions& options() const override;
-
 protected:
     void bind(const Regions& regions, BindReport& report, const Progress& progress) override;
     /// The energy of the report is that of the prisms and of soft pulls.

@@ -166,7 +166,6 @@ double scale_of(const Poses& poses)
 
 struct PyramidCoordinates::Impl
 {
-    PyramidCoordinatesOptions options;
     double unit = 1.0; ///< see normal_unit()
     std::optional<Assembly> assembled; ///< by the first bind
     int factorizations = 0;
@@ -174,26 +173,20 @@ struct PyramidCoordinates::Impl
 };
 
 PyramidCoordinates::PyramidCoordinates(const SurfaceMesh& rest, const PyramidCoordinatesOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>())
 {
-    require_valid(options);
     if (options.target_shape)
         require_same_faces(rest, *options.target_shape);
-    impl_->options = options;
     impl_->unit = normal_unit(rest.points());
 }
-
-const PyramidCoordinatesOptions& PyramidCoordinates::options() const { return impl_->options; }
 
 void PyramidCoordinates::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
     Impl& self = *impl_;
-    std::optional<SurfaceMesh> scaled;
-    if (self.unit != 1.0)
-        scaled = in_unit(rest(), self.unit);
+    const std::optional<SurfaceMesh> scaled = in_unit(rest(), self.unit);
     const SurfaceMesh& mesh = scaled ? *scaled : rest();
     if (!self.assembled)
-        self.assembled.emplace(mesh, self.options.side, self.options.target_shape.get(), self.unit);
+        self.assembled.emplace(mesh, options().side, options().target_shape.get(), self.unit);
     progress.tick(0.2, "factorising");
     auto next = std::make_unique<const Binding>(*self.assembled, mesh, self.unit, regions, progress);
     progress.tick(1.0, "bound");
@@ -255,7 +248,7 @@ SolveReport PyramidCoordinates::deform(const SolveRequest& request, const Target
         else
             cells.keep(targets.base(), work->shape);
     }
-    PyramidProblem problem(cells, *shape, self.options.similarity, work->goals.held, work->goals.pulls,
+    PyramidProblem problem(cells, *shape, options().similarity, work->goals.held, work->goals.pulls,
                            work->buffers);
     if (request.start) {
         work->x.resize(cells.moving_count(), 3);
@@ -263,7 +256,7 @@ SolveReport PyramidCoordinates::deform(const SolveRequest& request, const Target
                      [&](int p) { work->x.row(p) = request.start->row(cells.order()[p]) / bound.unit; });
     } else {
         // The cascade keeps sizes, so where rings may grow it gets poses without their mean size.
-        const double scale = self.options.similarity ? scale_of(targets.poses) : 1.0;
+        const double scale = options().similarity ? scale_of(targets.poses) : 1.0;
         Poses poses = targets.poses;
         for (Pose& pose : poses)
             pose /= scale;
@@ -279,8 +272,8 @@ SolveReport PyramidCoordinates::deform(const SolveRequest& request, const Target
     }
     SolveReport report =
         minimize(problem, work->x,
-                 {.max_iterations = request.max_iterations.value_or(self.options.max_iterations),
-                  .tolerance = request.tolerance.value_or(self.options.tolerance),
+                 {.max_iterations = request.max_iterations.value_or(options().max_iterations),
+                  .tolerance = request.tolerance.value_or(options().tolerance),
                   .floor = rounding_floor * problem.scale(),
                   .plain_steps = plain_steps},
                  request.progress, &work->descent);

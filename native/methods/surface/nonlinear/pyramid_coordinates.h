@@ -76,8 +76,6 @@ public:
     /// \throw InvalidMesh    the target shape has other faces; they are named.
     explicit PyramidCoordinates(const SurfaceMesh& rest, const PyramidCoordinatesOptions& options = {});
 
-    const PyramidCoordinatesOptions& options() const override;
-
     /// The vertices whose ring overlaps in its projection, at rest or in the target shape: they have equal
     /// weights. None before set_handles().
     std::vector<int> folded_rings() const;

@@ -152,7 +152,9 @@ Points posed(const Pose& pose, const Points& points)
 
 struct SubspaceLaplacian::Impl
 {
-    SubspaceLaplacianOptions options;
+    explicit Impl(const SubspaceLaplacianOptions& given) : options(given) {}
+
+    const SubspaceLaplacianOptions& options;
     std::optional<SurfaceMesh> cage;
     struct Space
     {
@@ -207,19 +209,15 @@ void SubspaceLaplacian::Impl::refuse_outside(const SurfaceMesh& mesh, const Hand
 
 SubspaceLaplacian::SubspaceLaplacian(const SurfaceMesh& rest, const SubspaceLaplacianOptions& options,
                                      std::optional<SurfaceMesh> cage)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>(this->options()))
 {
-    require_valid(options);
     if (options.cage_faces != 0 && options.cage_faces < 12)
         throw InvalidOption("cage_faces: " + std::to_string(options.cage_faces) +
                             " is neither 0 nor in 12 to 2,000; each face costs every vertex a weight");
     if (cage)
         (void)Cage(*cage);
-    impl_->options = options;
     impl_->cage = std::move(cage);
 }
-
-const SubspaceLaplacianOptions& SubspaceLaplacian::options() const { return impl_->options; }
 
 void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {

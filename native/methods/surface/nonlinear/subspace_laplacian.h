@@ -90,8 +90,6 @@ public:
     explicit SubspaceLaplacian(const SurfaceMesh& rest, const SubspaceLaplacianOptions& options = {},
                                std::optional<SurfaceMesh> cage = {});
 
-    const SubspaceLaplacianOptions& options() const override;
-
     /// The rest cages of the parts, in the order of their lowest vertices; none for a part that is its own
     /// subspace. Empty before the first bind.
     std::vector<SurfaceMesh> cages() const;

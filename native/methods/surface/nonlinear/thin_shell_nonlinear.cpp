@@ -260,7 +260,6 @@ private:
 
 struct ThinShellNonlinear::Impl
 {
-    ThinShellNonlinearOptions options;
     double unit = 1.0; ///< see normal_unit()
     Stiffnesses stiffnesses; ///< in that unit
     Points rest; ///< (n, 3) likewise; empty where the unit is 1
@@ -288,22 +287,16 @@ struct ThinShellNonlinear::Impl
 };
 
 ThinShellNonlinear::ThinShellNonlinear(const SurfaceMesh& rest, const ThinShellNonlinearOptions& options)
-    : SurfaceMethodWith(rest), impl_(hidden<Impl>())
+    : SurfaceMethodWith(rest, options), impl_(hidden<Impl>())
 {
-    require_valid(options);
-    impl_->options = options;
     impl_->unit = normal_unit(rest.points());
     impl_->stiffnesses = stiffnesses(options, rest, impl_->unit);
 }
 
-const ThinShellNonlinearOptions& ThinShellNonlinear::options() const { return impl_->options; }
-
 void ThinShellNonlinear::bind(const Regions& regions, BindReport& report, const Progress& progress)
 {
     Impl& self = *impl_;
-    std::optional<SurfaceMesh> scaled;
-    if (self.unit != 1.0)
-        scaled = in_unit(rest(), self.unit);
+    const std::optional<SurfaceMesh> scaled = in_unit(rest(), self.unit);
     const SurfaceMesh& mesh = scaled ? *scaled : rest();
     if (!self.sheet) {
         self.sheet.emplace(mesh, self.stiffnesses);
@@ -339,8 +332,8 @@ SolveReport ThinShellNonlinear::deform(const SolveRequest& request, const Target
 {
     const Impl& self = *impl_;
     const Binding& bound = *self.bound;
-    LbfgsOptions options{.max_iterations = request.max_iterations.value_or(self.options.max_iterations),
-                         .tolerance = request.tolerance.value_or(self.options.tolerance),
+    LbfgsOptions options{.max_iterations = request.max_iterations.value_or(this->options().max_iterations),
+                         .tolerance = request.tolerance.value_or(this->options().tolerance),
                          .plain_steps = plain_steps};
 
     const auto work = bound.workspaces.take([] { return std::make_unique<Workspace>(); });

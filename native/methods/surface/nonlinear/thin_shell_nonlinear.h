@@ -91,8 +91,6 @@ public:
     ///   nor n numbers, or `stretching` is zero everywhere.
     explicit ThinShellNonlinear(const SurfaceMesh& rest, const ThinShellNonlinearOptions& options = {});
 
-    const ThinShellNonlinearOptions& options() const override;
-
     /// E of deformed points, over the parts with a handle and without soft pulls, with the best rotations.
     /// Zero before set_handles().
     /// \param positions  (n, 3)

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Targets and cages that the tests of cages share, and what mean value coordinates make of them."""
 
-from __future__ import annotations
-
 import bmesh
 import bpy
 import numpy as np
@@ -45,13 +43,11 @@ def surround(target: bpy.types.Object, cage: bpy.types.Object, method: str = "me
 
 
 def place(cage: bpy.types.Object, points: list) -> None:
-    """Put the vertices there."""
     cage.data.vertices.foreach_set("co", np.array(points, dtype=np.float32).ravel())
     cage.data.update()
 
 
 def transform(cage: bpy.types.Object, motion: Matrix) -> None:
-    """Move the vertices."""
     cage.data.transform(motion)
     cage.data.update()
 

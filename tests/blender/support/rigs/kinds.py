@@ -14,7 +14,7 @@ from probe import render_points
 from registry import BY_ID, WITH_CAGE, WITH_HANDLES, Control
 
 from rigs import point_handles, point_objects
-from rigs.cages import ball
+from rigs.cages import TURN, ball
 from rigs.object_rigs import object_class
 from rigs.rig import (
     FLOAT32,
@@ -32,17 +32,12 @@ from rigs.rig import (
 
 
 class HandleRig(Rig):
-    """A plate whose far edge is a handle and whose near edge is fixed.
-
-    ``poses`` is what to see of it, once it is bound, and ``height`` how far its control was lifted since.
-    """
+    """A plate with a handle and a fixed edge; ``poses`` is what to see, ``height`` how far it is lifted."""
 
     height = 0.0
     methods = WITH_HANDLES
     tolerance = FLOAT32
-    goes_on = (
-        True  # another control takes over where the one before it left the shape; else it is to be bound
-    )
+    goes_on = True  # another control takes over where the one before left the shape; else it is to be bound
     counts_in_no_scene = True  # a control that is in no scene moves the shape; else the last one stays
     hidden_meshes = 4  # what entered at bind, and in renders; two shapes
     point_arrays = 0  # how many arrays Blender has the points of the control in, where these count
@@ -101,13 +96,7 @@ class HandleRig(Rig):
         """That is what Blender shows of the rig, or of another object of its kind."""
         return close(evaluated_points(obj or self.obj), shape, max(tolerance, self.tolerance))
 
-    def shows_in(
-        self,
-        scene: bpy.types.Scene | bpy.types.ViewLayer,
-        shape: np.ndarray,
-        obj: bpy.types.Object | None = None,
-        tolerance: float = 0.0,
-    ) -> bool:
+    def shows_in(self, scene, shape: np.ndarray, obj=None, tolerance: float = 0.0) -> bool:
         """So does any view layer, or the first one of any scene."""
         layer = scene.view_layers[0] if isinstance(scene, bpy.types.Scene) else scene
         found = points_of((obj or self.obj).evaluated_get(layer.depsgraph))
@@ -177,9 +166,7 @@ class CageRig(object_class(HandleRig)):
 
     methods = WITH_CAGE
     point_arrays = 1
-    carries = (
-        Matrix.Translation((0.3, 0.1, -0.2)) @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8)) @ Matrix.Scale(1.3, 4)
-    )
+    carries = TURN
 
     @classmethod
     def new(cls, name: str = "Ball") -> CageRig:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is seen of lattice objects that are moved, and of what they move."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 

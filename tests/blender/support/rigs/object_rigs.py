@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the rigs have in common that one whole object moves."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 from mathutils import Matrix

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A plate that the edges of another mesh carry: its vertices are handle points, its edges segments."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 from expected import ByPoints, Poses

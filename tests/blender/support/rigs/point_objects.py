@@ -3,8 +3,6 @@
 them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -55,23 +53,18 @@ def add_points(obj: bpy.types.Object, kind: str, count: int = 6) -> None:
     spline.use_endpoint_u = True
 
 
-def bezier() -> bpy.types.Object:
+def bezier(bevel: float = 0.0) -> bpy.types.Object:
     obj = curve_object()
     add_bezier(obj)
     add_bezier(obj, 4, 0.2)
     obj.data.splines[1].use_cyclic_u = True
+    obj.data.bevel_depth = bevel
     return obj
 
 
-def poly() -> bpy.types.Object:
+def poly(kind: str = "POLY") -> bpy.types.Object:
     obj = curve_object()
-    add_points(obj, "POLY")
-    return obj
-
-
-def nurbs() -> bpy.types.Object:
-    obj = curve_object()
-    add_points(obj, "NURBS")
+    add_points(obj, kind)
     return obj
 
 
@@ -81,12 +74,6 @@ def mixed() -> bpy.types.Object:
     add_bezier(obj)
     add_points(obj, "NURBS", 5)
     add_bezier(obj, 3, 0.1)
-    return obj
-
-
-def bevelled() -> bpy.types.Object:
-    obj = bezier()
-    obj.data.bevel_depth = 0.05
     return obj
 
 
@@ -130,10 +117,8 @@ def lattice() -> bpy.types.Object:
     return linked(bpy.data.objects.new("Lattice", data))
 
 
-MAKERS = {
-    maker.__name__: maker
-    for maker in (bezier, poly, nurbs, mixed, bevelled, text, outline, hair, cloud, lattice)
-}
+MAKERS = {maker.__name__: maker for maker in (bezier, poly, mixed, text, outline, hair, cloud, lattice)}
+MAKERS |= {"nurbs": lambda: poly("NURBS"), "bevelled": lambda: bezier(0.05)}
 CURVES = ("bezier", "poly", "nurbs", "mixed")
 
 

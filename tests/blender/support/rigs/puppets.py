@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A figure of bones, and how it is dragged and looked at."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 

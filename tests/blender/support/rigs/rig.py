@@ -80,13 +80,11 @@ def base_points(obj: bpy.types.Object) -> np.ndarray:
 
 
 def apply_matrix(matrix: Matrix, points: np.ndarray) -> np.ndarray:
-    """Points moved by a 4x4 matrix."""
     array = np.array(matrix)
     return points @ array[:3, :3].T + array[:3, 3]
 
 
 def linked(obj: bpy.types.Object) -> bpy.types.Object:
-    """It, in the scene."""
     bpy.context.scene.collection.objects.link(obj)
     return obj
 
@@ -133,15 +131,10 @@ def on_all(obj: bpy.types.Object, operator: Callable, **keywords: object) -> Non
 
 def grid_object(name: str = "Plate", cells: int = 10) -> bpy.types.Object:
     """A square of ``cells`` x ``cells`` quads from -1 to 1 in the plane z = 0."""
-    line = np.linspace(-1.0, 1.0, cells + 1)
-    points = [(x, y, 0.0) for y in line for x in line]
-    row = cells + 1
-    faces = [
-        (j * row + i, j * row + i + 1, (j + 1) * row + i + 1, (j + 1) * row + i)
-        for j in range(cells)
-        for i in range(cells)
-    ]
-    obj = new_object(name, points, faces)
+    line, row = np.linspace(-1.0, 1.0, cells + 1), cells + 1
+    corners = [j * row + i for j in range(cells) for i in range(cells)]
+    faces = [(a, a + 1, a + row + 1, a + row) for a in corners]
+    obj = new_object(name, [(x, y, 0.0) for y in line for x in line], faces)
     make_active(obj)
     return obj
 
@@ -170,8 +163,7 @@ def refused(match: str, operator: str, on: bpy.types.Object | None = None, /, **
     """A button of ours says why it does nothing, with an object active, or with what is."""
     if on is not None:
         make_active(on)
-    with pytest.raises(RuntimeError, match=match):
-        getattr(bpy.ops.sinew, operator)(**keywords)
+    fails(match, getattr(bpy.ops.sinew, operator), **keywords)
 
 
 def duplicated(*objects: bpy.types.Object, linked: bool = False) -> bpy.types.Object:
@@ -375,13 +367,8 @@ def curves_of(datablock: bpy.types.ID) -> list[bpy.types.FCurve]:
     action = datablock.animation_data.action
     if hasattr(action, "fcurves"):
         return list(action.fcurves)
-    return [
-        curve
-        for layer in action.layers
-        for strip in layer.strips
-        for bag in strip.channelbags
-        for curve in bag.fcurves
-    ]
+    bags = (bag for layer in action.layers for strip in layer.strips for bag in strip.channelbags)
+    return [curve for bag in bags for curve in bag.fcurves]
 
 
 def change_in_edit_mode(obj: bpy.types.Object, change: Callable[[bmesh.types.BMesh], object]) -> None:

@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A plate with a wire along its far edge, which carries half of it."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 from expected import ByPoints, Poses, scale_of
@@ -63,7 +61,6 @@ def new_class(base: type) -> type:
 
         @property
         def held(self) -> np.ndarray:
-            """The vertices on the wire."""
             return np.flatnonzero(base_points(self.obj)[:, 1] > 0.99)
 
         def attach(self, method: str) -> None:

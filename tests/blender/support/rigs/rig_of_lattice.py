@@ -9,17 +9,12 @@ from expected import ByPoints, Poses
 from mathutils import Matrix
 from registry import Control, with_control
 
-from rigs.cages import ball
+from rigs.cages import TURN, ball
 from rigs.object_rigs import object_class
 from rigs.rig import linked, press, update
 
 WITH_LATTICE = with_control(Control.LATTICE)
-TYPES = {
-    "KEY_LINEAR": "linear",
-    "KEY_CARDINAL": "cardinal",
-    "KEY_CATMULL_ROM": "catmull_rom",
-    "KEY_BSPLINE": "bspline",
-}
+TYPES = {f"KEY_{name.upper()}": name for name in ("linear", "cardinal", "catmull_rom", "bspline")}
 
 
 def lattice_points(lattice: bpy.types.Object) -> np.ndarray:
@@ -32,7 +27,6 @@ def resolution(lattice: bpy.types.Object) -> tuple[int, int, int]:
 
 
 def place(lattice: bpy.types.Object, points: np.ndarray) -> None:
-    """Put the points there."""
     lattice.data.points.foreach_set("co_deform", np.asarray(points, dtype=np.float32).ravel())
     lattice.data.update_tag()
 
@@ -54,7 +48,6 @@ def small_ball(name: str = "Ball", levels: int = 3) -> bpy.types.Object:
 
 
 def bent(points: np.ndarray, seed: int = 5, by: float = 0.1) -> np.ndarray:
-    """Points moved at random, by a share of their size; by a tenth, a lattice of five does not fold."""
     spread = by * np.ptp(points, axis=0).max()
     return points + spread * np.random.default_rng(seed).uniform(-0.5, 0.5, points.shape)
 
@@ -75,11 +68,7 @@ def new_class(base: type) -> type:
     class LatticeRig(object_class(base)):
         methods = WITH_LATTICE
         point_arrays = 1
-        carries = (
-            Matrix.Translation((0.3, 0.1, -0.2))
-            @ Matrix.Rotation(0.7, 4, (0.6, 0.0, 0.8))
-            @ Matrix.Diagonal((1.3, 0.8, 1.1, 1.0))
-        )
+        carries = TURN @ Matrix.Diagonal((1.0, 0.6, 0.8, 1.0))
 
         @classmethod
         def new(cls, name: str = "Marble") -> LatticeRig:

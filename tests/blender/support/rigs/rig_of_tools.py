@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A plate with a tool in its middle, which drags what is around."""
 
-from __future__ import annotations
-
 import bpy
 import numpy as np
 from expected import ByPoints, Poses, scale_of
@@ -36,7 +34,6 @@ def new_class(base: type) -> type:
 
         @property
         def held(self) -> np.ndarray:
-            """The vertices that stay in the inner ball."""
             away = np.linalg.norm(base_points(self.obj), axis=1)
             return np.flatnonzero(away < 0.99 * INNER)
 

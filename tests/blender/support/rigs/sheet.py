@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws panels and menus without a window, into a layout that records the calls."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import bpy
@@ -12,22 +10,22 @@ NARROW, WIDE = 229, 450  # pixels: the sidebar as Blender opens it, and as a rig
 
 class Sheet:
     """A layout that records calls, in order, with all its sub-layouts: ``calls`` are (method, arguments).
+    ``greyed`` are the properties, lists and buttons that were drawn while the layout was not enabled, and
+    ``buttons`` those of tasks and methods, and whether they can be pressed."""
 
-    ``greyed`` are the properties, lists and buttons that were drawn while the layout was not enabled.
-    """
-
-    def __init__(self, calls: list | None = None, greyed: list | None = None, enabled: bool = True) -> None:
-        self.calls = [] if calls is None else calls
-        self.greyed: list[str] = [] if greyed is None else greyed
-        self.enabled = enabled
+    def __init__(self, above: "Sheet | None" = None) -> None:
+        alone = {"calls": [], "greyed": [], "buttons": [], "enabled": True}
+        vars(self).update(vars(above) if above else alone)
 
     def __getattr__(self, name: str):
         def record(*args, **keywords):
             settings = SimpleNamespace()
             self.calls.append((name, args, keywords, settings))
             if not self.enabled:
-                self.greyed += [arg for arg in args if isinstance(arg, str)]
-            return settings if name == "operator" else Sheet(self.calls, self.greyed, self.enabled)
+                self.greyed.extend(arg for arg in args if isinstance(arg, str))
+            if name == "operator" and "depress" in keywords:
+                self.buttons.append((keywords["text"], self.enabled))
+            return settings if name == "operator" else Sheet(self)
 
         return record
 
@@ -73,7 +71,8 @@ class DrawPreferences:
 
 def draw(cls: type, context: DrawContext | None = None) -> Sheet:
     sheet = Sheet()
-    cls.draw(SimpleNamespace(layout=sheet, role=getattr(cls, "role", "")), context or DrawContext())
+    said = {name: getattr(cls, name) for name in ("role", "ADDING", "DOING") if hasattr(cls, name)}
+    cls.draw(SimpleNamespace(layout=sheet, **said), context or DrawContext())
     return sheet
 
 

@@ -3,34 +3,33 @@
 triangles only.
 """
 
-from __future__ import annotations
+from itertools import product
 
 import bpy
 import numpy as np
 from registry import BY_ID, WITH_HANDLES
 
-from rigs.rig import linked, make_active
+from rigs.rig import make_active, new_object
 
 GROUPS = ("Far", "Near", "Middle", "Soft", "Nobody")
+
+
+def wall(across: int, along: int, closed: bool = False) -> list:
+    """The triangles of a wall of points, row after row; a closed one meets its first column again."""
+    faces = []
+    for j, i in product(range(along - 1), range(across if closed else across - 1)):
+        a, b = j * across + i, j * across + (i + 1) % across
+        faces += [(a, b, a + across), (b, b + across, a + across)]
+    return faces
 
 
 def sheet(columns: int, rows: int) -> tuple[list, list]:
     """A wavy strip of triangles along y, from -1 to 1."""
     points = [
         (0.5 * (2 * i / (columns - 1) - 1), 2 * j / (rows - 1) - 1, 0.1 * ((3 * i + 2 * j) % 5))
-        for j in range(rows)
-        for i in range(columns)
+        for j, i in product(range(rows), range(columns))
     ]
-    faces = []
-    for j in range(rows - 1):
-        for i in range(columns - 1):
-            a = j * columns + i
-            faces += [(a, a + 1, a + columns), (a + 1, a + columns + 1, a + columns)]
-    return points, faces
-
-
-def strip() -> tuple[list, list]:
-    return sheet(4, 9)
+    return points, wall(columns, rows)
 
 
 def two_parts() -> tuple[list, list]:
@@ -43,29 +42,18 @@ def two_parts() -> tuple[list, list]:
 
 def tube() -> tuple[list, list]:
     """Closed around y."""
-    around, along = 6, 9
-    points = [
-        (0.4 * np.cos(6.283185 * i / around), 2 * j / (along - 1) - 1, 0.4 * np.sin(6.283185 * i / around))
-        for j in range(along)
-        for i in range(around)
-    ]
-    faces = []
-    for j in range(along - 1):
-        for i in range(around):
-            a, b = j * around + i, j * around + (i + 1) % around
-            faces += [(a, b, a + around), (b, b + around, a + around)]
-    return points, faces
+    angles = 2.0 * np.pi * np.arange(6) / 6
+    points = [(0.4 * np.cos(a), 2 * j / 8 - 1, 0.4 * np.sin(a)) for j in range(9) for a in angles]
+    return points, wall(6, 9, closed=True)
 
 
-SHAPES = {"strip": strip, "two_parts": two_parts, "tube": tube}
+SHAPES = {"strip": lambda: sheet(4, 9), "two_parts": two_parts, "tube": tube}
 
 
 def new_target(shape: str) -> bpy.types.Object:
     """A mesh of 36 to 54 vertices with the groups of ``GROUPS``."""
     points, faces = SHAPES[shape]()
-    mesh = bpy.data.meshes.new(shape)
-    mesh.from_pydata(points, [], faces)
-    obj = linked(bpy.data.objects.new(shape, mesh))
+    obj = new_object(shape, points, faces)
     groups = {name: obj.vertex_groups.new(name=name) for name in GROUPS}
     for index, (_x, y, _z) in enumerate(points):
         for name, weight in (
@@ -93,8 +81,8 @@ def values_of(parameter) -> tuple:
         return ()
     if not parameter.rebinds:  # how far a solve goes: a loose end is no answer to compare with
         return (3,) if isinstance(parameter.default, int) else ()
-    half = 0.5 * parameter.soft_maximum
-    return (parameter.minimum, int(half) if isinstance(parameter.default, int) else half)
+    half = 0.5 * parameter.span.soft
+    return (parameter.span.minimum, int(half) if isinstance(parameter.default, int) else half)
 
 
 SETTINGS = tuple(

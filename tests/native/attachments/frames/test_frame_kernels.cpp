@@ -5,9 +5,6 @@
 #include "tests/native/shapes.h"
 #include "tests/native/wide_kernels.h"
 
-#include <gtest/gtest.h>
-
-#include <array>
 #include <cstring>
 
 namespace sinew::test_frame_kernels {

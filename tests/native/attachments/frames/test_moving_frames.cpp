@@ -3,41 +3,41 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_moving_frames {
 
-namespace {
-
-/// Where a frame on all triangles of a mesh goes.
+/// Where the last frame of some goes, each on all triangles of a mesh.
 struct Moved
 {
     Matrix3 rotation;
     double scale;
     Vector3 from, to;
 
-    Moved(const SurfaceMesh& mesh, const Pose& pose)
+    Moved(const std::vector<SurfaceMesh>& meshes, const Points& before, const Points& after)
     {
         MovingFrames frames;
-        const double share = 1.0 / static_cast<double>(mesh.triangles().size());
-        const std::vector<double> weights(mesh.triangles().size(), share);
-        frames.add(mesh.triangles(), weights, weights);
+        for (const SurfaceMesh& mesh : meshes) {
+            const std::vector<double> even(mesh.triangles().size(), 1.0 / mesh.triangles().size());
+            frames.add(mesh.triangles(), even, even);
+        }
         FrameRests rests;
         frames.resize(rests);
-        frames.measure(0, view(mesh.points()), rests);
-        const Points after = shapes::transformed(mesh.points(), pose);
-        const FourMotions motions = frames.fit(0, rests, view(after));
-        scale = motions.scales[0];
+        for (int four = 0; four < frames.four_count(); ++four)
+            frames.measure(four, view(before), rests);
+        const int last = static_cast<int>(meshes.size()) - 1, lane = last % 4;
+        const FourMotions motions = frames.fit(last / 4, rests, view(after));
+        scale = motions.scales[lane];
         for (int k = 0; k < 9; ++k)
-            rotation(k / 3, k % 3) = motions.rotations[k][0];
+            rotation(k / 3, k % 3) = motions.rotations[k][lane];
         for (int k = 0; k < 3; ++k) {
-            from[k] = rests.fours[0].anchors[k][0];
-            to[k] = motions.anchors[k][0];
+            from[k] = rests.fours[last / 4].anchors[k][lane];
+            to[k] = motions.anchors[k][lane];
         }
     }
+    Moved(const SurfaceMesh& mesh, const Pose& pose)
+        : Moved({mesh}, mesh.points(), shapes::transformed(mesh.points(), pose))
+    {
+    }
 };
-
-} // namespace
 
 TEST(MovingFrames, reproduce_similarities_of_every_patch)
 {
@@ -62,31 +62,18 @@ TEST(MovingFrames, reproduce_similarities_of_every_patch)
 TEST(MovingFrames, do_not_depend_on_the_three_that_are_fitted_beside_them)
 {
     const SurfaceMesh few = shapes::grid(1, 1), many = shapes::grid(3, 2);
-    const auto even = [](const SurfaceMesh& mesh) {
-        return std::vector<double>(mesh.triangles().size(), 1.0 / mesh.triangles().size());
-    };
     const Points bent = shapes::transformed(many.points(), shapes::affine(shapes::rotation({1, 2, 3}, 30)));
-    const auto last_of = [&](int others, const SurfaceMesh& mesh) {
-        MovingFrames frames;
-        for (int k = 0; k < others; ++k)
-            frames.add(k % 2 ? few.triangles() : many.triangles(), even(k % 2 ? few : many),
-                       even(k % 2 ? few : many));
-        frames.add(mesh.triangles(), even(mesh), even(mesh));
-        FrameRests rests;
-        frames.resize(rests);
-        for (int four = 0; four < frames.four_count(); ++four)
-            frames.measure(four, view(many.points()), rests);
-        const FourMotions motions = frames.fit(others / 4, rests, view(bent));
-        std::vector<double> found{motions.scales[others % 4]};
-        for (const auto& entry : motions.rotations)
-            found.push_back(entry[others % 4]);
-        for (const auto& entry : motions.anchors)
-            found.push_back(entry[others % 4]);
-        return found;
-    };
-    for (int others = 1; others < 10; ++others) {
-        EXPECT_EQ(last_of(others, few), last_of(0, few)) << others;
-        EXPECT_EQ(last_of(others, many), last_of(0, many)) << others;
+    std::vector<SurfaceMesh> others;
+    for (const SurfaceMesh& mesh : {many, few, many, few, many, few, many, few, many}) {
+        others.push_back(mesh);
+        for (const SurfaceMesh& last : {few, many}) {
+            std::vector<SurfaceMesh> all = others;
+            all.push_back(last);
+            const Moved among(all, many.points(), bent), alone({last}, many.points(), bent);
+            EXPECT_EQ(among.scale, alone.scale) << others.size();
+            EXPECT_EQ(among.rotation, alone.rotation) << others.size();
+            EXPECT_EQ(among.to, alone.to) << others.size();
+        }
     }
 }
 

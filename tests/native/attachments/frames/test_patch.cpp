@@ -3,13 +3,9 @@
 
 #include "tests/native/attachments/scenes.h"
 
-#include <gtest/gtest.h>
-
 #include <numeric>
 
 namespace sinew::test_patch {
-
-namespace {
 
 struct Bed
 {
@@ -37,8 +33,6 @@ struct Bed
         return sum;
     }
 };
-
-} // namespace
 
 TEST(Patch, lies_within_reach_and_its_centroid_where_the_contacts_are)
 {

@@ -9,6 +9,13 @@
 
 namespace sinew::graphs {
 
+/// Handles at the lower and the upper end of a unit sphere.
+inline std::vector<Handle> poles(const SurfaceMesh& mesh)
+{
+    return {{shapes::where(mesh, [](const Vector3& p) { return p.z() < -0.8; }), {}},
+            {shapes::where(mesh, [](const Vector3& p) { return p.z() > 0.8; }), {}}};
+}
+
 /// The graph of a mesh without obtuse angles, painted with random rigidity on request.
 /// \param[in,out] mesh  its vertices are numbered as the graph's nodes then.
 inline ArapSystem of(SurfaceMesh& mesh, const std::vector<Handle>& handles, double smoothness,

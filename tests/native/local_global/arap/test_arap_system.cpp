@@ -4,11 +4,6 @@
 #include "tests/native/local_global/arap/graphs.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <vector>
-
 namespace sinew::test_arap_system {
 
 TEST(ArapSystem, chunks_hold_every_edge_once_within_and_twice_across)

@@ -7,8 +7,6 @@
 #include "native/operators/laplacian.h"
 #include "tests/native/shapes.h"
 
-#include <vector>
-
 namespace sinew::graphs {
 
 /// The edges of a mesh with cotan weights, all of them positive.

@@ -3,16 +3,7 @@
 
 #include "tests/native/local_global/graph/mesh_graph.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <map>
-#include <utility>
-#include <vector>
-
 namespace sinew::test_clusters {
-
-namespace {
 
 /// Clusters of a graph and, in a second step, clusters of these.
 struct Level
@@ -43,8 +34,6 @@ struct Setting : graphs::BarAndSphere
         return {{&graph, &middle}, {&middle.graph, &coarse}};
     }
 };
-
-} // namespace
 
 TEST(Clusters, are_as_many_as_wanted_and_reach_as_far_as_they_say)
 {
@@ -84,48 +73,28 @@ TEST(Clusters, do_not_depend_on_last_bits_of_the_rest_shape_or_on_the_order_of_n
         EXPECT_EQ(turned.label[i], clusters.label[reversed[i]]);
 }
 
-TEST(Clusters, hold_every_node_but_the_idle_ones)
+TEST(Clusters, hold_every_node_but_the_idle_ones_and_never_cross_the_border_of_a_handle)
 {
     const Setting setting;
     for (const auto& [finer, level] : setting.steps()) {
         std::vector<std::vector<int>> nodes(level->graph.size());
         for (int i = 0; i < finer->size(); ++i) {
-            EXPECT_EQ(level->map.label()[i] < 0, finer->is_idle(i));
-            if (level->map.label()[i] >= 0)
-                nodes[level->map.label()[i]].push_back(i);
+            const int cluster = level->map.label()[i];
+            EXPECT_EQ(cluster < 0, finer->is_idle(i));
+            if (cluster < 0)
+                continue;
+            nodes[cluster].push_back(i);
+            EXPECT_EQ(level->graph.hard(cluster), finer->hard(i));
+            const ClusterMap::Shares shares = level->map.shares(i);
+            const Eigen::Map<const VectorX> weights(shares.weights, shares.count);
+            EXPECT_GE(weights.minCoeff(), 0.0);
+            EXPECT_NEAR(weights.sum(), 1.0, 1e-14); // some ten shares
         }
         for (int p = 0; p < level->map.cluster_count(); ++p) {
             EXPECT_TRUE(std::ranges::equal(nodes[p], level->map.nodes(p)));
             EXPECT_FALSE(nodes[p].empty());
         }
     }
-}
-
-TEST(Clusters, never_cross_the_border_of_a_handle)
-{
-    const Setting setting;
-    for (const auto& [finer, level] : setting.steps())
-        for (int i = 0; i < finer->size(); ++i)
-            if (level->map.label()[i] >= 0) {
-                EXPECT_EQ(level->graph.hard(level->map.label()[i]), finer->hard(i));
-            }
-}
-
-TEST(Clusters, shares_are_positive_and_sum_to_one)
-{
-    const Setting setting;
-    for (const auto& [finer, level] : setting.steps())
-        for (int i = 0; i < finer->size(); ++i) {
-            if (level->map.label()[i] < 0)
-                continue;
-            const ClusterMap::Shares shares = level->map.shares(i);
-            double sum = 0.0;
-            for (int k = 0; k < shares.count; ++k) {
-                EXPECT_GE(shares.weights[k], 0.0);
-                sum += shares.weights[k];
-            }
-            EXPECT_NEAR(sum, 1.0, 1e-14); // some ten shares
-        }
 }
 
 TEST(Clusters, edges_between_them_are_symmetric_and_positive)
@@ -139,8 +108,7 @@ TEST(Clusters, edges_between_them_are_symmetric_and_positive)
                 weights[{p, edges.neighbours[a]}] = edges.weights[a];
         for (const auto& [edge, weight] : weights) {
             EXPECT_GT(weight, 0.0);
-            EXPECT_NEAR((weights[{edge.second, edge.first}]), weight,
-                        1e-13 * weight); // summed in another order
+            EXPECT_NEAR((weights[{edge.second, edge.first}]), weight, 1e-13 * weight); // another order
         }
     }
 }

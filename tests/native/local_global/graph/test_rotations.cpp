@@ -3,13 +3,7 @@
 
 #include "tests/native/local_global/graph/mesh_graph.h"
 
-#include <gtest/gtest.h>
-
-#include <vector>
-
 namespace sinew::test_rotations {
-
-namespace {
 
 struct Setting : graphs::BarAndSphere
 {
@@ -45,8 +39,6 @@ double apart(const Eigen::Quaterniond& a, const Matrix3& b)
     return Eigen::AngleAxisd(a.toRotationMatrix().transpose() * b).angle();
 }
 
-} // namespace
-
 TEST(BlendedRotations, are_that_of_all_handles_where_these_agree)
 {
     for (double weight : {1.0, 0.3}) {
@@ -79,8 +71,7 @@ TEST(BlendedRotations, lie_between_those_of_the_handles)
 
 TEST(BlendedRotations, take_the_short_way_between_half_turns_about_neighbouring_axes)
 {
-    // Two half turns, six degrees apart, whose quaternions come out of their matrices with
-    // opposite signs: the largest component is made positive.
+    // Their quaternions come out of their matrices with opposite signs: the largest component is made positive.
     const Setting setting;
     const auto rotations =
         setting.blended({shapes::turn({1, -0.9, 0}, 180), shapes::turn({0.9, -1, 0}, 180)});

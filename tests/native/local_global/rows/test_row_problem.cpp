@@ -3,15 +3,10 @@
 
 #include "native/local_global/arap/arap_problem.h"
 #include "native/local_global/arap/multilevel_start.h"
-#include "tests/native/differences.h"
 #include "tests/native/local_global/arap/graphs.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_row_problem {
-
-namespace {
 
 const Poses bent{shapes::still(), shapes::turn({1, 0, 0}, 30, {0, 0, 1}, {0.2, 0.4, 0.3})};
 
@@ -23,15 +18,14 @@ struct Setting
     GraphGoals goals;
     RowSystem cells;
 
-    explicit Setting(double smoothness, bool field = true)
-        : graph(make(mesh, smoothness)), goals(graph, Targets{bent, view(mesh.points()), {}, nullptr}),
-          cells(rows(), mesh.points(), held(), {}, {.field = field})
+    explicit Setting(double smoothness)
+        : graph(graphs::of(mesh, graphs::poles(mesh), smoothness, false, true)),
+          goals(graph, Targets{bent, view(mesh.points()), {}, nullptr}),
+          cells(rows(), mesh.points(), held(), {}, {.field = true})
     {
     }
     RowProblem problem() const { return RowProblem(cells, cells.rest_vectors(), goals.targets); }
     ArapProblem oracle() const { return ArapProblem(graph, view(mesh.points()), goals.targets, goals.pulls); }
-    /// Some free positions by their vertices.
-    Points wobbled(int seed) const { return shapes::Random(seed).shaken(mesh.points(), 0.1); }
     /// A gradient of the oracle in the order of the table's free points.
     Points reordered(const Points& of_nodes) const
     {
@@ -41,13 +35,6 @@ struct Setting
     }
 
 private:
-    static ArapSystem make(SurfaceMesh& mesh, double smoothness)
-    {
-        const std::vector<Handle> handles{
-            {shapes::where(mesh, [](const Vector3& p) { return p.z() < -0.8; }), {}},
-            {shapes::where(mesh, [](const Vector3& p) { return p.z() > 0.8; }), {}}};
-        return graphs::of(mesh, handles, smoothness, false, true);
-    }
     std::vector<bool> held() const
     {
         std::vector<bool> flags(graph.size());
@@ -73,14 +60,12 @@ private:
     }
 };
 
-} // namespace
-
 TEST(RowProblem, a_table_of_arap_agrees_with_its_own_kernels)
 {
     const Setting setting(0.0);
     RowProblem problem = setting.problem();
     ArapProblem oracle = setting.oracle();
-    const Points at = setting.wobbled(2);
+    const Points at = shapes::Random(2).shaken(setting.mesh.points(), 0.1);
     Points gradient, expected, x, x_expected;
     for (int k = 0; k < 2; ++k) { // `tie` has no effect on the second
         const double F = problem.evaluate(setting.cells.free_rows(view(at)), gradient);
@@ -104,34 +89,6 @@ TEST(RowProblem, a_smooth_table_of_arap_ends_where_its_own_kernels_do)
     EXPECT_NEAR(F, minimize(oracle, y, deep).energy, 1e-11 * F);
     // Where F no longer changes by 1e-14, positions still do by the root of that.
     EXPECT_LT(shapes::distance(x, setting.reordered(y)), 1e-6);
-}
-
-TEST(RowProblem, gradient_equals_central_differences)
-{
-    const Setting setting(0.0);
-    RowProblem problem = setting.problem();
-    const Points x = setting.cells.free_rows(view(setting.wobbled(3)));
-    Points gradient, unused;
-    problem.evaluate(x, gradient);
-    const auto F = [&](const Points& there) { return problem.evaluate(there, unused); };
-    expect_gradient(F, x, gradient, 1e-5, 1e-8, 7); // squares of the step, rounding through it
-}
-
-TEST(RowProblem, a_rigid_motion_costs_nothing_and_its_start_is_exact)
-{
-    for (const double smoothness : {0.0, 0.02}) {
-        const Setting setting(smoothness);
-        const Pose pose = shapes::turn({1, 2, 3}, 170, {1, 0, 0}, {3, 4, 5});
-        const Points moved = shapes::transformed(setting.mesh.points(), pose);
-        RowProblem problem(setting.cells, setting.cells.rest_vectors(), moved);
-        for (int i = 0; i < setting.graph.size(); ++i)
-            problem.set_rotation(i, pose.leftCols<3>());
-        Points x, gradient, all;
-        problem.global_step(x);
-        EXPECT_LT(problem.evaluate(x, gradient), 1e-20); // squares of what two solves leave
-        problem.place(x, all);
-        EXPECT_LT(shapes::distance(all, moved), 1e-10);
-    }
 }
 
 TEST(RowProblem, cells_of_four_points_are_their_rows_summed_up)

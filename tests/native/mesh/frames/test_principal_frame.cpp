@@ -4,11 +4,7 @@
 #include "tests/native/dense.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_principal_frame {
-
-namespace {
 
 std::vector<int> all(const Points& points) { return shapes::numbers(0, static_cast<int>(points.rows())); }
 
@@ -18,18 +14,14 @@ void expect_rotation(const Matrix3& axes)
     EXPECT_GT(axes.determinant(), 0.0);
 }
 
-} // namespace
-
 TEST(PrincipalFrame, has_the_axes_of_the_covariance_from_the_longest_to_the_normal)
 {
     shapes::Random random(3);
     for (double scale : {1e-12, 1.0, 1e12}) {
         const Matrix3 turn = random.rotation();
-        Points points(200, 3);
-        for (int i = 0; i < 200; ++i)
-            points.row(i) =
-                scale *
-                (turn * random.vector().cwiseProduct(Vector3(5, 2, 0.3)) + Vector3(9, -4, 2)).transpose();
+        const Matrix3 stretched = scale * turn * Vector3(5, 2, 0.3).asDiagonal();
+        const Points points =
+            shapes::transformed(random.points(200), shapes::affine(stretched, scale * Vector3(9, -4, 2)));
         const PrincipalFrame frame = principal_frame(points, all(points));
         expect_rotation(frame.axes);
         const Points around = points.rowwise() - points.colwise().mean();

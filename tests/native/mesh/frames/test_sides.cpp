@@ -3,10 +3,6 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-
 namespace sinew::test_sides {
 
 TEST(Sides, are_those_of_the_larger_area)

@@ -3,25 +3,13 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cmath>
-
 namespace sinew::test_surface_frame {
 
-namespace {
-
-/// A hill with a loose vertex far away, or with its faces cut, moved and turned.
+/// The vertex is far away.
 SurfaceMesh hill_with_a_loose_vertex()
 {
-    const SurfaceMesh hill = shapes::hill(9, 5);
-    Points points(hill.vertex_count() + 1, 3);
-    points << hill.points(), 300.0, 20.0, -50.0;
-    return shapes::over(points, shapes::faces_of(hill));
+    return shapes::joined(shapes::hill(9, 5), shapes::mesh({{300, 20, -50}}, {}), {0, 0, 0});
 }
-
-} // namespace
 
 TEST(SurfaceFrame, has_the_size_of_simple_shapes)
 {
@@ -58,11 +46,8 @@ TEST(SurfaceFrame, goes_with_symmetric_surfaces_that_are_turned_or_mirrored)
             if (mirrored)
                 pose.col(0) *= -1;
             const Points points = shapes::transformed(mesh.points(), pose);
-            shapes::Polygons faces = shapes::faces_of(mesh);
-            for (std::vector<int>& face : faces)
-                if (mirrored) // as Apply Scale does
-                    std::ranges::reverse(face);
-            const SurfaceFrame there = surface_frame(shapes::over(points, faces));
+            const SurfaceMesh turned = shapes::moved(mesh, points); // as Apply Scale does
+            const SurfaceFrame there = surface_frame(mirrored ? shapes::inside_out(turned) : turned);
             EXPECT_EQ(order_by_place(view(points), there), order);
             EXPECT_NEAR(there.axes.determinant(), 1.0, 1e-12);
             for (int k = 0; k < 3; ++k) // but for the side of one of them
@@ -96,10 +81,7 @@ TEST(SurfaceFrame, orders_points_by_where_they_are)
     const std::vector<int> again = order_by_place(view(reversed), there);
     for (int k = 0; k < n; ++k)
         EXPECT_EQ(again[k], n - 1 - order[k]);
-    std::vector<int> all = order;
-    std::ranges::sort(all);
-    for (int v = 0; v < n; ++v)
-        EXPECT_EQ(all[v], v);
+    EXPECT_TRUE(std::ranges::is_permutation(order, shapes::numbers(0, n)));
 }
 
 } // namespace sinew::test_surface_frame

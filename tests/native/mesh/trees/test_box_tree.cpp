@@ -1,27 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/trees/box_tree.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <random>
+#include "tests/native/shapes.h"
 
 namespace sinew::test_box_tree {
 
-namespace {
-
 using Box = BoxTree::Box;
-using Point = Eigen::Vector3d;
 
-/// Small boxes in a unit cube; every third one stands for two equal ones.
+/// Small boxes in a cube; every third one stands for two equal ones.
 std::vector<Box> boxes_of(int count)
 {
-    std::mt19937 random(7);
-    std::uniform_real_distribution<double> uniform;
+    shapes::Random random(7);
     std::vector<Box> boxes;
     while (static_cast<int>(boxes.size()) < count) {
-        const Point at(uniform(random), uniform(random), uniform(random));
-        boxes.emplace_back(at, at + .05 * Point(uniform(random), uniform(random), uniform(random)));
+        const Vector3 at = random.vector();
+        boxes.emplace_back(at, at + .1 * random.vector().cwiseAbs());
         if (boxes.size() % 3 == 0)
             boxes.push_back(boxes.back());
     }
@@ -29,15 +22,13 @@ std::vector<Box> boxes_of(int count)
     return boxes;
 }
 
-} // namespace
-
 TEST(BoxTree, visits_boxes_by_rising_bound_and_equal_ones_by_rising_index)
 {
     for (int count : {0, 1, 2, 3, 10, 500}) {
         const std::vector<Box> boxes = boxes_of(count);
         const BoxTree tree(boxes);
-        const Point from(.3, .4, .5);
-        const double limit = .4;
+        const Vector3 from(.3, .4, .5);
+        const double limit = .8;
         for (int end : {0, count / 2, count}) {
             std::vector<std::pair<double, int>> expected;
             for (int i = 0; i < end; ++i)
@@ -61,7 +52,7 @@ TEST(BoxTree, a_search_that_ends_with_the_first_box_looks_at_few)
     const int count = 20000;
     const std::vector<Box> boxes = boxes_of(count);
     const BoxTree tree(boxes);
-    for (const Point& from : {Point(.5, .5, .5), Point(0, 0, 0), Point(2, .1, .7)}) {
+    for (const Vector3& from : {Vector3(0, 0, 0), Vector3(-1, -1, -1), Vector3(3, -.8, .4)}) {
         int looks = 0, visits = 0;
         tree.visit_by_bound(
             count, 10,

@@ -3,12 +3,6 @@
 
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdint>
-#include <vector>
-
 namespace sinew::test_space_order {
 
 TEST(SpaceOrder, codes_interleave_the_bits_of_the_coordinates)

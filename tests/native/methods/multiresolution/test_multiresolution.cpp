@@ -6,7 +6,6 @@
 #include "native/methods/surface/linear/laplacian_editing.h"
 #include "native/methods/surface/linear/thin_shell.h"
 #include "native/methods/surface/nonlinear/arap.h"
-#include "tests/native/allocations.h"
 #include "tests/native/methods/multiresolution/bumpy_plate.h"
 #include "tests/native/methods/surface/fixture.h"
 
@@ -39,12 +38,13 @@ SurfaceTraits traits()
          {"volumes", around<ThinShell>({.details = DetailKind::displacement_volumes}), 3, false},
          {"transfer", around<ThinShell>({.details = DetailKind::deformation_transfer}), 3, false},
          {"two bands", around<ThinShell>({.bands = 2}), 3, false}});
-    made.many.reset();
+    made.many_enter = true;
+    made.allocates = {"volumes", "transfer"};
     made.follow = 3.0; // details turn, too
     made.rest = 1e-13;
     made.incoming = 1e-12;
     // One held vertex leaves a condition of 1e6, and bands are solved one after the other.
-    made.translation = made.similar = made.scaled = 1e-9;
+    made.translation = made.similar = 1e-9;
     made.updates = "wavelength";
     made.updated = around<ThinShell>({.wavelength = 5.0});
     made.other = around<GradientEditing>();
@@ -64,9 +64,9 @@ SurfaceTraits rigid_traits()
         const double t = 0.5 - 0.5 * std::cos(2 * shapes::pi * s);
         return Poses{shapes::still(), shapes::turn({0.2, 1, 0.5}, 30 * t, {9, 4, 0}, {t, 0.5 * t, 0})};
     };
+    found.many.reset();
     found.slack = 0.02;
     found.similar = 1e-6;
-    found.scaled = 1e-6;
     found.rigid = 1e-9;
     found.updates = "";
     found.updated = {};
@@ -106,38 +106,6 @@ Points solved(const SurfaceMethod& method, const SolveRequest& request)
 
 INSTANTIATE_TEST_SUITE_P(Multiresolution, SurfaceContract, testing::Values(traits(), rigid_traits()));
 
-TEST(Multiresolution, details_turn_where_the_thin_shell_alone_shears_them)
-{
-    const SurfaceMesh mesh = bumps::plate(40);
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.01);
-    const Poses poses{shapes::still(), shapes::turn({0, 1, 0}, -80, {5, 0, 0}, {-1, 0, 1})};
-    ThinShell alone(mesh);
-    alone.set_handles(handles);
-    Multiresolution both(mesh, std::make_shared<ThinShell>(mesh), {.wavelength = 20.0});
-    both.set_handles(handles);
-    const double sheared = bumps::rms_edge_ratio(mesh, solved(alone, {poses})),
-                 turned = bumps::rms_edge_ratio(mesh, solved(both, {poses}));
-    EXPECT_LT(turned, 0.8 * sheared);
-}
-
-TEST(Multiresolution, levels_are_the_rest_shape_and_ever_smoother_ones_that_agree_on_handles)
-{
-    const SurfaceMesh mesh = bumps::plate(30);
-    Multiresolution method(mesh, std::make_shared<ThinShell>(mesh), {.wavelength = 4.0, .bands = 3});
-    ASSERT_EQ(method.levels().size(), 1u);
-    EXPECT_EQ(method.levels()[0], mesh.points());
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.01);
-    method.set_handles(handles);
-    const std::vector<Points> levels = method.levels();
-    ASSERT_EQ(levels.size(), 4u);
-    EXPECT_EQ(levels[0], mesh.points());
-    for (std::size_t k = 1; k < levels.size(); ++k) {
-        EXPECT_LT(levels[k].col(2).norm(), 0.99 * levels[k - 1].col(2).norm());
-        for (int v : handles[1].vertices)
-            EXPECT_EQ(levels[k].row(v), mesh.points().row(v));
-    }
-}
-
 TEST(Multiresolution, the_base_is_kept_where_only_the_details_change)
 {
     const SurfaceMesh mesh = shapes::hill(12, 12);
@@ -156,6 +124,7 @@ TEST(Multiresolution, the_base_is_kept_where_only_the_details_change)
     Multiresolution other(mesh, std::make_shared<Arap>(mesh, ArapOptions{.smoothness = 0.0}));
     EXPECT_FALSE(other.can_reuse(next));
     EXPECT_EQ(other.differences(next), (std::vector<std::string>{"base", "bands"}));
+    EXPECT_THROW(Multiresolution(mesh, nullptr), InvalidOption);
 }
 
 TEST(Multiresolution, a_base_that_displaces_all_shapes_alike_solves_from_rest)
@@ -183,28 +152,6 @@ TEST(Multiresolution, a_base_that_displaces_all_shapes_alike_solves_from_rest)
     LaplacianEditing fixed(mesh, {.transforms = LocalTransforms::none}), turning(mesh);
     EXPECT_TRUE(shell.displaces_all_alike() && fixed.displaces_all_alike());
     EXPECT_FALSE(turning.displaces_all_alike());
-}
-
-TEST(Multiresolution, needs_a_base)
-{
-    EXPECT_THROW(Multiresolution(shapes::hill(4, 4), nullptr), InvalidOption);
-}
-
-TEST(Multiresolution, solves_after_the_first_allocate_nothing_in_proportion_to_the_mesh)
-{
-    if (!allocations::counted())
-        GTEST_SKIP() << "nobody counts here";
-    const SurfaceMesh mesh = shapes::hill(60, 60);
-    Multiresolution method(mesh, std::make_shared<ThinShell>(mesh), {.bands = 2});
-    method.set_handles(shapes::ends(mesh, 1.5));
-    Points positions;
-    const allocations::Count count(sizeof(double) * mesh.vertex_count());
-    method.solve({.poses = bent, .incoming = view(mesh.points())}, positions);
-    const int first = count.so_far();
-    EXPECT_GT(first, 0);
-    for (int k = 0; k < 3; ++k)
-        method.solve({.poses = bent, .incoming = view(mesh.points())}, positions);
-    EXPECT_EQ(count.so_far(), first);
 }
 
 } // namespace sinew::test_multiresolution

@@ -49,7 +49,6 @@ struct SurfaceTraits
     double held = 1e-13; ///< vertices of a handle
     double alone = 1e-12; ///< a vertex that is a handle
     double similar = 1e-6; ///< seen from elsewhere
-    double scaled = 1e-7; ///< at another size
     double apart = 1e-9; ///< what a part without handles changes in the others
     double messy = 20.0; ///< how far points of shapes::messy() go
     int degenerate_faces = 3; ///< of shapes::messy(), as reported; 0 for a method that needs no areas
@@ -68,7 +67,7 @@ struct SurfaceTraits
     std::optional<SurfaceMesh> many{};
     bool many_enter = false; ///< also with a shape that enters
     bool many_soft = false;  ///< also with a soft handle
-    std::string allocates{}; ///< the variant that may: its coarse mesh is the mesh itself
+    std::vector<std::string> allocates{}; ///< the variants that may
     std::string updates{}; ///< an option of which rebind() updates the factor, and
     std::function<std::shared_ptr<SurfaceMethod>(const SurfaceMesh&)>
         updated{}; ///< ... an object with another value

@@ -164,7 +164,7 @@ TEST_P(SurfaceContract, solves_after_the_first_allocate_nothing_in_proportion_to
         for (const bool soft : {false, true})
             for (const bool enters : {false, true}) {
                 if ((soft && !traits().many_soft) || (enters && !traits().many_enter) ||
-                    variant.name == traits().allocates)
+                    std::ranges::count(traits().allocates, variant.name))
                     continue;
                 SCOPED_TRACE(variant.name);
                 const Method method = variant.make(many);

@@ -94,8 +94,7 @@ public:
                 .rigid = 1e-11, // rounding of a solve at size 40
                 .held = 2e-13,
                 .alone = 1e-13,
-                .similar = 0.01, // rounding differs, and so may the iteration at which it stops:
-                .scaled = 0.01,  // by a decrease below 1e-5
+                .similar = 0.01, // rounding may change the iteration at which it stops
                 .apart = 0.05,
                 .messy = 30.0,
                 .all_soft = 1.0};

@@ -1,25 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/surface/substeps.h"
 
-#include "native/methods/surface/linear/laplacian_editing.h"
-#include "native/methods/surface/linear/thin_shell.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
 
 namespace sinew::test_substeps {
-
-namespace {
-
-Points solved(SurfaceMethod& method, const std::vector<Handle>& handles, const Poses& poses, int substeps)
-{
-    method.set_handles(handles);
-    Points positions;
-    method.solve({.poses = poses, .substeps = substeps}, positions);
-    return positions;
-}
-
-} // namespace
 
 // What all methods do with them is in tests/bindings/surfaces/test_substeps.py.
 TEST(Substeps, are_equal_parts_of_a_screw_and_of_a_scale)
@@ -46,40 +32,6 @@ TEST(Substeps, are_equal_parts_of_a_screw_and_of_a_scale)
             .norm(),
         1e-12);
     EXPECT_LT((growing.at(0.5)[1] - shapes::shift(1, 2, 3)).norm(), 1e-12);
-}
-
-TEST(Substeps, of_a_linear_method_with_its_equations_kept_add_up_to_one)
-{
-    const SurfaceMesh mesh = shapes::hill(8, 8);
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-    const Poses bent{shapes::still(), shapes::turn({0, 1, 0}, 70, {6, 0, 0}, {-1, .5, 2})};
-    ThinShell shell(mesh);
-    LaplacianEditing none(mesh, {.transforms = LocalTransforms::none});
-    for (SurfaceMethod* method : {static_cast<SurfaceMethod*>(&shell), static_cast<SurfaceMethod*>(&none)}) {
-        EXPECT_EQ(method->stepping(), SurfaceMethod::Stepping::anew);
-        const Points once = solved(*method, handles, bent, 1);
-        const Regions regions(handles, connected_components(mesh));
-        const PathOfPoses path(bent, centre_of_handles(regions, view(mesh.points())));
-        Points shape = mesh.points(), next;
-        Poses before(2, shapes::still());
-        for (int k = 1; k <= 4; ++k) {
-            const Poses now = path.at(k / 4.0);
-            method->solve({.poses = relative_poses(before, now), .incoming = view(shape)}, next);
-            shape = next;
-            before = now;
-        }
-        EXPECT_LT(shapes::distance(shape, once), 1e-10);
-        EXPECT_GT(shapes::distance(solved(*method, handles, bent, 4), once), 0.01) << "made anew";
-    }
-}
-
-TEST(Substeps, of_parts_without_a_handle_leave_them_where_they_are)
-{
-    const SurfaceMesh mesh = shapes::joined(shapes::hill(8, 8), shapes::sphere(1), {0, 20, 0});
-    const std::vector<Handle> handles = shapes::ends(shapes::hill(8, 8), 1.5);
-    ThinShell shell(mesh);
-    const Points q = solved(shell, handles, {shapes::still(), shapes::shift(0, 0, 2)}, 3);
-    EXPECT_EQ(q.bottomRows(18), mesh.points().bottomRows(18));
 }
 
 TEST(Substeps, of_a_half_turn_go_the_way_that_a_rule_chooses)

@@ -5,8 +5,6 @@
 #include "tests/native/shapes.h"
 #include "tests/native/wide_kernels.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_fit_kernels {
 
 using Rows = Eigen::Matrix<double, 12, 3, Eigen::RowMajor>;

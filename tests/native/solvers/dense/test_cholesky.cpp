@@ -5,11 +5,7 @@
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
-#include <gtest/gtest.h>
-
 namespace sinew::test_cholesky {
-
-namespace {
 
 DenseCholesky of(const MatrixX& A)
 {
@@ -20,15 +16,14 @@ DenseCholesky of(const MatrixX& A)
     return factor;
 }
 
-MatrixX definite(int size) { return dense::random_definite(size, size); }
-
-} // namespace
-
-TEST(DenseCholesky, solves_with_a_small_residual)
+TEST(DenseCholesky, solves_with_a_small_residual_or_tells_where_it_cannot)
 {
+    MatrixX indefinite = dense::random_definite(150, 150);
+    indefinite(100, 100) = -1.0;
+    EXPECT_EQ(of(indefinite).factorize({}, "factorising"), 100);
     shapes::Random random(1);
     for (const int size : {0, 1, 7, 96, 97, 331, 1301}) {
-        const MatrixX A = definite(size), b = random.dense(size, 11);
+        const MatrixX A = dense::random_definite(size, size), b = random.dense(size, 11);
         DenseCholesky factor = of(A);
         ASSERT_EQ(factor.factorize({}, "factorising"), -1);
         RowMatrix x = b;
@@ -37,17 +32,9 @@ TEST(DenseCholesky, solves_with_a_small_residual)
     }
 }
 
-TEST(DenseCholesky, tells_where_a_matrix_is_not_positive_definite)
+TEST(DenseCholesky, gives_the_same_bits_on_any_number_of_threads_within_the_memory_limit)
 {
-    MatrixX A = definite(150);
-    A(100, 100) = -1.0;
-    DenseCholesky factor = of(A);
-    EXPECT_EQ(factor.factorize({}, "factorising"), 100);
-}
-
-TEST(DenseCholesky, gives_the_same_bits_on_any_number_of_threads)
-{
-    const MatrixX A = definite(1300);
+    const MatrixX A = dense::random_definite(1300, 1300);
     const auto solved = [&] {
         DenseCholesky factor = of(A);
         factor.factorize({}, "factorising");
@@ -56,16 +43,14 @@ TEST(DenseCholesky, gives_the_same_bits_on_any_number_of_threads)
         return x;
     };
     const RowMatrix all = solved();
+    {
+        const MemoryLimit limit(1000);
+        EXPECT_THROW(DenseCholesky(100), OutOfMemory);
+    }
     for (const int threads : {1, 3}) {
         const ThreadLimit limit(threads);
         EXPECT_EQ(solved(), all);
     }
-}
-
-TEST(DenseCholesky, refuses_what_takes_more_memory_than_allowed)
-{
-    const MemoryLimit limit(1000);
-    EXPECT_THROW(DenseCholesky(100), OutOfMemory);
 }
 
 } // namespace sinew::test_cholesky

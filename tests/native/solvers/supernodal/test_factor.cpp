@@ -7,13 +7,7 @@
 #include "tests/native/refusals.h"
 #include "tests/native/solvers/matrices.h"
 
-#include <gtest/gtest.h>
-
-#include <vector>
-
 namespace sinew::test_factor {
-
-namespace {
 
 /// Large enough for several subtrees, and for supernodes of several panels.
 SparseMatrix large()
@@ -59,34 +53,28 @@ protected:
     void TearDown() override { limit_threads(0); }
 };
 
-} // namespace
-
-TEST_F(SupernodalFactorTest, solves_as_another_library_does)
+TEST_F(SupernodalFactorTest, solves_as_another_library_does_by_rows_and_columns_and_on_any_number_of_threads)
 {
     const SparseMatrix A = large();
-    SpdFactor factor = supernodal();
-    factor.factorize(A);
-    const MatrixX b = MatrixX::Random(A.cols(), 2);
-    const MatrixX expected = dense::solution(A, b);
-    EXPECT_LT((factor.solve(b) - expected).norm(), 1e-10 * expected.norm()); // condition 6e3
-    EXPECT_GT(factor.nonzeros(), 400'000); // below, a solve would not run in parallel
-}
-
-TEST_F(SupernodalFactorTest, has_the_same_bits_on_any_number_of_threads)
-{
-    const SparseMatrix A = large();
-    const MatrixX b = MatrixX::Random(A.cols(), 3);
+    const MatrixX b = MatrixX::Random(A.cols(), 20), expected = dense::solution(A, b);
     MatrixX first;
     for (int threads : {0, 1, 2, 3}) {
         limit_threads(threads);
         SpdFactor factor = supernodal();
         factor.factorize(A);
+        EXPECT_GT(factor.nonzeros(), 400'000); // below, a solve would not run in parallel
         const MatrixX x = factor.solve(b);
         if (threads == 0)
             first = x;
         EXPECT_EQ(x, first) << threads;
         limit_threads(0);
         EXPECT_EQ(factor.solve(b), first) << threads;
+        EXPECT_LT((x - expected).norm(), 1e-10 * expected.norm()); // condition 6e3
+        for (int columns : {1, 3, 7, 20}) {
+            RowMatrix rows = b.leftCols(columns);
+            factor.solve_rows(rows); // blocked kernels round in another order
+            EXPECT_LT((rows - x.leftCols(columns)).norm(), 1e-12 * x.leftCols(columns).norm());
+        }
     }
 }
 
@@ -144,20 +132,6 @@ TEST_F(SupernodalFactorTest, that_breaks_down_names_the_unknown_and_can_be_facto
     const MatrixX ones = MatrixX::Ones(A.cols(), 1);
     EXPECT_LT((A * factor.solve(ones) - ones).cwiseAbs().maxCoeff(), 1e-10);
     EXPECT_EQ(factor.analyses(), 1);
-}
-
-TEST_F(SupernodalFactorTest, solves_by_rows_what_it_solves_by_columns)
-{
-    const SparseMatrix A = large();
-    SpdFactor factor = supernodal();
-    factor.factorize(A);
-    for (int columns : {1, 3, 7, 20}) {
-        const MatrixX b = MatrixX::Random(A.cols(), columns);
-        RowMatrix x = b;
-        factor.solve_rows(x);
-        const MatrixX expected = factor.solve(b);
-        EXPECT_LT((x - expected).norm(), 1e-12 * expected.norm()); // blocked kernels round in another order
-    }
 }
 
 } // namespace sinew::test_factor

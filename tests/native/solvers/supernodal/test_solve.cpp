@@ -3,17 +3,13 @@
 #include "native/solvers/supernodal/kernels.h"
 #include "native/solvers/supernodal/solve.h"
 #include "tests/native/dense.h"
-#include "tests/native/threads.h"
-
-#include <gtest/gtest.h>
+#include "tests/native/shapes.h"
 
 #include <algorithm>
 #include <random>
 #include <vector>
 
 namespace sinew::test_solve {
-namespace {
-
 /// A dense random lower triangle cut into supernodes of the given widths; entries below a supernode's own
 /// columns are kept where `keep` says so, at least the first.
 struct Example
@@ -31,9 +27,7 @@ struct Example
         const int n = first.back();
         L = Eigen::MatrixXd::Zero(n, n);
         for (std::size_t s = 0; s < widths.size(); ++s) {
-            std::vector<int> own;
-            for (int r = first[s]; r < first[s + 1]; ++r)
-                own.push_back(r);
+            std::vector<int> own = shapes::numbers(first[s], first[s + 1]);
             for (int r = first[s + 1]; r < n; ++r)
                 if (r == first[s + 1] || chance(random) < density)
                     own.push_back(r);
@@ -51,10 +45,7 @@ struct Example
             block_begin.push_back(static_cast<int>(values.size()));
         }
         values.resize(values.size() + SupernodalFactor::padding, 12345.0);
-        permutation.resize(n);
-        for (int i = 0; i < n; ++i)
-            permutation[i] = i;
-        std::shuffle(permutation.begin(), permutation.end(), random);
+        permutation = shapes::Random(seed).shuffled(n);
     }
 
     SupernodalFactor view()
@@ -72,52 +63,28 @@ struct Example
     /// A dense solve that shares nothing with ours.
     MatrixX expected(const MatrixX& rhs) const
     {
-        MatrixX permuted(rhs.rows(), rhs.cols());
-        for (std::size_t i = 0; i < permutation.size(); ++i)
-            permuted.row(i) = rhs.row(permutation[i]);
-        const MatrixX solved = dense::solution(dense::product(L, L.transpose()), permuted);
-        MatrixX result(rhs.rows(), rhs.cols());
-        for (std::size_t i = 0; i < permutation.size(); ++i)
-            result.row(permutation[i]) = solved.row(i);
+        MatrixX result = rhs;
+        result(permutation, Eigen::all) =
+            dense::solution(dense::product(L, L.transpose()), rhs(permutation, Eigen::all));
         return result;
     }
 };
 
-class SupernodalSolveTest : public ::testing::TestWithParam<std::vector<int>>
+TEST(SupernodalSolve, equals_a_dense_solve_for_one_to_four_columns)
 {
-};
-
-TEST_P(SupernodalSolveTest, equals_a_dense_solve_for_one_to_four_columns)
-{
-    Example example(GetParam(), 0.4, 7);
-    const SupernodalSolve solve(example.view());
-    for (int k = 1; k <= lane_count; ++k) {
-        const MatrixX rhs = MatrixX::Random(example.permutation.size(), k);
-        MatrixX found;
-        solve.solve(rhs, found);
-        const MatrixX expected = example.expected(rhs);
-        ASSERT_EQ(found.cols(), k);
-        EXPECT_LT((found - expected).norm(), 1e-11 * expected.norm());
-    }
-}
-
-// Widths around the kernels' four columns and the inverted blocks' sixteen.
-INSTANTIATE_TEST_SUITE_P(widths, SupernodalSolveTest,
-                         ::testing::Values(std::vector<int>{1}, std::vector<int>{1, 1, 1},
-                                           std::vector<int>{3, 5, 4}, std::vector<int>{16, 17, 15},
-                                           std::vector<int>{33, 2, 48, 1}, std::vector<int>{64}));
-
-TEST(SupernodalSolve, several_threads_may_solve_at_once)
-{
-    Example example(std::vector<int>(40, 7), 0.5, 5);
-    const SupernodalSolve solve(example.view());
-    std::vector<MatrixX> rhs, found(6);
-    for (int t = 0; t < 6; ++t)
-        rhs.push_back(MatrixX::Random(example.permutation.size(), 1 + t % 4));
-    in_threads(6, [&](int t) { solve.solve(rhs[t], found[t]); });
-    for (int t = 0; t < 6; ++t) {
-        const MatrixX expected = example.expected(rhs[t]);
-        EXPECT_LT((found[t] - expected).norm(), 1e-11 * expected.norm());
+    // Widths around the kernels' four columns and the inverted blocks' sixteen.
+    for (const std::vector<int>& widths :
+         {std::vector{1}, {1, 1, 1}, {3, 5, 4}, {16, 17, 15}, {33, 2, 48, 1}, {64}}) {
+        Example example(widths, 0.4, 7);
+        const SupernodalSolve solve(example.view());
+        for (int k = 1; k <= lane_count; ++k) {
+            const MatrixX rhs = MatrixX::Random(example.permutation.size(), k);
+            const MatrixX expected = example.expected(rhs);
+            MatrixX found;
+            solve.solve(rhs, found);
+            ASSERT_EQ(found.cols(), k);
+            EXPECT_LT((found - expected).norm(), 1e-11 * expected.norm()) << widths[0];
+        }
     }
 }
 
@@ -176,9 +143,8 @@ MatrixX run(const LaneKernels<T>& kernels, const RandomSupernode& s, const Matri
     const LaneSupernode<T> view{values.data(), diagonal.data(), s.rows.data(), s.width, s.height};
     Eigen::Matrix<T, lane_count, Eigen::Dynamic> points = x.transpose().cast<T>(), sums = points;
     std::vector<T> workspace(LaneSupernode<T>::workspace(s.height));
-    std::vector<int> place(s.points());
-    for (int k = 0; k < s.points(); ++k)
-        place[k] = s.points() - 1 - k;
+    std::vector<int> place = shapes::numbers(0, s.points());
+    std::ranges::reverse(place);
     if (!forward) {
         kernels.backward(view, lanes, points.data(), points.data(), workspace.data());
         return points.transpose().template cast<double>();
@@ -223,5 +189,4 @@ TEST(Lanes, substitute_as_dense_triangles_do_and_to_the_same_bits_with_wide_inst
     expect_kernels<float>(5e-5);
 }
 
-} // namespace
 } // namespace sinew::test_solve

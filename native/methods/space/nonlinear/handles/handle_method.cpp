@@ -58,7 +58,7 @@ std::vector<int> nearest_points(const Points& places, PointsView points)
 }
 
 HandleMethod::HandleMethod(SurfaceMesh surface, HandlePoints held)
-    : surface_(std::move(surface)), centre_(surface_frame(surface_).centre),
+    : SpaceMethod("handles"), surface_(std::move(surface)), centre_(surface_frame(surface_).centre),
       unit_(surface_frame(surface_).size), control_(std::move(held), centre_, unit_)
 {
 }

@@ -72,7 +72,6 @@ protected:
     void swap_weights(SpaceMethod& other) final;
     /// "surface" and "handles".
     std::vector<std::string> changed_settings(const SpaceMethod& former) const override;
-    const char* control_name() const override { return "handles"; }
 
 private:
     void write(const std::vector<HeldMotion>& motions, PointsView base, PositionsOut out) const;

@@ -24,18 +24,6 @@ Points smoothed(const Fairing& fairing, const Points& y)
 
 } // namespace
 
-TEST(Fairing, an_affine_map_of_the_shape_maps_the_base)
-{
-    const SurfaceMesh mesh = bumps::plate(20);
-    const Fairing fairing(mesh, held_at(mesh, {{{0}, {}}}), 3.0);
-    Matrix3 A;
-    A << 1.2, 0.3, 0, -0.4, 0.8, 0.1, 0.5, 0.2, -2;
-    const Pose map = shapes::affine(A, {1, 2, 3});
-    EXPECT_LT(shapes::distance(smoothed(fairing, shapes::transformed(mesh.points(), map)),
-                               shapes::transformed(smoothed(fairing, mesh.points()), map)),
-              1e-11);
-}
-
 TEST(Fairing, halves_waves_of_its_wavelength_and_keeps_a_plane_to_the_border)
 {
     const int k = 60;

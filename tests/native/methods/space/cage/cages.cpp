@@ -71,77 +71,18 @@ Points points_near(const SurfaceMesh& cage, const std::vector<double>& distances
 
 namespace sinew::cages {
 
-namespace {
-
-/// Whether a point lies in it, at least `depth` from its surface.
-bool in_u_prism(const Vector3& p, double depth)
-{
-    const bool box = p.minCoeff() > depth && p.x() < 3 - depth && p.y() < 3 - depth && p.z() < 1 - depth;
-    return box && !(p.x() > 1 - depth && p.x() < 2 + depth && p.y() > 1 - depth);
-}
-
-} // namespace
-
-Points inside_u_prism(int count, double depth, std::uint64_t seed)
-{
-    shapes::Random random(seed);
-    Points points(count, 3);
-    for (int i = 0; i < count;) {
-        const Vector3 p(3 * random.unit(), 3 * random.unit(), random.unit());
-        if (in_u_prism(p, depth))
-            points.row(i++) = p.transpose();
-    }
-    return points;
-}
-
-SurfaceMesh bumpy(int level, double low, std::uint64_t seed)
-{
-    const SurfaceMesh sphere = shapes::sphere(level);
-    shapes::Random random(seed);
-    Points points = sphere.points();
-    for (Eigen::Index i = 0; i < points.rows(); ++i)
-        points.row(i) *= low + (1 - low) * random.unit();
-    return shapes::moved(sphere, points);
-}
-
-Points in_ball(int count, double radius, std::uint64_t seed)
-{
-    shapes::Random random(seed);
-    Points points(count, 3);
-    for (int i = 0; i < count;) {
-        const Vector3 p = radius * random.vector();
-        if (p.norm() < radius)
-            points.row(i++) = p.transpose();
-    }
-    return points;
-}
-
-Points in_cube(int count, double depth)
+Points inside_u_prism(int count, double depth)
 {
     shapes::Random random(1);
     Points points(count, 3);
-    for (Eigen::Index k = 0; k < points.size(); ++k)
-        points.data()[k] = depth + (1 - 2 * depth) * random.unit();
+    for (int i = 0; i < count;) {
+        const Vector3 p(3 * random.unit(), 3 * random.unit(), random.unit());
+        const bool in_box =
+            p.minCoeff() > depth && p.x() < 3 - depth && p.y() < 3 - depth && p.z() < 1 - depth;
+        if (in_box && !(p.x() > 1 - depth && p.x() < 2 + depth && p.y() > 1 - depth))
+            points.row(i++) = p.transpose();
+    }
     return points;
-}
-
-SurfaceMesh cube_with_a_flat_triangle()
-{
-    Points p = shapes::cube().points();
-    shapes::Polygons faces = shapes::faces_of(shapes::cube());
-    faces[1] = {4, 5, 6};
-    faces.push_back({4, 6, 7});
-    p.row(5) = 0.5 * (p.row(4) + p.row(6));
-    return shapes::over(p, faces);
-}
-
-double largest(const RowMatrix& matrix) { return matrix.cwiseAbs().maxCoeff(); }
-
-void expect_barycentric(const RowMatrix& w, const SurfaceMesh& cage, const Points& points, double precision)
-{
-    EXPECT_LT((w.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-12);
-    EXPECT_LT(largest(w * cage.points() - points), precision * shapes::size(cage.points()));
-    EXPECT_GE(w.minCoeff(), 0);
 }
 
 } // namespace sinew::cages

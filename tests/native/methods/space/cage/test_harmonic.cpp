@@ -9,30 +9,34 @@ namespace sinew::test_harmonic {
 
 namespace {
 
-HarmonicOptions exact(HarmonicQuality quality = HarmonicQuality::fast)
+SpaceTraits traits(const std::string& name, HarmonicSolver solver, const SurfaceMesh& cage,
+                   const Points& points, double affine)
 {
-    HarmonicOptions options;
-    options.weights = cages::doubles;
-    options.quality = quality;
-    return options;
+    HarmonicOptions fast;
+    fast.weights = cages::doubles;
+    fast.quality = HarmonicQuality::fast;
+    fast.solver = solver;
+    HarmonicOptions medium = fast;
+    medium.quality = HarmonicQuality::medium;
+    SpaceTraits made = cages::refusing(cages::traits<Harmonic>(name, cage, points, fast, medium));
+    made.affine = affine;
+    return made;
 }
 
-SpaceTraits traits()
+/// The time of a lattice is that of its nodes inside and of the vertices: what is slender has few nodes.
+SurfaceMesh slender()
 {
-    const SurfaceMesh u = cages::u_prism();
-    return {.name = "Harmonic",
-            .variants = {cages::variant<Harmonic>("boundary", u, exact())},
-            .control = u.points(),
-            .points = cages::inside_u_prism(600, 1e-3),
-            .affine = 2e-10,
-            .outside = Vector3(1.5, 2, 0.5),
-            .refuses_outside = true,
-            .other = [u] { return std::make_shared<Harmonic>(Cage(u), exact(HarmonicQuality::medium)); }};
+    const SurfaceMesh ball = shapes::bumpy_sphere(1, 0.01);
+    return shapes::moved(ball, ball.points() * Vector3(1, .4, .4).asDiagonal());
 }
 
 } // namespace
 
-// What its weights promise is in tests/bindings/spaces/test_cage_weights.py.
-INSTANTIATE_TEST_SUITE_P(Harmonic, SpaceContract, testing::Values(traits()));
+// What its weights promise is in tests/bindings/spaces: test_cage_weights.py and test_cages_harmonic.py.
+INSTANTIATE_TEST_SUITE_P(Harmonic, SpaceContract,
+                         testing::Values(traits("boundary", HarmonicSolver::boundary, shapes::u_prism(),
+                                                cages::inside_u_prism(600, 1e-3), 2e-10),
+                                         traits("lattice", HarmonicSolver::lattice, slender(),
+                                                shapes::points_around(slender(), 200, 0.25), 3e-12)));
 
 } // namespace sinew::test_harmonic

@@ -9,18 +9,13 @@ namespace sinew::test_mean_value {
 
 namespace {
 
-using cages::doubles;
-
 SpaceTraits traits()
 {
     const SurfaceMesh cage = shapes::u_prism();
-    return {.name = "MeanValue",
-            .variants = {cages::variant<MeanValue>("double", cage, doubles)},
-            .control = cage.points(),
-            .points = shapes::points_around(cage, 600, 1.3),
-            .similarity = 1e-11,
-            .affine = 1e-11,
-            .other = [cage] { return std::make_shared<MeanValue>(Cage(cage)); }};
+    SpaceTraits made = cages::traits<MeanValue>("MeanValue", cage, shapes::points_around(cage, 600, 1.3),
+                                                cages::doubles, {});
+    made.similarity = made.affine = 1e-11;
+    return made;
 }
 
 } // namespace

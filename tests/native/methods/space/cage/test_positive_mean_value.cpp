@@ -9,33 +9,19 @@ namespace sinew::test_positive_mean_value {
 
 namespace {
 
-PositiveMeanValueOptions exact()
-{
-    PositiveMeanValueOptions options;
-    options.weights = cages::doubles;
-    return options;
-}
-
-PositiveMeanValueOptions rays(int count)
-{
-    PositiveMeanValueOptions options = exact();
-    options.exact = false;
-    options.directions = count;
-    return options;
-}
-
 SpaceTraits traits()
 {
-    const SurfaceMesh u = cages::u_prism();
-    return {.name = "PositiveMeanValue",
-            .variants = {cages::variant<PositiveMeanValue>("exact", u, exact()),
-                         cages::variant<PositiveMeanValue>("rays", u, rays(1024))},
-            .control = u.points(),
-            .points = cages::inside_u_prism(600, 1e-3),
-            .affine = 2e-10,
-            .outside = Vector3(1.5, 2, 0.5),
-            .refuses_outside = true,
-            .other = [u] { return std::make_shared<PositiveMeanValue>(Cage(u), rays(512)); }};
+    PositiveMeanValueOptions exact, rays, fewer;
+    exact.weights = rays.weights = fewer.weights = cages::doubles;
+    rays.exact = fewer.exact = false;
+    rays.directions = 1024;
+    fewer.directions = 512;
+    const SurfaceMesh cage = shapes::u_prism();
+    SpaceTraits made = cages::refusing(cages::traits<PositiveMeanValue>(
+        "PositiveMeanValue", cage, cages::inside_u_prism(600, 1e-3), exact, fewer));
+    made.variants.push_back(cages::variant<PositiveMeanValue>("rays", cage, rays));
+    made.affine = 2e-10;
+    return made;
 }
 
 } // namespace

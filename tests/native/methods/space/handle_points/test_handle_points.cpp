@@ -77,33 +77,30 @@ TEST(HandlePoints, refuses_poses_that_pull_one_place_apart_and_names_the_handles
     EXPECT_THROW(handles.check(view(places())), InvalidConstraint) << "another number of points";
 }
 
-TEST(HandlePoints, refuses_no_points_empty_handles_and_numbers_that_are_not_finite)
+TEST(HandlePoints, refuses_no_points_empty_handles_numbers_that_are_not_finite_and_weights_that_are_no_shares)
 {
-    EXPECT_THROW(HandlePoints(view(Points(0, 3))), InvalidConstraint);
-    EXPECT_THROW(HandlePoints(view(places()), {3, 4}), InvalidConstraint);
-    expect_elements(refusal<InvalidConstraint>([&] { HandlePoints(view(places()), {3, 0, 5, 0}); }),
-                    Error::Element::handle, {1, 3});
+    const auto made = [](const Points& points, const std::vector<int>& counts,
+                         const std::vector<double>& weights = {}) {
+        return HandlePoints(view(points), counts, weights);
+    };
+    EXPECT_THROW(made(Points(0, 3), {}), InvalidConstraint);
+    EXPECT_THROW(made(places(), {3, 4}), InvalidConstraint);
+    expect_elements(refusal<InvalidConstraint>([&] { made(places(), {3, 0, 5, 0}); }), Error::Element::handle,
+                    {1, 3});
     Points broken = places();
     broken(6, 0) = std::numeric_limits<double>::infinity();
-    expect_elements(refusal<InvalidConstraint>([&] { HandlePoints(view(broken), {3, 1, 4}); }),
-                    Error::Element::handle, {2});
-}
-
-TEST(HandlePoints, refuses_weights_that_are_not_shares_and_lets_soft_ones_go_apart)
-{
-    const auto weighed = [](const std::vector<double>& weights) {
-        return HandlePoints(view(places()), {3, 1, 4}, weights);
-    };
-    EXPECT_THROW(weighed(std::vector<double>(7, 1.0)), InvalidConstraint);
+    expect_elements(refusal<InvalidConstraint>([&] { made(broken, {3, 1, 4}); }), Error::Element::handle,
+                    {2});
+    EXPECT_THROW(made(places(), {3, 1, 4}, std::vector<double>(7, 1.0)), InvalidConstraint);
     for (const double weight : {0.0, -1.0, 1.5, std::numeric_limits<double>::quiet_NaN()})
-        EXPECT_THROW(weighed(std::vector<double>(8, weight)), InvalidOption);
-    std::vector<double> weights(8, 1.0);
-    EXPECT_EQ(weighed(weights).twins().size(), 1) << "the place of points 3 and 7";
-    EXPECT_EQ(weighed(weights).weight(7), 1.0);
-    weights[7] = 0.5;
-    EXPECT_TRUE(weighed(weights).twins().empty());
-    EXPECT_EQ(weighed(weights).weight(7), 0.5);
-    EXPECT_FALSE(weighed(weights) == HandlePoints(view(places()), {3, 1, 4}));
+        EXPECT_THROW(made(places(), {3, 1, 4}, std::vector<double>(8, weight)), InvalidOption);
+    const HandlePoints hard = made(places(), {3, 1, 4}),
+                       soft = made(places(), {3, 1, 4}, {1, 1, 1, 1, 1, 1, 1, 0.5});
+    EXPECT_EQ(hard.twins().size(), 1) << "the place of points 3 and 7";
+    EXPECT_TRUE(soft.twins().empty());
+    EXPECT_EQ(hard.weight(7), 1.0);
+    EXPECT_EQ(soft.weight(7), 0.5);
+    EXPECT_FALSE(soft == hard);
 }
 
 } // namespace sinew::test_handle_points

@@ -35,14 +35,11 @@ inline Points bent(Points points, double by = 0.15)
     return points;
 }
 
-inline RestGridOptions options(LatticeBasis basis, int degree = 3,
-                               LatticeOutside outside = LatticeOutside::follow, int continuity = 1)
+inline RestGridOptions options(LatticeBasis basis, int degree = 3)
 {
     RestGridOptions found;
     found.basis.fill(basis);
     found.degree = degree;
-    found.outside = outside;
-    found.continuity = continuity;
     return found;
 }
 
@@ -54,13 +51,6 @@ inline Points in_box(int count, const Vector3& low, const Vector3& high, std::ui
         for (int axis = 0; axis < 3; ++axis)
             points(i, axis) = low[axis] + random.unit() * (high[axis] - low[axis]);
     return points;
-}
-
-inline Points warped(const SpaceMethod& method, const Points& control)
-{
-    Points out(method.points().rows(), 3);
-    method.warp(view(control), {}, out.data());
-    return out;
 }
 
 /// Boxes side by side as one mesh of quads, with the faces between them.

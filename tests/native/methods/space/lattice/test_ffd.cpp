@@ -92,54 +92,11 @@ SpaceTraits hexahedra_traits()
     return found;
 }
 
-std::unique_ptr<Ffd> ffd(const Points& rest, const Counts& n, const RestGridOptions& chosen,
-                         const Points& points)
-{
-    auto made = std::make_unique<Ffd>(RestGrid(view(rest), n, chosen));
-    made->bind(view(points));
-    return made;
-}
-
 } // namespace
 
+// What they do to points is in tests/bindings/spaces/test_lattices.py.
 INSTANTIATE_TEST_SUITE_P(Ffd, SpaceContract,
                          testing::Values(traits(), bent_traits(), blender_traits(), hexahedra_traits()));
-
-TEST(Ffd, lattices_of_few_points_follow_what_they_have)
-{
-    const Points points = in_box(50, {-0.5, -0.5, -0.5}, {1.5, 1.5, 1.5});
-    for (const LatticeBasis basis : {bspline, bezier, LatticeBasis::linear, LatticeBasis::blender_spline})
-        for (const Counts& n :
-             {Counts{1, 1, 1}, Counts{2, 1, 1}, Counts{1, 3, 1}, Counts{2, 2, 1}, Counts{1, 2, 5}}) {
-            const Points rest = box(n);
-            const auto method = ffd(rest, n, options(basis), points);
-            const Points moved = rest.rowwise() + Eigen::RowVector3d(1, 2, 3);
-            EXPECT_LT(
-                shapes::distance(warped(*method, moved), points.rowwise() + Eigen::RowVector3d(1, 2, 3)),
-                1e-13);
-        }
-}
-
-TEST(Ffd, a_bent_lattice_places_points_by_its_own_map)
-{
-    // Points made by the map of a bent rest lattice must come out where the posed lattice's map has them.
-    const Counts n{4, 4, 4};
-    const Points straight = box(n), rest = bent(straight), shares = in_box(300, {0, 0, 0}, {1, 1, 1});
-    for (const LatticeBasis basis : {bspline, bezier}) {
-        const auto map = ffd(straight, n, options(basis), shares);
-        const Points points = warped(*map, rest);
-        const auto method = ffd(rest, n, options(basis), points);
-        const Points posed = shapes::Random(3).shaken(rest, 0.3);
-        EXPECT_LT(shapes::distance(warped(*method, posed), warped(*map, posed)), 1e-9);
-    }
-}
-
-TEST(Ffd, mirrored_lattices_are_not_folded)
-{
-    const Points rest = box({3, 3, 3}, {1, 0, 0}, {-1, 1, 1}), points = in_box(20, {-1, 0, 0}, {1, 1, 1});
-    const auto method = ffd(rest, {3, 3, 3}, options(bspline), points);
-    EXPECT_LT(shapes::distance(warped(*method, 2 * rest), 2 * points), 1e-13);
-}
 
 TEST(Ffd, names_the_points_outside)
 {

@@ -47,11 +47,6 @@ TEST_P(HandleContract, two_unrelated_starts_meet)
         EXPECT_TRUE(one.report.converged && other.report.converged);
         EXPECT_NEAR(one.report.energy, other.report.energy, 1e-6 * one.report.energy);
         EXPECT_LT((one.unknowns - other.unknowns).cwiseAbs().maxCoeff(), traits().meet);
-        const auto quick = traits().answer(*method, poses, Start::usual, 1e-4, 40);
-        std::cout << one.report.iterations << " " << other.report.iterations << " quick "
-                  << quick.report.iterations << " rejected " << quick.report.rejected << " E "
-                  << one.report.energy << " quick E " << quick.report.energy << " off "
-                  << (quick.unknowns - one.unknowns).cwiseAbs().maxCoeff() << "\n";
     }
 }
 

@@ -82,7 +82,6 @@ TEST(RigidCells, one_rigid_motion_is_exact_whatever_the_cells)
             shapes::apart(shapes::warped(*method, {rigid, rigid}), shapes::transformed(bar.points(), rigid)),
             1e-11)
             << options.cells << " cells";
-        std::cout << method->cells().centres.rows() << " cells of " << options.cells << "\n";
     }
 }
 

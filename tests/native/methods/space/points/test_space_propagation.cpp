@@ -10,8 +10,7 @@ namespace sinew::test_space_propagation {
 
 namespace {
 
-using handles::moved, handles::posed, handles::random_points, handles::regions, handles::three_poses,
-    handles::warped;
+using handles::random_points, handles::regions;
 
 SpaceTraits traits()
 {
@@ -34,15 +33,7 @@ SpaceTraits traits()
 
 } // namespace
 
+// What it does to points is in tests/bindings/oracles/test_oracles_points.py.
 INSTANTIATE_TEST_SUITE_P(SpacePropagation, SpaceContract, testing::Values(traits()));
-
-TEST(SpacePropagation, points_of_a_handle_go_where_it_takes_them)
-{
-    const HandlePoints handles = regions(30);
-    SpacePropagation method(handles);
-    EXPECT_LT(shapes::distance(warped(method, handles.points(), posed(handles, three_poses)),
-                               moved(handles, three_poses)),
-              1e-14 * 8);
-}
 
 } // namespace sinew::test_space_propagation

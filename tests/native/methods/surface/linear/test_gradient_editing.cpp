@@ -9,29 +9,27 @@ namespace sinew::test_gradient_editing {
 
 namespace {
 
-class GradientEditing : public SurfaceFixture<sinew::GradientEditing, GradientEditingOptions>
+using Fixture = SurfaceFixture<GradientEditing, GradientEditingOptions>;
+
+SurfaceTraits traits()
 {
-public:
-    static SurfaceTraits traits()
-    {
-        SurfaceTraits made =
-            linear("GradientEditing", {{"harmonic", maker({Field::harmonic}), 1, true, 1e-11},
-                                       {"geodesic", maker({Field::geodesic}), 1, true, 1e-11}});
-        made.translation = 1e-11;
-        made.rigid = 1e-12; // a condition of 1e3
-        made.similar = made.scaled = 1e-10;
-        made.rides = 1e-11;
-        made.apart = 1e-12;
-        made.parts_apart = true;
-        made.half_turns = 81;
-        made.updates = "field";
-        made.updated = maker({Field::geodesic});
-        return made;
-    }
-};
+    SurfaceTraits made =
+        Fixture::linear("GradientEditing", {{"harmonic", Fixture::maker({Field::harmonic}), 1, true, 1e-11},
+                                            {"geodesic", Fixture::maker({Field::geodesic}), 1, true, 1e-11}});
+    made.translation = 1e-11;
+    made.rigid = 1e-12; // a condition of 1e3
+    made.similar = 1e-10;
+    made.rides = 1e-11;
+    made.apart = 1e-12;
+    made.parts_apart = true;
+    made.half_turns = 81;
+    made.updates = "field";
+    made.updated = Fixture::maker({Field::geodesic});
+    return made;
+}
 
 } // namespace
 
-INSTANTIATE_TEST_SUITE_P(GradientEditing, SurfaceContract, testing::Values(GradientEditing::traits()));
+INSTANTIATE_TEST_SUITE_P(GradientEditing, SurfaceContract, testing::Values(traits()));
 
 } // namespace sinew::test_gradient_editing

@@ -1,17 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/surface/linear/laplacian_editing.h"
 
-#include "native/methods/surface/linear/thin_shell.h"
 #include "tests/native/methods/surface/fixture.h"
-#include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
 
 namespace sinew::test_laplacian_editing {
 
 namespace {
-
-constexpr std::array every{Discretization::uniform, Discretization::cotan, Discretization::cotan_voronoi};
 
 using Options = LaplacianEditingOptions;
 const Options none{.transforms = LocalTransforms::none},
@@ -29,7 +25,7 @@ public:
         made.follow = 3.0;
         made.rest = made.incoming = 1e-11; // rotations are fitted to edges that have not turned
         made.translation = 1e-9;
-        made.similar = made.scaled = 1e-8;
+        made.similar = 1e-8;
         made.rides = 1e-9;
         made.other = maker({.laplacian = Discretization::uniform});
         return made;
@@ -65,44 +61,10 @@ public:
     }
 };
 
-std::vector<SurfaceMesh> some_meshes() { return {shapes::hill(8, 8), shapes::bar(6, 2), shapes::sphere(2)}; }
-
 } // namespace
 
+// More of it is in tests/bindings/oracles/test_oracles_surface.py.
 INSTANTIATE_TEST_SUITE_P(LaplacianEditing, SurfaceContract,
                          testing::Values(LaplacianEditing::turning(), LaplacianEditing::unturned()));
-
-TEST_F(LaplacianEditing, without_transformations_is_the_thin_shell_with_bending_alone)
-{
-    for (const SurfaceMesh& mesh : some_meshes())
-        for (Discretization kind : every) {
-            std::vector<Handle> handles = shapes::ends(mesh, shapes::size(mesh.points()) / 8);
-            handles[1].weights.assign(handles[1].vertices.size(), 0.8);
-            ThinShell shell(mesh, {.laplacian = kind});
-            shell.set_handles(handles);
-            Points expected;
-            const SolveReport wanted = shell.solve({bent}, expected);
-            Options options = none;
-            options.laplacian = kind;
-            SolveReport report;
-            EXPECT_LT(shapes::distance(solved(mesh, handles, {.poses = bent}, options, &report), expected),
-                      1e-10);
-            EXPECT_NEAR(report.energy, wanted.energy, 1e-9 * wanted.energy);
-        }
-}
-
-TEST_F(LaplacianEditing, keeps_the_factor_where_only_transformations_change)
-{
-    const SurfaceMesh mesh = shapes::hill(12, 9);
-    const std::vector<Handle> handles = shapes::ends(mesh, 1.5);
-    Method former(mesh, none), next(mesh, explicitly);
-    former.set_handles(handles);
-    const BindReport report = next.rebind(former, handles);
-    EXPECT_EQ(report.reuse, Reuse::updated);
-    EXPECT_EQ(report.changed, "transforms");
-    Points q;
-    next.solve({bent}, q);
-    EXPECT_EQ(q, solved(mesh, handles, {.poses = bent}, explicitly));
-}
 
 } // namespace sinew::test_laplacian_editing

@@ -21,7 +21,7 @@ public:
                                    {"euclidean", maker({.field = Field::euclidean}), 0, true, 1e-12}});
         made.translation = 1e-12;
         made.rigid = 1e-13;
-        made.similar = made.scaled = 1e-10;
+        made.similar = 1e-10;
         made.rides = 1e-12;
         made.half_turns = 81;
         made.updates = "transfer";

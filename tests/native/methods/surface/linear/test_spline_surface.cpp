@@ -27,7 +27,7 @@ public:
                     {"map", mapped},
                     {"least squares", maker({.degree = 1, .columns = 4, .rows = 3, .smoothing = 0.0})}});
         made.translation = 1e-7;
-        made.similar = made.scaled = 1e-6;
+        made.similar = 1e-6;
         made.many_enter = true;
         made.updates = "smoothing";
         made.updated = maker({.smoothing = 0.1});

@@ -22,35 +22,32 @@ SurfaceMesh rough_hill(int columns, int rows)
     return shapes::moved(plain, shapes::Random(5).shaken(p, 0.1));
 }
 
-class SubdivisionEditing : public SurfaceFixture<sinew::SubdivisionEditing, SubdivisionEditingOptions>
-{
-public:
-    static SurfaceTraits traits()
-    {
-        SurfaceTraits made = linear("SubdivisionEditing", {{"automatic", maker({Coarsening::automatic, 1}),
-                                                            3}, // the level, the control mesh, the band
-                                                           {"two levels", maker({Coarsening::levels, 2}), 4},
-                                                           {"no level", maker({Coarsening::levels, 0}), 1}});
-        made.mesh = rough_hill(24, 16);
-        made.large = rough_hill(28, 20);
-        made.many = rough_hill(96, 64);
-        made.bent = bent;
-        made.many_enter = true;
-        made.rest = made.incoming = 1e-13; // each level takes its details apart and puts them together
-        made.translation = 1e-9;
-        made.rigid = 1e-11; // rounding errors, carried through all levels
-        made.similar = made.scaled = 1e-9;
-        made.updates = "coarsening";
-        made.updated = maker({Coarsening::levels, 1});
-        return made;
-    }
+using Fixture = SurfaceFixture<SubdivisionEditing, SubdivisionEditingOptions>;
 
-    inline static const Poses bent{shapes::still(), shapes::turn({0, 1, 0}, 40, {18, 0, 0}, {-1, 0.5, 2})};
-};
+SurfaceTraits traits()
+{
+    SurfaceTraits made =
+        Fixture::linear("SubdivisionEditing", {{"automatic", Fixture::maker({Coarsening::automatic, 1}),
+                                                3}, // the level, the control mesh, the band
+                                               {"two levels", Fixture::maker({Coarsening::levels, 2}), 4},
+                                               {"no level", Fixture::maker({Coarsening::levels, 0}), 1}});
+    made.mesh = rough_hill(24, 16);
+    made.large = rough_hill(28, 20);
+    made.many = rough_hill(96, 64);
+    made.bent[1] = shapes::turn({0, 1, 0}, 40, {18, 0, 0}, {-1, 0.5, 2});
+    made.many_enter = true;
+    made.rest = made.incoming = 1e-13; // each level takes its details apart and puts them together
+    made.translation = 1e-9;
+    made.rigid = 1e-11; // rounding errors, carried through all levels
+    made.similar = 1e-9;
+    made.updates = "coarsening";
+    made.updated = Fixture::maker({Coarsening::levels, 1});
+    return made;
+}
 
 } // namespace
 
 // The control meshes that it finds, and its details, are in tests/bindings/surfaces/test_subdivision_editing.py.
-INSTANTIATE_TEST_SUITE_P(SubdivisionEditing, SurfaceContract, testing::Values(SubdivisionEditing::traits()));
+INSTANTIATE_TEST_SUITE_P(SubdivisionEditing, SurfaceContract, testing::Values(traits()));
 
 } // namespace sinew::test_subdivision_editing

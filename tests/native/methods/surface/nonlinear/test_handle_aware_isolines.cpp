@@ -9,29 +9,26 @@ namespace sinew::test_handle_aware_isolines {
 
 namespace {
 
-class HandleAwareIsolines : public SurfaceFixture<sinew::HandleAwareIsolines, HandleAwareIsolinesOptions>
+using Fixture = SurfaceFixture<HandleAwareIsolines, HandleAwareIsolinesOptions>;
+
+SurfaceTraits traits()
 {
-public:
-    static SurfaceTraits traits()
-    {
-        SurfaceTraits made =
-            nonlinear("HandleAwareIsolines", {{"default", maker(), 1, true},
-                                              {"few bands", maker({.bands = 5}), 1, true},
-                                              {"geodesic", maker({.field = Field::geodesic}), 1, true}});
-        made.rest = 1e-13; // rounding of the fits
-        made.rigid = 1e-12; // everything is relative to a rigid motion
-        made.held = 1e-13;
-        made.similar = made.scaled = 1e-4; // columns are stored in single precision, and turns end at 1e-6
-        made.apart = made.folded = 1e-5; // single precision, of columns that are summed up in another order
-        made.updates = "bands";
-        made.updated = maker({.bands = 8});
-        return made;
-    }
-};
+    SurfaceTraits made = Fixture::nonlinear(
+        "HandleAwareIsolines", {{"default", Fixture::maker(), 1, true},
+                                {"few bands", Fixture::maker({.bands = 5}), 1, true},
+                                {"geodesic", Fixture::maker({.field = Field::geodesic}), 1, true}});
+    made.rest = 1e-13; // rounding of the fits
+    made.rigid = 1e-12; // everything is relative to a rigid motion
+    made.held = 1e-13;
+    made.similar = 1e-4; // columns are stored in single precision, and turns end at 1e-6
+    made.apart = made.folded = 1e-5; // single precision, of columns that are summed up in another order
+    made.updates = "bands";
+    made.updated = Fixture::maker({.bands = 8});
+    return made;
+}
 
 } // namespace
 
-INSTANTIATE_TEST_SUITE_P(HandleAwareIsolines, SurfaceContract,
-                         testing::Values(HandleAwareIsolines::traits()));
+INSTANTIATE_TEST_SUITE_P(HandleAwareIsolines, SurfaceContract, testing::Values(traits()));
 
 } // namespace sinew::test_handle_aware_isolines

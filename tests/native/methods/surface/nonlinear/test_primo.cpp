@@ -10,26 +10,25 @@ namespace sinew::test_primo {
 
 namespace {
 
-class Primo : public SurfaceFixture<sinew::Primo, PrimoOptions>
+using Fixture = SurfaceFixture<Primo, PrimoOptions>;
+
+SurfaceTraits traits()
 {
-public:
-    static SurfaceTraits traits()
-    {
-        SurfaceTraits made = nonlinear("Primo", {{"default", maker(), 2, false}, // a bind has one mean height
-                                                 {"low", maker({.height = {0.005}}), 2, false},
-                                                 {"high", maker({.height = {0.3}}), 2, false}});
-        // Bodies get other numbers, so that it stops at another iteration, each within 1 % of how far the
-        // surface moves.
-        made.similar = 0.1;
-        made.iterative = true;
-        made.other = maker({.height = {0.1}});
-        return made;
-    }
-};
+    SurfaceTraits made =
+        Fixture::nonlinear("Primo", {{"default", Fixture::maker(), 2, false}, // a bind has one mean height
+                                     {"low", Fixture::maker({.height = {0.005}}), 2, false},
+                                     {"high", Fixture::maker({.height = {0.3}}), 2, false}});
+    // Bodies get other numbers, so that it stops at another iteration, each within 1 % of how far the
+    // surface moves.
+    made.similar = 0.1;
+    made.iterative = true;
+    made.other = Fixture::maker({.height = {0.1}});
+    return made;
+}
 
 } // namespace
 
 // More of it is in tests/bindings/surfaces/test_nonlinear.py.
-INSTANTIATE_TEST_SUITE_P(Primo, SurfaceContract, testing::Values(Primo::traits()));
+INSTANTIATE_TEST_SUITE_P(Primo, SurfaceContract, testing::Values(traits()));
 
 } // namespace sinew::test_primo

@@ -57,10 +57,6 @@ public:
     }
 };
 
-class PyramidMorphing : public PyramidCoordinates
-{
-};
-
 } // namespace
 
 INSTANTIATE_TEST_SUITE_P(PyramidCoordinates, SurfaceContract, testing::Values(PyramidCoordinates::traits()));
@@ -148,63 +144,44 @@ TEST_F(PyramidCoordinates, names_the_vertices_whose_ring_overlaps)
     EXPECT_LT(shapes::distance(solve(method, {pose}).positions, shapes::transformed(points, pose)), 1e-11);
 }
 
-TEST_F(PyramidMorphing, goes_from_one_shape_to_the_other)
+TEST_F(PyramidCoordinates, goes_evenly_from_one_shape_to_the_other_and_takes_it_along)
 {
     const SurfaceMesh mesh = shapes::bar(12, 3), target = changed_bar(mesh);
     const Method method = bound(mesh, toward(target), shapes::ends(mesh, 2));
-    const Poses still{shapes::still(), shapes::still()};
-    EXPECT_LT(shapes::distance(solve(method, still).positions, mesh.points()), 1e-11);
-    EXPECT_LT(shapes::distance(solve(method, still, {.extra = Morph{1.0}}).positions, target.points()),
-              1e-10);
-    // On the way it is near both at the ends, and it moves evenly.
-    Points last = mesh.points();
-    for (int k = 1; k <= 20; ++k) {
-        const Points now = solve(method, still, {.extra = Morph{k / 20.0}}).positions;
-        EXPECT_LT(shapes::distance(now, last), 0.1 * shapes::distance(mesh.points(), target.points()) + 0.05);
+    const auto at = [&](double share, const Pose& pose, SolveRequest request = {}) {
+        request.extra = Morph{share};
+        return solve(method, {pose, pose}, request).positions;
+    };
+    const Pose still = shapes::still(), pose = shapes::turn({1, 2, -0.5}, 170, {3, 7, 1}, {30, -20, 10});
+    const double way = shapes::distance(mesh.points(), target.points());
+    Points last = mesh.points(), half;
+    for (int k = 0; k <= 20; ++k) {
+        const Points now = at(k / 20.0, still);
+        EXPECT_LT(shapes::distance(now, last), k ? 0.1 * way + 0.05 : 1e-11);
         last = now;
+        if (k == 10)
+            half = now;
     }
-    // A motion of all handles moves what is between.
-    const Pose pose = shapes::turn({1, 2, -0.5}, 170, {3, 7, 1}, {30, -20, 10});
-    const Points half = solve(method, still, {.extra = Morph{0.5}}).positions;
-    EXPECT_LT(shapes::distance(solve(method, {pose, pose}, {.extra = Morph{1.0}}).positions,
-                               shapes::transformed(target.points(), pose)),
-              1e-10);
-    EXPECT_LT(shapes::distance(solve(method, {pose, pose}, {.extra = Morph{0.5}}).positions,
-                               shapes::transformed(half, pose)),
-              0.01); // where it stops differs
+    EXPECT_LT(shapes::distance(last, target.points()), 1e-10);
+    const Points incoming = shapes::transformed(mesh.points(), pose),
+                 there = shapes::transformed(target.points(), pose);
+    EXPECT_LT(shapes::distance(at(1.0, pose), there), 1e-10);
+    EXPECT_LT(shapes::distance(at(1.0, still, {.incoming = view(incoming)}), there), 1e-10);
+    EXPECT_LT(shapes::distance(at(0.0, still, {.incoming = view(incoming)}), incoming), 1e-11);
+    EXPECT_LT(shapes::distance(at(0.5, pose), shapes::transformed(half, pose)), 0.01); // where it stops
 }
 
-TEST_F(PyramidMorphing, takes_the_target_along_with_what_enters)
-{
-    const SurfaceMesh mesh = shapes::bar(12, 3), target = changed_bar(mesh);
-    const Method method = bound(mesh, toward(target), shapes::ends(mesh, 2));
-    const Pose walk = shapes::turn({0, 0, 1}, 40, {1, 0, 0}, {5, 6, 7});
-    const Points incoming = shapes::transformed(mesh.points(), walk);
-    const Poses still{shapes::still(), shapes::still()};
-    EXPECT_LT(
-        shapes::distance(solve(method, still, {.incoming = view(incoming), .extra = Morph{1.0}}).positions,
-                         shapes::transformed(target.points(), walk)),
-        1e-10);
-    EXPECT_LT(shapes::distance(solve(method, still, {.incoming = view(incoming)}).positions, incoming),
-              1e-11);
-}
-
-TEST_F(PyramidMorphing, morphs_parts_without_a_handle_and_loose_vertices)
+TEST_F(PyramidCoordinates, morphs_parts_without_a_handle)
 {
     const SurfaceMesh one = shapes::bar(6, 2), both = shapes::joined(one, shapes::octahedron(), {0, 9, 0});
     Points points = both.points();
-    const int first = one.vertex_count();
-    for (int v = first; v < points.rows(); ++v)
-        points.row(v) = 2 * points.row(v) + Eigen::RowVector3d(0, 0, 3);
-    const SurfaceMesh target = shapes::moved(both, points);
-    std::vector<Handle> handles = shapes::ends(one, 1);
-    const Method method = bound(both, toward(target), handles);
-    const Poses still{shapes::still(), shapes::still()};
-    EXPECT_LT(shapes::distance(solve(method, still, {.extra = Morph{1.0}}).positions, points), 1e-10);
-    EXPECT_LT(shapes::distance(solve(method, still).positions.bottomRows(6), both.points().bottomRows(6)),
-              1e-15);
-    const Points half = solve(method, still, {.extra = Morph{0.5}}).positions;
-    EXPECT_LT(shapes::distance(half.bottomRows(6), 0.5 * (points + both.points()).bottomRows(6)), 1e-9);
+    points.bottomRows(6) = (2 * points.bottomRows(6)).rowwise() + Eigen::RowVector3d(0, 0, 3);
+    const Method method = bound(both, toward(shapes::moved(both, points)), shapes::ends(one, 1));
+    for (const auto& [share, tolerance] : {std::pair(0.0, 1e-15), {0.5, 1e-9}, {1.0, 1e-10}}) {
+        const Points expected = share * points + (1 - share) * both.points();
+        const Points found = solve(method, Poses(2, shapes::still()), {.extra = Morph{share}}).positions;
+        EXPECT_LT(shapes::distance(found.bottomRows(6), expected.bottomRows(6)), tolerance) << share;
+    }
 }
 
 } // namespace sinew::test_pyramid_coordinates

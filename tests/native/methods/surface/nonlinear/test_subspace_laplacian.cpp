@@ -40,7 +40,6 @@ public:
         made.incoming = 1e-10; // likewise
         made.held = made.alone = 1e-12;
         made.similar = 0.5; // the automatic cage follows the axes, so that another one is made
-        made.scaled = 0.05; // it may differ where its decisions are close
         made.apart = made.folded = 1e-6; // the same sums in another order
         made.soft = 0.2; // the cage cannot meet handles exactly; only held vertices are put where they belong
         made.all_soft = 1.5;

@@ -2,12 +2,13 @@
 #include "native/methods/surface/sketch/silhouette_lines.h"
 
 #include "native/methods/surface/sketch/occlusion.h"
+#include "native/methods/surface/sketch/silhouette_sketch.h"
 #include "tests/native/refusals.h"
 #include "tests/native/shapes.h"
 
 #include <gtest/gtest.h>
 
-// Other lines and strokes are in tests/bindings/surfaces/test_silhouette_sketch.py.
+// Other lines and strokes, and what is made of them, are in tests/bindings/surfaces/test_silhouette_sketch.py.
 namespace sinew::test_silhouette_lines {
 
 TEST(SilhouetteLines, along_chosen_edges_end_where_three_meet)
@@ -25,6 +26,18 @@ TEST(SilhouetteLines, along_chosen_edges_end_where_three_meet)
     const std::vector<std::array<int, 2>> beyond = {{0, 25}};
     expect_elements(refusal<InvalidConstraint>([&] { edge_lines(sheet, beyond, {}); }),
                     Error::Element::vertex, {25});
+}
+
+TEST(SilhouetteSketch, ten_strokes_take_one_factorisation)
+{
+    const std::vector<LinePoint> line{{3, 3, 0.0}, {11, 11, 0.0}, {19, 19, 0.0}};
+    const SilhouetteSketch sketch(shapes::hill(7, 8), line, {0, 7});
+    Points positions;
+    for (int k = 0; k < 10; ++k) {
+        const Points targets = Points::Constant(3, 3, k);
+        sketch.solve(view(targets), positions);
+    }
+    EXPECT_EQ(sketch.factorizations(), 1);
 }
 
 TEST(Occlusion, hides_no_point_of_the_outline_of_a_ball_and_every_point_behind_another)

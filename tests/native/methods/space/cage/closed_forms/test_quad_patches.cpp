@@ -139,70 +139,28 @@ TEST(GaussRule, integrates_polynomials)
     }
 }
 
-TEST(QuadPatches, have_the_integrals_of_pieces_far_and_near)
+TEST(QuadPatches, have_the_integrals_of_pieces_far_near_and_very_near)
 {
-    // psi counts times the normal, as in what they are for; measured up to 2e-12.
+    shapes::Random random(4);
     for (const auto& quad : quads()) {
         const Patch patch(quad);
-        shapes::Random random(4);
-        int near = 0, far = 0;
-        double worst = 0.0;
-        for (int i = 0; i < 300; ++i) {
+        const double size = (patch.corners[2] - patch.corners[0]).norm(),
+                     normal = patch.patches.rest_normal(0, 0).norm();
+        std::array<int, 2> counts{};
+        for (int i = 0; i < 330; ++i) {
             const double s = random.signed_unit(), t = random.signed_unit();
-            const double size = (patch.corners[2] - patch.corners[0]).norm();
-            const Vector3 x = on_patch(patch.corners, s, t) +
-                              size * std::pow(10.0, 1.2 * random.signed_unit() - 0.6) * random.vector();
+            const Vector3 on = on_patch(patch.corners, s, t),
+                          x = i < 300
+                                  ? on + size * std::pow(10.0, 1.2 * random.signed_unit() - 0.6) *
+                                             random.vector()
+                                  : on + std::pow(-0.01, 1 + i % 3) * patch.patches.normal({0, s, t, 0.0});
             bool is_near = false;
-            Seven ours = patch.at(x, &is_near), theirs = by_pieces(patch.corners, x);
-            ours.tail<3>() *= patch.patches.rest_normal(0, 0).norm();
-            theirs.tail<3>() *= patch.patches.rest_normal(0, 0).norm();
-            (is_near ? near : far)++;
-            worst = std::max(worst, (ours - theirs).cwiseAbs().maxCoeff());
-            EXPECT_LT((ours - theirs).cwiseAbs().maxCoeff(), 1e-11)
-                << (is_near ? "near " : "far ") << x.transpose() << "\n"
-                << ours.transpose() << "\n"
-                << theirs.transpose();
+            Seven off = patch.at(x, &is_near) - by_pieces(patch.corners, x);
+            off.tail<3>() *= normal; // psi counts times it, as in what they are for; measured up to 2e-12
+            ++counts[is_near];
+            EXPECT_LT(off.cwiseAbs().maxCoeff(), 1e-11) << i << ": " << x.transpose();
         }
-        EXPECT_GT(near, 40);
-        EXPECT_GT(far, 40);
-        RecordProperty("worst", std::to_string(worst));
-    }
-}
-
-TEST(QuadPatches, have_the_integrals_of_pieces_very_near)
-{
-    for (const auto& quad : quads()) {
-        const Patch patch(quad);
-        shapes::Random random(5);
-        for (const double distance : {1e-2, 1e-4, 1e-6})
-            for (int i = 0; i < 10; ++i) {
-                const double s = 0.9 * random.signed_unit(), t = 0.9 * random.signed_unit();
-                QuadPatches::Place place{0, s, t, 0.0};
-                const Vector3 x =
-                    on_patch(patch.corners, s, t) + (i % 2 ? 1 : -1) * distance * patch.patches.normal(place);
-                EXPECT_LT((patch.at(x) - by_pieces(patch.corners, x)).cwiseAbs().maxCoeff(), 1e-11)
-                    << distance;
-            }
-    }
-}
-
-TEST(QuadPatches, of_a_parallelogram_are_its_two_triangles)
-{
-    const Patch patch(quads()[1]);
-    const SurfaceMesh cut = box_under(quads()[1]);
-    const CageGeometry whole{Cage(cut)};
-    shapes::Random random(6);
-    for (int i = 0; i < 50; ++i) {
-        const Vector3 x = 0.2 * random.vector();
-        const Seven ours = patch.at(x);
-        double angle = 0.0; // of the two triangles, by Van Oosterom and Strackee
-        for (const auto& t : {std::array{0, 1, 2}, std::array{0, 2, 3}}) {
-            const Vector3 a = patch.corners[t[0]] - x, b = patch.corners[t[1]] - x,
-                          c = patch.corners[t[2]] - x;
-            angle += 2 * std::atan2(a.dot(b.cross(c)), a.norm() * b.norm() * c.norm() + a.dot(b) * c.norm() +
-                                                           b.dot(c) * a.norm() + c.dot(a) * b.norm());
-        }
-        EXPECT_NEAR(ours[0], angle / (4 * shapes::pi), 1e-12);
+        EXPECT_GT(std::min(counts[0], counts[1]), 40);
     }
 }
 
@@ -229,10 +187,8 @@ TEST(QuadPatches, leave_out_darts_and_flat_quads)
 {
     Points p = shapes::cube().points();
     p.row(6) = 0.9 * p.row(4) + 0.05 * (p.row(5) + p.row(7)); // one corner pushed in: a dart on top
-    const Cage cage(shapes::moved(shapes::cube(), p));
-    const std::vector<char> faces = QuadPatches::faces(cage);
-    EXPECT_EQ(std::count(faces.begin(), faces.end(), 0), 1);
-    EXPECT_EQ(faces[1], 0);
+    EXPECT_EQ(QuadPatches::faces(Cage(shapes::moved(shapes::cube(), p))),
+              (std::vector<char>{1, 0, 1, 1, 1, 1}));
 }
 
 TEST(QuadKernels, agree_to_the_last_bit)

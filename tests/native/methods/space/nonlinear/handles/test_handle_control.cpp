@@ -66,36 +66,30 @@ TEST(HandleControl, moves_nothing_at_rest_to_the_last_bit)
             EXPECT_TRUE(motion.turn.isZero(0.0) && motion.move.isZero(0.0));
 }
 
-TEST(HandleControl, refuses_by_name)
+TEST(HandleControl, refuses_by_name_and_takes_no_point_to_two_places)
 {
-    const Points points = shapes::grid_points(3, 1); // 8 points
-    Points broken = points;
-    broken(5, 1) = nan;
-    const HandleControl control(held(points, {4, 4}), {0, 0, 0}, 1.0);
-    EXPECT_THROW(control.motions(Poses(1, shapes::still())), InvalidConstraint);
-    EXPECT_THROW(control.motions(view(broken.topRows(7).eval())), InvalidConstraint);
-    Poses poses(2, shapes::still());
-    poses[1](0, 0) = nan;
-    for (const auto& call : std::vector<std::function<void()>>{[&] { control.motions(poses); },
-                                                               [&] { control.motions(view(broken)); }})
-        expect_elements(refusal<InvalidConstraint>(call), Error::Element::handle, {1});
-}
-
-TEST(HandleControl, refuses_to_take_one_point_to_two_places)
-{
-    Points points = shapes::grid_points(3, 1);
+    Points points = shapes::grid_points(3, 1); // 8 points
     points.row(6) = points.row(1); // of both handles
     const HandleControl control(held(points, {4, 4}), {0, 0, 0}, 1.0);
-    const Pose turn = shapes::turn({0, 0, 1}, 30, points.row(1).transpose());
-    EXPECT_NO_THROW(control.motions(Poses{shapes::shift(1, 0, 0), shapes::shift(1, 0, 0)}));
-    EXPECT_NO_THROW(control.motions(Poses{shapes::still(), turn})) << "which leaves the point";
-    expect_elements(refusal<InvalidConstraint>(
-                        [&] { control.motions(Poses{shapes::still(), shapes::shift(0.1, 0, 0)}); }),
-                    Error::Element::handle, {0, 1});
-    std::vector<double> weights(8, 1.0);
-    weights[6] = 0.5;
-    const HandleControl soft(HandlePoints(view(points), {4, 4}, weights), {0, 0, 0}, 1.0);
-    EXPECT_NO_THROW(soft.motions(Poses{shapes::still(), shapes::shift(0.1, 0, 0)})) << "one gives way";
+    const Pose still = shapes::still(), move = shapes::shift(1, 0, 0);
+    EXPECT_NO_THROW(control.motions(Poses{move, move}));
+    EXPECT_NO_THROW(control.motions(Poses{still, shapes::turn({0, 0, 1}, 30, points.row(1).transpose())}))
+        << "which leaves the point";
+    Points broken = points;
+    broken(5, 1) = nan;
+    Pose wrong = still;
+    wrong(0, 0) = nan;
+    const auto refused = [&](const auto& moved, const std::vector<int>& handles) {
+        const auto call = [&] { control.motions(moved); };
+        expect_elements(refusal<InvalidConstraint>(call), Error::Element::handle, handles);
+    };
+    refused(Poses{still, move}, {0, 1});
+    refused(Poses{still, wrong}, {1});
+    refused(view(broken), {1});
+    EXPECT_THROW(control.motions(Poses{still}), InvalidConstraint);
+    EXPECT_THROW(control.motions(view(broken.topRows(7).eval())), InvalidConstraint);
+    const HandleControl soft(HandlePoints(view(points), {4, 4}, {1, 1, 1, 1, 1, 1, 0.5, 1}), {0, 0, 0}, 1.0);
+    EXPECT_NO_THROW(soft.motions(Poses{still, move})) << "one gives way";
 }
 
 } // namespace sinew::test_handle_control
