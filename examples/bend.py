@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bends a mesh: python bend.py in.obj out.obj. The lowest tenth stays, the highest one is turned by 60 degrees."""
+"""Bends a mesh: python bend.py in.obj out.obj. The lowest tenth stays, the highest one turns by 60 degrees."""
 
 import sys
+from pathlib import Path
 
 import numpy as np
 
@@ -11,7 +12,7 @@ import sinew_native as sn
 def read(path: str) -> tuple[np.ndarray, list[list[int]]]:
     """The vertices (n, 3) and the faces of an OBJ file."""
     points, faces = [], []
-    for line in open(path, encoding="utf-8"):
+    for line in Path(path).read_text(encoding="utf-8").splitlines():
         kind, *words = line.split() or [""]
         if kind == "v":
             points.append([float(word) for word in words[:3]])

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds the wheels of sinew_native for Linux by zig (cross_wheels.py), for the C library that Blender asks for.
+"""Builds the wheels of sinew_native for Linux by zig (cross_wheels.py), for a C library as old as Blender's.
 
 A wheel is only kept if its module needs nothing but Python and a C library of 2.28, shows no symbol but its
 entry, and works in plain CPython and, if installed, in Debian's Blender.
