@@ -88,7 +88,7 @@ def libraries(system: System, names: tuple[str, ...] = ALL) -> Path:
     """The folder with these libraries and their headers, which are built again only if something changed."""
     debian.install(debian.BUILD)
     system.make_compiler()
-    inputs = [LIBRARIES, system.files / "toolchain.cmake", Path(__file__), *system.inputs]
+    inputs = [LIBRARIES, system.files, Path(__file__), *system.inputs]
     stamp = Stamp(system.prefix / "made-from", fingerprint(inputs, *system.settings, *names))
     if stamp.is_fresh():
         return system.prefix
@@ -103,6 +103,8 @@ def libraries(system: System, names: tuple[str, ...] = ALL) -> Path:
     # The whole folder of the system would bring the headers of Linux's C library along.
     for name in ("CGAL", "boost"):
         (system.prefix / "include" / name).symlink_to(Path("/usr/include") / name)
+    if (system.files / "include").is_dir():
+        shutil.copytree(system.files / "include", system.prefix / "include", dirs_exist_ok=True)
     shutil.rmtree(system.tree / "unpacked")
     stamp.write()
     return system.prefix
