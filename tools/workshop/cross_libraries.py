@@ -103,8 +103,6 @@ def libraries(system: System, names: tuple[str, ...] = ALL) -> Path:
     # The whole folder of the system would bring the headers of Linux's C library along.
     for name in ("CGAL", "boost"):
         (system.prefix / "include" / name).symlink_to(Path("/usr/include") / name)
-    if (system.files / "include").is_dir():
-        shutil.copytree(system.files / "include", system.prefix / "include", dirs_exist_ok=True)
     shutil.rmtree(system.tree / "unpacked")
     stamp.write()
     return system.prefix
