@@ -4,7 +4,9 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <tuple>
+#include <numeric>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace sinew {
@@ -13,8 +15,8 @@ namespace {
 
 struct Side
 {
-    int low, high, face;
-    bool forward; ///< whether the face runs along the edge from low to high
+    int high, face;
+    bool forward; ///< whether the face runs along the edge from its lower to its higher vertex
 };
 
 /// A face across an edge, and whether it lies the other way round.
@@ -24,40 +26,51 @@ struct Neighbour
     bool turned;
 };
 
-/// Of each face those with which it alone shares an edge.
-std::vector<std::vector<Neighbour>> neighbours_of(const SurfaceMesh& mesh)
+/// Calls visit(face, other, turned) for every edge of exactly two faces.
+template <class Visit>
+void for_each_pair(const SurfaceMesh& mesh, Visit&& visit)
 {
-    std::vector<Side> sides;
-    for (int f = 0; f < mesh.face_count(); ++f) {
-        const auto loop = mesh.face(f);
-        for (std::size_t k = 0; k < loop.size(); ++k)
-            if (const int a = loop[k], b = loop[(k + 1) % loop.size()]; a != b)
-                sides.push_back({std::min(a, b), std::max(a, b), f, a < b});
+    const auto for_each_side = [&](auto&& body) {
+        for (int f = 0; f < mesh.face_count(); ++f) {
+            const auto loop = mesh.face(f);
+            for (std::size_t k = 0; k < loop.size(); ++k)
+                if (const int a = loop[k], b = loop[k + 1 == loop.size() ? 0 : k + 1]; a != b)
+                    body(std::min(a, b), Side{std::max(a, b), f, a < b});
+        }
+    };
+    // Side by side at their lower vertex, where there are few.
+    std::vector<int> end(mesh.vertex_count() + 1, 0);
+    for_each_side([&](int low, const Side&) { ++end[low + 1]; });
+    std::partial_sum(end.begin(), end.end(), end.begin());
+    std::vector<Side> sides(end.back());
+    std::vector<int> next(end.begin(), end.end() - 1);
+    for_each_side([&](int low, const Side& side) { sides[next[low]++] = side; });
+    for (int low = 0; low < mesh.vertex_count(); ++low) {
+        const auto here = std::span(sides).subspan(end[low], end[low + 1] - end[low]);
+        std::ranges::sort(here, {}, [](const Side& s) { return std::pair(s.high, s.face); });
+        for (std::size_t first = 0, last; first < here.size(); first = last) {
+            for (last = first + 1; last < here.size() && here[last].high == here[first].high;)
+                ++last;
+            const Side &one = here[first], &other = here[last - 1];
+            if (last - first == 2 && one.face != other.face)
+                visit(one.face, other.face, one.forward == other.forward);
+        }
     }
-    std::ranges::sort(sides, {}, [](const Side& s) { return std::tuple(s.low, s.high, s.face); });
-    std::vector<std::vector<Neighbour>> found(mesh.face_count());
-    for (std::size_t begin = 0, end; begin < sides.size(); begin = end) {
-        const Side &one = sides[begin], &other = sides[std::min(begin + 1, sides.size() - 1)];
-        for (end = begin + 1; end < sides.size() && sides[end].low == one.low && sides[end].high == one.high;)
-            ++end;
-        if (end - begin != 2 || one.face == other.face)
-            continue;
-        const bool turned = one.forward == other.forward;
-        found[one.face].push_back({other.face, turned});
-        found[other.face].push_back({one.face, turned});
-    }
-    return found;
 }
 
 /// Whether each face lies the other way round than the larger area of those that it is joined to.
 std::vector<char> turned_faces(const SurfaceMesh& mesh)
 {
-    const std::vector<std::vector<Neighbour>> neighbours = neighbours_of(mesh);
     std::vector<char> turned(mesh.face_count(), 0);
-    if (std::ranges::none_of(neighbours, [](const auto& own) {
-            return std::ranges::any_of(own, [](const Neighbour& n) { return n.turned; });
-        }))
+    bool any = false;
+    for_each_pair(mesh, [&](int, int, bool is_turned) { any |= is_turned; });
+    if (!any)
         return turned;
+    std::vector<std::vector<Neighbour>> neighbours(mesh.face_count());
+    for_each_pair(mesh, [&](int one, int other, bool is_turned) {
+        neighbours[one].push_back({other, is_turned});
+        neighbours[other].push_back({one, is_turned});
+    });
     std::vector<double> area(mesh.face_count(), 0.0);
     for (std::size_t t = 0; t < mesh.triangles().size(); ++t) {
         const auto [a, b, c] = mesh.triangles()[t];

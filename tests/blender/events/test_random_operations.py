@@ -489,7 +489,7 @@ class Artist(Sequence):
 def test_any_sequence_of_operations_shows_what_the_properties_ask_for():
     Artist.unsure = Artist.warped = 0
     run_sequences(Artist, SEQUENCES, STEPS)
-    if SEQUENCES >= 50:  # the first dozens are short
-        assert Artist.checked > 0.4 * STEPS * SEQUENCES  # the test looks
+    if SEQUENCES >= 50:  # the first dozens are short, and tell little of how much the test looks at
+        assert Artist.checked > 0.4 * STEPS * SEQUENCES
         assert Artist.warped > 0.1 * STEPS * SEQUENCES
-    assert Artist.unsure < 0.2 * Artist.checked
+        assert Artist.unsure < 0.2 * Artist.checked
