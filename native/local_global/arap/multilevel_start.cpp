@@ -48,7 +48,7 @@ void blend_handles(ArapProblem& problem, const ArapSystem& graph, const Poses& p
 
 RotationLevel::RotationLevel(const HandleGraph& finer, const GraphCells& cells, const Points& finer_rest,
                              const Clusters& clusters)
-    : map(finer, finer_rest, clusters),
+    : map(finer, clusters),
       graph(graph_of_clusters(finer, finer_rest, map),
             {.rigidity = map.restrict(cells.rigidity), .smoothing = cells.smoothing, .triangles = {}},
             map.restrict(view(finer_rest)))

@@ -36,14 +36,14 @@ double rounded(double length)
     return 1.0625 * std::bit_cast<double>((std::bit_cast<std::uint64_t>(length) + below) & ~(eighth - 1));
 }
 
-/// Visits nodes in the order of their distance from a seed along the edges, in rounded lengths.
-/// \param unit  of the lengths
+/// Visits nodes in the order of their distance from a seed along the edges.
+/// \param lengths   (edges) as long as each of them counts.
 /// \param distance  (nodes) the distances that `reaches` has noted.
 /// \param visit     visit(node, distance)
 /// \param reaches   reaches(node, distance) says whether the walk goes on to a node; if so, it has noted the
 ///                  distance.
 template <class Visit, class Reaches>
-void grow(const GraphEdges& edges, const Points& rest, double unit, int seed,
+void grow(const GraphEdges& edges, const std::vector<double>& lengths, int seed,
           const std::vector<double>& distance, Visit&& visit, Reaches&& reaches)
 {
     Front front;
@@ -56,7 +56,7 @@ void grow(const GraphEdges& edges, const Points& rest, double unit, int seed,
         visit(i, d);
         for (int a = edges.offsets[i]; a < edges.offsets[i + 1]; ++a) {
             const int j = edges.neighbours[a];
-            const double further = d + rounded((rest.row(i) - rest.row(j)).norm() / unit);
+            const double further = d + lengths[a];
             if (reaches(j, further))
                 front.emplace(further, j);
         }
@@ -85,6 +85,12 @@ Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted) : l
 {
     const SurfaceFrame frame = frame_of(graph, rest);
     unit = frame.size;
+    const GraphEdges& edges = graph.edges();
+    lengths.resize(edges.neighbours.size());
+    parallel_for(graph.size(), [&](int i) {
+        for (int a = edges.offsets[i]; a < edges.offsets[i + 1]; ++a)
+            lengths[a] = rounded((rest.row(i) - rest.row(edges.neighbours[a])).norm() / unit);
+    });
     std::vector<double> distance(graph.size(), infinite);
     const auto add = [&](int seed) {
         const int id = static_cast<int>(seeds.size());
@@ -92,7 +98,7 @@ Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted) : l
         distance[seed] = 0.0;
         label[seed] = id;
         grow(
-            graph.edges(), rest, unit, seed, distance, [](int, double) {},
+            edges, lengths, seed, distance, [](int, double) {},
             [&](int j, double further) {
                 if (graph.hard(j) != graph.hard(seed) || !(further < distance[j]))
                     return false;
@@ -126,8 +132,7 @@ Clusters::Clusters(const HandleGraph& graph, const Points& rest, int wanted) : l
 
 /// The share of a cluster at a node is the square of a hat function of the node's distance from the seed
 /// along the edges; at every node the shares are divided by their sum.
-ClusterMap::ClusterMap(const HandleGraph& graph, const Points& rest, const Clusters& clusters)
-    : label_(clusters.label)
+ClusterMap::ClusterMap(const HandleGraph& graph, const Clusters& clusters) : label_(clusters.label)
 {
     collect_nodes(static_cast<int>(clusters.seeds.size()));
 
@@ -140,7 +145,7 @@ ClusterMap::ClusterMap(const HandleGraph& graph, const Points& rest, const Clust
         distance[seed] = 0.0;
         touched = {seed};
         grow(
-            graph.edges(), rest, clusters.unit, seed, distance,
+            graph.edges(), clusters.lengths, seed, distance,
             [&](int i, double d) {
                 const double height = reach > 0 ? 1.0 - d / reach : 1.0;
                 shares[i].emplace_back(s, height * height);

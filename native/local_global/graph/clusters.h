@@ -21,7 +21,8 @@ struct Clusters
 {
     std::vector<int> label; ///< the cluster of each node, -1 for idle nodes
     std::vector<int> seeds; ///< the node from which each cluster grew
-    double unit = 1.0;   ///< the size of the graph, by the moments of its edges
+    double unit = 1.0;           ///< the size of the graph, by the moments of its edges
+    std::vector<double> lengths; ///< (edges) the rounded lengths
     double radius = 0.0; ///< the largest distance of a node from its seed along the edges, in rounded lengths
 
     /// \param rest     (nodes, 3) where the nodes are.
@@ -33,8 +34,7 @@ struct Clusters
 class ClusterMap
 {
 public:
-    /// \param rest  (nodes, 3)
-    ClusterMap(const HandleGraph& graph, const Points& rest, const Clusters& clusters);
+    ClusterMap(const HandleGraph& graph, const Clusters& clusters);
 
     int cluster_count() const { return static_cast<int>(members_.size()) - 1; }
     /// The cluster of each node, -1 for idle nodes.

@@ -31,6 +31,11 @@ struct Masses
     std::vector<Vector3> points;
     std::vector<double> weights;
 
+    void reserve(std::size_t count)
+    {
+        points.reserve(count);
+        weights.reserve(count);
+    }
     void add(const Vector3& point, double weight)
     {
         points.push_back(point);
@@ -48,6 +53,8 @@ std::vector<Masses> masses_of(const SurfaceMesh& mesh, bool of_area, const std::
                               int count)
 {
     std::vector<Masses> masses(static_cast<std::size_t>(count));
+    if (count == 1)
+        masses.front().reserve(labels.size() + 3 * mesh.triangles().size());
     std::vector<char> has_face(labels.size(), 0);
     for (const Triangle& t : mesh.triangles())
         for (const int v : t)
@@ -69,6 +76,7 @@ struct Moments
 {
     Vector3 centre;
     double spread; ///< the root mean square of the distance from the centre
+    double size() const { return spread > 0.0 ? per_spread * spread : 1.0; }
 };
 
 Moments moments_of(const std::vector<Vector3>& points, const std::vector<double>& weights)
@@ -142,12 +150,13 @@ SurfaceFrame frame_of_points(const std::vector<Vector3>& points, const std::vect
     SurfaceFrame frame;
     const Moments moments = moments_of(points, weights);
     frame.centre = moments.centre;
+    frame.size = moments.size();
     if (!(moments.spread > 0.0))
         return frame;
-    frame.size = per_spread * moments.spread;
     const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
     Matrix3 spread = Matrix3::Zero();
     std::vector<Vector3> arms;
+    arms.reserve(points.size());
     for (std::size_t k = 0; k < points.size(); ++k) {
         arms.emplace_back((points[k] - frame.centre) / frame.size);
         spread += weights[k] / sum * arms[k] * arms[k].transpose();
@@ -189,20 +198,17 @@ SurfaceFrame surface_frame(const SurfaceMesh& mesh)
 
 namespace {
 
-/// The frames of the parts; those in one place have the size 0.
-std::vector<SurfaceFrame> frames_of_parts(const SurfaceMesh& mesh, const Components& parts)
+/// The masses of the parts: of their edges where a part has no area, and none where it is in one place.
+std::vector<Masses> masses_of_parts(const SurfaceMesh& mesh, const Components& parts)
 {
-    const std::vector<Masses> areas = masses_of(mesh, true, parts.labels, parts.count);
-    const std::vector<Masses> edges = masses_of(mesh, false, parts.labels, parts.count);
-    std::vector<SurfaceFrame> frames(parts.count);
-    for (int part = 0; part < parts.count; ++part) {
-        const Masses& masses = areas[part].weigh() ? areas[part] : edges[part];
-        if (masses.weigh())
-            frames[part] = frame_of_points(masses.points, masses.weights);
-        else
-            frames[part].size = 0.0;
+    std::vector<Masses> masses = masses_of(mesh, true, parts.labels, parts.count);
+    if (!std::ranges::all_of(masses, &Masses::weigh)) {
+        std::vector<Masses> edges = masses_of(mesh, false, parts.labels, parts.count);
+        for (int part = 0; part < parts.count; ++part)
+            if (!masses[part].weigh())
+                masses[part] = edges[part].weigh() ? std::move(edges[part]) : Masses();
     }
-    return frames;
+    return masses;
 }
 
 /// Where a point is in a frame: the distance from the centre, and the coordinates, in steps of the size.
@@ -233,13 +239,13 @@ std::vector<int> sorted(const std::vector<std::array<std::int64_t, 4>>& places)
 std::vector<double> part_sizes(const SurfaceMesh& mesh)
 {
     const Components parts = connected_components(mesh);
-    const std::vector<SurfaceFrame> frames = frames_of_parts(mesh, parts);
-    const double largest = std::ranges::max(frames, {}, &SurfaceFrame::size).size;
+    std::vector<double> part_size;
+    for (const Masses& masses : masses_of_parts(mesh, parts))
+        part_size.push_back(masses.points.empty() ? 0.0 : moments_of(masses.points, masses.weights).size());
+    const double largest = std::ranges::max(part_size);
     std::vector<double> sizes;
-    for (const int part : parts.labels) {
-        const double own = frames[part].size;
-        sizes.push_back(own > 0.0 ? own : largest > 0.0 ? largest : 1.0);
-    }
+    for (const int part : parts.labels)
+        sizes.push_back(part_size[part] > 0.0 ? part_size[part] : largest > 0.0 ? largest : 1.0);
     return sizes;
 }
 
@@ -254,7 +260,10 @@ std::vector<int> order_by_place(PointsView points, const SurfaceFrame& frame)
 std::vector<int> order_by_place(const SurfaceMesh& mesh)
 {
     const Components parts = connected_components(mesh);
-    const std::vector<SurfaceFrame> frames = frames_of_parts(mesh, parts);
+    std::vector<SurfaceFrame> frames;
+    for (const Masses& masses : masses_of_parts(mesh, parts))
+        frames.push_back(masses.points.empty() ? SurfaceFrame{.size = 0.0}
+                                               : frame_of_points(masses.points, masses.weights));
     std::vector<std::array<std::int64_t, 4>> places;
     for (int v = 0; v < mesh.vertex_count(); ++v)
         places.push_back(place_in(frames[parts.labels[v]], mesh.point(v)));

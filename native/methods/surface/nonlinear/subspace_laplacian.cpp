@@ -306,8 +306,7 @@ void SubspaceLaplacian::bind(const Regions& regions, BindReport& report, const P
             GraphHandles none;
             none.hard.assign(count, -1);
             none.idle.assign(count, 0);
-            part.map =
-                std::make_unique<const ClusterMap>(HandleGraph(edges, std::move(none)), space.rest, clusters);
+            part.map = std::make_unique<const ClusterMap>(HandleGraph(edges, std::move(none)), clusters);
             const auto part_handles = static_cast<Eigen::Index>(part.handles.size());
             part.shares = RowMatrix::Zero(cluster_count, part_handles);
             VectorX sizes = VectorX::Zero(cluster_count);

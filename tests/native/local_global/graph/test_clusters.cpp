@@ -13,8 +13,8 @@ struct Level
     Points rest;
 
     Level(const HandleGraph& finer, const Points& finer_rest, int wanted)
-        : map(finer, finer_rest, Clusters(finer, finer_rest, wanted)),
-          graph(graph_of_clusters(finer, finer_rest, map)), rest(map.restrict(view(finer_rest)))
+        : map(finer, Clusters(finer, finer_rest, wanted)), graph(graph_of_clusters(finer, finer_rest, map)),
+          rest(map.restrict(view(finer_rest)))
     {
     }
 };

@@ -85,7 +85,7 @@ TEST(BlendedRotations, take_the_short_way_between_half_turns_about_neighbouring_
 TEST(HandedDownRotations, are_means_of_those_near_whatever_their_signs)
 {
     const Setting setting;
-    const ClusterMap map(setting.graph, setting.mesh.points(),
+    const ClusterMap map(setting.graph,
                          Clusters(setting.graph, setting.mesh.points(), setting.graph.size() / 4));
     const Points means = map.restrict(view(setting.mesh.points()));
     std::vector<Eigen::Quaterniond> twist;
