@@ -93,9 +93,10 @@ py::object make(const py::object& type, const std::string& id, const py::object&
     std::vector<std::string> known = arguments_of(type);
     known.erase(known.begin()); // what it is made of
     std::ranges::sort(known);
+    const std::string refusal = ": '" + id + "' has no such option, but " + listed(known);
     for (const auto& [key, value] : options)
         if (const auto name = key.cast<std::string>(); !is_among(known, name))
-            throw InvalidOption(name + ": '" + id + "' has no such option, but " + listed(known));
+            throw InvalidOption(name + refusal);
     return type(of, **options);
 }
 
