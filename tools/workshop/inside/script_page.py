@@ -7,12 +7,12 @@ import inspect
 import os
 import re
 from collections.abc import Callable, Iterator
+from operator import attrgetter
 from pathlib import Path
 
 import bpy
 
-ROOT = Path(__file__).resolve().parents[3]
-PAGE = ROOT / "LLM.md"
+PAGE = Path(__file__).resolve().parents[3] / "LLM.md"
 MARKS = "<!-- reference: written by tools/describe_methods -->", "<!-- end of reference -->"
 IN_FULL = "SurfaceMesh.__init__ SurfaceMethod.set_handles SurfaceMethod.solve SpaceMethod.bind"
 IN_FULL += " SpaceMethod.warp automatic_cage deform warp"
@@ -93,7 +93,7 @@ def errors(room: Callable, native) -> Iterator[str]:
     for button in room("ui.status_box").remedies().values():
         words = ", ".join(f"{key}={value!r}" for key, value in button.properties if key != "module")
         yield f"- **{button.text}** in a message below is `bpy.ops.{button.operator}({words})`."
-    troubles = (ROOT / "docs/manual/troubles.md").read_text(encoding="utf-8")
+    troubles = PAGE.with_name("docs").joinpath("manual/troubles.md").read_text(encoding="utf-8")
     for says, remedy in re.findall(r"^\| (.*) \| .* \| (.*) \|$", troubles, re.MULTILINE)[1:]:
         yield re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", f"- *{says}*: {remedy}.")
 
@@ -105,8 +105,7 @@ def functions(native) -> Iterator[str]:
             sentence = re.split(r"[.:]\s", inspect.getdoc(function).partition("\n")[2].strip())[0]
             yield f"- `sn.{signature(name, function)}`: {' '.join(sentence.split())}."
     for path in IN_FULL.split():
-        owner, _dot, name = path.rpartition(".")
-        thing = getattr(getattr(native, owner, native), name)
+        thing = attrgetter(path)(native)
         yield from ("", f"### {path}", "", "```text", signature(path, thing))
         yield from (inspect.getdoc(thing).partition("\n")[2].rstrip(), "```")
 
