@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scripts that the README and the manual show for the library work as they stand there."""
+"""The scripts that the README, the manual and the methods show for the library work as they stand there."""
 
 import re
 from pathlib import Path
@@ -47,3 +47,15 @@ def test_the_manuals_cage_and_subdivision(names: dict) -> None:
     # refine works in single precision: some bits of the largest coordinate.
     expected = names["smooth"].matrix @ names["positions"]
     assert np.abs(names["fine"] - expected).max() < 1e-6 * np.abs(expected).max()
+
+
+PROGRAMS = sorted(page for page in (ROOT / "docs/methods").glob("*.md") if scripts(page))
+
+
+@pytest.mark.parametrize("page", PROGRAMS, ids=lambda page: page.stem)
+def test_the_program_of_a_method_moves_its_mesh(page: Path) -> None:
+    names: dict = {}
+    exec(*scripts(page), names)
+    moved = np.linalg.norm(names["positions"] - names["mesh"].points, axis=1)
+    assert 0.3 < moved.max() < 5.0  # an egg 6.7 long, of which a part moves by up to 3.8
+    assert np.isfinite(moved).all()

@@ -17,6 +17,7 @@ from pathlib import Path
 from types import ModuleType
 
 from .places import ROOT
+from .programs import program
 
 PAGES = "docs/methods"
 CATALOGUE = f"{PAGES}/catalogue.toml"
@@ -148,7 +149,8 @@ def head(root: Path, row) -> str:
             lines += ["", f"| {title} | default | unit | what it does |", "|---|---|---|---|"]
             lines += map(_parameter, rows)
     costs = ["", "What a call costs:", "", "```text", *_costs(root, header, row.native), "```"]
-    return "\n".join([*lines, *costs])
+    lines += [*costs, "", "In Python, as it stands:", "", "```python", *program(row).splitlines(), "```"]
+    return "\n".join(lines)
 
 
 def nearest_kernels(root: Path, header: Path) -> list[Path]:
