@@ -2,6 +2,7 @@
 """What the documents say of methods is what rows and headers say."""
 
 import re
+import struct
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -52,6 +53,14 @@ def test_every_page_has_the_seven_parts_and_words_of_its_own() -> None:
             assert re.search(rf"^({pattern})", text, flags=re.MULTILINE), f"{page} has no {part}"
         own = text.split(describe_methods.END)[-1]  # what it is good and bad at, at least
         assert len(own) > 400, page
+
+
+def test_the_listing_counts_the_methods_and_has_the_sizes_that_platforms_want() -> None:
+    listing = ROOT / "docs/listing"
+    count = len(describe_methods.registry(ROOT).METHODS)
+    assert f"**{count} methods**" in (listing / "README.md").read_text()
+    for name, size in {"icon": (256, 256), "feature": (1920, 1080)}.items():
+        assert struct.unpack(">2I", (listing / f"{name}.png").read_bytes()[16:24]) == size
 
 
 def test_a_page_keeps_its_own_words(tmp_path: Path) -> None:

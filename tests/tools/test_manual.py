@@ -73,6 +73,7 @@ def test_link_that_a_reader_could_not_follow_is_refused(
     checkout = tmp_path / "checkout"
     shutil.copytree(site.PAGES, checkout / "tools/workshop/pages")
     monkeypatch.setattr(site, "PAGES", checkout / "tools/workshop/pages")
+    shutil.copytree(ROOT / "docs/listing", checkout / "docs/listing")
     for name, text in {
         "manual/README": "# Manual\n\n[One](one.md)",
         "manual/one": "# One & all\n\n## Part\n\n[here](#part) [there](one.md#one--all) [up](README.md)",

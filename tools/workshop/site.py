@@ -67,7 +67,7 @@ def write_site() -> Path:
 @one_at_a_time()
 def manual_files() -> dict[str, bytes]:
     """The manual that the ``?`` buttons open: path inside the add-on -> content."""
-    made_from = fingerprint([MANUAL, METHODS, PAGES, REQUIREMENTS], str(LEFT_OUT))
+    made_from = fingerprint([MANUAL, METHODS, ROOT / "docs/listing", PAGES, REQUIREMENTS], str(LEFT_OUT))
     stamp = Stamp(MANUAL_MADE.with_suffix(".made-from"), made_from)
     if not stamp.is_fresh():
         write_pages(MANUAL_MADE, title="Sinew", missing="ignore")

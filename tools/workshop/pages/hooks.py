@@ -21,6 +21,7 @@ from PIL import Image
 
 ROOT = Path(__file__).parents[3]
 MANUAL, METHODS, DEVELOPER = "docs/manual", "docs/methods", "docs/developer"
+ICON = "docs/listing/icon.svg"
 ABOVE = {
     "README.md": "index.html",
     "CONTRIBUTING.md": "developer/contributing.html",
@@ -86,7 +87,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     site = is_site(config)
     pages = sorted(ROOT.glob("docs/*/**/*.md" if site else "docs/m*/*.md"))
     names = [path.relative_to(ROOT).as_posix() for path in pages if "listing" not in path.parts]
-    for name in [*names, *(ABOVE if site else ())]:
+    for name in [*names, ICON, *(ABOVE if site else ())]:
         files.append(File(name, str(ROOT), config.site_dir, False, dest_uri=place(name, site)))
     linked = {target for file in [*files] if file.is_documentation_page() for target in targets(file)}
     for name in sorted(linked):
@@ -101,8 +102,8 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 def place(name: str, site: bool) -> str:
     """Where a file of the checkout is in the site or in the manual."""
     path = Path(name).with_name("index.md" if Path(name).name == "README.md" else Path(name).name)
-    if name in ABOVE:
-        return ABOVE[name]
+    if name in ABOVE or name == ICON:
+        return ABOVE.get(name, path.name)
     if not name.startswith("docs/") and path.suffix not in (".jpg", ".png"):
         return f"source/{name}.txt"
     suffixes = {".md": ".html", ".jpg": ".webp", ".png": ".webp"}
