@@ -53,15 +53,14 @@ LARGEST, QUALITY = {True: 1600, False: 960}, {True: 80, False: 65}  # of picture
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
-    manual, methods = listed(f"{MANUAL}/README.md"), {"Methods": listed(f"{METHODS}/README.md")}
+    parts = {"Manual": listed(f"{MANUAL}/README.md"), "Methods": listed(f"{METHODS}/README.md")}
     decisions = sorted(path.relative_to(ROOT).as_posix() for path in ROOT.glob(f"{DEVELOPER}/decisions/*.md"))
-    config.nav = [*manual, methods]
     if is_site(config):
         library = [LIBRARY, *map(api_page, API)]
-        parts = {"Manual": manual, **methods, "Gallery": "gallery.md", "Library": library}
+        parts = {"Sinew": "README.md", **parts, "Gallery": "gallery.md", "Library": library}
         developers = [*listed(f"{DEVELOPER}/README.md"), *list(ABOVE)[1:]]
         parts["Developers"] = [*developers, {"Decisions": decisions}]
-        config.nav = [{"Sinew": "README.md"}, *({title: pages} for title, pages in parts.items())]
+    config.nav = [{title: pages} for title, pages in parts.items()]
     return config
 
 
