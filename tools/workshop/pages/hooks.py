@@ -53,13 +53,15 @@ LARGEST, QUALITY = {True: 1600, False: 960}, {True: 80, False: 65}  # of picture
 
 
 def on_config(config: MkDocsConfig) -> MkDocsConfig:
-    parts = {"Manual": listed(f"{MANUAL}/README.md"), "Methods": listed(f"{METHODS}/README.md")}
-    decisions = sorted(path.relative_to(ROOT).as_posix() for path in ROOT.glob(f"{DEVELOPER}/decisions/*.md"))
+    manual, methods = (listed(f"{folder}/README.md") for folder in (MANUAL, METHODS))
+    home = "README.md" if is_site(config) else manual.pop(0)
+    parts = {"Sinew": home, "Manual": manual, "Methods": methods}
     if is_site(config):
-        library = [LIBRARY, *map(api_page, API)]
-        parts = {"Sinew": "README.md", **parts, "Gallery": "gallery.md", "Library": library}
+        decisions = sorted(ROOT.glob(f"{DEVELOPER}/decisions/*.md"))
         developers = [*listed(f"{DEVELOPER}/README.md"), *list(ABOVE)[1:]]
-        parts["Developers"] = [*developers, {"Decisions": decisions}]
+        developers.append({"Decisions": [path.relative_to(ROOT).as_posix() for path in decisions]})
+        library = [LIBRARY, *map(api_page, API)]
+        parts |= {"Gallery": "gallery.md", "Library": library, "Developers": developers}
     config.nav = [{title: pages} for title, pages in parts.items()]
     return config
 
