@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bends a mesh: python bend.py in.obj out.obj. The lowest tenth stays, the highest one turns by 60 degrees."""
+"""Bends a mesh: python bend.py in.obj out.obj. The lowest tenth stays, the highest turns by 60 degrees."""
 
 import sys
 from pathlib import Path
@@ -18,26 +18,34 @@ def read(path: str) -> tuple[np.ndarray, list[list[int]]]:
             points.append([float(word) for word in words[:3]])
         elif kind == "f":
             faces.append([int(word.split("/")[0]) - 1 for word in words])
-    return np.array(points), faces
+    return np.array(points).reshape(-1, 3), faces
 
 
-def main(source: str, target: str) -> None:
+def write(path: str, positions: np.ndarray, faces: list[list[int]]) -> None:
+    lines = ["v {} {} {}".format(*point) for point in positions.tolist()]
+    lines += ["f " + " ".join(str(corner + 1) for corner in face) for face in faces]
+    Path(path).write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def bend(source: str, target: str) -> None:
     points, faces = read(source)
-    height = (points[:, 2] - points[:, 2].min()) / np.ptp(points[:, 2])
-    handles = [np.flatnonzero(height < 0.1), np.flatnonzero(height > 0.9)]
+    mesh = [len(face) for face in faces], [corner for face in faces for corner in face]
+    height = points[:, 2]
+    low, size = height.min(), np.ptp(height)
+    handles = [np.flatnonzero(height < low + 0.1 * size), np.flatnonzero(height > low + 0.9 * size)]
 
-    turn = np.radians(60.0)
+    cos, sin, centre = np.cos(np.pi / 3), np.sin(np.pi / 3), points.mean(axis=0)
+    turn = np.array([(cos, 0.0, sin), (0.0, 1.0, 0.0), (-sin, 0.0, cos)])
     poses = np.tile(np.eye(3, 4), (2, 1, 1))
-    poses[1, :, :3] = [[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]]
-    centre = points.mean(axis=0)
-    poses[1, :, 3] = centre - poses[1, :, :3] @ centre  # about the centre of the mesh
+    poses[1] = np.column_stack([turn, centre - turn @ centre])  # about the centre of the mesh
 
-    corners = ([len(face) for face in faces], [corner for face in faces for corner in face])
-    positions = sn.deform(points, corners, handles, poses, method="arap")
-    with open(target, "w", encoding="utf-8") as file:
-        file.writelines("v {} {} {}\n".format(*point) for point in positions)
-        file.writelines("f {}\n".format(" ".join(str(corner + 1) for corner in face)) for face in faces)
+    write(target, sn.deform(points, mesh, handles, poses, method="arap"), faces)
 
 
 if __name__ == "__main__":
-    main(*sys.argv[1:3])
+    if len(sys.argv) != 3:
+        sys.exit("usage: bend.py in.obj out.obj")
+    try:
+        bend(*sys.argv[1:])
+    except (OSError, ValueError, sn.Error) as error:
+        sys.exit(str(error))

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from .native import _module as native_module
-from .native import _translated as translated
+from .native import _module as native_module, _translated as translated
 
 
 @dataclass(frozen=True)

@@ -12,14 +12,14 @@ from ..session.targets import targets
 from . import files, paths
 
 
-def is_available() -> bool:
+def can_write_alembic() -> bool:
     """Whether this Blender can write Alembic files; some Linux distributions leave this out."""
     return bool(bpy.app.build_options.alembic)
 
 
-def export(context: Context, objects: list[Object], frames: range, chosen: str) -> str:
+def export_alembic(context: Context, objects: list[Object], frames: range, chosen: str) -> str:
     """Write the objects into one file, and return its path."""
-    if not is_available():
+    if not can_write_alembic():
         raise SinewError("This Blender was built without Alembic - bake to PC2 or MDD instead")
     if frames.step != 1:
         raise SinewError("Alembic files hold every frame - set Step to 1")

@@ -105,7 +105,7 @@ def _checked(path: str) -> str:
     return path
 
 
-def offered(obj: Object, deformer: SinewDeformer, target: str) -> str:
+def offered_path(obj: Object, deformer: SinewDeformer, target: str) -> str:
     """The path that a file browser starts with. The user confirms it, so it may lie anywhere."""
     last = deformer.bake.filepath
     if last.lower().endswith(SUFFIXES[target]):

@@ -17,8 +17,7 @@ from ..operators import redraw_panels
 from ..properties import deformers_of
 from ..session.actions import housekeeping, refresh
 from ..session.datablocks import owners, traits
-from ..session.evaluation import binding, evaluate, mirroring
-from ..session.evaluation import schedule as live_schedule
+from ..session.evaluation import binding, evaluate, mirroring, schedule as live_schedule
 from ..session.state import render_writes, sessions
 from ..session.targets import lattices
 

@@ -4,7 +4,7 @@
 from bpy.utils import register_classes_factory
 
 from ..properties import deformer as settings
-from . import entering
+from . import entering as entering
 from .animation.bake import SINEW_OT_bake, SINEW_OT_bake_find, SINEW_OT_unbake
 from .animation.drive import SINEW_OT_drive_by_bone
 from .animation.key import SINEW_OT_key_add, SINEW_OT_key_jump, SINEW_OT_key_move, SINEW_OT_key_remove
@@ -28,14 +28,14 @@ from .deformer.bind import SINEW_OT_bind, SINEW_OT_unbind
 from .deformer.cancel import SINEW_OT_cancel, SINEW_OT_watch
 from .deformer.check import SINEW_OT_check_installation
 from .deformer.deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
-from .deformer.help import PAGES, SINEW_OT_help, page_of
+from .deformer.help import PAGES as PAGES, SINEW_OT_help, page_of as page_of
 from .deformer.move import SINEW_OT_deformer_move, SINEW_OT_handle_move
 from .deformer.preset import (
     SINEW_OT_preset_add,
     SINEW_OT_preset_apply,
     SINEW_OT_use_template,
-    preset_folder,
-    template_refusal,
+    preset_folder as preset_folder,
+    template_refusal as template_refusal,
 )
 from .deformer.repair import SINEW_OT_armature_off, SINEW_OT_part_regions, SINEW_OT_refine, SINEW_OT_repair
 from .deformer.report_renders import SINEW_OT_report_renders
@@ -54,23 +54,28 @@ from .handles.mirror import SINEW_OT_handle_mirror
 from .handles.point import SINEW_OT_point_add
 from .handles.rows import SINEW_OT_control_remove, SINEW_OT_control_set_rest
 from .handles.stand import SINEW_OT_handle_stand
-from .modal.ring import draw_line, ring
-from .modal.shell import ViewportTool
-from .target import explain_no_target, target_of
-from .tasks.refusals import choice_refusal, method_refusal, task_refusal, tasks_beside
+from .modal.ring import draw_line as draw_line, ring as ring
+from .modal.shell import ViewportTool as ViewportTool
+from .target import explain_no_target as explain_no_target, target_of as target_of
+from .tasks.refusals import (
+    choice_refusal as choice_refusal,
+    method_refusal as method_refusal,
+    task_refusal as task_refusal,
+    tasks_beside as tasks_beside,
+)
 from .tasks.start import SINEW_OT_start_task, SINEW_OT_use_method
 from .tasks.try_it import SINEW_OT_try_back, SINEW_OT_try_it
 from .tools.control_drag import SINEW_OT_control_drag
-from .tools.drag import AROUND, HANDLE, SINEW_OT_drag, handle_sizes
+from .tools.drag import AROUND as AROUND, HANDLE as HANDLE, SINEW_OT_drag, handle_sizes as handle_sizes
 from .tools.grab_region import SINEW_OT_grab_region
 from .tools.puppet import SINEW_OT_puppet_pin, SINEW_OT_puppet_pose, SINEW_OT_puppet_rig
 from .tools.reach_drag import SINEW_OT_reach_drag
 from .tools.silhouette_sketch import SINEW_OT_silhouette_sketch
-from .tools.sinew_drag import SINEW_OT_drag_press, SINEW_OT_drag_start, makes_handles
+from .tools.sinew_drag import SINEW_OT_drag_press, SINEW_OT_drag_start, makes_handles as makes_handles
 from .tools.tool_drag import SINEW_OT_tool_drag
-from .tools.under_mouse import bone_under, surface_under
+from .tools.under_mouse import bone_under as bone_under, surface_under as surface_under
 from .tools.wire_draw import SINEW_OT_wire_draw
-from .waiting import redraw_panels
+from .waiting import redraw_panels as redraw_panels
 
 _CLASSES = (
     SINEW_OT_start_task,

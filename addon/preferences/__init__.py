@@ -3,8 +3,15 @@
 
 import bpy
 
-from .page import DEFAULTS, PACKAGE, SinewPreferences, apply_limits, apply_names, preferences
-from .shortcuts import KEYMAP, SHORTCUTS, SPACE, Shortcut, find_item, find_items
+from .page import (
+    DEFAULTS as DEFAULTS,
+    PACKAGE as PACKAGE,
+    SinewPreferences,
+    apply_limits,
+    apply_names,
+    preferences,
+)
+from .shortcuts import KEYMAP as KEYMAP, SHORTCUTS as SHORTCUTS, SPACE as SPACE, find_items as find_items
 
 
 def register() -> None:

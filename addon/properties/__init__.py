@@ -5,19 +5,28 @@ import bpy
 from bpy.props import PointerProperty
 
 from . import bake, bone, companion, control, deformer, drag, handle, key, parameters, scene
-from .bake import MAX_FRAME
-from .bake import TARGETS as BAKE_TARGETS
+from .bake import BAKE_TARGETS as BAKE_TARGETS, MAX_FRAME as MAX_FRAME
 from .bone import SinewBone
-from .control import SinewControl, StoredCage
-from .deformer import SinewDeformer, SinewObject, deformers_of, method_items
-from .drag import BALANCE, PIXELS, REACH, UNLIMITED, SinewDrag
-from .drag import MODES as DRAG_MODES
-from .handle import ROLES as HANDLE_ROLES
-from .handle import STANDS_ON, SinewHandle
-from .key import SinewKey
-from .parameters import BASE
+from .control import SinewControl as SinewControl, StoredCage as StoredCage
+from .deformer import (
+    SinewDeformer as SinewDeformer,
+    SinewObject,
+    deformers_of as deformers_of,
+    method_items as method_items,
+)
+from .drag import (
+    BALANCE as BALANCE,
+    DRAG_MODES as DRAG_MODES,
+    PIXELS as PIXELS,
+    REACH as REACH,
+    UNLIMITED as UNLIMITED,
+    SinewDrag as SinewDrag,
+)
+from .handle import HANDLE_ROLES as HANDLE_ROLES, STANDS_ON as STANDS_ON, SinewHandle as SinewHandle
+from .key import SinewKey as SinewKey
+from .parameters import BASE as BASE
 from .scene import SinewScene
-from .setting import SHARE, field, row_at
+from .setting import field as field, row_at as row_at
 
 _CLASSES = (
     *parameters.GROUPS.values(),

@@ -11,7 +11,7 @@ MAX_FRAME = 1_048_574  # Blender's own limit
 FRAMES = {"min": -MAX_FRAME, "max": MAX_FRAME}
 _ALEMBIC = "One Alembic file of the result, for other programs; the deformer stays live"
 
-TARGETS = (
+BAKE_TARGETS = (
     (
         "SHAPE_KEYS",
         "Shape Keys",
@@ -40,7 +40,7 @@ class SinewBakedKey(PropertyGroup):
 class SinewBake(PropertyGroup):
     """Settings of a bake, and the record of one that was made"""
 
-    target: option(EnumProperty, items=TARGETS, default="PC2").named(
+    target: option(EnumProperty, items=BAKE_TARGETS, default="PC2").named(
         "Target", "Choose where the baked shapes go"
     )
     custom_range: option(BoolProperty).named(
@@ -60,7 +60,7 @@ class SinewBake(PropertyGroup):
     result: record(
         EnumProperty,
         name="Baked To",
-        items=(("NONE", "Not Baked", "The deformer is live", "NONE", 0), *TARGETS),
+        items=(("NONE", "Not Baked", "The deformer is live", "NONE", 0), *BAKE_TARGETS),
     )
     first: record(IntProperty)
     last: record(IntProperty)

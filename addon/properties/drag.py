@@ -6,7 +6,7 @@ from bpy.types import PropertyGroup
 
 from .setting import field
 
-MODES = (
+DRAG_MODES = (
     ("AUTO", "Automatic", "Drag what lies under the mouse: a bone, a control of the mesh, or its surface", 0),
     ("SURFACE", "Surface", "Take the handle under the mouse, or make one, and bend the surface around it", 1),
     ("CLAY", "Clay", "Push the surface like clay: its volume stays, and the path is kept", 2),
@@ -53,7 +53,7 @@ BALANCE = {
 class SinewDrag(PropertyGroup):
     """The settings of the tool Sinew Drag"""
 
-    mode: field(EnumProperty, items=MODES).named("Drag", "Choose what pressing and dragging does")
+    mode: field(EnumProperty, items=DRAG_MODES).named("Drag", "Choose what pressing and dragging does")
     pixels: IntProperty(**PIXELS)
     reach: FloatProperty(**REACH)
     reach_in_pixels: field(

@@ -17,7 +17,7 @@ from ..core.names import without_number
 from .parameters import declare
 from .setting import SHARE, affine_map, evaluate_again, matrix, option, record, setting
 
-ROLES = (
+HANDLE_ROLES = (
     ("HANDLE", "Handle", "Follows a control: an empty, any object, or a bone", "EMPTY_AXIS", 0),
     ("FIXED", "Still", "Stays where it is", "PINNED", 1),
     (
@@ -92,7 +92,7 @@ class SinewHandle(PropertyGroup):
         "side at the end, as in Hand L, it has a mirror image",
     )
     named: record(StringProperty, description="The name that the region had before it is renamed")
-    kind: setting(EnumProperty, items=ROLES, default="HANDLE").named(
+    kind: setting(EnumProperty, items=HANDLE_ROLES, default="HANDLE").named(
         "Role", "Say whether the region follows a control, holds still, or is all that may move"
     )
     vertex_group: setting(StringProperty).named(

@@ -2,8 +2,7 @@
 """Panels, lists, menus and overlays, which draw and never solve."""
 
 from . import bake, data_tab, drag_tool, keymap, lists, menus, panel, pie, presets, refining, try_it
-from .browser import menus as task_menus
-from .browser import pictures, popups
+from .browser import menus as task_menus, pictures, popups
 from .overlays import marks, overlay, reach
 
 _MODULES = (

@@ -16,8 +16,7 @@ from ..ids import Operators
 from ..preferences import PACKAGE
 from ..properties import SinewDeformer
 from ..session.actions.controls import making
-from ..session.controls import kinds
-from ..session.controls import twice as control_twice
+from ..session.controls import kinds, twice as control_twice
 from ..session.evaluation import binding, dependencies
 from ..session.state import sessions
 from ..session.state.background import Work

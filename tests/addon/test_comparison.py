@@ -21,8 +21,16 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 
-from blend_samples.comparison import CASES, Case, Matrix, distortion, filled, native_solve, registry_rows  # noqa: E402
-from blend_samples.comparison import igl_arap as libigl  # noqa: E402
+from blend_samples.comparison import (  # noqa: E402
+    CASES,
+    Case,
+    Matrix,
+    distortion,
+    filled,
+    igl_arap as libigl,
+    native_solve,
+    registry_rows,
+)
 from blend_samples.comparison.cases import bar, branches, cylinder, plane  # noqa: E402
 from blend_samples.comparison.figures import beast, bent_bumps, lifted_disc, uneven_strip  # noqa: E402
 from blend_samples.comparison.numpy_rows import unrotated_gradients  # noqa: E402

@@ -16,7 +16,7 @@ from .tree import ROOT
 
 CODE = {".py", ".pyi", ".cpp", ".h", ".inl", ".cmake", ".sh", ".toml", ""}  # a script has no suffix
 SOURCES = {".py", ".cpp", ".h", ".inl"}
-YARD = ("tests", "benchmarks", "blend_samples", "tools")  # what is not the product
+YARD = ("tests", "benchmarks", "blend_samples", "examples", "tools")  # what is not the product
 RUN = 6  # lines that make a repetition
 COMMON = 8  # places in which a run stands too often to be one
 # Words for which the field has others.

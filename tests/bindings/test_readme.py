@@ -49,6 +49,15 @@ def test_the_manuals_cage_and_subdivision(names: dict) -> None:
     assert np.abs(names["fine"] - expected).max() < 1e-6 * np.abs(expected).max()
 
 
+def test_the_page_for_scripts_lifts_the_head_and_prints_an_error(capsys: pytest.CaptureFixture) -> None:
+    exec(scripts("LLM.md")[0], names := {})
+    lift = names["positions"] - names["points"]
+    assert np.allclose(lift[names["feet"]], 0.0, atol=1e-12)
+    assert np.allclose(lift[names["head"]], (0.0, 0.0, 0.5), atol=1e-12)
+    assert np.ptp(names["warped"][:, 2]) > 1.5 * np.ptp(names["positions"][:, 2])
+    assert "InvalidConstraint vertices 0, 1, 2" in capsys.readouterr().out
+
+
 PROGRAMS = sorted(page for page in (ROOT / "docs/methods").glob("*.md") if scripts(page))
 
 

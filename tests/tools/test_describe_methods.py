@@ -27,7 +27,7 @@ def test_every_page_says_what_rows_and_headers_say() -> None:
 
 def test_every_method_of_the_tutorial_is_listed_once() -> None:
     found = describe_methods.entries(ROOT)
-    assert len(found) == len({entry.id for entry in found}) == 58
+    assert len(found) == len({entry.id for entry in found}) >= 58
     there = {entry.id for entry in found if entry.link.startswith(describe_methods.PAGES)}
     tools = {"silhouette_sketch"}  # no deformers: they have a page, and no row
     assert there == {row.id for row in describe_methods.registry(ROOT).METHODS} | tools

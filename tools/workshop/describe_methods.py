@@ -16,8 +16,10 @@ from itertools import groupby, takewhile
 from pathlib import Path
 from types import ModuleType
 
+from .blenders import HEADLESS, INSIDE, install_legacy
 from .places import ROOT
 from .programs import program
+from .shell import must
 
 PAGES = "docs/methods"
 CATALOGUE = f"{PAGES}/catalogue.toml"
@@ -247,7 +249,10 @@ def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/describe_methods", description=__doc__)
     about = "change nothing, and fail if a page is out of date"
     parser.add_argument("--check", action="store_true", help=about)
-    if parser.parse_args().check:
+    about = "build the module, and let Debian's Blender write the reference of LLM.md, too"
+    parser.add_argument("--scripts", action="store_true", help=about)
+    arguments = parser.parse_args()
+    if arguments.check:
         pages = outdated(ROOT)
         for page in pages:
             print(f"{page.relative_to(ROOT)} is out of date: run tools/describe_methods")
@@ -255,3 +260,5 @@ def main() -> None:
     for page, text in documents(ROOT).items():
         page.parent.mkdir(parents=True, exist_ok=True)
         page.write_text(text, encoding="utf-8")
+    if arguments.scripts:
+        must([*HEADLESS, INSIDE / "script_page.py"], env=install_legacy("script-page", from_wheel=False))

@@ -9,8 +9,8 @@ from . import environments
 from .places import ROOT
 from .shell import run
 
-SOURCE_FOLDERS = ("benchmarks", "native", "tests")
-PYTHON_FOLDERS = ("addon", "benchmarks", "blend_samples", "tests", "tools")
+SOURCE_FOLDERS = ("benchmarks", "examples", "native", "tests")
+PYTHON_FOLDERS = ("addon", "benchmarks", "blend_samples", "examples", "tests", "tools")
 
 
 def cpp_files() -> list[Path]:

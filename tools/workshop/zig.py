@@ -33,7 +33,7 @@ def system(name: str, title: str, target: str) -> System:
         "-DCMAKE_DISABLE_PRECOMPILE_HEADERS=ON",
         "-DCMAKE_SKIP_RPATH=ON",
         # What a module shows of its templates, another library in the process may replace.
-        "-DCMAKE_CXX_VISIBILITY_PRESET=hidden",
+        *(f"-DCMAKE_{language}_VISIBILITY_PRESET=hidden" for language in ("C", "CXX")),
         "-DCMAKE_VISIBILITY_INLINES_HIDDEN=ON",
         "-DCMAKE_POLICY_DEFAULT_CMP0063=NEW",  # in static libraries, too
         "-DTBB_ENABLE_IPO=OFF",  # objects of LLVM's own, which zig's linker for macOS does not read

@@ -2,8 +2,7 @@
 """Methods that edit animations: their handles are edited at keys, and the frames between follow."""
 
 from .schema import Family, Method, factorising
-from .surface_nonlinear import ROWS as _SURFACE_NONLINEAR
-from .surface_nonlinear import STEPS
+from .surface_nonlinear import ROWS as _SURFACE_NONLINEAR, STEPS
 
 _ARAP = next(row for row in _SURFACE_NONLINEAR if row.id == "arap")
 

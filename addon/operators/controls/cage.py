@@ -12,8 +12,7 @@ from ...core.methods import DEFAULT_CAGE_METHOD
 from ...ids import Operators
 from ...properties import SinewDeformer, deformers_of, field
 from ...session.actions import bind, rigging, sharing
-from ...session.actions.controls import automatic as edit_automatic
-from ...session.actions.controls import cages, making
+from ...session.actions.controls import automatic as edit_automatic, cages, making
 from ...session.actions.controls.around import Target
 from ...session.actions.controls.cages import CAGE_METHODS
 from ...session.actions.controls.making import BEING_MADE

@@ -7,8 +7,7 @@ from bpy.types import Context, Object, Operator
 from ...core.errors import SinewError
 from ...core.methods import DEFAULT_WIRE_METHOD
 from ...ids import Operators
-from ...session.actions.controls import control_list as rows
-from ...session.actions.controls import wires as edit_wires
+from ...session.actions.controls import control_list as rows, wires as edit_wires
 from ...session.targets import targets
 from ..arguments import once
 from ..offered import OnTarget

@@ -15,8 +15,7 @@ from ...core.geometry.distortion import Measure
 from ...core.labels import label_of
 from ...ids import Operators
 from ...operators import target_of
-from ...properties import SinewDeformer
-from ...properties import scene as settings
+from ...properties import SinewDeformer, scene as settings
 from ...session.datablocks import owners
 from ...session.results import result
 from ..layouts import draw_field, fields

@@ -23,9 +23,9 @@ from rigs.rig import (
     press,
     push,
     reopen,
+    subdivided as subdivision,
     update,
 )
-from rigs.rig import subdivided as subdivision
 
 EDITS = Table()
 EVENTS = Table()

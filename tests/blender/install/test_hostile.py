@@ -14,8 +14,7 @@ import bpy
 import numpy as np
 import pytest
 from error_log import ErrorLog
-from hypothesis import HealthCheck, Phase, given, note, seed, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, Phase, given, note, seed, settings, strategies as st
 from inside import catch_up, inner, settle
 from rigs.kinds import HandleRig
 from rigs.rig import Rig, add_group, make_active, new_nodes, new_object, reopen, storage, update

@@ -9,7 +9,7 @@ import pytest
 from inside import native
 from mathutils import Matrix
 from probe import render_points
-from registry import BY_ID, RIGID_ON_HANDLE_POINTS
+from registry import BY_ID, RIGID_ON_HANDLE_POINTS, Reproduced
 from rigs.point_objects import MAKERS, add, add_bones, moved_by_hand
 from rigs.rig import (
     FLOAT32,
@@ -34,7 +34,8 @@ from rigs.sheet import draw
 
 # The weights are kept in single precision, and a segment is a quadrature of eight places on either side.
 QUADRATURE = 1e-4
-MOVES_ONLY = ("space_propagation",)  # it fits nothing to points, and a single one has no turn to spread
+TRANSLATED = [name for name in RIGID_ON_HANDLE_POINTS if BY_ID[name].reproduces is Reproduced.TRANSLATIONS]
+MOVES_ONLY = ("space_propagation", *TRANSLATED)  # it fits nothing, and a single point has no turn to spread
 CORNERS = [(-1.0, -1.0, 0.2), (1.0, -1.0, 0.0), (1.0, 1.0, -0.3), (-1.0, 1.0, 0.4)]
 
 

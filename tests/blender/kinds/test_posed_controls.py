@@ -36,8 +36,7 @@ from rigs.rig import (
 from rigs.rig_of_lattice import WITH_LATTICE, by_lattice, lattice_object, lattice_points, small_ball
 from test_control_grid import METHOD, SIDE, new_grid
 from test_points_of_objects import CORNERS, in_target, warped
-from test_wires import curve, wired
-from test_wires import expected as by_wires
+from test_wires import curve, expected as by_wires, wired
 
 DRAWN = 2e-5  # Blender sums its curves up in float32, a dozen steps per segment
 Solve = Callable[[np.ndarray, np.ndarray], np.ndarray]  # takes the points at rest and now, to the shape

@@ -22,6 +22,7 @@ from rigs.rig import (
     close,
     duplicated,
     evaluated_points,
+    key as insert_keys,
     make_active,
     move_world,
     new_empty,
@@ -30,7 +31,6 @@ from rigs.rig import (
     reopen,
     update,
 )
-from rigs.rig import key as insert_keys
 from rigs.sheet import WIDE, draw_panel
 from second_blender import another_blender
 

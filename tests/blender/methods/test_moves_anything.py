@@ -16,8 +16,16 @@ from registry import BY_ID, METHODS, Control, Moved, Reproduced
 from rigs.cages import ball
 from rigs.kinds import BY_CONTROL
 from rigs.point_objects import MAKERS, TESSELLATED, add, attach, moved_by_hand
-from rigs.rig import apply_matrix, evaluated_points, make_active, new_empty, press, some_motion, update
-from rigs.rig import close as within
+from rigs.rig import (
+    apply_matrix,
+    close as within,
+    evaluated_points,
+    make_active,
+    new_empty,
+    press,
+    some_motion,
+    update,
+)
 from rigs.rig_of_curves import polyline
 
 # What handles move while all else stays has a test of its own: in test_drag_tool.

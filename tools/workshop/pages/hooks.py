@@ -26,6 +26,7 @@ ABOVE = {
     "README.md": "index.html",
     "CONTRIBUTING.md": "developer/contributing.html",
     "CHANGELOG.md": "changes.html",
+    "LLM.md": "api/scripts.html",
 }
 # Pages about the Python module, and the base of the classes on each; "" for all other classes.
 API = {
@@ -58,9 +59,9 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     parts = {"Sinew": home, "Manual": manual, "Methods": methods}
     if is_site(config):
         decisions = sorted(ROOT.glob(f"{DEVELOPER}/decisions/*.md"))
-        developers = [*listed(f"{DEVELOPER}/README.md"), *list(ABOVE)[1:]]
+        developers = [*listed(f"{DEVELOPER}/README.md"), "CONTRIBUTING.md", "CHANGELOG.md"]
         developers.append({"Decisions": [path.relative_to(ROOT).as_posix() for path in decisions]})
-        library = [LIBRARY, *map(api_page, API)]
+        library = [LIBRARY, "LLM.md", *map(api_page, API)]
         parts |= {"Gallery": "gallery.md", "Library": library, "Developers": developers}
     config.nav = [{title: pages} for title, pages in parts.items()]
     return config
@@ -200,7 +201,8 @@ def figures(kind: str, found: Iterable[str]) -> Iterator[str]:
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
     """Lets the page about a method begin with its picture, and the search prefer what artists read."""
     name = page.file.src_uri
-    page.meta.setdefault("search", {"boost": 4 if name.startswith((MANUAL, METHODS)) else 1})
+    page.meta["search"] = {"boost": 4 if name.startswith((MANUAL, METHODS)) else 1}
+    page.meta["tags"] = [Path(name).stem] if name.startswith(METHODS) else []  # found before all else
     markdown = re.sub(r"\A<!--.*?-->\s*", "", markdown, flags=re.S)  # a title stands in the first line
     picture = PICTURE.search(markdown)
     if name.startswith(METHODS) and picture and "| | |" in markdown:

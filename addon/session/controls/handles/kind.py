@@ -17,10 +17,8 @@ from ..bind_input import BindInput
 from ..objects import forget_row_rest
 from . import keys, points, poses, riding
 from .links import links
-from .poses import complete_rest_frames as take_rest
-from .poses import keep_pose
-from .regions import has_constraints as is_set
-from .regions import key, request
+from .poses import complete_rest_frames as take_rest, keep_pose
+from .regions import has_constraints as is_set, key, request
 from .release import release
 from .resetting import not_at_rest, reset
 

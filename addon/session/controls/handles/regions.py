@@ -17,8 +17,7 @@ from ....properties import SinewDeformer, SinewHandle
 from ...datablocks import references
 from ...datablocks.vertex_groups import read_weights
 from ..bind_input import BindInput, options, unpainted
-from . import companions
-from . import points as apart_points
+from . import companions, points as apart_points
 from .poses import rest_of
 
 _IMPLIED = "support"  # the key of the fixed region around a support

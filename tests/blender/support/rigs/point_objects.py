@@ -13,8 +13,17 @@ from expected import faces_of
 from inside import native
 from mathutils import Vector
 
-from rigs.rig import CORNERS, SIDES, base_points, in_mode, make_active, new_object, press, update
-from rigs.rig import evaluated_points as shown
+from rigs.rig import (
+    CORNERS,
+    SIDES,
+    base_points,
+    evaluated_points as shown,
+    in_mode,
+    make_active,
+    new_object,
+    press,
+    update,
+)
 
 TESSELLATED = 1e-5  # Blender sums its curves up in float32, a dozen steps per segment
 HANDLES = ("AUTO", "VECTOR", "ALIGNED", "FREE")

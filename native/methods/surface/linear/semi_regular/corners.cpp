@@ -7,7 +7,7 @@
 
 namespace sinew {
 
-Corners::Corners(const SurfaceMesh& mesh, const std::vector<int>& part, std::vector<char>& sound)
+JoinedCorners::JoinedCorners(const SurfaceMesh& mesh, const std::vector<int>& part, std::vector<char>& sound)
     : first{0}, at(mesh.vertex_count(), none), count(mesh.vertex_count(), 0)
 {
     std::vector<char> size(sound.size(), 0);
@@ -64,7 +64,7 @@ Corners::Corners(const SurfaceMesh& mesh, const std::vector<int>& part, std::vec
     }
 }
 
-bool Corners::fan(int v, std::vector<int>& corners) const
+bool JoinedCorners::fan(int v, std::vector<int>& corners) const
 {
     corners.clear();
     int start = at[v];

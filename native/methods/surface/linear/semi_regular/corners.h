@@ -10,7 +10,7 @@ namespace sinew {
 /// The corners of all faces, one after the other, and which of them meet across edges. Corner c is at
 /// vertex[c] and stands for the side from there to vertex[next(c)]. Faces of one vertex repeated are no faces
 /// and have no corners here.
-struct Corners
+struct JoinedCorners
 {
     static constexpr int none = -1;
 
@@ -24,7 +24,7 @@ struct Corners
     /// \param[in,out] sound  (parts) 1 for the parts whose corners are to be joined; 0 afterwards where a
     ///   part has faces of a size besides 3 or of a size besides 4, a face with a corner twice, more than two
     ///   faces at an edge or two of opposite orientations, or a vertex that joins several fans of faces.
-    Corners(const SurfaceMesh& mesh, const std::vector<int>& part, std::vector<char>& sound);
+    JoinedCorners(const SurfaceMesh& mesh, const std::vector<int>& part, std::vector<char>& sound);
 
     int next(int c) const { return c + 1 < first[face[c] + 1] ? c + 1 : first[face[c]]; }
     int previous(int c) const { return c > first[face[c]] ? c - 1 : first[face[c] + 1] - 1; }

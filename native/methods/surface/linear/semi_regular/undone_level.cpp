@@ -26,9 +26,9 @@ constexpr double pi = std::numbers::pi;
 class Roles
 {
 public:
-    Roles(const Corners& corners, int vertices)
-        : corners_(corners), mark_(corners.first.size() - 1, Corners::none), role_(vertices, Role::none),
-          parents_(vertices, {Corners::none, Corners::none})
+    Roles(const JoinedCorners& corners, int vertices)
+        : corners_(corners), mark_(corners.first.size() - 1, JoinedCorners::none),
+          role_(vertices, Role::none), parents_(vertices, {JoinedCorners::none, JoinedCorners::none})
     {
     }
 
@@ -55,7 +55,8 @@ public:
         std::array<int, 3> kept{};
         for (int k = 0; k < 3; ++k) {
             const int twin = corners_.twin[corners_.first[face] + k];
-            kept[k] = twin == Corners::none ? Corners::none : corners_.vertex[corners_.previous(twin)];
+            kept[k] =
+                twin == JoinedCorners::none ? JoinedCorners::none : corners_.vertex[corners_.previous(twin)];
         }
         return kept;
     }
@@ -72,7 +73,7 @@ public:
         if (end - begin == 3)
             seeds.push_back(middle);
         using Rank = std::tuple<bool, bool, bool, int>; // what UndoneLevel prefers, in this order
-        int best = Corners::none;
+        int best = JoinedCorners::none;
         Rank best_rank;
         for (int seed : seeds) {
             if (!colour(start, seed, faces) || !is_subdivision(faces, vertices))
@@ -80,12 +81,12 @@ public:
             const auto is_kept = [&](int v) { return role_[v] == Role::kept; };
             const Rank rank{!std::ranges::is_partitioned(vertices, is_kept), !has_quads_only(vertices),
                             !is_kept(vertices.front()), *std::ranges::find_if(vertices, is_kept)};
-            if (best == Corners::none || rank < best_rank) {
+            if (best == JoinedCorners::none || rank < best_rank) {
                 best = seed;
                 best_rank = rank;
             }
         }
-        if (best == Corners::none) {
+        if (best == JoinedCorners::none) {
             clear(vertices);
             return Undoing::irregular;
         }
@@ -138,7 +139,7 @@ private:
     bool colour(int start, int seed, std::span<const int> faces)
     {
         for (int f : faces) {
-            mark_[f] = Corners::none;
+            mark_[f] = JoinedCorners::none;
             for (int v : loop(f))
                 role_[v] = Role::none;
         }
@@ -152,18 +153,18 @@ private:
                 if (role != Role::none && role != role_at(c))
                     return false;
                 role = role_at(c);
-                if (corners_.twin[c] == Corners::none)
+                if (corners_.twin[c] == JoinedCorners::none)
                     continue;
                 const int other = corners_.face[corners_.twin[c]], mark = mark_across(c);
-                if (mark_[other] != Corners::none && mark_[other] != mark)
+                if (mark_[other] != JoinedCorners::none && mark_[other] != mark)
                     return false;
-                if (mark_[other] == Corners::none) {
+                if (mark_[other] == JoinedCorners::none) {
                     mark_[other] = mark;
                     queue_.push_back(other);
                 }
             }
         }
-        return std::ranges::none_of(faces, [&](int f) { return mark_[f] == Corners::none; });
+        return std::ranges::none_of(faces, [&](int f) { return mark_[f] == JoinedCorners::none; });
     }
 
     /// Checks what UndoneLevel asks for, and finds the parents of the edge points.
@@ -180,16 +181,16 @@ private:
             if (role_[v] != Role::edge)
                 continue;
             std::array<int, 2>& parents = parents_[v];
-            parents = {Corners::none, Corners::none};
+            parents = {JoinedCorners::none, JoinedCorners::none};
             for (int c : fan_)
                 for (int w : {corners_.vertex[corners_.next(c)], corners_.vertex[corners_.previous(c)]}) {
                     if (role_[w] != Role::kept || w == parents[0] || w == parents[1])
                         continue;
-                    if (parents[1] != Corners::none)
+                    if (parents[1] != JoinedCorners::none)
                         return false;
-                    parents[parents[0] == Corners::none ? 0 : 1] = w;
+                    parents[parents[0] == JoinedCorners::none ? 0 : 1] = w;
                 }
-            if (parents[1] == Corners::none)
+            if (parents[1] == JoinedCorners::none)
                 return false;
             if (parents[0] > parents[1])
                 std::swap(parents[0], parents[1]);
@@ -211,7 +212,7 @@ private:
         for (int f : faces)
             if (mark_[f] == middle)
                 if (const auto [a, b, c] = around_middle(f);
-                    std::min({a, b, c}) == Corners::none || a == b || b == c || c == a)
+                    std::min({a, b, c}) == JoinedCorners::none || a == b || b == c || c == a)
                     return false;
         return true;
     }
@@ -222,7 +223,7 @@ private:
                                    [&](int v) { return role_[v] != Role::face || corners_.count[v] == 4; });
     }
 
-    const Corners& corners_;
+    const JoinedCorners& corners_;
     std::vector<int> mark_;
     std::vector<Role> role_;
     std::vector<std::array<int, 2>> parents_;
@@ -255,7 +256,7 @@ public:
     void move_to(std::vector<int>& vertices, std::vector<double>& weights)
     {
         std::ranges::sort(entries_);
-        int last = Corners::none;
+        int last = JoinedCorners::none;
         for (const auto& [v, w] : entries_) {
             if (v == last) {
                 weights.back() += w;
@@ -277,7 +278,7 @@ private:
 class Rules
 {
 public:
-    Rules(const Corners& corners, const Roles& roles) : corners_(corners), roles_(roles) {}
+    Rules(const JoinedCorners& corners, const Roles& roles) : corners_(corners), roles_(roles) {}
 
     void add(int v, Row& row)
     {
@@ -325,14 +326,15 @@ public:
     }
 
 private:
-    const Corners& corners_;
+    const JoinedCorners& corners_;
     const Roles& roles_;
     std::vector<int> fan_, list_;
 };
 
 /// The numbers of the tangents of a vertex: inside, those of the limit surface (D. Zorin, P. Schroeder et
 /// al., "Subdivision for Modeling and Animation", SIGGRAPH 2000 course).
-void tangents(const Corners& corners, int v, std::vector<int>& fan, std::vector<RingFrames::Neighbour>& found)
+void tangents(const JoinedCorners& corners, int v, std::vector<int>& fan,
+              std::vector<RingFrames::Neighbour>& found)
 {
     found.clear();
     const bool closed = corners.fan(v, fan);
@@ -370,7 +372,7 @@ UndoneLevel undo_subdivision(const SurfaceMesh& mesh, const std::vector<int>& pa
     std::vector<char> sound(parts);
     for (std::size_t p = 0; p < parts; ++p)
         sound[p] = undoing[p] == Undoing::wanted;
-    const Corners corners(mesh, part, sound);
+    const JoinedCorners corners(mesh, part, sound);
     Roles roles(corners, n);
     const auto wanted = [&](int p) { return undoing[p] == Undoing::wanted ? p : -1; };
     const auto faces = by_part(mesh.face_count(), parts, [&](int f) {
@@ -395,7 +397,7 @@ UndoneLevel undo_subdivision(const SurfaceMesh& mesh, const std::vector<int>& pa
     require_memory(bytes, "the levels");
 
     UndoneLevel level;
-    std::vector<int> number(n, Corners::none);
+    std::vector<int> number(n, JoinedCorners::none);
     const auto is_undone = [&](int v) { return undoing[part[v]] == Undoing::undone; };
     for (int v = 0; v < n; ++v)
         if (!is_undone(v) || roles(v) == Role::kept) {
