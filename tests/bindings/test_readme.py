@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scripts that the README and the manual show for the library work as they stand there."""
+"""The scripts that the README, the manual and the methods show for the library work as they stand there."""
 
 import re
 from pathlib import Path
@@ -56,3 +56,15 @@ def test_the_page_for_scripts_lifts_the_head_and_prints_an_error(capsys: pytest.
     assert np.allclose(lift[names["head"]], (0.0, 0.0, 0.5), atol=1e-12)
     assert np.ptp(names["warped"][:, 2]) > 1.5 * np.ptp(names["positions"][:, 2])
     assert "InvalidConstraint vertices 0, 1, 2" in capsys.readouterr().out
+
+
+PROGRAMS = sorted(page for page in (ROOT / "docs/methods").glob("*.md") if scripts(page))
+
+
+@pytest.mark.parametrize("page", PROGRAMS, ids=lambda page: page.stem)
+def test_the_program_of_a_method_moves_its_mesh(page: Path) -> None:
+    names: dict = {}
+    exec(*scripts(page), names)
+    moved = np.linalg.norm(names["positions"] - names["mesh"].points, axis=1)
+    assert 0.3 < moved.max() < 5.0  # an egg 6.7 long, of which a part moves by up to 3.8
+    assert np.isfinite(moved).all()

@@ -2,6 +2,7 @@
 """What the documents say of methods is what rows and headers say."""
 
 import re
+import struct
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -33,13 +34,33 @@ def test_every_method_of_the_tutorial_is_listed_once() -> None:
     assert all((ROOT / entry.link).is_file() for entry in found if entry.link)
 
 
-def test_every_page_shows_the_method_and_has_words_of_its_own() -> None:
+SEVEN = {
+    "picture": r"!\[.+\]\(\.\./manual/images/",
+    "parameters": r"\| parameter \| default \| unit \| what it does \|\n\|-.*\n\| \w",
+    "cost": r"What a call costs:\n\n```text\n\w|## Cost\n\n\w",
+    "failure": r"\| fails \| \w.+\. \|",
+    "paper": r"\| paper \| \w.+\d{4}.* \|",
+    "program": r"```python\n(.+\n){8,12}```",
+    "links to source and test": r"\| library \| \[native/.*\|\n(\|.*\n)*\| tests \| \[tests/",
+}
+
+
+def test_every_page_has_the_seven_parts_and_words_of_its_own() -> None:
     links = {entry.link for entry in describe_methods.entries(ROOT)}
     for page in sorted(link for link in links if link.startswith(describe_methods.PAGES)):
         text = (ROOT / page).read_text(encoding="utf-8")
-        assert re.search(r"^!\[.+\]\(../manual/images/", text, flags=re.MULTILINE), f"{page} has no picture"
+        for part, pattern in SEVEN.items():
+            assert re.search(rf"^({pattern})", text, flags=re.MULTILINE), f"{page} has no {part}"
         own = text.split(describe_methods.END)[-1]  # what it is good and bad at, at least
         assert len(own) > 400, page
+
+
+def test_the_listing_counts_the_methods_and_has_the_sizes_that_platforms_want() -> None:
+    listing = ROOT / "docs/listing"
+    count = len(describe_methods.registry(ROOT).METHODS)
+    assert f"**{count} methods**" in (listing / "README.md").read_text()
+    for name, size in {"icon": (256, 256), "feature": (1920, 1080)}.items():
+        assert struct.unpack(">2I", (listing / f"{name}.png").read_bytes()[16:24]) == size
 
 
 def test_a_page_keeps_its_own_words(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 FIRST_DAY = (1980, 1, 1, 0, 0, 0)
-PACKED_ALREADY = (".whl", ".png", ".jpg", ".blend")
+PACKED_ALREADY = (".whl", ".png", ".jpg", ".webp", ".blend")
 
 
 @contextlib.contextmanager

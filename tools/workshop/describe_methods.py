@@ -18,6 +18,7 @@ from types import ModuleType
 
 from .blenders import HEADLESS, INSIDE, install_legacy
 from .places import ROOT
+from .programs import program
 from .shell import must
 
 PAGES = "docs/methods"
@@ -150,7 +151,8 @@ def head(root: Path, row) -> str:
             lines += ["", f"| {title} | default | unit | what it does |", "|---|---|---|---|"]
             lines += map(_parameter, rows)
     costs = ["", "What a call costs:", "", "```text", *_costs(root, header, row.native), "```"]
-    return "\n".join([*lines, *costs])
+    lines += [*costs, "", "In Python, as it stands:", "", "```python", *program(row).splitlines(), "```"]
+    return "\n".join(lines)
 
 
 def nearest_kernels(root: Path, header: Path) -> list[Path]:

@@ -110,7 +110,7 @@ def python(minor: int) -> Path | None:
     return None
 
 
-build, dev, api = (partial(Environment, name, PYTHON311, (name,)) for name in ("build", "dev", "api"))
+build, dev, site = (partial(Environment, name, PYTHON311, (name,)) for name in ("build", "dev", "site"))
 
 
 def build_for(minor: int) -> Environment | None:

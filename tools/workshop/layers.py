@@ -166,7 +166,7 @@ LAYERS = (
     Layer("sanitizers", 1200, sanitizers),
     Layer("windows-native", 420, windows_tests.native, only_by_name=True),
     Alone("architecture", 60, _of(_pytest, "architecture")),
-    Alone("tools", 120, _of(in_python, "tools")),
+    Alone("tools", 480, _of(in_python, "tools")),
     Alone("benchmarks", 600, benchmarks),
     Alone("addon", 600, _of(in_python, "addon", qemu=True)),
     Alone("bindings", 1200, _of(in_python, "bindings")),
@@ -196,7 +196,7 @@ QUICK = (
     Layer("native", 300, partial(native, quick=True), without="the count of instructions"),
     Alone("lint", 240, partial(lint, quick=True), without="clang-tidy on committed sources"),
     Alone("architecture", 60, _of(_pytest, "architecture")),
-    Alone("tools", 120, _of(in_python, "tools")),
+    Alone("tools", 120, _of(in_python, "tools", "-m", "not slow"), without="the site"),
     Alone(
         "addon", 120, _of(in_python, "addon", *SOME_ADDON), without="emulators and the comparison of methods"
     ),

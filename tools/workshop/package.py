@@ -5,8 +5,8 @@
 ``dist/sinew-legacy-<version>-linux-x64.zip``  add-on for Blender 3.4, the cp311 wheel unpacked in
 ``sinew/_native``
 
-For Windows they end in ``-windows-x64.zip``, for macOS in ``-macos-arm64.zip``. All hold the pages of
-``docs/manual/`` as HTML in ``manual/``.
+For Windows they end in ``-windows-x64.zip``, for macOS in ``-macos-arm64.zip``. All hold the manual and the
+pages about methods in ``manual/``, as the site has them.
 
 For ``here``, Debian's Blender on this machine alone, there is a legacy zip in ``.build``, without a wheel.
 
@@ -16,21 +16,20 @@ The same tree and wheels give the same bytes, whenever they are packed.
 import argparse
 import functools
 import re
-import tempfile
 import tomllib
 from pathlib import Path
 
 from . import cross_wheels, environments, wheels
-from .archives import read_folder, read_zip, write_zip
+from .archives import read_zip, write_zip
 from .dev import build_tree
 from .environments import Environment
-from .places import ADDON, BUILD, DEV_MODULE, DIST, MANUAL, METHODS, ROOT, version
+from .places import ADDON, BUILD, DEV_MODULE, DIST, ROOT, version
 from .shell import must, one_at_a_time, say
+from .site import manual_files
 
 MANIFEST = "blender_manifest.toml"
 NATIVE_FOLDER = "_native"
 TAGS = Path(__file__).with_name("tags.json")  # those of the platform for extensions
-RENDER = Path(__file__).parent / "inside" / "render_manual.py"
 EXCLUDED_SUFFIXES = (".pyc", ".blend1", ".orig", ".swp")
 PLATFORMS = {
     "manylinux": "linux-x64",
@@ -52,13 +51,6 @@ def addon_files() -> dict[str, bytes]:
         raise SystemExit(f"{ADDON} is not an add-on: {MANIFEST} or __init__.py is missing")
     found["LICENSE"] = (ROOT / "LICENSE").read_bytes()
     return found
-
-
-def manual_files() -> dict[str, bytes]:
-    """The manual that the ``?`` buttons open: path inside the add-on -> content."""
-    with tempfile.TemporaryDirectory() as folder:
-        must([environments.build().make().python, RENDER, MANUAL, METHODS, folder])
-        return {f"manual/{name}": content for name, content in read_folder(Path(folder)).items()}
 
 
 def extension_files(wheels: list[Path], manual: dict[str, bytes]) -> dict[str, bytes]:

@@ -17,13 +17,14 @@ def set_up(packages: tuple[tuple[str, ...], ...], *made: environments.Environmen
 def set_up_tests() -> None:
     releases = map(environments.blender, environments.LONG_TERM_BLENDERS)
     newest = environments.newest_blender()
-    set_up((debian.BUILD, debian.GUI, debian.BPY), *builders(), environments.dev(), *releases, newest)
+    packages = (debian.BUILD, debian.GUI, debian.BPY, debian.API, debian.BROWSER)
+    set_up(packages, *builders(), environments.dev(), *releases, newest)
     if newest.name == "bpy-5.0.1":
         say("No Python 3.13 here: Blender 5.0.1 stands in, 5.2 is not run.")
 
 
 def builders() -> tuple[environments.Environment | None, ...]:
-    return environments.build(), environments.build_for(13)
+    return environments.build(), environments.build_for(13), environments.site()
 
 
 PURPOSES = {

@@ -17,10 +17,11 @@ from .cross_libraries import build, libraries
 from .cross_wheels import configure
 from .debian import GOOGLETEST, QEMU, install
 from .dev import build_tree
-from .package import extension_files, manual_files, package
+from .package import extension_files, package
 from .places import BUILD, DEV_MODULE, ROOT, version
 from .results import Outcome, outcome
 from .shell import jobs, must, one_at_a_time, run
+from .site import manual_files
 from .suites import OPTIONS, RESULTS, emptied, files, googletest, new_junit
 from .windows_libraries import WINDOWS
 from .windows_wheels import TARGET

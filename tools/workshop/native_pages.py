@@ -1,23 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes pages about the module `sinew_native` (by pdoc) and the C++ headers (by Doxygen) into `dist/api`."""
+"""Writes pages about the C++ headers, by Doxygen."""
 
-import argparse
-import shutil
 import tempfile
 from pathlib import Path
 
-from . import debian, environments
-from .dev import build_tree
-from .places import DEV_MODULE, DIST, ROOT, version
-from .shell import must, say
+from . import debian
+from .places import ROOT, version
+from .shell import must
 
-PAGES = DIST / "api"
 NATIVE = ROOT / "native"
-RENDER = Path(__file__).parent / "inside" / "render_api.py"
-MODULE = "sinew_native"
+STYLE = Path(__file__).parent / "pages" / "native.css"
 # The Python pages describe the bindings, so the C++ pages leave them out.
 LEFT_OUT = ("bindings", "cmake")
-YES = "EXTRACT_ALL FULL_PATH_NAMES GENERATE_TREEVIEW JAVADOC_AUTOBRIEF QUIET RECURSIVE"
+YES = "EXTRACT_ALL FULL_PATH_NAMES JAVADOC_AUTOBRIEF QUIET RECURSIVE"
 NO = "GENERATE_LATEX HAVE_DOT REPEAT_BRIEF SORT_MEMBER_DOCS WARN_IF_INCOMPLETE_DOC WARN_IF_UNDOCUMENTED"
 SETTINGS = {
     **dict.fromkeys(YES.split(), "YES"),
@@ -42,12 +37,14 @@ def rooms() -> dict[str, str]:
 def first_page() -> str:
     """Markdown for Doxygen's first page: one row per room."""
     rows = [f"| `{room}` | {text} |" for room, text in rooms().items()]
-    return "\n".join(["# The C++ library", "", "| room | what it holds |", "|---|---|", *rows, ""])
+    back = "[Manual, methods and the Python module](../../index.html)"
+    return "\n".join(["# The C++ library", "", back, "", "| room | what it holds |", "|---|---|", *rows, ""])
 
 
 def settings(main_page: Path, target: Path) -> str:
     values = SETTINGS | {
         "EXCLUDE": " ".join(f'"{NATIVE / room}"' for room in LEFT_OUT),
+        "HTML_EXTRA_STYLESHEET": f'"{STYLE}"',
         "INPUT_FILTER": f'"{KEEP_TABLES}"',
         "INPUT": f'"{NATIVE}" "{main_page}"',
         "OUTPUT_DIRECTORY": f'"{target}"',
@@ -65,26 +62,4 @@ def write_native_pages(target: Path) -> None:
         main_page, configuration = Path(folder) / "rooms.md", Path(folder) / "Doxyfile"
         main_page.write_text(first_page(), encoding="utf-8")
         configuration.write_text(settings(main_page, target), encoding="utf-8")
-        must(["doxygen", configuration])
-
-
-FRONT_PAGE = """<!DOCTYPE html>
-<html lang="en">
-<title>Sinew {version}</title>
-<h1>Sinew {version}</h1>
-<p><a href="python/index.html">The Python module {module}</a></p>
-<p><a href="native/index.html">The C++ library</a></p>
-</html>
-"""
-
-
-def main() -> None:
-    argparse.ArgumentParser(prog="tools/api_docs", description=__doc__).parse_args()
-    shutil.rmtree(PAGES, ignore_errors=True)
-    build_tree("dev", MODULE)
-    python = environments.api().make().python
-    must([python, RENDER, MODULE, PAGES / "python"], env={"PYTHONPATH": DEV_MODULE})
-    write_native_pages(PAGES / "native")
-    front_page = FRONT_PAGE.format(version=version(), module=MODULE)
-    (PAGES / "index.html").write_text(front_page, encoding="utf-8")
-    say(f"Open {(PAGES / 'index.html').relative_to(ROOT)}")
+        must(["doxygen", configuration], quiet=True)
