@@ -27,12 +27,13 @@ _OLD_PROCESSOR = "the processor of this computer lacks"  # what entry.cpp says
 class Availability:
     """The native module; or, in ``remedy``, why it cannot be used and what to do.
 
-    ``details`` is the traceback, for a report.
+    ``details`` is the traceback, for a report. ``is_outdated``: it is that of another version of the add-on.
     """
 
     module: ModuleType | None
     remedy: str = ""
     details: str = ""
+    is_outdated: bool = False
 
 
 def wheel_name() -> str:
@@ -73,6 +74,7 @@ def load() -> Availability:
             None,
             f"The native module is version {found}, the add-on {VERSION}. "
             "Restart Blender; if this stays, install the zip again",
+            is_outdated=True,
         )
     return Availability(module)
 

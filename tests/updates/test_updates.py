@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A Blender that has the address of what ``tools/release`` makes gets Sinew from there, and its next version
+while a file with a rig is open."""
+
+import json
+import os
+import subprocess
+import threading
+from collections.abc import Iterator
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import numpy as np
+import pytest
+from workshop import environments, package, release, windows_tests, wine
+from workshop.archives import read_zip, write_wheel, write_zip
+from workshop.places import version
+from workshop.shell import environment
+
+SYSTEM = os.environ.get("SINEW_SYSTEM", "linux")  # that of the Blenders
+BLENDERS = ("4.5.15", "5.2.3") if SYSTEM == "windows" else (*environments.LONG_TERM_BLENDERS, "5.2.3")
+BUDGET = 123.0  # as in_blender.py sets it in the preferences
+PROGRAM = Path(__file__).with_name("in_blender.py")
+NOW = version()
+NEXT = f"{NOW[:-1]}{int(NOW[-1]) + 1}"  # as long as the version, which stands in the compiled module, too
+TEXTS = (".py", ".toml", "METADATA", ".so", ".pyd")
+
+
+def next_version(file: Path, folder: Path) -> Path:
+    """The zip or wheel as the next version has it, in all places that state one."""
+    write = write_wheel if file.suffix == ".whl" else write_zip
+    (folder / "unpacked").mkdir(parents=True, exist_ok=True)
+    files = {}
+    for name, content in read_zip(file).items():
+        if name.endswith(".whl"):
+            inner = folder / "unpacked" / Path(name).name
+            inner.write_bytes(content)
+            content = next_version(inner, folder).read_bytes()
+        elif name.endswith(TEXTS):
+            content = content.replace(NOW.encode(), NEXT.encode())
+        files[name.replace(NOW, NEXT)] = content
+    return write(folder / file.name.replace(NOW, NEXT), files)
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
+    """What ``tools/release`` has for Blender at first, and with the next version."""
+    older, newer = (tmp_path_factory.mktemp(name) for name in ("older", "newer"))
+    extension, _legacy = package.package(SYSTEM)
+    release.repository(older / "stable", [extension])
+    release.repository(newer / "stable", [next_version(extension, tmp_path_factory.mktemp("zips"))])
+    return [older, newer]
+
+
+@pytest.fixture
+def address(folders: list[Path]) -> Iterator[str]:
+    """The address of the first folder; of the second one as soon as somebody has asked for ``publish``."""
+    shown = folders[:1]
+
+    class Handler(SimpleHTTPRequestHandler):
+        def do_GET(self) -> None:
+            if self.path == "/publish":
+                shown[0] = folders[1]
+                self.path = "/stable/"
+            self.directory = str(shown[0])
+            super().do_GET()
+
+        def log_message(self, *words: object) -> None:
+            pass
+
+    with ThreadingHTTPServer(("127.0.0.1", 0), Handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}"
+        server.shutdown()
+
+
+def run_blender(release_of_it: str, step: str, address: str, folder: Path) -> dict:
+    """What is seen in a new Blender, with the user folder in ``folder``."""
+    drive = "Z:" if SYSTEM == "windows" else ""
+    arguments = [PROGRAM, step, address, f"{drive}{folder}"]
+    env = {"BLENDER_USER_RESOURCES": f"{drive}{folder / 'user'}", "NO_PROXY": "127.0.0.1"}
+    if SYSTEM == "windows":
+        python = windows_tests.python_with_blender(release_of_it)
+        said = wine.said_in_windows([python, *arguments], env, timeout=600.0)
+    else:
+        command = [str(word) for word in (environments.blender(release_of_it).make().python, *arguments)]
+        pipe = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+        said = subprocess.run(command, env=environment(env), timeout=300.0, check=False, **pipe).stdout
+    answer = folder / f"{step}.json"
+    assert answer.is_file(), said
+    assert "Traceback" not in said, said
+    return json.loads(answer.read_text(encoding="utf-8"))
+
+
+@pytest.mark.parametrize("blender", BLENDERS)
+def test_an_update_with_a_file_open_loses_nothing(blender: str, address: str, tmp_path: Path) -> None:
+    seen = run_blender(blender, "install", address, tmp_path)
+    seen |= run_blender(blender, "reopen", address, tmp_path)
+    assert seen["listed"] == [NOW, NEXT]
+    looks = {name: look for name, look in seen.items() if isinstance(look, dict)}
+    versions = {name: (look["version"], look["native"]) for name, look in looks.items()}
+    waits = (NEXT, None)  # for a restart, as the process keeps the module that it has loaded
+    assert versions == {
+        "installed": (NOW, NOW),
+        "updated": waits,
+        "lifted": waits,
+        "rig.blend": (NEXT, NEXT),
+        "lifted.blend": (NEXT, NEXT),
+    }
+    for name in ("updated", "lifted"):
+        assert "restart Blender" in looks[name]["panel"]
+        assert "Restart Blender" in looks[name]["page"]
+    heights = {name: max(z for _x, _y, z in look["points"]) for name, look in looks.items()}
+    shown = {"installed": 0.5, "updated": 0.5, "lifted": 0.5, "rig.blend": 0.5, "lifted.blend": 0.75}
+    assert heights == pytest.approx(shown, abs=1e-6)
+    before = np.array(looks["installed"]["points"])
+    for name in ("updated", "lifted", "rig.blend"):
+        assert np.allclose(looks[name]["points"], before, rtol=0.0, atol=1e-6), name
+    for look in looks.values():
+        assert (look["handles"], look["presets"]) == (["Top", "Base"], ["Mine.py"])
+    assert [looks[name]["budget"] for name in ("installed", "updated", "lifted")] == 3 * [BUDGET]
+    assert len(seen["stored"]) == 2
