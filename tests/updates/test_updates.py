@@ -4,21 +4,24 @@ while a file with a rig is open."""
 
 import json
 import os
+import re
 import subprocess
 import threading
 from collections.abc import Iterator
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from urllib.parse import parse_qs, urlsplit
 
 import numpy as np
 import pytest
 from workshop import environments, package, release, windows_tests, wine
-from workshop.archives import read_zip, write_wheel, write_zip
+from workshop.archives import read_folder, read_zip, write_wheel, write_zip
 from workshop.places import version
 from workshop.shell import environment
 
 SYSTEM = os.environ.get("SINEW_SYSTEM", "linux")  # that of the Blenders
 BLENDERS = ("4.5.15", "5.2.3") if SYSTEM == "windows" else (*environments.LONG_TERM_BLENDERS, "5.2.3")
+SUFFIX = ".pyd" if SYSTEM == "windows" else ".so"
 BUDGET = 123.0  # as in_blender.py sets it in the preferences
 PROGRAM = Path(__file__).with_name("in_blender.py")
 NOW = version()
@@ -120,3 +123,42 @@ def test_an_update_with_a_file_open_loses_nothing(blender: str, address: str, tm
         assert (look["handles"], look["presets"]) == (["Top", "Base"], ["Mine.py"])
     assert [looks[name]["budget"] for name in ("installed", "updated", "lifted")] == 3 * [BUDGET]
     assert len(seen["stored"]) == 2
+
+
+@pytest.mark.parametrize("blender", BLENDERS[-1:])
+def test_a_module_that_the_update_could_not_replace_is_there_after_a_restart(
+    blender: str, address: str, tmp_path: Path
+) -> None:
+    """Windows neither removes nor replaces what is in use, and Blender removes it when it starts again."""
+    before = run_blender(blender, "install", address, tmp_path)["installed"]
+    (module,) = (tmp_path / "user" / "extensions" / ".local").rglob(f"sinew_native*{SUFFIX}")
+    module.unlink()
+    after = run_blender(blender, "reopen", address, tmp_path)["rig.blend"]
+    assert after["native"] == NEXT
+    assert np.allclose(after["points"], before["points"], rtol=0.0, atol=1e-6)
+
+
+def test_the_repository_has_a_link_for_each_system_to_drag_into_blender(tmp_path: Path) -> None:
+    """It is the same to the last byte, however the files came there."""
+    extension, _legacy = package.package(SYSTEM)
+    files = read_zip(extension)
+    other = {"linux": "windows-x64", "windows": "linux-x64"}[SYSTEM]
+    files[package.MANIFEST] = files[package.MANIFEST].replace(f"{SYSTEM}-x64".encode(), other.encode())
+    zips = [extension, write_zip(tmp_path / extension.name.replace(f"{SYSTEM}-x64", other), files)]
+    one, same = (
+        read_folder(release.repository(tmp_path / name, each))
+        for name, each in (("one", zips), ("same", reversed(zips)))
+    )
+    assert one == same
+    listed = json.loads(one["index.json"])["data"]
+    assert [(row["id"], row["platforms"]) for row in listed] == [
+        ("sinew", ["linux-x64"]),
+        ("sinew", ["windows-x64"]),
+    ]
+    links = [urlsplit(link) for link in re.findall(r'href="(\./sinew[^"]+)"', one["index.html"].decode())]
+    assert [Path(link.path).name for link in links] == sorted(file.name for file in zips)
+    for link, row in zip(links, listed, strict=True):
+        asked = parse_qs(link.query)
+        assert asked["repository"] == ["./index.json"]
+        assert asked["blender_version_min"] == ["4.2.0"]
+        assert asked["platforms"] == row["platforms"]

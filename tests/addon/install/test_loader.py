@@ -4,6 +4,7 @@
 import fnmatch
 import platform
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -82,6 +83,28 @@ def test_a_zip_for_another_system_is_named(monkeypatch, tmp_path: Path, folder: 
     remedy = refused(monkeypatch, ModuleNotFoundError("sinew_native")).remedy
     assert f"the installed zip holds {name}." in remedy
     assert remedy.endswith(f"Install the Sinew zip for this Blender, which holds {loader.wheel_name()}")
+
+
+@pytest.mark.parametrize("is_damaged", [False, True])
+def test_a_wheel_that_blender_did_not_install_is_unpacked(monkeypatch, tmp_path: Path, is_damaged: bool):
+    monkeypatch.setattr(loader, "_ADDON", tmp_path / "repository" / "sinew")
+    monkeypatch.setattr(loader, "_WHEELS", tmp_path / "wheels")
+    python = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    folder = tmp_path / ".local" / "lib" / python / "site-packages"
+    for each in (folder, tmp_path / "wheels"):
+        each.mkdir(parents=True)
+    wheel = tmp_path / "wheels" / f"{loader.wheel_name().replace('*', 'x')}.whl"
+    with zipfile.ZipFile(wheel, "w") as archive:
+        archive.writestr("sinew_late.py", f"__version__ = {loader.VERSION!r}")
+    if is_damaged:
+        wheel.write_bytes(wheel.read_bytes()[:40])
+    monkeypatch.syspath_prepend(str(folder))
+    monkeypatch.delitem(sys.modules, "sinew_late", raising=False)
+    import_module = loader.importlib.import_module
+    monkeypatch.setattr(loader.importlib, "import_module", lambda _name: import_module("sinew_late"))
+    found = loader.load()
+    assert (found.module is None) == is_damaged
+    assert ("has not installed" in found.remedy) == is_damaged
 
 
 def test_a_wheel_that_blender_did_not_install_is_named(monkeypatch, tmp_path: Path):
