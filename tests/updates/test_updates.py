@@ -125,6 +125,32 @@ def test_an_update_with_a_file_open_loses_nothing(blender: str, address: str, tm
     assert len(seen["stored"]) == 2
 
 
+def test_the_folder_is_whole_and_the_same_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the zips of one system, and its wheels."""
+    zips = package.package(SYSTEM)
+    wheel = tmp_path / "sinew_native.whl"
+    wheel.write_bytes(next(content for name, content in read_zip(zips[0]).items() if name.endswith(".whl")))
+    for name, fake in {"TARGETS": {SYSTEM: None}, "package": lambda _system: zips, "site": print}.items():
+        monkeypatch.setattr(release, name, fake)
+    monkeypatch.setattr(release.cross_wheels, "build_wheels", lambda *_words: [wheel])
+    seen = []
+    for name in ("one", "other"):
+        monkeypatch.setattr(release, "RELEASE", tmp_path / name)
+        seen.append(read_folder(release.release(("stable", "latest"))))
+        subprocess.run(["sha256sum", "--check", "--strict", "SHA256SUMS"], cwd=tmp_path / name, check=True)
+    assert seen[0] == seen[1]
+    channel = {zips[0].name, "index.json", "index.html"}
+    assert seen[0].keys() == {
+        *(f"{name}/{file}" for name in ("stable", "latest") for file in channel),
+        f"legacy/{zips[1].name}",
+        f"python/{wheel.name}",
+        f"python/sinew_native-{NOW}.tar.gz",
+        "NOTES.md",
+        "SHA256SUMS",
+    }
+    assert len(seen[0]["SHA256SUMS"].splitlines()) == len(seen[0]) - 1
+
+
 @pytest.mark.parametrize("blender", BLENDERS[-1:])
 def test_a_module_that_the_update_could_not_replace_is_there_after_a_restart(
     blender: str, address: str, tmp_path: Path
