@@ -1,12 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What may be published, what is said about it, and what a wheel says about the libraries inside."""
 
-import hashlib
 import json
 import re
 import subprocess
 import tomllib
-from pathlib import Path
 
 import pytest
 from workshop import notices, package, places, release
@@ -66,14 +64,6 @@ def test_the_notes_are_those_of_the_version_or_of_what_is_new() -> None:
     with pytest.raises(SystemExit, match=r"no entries for version 9\.8\.5"):
         release.notes(CHANGES.format(""), "9.8.5")
     assert len(release.notes(release.changelog(), places.version())) > 100
-
-
-def test_the_sums_are_those_that_sha256sum_checks(tmp_path: Path) -> None:
-    for name in ("b", "a/c"):
-        (tmp_path / name).parent.mkdir(exist_ok=True)
-        (tmp_path / name).write_text(name)
-    lines = [f"{hashlib.sha256(name.encode()).hexdigest()}  {name}\n" for name in ("a/c", "b")]
-    assert release.sums(tmp_path) == "".join(lines)
 
 
 def test_the_bill_names_each_library_with_its_version_and_licence() -> None:

@@ -29,22 +29,21 @@ def repository() -> bpy.types.UserExtensionRepo:
     return next(each for each in repositories if each.remote_url.startswith(address))
 
 
-def listed() -> str:
-    """The version that Blender lists."""
-    bpy.ops.extensions.repo_sync(repo_directory=repository().directory)
-    index = Path(repository().directory) / ".blender_ext" / "index.json"
-    rows = json.loads(index.read_text(encoding="utf-8"))["data"]
-    return next(row["version"] for row in rows if row["id"] == "sinew")
-
-
-def fetch() -> None:
-    """Installs what is listed, over an older version if there is one."""
-    where = {"repo_directory": repository().directory, "pkg_id": "sinew"}
-    assert bpy.ops.extensions.package_install(**where, enable_on_install=True) == {"FINISHED"}
+def fetch() -> str:
+    """Installs the version that Blender lists now, over an older one if there is one."""
+    folder = repository().directory
+    bpy.ops.extensions.repo_sync(repo_directory=folder)
+    index = json.loads(Path(folder, ".blender_ext", "index.json").read_text(encoding="utf-8"))
+    bpy.ops.extensions.package_install(repo_directory=folder, pkg_id="sinew", enable_on_install=True)
+    return next(row["version"] for row in index["data"] if row["id"] == "sinew")
 
 
 def module_name() -> str:
     return f"bl_ext.{repository().module}.sinew"
+
+
+def preferences() -> bpy.types.AddonPreferences:
+    return bpy.context.preferences.addons[module_name()].preferences
 
 
 def look() -> dict[str, object]:
@@ -52,17 +51,14 @@ def look() -> dict[str, object]:
     rig = Rig.called("Plate")
     update()
     native = importlib.import_module(f"{module_name()}.backend").availability()
-    preferences = bpy.context.preferences.addons[module_name()].preferences
     presets = Path(bpy.utils.user_resource("SCRIPTS", path="presets/sinew/thin_shell"))
     sheets = importlib.import_module("rigs.sheet")
     return {
         "version": importlib.import_module(f"{module_name()}.ids").VERSION,
         "native": native.module and native.module.__version__,
-        "remedy": native.remedy,
         "points": evaluated_points(rig.obj).tolist(),
-        "status": rig.deformer.status,
         "handles": [handle.name for handle in rig.deformer.handles],
-        "budget": preferences.drag_budget,
+        "budget": preferences().drag_budget,
         "presets": sorted(path.name for path in presets.glob("*.py")),
         "page": sheets.draw_page(module_name()).texts(),
         "panel": sheets.draw_panel().texts(),
@@ -78,17 +74,15 @@ def add_repository() -> None:
 
 def install() -> None:
     add_repository()
-    seen["listed"] = [listed()]
-    fetch()
-    bpy.context.preferences.addons[module_name()].preferences.drag_budget = 123.0
+    seen["listed"] = [fetch()]
+    preferences().drag_budget = 123.0
     rig = Rig.plate().bind("thin_shell")
     bpy.ops.sinew.preset_add(name="Mine")
     rig.lift(0.5)
     seen["installed"] = look()
     save(folder / "rig.blend")
     urllib.request.urlopen(f"{address}/publish").close()
-    seen["listed"].append(listed())
-    fetch()
+    seen["listed"].append(fetch())
     seen["updated"] = look()
     rig.lift(0.25)
     seen["lifted"] = look()
