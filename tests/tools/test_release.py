@@ -11,41 +11,34 @@ from workshop import notices, package, places, release
 from workshop.places import ROOT
 from workshop.zig import licences
 
-CHANGES = (
-    "# Changelog\n\n## [Unreleased]\n{}\n## [9.8.7] - 2031-05-01\n\n- Bends.\n\n## [9.8.6]\n\n- Folds.\n"
-)
+CHANGES = "## [Unreleased]\n{}\n## [9.8.7] - 2031-05-01\n\n- Bends.\n\n## [9.8.6]\n\n- Folds.\n"
 HOST = "https://host.example/sinew"
 
 
-@pytest.fixture
-def released(monkeypatch: pytest.MonkeyPatch):
-    """``released(address, changes, *options)``: the channels that ``tools/release`` fills then."""
-
-    def channels(address: str, changes: str, *options: str) -> list[str]:
-        seen: list[str] = []
-        monkeypatch.setattr(release, "release", lambda names: seen.extend(names) or release.RELEASE)
-        monkeypatch.setattr(release, "address", lambda: address)
-        monkeypatch.setattr(release, "changelog", lambda: CHANGES.format(changes))
-        monkeypatch.setattr("sys.argv", ["tools/release", *options])
-        release.main()
-        return seen
-
-    return channels
+def released(monkeypatch: pytest.MonkeyPatch, address: str, changes: str, *options: str) -> list[str]:
+    """The channels that ``tools/release`` fills."""
+    seen: list[str] = []
+    monkeypatch.setattr(release, "release", lambda names: seen.extend(names) or release.RELEASE)
+    monkeypatch.setattr(release, "address", lambda: address)
+    monkeypatch.setattr(release, "changelog", lambda: CHANGES.format(changes))
+    monkeypatch.setattr("sys.argv", ["tools/release", *options])
+    release.main()
+    return seen
 
 
 @pytest.mark.parametrize("address", ["https://sinew.invalid", "https://sinew.invalid:80/x", "sinew.example"])
-def test_nothing_is_published_without_an_address(released, address: str) -> None:
+def test_nothing_is_published_without_an_address(monkeypatch, address: str) -> None:
     with pytest.raises(SystemExit) as refused:
-        released(address, "")
+        released(monkeypatch, address, "")
     assert re.search(rf"{address}.*Set Homepage under \[project.urls\].*--preview", str(refused.value))
-    assert released(address, "", "--preview") == ["stable", "latest"]
+    assert released(monkeypatch, address, "", "--preview") == ["stable", "latest"]
 
 
-def test_what_is_not_finished_goes_to_the_channel_latest_alone(released) -> None:
+def test_what_is_not_finished_goes_to_the_channel_latest_alone(monkeypatch) -> None:
     with pytest.raises(SystemExit, match="--latest"):
-        released(HOST, "\n- Twists.\n")
-    assert released(HOST, "\n- Twists.\n", "--latest") == ["latest"]
-    assert released(HOST, "") == ["stable", "latest"]
+        released(monkeypatch, HOST, "\n- Twists.\n")
+    assert released(monkeypatch, HOST, "\n- Twists.\n", "--latest") == ["latest"]
+    assert released(monkeypatch, HOST, "") == ["stable", "latest"]
 
 
 def test_one_file_states_the_address(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -84,7 +77,6 @@ def test_the_bill_names_each_library_with_its_version_and_licence() -> None:
     assert all(re.fullmatch(r"\d+(\.\d+)+", part["version"]) for part in parts.values())
     assert all(part["licenses"][0]["expression"] for part in parts.values())
     assert parts["onetbb"]["version"] == "2021.8.0"  # as pinned in sources.txt
-    assert notices.bill(sorted(linked)) == notices.bill(linked)
     with pytest.raises(SystemExit, match="libnew-dev"):
         notices.bill([*linked, "libnew-dev"])
 

@@ -1,9 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist does in one Blender, who has been given the address of a repository and nothing else.
-
-``in_blender.py install|reopen ADDRESS FOLDER`` writes what was seen to ``FOLDER/<step>.json``. While it
-installs, it asks for ``ADDRESS/publish`` when the time has come for the next version.
-"""
+"""What an artist does in one Blender with nothing but the address of a repository: ``install|reopen ADDRESS
+FOLDER`` writes what is seen to the folder, and asks for ``ADDRESS/publish`` when an update is due."""
 
 import importlib
 import json
@@ -15,7 +12,7 @@ from pathlib import Path
 import bpy
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "blender" / "support"))
-from rigs.rig import Rig, evaluated_points, load, save, update
+from rigs.rig import Rig, evaluated_points, load, save
 
 # isort: split
 import addon_utils  # comes with bpy, not before it
@@ -49,7 +46,6 @@ def preferences() -> bpy.types.AddonPreferences:
 def look() -> dict[str, object]:
     """What there is of Sinew, what it tells, and what it shows of the plate."""
     rig = Rig.called("Plate")
-    update()
     native = importlib.import_module(f"{module_name()}.backend").availability()
     presets = Path(bpy.utils.user_resource("SCRIPTS", path="presets/sinew/thin_shell"))
     sheets = importlib.import_module("rigs.sheet")
@@ -103,5 +99,4 @@ def reopen() -> None:
 {"install": install, "reopen": reopen}[step]()
 (folder / f"{step}.json").write_text(json.dumps(seen), encoding="utf-8")
 sys.stdout.flush()
-sys.stderr.flush()
 os._exit(0)  # Blender as a module may hang or crash while it ends
