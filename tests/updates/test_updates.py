@@ -18,7 +18,9 @@ from workshop.archives import read_folder, read_zip, write_wheel, write_zip
 from workshop.places import version
 
 SYSTEM = os.environ.get("SINEW_SYSTEM", "linux")  # that of the Blenders
-BLENDERS = ("4.5.15", "5.2.3") if SYSTEM == "windows" else (*environments.LONG_TERM_BLENDERS, "5.2.3")
+BLENDERS = (*environments.LONG_TERM_BLENDERS, environments.newest_blender().name.removeprefix("bpy-"))
+if SYSTEM == "windows":
+    BLENDERS = ("4.5.15", "5.2.3") if environments.python313() else ("4.5.15",)
 BUDGET = 123.0  # as in_blender.py sets it in the preferences
 PROGRAM = Path(__file__).with_name("in_blender.py")
 NOW = version()
