@@ -36,7 +36,9 @@ NATIVE_MISSING = Status(
     remedy=Remedy.PREFERENCES,
 )
 UPDATED = Status(
-    Level.WARNING, "Sinew was updated - save and restart Blender. Until then shapes stay as they are"
+    Level.WARNING,
+    "Sinew was updated - save and restart Blender. Until then shapes stay as they are",
+    remedy=Remedy.PREFERENCES,
 )
 
 
