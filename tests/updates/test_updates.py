@@ -112,7 +112,6 @@ def test_an_update_with_a_file_open_loses_nothing(blender: str, address: str, tm
 
 
 def test_the_folder_is_whole_and_the_same_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """With the zips of one system, and its wheels."""
     zips = package.package(SYSTEM)
     wheel = tmp_path / "sinew_native.whl"
     wheel.write_bytes(next(content for name, content in read_zip(zips[0]).items() if name.endswith(".whl")))
