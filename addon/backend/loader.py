@@ -10,6 +10,7 @@ import importlib
 import platform
 import sys
 import traceback
+import zipfile
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -27,12 +28,13 @@ _OLD_PROCESSOR = "the processor of this computer lacks"  # what entry.cpp says
 class Availability:
     """The native module; or, in ``remedy``, why it cannot be used and what to do.
 
-    ``details`` is the traceback, for a report.
+    ``details`` is the traceback, for a report. ``is_outdated``: it is that of another version of the add-on.
     """
 
     module: ModuleType | None
     remedy: str = ""
     details: str = ""
+    is_outdated: bool = False
 
 
 def wheel_name() -> str:
@@ -55,7 +57,7 @@ def load() -> Availability:
     """Import the module. It raises nothing; ``remedy`` holds the reason if there is no module."""
     name = f"{_ROOT}._native.sinew_native" if _UNPACKED.is_dir() else "sinew_native"
     try:
-        module = importlib.import_module(name)
+        module = _imported(name)
     except ModuleNotFoundError:
         return Availability(None, _missing(), _readable(traceback.format_exc()))
     except (ImportError, OSError) as error:
@@ -73,13 +75,46 @@ def load() -> Availability:
             None,
             f"The native module is version {found}, the add-on {VERSION}. "
             "Restart Blender; if this stays, install the zip again",
+            is_outdated=True,
         )
     return Availability(module)
 
 
+def _imported(name: str) -> ModuleType:
+    try:
+        return importlib.import_module(name)
+    except ModuleNotFoundError:
+        if not _unpack_wheel():
+            raise
+    return importlib.import_module(name)
+
+
+def _unpack_wheel() -> bool:
+    """Unpack the fitting wheel to where Blender unpacks it, and say whether that could be done.
+
+    An update on Windows leaves it out, since the module of the former version is in use until Blender ends.
+    """
+    python = f"python{sys.version_info.major}.{sys.version_info.minor}"
+    folder = _ADDON.parents[1] / ".local" / "lib" / python / "site-packages"
+    wheels = [_WHEELS / name for name in _packed() if _is_fitting(name)]
+    if not wheels or not folder.is_dir():
+        return False
+    try:
+        with zipfile.ZipFile(wheels[0]) as archive:
+            archive.extractall(folder)
+    except (OSError, zipfile.BadZipFile):
+        return False
+    importlib.invalidate_caches()
+    return True
+
+
+def _is_fitting(wheel: str) -> bool:
+    return fnmatch.fnmatchcase(wheel.lower(), wheel_name())
+
+
 def _missing() -> str:
     packed = _packed()
-    if any(fnmatch.fnmatchcase(name.lower(), wheel_name()) for name in packed):
+    if any(map(_is_fitting, packed)):
         return (
             f"The native module is missing: Blender has not installed {wheel_name()}, which the zip holds. "
             "Close Blender, and install the zip again"

@@ -34,6 +34,11 @@ NATIVE_MISSING = Status(
     "The native module does not work here - the preferences say what to install",
     remedy=Remedy.PREFERENCES,
 )
+UPDATED = Status(
+    Level.WARNING,
+    "Sinew was updated - save and restart Blender. Until then shapes stay as they are",
+    remedy=Remedy.PREFERENCES,
+)
 
 
 _QUICK_CAGE = BY_ID[DEFAULT_CAGE_METHOD]
@@ -124,6 +129,14 @@ def draw_troubles(context: Context, layout: UILayout, deformer: SinewDeformer) -
         box.prop(context.scene.render, "use_lock_interface")
 
 
+def without_native() -> Status | None:
+    """Why nothing can be computed, or None if the native module is here."""
+    found = availability()
+    if found.module is not None:
+        return None
+    return UPDATED if found.is_outdated else NATIVE_MISSING
+
+
 def has_troubles(deformer: SinewDeformer) -> bool:
     """Whether something is wrong that the page of troubles tells more about."""
     return any(line.level in (Level.WARNING, Level.ERROR) for line, _problem in _lines(deformer))
@@ -152,9 +165,8 @@ def _draw_headline(context: Context, layout: UILayout, deformer: SinewDeformer) 
     icon = _ICONS[Level.WARNING] if wrong else "CHECKMARK" if deformer.is_bound else _ICONS[Level.INFO]
     bound = deformer.is_bound
     place = layout.row(align=True) if bound else layout.column(align=True)
-    draw_text(
-        context, place.column(), "At rest" if wrong else line.text, icon, beside=20 * bound, boxed=False
-    )
+    stands = "At rest" if availability().module else "Shows the last solution"
+    draw_text(context, place.column(), stands if wrong else line.text, icon, beside=20 * bound, boxed=False)
     if kinds.kind_in_use(deformer).is_set(deformer):
         place.operator(Operators.BIND, text="" if bound else "Bind", icon="FILE_REFRESH")
     elif kinds.marks_regions(deformer.definition):
@@ -170,8 +182,9 @@ def _lines(deformer: SinewDeformer) -> list[tuple[Status, int]]:
 
 def headline(deformer: SinewDeformer) -> Status:
     """The main line: the status of the session and, if nothing is wrong, the time of the last solve."""
-    if availability().module is None:
-        return NATIVE_MISSING
+    missing = without_native()
+    if missing is not None:
+        return missing
     main = status.current(deformer.uid)
     if not main.text:
         return Status(Level.INFO, "Follows" if deformer.is_bound else "At rest - press Bind")

@@ -50,7 +50,7 @@ def test_no_two_layers_share_a_user_folder() -> None:
 def test_layers_are_named_whole_or_by_their_first_word() -> None:
     every = [layer.name for layer in run_tests.chosen([])]
     windows = [layer.name for layer in run_tests.chosen(["windows"])]
-    kinds = ["native", "bindings", "blender", "bindings-3.13", "processors", "blender-5"]
+    kinds = ["native", "bindings", "blender", "bindings-3.13", "processors", "blender-5", "updates"]
     assert windows == [f"windows-{kind}" for kind in kinds]
     assert every == [layer.name for layer in LAYERS if layer.name not in {*windows, "neon"}]
     assert [layer.name for layer in run_tests.chosen(["windows-native", "gui"])] == ["windows-native", "gui"]
@@ -59,7 +59,7 @@ def test_layers_are_named_whole_or_by_their_first_word() -> None:
 def test_whole_takes_all_tests_of_each_core() -> None:
     core, whole = (run_tests.chosen(["windows"], each) for each in (False, True))
     assert [layer.name for layer in core] == [layer.name for layer in whole]
-    assert [a is b for a, b in zip(core, whole, strict=True)] == [True, False, False, False, True, True]
+    assert [a is b for a, b in zip(core, whole, strict=True)] == [True, False, False, False, True, True, True]
 
 
 def test_what_is_not_quick_is_named_with_the_command_for_it() -> None:

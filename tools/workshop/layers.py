@@ -4,24 +4,27 @@
 ``LAYERS`` are all of them; ``QUICK`` is what a plain ``tests/run`` takes of them.
 """
 
+import tarfile
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from . import debian, environments, windows_tests
+from . import debian, environments, windows_tests, wine
 from .blenders import HEADLESS, RUN_PYTEST, blender_module, conditions, install_legacy, layer_of
 from .dev import BENCHMARK_TARGETS, build_tree
 from .format import checks
 from .neon_tests import neon
 from .package import package
-from .places import DEV_MODULE, NATIVE_TREE, PYTHON311
+from .places import BUILD, DEV_MODULE, NATIVE_TREE, PYTHON311, ROOT
+from .release import source_archive
 from .results import Outcome, outcome
-from .shell import run
-from .suites import OPTIONS, files, googletest, new_junit, only_some
+from .shell import must, run
+from .suites import OPTIONS, emptied, files, googletest, new_junit, only_some
 from .tidy import tidy, uncommitted
 
 PROGRAM = "tests/native/sinew_tests"  # in a tree of CMake
+WORKFLOWS = ROOT / ".github" / "workflows"
 LEAKS_OF_OTHERS = Path(__file__).with_name("leaks-of-others.txt")
 # What a method computes does not depend on Blender. So the oldest release runs all tests on all methods, and
 # the newest one test_every_method.py. All other tables over methods run there on one method of each kind, and
@@ -54,7 +57,9 @@ def lint(timeout: float, quick: bool = False) -> Outcome:
     """Formats, types, clang-tidy on all sources or, if ``quick``, on those that are not committed yet."""
     total = Outcome()
     formats = checks()
-    for name, command in (formats | {"mypy": [environments.dev().bin / "mypy"]}).items():
+    further = {"mypy": ["mypy"], "actionlint": ["actionlint", *sorted(WORKFLOWS.glob("*.yml"))]}
+    others = {name: [environments.dev().bin / words[0], *words[1:]] for name, words in further.items()}
+    for name, command in (formats | others).items():
         note = f"{name}: try tools/format" if name in formats else name
         passed = run(command, timeout=timeout) == 0
         total += Outcome(passed=1) if passed else Outcome(failed=1, note=note)
@@ -88,12 +93,40 @@ def in_python(timeout: float, name: str, *options: str, qemu: bool = False) -> O
     return _pytest(timeout, name, *options, env={"PYTHONPATH": DEV_MODULE})
 
 
+def source(timeout: float) -> Outcome:
+    """A core of the tests of the bindings, on what pip builds from the source archive in an empty folder."""
+    debian.install(debian.BUILD)
+    folder = emptied(BUILD / "source")
+    with tarfile.open(source_archive(folder)) as archive:
+        archive.extractall(folder)
+    unpacked, installed = next(folder.glob("sinew_native-*/")), folder / "installed"
+    pip = [environments.build().make().python, "-m", "pip", "install", "--quiet", "--no-deps", "--target"]
+    compiler = {"CMAKE_CXX_COMPILER_LAUNCHER": "ccache"}
+    must([*pip, installed, "--no-build-isolation", unpacked], cwd=folder, env=compiler, quiet=True)
+    junit = new_junit("source")
+    tests = [next(windows_tests.BINDINGS.rglob(name)) for name in windows_tests.CORE_BINDINGS]
+    command = [environments.dev().make().python, "-m", "pytest", *tests, *OPTIONS, f"--junitxml={junit}"]
+    return outcome(junit, run(command, env={"PYTHONPATH": installed}, timeout=timeout))
+
+
 def benchmarks(timeout: float) -> Outcome:
     debian.install(debian.BLENDER)
     build_tree("dev", *BENCHMARK_TARGETS)
     package()  # done first, so that no row has to wait for it
     environments.newest_blender().make()
     return _pytest(timeout, "benchmarks", env={"PYTHONPATH": DEV_MODULE})
+
+
+def updates(timeout: float, system: str = "linux") -> Outcome:
+    """Blenders of a system that install and update the extension from a host on this machine."""
+    package(system)
+    environments.newest_blender().make()  # lists the extensions
+    if system == "linux":
+        for version in environments.LONG_TERM_BLENDERS:
+            environments.blender(version).make()
+    else:
+        wine.set_up()
+    return _pytest(timeout, "updates", env={"SINEW_SYSTEM": system})
 
 
 def blender_3_4(timeout: float, from_wheel: bool = True, tests: tuple[str, ...] = ()) -> Outcome:
@@ -170,15 +203,18 @@ LAYERS = (
     Alone("benchmarks", 600, benchmarks),
     Alone("addon", 600, _of(in_python, "addon", qemu=True)),
     Alone("bindings", 1200, _of(in_python, "bindings")),
+    Alone("source", 300, source),
     Alone("blender-3.4", 3000, blender_3_4),
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
     Alone("blender-5", 3000, blender_5),
+    Alone("updates", 300, updates),
     Alone("gui", 1200, gui, waits=True),
     windows_layer("bindings", windows_tests.bindings),
     windows_layer("blender", windows_tests.blender),
     windows_layer("bindings-3.13", windows_tests.bindings_313),
     Alone("windows-processors", 420, windows_tests.old_processors, only_by_name=True),
     Alone("windows-blender-5", 900, windows_tests.blender_5, only_by_name=True),
+    Alone("windows-updates", 900, _of(updates, "windows"), only_by_name=True),
     Layer("neon", 600, neon, only_by_name=True),
 )
 

@@ -1,20 +1,73 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Collects the licences of the libraries inside a wheel, which must be distributed with it."""
+"""What a wheel says about the libraries inside: their licences, and a bill of materials in CycloneDX."""
 
+import json
+import re
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from .environments import Environment
+from .cross_libraries import LIBRARIES, pinned
+from .environments import REQUIREMENTS, Environment
+from .places import version
+from .shell import said
 
 COMPILED_IN = ("libeigen3-dev", "libcgal-dev", "libboost-dev")
 NAME = "licenses/THIRD_PARTY.txt"
+BILL = "sboms/sinew_native.cdx.json"  # where PEP 770 looks for it
+# By the name of the licence's file: what the library is called, and the licence of what is linked of it.
+KNOWN = {
+    "gcc-mingw-w64-base": ("GCC runtime", "GPL-3.0-or-later WITH GCC-exception-3.1"),
+    "libboost-dev": ("Boost", "BSL-1.0"),
+    "libc++": ("libc++", "Apache-2.0 WITH LLVM-exception"),
+    "libcgal-dev": ("CGAL", "GPL-3.0-or-later AND LGPL-3.0-or-later"),
+    "libeigen3-dev": ("Eigen", "MPL-2.0"),
+    "libosd-dev": ("opensubdiv", "LicenseRef-Pixar-Modified-Apache-2.0"),
+    "libsuitesparse-dev": ("suitesparse", "LGPL-2.1-or-later AND GPL-2.0-or-later AND BSD-3-Clause"),
+    "libtbb-dev": ("onetbb", "Apache-2.0"),
+    "mingw-w64-x86-64-dev": ("mingw-w64", "ZPL-2.1"),
+    "pybind11": ("pybind11", "BSD-3-Clause"),
+    "zig": ("zig", "MIT"),
+}
+NUMBER = re.compile(r"\d+(?:\.\d+){1,2}")
+METIS = {"type": "library", "name": "METIS", "version": "5.1.0", "licenses": [{"expression": "Apache-2.0"}]}
 
 
 def notices(files: dict[str, bytes], licences: Mapping[str, Path], builder: Environment) -> dict[str, bytes]:
-    """These licences, those of the packages with headers, and that of pybind11, as one text."""
+    """These licences, those of the packages with headers, and that of pybind11, as one text; and the bill."""
     folder = next(name for name in files if name.endswith(".dist-info/RECORD")).removesuffix("RECORD")
     pybind11 = next(builder.site_packages.glob("pybind11-*.dist-info/**/LICENSE"))
-    return {folder + NAME: _text({**licences, **of_packages(COMPILED_IN), "pybind11": pybind11}).encode()}
+    inside = {**licences, **of_packages(COMPILED_IN), "pybind11": pybind11}
+    return {folder + NAME: _text(inside).encode(), folder + BILL: bill(inside).encode()}
+
+
+def bill(names: Iterable[str]) -> str:
+    """The libraries with their versions and licences, as CycloneDX 1.6."""
+    parts = [_component(name) for name in sorted(names)]
+    parts += [METIS] if any(part["name"] == "suitesparse" for part in parts) else []
+    whole = {"type": "library", "bom-ref": "sinew_native", "name": "sinew_native", "version": version()}
+    whole["licenses"] = [{"expression": "GPL-3.0-or-later"}]
+    stated = {"bomFormat": "CycloneDX", "specVersion": "1.6", "version": 1}
+    return json.dumps({**stated, "metadata": {"component": whole}, "components": parts}, indent=1) + "\n"
+
+
+def _component(name: str) -> dict[str, object]:
+    if name not in KNOWN:
+        raise SystemExit(f"{name} is linked, and tools/workshop/notices.py knows no licence of it")
+    title, licence = KNOWN[name]
+    found = {"type": "library", "name": title, "version": _version(name, title)}
+    return found | {"licenses": [{"expression": licence}]}
+
+
+def _version(name: str, title: str) -> str:
+    """That of the pinned sources or packages of Python; else of Debian's package, which has the headers."""
+    for row in pinned(LIBRARIES / "sources.txt"):
+        if row.package == title:
+            return NUMBER.search(row.archive)[0]
+    pins = "".join(path.read_text(encoding="utf-8") for path in sorted(REQUIREMENTS.glob("*.txt")))
+    python = {"libc++": "ziglang", "zig": "ziglang"}.get(name, name)  # zig brings its libc++ along
+    if found := re.search(rf"^{re.escape(python)}==(\S+)", pins, flags=re.M):
+        return found[1]
+    return NUMBER.search(said(["dpkg-query", "--show", "--showformat=${Version}", name]))[0]
 
 
 def of_packages(names: Iterable[str]) -> dict[str, Path]:

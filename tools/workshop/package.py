@@ -23,7 +23,7 @@ from . import cross_wheels, environments, wheels
 from .archives import read_zip, write_zip
 from .dev import build_tree
 from .environments import Environment
-from .places import ADDON, BUILD, DEV_MODULE, DIST, ROOT, version
+from .places import ADDON, BUILD, DEV_MODULE, DIST, ROOT, address, exists, version
 from .shell import must, one_at_a_time, say
 from .site import manual_files
 
@@ -69,7 +69,9 @@ def legacy_files(native: dict[str, bytes], manual: dict[str, bytes]) -> dict[str
 
 
 def filled_manifest(text: str, wheel_names: list[str]) -> str:
-    """The manifest with the ``wheels`` and ``platforms`` of the wheels that are packed."""
+    """The manifest with the ``wheels`` and ``platforms`` of the wheels that are packed, and the website."""
+    if exists(address()):
+        text = re.sub(r"^(?=id\s*=)", f'website = "{address()}"\n', text, count=1, flags=re.M)
     values = {
         "platforms": sorted({_platform(name) for name in wheel_names}),
         "wheels": [f"./wheels/{name}" for name in wheel_names],
@@ -102,14 +104,19 @@ def pack(target: Path, files: dict[str, bytes]) -> Path:
     return target
 
 
-def validate(extension: Path, blender: Environment) -> None:
-    """Lets a Blender check an extension, if that Blender is set up (``tools/setup tests``)."""
+def extension_tool(blender: Environment) -> Path | None:
+    """Blender's own command for extensions, if that Blender is set up (``tools/setup tests``)."""
     scripts = "lib/python3*/site-packages/bpy/*/scripts/addons_core/bl_pkg/cli"
-    tools = sorted(blender.folder.glob(f"{scripts}/blender_ext.py"))
-    if not tools:
+    return next(blender.folder.glob(f"{scripts}/blender_ext.py"), None)
+
+
+def validate(extension: Path, blender: Environment) -> None:
+    """Lets a Blender check an extension, if that Blender is set up."""
+    tool = extension_tool(blender)
+    if not tool:
         say(f"{extension.name} was not validated: {blender.folder.relative_to(ROOT)} is not set up")
         return
-    must([blender.python, tools[0], "validate", f"--valid-tags={TAGS}", extension], quiet=True)
+    must([blender.python, tool, "validate", f"--valid-tags={TAGS}", extension], quiet=True)
     say(f"{extension.name} passes the validation of {blender.name}")
 
 

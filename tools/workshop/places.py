@@ -2,7 +2,9 @@
 """The folders of a checkout, and its version."""
 
 import re
+import tomllib
 from pathlib import Path
+from urllib.parse import urlsplit
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / ".build"
@@ -32,3 +34,13 @@ def version(root: Path = ROOT) -> str:
     if found is None:
         raise SystemExit("CMakeLists.txt states no project(sinew VERSION x.y.z)")
     return found.group(1)
+
+
+def address() -> str:
+    """Where people get Sinew, as pyproject.toml states; one that ends in ``.invalid`` does not exist."""
+    stated = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    return stated["project"]["urls"]["Homepage"].rstrip("/")
+
+
+def exists(address: str) -> bool:
+    return not (urlsplit(address).hostname or ".invalid").endswith(".invalid")

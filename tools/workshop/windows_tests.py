@@ -8,6 +8,7 @@ import os
 import re
 import shlex
 import shutil
+import subprocess
 from pathlib import Path
 
 from . import cross_wheels, environments, wine
@@ -20,7 +21,7 @@ from .dev import build_tree
 from .package import extension_files, package
 from .places import BUILD, DEV_MODULE, ROOT, version
 from .results import Outcome, outcome
-from .shell import jobs, must, one_at_a_time, run
+from .shell import environment, jobs, must, one_at_a_time, run
 from .site import manual_files
 from .suites import OPTIONS, RESULTS, emptied, files, googletest, new_junit
 from .windows_libraries import WINDOWS
@@ -169,6 +170,19 @@ def in_blender(version: str, tests: tuple[str, ...], timeout: float, further: di
     junit = new_junit(name)
     command = [python_with_blender(version), RUN_PYTEST, "--", *tests, *OPTIONS, f"--junitxml=Z:{junit}"]
     return outcome(junit, wine.run_in_windows(command, env=env, timeout=timeout))
+
+
+def said_by_blender(system: str, version: str, words: list[str | Path], folder: Path) -> str:
+    """What a new Blender of a system says while it runs a program. The last argument is ``folder``, which
+    holds the folder of its user."""
+    drive, user = ("Z:" if system == "windows" else ""), folder / "user"
+    env = {"BLENDER_USER_RESOURCES": f"{drive}{user}", "NO_PROXY": "127.0.0.1"}
+    words = [*words, f"{drive}{folder}"]
+    if system == "windows":
+        return wine.said_in_windows([python_with_blender(version), *words], env, timeout=600)
+    command = list(map(str, [environments.blender(version).make().python, *words]))
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
+    return subprocess.run(command, env=environment(env), timeout=300, check=False, **pipes).stdout
 
 
 @one_at_a_time()

@@ -3,7 +3,6 @@
 
 from bpy.types import Context, Object, UILayout
 
-from ...backend import availability
 from ...core.tasks import Task, suggested
 from ...core.traits import PLAIN, Trait
 from ...ids import Operators
@@ -14,7 +13,7 @@ from ...session.datablocks.traits import traits_of
 from ...session.targets import targets
 from ..layouts import Button
 from ..pose import draw_drag
-from ..status_box import NATIVE_MISSING, draw_message, draw_progress
+from ..status_box import draw_message, draw_progress, without_native
 from ..text import draw_text
 from ..try_it import draw_offer
 from .strays import draw_strays
@@ -49,8 +48,9 @@ def page(context: Context) -> str:
 def draw(context: Context, layout: UILayout) -> None:
     """Draw what the object is, and what can be done with it."""
     obj = target_of(context)
-    if availability().module is None:
-        draw_message(context, layout, NATIVE_MISSING)
+    missing = without_native()
+    if missing is not None:
+        draw_message(context, layout, missing)
     draw_strays(context, layout, obj)
     work = making.cage_work(obj.name)
     if work is not None:

@@ -4,6 +4,7 @@
 import fnmatch
 import platform
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -82,6 +83,22 @@ def test_a_zip_for_another_system_is_named(monkeypatch, tmp_path: Path, folder: 
     remedy = refused(monkeypatch, ModuleNotFoundError("sinew_native")).remedy
     assert f"the installed zip holds {name}." in remedy
     assert remedy.endswith(f"Install the Sinew zip for this Blender, which holds {loader.wheel_name()}")
+
+
+def test_a_wheel_that_blender_did_not_install_is_unpacked(monkeypatch, tmp_path: Path):
+    monkeypatch.setattr(loader, "_ADDON", tmp_path / "repository" / "sinew")
+    monkeypatch.setattr(loader, "_WHEELS", tmp_path)
+    folder = tmp_path / ".local" / "lib" / f"python3.{sys.version_info.minor}" / "site-packages"
+    folder.mkdir(parents=True)
+    monkeypatch.syspath_prepend(str(folder))
+    import_module = loader.importlib.import_module
+    monkeypatch.setattr(loader.importlib, "import_module", lambda _name: import_module("sinew_late"))
+    wheel = tmp_path / f"{loader.wheel_name().replace('*', 'x')}.whl"
+    wheel.write_bytes(b"damaged")
+    assert "has not installed" in loader.load().remedy
+    with zipfile.ZipFile(wheel, "w") as archive:
+        archive.writestr("sinew_late.py", f"__version__ = {loader.VERSION!r}")
+    assert loader.load().module.__version__ == loader.VERSION
 
 
 def test_a_wheel_that_blender_did_not_install_is_named(monkeypatch, tmp_path: Path):

@@ -134,11 +134,13 @@ def look(fault):
     for loaded in [loaded for loaded in sys.modules if loaded.startswith(addon)]:
         del sys.modules[loaded]
 
+addon_utils.enable(addon, default_set=True)  # Blender looks at the wheels of a new folder
+addon_utils.disable(addon)
 module.replace(kept)
-look("missing")
 legacy, wheels = addon_folder / "_native", addon_folder / "wheels"
 for fitting in wheels.glob("*.whl"):
     fitting.rename(fitting.with_suffix(".kept"))
+look("missing")
 other = legacy / "sinew_native.cp399-win_amd64.pyd"
 if not legacy.is_dir():
     other = wheels / "sinew_native-0-cp399-cp399-win_amd64.whl"

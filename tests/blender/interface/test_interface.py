@@ -200,8 +200,7 @@ def test_without_the_native_module_the_panel_leads_to_the_preferences(plate: Rig
     if bound:
         plate.bind()
     missing = inner.backend.Availability(None, "Install a wheel")
-    for name in ("ui.situations.start", "ui.status_box"):
-        monkeypatch.setattr(room(name), "availability", lambda: missing)
+    monkeypatch.setattr(room("ui.status_box"), "availability", lambda: missing)
     sheet = draw_panel()
     assert "preferences.addon_show" in sheet.operator_names()
     assert "native module" in sheet.texts()
