@@ -38,5 +38,6 @@ from .mesh import (
 )
 from .modifiers import move_modifier as move_modifier
 from .nodes import enabled_socket as enabled_socket
+from .paths import beside_the_file as beside_the_file
 from .shape_keys import read_key as read_key, remove_data as remove_data, write_key as write_key
 from .translation import told as told

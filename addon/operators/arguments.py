@@ -4,8 +4,9 @@
 from collections.abc import Callable, Iterable
 from typing import Any
 
-from bpy.props import EnumProperty, FloatProperty, IntProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
+from ..compat import beside_the_file
 from ..core.labels import items_of
 from ..core.methods import BY_ID, METHODS, Method
 from ..properties import field
@@ -23,6 +24,12 @@ def once(kind: Callable, **details: Any) -> field:
 def given(kind: Callable, **details: Any) -> field:
     """The same, for what only buttons and scripts say: it is not shown."""
     return field(kind, options={"HIDDEN", "SKIP_SAVE"}, **details)
+
+
+def file_path(name: str, description: str) -> Any:
+    """A file, from the root of a disk or, after ``//``, from the folder of the .blend file."""
+    options = {"SKIP_SAVE"} | beside_the_file()
+    return field(StringProperty, subtype="FILE_PATH", options=options).named(name, description)
 
 
 def row_index(description: str, **details: Any) -> Any:

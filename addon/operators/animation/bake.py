@@ -8,7 +8,7 @@ from bpy.types import Context, Event, Object, Operator
 from ... import bake
 from ...ids import Operators
 from ...properties import BAKE_TARGETS, SinewDeformer, field
-from ..arguments import once
+from ..arguments import file_path, once
 from ..frame_by_frame import FrameByFrame
 from ..offered import OnDeformer
 from ..reporting import reports_errors
@@ -48,7 +48,7 @@ class SINEW_OT_bake(OnDeformer, FrameByFrame, Operator):
         "Target",
         "Choose what the shapes are written to; use caches for long shots and shape keys for single poses",
     )
-    filepath: once(StringProperty, subtype="FILE_PATH").named(
+    filepath: file_path(
         "Path", "Choose the file to write; if empty, a file in the folder sinew_cache beside the .blend file"
     )
     all_deformers: BoolProperty(**_ALL)
@@ -184,7 +184,7 @@ class SINEW_OT_bake_find(OnDeformer, Operator):
     bl_idname = Operators.BAKE_FIND
     bl_label = "Find File"
 
-    filepath: once(StringProperty, subtype="FILE_PATH").named("Path", "Choose the file to play")
+    filepath: file_path("Path", "Choose the file to play")
     filter_glob: StringProperty(default="*.pc2;*.mdd", options={"HIDDEN", "SKIP_SAVE"})
 
     @classmethod

@@ -8,7 +8,7 @@ from bpy.types import Context, Event, Object, Operator
 from ... import bake
 from ...core.errors import SinewError
 from ...ids import Operators
-from ..arguments import once
+from ..arguments import file_path, once
 from ..frame_by_frame import FrameByFrame
 from ..offered import Offered
 from ..target import LINKED
@@ -29,7 +29,7 @@ class SINEW_OT_transfer_deformation(Offered, FrameByFrame, Operator):
         "Source",
         "Give the name of the mesh object that is deformed already; if empty, the other selected one",
     )
-    filepath: once(StringProperty, subtype="FILE_PATH").named(
+    filepath: file_path(
         "Path", "Choose the PC2 file to write; if empty, one in the folder sinew_cache beside the .blend file"
     )
 

@@ -51,7 +51,7 @@ def test_a_bake_in_a_folder_of_any_name_plays_before_and_after_loading(moving: R
 
 @pytest.mark.parametrize("target", CACHES)
 def test_a_chosen_path_beside_the_file_has_the_slashes_of_every_system(
-    saved: Rig, tmp_path: Path, target: str
+    saved: Rig, tmp_path: Path, target: str, recwarn: pytest.WarningsRecorder
 ) -> None:
     name = f"plate.{target.lower()}"
     for chosen in (tmp_path / "shot" / "Große Cäche" / name, f"//Große Cäche{os.sep}{name}"):
@@ -63,6 +63,7 @@ def test_a_chosen_path_beside_the_file_has_the_slashes_of_every_system(
         assert stored == {f"//Große Cäche/{name}"}
         assert (tmp_path / "shot" / "Große Cäche" / name).is_file()
         bpy.ops.sinew.unbake()
+    assert not recwarn.list
 
 
 def test_a_path_by_another_way_to_the_folder_of_the_file_is_relative_to_it(moving: Rig, tmp_path: Path):
