@@ -95,13 +95,21 @@ def in_python(timeout: float, name: str, *options: str, qemu: bool = False) -> O
 
 def source(timeout: float) -> Outcome:
     """A core of the tests of the bindings, on what pip builds from the source archive in an empty folder."""
-    debian.install(debian.BUILD)
+    build_tree("dev", "sinew_native")
     folder = emptied(BUILD / "source")
     with tarfile.open(source_archive(folder)) as archive:
         archive.extractall(folder)
     unpacked, installed = next(folder.glob("sinew_native-*/")), folder / "installed"
     pip = [environments.build().make().python, "-m", "pip", "install", "--quiet", "--no-deps", "--target"]
-    compiler = {"CMAKE_CXX_COMPILER_LAUNCHER": "ccache"}
+    compiler = {  # named as in the developer's tree, so that ccache knows what it has compiled there
+        "CC": "gcc",
+        "CXX": "g++",
+        "CMAKE_CXX_COMPILER_LAUNCHER": "ccache",
+        "CCACHE_DIR": BUILD / "ccache",
+        "CCACHE_BASEDIR": unpacked,
+        "CCACHE_NOHASHDIR": "1",
+        "CCACHE_SLOPPINESS": "pch_defines,time_macros",
+    }
     must([*pip, installed, "--no-build-isolation", unpacked], cwd=folder, env=compiler, quiet=True)
     junit = new_junit("source")
     tests = [next(windows_tests.BINDINGS.rglob(name)) for name in windows_tests.CORE_BINDINGS]
