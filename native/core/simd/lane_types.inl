@@ -23,26 +23,28 @@ struct LanesOf;
 template <int count>
 struct LanesOf<double, count>
 {
-    typedef double type __attribute__((vector_size(8 * count), aligned(8)));
+    typedef double type __attribute__((vector_size(8 * count)));
 };
 template <int count>
 struct LanesOf<float, count>
 {
-    typedef float type __attribute__((vector_size(4 * count), aligned(4)));
+    typedef float type __attribute__((vector_size(4 * count)));
 };
 template <class T>
 using Lanes = typename LanesOf<T, lane_count>::type;
 using FourLanes = LanesOf<double, 4>::type;
 
 template <class T>
-inline Lanes<T> load(const T* from)
+inline Lanes<T> load(const T* from) // which is aligned for a number, not for lanes
 {
-    return *reinterpret_cast<const Lanes<T>*>(from);
+    Lanes<T> lanes;
+    __builtin_memcpy(&lanes, from, sizeof lanes);
+    return lanes;
 }
 template <class T>
 inline void store(T* to, Lanes<T> lanes)
 {
-    *reinterpret_cast<Lanes<T>*>(to) = lanes;
+    __builtin_memcpy(to, &lanes, sizeof lanes);
 }
 
 #ifndef SINEW_EIGHT_LANES
