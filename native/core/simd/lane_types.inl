@@ -41,8 +41,8 @@ inline Lanes<T> load(const T* from) // which is aligned for a number, not for la
     __builtin_memcpy(&lanes, from, sizeof lanes);
     return lanes;
 }
-template <class T>
-inline void store(T* to, Lanes<T> lanes)
+template <class T, class Vector>
+inline void store(T* to, Vector lanes)
 {
     __builtin_memcpy(to, &lanes, sizeof lanes);
 }
@@ -105,9 +105,9 @@ inline void store_points(double* points, Lanes<double> x, Lanes<double> y, Lanes
         const FourLanes uv = __builtin_shufflevector(u, v, 0, 4, 1, 5),
                         vw = __builtin_shufflevector(v, w, 1, 5, 2, 6),
                         wu = __builtin_shufflevector(w, u, 2, 7, 3, 3);
-        *reinterpret_cast<FourLanes*>(to) = __builtin_shufflevector(uv, w, 0, 1, 4, 2);
-        *reinterpret_cast<FourLanes*>(to + 4) = __builtin_shufflevector(vw, u, 0, 1, 6, 2);
-        *reinterpret_cast<FourLanes*>(to + 8) = __builtin_shufflevector(wu, v, 0, 1, 7, 2);
+        store(to, __builtin_shufflevector(uv, w, 0, 1, 4, 2));
+        store(to + 4, __builtin_shufflevector(vw, u, 0, 1, 6, 2));
+        store(to + 8, __builtin_shufflevector(wu, v, 0, 1, 7, 2));
     };
 #ifdef SINEW_EIGHT_LANES
     const auto low = [](Lanes<double> a) { return __builtin_shufflevector(a, a, 0, 1, 2, 3); };
@@ -138,7 +138,7 @@ inline void store_rows(double* rows, int stride, Lanes<double> a, Lanes<double> 
         transpose(p, q, r, s);
         const FourLanes lines[4] = {p, q, r, s};
         for (int k = 0; k < 4; ++k)
-            *reinterpret_cast<FourLanes*>(to + k * stride) = lines[k];
+            store(to + k * stride, lines[k]);
     };
 #ifdef SINEW_EIGHT_LANES
     const auto low = [](Lanes<double> x) { return __builtin_shufflevector(x, x, 0, 1, 2, 3); };
