@@ -79,7 +79,7 @@ template <class Value>
 std::vector<Value> per_tool(std::vector<Value> values, std::size_t tools, const char* name)
 {
     if (values.size() == 1)
-        values.assign(tools, values.front());
+        values.resize(tools, values.front());
     if (values.size() != tools)
         throw InvalidOption(std::string(name) + ": give one value, or one for each of the " +
                             std::to_string(tools) + " tools");

@@ -26,7 +26,7 @@ std::vector<double> per_curve(std::vector<double> values, std::size_t curves, co
                               double most)
 {
     if (values.size() == 1)
-        values.assign(curves, values.front());
+        values.resize(curves, values.front());
     if (values.size() != curves)
         throw InvalidOption(std::string(name) + ": give one number, or one for each of the " +
                             std::to_string(curves) + " curves");
