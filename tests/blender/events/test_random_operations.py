@@ -489,7 +489,8 @@ class Artist(Sequence):
 def test_any_sequence_of_operations_shows_what_the_properties_ask_for():
     Artist.unsure = Artist.warped = 0
     run_sequences(Artist, SEQUENCES, STEPS)
-    if SEQUENCES >= 50:  # the first dozens are short, and tell little of how much the test looks at
+    many = SEQUENCES >= 50  # the first dozens are short, and their shares vary: once 20 % could not be told
+    assert Artist.unsure < (0.2 if many else 0.3) * Artist.checked
+    if many:
         assert Artist.checked > 0.4 * STEPS * SEQUENCES
         assert Artist.warped > 0.1 * STEPS * SEQUENCES
-        assert Artist.unsure < 0.2 * Artist.checked
