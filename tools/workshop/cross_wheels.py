@@ -5,10 +5,10 @@ import re
 import shutil
 import tempfile
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from . import environments
+from . import environments, zig
 from .archives import read_folder, write_wheel
 from .cross_libraries import System, libraries
 from .dev import types
@@ -36,10 +36,10 @@ class Target:
     platform: str  # as in the names of wheels
     suffix: str  # of the module's file, with {minor} for that of Python
     inputs: tuple[str, ...]
-    licences: Callable[[], dict[str, Path]]  # of what is linked into the module, by its name
-    python: Callable[[int], list[str]]  # further settings of CMake for Python 3.minor
     check_module: Callable[[Path, int], None]  # ends the tool if the system could not load the module
     check_wheel: Callable[[Path, int], None]
+    python: Callable[[int], list[str]] = lambda minor: []  # further settings of CMake for Python 3.minor
+    licences: dict[str, Path] = field(default_factory=dict)  # of what this system alone links into the module
 
 
 def build_wheels(target: Target, for_programs: bool = False) -> list[Path]:
@@ -57,7 +57,7 @@ def are_built(target: Target) -> bool:
 def _wheel(target: Target, builder: Environment, minor: int) -> tuple[Path, Stamp]:
     """Where the wheel for one Python is, and the stamp of what it is made from."""
     tag = f"cp3{minor}"
-    inputs = [ROOT / name for name in (*INPUTS, *target.inputs)]
+    inputs = [*(ROOT / name for name in (*INPUTS, *target.inputs)), *target.system.inputs]
     made_from = fingerprint(inputs, str(builder.interpreter))
     stamp = Stamp(WHEELS / f"{tag}-{target.platform}.made-from", made_from)
     return WHEELS / f"sinew_native-{version()}-{tag}-{tag}-{target.platform}.whl", stamp
@@ -85,7 +85,7 @@ def build_wheel(target: Target, builder: Environment, minor: int) -> Path:
     about = next(name for name in files if name.endswith(".dist-info/WHEEL"))
     files[about] = re.sub(rb"(?m)^Tag: .*$", f"Tag: {tag}-{tag}-{target.platform}".encode(), files[about])
     files[about.replace("WHEEL", "RECORD")] = b""
-    write_wheel(wheel, files | notices(files, target.licences(), builder))
+    write_wheel(wheel, files | notices(files, zig.licences() | target.licences, builder))
     target.check_wheel(wheel, minor)
     stamp.write()
     return wheel

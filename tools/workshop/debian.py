@@ -10,7 +10,6 @@ COMPILERS = (*PYTHON, "python3.11-dev", "g++", "cmake", "ninja-build", "ccache",
 # The serial build of OpenBLAS is not thread-safe, and its OpenMP build is far too slow.
 ALGEBRA = ("libsuitesparse-dev", "libopenblas-pthread-dev", "libeigen3-dev")
 BUILD = (*COMPILERS, *ALGEBRA, "libtbb-dev", "libgtest-dev", "libosd-dev", "libcgal-dev")
-WINDOWS = ("g++-mingw-w64-x86-64-posix", "mingw-w64-tools")  # compilers for Windows, and gendef
 WINE = ("wine", "wine64")  # runs Windows' programs
 QEMU = ("qemu-user-static",)  # runs Linux's programs for other processors
 GOOGLETEST = ("googletest",)  # its sources

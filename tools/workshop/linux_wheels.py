@@ -12,17 +12,12 @@ from pathlib import Path
 from . import environments, zig
 from .archives import unpack
 from .cross_wheels import Target
-from .notices import of_packages
 from .places import PYTHON311
 from .shell import must, said, say
 
 GLIBC = (2, 28)
 SYSTEM = zig.system("linux", "Linux", f"x86_64-linux-gnu.{GLIBC[0]}.{GLIBC[1]}")
-INPUTS = (
-    "tools/requirements/zig.txt",
-    "tools/workshop/linux",
-    *(f"tools/workshop/{name}.py" for name in ("linux_wheels", "zig")),
-)
+INPUTS = ("tools/workshop/linux", "tools/workshop/linux_wheels.py")
 OF_LINUX = re.compile(r"lib(c|m|dl|rt|pthread)\.so\.\d|ld-linux-x86-64\.so\.2")
 CHECK = Path(__file__).parent / "inside" / "check_module.py"
 
@@ -65,17 +60,11 @@ def check_wheel(wheel: Path, minor: int) -> None:
         say(f"{wheel.name} works in {blender}")
 
 
-def licences() -> dict[str, Path]:
-    return of_packages(("libosd-dev", "libsuitesparse-dev", "libtbb-dev")) | zig.licences()
-
-
 TARGET = Target(
     system=SYSTEM,
     platform=f"manylinux_{GLIBC[0]}_{GLIBC[1]}_x86_64",
     suffix=".cpython-3{minor}-x86_64-linux-gnu.so",
     inputs=INPUTS,
-    licences=licences,
-    python=lambda minor: [],
     check_module=check_module,
     check_wheel=check_wheel,
 )

