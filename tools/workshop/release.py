@@ -20,9 +20,10 @@ from pathlib import Path
 from . import cross_wheels, environments
 from .package import extension_tool, package
 from .places import DIST, ROOT, address, exists, version
-from .shell import must, say
+from .shell import git, must, say
+from .site import write_site
 from .suites import emptied
-from .wheels import TARGETS
+from .wheels import TARGETS, name_what_is_missing
 
 RELEASE = DIST / "release"
 PAGE = Path(__file__).parent / "inside" / "repository.html"
@@ -37,16 +38,19 @@ runpy.run_path(sys.argv[0], run_name="__main__")
 
 
 def release(channels: Iterable[str]) -> Path:
+    news = notes(changelog(), version())
+    environments.newest_blender().make()  # validates and lists the extensions
     folder = emptied(RELEASE)
-    site(folder)
+    shutil.copytree(write_site(), folder, dirs_exist_ok=True)  # whose first page is that of the folder
     zips = [package(system) for system in TARGETS]
     for channel in channels:
         repository(folder / channel, [extension for extension, _legacy in zips])
     copy([legacy for _extension, legacy in zips], folder / "legacy")
     wheels = [wheel for target in TARGETS.values() for wheel in cross_wheels.build_wheels(target, True)]
+    name_what_is_missing()
     copy(wheels, folder / "python")
     source_archive(folder / "python")
-    (folder / "NOTES.md").write_text(notes(changelog(), version()), encoding="utf-8")
+    (folder / "NOTES.md").write_text(news, encoding="utf-8")
     (folder / "SHA256SUMS").write_text(sums(folder), encoding="utf-8")
     return folder
 
@@ -67,14 +71,6 @@ def source_archive(folder: Path) -> Path:
     options = ["--sdist", "--no-isolation", "--outdir", folder]
     must([builder.python, "-m", "build", *options, ROOT], quiet=True)
     return next(folder.glob("sinew_native-*.tar.gz"))
-
-
-def site(folder: Path) -> None:
-    """The site, whose first page is that of the folder."""
-    command = ROOT / "tools" / "site"
-    if command.is_file():
-        must([command])
-        shutil.copytree(DIST / "site", folder, dirs_exist_ok=True)
 
 
 def copy(files: Iterable[Path], folder: Path) -> None:
@@ -115,10 +111,15 @@ def refusal(place: str, text: str, channels: Iterable[str]) -> str:
     """Why what is here must not be published; empty if it may."""
     if not exists(place):
         return (
-            f"Nothing can be published yet: pyproject.toml says that Sinew is at {place}, a place that does "
-            "not exist. Set Homepage under [project.urls] to the address of the host, or look at the folder "
-            "by tools/release --preview"
+            f"Nothing can be published yet: pyproject.toml says that Sinew is at '{place}', which is no "
+            "address on the web. Set Homepage under [project.urls] to the address of the host, or look at "
+            "the folder by tools/release --preview"
         )
+    tag = f"v{version()}"
+    if git("tag", "--list", tag) and git("rev-list", "--max-count=1", tag) != git("rev-parse", "HEAD"):
+        return f"Another commit was published as {tag}: state the next version in CMakeLists.txt"
+    if changes := git("status", "--porcelain"):
+        return f"What is published is a commit, which lacks these changes:\n{changes}"
     if "stable" in channels and unreleased(text):
         return (
             "CHANGELOG.md has entries under Unreleased: put them under the next version, "
