@@ -21,12 +21,12 @@ PAGES = Path(__file__).parent / "pages"
 REQUIREMENTS = environments.REQUIREMENTS / "site.txt"
 MANUAL_MADE = BUILD / "manual"
 LEFT_OUT = (
-    "404.html",
+    "404.html",  # this and the next need an address
     "sitemap.*",
     "**/*.map",
-    "assets/javascripts/lunr",
-)  # needs an address; other languages
-OF_SERVERS = "search/search_index.json"  # which browsers do not read from a disk
+    "assets/javascripts/lunr",  # other languages than English
+)
+OF_SERVERS = "search/search_index.json"  # browsers do not read it from a disk
 # How pybind11 writes what a reader calls int and float.
 PLAIN = {
     "typing.SupportsFloat | typing.SupportsIndex": "float",
