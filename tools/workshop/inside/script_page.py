@@ -102,7 +102,8 @@ def functions(native) -> Iterator[str]:
     yield from ("", "## The module", "")
     for name, function in sorted(vars(native).items()):
         if inspect.isroutine(function):
-            sentence = re.split(r"[.:]\s", inspect.getdoc(function).partition("\n")[2].strip())[0]
+            text = inspect.getdoc(function).partition("\n")[2].strip()
+            sentence = re.split(r"(?<!Eq)\.(?:\s|$)|\n\n", text)[0]
             yield f"- `sn.{signature(name, function)}`: {' '.join(sentence.split())}."
     for path in IN_FULL.split():
         thing = attrgetter(path)(native)
