@@ -13,7 +13,7 @@ from . import environments
 from .archives import read_folder
 from .dev import types
 from .native_pages import write_native_pages
-from .places import BUILD, DIST, MANUAL, METHODS, ROOT, version
+from .places import BUILD, DIST, MANUAL, METHODS, ROOT, address, exists, version
 from .shell import Stamp, fingerprint, must, one_at_a_time, say
 
 SITE = DIST / "site"
@@ -60,6 +60,7 @@ def write_site() -> Path:
             api="true",
             types=folder,
             headers=Path(folder) / "native",
+            host=address() if exists(address()) else "",
         )
     return SITE
 
