@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Leaves one folder for any static host, ``dist/release``:
+"""Writes the folder that a static web host shows, ``dist/release``:
 
 ``stable/``, ``latest/``  a repository of extensions each, with links that can be dragged into Blender
 ``legacy/``               the zips for Blender before 4.2
@@ -7,7 +7,7 @@
 ``NOTES.md``, ``SHA256SUMS``, and the site
 
 With ``--latest``, ``stable/`` is left out, so that a host keeps what it has there. Each version that is
-published has a number of its own: Blender keeps a compiled module whose version it has.
+published needs a number of its own: Blender does not replace a compiled module of the same version.
 """
 
 import argparse
@@ -131,7 +131,7 @@ def refusal(place: str, text: str, channels: Iterable[str]) -> str:
 def main() -> None:
     as_it_is = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(prog="tools/release", description=__doc__, formatter_class=as_it_is)
-    parser.add_argument("--latest", action="store_true", help="leave the channel stable out")
+    parser.add_argument("--latest", action="store_true", help="leave out the channel stable")
     about = "make the folder although it must not be published yet"
     parser.add_argument("--preview", action="store_true", help=about)
     options = parser.parse_args()

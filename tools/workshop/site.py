@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writes the site into `dist/site`: manual, methods, gallery, the library in Python and C++, for developers.
 
-It needs no network, neither on a server nor opened from a disk. The zips hold its manual and its methods.
+Its pages need no network, and no server: they can be opened from a disk. The zips hold its manual and its
+methods.
 """
 
 import argparse
