@@ -11,6 +11,7 @@ import platform
 import sys
 import traceback
 import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -102,7 +103,7 @@ def _unpack_wheel() -> bool:
     try:
         with zipfile.ZipFile(wheels[0]) as archive:
             archive.extractall(folder)
-    except (OSError, zipfile.BadZipFile):
+    except (OSError, zipfile.BadZipFile, zlib.error):
         return False
     importlib.invalidate_caches()
     return True
