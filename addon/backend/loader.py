@@ -102,6 +102,8 @@ def _unpack_wheel() -> bool:
         return False
     try:
         with zipfile.ZipFile(wheels[0]) as archive:
+            for name in archive.namelist():
+                archive.read(name)  # a damaged one ends this before anything is written
             archive.extractall(folder)
     except (OSError, zipfile.BadZipFile, zlib.error):
         return False
