@@ -37,12 +37,15 @@ def released(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Callable[..., l
 @pytest.mark.parametrize(
     "address", ["https://sinew.invalid", "https://sinew.invalid:80/x", "sinew.example", "https://[x", ""]
 )
-def test_nothing_is_published_without_an_address(released: Callable, address: str) -> None:
+def test_nothing_is_published_without_an_address(
+    released: Callable, address: str, capsys: pytest.CaptureFixture
+) -> None:
     with pytest.raises(SystemExit) as refused:
         released(address, "")
     words = rf"'{re.escape(address)}', which .*Set Homepage under \[project.urls\].*--preview"
     assert re.search(words, str(refused.value))
     assert released(address, "", "--preview") == ["stable", "latest"]
+    assert "is ready. Nothing can be published yet" in capsys.readouterr().out
 
 
 def test_an_address_that_nothing_states_is_none(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -68,11 +71,11 @@ def test_a_commit_is_published_and_its_version_once(released: Callable, tmp_path
     git("tag", f"v{places.version()}")
     assert released(HOST, "") == ["stable", "latest"]  # as the workflow does for a tag
     (tmp_path / "new.py").touch()
-    with pytest.raises(SystemExit, match=r"lacks these changes:\n\?\? new.py"):
+    with pytest.raises(SystemExit, match=r"before these changes are committed:\n\?\? new.py"):
         released(HOST, "")
     git("add", "new.py")
     git("commit", "--quiet", "--message=two")
-    with pytest.raises(SystemExit, match=f"published as v{places.version()}: state the next version"):
+    with pytest.raises(SystemExit, match=f"another commit is v{places.version()}. State the next version"):
         released(HOST, "")
 
 

@@ -112,18 +112,18 @@ def refusal(place: str, text: str, channels: Iterable[str]) -> str:
     if not exists(place):
         return (
             f"Nothing can be published yet: pyproject.toml says that Sinew is at '{place}', which is no "
-            "address on the web. Set Homepage under [project.urls] to the address of the host, or look at "
-            "the folder by tools/release --preview"
+            "address on the web. Set Homepage under [project.urls] to the address of the host. To look at "
+            "the folder before, run tools/release --preview"
         )
     tag = f"v{version()}"
     if git("tag", "--list", tag) and git("rev-list", "--max-count=1", tag) != git("rev-parse", "HEAD"):
-        return f"Another commit was published as {tag}: state the next version in CMakeLists.txt"
+        return f"Nothing can be published: another commit is {tag}. State the next version in CMakeLists.txt"
     if changes := git("status", "--porcelain"):
-        return f"What is published is a commit, which lacks these changes:\n{changes}"
+        return f"Nothing can be published before these changes are committed:\n{changes}"
     if "stable" in channels and unreleased(text):
         return (
-            "CHANGELOG.md has entries under Unreleased: put them under the next version, "
-            "or publish them by tools/release --latest"
+            "The channel stable cannot be published: CHANGELOG.md has entries under Unreleased. Put them "
+            "under the next version, or publish the channel latest alone by tools/release --latest"
         )
     return ""
 
@@ -139,4 +139,4 @@ def main() -> None:
     reason = refusal(address(), changelog(), channels)
     if reason and not options.preview:
         raise SystemExit(reason)
-    say(f"{release(channels).relative_to(ROOT)} is ready" + (", but not to be published" if reason else ""))
+    say(f"{release(channels).relative_to(ROOT)} is ready. {reason}".rstrip())
