@@ -140,8 +140,8 @@ def benchmarks(timeout: float) -> Outcome:
 
 def updates(timeout: float, system: str = "linux") -> Outcome:
     """Blenders of a system that install and update the extension from a host on this machine."""
+    environments.newest_blender().make()  # validates and lists the extensions
     package(system)
-    environments.newest_blender().make()  # lists the extensions
     if system == "linux":
         for version in environments.LONG_TERM_BLENDERS:
             environments.blender(version).make()
