@@ -4,6 +4,7 @@
 
 #include <Eigen/Geometry>
 
+#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <iostream>
@@ -24,11 +25,15 @@ sinew::SurfaceMesh read(const std::string& path)
         words >> word;
         if (word == "v") {
             sinew::Vector3& point = found.emplace_back();
-            words >> point.x() >> point.y() >> point.z();
+            if (!(words >> point.x() >> point.y() >> point.z()))
+                throw std::runtime_error(path + ": three numbers are missing in " + line);
         } else if (word == "f") {
             counts.push_back(0);
-            for (; words >> word; ++counts.back())
-                corners.push_back(std::stoi(word) - 1); // the number before the first slash
+            for (; words >> word; ++counts.back()) {
+                int corner = 0; // the number before the first slash; if there is none, that of no vertex
+                std::from_chars(word.data(), word.data() + word.size(), corner);
+                corners.push_back(corner - 1);
+            }
         }
     }
     sinew::Points points(found.size(), 3);

@@ -15,10 +15,13 @@ def read(path: str) -> tuple[np.ndarray, list[list[int]]]:
     for line in Path(path).read_text(encoding="utf-8").splitlines():
         kind, *words = line.split() or [""]
         if kind == "v":
-            points.append([float(word) for word in words[:3]])
+            x, y, z, *_colours = map(float, words)
+            points.append((x, y, z))
         elif kind == "f":
             faces.append([int(word.split("/")[0]) - 1 for word in words])
-    return np.array(points).reshape(-1, 3), faces
+    if not points:
+        raise ValueError(f"{path}: the mesh has no vertices")
+    return np.array(points), faces
 
 
 def write(path: str, positions: np.ndarray, faces: list[list[int]]) -> None:

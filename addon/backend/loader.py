@@ -11,6 +11,7 @@ import platform
 import sys
 import traceback
 import zipfile
+import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType
@@ -101,8 +102,10 @@ def _unpack_wheel() -> bool:
         return False
     try:
         with zipfile.ZipFile(wheels[0]) as archive:
+            for name in archive.namelist():
+                archive.read(name)  # a damaged one ends this before anything is written
             archive.extractall(folder)
-    except (OSError, zipfile.BadZipFile):
+    except (OSError, zipfile.BadZipFile, zlib.error):
         return False
     importlib.invalidate_caches()
     return True

@@ -93,7 +93,9 @@ py::object make(const py::object& type, const std::string& id, const py::object&
     std::vector<std::string> known = arguments_of(type);
     known.erase(known.begin()); // what it is made of
     std::ranges::sort(known);
-    const std::string refusal = ": '" + id + "' has no such option, but " + listed(known);
+    const std::string refusal =
+        ": '" + id +
+        (known.empty() ? "' has no options" : "' has no such option; its options are " + listed(known));
     for (const auto& [key, value] : options)
         if (const auto name = key.cast<std::string>(); !is_among(known, name))
             throw InvalidOption(name + refusal);

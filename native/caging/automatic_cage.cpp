@@ -22,6 +22,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 namespace sinew {
@@ -168,6 +169,27 @@ void add_image(TriangleSoup& soup, int axis)
         const auto [a, b, c] = soup.triangles[t];
         soup.triangles.push_back({a + count, c + count, b + count});
     }
+}
+
+/// The soup with each place once, in the order of the places: so the numbers of vertices and faces choose
+/// nothing where several facets of the wrap are as good.
+TriangleSoup in_order(const TriangleSoup& soup)
+{
+    const auto key = [](const Vector3& p) { return std::tuple(p.x(), p.y(), p.z()); };
+    TriangleSoup sorted{soup.points, soup.triangles};
+    std::ranges::sort(sorted.points, {}, key);
+    sorted.points.erase(std::unique(sorted.points.begin(), sorted.points.end()), sorted.points.end());
+    std::vector<int> numbers;
+    for (const Vector3& p : soup.points)
+        numbers.push_back(static_cast<int>(std::ranges::lower_bound(sorted.points, key(p), {}, key) -
+                                           sorted.points.begin()));
+    for (Triangle& t : sorted.triangles) {
+        for (int& v : t)
+            v = numbers[v];
+        std::ranges::sort(t); // the wrap has no use for the side of a triangle
+    }
+    std::ranges::sort(sorted.triangles);
+    return sorted;
 }
 
 /// A cage that is finer beside details, on both sides of a mirror: how fine where, and of how many triangles.
@@ -398,10 +420,10 @@ AutomaticCage automatic_cage(const SurfaceMesh& whole, const AutomaticCageOption
         soup = soup_of(target, frame);
     }
     const auto [fineness, wanted] = finer_beside_details(options, soup, frame, axis);
-    if (axis >= 0) {
+    if (axis >= 0)
         add_image(soup, axis);
-        tree.emplace(soup.points, soup.triangles);
-    }
+    soup = in_order(soup);
+    tree.emplace(soup.points, soup.triangles);
 
     std::optional<AutomaticCage> best;
     double margin = options.margin;

@@ -62,7 +62,7 @@ def test_the_example_of_the_docstring_runs(function, first: tuple, last: tuple) 
             DEFORM,
             {"smothness": 1.0},
             sn.InvalidOption,
-            "smothness: 'arap' has no such option, but 'cells', 'm",
+            "smothness: 'arap' has no such option; its options are 'cells', 'm",
         ),
         (DEFORM, {"mesh": 1}, sn.InvalidOption, "mesh: 'arap' has no such option"),
         (
@@ -74,7 +74,12 @@ def test_the_example_of_the_docstring_runs(function, first: tuple, last: tuple) 
         (DEFORM, {"smoothness": -1.0}, sn.InvalidOption, "smoothness: -1"),
         (DEFORM, {"points": POINTS[:, :2]}, sn.InvalidMesh, r"points: shape \(81, 2\) is not \(n, 3\)"),
         (DEFORM, {"poses": BENT[:1]}, sn.InvalidConstraint, "poses: 1 given for 2 handles"),
-        (WARP, {"exits": 1}, sn.InvalidOption, "exits: 'green' has no such option, but 'exit_face', 'f"),
+        (
+            WARP,
+            {"exits": 1},
+            sn.InvalidOption,
+            "exits: 'green' has no such option; its options are 'exit_face', 'f",
+        ),
         (WARP, {"cage": CUBE}, sn.InvalidConstraint, r"cage: 'green' takes a tuple \(points, faces\)"),
         (WARP, {"cage": CAGE, "method": "rbf"}, TypeError, "cage: cannot be read"),
         (WARP, {"posed_cage": CUBE[1:]}, sn.InvalidConstraint, "bound with 8 vertices, and posed with 7"),

@@ -5,7 +5,6 @@ It writes a table of the differences beside the answers of the other system.
 """
 
 import os
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -32,8 +31,7 @@ def test_answers_are_those_of_the_other_system() -> None:
     others = {name: np.count_nonzero(found[name] != expected[name]) for name in expected}
     told = [f"| {k} | {v:.1e} | {others[k]} of {expected[k].size} |\n" for k, v in differences.items()]
     head = "| answer | largest difference | numbers that differ |\n|---|---|---|\n"
-    table = Path(FILE).with_name(f"answers-3.{sys.version_info.minor}.md")
-    table.write_text(head + "".join(told), encoding="utf-8")
+    Path(FILE).with_suffix(".md").write_text(head + "".join(told), encoding="utf-8")
 
     def allowed(name: str) -> float:
         return next((most for prefix, most in LARGEST.items() if name.startswith(prefix)), 0.0)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the wheels for all systems that this machine is not are built from."""
+"""What the wheels for all systems are built from."""
 
 import re
 from pathlib import Path
 
 import pytest
-from workshop import cross_libraries, macos_wheels, neon_tests, windows_libraries
+from workshop import cross_libraries, linux_wheels, macos_wheels, neon_tests, windows_libraries
 from workshop.places import ROOT
 
 SOURCES = cross_libraries.LIBRARIES / "sources.txt"
@@ -30,7 +30,7 @@ def test_another_file_than_the_pinned_one_is_refused(tmp_path: Path, monkeypatch
 
 @pytest.mark.parametrize(
     "system",
-    [windows_libraries.WINDOWS, macos_wheels.SYSTEM, neon_tests.SYSTEM],
+    [linux_wheels.SYSTEM, windows_libraries.WINDOWS, macos_wheels.SYSTEM, neon_tests.SYSTEM],
     ids=lambda system: system.name,
 )
 def test_each_system_has_its_own_tree_and_its_toolchain(system: cross_libraries.System) -> None:

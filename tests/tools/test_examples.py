@@ -66,10 +66,15 @@ def test_both_programs_bend_a_bar_alike_and_meet_their_handles(programs, tmp_pat
 
 
 def test_what_the_programs_cannot_read_is_said_in_a_sentence(programs, tmp_path: Path) -> None:
-    (tmp_path / "hole.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")
+    corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    texts = {"hole": f"{corners}f 1 2 4\n", "word": f"{corners}f a b c\n", "empty": "", "short": "v 0 0\n"}
+    for name, text in texts.items():
+        (tmp_path / f"{name}.obj").write_text(text)
+    saying = {"none": "none.obj", "hole": "faces 0", "empty": "no vertices", "word": "", "short": ""}
     for command in programs.values():
-        for files, says in ((["none.obj", "o"], "none.obj"), (["hole.obj", "o"], "faces 0"), ([], "usage")):
-            ended = run(command, *(tmp_path / name for name in files))
+        assert "usage" in run(command).stderr
+        for name, says in saying.items():
+            ended = run(command, tmp_path / f"{name}.obj", tmp_path / "o")
             assert (ended.returncode, len(ended.stderr.splitlines())) == (1, 1), ended.stderr
             assert says in ended.stderr
 

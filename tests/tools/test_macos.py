@@ -8,7 +8,7 @@ from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
-from workshop import mach_o, macos_wheels
+from workshop import cross_wheels, mach_o, macos_wheels
 from workshop.archives import write_wheel
 
 PAGE = 4096
@@ -122,5 +122,5 @@ def test_a_wheel_says_inside_what_its_name_says(tag: str, right: bool, tmp_path:
     files = {"sinew.dist-info/WHEEL": about.encode(), "sinew.dist-info/RECORD": b""}
     wheel = write_wheel(tmp_path / "sinew_native-0.1.0-cp311-cp311-macosx_11_0_arm64.whl", files)
     with nullcontext() if right else pytest.raises(SystemExit, match="does not say"):
-        macos_wheels.check_wheel(wheel, 11)
+        cross_wheels.check(macos_wheels.TARGET, wheel, 11)
     assert wheel.is_file() is right

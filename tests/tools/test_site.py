@@ -72,6 +72,25 @@ def test_methods_classes_and_headers_have_pages(files: dict[str, bytes]) -> None
     assert "../source/native/methods/surface/nonlinear/arap.h.txt" in found["methods/arap.html"].links
 
 
+def test_a_site_with_a_host_leads_to_the_links_that_install(
+    files: dict[str, bytes], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def write(folder: Path) -> None:
+        folder.mkdir()
+        (folder / "index.html").touch()
+
+    fakes = {
+        "SITE": tmp_path / "site",
+        "write_native_pages": write,
+        "address": lambda: "https://host.example/a",
+    }
+    for name, fake in fakes.items():
+        monkeypatch.setattr(site, name, fake)
+    links = pages(read_folder(site.write_site()))["index.html"].links
+    assert "https://host.example/a/stable/index.html" in links
+    assert not any("stable/" in link for link in pages(files)["index.html"].links)
+
+
 @pytest.mark.usefixtures("files")
 @pytest.mark.parametrize("folder", [site.SITE, site.MANUAL_MADE], ids=["site", "manual"])
 def test_search_finds_a_method_without_a_server(browser: list[str], folder: Path) -> None:

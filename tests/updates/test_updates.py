@@ -115,7 +115,11 @@ def test_the_folder_is_whole_and_the_same_again(tmp_path: Path, monkeypatch: pyt
     zips = package.package(SYSTEM)
     wheel = tmp_path / "sinew_native.whl"
     wheel.write_bytes(next(content for name, content in read_zip(zips[0]).items() if name.endswith(".whl")))
-    for name, fake in {"TARGETS": {SYSTEM: None}, "package": lambda _system: zips, "site": print}.items():
+    site = tmp_path / "site"
+    site.mkdir()
+    (site / "404.html").touch()
+    fakes = {"TARGETS": {SYSTEM: None}, "package": lambda _system: zips, "write_site": lambda: site}
+    for name, fake in fakes.items():
         monkeypatch.setattr(release, name, fake)
     monkeypatch.setattr(release.cross_wheels, "build_wheels", lambda *_words: [wheel])
     seen = []
@@ -126,6 +130,7 @@ def test_the_folder_is_whole_and_the_same_again(tmp_path: Path, monkeypatch: pyt
     assert seen[0] == seen[1]
     files = {
         "NOTES.md",
+        "404.html",
         f"legacy/{zips[1].name}",
         f"python/{wheel.name}",
         f"python/sinew_native-{NOW}.tar.gz",
@@ -134,6 +139,19 @@ def test_the_folder_is_whole_and_the_same_again(tmp_path: Path, monkeypatch: pyt
         files |= {f"{channel}/{name}" for name in (zips[0].name, "index.json", "index.html")}
     assert seen[0].keys() == {*files, "SHA256SUMS"}
     assert len(seen[0]["SHA256SUMS"].splitlines()) == len(seen[0]) - 1
+
+
+def test_blender_validates_the_extension_and_refuses_a_tag_that_it_does_not_have(
+    tmp_path: Path, capfd: pytest.CaptureFixture
+) -> None:
+    extension, _legacy = package.package(SYSTEM)
+    package.validate(extension, environments.newest_blender())
+    assert "passes the validation" in capfd.readouterr().out
+    files = read_zip(extension)
+    files[package.MANIFEST] = files[package.MANIFEST].replace(b'"Rigging"', b'"Modifier"')
+    with pytest.raises(SystemExit, match="failed"):
+        package.validate(write_zip(tmp_path / extension.name, files), environments.newest_blender())
+    assert 'invalid tag "Modifier"' in capfd.readouterr().err
 
 
 @pytest.mark.parametrize("blender", BLENDERS[-1:])

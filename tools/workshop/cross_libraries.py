@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Builds the static libraries that sinew_native links on systems that this machine is not.
+"""Builds the static libraries that the sinew_native of a wheel links, for each system.
 
 ``libraries/sources.txt`` pins the sources of Debian's packages by digests. Only what is linked is built:
 CHOLMOD with its orderings and METIS, oneTBB, OpenSubdiv's CPU half, and the few routines of BLAS. Eigen, CGAL

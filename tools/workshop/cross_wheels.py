@@ -37,7 +37,7 @@ class Target:
     suffix: str  # of the module's file, with {minor} for that of Python
     inputs: tuple[str, ...]
     check_module: Callable[[Path, int], None]  # ends the tool if the system could not load the module
-    check_wheel: Callable[[Path, int], None]
+    check_wheel: Callable[[Path, int], None]  # ends the tool if the wheel does not work
     python: Callable[[int], list[str]] = lambda minor: []  # further settings of CMake for Python 3.minor
     licences: dict[str, Path] = field(default_factory=dict)  # of what this system alone links into the module
 
@@ -86,9 +86,18 @@ def build_wheel(target: Target, builder: Environment, minor: int) -> Path:
     files[about] = re.sub(rb"(?m)^Tag: .*$", f"Tag: {tag}-{tag}-{target.platform}".encode(), files[about])
     files[about.replace("WHEEL", "RECORD")] = b""
     write_wheel(wheel, files | notices(files, zig.licences() | target.licences, builder))
-    target.check_wheel(wheel, minor)
+    check(target, wheel, minor)
     stamp.write()
     return wheel
+
+
+def check(target: Target, wheel: Path, minor: int) -> None:
+    """Ends the tool if a wheel does not work, and removes the wheel."""
+    try:
+        target.check_wheel(wheel, minor)
+    except SystemExit:
+        wheel.unlink()
+        raise
 
 
 def configure(target: Target, builder: Environment, minor: int, *further: str) -> Path:

@@ -151,7 +151,15 @@ def head(root: Path, row) -> str:
             lines += ["", f"| {title} | default | unit | what it does |", "|---|---|---|---|"]
             lines += map(_parameter, rows)
     costs = ["", "What a call costs:", "", "```text", *_costs(root, header, row.native), "```"]
-    lines += [*costs, "", "In Python, as it stands:", "", "```python", *program(row).splitlines(), "```"]
+    lines += [
+        *costs,
+        "",
+        "A program in Python, which runs as it stands here:",
+        "",
+        "```python",
+        *program(row).splitlines(),
+        "```",
+    ]
     return "\n".join(lines)
 
 

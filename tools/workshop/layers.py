@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from . import debian, environments, windows_tests, wine
+from . import cross_wheels, debian, environments, linux_wheels, windows_tests, wine
+from .archives import unpack
 from .blenders import HEADLESS, RUN_PYTEST, blender_module, conditions, install_legacy, layer_of
 from .dev import BENCHMARK_TARGETS, build_tree
 from .format import checks
@@ -111,10 +112,22 @@ def source(timeout: float) -> Outcome:
         "CCACHE_SLOPPINESS": "pch_defines,time_macros",
     }
     must([*pip, installed, "--no-build-isolation", unpacked], cwd=folder, env=compiler, quiet=True)
-    junit = new_junit("source")
-    tests = [next(windows_tests.BINDINGS.rglob(name)) for name in windows_tests.CORE_BINDINGS]
+    return _core_of_bindings("source", timeout, {"PYTHONPATH": installed})
+
+
+def shipped(timeout: float) -> Outcome:
+    """The same core on the module of the zips, which has to give the answers of the developer's."""
+    wheel = cross_wheels.build_wheel(linux_wheels.TARGET, environments.build_for(11).make(), 11)
+    answers = windows_tests.answers_of_this_machine("shipped")
+    module = unpack(wheel, emptied(BUILD / "shipped"))
+    return _core_of_bindings("shipped", timeout, {"PYTHONPATH": module, "SINEW_ANSWERS": answers})
+
+
+def _core_of_bindings(name: str, timeout: float, env: Mapping[str, str | Path]) -> Outcome:
+    junit = new_junit(name)
+    tests = [next(windows_tests.BINDINGS.rglob(file)) for file in windows_tests.CORE_BINDINGS]
     command = [environments.dev().make().python, "-m", "pytest", *tests, *OPTIONS, f"--junitxml={junit}"]
-    return outcome(junit, run(command, env={"PYTHONPATH": installed}, timeout=timeout))
+    return outcome(junit, run(command, env=env, timeout=timeout))
 
 
 def benchmarks(timeout: float) -> Outcome:
@@ -127,8 +140,8 @@ def benchmarks(timeout: float) -> Outcome:
 
 def updates(timeout: float, system: str = "linux") -> Outcome:
     """Blenders of a system that install and update the extension from a host on this machine."""
+    environments.newest_blender().make()  # validates and lists the extensions
     package(system)
-    environments.newest_blender().make()  # lists the extensions
     if system == "linux":
         for version in environments.LONG_TERM_BLENDERS:
             environments.blender(version).make()
@@ -212,6 +225,7 @@ LAYERS = (
     Alone("addon", 600, _of(in_python, "addon", qemu=True)),
     Alone("bindings", 1200, _of(in_python, "bindings")),
     Alone("source", 300, source),
+    Alone("shipped", 300, shipped),
     Alone("blender-3.4", 3000, blender_3_4),
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
     Alone("blender-5", 3000, blender_5),

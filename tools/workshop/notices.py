@@ -3,7 +3,7 @@
 
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
 
 from .cross_libraries import LIBRARIES, pinned
@@ -25,18 +25,18 @@ BILL = "sboms/sinew_native.cdx.json"  # where PEP 770 looks for it
 # By the name of the licence's file: what the library is called, and the licence of what is linked of it.
 KNOWN = {
     "libboost-dev": ("Boost", "BSL-1.0"),
-    "libc++": ("libc++", "Apache-2.0 WITH LLVM-exception"),
+    "libc++": ("libc++ of zig", "Apache-2.0 WITH LLVM-exception"),
     "libcgal-dev": ("CGAL", "GPL-3.0-or-later AND LGPL-3.0-or-later"),
     "libeigen3-dev": ("Eigen", "MPL-2.0"),
     "libosd-dev": ("opensubdiv", "LicenseRef-Pixar-Modified-Apache-2.0"),
     "libsuitesparse-dev": ("suitesparse", "LGPL-2.1-or-later AND GPL-2.0-or-later AND BSD-3-Clause"),
     "libtbb-dev": ("onetbb", "Apache-2.0"),
-    "mingw-w64": ("mingw-w64", "ZPL-2.1"),
+    "mingw-w64": ("mingw-w64 of zig", "ZPL-2.1 AND MIT"),
     "pybind11": ("pybind11", "BSD-3-Clause"),
     "zig": ("zig", "MIT"),
 }
 NUMBER = re.compile(r"\d+(?:\.\d+){1,2}")
-METIS = {"type": "library", "name": "METIS", "version": "5.1.0", "licenses": [{"expression": "Apache-2.0"}]}
+METIS = ("METIS", "5.1.0", "Apache-2.0 AND LGPL-2.1-or-later")  # in SuiteSparse; the latter for its sort
 
 
 def notices(files: dict[str, bytes], licences: Mapping[str, Path], builder: Environment) -> dict[str, bytes]:
@@ -48,12 +48,12 @@ def notices(files: dict[str, bytes], licences: Mapping[str, Path], builder: Envi
     return {folder + NAME: _text(inside).encode(), folder + BILL: bill(inside).encode()}
 
 
-def bill(names: Iterable[str]) -> str:
+def bill(names: Collection[str]) -> str:
     """The libraries with their versions and licences, as CycloneDX 1.6."""
     parts = [_component(name) for name in sorted(names)]
-    parts += [METIS] if any(part["name"] == "suitesparse" for part in parts) else []
-    whole = {"type": "library", "bom-ref": "sinew_native", "name": "sinew_native", "version": version()}
-    whole["licenses"] = [{"expression": "GPL-3.0-or-later"}]
+    if "libsuitesparse-dev" in names:  # whose sources hold it
+        parts.append(_library(*METIS))
+    whole = {"bom-ref": "sinew_native", **_library("sinew_native", version(), "GPL-3.0-or-later")}
     stated = {"bomFormat": "CycloneDX", "specVersion": "1.6", "version": 1}
     return json.dumps({**stated, "metadata": {"component": whole}, "components": parts}, indent=1) + "\n"
 
@@ -62,8 +62,12 @@ def _component(name: str) -> dict[str, object]:
     if name not in KNOWN:
         raise SystemExit(f"{name} is linked, and tools/workshop/notices.py knows no licence of it")
     title, licence = KNOWN[name]
-    found = {"type": "library", "name": title, "version": _version(name, title)}
-    return found | {"licenses": [{"expression": licence}]}
+    return _library(title, _version(name, title), licence)
+
+
+def _library(name: str, of_version: str, licence: str) -> dict[str, object]:
+    stated = {"type": "library", "name": name, "version": of_version}
+    return stated | {"licenses": [{"expression": licence}]}
 
 
 def _version(name: str, title: str) -> str:

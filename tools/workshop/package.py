@@ -29,7 +29,6 @@ from .site import manual_files
 
 MANIFEST = "blender_manifest.toml"
 NATIVE_FOLDER = "_native"
-TAGS = Path(__file__).with_name("tags.json")  # those of the platform for extensions
 EXCLUDED_SUFFIXES = (".pyc", ".blend1", ".orig", ".swp")
 PLATFORMS = {
     "manylinux": "linux-x64",
@@ -111,12 +110,13 @@ def extension_tool(blender: Environment) -> Path | None:
 
 
 def validate(extension: Path, blender: Environment) -> None:
-    """Lets a Blender check an extension, if that Blender is set up."""
+    """Lets a Blender check an extension, and its tags by Blender's own list, if that Blender is set up."""
     tool = extension_tool(blender)
     if not tool:
         say(f"{extension.name} was not validated: {blender.folder.relative_to(ROOT)} is not set up")
         return
-    must([blender.python, tool, "validate", f"--valid-tags={TAGS}", extension], quiet=True)
+    tags = tool.parents[3] / "modules" / "_bpy_internal" / "extensions" / "tags.py"
+    must([blender.python, tool, "validate", f"--valid-tags={tags}", extension], quiet=True)
     say(f"{extension.name} passes the validation of {blender.name}")
 
 

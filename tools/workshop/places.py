@@ -4,7 +4,6 @@
 import re
 import tomllib
 from pathlib import Path
-from urllib.parse import urlsplit
 
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / ".build"
@@ -37,10 +36,12 @@ def version(root: Path = ROOT) -> str:
 
 
 def address() -> str:
-    """Where people get Sinew, as pyproject.toml states; one that ends in ``.invalid`` does not exist."""
+    """Where people get Sinew, as pyproject.toml states; empty if it states no place."""
     stated = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-    return stated["project"]["urls"]["Homepage"].rstrip("/")
+    return stated["project"].get("urls", {}).get("Homepage", "").rstrip("/")
 
 
 def exists(address: str) -> bool:
-    return not (urlsplit(address).hostname or ".invalid").endswith(".invalid")
+    """Whether this is an address on the web. Names that end in ``.invalid`` never lead anywhere."""
+    found = re.fullmatch(r"https?://([\w.-]+)(:\d+)?(/[^\s\"\\]*)?", address)
+    return bool(found) and not found[1].endswith(".invalid")

@@ -71,7 +71,7 @@ method = sn.Wires(wire, radius=1.5)
     "vector_field": f"""{EGG}\
 tool = np.concatenate((np.zeros((1, 3)), np.eye(3))) + (0.0, 0.0, 2.0)  # an origin, and the ends of axes
 method = sn.VectorField(np.tile(tool, (2, 1)), [2], inner=0.5, outer=2.0)
-{POINTS}\
+method.bind(mesh.points)  # keeps them
 path = np.concatenate((tool, tool + (1.0, 0.0, 1.0)))
 {WARP.format("path")}""",
 }

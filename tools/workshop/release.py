@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Leaves one folder for any static host, ``dist/release``:
+"""Writes the folder that a static web host shows, ``dist/release``:
 
 ``stable/``, ``latest/``  a repository of extensions each, with links that can be dragged into Blender
 ``legacy/``               the zips for Blender before 4.2
@@ -7,7 +7,7 @@
 ``NOTES.md``, ``SHA256SUMS``, and the site
 
 With ``--latest``, ``stable/`` is left out, so that a host keeps what it has there. Each version that is
-published has a number of its own: Blender keeps a compiled module whose version it has.
+published needs a number of its own: Blender does not replace a compiled module of the same version.
 """
 
 import argparse
@@ -20,9 +20,10 @@ from pathlib import Path
 from . import cross_wheels, environments
 from .package import extension_tool, package
 from .places import DIST, ROOT, address, exists, version
-from .shell import must, say
+from .shell import git, must, say
+from .site import write_site
 from .suites import emptied
-from .wheels import TARGETS
+from .wheels import TARGETS, name_what_is_missing
 
 RELEASE = DIST / "release"
 PAGE = Path(__file__).parent / "inside" / "repository.html"
@@ -37,16 +38,19 @@ runpy.run_path(sys.argv[0], run_name="__main__")
 
 
 def release(channels: Iterable[str]) -> Path:
+    news = notes(changelog(), version())
+    environments.newest_blender().make()  # validates and lists the extensions
     folder = emptied(RELEASE)
-    site(folder)
+    shutil.copytree(write_site(), folder, dirs_exist_ok=True)  # whose first page is that of the folder
     zips = [package(system) for system in TARGETS]
     for channel in channels:
         repository(folder / channel, [extension for extension, _legacy in zips])
     copy([legacy for _extension, legacy in zips], folder / "legacy")
     wheels = [wheel for target in TARGETS.values() for wheel in cross_wheels.build_wheels(target, True)]
+    name_what_is_missing()
     copy(wheels, folder / "python")
     source_archive(folder / "python")
-    (folder / "NOTES.md").write_text(notes(changelog(), version()), encoding="utf-8")
+    (folder / "NOTES.md").write_text(news, encoding="utf-8")
     (folder / "SHA256SUMS").write_text(sums(folder), encoding="utf-8")
     return folder
 
@@ -67,14 +71,6 @@ def source_archive(folder: Path) -> Path:
     options = ["--sdist", "--no-isolation", "--outdir", folder]
     must([builder.python, "-m", "build", *options, ROOT], quiet=True)
     return next(folder.glob("sinew_native-*.tar.gz"))
-
-
-def site(folder: Path) -> None:
-    """The site, whose first page is that of the folder."""
-    command = ROOT / "tools" / "site"
-    if command.is_file():
-        must([command])
-        shutil.copytree(DIST / "site", folder, dirs_exist_ok=True)
 
 
 def copy(files: Iterable[Path], folder: Path) -> None:
@@ -115,14 +111,19 @@ def refusal(place: str, text: str, channels: Iterable[str]) -> str:
     """Why what is here must not be published; empty if it may."""
     if not exists(place):
         return (
-            f"Nothing can be published yet: pyproject.toml says that Sinew is at {place}, a place that does "
-            "not exist. Set Homepage under [project.urls] to the address of the host, or look at the folder "
-            "by tools/release --preview"
+            f"Nothing can be published yet: pyproject.toml says that Sinew is at '{place}', which is no "
+            "address on the web. Set Homepage under [project.urls] to the address of the host. To look at "
+            "the folder before, run tools/release --preview"
         )
+    tag = f"v{version()}"
+    if git("tag", "--list", tag) and git("rev-list", "--max-count=1", tag) != git("rev-parse", "HEAD"):
+        return f"Nothing can be published: another commit is {tag}. State the next version in CMakeLists.txt"
+    if changes := git("status", "--porcelain"):
+        return f"Nothing can be published before these changes are committed:\n{changes}"
     if "stable" in channels and unreleased(text):
         return (
-            "CHANGELOG.md has entries under Unreleased: put them under the next version, "
-            "or publish them by tools/release --latest"
+            "The channel stable cannot be published: CHANGELOG.md has entries under Unreleased. Put them "
+            "under the next version, or publish the channel latest alone by tools/release --latest"
         )
     return ""
 
@@ -130,7 +131,7 @@ def refusal(place: str, text: str, channels: Iterable[str]) -> str:
 def main() -> None:
     as_it_is = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(prog="tools/release", description=__doc__, formatter_class=as_it_is)
-    parser.add_argument("--latest", action="store_true", help="leave the channel stable out")
+    parser.add_argument("--latest", action="store_true", help="leave out the channel stable")
     about = "make the folder although it must not be published yet"
     parser.add_argument("--preview", action="store_true", help=about)
     options = parser.parse_args()
@@ -138,4 +139,4 @@ def main() -> None:
     reason = refusal(address(), changelog(), channels)
     if reason and not options.preview:
         raise SystemExit(reason)
-    say(f"{release(channels).relative_to(ROOT)} is ready" + (", but not to be published" if reason else ""))
+    say(f"{release(channels).relative_to(ROOT)} is ready. {reason}".rstrip())

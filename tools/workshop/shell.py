@@ -6,6 +6,7 @@ import fcntl
 import hashlib
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -108,6 +109,13 @@ def said(command: Iterable[str | Path], **options) -> str:
     """What a command prints, which has to succeed."""
     words = [str(word) for word in command]
     return subprocess.run(words, stdout=subprocess.PIPE, text=True, check=True, **options).stdout
+
+
+def git(*words: str) -> str:
+    """What git says about this checkout; nothing where it cannot tell."""
+    if not shutil.which("git"):
+        return ""
+    return subprocess.run(["git", *words], cwd=ROOT, stdout=subprocess.PIPE, text=True).stdout.strip()
 
 
 def fingerprint(paths: Iterable[Path], *words: str) -> str:

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writes the site into `dist/site`: manual, methods, gallery, the library in Python and C++, for developers.
 
-It needs no network, neither on a server nor opened from a disk. The zips hold its manual and its methods.
+Its pages need no network, and no server: they can be opened from a disk. The zips hold its manual and its
+methods.
 """
 
 import argparse
@@ -13,7 +14,7 @@ from . import environments
 from .archives import read_folder
 from .dev import types
 from .native_pages import write_native_pages
-from .places import BUILD, DIST, MANUAL, METHODS, ROOT, version
+from .places import BUILD, DIST, MANUAL, METHODS, ROOT, address, exists, version
 from .shell import Stamp, fingerprint, must, one_at_a_time, say
 
 SITE = DIST / "site"
@@ -21,12 +22,12 @@ PAGES = Path(__file__).parent / "pages"
 REQUIREMENTS = environments.REQUIREMENTS / "site.txt"
 MANUAL_MADE = BUILD / "manual"
 LEFT_OUT = (
-    "404.html",
+    "404.html",  # this and the next need an address
     "sitemap.*",
     "**/*.map",
-    "assets/javascripts/lunr",
-)  # needs an address; other languages
-OF_SERVERS = "search/search_index.json"  # which browsers do not read from a disk
+    "assets/javascripts/lunr",  # other languages than English
+)
+OF_SERVERS = "search/search_index.json"  # browsers do not read it from a disk
 # How pybind11 writes what a reader calls int and float.
 PLAIN = {
     "typing.SupportsFloat | typing.SupportsIndex": "float",
@@ -60,6 +61,7 @@ def write_site() -> Path:
             api="true",
             types=folder,
             headers=Path(folder) / "native",
+            host=address() if exists(address()) else "",
         )
     return SITE
 

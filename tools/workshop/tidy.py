@@ -23,7 +23,7 @@ from tempfile import TemporaryDirectory
 from . import environments
 from .dev import configure_tree
 from .places import BUILD, NATIVE_TREE, ROOT
-from .shell import fingerprint, jobs, must, said, say
+from .shell import fingerprint, git, jobs, must, said, say
 
 AT_A_TIME = 5
 PASSED = BUILD / "ccache" / "tidy"
@@ -95,10 +95,7 @@ def uncommitted() -> set[Path]:
     """The sources that differ from the last commit; none where git cannot tell."""
     found: set[Path] = set()
     for words in (["diff", "--name-only", "HEAD"], ["ls-files", "--others", "--exclude-standard"]):
-        answer = subprocess.run(
-            ["git", *words, "--", "*.cpp", "*.inl"], cwd=ROOT, stdout=subprocess.PIPE, text=True
-        )
-        found |= {ROOT / name for name in answer.stdout.splitlines()}
+        found |= {ROOT / name for name in git(*words, "--", "*.cpp", "*.inl").splitlines()}
     return found
 
 

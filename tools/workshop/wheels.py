@@ -15,6 +15,13 @@ from .shell import say
 TARGETS = {"linux": linux_wheels.TARGET, "windows": windows_wheels.TARGET, "macos": macos_wheels.TARGET}
 
 
+def name_what_is_missing() -> None:
+    """Tells for which Pythons of programs no wheel could be built."""
+    missing = [f"3.{minor}" for minor in FOR_PROGRAMS if not build_for(minor)]
+    if missing:
+        say(f"No wheels for Python {', '.join(missing)}, as this machine has no headers of these")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(prog="tools/build_wheels", description=__doc__)
     parser.add_argument("system", nargs="?", default="linux", choices=TARGETS, help="without one, linux")
@@ -26,6 +33,5 @@ def main() -> None:
     for target in targets:
         for wheel in cross_wheels.build_wheels(target, options.all):
             say(str(wheel.relative_to(ROOT)))
-    missing = [f"3.{minor}" for minor in FOR_PROGRAMS if not build_for(minor)] if options.all else []
-    if missing:
-        say(f"Not built, as this machine has no headers of these Pythons: {', '.join(missing)}")
+    if options.all:
+        name_what_is_missing()

@@ -108,7 +108,7 @@ def bindings_in(minor: int, names: tuple[str, ...], timeout: float) -> Outcome:
     """These files of the bindings' tests, or all, on the unpacked wheel. One of them compares the answers of
     all methods with those of this machine."""
     build_wheel(minor)
-    here = answers_of_this_machine(minor)
+    here = answers_of_this_machine(f"windows-3.{minor}")
     python = wine.python(minor)
     every = [file for file in sorted(BINDINGS.rglob("test_*.py")) if not names or file.name in names]
     left_out = [file for file in every if minor == 13 and calls_linalg(file)]
@@ -134,11 +134,11 @@ def calls_linalg(file: Path, seen: frozenset[Path] = frozenset()) -> bool:
     return bool(LINALG.search(text)) or any(calls_linalg(module, seen) for module in modules - seen)
 
 
-def answers_of_this_machine(minor: int) -> Path:
+def answers_of_this_machine(reader: str) -> Path:
     """They have a file for each of the layers that read them, as these run beside each other."""
     build_tree("dev", "sinew_native")
     RESULTS.mkdir(parents=True, exist_ok=True)
-    file = RESULTS / f"answers-3.{minor}.npz"
+    file = RESULTS / f"answers-{reader}.npz"
     python = environments.dev().make().python
     paths = f"{DEV_MODULE}{os.pathsep}{ROOT}"
     must([python, "-m", "tests.bindings.oracles.answers", file], env={"PYTHONPATH": paths}, quiet=True)

@@ -37,7 +37,6 @@ def check_wheel(wheel: Path, minor: int) -> None:
     unpacked = unpack(wheel, WINDOWS.tree / "wheel-check" / f"cp3{minor}")
     said = wine.said_in_windows([wine.python(minor), CHECK], {"PYTHONPATH": f"Z:{unpacked}"}, timeout=300)
     if f"works in Python 3.{minor}." not in said:
-        wheel.unlink()
         raise SystemExit(f"{wheel.name} does not work in Windows' Python 3.{minor} under Wine:\n{said}")
     say(f"{wheel.name} works in Windows' Python 3.{minor} under Wine")
 

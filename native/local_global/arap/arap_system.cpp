@@ -84,7 +84,7 @@ GraphChunks::GraphChunks(const GraphEdges& graph, const std::vector<GraphTriangl
                 chunk >= 0 && (touching[chunk].empty() || touching[chunk].back() != t))
                 touching[chunk].push_back(t);
     for (std::size_t c = 0; c < all.size(); ++c) {
-        std::ranges::sort(touching[c], {}, [&](int t) { return std::ranges::min(given[t].corner); });
+        std::ranges::stable_sort(touching[c], {}, [&](int t) { return std::ranges::min(given[t].corner); });
         all[c].first_triangle = static_cast<int>(triangles.size());
         for (int t : touching[c])
             triangles.push_back(given[t]);

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 namespace sinew {
 
@@ -84,9 +85,12 @@ void WindingTree::build(int begin, int end)
     Eigen::Index axis = 0;
     centroids.sizes().maxCoeff(&axis);
     const int middle = begin + (end - begin) / 2;
-    std::nth_element(
-        triangles_.begin() + begin, triangles_.begin() + middle, triangles_.begin() + end,
-        [&](const Corners& a, const Corners& b) { return centroid(a)[axis] < centroid(b)[axis]; });
+    const auto place = [axis](const Corners& corners) {
+        const Vector3 at = centroid(corners);
+        return std::tuple(at[axis], at[(axis + 1) % 3], at[(axis + 2) % 3]);
+    };
+    std::ranges::nth_element(triangles_.begin() + begin, triangles_.begin() + middle,
+                             triangles_.begin() + end, {}, place);
     build(begin, middle);
     nodes_[own].second = static_cast<int>(nodes_.size());
     build(middle, end);

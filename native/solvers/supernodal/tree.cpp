@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace sinew {
 
@@ -39,7 +40,7 @@ SupernodalSplit split(const SupernodalTree& tree, std::vector<double> weights, i
         children[above].push_back(s);
     }
 
-    const auto lighter = [&](int a, int b) { return weights[a] < weights[b]; };
+    const auto lighter = [&](int a, int b) { return std::pair(weights[a], a) < std::pair(weights[b], b); };
     std::make_heap(chosen.begin(), chosen.end(), lighter);
     while (!chosen.empty() && weights[chosen.front()] > most) {
         const int heaviest = chosen.front();

@@ -94,10 +94,13 @@ def test_a_wheel_that_blender_did_not_install_is_unpacked(monkeypatch, tmp_path:
     import_module = loader.importlib.import_module
     monkeypatch.setattr(loader.importlib, "import_module", lambda _name: import_module("sinew_late"))
     wheel = tmp_path / f"{loader.wheel_name().replace('*', 'x')}.whl"
-    wheel.write_bytes(b"damaged")
-    assert "has not installed" in loader.load().remedy
-    with zipfile.ZipFile(wheel, "w") as archive:
+    with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("sinew_late.py", f"__version__ = {loader.VERSION!r}")
+    right = wheel.read_bytes()
+    for damaged in (b"damaged", right.replace(right[43:53], bytes([255] * 10))):
+        wheel.write_bytes(damaged)
+        assert "has not installed" in loader.load().remedy
+    wheel.write_bytes(right)
     assert loader.load().module.__version__ == loader.VERSION
 
 

@@ -90,9 +90,12 @@ def errors(room: Callable, native) -> Iterator[str]:
     for name, value in vars(native).items():
         if inspect.isclass(value) and issubclass(value, native.Error):
             yield f"- `sn.{name}`: {' '.join(vars(value)['__doc__'].split())}"
+    calls: dict[str, dict[str, None]] = {}
     for button in room("ui.status_box").remedies().values():
         words = ", ".join(f"{key}={value!r}" for key, value in button.properties if key != "module")
-        yield f"- **{button.text}** in a message below is `bpy.ops.{button.operator}({words})`."
+        calls.setdefault(button.text, {})[f"`bpy.ops.{button.operator}({words})`"] = None
+    for text, found in calls.items():
+        yield f"- **{text}** in a message below is {' or '.join(found)}."
     troubles = PAGE.with_name("docs").joinpath("manual/troubles.md").read_text(encoding="utf-8")
     for says, remedy in re.findall(r"^\| (.*) \| .* \| (.*) \|$", troubles, re.MULTILINE)[1:]:
         yield re.sub(r"\[([^\]]*)\]\([^)]*\)", r"\1", f"- *{says}*: {remedy}.")
@@ -102,7 +105,8 @@ def functions(native) -> Iterator[str]:
     yield from ("", "## The module", "")
     for name, function in sorted(vars(native).items()):
         if inspect.isroutine(function):
-            sentence = re.split(r"[.:]\s", inspect.getdoc(function).partition("\n")[2].strip())[0]
+            text = inspect.getdoc(function).partition("\n")[2].strip()
+            sentence = re.split(r"(?<!Eq)\.(?:\s|$)|\n\n", text)[0]
             yield f"- `sn.{signature(name, function)}`: {' '.join(sentence.split())}."
     for path in IN_FULL.split():
         thing = attrgetter(path)(native)

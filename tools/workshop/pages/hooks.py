@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What MkDocs makes the site from, and the manual inside the zips: pages and pictures of the checkout.
 
-``extra`` of the configuration names a folder with the stub of `sinew_native`, and one with Doxygen's pages
-about the C++ headers. Without these it is the manual of artists, with the methods and small pictures.
+``extra`` of the configuration names a folder with the stub of `sinew_native`, one with Doxygen's pages about
+the C++ headers, and the address of the host if there is one. Without the folders it is the manual of artists,
+with the methods and small pictures.
 
 The site holds each other file that a page links to, as text. In the manual, such a link is its text alone.
 """
@@ -63,6 +64,8 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
         developers.append({"Decisions": [path.relative_to(ROOT).as_posix() for path in decisions]})
         library = [LIBRARY, "LLM.md", *map(api_page, API)]
         parts |= {"Gallery": "gallery.md", "Library": library, "Developers": developers}
+    if config.extra["host"]:
+        parts["Install"] = f"{config.extra['host']}/stable/index.html"  # as tools/release makes it
     config.nav = [{title: pages} for title, pages in parts.items()]
     return config
 

@@ -14,6 +14,7 @@
 #include <cstdio>
 #include <limits>
 #include <numeric>
+#include <span>
 #include <utility>
 
 namespace sinew {
@@ -25,7 +26,6 @@ constexpr int few_points = 400;
 /// More take many seconds to bind, and each frame some.
 constexpr int many_points = 3000;
 
-/// Rounding of the places of points, with some room.
 /// Places farther away, in the unit box, count as so far: phi of them would be infinite.
 constexpr double farthest = 1e30;
 
@@ -151,16 +151,19 @@ struct Rbf::Eight
     {
         for (int i = 0; i < count; ++i) {
             points[i] = order.empty() ? first + i : order[first + i];
-            const Vector3 x = ((all.row(points[i]).transpose() - rbf.handles_.corner()) / rbf.handles_.size())
-                                  .cwiseMax(-farthest)
-                                  .cwiseMin(farthest);
-            low = i > 0 ? Vector3(low.cwiseMin(x)) : x;
-            high = i > 0 ? Vector3(high.cwiseMax(x)) : x;
             for (int k = 0; k < 3; ++k)
-                places[8 * k + i] = x[k];
+                places[8 * k + i] = all(points[i], k);
+        }
+        for (int k = 0; k < 3; ++k) {
+            const double corner = rbf.handles_.corner()[k], size = rbf.handles_.size();
+            const auto along = std::span(places).subspan(8 * k, 8);
+            for (double& x : along)
+                x = std::clamp((x - corner) / size, -farthest, farthest);
+            const auto [least, greatest] = std::ranges::minmax(along.first(count));
+            low[k] = least;
+            high[k] = greatest;
         }
     }
-    Vector3 place(int i) const { return {places[i], places[8 + i], places[16 + i]}; }
 };
 
 Rbf::Rbf(HandlePoints handles, const RbfOptions& options)
@@ -270,7 +273,6 @@ void Rbf::evaluate(const Solved& solved, PointsView block, RowMatrix& rows) cons
     // Sums to start from, and then monomials or values at centres: eight numbers each.
     std::vector<double> values(24 + 8 * static_cast<std::size_t>(count), 0.0);
     std::vector<double> sums(static_cast<std::size_t>((columns + 2) / 3) * 24);
-    std::array<double, Polynomials::most> monomials{};
     const auto add = [&](int begin, int end) { // what is in `values`, of these rows of the factors
         for (std::size_t k = 0; 24 * k < sums.size(); ++k) {
             std::copy_n(sums.data() + 24 * k, 24, values.data());
@@ -281,11 +283,7 @@ void Rbf::evaluate(const Solved& solved, PointsView block, RowMatrix& rows) cons
     const std::vector<int> order = is_compact(basis_.function) ? space_order(block) : std::vector<int>{};
     for (int first = 0; first < n; first += 8) {
         const Eight eight(*this, block, order, first);
-        for (int i = 0; i < eight.count; ++i) {
-            solved.polynomials.evaluate(eight.place(i), monomials.data());
-            for (int k = 0; k < q; ++k)
-                values[24 + 8 * static_cast<std::size_t>(k) + i] = monomials[k];
-        }
+        solved.polynomials.evaluate(eight.places.data(), values.data() + 24);
         std::ranges::fill(sums, 0.0);
         add(0, q);
         solved.near.visit(eight.low, eight.high, [&](int begin, int end) {
@@ -367,26 +365,24 @@ void Rbf::add_sums(const std::vector<double>& table, const RowMatrix& polynomial
 {
     const PointsView bound = view(points());
     const auto sums_of = widest_kernels<RbfKernels>().sums[static_cast<int>(basis_.function)];
+    const auto multiply = widest_kernels<ProductOfEight>().multiply;
     const int q = static_cast<int>(polynomial.rows());
     parallel_chunks(static_cast<int>(bound.rows()), 512, [&](int from, int to) {
-        std::array<double, Polynomials::most> monomials{};
+        std::array<double, 24> moves{};
+        std::array<double, 24 + 8 * Polynomials::most> sums; // of radial functions, and then the monomials
         for (int first = from; first < to; first += 8) {
             const Eight eight(*this, bound, order_, first);
-            std::array<double, 24> sums{};
+            std::fill_n(sums.data(), 24, 0.0);
             solved_->near.visit(eight.low, eight.high, [&](int begin, int end) {
                 sums_of(table.data() + 6 * static_cast<std::size_t>(begin), end - begin, basis_.scale,
                         eight.places.data(), sums.data());
             });
-            for (int i = 0; i < eight.count; ++i) {
-                solved_->polynomials.evaluate(eight.place(i), monomials.data());
-                for (int k = 0; k < 3; ++k) {
-                    double move = sums[8 * k + i];
-                    for (int l = 0; l < q; ++l)
-                        move += monomials[l] * polynomial(l, k);
+            solved_->polynomials.evaluate(eight.places.data(), sums.data() + 24);
+            multiply(sums.data(), q, polynomial.data(), moves.data());
+            for (int i = 0; i < eight.count; ++i)
+                for (int k = 0; k < 3; ++k)
                     out[3 * static_cast<std::size_t>(eight.points[i]) + k] =
-                        static_cast<Real>(base(eight.points[i], k) + move);
-                }
-            }
+                        static_cast<Real>(base(eight.points[i], k) + moves[8 * k + i]);
         }
     });
 }

@@ -3,6 +3,8 @@
 
 #include "native/core/dense.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace sinew {
@@ -48,27 +50,40 @@ void Polynomials::set_degree(int degree)
     count_ = degree < 0 ? 0 : 1 + (degree > 0 ? d : 0) + (degree > 1 ? d * (d + 1) / 2 : 0);
 }
 
-void Polynomials::evaluate(const Vector3& x, double* row) const
+void Polynomials::evaluate(const double* places, double* values) const
 {
+    using Values = Eigen::Array<double, 8, 1>;
+    const auto next = [&values](const Values& value) {
+        Values::Map(values) = value;
+        values += 8;
+    };
     if (degree_ < 0)
         return;
-    *row++ = 1.0;
+    next(Values::Ones());
     if (degree_ < 1)
         return;
-    const Vector3 u = axes_ * (x - centre_);
+    std::array<Values, 3> u, from;
+    for (int k = 0; k < 3; ++k)
+        from[k] = Values::Map(places + 8 * k) - centre_[k];
     for (int k = 0; k < dimensions_; ++k)
-        *row++ = u[k];
+        next(u[k] = axes_(k, 0) * from[0] + axes_(k, 1) * from[1] + axes_(k, 2) * from[2]);
     if (degree_ > 1)
         for (int k = 0; k < dimensions_; ++k)
             for (int l = k; l < dimensions_; ++l)
-                *row++ = u[k] * u[l];
+                next(u[k] * u[l]);
 }
 
 RowMatrix Polynomials::evaluate(const Points& points) const
 {
     RowMatrix values(points.rows(), count_);
-    for (Eigen::Index i = 0; i < points.rows(); ++i)
-        evaluate(points.row(i).transpose(), values.row(i).data());
+    Eigen::Matrix<double, 8, 3> places = decltype(places)::Zero();
+    Eigen::Matrix<double, 8, most> some;
+    for (Eigen::Index i = 0; i < points.rows(); i += 8) {
+        const Eigen::Index rows = std::min<Eigen::Index>(8, points.rows() - i);
+        places.topRows(rows) = points.middleRows(i, rows);
+        evaluate(places.data(), some.data());
+        values.middleRows(i, rows) = some.topLeftCorner(rows, count_);
+    }
     return values;
 }
 

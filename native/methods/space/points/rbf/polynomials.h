@@ -27,8 +27,9 @@ public:
     int count() const { return count_; }
     /// (3) directions in which the points extend: 3 in space, 2 in a plane, 1 on a line, 0 for one place.
     int dimensions() const { return dimensions_; }
-    /// \param[out] row  (count)
-    void evaluate(const Vector3& x, double* row) const;
+    /// \param places       (8, 3) column-major: all x, all y, all z.
+    /// \param[out] values  (8, count) column-major
+    void evaluate(const double* places, double* values) const;
     /// (n, count)
     RowMatrix evaluate(const Points& points) const;
     /// Which maps of the degree asked for are not carried, and what is used instead; empty if all are.
