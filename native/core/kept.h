@@ -9,8 +9,8 @@ namespace sinew {
 /// A workspace cached between calls, so that its memory stays mapped. Any number of threads may take one at a
 /// time: the first gets the cached object, the others new ones; the one that is given back last is cached.
 ///
-/// It stands for a `thread_local` object: with mingw-w64, the storage of those is freed before their
-/// destructors run, so that threads and programs crash or hang as they end.
+/// A `thread_local` object would take as much memory for each thread until that ends; and with GCC for Windows
+/// the storage of such objects is freed before their destructors run, so that threads and programs crash.
 template <class T>
 class Kept
 {

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The tests that run in Windows' programs under Wine: GoogleTest's, those of the bindings, those in Blender.
 
-Wine is not Windows: what it does not show stands in docs/developer/decisions/windows-by-mingw.md.
+Wine is not Windows: what it does not show stands in docs/developer/decisions/windows-by-zig.md.
 """
 
 import os

@@ -20,7 +20,7 @@ Vector3 centroid(const Corners& t) { return (t[0] + t[1] + t[2]) / 3; }
 Vector3 area_vector(const Corners& t) { return 0.5 * (t[1] - t[0]).cross(t[2] - t[0]); }
 
 /// atan2(y, x) to 2 units in the last place, for finite numbers; 0 where both are 0. As in lane_math.inl it
-/// has the same bits on every machine. That of mingw-w64 is an instruction of the x87, seven times as slow.
+/// has the same bits on every machine. Those of C libraries differ in the last bit.
 double angle(double y, double x)
 {
     const double flat = std::abs(x), high = std::abs(y);
