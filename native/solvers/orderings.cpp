@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/solvers/engines/cholmod_factor.h"
+#include "native/solvers/patch_dissection.h"
 
 #include <Eigen/OrderingMethods>
 
@@ -13,9 +14,12 @@ namespace sinew {
 
 namespace {
 
+/// From here on, the smaller factor is worth the time that patch dissection takes more than minimum degree.
+constexpr int fewest_to_dissect = 50'000;
+
 /// Appends to `order` what a breadth-first search from `start` visits, neighbours by rising degree.
 /// E. Cuthill, J. McKee. "Reducing the bandwidth of sparse symmetric matrices." ACM 1969.
-void cuthill_mckee(const SparseMatrix& matrix, int start, std::vector<bool>& visited, std::vector<int>& order)
+void append_levels(const SparseMatrix& matrix, int start, std::vector<bool>& visited, std::vector<int>& order)
 {
     const int* offsets = matrix.outerIndexPtr();
     const auto degree = [&](int v) { return offsets[v + 1] - offsets[v]; };
@@ -37,7 +41,7 @@ void cuthill_mckee(const SparseMatrix& matrix, int start, std::vector<bool>& vis
     }
 }
 
-std::vector<int> reverse_cuthill_mckee(const SparseMatrix& lower)
+std::vector<int> cuthill_mckee(const SparseMatrix& lower)
 {
     const SparseMatrix matrix = lower.selfadjointView<Eigen::Lower>();
     const int n = static_cast<int>(matrix.cols());
@@ -51,9 +55,15 @@ std::vector<int> reverse_cuthill_mckee(const SparseMatrix& lower)
         // such a vertex, and a second one from there numbers the part.
         std::vector<bool> visited_by_trial = visited;
         std::vector<int> trial;
-        cuthill_mckee(matrix, seed, visited_by_trial, trial);
-        cuthill_mckee(matrix, trial.back(), visited, order);
+        append_levels(matrix, seed, visited_by_trial, trial);
+        append_levels(matrix, trial.back(), visited, order);
     }
+    return order;
+}
+
+std::vector<int> reverse_cuthill_mckee(const SparseMatrix& lower)
+{
+    std::vector<int> order = cuthill_mckee(lower);
     std::ranges::reverse(order);
     return order;
 }
@@ -73,12 +83,21 @@ std::vector<int> minimum_degree(const SparseMatrix& matrix)
 std::vector<int> elimination_order(const SparseMatrix& matrix, Ordering ordering)
 {
     switch (ordering) {
+    case Ordering::automatic:
+        return have_cholmod() && matrix.cols() >= fewest_to_dissect ? patch_dissection(matrix)
+                                                                    : minimum_degree(matrix);
+    case Ordering::cuthill_mckee:
+        return cuthill_mckee(matrix);
     case Ordering::reverse_cuthill_mckee:
         return reverse_cuthill_mckee(matrix);
     case Ordering::minimum_degree:
         return minimum_degree(matrix);
     case Ordering::nested_dissection:
         return nested_dissection(matrix);
+    case Ordering::patch_dissection:
+        if (!have_cholmod())
+            throw InvalidOption("patch dissection needs a build with CHOLMOD; choose minimum_degree");
+        return patch_dissection(matrix);
     case Ordering::natural:
         break;
     }

@@ -31,7 +31,7 @@ SUB_RANKS = {
     "mesh": {"": 0, "frames": 1, "trees": 1},
     "operators": {"fits": 0, "": 1},
     "core": {"": 0, "simd": 1, "system": 1},
-    "solvers": {"dense": 0, "optimization": 0, "supernodal": 0, "engines": 1, "": 2},
+    "solvers": {"dense": 0, "dissection": 0, "optimization": 0, "supernodal": 0, "engines": 1, "": 2},
     "methods/space/lattice": {"grid": 0, "": 1},
     "methods/space/points": {"rbf": 0, "wires": 0, "": 1},
     "methods/space/cage": {"cage.": 0, "closed_forms": 1, "harmonic": 1, "inside": 2, "visibility": 2, "": 3},
@@ -42,7 +42,7 @@ SUB_RANKS = {
 }
 # Room -> its sub-rooms that nobody outside may see.
 HIDDEN = {
-    "solvers": "engines supernodal",
+    "solvers": "dissection engines supernodal",
     "methods/space/cage": "closed_forms harmonic inside visibility",
     "methods/space/lattice": "grid",
     "methods/space/nonlinear": "fields cells graph mls",
