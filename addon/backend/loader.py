@@ -104,10 +104,9 @@ def _unpack_wheel() -> bool:
     try:
         with zipfile.ZipFile(wheels[0]) as archive, tempfile.TemporaryDirectory(dir=folder) as fresh:
             archive.extractall(fresh)  # a damaged one ends this before anything is in its place
-            for name in archive.namelist():
-                if not (place := folder / name).exists():  # what is there may be loaded: it is not replaced
-                    place.parent.mkdir(parents=True, exist_ok=True)
-                    Path(fresh, name).replace(place)
+            for part in Path(fresh).iterdir():
+                if not (place := folder / part.name).exists():  # what is there may be loaded: it stays
+                    part.replace(place)
     except (OSError, zipfile.BadZipFile, zlib.error):
         return False
     importlib.invalidate_caches()
