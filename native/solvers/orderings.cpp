@@ -14,25 +14,24 @@ namespace sinew {
 
 namespace {
 
-/// From here on, the smaller factor is worth the time that patch dissection takes more than minimum degree.
-constexpr int fewest_to_dissect = 50'000;
-
 /// Appends to `order` what a breadth-first search from `start` visits, neighbours by rising degree.
 /// E. Cuthill, J. McKee. "Reducing the bandwidth of sparse symmetric matrices." ACM 1969.
-void append_levels(const SparseMatrix& matrix, int start, std::vector<bool>& visited, std::vector<int>& order)
+/// \param found_by  the last search that came to each vertex. This one passes those of former searches.
+void append_levels(const SparseMatrix& matrix, int start, int search, std::vector<int>& found_by,
+                   std::vector<int>& order)
 {
     const int* offsets = matrix.outerIndexPtr();
     const auto degree = [&](int v) { return offsets[v + 1] - offsets[v]; };
     std::size_t head = order.size();
-    visited[start] = true;
+    found_by[start] = search;
     order.push_back(start);
     while (head < order.size()) {
         const int v = order[head++];
         const std::size_t begin = order.size();
         for (SparseMatrix::InnerIterator it(matrix, v); it; ++it) {
             const int u = static_cast<int>(it.row());
-            if (!visited[u]) {
-                visited[u] = true;
+            if (found_by[u] < search) {
+                found_by[u] = search;
                 order.push_back(u);
             }
         }
@@ -45,18 +44,17 @@ std::vector<int> cuthill_mckee(const SparseMatrix& lower)
 {
     const SparseMatrix matrix = lower.selfadjointView<Eigen::Lower>();
     const int n = static_cast<int>(matrix.cols());
-    std::vector<bool> visited(n, false);
-    std::vector<int> order;
+    std::vector<int> found_by(n, 0);
+    std::vector<int> order, trial;
     order.reserve(n);
     for (int seed = 0; seed < n; ++seed) {
-        if (visited[seed])
+        if (found_by[seed] > 0)
             continue;
         // The levels of the search are narrowest from a vertex at one end of the part. A first search ends at
         // such a vertex, and a second one from there numbers the part.
-        std::vector<bool> visited_by_trial = visited;
-        std::vector<int> trial;
-        append_levels(matrix, seed, visited_by_trial, trial);
-        append_levels(matrix, trial.back(), visited, order);
+        trial.clear();
+        append_levels(matrix, seed, 1, found_by, trial);
+        append_levels(matrix, trial.back(), 2, found_by, order);
     }
     return order;
 }

@@ -7,6 +7,9 @@
 
 namespace sinew {
 
+/// Unknowns from which on the smaller factor is worth the time that patch dissection takes more than minimum degree.
+constexpr int fewest_to_dissect = 50'000;
+
 /// Nested dissection for the matrices of surfaces. A separator is eliminated after the two halves that it separates. No
 /// fill comes between these, and they are dissected in parallel.
 ///
