@@ -120,7 +120,7 @@ def test_a_wheel_that_blender_did_not_install_is_named(monkeypatch, tmp_path: Pa
 
 
 def test_an_extension_on_windows_leaves_the_installed_file_free(monkeypatch, tmp_path: Path):
-    """A copy is loaded, since Windows lets nobody replace what is loaded; the next version has a copy of its own."""
+    """A copy is loaded, since Windows lets nobody replace what is loaded. The next version has its own."""
     installed = tmp_path / ".local" / "lib" / "site-packages" / "sinew_native.py"
     installed.parent.mkdir(parents=True)
     monkeypatch.syspath_prepend(str(installed.parent))
