@@ -102,9 +102,9 @@ def _imported_copy(name: str) -> ModuleType | None:
         return None
     found = importlib.util.find_spec(name)
     copy = _copied(Path(found.origin)) if found and found.origin else None
-    if copy is None:
+    spec = importlib.util.spec_from_file_location(name, copy) if copy else None
+    if spec is None or spec.loader is None:
         return None
-    spec = importlib.util.spec_from_file_location(name, copy)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     sys.modules[name] = module
