@@ -16,7 +16,7 @@ namespace sinew {
 ///   reverse_cuthill_mckee   the same bandwidth and a smaller factor; for long thin shapes
 ///   minimum_degree          cheap to find; the factor is 1.2 to 1.5 times the smallest from 200,000 unknowns on
 ///   nested_dissection       the smallest factor; takes 5 to 6 times as long to find as minimum degree
-///   patch_dissection        a factor that is at most 9 % larger, found in a quarter of the time
+///   patch_dissection        from 50,000 unknowns on a factor at most 9 % larger, found in a quarter of the time
 ///
 /// The last two need CHOLMOD with METIS; without it, automatic is minimum degree.
 enum class Ordering {
