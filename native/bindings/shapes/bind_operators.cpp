@@ -60,14 +60,22 @@ void bind_operators(py::module_& module)
         R"((n, n) SciPy sparse L: symmetric, positive semi-definite, weak (not divided by area).
 
 (L f)_i = sum_j w_ij (f_i - f_j) with the weights of tutorial section 3.2: 'uniform' [Tau95],
-'cotan' [YZX*04] or 'cotan_voronoi' [MDSB03]. The Laplace-Beltrami of f is -(L f) / mass.)");
+'cotan' [YZX*04] or 'cotan_voronoi' [MDSB03]. The Laplace-Beltrami of f is -(L f) / mass.
+
+'robust' has no negative weight on any mesh (but for rounding): it is 'cotan_voronoi' of the intrinsic Delaunay
+triangulation of both sides of the surface, N. Sharp and K. Crane, "A Laplacian for Nonmanifold Triangle Meshes",
+2020. On clean meshes that are Delaunay, both are the same to the last bit. Its neighbours need not be those of the
+mesh.
+
+Raises InvalidOption for another name. Cost: O(n), 'robust' O(n log n).)");
     module.def(
         "mass",
         [](const SurfaceMesh& mesh, const Chosen<Discretization>& kind) {
             return mass_vector(mesh, kind.value("laplacian"));
         },
         py::arg("mesh"), py::arg("discretization") = "cotan_voronoi",
-        "(n,) mass of each vertex: mixed Voronoi area, 1, or the number of neighbours ('uniform').");
+        "(n,) mass of each vertex: mixed Voronoi area, 1 ('cotan'), or the number of neighbours "
+        "('uniform').");
     module.def(
         "laplacian_power",
         [](const SurfaceMesh& mesh, int order, const Chosen<Discretization>& kind) {
