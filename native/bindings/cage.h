@@ -2,6 +2,7 @@
 #pragma once
 
 #include "native/bindings/arguments.h"
+#include "native/bindings/creases.h"
 #include "native/bindings/method_binding.h"
 #include "native/bindings/options.h"
 #include "native/methods/space/cage/cage.h"
@@ -33,20 +34,38 @@ bind_cage_method(py::module_& module, const char* name, const char* doc)
     define_constructor(
         method,
         +[](const Options& given, const SurfaceMesh& cage, const Chosen<WeightPrecision>& precision,
-            double threshold) {
+            double threshold, const Chosen<CageSmooth>& smooth, int levels, const OptionalArray& creases,
+            const OptionalArray& corners, const Chosen<BoundarySmooth>& boundary_smooth) {
             Options options = given;
             options.weights = {precision.value("precision"), threshold};
+            CageSmoothing smoothing;
+            smoothing.smooth = smooth.value("smooth");
+            smoothing.levels = levels;
+            smoothing.boundary_smooth = boundary_smooth.value("boundary_smooth");
+            read_creases(creases, corners, smoothing);
             const py::gil_scoped_release unlocked;
-            return std::make_shared<Method>(Cage(cage, Method::takes_flat), options);
+            return std::make_shared<Method>(Cage(cage, Method::takes_flat, smoothing), options);
         },
         {{"cage", std::string("SurfaceMesh, the closed rest cage, with faces that look outwards") +
                       (Method::takes_flat ? ", or one in a plane: its outline counts" : "")},
          {"precision", "of the weights: 'single' (half the memory and time of a warp) or 'double'"},
          {"threshold",
           "weights of a smaller magnitude are dropped, the others are changed so that their sum stays the "
-          "same, and stored as a sparse matrix; 0 keeps all, as a dense matrix"}},
+          "same, and stored as a sparse matrix; 0 keeps all, as a dense matrix"},
+         {"smooth", "'off'; or the limit surface of the cage moves the points, by Catmull and Clark's rules: "
+                    "refined as "
+                    "often as levels says, or if 'automatic' until it is within 1/1000 of the cage's size of "
+                    "the limit. "
+                    "A frame still has one column per vertex of the cage"},
+         {"levels", "1 to 6: how often faces are split for smooth='levels'"},
+         {"creases",
+          "(edges (k, 2), sharpness (k,) or one number): sharp for so many levels; from 10 on, for all"},
+         {"corners", "(vertices (k,), sharpness (k,) or one number)"},
+         {"boundary_smooth", "'all' or 'preserve_corners': the outline of a smooth flat cage"}},
         "Raises InvalidMesh for a cage that is open, without a volume or inside out; InvalidOption.",
-        py::arg("cage"), py::kw_only(), py::arg("precision") = "single", py::arg("threshold") = 0.0);
+        py::arg("cage"), py::kw_only(), py::arg("precision") = "single", py::arg("threshold") = 0.0,
+        py::arg("smooth") = "off", py::arg("levels") = 2, py::arg("creases") = py::none(),
+        py::arg("corners") = py::none(), py::arg("boundary_smooth") = "all");
     return method;
 }
 

@@ -6,8 +6,7 @@ namespace sinew {
 std::vector<std::string> CageCoordinates::changed_settings(const SpaceMethod& former) const
 {
     const Cage& other = static_cast<const CageCoordinates&>(former).cage_;
-    return names_of({{"cage", !(cage_.given() == other.given())}},
-                    LinearSpaceMethod::changed_settings(former));
+    return names_of({{"cage", !(cage_ == other)}}, LinearSpaceMethod::changed_settings(former));
 }
 
 } // namespace sinew
