@@ -8,9 +8,12 @@
 #include "native/methods/space/cage/cage.h"
 #include "native/methods/space/cage/cage_coordinates.h"
 
+#include <algorithm>
+#include <iterator>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace sinew::bindings {
 
@@ -31,6 +34,18 @@ py::class_<Method, CageCoordinates, std::shared_ptr<Method>>
 bind_cage_method(py::module_& module, const char* name, const char* doc)
 {
     py::class_<Method, CageCoordinates, std::shared_ptr<Method>> method(module, name, doc);
+    std::vector<Described> described{
+        {"cage", std::string("SurfaceMesh, the closed rest cage, with faces that look outwards") +
+                     (Method::takes_flat ? ", or one in a plane: its outline counts" : "")},
+        {"precision", "of the weights: 'single' (half the memory and time of a warp) or 'double'"},
+        {"threshold",
+         "weights of a smaller magnitude are dropped, the others are changed so that their sum stays the "
+         "same, and stored as a sparse matrix; 0 keeps all, as a dense matrix"},
+        {"creases",
+         "(edges (k, 2), sharpness (k,) or one number) of a smooth cage: sharp for so many levels; from 10 "
+         "on, for all"},
+        {"corners", "(vertices (k,), sharpness (k,) or one number) of a smooth cage"}};
+    std::ranges::move(described_options<CageSmoothing>(), std::back_inserter(described));
     define_constructor(
         method,
         +[](const Options& given, const SurfaceMesh& cage, const Chosen<WeightPrecision>& precision,
@@ -46,22 +61,7 @@ bind_cage_method(py::module_& module, const char* name, const char* doc)
             const py::gil_scoped_release unlocked;
             return std::make_shared<Method>(Cage(cage, Method::takes_flat, smoothing), options);
         },
-        {{"cage", std::string("SurfaceMesh, the closed rest cage, with faces that look outwards") +
-                      (Method::takes_flat ? ", or one in a plane: its outline counts" : "")},
-         {"precision", "of the weights: 'single' (half the memory and time of a warp) or 'double'"},
-         {"threshold",
-          "weights of a smaller magnitude are dropped, the others are changed so that their sum stays the "
-          "same, and stored as a sparse matrix; 0 keeps all, as a dense matrix"},
-         {"smooth", "'off'; or the limit surface of the cage moves the points, by Catmull and Clark's rules: "
-                    "refined as "
-                    "often as levels says, or if 'automatic' until it is within 1/1000 of the cage's size of "
-                    "the limit. "
-                    "A frame still has one column per vertex of the cage"},
-         {"levels", "1 to 6: how often faces are split for smooth='levels'"},
-         {"creases",
-          "(edges (k, 2), sharpness (k,) or one number): sharp for so many levels; from 10 on, for all"},
-         {"corners", "(vertices (k,), sharpness (k,) or one number)"},
-         {"boundary_smooth", "'all' or 'preserve_corners': the outline of a smooth flat cage"}},
+        described,
         "Raises InvalidMesh for a cage that is open, without a volume or inside out; InvalidOption.",
         py::arg("cage"), py::kw_only(), py::arg("precision") = "single", py::arg("threshold") = 0.0,
         py::arg("smooth") = "off", py::arg("levels") = 2, py::arg("creases") = py::none(),

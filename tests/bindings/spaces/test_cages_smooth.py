@@ -65,7 +65,7 @@ def test_weights_are_those_of_the_refined_cage_times_the_stencils(method: type, 
     whole.bind(INSIDE)
     made = smooth(method, **options, **CREASES)
     apart = made.vertex_weights - whole.vertex_weights @ surface.matrix
-    assert np.abs(apart).max() < (2e-3 if method is sn.Harmonic else 1e-12)
+    assert np.abs(apart).max() < (2e-4 if method is sn.Harmonic else 1e-12)
     if options.get("normals"):
         assert np.abs(made.face_weights - whole.face_weights).max() < 1e-12
         pose = bent(BAR)
@@ -140,7 +140,7 @@ def test_the_level_is_chosen_by_the_distance_from_the_limit():
 
 
 def test_bad_smooth_cages_are_refused_by_names_of_the_cage_itself():
-    with pytest.raises(sn.InvalidOption, match="levels: 7"):
+    with pytest.raises(sn.InvalidOption, match="levels"):
         sn.MeanValue(CAGE, smooth="levels", levels=7)
     with pytest.raises(sn.InvalidOption, match="edge"):
         sn.MeanValue(CAGE, smooth="levels", creases=([(0, 15)], 1.0))
@@ -152,7 +152,7 @@ def test_bad_smooth_cages_are_refused_by_names_of_the_cage_itself():
     with pytest.raises(sn.InvalidConstraint, match="16 vertices"):
         smooth(sn.MeanValue).warp(BAR[:-1])
     made = sn.MeanValue(CAGE, smooth="levels", levels=1, precision="double")
-    assert made.rebind(smooth(sn.MeanValue, 2), INSIDE).changed == "cage"
+    assert made.rebind(smooth(sn.MeanValue, 2), INSIDE).changed == "levels"
 
 
 def test_a_flat_cage_has_a_smooth_outline():
@@ -160,9 +160,8 @@ def test_a_flat_cage_has_a_smooth_outline():
     square = sn.SurfaceMesh(CUBE[::2] * (1, 1, 0), [(0, 2, 3, 1)])
     for method in (sn.MeanValue, sn.Green):
         made = method(square, smooth="levels", levels=3, precision="double")
-        report = made.bind([(0.5, 0.5, 0.0), (0.02, 0.02, 0.0)])
-        assert list(report.outside) == [1]
-        turned = square.points @ turn((1, 1, 1), 40)[:, :3].T
-        assert np.abs(made.warp(turned) - made.points @ turn((1, 1, 1), 40)[:, :3].T).max() < 1e-12
+        points, rotation = np.array([(0.5, 0.5, 0.0), (0.02, 0.02, 0.0)]), turn((1, 1, 1), 40)[:, :3].T
+        assert list(made.bind(points).outside) == [1]
+        assert np.abs(made.warp(square.points @ rotation) - points @ rotation).max() < 1e-12
         kept = method(square, smooth="levels", levels=3, boundary_smooth="preserve_corners")
         assert not list(kept.bind([(0.02, 0.02, 0.0)]).outside)

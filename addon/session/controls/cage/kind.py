@@ -41,7 +41,7 @@ class CageKind(ObjectKind):
     ) -> BindInput:
         """With the creases of a smooth cage."""
         found = super().request(settings, mesh, rest, key, base_count)
-        if found.recipe.options["smooth"] == "off":
+        if found.recipe.options.get("smooth", "off") == "off":
             return found
         pairs = zip(("creases", "corners"), read_creases(self.row(settings).rest), strict=True)
         own = {name: (where, 10.0 * crease**2) for name, (where, crease) in pairs if len(where)}

@@ -59,7 +59,8 @@ double volume(const SurfaceMesh& mesh)
 } // namespace
 
 Cage::Cage(SurfaceMesh rest, bool may_be_flat, const CageSmoothing& smoothing)
-    : smooth_(smoothing.smooth != CageSmooth::off && rest.face_count() > 0
+    : smoothing_((require_valid(smoothing), smoothing)),
+      smooth_(smoothing.smooth != CageSmooth::off && rest.face_count() > 0
                   ? std::make_shared<const SmoothCage>(rest, smoothing)
                   : nullptr),
       frame_(smooth_ ? smooth_->mesh().points() : rest.points()),
@@ -100,11 +101,6 @@ PointsView Cage::refined(PointsView control, Points& storage) const
         return control;
     storage = smooth_->refined(control);
     return view(storage);
-}
-
-bool Cage::operator==(const Cage& other) const
-{
-    return given() == other.given() && !smooth_ == !other.smooth_ && (!smooth_ || *smooth_ == *other.smooth_);
 }
 
 void Cage::check_pose(PointsView vertices) const

@@ -77,14 +77,14 @@ public:
         if (smooth_)
             smooth_->fold(rows);
     }
-    /// Whether both were given the same mesh and smoothness.
-    bool operator==(const Cage& other) const;
+    const CageSmoothing& smoothing() const { return smoothing_; }
 
     /// \throw InvalidConstraint  there are more or fewer control points than the cage has, or some are not
     ///   finite.
     void check_pose(PointsView vertices) const;
 
 private:
+    CageSmoothing smoothing_;
     std::shared_ptr<const SmoothCage> smooth_;
     NormalFrame frame_;
     SurfaceMesh rest_;

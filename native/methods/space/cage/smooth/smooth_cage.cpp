@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/space/cage/smooth/smooth_cage.h"
 
-#include "native/core/errors.h"
+#include "native/core/report.h"
 
 #include <algorithm>
 #include <cmath>
-#include <string>
 #include <utility>
 
 namespace sinew {
@@ -13,7 +12,7 @@ namespace sinew {
 namespace {
 
 constexpr double close_enough = 1e-3; ///< of the size of the cage
-constexpr int most_automatic = 5, most_levels = 6;
+constexpr int most_automatic = 5;
 constexpr std::int64_t most_quads = 20000; ///< for CageSmooth::automatic
 
 SubdivisionOptions at(SubdivisionOptions options, int level)
@@ -74,12 +73,8 @@ double error_at(const SurfaceMesh& control, const SubdivisionOptions& options, i
 
 int chosen_level(const SurfaceMesh& control, const CageSmoothing& smoothing)
 {
-    if (smoothing.smooth == CageSmooth::levels) {
-        if (smoothing.levels < 1 || smoothing.levels > most_levels)
-            throw InvalidOption("levels: " + std::to_string(smoothing.levels) + " is not between 1 and " +
-                                std::to_string(most_levels));
+    if (smoothing.smooth == CageSmooth::levels)
         return smoothing.levels;
-    }
     const SubdivisionOptions options = limit_of(smoothing);
     const double size =
         (control.points().colwise().maxCoeff() - control.points().colwise().minCoeff()).norm();
@@ -95,6 +90,14 @@ int chosen_level(const SurfaceMesh& control, const CageSmoothing& smoothing)
 }
 
 } // namespace
+
+std::vector<std::string> CageSmoothing::changed_from(const CageSmoothing& other) const
+{
+    return names_of(
+        {{"creases", crease_edges != other.crease_edges || crease_sharpness != other.crease_sharpness},
+         {"corners", corner_vertices != other.corner_vertices || corner_sharpness != other.corner_sharpness}},
+        changed(*this, other));
+}
 
 SmoothCage::SmoothCage(const SurfaceMesh& control, const CageSmoothing& smoothing)
     : control_(control), options_(at(limit_of(smoothing), chosen_level(control, smoothing))),
@@ -124,13 +127,6 @@ void SmoothCage::fold(RowMatrix& rows) const
     add_product(rows, 0, matrix(), folded.leftCols(controls));
     folded.rightCols(others) = rows.rightCols(others);
     rows.swap(folded);
-}
-
-bool SmoothCage::operator==(const SmoothCage& other) const
-{
-    const SparseRows &own = matrix(), &its = other.matrix();
-    return control_ == other.control_ && mesh_ == other.mesh_ && own.nonZeros() == its.nonZeros() &&
-           std::equal(own.valuePtr(), own.valuePtr() + own.nonZeros(), its.valuePtr());
 }
 
 void add_product(const RowMatrix& rows, Eigen::Index first, const SparseRows& matrix,

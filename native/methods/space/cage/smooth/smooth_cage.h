@@ -7,6 +7,8 @@
 #include "native/subdivision/subdivision_surface.h"
 
 #include <array>
+#include <string>
+#include <tuple>
 #include <vector>
 
 namespace sinew {
@@ -26,12 +28,28 @@ constexpr auto choices(CageSmooth)
 struct CageSmoothing
 {
     CageSmooth smooth = CageSmooth::off;
-    int levels = 2; ///< for CageSmooth::levels, 1 to 6
+    int levels = 2; ///< for CageSmooth::levels
     std::vector<std::array<int, 2>> crease_edges;
     std::vector<double> crease_sharpness;
     std::vector<int> corner_vertices;
     std::vector<double> corner_sharpness;
     BoundarySmooth boundary_smooth = BoundarySmooth::all; ///< of the outline of a flat cage
+
+    static constexpr auto table()
+    {
+        using O = CageSmoothing;
+        return std::tuple{
+            option("smooth", &O::smooth, Rebind::anew,
+                   "'off'; or the limit surface of the cage moves the points, by Catmull and Clark's rules: "
+                   "refined as often as levels says, or if 'automatic' until it is within 1/1000 of the "
+                   "cage's size of the limit. A frame still has one column per vertex of the cage"),
+            option("levels", &O::levels, Rebind::anew, between(1, 6),
+                   "how often faces are split for smooth='levels'"),
+            option("boundary_smooth", &O::boundary_smooth, Rebind::anew,
+                   "'all' or 'preserve_corners': the outline of a smooth flat cage")};
+    }
+    /// Names of what differs.
+    std::vector<std::string> changed_from(const CageSmoothing& other) const;
 };
 
 /// The limit surface of a cage by Catmull and Clark's rules, as a mesh of quads with its vertices on it.
@@ -47,7 +65,7 @@ class SmoothCage
 {
 public:
     /// Cost: 1 us per vertex of this mesh; four times that for CageSmooth::automatic.
-    /// \throw InvalidMesh, InvalidOption, OutOfMemory  as SubdivisionSurface; the levels are not 1 to 6.
+    /// \throw InvalidMesh, InvalidOption, OutOfMemory  as SubdivisionSurface.
     SmoothCage(const SurfaceMesh& control, const CageSmoothing& smoothing);
 
     int level() const { return options_.level; }
@@ -69,9 +87,6 @@ public:
     /// Takes weights of the vertices, the first columns of some rows, to weights of the control points. Other
     /// columns follow them as before.
     void fold(RowMatrix& rows) const;
-
-    /// Whether both have the same weights and faces.
-    bool operator==(const SmoothCage& other) const;
 
 private:
     SurfaceMesh control_;
