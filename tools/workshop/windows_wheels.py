@@ -15,7 +15,8 @@ from .shell import say
 from .windows_libraries import WINDOWS, import_library, imported_libraries, memory_functions
 
 INPUTS = (
-    *(f"tools/requirements/windows{python}.txt" for python in ("", "-3.11", "-3.13")),
+    "tools/requirements/windows.txt",
+    *(f"tools/requirements/windows-3.{minor}.txt" for minor in (10, 11, 12, 13)),
     "tools/workshop/windows",
     *(f"tools/workshop/{name}.py" for name in ("wine", "windows_libraries", "windows_wheels")),
 )
