@@ -12,7 +12,7 @@ from . import wine, zig
 from .archives import unpack
 from .cross_wheels import Target
 from .shell import say
-from .windows_libraries import WINDOWS, import_library, imported_libraries, memory_functions
+from .windows_libraries import WINDOWS, has_python, import_library, imported_libraries, memory_functions
 
 INPUTS = (
     "tools/requirements/windows.txt",
@@ -53,5 +53,6 @@ TARGET = Target(
         f"-DPython_LIBRARY={import_library(minor)}",
         f"-DCMAKE_MODULE_LINKER_FLAGS={' '.join(map(str, memory_functions()))}",
     ],
+    has_python=has_python,
     licences={"mingw-w64": zig.PACKAGE / "lib" / "libc" / "mingw" / "COPYING"},
 )
