@@ -131,7 +131,7 @@ private:
     /// Triangles at the same angle stay in their order.
     static void sort_around(const SurfaceMesh& mesh, std::span<Leaf> leaves)
     {
-        const auto off = [&](const Leaf& leaf) {
+        const auto off = [&](const Leaf& leaf) -> Vector3 {
             return mesh.point(mesh.triangles()[leaf.triangle][(leaf.corner + 2) % 3]) - mesh.point(leaf.low);
         };
         const Vector3 axis = (mesh.point(leaves[0].high) - mesh.point(leaves[0].low)).normalized();

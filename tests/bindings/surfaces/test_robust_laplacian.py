@@ -67,6 +67,15 @@ def test_messy_meshes_have_no_negative_weight_and_one_zero_per_part() -> None:
         assert (values > 1e-9 * values[-1]).sum() == len(corners) - parts
 
 
+def test_neither_the_order_of_faces_at_an_edge_nor_a_face_without_area_matters() -> None:
+    fan = [(0, 0, 0), (0, 0, 1), (0.2, 0, 0.5), (0, 0.3, 0.5), (-1, 0.2, 0.5), (-0.1, -1, 0.5)]
+    faces = np.array([(0, 1, 2), (0, 1, 3), (1, 0, 4), (0, 1, 5)])
+    for order in ((0, 2, 1, 3), (3, 1, 0, 2)):
+        np.testing.assert_allclose(made(fan, faces[list(order)])[0], made(fan, faces)[0], atol=1e-12)
+    L, _ = made([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)])  # without any area
+    assert 1e-3 < abs(L).max() < 1e-2, "as conducts a strip as narrow as the root of 1e-5"
+
+
 @pytest.mark.parametrize("method", [sn.ThinShell, sn.LaplacianEditing, sn.VolumetricGraphLaplacian])
 def test_methods_take_it(method) -> None:
     points, faces = squeezed()
