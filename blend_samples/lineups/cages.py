@@ -264,8 +264,8 @@ LINEUPS = {
         row=dict.fromkeys(("Rest", "Off", "Smooth")),
         spacing=3.1,
         finish=arch,
-        shot=Shot((0.4, 0, 0.95), 9.6, 7.0, 26.0, 1.0, picture=(1440, 460), samples=16, text=0.21, front=-1.6),
-            (0.6, 0, 0.92), 11.0, 7.0, 26.0, 1.0, picture=(1440, 480), samples=24, text=0.21, front=-1.6
+        shot=Shot(
+            (0.4, 0, 0.95), 9.6, 7.0, 26.0, 1.0, picture=(1440, 460), samples=16, text=0.21, front=-1.6
         ),
     ),
     "flat_art": Lineup(
