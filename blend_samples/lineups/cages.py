@@ -174,11 +174,11 @@ def asymmetry(obj: bpy.types.Object) -> float:
 
 def arch(blocks: Sequence[bpy.types.Object]) -> None:
     """Bend the second and third by four boxes, in steps: the third by their smooth surface."""
-    heights = np.linspace(-0.5, 2.4, 5)
-    rest = stack_of_boxes([(height, 0.85) for height in heights], blocks[0])
+    heights = np.linspace(0.0, 2.0, 5)
+    rest = stack_of_boxes([(height, 0.56) for height in heights], blocks[0])
 
     def bent(points: np.ndarray) -> np.ndarray:
-        turn = np.radians(30.0) * np.repeat(np.arange(5.0), 4)
+        turn = np.radians(20.0) * np.repeat(np.arange(5.0), 4)
         bones = (heights[1] - heights[0]) * np.column_stack((np.sin(turn), np.cos(turn)))
         ends = np.cumsum(bones[::4], axis=0) - bones[0] + (0.0, heights[0])
         across = np.column_stack((np.cos(turn), -np.sin(turn)))
@@ -262,10 +262,10 @@ LINEUPS = {
         about="Four boxes bend a block: in steps by their faces, evenly by their smooth surface.",
         build=block,
         row=dict.fromkeys(("Rest", "Off", "Smooth")),
-        spacing=3.6,
+        spacing=3.1,
         finish=arch,
         shot=Shot(
-            (0.6, 0, 0.92), 11.0, 7.0, 26.0, 1.0, picture=(1440, 480), samples=24, text=0.21, front=-1.6
+            (0.4, 0, 0.95), 9.6, 7.0, 26.0, 1.0, picture=(1440, 460), samples=16, text=0.21, front=-1.6
         ),
     ),
     "flat_art": Lineup(
