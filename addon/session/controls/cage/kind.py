@@ -45,7 +45,7 @@ class CageKind(ObjectKind):
             return found
         pairs = zip(("creases", "corners"), read_creases(self.row(settings).rest), strict=True)
         own = {name: (where, 10.0 * crease**2) for name, (where, crease) in pairs if len(where)}
-        control = replace(found.recipe.control, own=own)
+        control = replace(self.bound_to(rest), own=own)
         return replace(found, recipe=replace(found.recipe, control=control))
 
     def in_words(self, rest: RestShape) -> str:
