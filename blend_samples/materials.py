@@ -104,21 +104,14 @@ def eye_material(name: str, iris: Sequence[float], pupil: float, size: float) ->
 
 
 def patched_material(
-    name: str,
-    base: Sequence[float] | str,
-    patches: Sequence[tuple[str, Sequence[float], float]],
-    roughness: float,
+    name: str, base: Sequence[float], patches: Sequence[tuple[str, Sequence[float], float]], roughness: float
 ) -> Material:
-    """Colour fields over a base, which is a colour or an attribute: each (attribute, colour, softness) covers
-    where its attribute is positive.
+    """Colour fields over a base: each (attribute, colour, softness) covers where its attribute is positive.
     The attributes are smooth fields, zero on the border, so that borders are crisp on coarse meshes too."""
     material, shader = principled(name, roughness, specular=0.3)
     tree = material.node_tree
-    if isinstance(base, str):
-        below = attribute(material, base, "Color")
-    else:
-        below = tree.nodes.new("ShaderNodeRGB").outputs[0]
-        below.default_value = material.diffuse_color = (*base, 1.0)
+    below = tree.nodes.new("ShaderNodeRGB").outputs[0]
+    below.default_value = material.diffuse_color = (*base, 1.0)
     for field, tint, softness in patches:
         edge = smooth_edge(tree, attribute(material, field), -softness, softness)
         below = add_node(tree, "MixRGB", {"Fac": edge, "Color1": below, "Color2": (*tint, 1.0)})

@@ -211,8 +211,10 @@ def _add_view(
 def _material() -> Material:
     """Light from one side and the sky, computed from the normal, and so without noise."""
     patches = (("handle", materials.HANDLE_COLOUR, 0.05), ("fixed", materials.FIXED_COLOUR, 0.05))
-    material = materials.patched_material("Surface", "Colour", patches, roughness=0.6)
+    material = materials.patched_material("Surface", PLAIN, patches, roughness=0.6)
     tree = material.node_tree
+    base = tree.nodes["RGB"].outputs[0].links[0].to_socket
+    tree.links.new(materials.attribute(material, "Colour", "Color"), base)
     seen = tree.nodes.new("ShaderNodeNewGeometry").outputs
     math = partial(materials.add_math, tree)
     key, up, front = (

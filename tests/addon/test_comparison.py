@@ -168,16 +168,6 @@ def test_gradient_editing_ignores_translation() -> None:
     assert blind.angle_mean > 1.4 * aware.angle_mean
 
 
-def test_a_thin_shell_does_not_rotate_details() -> None:
-    """It moves each point straight up, however steep the slope is; around it, details turn."""
-    edit = case("plane")
-    alone = ours("thin_shell")(edit)
-    assert np.abs((alone - edit.points)[:, :2]).max() < 1e-9
-    sheared, turned = measured(edit, ours("thin_shell")), measured(edit, ours("multiresolution"))
-    assert turned.angle_mean < 0.7 * sheared.angle_mean
-    assert turned.edge_least > 0.95 > 0.9 > sheared.edge_least
-
-
 @pytest.mark.parametrize("mean_frame", [False, True])
 def test_implicit_laplacian_editing_degrades_with_the_angle(mean_frame: bool) -> None:
     for make, angles, factor in ((bar, (45.0, 90.0, 135.0), 1.6), (cylinder, (30.0, 60.0, 90.0, 120.0), 1.5)):
@@ -195,38 +185,6 @@ def test_substeps_made_anew_mend_the_twist(mean_frame: bool) -> None:
     rms = [measured(edit, implicit(mean_frame=mean_frame, substeps=k)).edge_rms for k in (1, 4, 16)]
     assert rms[0] > rms[1] > rms[2]
     assert rms[1] < (0.9 if mean_frame else 0.6) * rms[0]
-
-
-MULTI, SHELL, GRADIENTS = ours("multiresolution"), ours("thin_shell"), ours("gradient_editing")
-VECTORS, NORMAL, VOLUMES, TRANSFER = (
-    ours("multiresolution", details=item[0], wavelength=20.0)
-    for item in methods.BY_ID["multiresolution"].parameters[0].items
-)
-BEND = cylinder(28, angle=90.0)  # figure 15, b and d
-LOW, HIGH = bent_bumps(0.06, 140.0), bent_bumps(0.12, 140.0)  # pressed together on the inner side of a bend
-
-
-@pytest.mark.parametrize(
-    ("edit", "measure", "one", "share", "other"),
-    [
-        (bent_bumps(), "edge_rms", MULTI, 0.65, SHELL),  # figure 13
-        (bent_bumps(), "edge_least", SHELL, 0.5, MULTI),
-        (bent_bumps(), "angle_max", MULTI, 0.5, SHELL),
-        (BEND, "edge_rms", GRADIENTS, 1.0 / 1.5, unrotated_gradients),
-        (BEND, "volume", unrotated_gradients, 0.9, GRADIENTS),
-        (BEND, "edge_least", unrotated_gradients, 0.7, GRADIENTS),
-        *((LOW, "edge_least", NORMAL, 1.0 / 1.4, other) for other in (VOLUMES, TRANSFER)),
-        *((HIGH, "edge_least", NORMAL, 0.5, other) for other in (VOLUMES, TRANSFER)),
-        *((edit, "angle_max", TRANSFER, 0.6, NORMAL) for edit in (LOW, HIGH)),
-        (LOW, "angle_max", VOLUMES, 0.7, NORMAL),
-        (HIGH, "angle_max", VOLUMES, 0.9, NORMAL),
-        (HIGH, "edge_least", VECTORS, 1.1, NORMAL),
-        (HIGH, "angle_max", NORMAL, 1.0 / 0.9, VECTORS),
-    ],
-)
-def test_a_measure_of_one_method_is_a_share_of_that_of_another(edit, measure, one, share, other) -> None:
-    values = [getattr(measured(edit, solve), measure) for solve in (one, other)]
-    assert values[0] < share * values[1], values
 
 
 def test_implicit_transforms_let_what_hangs_free_turn() -> None:
