@@ -67,8 +67,8 @@ def lifted_disc(cells: int = 60, hollow: bool = False) -> Case:
     return case_of("Disc, lifted", (points, triangles), (frame, disc), moved(0, 0, 0.5), 24.0, closed=False)
 
 
-def animal(voxel: float) -> tuple[np.ndarray, np.ndarray]:
-    """On four legs: points (n, 3) and quads (m, 4)."""
+def beast(voxel: float = 0.075) -> Case:
+    """An animal on four legs; its hind feet stay, and its head is lifted high."""
     clay = Clay((-2.4, -0.9, -0.1), (3.0, 0.9, 2.4), voxel)
     clay.join(Ellipsoid((0.0, 0.0, 1.1), (1.3, 0.5, 0.42)))
     for x in (-0.9, 0.8):
@@ -77,12 +77,7 @@ def animal(voxel: float) -> tuple[np.ndarray, np.ndarray]:
     clay.join(Tube([(1.0, 0, 1.25), (1.5, 0, 1.5), (1.95, 0, 1.75)], [0.30, 0.22, 0.20]), 0.15)
     clay.join(Ellipsoid((2.2, 0.0, 1.8), (0.42, 0.25, 0.23)), 0.1)
     clay.join(Tube([(-1.1, 0, 1.2), (-1.6, 0, 1.3), (-2.1, 0, 1.15)], [0.22, 0.15, 0.11]), 0.12)
-    return clay.skin(12)
-
-
-def beast(voxel: float = 0.075) -> Case:
-    """The animal; its hind feet stay, and its head is lifted high."""
-    points, quads = animal(voxel)
+    points, quads = clay.skin(12)
     ends = (points[:, 0] < 0.0) & (points[:, 2] < 0.25), points[:, 0] > 1.9
     return case_of("Animal, head lifted", (points, split(quads)), ends, moved(-1.3, 0.0, 1.7), -20.0)
 
@@ -145,9 +140,22 @@ def fan(count: int) -> np.ndarray:
     return np.stack((0 * ring, ring, np.roll(ring, -1)), 1)
 
 
+def blocks(cells: set[tuple[int, int, int]]) -> tuple[np.ndarray, np.ndarray]:
+    """The outside of unit cubes at these places: points (n, 3) and quads (m, 4)."""
+    e = np.eye(3, dtype=int)
+    rings = [
+        (cell + side * e[a] + np.stack((0 * e[a], e[a - 2], e[a - 2] + e[a - 1], e[a - 1])))[:: 2 * side - 1]
+        for cell, a, side in product(sorted(cells), range(3), (0, 1))
+        if tuple(cell + (2 * side - 1) * e[a]) not in cells
+    ]
+    points, number = np.unique(np.concatenate(rings), axis=0, return_inverse=True)
+    return points.astype(float), number.reshape(-1, 4)
+
+
 def subdivided(_ours: Ours, sn: ModuleType) -> Iterator[Shown]:
-    """A coarse animal, refined. The first points are those of the control mesh."""
-    points, quads = animal(0.24)
+    """An animal of cubes, refined. The first points are those of the control mesh."""
+    body = {(x, y, 1) for x in range(4) for y in range(3)} | {(3, 1, 2), (4, 1, 2), (-1, 1, 1)}
+    points, quads = blocks(body | {(x, y, 0) for x in (0, 3) for y in (0, 2)})
     for caption, level in {"Control mesh": 0, "One step": 1, "Two steps": 2, "The limit": 5}.items():
         fine = sn.SubdivisionSurface(sn.SurfaceMesh(points, quads), level=level, limit=level == 5)
         shape, faces = fine.refine(points), np.asarray(fine.faces)
@@ -155,7 +163,7 @@ def subdivided(_ours: Ours, sn: ModuleType) -> Iterator[Shown]:
         sides = np.unique(np.sort(np.concatenate([np.roll(faces, k, 1)[:, :2] for k in range(4)])), axis=0)
         if level < 5:
             shown = replace(shown, note=f"{len(faces):,} faces", flat=True)
-            shown = with_parts(shown, lines(shape, sides, 0.014 / 1.4**level))
+            shown = with_parts(shown, lines(shape, sides, 0.025 / 1.3**level))
         yield shown
 
 
@@ -207,7 +215,7 @@ def ring_of_a_vertex(_ours: Ours, sn: ModuleType) -> Iterator[Shown]:
     case, paper, nearer = still(points, triangles), np.tile(PAPER, (len(points), 1)), (0.0, -0.012, 0.0)
     edges, edge = lines(points, edges_of(triangles), 0.012), lines(points, np.array([(0, 3)]), 0.03, ORANGE)
     spans = []
-    for corner, order in ((2, (0, 1, 2)), (4, (0, 2, 1))):
+    for corner, order in ((2, (0, 2, 1)), (4, (0, 1, 2))):
         arms = points[[0, 3]] - points[corner]
         arms *= 0.3 / np.linalg.norm(arms, axis=1)[:, None]
         spans.append((np.vstack((np.zeros(3), arms)) + points[corner] + nearer, np.array([order]), GREY))
@@ -283,23 +291,18 @@ def with_edges(_ours: Ours, _sn: ModuleType, case: Case) -> Shown:
     return with_parts(Shown(case, case.points, "Irregular faces", ""), edges)
 
 
-def rest(_ours: Ours, _sn: ModuleType, case: Case) -> Shown:
-    return Shown(case, case.points, "At rest", "")
+def solved(
+    caption: str, solve: Solve, note: str | None = None, mesh: Callable[[Case], Case] = replace
+) -> Show:
+    return lambda _ours, _sn, case: Shown(mesh(case), solve(case), caption, note)
 
 
-def at_rest_in_gradients(_ours: Ours, _sn: ModuleType, case: Case) -> Shown:
-    return Shown(case, unrotated_gradients(case), "Gradients at rest")
-
-
-def torn(_ours: Ours, _sn: ModuleType, case: Case) -> Shown:
-    return Shown(apart(case), turned_triangles(case), "Turned triangles")
-
-
+REST = solved("At rest", lambda case: case.points, "")
+UNTURNED = solved("Gradients at rest", unrotated_gradients)
+TORN = solved("Turned triangles", turned_triangles, mesh=apart)
 SHELL, ARAP = by("Thin Shell", "thin_shell"), by("As-Rigid-As-Possible", "arap")
-GRADIENTS, RUBBER = (
-    by("Gradient Editing", "gradient_editing"),
-    by("Nonlinear Thin Shell", "thin_shell_nonlinear"),
-)
+GRADIENTS = by("Gradient Editing", "gradient_editing")
+RUBBER = by("Nonlinear Thin Shell", "thin_shell_nonlinear")
 IMPLICIT = by("Laplacian, implicit", "laplacian_editing", transforms="implicit")
 LAPLACIANS = {"Uniform": "uniform", "Cotangent": "cotan", "Cotangent + Area": "cotan_voronoi"}
 GRIDS = {"degree 1": {"degree": 1}, "8 x 8": {}, "20 x 20": {"columns": 20, "rows": 20}}
@@ -315,13 +318,13 @@ FIGURES: dict[int, Draw] = {
     5: edits(uneven_strip, with_edges, *starmap(in_curvature, LAPLACIANS.items())),
     6: edits(lifted_disc, *SPLINES, SHELL),
     7: propagated,
-    8: edits(partial(lifted_disc, hollow=True), rest, *FIELDS, SHELL),
-    10: edits(plane, rest, SHELL, *detailed("normal_displacements"), ARAP),
+    8: edits(partial(lifted_disc, hollow=True), REST, *FIELDS, SHELL),
+    10: edits(plane, REST, SHELL, *detailed("normal_displacements"), ARAP),
     11: partial(in_two_bands, bellows, 14.0),
     12: partial(in_two_bands, bent_bumps, 20.0),
-    13: edits(bent_bumps, rest, by("In global coordinates", "thin_shell"), LOCAL, ARAP),
-    14: edits(partial(bent_bumps, 0.12, 140.0), rest, *detailed(*CODINGS, wavelength=20.0)),
-    15: edits(arc, rest, at_rest_in_gradients, torn, GRADIENTS),
+    13: edits(bent_bumps, REST, by("In global coordinates", "thin_shell"), LOCAL, ARAP),
+    14: edits(partial(bent_bumps, 0.12, 140.0), REST, *detailed(*CODINGS, wavelength=20.0)),
+    15: edits(arc, REST, UNTURNED, TORN, GRADIENTS),
     16: edits(beast, SHELL, GRADIENTS, IMPLICIT, ARAP, RUBBER),
-    22: edits(far_bend, rest, SHELL, ARAP),
+    22: edits(far_bend, REST, SHELL, ARAP),
 }
