@@ -101,10 +101,6 @@ def bellows(angle: float = 60.0) -> Case:
     return case_of("Bellows", (points, triangles), (z <= 1.501, z >= 8.499), bend(angle, 2, 7.0, 1.5))
 
 
-def far_bend() -> Case:
-    return replace(plane(angle=-170.0, bumps=0.09), heading=-58.0)
-
-
 def still(points: np.ndarray, triangles: np.ndarray, heading: float = 0.0) -> Case:
     """A mesh that nothing holds or moves."""
     return Case("", points, triangles, NOTHING, np.stack((STILL, STILL)), heading, closed=False)
@@ -326,5 +322,5 @@ FIGURES: dict[int, Draw] = {
     14: edits(partial(bent_bumps, 0.12, 140.0), REST, *detailed(*CODINGS, wavelength=20.0)),
     15: edits(arc, REST, UNTURNED, TORN, GRADIENTS),
     16: edits(beast, SHELL, GRADIENTS, IMPLICIT, ARAP, RUBBER),
-    22: edits(far_bend, REST, SHELL, ARAP),
+    22: edits(lambda: replace(plane(angle=-170.0, bumps=0.09), heading=-58.0), REST, SHELL, ARAP),
 }

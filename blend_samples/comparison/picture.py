@@ -137,10 +137,18 @@ def of_figure(title: str, every: Sequence[Shown], name: str) -> Sheet:
 
 
 def show(scene: Scene, sheets: Sequence[Sheet]) -> None:
-    """Fill the scene with the sheets, side by side, on paper; the camera looks at the first."""
-    _add_camera(scene)
+    """Fill the scene with the sheets, side by side, on paper; the camera sees the first. There is no light
+    but what the camera sees itself, and colours are as they are."""
+    data = bpy.data.cameras.new("Camera")
+    data.type, data.clip_end = "ORTHO", 200.0
+    scene.camera = studio.put(scene, "Camera", data)
+    scene.camera.rotation_euler = (radians(90.0), 0.0, 0.0)
     _add_sheets(scene, sheets)
-    _set_up_render(scene)
+    studio.set_up_render(scene, 16, 1440, 600)
+    scene.cycles.use_adaptive_sampling, scene.cycles.max_bounces = False, 0
+    scene.cycles.filter_width = 1.0
+    scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
+    scene.view_settings.exposure = 0.0
     look_at(scene, sheets, 0)
     studio.look_through_camera()
 
@@ -178,13 +186,6 @@ def look_at(scene: Scene, sheets: Sequence[Sheet], number: int) -> None:
     camera.data.ortho_scale = max(width, height)
     camera.location = (APART * number + 0.5 * width, -50.0, -0.5 * height)
     scene.render.resolution_x, scene.render.resolution_y = round(PIXELS * width), round(PIXELS * height)
-
-
-def _add_camera(scene: Scene) -> None:
-    data = bpy.data.cameras.new("Camera")
-    data.type, data.clip_end = "ORTHO", 200.0
-    scene.camera = studio.put(scene, "Camera", data)
-    scene.camera.rotation_euler = (radians(90.0), 0.0, 0.0)
 
 
 def _add_view(
@@ -238,15 +239,6 @@ def _glowing(material: Material, light: NodeSocket | float = 1.0) -> Material:
     glow = materials.add_node(tree, "Emission", {"Color": colour, "Strength": light})
     tree.links.new(glow, tree.nodes["Material Output"].inputs["Surface"])
     return material
-
-
-def _set_up_render(scene: Scene) -> None:
-    """No light but what the camera sees itself, and colours as they are."""
-    studio.set_up_render(scene, 16, 1440, 600)
-    scene.cycles.use_adaptive_sampling, scene.cycles.max_bounces = False, 0
-    scene.cycles.filter_width = 1.0
-    scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
-    scene.view_settings.exposure = 0.0
 
 
 def laplacian_deform(case: Case) -> np.ndarray:
