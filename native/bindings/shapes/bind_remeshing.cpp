@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/bindings/arguments.h"
 #include "native/bindings/method_binding.h"
+#include "native/mesh/remeshing/decimation.h"
 #include "native/mesh/remeshing/isotropic_remeshing.h"
+#include "native/mesh/remeshing/semi_regular.h"
 
 #include <optional>
 #include <string>
@@ -29,10 +31,36 @@ auto first_of(const std::vector<T>& rows)
     return rows.empty() ? nullptr : rows.front().data();
 }
 
+std::vector<Edge> given_lines(const OptionalArray& lines)
+{
+    return lines.is_none() ? std::vector<Edge>{} : index_pairs(lines, "lines");
+}
+
+Remeshed made_fewer(const SurfaceMesh& mesh, int faces, double angle, const OptionalArray& lines,
+                    const Callback& progress)
+{
+    const std::vector<Edge> given = given_lines(lines);
+    const Progress ticks = bindings::progress(progress);
+    const py::gil_scoped_release unlocked;
+    return decimate(mesh, {.faces = faces, .angle = angle}, given, ticks);
+}
+
+SemiRegular made_regular(const SurfaceMesh& mesh, int levels, const std::optional<int>& base_faces,
+                         double angle, const OptionalArray& lines, const Callback& progress)
+{
+    const std::vector<Edge> given = given_lines(lines);
+    if (base_faces && *base_faces < 4)
+        throw InvalidOption("base_faces must be at least 4");
+    const Progress ticks = bindings::progress(progress);
+    const py::gil_scoped_release unlocked;
+    return semi_regular(mesh, {.levels = levels, .base_faces = base_faces.value_or(0), .angle = angle}, given,
+                        ticks);
+}
+
 Remeshed made_even(const SurfaceMesh& mesh, const std::optional<double>& length, int rounds, double angle,
                    const OptionalArray& lines, const Callback& progress)
 {
-    const std::vector<Edge> given = lines.is_none() ? std::vector<Edge>{} : index_pairs(lines, "lines");
+    const std::vector<Edge> given = given_lines(lines);
     if (length && !(*length > 0.0))
         throw InvalidOption("length must be more than 0");
     const Progress ticks = bindings::progress(progress);
@@ -42,7 +70,8 @@ Remeshed made_even(const SurfaceMesh& mesh, const std::optional<double>& length,
 
 void bind_remeshing(py::module_& module)
 {
-    py::class_<Remeshed>(module, "Remeshed", R"(New triangles for a surface, and where they lie on the old one.
+    py::class_<Remeshed>(module, "Remeshed",
+                         R"(New triangles for a surface, and where they lie on the old one.
 
 What the old surface carries is carried over by this: of vertices, `(values[r.vertex_sources] *
 r.vertex_weights[..., None]).sum(1)`; of corners, the same with `corner_sources` and `corner_weights`; of faces,
@@ -61,7 +90,9 @@ r.vertex_weights[..., None]).sum(1)`; of corners, the same with `corner_sources`
             "(k,) which of the given lines.")
         .def_property_readonly(
             "vertex_sources",
-            [](const Remeshed& r) { return table(first_of(r.origins.vertices), r.origins.vertices.size(), 3); },
+            [](const Remeshed& r) {
+                return table(first_of(r.origins.vertices), r.origins.vertices.size(), 3);
+            },
             "(n, 3) the corners of the old triangle in which the closest point lies.")
         .def_property_readonly(
             "vertex_weights",
@@ -74,7 +105,9 @@ r.vertex_weights[..., None]).sum(1)`; of corners, the same with `corner_sources`
             "(m,) the old face that is closest to the centroid.")
         .def_property_readonly(
             "corner_sources",
-            [](const Remeshed& r) { return corner_table(first_of(r.origins.corners), r.origins.corners.size()); },
+            [](const Remeshed& r) {
+                return corner_table(first_of(r.origins.corners), r.origins.corners.size());
+            },
             "(m, 3, 3) for each corner three old corners, counted face after face. The corners of a face lie "
             "on one\nside of the given lines.")
         .def_property_readonly(
@@ -114,6 +147,67 @@ progress  None or callable(fraction, stage); returning False cancels.
 
 Cost: O(n log n) in each round; 86,000 triangles take some seconds. Raises InvalidMesh where no face has an area,
 InvalidOption, also for a length that would give more than 20 million triangles, or Cancelled.)");
+
+    module.def("decimate", &made_fewer, py::arg("mesh"), py::arg("faces"), py::kw_only(),
+               py::arg("angle") = DecimateOptions{}.angle, py::arg("lines") = py::none(),
+               py::arg("progress") = py::none(), R"(
+Fewer triangles for the same surface -> Remeshed [Lindstrom & Turk 1998].
+
+The edge whose collapse changes the shape least is collapsed, until so many triangles are left, or none can be
+collapsed without turning a triangle over. Lines are kept as by remesh(): edges along them are collapsed onto them.
+
+mesh      SurfaceMesh.
+faces     triangles wanted, >= 4.
+angle     radians between the normals of faces, in (0, pi]; folds that are sharper are kept.
+lines     None or (k, 2) vertices of edges that are kept, such as seams; pairs without an edge are ignored.
+progress  None or callable(fraction, stage); returning False cancels.
+
+Cost: O(n log n). Raises InvalidMesh where no face has an area, InvalidOption or Cancelled.)");
+
+    py::class_<SemiRegular>(module, "SemiRegular",
+                            "A surface as a base of few triangles, each split into four several times.")
+        .def_readonly("finest", &SemiRegular::finest,
+                      "The last level, a Remeshed. The vertices of each level are its first ones.")
+        .def_property_readonly(
+            "base_faces", [](const SemiRegular& s) { return table(first_of(s.base), s.base.size(), 3); },
+            "(b, 3) triangles of the base.")
+        .def_property_readonly(
+            "counts", [](const SemiRegular& s) { return to_numpy(s.counts); },
+            "(levels + 1,) vertices of the base and of each level.")
+        .def_property_readonly(
+            "displacements",
+            [](const SemiRegular& s) {
+                py::list levels;
+                for (const auto& moves : s.displacements)
+                    levels.append(table(first_of(moves), moves.size(), 3));
+                return levels;
+            },
+            "List of (k, 3) for each level: how far its new vertices lie from the middle of the edge that "
+            "they split.")
+        .def("__repr__", [](const SemiRegular& s) {
+            return "<SemiRegular: " + std::to_string(s.base.size()) + " faces, " +
+                   std::to_string(s.displacements.size()) + " levels, distance " +
+                   std::to_string(s.finest.origins.farthest) + ">";
+        });
+
+    module.def("semi_regular", &made_regular, py::arg("mesh"),
+               py::arg("levels") = SemiRegularOptions{}.levels, py::kw_only(),
+               py::arg("base_faces") = py::none(), py::arg("angle") = SemiRegularOptions{}.angle,
+               py::arg("lines") = py::none(), py::arg("progress") = py::none(), R"(
+Fit a subdivided base of few triangles to a surface -> SemiRegular [Eck et al. 1995, Guskov et al. 2000].
+
+The base comes from decimate(). Each level splits the edges in the middle and puts the new vertices onto the surface, or
+onto the kept lines. Where the base is too coarse for the shape, triangles may fold.
+
+mesh        SurfaceMesh.
+levels      1 to 10.
+base_faces  triangles of the base, >= 4; None: so many that the last level has as many as the mesh.
+angle       radians between the normals of faces, in (0, pi]; folds that are sharper are kept.
+lines       None or (k, 2) vertices of edges that are kept, such as seams; pairs without an edge are ignored.
+progress    None or callable(fraction, stage); returning False cancels.
+
+Cost: O(n log n). Raises InvalidMesh where no face has an area, InvalidOption, also for more than 20 million triangles,
+or Cancelled.)");
 }
 
 const MethodBinding remeshing_binding(&bind_remeshing);

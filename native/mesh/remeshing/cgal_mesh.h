@@ -74,7 +74,8 @@ inline void read_back(CgalMesh& mesh, Remeshed& into)
     }
     for (const auto e : mesh.edges())
         if (line[e] || mesh.is_border(e))
-            into.lines.push_back({numbers[mesh.source(mesh.halfedge(e))], numbers[mesh.target(mesh.halfedge(e))]});
+            into.lines.push_back(
+                {numbers[mesh.source(mesh.halfedge(e))], numbers[mesh.target(mesh.halfedge(e))]});
 }
 
 } // namespace sinew

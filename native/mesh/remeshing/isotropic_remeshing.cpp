@@ -68,7 +68,8 @@ Remeshed remesh(const SurfaceMesh& mesh, const RemeshOptions& options, const std
                                                            .edge_is_constrained_map(lines)
                                                            .vertex_is_constrained_map(stays_of(work)));
     read_back(work, made);
-    finish(made, mesh, cut, given, progress);
+    join_cuts(made, mesh, cut);
+    trace(made, mesh, cut, given, progress);
     return made;
 }
 

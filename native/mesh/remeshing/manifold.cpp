@@ -77,10 +77,7 @@ Vector3 normal_of(const std::vector<Vector3>& points, const Triangle& t)
     return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
 }
 
-double angle_between(const Vector3& a, const Vector3& b)
-{
-    return std::atan2(a.cross(b).norm(), a.dot(b));
-}
+double angle_between(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 } // namespace
 
@@ -151,7 +148,8 @@ Manifold::Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given, doub
         if (!fold) {
             const auto normal = [&](const Side& s) {
                 const Triangle& t = triangles[s.triangle];
-                return Vector3((mesh.point(t[1]) - mesh.point(t[0])).cross(mesh.point(t[2]) - mesh.point(t[0])));
+                return Vector3(
+                    (mesh.point(t[1]) - mesh.point(t[0])).cross(mesh.point(t[2]) - mesh.point(t[0])));
             };
             fold = angle_between(normal(a), normal(b)) > angle;
         }
@@ -181,8 +179,8 @@ Manifold::Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given, doub
     for (std::size_t v = 0; v < points.size(); ++v) {
         const auto& ends = beside[v];
         stays[v] = ends.size() == 1 || ends.size() > 2 ||
-                   (ends.size() == 2 && angle_between(points[v] - points[ends[0]], points[ends[1]] - points[v]) >
-                                            sharpest_bend);
+                   (ends.size() == 2 &&
+                    angle_between(points[v] - points[ends[0]], points[ends[1]] - points[v]) > sharpest_bend);
     }
     // The copies of a vertex must stay together.
     std::vector<int> copies(mesh.vertex_count(), 0);

@@ -151,8 +151,9 @@ double farthest_from(const TriangleTree& tree, const std::vector<Vector3>& point
 
 } // namespace
 
-Origins find_origins(const SurfaceMesh& mesh, const std::vector<Edge>& given, const std::vector<Vector3>& points,
-                     const std::vector<Triangle>& triangles, const Progress& progress)
+Origins find_origins(const SurfaceMesh& mesh, const std::vector<Edge>& given,
+                     const std::vector<Vector3>& points, const std::vector<Triangle>& triangles,
+                     const Progress& progress)
 {
     std::vector<Vector3> old(mesh.vertex_count());
     for (int v = 0; v < mesh.vertex_count(); ++v)
@@ -196,14 +197,16 @@ Origins find_origins(const SurfaceMesh& mesh, const std::vector<Edge>& given, co
                 const int v = triangles[f][k];
                 int host = hosts[v];
                 if (!given.empty()) {
-                    const double enough = distances[v] * distances[v] + 1e-20 * (middle - points[v]).squaredNorm();
+                    const double enough =
+                        distances[v] * distances[v] + 1e-20 * (middle - points[v]).squaredNorm();
                     host = islands.closest(points[v], centre.triangle, enough * (1.0 + 1e-9));
                 }
                 const Triangle& t = mesh.triangles()[host];
                 const auto loop = mesh.face(mesh.triangle_faces()[host]);
                 for (int i = 0; i < 3; ++i)
-                    found.corners[3 * f + k][i] = first[mesh.triangle_faces()[host]] +
-                                                  static_cast<int>(std::ranges::find(loop, t[i]) - loop.begin());
+                    found.corners[3 * f + k][i] =
+                        first[mesh.triangle_faces()[host]] +
+                        static_cast<int>(std::ranges::find(loop, t[i]) - loop.begin());
                 found.corner_weights[3 * f + k] = weights_in(corners_of(old, t), points[v]);
             }
         },

@@ -33,8 +33,9 @@ struct Origins
 /// \param given      edges of the old mesh that corners must not cross.
 /// \throw InvalidMesh  no triangle of one of the surfaces has an area.
 /// \throw Cancelled
-Origins find_origins(const SurfaceMesh& mesh, const std::vector<Edge>& given, const std::vector<Vector3>& points,
-                     const std::vector<Triangle>& triangles, const Progress& progress);
+Origins find_origins(const SurfaceMesh& mesh, const std::vector<Edge>& given,
+                     const std::vector<Vector3>& points, const std::vector<Triangle>& triangles,
+                     const Progress& progress);
 
 /// Which of the lines is closest to each point, of equally close ones the first; -1 without lines.
 std::vector<int> closest_lines(const std::vector<std::array<Vector3, 2>>& lines,

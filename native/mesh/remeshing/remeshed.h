@@ -22,11 +22,14 @@ struct Remeshed
     double length = 0.0; ///< that edges were to have; 0 where none was
 };
 
-/// Joins what was cut, finds on which lines the new ones lie, and where everything comes from.
+/// Joins the vertices at which a mesh was cut, where copies of them are still in one place.
 ///
 /// \param remeshed  points, triangles, and in `lines` its edges on lines of any kind.
 /// \param cut       what it was made of.
-void finish(Remeshed& remeshed, const SurfaceMesh& mesh, const Manifold& cut, const std::vector<Edge>& given,
-            const Progress& progress);
+void join_cuts(Remeshed& remeshed, const SurfaceMesh& mesh, const Manifold& cut);
+
+/// Keeps of the lines those on given ones, and finds where everything comes from.
+void trace(Remeshed& remeshed, const SurfaceMesh& mesh, const Manifold& cut, const std::vector<Edge>& given,
+           const Progress& progress);
 
 } // namespace sinew
