@@ -45,6 +45,7 @@ class Operators:
     CURVATURE = "sinew.measure_curvature"
     REMESH = "sinew.remesh"
     DECIMATE = "sinew.decimate"
+    REMOVE_NEEDLES = "sinew.remove_needles"
     SEMI_REGULAR = "sinew.remesh_semi_regular"
     CURE = "sinew.cure"
     DEFORMER_MOVE = "sinew.deformer_move"

@@ -43,6 +43,7 @@ from .surfaces import (
     curvature as curvature,
     decimate as decimate,
     remesh as remesh,
+    remove_degenerate as remove_degenerate,
     semi_regular as semi_regular,
     survey as survey,
 )

@@ -156,6 +156,26 @@ def decimate(
     )
 
 
+def remove_degenerate(
+    points: np.ndarray,
+    faces: tuple[np.ndarray, np.ndarray],
+    lines: np.ndarray,
+    progress: Progress | None = None,
+    *,
+    ratio: float,
+    cap: float,
+    angle: float,
+) -> Carried:
+    """The triangles without needles and caps. Any thread may call this."""
+    native = native_module()
+    with translated(native):
+        mesh = native.SurfaceMesh(points, faces)
+        made = native.remove_degenerate(
+            mesh, ratio=ratio, cap=cap, angle=angle, lines=lines, progress=progress
+        )
+    return _carried(points, made)
+
+
 def semi_regular(
     points: np.ndarray,
     faces: tuple[np.ndarray, np.ndarray],
@@ -166,7 +186,10 @@ def semi_regular(
     base_faces: int,
     angle: float,
 ) -> Carried:
-    """A base of so many triangles, or where that is 0 of so many that the count stays, subdivided. Any thread."""
+    """A base of so many triangles, or where that is 0 of so many that the count stays, subdivided.
+
+    Any thread may call this.
+    """
     native = native_module()
     with translated(native):
         mesh = native.SurfaceMesh(points, faces)

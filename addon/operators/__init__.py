@@ -37,7 +37,12 @@ from .deformer.preset import (
     preset_folder as preset_folder,
     template_refusal as template_refusal,
 )
-from .deformer.remesh import SINEW_OT_decimate, SINEW_OT_remesh, SINEW_OT_remesh_semi_regular
+from .deformer.remesh import (
+    SINEW_OT_decimate,
+    SINEW_OT_remesh,
+    SINEW_OT_remesh_semi_regular,
+    SINEW_OT_remove_needles,
+)
 from .deformer.repair import (
     SINEW_OT_armature_off,
     SINEW_OT_cure,
@@ -157,6 +162,7 @@ _CLASSES = (
     SINEW_OT_remesh,
     SINEW_OT_decimate,
     SINEW_OT_remesh_semi_regular,
+    SINEW_OT_remove_needles,
     SINEW_OT_curve_edit,
     SINEW_OT_grid_new,
     SINEW_OT_help,

@@ -131,6 +131,7 @@ class SINEW_MT_prepare(Menu):
         layout.operator(Operators.REMESH, icon="MOD_REMESH")
         layout.operator(Operators.DECIMATE, icon="MOD_DECIM")
         layout.operator(Operators.SEMI_REGULAR, icon="MOD_MULTIRES")
+        layout.operator(Operators.REMOVE_NEEDLES, icon="MOD_TRIANGULATE")
         layout.separator()
         layout.operator(Operators.CURVATURE, icon="MOD_SMOOTH")
 

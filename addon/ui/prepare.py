@@ -38,6 +38,7 @@ class SINEW_PT_prepare(SidebarPanel, Panel):
         column.operator(Operators.REMESH, icon="MOD_REMESH")
         column.operator(Operators.DECIMATE, icon="MOD_DECIM")
         column.operator(Operators.SEMI_REGULAR, icon="MOD_MULTIRES")
+        column.operator(Operators.REMOVE_NEEDLES, icon="MOD_TRIANGULATE")
         layout.separator()
         layout.operator(Operators.CURVATURE, icon="MOD_SMOOTH")
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""New triangles for a mesh: even ones, fewer ones, or subdivided ones. All that the mesh carries comes along."""
+"""New triangles for a mesh: even, fewer, subdivided, or without needles. All that it carries comes along."""
 
 import math
 from collections.abc import Callable
@@ -98,8 +98,8 @@ class _MakesTriangles(OnTarget, StaysInWindow):
         more = f", {made.told}" if made.told else ""
         self.tell(
             {"INFO"},
-            f"{len(made.faces):,} faces instead of {before:,}{more}; at most {made.distance:.3g} away from the "
-            "old surface",
+            f"{len(made.faces):,} faces instead of {before:,}{more}; at most {made.distance:.3g} away from "
+            "the old surface",
         )
         bind_again(self, context, obj, True)
         return {"FINISHED"}
@@ -158,8 +158,32 @@ class SINEW_OT_decimate(_MakesTriangles, Operator):
         return lambda progress: backend.decimate(taken.points, taken.faces, taken.lines, progress, **options)
 
 
+class SINEW_OT_remove_needles(_MakesTriangles, Operator):
+    """Cut the mesh into triangles without needles, which have a very short side, or a very wide angle.
+
+    Vertex groups, UV maps with seams, materials, shape keys and marked edges come along
+    """
+
+    bl_idname = Operators.REMOVE_NEEDLES
+    bl_label = "Remove Needles"
+
+    ratio: field(FloatProperty, default=4.0, min=1.1, soft_max=20.0).named(
+        "Ratio", "Take triangles for needles whose longest side is so many times as long as the shortest one"
+    )
+    cap: field(
+        FloatProperty, subtype="ANGLE", default=math.radians(160), min=math.radians(91), max=math.pi
+    ).named("Widest Angle", "Take triangles for needles that have a wider angle")
+    angle: field(FloatProperty, **_ANGLE).named("Fold Angle", _KEPT)
+
+    def maker(self, taken: carrying.Taken) -> Callable[[backend.Progress | None], backend.Carried]:
+        options = {"ratio": self.ratio, "cap": self.cap, "angle": self.angle}
+        return lambda progress: backend.remove_degenerate(
+            taken.points, taken.faces, taken.lines, progress, **options
+        )
+
+
 class SINEW_OT_remesh_semi_regular(_MakesTriangles, Operator):
-    """Give the mesh few large triangles, each split into four several times, as subdivision surfaces have them.
+    """Give the mesh few large triangles, each split into four several times.
 
     Vertex groups, UV maps with seams, materials, shape keys and marked edges come along
     """

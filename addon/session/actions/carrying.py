@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Gives a mesh new triangles that take over all that the old ones carry. Main thread only.
 
-Vertex groups, shape keys, UV maps, attributes, materials, and marks of edges are carried over. Custom normals,
-attributes of edges but the crease, loose edges and loose vertices are not.
+Vertex groups, shape keys, UV maps, attributes, materials, and marks of edges are carried over. Custom
+normals, attributes of edges but the crease, loose edges and loose vertices are not.
 """
 
 from collections.abc import Callable, Iterable
@@ -27,7 +27,7 @@ from ...core.errors import SinewError
 from ..state import sessions
 
 _ISLAND = 1e-6  # of a UV map: corners that are further apart belong to different islands
-# How attributes of each type are read and written: the field, numbers for each, and whether they may be mixed.
+# Of the types of attributes: the field, how many numbers each has, and whether they may be mixed.
 _FIELDS = {
     "FLOAT": ("value", 1, True),
     "INT": ("value", 1, False),

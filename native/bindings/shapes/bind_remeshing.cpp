@@ -2,6 +2,7 @@
 #include "native/bindings/arguments.h"
 #include "native/bindings/method_binding.h"
 #include "native/mesh/remeshing/decimation.h"
+#include "native/mesh/remeshing/degenerate_removal.h"
 #include "native/mesh/remeshing/isotropic_remeshing.h"
 #include "native/mesh/remeshing/semi_regular.h"
 
@@ -43,6 +44,16 @@ Remeshed made_fewer(const SurfaceMesh& mesh, int faces, double angle, const Opti
     const Progress ticks = bindings::progress(progress);
     const py::gil_scoped_release unlocked;
     return decimate(mesh, {.faces = faces, .angle = angle}, given, ticks);
+}
+
+Remeshed made_clean(const SurfaceMesh& mesh, double ratio, double cap, double share, double angle,
+                    const OptionalArray& lines, const Callback& progress)
+{
+    const std::vector<Edge> given = given_lines(lines);
+    const Progress ticks = bindings::progress(progress);
+    const py::gil_scoped_release unlocked;
+    return remove_degenerate(mesh, {.ratio = ratio, .cap = cap, .share = share, .angle = angle}, given,
+                             ticks);
 }
 
 SemiRegular made_regular(const SurfaceMesh& mesh, int levels, const std::optional<int>& base_faces,
@@ -161,6 +172,26 @@ faces     triangles wanted, >= 4.
 angle     radians between the normals of faces, in (0, pi]; folds that are sharper are kept.
 lines     None or (k, 2) vertices of edges that are kept, such as seams; pairs without an edge are ignored.
 progress  None or callable(fraction, stage); returning False cancels.
+
+Cost: O(n log n). Raises InvalidMesh where no face has an area, InvalidOption or Cancelled.)");
+
+    module.def("remove_degenerate", &made_clean, py::arg("mesh"), py::kw_only(),
+               py::arg("ratio") = DegenerateOptions{}.ratio, py::arg("cap") = DegenerateOptions{}.cap,
+               py::arg("share") = DegenerateOptions{}.share, py::arg("angle") = DegenerateOptions{}.angle,
+               py::arg("lines") = py::none(), py::arg("progress") = py::none(), R"(
+The triangles without needles, which have a very short side, and caps, which have a very wide angle -> Remeshed
+[Botsch & Kobbelt 2001].
+
+Short sides of needles are collapsed, long sides of caps are flipped. Borders, given lines and sharp folds stay, with
+the needles between them.
+
+mesh      SurfaceMesh.
+ratio     > 1; of the longest side to the shortest one: triangles above it are needles.
+cap       radians, in (pi / 2, pi]: triangles with a wider angle are caps.
+share     > 0; needles go whose shortest side is below this share of the mean edge.
+angle     radians between the normals of faces, in (0, pi]; folds that are sharper are kept.
+lines     None or (k, 2) vertices of edges that are kept, such as seams; pairs without an edge are ignored.
+progress  None or callable(fraction, stage); returning False cancels, before or after the triangles are removed.
 
 Cost: O(n log n). Raises InvalidMesh where no face has an area, InvalidOption or Cancelled.)");
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""New triangles for a surface: their size, how far away they are, and what they take over from the old ones."""
+"""New triangles for a surface: their size, how far away they are, and what they take over."""
 
 import numpy as np
 import pytest
@@ -40,6 +40,7 @@ def makers(mesh: sn.SurfaceMesh, **options):
     yield sn.remesh(mesh, **options)
     yield sn.decimate(mesh, max(4, len(mesh.triangles) // 4), **options)
     yield sn.semi_regular(mesh, 2, **options).finest
+    yield sn.remove_degenerate(mesh, **options)
 
 
 @pytest.mark.parametrize("share", [0.5, 1.0, 2.0])
@@ -78,9 +79,7 @@ def test_texture_coordinates_keep_their_seam():
     faces = halved(quads)
     around = np.arctan2(points[:, 2], points[:, 1]) / (2 * np.pi) % 1
     corners = around[faces]
-    corners[(corners == 0) & (corners.max(1) > 0.5)[:, None]] = (
-        1.0  # where the seam is, beyond the last column
-    )
+    corners[(corners == 0) & (corners.max(1) > 0.5)[:, None]] = 1.0  # beyond the last column
     seam = np.stack([np.arange(12), np.arange(1, 13)], 1) * 24
     for made in makers(sn.SurfaceMesh(points, faces), lines=seam):
         carried = (corners.ravel()[made.corner_sources] * made.corner_weights).sum(2)
@@ -123,6 +122,21 @@ def test_decimation_reaches_its_count_and_stays_near():
         assert made.distance < 0.5 * before
         before = made.distance
         assert sn.SurfaceMesh(made.points, made.faces).diagnose().euler_characteristic == 2
+
+
+def test_needles_and_caps_go():
+    points, faces = grid(12)
+    points = np.concatenate([points, points[60:61] + 1e-3 * (points[61] - points[60])])
+    split = [face for face in faces.tolist() if {60, 61} <= set(face)]
+    faces = np.array([face for face in faces.tolist() if face not in split])
+    parts = [[169 if v == one else v for v in face] for face in split for one in (60, 61)]
+    mesh = sn.SurfaceMesh(points, np.concatenate([faces, parts]))
+    made = sn.remove_degenerate(mesh)
+    sides = np.stack([lengths(made.points, made.faces[:, list(pair)]) for pair in ((0, 1), (1, 2), (2, 0))])
+    assert (sides.max(0) / sides.min(0)).max() < 4
+    assert len(made.faces) == 288
+    assert made.distance < 0.01
+    assert sn.SurfaceMesh(made.points, made.faces).diagnose().euler_characteristic == 1
 
 
 def test_levels_split_in_four_and_approach_the_surface():
@@ -177,6 +191,7 @@ def test_random_meshes_are_remade_or_refused(drawn):
             lambda: sn.remesh(mesh, max(np.sqrt(area / 400), 1e-200)),
             lambda: sn.decimate(mesh, 8),
             lambda: sn.semi_regular(mesh, 2).finest,
+            lambda: sn.remove_degenerate(mesh),
         )
     except sn.InvalidMesh:
         return
@@ -225,6 +240,9 @@ def test_refusals():
         lambda: sn.decimate(mesh, 3),
         lambda: sn.semi_regular(mesh, 0),
         lambda: sn.semi_regular(mesh, 2, base_faces=3),
+        lambda: sn.remove_degenerate(mesh, ratio=1.0),
+        lambda: sn.remove_degenerate(mesh, cap=1.0),
+        lambda: sn.remove_degenerate(mesh, share=0.0),
     ):
         with pytest.raises(sn.InvalidOption):
             call()
