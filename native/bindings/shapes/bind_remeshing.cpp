@@ -157,7 +157,8 @@ lines     None or (k, 2) vertices of edges that are kept, such as seams; pairs w
 progress  None or callable(fraction, stage); returning False cancels.
 
 Cost: O(n log n) in each round; 86,000 triangles take some seconds. Raises InvalidMesh where no face has an area,
-InvalidOption, also for a length that would give more than 20 million triangles, or Cancelled.)");
+InvalidOption, also for a length that would give more than 20 million triangles or is far too short for needles, or
+Cancelled.)");
 
     module.def("decimate", &made_fewer, py::arg("mesh"), py::arg("faces"), py::kw_only(),
                py::arg("angle") = DecimateOptions{}.angle, py::arg("lines") = py::none(),

@@ -6,6 +6,7 @@
 
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -14,7 +15,7 @@ namespace sinew {
 
 namespace {
 
-constexpr double most_triangles = 2e7;
+constexpr double most_triangles = 2e7, most_splits = 1e8;
 
 /// Which edges are lines. CGAL asks so often that this is where progress is reported.
 struct Lines
@@ -56,6 +57,16 @@ Remeshed remesh(const SurfaceMesh& mesh, const RemeshOptions& options, const std
     Remeshed made;
     made.length = options.length > 0.0 ? options.length : mean_edge_length(cut);
     const double triangles = area / (std::sqrt(3.0) / 4.0 * made.length * made.length);
+    // Edges are split before the triangles get their shape, so that a needle becomes many.
+    double splits = 0.0;
+    for (const auto& [a, b, c] : cut.triangles) {
+        const Vector3 &p = cut.points[a], &q = cut.points[b], &r = cut.points[c];
+        const double longest =
+            std::max({(p - q).squaredNorm(), (q - r).squaredNorm(), (r - p).squaredNorm()});
+        splits += longest / (made.length * made.length);
+    }
+    if (splits > most_splits)
+        throw InvalidOption("length: " + std::to_string(made.length) + " is too short for the longest edges");
     if (triangles > most_triangles)
         throw InvalidOption("length: " + std::to_string(made.length) + " would give about " +
                             std::to_string(static_cast<long>(triangles / 1e6)) + " million triangles");

@@ -32,7 +32,8 @@ struct RemeshOptions
 ///
 /// \param given  edges of the mesh that are kept, such as seams; others are ignored.
 /// \throw InvalidMesh    no face has an area.
-/// \throw InvalidOption  out of range, or a length that would give more than 20 million triangles.
+/// \throw InvalidOption  out of range, or a length that would give more than 20 million triangles, or
+/// split needles about 100 million times.
 /// \throw Cancelled
 Remeshed remesh(const SurfaceMesh& mesh, const RemeshOptions& options, const std::vector<Edge>& given = {},
                 const Progress& progress = {});

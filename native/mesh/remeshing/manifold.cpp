@@ -11,6 +11,7 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <span>
 #include <utility>
 
 namespace sinew {
@@ -77,6 +78,50 @@ Vector3 normal_of(const std::vector<Vector3>& points, const Triangle& t)
     return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
 }
 
+template <class Body>
+void for_each_edge_of(std::span<const Side> sorted, Body&& body)
+{
+    for (std::size_t begin = 0, end; begin < sorted.size(); begin = end) {
+        end = begin + 1;
+        while (end < sorted.size() && sorted[end].edge() == sorted[begin].edge())
+            ++end;
+        body(sorted.subspan(begin, end - begin));
+    }
+}
+
+/// Gives each fan of triangles around a vertex a vertex of its own: triangles belong to one fan where they,
+/// and no third one, share an edge. Returns how many vertices there are, numbered as they come.
+int part_fans(std::vector<Triangle>& triangles, std::span<const Side> sides)
+{
+    std::vector<int> parent(3 * triangles.size());
+    std::iota(parent.begin(), parent.end(), 0);
+    const auto root = [&](int c) {
+        while (parent[c] != c)
+            c = parent[c] = parent[parent[c]];
+        return c;
+    };
+    const auto join = [&](int a, int b) {
+        a = root(a), b = root(b);
+        parent[std::max(a, b)] = std::min(a, b);
+    };
+    for_each_edge_of(sides, [&](std::span<const Side> along) {
+        const Side &a = along.front(), &b = along.back();
+        if (along.size() == 2 && a.rises != b.rises) {
+            join(3 * a.triangle + a.place, 3 * b.triangle + (b.place + 1) % 3);
+            join(3 * a.triangle + (a.place + 1) % 3, 3 * b.triangle + b.place);
+        }
+    });
+    std::vector<int> numbers(parent.size(), -1);
+    int count = 0;
+    for (int c = 0; c < static_cast<int>(parent.size()); ++c) {
+        int& number = numbers[root(c)];
+        if (number < 0)
+            number = count++;
+        triangles[c / 3][c % 3] = number;
+    }
+    return count;
+}
+
 double angle_between(const Vector3& a, const Vector3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
 } // namespace
@@ -103,91 +148,56 @@ double mean_edge_length(const Manifold& manifold)
 }
 
 Manifold::Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given, double angle)
+    : triangles(oriented(mesh))
 {
-    triangles = oriented(mesh);
+    const std::vector<Triangle> old = triangles;
     std::map<Edge, int> places; // of given edges, the first of equal ones
     for (int i = 0; i < static_cast<int>(given.size()); ++i)
         places.emplace(Edge{std::min(given[i][0], given[i][1]), std::max(given[i][0], given[i][1])}, i);
 
-    // One vertex for each fan: corners are one where two triangles, and no third one, share an edge.
-    std::vector<int> parent(3 * triangles.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int c) {
-        while (parent[c] != c)
-            c = parent[c] = parent[parent[c]];
-        return c;
-    };
-    const auto join = [&](int a, int b) {
-        a = root(a), b = root(b);
-        parent[std::max(a, b)] = std::min(a, b);
-    };
-    const std::vector<Side> sides = sides_of(triangles);
-    struct Found
-    {
-        Side side;
-        int given;
-        bool cut, border;
-    };
-    std::vector<Found> found;
-    for (std::size_t begin = 0, end; begin < sides.size(); begin = end) {
-        end = begin + 1;
-        while (end < sides.size() && sides[end].edge() == sides[begin].edge())
-            ++end;
-        const Side &a = sides[begin], &b = sides[end - 1];
-        const bool whole = end - begin == 2 && a.rises != b.rises;
-        const auto place = places.find(a.edge());
-        const int which = place == places.end() ? -1 : place->second;
-        if (!whole) {
-            for (std::size_t i = begin; i < end; ++i)
-                found.push_back({sides[i], which, end - begin > 1, true});
-            continue;
-        }
-        join(3 * a.triangle + a.place, 3 * b.triangle + (b.place + 1) % 3);
-        join(3 * a.triangle + (a.place + 1) % 3, 3 * b.triangle + b.place);
-        bool fold = which >= 0;
-        if (!fold) {
-            const auto normal = [&](const Side& s) {
-                const Triangle& t = triangles[s.triangle];
-                return Vector3(
-                    (mesh.point(t[1]) - mesh.point(t[0])).cross(mesh.point(t[2]) - mesh.point(t[0])));
-            };
-            fold = angle_between(normal(a), normal(b)) > angle;
-        }
-        if (fold)
-            found.push_back({a, which, false, false});
+    // One vertex for each fan. New vertices part edges, too, which parts more fans, until nothing changes.
+    std::vector<Side> sides = sides_of(triangles);
+    std::vector<Edge> shared; // edges of the mesh with several triangles
+    for (std::size_t i = 1; i < sides.size(); ++i)
+        if (sides[i].edge() == sides[i - 1].edge())
+            shared.push_back(sides[i].edge());
+    for (int count = -1, before = -2; count != before; sides = sides_of(triangles)) {
+        before = count;
+        count = part_fans(triangles, sides);
     }
-    std::vector<int> numbers(parent.size(), -1);
-    for (int c = 0; c < static_cast<int>(parent.size()); ++c) {
-        int& number = numbers[root(c)];
-        if (number < 0) {
-            number = static_cast<int>(points.size());
-            originals.push_back(triangles[c / 3][c % 3]);
-            points.push_back(mesh.point(originals.back()));
-        }
-    }
-    for (int c = 0; c < static_cast<int>(parent.size()); ++c)
-        triangles[c / 3][c % 3] = numbers[root(c)];
-    stays.assign(points.size(), 0);
+    for (std::size_t t = 0; t < triangles.size(); ++t)
+        for (int k = 0; k < 3; ++k)
+            if (triangles[t][k] == static_cast<int>(points.size())) { // they are numbered as they come
+                originals.push_back(old[t][k]);
+                points.push_back(mesh.point(old[t][k]));
+            }
+
     std::vector<std::vector<int>> beside(points.size());
-    for (const auto& [side, which, cut, border] : found) {
-        const Triangle& t = triangles[side.triangle];
-        const Edge edge{t[side.place], t[(side.place + 1) % 3]};
-        lines.push_back({edge, which, cut});
-        beside[edge[0]].push_back(edge[1]);
-        beside[edge[1]].push_back(edge[0]);
-    }
-    for (std::size_t v = 0; v < points.size(); ++v) {
-        const auto& ends = beside[v];
-        stays[v] = ends.size() == 1 || ends.size() > 2 ||
-                   (ends.size() == 2 &&
-                    angle_between(points[v] - points[ends[0]], points[ends[1]] - points[v]) > sharpest_bend);
-    }
-    // The copies of a vertex must stay together.
+    for_each_edge_of(sides, [&](std::span<const Side> along) {
+        const Side& a = along.front();
+        const Triangle &t = triangles[a.triangle], &from = old[a.triangle];
+        const int one = from[a.place], other = from[(a.place + 1) % 3];
+        const Edge was{std::min(one, other), std::max(one, other)};
+        const auto place = places.find(was);
+        const int which = place == places.end() ? -1 : place->second;
+        const bool border = along.size() == 1;
+        if (!border && which < 0 &&
+            angle_between(normal_of(points, t), normal_of(points, triangles[along[1].triangle])) <= angle)
+            return;
+        lines.push_back({a.edge(), which, border && std::ranges::binary_search(shared, was)});
+        beside[a.low].push_back(a.high);
+        beside[a.high].push_back(a.low);
+    });
     std::vector<int> copies(mesh.vertex_count(), 0);
     for (int v : originals)
         ++copies[v];
-    for (std::size_t v = 0; v < points.size(); ++v)
-        stays[v] = stays[v] || copies[originals[v]] > 1;
+    stays.assign(points.size(), 0);
+    for (std::size_t v = 0; v < points.size(); ++v) {
+        const auto& ends = beside[v];
+        stays[v] = copies[originals[v]] > 1 || ends.size() == 1 || ends.size() > 2 ||
+                   (ends.size() == 2 &&
+                    angle_between(points[v] - points[ends[0]], points[ends[1]] - points[v]) > sharpest_bend);
+    }
 }
 
 } // namespace sinew

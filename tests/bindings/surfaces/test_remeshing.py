@@ -186,9 +186,9 @@ def test_random_meshes_are_remade_or_refused(drawn):
     try:
         mesh = sn.SurfaceMesh(points, ([len(face) for face in faces], [v for face in faces for v in face]))
         a, b, c = points[mesh.triangles].swapaxes(0, 1)
-        area = np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()
+        longest = np.max([((x - y) ** 2).sum(1) for x, y in ((a, b), (b, c), (c, a))], axis=0, initial=0)
         makes = (
-            lambda: sn.remesh(mesh, max(np.sqrt(area / 400), 1e-200)),
+            lambda: sn.remesh(mesh, max(np.sqrt(longest.sum() / 4000), 1e-200)),
             lambda: sn.decimate(mesh, 8),
             lambda: sn.semi_regular(mesh, 2).finest,
             lambda: sn.remove_degenerate(mesh),

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from inside import inner
 from rigs.rig import (
     Rig,
     add_group,
@@ -14,6 +15,7 @@ from rigs.rig import (
     in_mode,
     make_active,
     members,
+    new_object,
     press,
     refused,
     update,
@@ -125,3 +127,27 @@ def test_what_cannot_be_remeshed_is_refused():
     refused("Multiresolution", "decimate", obj)
     obj.modifiers.remove(modifier)
     assert np.array_equal(before, base_points(obj))
+
+
+@pytest.mark.parametrize("what", ["flipped", "pinched", "border", "slit", "duplicate", "loose"])
+def test_each_line_is_mended_alone(what: str):
+    points = [(x, y, z) for z in (0.0, 1.0) for y in (0.0, 1.0) for x in (0.0, 1.0)]
+    cube = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
+    points += [(x + 1, y + 1, z + 1) for x, y, z in points[1:]] + [(9, 9, 9)]
+    second = [tuple(7 if v == 0 else v + 7 for v in face) for face in cube]
+    turned = [tuple(reversed(second[1])), *second[2:]]  # the second one is open below, and touches the first
+    points += [(-1, 0, 0), (0, 0, 0), (0, 1, 0), (-1, 1, 0)]
+    slit = [(-1, 0, 1), (0, 0, 1), (0, 1, 1), (-1, 1, 1), (-1, 0, 0), (-1, 1, 0)]
+    points += slit
+    faces = [*cube, cube[0], *turned, (16, 17, 18, 19), (20, 21, 22, 23), (24, 25, 23, 20)]
+    obj = new_object("Broken", points, faces)
+    obj.vertex_groups.new(name="All").add(list(range(len(points))), 0.5, "REPLACE")
+    press(obj, "diagnose")
+    before = dict(inner.surveying.last_counts(obj).found)
+    assert before[what] > 0
+    press(obj, "cure", what=what)
+    after = inner.surveying.last_counts(obj).found
+    assert after.get(what, 0) == (2 if what == "border" else 0)  # the rims of the two loose sheets
+    assert {round(g.weight, 6) for vertex in obj.data.vertices for g in vertex.groups} == {0.5}
+    changed = {name for name in before if after.get(name, 0) != before[name]} - {what}
+    assert changed <= {"flipped", "coincident", "border", "slit", "crossing", "non_manifold"}
