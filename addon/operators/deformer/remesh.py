@@ -130,7 +130,7 @@ class SINEW_OT_remesh(_MakesTriangles, Operator):
         "Share", "Set how long edges should be, as a share of how long they are on average"
     )
     rounds: field(IntProperty, default=3, min=1, max=50, soft_max=10).named(
-        "Rounds", "Split, join, flip and even out the edges so often; more rounds are more even"
+        "Rounds", "Set how often edges are split, joined and flipped; more rounds are more even"
     )
     angle: field(FloatProperty, **_ANGLE).named("Fold Angle", _KEPT)
 
@@ -159,7 +159,7 @@ class SINEW_OT_decimate(_MakesTriangles, Operator):
 
 
 class SINEW_OT_remove_needles(_MakesTriangles, Operator):
-    """Cut the mesh into triangles without needles, which have a very short side, or a very wide angle.
+    """Give the mesh triangles without needles, which have a very short side or a very wide angle.
 
     Vertex groups, UV maps with seams, materials, shape keys and marked edges come along
     """
@@ -192,7 +192,7 @@ class SINEW_OT_remesh_semi_regular(_MakesTriangles, Operator):
     bl_label = "Remesh in Levels"
 
     levels: field(IntProperty, default=3, min=1, max=8, soft_max=5).named(
-        "Levels", "Split each triangle into four so often"
+        "Levels", "Set how often each triangle is split into four"
     )
     base_faces: field(IntProperty, default=0, min=0, soft_max=10_000).named(
         "Base Faces", "Set how many triangles are split; at 0, the last level has as many as the mesh now"
