@@ -222,6 +222,16 @@ def test_threads_and_calls_change_no_bit_and_progress_cancels():
             make(mesh, progress=lambda fraction, _stage: fraction < 0.7)
 
 
+def test_levels_open_in_subdivision_editing_and_multiresolution():
+    made = sn.semi_regular(sn.SurfaceMesh(*sphere(4)), 2, base_faces=60, angle=3.0)
+    mesh = sn.SurfaceMesh(made.finest.points, made.finest.faces)
+    editing = sn.SubdivisionEditing(mesh, coarsening="levels", levels=2)
+    editing.set_handles([np.arange(3)])
+    assert editing.level_counts() == [2]
+    assert editing.control_mesh().vertex_count == made.counts[0]
+    sn.Multiresolution(mesh, sn.ThinShell(mesh)).set_handles([np.arange(3), np.arange(20, 24)])
+
+
 def test_the_result_binds():
     for made in makers(sn.SurfaceMesh(*sphere(2))):
         shell = sn.ThinShell(sn.SurfaceMesh(made.points, made.faces))
