@@ -50,7 +50,7 @@ class SINEW_PT_prepare(SidebarPanel, Panel):
         for what, count in counts.found.items():
             row = column.row()
             draw_text(context, row.column(), surveying.counted(what, count), "DOT", beside=60)
-            if what in repair.CURES:
+            if what in repair.REMEDIES:
                 row.operator(Operators.CURE, text="", icon="TOOL_SETTINGS").what = what
             row.operator(Operators.SELECT_UNUSUAL, text="", icon="RESTRICT_SELECT_OFF").what = what
         if not counts.found:

@@ -104,7 +104,7 @@ class SINEW_OT_cure(OnTarget, Operator):
         EnumProperty,
         items=tuple(
             (name, label, f"Mend each {surveying.NAMES[name][0]}", number)
-            for number, (name, label) in enumerate(repair.CURES.items())
+            for number, (name, label) in enumerate(repair.REMEDIES.items())
         ),
     ).named("What", "Choose what to mend")
 

@@ -164,5 +164,5 @@ STEPS = {
     "non_manifold": _part_edges,
     "loose": _drop_loose,
 }
-# Cures that an artist chooses: they change the mesh more than Repair does.
+# What an artist chooses: these change the mesh more than Repair does.
 CHOSEN = {"flipped": _turn, "pinched": _part_fans, "border": _fill_holes}

@@ -19,7 +19,7 @@ from . import surveying
 from .mesh_repair import CHOSEN, STEPS, diagnosis_of, give_positions
 
 # What can be mended by itself: for each finding, what an artist does about it.
-CURES = {
+REMEDIES = {
     "not_finite": "Move Lost Vertices",
     "border": "Fill Holes",
     "non_manifold": "Remove Fins and Inner Walls",

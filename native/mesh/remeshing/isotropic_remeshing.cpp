@@ -2,9 +2,13 @@
 #include "native/mesh/remeshing/isotropic_remeshing.h"
 
 #include "native/core/errors.h"
+#include "native/core/parallel.h"
 #include "native/mesh/remeshing/cgal_mesh.h"
+#include "native/mesh/trees/triangle_tree.h"
 
 #include <CGAL/Polygon_mesh_processing/remesh.h>
+
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +18,8 @@
 namespace sinew {
 
 namespace {
+
+using Vertex = CgalMesh::Vertex_index;
 
 constexpr double most_triangles = 2e7, most_splits = 1e8;
 
@@ -38,6 +44,75 @@ struct Lines
     }
     friend void put(const Lines& lines, key_type edge, bool value) { lines.on[edge] = value; }
 };
+
+/// CGAL would relax and project by itself, and crashes where all faces around a vertex have no area.
+struct Stay
+{
+    const CgalMesh* mesh;
+
+    CgalKernel::Point_3 operator()(Vertex v) const { return mesh->point(v); }
+};
+
+Vector3 place_of(const CgalMesh& mesh, Vertex v)
+{
+    const auto& p = mesh.point(v);
+    return {p.x(), p.y(), p.z()};
+}
+
+/// Whether no face around a vertex turns over when the vertex moves.
+bool keeps_sides(const CgalMesh& mesh, Vertex v, const Vector3& from, const Vector3& to)
+{
+    for (const auto h : mesh.halfedges_around_target(mesh.halfedge(v))) {
+        const Vector3 a = place_of(mesh, mesh.source(h)), b = place_of(mesh, mesh.target(mesh.next(h)));
+        const Vector3 before = (from - a).cross(b - a), after = (to - a).cross(b - a);
+        if (!(before.dot(after) > 0.0) && before != Vector3::Zero())
+            return false;
+    }
+    return true;
+}
+
+/// Moves the vertices that lie on no line along the surface towards the mean of their neighbours.
+void relax(CgalMesh& mesh, const TriangleTree& surface)
+{
+    const auto line = lines_of(mesh);
+    const auto stays = stays_of(mesh);
+    std::vector<Vertex> moving;
+    for (const auto v : mesh.vertices()) {
+        bool free = !stays[v] && !mesh.is_isolated(v);
+        if (free)
+            for (const auto h : mesh.halfedges_around_target(mesh.halfedge(v)))
+                free = free && !line[mesh.edge(h)] && !mesh.is_border(mesh.edge(h));
+        if (free)
+            moving.push_back(v);
+    }
+    std::vector<Vector3> aims(moving.size());
+    parallel_for(
+        static_cast<int>(moving.size()),
+        [&](int i) {
+            const Vector3 p = place_of(mesh, moving[i]);
+            Vector3 move = Vector3::Zero(), normal = Vector3::Zero();
+            int count = 0;
+            for (const auto h : mesh.halfedges_around_target(mesh.halfedge(moving[i]))) {
+                const Vector3 along = place_of(mesh, mesh.source(h)) - p;
+                normal += (place_of(mesh, mesh.target(mesh.next(h))) - p).cross(along);
+                move += along;
+                ++count;
+            }
+            move /= count;
+            if (const double length = normal.squaredNorm(); length > 0.0)
+                move -= move.dot(normal) / length * normal;
+            aims[i] = surface.closest(p + move);
+        },
+        512);
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+        const Vector3 from = place_of(mesh, moving[i]);
+        Vector3 to = aims[i];
+        for (double share = 0.5; share > 0.03 && !keeps_sides(mesh, moving[i], from, to); share *= 0.5)
+            to = surface.closest(from + share * (aims[i] - from));
+        if (keeps_sides(mesh, moving[i], from, to))
+            mesh.point(moving[i]) = {to.x(), to.y(), to.z()};
+    }
+}
 
 } // namespace
 
@@ -74,10 +149,17 @@ Remeshed remesh(const SurfaceMesh& mesh, const RemeshOptions& options, const std
     std::size_t asked = 0;
     const Lines lines{lines_of(work), &progress, &asked,
                       0.8 * options.rounds * (triangles + static_cast<double>(cut.triangles.size()))};
-    CGAL::Polygon_mesh_processing::isotropic_remeshing(work.faces(), made.length, work,
-                                                       CGAL::parameters::number_of_iterations(options.rounds)
-                                                           .edge_is_constrained_map(lines)
-                                                           .vertex_is_constrained_map(stays_of(work)));
+    const TriangleTree surface(cut.points, cut.triangles);
+    for (int round = 0; round < options.rounds; ++round) {
+        CGAL::Polygon_mesh_processing::isotropic_remeshing(work.faces(), made.length, work,
+                                                           CGAL::parameters::number_of_iterations(1)
+                                                               .number_of_relaxation_steps(0)
+                                                               .do_project(false)
+                                                               .projection_functor(Stay{&work})
+                                                               .edge_is_constrained_map(lines)
+                                                               .vertex_is_constrained_map(stays_of(work)));
+        relax(work, surface);
+    }
     read_back(work, made);
     join_cuts(made, mesh, cut);
     trace(made, mesh, cut, given, progress);
