@@ -112,7 +112,7 @@ def _mixed(values: np.ndarray, places: tuple[np.ndarray, np.ndarray]) -> np.ndar
 
 def _nearest(values: np.ndarray, places: tuple[np.ndarray, np.ndarray]) -> np.ndarray:
     sources, weights = places
-    return values[np.take_along_axis(sources, weights.argmax(axis=1)[:, None], axis=1)[:, 0]]
+    return values[sources[np.arange(len(sources)), weights.argmax(axis=1)]]
 
 
 def remesh(
