@@ -28,7 +28,7 @@ struct RemeshOptions
 /// sharply: edges along them are only split and joined. A mesh that is no manifold is cut where it is none
 /// (see Manifold) and joined again afterwards. Vertices without faces are left out.
 ///
-/// Cost: O(n log n) in each round, of the triangles before and after; 86,000 take 3 s on one thread.
+/// Cost: O(n log n) in each round, of the triangles before and after; 86,000 take 5 s of processor time.
 ///
 /// \param given  edges of the mesh that are kept, such as seams; others are ignored.
 /// \throw InvalidMesh    no face has an area.
