@@ -205,7 +205,7 @@ Cost: O(n log n). Raises InvalidMesh where no face has an area, InvalidOption or
             "(b, 3) triangles of the base.")
         .def_property_readonly(
             "counts", [](const SemiRegular& s) { return to_numpy(s.counts); },
-            "(levels + 1,) vertices of the base and of each level.")
+            "(l,) vertices of the base and of each level.")
         .def_property_readonly(
             "displacements",
             [](const SemiRegular& s) {
