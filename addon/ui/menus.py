@@ -126,6 +126,12 @@ class SINEW_MT_prepare(Menu):
         layout = invoking(self.layout)
         layout.operator(Operators.DIAGNOSE, icon="VIEWZOOM")
         layout.operator_menu_enum(Operators.SELECT_UNUSUAL, "what", icon="RESTRICT_SELECT_OFF")
+        layout.operator_menu_enum(Operators.CURE, "what", icon="TOOL_SETTINGS")
+        layout.separator()
+        layout.operator(Operators.REMESH, icon="MOD_REMESH")
+        layout.operator(Operators.DECIMATE, icon="MOD_DECIM")
+        layout.operator(Operators.SEMI_REGULAR, icon="MOD_MULTIRES")
+        layout.operator(Operators.REMOVE_NEEDLES, icon="MOD_TRIANGULATE")
         layout.separator()
         layout.operator(Operators.CURVATURE, icon="MOD_SMOOTH")
 
