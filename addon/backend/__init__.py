@@ -36,4 +36,11 @@ from .recipes import (
     Shape as Shape,
 )
 from .self_check import Check as Check, check_installation as check_installation, last_check as last_check
-from .surfaces import Curvature as Curvature, Survey as Survey, curvature as curvature, survey as survey
+from .surfaces import (
+    Curvature as Curvature,
+    RefinedSurface as RefinedSurface,
+    Subdivision as Subdivision,
+    Survey as Survey,
+    curvature as curvature,
+    survey as survey,
+)

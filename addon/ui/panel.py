@@ -10,7 +10,7 @@ from ..ids import Operators
 from ..operators import page_of, target_of
 from ..session.actions import sharing
 from ..session.datablocks import movers
-from ..session.targets import targets
+from ..session.targets import refined_group, targets
 from .control import drawing_of
 from .layouts import Button, draw_field, draw_move_entries, fields, invoking, unless_baked
 from .lists import draw_deformer as draw_deformer_row
@@ -137,6 +137,10 @@ class SINEW_PT_order(ActiveDeformerPanel, Panel):
             button.draw(column)
         if sharing.sharing(deformer):
             column.operator(Operators.SETTINGS_SHARE, icon="DUPLICATE")
+        if any(modifier.type == "SUBSURF" for modifier in obj.modifiers):
+            stop = refined_group.of(obj) is not None
+            text = "Stop Fast Subdivision" if stop else "Fast Subdivision"
+            column.operator(Operators.FAST_SUBDIVISION, text=text, icon="MOD_SUBSURF").stop = stop
         text = "Rebind" if deformer.is_bound else "Bind"
         column.operator(Operators.BIND, text=text, icon="FILE_REFRESH")
         for button in _ENDS:

@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Refined meshes: what a Subdivision modifier makes of a mesh, stored, so that only its points move later.
+
+Blender's own modifier makes a refined mesh once, with UV maps, weights, colours and materials. In every
+frame the library moves its points; they are those of the modifier, in its order. Main thread only, but for
+``surface_of``.
+"""
+
+from dataclasses import replace
+
+import bpy
+import numpy as np
+from bpy.types import Mesh, Modifier, NodesModifier, Object, Scene
+from mathutils.kdtree import KDTree
+
+from ... import compat
+from ...backend import RefinedSurface, Subdivision
+from ...compat import read_creases, read_faces, read_positions, remove_data
+from ...core.errors import MeshError, SinewError
+from ...core.memory import remember
+from ...ids import Datablocks, Inputs, Keys
+from ..state import sessions
+from ..targets import modified, refined_group
+from .shapes import capture, shapes
+
+_ORDER = ".sinew_order"  # an attribute of refined meshes: the library's number of each vertex
+_OTHERWISE = "Blender subdivides this mesh in another way - let its own modifier do that"
+_SAME = 1e-4  # of the size of a mesh, as far as limits at creases may be from Blender's, and ten times more
+_surfaces: dict[str, RefinedSurface] = remember({})  # by the token of the refined mesh
+_refused: dict[str, tuple[str, str]] = remember({})  # by object: for which settings, and why
+
+
+def subdivision(modifier: Modifier, scene: Scene) -> Subdivision:
+    """How a Subdivision modifier refines in viewports, were it switched on there."""
+    render = scene.render
+    levels = min(modifier.levels, render.simplify_subdivision) if render.use_simplify else modifier.levels
+    return Subdivision(
+        levels,
+        "bilinear" if modifier.subdivision_type == "SIMPLE" else "catmull_clark",
+        modifier.use_limit_surface and modifier.subdivision_type != "SIMPLE",
+        modifier.boundary_smooth.lower(),
+        modifier.use_creases,
+    )
+
+
+def signature(modifier: Modifier, scene: Scene) -> str:
+    """All settings of a Subdivision modifier that a refined mesh depends on, for comparison."""
+    further = modifier.uv_smooth, modifier.use_custom_normals, modifier.quality
+    return f"{subdivision(modifier, scene)} {further}"
+
+
+def mesh_of(modifier: NodesModifier) -> Mesh | None:
+    """The refined mesh that a modifier shows; None before it is made, and if it was deleted."""
+    shown = compat.modifier_input(modifier, Inputs.REFINED)
+    mesh = shown.data if isinstance(shown, Object) and shown.type == "MESH" else None
+    return mesh if mesh is not None and isinstance(mesh.get(Keys.REFINED_CONTROL), Mesh) else None
+
+
+def refusal(obj: Object, wanted: str) -> str:
+    """Why there is no refined mesh for these settings, if it was tried; else empty."""
+    settings, text = _refused.get(obj.name, ("", ""))
+    return text if settings == wanted else ""
+
+
+def surface_of(mesh: Mesh, how: Subdivision) -> RefinedSurface:
+    """What moves the points of a refined mesh, which was made by this subdivision."""
+    token = mesh[Keys.REFINED_TOKEN]
+    surface = _surfaces.get(token)
+    if surface is None:
+        order = np.empty(len(mesh.vertices), dtype=np.int32)
+        mesh.attributes[_ORDER].data.foreach_get("value", order)
+        surface = _surface(mesh[Keys.REFINED_CONTROL], how)
+        surface.put_in_order(order)
+        _surfaces[token] = surface
+    return surface
+
+
+def make(obj: Object, modifier: NodesModifier) -> None:
+    """Make the refined mesh of a modifier anew, from the mesh as it is.
+
+    Raises a MeshError where Blender's modifier makes something that the library does not.
+    """
+    by, scene = refined_group.subdivision_of(obj, modifier), bpy.context.scene
+    if by is None:
+        raise MeshError("No Subdivision modifier stands right before Fast Subdivision - move it there")
+    how = subdivision(by, scene)
+    if how.levels == 0:
+        remove_mesh(modifier)
+        return
+    control = capture.mesh_after(obj, obj.modifiers.find(by.name))
+    made = [control]
+    try:
+        refined = _subdivided(control, by)
+        made.append(refined)
+        surface = _surface(control, how)
+        order = _order(control, refined, surface, how, by)
+        surface.put_in_order(order)
+        own = read_positions(control)
+        apart = np.abs(surface.refine(own) - read_positions(refined)).max()
+        if not apart <= _SAME * np.ptp(own, axis=0).max():
+            raise MeshError(_OTHERWISE)
+    except SinewError as error:
+        remove_data(made)
+        _refused[obj.name] = signature(by, scene), str(error)
+        raise
+    _refused.pop(obj.name, None)
+    remove_mesh(modifier)
+    refined.name = control.name = Datablocks.REFINED
+    refined.attributes.new(_ORDER, "INT", "POINT").data.foreach_set("value", order)
+    refined[Keys.REFINED_FOR], refined[Keys.REFINED_TOKEN] = signature(by, scene), shapes.new_key()
+    refined[Keys.REFINED_CONTROL] = control
+    _surfaces[refined[Keys.REFINED_TOKEN]] = surface
+    refined_group.connect(modifier, Inputs.REFINED, bpy.data.objects.new(Datablocks.REFINED, refined))
+    refined_group.keep_incoming(obj, modifier)
+
+
+def remove_mesh(modifier: NodesModifier) -> None:
+    """Remove the refined mesh of a modifier. It then shows the control mesh."""
+    refined_group.connect(modifier, Inputs.REFINED_POINTS, -1)
+    mesh = mesh_of(modifier)
+    if mesh is None or mesh.library is not None:
+        return
+    shown = compat.modifier_input(modifier, Inputs.REFINED)
+    _surfaces.pop(mesh[Keys.REFINED_TOKEN], None)
+    remove_data([mesh[Keys.REFINED_CONTROL]])
+    bpy.data.objects.remove(shown)
+    remove_data([mesh])
+
+
+def separate(obj: Object) -> None:
+    """Give a copied object refined meshes of its own."""
+    for modifier in filter(refined_group.is_refining, obj.modifiers):
+        mesh = mesh_of(modifier)
+        if mesh is not None:
+            own = mesh.copy()
+            own[Keys.REFINED_TOKEN] = shapes.new_key()
+            own[Keys.REFINED_CONTROL] = mesh[Keys.REFINED_CONTROL].copy()
+            refined_group.connect(modifier, Inputs.REFINED, bpy.data.objects.new(Datablocks.REFINED, own))
+        refined_group.keep_incoming(obj, modifier)
+
+
+def _surface(control: Mesh, how: Subdivision) -> RefinedSurface:
+    points = read_positions(control).astype(np.float64)
+    return RefinedSurface(points, read_faces(control), read_creases(control), how)
+
+
+def _subdivided(mesh: Mesh, by: Modifier, **changes: str) -> Mesh:
+    """A new mesh: what a Subdivision modifier makes of another one, with some of its settings changed."""
+    obj = bpy.data.objects.new(Datablocks.REFINED, mesh)
+    with sessions.suspended():
+        modifier = obj.modifiers.new(by.name, "SUBSURF")
+        for setting in by.bl_rna.properties:
+            if not setting.is_readonly:
+                setattr(modifier, setting.identifier, getattr(by, setting.identifier))
+        for name, value in changes.items():
+            setattr(modifier, name, value)
+        modifier.show_viewport = True
+        bpy.context.scene.collection.objects.link(obj)
+        bpy.context.view_layer.update()
+        depsgraph = bpy.context.evaluated_depsgraph_get()
+        made = modified.new_mesh(obj.evaluated_get(depsgraph), depsgraph)
+        bpy.data.objects.remove(obj)
+    return made
+
+
+def _order(
+    control: Mesh, refined: Mesh, surface: RefinedSurface, how: Subdivision, by: Modifier
+) -> np.ndarray:
+    """The library's number of each vertex of a refined mesh, int32 (m,).
+
+    Both refine face after face. The order within a face depends on nothing but its size, so it is found where
+    both split one flat polygon of each size.
+    """
+    theirs, ours = read_faces(refined)[1].reshape(-1, 4), surface.corners.reshape(-1, 4)
+    if theirs.shape != ours.shape or len(refined.vertices) != surface.vertex_count:
+        raise MeshError(_OTHERWISE)
+    counts = read_faces(control)[0]
+    parts = counts * 4 ** (how.levels - 1)
+    first = np.cumsum(parts) - parts
+    order = np.full(len(refined.vertices), -1, dtype=np.int32)
+    order[: surface.control_count] = np.arange(surface.control_count)
+    start = 0
+    faces, corners = _pattern(np.unique(counts), how, by)
+    for size in np.unique(counts):
+        count = size * 4 ** (how.levels - 1)
+        begins = first[counts == size][:, None]
+        own = begins + (faces[start : start + count] - start)
+        order[theirs[begins + np.arange(count)]] = ours[own[:, :, None], corners[start : start + count]]
+        start += count
+    if (order < 0).any():
+        raise MeshError(_OTHERWISE)
+    return order
+
+
+def _pattern(sizes: np.ndarray, how: Subdivision, by: Modifier) -> tuple[np.ndarray, np.ndarray]:
+    """Blender's parts of regular polygons of these sizes: which part each is in the library (p,), and which
+    corner of it each corner is (p, 4).
+    """
+    angles = np.concatenate([np.arange(size) * (2.0 * np.pi / size) for size in sizes])
+    points = np.column_stack((np.cos(angles), np.sin(angles), np.zeros(len(angles))))
+    points[:, 0] += np.repeat(3.0 * np.arange(len(sizes)), sizes)
+    ends = np.cumsum(sizes)
+    flat = bpy.data.meshes.new(Datablocks.REFINED)
+    polygons = [list(range(end - size, end)) for size, end in zip(sizes, ends, strict=True)]
+    flat.from_pydata(points.tolist(), [], polygons)
+    made = [flat]
+    try:
+        made.append(_subdivided(flat, by, subdivision_type="SIMPLE"))
+        theirs = read_positions(made[1])[read_faces(made[1])[1].reshape(-1, 4)]
+        surface = _surface(flat, replace(how, scheme="bilinear", limit=False))
+        ours = surface.refine(read_positions(flat))[surface.corners.reshape(-1, 4)]
+    finally:
+        remove_data(made)
+    tree = KDTree(len(ours))
+    for part, middle in enumerate(ours.mean(axis=1)):
+        tree.insert(middle, part)
+    tree.balance()
+    parts = np.array([tree.find(middle)[1] for middle in theirs.mean(axis=1)])
+    apart = np.linalg.norm(theirs[:, :, None] - ours[parts][:, None], axis=3)
+    return parts, apart.argmin(axis=2)
