@@ -19,7 +19,9 @@ from ...compat import read_creases, read_faces, read_positions, remove_data
 from ...core.errors import MeshError, SinewError
 from ...core.memory import remember
 from ...ids import Datablocks, Inputs, Keys
+from ...mesh_io import Incoming, read_incoming
 from ..state import sessions
+from ..state.evaluation import ObjectEvaluation
 from ..targets import modified, refined_group
 from .shapes import capture, shapes
 
@@ -111,7 +113,7 @@ def make(obj: Object, modifier: NodesModifier) -> None:
     refined[Keys.REFINED_CONTROL] = control
     _surfaces[refined[Keys.REFINED_TOKEN]] = surface
     refined_group.connect(modifier, Inputs.REFINED, bpy.data.objects.new(Datablocks.REFINED, refined))
-    refined_group.keep_incoming(obj, modifier)
+    keep_incoming(obj, modifier)
 
 
 def remove_mesh(modifier: NodesModifier) -> None:
@@ -127,6 +129,47 @@ def remove_mesh(modifier: NodesModifier) -> None:
     remove_data([mesh])
 
 
+def keep_incoming(obj: Object, modifier: NodesModifier) -> tuple[str, bool]:
+    """Let the refined mesh keep what the first of the deformers right before it has stored of its incoming
+    shape. Returns the key of that deformer, and whether something else was kept.
+
+    Storing costs as much as moving the points, and nothing has to be kept where the mesh itself enters.
+    """
+    keys, first, is_plain = (
+        {deformer.shape("VIEWPORT"): deformer.uid for deformer in obj.sinew.deformers},
+        "",
+        True,
+    )
+    for other in obj.modifiers[: obj.modifiers.find(modifier.name)]:
+        if other.show_viewport:
+            key = keys.get(modified.mark(other), "")
+            first, is_plain = key and (first or key), is_plain and bool(key)
+    is_plain &= obj.data.shape_keys is None and obj.parent_type not in ("ARMATURE", "LATTICE")
+    names = ("", "") if is_plain else modified.attribute_names(first)
+    pairs = zip((Inputs.KEPT, Inputs.KEPT_INDEX), names, strict=True)
+    changed = [refined_group.connect(modifier, name, value) for name, value in pairs]
+    return first, any(changed)
+
+
+def read_entering(shared: ObjectEvaluation, key: str, expected: int) -> Incoming:
+    """The positions that enter the deformer of this key, from the final mesh, or the mesh itself where that
+    enters and the final mesh does not keep it.
+    """
+    if shared.in_viewport and shared.obj.mode != "EDIT" and keeps_nothing(shared.obj):
+        points = read_positions(shared.obj.data)
+        return Incoming(points if len(points) == expected else None, len(points))
+    return read_incoming(shared.evaluated.data, *modified.attribute_names(key), expected)
+
+
+def keeps_nothing(obj: Object) -> bool:
+    """Whether a refined mesh is shown that keeps nothing of what enters the deformers: the mesh itself."""
+    modifier = refined_group.of(obj)
+    if modifier is None or not modifier.show_viewport:
+        return False
+    shows = compat.modifier_input(modifier, Inputs.REFINED_POINTS) >= 0
+    return shows and not compat.modifier_input(modifier, Inputs.KEPT)
+
+
 def separate(obj: Object) -> None:
     """Give a copied object refined meshes of its own."""
     for modifier in filter(refined_group.is_refining, obj.modifiers):
@@ -136,7 +179,7 @@ def separate(obj: Object) -> None:
             own[Keys.REFINED_TOKEN] = shapes.new_key()
             own[Keys.REFINED_CONTROL] = mesh[Keys.REFINED_CONTROL].copy()
             refined_group.connect(modifier, Inputs.REFINED, bpy.data.objects.new(Datablocks.REFINED, own))
-        refined_group.keep_incoming(obj, modifier)
+        keep_incoming(obj, modifier)
 
 
 def _surface(control: Mesh, how: Subdivision) -> RefinedSurface:

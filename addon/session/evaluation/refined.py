@@ -8,11 +8,10 @@ from ...compat import write_positions
 from ...core import status
 from ...core.memory import remember
 from ...ids import Inputs, Keys
-from ...mesh_io import read_incoming
 from ..datablocks import refined
 from ..state import sessions
 from ..state.evaluation import Chain, ObjectEvaluation
-from ..targets import modified, refined_group
+from ..targets import refined_group
 
 _shown: dict[str, np.ndarray] = remember({})  # the control points, by the token of a refined mesh
 
@@ -22,7 +21,7 @@ def update(shared: ObjectEvaluation, modifier: NodesModifier, chain: Chain) -> N
     obj = shared.obj
     if not shared.in_viewport or obj.library is not None:
         return
-    first, is_other = refined_group.keep_incoming(obj, modifier)
+    first, is_other = refined.keep_incoming(obj, modifier)
     if is_other:  # what entered it was not kept in this evaluation
         sessions.note_count(obj.name)
     points, refusal = _refined(shared, modifier, chain)
@@ -56,8 +55,8 @@ def _refined(
         return None, ""
     surface, points = refined.surface_of(mesh, how), chain.points
     if chain.entered:
-        names = modified.attribute_names(chain.entered)
-        points = read_incoming(shared.evaluated.data, *names, surface.control_count).points
+        count = surface.control_count
+        points = refined.read_entering(shared, chain.entered, count).points
     if points is None:
         return None, "a mask or another modifier stands before it, so the mesh is known too late"
     if len(points) != surface.control_count:

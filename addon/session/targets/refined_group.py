@@ -10,7 +10,7 @@ from bpy.types import GeometryNodeTree, Modifier, NodesModifier, Object
 
 from ... import compat
 from ...ids import Datablocks, Inputs, Keys
-from . import modified, node_group
+from . import node_group
 from .nodes import Builder
 
 _VERSION = 1
@@ -44,20 +44,6 @@ def new(obj: Object) -> NodesModifier:
     node_group.attach(modifier, _ensure())
     connect(modifier, Inputs.REFINED_POINTS, -1)
     return modifier
-
-
-def keep_incoming(obj: Object, modifier: NodesModifier) -> tuple[str, bool]:
-    """Let the refined mesh keep what the first of the deformers right before it has stored of its incoming
-    shape. Returns the key of that deformer, and whether another one was the first.
-    """
-    keys, first = {deformer.shape("VIEWPORT"): deformer.uid for deformer in obj.sinew.deformers}, ""
-    for other in obj.modifiers[: obj.modifiers.find(modifier.name)]:
-        if other.show_viewport:
-            key = keys.get(modified.mark(other), "")
-            first = key and (first or key)
-    names = zip((Inputs.KEPT, Inputs.KEPT_INDEX), modified.attribute_names(first), strict=True)
-    changed = [connect(modifier, name, value) for name, value in names]
-    return first, any(changed)
 
 
 def connect(modifier: NodesModifier, name: str, value: object) -> bool:
@@ -96,11 +82,13 @@ def _nodes(build: Builder) -> None:
     named = build.add(
         "GeometryNodeInputNamedAttribute", {"data_type": "FLOAT_VECTOR"}, Name=entry.outputs[Inputs.KEPT]
     )
-    count = build.count(incoming, "MESH")
+    count, refined = build.count(incoming, "MESH"), build.out(info, "Geometry")
     kept = build.sample(incoming, build.out(named, "Attribute"), index)
     number = build.switch("INT", build.math("LESS_THAN", index, count), -1, index)
-    refined = build.store(build.out(info, "Geometry"), "FLOAT_VECTOR", entry.outputs[Inputs.KEPT], kept)
-    refined = build.store(refined, "INT", entry.outputs[Inputs.KEPT_INDEX], number)
+    keeping = build.store(refined, "FLOAT_VECTOR", entry.outputs[Inputs.KEPT], kept)
+    keeping = build.store(keeping, "INT", entry.outputs[Inputs.KEPT_INDEX], number)
+    length = build.add("FunctionNodeStringLength", String=entry.outputs[Inputs.KEPT]).outputs[0]
+    refined = build.switch("GEOMETRY", build.math("GREATER_THAN", length, 0.5), refined, keeping)
     fits = build.math("COMPARE", count, entry.outputs[Inputs.REFINED_POINTS])
     build.feed(
         build.add("NodeGroupOutput").inputs["Geometry"], build.switch("GEOMETRY", fits, incoming, refined)
