@@ -172,6 +172,7 @@ class Inputs:
     INCOMING = "Incoming Attribute"
     INDEX = "Index Attribute"
     REFINED = "Refined Mesh"
+    REFINED_PLACES = "Refined Places"
     REFINED_POINTS = "Control Points"
     KEPT = "Kept Attribute"
     KEPT_INDEX = "Kept Index"

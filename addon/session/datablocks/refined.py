@@ -53,9 +53,17 @@ def signature(modifier: Modifier, scene: Scene) -> str:
 
 def mesh_of(modifier: NodesModifier) -> Mesh | None:
     """The refined mesh that a modifier shows; None before it is made, and if it was deleted."""
-    shown = compat.modifier_input(modifier, Inputs.REFINED)
-    mesh = shown.data if isinstance(shown, Object) and shown.type == "MESH" else None
+    mesh = _mesh(compat.modifier_input(modifier, Inputs.REFINED))
     return mesh if mesh is not None and isinstance(mesh.get(Keys.REFINED_CONTROL), Mesh) else None
+
+
+def places_of(modifier: NodesModifier) -> Mesh | None:
+    """The mesh without faces that says where the vertices of the refined mesh are."""
+    return _mesh(compat.modifier_input(modifier, Inputs.REFINED_PLACES))
+
+
+def _mesh(shown: object) -> Mesh | None:
+    return shown.data if isinstance(shown, Object) and shown.type == "MESH" else None
 
 
 def refusal(obj: Object, wanted: str) -> str:
@@ -112,21 +120,26 @@ def make(obj: Object, modifier: NodesModifier) -> None:
     refined[Keys.REFINED_FOR], refined[Keys.REFINED_TOKEN] = signature(by, scene), shapes.new_key()
     refined[Keys.REFINED_CONTROL] = control
     _surfaces[refined[Keys.REFINED_TOKEN]] = surface
-    refined_group.connect(modifier, Inputs.REFINED, bpy.data.objects.new(Datablocks.REFINED, refined))
+    places = bpy.data.meshes.new(Datablocks.REFINED)
+    places.vertices.add(len(order))
+    places[Keys.REFINED_TOKEN] = shapes.new_key()
+    for name, mesh in ((Inputs.REFINED, refined), (Inputs.REFINED_PLACES, places)):
+        refined_group.connect(modifier, name, bpy.data.objects.new(Datablocks.REFINED, mesh))
     keep_incoming(obj, modifier)
 
 
 def remove_mesh(modifier: NodesModifier) -> None:
     """Remove the refined mesh of a modifier. It then shows the control mesh."""
     refined_group.connect(modifier, Inputs.REFINED_POINTS, -1)
-    mesh = mesh_of(modifier)
-    if mesh is None or mesh.library is not None:
-        return
-    shown = compat.modifier_input(modifier, Inputs.REFINED)
-    _surfaces.pop(mesh[Keys.REFINED_TOKEN], None)
-    remove_data([mesh[Keys.REFINED_CONTROL]])
-    bpy.data.objects.remove(shown)
-    remove_data([mesh])
+    for name in (Inputs.REFINED, Inputs.REFINED_PLACES):
+        shown = compat.modifier_input(modifier, name)
+        refined_group.connect(modifier, name, None)
+        if isinstance(shown, Object) and shown.users == 0:  # else a copy of the object shows it, too
+            mesh = shown.data
+            _surfaces.pop(mesh.get(Keys.REFINED_TOKEN), None)
+            control = mesh.get(Keys.REFINED_CONTROL)
+            bpy.data.objects.remove(shown)
+            remove_data([each for each in (mesh, control) if each is not None])
 
 
 def keep_incoming(obj: Object, modifier: NodesModifier) -> tuple[str, bool]:
@@ -171,14 +184,13 @@ def keeps_nothing(obj: Object) -> bool:
 
 
 def separate(obj: Object) -> None:
-    """Give a copied object refined meshes of its own."""
+    """Give a copied object places of its own; the refined mesh itself is never changed."""
     for modifier in filter(refined_group.is_refining, obj.modifiers):
-        mesh = mesh_of(modifier)
-        if mesh is not None:
-            own = mesh.copy()
-            own[Keys.REFINED_TOKEN] = shapes.new_key()
-            own[Keys.REFINED_CONTROL] = mesh[Keys.REFINED_CONTROL].copy()
-            refined_group.connect(modifier, Inputs.REFINED, bpy.data.objects.new(Datablocks.REFINED, own))
+        places = places_of(modifier)
+        if places is not None:
+            own = bpy.data.objects.new(Datablocks.REFINED, places.copy())
+            own.data[Keys.REFINED_TOKEN] = shapes.new_key()
+            refined_group.connect(modifier, Inputs.REFINED_PLACES, own)
         keep_incoming(obj, modifier)
 
 

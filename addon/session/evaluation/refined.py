@@ -13,7 +13,7 @@ from ..state import sessions
 from ..state.evaluation import Chain, ObjectEvaluation
 from ..targets import refined_group
 
-_shown: dict[str, np.ndarray] = remember({})  # the control points, by the token of a refined mesh
+_shown: dict[str, np.ndarray] = remember({})  # the control points, by the token of the places
 
 
 def update(shared: ObjectEvaluation, modifier: NodesModifier, chain: Chain) -> None:
@@ -37,11 +37,8 @@ def _refined(
     """The control points that the refined mesh shows now, float32 (n, 3); None, and why, if it does not fit
     them.
     """
-    by, mesh, scene = (
-        refined_group.subdivision_of(shared.obj, modifier),
-        refined.mesh_of(modifier),
-        shared.depsgraph.scene,
-    )
+    by, scene = refined_group.subdivision_of(shared.obj, modifier), shared.depsgraph.scene
+    mesh, places = refined.mesh_of(modifier), refined.places_of(modifier)
     if by is None:
         return None, "no Subdivision modifier stands right before it"
     how, wanted = refined.subdivision(by, scene), refined.signature(by, scene)
@@ -50,7 +47,7 @@ def _refined(
     refusal = refined.refusal(shared.obj, wanted)
     if refusal:
         return None, refusal
-    if mesh is None or mesh[Keys.REFINED_FOR] != wanted:
+    if mesh is None or places is None or mesh[Keys.REFINED_FOR] != wanted:
         sessions.note_count(shared.obj.name)
         return None, ""
     surface, points = refined.surface_of(mesh, how), chain.points
@@ -63,8 +60,8 @@ def _refined(
         if shared.obj.mode != "EDIT":
             sessions.note_count(shared.obj.name)
         return None, ""
-    token = mesh[Keys.REFINED_TOKEN]
+    token = places[Keys.REFINED_TOKEN]
     if _shown.get(token) is not points:
-        write_positions(mesh, surface.refine(points))
+        write_positions(places, surface.refine(points))
         _shown[token] = points
     return points, ""

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The node group of a file that shows a refined mesh in place of the control mesh.
 
-incoming -> where it has as many points as the refined mesh was made for: refined mesh, with the incoming
-positions and indices that the first deformer has stored for the next solve
+    incoming -> where it has as many points as the refined mesh was made for: refined mesh -> Set Position,
+    with what the first deformer has stored for the next solve, where modifiers may move the mesh before it
+
+The places are a mesh without faces of their own: Blender copies in every frame what was written.
 """
 
 import bpy
@@ -14,7 +16,7 @@ from . import node_group
 from .nodes import Builder
 
 _VERSION = 1
-_HIDDEN = (Inputs.REFINED, Inputs.REFINED_POINTS, Inputs.KEPT, Inputs.KEPT_INDEX)
+_HIDDEN = (Inputs.REFINED, Inputs.REFINED_PLACES, Inputs.REFINED_POINTS, Inputs.KEPT, Inputs.KEPT_INDEX)
 
 
 def is_refining(modifier: object) -> bool:
@@ -63,6 +65,7 @@ def _ensure() -> GeometryNodeTree:
     group[Keys.REFINED_GROUP] = _VERSION
     compat.add_group_input(group, "NodeSocketGeometry", "Geometry")
     compat.add_group_input(group, "NodeSocketObject", Inputs.REFINED, "The refined mesh")
+    compat.add_group_input(group, "NodeSocketObject", Inputs.REFINED_PLACES, "Where its vertices are")
     compat.add_group_input(group, "NodeSocketInt", Inputs.REFINED_POINTS, "For so many points it was made")
     compat.add_group_input(group, "NodeSocketString", Inputs.KEPT, "Attribute of positions that is kept")
     compat.add_group_input(group, "NodeSocketString", Inputs.KEPT_INDEX, "Attribute of indices that is kept")
@@ -76,13 +79,20 @@ def _nodes(build: Builder) -> None:
     entry = build.add("NodeGroupInput")
     incoming = entry.outputs["Geometry"]
     index = build.add("GeometryNodeInputIndex").outputs[0]
-    info = build.add(
-        "GeometryNodeObjectInfo", {"transform_space": "ORIGINAL"}, Object=entry.outputs[Inputs.REFINED]
+    position = build.add("GeometryNodeInputPosition").outputs[0]
+    shown, places = (
+        build.out(
+            build.add("GeometryNodeObjectInfo", {"transform_space": "ORIGINAL"}, Object=entry.outputs[name]),
+            "Geometry",
+        )
+        for name in (Inputs.REFINED, Inputs.REFINED_PLACES)
     )
+    moved = build.sample(places, position, index)
+    refined = build.out(build.add("GeometryNodeSetPosition", Geometry=shown, Position=moved), "Geometry")
     named = build.add(
         "GeometryNodeInputNamedAttribute", {"data_type": "FLOAT_VECTOR"}, Name=entry.outputs[Inputs.KEPT]
     )
-    count, refined = build.count(incoming, "MESH"), build.out(info, "Geometry")
+    count = build.count(incoming, "MESH")
     kept = build.sample(incoming, build.out(named, "Attribute"), index)
     number = build.switch("INT", build.math("LESS_THAN", index, count), -1, index)
     keeping = build.store(refined, "FLOAT_VECTOR", entry.outputs[Inputs.KEPT], kept)
