@@ -406,9 +406,19 @@ SubdivisionSurface SubdivisionSurface::reordered(std::span<const int> order) con
         throw InvalidOption("order: each of the " + std::to_string(places.size()) +
                             " vertices has to be named once");
     SubdivisionSurface other = *this;
-    const Eigen::PermutationMatrix<Eigen::Dynamic> rows(
-        Eigen::Map<const Eigen::VectorXi>(places.data(), vertex_count()));
-    other.stencils_ = Stencils(SparseRows(rows * matrix()));
+    const SparseRows& rows = matrix();
+    SparseRows moved(rows.rows(), rows.cols());
+    int* const offsets = moved.outerIndexPtr();
+    offsets[0] = 0;
+    for (std::size_t k = 0; k < order.size(); ++k)
+        offsets[k + 1] = offsets[k] + static_cast<int>(rows.row(order[k]).nonZeros());
+    moved.resizeNonZeros(rows.nonZeros());
+    parallel_for(vertex_count(), [&](int k) {
+        const int from = rows.outerIndexPtr()[order[k]], count = offsets[k + 1] - offsets[k];
+        std::copy_n(rows.innerIndexPtr() + from, count, moved.innerIndexPtr() + offsets[k]);
+        std::copy_n(rows.valuePtr() + from, count, moved.valuePtr() + offsets[k]);
+    });
+    other.stencils_ = Stencils(std::move(moved));
     for (int& corner : other.corners_)
         corner = places[corner];
     other.find_faces_around();

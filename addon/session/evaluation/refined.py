@@ -6,6 +6,7 @@ from bpy.types import NodesModifier
 
 from ...compat import write_positions
 from ...core import status
+from ...core.errors import SinewError
 from ...core.memory import remember
 from ...ids import Inputs, Keys
 from ..datablocks import refined
@@ -24,7 +25,10 @@ def update(shared: ObjectEvaluation, modifier: NodesModifier, chain: Chain) -> N
     first, is_other = refined.keep_incoming(obj, modifier)
     if is_other:  # what entered it was not kept in this evaluation
         sessions.note_count(obj.name)
-    points, refusal = _refined(shared, modifier, chain)
+    try:
+        points, refusal = _refined(shared, modifier, chain)
+    except SinewError as error:
+        points, refusal = None, str(error)
     if first:
         status.put_refined(first, refusal)
     if refined_group.connect(modifier, Inputs.REFINED_POINTS, -1 if points is None else len(points)):
@@ -50,6 +54,8 @@ def _refined(
     if mesh is None or places is None or mesh[Keys.REFINED_FOR] != wanted:
         sessions.note_count(shared.obj.name)
         return None, ""
+    if places.library is not None:
+        return None, "it is linked - make it local, or let its Subdivision modifier refine"
     surface, points = refined.surface_of(mesh, how), chain.points
     if chain.entered:
         count = surface.control_count
