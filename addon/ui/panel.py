@@ -27,6 +27,10 @@ _ENDS = (
     Button(Operators.APPLY, "As Shape Key", "SHAPEKEY_DATA", (("as_shape_key", True),)),
     Button(Operators.DEFORMER_REMOVE, "Remove Deformer", "REMOVE"),
 )
+_REFINES = {
+    False: Button(Operators.FAST_SUBDIVISION, "Fast Subdivision", "MOD_SUBSURF"),
+    True: Button(Operators.FAST_SUBDIVISION, "Stop Fast Subdivision", "X", (("stop", True),)),
+}
 
 
 class SINEW_PT_sinew(SidebarPanel, Panel):
@@ -138,9 +142,7 @@ class SINEW_PT_order(ActiveDeformerPanel, Panel):
         if sharing.sharing(deformer):
             column.operator(Operators.SETTINGS_SHARE, icon="DUPLICATE")
         if any(modifier.type == "SUBSURF" for modifier in obj.modifiers):
-            stop = refined_group.of(obj) is not None
-            text = "Stop Fast Subdivision" if stop else "Fast Subdivision"
-            column.operator(Operators.FAST_SUBDIVISION, text=text, icon="MOD_SUBSURF").stop = stop
+            _REFINES[refined_group.of(obj) is not None].draw(column)
         text = "Rebind" if deformer.is_bound else "Bind"
         column.operator(Operators.BIND, text=text, icon="FILE_REFRESH")
         for button in _ENDS:

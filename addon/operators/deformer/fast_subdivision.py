@@ -12,7 +12,7 @@ from ..target import object_mode, target_of
 
 
 class SINEW_OT_fast_subdivision(OnDeformer, Operator):
-    """Refine the mesh in viewports as its Subdivision modifier says, but many times as fast"""
+    """Let Sinew refine the mesh in viewports as its Subdivision modifier says, in less time"""
 
     bl_idname = Operators.FAST_SUBDIVISION
     bl_label = "Fast Subdivision"

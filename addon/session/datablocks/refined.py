@@ -174,8 +174,8 @@ def keeps_nothing(obj: Object) -> bool:
     modifier = refined_group.of(obj)
     if modifier is None or not modifier.show_viewport:
         return False
-    shows = compat.modifier_input(modifier, Inputs.REFINED_POINTS) >= 0
-    return shows and not compat.modifier_input(modifier, Inputs.KEPT)
+    shown, kept = (compat.modifier_input(modifier, name) for name in (Inputs.REFINED_POINTS, Inputs.KEPT))
+    return shown != -1 and not kept
 
 
 def separate(obj: Object) -> None:
