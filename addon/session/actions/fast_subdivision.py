@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lets Sinew refine a mesh in viewports in place of its Subdivision modifier. Main thread only."""
 
+import bpy
 from bpy.types import Modifier, Object
 
 from ... import compat
@@ -21,6 +22,7 @@ def begin(obj: Object) -> Modifier:
         refined.make(obj, modifier)
         by = refined_group.subdivision_of(obj, modifier)
         by.show_viewport = False
+        _evaluate(obj)
         return by
     by, is_new = _subdivision(obj)
     modifier = refined_group.new(obj)
@@ -33,7 +35,7 @@ def begin(obj: Object) -> Modifier:
         if is_new:
             obj.modifiers.remove(by)
         raise
-    obj.update_tag()
+    _evaluate(obj)
     return by
 
 
@@ -49,6 +51,13 @@ def end(obj: Object) -> bool:
     if by is not None:
         by.show_viewport = True
     return True
+
+
+def _evaluate(obj: Object) -> None:
+    """Let Blender evaluate what has changed, which is no edit by the user."""
+    obj.update_tag()
+    bpy.context.view_layer.update()
+    sessions.forget_edit(obj.name)
 
 
 def _subdivision(obj: Object) -> tuple[Modifier, bool]:

@@ -129,12 +129,21 @@ def remove_mesh(modifier: NodesModifier) -> None:
     for name in (Inputs.REFINED, Inputs.REFINED_PLACES):
         shown = compat.modifier_input(modifier, name)
         refined_group.connect(modifier, name, None)
-        if isinstance(shown, Object) and shown.users == 0:  # else a copy of the object shows it, too
+        if isinstance(shown, Object) and not _is_shown(shown, name):
             mesh = shown.data
             _surfaces.pop(mesh.get(Keys.REFINED_TOKEN), None)
             control = mesh.get(Keys.REFINED_CONTROL)
             bpy.data.objects.remove(shown)
             remove_data([each for each in (mesh, control) if each is not None])
+
+
+def _is_shown(shown: Object, name: str) -> bool:
+    """Whether a copied object shows this refined mesh, or its places, too. Blender 5 counts users late."""
+    return any(
+        compat.modifier_input(modifier, name) == shown
+        for obj in bpy.data.objects
+        for modifier in filter(refined_group.is_refining, obj.modifiers)
+    )
 
 
 def keep_incoming(obj: Object, modifier: NodesModifier) -> tuple[str, bool]:
