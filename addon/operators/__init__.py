@@ -28,6 +28,7 @@ from .deformer.bind import SINEW_OT_bind, SINEW_OT_unbind
 from .deformer.cancel import SINEW_OT_cancel, SINEW_OT_watch
 from .deformer.check import SINEW_OT_check_installation
 from .deformer.deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
+from .deformer.fast_subdivision import SINEW_OT_fast_subdivision
 from .deformer.help import PAGES as PAGES, SINEW_OT_help, page_of as page_of
 from .deformer.move import SINEW_OT_deformer_move, SINEW_OT_handle_move
 from .deformer.preset import (
@@ -153,6 +154,7 @@ _CLASSES = (
     SINEW_OT_cure,
     SINEW_OT_part_regions,
     SINEW_OT_refine,
+    SINEW_OT_fast_subdivision,
     SINEW_OT_armature_off,
     SINEW_OT_keep_inside,
     SINEW_OT_select_distorted,

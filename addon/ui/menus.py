@@ -92,6 +92,7 @@ class SINEW_MT_deformer(Menu):
         layout.operator(Operators.SETTINGS_SHARE, icon="DUPLICATE")
         layout.operator(Operators.TRANSFER, icon="MOD_MESHDEFORM")
         layout.operator(Operators.MORPH, icon="MOD_DATA_TRANSFER")
+        layout.operator(Operators.FAST_SUBDIVISION, icon="MOD_SUBSURF")
         layout.operator(Operators.DRIVE, icon="DRIVER")
         layout.operator(Operators.GRID_NEW, icon="MESH_GRID")
         layout.separator()

@@ -313,6 +313,8 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "bake_find": (with_another_file, button("bake_find", filepath=FOUND)),
     "transfer_deformation": (two_of_one_topology, button("transfer_deformation", **FILE)),
     "repair": (posed(add_loose_vertex), button("repair")),
+    "fast_subdivision": (posed(), button("fast_subdivision")),
+    "end of fast_subdivision": (after("fast_subdivision"), button("fast_subdivision", stop=True)),
     "part_regions": (posed(let_regions_overlap), button("part_regions")),
     "select_handle": (posed(), button("select_handle", index=0)),
     "select_problems": (posed(let_regions_overlap), button("select_problems")),
