@@ -205,6 +205,7 @@ struct Multigrid
     Hierarchy hierarchy;
     Cycles cycles;
     std::vector<Four> b, x;
+    int raises = 0; ///< of the bounds of the smoothers, so far
 
     Multigrid(const LinearSystem& system, const Progress& progress)
         : hierarchy(system, progress), cycles(hierarchy), b(hierarchy.unknowns.size())
@@ -246,7 +247,7 @@ Solve prepare_multigrid(const LinearSystem& system, const SolverOptions& options
     return iterated(
         system, options, true,
         [grid, &report](const Columns& r, Columns& z) {
-            for (int raises = 0;; ++raises) {
+            for (;;) {
                 grid->apply(&Cycles::v_cycle, r, z);
                 Eigen::Array4d sum = Eigen::Array4d::Zero();
                 bool zero = true;
@@ -256,10 +257,10 @@ Solve prepare_multigrid(const LinearSystem& system, const SolverOptions& options
                 }
                 if (zero || (sum >= 0.0).all())
                     return;
-                if (raises == most_raises)
+                if (grid->raises == most_raises)
                     throw NotConverged("the V-cycle diverges on this system; choose cholesky");
                 grid->cycles.raise_bounds();
-                if (raises == 0)
+                if (grid->raises++ == 0)
                     report.why += "; the bounds of the smoother were raised";
             }
         },
