@@ -36,10 +36,12 @@ from .recipes import (
     Shape as Shape,
 )
 from .self_check import Check as Check, check_installation as check_installation, last_check as last_check
-from .subdivision import RefinedSurface as RefinedSurface, Subdivision as Subdivision
 from .surfaces import (
     Carried as Carried,
     Curvature as Curvature,
+    Lined as Lined,
+    RefinedSurface as RefinedSurface,
+    Subdivision as Subdivision,
     Survey as Survey,
     curvature as curvature,
     decimate as decimate,

@@ -3,6 +3,7 @@
 
 import math
 from collections.abc import Callable
+from typing import ClassVar
 
 from bpy.props import FloatProperty, IntProperty
 from bpy.types import Context, Event, Object, Operator
@@ -23,14 +24,19 @@ from ..waiting import redraw_panels
 from .repair import bind_again
 
 _SECONDS = 6e-5  # for each vertex, about
-_ANGLE = {"subtype": "ANGLE", "default": math.radians(45), "min": 0.01, "max": math.pi}
-_KEPT = "Keep folds that are sharper, beside seams, sharp and creased edges and the borders of materials"
 
 
 class _MakesTriangles(OnTarget, StaysInWindow):
     """Base of these operators. In a window, a thread works if that takes long, and Esc cancels."""
 
     MESHES_ONLY = True
+    MAKE: ClassVar[Callable[..., backend.Carried]]
+    OPTIONS: ClassVar[tuple[str, ...]]  # names of properties that it takes
+
+    angle: field(FloatProperty, subtype="ANGLE", default=math.radians(45), min=0.01, max=math.pi).named(
+        "Fold Angle",
+        "Keep folds that are sharper, beside seams, sharp and creased edges and the borders of materials",
+    )
 
     _work: Work | None = None
     _name = ""  # of the object
@@ -44,7 +50,8 @@ class _MakesTriangles(OnTarget, StaysInWindow):
 
     def maker(self, taken: carrying.Taken) -> Callable[[backend.Progress | None], backend.Carried]:
         """A function that makes the triangles, in any thread."""
-        raise TypeError(f"{type(self).__name__} makes nothing")
+        options = {name: getattr(self, name) for name in self.OPTIONS}
+        return lambda progress: self.MAKE(taken, progress, **options)
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
@@ -122,6 +129,8 @@ class SINEW_OT_remesh(_MakesTriangles, Operator):
 
     bl_idname = Operators.REMESH
     bl_label = "Remesh Evenly"
+    MAKE = staticmethod(backend.remesh)
+    OPTIONS = ("length", "share", "rounds", "angle")
 
     length: distance(
         "Edge Length", "Set how long edges should be; at 0, the share below counts", default=0.0, precision=4
@@ -132,11 +141,6 @@ class SINEW_OT_remesh(_MakesTriangles, Operator):
     rounds: field(IntProperty, default=3, min=1, max=50, soft_max=10).named(
         "Rounds", "Set how often edges are split, joined and flipped; more rounds are more even"
     )
-    angle: field(FloatProperty, **_ANGLE).named("Fold Angle", _KEPT)
-
-    def maker(self, taken: carrying.Taken) -> Callable[[backend.Progress | None], backend.Carried]:
-        options = {"length": self.length, "share": self.share, "rounds": self.rounds, "angle": self.angle}
-        return lambda progress: backend.remesh(taken.points, taken.faces, taken.lines, progress, **options)
 
 
 class SINEW_OT_decimate(_MakesTriangles, Operator):
@@ -147,15 +151,12 @@ class SINEW_OT_decimate(_MakesTriangles, Operator):
 
     bl_idname = Operators.DECIMATE
     bl_label = "Decimate"
+    MAKE = staticmethod(backend.decimate)
+    OPTIONS = ("share", "angle")
 
     share: field(FloatProperty, default=0.5, min=0.0001, max=1.0, precision=3).named(
         "Share", "Set how many of the triangles stay"
     )
-    angle: field(FloatProperty, **_ANGLE).named("Fold Angle", _KEPT)
-
-    def maker(self, taken: carrying.Taken) -> Callable[[backend.Progress | None], backend.Carried]:
-        options = {"share": self.share, "angle": self.angle}
-        return lambda progress: backend.decimate(taken.points, taken.faces, taken.lines, progress, **options)
 
 
 class SINEW_OT_remove_needles(_MakesTriangles, Operator):
@@ -166,6 +167,8 @@ class SINEW_OT_remove_needles(_MakesTriangles, Operator):
 
     bl_idname = Operators.REMOVE_NEEDLES
     bl_label = "Remove Needles"
+    MAKE = staticmethod(backend.remove_degenerate)
+    OPTIONS = ("ratio", "cap", "angle")
 
     ratio: field(FloatProperty, default=4.0, min=1.1, soft_max=20.0).named(
         "Ratio", "Take triangles for needles whose longest side is so many times as long as the shortest one"
@@ -173,13 +176,6 @@ class SINEW_OT_remove_needles(_MakesTriangles, Operator):
     cap: field(
         FloatProperty, subtype="ANGLE", default=math.radians(160), min=math.radians(91), max=math.pi
     ).named("Widest Angle", "Take triangles for needles that have a wider angle")
-    angle: field(FloatProperty, **_ANGLE).named("Fold Angle", _KEPT)
-
-    def maker(self, taken: carrying.Taken) -> Callable[[backend.Progress | None], backend.Carried]:
-        options = {"ratio": self.ratio, "cap": self.cap, "angle": self.angle}
-        return lambda progress: backend.remove_degenerate(
-            taken.points, taken.faces, taken.lines, progress, **options
-        )
 
 
 class SINEW_OT_remesh_semi_regular(_MakesTriangles, Operator):
@@ -190,6 +186,8 @@ class SINEW_OT_remesh_semi_regular(_MakesTriangles, Operator):
 
     bl_idname = Operators.SEMI_REGULAR
     bl_label = "Remesh in Levels"
+    MAKE = staticmethod(backend.semi_regular)
+    OPTIONS = ("levels", "base_faces", "angle")
 
     levels: field(IntProperty, default=3, min=1, max=8, soft_max=5).named(
         "Levels", "Set how often each triangle is split into four"
@@ -197,10 +195,3 @@ class SINEW_OT_remesh_semi_regular(_MakesTriangles, Operator):
     base_faces: field(IntProperty, default=0, min=0, soft_max=10_000).named(
         "Base Faces", "Set how many triangles are split; at 0, the last level has as many as the mesh now"
     )
-    angle: field(FloatProperty, **_ANGLE).named("Fold Angle", _KEPT)
-
-    def maker(self, taken: carrying.Taken) -> Callable[[backend.Progress | None], backend.Carried]:
-        options = {"levels": self.levels, "base_faces": self.base_faces, "angle": self.angle}
-        return lambda progress: backend.semi_regular(
-            taken.points, taken.faces, taken.lines, progress, **options
-        )

@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 from bpy.types import Mesh, Object
 
-from ...backend import Carried
+from ...backend import Carried, Lined
 from ...compat import (
     edge_creases,
     read_edges,
@@ -44,14 +44,13 @@ _FLAGS = ("use_seam", "use_edge_sharp")
 
 
 @dataclass(frozen=True)
-class Taken:
-    """What a mesh was when new triangles were asked for; any thread may read it."""
+class Taken(Lined):
+    """What a mesh was when new triangles were asked for; any thread may read it.
 
-    points: np.ndarray  # (n, 3) float64
-    faces: tuple[np.ndarray, np.ndarray]  # counts, corners
-    lines: np.ndarray  # (k, 2) the vertices of edges that stay: seams, sharp and creased edges, borders of
-    # materials and of UV islands
-    edges: np.ndarray  # (k,) the index of each
+    Its lines are seams, sharp and creased edges, and borders of materials and of UV islands.
+    """
+
+    edges: np.ndarray  # (k,) the index of the edge of each line
 
 
 def take(obj: Object) -> Taken:

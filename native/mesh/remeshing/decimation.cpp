@@ -138,12 +138,8 @@ Remeshed decimate(const SurfaceMesh& mesh, const DecimateOptions& options, const
 {
     if (options.faces < 4)
         throw InvalidOption("faces must be at least 4");
-    if (!(options.angle > 0.0 && options.angle <= std::numbers::pi))
-        throw InvalidOption("angle must be in (0, pi]");
     progress.tick(0.0, "decimating");
     const Manifold cut(mesh, given, options.angle);
-    if (!(area_of(cut.points, cut.triangles) > 0.0))
-        throw InvalidMesh("no face has an area");
     Remeshed made = decimated(cut, options.faces, progress);
     join_cuts(made, mesh, cut);
     trace(made, mesh, cut, given, progress);

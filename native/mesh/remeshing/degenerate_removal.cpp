@@ -20,12 +20,8 @@ Remeshed remove_degenerate(const SurfaceMesh& mesh, const DegenerateOptions& opt
         throw InvalidOption("cap must be in (pi / 2, pi]");
     if (!(options.share > 0.0) || !std::isfinite(options.share))
         throw InvalidOption("share must be more than 0");
-    if (!(options.angle > 0.0 && options.angle <= std::numbers::pi))
-        throw InvalidOption("angle must be in (0, pi]");
     progress.tick(0.0, "removing needles");
     const Manifold cut(mesh, given, options.angle);
-    if (!(area_of(cut.points, cut.triangles) > 0.0))
-        throw InvalidMesh("no face has an area");
     CgalMesh work = cgal_mesh(cut);
     const double shortest = options.share * mean_edge_length(cut);
     namespace processing = CGAL::Polygon_mesh_processing;

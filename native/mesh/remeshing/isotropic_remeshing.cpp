@@ -122,16 +122,11 @@ Remeshed remesh(const SurfaceMesh& mesh, const RemeshOptions& options, const std
     require_at_least(options.length, 0.0, "length");
     if (options.rounds < 1)
         throw InvalidOption("rounds must be at least 1");
-    if (!(options.angle > 0.0 && options.angle <= std::numbers::pi))
-        throw InvalidOption("angle must be in (0, pi]");
     progress.tick(0.0, "remeshing");
     const Manifold cut(mesh, given, options.angle);
-    const double area = area_of(cut.points, cut.triangles);
-    if (!(area > 0.0))
-        throw InvalidMesh("no face has an area");
     Remeshed made;
     made.length = options.length > 0.0 ? options.length : mean_edge_length(cut);
-    const double triangles = area / (std::sqrt(3.0) / 4.0 * made.length * made.length);
+    const double triangles = cut.area / (std::sqrt(3.0) / 4.0 * made.length * made.length);
     // Edges are split before the triangles get their shape, so that a needle becomes many.
     double splits = 0.0;
     for (const auto& [a, b, c] : cut.triangles) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/mesh/remeshing/manifold.h"
 
+#include "native/core/errors.h"
 #include "native/mesh/half_edges.h"
 #include "native/mesh/sheets.h"
 
@@ -126,14 +127,6 @@ double angle_between(const Vector3& a, const Vector3& b) { return std::atan2(a.c
 
 } // namespace
 
-double area_of(const std::vector<Vector3>& points, const std::vector<Triangle>& triangles)
-{
-    double area = 0.0;
-    for (const Triangle& t : triangles)
-        area += 0.5 * normal_of(points, t).norm();
-    return area;
-}
-
 double mean_edge_length(const Manifold& manifold)
 {
     double sum = 0.0;
@@ -150,6 +143,8 @@ double mean_edge_length(const Manifold& manifold)
 Manifold::Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given, double angle)
     : triangles(oriented(mesh))
 {
+    if (!(angle > 0.0 && angle <= std::numbers::pi))
+        throw InvalidOption("angle must be in (0, pi]");
     const std::vector<Triangle> old = triangles;
     std::map<Edge, int> places; // of given edges, the first of equal ones
     for (int i = 0; i < static_cast<int>(given.size()); ++i)
@@ -171,6 +166,11 @@ Manifold::Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given, doub
                 originals.push_back(old[t][k]);
                 points.push_back(mesh.point(old[t][k]));
             }
+
+    for (const Triangle& t : triangles)
+        area += 0.5 * normal_of(points, t).norm();
+    if (!(area > 0.0))
+        throw InvalidMesh("no face has an area");
 
     std::vector<std::vector<int>> beside(points.size());
     for_each_edge_of(sides, [&](std::span<const Side> along) {

@@ -30,16 +30,16 @@ struct Manifold
     std::vector<Triangle> triangles;
     std::vector<int> originals; ///< (points) the vertex of the mesh
     std::vector<Line> lines; ///< given ones, borders, and folds sharper than `angle`, each edge once
+    double area = 0.0;       ///< of all triangles
     std::vector<char> stays; ///< (points) where lines end, meet or bend by more than 75 degrees
 
     /// Cost: O(n log n).
     /// \param given  (k) edges of the mesh; others are ignored.
-    /// \param angle  radians between the normals at a fold.
+    /// \param angle  radians between the normals at a fold, in (0, pi].
+    /// \throw InvalidMesh    no face has an area.
+    /// \throw InvalidOption  the angle is out of range.
     Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given, double angle);
 };
-
-/// The sum of the areas of triangles.
-double area_of(const std::vector<Vector3>& points, const std::vector<Triangle>& triangles);
 
 /// The mean length of the edges of the triangles; those that were cut count once for each side.
 double mean_edge_length(const Manifold& manifold);

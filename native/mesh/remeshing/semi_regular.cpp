@@ -87,12 +87,8 @@ SemiRegular semi_regular(const SurfaceMesh& mesh, const SemiRegularOptions& opti
         throw InvalidOption("levels must be 1 to 10");
     if (options.base_faces != 0 && options.base_faces < 4)
         throw InvalidOption("base_faces must be at least 4");
-    if (!(options.angle > 0.0 && options.angle <= std::numbers::pi))
-        throw InvalidOption("angle must be in (0, pi]");
     progress.tick(0.0, "decimating");
     const Manifold cut(mesh, given, options.angle);
-    if (!(area_of(cut.points, cut.triangles) > 0.0))
-        throw InvalidMesh("no face has an area");
     const double share = std::pow(4.0, -options.levels);
     const int wanted = options.base_faces > 0
                            ? options.base_faces

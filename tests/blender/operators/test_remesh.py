@@ -13,7 +13,6 @@ from rigs.rig import (
     evaluated_points,
     grid_object,
     in_mode,
-    make_active,
     members,
     new_object,
     press,
@@ -28,7 +27,6 @@ def loaded_plate() -> bpy.types.Object:
     """A plate of squares whose every value is a function of its place, with a seam and two materials."""
     obj = grid_object("Loaded", 12)
     mesh, points = obj.data, base_points(obj)
-    make_active(obj)
     left = points[:, 0] < points[:, 0].mean() - 1e-6
     add_group(obj, "Whole", lambda point: point[1] > np.median(points[:, 1]))
     slope = obj.vertex_groups.new(name="Slope")
