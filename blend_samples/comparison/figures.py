@@ -251,6 +251,53 @@ def in_two_bands(make: Callable[[], Case], wavelength: float, _ours: Ours, sn: M
     yield Shown(case, whole.solve(case.poses)[0], "Reconstructed: with details")
 
 
+def visited_levels(_ours: Ours, _sn: ModuleType) -> Iterator[Shown]:
+    """The levels that three kinds of cycles visit, one after another; the finest is on top."""
+    down_and_up = [[*range(k, 0, -1), *range(k + 1)] for k in range(4)]
+    full = [0, *down_and_up[1], *down_and_up[2], *down_and_up[3]]
+    full = [level for level, before in zip(full, [None, *full]) if level != before]
+    for caption, levels in {"V-cycle": down_and_up[3], "Full": full, "Cascading": [0, 1, 2, 3]}.items():
+        places = np.stack((np.linspace(-3.0, 3.0, len(levels)), np.zeros(len(levels)), levels), 1)
+        (first, quads), *others = [ball(place, 0.16, 8) for place in places]
+        steps = lines(places, np.stack((np.arange(len(levels) - 1), np.arange(1, len(levels))), 1), 0.04)
+        shown = Shown(still(first, split(quads)), first, caption, "")
+        yield with_parts(shown, steps, *((*other, PLAIN) for other in others))
+
+
+def filled(pattern: np.ndarray) -> np.ndarray:
+    """Where the Cholesky factor of a matrix of this pattern (n, n) has entries."""
+    factor = np.tril(pattern)
+    for k in range(len(factor)):
+        rows = np.flatnonzero(factor[k + 1 :, k]) + k + 1
+        factor[np.ix_(rows, rows)] = True
+    return np.tril(factor)
+
+
+def fill(_ours: Ours, sn: ModuleType) -> Iterator[Shown]:
+    """Entries of a Laplacian above the diagonal, and of its factor below it; those that are new in orange."""
+    corners = np.array([(1.0, 1.0, 1.0), (1.0, -1.0, -1.0), (-1.0, 1.0, -1.0), (-1.0, -1.0, 1.0)])
+    round_ = sn.SubdivisionSurface(
+        sn.SurfaceMesh(corners, [(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)]), scheme="loop", level=4
+    )
+    edges = np.vstack(
+        (edges_of(np.asarray(round_.faces)), np.arange(round_.vertex_count)[:, None].repeat(2, 1))
+    )
+    laplacian = np.zeros((round_.vertex_count,) * 2, bool)
+    laplacian[edges[:, 0], edges[:, 1]] = laplacian[edges[:, 1], edges[:, 0]] = True
+    entry = np.array([(0, 0, 0), (0, 0, -1), (1, 0, -1), (1, 0, 0)], float)
+    for caption, ordering in ORDERINGS.items():
+        order = sn.elimination_order(edges, len(laplacian), ordering)
+        pattern = laplacian[np.ix_(order, order)]
+        factor = filled(pattern)
+        rows, columns = np.nonzero(factor | pattern)
+        places = np.stack((columns, 0 * rows, -rows), 1)[:, None] + entry
+        quads = np.arange(4 * len(rows)).reshape(-1, 4)
+        colours = np.repeat(np.where(pattern[rows, columns, None], INK, ORANGE), 4, axis=0)
+        paper = (len(factor) * entry + (0.0, 1.0, 0.0), np.array([(0, 1, 2, 3)]), PAPER)
+        case, note = still(places.reshape(-1, 3), split(quads)), f"{factor.sum():,} entries"
+        yield with_parts(Shown(case, case.points, caption, note, colours, flat=True), paper)
+
+
 def edits(make: Callable[[], Case], *shows: Show) -> Draw:
     """Views of one edit."""
 
@@ -306,6 +353,12 @@ CODINGS = ("displacement_vectors", "normal_displacements", "displacement_volumes
 SPLINES = [by(f"Spline Surface, {grid}", "spline_surface", **options) for grid, options in GRIDS.items()]
 FIELDS = [by(f"Propagation, {field}", "propagation", field=field) for field in ("geodesic", "harmonic")]
 LOCAL = by("In local frames", "multiresolution", details="displacement_vectors")
+ORDERINGS = {
+    "As it comes": "natural",
+    "Reverse Cuthill-McKee": "reverse_cuthill_mckee",
+    "Minimum degree": "minimum_degree",
+    "Nested dissection": "nested_dissection",
+}
 FIGURES: dict[int, Draw] = {
     1: subdivided,
     2: spheres,
@@ -323,4 +376,6 @@ FIGURES: dict[int, Draw] = {
     15: edits(arc, REST, UNTURNED, TORN, GRADIENTS),
     16: edits(beast, SHELL, GRADIENTS, IMPLICIT, ARAP, RUBBER),
     22: edits(lambda: replace(plane(angle=-170.0, bumps=0.09), heading=-58.0), REST, SHELL, ARAP),
+    23: visited_levels,
+    24: fill,
 }

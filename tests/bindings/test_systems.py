@@ -12,6 +12,7 @@ from . import limits
 from .meshes import ends, grid, messy
 
 ITERATIVE = ("conjugate_gradients", "multigrid")
+ORDERINGS = ("natural", "reverse_cuthill_mckee", "minimum_degree", "nested_dissection")
 WAYS = [{"solver": name} for name in ("automatic", "cholesky", "simplicial", "lu")]
 WAYS += [{"solver": f"dense_{name}"} for name in ("cholesky", "lu", "qr", "svd")]
 PRECONDITIONERS = ("none", "jacobi", "incomplete_cholesky", "shifted_incomplete_cholesky")
@@ -146,3 +147,19 @@ def test_budgets_cycles_and_methods_that_do_not_fit_are_refused_by_name() -> Non
     with limits.memory(3_000_000):
         report = sn.solve(system, tolerance=1e-3)[1]
     assert (report.solver, report.why[:10]) == ("multigrid", "the factor")
+
+
+@pytest.mark.parametrize("ordering", [*ORDERINGS, "cuthill_mckee", "patch_dissection"])
+def test_an_order_of_elimination_has_the_entries_and_the_envelope_that_are_reported(system, ordering) -> None:
+    A = system.matrix
+    order = sn.elimination_order(np.argwhere(np.triu(A.toarray())), A.shape[0], ordering)
+    pattern = A.toarray()[np.ix_(order, order)] != 0.0
+    lower = np.tril(pattern)
+    first = lower.argmax(1)
+    for k in range(len(lower)):
+        rows = np.flatnonzero(lower[k + 1 :, k]) + k + 1
+        lower[np.ix_(rows, rows)] = True
+    entries = np.tril(lower).sum()
+    report = sn.solve(system, solver="simplicial", ordering=ordering)[1]
+    assert report.envelope == (np.arange(len(first)) - first + 1).sum()
+    assert report.fill == pytest.approx(entries / np.tril(pattern).sum())

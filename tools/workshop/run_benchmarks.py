@@ -5,10 +5,12 @@ import sys
 
 from . import debian, environments
 from .dev import BENCHMARK_TARGETS, build_tree
-from .places import DEV_MODULE, ROOT
+from .environments import Environment
+from .places import DEV_MODULE, PYTHON311, ROOT
 from .shell import run
 
-SUITE = ROOT / "benchmarks" / "suite.py"
+SUITE, TABLES = ROOT / "benchmarks" / "suite.py", ROOT / "benchmarks" / "tables.py"
+PEERS = Environment("peers", PYTHON311, ("dev", "peers"))
 ONLY_READS = {"-h", "--help", "--render"}
 
 
@@ -17,5 +19,7 @@ def main() -> None:
     if not ONLY_READS & set(words):
         debian.install(debian.BENCHMARKS)
         build_tree("dev", *BENCHMARK_TARGETS)
-    python = environments.dev().make().python
-    sys.exit(run([python, SUITE, *words], env={"PYTHONPATH": DEV_MODULE}))
+    tables = words[:1] == ["--tables"]
+    python = (PEERS if tables else environments.dev()).make().python
+    program = [TABLES, *words[1:]] if tables else [SUITE, *words]
+    sys.exit(run([python, *program], env={"PYTHONPATH": DEV_MODULE}))

@@ -2,6 +2,7 @@
 #include "native/bindings/arguments.h"
 #include "native/bindings/options.h"
 #include "native/core/read_write_lock.h"
+#include "native/mesh/half_edges.h"
 #include "native/solvers/spd_factor.h"
 
 #include <pybind11/eigen.h>
@@ -39,6 +40,25 @@ SparseMatrix tidy(const SparseMatrix& matrix)
             if (!std::isfinite(it.value()))
                 throw InvalidOption("matrix: NaN or infinite entry in column " + std::to_string(c));
     return sorted;
+}
+
+/// A matrix with these entries, their mirror images and a diagonal.
+SparseMatrix pattern_of(const std::vector<Edge>& entries, int size)
+{
+    require_at_least(size, 0, "size");
+    std::vector<Eigen::Triplet<double>> triplets;
+    for (const auto& [row, column] : entries) {
+        if (std::min(row, column) < 0 || std::max(row, column) >= size)
+            throw InvalidOption("entries: (" + std::to_string(row) + ", " + std::to_string(column) +
+                                ") is not in a matrix of " + std::to_string(size) + " rows");
+        triplets.emplace_back(row, column, 1.0);
+        triplets.emplace_back(column, row, 1.0);
+    }
+    for (int k = 0; k < size; ++k)
+        triplets.emplace_back(k, k, 1.0);
+    SparseMatrix pattern(size, size);
+    pattern.setFromTriplets(triplets.begin(), triplets.end());
+    return pattern;
 }
 
 } // namespace
@@ -107,6 +127,26 @@ Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemo
             return "<SpdFactor: " + std::to_string(read_of<&SpdFactor::size>(shared)) + " rows, " +
                    std::to_string(read_of<&SpdFactor::nonzeros>(shared)) + " entries>";
         });
+    module.def(
+        "elimination_order",
+        [](const ArrayLike& entries, int size, const Chosen<Ordering>& ordering) {
+            const Ordering chosen = ordering.value("ordering");
+            const std::vector<Edge> given = index_pairs(entries, "entries");
+            std::vector<int> order;
+            {
+                const py::gil_scoped_release unlocked;
+                order = elimination_order(pattern_of(given, size), chosen);
+            }
+            return to_numpy(order);
+        },
+        py::arg("entries"), py::arg("size"), py::arg("ordering") = "automatic", R"(
+The order in which a factor of a symmetric matrix eliminates the unknowns -> (n,): row `order[i]` is number i.
+
+entries   (k, 2) rows and columns of its entries, such as the edges of a mesh; of one of both triangles at least.
+size      n, its number of rows.
+ordering  as in SpdFactor.
+
+Raises InvalidOption for another word, or an entry that is not in the matrix.)");
 }
 
 } // namespace sinew::bindings
