@@ -102,6 +102,13 @@ def refusals():
     for solver in ("cholesky", "lu", "dense_lu", "dense_qr", "dense_svd"):
         yield loose, b, {"solver": solver}, sn.FactorizationFailed, "singular"
 
+    closed = sn.laplacian(sn.SurfaceMesh(*grid(20)), "uniform")  # of constants it makes 0
+    at_random = np.random.default_rng(3).normal(size=closed.shape[0])
+    for solver in ("automatic", "simplicial", "lu", "conjugate_gradients", "dense_qr"):
+        yield closed, at_random, {"solver": solver}, (sn.FactorizationFailed, sn.NotConverged), ""
+    yield wrong, b, {"error_bound": True}, sn.InvalidOption, "error_bound: the matrix is not symmetric"
+    yield good * 1j, b, {}, TypeError, "real numbers"
+    yield "x", b, {}, TypeError, "SciPy sparse"
     yield good, np.ones(4), {}, sn.InvalidOption, "b: 4 rows given for a matrix of 3"
     yield good, [1, np.nan, 1], {}, sn.InvalidOption, "b: NaN or infinite entry in row 1"
     yield good * np.inf, b, {}, sn.InvalidOption, "matrix: NaN or infinite"
