@@ -87,15 +87,19 @@ def measure_curvature(obj: Object, rings: int, shown: str, vectors: bool) -> tup
         "smallest": found.principal[:, 0],
         "largest": found.principal[:, 1],
     }
-    for name, numbers in values.items():
-        _store(mesh, f"curvature_{name}", "FLOAT", "value", numbers)
+    stored = [(f"curvature_{name}", "FLOAT", "value", numbers) for name, numbers in values.items()]
     if vectors:
         for name, directions in zip(("smallest", "largest"), found.directions.swapaxes(0, 1), strict=True):
-            _store(mesh, f"curvature_{name}_direction", "FLOAT_VECTOR", "vector", directions)
+            stored.append((f"curvature_{name}_direction", "FLOAT_VECTOR", "vector", directions))
     chosen = values.get(shown, found.mean)
     end = float(np.percentile(abs(chosen), _SHARE)) if len(chosen) else 0.0
     if shown in values:
-        _store(mesh, "curvature", "FLOAT_COLOR", "color", _colours(chosen, end))
+        stored.append(("curvature", "FLOAT_COLOR", "color", _colours(chosen, end)))
+    for name, sort, *_rest in stored:
+        _refuse_others(obj, name, sort)
+    for each in stored:
+        _store(mesh, *each)
+    if shown in values:
         mesh.color_attributes.active_color = mesh.color_attributes["curvature"]
     mesh.update_tag()
     ends = (float(chosen.min()), float(chosen.max())) if len(chosen) else (0.0, 0.0)
@@ -109,16 +113,24 @@ def _colours(values: np.ndarray, end: float) -> np.ndarray:
     return np.column_stack([mixed, np.ones(len(values))])
 
 
+def _refuse_others(obj: Object, name: str, sort: str) -> None:
+    """Refuse a name under which the mesh holds anything but such an attribute of the vertices."""
+    old = obj.data.attributes.get(name)
+    if name in obj.vertex_groups:
+        taken = "a vertex group"
+    elif name in obj.data.uv_layers:
+        taken = "a UV map"
+    elif old is not None and (old.data_type, old.domain) != (sort, "POINT"):
+        taken = "another attribute"
+    else:
+        return
+    raise SinewError(f"{obj.name} has {taken} called {name} - rename it before you measure")
+
+
 def _store(mesh: Mesh, name: str, sort: str, field: str, values: np.ndarray) -> None:
-    """Replace an attribute of the vertices."""
-    old = mesh.attributes.get(name)
-    if old is not None and (old.data_type, old.domain) != (sort, "POINT"):
-        mesh.attributes.remove(old)
-        old = None
-    if old is None:
-        mesh.attributes.new(name, sort, "POINT")
-    flat = np.ascontiguousarray(values, dtype=np.float32).ravel()
-    mesh.attributes[name].data.foreach_set(field, flat)
+    """Give the vertices an attribute, or new values to the one that they have."""
+    attribute = mesh.attributes.get(name) or mesh.attributes.new(name, sort, "POINT")
+    attribute.data.foreach_set(field, np.ascontiguousarray(values, dtype=np.float32).ravel())
 
 
 def _current(obj: Object) -> Mesh:

@@ -311,3 +311,18 @@ def test_curvature_is_stored_and_shown():
     names = {attribute.name for attribute in mesh.attributes}
     press(obj, "measure_curvature", shown="none", rings=3)
     assert {attribute.name for attribute in mesh.attributes} == names
+
+
+def test_data_with_the_names_of_curvatures_stay():
+    obj = grid_object()
+    mesh = obj.data
+    obj.vertex_groups.new(name="curvature_mean")
+    refused("a vertex group called curvature_mean", "measure_curvature", obj)
+    obj.vertex_groups.clear()
+    mesh.uv_layers.new(name="curvature")
+    refused("a UV map called curvature", "measure_curvature", obj)
+    press(obj, "measure_curvature", shown="none")
+    mesh.uv_layers.remove(mesh.uv_layers["curvature"])
+    colours = mesh.color_attributes.new("curvature", "BYTE_COLOR", "CORNER")
+    refused("another attribute called curvature", "measure_curvature", obj)
+    assert (colours.data_type, "curvature.001" in mesh.attributes) == ("BYTE_COLOR", False)
