@@ -70,6 +70,16 @@ class SINEW_OT_select_unusual(OnTarget, Operator):
         ),
     ).named("What", "Choose what to select")
 
+    @classmethod
+    def refusal(cls, context: Context) -> str:
+        reason = super().refusal(context)
+        if reason:
+            return reason
+        obj = target_of(context)
+        if obj.override_library or obj.data.library or obj.data.override_library:
+            return "Blender edits neither linked meshes nor library overrides - make the object local first"
+        return ""
+
     @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from expected import faces_of as expected_faces
 from inside import inner
+from libraries import put_into_a_library, read
 from mathutils import Matrix
 from rigs.cages import selected
 from rigs.rig import (
@@ -326,3 +327,10 @@ def test_data_with_the_names_of_curvatures_stay():
     colours = mesh.color_attributes.new("curvature", "BYTE_COLOR", "CORNER")
     refused("another attribute called curvature", "measure_curvature", obj)
     assert (colours.data_type, "curvature.001" in mesh.attributes) == ("BYTE_COLOR", False)
+
+
+def test_what_is_linked_is_not_selected(tmp_path):
+    path = put_into_a_library(tmp_path / "library.blend", grid_object("Linked"))
+    obj = read(path, link=True, kind="objects", name="Linked").override_create()
+    bpy.context.scene.collection.objects.link(obj)
+    refused("local first", "select_unusual", obj, what="border")
