@@ -43,10 +43,16 @@ _last: dict[str, Counts] = remember({})  # by the name of the mesh
 
 
 def survey(obj: Object, crossings: bool = True) -> backend.Survey:
-    """Look at the base mesh as it is now, also in Edit Mode, and remember the counts."""
+    """Look at the base mesh as it is now, also in Edit Mode, and remember the counts.
+
+    Without ``crossings``, their count stays as it was.
+    """
     mesh = _current(obj)
     found = backend.survey(read_positions(mesh).astype(np.float64), read_faces(mesh), crossings)
     counts = {what: len(elements) for what, elements in found.found.items()} | {"border": found.borders}
+    former = last_counts(obj)
+    if former is not None and not crossings:
+        counts["crossing"] = former.found.get("crossing", 0)
     kept = {what: count for what, count in counts.items() if count}
     _last[mesh.name] = Counts(_size(mesh), found.parts, found.one_sided, found.euler_characteristic, kept)
     return found

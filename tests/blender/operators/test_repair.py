@@ -334,3 +334,12 @@ def test_what_is_linked_is_not_selected(tmp_path):
     obj = read(path, link=True, kind="objects", name="Linked").override_create()
     bpy.context.scene.collection.objects.link(obj)
     refused("local first", "select_unusual", obj, what="border")
+
+
+def test_counts_stay_until_they_may_be_wrong():
+    points = [(-1, -1, 0), (1, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1), (0, 3, 0)]
+    obj = mesh_object(points, [(0, 1, 2), (3, 4, 5)])
+    press(obj, "diagnose")
+    assert bpy.ops.sinew.select_unusual(what="border") == {"FINISHED"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert inner.surveying.last_counts(obj).found["crossing"] == 2
