@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Counts what is unusual about a base mesh, and measures how it bends. Main thread only."""
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 
 import numpy as np
 from bpy.types import Mesh, Object
 
 from ... import backend
-from ...compat import read_faces, read_positions
+from ...compat import read_faces, read_positions, session_key
 from ...core.elements import Elements, Owner
 from ...core.errors import SinewError
 from ...core.memory import remember
@@ -39,7 +40,7 @@ class Counts:
     found: dict[str, int]  # by the names of the findings; those without any are left out
 
 
-_last: dict[str, Counts] = remember({})  # by the name of the mesh
+_last: dict[Hashable, Counts] = remember({})  # by the mesh
 
 
 def survey(obj: Object, crossings: bool = True) -> backend.Survey:
@@ -54,14 +55,21 @@ def survey(obj: Object, crossings: bool = True) -> backend.Survey:
     if former is not None and not crossings:
         counts["crossing"] = former.found.get("crossing", 0)
     kept = {what: count for what, count in counts.items() if count}
-    _last[mesh.name] = Counts(_size(mesh), found.parts, found.one_sided, found.euler_characteristic, kept)
+    _last[session_key(mesh)] = Counts(
+        _size(mesh), found.parts, found.one_sided, found.euler_characteristic, kept
+    )
     return found
 
 
 def last_counts(obj: Object) -> Counts | None:
     """What the last look found; None if there was none, or if the mesh has other vertices or faces now."""
-    counts = _last.get(obj.data.name)
+    counts = _last.get(session_key(obj.data))
     return counts if counts is not None and counts.size == _size(obj.data) else None
+
+
+def forget_counts() -> None:
+    """Forget what every look found, because undo or redo may have changed the meshes."""
+    _last.clear()
 
 
 def counted(what: str, count: int) -> str:

@@ -28,6 +28,7 @@ from rigs.rig import (
     members,
     new_object,
     press,
+    push,
     refused,
 )
 
@@ -343,3 +344,12 @@ def test_counts_stay_until_they_may_be_wrong():
     assert bpy.ops.sinew.select_unusual(what="border") == {"FINISHED"}
     bpy.ops.object.mode_set(mode="OBJECT")
     assert inner.surveying.last_counts(obj).found["crossing"] == 2
+    other = mesh_object(points, [(0, 1, 2), (3, 4, 5)], "Other")
+    name, obj.data.name = obj.data.name, "Renamed"
+    other.data.name = name
+    assert inner.surveying.last_counts(other) is None
+    press(other, "diagnose")
+    push("Diagnosed")
+    push("Later")
+    bpy.ops.ed.undo()
+    assert inner.surveying.last_counts(bpy.data.objects["Other"]) is None
