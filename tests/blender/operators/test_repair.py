@@ -28,7 +28,6 @@ from rigs.rig import (
     members,
     new_object,
     press,
-    push,
     refused,
 )
 
@@ -315,22 +314,13 @@ def test_curvature_is_stored_and_shown():
     assert {attribute.name for attribute in mesh.attributes} == names
 
 
-def test_data_with_the_names_of_curvatures_stay():
+def test_what_prepare_refuses(tmp_path):
     obj = grid_object()
-    mesh = obj.data
     obj.vertex_groups.new(name="curvature_mean")
+    obj.data.uv_layers.new(name="curvature")
     refused("a vertex group called curvature_mean", "measure_curvature", obj)
     obj.vertex_groups.clear()
-    mesh.uv_layers.new(name="curvature")
     refused("a UV map called curvature", "measure_curvature", obj)
-    press(obj, "measure_curvature", shown="none")
-    mesh.uv_layers.remove(mesh.uv_layers["curvature"])
-    colours = mesh.color_attributes.new("curvature", "BYTE_COLOR", "CORNER")
-    refused("another attribute called curvature", "measure_curvature", obj)
-    assert (colours.data_type, "curvature.001" in mesh.attributes) == ("BYTE_COLOR", False)
-
-
-def test_what_is_linked_is_not_selected(tmp_path):
     path = put_into_a_library(tmp_path / "library.blend", grid_object("Linked"))
     obj = read(path, link=True, kind="objects", name="Linked").override_create()
     bpy.context.scene.collection.objects.link(obj)
@@ -339,17 +329,12 @@ def test_what_is_linked_is_not_selected(tmp_path):
 
 def test_counts_stay_until_they_may_be_wrong():
     points = [(-1, -1, 0), (1, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1), (0, 3, 0)]
-    obj = mesh_object(points, [(0, 1, 2), (3, 4, 5)])
+    obj, other = (mesh_object(points, [(0, 1, 2), (3, 4, 5)], name) for name in ("Mesh", "Other"))
     press(obj, "diagnose")
-    assert bpy.ops.sinew.select_unusual(what="border") == {"FINISHED"}
-    bpy.ops.object.mode_set(mode="OBJECT")
+    inner.surveying.survey(obj, crossings=False)
     assert inner.surveying.last_counts(obj).found["crossing"] == 2
-    other = mesh_object(points, [(0, 1, 2), (3, 4, 5)], "Other")
     name, obj.data.name = obj.data.name, "Renamed"
     other.data.name = name
     assert inner.surveying.last_counts(other) is None
-    press(other, "diagnose")
-    push("Diagnosed")
-    push("Later")
-    bpy.ops.ed.undo()
-    assert inner.surveying.last_counts(bpy.data.objects["Other"]) is None
+    inner.history.on_undo()
+    assert not inner.surveying._last
