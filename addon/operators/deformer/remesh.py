@@ -49,14 +49,7 @@ class _MakesTriangles(OnTarget, StaysInWindow):
 
     @classmethod
     def refusal(cls, context: Context) -> str:
-        reason = super().refusal(context)
-        if reason:
-            return reason
-        obj = target_of(context)
-        for deformer in deformers_of(obj):
-            if deformer.bake.is_baked:
-                return f"{deformer.name} is baked - Unbake it first"
-        return "" if obj.mode in ("OBJECT", "EDIT") else "This works in Object and Edit Mode"
+        return super().refusal(context) or _refusal_of(target_of(context))
 
     def arguments(self, _obj: Object) -> dict[str, Any]:
         """The arguments of ``MAKE``, in the frame of the object."""
@@ -139,6 +132,13 @@ def user_of(mesh: Hashable, name: str) -> Object:
     if not users:
         raise SinewError(f"The mesh of {name} is gone")
     return min(users, key=lambda obj: obj.name != name)
+
+
+def _refusal_of(obj: Object) -> str:
+    baked = [deformer.name for deformer in deformers_of(obj) if deformer.bake.is_baked]
+    if baked:
+        return f"{baked[0]} is baked - Unbake it first"
+    return "" if obj.mode in ("OBJECT", "EDIT") else "This works in Object and Edit Mode"
 
 
 def _triangles(obj: Object) -> int:
