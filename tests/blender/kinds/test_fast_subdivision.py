@@ -186,3 +186,13 @@ def test_loose_edges_and_what_stands_between_are_refused():
     rig.obj.modifiers.new("Solidify", "SOLIDIFY")
     subdivided(rig.obj, 2)
     refused("Solidify stands between", "fast_subdivision", rig.obj)
+
+
+def test_simplify_of_this_scene_and_of_another():
+    rig, scene = plate(subdivision_type="SIMPLE"), bpy.context.scene
+    other, scene.render.simplify_subdivision = scene.copy(), 1
+    for simplified, shown, frame in ((1, scene, 0), (1, other, 0), (1, scene, 2), (0, scene, 3)):
+        scene.render.use_simplify, bpy.context.window.scene = simplified, shown
+        shown.frame_set(frame) if frame else update()
+        rig.lift(0.1 * frame)
+        assert_as_blender(rig.obj)
