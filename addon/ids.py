@@ -149,6 +149,7 @@ class Keys:
     GROUP_POINT_TYPE = "sinew_group_kind"
     KEEP = "sinew_keep_evaluated"
     REFINED_GROUP = "sinew_refined_group"
+    REFINED_BY = "sinew_refined_by"
     REFINED_FOR = "sinew_refined_for"
     REFINED_TOKEN = "sinew_refined_token"
     REFINED_CONTROL = "sinew_refined_control"

@@ -146,9 +146,9 @@ def _is_shown(shown: Object, name: str) -> bool:
     )
 
 
-def keep_incoming(obj: Object, modifier: NodesModifier) -> tuple[str, bool]:
+def keep_incoming(obj: Object, modifier: NodesModifier) -> bool:
     """Let the refined mesh keep what the first of the deformers right before it has stored of its incoming
-    shape. Returns the key of that deformer, and whether something else was kept.
+    shape. Whether something else was kept.
 
     Storing costs as much as moving the points, and nothing has to be kept where the mesh itself enters.
     """
@@ -165,7 +165,7 @@ def keep_incoming(obj: Object, modifier: NodesModifier) -> tuple[str, bool]:
     names = ("", "") if is_plain else modified.attribute_names(first)
     pairs = zip((Inputs.KEPT, Inputs.KEPT_INDEX), names, strict=True)
     changed = [refined_group.connect(modifier, name, value) for name, value in pairs]
-    return first, any(changed)
+    return any(changed)
 
 
 def read_entering(shared: ObjectEvaluation, key: str, expected: int) -> Incoming:

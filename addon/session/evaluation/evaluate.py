@@ -197,6 +197,8 @@ def _update_object(
         layout = _layout(obj, mode)
         if mode == "VIEWPORT":
             mirroring.note_target(obj)
+            for deformer in obj.sinew.deformers:
+                status.put_refined(deformer.uid, "")
     chain = Chain()
     for modifier, shows in zip(kind.stack(obj), layout, strict=True):
         if not is_shown(modifier, mode):

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import bpy
 import numpy as np
 import pytest
@@ -22,6 +24,7 @@ from rigs.rig import (
     subdivided,
     update,
 )
+from rigs.sheet import draw
 from test_subdivision import LIMIT, TOLERANCE, crease, fin, prism, sheet, subdivide
 
 WAYS = {
@@ -196,3 +199,36 @@ def test_simplify_of_this_scene_and_of_another():
         shown.frame_set(frame) if frame else update()
         rig.lift(0.1 * frame)
         assert_as_blender(rig.obj)
+
+
+def test_it_ends_and_begins_whatever_was_moved_or_deleted():
+    rig, tooltip = plate(), bpy.types.SINEW_OT_fast_subdivision.description
+    stack, by = rig.obj.modifiers, rig.obj.modifiers["Subdivision"]
+    cast = stack.new("Cast", "CAST")
+    bpy.ops.object.modifier_move_to_index(modifier="Cast", index=1)
+    update()
+    assert "Fast Subdivision shows the control mesh" in " ".join(notes_of(rig.deformer))
+    stack.remove(cast)
+    bpy.ops.object.modifier_move_to_index(modifier="Subdivision", index=0)
+    press(rig.obj, "fast_subdivision", stop=True)
+    assert [by.show_viewport, *notes_of(rig.deformer)] == [True]
+    bpy.ops.object.modifier_move_to_index(modifier="Subdivision", index=1)
+    for was_on in (False, True):
+        by.show_viewport = was_on
+        press(rig.obj, "fast_subdivision")
+        press(rig.obj, "fast_subdivision", stop=True)
+        assert by.show_viewport == was_on
+    press(rig.obj, "fast_subdivision")
+    stack.remove(stack["Fast Subdivision"])
+    update()
+    catch_up()
+    assert by.show_viewport
+    press(rig.obj, "fast_subdivision")
+    stack.remove(by)
+    assert len({tooltip(bpy.context, SimpleNamespace(stop=stop)) for stop in (True, False)}) == 2
+    for stop in (True, False):
+        assert "sinew.fast_subdivision" in draw(bpy.types.SINEW_PT_order).operator_names()
+        press(rig.obj, "fast_subdivision", stop=stop)  # at last with a new one
+    press(rig.obj, "fast_subdivision", stop=True)
+    stack.remove(stack["Sinew"])
+    refused("Rebind", "fast_subdivision", rig.obj)
