@@ -151,6 +151,7 @@ class Keys:
     REFINED_GROUP = "sinew_refined_group"
     REFINED_BY = "sinew_refined_by"
     REFINED_FOR = "sinew_refined_for"
+    REFINED_NAMES = "sinew_refined_names"
     REFINED_TOKEN = "sinew_refined_token"
     REFINED_CONTROL = "sinew_refined_control"
     SHAPE = "sinew_shape"

@@ -203,22 +203,18 @@ def test_simplify_of_this_scene_and_of_another():
 
 def test_it_ends_and_begins_whatever_was_moved_or_deleted():
     rig, tooltip = plate(), bpy.types.SINEW_OT_fast_subdivision.description
-    stack, by = rig.obj.modifiers, rig.obj.modifiers["Subdivision"]
-    cast = stack.new("Cast", "CAST")
-    bpy.ops.object.modifier_move_to_index(modifier="Cast", index=1)
+    stack, move = rig.obj.modifiers, bpy.ops.object.modifier_move_to_index
+    by, cast = stack["Subdivision"], stack.new("Cast", "CAST")
+    move(modifier="Cast", index=1)
     update()
     assert "Fast Subdivision shows the control mesh" in " ".join(notes_of(rig.deformer))
-    stack.remove(cast)
-    bpy.ops.object.modifier_move_to_index(modifier="Subdivision", index=0)
-    press(rig.obj, "fast_subdivision", stop=True)
-    assert [by.show_viewport, *notes_of(rig.deformer)] == [True]
-    bpy.ops.object.modifier_move_to_index(modifier="Subdivision", index=1)
-    for was_on in (False, True):
-        by.show_viewport = was_on
-        press(rig.obj, "fast_subdivision")
+    for index, was_on in ((0, True), (1, False)):
+        move(modifier="Subdivision", index=index)
         press(rig.obj, "fast_subdivision", stop=True)
-        assert by.show_viewport == was_on
-    press(rig.obj, "fast_subdivision")
+        assert [by.show_viewport, *notes_of(rig.deformer)] == [was_on]
+        cast.show_viewport, by.show_viewport = False, not was_on
+        move(modifier="Subdivision", index=2)
+        press(rig.obj, "fast_subdivision")
     stack.remove(stack["Fast Subdivision"])
     update()
     catch_up()
@@ -229,6 +225,17 @@ def test_it_ends_and_begins_whatever_was_moved_or_deleted():
     for stop in (True, False):
         assert "sinew.fast_subdivision" in draw(bpy.types.SINEW_PT_order).operator_names()
         press(rig.obj, "fast_subdivision", stop=stop)  # at last with a new one
-    press(rig.obj, "fast_subdivision", stop=True)
     stack.remove(stack["Sinew"])
+    press(rig.obj, "fast_subdivision", stop=True)
     refused("Rebind", "fast_subdivision", rig.obj)
+
+
+def test_it_is_made_anew_only_if_more_than_points_has_changed():
+    rig, made = plate(), tokens()
+    for is_other in (False, True):
+        rig.obj.data.vertices[3].co.z = 0.1
+        rig.obj.data.polygons[3].use_smooth = is_other
+        change_in_edit_mode(rig.obj, lambda edit: None)
+        catch_up()
+        assert (tokens() != made) == is_other
+        assert_as_blender(rig.obj)
