@@ -181,3 +181,16 @@ def test_each_line_is_mended_alone(what: str):
     assert {round(g.weight, 6) for vertex in obj.data.vertices for g in vertex.groups} == {0.5}
     changed = {name for name in before if after.get(name, 0) != before[name]} - {what}
     assert changed <= {"flipped", "coincident", "border", "slit", "crossing", "non_manifold"}
+
+
+def test_what_is_told_is_in_the_scene(bound_plate: Rig, capfd):
+    obj = grid_object("Scaled", 16)
+    obj.scale = (3.0, 3.0, 3.0)
+    update()
+    refused("20,000,000 are the most", "remesh_semi_regular", obj, levels=8, base_faces=512)
+    assert inner.remesh.user_of(inner.compat.session_key(obj.data), "Former Name") == obj
+    press(obj, "remesh", length=3.0)
+    assert f"{len(obj.data.polygons)} triangles instead of 512" in capfd.readouterr().out
+    assert 8 < len(obj.data.polygons) < 30  # of an area of 36, with 3.9 for each
+    bound_plate.deformer.bake.result = "PC2"
+    refused("Unbake it first", "remesh", bound_plate.obj)
