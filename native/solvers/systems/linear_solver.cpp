@@ -188,7 +188,7 @@ Preconditioner incomplete(const SparseMatrix& A, bool may_shift, SolutionReport&
             "; the incomplete factor broke down, so the diagonal was raised by " + short_number(shift);
     }
     const std::int64_t entries = factor->matrixL().nonZeros();
-    report.fill = static_cast<double>(entries) / static_cast<double>((A.nonZeros() + A.cols()) / 2);
+    report.fill = static_cast<double>(entries) / (0.5 * static_cast<double>(A.nonZeros() + A.cols()));
     report.bytes = entries * static_cast<std::int64_t>(sizeof(double) + sizeof(int));
     return [factor](const Columns& r, Columns& z) {
         VectorX column(static_cast<Eigen::Index>(r.size()));
@@ -299,7 +299,7 @@ Solve prepare(const LinearSystem& system, const SolverOptions& options, std::vec
     std::function<RowMatrix(const RowMatrix&)> solve =
         factorized(A, report.solver, std::move(order), numbers);
     report.bytes = numbers.bytes;
-    report.fill = static_cast<double>(numbers.entries) / static_cast<double>((A.nonZeros() + A.cols()) / 2);
+    report.fill = static_cast<double>(numbers.entries) / (0.5 * static_cast<double>(A.nonZeros() + A.cols()));
     return [solve = std::move(solve)](const RowMatrix& b, SolutionReport&) { return solve(b); };
 }
 
