@@ -105,7 +105,13 @@ def refusals():
     closed = sn.laplacian(sn.SurfaceMesh(*grid(20)), "uniform")  # of constants it makes 0
     at_random = np.random.default_rng(3).normal(size=closed.shape[0])
     for solver in ("automatic", "simplicial", "lu", "conjugate_gradients", "dense_qr"):
-        yield closed, at_random, {"solver": solver}, (sn.FactorizationFailed, sn.NotConverged), "singular|iteration"
+        yield (
+            closed,
+            at_random,
+            {"solver": solver},
+            (sn.FactorizationFailed, sn.NotConverged),
+            "singular|iteration",
+        )
     yield wrong, b, {"error_bound": True}, sn.InvalidOption, "error_bound: the matrix is not symmetric"
     yield good * 1j, b, {}, TypeError, "real numbers"
     yield "x", b, {}, TypeError, "SciPy sparse"
