@@ -4,7 +4,6 @@
 #include "native/core/errors.h"
 #include "native/core/memory.h"
 #include "native/core/system/memory_advice.h"
-#include "native/solvers/patch_dissection.h"
 #include "native/solvers/supernodal/factor.h"
 #include "native/solvers/supernodal/kernels.h"
 #include "native/solvers/supernodal/solve.h"
@@ -37,6 +36,8 @@ namespace {
 
 /// For more columns than this, CHOLMOD is faster than SupernodalSolve, as it reads the factor less often.
 constexpr int most_own_columns = 16;
+
+constexpr int fewest_to_merge_sparingly = 50'000; ///< rows
 
 enum class Blas { unknown, serial, pthread, openmp };
 
@@ -343,7 +344,7 @@ private:
     {
         Workspace workspace;
         workspace.get()->supernodal = supernodal_ ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL;
-        if (matrix.cols() >= fewest_to_dissect) {
+        if (matrix.cols() >= fewest_to_merge_sparingly) {
             // Supernodes are merged where they are narrower than so many columns and the zeros stored for it are
             // at most such a share. CHOLMOD's own limits cost 4 % of memory and 8 % of a bind at 500,000 rows;
             // for small factors they take fewer instructions.
