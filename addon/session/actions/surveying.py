@@ -24,9 +24,8 @@ NAMES = {  # per finding: the noun for one, and for several
 }
 _OF_FACES = ("degenerate", "duplicate", "flipped", "crossing")
 _LOW, _NEUTRAL, _HIGH = np.array(((0.03, 0.12, 0.55), (0.6, 0.6, 0.58), (0.6, 0.07, 0.02)))
-_SHARE = (
-    95  # per cent of the vertices whose colours differ: the sharpest corners would leave grey for all others
-)
+# Per cent of the vertices whose colours differ: the sharpest corners would leave grey for all others.
+_SHARE = 95
 
 
 @dataclass(frozen=True)
