@@ -386,7 +386,8 @@ RowMatrix solve_linear(const LinearSystem& system, const RowMatrix& B, const Sol
         if (load > 0)
             work = std::max(work, std::abs(x.col(c).dot(residual.col(c)) / x.col(c).dot(B.col(c))));
     }
-    if (report.solver == Solver::multigrid ? !(work < wrong) : report.residual > wrong)
+    const double most = std::max(wrong, 10 * options.tolerance); // of a coarse tolerance the user knows
+    if (report.solver == Solver::multigrid ? !(work < most) : report.residual > most)
         throw FactorizationFailed("the matrix is singular up to rounding: |b - A x| / |b| is " +
                                   short_number(report.residual));
     if (options.error_bound) {
