@@ -6,6 +6,7 @@ process of its own, and writes docs/developer/solvers.md. A solver that fails or
 """
 
 import json
+import math
 import subprocess
 import sys
 import time
@@ -129,7 +130,14 @@ def cholmod(matrix):
     import scipy.sparse as sparse
     import sinew_peers
 
-    return sinew_peers.Cholmod(sparse.tril(matrix, format="csc")).solve
+    factor = sinew_peers.Cholmod(sparse.tril(matrix, format="csc"))
+    factor.factorize()
+
+    def solve(b: np.ndarray) -> np.ndarray:
+        factor.solve(np.asfortranarray(b))
+        return np.array(factor.solution())
+
+    return solve
 
 
 def pardiso(matrix):
@@ -182,7 +190,8 @@ def measured(order: int, count: int, name: str) -> dict[str, float] | None:
 
 
 def number(seconds: float) -> str:
-    return f"{seconds:.3g}" if seconds >= 0.01 else f"{seconds:.3f}"
+    digits = max(0, 1 - math.floor(math.log10(seconds)))  # two that count
+    return f"{seconds:.{digits}f}".lstrip("0")
 
 
 def table(order: int, found: dict[tuple[int, str], dict[str, float] | None], sizes: Iterable[int]) -> str:
