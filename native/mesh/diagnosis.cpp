@@ -53,17 +53,11 @@ std::vector<std::vector<int>> chain(const std::vector<HalfEdge>& border)
 /// the vertex.
 std::vector<int> several_fans(const SurfaceMesh& mesh, const std::vector<HalfEdge>& sides)
 {
-    // A union-find structure with one node per corner, joined through the two corners of every shared edge.
+    // Groups of corners, joined through the two corners of every shared edge.
     std::vector<int> first_corner(mesh.face_count() + 1, 0);
     for (int f = 0; f < mesh.face_count(); ++f)
         first_corner[f + 1] = first_corner[f] + static_cast<int>(mesh.face(f).size());
-    std::vector<int> parent(first_corner.back());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int c) {
-        while (parent[c] != c)
-            c = parent[c] = parent[parent[c]];
-        return c;
-    };
+    JoinedGroups groups(first_corner.back());
     const auto corner = [&](int face, int vertex) {
         const auto loop = mesh.face(face);
         return first_corner[face] + static_cast<int>(std::ranges::find(loop, vertex) - loop.begin());
@@ -74,14 +68,14 @@ std::vector<int> several_fans(const SurfaceMesh& mesh, const std::vector<HalfEdg
         if (a.low != b.low || a.high != b.high)
             continue;
         for (int v : {a.low, a.high})
-            parent[root(corner(a.face, v))] = root(corner(b.face, v));
+            groups.join(corner(a.face, v), corner(b.face, v));
     }
     std::vector<int> fans(mesh.vertex_count(), 0);
     for (int f = 0; f < mesh.face_count(); ++f) {
         const auto loop = mesh.face(f);
         for (std::size_t k = 0; k < loop.size(); ++k) {
             const int c = first_corner[f] + static_cast<int>(k);
-            if (corner(f, loop[k]) == c && root(c) == c)
+            if (corner(f, loop[k]) == c && groups.lowest(c) == c)
                 ++fans[loop[k]];
         }
     }

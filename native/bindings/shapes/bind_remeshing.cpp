@@ -152,7 +152,7 @@ are left out.
 mesh      SurfaceMesh.
 length    that edges should have, more than 0; None: the mean length of the edges of its triangles.
 rounds    >= 1; each splits long edges, collapses short ones, flips and relaxes.
-angle     radians between the normals of faces, in (0, pi]; folds that are sharper are kept.
+angle     radians between the normals of faces, in (0, pi]; long folds that are sharper are kept.
 lines     None or (k, 2) vertices of edges that are kept, such as seams; pairs without an edge are ignored.
 progress  None or callable(fraction, stage); returning False cancels.
 
@@ -170,7 +170,7 @@ collapsed without turning a triangle over. Lines are kept as by remesh(): edges 
 
 mesh      SurfaceMesh.
 faces     triangles wanted, >= 4.
-angle     radians between the normals of faces, in (0, pi]; folds that are sharper are kept.
+angle     radians between the normals of faces, in (0, pi]; long folds that are sharper are kept.
 lines     None or (k, 2) vertices of edges that are kept, such as seams; pairs without an edge are ignored.
 progress  None or callable(fraction, stage); returning False cancels.
 
@@ -190,7 +190,7 @@ mesh      SurfaceMesh.
 ratio     > 1; of the longest side to the shortest one: triangles above it are needles.
 cap       radians, in (pi / 2, pi]: triangles with a wider angle are caps.
 share     > 0; needles go whose shortest side is below this share of the mean edge.
-angle     radians between the normals of faces, in (0, pi]; folds that are sharper are kept.
+angle     radians between the normals of faces, in (0, pi]; long folds that are sharper are kept.
 lines     None or (k, 2) vertices of edges that are kept, such as seams; pairs without an edge are ignored.
 progress  None or callable(fraction, stage); returning False cancels, before or after the triangles are removed.
 
@@ -234,7 +234,7 @@ onto the kept lines. Where the base is too coarse for the shape, triangles may f
 mesh        SurfaceMesh.
 levels      1 to 10.
 base_faces  triangles of the base, >= 4; None: so many that the last level has as many as the mesh.
-angle       radians between the normals of faces, in (0, pi]; folds that are sharper are kept.
+angle       radians between the normals of faces, in (0, pi]; long folds that are sharper are kept.
 lines       None or (k, 2) vertices of edges that are kept, such as seams; pairs without an edge are ignored.
 progress    None or callable(fraction, stage); returning False cancels.
 

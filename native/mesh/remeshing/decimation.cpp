@@ -11,6 +11,7 @@
 #include <CGAL/Surface_mesh_simplification/edge_collapse.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace sinew {
@@ -26,7 +27,7 @@ struct Lines
     std::vector<std::vector<Vertex>> beside; ///< of each vertex the next ones along its lines
     std::vector<char> stays;
 
-    bool on_line(Vertex v) const { return !beside[v].empty(); }
+    bool on_line(Vertex v) const { return stays[v] || !beside[v].empty(); }
     bool are_beside(Vertex a, Vertex b) const { return std::ranges::find(beside[a], b) != beside[a].end(); }
     bool share_neighbour(Vertex a, Vertex b) const
     {
@@ -104,8 +105,10 @@ struct Follow : simplification::Edge_collapse_visitor_base<CgalMesh>
 
 } // namespace
 
-Remeshed decimated(const Manifold& cut, int faces, const Progress& progress)
+Remeshed decimated(Manifold& cut, int faces, double angle, const Progress& progress)
 {
+    const double grows = std::sqrt(static_cast<double>(cut.triangles.size()) / faces);
+    cut.keep_lines(angle, std::max(1.0, grows) * mean_edge_length(cut));
     CgalMesh work = cgal_mesh(cut);
     const auto is_line = lines_of(work);
     const auto stays = stays_of(work);
@@ -140,8 +143,8 @@ Remeshed decimate(const SurfaceMesh& mesh, const DecimateOptions& options, const
     if (options.faces < 4)
         throw InvalidOption("faces must be at least 4");
     progress.tick(0.0, "decimating");
-    const Manifold cut(mesh, given, options.angle);
-    Remeshed made = decimated(cut, options.faces, progress);
+    Manifold cut(mesh, given);
+    Remeshed made = decimated(cut, options.faces, options.angle, progress);
     join_cuts(made, mesh, cut);
     trace(made, mesh, cut, given, progress);
     return made;

@@ -13,7 +13,7 @@ namespace sinew {
 struct DecimateOptions
 {
     int faces = 1000; ///< triangles wanted, >= 4
-    double angle = std::numbers::pi / 4; ///< radians, in (0, pi]; folds that are sharper are kept
+    double angle = std::numbers::pi / 4; ///< radians, in (0, pi]; long folds that are sharper are kept
 };
 
 /// Fewer triangles for the same surface.
@@ -22,7 +22,7 @@ struct DecimateOptions
 /// CGAL: the edge whose collapse changes shape and volume least is collapsed, until so many triangles are left
 /// or no edge can be collapsed without turning a triangle over.
 ///
-/// Kept are the borders, the given edges, folds sharper than the angle, and where such lines end, meet or bend
+/// Kept are the borders, the given edges, long folds sharper than the angle (see Manifold), and where such lines end, meet or bend
 /// sharply: edges along a line are collapsed onto it, edges beside it towards it, and no edge between two lines
 /// is. A mesh that is no manifold is cut and joined as for remesh().
 ///
@@ -35,7 +35,7 @@ struct DecimateOptions
 Remeshed decimate(const SurfaceMesh& mesh, const DecimateOptions& options,
                   const std::vector<Edge>& given = {}, const Progress& progress = {});
 
-/// The same without origins and `sources`, from a manifold that is kept.
-Remeshed decimated(const Manifold& cut, int faces, const Progress& progress);
+/// The same without origins and `sources`, from a manifold that is kept, whose lines are found first.
+Remeshed decimated(Manifold& cut, int faces, double angle, const Progress& progress);
 
 } // namespace sinew

@@ -21,9 +21,10 @@ Remeshed remove_degenerate(const SurfaceMesh& mesh, const DegenerateOptions& opt
     if (!(options.share > 0.0) || !std::isfinite(options.share))
         throw InvalidOption("share must be more than 0");
     progress.tick(0.0, "removing needles");
-    const Manifold cut(mesh, given, options.angle);
+    Manifold cut(mesh, given);
+    const double mean = mean_edge_length(cut), shortest = options.share * mean;
+    cut.keep_lines(options.angle, mean);
     CgalMesh work = cgal_mesh(cut);
-    const double shortest = options.share * mean_edge_length(cut);
     namespace processing = CGAL::Polygon_mesh_processing;
 #if CGAL_VERSION_MAJOR < 6
     processing::experimental::remove_almost_degenerate_faces(

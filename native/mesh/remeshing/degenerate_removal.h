@@ -15,7 +15,7 @@ struct DegenerateOptions
     double ratio = 4.0; ///< > 1; of the longest side to the shortest one: triangles above it are needles
     double cap = 160.0 / 180.0 * std::numbers::pi; ///< radians, in (pi / 2, pi]; of the angle of caps
     double share = 0.2; ///< > 0; needles whose shortest side is below this share of the mean edge go
-    double angle = std::numbers::pi / 4; ///< radians, in (0, pi]; folds that are sharper are kept
+    double angle = std::numbers::pi / 4; ///< radians, in (0, pi]; long folds that are sharper are kept
 };
 
 /// The triangles of a surface without needles, which have one very short side, and caps, which have one very

@@ -123,9 +123,10 @@ Remeshed remesh(const SurfaceMesh& mesh, const RemeshOptions& options, const std
     if (options.rounds < 1)
         throw InvalidOption("rounds must be at least 1");
     progress.tick(0.0, "remeshing");
-    const Manifold cut(mesh, given, options.angle);
+    Manifold cut(mesh, given);
     Remeshed made;
     made.length = options.length > 0.0 ? options.length : mean_edge_length(cut);
+    cut.keep_lines(options.angle, made.length);
     const double triangles = cut.area / (std::sqrt(3.0) / 4.0 * made.length * made.length);
     // Edges are split before the triangles get their shape, so that a needle becomes many.
     double splits = 0.0;

@@ -14,7 +14,7 @@ struct RemeshOptions
 {
     double length = 0.0; ///< of the edges; 0: the mean length of those of the triangles
     int rounds = 3;      ///< >= 1; each splits long edges, collapses short ones, flips and relaxes
-    double angle = std::numbers::pi / 4; ///< radians, in (0, pi]; folds that are sharper are kept
+    double angle = std::numbers::pi / 4; ///< radians, in (0, pi]; long folds that are sharper are kept
 };
 
 /// New triangles of even size and shape on the same surface.
@@ -24,7 +24,7 @@ struct RemeshOptions
 /// collapsed, edges are flipped towards six edges at each vertex, and vertices are relaxed along the surface
 /// and put back onto it. P. Alliez et al. 2005 compare it with others.
 ///
-/// Kept are the borders, the given edges, folds sharper than the angle, and where such lines end, meet or bend
+/// Kept are the borders, the given edges, long folds sharper than the angle (see Manifold), and where such lines end, meet or bend
 /// sharply: edges along them are only split and joined. A mesh that is no manifold is cut where it is none
 /// (see Manifold) and joined again afterwards. Vertices without faces are left out.
 ///

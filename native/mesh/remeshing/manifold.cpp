@@ -2,6 +2,7 @@
 #include "native/mesh/remeshing/manifold.h"
 
 #include "native/core/errors.h"
+#include "native/mesh/components.h"
 #include "native/mesh/half_edges.h"
 #include "native/mesh/sheets.h"
 
@@ -11,7 +12,6 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -19,6 +19,7 @@ namespace sinew {
 
 namespace {
 
+constexpr double least_edges = 10.0; // of folds that are features
 constexpr double sharpest_bend = 75.0 * std::numbers::pi / 180.0;
 
 struct Side
@@ -94,28 +95,18 @@ void for_each_edge_of(std::span<const Side> sorted, Body&& body)
 /// and no third one, share an edge. Returns how many vertices there are, numbered as they come.
 int part_fans(std::vector<Triangle>& triangles, std::span<const Side> sides)
 {
-    std::vector<int> parent(3 * triangles.size());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](int c) {
-        while (parent[c] != c)
-            c = parent[c] = parent[parent[c]];
-        return c;
-    };
-    const auto join = [&](int a, int b) {
-        a = root(a), b = root(b);
-        parent[std::max(a, b)] = std::min(a, b);
-    };
+    JoinedGroups fans(3 * static_cast<int>(triangles.size()));
     for_each_edge_of(sides, [&](std::span<const Side> along) {
         const Side &a = along.front(), &b = along.back();
         if (along.size() == 2 && a.rises != b.rises) {
-            join(3 * a.triangle + a.place, 3 * b.triangle + (b.place + 1) % 3);
-            join(3 * a.triangle + (a.place + 1) % 3, 3 * b.triangle + b.place);
+            fans.join(3 * a.triangle + a.place, 3 * b.triangle + (b.place + 1) % 3);
+            fans.join(3 * a.triangle + (a.place + 1) % 3, 3 * b.triangle + b.place);
         }
     });
-    std::vector<int> numbers(parent.size(), -1);
+    std::vector<int> numbers(3 * triangles.size(), -1);
     int count = 0;
-    for (int c = 0; c < static_cast<int>(parent.size()); ++c) {
-        int& number = numbers[root(c)];
+    for (int c = 0; c < static_cast<int>(numbers.size()); ++c) {
+        int& number = numbers[fans.lowest(c)];
         if (number < 0)
             number = count++;
         triangles[c / 3][c % 3] = number;
@@ -140,11 +131,8 @@ double mean_edge_length(const Manifold& manifold)
     return count > 0 ? sum / count : 0.0;
 }
 
-Manifold::Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given, double angle)
-    : triangles(oriented(mesh))
+Manifold::Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given) : triangles(oriented(mesh))
 {
-    if (!(angle > 0.0 && angle <= std::numbers::pi))
-        throw InvalidOption("angle must be in (0, pi]");
     const std::vector<Triangle> old = triangles;
     std::map<Edge, int> places; // of given edges, the first of equal ones
     for (int i = 0; i < static_cast<int>(given.size()); ++i)
@@ -152,10 +140,13 @@ Manifold::Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given, doub
 
     // One vertex for each fan. New vertices part edges, too, which parts more fans, until nothing changes.
     std::vector<Side> sides = sides_of(triangles);
-    std::vector<Edge> shared; // edges of the mesh with several triangles
-    for (std::size_t i = 1; i < sides.size(); ++i)
-        if (sides[i].edge() == sides[i - 1].edge())
-            shared.push_back(sides[i].edge());
+    std::vector<Edge> shared, crowded; // edges of the mesh with several triangles, and with more than two
+    for_each_edge_of(sides, [&](std::span<const Side> along) {
+        if (along.size() > 1)
+            shared.push_back(along[0].edge());
+        if (along.size() > 2)
+            crowded.push_back(along[0].edge());
+    });
     for (int count = -1, before = -2; count != before; sides = sides_of(triangles)) {
         before = count;
         count = part_fans(triangles, sides);
@@ -172,23 +163,51 @@ Manifold::Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given, doub
     if (!(area > 0.0))
         throw InvalidMesh("no face has an area");
 
-    std::vector<std::vector<int>> beside(points.size());
     for_each_edge_of(sides, [&](std::span<const Side> along) {
         const Side& a = along.front();
-        const Triangle &t = triangles[a.triangle], &from = old[a.triangle];
+        const Triangle& from = old[a.triangle];
         const int one = from[a.place], other = from[(a.place + 1) % 3];
         const Edge was{std::min(one, other), std::max(one, other)};
         const auto place = places.find(was);
         const int which = place == places.end() ? -1 : place->second;
         const bool border = along.size() == 1;
-        if (!border && which < 0 &&
-            angle_between(normal_of(points, t), normal_of(points, triangles[along[1].triangle])) <= angle)
-            return;
-        lines.push_back({a.edge(), which, border && std::ranges::binary_search(shared, was)});
-        beside[a.low].push_back(a.high);
-        beside[a.high].push_back(a.low);
+        const bool cut = std::ranges::binary_search(border ? shared : crowded, was);
+        if (border || cut || which >= 0)
+            lines.push_back({a.edge(), which, cut});
     });
-    std::vector<int> copies(mesh.vertex_count(), 0);
+}
+
+void Manifold::keep_lines(double angle, double length)
+{
+    if (!(angle > 0.0 && angle <= std::numbers::pi))
+        throw InvalidOption("angle must be in (0, pi]");
+    std::vector<Edge> folds;
+    JoinedGroups chains(static_cast<int>(points.size()));
+    for_each_edge_of(sides_of(triangles), [&](std::span<const Side> along) {
+        const auto normal = [&](const Side& side) { return normal_of(points, triangles[side.triangle]); };
+        if (along.size() == 2 && angle_between(normal(along[0]), normal(along[1])) > angle) {
+            folds.push_back(along[0].edge());
+            chains.join(along[0].low, along[0].high);
+        }
+    });
+    const double least = least_edges * std::max(mean_edge_length(*this), length);
+    std::vector<double> lengths(points.size(), 0.0);
+    for (const auto& [a, b] : folds)
+        lengths[chains.lowest(a)] += (points[a] - points[b]).norm();
+    std::erase_if(folds, [&](const Edge& fold) {
+        return lengths[chains.lowest(fold[0])] < least ||
+               std::ranges::binary_search(lines, fold, {}, &Line::edge);
+    });
+    for (const Edge& fold : folds)
+        lines.push_back({fold});
+    std::ranges::sort(lines, {}, &Line::edge);
+
+    std::vector<std::vector<int>> beside(points.size());
+    for (const Line& line : lines) {
+        beside[line.edge[0]].push_back(line.edge[1]);
+        beside[line.edge[1]].push_back(line.edge[0]);
+    }
+    std::vector<int> copies(*std::ranges::max_element(originals) + 1, 0);
     for (int v : originals)
         ++copies[v];
     stays.assign(points.size(), 0);

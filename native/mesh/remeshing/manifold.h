@@ -29,16 +29,22 @@ struct Manifold
     std::vector<Vector3> points;
     std::vector<Triangle> triangles;
     std::vector<int> originals; ///< (points) the vertex of the mesh
-    std::vector<Line> lines; ///< given ones, borders, and folds sharper than `angle`, each edge once
-    double area = 0.0;       ///< of all triangles
+    std::vector<Line> lines; ///< borders, given edges, and the folds of keep_lines(), each edge once, sorted
+    double area = 0.0; ///< of all triangles
     std::vector<char> stays; ///< (points) where lines end, meet or bend by more than 75 degrees
 
     /// Cost: O(n log n).
     /// \param given  (k) edges of the mesh; others are ignored.
-    /// \param angle  radians between the normals at a fold, in (0, pi].
-    /// \throw InvalidMesh    no face has an area.
+    /// \throw InvalidMesh  no face has an area.
+    Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given);
+
+    /// Adds folds to the lines, and finds the points that stay. Connected folds that are together shorter than
+    /// ten edges of the mesh, or of those that are asked for, are no features of the shape, but its roughness:
+    /// they are left out. Cost: O(n log n).
+    /// \param angle   radians between the normals at a fold, in (0, pi].
+    /// \param length  of the edges that are asked for.
     /// \throw InvalidOption  the angle is out of range.
-    Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given, double angle);
+    void keep_lines(double angle, double length);
 };
 
 /// The mean length of the edges of the triangles; those that were cut count once for each side.

@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
+#include <set>
 #include <utility>
 
 namespace sinew {
@@ -27,17 +29,20 @@ public:
             lines_.push_back({cut.points[line.edge[0]], cut.points[line.edge[1]]});
     }
 
-    /// Puts points from `first` on onto the lines, or else onto the surface.
-    void project(std::vector<Vector3>& points, std::size_t first, const std::vector<char>& on_line) const
+    /// Puts some points onto the lines, or else onto the surface.
+    void project(std::vector<Vector3>& points, const std::vector<int>& which,
+                 const std::vector<char>& on_line) const
     {
-        const std::vector<Vector3> asked(points.begin() + static_cast<std::ptrdiff_t>(first), points.end());
+        std::vector<Vector3> asked;
+        for (int v : which)
+            asked.push_back(points[v]);
         const std::vector<int> closest = closest_lines(lines_, asked);
         parallel_for(
             static_cast<int>(asked.size()),
             [&](int i) {
-                points[first + i] = on_line[first + i] && closest[i] >= 0
-                                        ? closest_on(lines_[closest[i]], asked[i])
-                                        : tree_.closest(asked[i]);
+                points[which[i]] = on_line[which[i]] && closest[i] >= 0
+                                       ? closest_on(lines_[closest[i]], asked[i])
+                                       : tree_.closest(asked[i]);
             },
             512);
     }
@@ -78,6 +83,48 @@ void split(Remeshed& mesh, std::vector<char>& on_line)
     mesh.lines = std::move(lines);
 }
 
+/// Puts the vertices from the middles on onto the surface. Where a part of a triangle would then look to the
+/// other side or lose its area, its vertices go only a half of the way, a quarter and so on, and at last stay in the middles.
+void fit(Remeshed& mesh, const std::vector<Vector3>& middles, const Ground& ground,
+         const std::vector<char>& on_line)
+{
+    constexpr double least_way = 1.0 / 32.0, least_area = 0.01; // of what they were
+    const std::size_t first = mesh.points.size() - middles.size();
+    const auto normal = [&](const Triangle& t, const auto& place) -> Vector3 {
+        return (place(t[1]) - place(t[0])).cross(place(t[2]) - place(t[0]));
+    };
+    const auto flat = [&](int v) {
+        return v < static_cast<int>(first) ? mesh.points[v] : middles[v - first];
+    };
+    const auto fitted = [&](int v) { return mesh.points[v]; };
+    std::vector<double> ways(middles.size(), 1.0);
+    std::vector<int> moving(middles.size());
+    std::iota(moving.begin(), moving.end(), static_cast<int>(first));
+    ground.project(mesh.points, moving, on_line);
+    const std::vector<Vector3> goals(mesh.points.begin() + static_cast<std::ptrdiff_t>(first),
+                                     mesh.points.end());
+    while (true) {
+        std::set<int> turned;
+        for (const Triangle& t : mesh.triangles)
+            if (const Vector3 was = normal(t, flat);
+                !(was.dot(normal(t, fitted)) > least_area * was.squaredNorm()))
+                for (int v : t)
+                    if (v >= static_cast<int>(first) && ways[v - first] > 0.0)
+                        turned.insert(v);
+        if (turned.empty())
+            return;
+        moving.clear();
+        for (int v : turned) {
+            double& way = ways[v - first];
+            way = way > least_way ? 0.5 * way : 0.0;
+            mesh.points[v] = middles[v - first] + way * (goals[v - first] - middles[v - first]);
+            if (way > 0.0)
+                moving.push_back(v);
+        }
+        ground.project(mesh.points, moving, on_line);
+    }
+}
+
 } // namespace
 
 SemiRegular semi_regular(const SurfaceMesh& mesh, const SemiRegularOptions& options,
@@ -88,13 +135,13 @@ SemiRegular semi_regular(const SurfaceMesh& mesh, const SemiRegularOptions& opti
     if (options.base_faces != 0 && options.base_faces < 4)
         throw InvalidOption("base_faces must be at least 4");
     progress.tick(0.0, "decimating");
-    const Manifold cut(mesh, given, options.angle);
+    Manifold cut(mesh, given);
     const double share = std::pow(4.0, -options.levels);
     const int wanted = options.base_faces > 0
                            ? options.base_faces
                            : std::max(4, static_cast<int>(share * static_cast<double>(cut.triangles.size())));
     SemiRegular made;
-    made.finest = decimated(cut, wanted, progress);
+    made.finest = decimated(cut, wanted, options.angle, progress);
     Remeshed& finest = made.finest;
     if (static_cast<double>(finest.triangles.size()) / share > most_triangles)
         throw InvalidOption("levels: the last one would have more than 20 million triangles");
@@ -104,7 +151,9 @@ SemiRegular semi_regular(const SurfaceMesh& mesh, const SemiRegularOptions& opti
     for (const Edge& edge : finest.lines)
         for (int v : edge)
             on_line[v] = 1;
-    ground.project(finest.points, 0, on_line);
+    std::vector<int> all(finest.points.size());
+    std::iota(all.begin(), all.end(), 0);
+    ground.project(finest.points, all, on_line);
     made.base = finest.triangles;
     made.counts.push_back(static_cast<int>(finest.points.size()));
     for (int level = 0; level < options.levels; ++level) {
@@ -113,7 +162,7 @@ SemiRegular semi_regular(const SurfaceMesh& mesh, const SemiRegularOptions& opti
         split(finest, on_line);
         const std::vector<Vector3> middles(finest.points.begin() + static_cast<std::ptrdiff_t>(first),
                                            finest.points.end());
-        ground.project(finest.points, first, on_line);
+        fit(finest, middles, ground, on_line);
         std::vector<Vector3>& moves = made.displacements.emplace_back();
         for (std::size_t i = 0; i < middles.size(); ++i)
             moves.push_back(finest.points[first + i] - middles[i]);

@@ -15,7 +15,7 @@ struct SemiRegularOptions
     int levels = 3; ///< 1 to 10 splits of each triangle into four
     int base_faces =
         0; ///< triangles of the base, >= 4; 0: so many that the last level has as many as the mesh
-    double angle = std::numbers::pi / 4; ///< radians, in (0, pi]; folds that are sharper are kept
+    double angle = std::numbers::pi / 4; ///< radians, in (0, pi]; long folds that are sharper are kept
 };
 
 /// A surface as a base of few triangles, each of which is split into four several times.
@@ -35,8 +35,8 @@ struct SemiRegular
 ///
 /// The base comes from decimate(), which keeps borders, given edges and folds. Each level splits the edges in
 /// the middle and puts the new vertices onto the surface: those on kept lines onto these, the others at the
-/// closest point. This departs from both papers, which parametrise the surface over the base; where the base is
-/// too coarse for the shape, triangles may fold there.
+/// closest point, or less far where a triangle would turn over. This departs from both papers, which parametrise
+/// the surface over the base; where the base is too coarse for the shape, triangles may still fold there.
 ///
 /// Cost: that of decimate(), and O(log n) for each vertex.
 ///

@@ -3,17 +3,22 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given, settings, strategies as st
 
 import sinew_native as sn
 
 from ..cages import CUBE, QUADS
 from ..inputs.test_random_meshes import EVERY_RUN, meshes
-from ..meshes import grid, halved, sphere, tube
+from ..meshes import STILL, grid, halved, joined, messy, sphere, torus, tube
+from ..methods import SURFACE_METHODS, bound_to, made as on_mesh
 
 
 def edges_of(faces: np.ndarray) -> np.ndarray:
     return np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]])), axis=0)
+
+
+def halves(mesh: tuple[np.ndarray, np.ndarray]) -> tuple[np.ndarray, np.ndarray]:
+    return mesh[0], halved(mesh[1])
 
 
 def lengths(points: np.ndarray, pairs: np.ndarray) -> np.ndarray:
@@ -94,8 +99,8 @@ def test_texture_coordinates_keep_their_seam():
 
 
 def test_folds_corners_and_borders_stay():
-    cube = sn.SurfaceMesh(CUBE, QUADS)
-    for made in (*makers(cube, angle=0.5), sn.decimate(sn.SurfaceMesh(*grid_cube()), 12, angle=0.5)):
+    cube = sn.SurfaceMesh(*grid_cube())
+    for made in (*makers(cube, angle=0.5), sn.decimate(cube, 12, angle=0.5)):
         for corner in np.unique(CUBE, axis=0):
             assert np.linalg.norm(made.points - corner, axis=1).min() < 1e-12
         assert np.isclose(made.distance, 0, atol=1e-12)
@@ -179,6 +184,66 @@ def test_what_is_no_manifold_stays_joined():
         assert len(found.slit_edges) == 0
 
 
+PARTS = ((2, 0, *sphere(2)), (1, 1, *grid(6)), (0, 0, *halves(torus(9, 6))), (0, 2, *halves(tube(5, 8))))
+FAULTS = ("hole", "double", "turned", "fin", "needle", "loose")
+
+
+def with_faults(parts, faults, seed: int) -> tuple[sn.SurfaceMesh, list[str]]:
+    """Parts side by side with faults that are apart from each other, and those that found a place."""
+    rng, found = np.random.default_rng(seed), []
+    apart = [(PARTS[part][2] + (9 * k, 0, 0), PARTS[part][3]) for k, part in enumerate(parts)]
+    points, faces = (each.tolist() for each in joined(*apart))
+    used = {v for loop in sn.SurfaceMesh(np.array(points), faces).diagnose().boundary_loops for v in loop}
+    for fault in faults:
+        free = [k for k, face in enumerate(faces) if not used & set(face)]
+        if not free:
+            break
+        k = free[rng.integers(len(free))]
+        face, corners = faces[k], np.array(points)[faces[k]]
+        used |= {v for other in faces if set(other) & set(face) for v in other}
+        found.append(fault)
+        if fault == "hole":
+            del faces[k]
+        elif fault == "double":
+            faces.append(face[1:] + face[:1])
+        elif fault == "turned":
+            faces[k] = face[::-1]
+        else:
+            used.add(len(points))
+            at = {"loose": (0, 0, 9), "needle": corners[0] + 1e-4 * (corners[1:].mean(0) - corners[0])}
+            normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+            at["fin"] = corners[:2].mean(0) + normal / np.sqrt(np.linalg.norm(normal))
+            points.append(list(at[fault]))
+            if fault == "fin":
+                faces.append([*face[:2], len(points) - 1])
+            elif fault == "needle":
+                faces[k : k + 1] = [[*pair, len(points) - 1] for pair in (face[:2], face[1:], face[::-2])]
+    return sn.SurfaceMesh(np.array(points), faces), found
+
+
+@settings(EVERY_RUN, max_examples=60)
+@given(
+    st.lists(st.sampled_from(range(len(PARTS))), min_size=1, max_size=3),
+    st.lists(st.sampled_from(FAULTS), max_size=8),
+    st.integers(0, 2**32 - 1),
+)
+def test_random_faults_are_counted_and_mended(parts, faults, seed: int):
+    mesh, planted = with_faults(parts, faults, seed)
+    told, count = mesh.diagnose(), planted.count
+    euler = sum(PARTS[part][0] for part in parts) - count("hole")
+    assert told.component_count == len(parts) + count("loose")
+    assert told.euler_characteristic == euler + count("double")
+    assert len(told.boundary_loops) >= sum(PARTS[part][1] for part in parts) + count("hole")
+    assert len(told.non_manifold_edges) == count("fin") + 3 * count("double")
+    found = told.duplicate_faces, told.flipped_faces, told.loose_vertices
+    assert [len(each) for each in found] == [count(fault) for fault in ("double", "turned", "loose")]
+    for made in makers(mesh):
+        after = sn.SurfaceMesh(made.points, made.faces).diagnose()
+        assert (after.component_count, after.euler_characteristic) == (len(parts), euler)
+        faults_left = after.duplicate_faces, after.flipped_faces, after.loose_vertices, after.degenerate_faces
+        assert not any(map(len, faults_left))
+
+
 @settings(EVERY_RUN, max_examples=120)
 @given(meshes())
 def test_random_meshes_are_remade_or_refused(drawn):
@@ -233,10 +298,12 @@ def test_levels_open_in_subdivision_editing_and_multiresolution():
     sn.Multiresolution(mesh, sn.ThinShell(mesh)).set_handles([np.arange(3), np.arange(20, 24)])
 
 
-def test_the_result_binds():
-    for made in makers(sn.SurfaceMesh(*sphere(2))):
-        shell = sn.ThinShell(sn.SurfaceMesh(made.points, made.faces))
-        shell.set_handles([np.arange(4), np.arange(10, 14)])
+@pytest.mark.parametrize("method", SURFACE_METHODS)
+def test_remade_messy_meshes_bind_in_every_method(method: type):
+    for result in makers(sn.SurfaceMesh(*messy())):
+        ends = [np.argsort(result.points[:, 0])[each] for each in (slice(4), slice(-4, None))]
+        surface = bound_to(on_mesh(method, sn.SurfaceMesh(result.points, result.faces)), ends)
+        assert np.abs(surface.solve([STILL, STILL])[0] - result.points).max() < 1e-6 * np.ptp(result.points)
 
 
 def test_refusals():
