@@ -125,16 +125,31 @@ def _nearest(values: np.ndarray, places: tuple[np.ndarray, np.ndarray]) -> np.nd
 
 
 def remesh(
-    old: Lined, progress: Progress | None = None, *, length: float, share: float, rounds: int, angle: float
+    old: Lined,
+    progress: Progress | None = None,
+    *,
+    length: float,
+    share: float,
+    by_curvature: bool,
+    tolerance: float,
+    shortest: float,
+    longest: float,
+    rounds: int,
+    angle: float,
 ) -> Carried:
-    """Even triangles of the ``length``, or where that is 0 of a ``share`` of the mean edge. Any thread."""
+    """Even triangles of the ``length``, or where that is 0 of a ``share`` of the one that keeps their number.
+
+    ``by_curvature``: of lengths that keep them within the ``tolerance`` of the surface. Any thread.
+    """
     native = native_module()
     with translated(native):
         mesh = native.SurfaceMesh(old.points, old.faces)
-        wanted = length or share * _mean_edge(mesh)
-        made = native.remesh(
-            mesh, wanted or None, rounds=rounds, angle=angle, lines=old.lines, progress=progress
-        )
+        wanted = length or share * _even_length(mesh) or None
+        if by_curvature:
+            wanted = native.lengths_by_curvature(
+                mesh, tolerance, shortest=shortest, longest=longest, angle=angle
+            )
+        made = native.remesh(mesh, wanted, rounds=rounds, angle=angle, lines=old.lines, progress=progress)
     return _carried(old.points, made)
 
 
@@ -180,14 +195,11 @@ def semi_regular(
     return _carried(old.points, made.finest, f"a base of {len(made.base_faces):,} faces")
 
 
-def _mean_edge(mesh) -> float:
-    """The mean length of the edges of the triangles."""
-    corners = mesh.triangles
-    pairs = np.unique(
-        np.sort(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]), axis=1), axis=0
-    )
-    along = mesh.points[pairs[:, 0]] - mesh.points[pairs[:, 1]]
-    return float(np.linalg.norm(along, axis=1).mean()) if len(pairs) else 0.0
+def _even_length(mesh) -> float:
+    """The side of as many equilateral triangles that have the same area together."""
+    first, second, third = mesh.points[mesh.triangles].swapaxes(0, 1)
+    doubled = np.linalg.norm(np.cross(second - first, third - first), axis=1).sum()
+    return float(np.sqrt(2.0 / np.sqrt(3.0) * doubled / max(len(mesh.triangles), 1)))
 
 
 def _carried(points: np.ndarray, made, told: str = "") -> Carried:

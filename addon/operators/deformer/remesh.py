@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import bpy
 import numpy as np
-from bpy.props import FloatProperty, IntProperty
+from bpy.props import BoolProperty, FloatProperty, IntProperty
 from bpy.types import Context, Event, Object, Operator
 
 from ... import backend, compat
@@ -155,23 +155,50 @@ class SINEW_OT_remesh(_MakesTriangles, Operator):
     bl_idname = Operators.REMESH
     bl_label = "Remesh Evenly"
     MAKE = staticmethod(backend.remesh)
-    OPTIONS = ("length", "share", "rounds", "angle")
+    LENGTHS = ("length", "tolerance", "shortest", "longest")
+    OPTIONS = (*LENGTHS, "share", "by_curvature", "rounds", "angle")
 
+    by_curvature: field(BoolProperty).named(
+        "By Curvature", "Make triangles small where the surface bends, and large where it is flat"
+    )
     length: distance(
         "Edge Length", "Set how long edges should be; at 0, the share below counts", default=0.0, precision=4
     )
     share: field(FloatProperty, default=1.0, min=0.05, max=20.0, soft_max=4.0).named(
-        "Share", "Set how long edges should be, as a share of how long they are on average"
+        "Share", "Set how long edges should be; at 1, there are about as many triangles as before"
+    )
+    tolerance: distance(
+        "Tolerance",
+        "Set how far triangles may be from the surface; at 0, a thousandth of its size",
+        default=0.0,
+        precision=4,
+    )
+    shortest: distance(
+        "Shortest", "Set how short edges may become; at 0, twice the tolerance", default=0.0, precision=4
+    )
+    longest: distance(
+        "Longest", "Set how long edges may become; at 0, a tenth of the size", default=0.0, precision=4
     )
     rounds: field(IntProperty, default=3, min=1, max=50, soft_max=10).named(
         "Rounds", "Set how often edges are split, joined and flipped; more rounds are more even"
     )
 
+    def draw(self, _context: Context) -> None:
+        """What counts."""
+        of_lengths = ("tolerance", "shortest", "longest") if self.by_curvature else ("length", "share")
+        layout = self.layout
+        layout.use_property_split = True
+        for name in ("by_curvature", *of_lengths, "rounds", "angle"):
+            layout.prop(self, name)
+
     def arguments(self, obj: Object) -> dict[str, Any]:
-        return super().arguments(obj) | {"length": self.length / (obj.matrix_world.median_scale or 1.0)}
+        scale = obj.matrix_world.median_scale or 1.0
+        return super().arguments(obj) | {name: getattr(self, name) / scale for name in self.LENGTHS}
 
     def expected(self, obj: Object) -> float:
         length = self.arguments(obj)["length"]
+        if self.by_curvature:
+            return _triangles(obj)
         if not length:
             return _triangles(obj) / self.share**2
         areas = np.empty(len(obj.data.polygons), dtype=np.float32)
