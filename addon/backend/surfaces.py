@@ -124,31 +124,32 @@ def _nearest(values: np.ndarray, places: tuple[np.ndarray, np.ndarray]) -> np.nd
     return values[sources[np.arange(len(sources)), weights.argmax(axis=1)]]
 
 
-def remesh(
-    old: Lined,
-    progress: Progress | None = None,
-    *,
-    length: float,
-    share: float,
-    by_curvature: bool,
-    tolerance: float,
-    shortest: float,
-    longest: float,
-    rounds: int,
-    angle: float,
-) -> Carried:
-    """Even triangles of the ``length``, or where that is 0 of a ``share`` of the one that keeps their number.
+@dataclass(frozen=True)
+class EdgeLengths:
+    """The ``length`` of edges, or where that is 0 a ``share`` of the one that keeps the number of triangles.
 
-    ``by_curvature``: of lengths that keep them within the ``tolerance`` of the surface. Any thread.
+    ``by_curvature``: instead as the surface bends, so that triangles stay within the ``tolerance``.
     """
+
+    length: float
+    share: float
+    by_curvature: bool
+    tolerance: float  # 0: a thousandth of the size
+    shortest: float  # 0: twice the tolerance
+    longest: float  # 0: a tenth of the size
+
+
+def remesh(
+    old: Lined, progress: Progress | None = None, *, lengths: EdgeLengths, rounds: int, angle: float
+) -> Carried:
+    """Even triangles, with edges of these lengths. Any thread may call this."""
     native = native_module()
     with translated(native):
         mesh = native.SurfaceMesh(old.points, old.faces)
-        wanted = length or share * _even_length(mesh) or None
-        if by_curvature:
-            wanted = native.lengths_by_curvature(
-                mesh, tolerance, shortest=shortest, longest=longest, angle=angle
-            )
+        wanted = lengths.length or lengths.share * _even_length(mesh) or None
+        if lengths.by_curvature:
+            bounds = {"shortest": lengths.shortest, "longest": lengths.longest}
+            wanted = native.lengths_by_curvature(mesh, lengths.tolerance, **bounds, angle=angle)
         made = native.remesh(mesh, wanted, rounds=rounds, angle=angle, lines=old.lines, progress=progress)
     return _carried(old.points, made)
 

@@ -10,8 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
-#include <numeric>
 #include <queue>
 #include <utility>
 #include <vector>
@@ -22,47 +20,28 @@ namespace {
 
 constexpr double steepest = 0.5; ///< rise of the length along an edge
 
-/// The surface with a vertex of its own for each side of a fold at which several vertices can be told apart.
-struct Parted
+/// The largest principal curvature at each vertex, by amount, on any side of the lines.
+std::vector<double> bends_of_faces(const Manifold& surface)
 {
-    std::vector<int> vertices; ///< of the surface, for each vertex here
-    std::vector<int> corners;
-
-    explicit Parted(const Manifold& surface)
-    {
-        std::map<Edge, int> first; // the side of a triangle that comes first at each edge that is no line
-        for (const Manifold::Line& line : surface.lines)
-            first.emplace(line.edge, -1);
-        std::vector<int> parent(3 * surface.triangles.size());
-        std::iota(parent.begin(), parent.end(), 0);
-        const auto root = [&](int c) {
-            while (parent[c] != c)
-                c = parent[c] = parent[parent[c]];
-            return c;
-        };
-        for (int side = 0; side < static_cast<int>(parent.size()); ++side) {
-            const Triangle& t = surface.triangles[side / 3];
-            const auto [low, high] = std::minmax(t[side % 3], t[(side + 1) % 3]);
-            const auto [at, is_new] = first.emplace(Edge{low, high}, side);
-            if (is_new || at->second < 0)
-                continue;
-            for (int end : {0, 1}) {
-                const int one = root(side / 3 * 3 + (side % 3 + end) % 3);
-                const int other = root(at->second / 3 * 3 + (at->second % 3 + 1 - end) % 3);
-                parent[std::max(one, other)] = std::min(one, other);
-            }
+    const std::vector<Triangle> parted = surface.parted_at_lines();
+    std::vector<int> vertices, corners;
+    for (std::size_t t = 0; t < parted.size(); ++t)
+        for (int k = 0; k < 3; ++k) {
+            corners.push_back(parted[t][k]);
+            if (parted[t][k] == static_cast<int>(vertices.size())) // they are numbered as they come
+                vertices.push_back(surface.triangles[t][k]);
         }
-        std::vector<int> numbers(parent.size(), -1);
-        for (int c = 0; c < static_cast<int>(parent.size()); ++c) {
-            int& number = numbers[root(c)];
-            if (number < 0) {
-                number = static_cast<int>(vertices.size());
-                vertices.push_back(surface.triangles[c / 3][c % 3]);
-            }
-            corners.push_back(number);
-        }
-    }
-};
+    Points points(vertices.size(), 3);
+    for (Eigen::Index v = 0; v < points.rows(); ++v)
+        points.row(v) = surface.points[vertices[v]].transpose();
+    const Curvature found =
+        curvature(SurfaceMesh(std::move(points), std::vector<int>(parted.size(), 3), std::move(corners)));
+    std::vector<double> bends(surface.points.size(), 0.0);
+    for (std::size_t v = 0; v < vertices.size(); ++v)
+        for (const VectorX& principal : found.principal)
+            bends[vertices[v]] = std::max(bends[vertices[v]], std::abs(principal[v]));
+    return bends;
+}
 
 /// How much borders and folds bend at each vertex: one over the radius of the circle through three points.
 std::vector<double> bends_of_lines(const Manifold& surface)
@@ -125,20 +104,11 @@ VectorX lengths_by_curvature(const SurfaceMesh& mesh, const CurvatureLengthOptio
     if (shortest > longest)
         throw InvalidOption("shortest must not be more than longest");
     const Manifold surface(mesh, {}, options.angle);
-    const Parted parted(surface);
-    Points points(parted.vertices.size(), 3);
-    for (Eigen::Index v = 0; v < points.rows(); ++v)
-        points.row(v) = surface.points[parted.vertices[v]].transpose();
-    const std::vector<int> counts(surface.triangles.size(), 3);
-    const Curvature found = curvature(SurfaceMesh(std::move(points), counts, parted.corners));
-    std::vector<double> bends = bends_of_lines(surface);
-    for (std::size_t v = 0; v < parted.vertices.size(); ++v)
-        for (const VectorX& principal : found.principal)
-            bends[parted.vertices[v]] = std::max(bends[parted.vertices[v]], std::abs(principal[v]));
-
+    const std::vector<double> of_faces = bends_of_faces(surface), of_lines = bends_of_lines(surface);
     VectorX lengths = VectorX::Constant(mesh.vertex_count(), longest);
-    for (std::size_t v = 0; v < bends.size(); ++v) {
-        const double square = 6.0 * tolerance / bends[v] - 3.0 * tolerance * tolerance;
+    for (std::size_t v = 0; v < of_faces.size(); ++v) {
+        const double square =
+            6.0 * tolerance / std::max(of_faces[v], of_lines[v]) - 3.0 * tolerance * tolerance;
         double& length = lengths[surface.originals[v]];
         length = std::min(length, std::clamp(0.75 * std::sqrt(std::max(square, 0.0)), shortest, longest));
     }

@@ -27,6 +27,7 @@ from ..waiting import redraw_panels
 from .repair import bind_again
 
 _SECONDS = 6e-5  # for each triangle, about
+_LENGTH = partial(distance, default=0.0, precision=4)
 _MOST = 20_000_000  # triangles that the native module makes
 
 
@@ -155,30 +156,20 @@ class SINEW_OT_remesh(_MakesTriangles, Operator):
     bl_idname = Operators.REMESH
     bl_label = "Remesh Evenly"
     MAKE = staticmethod(backend.remesh)
-    LENGTHS = ("length", "tolerance", "shortest", "longest")
-    OPTIONS = (*LENGTHS, "share", "by_curvature", "rounds", "angle")
+    OPTIONS = ("rounds", "angle")
 
     by_curvature: field(BoolProperty).named(
         "By Curvature", "Make triangles small where the surface bends, and large where it is flat"
     )
-    length: distance(
-        "Edge Length", "Set how long edges should be; at 0, the share below counts", default=0.0, precision=4
-    )
+    length: _LENGTH("Edge Length", "Set how long edges should be; at 0, the share below counts")
     share: field(FloatProperty, default=1.0, min=0.05, max=20.0, soft_max=4.0).named(
         "Share", "Set how long edges should be; at 1, there are about as many triangles as before"
     )
-    tolerance: distance(
-        "Tolerance",
-        "Set how far triangles may be from the surface; at 0, a thousandth of its size",
-        default=0.0,
-        precision=4,
+    tolerance: _LENGTH(
+        "Tolerance", "Set how far triangles may be from the surface; at 0, a thousandth of its size"
     )
-    shortest: distance(
-        "Shortest", "Set how short edges may become; at 0, twice the tolerance", default=0.0, precision=4
-    )
-    longest: distance(
-        "Longest", "Set how long edges may become; at 0, a tenth of the size", default=0.0, precision=4
-    )
+    shortest: _LENGTH("Shortest", "Set how short edges may become; at 0, twice the tolerance")
+    longest: _LENGTH("Longest", "Set how long edges may become; at 0, a tenth of the size")
     rounds: field(IntProperty, default=3, min=1, max=50, soft_max=10).named(
         "Rounds", "Set how often edges are split, joined and flipped; more rounds are more even"
     )
@@ -193,10 +184,12 @@ class SINEW_OT_remesh(_MakesTriangles, Operator):
 
     def arguments(self, obj: Object) -> dict[str, Any]:
         scale = obj.matrix_world.median_scale or 1.0
-        return super().arguments(obj) | {name: getattr(self, name) / scale for name in self.LENGTHS}
+        bounds = (length / scale for length in (self.tolerance, self.shortest, self.longest))
+        lengths = backend.EdgeLengths(self.length / scale, self.share, self.by_curvature, *bounds)
+        return super().arguments(obj) | {"lengths": lengths}
 
     def expected(self, obj: Object) -> float:
-        length = self.arguments(obj)["length"]
+        length = self.length / (obj.matrix_world.median_scale or 1.0)
         if self.by_curvature:
             return _triangles(obj)
         if not length:

@@ -200,4 +200,17 @@ Manifold::Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given, doub
     }
 }
 
+std::vector<Triangle> Manifold::parted_at_lines() const
+{
+    std::vector<Edge> on_lines;
+    for (const Line& line : lines)
+        on_lines.push_back(line.edge);
+    std::ranges::sort(on_lines);
+    std::vector<Side> sides = sides_of(triangles);
+    std::erase_if(sides, [&](const Side& side) { return std::ranges::binary_search(on_lines, side.edge()); });
+    std::vector<Triangle> parted = triangles;
+    part_fans(parted, sides);
+    return parted;
+}
+
 } // namespace sinew

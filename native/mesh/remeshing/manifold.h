@@ -39,6 +39,9 @@ struct Manifold
     /// \throw InvalidMesh    no face has an area.
     /// \throw InvalidOption  the angle is out of range.
     Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given, double angle);
+
+    /// The triangles with a vertex for each side of the lines at it, numbered as they come.
+    std::vector<Triangle> parted_at_lines() const;
 };
 
 /// The mean length of the edges of the triangles; those that were cut count once for each side.

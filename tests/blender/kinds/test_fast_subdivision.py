@@ -165,9 +165,9 @@ def test_what_it_cannot_follow_is_told_and_it_ends():
     rig.deformer.mask_group = "Top"
     update()
     assert "Fast Subdivision shows the control mesh: a mask" in " ".join(notes_of(rig.deformer))
-    assert [
-        line.remedy for line in inner.status.notes(rig.deformer.uid) if line.text.startswith("Fast")
-    ] == [inner.status.Remedy.STOP_REFINING]
+    assert [line.remedy for line in inner.status.notes(rig.deformer.uid) if line.text.startswith("Fast")] == [
+        inner.status.Remedy.STOP_REFINING
+    ]
     assert len(of_mesh(rig.obj)["points"]) == len(rig.rest())
     rig.deformer.mask_group = ""
     update()
