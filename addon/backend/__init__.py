@@ -39,6 +39,7 @@ from .self_check import Check as Check, check_installation as check_installation
 from .surfaces import (
     Carried as Carried,
     Curvature as Curvature,
+    EdgeLengths as EdgeLengths,
     Lined as Lined,
     RefinedSurface as RefinedSurface,
     Subdivision as Subdivision,

@@ -124,17 +124,33 @@ def _nearest(values: np.ndarray, places: tuple[np.ndarray, np.ndarray]) -> np.nd
     return values[sources[np.arange(len(sources)), weights.argmax(axis=1)]]
 
 
+@dataclass(frozen=True)
+class EdgeLengths:
+    """The ``length`` of edges, or where that is 0 a ``share`` of the one that keeps the number of triangles.
+
+    ``by_curvature``: instead as the surface bends, so that triangles stay within the ``tolerance``.
+    """
+
+    length: float
+    share: float
+    by_curvature: bool
+    tolerance: float  # 0: a thousandth of the size
+    shortest: float  # 0: twice the tolerance
+    longest: float  # 0: a tenth of the size
+
+
 def remesh(
-    old: Lined, progress: Progress | None = None, *, length: float, share: float, rounds: int, angle: float
+    old: Lined, progress: Progress | None = None, *, lengths: EdgeLengths, rounds: int, angle: float
 ) -> Carried:
-    """Even triangles of the ``length``, or where that is 0 of a ``share`` of the mean edge. Any thread."""
+    """Even triangles, with edges of these lengths. Any thread may call this."""
     native = native_module()
     with translated(native):
         mesh = native.SurfaceMesh(old.points, old.faces)
-        wanted = length or share * _mean_edge(mesh)
-        made = native.remesh(
-            mesh, wanted or None, rounds=rounds, angle=angle, lines=old.lines, progress=progress
-        )
+        wanted = lengths.length or lengths.share * _even_length(mesh) or None
+        if lengths.by_curvature:
+            bounds = {"shortest": lengths.shortest, "longest": lengths.longest}
+            wanted = native.lengths_by_curvature(mesh, lengths.tolerance, **bounds, angle=angle)
+        made = native.remesh(mesh, wanted, rounds=rounds, angle=angle, lines=old.lines, progress=progress)
     return _carried(old.points, made)
 
 
@@ -180,14 +196,11 @@ def semi_regular(
     return _carried(old.points, made.finest, f"a base of {len(made.base_faces):,} faces")
 
 
-def _mean_edge(mesh) -> float:
-    """The mean length of the edges of the triangles."""
-    corners = mesh.triangles
-    pairs = np.unique(
-        np.sort(np.concatenate([corners[:, [0, 1]], corners[:, [1, 2]], corners[:, [2, 0]]]), axis=1), axis=0
-    )
-    along = mesh.points[pairs[:, 0]] - mesh.points[pairs[:, 1]]
-    return float(np.linalg.norm(along, axis=1).mean()) if len(pairs) else 0.0
+def _even_length(mesh) -> float:
+    """The side of as many equilateral triangles that have the same area together."""
+    first, second, third = mesh.points[mesh.triangles].swapaxes(0, 1)
+    doubled = np.linalg.norm(np.cross(second - first, third - first), axis=1).sum()
+    return float(np.sqrt(2.0 / np.sqrt(3.0) * doubled / max(len(mesh.triangles), 1)))
 
 
 def _carried(points: np.ndarray, made, told: str = "") -> Carried:

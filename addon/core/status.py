@@ -42,6 +42,7 @@ class Remedy(Flag):
     KEEP_INSIDE = auto()
     FIND_FILE = auto()
     QUICK_CAGE = auto()
+    STOP_REFINING = auto()
 
 
 @dataclass(frozen=True)
@@ -121,7 +122,8 @@ def put_mask(key: str, text: str) -> None:
 def put_refined(key: str, text: str) -> None:
     """Replace the line that tells why Fast Subdivision shows the control mesh; empty for no line."""
     if text:
-        _refined[key] = Status(Level.WARNING, f"Fast Subdivision shows the control mesh: {text}")
+        line = f"Fast Subdivision shows the control mesh: {text}"
+        _refined[key] = Status(Level.WARNING, line, remedy=Remedy.STOP_REFINING)
     else:
         _refined.pop(key, None)
 

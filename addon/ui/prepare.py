@@ -14,6 +14,8 @@ from .text import draw_text
 # What Repair can mend.
 _MENDED = {"not_finite", "coincident", "degenerate", "duplicate", "non_manifold", "loose", "slit"}
 
+_ICON = 22  # the width of a button with an icon alone, in pixels at scale 1
+
 
 class SINEW_PT_prepare(SidebarPanel, Panel):
     """What is unusual about the mesh, what mends it, and how the mesh bends"""
@@ -48,9 +50,10 @@ class SINEW_PT_prepare(SidebarPanel, Panel):
         one_sided = f", {counts.one_sided:,} with one side only" if counts.one_sided else ""
         draw_text(context, column, f"{parts}{one_sided}", "OUTLINER_OB_MESH")
         for what, count in counts.found.items():
-            row = column.row()
-            draw_text(context, row.column(), surveying.counted(what, count), "DOT", beside=60)
-            if what in repair.REMEDIES:
+            row, is_cured = column.row(), what in repair.REMEDIES
+            text, beside = surveying.counted(what, count), _ICON * (1 + is_cured)
+            draw_text(context, row.column(), text, "DOT", beside=beside, boxed=False)
+            if is_cured:
                 row.operator(Operators.CURE, text="", icon="TOOL_SETTINGS").what = what
             row.operator(Operators.SELECT_UNUSUAL, text="", icon="RESTRICT_SELECT_OFF").what = what
         if not counts.found:

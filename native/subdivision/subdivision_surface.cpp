@@ -19,6 +19,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <memory>
 #include <numeric>
 #include <string>
@@ -32,6 +33,7 @@ namespace Sdc = OpenSubdiv::Sdc;
 using Refiner = Far::TopologyRefiner;
 
 constexpr int highest_level = 10;
+constexpr double endless = 10.0; ///< sharpness
 constexpr int highest_valence = 65535; // OpenSubdiv counts the neighbours of an element in 16 bits
 
 /// The elements k for which bad(k) is true.
@@ -180,7 +182,36 @@ Sdc::Options sdc_options(const SubdivisionOptions& options)
     return sdc;
 }
 
-std::unique_ptr<Refiner> refined(const SurfaceMesh& mesh, const SubdivisionOptions& options, int depth)
+/// How sharp each vertex is. One of two edges is also as sharp as the less sharp of these: so a plate whose
+/// border is creased keeps its corners.
+std::vector<float> vertex_sharpness(const SurfaceMesh& mesh, const SubdivisionOptions& options,
+                                    const std::vector<std::array<int, 2>>& edges)
+{
+    std::vector<float> sharp(mesh.vertex_count(), 0.0F);
+    for (std::size_t k = 0; k < options.corner_vertices.size(); ++k)
+        sharp[options.corner_vertices[k]] = static_cast<float>(options.corner_sharpness[k]);
+    std::map<std::array<int, 2>, double> creased;
+    for (std::size_t k = 0; k < options.crease_edges.size(); ++k) {
+        const auto [a, b] = options.crease_edges[k];
+        creased[{std::min(a, b), std::max(a, b)}] = options.crease_sharpness[k];
+    }
+    std::vector<int> count(mesh.vertex_count(), 0);
+    std::vector<double> least(mesh.vertex_count(), endless);
+    for (const auto& edge : edges) {
+        const auto crease = creased.find(edge);
+        for (int v : edge) {
+            ++count[v];
+            least[v] = std::min(least[v], crease == creased.end() ? 0.0 : crease->second);
+        }
+    }
+    for (int v = 0; v < mesh.vertex_count(); ++v)
+        if (count[v] == 2 && least[v] > 0.0)
+            sharp[v] = static_cast<float>(std::min(sharp[v] + least[v], endless));
+    return sharp;
+}
+
+std::unique_ptr<Refiner> refined(const SurfaceMesh& mesh, const SubdivisionOptions& options,
+                                 const std::vector<std::array<int, 2>>& edges, int depth)
 {
     std::vector<int> counts, corners;
     for (int f = 0; f < mesh.face_count(); ++f) {
@@ -189,7 +220,9 @@ std::unique_ptr<Refiner> refined(const SurfaceMesh& mesh, const SubdivisionOptio
         corners.insert(corners.end(), face.begin(), face.end());
     }
     const std::vector<float> creases(options.crease_sharpness.begin(), options.crease_sharpness.end());
-    const std::vector<float> sharp(options.corner_sharpness.begin(), options.corner_sharpness.end());
+    const std::vector<float> sharp = vertex_sharpness(mesh, options, edges);
+    std::vector<int> vertices(sharp.size());
+    std::iota(vertices.begin(), vertices.end(), 0);
 
     Far::TopologyDescriptor topology;
     topology.numVertices = mesh.vertex_count();
@@ -200,7 +233,7 @@ std::unique_ptr<Refiner> refined(const SurfaceMesh& mesh, const SubdivisionOptio
     topology.creaseVertexIndexPairs = creases.empty() ? nullptr : options.crease_edges.front().data();
     topology.creaseWeights = creases.data();
     topology.numCorners = static_cast<int>(sharp.size());
-    topology.cornerVertexIndices = options.corner_vertices.data();
+    topology.cornerVertexIndices = vertices.data();
     topology.cornerWeights = sharp.data();
     Far::TopologyDescriptor::FVarChannel channel;
     if (!options.face_varying.empty()) {
@@ -359,7 +392,7 @@ SubdivisionSurface::SubdivisionSurface(const SurfaceMesh& mesh, const Subdivisio
     silence();
     // The limit masks are for quads, and only from level 1 on all faces are quads.
     const int depth = std::max(options.level, options.limit ? 1 : 0);
-    const std::unique_ptr<Refiner> refiner = refined(mesh, options, depth);
+    const std::unique_ptr<Refiner> refiner = refined(mesh, options, edges, depth);
 
     SparseRows matrix = stencils(*refiner, depth, mesh.vertex_count(), false);
     if (options.limit)

@@ -61,7 +61,8 @@ struct SubdivisionOptions
     UvSmooth uv_smooth = UvSmooth::preserve_boundaries;
 
     /// Creased edges and sharp vertices. An edge of sharpness s is sharp for s levels and smooth after them;
-    /// from 10 on, it is sharp on all levels. A crease c of Blender, in [0, 1], is the sharpness 10 c^2.
+    /// from 10 on, it is sharp on all levels. A crease c of Blender, in [0, 1], is the sharpness 10 c^2. To the
+    /// sharpness of a vertex with two edges, that of the less sharp of these is added, as in Blender.
     std::vector<std::array<int, 2>> crease_edges;
     std::vector<double> crease_sharpness; ///< (edges), >= 0
     std::vector<int> corner_vertices;

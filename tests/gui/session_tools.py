@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mirrored posing by mouse and keys, a rig that rides on another, Sinew Drag: Bones, Draw Outline, popups."""
+"""Mirrored posing by mouse and keys, a rig that rides on another, Sinew Drag: Bones, Draw Outline, popups,
+remeshing.
+"""
 
 import sys
 from collections.abc import Callable, Iterator
 
 import bpy
 import numpy as np
-from driving import above, apart, claim, near, rest, run, settled, until
+from driving import above, apart, claim, near, rest, run, settled, until, works
 from hand import click, hold, keys, move, open_sidebar, redo, release, stroke, undo
 from rigs.rig import base_points, curves_of, make_active
 from scenes import MODELS, deformer, empty_scene, head, shown, smooth_head
@@ -334,4 +336,26 @@ def browser() -> Iterator[None]:
         near(shown(), shape, FLOAT32)
 
 
-run(mirror, puppet, silhouette, browser)
+def remeshing() -> Iterator[None]:
+    """Of 63,000 triangles, in a thread."""
+    smooth_head(3)
+    before = base_points(head())
+    with claim("Esc while a mesh is remeshed leaves it as it was"):
+        assert button("remesh") == {"RUNNING_MODAL"}
+        yield from rest(4)
+        assert works()
+        yield from keys("ESC", at=middle())
+        yield from until(lambda: not works())
+        assert np.array_equal(base_points(head()), before)
+    with claim("one step of undo takes a remesh back whole, and redo brings it"):
+        button("remesh", share=2.0)
+        yield from until(lambda: len(head().data.vertices) != len(before))
+        made = base_points(head())
+        above(len(before) / len(made), 3.0)
+        yield from undo()
+        assert np.array_equal(base_points(head()), before)
+        yield from redo()
+        assert np.array_equal(base_points(head()), made)
+
+
+run(mirror, puppet, silhouette, browser, remeshing)

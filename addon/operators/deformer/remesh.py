@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import bpy
 import numpy as np
-from bpy.props import FloatProperty, IntProperty
+from bpy.props import BoolProperty, FloatProperty, IntProperty
 from bpy.types import Context, Event, Object, Operator
 
 from ... import backend, compat
@@ -27,6 +27,7 @@ from ..waiting import redraw_panels
 from .repair import bind_again
 
 _SECONDS = 6e-5  # for each triangle, about
+_LENGTH = partial(distance, default=0.0, precision=4)
 _MOST = 20_000_000  # triangles that the native module makes
 
 
@@ -155,23 +156,42 @@ class SINEW_OT_remesh(_MakesTriangles, Operator):
     bl_idname = Operators.REMESH
     bl_label = "Remesh Evenly"
     MAKE = staticmethod(backend.remesh)
-    OPTIONS = ("length", "share", "rounds", "angle")
+    OPTIONS = ("rounds", "angle")
 
-    length: distance(
-        "Edge Length", "Set how long edges should be; at 0, the share below counts", default=0.0, precision=4
+    by_curvature: field(BoolProperty).named(
+        "By Curvature", "Make triangles small where the surface bends, and large where it is flat"
     )
+    length: _LENGTH("Edge Length", "Set how long edges should be; at 0, the share below counts")
     share: field(FloatProperty, default=1.0, min=0.05, max=20.0, soft_max=4.0).named(
-        "Share", "Set how long edges should be, as a share of how long they are on average"
+        "Share", "Set how long edges should be; at 1, there are about as many triangles as before"
     )
+    tolerance: _LENGTH(
+        "Tolerance", "Set how far triangles may be from the surface; at 0, a thousandth of its size"
+    )
+    shortest: _LENGTH("Shortest", "Set how short edges may become; at 0, twice the tolerance")
+    longest: _LENGTH("Longest", "Set how long edges may become; at 0, a tenth of the size")
     rounds: field(IntProperty, default=3, min=1, max=50, soft_max=10).named(
         "Rounds", "Set how often edges are split, joined and flipped; more rounds are more even"
     )
 
+    def draw(self, _context: Context) -> None:
+        """What counts."""
+        of_lengths = ("tolerance", "shortest", "longest") if self.by_curvature else ("length", "share")
+        layout = self.layout
+        layout.use_property_split = True
+        for name in ("by_curvature", *of_lengths, "rounds", "angle"):
+            layout.prop(self, name)
+
     def arguments(self, obj: Object) -> dict[str, Any]:
-        return super().arguments(obj) | {"length": self.length / (obj.matrix_world.median_scale or 1.0)}
+        scale = obj.matrix_world.median_scale or 1.0
+        bounds = (length / scale for length in (self.tolerance, self.shortest, self.longest))
+        lengths = backend.EdgeLengths(self.length / scale, self.share, self.by_curvature, *bounds)
+        return super().arguments(obj) | {"lengths": lengths}
 
     def expected(self, obj: Object) -> float:
-        length = self.arguments(obj)["length"]
+        length = self.length / (obj.matrix_world.median_scale or 1.0)
+        if self.by_curvature:
+            return _triangles(obj)
         if not length:
             return _triangles(obj) / self.share**2
         areas = np.empty(len(obj.data.polygons), dtype=np.float32)

@@ -81,8 +81,13 @@ def _subdivision(obj: Object) -> tuple[Modifier, bool]:
     own = [modified.shown_by(obj, deformer) for deformer in obj.sinew.deformers]
     if not any(own):
         raise MeshError("The mesh has no modifier of Sinew - Rebind, which makes one")
-    last = max(obj.modifiers.find(modifier.name) for modifier in own if modifier is not None)
-    for modifier in obj.modifiers[last + 1 :]:
+    places = [obj.modifiers.find(modifier.name) for modifier in own if modifier is not None]
+    for modifier in obj.modifiers[: min(places)]:
+        if modifier.type == "SUBSURF" and modifier.show_viewport:
+            raise MeshError(
+                f"{modifier.name} stands before Sinew - move it behind, so that few points are moved"
+            )
+    for modifier in obj.modifiers[max(places) + 1 :]:
         if modifier.type == "SUBSURF":
             return modifier, False
         if modifier.show_viewport:

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Marks in the viewports: discs on pinned bones, and lines from riding controls to where they rest."""
+"""Marks in the viewports: discs on pinned bones, lines from riding controls to where they rest, and curves on
+the smooth surface of a cage.
+"""
 
 from collections.abc import Iterator
 
@@ -8,15 +10,17 @@ from bpy.types import Context, GizmoGroup, Object
 from bpy.utils import register_classes_factory
 
 from ... import compat
+from ...core.geometry import frames
 from ...operators import ring
 from ...properties import SinewDeformer
+from ...session.controls.cage import smooth
 from ...session.controls.handles import riding
 from ..drag_tool import is_hand_tool
 from ..places import active_deformer
 from .reach import OverViewports, SINEW_GT_lines
 
 _DISC = 0.12  # of the length of a bone
-_PINNED, _RIDING = (1.0, 0.25, 0.1), (0.6, 0.6, 0.6)
+_PINNED, _RIDING, _SMOOTH = (1.0, 0.25, 0.1), (0.6, 0.6, 0.6), (1.0, 0.6, 0.1)
 
 
 def pins(armature: Object, toward: np.ndarray) -> list[np.ndarray]:
@@ -50,7 +54,7 @@ class SINEW_GGT_marks(OverViewports, GizmoGroup):
 
     def setup(self, _context: Context) -> None:
         self.discs, self.lines = (self.gizmos.new(SINEW_GT_lines.bl_idname) for _ in range(2))
-        self.discs.filled = True
+        self.discs.kind = "TRIS"
         for gizmo, colour, alpha in ((self.discs, _PINNED, 0.8), (self.lines, _RIDING, 0.9)):
             gizmo.color, gizmo.alpha, gizmo.line_width = colour, alpha, 1.5
             gizmo.hide_select = True
@@ -63,4 +67,29 @@ class SINEW_GGT_marks(OverViewports, GizmoGroup):
         self.lines.lines = list(rests(deformer.id_data, deformer)) if deformer is not None else ()
 
 
-register, unregister = register_classes_factory((SINEW_GGT_marks,))
+class SINEW_GGT_smooth_cage(OverViewports, GizmoGroup):
+    """The smooth surface of a cage, along its edges"""
+
+    bl_idname = "SINEW_GGT_smooth_cage"
+    bl_label = "Smooth Surface of Sinew's Cage"
+
+    @classmethod
+    def poll(cls, context: Context) -> bool:
+        deformer = active_deformer(context)
+        return deformer is not None and getattr(deformer.parameters, "smooth", "off") != "off"
+
+    def setup(self, _context: Context) -> None:
+        self.curves = self.gizmos.new(SINEW_GT_lines.bl_idname)
+        self.curves.kind, self.curves.color, self.curves.alpha = "LINES", _SMOOTH, 0.9
+        self.curves.hide_select = True
+
+    def draw_prepare(self, context: Context) -> None:
+        deformer = active_deformer(context)
+        curves = None if deformer is None else smooth.curves(deformer)
+        self.curves.lines = ()
+        if curves is not None:
+            pairs = np.stack((curves[:, :-1], curves[:, 1:]), axis=2).reshape(-1, 3)
+            self.curves.lines = (frames.transformed(np.array(deformer.id_data.matrix_world), pairs),)
+
+
+register, unregister = register_classes_factory((SINEW_GGT_marks, SINEW_GGT_smooth_cage))

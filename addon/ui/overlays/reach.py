@@ -34,19 +34,20 @@ def rings(row: SinewControl, depsgraph: Depsgraph) -> list[np.ndarray]:
 
 
 class SINEW_GT_lines(Gizmo):
-    """Lines of the world, or the discs that they enclose, which nothing can be done with."""
+    """Lines of the world, which nothing can be done with. ``kind``: LINE_STRIP; LINES, which are the pairs of
+    their points; or TRIS, the discs that they enclose.
+    """
 
     bl_idname = "SINEW_GT_lines"
-    __slots__ = ("filled", "lines")
+    __slots__ = ("kind", "lines")
 
     def setup(self) -> None:
-        self.filled = False
+        self.kind = "LINE_STRIP"
         self.lines: Sequence[np.ndarray] = ()
 
     def draw(self, _context: Context) -> None:
-        kind = "TRIS" if self.filled else "LINE_STRIP"
         for line in self.lines:
-            shape = self.new_custom_shape(kind, (_disc(line) if self.filled else line).tolist())
+            shape = self.new_custom_shape(self.kind, (_disc(line) if self.kind == "TRIS" else line).tolist())
             self.draw_custom_shape(shape, matrix=Matrix.Identity(4))
 
 

@@ -5,6 +5,7 @@
 #include "native/mesh/remeshing/degenerate_removal.h"
 #include "native/mesh/remeshing/isotropic_remeshing.h"
 #include "native/mesh/remeshing/semi_regular.h"
+#include "native/operators/lengths_by_curvature.h"
 
 #include <optional>
 #include <string>
@@ -68,15 +69,14 @@ SemiRegular made_regular(const SurfaceMesh& mesh, int levels, const std::optiona
                         ticks);
 }
 
-Remeshed made_even(const SurfaceMesh& mesh, const std::optional<double>& length, int rounds, double angle,
+Remeshed made_even(const SurfaceMesh& mesh, const OptionalArray& length, int rounds, double angle,
                    const OptionalArray& lines, const Callback& progress)
 {
     const std::vector<Edge> given = given_lines(lines);
-    if (length && !(*length > 0.0))
-        throw InvalidOption("length must be more than 0");
+    const std::vector<double> lengths = length.is_none() ? std::vector<double>{} : numbers(length, "length");
     const Progress ticks = bindings::progress(progress);
     const py::gil_scoped_release unlocked;
-    return remesh(mesh, {.length = length.value_or(0.0), .rounds = rounds, .angle = angle}, given, ticks);
+    return remesh(mesh, {.lengths = lengths, .rounds = rounds, .angle = angle}, given, ticks);
 }
 
 void bind_remeshing(py::module_& module)
@@ -133,7 +133,8 @@ r.vertex_weights[..., None]).sum(1)`; of corners, the same with `corner_sources`
         .def_property_readonly(
             "mean_distance", [](const Remeshed& r) { return r.origins.mean; },
             "The mean distance of the new vertices from the old surface.")
-        .def_readonly("length", &Remeshed::length, "The length that edges were to have; 0 where none was.")
+        .def_readonly("length", &Remeshed::length,
+                      "The one length that edges were to have; 0 where there was none.")
         .def("__repr__", [](const Remeshed& r) {
             return "<Remeshed: " + std::to_string(r.points.size()) + " vertices, " +
                    std::to_string(r.triangles.size()) + " faces, distance " +
@@ -150,7 +151,8 @@ are only split and joined. A mesh that is no manifold is cut where it is none, a
 are left out.
 
 mesh      SurfaceMesh.
-length    that edges should have, more than 0; None: the mean length of the edges of its triangles.
+length    that edges should have, more than 0, or (n,) for each vertex, as lengths_by_curvature() returns; None: the
+          mean length of the edges of its triangles.
 rounds    >= 1; each splits long edges, collapses short ones, flips and relaxes.
 angle     radians between the normals of faces, in (0, pi]; long folds that are sharper are kept.
 lines     None or (k, 2) vertices of edges that are kept, such as seams; pairs without an edge are ignored.
@@ -159,6 +161,29 @@ progress  None or callable(fraction, stage); returning False cancels.
 Cost: O(n log n) in each round; 86,000 triangles take some seconds. Raises InvalidMesh where no face has an area,
 InvalidOption, also for a length that would give more than 20 million triangles or is far too short for needles, or
 Cancelled.)");
+
+    module.def(
+        "lengths_by_curvature",
+        [](const SurfaceMesh& mesh, double tolerance, double shortest, double longest, double angle) {
+            return lengths_by_curvature(
+                mesh, {.tolerance = tolerance, .shortest = shortest, .longest = longest, .angle = angle});
+        },
+        py::arg("mesh"), py::arg("tolerance") = 0.0, py::kw_only(), py::arg("shortest") = 0.0,
+        py::arg("longest") = 0.0, py::arg("angle") = CurvatureLengthOptions{}.angle,
+        py::call_guard<py::gil_scoped_release>(), R"(
+How long edges may be at each vertex so that triangles stay close to the surface -> (n,) for remesh() [Dunyach et al.
+2013].
+
+Lengths are short where the surface, a border or a fold bends, and rise from there by at most half of the way along an
+edge. Vertices without faces get the longest one.
+
+mesh       SurfaceMesh, fine enough to show how it bends.
+tolerance  how far triangles may be from it, >= 0; 0: a thousandth of the diagonal of its box.
+shortest   >= 0; 0: twice the tolerance.
+longest    >= 0; 0: a tenth of the diagonal.
+angle      radians between the normals of faces, in (0, pi]; folds that are sharper do not count as bent.
+
+Cost: O(n log n), about that of curvature(). Raises InvalidMesh where no face has an area, or InvalidOption.)");
 
     module.def("decimate", &made_fewer, py::arg("mesh"), py::arg("faces"), py::kw_only(),
                py::arg("angle") = DecimateOptions{}.angle, py::arg("lines") = py::none(),

@@ -20,6 +20,12 @@ inline CgalMesh::Property_map<CgalMesh::Edge_index, bool> lines_of(CgalMesh& mes
     return mesh.add_property_map<CgalMesh::Edge_index, bool>("e:line", false).first;
 }
 
+/// Those of them along which the mesh was cut.
+inline CgalMesh::Property_map<CgalMesh::Edge_index, bool> cuts_of(CgalMesh& mesh)
+{
+    return mesh.add_property_map<CgalMesh::Edge_index, bool>("e:cut", false).first;
+}
+
 inline CgalMesh::Property_map<CgalMesh::Vertex_index, bool> stays_of(CgalMesh& mesh)
 {
     return mesh.add_property_map<CgalMesh::Vertex_index, bool>("v:stays", false).first;
@@ -29,7 +35,7 @@ inline CgalMesh::Property_map<CgalMesh::Vertex_index, bool> stays_of(CgalMesh& m
 inline CgalMesh cgal_mesh(const Manifold& from)
 {
     CgalMesh mesh;
-    const auto line = lines_of(mesh);
+    const auto line = lines_of(mesh), cut = cuts_of(mesh);
     const auto stays = stays_of(mesh);
     const auto add = [&](int v) {
         const Vector3& p = from.points[v];
@@ -47,7 +53,7 @@ inline CgalMesh cgal_mesh(const Manifold& from)
     for (const Manifold::Line& along : from.lines)
         if (const auto h = mesh.halfedge(Vertex(along.edge[0]), Vertex(along.edge[1]));
             h != CgalMesh::null_halfedge())
-            line[mesh.edge(h)] = true;
+            line[mesh.edge(h)] = true, cut[mesh.edge(h)] = along.cut;
     for (const auto v : mesh.vertices())
         if (mesh.is_isolated(v))
             mesh.remove_vertex(v);

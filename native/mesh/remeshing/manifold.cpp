@@ -219,4 +219,15 @@ void Manifold::keep_lines(double angle, double length)
     }
 }
 
+std::vector<Triangle> Manifold::parted_at_lines() const
+{
+    std::vector<Side> sides = sides_of(triangles);
+    std::erase_if(sides, [&](const Side& side) {
+        return std::ranges::binary_search(lines, side.edge(), {}, &Line::edge);
+    });
+    std::vector<Triangle> parted = triangles;
+    part_fans(parted, sides);
+    return parted;
+}
+
 } // namespace sinew

@@ -45,6 +45,9 @@ struct Manifold
     /// \param length  of the edges that are asked for.
     /// \throw InvalidOption  the angle is out of range.
     void keep_lines(double angle, double length);
+
+    /// The triangles with a vertex for each side of the lines at it, numbered as they come.
+    std::vector<Triangle> parted_at_lines() const;
 };
 
 /// The mean length of the edges of the triangles; those that were cut count once for each side.

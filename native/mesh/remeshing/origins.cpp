@@ -5,7 +5,6 @@
 #include "native/core/parallel.h"
 #include "native/mesh/trees/box_tree.h"
 #include "native/mesh/trees/closest_triangle.h"
-#include "native/mesh/trees/triangle_tree.h"
 
 #include <Eigen/Geometry>
 
@@ -16,12 +15,6 @@
 
 namespace sinew {
 
-namespace {
-
-constexpr int grain = 512;
-constexpr int patience = 64; ///< triangles that are looked at without finding a closer one
-
-/// Barycentric coordinates of the point of a triangle that is closest in its plane, made to lie inside.
 Vector3 weights_in(const Corners& t, const Vector3& p)
 {
     const Vector3 u = t[1] - t[0], v = t[2] - t[0], w = p - t[0];
@@ -49,6 +42,11 @@ Vector3 weights_in(const Corners& t, const Vector3& p)
     }
     return found;
 }
+
+namespace {
+
+constexpr int grain = 512;
+constexpr int patience = 64; ///< triangles that are looked at without finding a closer one
 
 /// The triangles of a mesh and which lie beside which, but for those beyond given lines.
 class Islands

@@ -5,6 +5,7 @@
 #include "native/core/types.h"
 #include "native/mesh/remeshing/manifold.h"
 #include "native/mesh/surface_mesh.h"
+#include "native/mesh/trees/triangle_tree.h"
 
 #include <array>
 #include <vector>
@@ -40,6 +41,9 @@ Origins find_origins(const SurfaceMesh& mesh, const std::vector<Edge>& given,
 /// Which of the lines is closest to each point, of equally close ones the first; -1 without lines.
 std::vector<int> closest_lines(const std::vector<std::array<Vector3, 2>>& lines,
                                const std::vector<Vector3>& points);
+
+/// Barycentric coordinates of the point of a triangle that is closest in its plane, made to lie inside.
+Vector3 weights_in(const Corners& triangle, const Vector3& point);
 
 /// The point of a segment that is closest to a point.
 Vector3 closest_on(const std::array<Vector3, 2>& segment, const Vector3& point);

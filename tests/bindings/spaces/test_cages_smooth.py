@@ -165,3 +165,22 @@ def test_a_flat_cage_has_a_smooth_outline():
         assert np.abs(made.warp(square.points @ rotation) - points @ rotation).max() < 1e-12
         kept = method(square, smooth="levels", levels=3, boundary_smooth="preserve_corners")
         assert not list(kept.bind([(0.02, 0.02, 0.0)]).outside)
+
+
+def test_large_faces_take_little_memory_for_their_normals_and_too_much_is_refused():
+    turns = np.linspace(0, 2 * np.pi, 48, endpoint=False)
+    ring = np.column_stack([np.cos(turns), np.sin(turns), 0 * turns])
+    sides = [(k, (k + 1) % 48, 48 + (k + 1) % 48, 48 + k) for k in range(48)]
+    corners = [v for side in sides for v in side] + [*range(47, -1, -1), *range(48, 96)]
+    points = np.concatenate([ring - (0, 0, 1), ring + (0, 0, 1)])
+    prism = sn.SurfaceMesh(points, ([4] * 48 + [48] * 2, corners))
+    try:
+        sn.limit_memory(1 << 25)
+        green = sn.Green(prism, smooth="levels", levels=2, precision="double")
+        green.bind(0.3 * INSIDE - 0.4)
+        assert np.allclose(green.warp(2 * points), 0.6 * INSIDE - 0.8)
+        sn.limit_memory(1 << 21)
+        with pytest.raises(sn.OutOfMemory, match="normals of the smooth cage"):
+            sn.Green(prism, smooth="levels", levels=2)
+    finally:
+        sn.limit_memory(0)

@@ -60,6 +60,44 @@ def test_edges_are_of_the_length_asked_for_and_stay_on_the_surface(share: float)
     assert sn.SurfaceMesh(made.points, made.faces).diagnose().euler_characteristic == 2
 
 
+def test_lengths_by_curvature_keep_the_tolerance_and_halve_the_error_of_as_many_even_triangles():
+    axes = np.array((1.0, 1.0, 0.3))
+    points, faces = sphere(6)
+    mesh = sn.SurfaceMesh(points * axes, faces)
+
+    def off(made) -> float:
+        """How far its faces are from the ellipsoid, to first order."""
+        inside = np.random.default_rng(0).dirichlet((1, 1, 1), 20) @ made.points[made.faces]
+        height = ((inside / axes) ** 2).sum(2) - 1
+        return np.abs(height / (2 * np.linalg.norm(inside / axes**2, axis=2))).max()
+
+    for tolerance in (4e-3, 1e-3):
+        wanted = sn.lengths_by_curvature(mesh, tolerance)
+        ends = edges_of(mesh.triangles)
+        assert (np.abs(np.diff(wanted[ends])[:, 0]) <= 0.5 * lengths(mesh.points, ends) + 1e-12).all()
+        made = sn.remesh(mesh, wanted)
+        a, b, c = made.points[made.faces].swapaxes(0, 1)
+        area = np.linalg.norm(np.cross(b - a, c - a), axis=1).mean() / 2
+        even = sn.remesh(mesh, np.sqrt(4 / np.sqrt(3) * area))
+        assert off(made) < tolerance
+        assert made.distance < tolerance
+        assert len(even.faces) > 0.95 * len(made.faces)
+        assert off(made) < 0.5 * off(even)
+
+
+def test_folds_are_not_bent_but_round_borders_are():
+    e = 1e-2
+    on_circle = 0.75 * np.sqrt(6 * e - 3 * e**2)
+    box = sn.SurfaceMesh(*grid_cube())
+    assert (sn.lengths_by_curvature(box, longest=0.7) == 0.7).all()
+    assert np.allclose(sn.lengths_by_curvature(sn.SurfaceMesh(*sphere(4)), e), on_circle, rtol=0.01)
+    turns = np.linspace(0, 2 * np.pi, 64, endpoint=False)
+    disc = np.concatenate([np.column_stack([np.cos(turns), np.sin(turns), 0 * turns]), np.zeros((1, 3))])
+    fan = [(k, (k + 1) % 64, 64) for k in range(64)]
+    found = sn.lengths_by_curvature(sn.SurfaceMesh(disc, fan), e, longest=10)
+    assert np.allclose(found, [*[on_circle] * 64, on_circle + 0.5], rtol=0.01)
+
+
 def test_values_come_from_the_closest_point():
     points, faces = grid(9)
     for made in makers(sn.SurfaceMesh(points, faces)):
@@ -315,6 +353,10 @@ def test_refusals():
         lambda: sn.remesh(mesh, rounds=0),
         lambda: sn.remesh(mesh, angle=0.0),
         lambda: sn.remesh(mesh, 1e-6),
+        lambda: sn.remesh(mesh, np.ones(3)),
+        lambda: sn.remesh(mesh, np.arange(mesh.vertex_count)),
+        lambda: sn.lengths_by_curvature(mesh, -1.0),
+        lambda: sn.lengths_by_curvature(mesh, shortest=2.0, longest=1.0),
         lambda: sn.decimate(mesh, 3),
         lambda: sn.semi_regular(mesh, 0),
         lambda: sn.semi_regular(mesh, 2, base_faces=3),

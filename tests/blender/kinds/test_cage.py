@@ -75,6 +75,11 @@ def test_a_smooth_cage_moves_as_one_with_a_subdivision_modifier(method: str):
         update()
         assert deformer.status_level == "INFO", deformer.status
         places.append(evaluated_points(target))
+        if not smooth:
+            surface = evaluated_points(cage)
+    curves = inner.smooth.curves(deformer)  # of eight pieces, where the modifier makes four
+    assert len(curves) == 12
+    assert np.linalg.norm(curves[:, ::2, None] - surface, axis=3).min(axis=2).max() < 1e-5
     assert np.abs(places[0] - base_points(target)).max() > 0.1
     assert np.abs(places[1] - places[0]).max() < (1e-5 if method == "mean_value" else 5e-3)
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
-from inside import catch_up, notes_of
+from inside import catch_up, inner, notes_of
 from mathutils import Matrix
 from rigs.rig import (
     Rig,
@@ -165,6 +165,9 @@ def test_what_it_cannot_follow_is_told_and_it_ends():
     rig.deformer.mask_group = "Top"
     update()
     assert "Fast Subdivision shows the control mesh: a mask" in " ".join(notes_of(rig.deformer))
+    assert [line.remedy for line in inner.status.notes(rig.deformer.uid) if line.text.startswith("Fast")] == [
+        inner.status.Remedy.STOP_REFINING
+    ]
     assert len(of_mesh(rig.obj)["points"]) == len(rig.rest())
     rig.deformer.mask_group = ""
     update()
@@ -187,6 +190,8 @@ def test_loose_edges_and_what_stands_between_are_refused():
     rig.obj.modifiers.new("Solidify", "SOLIDIFY")
     subdivided(rig.obj, 2)
     refused("Solidify stands between", "fast_subdivision", rig.obj)
+    bpy.ops.object.modifier_move_to_index(modifier="Subdivision", index=0)
+    refused("Subdivision stands before Sinew", "fast_subdivision", rig.obj)
 
 
 def test_it_is_made_anew_for_another_simplify_or_look_and_not_for_points():

@@ -22,7 +22,12 @@ from rigs.rig import (
     update,
 )
 
-OPERATORS = (("remesh", {"share": 0.7}), ("decimate", {"share": 0.5}), ("remesh_semi_regular", {"levels": 2}))
+OPERATORS = (
+    ("remesh", {"share": 0.7}),
+    ("remesh", {"by_curvature": True, "longest": 0.3}),
+    ("decimate", {"share": 0.5}),
+    ("remesh_semi_regular", {"levels": 2}),
+)
 
 
 def loaded_plate() -> bpy.types.Object:

@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/methods/space/cage/closed_forms/smooth_normals.h"
 
+#include "native/core/memory.h"
+
 #include <Eigen/LU>
 
+#include <algorithm>
+#include <cstdint>
 #include <map>
 #include <utility>
 
@@ -18,7 +22,7 @@ SmoothNormals::SmoothNormals(const Cage& cage, const std::vector<Column>& column
     : of_columns_(static_cast<Eigen::Index>(columns.size()), 3 * cage.control_count()),
       rest_(static_cast<Eigen::Index>(columns.size()), 3)
 {
-    std::vector<Eigen::Triplet<double>> entries, squares;
+    std::vector<Eigen::Triplet<double>> entries;
     for (std::size_t c = 0; c < columns.size(); ++c) {
         const Column& column = columns[c];
         const std::span<const int> face = cage.rest().face(column.face);
@@ -34,22 +38,21 @@ SmoothNormals::SmoothNormals(const Cage& cage, const std::vector<Column>& column
     }
     of_columns_.setFromTriplets(entries.begin(), entries.end());
 
-    const int unknowns = static_cast<int>(of_columns_.cols());
-    double sum = 0.0;
+    // In columns of large faces there are many pairs of entries, so they are added up at once.
+    const Eigen::Index unknowns = of_columns_.cols();
+    std::int64_t pairs = 0;
     for (Eigen::Index c = 0; c < of_columns_.rows(); ++c) {
-        if (weights_[static_cast<std::size_t>(c)] == 0.0)
-            continue;
-        for (SparseRows::InnerIterator i(of_columns_, c); i; ++i)
-            for (SparseRows::InnerIterator j(of_columns_, c); j; ++j) {
-                const double product = weights_[static_cast<std::size_t>(c)] * i.value() * j.value();
-                squares.emplace_back(static_cast<int>(i.col()), static_cast<int>(j.col()), product);
-                sum += i.col() == j.col() ? product : 0.0;
-            }
+        const std::int64_t in_row = of_columns_.outerIndexPtr()[c + 1] - of_columns_.outerIndexPtr()[c];
+        pairs += in_row * in_row;
     }
-    for (int i = 0; i < unknowns; ++i)
-        squares.emplace_back(i, i, slack * sum / unknowns);
-    SparseMatrix normal_matrix(unknowns, unknowns);
-    normal_matrix.setFromTriplets(squares.begin(), squares.end());
+    require_memory(12 * (std::min(pairs, std::int64_t{unknowns} * unknowns) + of_columns_.nonZeros()),
+                   "the normals of the smooth cage");
+    const SparseRows weighted =
+        Eigen::Map<const VectorX>(weights_.data(), of_columns_.rows()).asDiagonal() * of_columns_;
+    SparseMatrix normal_matrix = of_columns_.transpose() * weighted;
+    SparseMatrix drawn(unknowns, unknowns);
+    drawn.setIdentity();
+    normal_matrix += slack * normal_matrix.diagonal().mean() * drawn;
     factor_.factorize(normal_matrix);
 
     Points arms = cage.control();
