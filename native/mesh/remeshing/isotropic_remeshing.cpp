@@ -72,13 +72,13 @@ public:
     {
     }
 
-    /// Halves edges longer than 4/3, the longest first, but those along cuts, whose sides are joined again.
+    /// Halves edges longer than 4/3, the longest first. Both sides of a cut are halved in the same places: new
+    /// vertices there stay, so that they can be joined.
     void split_long()
     {
         Queue<std::less<>> waiting;
         const auto look = [&](Halfedge h) {
-            const double length = squared(mesh_.source(h), mesh_.target(h));
-            if (length > longest && !cut_[mesh_.edge(h)])
+            if (const double length = squared(mesh_.source(h), mesh_.target(h)); length > longest)
                 waiting.emplace(length, h);
         };
         for (const auto e : mesh_.edges())
@@ -90,6 +90,7 @@ public:
             mesh_.point(middle) = CGAL::midpoint(mesh_.point(from), mesh_.point(to));
             wanted_[middle] = 0.5 * (wanted_[from] + wanted_[to]);
             line_[mesh_.edge(half)] = line_[mesh_.edge(h)];
+            cut_[mesh_.edge(half)] = stays_[middle] = cut_[mesh_.edge(h)];
             for (const Halfedge before : {half, mesh_.opposite(h)})
                 if (!mesh_.is_border(before)) {
                     const Halfedge across = mesh_.next(mesh_.next(before));
