@@ -7,11 +7,19 @@
 #include "native/local_global/graph/rotations.h"
 
 #include <algorithm>
+#include <cstdio>
+#include <cstdlib>
 #include <array>
 #include <numeric>
 #include <utility>
 
 namespace sinew {
+
+namespace {
+
+constexpr int most_halvings = 4;
+
+} // namespace
 
 ArapProblem::ArapProblem(const ArapSystem& graph, const PointsView& base, const Points& targets,
                          const Points& pulls, ArapBuffers* buffers)
@@ -206,6 +214,67 @@ double ArapProblem::evaluate(const Points& x, Points& gradient)
 void ArapProblem::precondition(const Points& gradient, Points& z) const
 {
     graph_.position_factor().solve(gradient, z);
+}
+
+bool ArapProblem::improve(Points& x, Points& gradient, double& F)
+{
+    if (!motions_)
+        return false;
+    const bool smooth = graph_.is_smooth();
+    ClusterMotions::Motion& motion = buffers_.motion;
+    Points &better = buffers_.better, &better_gradient = buffers_.better_gradient, &torque = buffers_.torque;
+    const Points none;
+    if (smooth)
+        for_each_moving([&](const GraphChunk& chunk) {
+            double* const S = covariances_of(chunk);
+            kernels_.covariances(view_, chunk, S);
+            kernels_.torques(view_, chunk, S, buffers_.rotations[current_].data(),
+                             torque.data() + 3 * static_cast<std::size_t>(chunk.begin));
+        });
+    const double longest = motions_->solve(x, buffers_.points.data(), buffers_.rotations[current_].data(),
+                                           gradient, smooth ? torque : none, 2.0 / graph_.energy_factor(), motion);
+    const int before = current_;
+    better.resize(x.rows(), 3);
+    double share = longest > 1.0 ? 1.0 / longest : 1.0;
+    for (int k = 0; k < most_halvings; ++k, share *= 0.5) {
+        motions_->scale(share, motion);
+        torque.resize(graph_.size(), 3);
+        parallel_for(graph_.size(), [&](int i) {
+            Eigen::RowVector3d to, turn = Eigen::RowVector3d::Zero();
+            if (i < graph_.free_count()) {
+                motions_->move(motion, i, x.row(i), to, turn);
+                better.row(i) = to;
+            }
+            torque.row(i) = turn;
+        });
+        double F_better;
+        if (smooth) {
+            const int next = spare(before);
+            for_each_moving([&](const GraphChunk& chunk) {
+                const std::size_t first = entries * static_cast<std::size_t>(chunk.begin);
+                kernels_.turn(torque.data() + 3 * static_cast<std::size_t>(chunk.begin),
+                              buffers_.rotations[before].data() + first, chunk.end - chunk.begin,
+                              buffers_.rotations[next].data() + first);
+            });
+            current_ = next;
+            move_to(better);
+            F_better = energy_and_gradient(better_gradient);
+        } else {
+            F_better = evaluate(better, better_gradient);
+        }
+        if (std::getenv("DBG"))
+            std::fprintf(stderr, "  improve %d longest %.3g share %.3g F %.10g -> %.10g  moved %.3g shares %.2f\n", k, longest, share, F, F_better, (better - x).rowwise().norm().maxCoeff(), motions_->mean_shares());
+        if (F_better < F) {
+            F = F_better;
+            x.swap(better);
+            gradient.swap(better_gradient);
+            return true;
+        }
+    }
+    current_ = before;
+    stale_ = !smooth;
+    move_to(x);
+    return false;
 }
 
 void ArapProblem::turn(const ClusterMap& map, const std::vector<Eigen::Quaterniond>& turns)

@@ -3,6 +3,7 @@
 
 #include "native/core/types.h"
 #include "native/local_global/arap/arap_system.h"
+#include "native/local_global/arap/cluster_motions.h"
 #include "native/local_global/graph/clusters.h"
 #include "native/solvers/optimization/metric_lbfgs.h"
 
@@ -24,6 +25,8 @@ struct ArapBuffers
     std::vector<double> covariances; ///< only with smoothing
     Points torque, gradient;
     std::vector<double> energies; ///< one per chunk
+    ClusterMotions::Motion motion;
+    Points better, better_gradient;
 };
 
 /// The function F = E / energy_factor() of the free positions on one graph. It has the rotations as its
@@ -66,6 +69,9 @@ public:
     double evaluate(const Points& x, Points& gradient) override;
     void precondition(const Points& gradient, Points& z) const override;
     /// Without smoothing, rotations depend on the positions alone; they are not kept, but fitted again.
+    /// From now on, improve() takes a step of these motions.
+    void improve_by(const ClusterMotions& motions) { motions_ = &motions; }
+    bool improve(Points& x, Points& gradient, double& F) override;
     void keep_state() override { kept_ = graph_.is_smooth() ? current_ : -1; }
     void restore_state() override
     {
@@ -106,6 +112,7 @@ private:
     const Points& pulls_;
     std::unique_ptr<ArapBuffers> own_buffers_;
     ArapBuffers& buffers_;
+    const ClusterMotions* motions_ = nullptr;
     GraphView view_;
     int current_ = 0, kept_ = -1;
     bool fixed_cells_fitted_ = false, stale_ = false;

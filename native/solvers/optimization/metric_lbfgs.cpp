@@ -188,6 +188,7 @@ LbfgsWorkspace::LbfgsWorkspace() : history(std::make_unique<History>()) {}
 LbfgsWorkspace::~LbfgsWorkspace() = default;
 LbfgsWorkspace::LbfgsWorkspace(LbfgsWorkspace&&) noexcept = default;
 
+bool MetricProblem::improve(Points&, Points&, double&) { return false; }
 bool MetricProblem::correct(const Points&, const Points&, Points&) { return false; }
 
 SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& options, const Progress& progress,
@@ -216,8 +217,10 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
         report.converged = report.converged || F <= options.floor || small_steps >= 2;
         return report.converged || report.iterations >= options.max_iterations;
     };
-    if (!done())
+    if (!done()) {
+        problem.improve(x, g, F);
         problem.precondition(g, z);
+    }
     while (!done()) {
         progress.tick(static_cast<double>(report.iterations) / options.max_iterations, "solving");
         const double slope = history.recur();
@@ -279,6 +282,8 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
             break;
         }
 
+        if (problem.improve(trial, trial_g, F_trial))
+            history.moved(x, trial);
         report.residual = F != 0 ? (F - F_trial) / std::abs(F) : 0.0;
         small_steps = report.residual < options.tolerance ? small_steps + 1 : 0;
         if (report.iterations < options.max_iterations && small_steps < 2) {

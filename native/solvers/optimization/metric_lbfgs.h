@@ -31,6 +31,11 @@ public:
     /// \return whether a point was proposed.
     virtual bool correct(const Points& x, const Points& gradient, Points& better);
 
+    /// Optional coarse step from an accepted point, multiplicative: where it lowers F, moves x, and F and its
+    /// gradient with it, and changes the state.
+    /// \return whether it has moved x.
+    virtual bool improve(Points& x, Points& gradient, double& F);
+
     /// Moves a trial point onto the constraints of the problem, for example to a given volume. Such a problem
     /// gives the gradient along its constraints.
     /// \return whether the point has moved.

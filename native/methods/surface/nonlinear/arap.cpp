@@ -12,6 +12,7 @@
 #include "native/operators/laplacian.h"
 #include "native/operators/painted.h"
 
+#include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -26,6 +27,7 @@ constexpr double least_rigidity = 1e-3; ///< as a share of the largest painted o
 /// An energy below this share of sum w |p_i - p_j|^2 is rounding. Without this floor, rigid poses would
 /// iterate on it.
 constexpr double rounding_floor = 1e-14;
+constexpr int most_clusters = 2000;
 
 std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
 {
@@ -112,6 +114,7 @@ struct Binding
     ArapSystem graph;
     Points node_rest; ///< the rest points of the nodes
     MultilevelStart cascade;
+    ClusterMotions motions;
     std::optional<HigherOrder> higher; ///< with point_handles
     mutable Pool<Workspace> workspaces;
 
@@ -123,6 +126,18 @@ struct Binding
         for (int i = 0; i < graph.size(); ++i)
             node_rest.row(i) = rest.row(graph.order()[i]);
         cascade = MultilevelStart(graph, node_rest, progress);
+        std::vector<int> label;
+        for (const RotationLevel& level : cascade.levels()) {
+            if (label.empty())
+                label = level.map.label();
+            else
+                for (int& p : label)
+                    p = p < 0 ? p : level.map.label()[p];
+            if (level.graph.size() <= most_clusters) {
+                motions = ClusterMotions(graph, node_rest, std::move(label), level.graph.nodes());
+                break;
+            }
+        }
     }
 
     /// \param mass  (n) of the vertices
@@ -238,7 +253,9 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
     ArapProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
     options.floor = rounding_floor * (given.incoming ? graph.scale(targets.base()) : graph.rest_scale());
     CascadeSolve cascade(bound.cascade, problem, graph, targets, work->levels);
-    options.correction_period = correction_period;
+    options.correction_period = std::getenv("FAS") ? correction_period : 0;
+    if (!bound.motions.empty() && !std::getenv("NOC"))
+        problem.improve_by(bound.motions);
     if (request.start) {
         bound.to_nodes(*request.start, graph.free_count(), fine.x);
         if (graph.is_smooth()) // without smoothing, the first evaluation fits them
@@ -256,7 +273,7 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
         options.plain_steps = 4;
         report = minimize(higher, fine.x, options, request.progress, &fine.descent);
     } else {
-        report = minimize(cascade.corrected(), fine.x, options, request.progress, &fine.descent);
+        report = minimize(std::getenv("FAS") ? cascade.corrected() : problem, fine.x, options, request.progress, &fine.descent);
     }
     report.energy = bound.energy(report.energy);
     bound.to_vertices(problem.place(fine.x), positions);
