@@ -7,8 +7,6 @@
 #include "native/local_global/graph/rotations.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <cstdlib>
 #include <array>
 #include <numeric>
 #include <utility>
@@ -218,7 +216,7 @@ void ArapProblem::precondition(const Points& gradient, Points& z) const
 
 bool ArapProblem::improve(Points& x, Points& gradient, double& F)
 {
-    if (!motions_)
+    if (!motions_ || motions_->empty())
         return false;
     const bool smooth = graph_.is_smooth();
     ClusterMotions::Motion& motion = buffers_.motion;
@@ -262,8 +260,6 @@ bool ArapProblem::improve(Points& x, Points& gradient, double& F)
         } else {
             F_better = evaluate(better, better_gradient);
         }
-        if (std::getenv("DBG"))
-            std::fprintf(stderr, "  improve %d longest %.3g share %.3g F %.10g -> %.10g  moved %.3g shares %.2f\n", k, longest, share, F, F_better, (better - x).rowwise().norm().maxCoeff(), motions_->mean_shares());
         if (F_better < F) {
             F = F_better;
             x.swap(better);
@@ -277,38 +273,16 @@ bool ArapProblem::improve(Points& x, Points& gradient, double& F)
     return false;
 }
 
-void ArapProblem::turn(const ClusterMap& map, const std::vector<Eigen::Quaterniond>& turns)
-{
-    const Matrices& before = buffers_.rotations[current_];
-    const int next = current_ == kept_ ? spare(current_) : current_;
-    Matrices& after = buffers_.rotations[next];
-    for_each_moving([&](const GraphChunk& chunk) {
-        for (int i = chunk.begin; i < chunk.end; ++i) {
-            const std::size_t first = entries * static_cast<std::size_t>(i);
-            Eigen::Map<Matrix3>(after.data() + first) = handed_down(map, turns, i).toRotationMatrix() *
-                                                        Eigen::Map<const Matrix3>(before.data() + first);
-        }
-    });
-    current_ = next;
-}
-
-void ArapProblem::relax(Points& x, const Points& tilt)
-{
-    Points& gradient = buffers_.gradient;
-    move_to(x);
-    energy_and_gradient(gradient);
-    if (tilt.size() > 0)
-        gradient -= tilt;
-    graph_.position_factor().solve(gradient, gradient);
-    x -= gradient;
-}
-
 void ArapProblem::global_step(Points& x)
 {
+    Points& gradient = buffers_.gradient;
     x = PointsView(buffers_.points.data(), graph_.free_count(), 3);
-    for (int k = 0; k < 2; ++k) // the factor is in single precision, so each solve leaves a millionth
-        relax(x, {});
-    move_to(x);
+    for (int k = 0; k < 2; ++k) { // the factor is in single precision, so each solve leaves a millionth
+        energy_and_gradient(gradient);
+        graph_.position_factor().solve(gradient, gradient);
+        x -= gradient;
+        move_to(x);
+    }
 }
 
 } // namespace sinew

@@ -4,10 +4,7 @@
 #include "native/core/types.h"
 #include "native/local_global/arap/arap_system.h"
 #include "native/local_global/arap/cluster_motions.h"
-#include "native/local_global/graph/clusters.h"
 #include "native/solvers/optimization/metric_lbfgs.h"
-
-#include <Eigen/Geometry>
 
 #include <cstddef>
 #include <functional>
@@ -57,12 +54,6 @@ public:
     }
     /// Fits the rotation of each cell to the positions alone, without smoothing.
     void local_step(const Points& x);
-
-    /// Turns the rotation of each node by what the clusters near it turn.
-    void turn(const ClusterMap& map, const std::vector<Eigen::Quaterniond>& turns);
-    /// One step towards the free positions that minimise E - tilt . x for the current rotations.
-    /// \param tilt  (free, 3), or empty for zero.
-    void relax(Points& x, const Points& tilt);
 
     int free_count() const { return graph_.free_count(); }
 

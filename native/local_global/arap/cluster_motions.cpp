@@ -95,6 +95,8 @@ ClusterMotions::ClusterMotions(const ArapSystem& graph, const Points& rest, std:
                                const HandleGraph& clusters)
     : free_(clusters.free_count()), unknowns_(6 * free_), label_(std::move(label))
 {
+    if (empty())
+        return;
     const int count = clusters.size(), nodes = graph.size();
     first_member_ = begins(count, nodes, [&](int i) { return label_[i]; });
     members_.resize(first_member_.back());

@@ -36,7 +36,6 @@ public:
                    const HandleGraph& clusters);
 
     bool empty() const { return unknowns_ == 0; }
-    double mean_shares() const { return double(shares_.size()) / label_.size(); }
     std::int64_t factor_bytes() const { return factor_.bytes(); }
 
     /// One motion; kept from one step to the next, it is not allocated again.

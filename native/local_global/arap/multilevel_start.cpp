@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cstdlib>
 
 namespace sinew {
 
@@ -16,6 +17,7 @@ namespace {
 constexpr int coarsening = 8;
 constexpr int fewest_nodes = 60;
 constexpr int most_levels = 8;
+constexpr int most_clusters = 2000; ///< of motions: more hardly move better, and their factor costs more
 constexpr int coarsest_iterations = 30, level_iterations = 5;
 constexpr double rounding_floor = 1e-14; ///< of sum w |p_i - p_j|^2: an energy below it is rounding
 constexpr double worthwhile = 0.7;    ///< a level with a larger share of the finer nodes is left out
@@ -104,6 +106,29 @@ MultilevelStart::MultilevelStart(const ArapSystem& fine, const Points& rest, con
         graph = &levels_.back().graph;
         points = &levels_.back().rest;
     }
+    motions_.resize(levels_.size() + 1);
+    for (std::size_t g = 0; g < levels_.size(); ++g) {
+        std::vector<int> label = levels_[g].map.label();
+        std::size_t l = g;
+        while (levels_[l].graph.size() > most_clusters && l + 1 < levels_.size()) {
+            ++l;
+            for (int& p : label)
+                p = p < 0 ? p : levels_[l].map.label()[p];
+        }
+        const ArapSystem& moved = g == 0 ? fine : levels_[g - 1].graph;
+        motions_[g] = ClusterMotions(moved, g == 0 ? rest : levels_[g - 1].rest, std::move(label),
+                                     levels_[l].graph.nodes());
+    }
+}
+
+std::int64_t MultilevelStart::factor_bytes() const
+{
+    std::int64_t bytes = 0;
+    for (const RotationLevel& level : levels_)
+        bytes += level.graph.factor_bytes();
+    for (const ClusterMotions& motions : motions_)
+        bytes += motions.factor_bytes();
+    return bytes;
 }
 
 CascadeSolve::CascadeSolve(const MultilevelStart& cascade, ArapProblem& fine_problem, const ArapSystem& fine,
@@ -114,8 +139,7 @@ CascadeSolve::CascadeSolve(const MultilevelStart& cascade, ArapProblem& fine_pro
     const int count = static_cast<int>(levels.size());
     work.resize(count);
     problems_.reserve(count);
-    corrected_.reserve(count + 1);
-    corrected_.emplace_back(fine_problem);
+    fine_problem.improve_by(cascade.motions(0));
     for (int l = 0; l < count; ++l) {
         const ArapSystem& graph = levels[l].graph;
         Targets local{targets.poses, view(levels[l].rest), {}, targets.from_rest};
@@ -127,8 +151,7 @@ CascadeSolve::CascadeSolve(const MultilevelStart& cascade, ArapProblem& fine_pro
         problems_.emplace_back(graph, local.base(), work[l].goals.targets, work[l].goals.pulls,
                                &work[l].buffers);
         floors_.push_back(energy_floor(graph, local));
-        corrected_.emplace_back(problems_.back());
-        corrected_[l].correct_by(corrected_[l + 1], levels[l].map, work[l].descent);
+        problems_.back().improve_by(cascade.motions(l + 1));
     }
 }
 
@@ -159,11 +182,10 @@ const std::vector<Eigen::Quaterniond>& CascadeSolve::descend(int level, ArapProb
 {
     const bool coarsest = level == static_cast<int>(cascade_.levels().size());
     problem.global_step(work.x);
-    minimize(corrected_[level], work.x,
-             {.max_iterations = coarsest ? coarsest_iterations : level_iterations,
+    minimize(problem, work.x,
+             {.max_iterations = std::getenv("LI") ? std::atoi(std::getenv("LI")) : coarsest ? coarsest_iterations : level_iterations,
               .tolerance = 1e-4,
-              .floor = floor,
-              .correction_period = correction_period},
+              .floor = floor},
              {}, &work.descent);
     problem.refresh(work.x);
     const int nodes = level == 0 ? fine_.size() : cascade_.levels()[level - 1].graph.size();

@@ -189,7 +189,6 @@ LbfgsWorkspace::~LbfgsWorkspace() = default;
 LbfgsWorkspace::LbfgsWorkspace(LbfgsWorkspace&&) noexcept = default;
 
 bool MetricProblem::improve(Points&, Points&, double&) { return false; }
-bool MetricProblem::correct(const Points&, const Points&, Points&) { return false; }
 
 SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& options, const Progress& progress,
                      LbfgsWorkspace* work)
@@ -202,8 +201,7 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
     auto& [g, z, trial, trial_g, trial_z, kept] = *work;
     LbfgsWorkspace::History& history = *kept;
     history.reset(std::min(options.window, most_window), x.size());
-    int small_steps = 0, next_correction = 0;
-    bool corrected = false;
+    int small_steps = 0;
 
     double F = problem.evaluate(x, g);
     const auto try_step = [&](double t) {
@@ -228,22 +226,6 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
 
         double F_trial = F;
         bool accepted = false;
-        if (options.correction_period > 0 && (report.iterations >= next_correction || small_steps > 0) &&
-            !corrected && problem.correct(x, g, trial)) {
-            corrected = true;
-            next_correction = report.iterations + options.correction_period;
-            F_trial = problem.evaluate(trial, trial_g);
-            ++report.iterations;
-            accepted = F_trial < F;
-            if (!accepted) {
-                ++report.rejected;
-                problem.restore_state();
-                continue;
-            }
-            history.moved(x, trial);
-        } else {
-            corrected = false;
-        }
         double t = 1.0;
         for (int k = 0;
              !accepted && report.iterations < options.max_iterations && k < most_trials && history.size() > 0;

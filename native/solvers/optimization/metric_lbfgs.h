@@ -26,11 +26,6 @@ public:
     virtual void keep_state() = 0;
     virtual void restore_state() = 0;
 
-    /// Optional coarse correction: proposes a better point than x. May change the state.
-    /// \param gradient  at x.
-    /// \return whether a point was proposed.
-    virtual bool correct(const Points& x, const Points& gradient, Points& better);
-
     /// Optional coarse step from an accepted point, multiplicative: where it lowers F, moves x, and F and its
     /// gradient with it, and changes the state.
     /// \return whether it has moved x.
@@ -47,8 +42,6 @@ struct LbfgsOptions
     int max_iterations = 40;  ///< trial steps, rejected ones included
     double tolerance = 1e-4;  ///< stop when the relative decrease of F is below this twice in succession
     double floor = 0.0;       ///< stop when F is below this
-    /// How many iterations pass from one correction to the next, the correction included; 0 for none.
-    int correction_period = 0;
     int window = 5;           ///< number of correction pairs, at most 16
     /// How many plain steps are tried before the end, of lengths 1, 0.3, 0.09, ... One is enough where L
     /// bounds the Hessian.

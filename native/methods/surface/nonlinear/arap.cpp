@@ -12,7 +12,6 @@
 #include "native/operators/laplacian.h"
 #include "native/operators/painted.h"
 
-#include <cstdlib>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -27,7 +26,6 @@ constexpr double least_rigidity = 1e-3; ///< as a share of the largest painted o
 /// An energy below this share of sum w |p_i - p_j|^2 is rounding. Without this floor, rigid poses would
 /// iterate on it.
 constexpr double rounding_floor = 1e-14;
-constexpr int most_clusters = 2000;
 
 std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
 {
@@ -114,7 +112,6 @@ struct Binding
     ArapSystem graph;
     Points node_rest; ///< the rest points of the nodes
     MultilevelStart cascade;
-    ClusterMotions motions;
     std::optional<HigherOrder> higher; ///< with point_handles
     mutable Pool<Workspace> workspaces;
 
@@ -126,18 +123,6 @@ struct Binding
         for (int i = 0; i < graph.size(); ++i)
             node_rest.row(i) = rest.row(graph.order()[i]);
         cascade = MultilevelStart(graph, node_rest, progress);
-        std::vector<int> label;
-        for (const RotationLevel& level : cascade.levels()) {
-            if (label.empty())
-                label = level.map.label();
-            else
-                for (int& p : label)
-                    p = p < 0 ? p : level.map.label()[p];
-            if (level.graph.size() <= most_clusters) {
-                motions = ClusterMotions(graph, node_rest, std::move(label), level.graph.nodes());
-                break;
-            }
-        }
     }
 
     /// \param mass  (n) of the vertices
@@ -214,11 +199,9 @@ void Arap::bind(const Regions& regions, BindReport& report, const Progress& prog
     self.factorizations += (self.bound->graph.is_smooth() ? 2 : 1) + (self.bound->higher ? 1 : 0);
     report.degenerate_faces = self.degenerate_faces;
     report.factorizations = self.factorizations;
-    report.factor_bytes = self.bound->graph.factor_bytes();
+    report.factor_bytes = self.bound->graph.factor_bytes() + self.bound->cascade.factor_bytes();
     if (self.bound->higher)
         report.factor_bytes += self.bound->higher->factor().bytes();
-    for (const RotationLevel& level : self.bound->cascade.levels())
-        report.factor_bytes += level.graph.factor_bytes();
 }
 
 void Arap::swap_binding(SurfaceMethod& other)
@@ -253,9 +236,6 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
     ArapProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
     options.floor = rounding_floor * (given.incoming ? graph.scale(targets.base()) : graph.rest_scale());
     CascadeSolve cascade(bound.cascade, problem, graph, targets, work->levels);
-    options.correction_period = std::getenv("FAS") ? correction_period : 0;
-    if (!bound.motions.empty() && !std::getenv("NOC"))
-        problem.improve_by(bound.motions);
     if (request.start) {
         bound.to_nodes(*request.start, graph.free_count(), fine.x);
         if (graph.is_smooth()) // without smoothing, the first evaluation fits them
@@ -269,11 +249,10 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
         HigherOrderProblem higher(graph, *bound.higher, problem, targets.base(), fine.goals.pulls);
         if (!request.start)
             higher.global_step(fine.x);
-        options.correction_period = 0; // coarser graphs know nothing of the second part of the energy
         options.plain_steps = 4;
         report = minimize(higher, fine.x, options, request.progress, &fine.descent);
     } else {
-        report = minimize(std::getenv("FAS") ? cascade.corrected() : problem, fine.x, options, request.progress, &fine.descent);
+        report = minimize(problem, fine.x, options, request.progress, &fine.descent);
     }
     report.energy = bound.energy(report.energy);
     bound.to_vertices(problem.place(fine.x), positions);
