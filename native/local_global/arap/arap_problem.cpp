@@ -198,9 +198,10 @@ double ArapProblem::evaluate(const Points& x, Points& gradient)
         const Matrices& before = buffers_.rotations[current_];
         const int next = spare(current_);
         for_each_moving([&](const GraphChunk& chunk) {
-            double* const S = covariances_of(chunk);
-            kernels_.add_neighbours(view_, chunk, before.data(), S);
-            fit(chunk, S, before, 0.0, buffers_.rotations[next]);
+            std::array<double, chunk_numbers> S;
+            std::copy_n(covariances_of(chunk), covariance_columns * (chunk.end - chunk.begin), S.data());
+            kernels_.add_neighbours(view_, chunk, before.data(), S.data());
+            fit(chunk, S.data(), before, 0.0, buffers_.rotations[next]);
         });
         current_ = next;
     } else {
@@ -224,13 +225,12 @@ bool ArapProblem::improve(Points& x, Points& gradient, double& F)
     const Points none;
     if (smooth)
         for_each_moving([&](const GraphChunk& chunk) {
-            double* const S = covariances_of(chunk);
-            kernels_.covariances(view_, chunk, S);
-            kernels_.torques(view_, chunk, S, buffers_.rotations[current_].data(),
+            kernels_.torques(view_, chunk, covariances_of(chunk), buffers_.rotations[current_].data(),
                              torque.data() + 3 * static_cast<std::size_t>(chunk.begin));
         });
-    const double longest = motions_->solve(x, buffers_.points.data(), buffers_.rotations[current_].data(),
-                                           gradient, smooth ? torque : none, 2.0 / graph_.energy_factor(), motion);
+    const double longest =
+        motions_->solve(x, buffers_.points.data(), buffers_.rotations[current_].data(), gradient,
+                        smooth ? torque : none, 2.0 / graph_.energy_factor(), motion);
     const int before = current_;
     better.resize(x.rows(), 3);
     double share = longest > 1.0 ? 1.0 / longest : 1.0;
@@ -277,12 +277,10 @@ void ArapProblem::global_step(Points& x)
 {
     Points& gradient = buffers_.gradient;
     x = PointsView(buffers_.points.data(), graph_.free_count(), 3);
-    for (int k = 0; k < 2; ++k) { // the factor is in single precision, so each solve leaves a millionth
-        energy_and_gradient(gradient);
-        graph_.position_factor().solve(gradient, gradient);
-        x -= gradient;
-        move_to(x);
-    }
+    energy_and_gradient(gradient);
+    graph_.position_factor().solve(gradient, gradient);
+    x -= gradient;
+    move_to(x);
 }
 
 } // namespace sinew

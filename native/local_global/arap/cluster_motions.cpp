@@ -6,8 +6,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <cstdlib>
 #include <numeric>
 #include <utility>
 
@@ -203,7 +201,6 @@ SparseMatrix ClusterMotions::metric(const ArapSystem& graph, const Points& rest,
     parallel_for(
         count,
         [&](int p) {
-            std::vector<int> near;
             std::vector<Block>& blocks = parts[p];
             const auto block = [&](int high, int low) -> Block& {
                 for (Block& b : blocks)
@@ -297,8 +294,9 @@ SparseMatrix ClusterMotions::metric(const ArapSystem& graph, const Points& rest,
             for (int k = 0; k < 6; ++k)
                 for (int l = 0; l < 6; ++l)
                     if (block.high > block.low || k >= l)
-                        triplets.emplace_back(6 * block.high + k, 6 * block.low + l,
-                                              all(k, l) * (block.high == block.low && k == l ? 1 + least_pivot : 1.0));
+                        triplets.emplace_back(
+                            6 * block.high + k, 6 * block.low + l,
+                            all(k, l) * (block.high == block.low && k == l ? 1 + least_pivot : 1.0));
         }
     SparseMatrix K(unknowns_, unknowns_);
     K.setFromTriplets(triplets.begin(), triplets.end());
@@ -306,7 +304,8 @@ SparseMatrix ClusterMotions::metric(const ArapSystem& graph, const Points& rest,
 }
 
 double ClusterMotions::solve(const Points& x, const double* points, const double* rotations,
-                             const Points& gradient, const Points& torque, double torque_share, Motion& motion) const
+                             const Points& gradient, const Points& torque, double torque_share,
+                             Motion& motion) const
 {
     const int count = static_cast<int>(first_member_.size()) - 1;
     const int nodes = static_cast<int>(label_.size());

@@ -76,10 +76,10 @@ private:
     int free_ = 0, unknowns_ = 0; ///< free clusters; with six unknowns each
     std::vector<int> label_;
     std::vector<int> first_member_, members_; ///< the nodes of each cluster
-    std::vector<int> first_share_;            ///< of each free node
+    std::vector<int> first_share_; ///< of each free node
     std::vector<Share> shares_;
     std::vector<int> first_node_; ///< of each free cluster, whom it moves
-    std::vector<Share> moved_;    ///< the nodes and their weights
+    std::vector<Share> moved_; ///< the nodes and their weights
     SingleFactor factor_;
 };
 

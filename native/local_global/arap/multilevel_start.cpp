@@ -8,7 +8,6 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace sinew {
 
@@ -19,6 +18,7 @@ constexpr int fewest_nodes = 60;
 constexpr int most_levels = 8;
 constexpr int most_clusters = 2000; ///< of motions: more hardly move better, and their factor costs more
 constexpr int coarsest_iterations = 30, level_iterations = 5;
+constexpr int large_iterations = 2; ///< on a level of more than most_clusters nodes
 constexpr double rounding_floor = 1e-14; ///< of sum w |p_i - p_j|^2: an energy below it is rounding
 constexpr double worthwhile = 0.7;    ///< a level with a larger share of the finer nodes is left out
 
@@ -115,9 +115,15 @@ MultilevelStart::MultilevelStart(const ArapSystem& fine, const Points& rest, con
             for (int& p : label)
                 p = p < 0 ? p : levels_[l].map.label()[p];
         }
-        const ArapSystem& moved = g == 0 ? fine : levels_[g - 1].graph;
-        motions_[g] = ClusterMotions(moved, g == 0 ? rest : levels_[g - 1].rest, std::move(label),
-                                     levels_[l].graph.nodes());
+        try {
+            motions_[g] =
+                ClusterMotions(g == 0 ? fine : levels_[g - 1].graph, g == 0 ? rest : levels_[g - 1].rest,
+                               std::move(label), levels_[l].graph.nodes());
+        } catch (const OutOfMemory&) {
+            throw;
+        } catch (const FactorizationFailed&) {
+            // steps in the metric of the Laplacian find the minimum, too
+        }
     }
 }
 
@@ -182,11 +188,11 @@ const std::vector<Eigen::Quaterniond>& CascadeSolve::descend(int level, ArapProb
 {
     const bool coarsest = level == static_cast<int>(cascade_.levels().size());
     problem.global_step(work.x);
-    minimize(problem, work.x,
-             {.max_iterations = std::getenv("LI") ? std::atoi(std::getenv("LI")) : coarsest ? coarsest_iterations : level_iterations,
-              .tolerance = 1e-4,
-              .floor = floor},
-             {}, &work.descent);
+    const int iterations = problem.free_count() > most_clusters ? large_iterations : level_iterations;
+    minimize(
+        problem, work.x,
+        {.max_iterations = coarsest ? coarsest_iterations : iterations, .tolerance = 1e-4, .floor = floor},
+        {}, &work.descent);
     problem.refresh(work.x);
     const int nodes = level == 0 ? fine_.size() : cascade_.levels()[level - 1].graph.size();
     work.rotations.resize(nodes);

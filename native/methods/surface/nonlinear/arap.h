@@ -72,7 +72,7 @@ constexpr auto choices(ArapOptions::Cells)
 /// Departs from the papers: a weight w_ij below 1e-6 of the mean weight (or negative) is raised to
 /// that, so no term can be negative, and one above 1e4 of the mean is lowered to that. The start is
 /// computed from the poses alone, by a cascade of clustered graphs. The steps are those of L-BFGS in the
-/// metric of the Laplacian, with a test of the energy, and corrections by the coarser graphs. Before
+/// metric of the Laplacian, with a test of the energy, each followed by a motion of clusters. Before
 /// rotations are fitted to their cells, one linear solve moves all of them together.
 ///
 ///   call           repeat it when ...            cost
@@ -80,10 +80,9 @@ constexpr auto choices(ArapOptions::Cells)
 ///   set_handles()  another set of handles        two factorisations (with point_handles, a third one of
 ///                                                twice the order), and those of the cascade; the first call
 ///                                                also computes the weights
-///   solve()        the handles moved             as much as 3 to 5 iterations for the start, then its
-///                                                iterations: two solves for x, y and z and n rotation fits
-///                                                each; every third one is a correction by the coarser
-///                                                graphs and costs three times as much
+///   solve()        the handles moved             as much as two iterations for the start, then its
+///                                                iterations: two solves for x, y and z, n rotation fits and
+///                                                a motion of clusters each
 class Arap : public SurfaceMethodWith<ArapOptions>
 {
 public:

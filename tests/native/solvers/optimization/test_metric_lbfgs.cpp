@@ -270,8 +270,8 @@ TEST(MetricLbfgs, shorter_plain_steps_help_where_the_metric_is_too_small)
     }
 }
 
-/// A quadratic with one soft direction, along the ones. A correction moves by `share` of the way to the
-/// minimum in that direction.
+/// A quadratic with one soft direction, along the ones, in which a coarse step goes `share` of the way to the
+/// minimum.
 class Soft final : public DenseProblem
 {
 public:
@@ -283,61 +283,44 @@ public:
         gradient = rest.rowwise() + softness * mean;
         return 0.5 * (rest.squaredNorm() + softness * count * mean.squaredNorm());
     }
-    bool correct(const Points& x, const Points&, Points& better) override
+    bool improve(Points& x, Points& gradient, double& F) override
     {
-        ++corrections;
-        better = x.rowwise() - share_ * x.colwise().mean();
-        state = better;
+        if (share_ == 0)
+            return false;
+        x = x.rowwise() - share_ * x.colwise().mean();
+        F = value(x, gradient);
+        state = x;
         return true;
     }
 
     static constexpr int count = 40;
-    int corrections = 0;
 
 private:
     static constexpr double softness = 1e-3;
     double share_;
 };
 
-TEST(MetricLbfgs, corrections_settle_what_steps_hardly_change)
+TEST(MetricLbfgs, coarse_steps_settle_what_steps_hardly_change)
 {
-    LbfgsOptions options = budget(4);
-    options.correction_period = 3;
-    Soft corrected(1.0), alone(1.0);
-    Points x = start(Soft::count), y = x;
-    EXPECT_EQ(minimize(corrected, x, options).rejected, 0);
-    EXPECT_EQ(corrected.corrections, 2); // the first and the fourth iteration
-    EXPECT_LT(x.norm(), 1e-6);           // in single precision, pairs bend the steps by some 1e-7
-    EXPECT_EQ(corrected.state, x);
-    options.correction_period = 0;
-    minimize(alone, y, options);
-    EXPECT_EQ(alone.corrections, 0);
+    Soft improved(1.0), alone(0.0);
+    Points x = start(Soft::count), y = x, gradient;
+    const SolveReport report = minimize(improved, x, budget(2));
+    EXPECT_LT(x.norm(), 1e-6); // in single precision, pairs bend the steps by some 1e-7
+    EXPECT_EQ(improved.state, x);
+    EXPECT_EQ(report.energy, improved.value(x, gradient));
+    minimize(alone, y, budget(2));
+    EXPECT_GT(y.norm(), 1e-2);
 }
 
-TEST(MetricLbfgs, a_correction_that_raises_the_function_is_undone)
+TEST(MetricLbfgs, one_small_step_is_the_last_where_coarse_steps_lower_the_function)
 {
-    LbfgsOptions options = budget(8);
-    options.correction_period = 3;
-    Soft problem(-2.0);
-    Points x = start(Soft::count), gradient;
-    const double before = problem.value(x, gradient);
-    const SolveReport report = minimize(problem, x, options);
-    EXPECT_EQ(report.rejected, problem.corrections);
-    EXPECT_GE(problem.corrections, 2);
-    EXPECT_LE(report.iterations, 8);
-    EXPECT_EQ(problem.state, x);
-    EXPECT_EQ(report.energy, problem.value(x, gradient));
-    EXPECT_LT(report.energy, before);
-}
-
-TEST(MetricLbfgs, a_small_step_calls_for_a_correction_before_the_end)
-{
-    // The first step settles all but the soft direction; the next one hardly lowers F.
-    LbfgsOptions options{.max_iterations = 50, .tolerance = 0.9, .correction_period = 40};
-    Soft problem(0.5);
-    Points x = start(Soft::count);
-    EXPECT_TRUE(minimize(problem, x, options).converged);
-    EXPECT_GE(problem.corrections, 2);
+    for (const double share : {0.0, 0.1}) {
+        Soft problem(share);
+        Points x = start(Soft::count);
+        const SolveReport report = minimize(problem, x, {.max_iterations = 50, .tolerance = 0.9999});
+        EXPECT_TRUE(report.converged);
+        EXPECT_EQ(report.iterations, share > 0 ? 2 : 3);
+    }
 }
 
 } // namespace sinew::test_metric_lbfgs

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/local_global/arap/cluster_motions.h"
+
+#include "native/local_global/arap/multilevel_start.h"
+#include "tests/native/local_global/arap/graphs.h"
+#include "tests/native/shapes.h"
+
+#include <Eigen/Geometry>
+
+namespace sinew::test_cluster_motions {
+
+Matrix3 turn(const Vector3& w)
+{
+    return Eigen::AngleAxisd(w.norm(), w.stableNormalized()).toRotationMatrix();
+}
+
+/// The energy of points and rotations, written down for itself.
+struct Energy
+{
+    const ArapSystem& graph;
+    Points rest, x; ///< of all nodes
+    std::vector<Matrix3> R;
+
+    double of_edges(int i) const
+    {
+        const GraphEdges& edges = graph.nodes().edges();
+        double sum = 0.0;
+        for (int a = edges.offsets[i]; a < edges.offsets[i + 1]; ++a) {
+            const int j = edges.neighbours[a];
+            const Vector3 e = (rest.row(i) - rest.row(j)).transpose(), d = (x.row(i) - x.row(j)).transpose();
+            sum += edges.weights[a] * ((d - R[i] * e).squaredNorm() + (d - R[j] * e).squaredNorm() +
+                                       2 * graph.cells().smoothing * (R[i] - R[j]).squaredNorm());
+        }
+        return sum / 4;
+    }
+    double of_pulls(int i) const // to the rest
+    {
+        double sum = 0.0;
+        for (const GraphPull& pull : graph.nodes().pulls())
+            sum += pull.node == i ? pull.stiffness / 2 * (x.row(i) - rest.row(i)).squaredNorm() : 0.0;
+        return sum;
+    }
+    double all() const
+    {
+        double sum = 0.0;
+        for (int i = 0; i < graph.size(); ++i)
+            sum += of_edges(i) / 2 + of_pulls(i);
+        return sum;
+    }
+    double slope(int i, int k, bool turned)
+    {
+        constexpr double h = 1e-5;
+        double side[2];
+        for (const int s : {0, 1}) {
+            const double step = s == 0 ? -h : h;
+            const Eigen::RowVector3d at = x.row(i);
+            const Matrix3 turned_by = R[i];
+            if (turned)
+                R[i] = turn(step * Vector3::Unit(k)) * R[i];
+            else
+                x(i, k) += step;
+            side[s] = of_edges(i) + of_pulls(i);
+            x.row(i) = at;
+            R[i] = turned_by;
+        }
+        return (side[1] - side[0]) / (2 * h);
+    }
+};
+
+TEST(ClusterMotions, a_whole_step_goes_to_the_minimum_along_it)
+{
+    for (const bool soft : {false, true}) {
+        SurfaceMesh mesh = shapes::sphere(3);
+        std::vector<Handle> handles = graphs::poles(mesh);
+        if (soft)
+            handles[1].weights.assign(handles[1].vertices.size(), 0.6);
+        const ArapSystem graph = graphs::of(mesh, handles, 0.02);
+        const Points& rest = mesh.points();
+        const auto level = RotationLevel::coarser(graph.nodes(), graph.cells(), rest);
+        ASSERT_TRUE(level);
+        const ClusterMotions motions(graph, rest, level->map.label(), level->graph.nodes());
+
+        Energy energy{graph, rest, rest, std::vector<Matrix3>(graph.size(), Matrix3::Identity())};
+        const int free = graph.free_count();
+        energy.x.topRows(free) += 1e-4 * shapes::Random(1).dense(free, 3);
+        const MatrixX turns = 1e-4 * shapes::Random(2).dense(free, 3);
+        for (int i = 0; i < free; ++i)
+            energy.R[i] = turn(turns.row(i).transpose());
+        Points gradient(free, 3), torque = Points::Zero(graph.size(), 3);
+        for (int i = 0; i < free; ++i)
+            for (int k = 0; k < 3; ++k) {
+                gradient(i, k) = energy.slope(i, k, false);
+                torque(i, k) = -energy.slope(i, k, true);
+            }
+
+        ClusterMotions::Motion motion;
+        const Points x = energy.x.topRows(free);
+        const std::vector<Matrix3> R = energy.R;
+        motions.solve(x, energy.x.data(), R.front().data(), gradient, torque, 1.0, motion);
+        std::vector<double> along;
+        for (const double share : {0.0, 0.9, 1.0, 1.1, 2.0}) {
+            motions.scale(share, motion);
+            for (int i = 0; i < free; ++i) {
+                Eigen::RowVector3d to, by;
+                motions.move(motion, i, x.row(i), to, by);
+                energy.x.row(i) = to;
+                energy.R[i] = turn(by.transpose()) * R[i];
+            }
+            along.push_back(energy.all());
+        }
+        const double gain = along[0] - along[2];
+        EXPECT_GT(gain, 1e-3 * along[0]);
+        EXPECT_GT(along[1], along[2]);
+        EXPECT_GT(along[3], along[2]);
+        EXPECT_NEAR(along[4], along[0], 1e-2 * gain); // turns are small, but not infinitely small
+    }
+}
+
+} // namespace sinew::test_cluster_motions
