@@ -277,10 +277,12 @@ void ArapProblem::global_step(Points& x)
 {
     Points& gradient = buffers_.gradient;
     x = PointsView(buffers_.points.data(), graph_.free_count(), 3);
-    energy_and_gradient(gradient);
-    graph_.position_factor().solve(gradient, gradient);
-    x -= gradient;
-    move_to(x);
+    for (int k = 0; k < 2; ++k) { // the factor is in single precision, so each solve leaves a millionth
+        energy_and_gradient(gradient);
+        graph_.position_factor().solve(gradient, gradient);
+        x -= gradient;
+        move_to(x);
+    }
 }
 
 } // namespace sinew

@@ -43,8 +43,8 @@ public:
     /// and for all.
     void set_rotation(int i, const Matrix3& R);
 
-    /// Finds the free positions that minimise E for the current rotations, to the millionth that a factor in
-    /// single precision leaves.
+    /// Finds the free positions that minimise E for the current rotations: a linear solve, and a second one
+    /// for the residual of the first.
     void global_step(Points& x);
     Points global_step()
     {

@@ -4,6 +4,8 @@
 #include "native/core/parallel.h"
 #include "native/operators/fits/rotation_fit.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <array>
 #include <numeric>
@@ -202,12 +204,15 @@ SparseMatrix ClusterMotions::metric(const ArapSystem& graph, const Points& rest,
         count,
         [&](int p) {
             std::vector<Block>& blocks = parts[p];
-            const auto block = [&](int high, int low) -> Block& {
-                for (Block& b : blocks)
-                    if (b.high == high && b.low == low)
-                        return b;
-                blocks.push_back({high, low});
-                return blocks.back();
+            std::array<std::size_t, 36> last{}; // where the last edge found its pairs; most edges are alike
+            const auto block = [&](int high, int low, std::size_t& at) -> Block& {
+                const auto is_it = [&](const Block& b) { return b.high == high && b.low == low; };
+                if (at < blocks.size() && is_it(blocks[at]))
+                    return blocks[at];
+                at = std::ranges::find_if(blocks, is_it) - blocks.begin();
+                if (at == blocks.size())
+                    blocks.push_back({high, low});
+                return blocks[at];
             };
             struct Entry
             {
@@ -243,7 +248,7 @@ SparseMatrix ClusterMotions::metric(const ArapSystem& graph, const Points& rest,
                         const Entry &high = entries[k], &low = entries[l];
                         if (high.cluster < low.cluster)
                             continue;
-                        Block& to = block(high.cluster, low.cluster);
+                        Block& to = block(high.cluster, low.cluster, last[6 * k + l]);
                         to.moves += weight * high.a * low.a;
                         to.high_low += weight * high.a * low.b;
                         to.low_high += weight * low.a * high.b;

@@ -201,7 +201,7 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
     auto& [g, z, trial, trial_g, trial_z, kept] = *work;
     LbfgsWorkspace::History& history = *kept;
     history.reset(std::min(options.window, most_window), x.size());
-    int small_steps = 0, enough = 2; // so many small steps end the iteration
+    int small_steps = 0;
 
     double F = problem.evaluate(x, g);
     const auto try_step = [&](double t) {
@@ -212,7 +212,7 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
         return problem.evaluate(trial, trial_g);
     };
     const auto done = [&] {
-        report.converged = report.converged || F <= options.floor || small_steps >= enough;
+        report.converged = report.converged || F <= options.floor || small_steps >= 2;
         return report.converged || report.iterations >= options.max_iterations;
     };
     if (!done()) {
@@ -264,13 +264,11 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
             break;
         }
 
-        if (problem.improve(trial, trial_g, F_trial)) {
+        if (problem.improve(trial, trial_g, F_trial))
             history.moved(x, trial);
-            enough = 1; // a coarse step shows what is left where steps alone do not
-        }
         report.residual = F != 0 ? (F - F_trial) / std::abs(F) : 0.0;
         small_steps = report.residual < options.tolerance ? small_steps + 1 : 0;
-        if (report.iterations < options.max_iterations && small_steps < enough) {
+        if (report.iterations < options.max_iterations && small_steps < 2) {
             problem.precondition(trial_g, trial_z);
             history.extend(g, trial_g, z, trial_z);
         }

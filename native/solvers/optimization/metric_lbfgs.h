@@ -40,7 +40,7 @@ public:
 struct LbfgsOptions
 {
     int max_iterations = 40;  ///< trial steps, rejected ones included
-    double tolerance = 1e-4; ///< stop when F falls by a smaller share twice in a row, or once where improved
+    double tolerance = 1e-4; ///< stop when the relative decrease of F is below this twice in succession
     double floor = 0.0; ///< stop when F is below this
     int window = 5; ///< number of correction pairs, at most 16
     /// How many plain steps are tried before the end, of lengths 1, 0.3, 0.09, ... One is enough where L

@@ -70,7 +70,7 @@ struct Energy
 TEST(ClusterMotions, a_whole_step_goes_to_the_minimum_along_it)
 {
     for (const bool soft : {false, true}) {
-        SurfaceMesh mesh = shapes::sphere(3);
+        SurfaceMesh mesh = shapes::sphere(4);
         std::vector<Handle> handles = graphs::poles(mesh);
         if (soft)
             handles[1].weights.assign(handles[1].vertices.size(), 0.6);

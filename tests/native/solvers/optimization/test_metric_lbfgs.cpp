@@ -312,15 +312,4 @@ TEST(MetricLbfgs, coarse_steps_settle_what_steps_hardly_change)
     EXPECT_GT(y.norm(), 1e-2);
 }
 
-TEST(MetricLbfgs, one_small_step_is_the_last_where_coarse_steps_lower_the_function)
-{
-    for (const double share : {0.0, 0.1}) {
-        Soft problem(share);
-        Points x = start(Soft::count);
-        const SolveReport report = minimize(problem, x, {.max_iterations = 50, .tolerance = 0.9999});
-        EXPECT_TRUE(report.converged);
-        EXPECT_EQ(report.iterations, share > 0 ? 2 : 3);
-    }
-}
-
 } // namespace sinew::test_metric_lbfgs
