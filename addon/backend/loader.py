@@ -9,6 +9,7 @@ import fnmatch
 import importlib
 import platform
 import sys
+import tempfile
 import traceback
 import zipfile
 import zlib
@@ -101,10 +102,11 @@ def _unpack_wheel() -> bool:
     if not wheels or not folder.is_dir():
         return False
     try:
-        with zipfile.ZipFile(wheels[0]) as archive:
-            for name in archive.namelist():
-                archive.read(name)  # a damaged one ends this before anything is written
-            archive.extractall(folder)
+        with zipfile.ZipFile(wheels[0]) as archive, tempfile.TemporaryDirectory(dir=folder) as fresh:
+            archive.extractall(fresh)  # a damaged one ends this before anything is in its place
+            for part in Path(fresh).iterdir():
+                if not (place := folder / part.name).exists():  # what is there may be loaded: it stays
+                    part.replace(place)
     except (OSError, zipfile.BadZipFile, zlib.error):
         return False
     importlib.invalidate_caches()

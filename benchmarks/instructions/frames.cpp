@@ -3,6 +3,7 @@
 // counts the instructions there. It uses one thread, so that every run gives the same count.
 #include "native/attachments/attachments.h"
 #include "native/core/parallel.h"
+#include "native/core/simd/processor.h"
 #include "native/methods/space/cage/green.h"
 #include "native/methods/space/cage/mean_value.h"
 #include "native/methods/surface/linear/responses/affine_basis.h"

@@ -14,8 +14,8 @@ MODULES = {
     *("subprocess", "telnetlib", "urllib", "xmlrpc", "yaml", "zipimport"),
 }
 # Functions for addon/bake alone.
-WRITING = {"mkdir", "rmtree", "touch", "unlink", "write_bytes", "write_text"}
-OPENING = {"NamedTemporaryFile", "TemporaryFile", "mkstemp", "open"}
+WRITING = {"extract", "extractall", "mkdir", "rmtree", "touch", "unlink", "write_bytes", "write_text"}
+OPENING = {"NamedTemporaryFile", "TemporaryDirectory", "TemporaryFile", "mkstemp", "open"}
 CALLS = {"eval", "exec", "compile", "__import__", "input", "globals", "locals"}
 ATTRIBUTES = {
     *("driver_namespace", "expression", "fork", "fromfile", "import_module", "loads", "popen", "spawnl"),
@@ -26,6 +26,8 @@ OPERATORS = {"script", "console", "text", "preferences", "extensions"}  # of bpy
 # What may be there, and why.
 ALLOWED = {
     ("backend/loader.py", "import_module"): "the native module, by a name of our own",
+    ("backend/loader.py", "extractall"): "the native module, from the wheel that came with the zip",
+    ("backend/loader.py", "TemporaryDirectory"): "where a damaged wheel does no harm",
     ("operators/deformer/check.py", "NamedTemporaryFile"): "the report of a check, a new file",
     ("session/datablocks/shapes/shapes.py", "unlink"): "an object from a collection; no file is removed",
     ("core/methods/__init__.py", "import_module"): "the modules of its own folder, which are the registry",

@@ -66,6 +66,7 @@ def test_two_classes_of_one_name_are_found(tmp_path: Path) -> None:
         "except Exceptio|n as error:",
         "exc|ept:",
         "catch (|...)",
+        "*reinterpret_cas|t<const Pair*>(numbers)",
     ],
 )
 def test_word_that_does_not_belong_here_is_found(tmp_path: Path, line: str) -> None:

@@ -8,11 +8,12 @@ import pytest
 from workshop import linux_wheels
 
 MODULE = """
+#include <string.h>
 #define SHOWN __attribute__((visibility("default")))
 void *PyLong_FromLong(long);
 SHOWN void *PyInit_sinew_native(void) { return PyLong_FromLong(1); }
+void *copied(void *a, void *b, size_t n) { return memcpy(a, b, n); }
 """
-CPP = ("-Wl,--no-as-needed", "-lstdc++")
 HIDDEN = "int hidden(void) { return 1; }"
 
 
@@ -39,6 +40,7 @@ def test_a_module_that_every_linux_of_blender_loads_passes(tmp_path: Path) -> No
         ),
         (HIDDEN, ("-Wl,-rpath,/opt/lib",), "it looks in /opt/lib"),
         (f"SHOWN {HIDDEN}", (), "it shows PyInit_sinew_native, hidden"),
+        ("void *memcpy(void *a, const void *, size_t) { return a; }", (), "it has a memcpy of its own"),
         ("int dgemm_(); int calls(void) { return dgemm_(); }", (), "nothing defines dgemm_"),
     ],
 )

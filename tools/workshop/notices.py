@@ -31,7 +31,7 @@ KNOWN = {
     "libosd-dev": ("opensubdiv", "LicenseRef-Pixar-Modified-Apache-2.0"),
     "libsuitesparse-dev": ("suitesparse", "LGPL-2.1-or-later AND GPL-2.0-or-later AND BSD-3-Clause"),
     "libtbb-dev": ("onetbb", "Apache-2.0"),
-    "mingw-w64": ("mingw-w64 of zig", "ZPL-2.1 AND MIT"),
+    "mingw-w64": ("mingw-w64 of zig", "ZPL-2.1"),
     "pybind11": ("pybind11", "BSD-3-Clause"),
     "zig": ("zig", "MIT"),
 }

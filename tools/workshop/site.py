@@ -49,11 +49,11 @@ def write_pages(target: Path, **settings: str | Path) -> None:
 
 @one_at_a_time()
 def write_site() -> Path:
-    stub = types().read_text(encoding="utf-8")
+    text = types().read_text(encoding="utf-8")
     for written, plain in PLAIN.items():
-        stub = stub.replace(written, plain)
+        text = text.replace(written, plain)
     with tempfile.TemporaryDirectory() as folder:
-        (Path(folder) / "sinew_native.py").write_text(stub, encoding="utf-8")
+        (Path(folder) / "sinew_native.py").write_text(text, encoding="utf-8")
         write_native_pages(Path(folder) / "native")
         write_pages(
             SITE,

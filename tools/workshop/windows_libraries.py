@@ -12,9 +12,10 @@ from pathlib import Path
 
 from . import environments, zig
 from .cross_libraries import SOURCES, check, pinned
-from .shell import Stamp, one_at_a_time, said
+from .shell import Stamp, must, one_at_a_time, said
 
 WINDOWS = zig.system("windows", "Windows", "x86_64-windows-gnu")
+MEMORY = {"private": ("memcpy", "memmove", "memcmp"), "string": ("memset",)}
 PYTHONS = WINDOWS.files / "pythons.txt"
 
 
@@ -46,6 +47,20 @@ def import_library(minor: int) -> Path:
     library.unlink(missing_ok=True)
     library.symlink_to(windows_python(minor) / f"python3{minor}.dll")
     return library
+
+
+def memory_functions() -> list[Path]:
+    """Import libraries of the functions that the linker would otherwise take from zig's own runtime, where they
+    are slower.
+    """
+    libraries = []
+    for part, names in MEMORY.items():
+        dll = f"api-ms-win-crt-{part}-l1-1-0"
+        definition, library = (WINDOWS.tree / f"{dll}.{suffix}" for suffix in ("def", "a"))
+        definition.write_text("\n".join((f"LIBRARY {dll}.dll", "EXPORTS", *names, "")), encoding="utf-8")
+        must([zig.PACKAGE / "zig", "dlltool", "-m", "i386:x86-64", "-d", definition, "-l", library], quiet=True)
+        libraries.append(library)
+    return libraries
 
 
 def imported_libraries(binary: Path) -> set[str]:

@@ -12,7 +12,7 @@ from . import wine, zig
 from .archives import unpack
 from .cross_wheels import Target
 from .shell import say
-from .windows_libraries import WINDOWS, import_library, imported_libraries
+from .windows_libraries import WINDOWS, import_library, imported_libraries, memory_functions
 
 INPUTS = (
     *(f"tools/requirements/windows{python}.txt" for python in ("", "-3.11", "-3.13")),
@@ -48,6 +48,9 @@ TARGET = Target(
     inputs=INPUTS,
     check_module=check_module,
     check_wheel=check_wheel,
-    python=lambda minor: [f"-DPython_LIBRARY={import_library(minor)}"],
+    python=lambda minor: [
+        f"-DPython_LIBRARY={import_library(minor)}",
+        f"-DCMAKE_MODULE_LINKER_FLAGS={' '.join(map(str, memory_functions()))}",
+    ],
     licences={"mingw-w64": zig.PACKAGE / "lib" / "libc" / "mingw" / "COPYING"},
 )

@@ -60,13 +60,13 @@ inline Lanes<double> signed_as(Lanes<double> a, Lanes<double> b)
                     (bits_of(b) & same_bits(0x8000000000000000ULL)));
 }
 
-/// x = m 2^e with 1 <= m < 2, for positive normal x.
-inline void split(Lanes<double> x, Lanes<double>& m, Lanes<double>& e)
+/// x = m 2^e with 1 <= m < 2, for positive normal x; also 2^52 + e + 1023.
+inline void split(Lanes<double> x, Lanes<double>& m, Lanes<double>& shifted)
 {
     const LaneBits bits = bits_of(x);
     m = lanes_of((bits & same_bits(0x000fffffffffffffULL)) | same_bits(0x3ff0000000000000ULL));
     // The bits of the exponent become the last bits of the number 2^52 + exponent.
-    e = lanes_of((bits >> 52) | same_bits(0x4330000000000000ULL)) - constant(0x1p52 + 1023.0);
+    shifted = lanes_of((bits >> 52) | same_bits(0x4330000000000000ULL));
 }
 
 /// ln(a / b) for positive normal a and b, to 2 units in the last place of 1 + |ln(a / b)|.

@@ -34,12 +34,19 @@ template <class T>
 using Lanes = typename LanesOf<T, lane_count>::type;
 using FourLanes = LanesOf<double, 4>::type;
 
-template <class T>
-inline Lanes<T> load(const T* from) // which is aligned for a number, not for lanes
+/// A vector from numbers, which are aligned for a number and not for vectors. (A type of vectors could say so,
+/// but Clang forgets its alignment where it passes through a template.)
+template <class Vector, class T>
+inline Vector load_as(const T* from)
 {
-    Lanes<T> lanes;
-    __builtin_memcpy(&lanes, from, sizeof lanes);
-    return lanes;
+    Vector vector;
+    __builtin_memcpy(&vector, from, sizeof vector);
+    return vector;
+}
+template <class T>
+inline Lanes<T> load(const T* from)
+{
+    return load_as<Lanes<T>>(from);
 }
 template <class T, class Vector>
 inline void store(T* to, Vector lanes)
@@ -70,10 +77,9 @@ inline bool all(Mask mask)
 inline void load_columns(const double* a, const double* b, const double* c, const double* d, FourLanes& x,
                          FourLanes& y, FourLanes& z)
 {
-    typedef double Pair __attribute__((vector_size(16), aligned(8)));
+    using Pair = LanesOf<double, 2>::type;
     const auto pairs = [](const double* p, const double* q) {
-        return __builtin_shufflevector(*reinterpret_cast<const Pair*>(p), *reinterpret_cast<const Pair*>(q),
-                                       0, 1, 2, 3);
+        return __builtin_shufflevector(load_as<Pair>(p), load_as<Pair>(q), 0, 1, 2, 3);
     };
     const FourLanes ac = pairs(a, c), bd = pairs(b, d), ac_end = pairs(a + 1, c + 1),
                     bd_end = pairs(b + 1, d + 1);

@@ -16,8 +16,7 @@ struct Columns
 inline void store_three(double* to, L a)
 {
 #ifdef __GNUC__
-    typedef double Two __attribute__((vector_size(16), aligned(8)));
-    *reinterpret_cast<Two*>(to) = __builtin_shufflevector(a, a, 0, 1);
+    store(to, __builtin_shufflevector(a, a, 0, 1));
     to[2] = a[2];
 #else
     for (int k = 0; k < 3; ++k)

@@ -16,28 +16,16 @@ constexpr int eight = 8;
 
 #ifdef __GNUC__
 template <class T>
-struct WideOf;
-template <>
-struct WideOf<double>
-{
-    typedef double type __attribute__((vector_size(32), aligned(8)));
-};
-template <>
-struct WideOf<float>
-{
-    typedef float type __attribute__((vector_size(32), aligned(4)));
-};
-template <class T>
-using Wide = typename WideOf<T>::type; ///< one coordinate of several of the eight rows
+using Wide = typename LanesOf<T, 32 / sizeof(T)>::type; ///< one coordinate of several of the eight rows
 template <class T>
 inline Wide<T> load_wide(const T* from)
 {
-    return *reinterpret_cast<const Wide<T>*>(from);
+    return load_as<Wide<T>>(from);
 }
 template <class T>
 inline void store_wide(T* to, Wide<T> rows)
 {
-    *reinterpret_cast<Wide<T>*>(to) = rows;
+    store(to, rows);
 }
 inline Lanes<double> folded(Wide<double> a) { return a; }
 inline Lanes<float> folded(Wide<float> a)

@@ -90,18 +90,23 @@ def test_a_wheel_that_blender_did_not_install_is_unpacked(monkeypatch, tmp_path:
     monkeypatch.setattr(loader, "_WHEELS", tmp_path)
     folder = tmp_path / ".local" / "lib" / f"python3.{sys.version_info.minor}" / "site-packages"
     folder.mkdir(parents=True)
+    loaded = folder / "loaded.so"  # by another Blender, which crashes if this is written to
+    loaded.write_text("in use")
     monkeypatch.syspath_prepend(str(folder))
     import_module = loader.importlib.import_module
     monkeypatch.setattr(loader.importlib, "import_module", lambda _name: import_module("sinew_late"))
     wheel = tmp_path / f"{loader.wheel_name().replace('*', 'x')}.whl"
     with zipfile.ZipFile(wheel, "w", zipfile.ZIP_DEFLATED) as archive:
         archive.writestr("sinew_late.py", f"__version__ = {loader.VERSION!r}")
+        archive.writestr("loaded.so", "another one")
     right = wheel.read_bytes()
     for damaged in (b"damaged", right.replace(right[43:53], bytes([255] * 10))):
         wheel.write_bytes(damaged)
         assert "has not installed" in loader.load().remedy
+        assert list(folder.iterdir()) == [loaded]
     wheel.write_bytes(right)
     assert loader.load().module.__version__ == loader.VERSION
+    assert loaded.read_text() == "in use"
 
 
 def test_a_wheel_that_blender_did_not_install_is_named(monkeypatch, tmp_path: Path):

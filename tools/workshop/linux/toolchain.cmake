@@ -6,7 +6,7 @@ set(CMAKE_SYSTEM_PROCESSOR x86_64)
 set(CMAKE_CXX_FLAGS_INIT
   "-D_LIBCPP_ENABLE_CXX17_REMOVED_UNARY_BINARY_FUNCTION -I${CMAKE_CURRENT_LIST_DIR}/include")
 set(CMAKE_MODULE_LINKER_FLAGS_INIT
-  "-Wl,--gc-sections -Wl,-z,undefs -Wl,--version-script=${CMAKE_CURRENT_LIST_DIR}/exports.map")
+  "-Wl,--gc-sections -Wl,-z,undefs -Wl,--version-script=${CMAKE_CURRENT_LIST_DIR}/exports.map -x c ${CMAKE_CURRENT_LIST_DIR}/division.c -x none")
 set(CMAKE_FIND_ROOT_PATH ${CMAKE_PREFIX_PATH})
 set(CMAKE_FIND_ROOT_PATH_MODE_PROGRAM NEVER)
 set(CMAKE_FIND_ROOT_PATH_MODE_LIBRARY ONLY)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What MkDocs makes the site from, and the manual inside the zips: pages and pictures of the checkout.
 
-``extra`` of the configuration names a folder with the stub of `sinew_native`, one with Doxygen's pages about
+``extra`` of the configuration names a folder with the types of `sinew_native`, one with Doxygen's pages about
 the C++ headers, and the address of the host if there is one. Without the folders it is the manual of artists,
 with the methods and small pictures.
 
@@ -148,10 +148,10 @@ def generated(config: MkDocsConfig, name: str, target: str, made: bytes | str) -
 
 
 def write_api(files: Files, config: MkDocsConfig) -> None:
-    """Pages for the classes and functions of the stub, and those of Doxygen."""
-    stub = (Path(config.extra["types"]) / "sinew_native.py").read_text("utf-8")
-    bases = dict(re.findall(r"^class (\w+)(?:\((\w+)\))?:", stub, flags=re.M))
-    functions = re.findall(r"^def (\w+)", stub, flags=re.M)
+    """Pages for the classes and functions of the module, and those of Doxygen."""
+    types = (Path(config.extra["types"]) / "sinew_native.py").read_text("utf-8")
+    bases = dict(re.findall(r"^class (\w+)(?:\((\w+)\))?:", types, flags=re.M))
+    functions = re.findall(r"^def (\w+)", types, flags=re.M)
     rows = []
     for title, base in API.items():
         chosen = functions if base is None else [name for name in bases if family(name, bases) == base]

@@ -6,7 +6,7 @@ set(CMAKE_SYSTEM_PROCESSOR AMD64)
 # oneTBB's resource, the number of its version, is left empty: it is for a DLL.
 set(CMAKE_RC_COMPILER /usr/bin/touch)
 set(CMAKE_RC_COMPILE_OBJECT "<CMAKE_RC_COMPILER> <OBJECT>")
-# As for macOS; and Eigen takes Clang for a GCC of before 2010 here, for which it wraps vectors and lacks AVX-512.
+# As for macOS; and Eigen takes Clang for an old GCC here, for which it wraps vectors and lacks AVX-512.
 set(CMAKE_CXX_FLAGS_INIT
   "-D_LIBCPP_ENABLE_CXX17_REMOVED_UNARY_BINARY_FUNCTION -U__GXX_ABI_VERSION -D__GXX_ABI_VERSION=1004")
 set(CMAKE_FIND_ROOT_PATH ${CMAKE_PREFIX_PATH})

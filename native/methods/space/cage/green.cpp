@@ -137,19 +137,22 @@ struct Green::KernelResults
 {
     const std::size_t lanes = static_cast<std::size_t>(widest_kernels<CageKernels>().lanes);
     AlignedVector<double> scratch, phi, psi;
+    std::vector<int> near_edge;
     std::array<double, most_cage_lanes> winding;
     int touching = 0;
 
     explicit KernelResults(const CageGeometry& geometry)
         : scratch(geometry.scratch_size(widest_kernels<CageKernels>())),
           phi(lanes * static_cast<std::size_t>(geometry.tables().vertex_count)),
-          psi(lanes * static_cast<std::size_t>(geometry.tables().triangle_count))
+          psi(lanes * static_cast<std::size_t>(geometry.tables().triangle_count)),
+          near_edge(static_cast<std::size_t>(geometry.tables().edge_count))
     {
     }
     void run(const CageTables& tables, const PointLanes& points)
     {
-        touching = widest_kernels<CageKernels>().green(tables, points.lanes, scratch.data(), phi.data(),
-                                                       psi.data(), winding.data());
+        touching = widest_kernels<CageKernels>().green(tables, points.lanes, scratch.data(),
+                                                       near_edge.data(), phi.data(), psi.data(),
+                                                       winding.data());
     }
 };
 

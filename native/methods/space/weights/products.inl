@@ -24,26 +24,13 @@ void sparse_product(const T* weights, const int* columns, const int* offsets, in
 }
 
 #ifdef __GNUC__
-template <class T>
-struct WideOf;
-template <>
-struct WideOf<double>
-{
-    typedef double type __attribute__((vector_size(32), aligned(8)));
-};
-template <>
-struct WideOf<float>
-{
-    typedef float type __attribute__((vector_size(32), aligned(4)));
-};
 
 /// Two vectors of points and three columns are six sums that grow side by side.
 template <class T>
 void product(const T* block, int columns, const T* factors, T* sums)
 {
-    using Wide = typename WideOf<T>::type;
+    using Wide = typename LanesOf<T, 32 / sizeof(T)>::type;
     constexpr int width = 32 / sizeof(T);
-    const auto read = [](const T* from) { return *reinterpret_cast<const Wide*>(from); };
     Wide total[6] = {};
     while (columns > 0) {
         // The columns are summed in groups, and then the groups are summed, which rounds less than one long
@@ -51,7 +38,7 @@ void product(const T* block, int columns, const T* factors, T* sums)
         const int some = columns < 64 ? columns : 64;
         Wide sum[6] = {};
         for (int c = 0; c < some; ++c, block += 2 * width, factors += 3) {
-            const Wide b[2] = {read(block), read(block + width)};
+            const Wide b[2] = {load_as<Wide>(block), load_as<Wide>(block + width)};
             for (int k = 0; k < 6; ++k)
                 sum[k] = sum[k] + factors[k / 2] * b[k % 2];
         }
@@ -60,7 +47,7 @@ void product(const T* block, int columns, const T* factors, T* sums)
         columns -= some;
     }
     for (int k = 0; k < 6; ++k)
-        *reinterpret_cast<Wide*>(sums + width * k) = total[k];
+        store(sums + width * k, total[k]);
 }
 #else
 template <class T>

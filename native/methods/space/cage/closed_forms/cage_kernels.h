@@ -47,12 +47,13 @@ struct CageKernels
     void (*mean_value)(const CageTables& cage, const double* points, double* scratch, double* weights,
                        double* sums, int* on);
     /// Green coordinates: phi, psi, and the winding number of the cage around each point.
+    /// \param near_edge     (edge_count) any numbers; one int per edge
     /// \param[out] phi      (vertex_count)
     /// \param[out] psi      (triangle_count), in units of the cage's size
     /// \param[out] winding  (1)
     /// \return bit k: point k lies on an edge or vertex, and its results have no meaning
-    int (*green)(const CageTables& cage, const double* points, double* scratch, double* phi, double* psi,
-                 double* winding);
+    int (*green)(const CageTables& cage, const double* points, double* scratch, int* near_edge, double* phi,
+                 double* psi, double* winding);
     /// The integral of the unit direction over a spherical polygon is a sum over the arcs around it. This
     /// computes the contribution of each arc: half its angle, along its unit normal.
     /// \param arcs            (blocks, 6, most_cage_lanes) x, y, z of the first end of each arc, then of the

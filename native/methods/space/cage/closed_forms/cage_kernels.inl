@@ -51,8 +51,7 @@ inline Vector vector_at(const double* rays, int vertex)
 }
 inline L distance_at(const double* rays, int vertex) { return load(at(rays, 4 * vertex + 3)); }
 
-/// The vectors from the points to every vertex: x, y, z and, if `distances`, the length.
-template <bool distances>
+/// The vectors from the points to every vertex: x, y, z and the length.
 inline void aim(const CageTables& cage, const double* points, double* rays)
 {
     const L x = load(points), y = load(at(points, 1)), z = load(at(points, 2));
@@ -62,8 +61,7 @@ inline void aim(const CageTables& cage, const double* points, double* rays)
         store(at(rays, 4 * v), r.x);
         store(at(rays, 4 * v + 1), r.y);
         store(at(rays, 4 * v + 2), r.z);
-        if constexpr (distances)
-            store(at(rays, 4 * v + 3), root(dot(r, r)));
+        store(at(rays, 4 * v + 3), root(dot(r, r)));
     }
 }
 
@@ -149,22 +147,45 @@ SINEW_APART L near_plane(const CageTables& cage, int t, const double* rays, int 
     return T;
 }
 
+/// |a x b| for the rays a, b to the ends of an edge, for the lanes that see the edge under an angle near pi:
+/// there |a||b| + a.b would lose its digits.
+SINEW_APART L flat_sines(const CageEdge& edge, const double* rays, int flat, L sine)
+{
+    for (int lane = 0; lane < lane_count; ++lane) {
+        if (!(flat >> lane & 1))
+            continue;
+        const double *const a = at(rays, 4 * edge.a) + lane, *const b = at(rays, 4 * edge.b) + lane;
+        double square = 1e-60;
+        for (int axis = 0; axis < 3; ++axis) {
+            const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+            const double part = *at(a, next) * *at(b, last) - *at(a, last) * *at(b, next);
+            square += part * part;
+        }
+        sine[lane] = root(square);
+    }
+    return sine;
+}
+
 void mean_value(const CageTables& cage, const double* points, double* scratch, double* weights, double* sums,
                 int* on)
 {
     double* const rays = scratch;
     double* const integrals = at(scratch, 4 * cage.vertex_count);
-    aim<false>(cage, points, rays);
+    aim(cage, points, rays);
     clear(weights, cage.vertex_count);
     for (int lane = 0; lane < lane_count; ++lane)
         on[lane] = -1;
 
-    // J, the integral of 1 / |y - x|^2 over an edge, is the angle of the edge divided by its distance.
+    // J, the integral of 1 / |y - x|^2 over an edge, is the angle of the edge divided by its distance. With
+    // the rays a and b to the ends, |a x b|^2 = (|a||b| - a.b)(|a||b| + a.b).
     for (int e = 0; e < cage.edge_count; ++e) {
         const CageEdge& edge = cage.edges[e];
-        const Vector a = vector_at(rays, edge.a), b = vector_at(rays, edge.b), c = cross(a, b);
-        const L sine = root(dot(c, c) + constant(1e-60));
-        store(at(integrals, e), constant(edge.length) * angle_over_sine(sine, dot(a, b)));
+        const L product = distance_at(rays, edge.a) * distance_at(rays, edge.b);
+        const L inner = dot(vector_at(rays, edge.a), vector_at(rays, edge.b));
+        L sine = root(larger((product - inner) * (product + inner), constant(1e-60)));
+        if (const int flat = mask_bits(above(constant(-0.9) * product, inner)))
+            sine = flat_sines(edge, rays, flat, sine);
+        store(at(integrals, e), constant(edge.length) * angle_over_sine(sine, inner));
     }
 
     for (int t = 0; t < cage.triangle_count; ++t) {
@@ -294,12 +315,16 @@ struct Near
 
 /// Replaces the values of lanes near a side by those of NearTriangle, for the side with the least gap.
 SINEW_APART Near near_sides(const CageTables& cage, const CageTriangle& triangle, const double* rays,
-                            int near, Vector gaps, Near found)
+                            int near, Near found)
 {
     for (int lane = 0; lane < lane_count; ++lane) {
         if (!(near >> lane & 1))
             continue;
-        const double gap[3] = {gaps.x[lane], gaps.y[lane], gaps.z[lane]};
+        double gap[3];
+        for (int k = 0; k < 3; ++k)
+            gap[k] = at(rays, 4 * triangle.corners[(k + 1) % 3] + 3)[lane] +
+                     at(rays, 4 * triangle.corners[(k + 2) % 3] + 3)[lane] -
+                     near_side * cage.edges[triangle.edges[k]].length;
         const int first = gap[1] < gap[0] ? 1 : 0, k = gap[2] < gap[first] ? 2 : first;
         const NearTriangle close(cage, triangle, rays, k, lane);
         found.h[lane] = close.h;
@@ -311,13 +336,28 @@ SINEW_APART Near near_sides(const CageTables& cage, const CageTriangle& triangle
     return found;
 }
 
-int green(const CageTables& cage, const double* points, double* scratch, double* phi, double* psi,
-          double* winding)
+/// The integral of 1 / |y - x| over an edge for the lanes near it. Sets the bits of the lanes that lie on it in
+/// `touching`.
+SINEW_APART L near_logs(const CageEdge& edge, const double* rays, int near, L log, int& touching)
+{
+    for (int lane = 0; lane < lane_count; ++lane) {
+        if (!(near >> lane & 1))
+            continue;
+        const NearSide side(edge, rays, lane);
+        const double s = side.to_a + side.to_b + edge.length;
+        log[lane] = log_of_ratio(constant(s * s), constant(2.0 * side.gap + 1e-60))[0];
+        touching |= side.touches() ? 1 << lane : 0;
+    }
+    return log;
+}
+
+int green(const CageTables& cage, const double* points, double* scratch, int* near_edge, double* phi,
+          double* psi, double* winding)
 {
     constexpr double quarter = 0.079577471545947668; // 1 / (4 pi)
     double* const rays = scratch;
     double* const logs = at(scratch, 4 * cage.vertex_count);
-    aim<true>(cage, points, rays);
+    aim(cage, points, rays);
     clear(phi, cage.vertex_count);
     L around = constant(0.0);
     int touching = 0;
@@ -329,16 +369,11 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
         const L sum = distance_at(rays, edge.a) + distance_at(rays, edge.b);
         const L length = constant(edge.length), gap = sum - length;
         const auto near_lanes = above(constant(near_side * edge.length), sum);
-        L l = constant(quarter) * log_of_ratio(sum + length, choose(near_lanes, length, gap));
-        if (const int near = mask_bits(near_lanes))
-            for (int lane = 0; lane < lane_count; ++lane)
-                if (near >> lane & 1) {
-                    const NearSide side(edge, rays, lane);
-                    const double s = side.to_a + side.to_b + edge.length;
-                    l[lane] = quarter * log_of_ratio(constant(s * s), constant(2.0 * side.gap + 1e-60))[0];
-                    touching |= side.touches() ? 1 << lane : 0;
-                }
-        store(at(logs, 2 * e), l);
+        L log = log_of_ratio(sum + length, choose(near_lanes, length, gap));
+        near_edge[e] = mask_bits(near_lanes);
+        if (near_edge[e])
+            log = near_logs(edge, rays, near_edge[e], log, touching);
+        store(at(logs, 2 * e), constant(quarter) * log);
         store(at(logs, 2 * e + 1), dot(vector_at(rays, edge.a), vector_at(rays, edge.b)));
     }
 
@@ -353,13 +388,8 @@ int green(const CageTables& cage, const double* points, double* scratch, double*
         const L cosine = d0 * d1 * d2 + load(at(logs, 2 * e[0] + 1)) * d0 +
                          load(at(logs, 2 * e[1] + 1)) * d1 + load(at(logs, 2 * e[2] + 1)) * d2;
         L angle = signed_as(angle_between(constant(triangle.double_area) * magnitude(h), cosine), h);
-        const L gap0 = d1 + d2 - constant(near_side * cage.edges[e[0]].length),
-                gap1 = d2 + d0 - constant(near_side * cage.edges[e[1]].length),
-                gap2 = d0 + d1 - constant(near_side * cage.edges[e[2]].length);
-        const L smaller = choose(above(gap0, gap1), gap1, gap0);
-        const L least = choose(above(smaller, gap2), gap2, smaller);
-        if (const int near = mask_bits(above(constant(0.0), least))) {
-            const Near found = near_sides(cage, triangle, rays, near, {gap0, gap1, gap2}, {h, p, angle});
+        if (const int near = near_edge[e[0]] | near_edge[e[1]] | near_edge[e[2]]) {
+            const Near found = near_sides(cage, triangle, rays, near, {h, p, angle});
             h = found.h, p = found.p, angle = found.angle;
         }
         angle = constant(2.0 * quarter) * angle;
