@@ -43,8 +43,8 @@ public:
     /// and for all.
     void set_rotation(int i, const Matrix3& R);
 
-    /// Finds the free positions that minimise E for the current rotations: a linear solve, and a second one
-    /// for the residual of the first.
+    /// Finds the free positions that minimise E for the current rotations, to the millionth that a factor in
+    /// single precision leaves.
     void global_step(Points& x);
     Points global_step()
     {
@@ -60,7 +60,7 @@ public:
     double evaluate(const Points& x, Points& gradient) override;
     void precondition(const Points& gradient, Points& z) const override;
     /// Without smoothing, rotations depend on the positions alone; they are not kept, but fitted again.
-    /// From now on, improve() takes a step of these motions, halved until the energy falls. It comes after
+    /// From now on, improve() takes a step of these motions, shorter until the energy falls. It comes after
     /// evaluate(), whose covariances it uses, and fits no rotations.
     void improve_by(const ClusterMotions& motions) { motions_ = &motions; }
     bool improve(Points& x, Points& gradient, double& F) override;

@@ -344,7 +344,7 @@ double ClusterMotions::solve(const Points& x, const double* points, const double
         if (torque.size() > 0)
             motion.forces.row(i) -= torque_share * torque.row(i);
     });
-    motion.side.resize(unknowns_, 1);
+    motion.pushes.resize(unknowns_, 1);
     parallel_for(
         free_,
         [&](int p) {
@@ -355,15 +355,16 @@ double ClusterMotions::solve(const Points& x, const double* points, const double
                 turn += weight * motion.forces.row(i);
             }
             turn -= 0.5 * motion.places.row(p).cross(force);
-            motion.side.block<3, 1>(6 * p, 0) = motion.frames[p].transpose() * force.transpose();
-            motion.side.block<3, 1>(6 * p + 3, 0) = motion.frames[p].transpose() * turn.transpose();
+            motion.pushes.block<3, 1>(6 * p, 0) = motion.frames[p].transpose() * force.transpose();
+            motion.pushes.block<3, 1>(6 * p + 3, 0) = motion.frames[p].transpose() * turn.transpose();
         },
         grain);
-    factor_.solve(motion.side, motion.side);
-    double longest = 0.0;
+    factor_.solve(motion.pushes, motion.solution);
+    double longest = 1.0;
     for (int p = 0; p < free_; ++p)
-        longest = std::max(longest, motion.side.block<3, 1>(6 * p + 3, 0).norm());
-    return longest;
+        longest = std::max(longest, motion.solution.block<3, 1>(6 * p + 3, 0).norm());
+    motion.solution /= longest;
+    return motion.pushes.cwiseProduct(motion.solution).sum();
 }
 
 void ClusterMotions::scale(double share, Motion& motion) const
@@ -373,8 +374,8 @@ void ClusterMotions::scale(double share, Motion& motion) const
     parallel_for(
         free_,
         [&](int p) {
-            const Vector3 y = -share * (motion.frames[p] * motion.side.block<3, 1>(6 * p, 0));
-            const Vector3 w = -share * (motion.frames[p] * motion.side.block<3, 1>(6 * p + 3, 0));
+            const Vector3 y = -share * (motion.frames[p] * motion.solution.block<3, 1>(6 * p, 0));
+            const Vector3 w = -share * (motion.frames[p] * motion.solution.block<3, 1>(6 * p + 3, 0));
             // Cayley's formula: a rotation by w to second order
             const Vector3 h = 0.5 * w;
             const Matrix3 H = cross_matrix(h);

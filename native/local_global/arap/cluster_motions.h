@@ -44,18 +44,18 @@ public:
         Points places;               ///< (clusters, 3) X
         std::vector<Matrix3> frames; ///< one per free cluster
         Points offsets, forces;      ///< (free nodes, 3)
-        MatrixX side;                ///< of the system, and its solution
+        MatrixX pushes, solution;    ///< the system's right side and its solution, six numbers per cluster
         std::vector<Eigen::Matrix<double, 3, 4>> maps; ///< of the offsets of a cluster's nodes to their moves
         Points turns; ///< (free clusters, 3)
     };
 
-    /// Solves for the motion that lowers the energy.
+    /// Solves for the motion that lowers the energy, no cluster of which turns by more than 1.
     /// \param x          (free nodes, 3)
     /// \param points     three numbers per node
     /// \param rotations  nine numbers per node
     /// \param gradient   (free nodes, 3) for fixed rotations.
     /// \param torque     (nodes, 3) minus the change of the energy as the cells turn; or empty for zero.
-    /// \return the longest turn of a cluster
+    /// \return how fast the energy falls at first, per share of the motion
     double solve(const Points& x, const double* points, const double* rotations, const Points& gradient,
                  const Points& torque, double torque_share, Motion& motion) const;
     /// Prepares a share of the solution for nodes().

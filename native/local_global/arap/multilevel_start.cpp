@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <numeric>
 
 namespace sinew {
 
@@ -16,9 +17,9 @@ namespace {
 constexpr int coarsening = 8;
 constexpr int fewest_nodes = 60;
 constexpr int most_levels = 8;
-constexpr int most_clusters = 2000; ///< of motions: more hardly move better, and their factor costs more
+constexpr int wanted_clusters = 600; ///< of motions: more hardly move better, and their factor costs more
 constexpr int coarsest_iterations = 30, level_iterations = 5;
-constexpr int large_iterations = 2; ///< on a level of more than most_clusters nodes
+constexpr int large = 2000, large_iterations = 2; ///< on a level of more than `large` nodes
 constexpr double rounding_floor = 1e-14; ///< of sum w |p_i - p_j|^2: an energy below it is rounding
 constexpr double worthwhile = 0.7;    ///< a level with a larger share of the finer nodes is left out
 
@@ -45,6 +46,26 @@ void blend_handles(ArapProblem& problem, const ArapSystem& graph, const Poses& p
         if (!graph.nodes().is_idle(i))
             problem.set_rotation(i, rotations[i].toRotationMatrix());
 }
+
+/// Clusters of the nodes of one graph, the free ones first.
+struct MotionClusters
+{
+    std::size_t of; ///< the number of the graph
+    ClusterMap map;
+    HandleGraph graph;
+
+    MotionClusters(std::size_t number, const HandleGraph& nodes, const Points& points)
+        : of(number), map(nodes, Clusters(nodes, points, wanted_clusters)),
+          graph(graph_of_clusters(nodes, points, map))
+    {
+        std::vector<int> order = graph.free_nodes();
+        for (int p = 0; p < graph.size(); ++p)
+            if (graph.place(p) < 0)
+                order.push_back(p);
+        map.renumber(order);
+        graph = graph.renumbered(order);
+    }
+};
 
 } // namespace
 
@@ -106,19 +127,34 @@ MultilevelStart::MultilevelStart(const ArapSystem& fine, const Points& rest, con
         graph = &levels_.back().graph;
         points = &levels_.back().rest;
     }
+    add_motions(fine, rest);
+}
+
+/// Adds the motions of each graph but the coarsest. Their clusters are the nodes of a coarser graph if that has
+/// about as many as are wanted; else they are made of the coarsest graph with many more nodes.
+void MultilevelStart::add_motions(const ArapSystem& fine, const Points& rest)
+{
+    const auto graph = [&](std::size_t g) -> const ArapSystem& { return g == 0 ? fine : levels_[g - 1].graph; };
+    const auto points = [&](std::size_t g) -> const Points& { return g == 0 ? rest : levels_[g - 1].rest; };
     motions_.resize(levels_.size() + 1);
+    std::optional<MotionClusters> own;
     for (std::size_t g = 0; g < levels_.size(); ++g) {
-        std::vector<int> label = levels_[g].map.label();
-        std::size_t l = g;
-        while (levels_[l].graph.size() > most_clusters && l + 1 < levels_.size()) {
-            ++l;
+        std::size_t at = g;
+        std::vector<int> label(graph(g).size()); // the node of graph `at` that each node of graph g is in
+        std::iota(label.begin(), label.end(), 0);
+        const auto hand_on = [&](const ClusterMap& map) {
             for (int& p : label)
-                p = p < 0 ? p : levels_[l].map.label()[p];
-        }
+                p = p < 0 ? p : map.label()[p];
+        };
+        for (; at < levels_.size() && graph(at + 1).size() >= 4 * wanted_clusters; ++at)
+            hand_on(levels_[at].map);
+        const bool has_clusters = at < levels_.size() && graph(at + 1).size() <= 2 * wanted_clusters;
+        if (!has_clusters && (!own || own->of != at))
+            own.emplace(at, graph(at).nodes(), points(at));
+        hand_on(has_clusters ? levels_[at].map : own->map);
         try {
-            motions_[g] =
-                ClusterMotions(g == 0 ? fine : levels_[g - 1].graph, g == 0 ? rest : levels_[g - 1].rest,
-                               std::move(label), levels_[l].graph.nodes());
+            motions_[g] = ClusterMotions(graph(g), points(g), std::move(label),
+                                         has_clusters ? graph(at + 1).nodes() : own->graph);
         } catch (const OutOfMemory&) {
             throw;
         } catch (const FactorizationFailed&) {
@@ -188,7 +224,7 @@ const std::vector<Eigen::Quaterniond>& CascadeSolve::descend(int level, ArapProb
 {
     const bool coarsest = level == static_cast<int>(cascade_.levels().size());
     problem.global_step(work.x);
-    const int iterations = problem.free_count() > most_clusters ? large_iterations : level_iterations;
+    const int iterations = problem.free_count() > large ? large_iterations : level_iterations;
     minimize(
         problem, work.x,
         {.max_iterations = coarsest ? coarsest_iterations : iterations, .tolerance = 1e-4, .floor = floor},

@@ -76,6 +76,8 @@ public:
     std::int64_t factor_bytes() const;
 
 private:
+    void add_motions(const ArapSystem& fine, const Points& rest);
+
     std::vector<RotationLevel> levels_; ///< fine to coarse
     std::vector<ClusterMotions> motions_; ///< one more than levels
 };

@@ -25,8 +25,31 @@ constexpr double rounding = 1e-12;
 /// smaller one.
 constexpr double least_curvature = 1e-6;
 
+/// Bounds of the share of its way that an iteration leaves to the next ones: slow parts show late.
+constexpr double least_left = 2.0 / 3.0, most_left = 0.9;
+
 constexpr int grain = 2048; ///< numbers per parallel chunk; its vectors stay in the cache between two loops
 constexpr int most_window = 16;
+
+double longest_way(const Points& from, const Points& to)
+{
+    const int rows = static_cast<int>(from.rows());
+    std::vector<double> squares(rows / grain + 1, 0.0);
+    parallel_chunks(rows, grain, [&](int begin, int end) {
+        squares[begin / grain] = (to.middleRows(begin, end - begin) - from.middleRows(begin, end - begin))
+                                     .rowwise()
+                                     .squaredNorm()
+                                     .maxCoeff();
+    });
+    return std::sqrt(*std::ranges::max_element(squares));
+}
+
+/// How far a row has to go if ways shrink on as they did from the last iteration to this one.
+double way_left(double last, double way)
+{
+    const double left = last > 0 ? std::clamp(way / last, least_left, most_left) : most_left;
+    return way * left / (1 - left);
+}
 
 } // namespace
 
@@ -202,6 +225,8 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
     LbfgsWorkspace::History& history = *kept;
     history.reset(std::min(options.window, most_window), x.size());
     int small_steps = 0;
+    bool settled = false;
+    double last_way = 0.0;
 
     double F = problem.evaluate(x, g);
     const auto try_step = [&](double t) {
@@ -212,11 +237,14 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
         return problem.evaluate(trial, trial_g);
     };
     const auto done = [&] {
-        report.converged = report.converged || F <= options.floor || small_steps >= 2;
+        report.converged = report.converged || F <= options.floor || settled;
         return report.converged || report.iterations >= options.max_iterations;
     };
     if (!done()) {
-        problem.improve(x, g, F);
+        if (options.size > 0)
+            trial = x;
+        if (problem.improve(x, g, F) && options.size > 0)
+            last_way = longest_way(trial, x);
         problem.precondition(g, z);
     }
     while (!done()) {
@@ -266,9 +294,17 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
 
         if (problem.improve(trial, trial_g, F_trial))
             history.moved(x, trial);
-        report.residual = F != 0 ? (F - F_trial) / std::abs(F) : 0.0;
-        small_steps = report.residual < options.tolerance ? small_steps + 1 : 0;
-        if (report.iterations < options.max_iterations && small_steps < 2) {
+        if (options.size > 0) {
+            const double way = longest_way(x, trial);
+            report.residual = way_left(last_way, way) / options.size;
+            settled = report.residual < options.tolerance;
+            last_way = way;
+        } else {
+            report.residual = F != 0 ? (F - F_trial) / std::abs(F) : 0.0;
+            small_steps = report.residual < options.tolerance ? small_steps + 1 : 0;
+            settled = small_steps >= 2;
+        }
+        if (report.iterations < options.max_iterations && !settled) {
             problem.precondition(trial_g, trial_z);
             history.extend(g, trial_g, z, trial_z);
         }

@@ -41,6 +41,9 @@ struct LbfgsOptions
 {
     int max_iterations = 40;  ///< trial steps, rejected ones included
     double tolerance = 1e-4; ///< stop when the relative decrease of F is below this twice in succession
+    /// If not 0, stop instead when no row of x has more than `tolerance` times this left to go: an estimate,
+    /// by the longest way of a row in the last iteration and in the one before.
+    double size = 0.0;
     double floor = 0.0; ///< stop when F is below this
     int window = 5; ///< number of correction pairs, at most 16
     /// How many plain steps are tried before the end, of lengths 1, 0.3, 0.09, ... One is enough where L
@@ -75,7 +78,8 @@ struct LbfgsWorkspace
 ///
 /// \param[in,out] x  (n, 3) the start at first, the best point afterwards.
 /// \param work       the workspace of an earlier call; null for a new one.
-/// \return iterations (trials), rejected, energy = F, residual = the last relative decrease, converged.
+/// \return iterations (trials), rejected, energy = F, converged, residual = the last relative decrease, or
+///         what is left to go as a share of the size.
 SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& options,
                      const Progress& progress = {}, LbfgsWorkspace* work = nullptr);
 

@@ -111,6 +111,7 @@ struct Binding
     double unit; ///< of the nodes, whose squares fit into single precision
     ArapSystem graph;
     Points node_rest; ///< the rest points of the nodes
+    double size; ///< the diagonal of their box
     MultilevelStart cascade;
     std::optional<HigherOrder> higher; ///< with point_handles
     mutable Pool<Workspace> workspaces;
@@ -122,6 +123,7 @@ struct Binding
     {
         for (int i = 0; i < graph.size(); ++i)
             node_rest.row(i) = rest.row(graph.order()[i]);
+        size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
         cascade = MultilevelStart(graph, node_rest, progress);
     }
 
@@ -218,7 +220,8 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
     const Binding& bound = *impl_->bound;
     const ArapSystem& graph = bound.graph;
     LbfgsOptions options{.max_iterations = request.max_iterations.value_or(this->options().max_iterations),
-                         .tolerance = request.tolerance.value_or(this->options().tolerance)};
+                         .tolerance = request.tolerance.value_or(this->options().tolerance),
+                         .size = bound.size};
 
     const auto work = bound.workspaces.take([] { return std::make_unique<Workspace>(); });
     GraphWorkspace& fine = work->fine;

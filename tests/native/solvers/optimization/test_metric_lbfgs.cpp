@@ -312,4 +312,20 @@ TEST(MetricLbfgs, coarse_steps_settle_what_steps_hardly_change)
     EXPECT_GT(y.norm(), 1e-2);
 }
 
+TEST(MetricLbfgs, a_size_ends_it_when_no_row_has_more_than_a_share_of_that_left_to_go)
+{
+    for (const double share : {0.6, 0.2})
+        for (const double tolerance : {1e-2, 1e-5}) {
+            Soft problem(share);
+            Points x = start(Soft::count);
+            const SolveReport report = minimize(
+                problem, x, {.max_iterations = 100, .tolerance = tolerance, .size = 10.0, .window = 0});
+            EXPECT_TRUE(report.converged);
+            EXPECT_LT(report.residual, tolerance);
+            const double left = x.rowwise().norm().maxCoeff() / 10;
+            EXPECT_LT(left, 1.01 * report.residual);
+            EXPECT_GT(left, 0.2 * tolerance) << "late";
+        }
+}
+
 } // namespace sinew::test_metric_lbfgs
