@@ -92,8 +92,8 @@ struct Block
 } // namespace
 
 ClusterMotions::ClusterMotions(const ArapSystem& graph, const Points& rest, std::vector<int> label,
-                               const HandleGraph& clusters)
-    : free_(clusters.free_count()), unknowns_(6 * free_), label_(std::move(label))
+                               const HandleGraph& clusters, std::shared_ptr<const SingleFactor> metric)
+    : free_(clusters.free_count()), unknowns_(6 * free_), label_(std::move(label)), metric_(std::move(metric))
 {
     if (empty())
         return;
@@ -121,7 +121,9 @@ ClusterMotions::ClusterMotions(const ArapSystem& graph, const Points& rest, std:
             if (shares_[k].cluster < free_)
                 moved_[next[shares_[k].cluster]++] = {i, shares_[k].weight};
 
-    const SparseMatrix K = metric(graph, rest, places);
+    if (metric_)
+        return;
+    const SparseMatrix K = hessian(graph, rest, places);
     std::vector<Eigen::Triplet<double>> pattern;
     for (int p = 0; p < free_; ++p) {
         pattern.emplace_back(p, p, 1.0);
@@ -137,7 +139,9 @@ ClusterMotions::ClusterMotions(const ArapSystem& graph, const Points& rest, std:
     for (int p : fill_reducing_order(touching))
         for (int k = 0; k < 6; ++k)
             order.push_back(6 * p + k);
-    factor_.factorize(K, order);
+    SingleFactor factor;
+    factor.factorize(K, order);
+    metric_ = std::make_shared<const SingleFactor>(std::move(factor));
 }
 
 /// The weights of a node are barycentric: in the triangle of its own cluster and of two that touch it and
@@ -183,7 +187,7 @@ void ClusterMotions::weigh(const Points& rest, const Points& places, const Handl
     }
 }
 
-SparseMatrix ClusterMotions::metric(const ArapSystem& graph, const Points& rest, const Points& places) const
+SparseMatrix ClusterMotions::hessian(const ArapSystem& graph, const Points& rest, const Points& places) const
 {
     const GraphEdges& edges = graph.nodes().edges();
     const std::vector<double>& laplacian = graph.laplacian();
@@ -359,7 +363,7 @@ double ClusterMotions::solve(const Points& x, const double* points, const double
             motion.pushes.block<3, 1>(6 * p + 3, 0) = motion.frames[p].transpose() * turn.transpose();
         },
         grain);
-    factor_.solve(motion.pushes, motion.solution);
+    metric_->solve(motion.pushes, motion.solution);
     double longest = 1.0;
     for (int p = 0; p < free_; ++p)
         longest = std::max(longest, motion.solution.block<3, 1>(6 * p + 3, 0).norm());

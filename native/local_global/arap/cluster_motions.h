@@ -6,7 +6,7 @@
 #include "native/local_global/graph/handle_graph.h"
 #include "native/solvers/single_factor.h"
 
-#include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace sinew {
@@ -31,12 +31,13 @@ public:
     /// \param rest      (nodes, 3)
     /// \param label     (nodes) the cluster of each node, -1 for idle ones.
     /// \param clusters  the graph of the clusters, the free ones first.
+    /// \param metric    that of the same clusters on a finer graph of the same shape, or null for one of its own.
     /// \throw FactorizationFailed
     ClusterMotions(const ArapSystem& graph, const Points& rest, std::vector<int> label,
-                   const HandleGraph& clusters);
+                   const HandleGraph& clusters, std::shared_ptr<const SingleFactor> metric = nullptr);
 
     bool empty() const { return unknowns_ == 0; }
-    std::int64_t factor_bytes() const { return factor_.bytes(); }
+    const std::shared_ptr<const SingleFactor>& metric() const { return metric_; }
 
     /// One motion; kept from one step to the next, it is not allocated again.
     struct Motion
@@ -71,7 +72,7 @@ private:
         double weight;
     };
     void weigh(const Points& rest, const Points& places, const HandleGraph& clusters);
-    SparseMatrix metric(const ArapSystem& graph, const Points& rest, const Points& places) const;
+    SparseMatrix hessian(const ArapSystem& graph, const Points& rest, const Points& places) const;
 
     int free_ = 0, unknowns_ = 0; ///< free clusters; with six unknowns each
     std::vector<int> label_;
@@ -80,7 +81,7 @@ private:
     std::vector<Share> shares_;
     std::vector<int> first_node_; ///< of each free cluster, whom it moves
     std::vector<Share> moved_; ///< the nodes and their weights
-    SingleFactor factor_;
+    std::shared_ptr<const SingleFactor> metric_;
 };
 
 } // namespace sinew

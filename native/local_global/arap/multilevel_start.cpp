@@ -50,13 +50,11 @@ void blend_handles(ArapProblem& problem, const ArapSystem& graph, const Poses& p
 /// Clusters of the nodes of one graph, the free ones first.
 struct MotionClusters
 {
-    std::size_t of; ///< the number of the graph
     ClusterMap map;
     HandleGraph graph;
 
-    MotionClusters(std::size_t number, const HandleGraph& nodes, const Points& points)
-        : of(number), map(nodes, Clusters(nodes, points, wanted_clusters)),
-          graph(graph_of_clusters(nodes, points, map))
+    MotionClusters(const HandleGraph& nodes, const Points& points)
+        : map(nodes, Clusters(nodes, points, wanted_clusters)), graph(graph_of_clusters(nodes, points, map))
     {
         std::vector<int> order = graph.free_nodes();
         for (int p = 0; p < graph.size(); ++p)
@@ -130,14 +128,17 @@ MultilevelStart::MultilevelStart(const ArapSystem& fine, const Points& rest, con
     add_motions(fine, rest);
 }
 
-/// Adds the motions of each graph but the coarsest. Their clusters are the nodes of a coarser graph if that has
-/// about as many as are wanted; else they are made of the coarsest graph with many more nodes.
+/// Adds the motions of each graph but the coarsest. Their clusters are the nodes of the next coarser graph, or of
+/// one further down that has about as many as are wanted; or they are made of the coarsest graph that has more.
 void MultilevelStart::add_motions(const ArapSystem& fine, const Points& rest)
 {
-    const auto graph = [&](std::size_t g) -> const ArapSystem& { return g == 0 ? fine : levels_[g - 1].graph; };
+    const auto graph = [&](std::size_t g) -> const ArapSystem& {
+        return g == 0 ? fine : levels_[g - 1].graph;
+    };
     const auto points = [&](std::size_t g) -> const Points& { return g == 0 ? rest : levels_[g - 1].rest; };
     motions_.resize(levels_.size() + 1);
-    std::optional<MotionClusters> own;
+    std::optional<MotionClusters> made;
+    const HandleGraph* last = nullptr; // the clusters of the finer graph
     for (std::size_t g = 0; g < levels_.size(); ++g) {
         std::size_t at = g;
         std::vector<int> label(graph(g).size()); // the node of graph `at` that each node of graph g is in
@@ -146,20 +147,22 @@ void MultilevelStart::add_motions(const ArapSystem& fine, const Points& rest)
             for (int& p : label)
                 p = p < 0 ? p : map.label()[p];
         };
-        for (; at < levels_.size() && graph(at + 1).size() >= 4 * wanted_clusters; ++at)
+        for (; at < levels_.size() && graph(at + 1).size() > 2 * wanted_clusters; ++at)
             hand_on(levels_[at].map);
-        const bool has_clusters = at < levels_.size() && graph(at + 1).size() <= 2 * wanted_clusters;
-        if (!has_clusters && (!own || own->of != at))
-            own.emplace(at, graph(at).nodes(), points(at));
-        hand_on(has_clusters ? levels_[at].map : own->map);
+        const bool found = at < levels_.size() && (at == g || graph(at + 1).size() > wanted_clusters / 2);
+        if (!found && !made)
+            made.emplace(graph(at).nodes(), points(at));
+        hand_on(found ? levels_[at].map : made->map);
+        const HandleGraph& clusters = found ? graph(at + 1).nodes() : made->graph;
         try {
-            motions_[g] = ClusterMotions(graph(g), points(g), std::move(label),
-                                         has_clusters ? graph(at + 1).nodes() : own->graph);
+            motions_[g] = ClusterMotions(graph(g), points(g), std::move(label), clusters,
+                                         &clusters == last ? motions_[g - 1].metric() : nullptr);
         } catch (const OutOfMemory&) {
             throw;
         } catch (const FactorizationFailed&) {
             // steps in the metric of the Laplacian find the minimum, too
         }
+        last = &clusters;
     }
 }
 
@@ -168,8 +171,12 @@ std::int64_t MultilevelStart::factor_bytes() const
     std::int64_t bytes = 0;
     for (const RotationLevel& level : levels_)
         bytes += level.graph.factor_bytes();
+    const SingleFactor* last = nullptr; // a graph and the next coarser one may share theirs
     for (const ClusterMotions& motions : motions_)
-        bytes += motions.factor_bytes();
+        if (const SingleFactor* metric = motions.metric().get(); metric && metric != last) {
+            bytes += metric->bytes();
+            last = metric;
+        }
     return bytes;
 }
 

@@ -32,9 +32,10 @@ struct ArapOptions
                 "how stiff each vertex's cell is; values below 1e-3 of the largest one are raised to "
                 "that, so that the system stays solvable where a region is painted black"),
             iteration_limit(&O::max_iterations),
-            stopping_tolerance(&O::tolerance,
-                               "a solve stops when, by the ways of its last two iterations, no point has more "
-                               "than this share of the size of the rest shape left to go"),
+            stopping_tolerance(
+                &O::tolerance,
+                "a solve stops when, by the ways of its last two iterations, no point has more "
+                "than this share of the size of the rest shape left to go"),
             option("point_handles", &O::point_handles, Rebind::anew, from_to_below(0, 1),
                    "lambda: how smooth the surface is also at handles of a single vertex, instead of a "
                    "spike [Oehri, Herholz & Sorkine-Hornung 2025]; with 'spokes' only. The energy of a "
