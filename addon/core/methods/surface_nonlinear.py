@@ -148,8 +148,8 @@ ROWS = (
             tolerance(
                 1e-3,
                 soft=0.01,
-                description="Stop when no point has more than this share of the size of the surface left to go, "
-                "as the last two steps let expect",
+                description="Stop when no point has more than this share of the size of the surface "
+                "left to go, as the last two steps let expect",
                 unit="share of the size",
             ),
         ),

@@ -23,7 +23,7 @@ namespace sinew {
 /// as if the clusters were joined by hinges that rust. Clusters that are held neither move nor turn.
 ///
 /// The metric K of these motions is the Hessian at rest of the energy of points and rotations, restricted to
-/// them, and a step uses it in the present frames of the clusters.
+/// them, and a step uses it in the present frames of the clusters. That of a coarser graph serves, too.
 class ClusterMotions
 {
 public:
@@ -31,7 +31,7 @@ public:
     /// \param rest      (nodes, 3)
     /// \param label     (nodes) the cluster of each node, -1 for idle ones.
     /// \param clusters  the graph of the clusters, the free ones first.
-    /// \param metric    that of the same clusters on a finer graph of the same shape, or null for one of its own.
+    /// \param metric    that of the same clusters on a coarser graph of the same shape, or null for its own.
     /// \throw FactorizationFailed
     ClusterMotions(const ArapSystem& graph, const Points& rest, std::vector<int> label,
                    const HandleGraph& clusters, std::shared_ptr<const SingleFactor> metric = nullptr);

@@ -138,8 +138,8 @@ void MultilevelStart::add_motions(const ArapSystem& fine, const Points& rest)
     const auto points = [&](std::size_t g) -> const Points& { return g == 0 ? rest : levels_[g - 1].rest; };
     motions_.resize(levels_.size() + 1);
     std::optional<MotionClusters> made;
-    const HandleGraph* last = nullptr; // the clusters of the finer graph
-    for (std::size_t g = 0; g < levels_.size(); ++g) {
+    const HandleGraph* last = nullptr; // the clusters of the next coarser graph
+    for (std::size_t g = levels_.size(); g-- > 0;) {
         std::size_t at = g;
         std::vector<int> label(graph(g).size()); // the node of graph `at` that each node of graph g is in
         std::iota(label.begin(), label.end(), 0);
@@ -156,7 +156,7 @@ void MultilevelStart::add_motions(const ArapSystem& fine, const Points& rest)
         const HandleGraph& clusters = found ? graph(at + 1).nodes() : made->graph;
         try {
             motions_[g] = ClusterMotions(graph(g), points(g), std::move(label), clusters,
-                                         &clusters == last ? motions_[g - 1].metric() : nullptr);
+                                         &clusters == last ? motions_[g + 1].metric() : nullptr);
         } catch (const OutOfMemory&) {
             throw;
         } catch (const FactorizationFailed&) {

@@ -83,7 +83,7 @@ constexpr auto choices(ArapOptions::Cells)
 ///   set_handles()  another set of handles        two factorisations (with point_handles, a third one of
 ///                                                twice the order), and those of the cascade; the first call
 ///                                                also computes the weights
-///   solve()        the handles moved             as much as two iterations for the start, then its
+///   solve()        the handles moved             as much as two or three iterations for the start, then its
 ///                                                iterations: two solves for x, y and z, n rotation fits and
 ///                                                a motion of clusters each
 class Arap : public SurfaceMethodWith<ArapOptions>
