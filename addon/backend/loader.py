@@ -5,8 +5,10 @@ The zip for Blender before 4.2 holds the unpacked wheel in the folder ``_native`
 extension, Blender installs the wheel, which can then be imported by its name.
 """
 
+import contextlib
 import fnmatch
 import importlib
+import importlib.util
 import platform
 import sys
 import tempfile
@@ -84,17 +86,58 @@ def load() -> Availability:
 
 def _imported(name: str) -> ModuleType:
     try:
-        return importlib.import_module(name)
+        return _imported_copy(name) or importlib.import_module(name)
     except ModuleNotFoundError:
         if not _unpack_wheel():
             raise
-    return importlib.import_module(name)
+    return _imported_copy(name) or importlib.import_module(name)
+
+
+def _imported_copy(name: str) -> ModuleType | None:
+    """The module from a copy of its file, if it is that of an extension on Windows and not loaded yet.
+
+    Windows lets nobody replace a file that is loaded, so an update by Blender would end with an error.
+    """
+    if name in sys.modules or platform.system() != "Windows":
+        return None
+    found = importlib.util.find_spec(name)
+    copy = _copied(Path(found.origin)) if found and found.origin else None
+    spec = importlib.util.spec_from_file_location(name, copy) if copy else None
+    if spec is None or spec.loader is None:
+        return None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    sys.modules[name] = module
+    return module
+
+
+def _copied(file: Path) -> Path | None:
+    """A copy in the folder that an extension has for its own files; None if there can be none."""
+    local = next((folder for folder in file.parents if folder.name == ".local"), None)
+    if local is None or not _ROOT.startswith("bl_ext."):
+        return None
+    folder = local.parent.joinpath(".user", *_ROOT.split(".")[1:], "module")
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        content = file.read_bytes()
+        copy = folder / f"{file.stem}-{zlib.crc32(content):08x}{file.suffix}"
+        if not copy.exists():
+            with tempfile.NamedTemporaryFile(dir=folder, delete=False) as fresh:
+                fresh.write(content)
+            Path(fresh.name).replace(copy)
+        for other in folder.iterdir():
+            if other != copy:
+                with contextlib.suppress(OSError):  # another Blender uses this one
+                    other.unlink()
+    except OSError:
+        return None
+    return copy
 
 
 def _unpack_wheel() -> bool:
     """Unpack the fitting wheel to where Blender unpacks it, and say whether that could be done.
 
-    An update on Windows leaves it out, since the module of the former version is in use until Blender ends.
+    An update on Windows leaves it out if another program uses the module of the former version.
     """
     python = f"python{sys.version_info.major}.{sys.version_info.minor}"
     folder = _ADDON.parents[1] / ".local" / "lib" / python / "site-packages"

@@ -44,9 +44,12 @@ def flaws(listing: str) -> list[str]:
     asked = [fields for fields in symbols if len(fields) > 7 and fields[4] == "GLOBAL"]
     wanted = {fields[7] for fields in asked if fields[6] == "UND"}
     unknown = sorted(name for name in wanted if "@" not in name and not name.startswith(("Py", "_Py")))
-    found += [f"nothing defines {', '.join(unknown)}"] if unknown else []
-    # Else the linker has taken the object of zig's own runtime, whose functions are slower (linux/division.c).
-    return found + ([] if any(name.startswith("memcpy@") for name in wanted) else ["it has a memcpy of its own"])
+    if unknown:
+        found.append(f"nothing defines {', '.join(unknown)}")
+    # Else the linker took the object of zig's own runtime, whose functions are slower (linux/division.c).
+    if not any(name.startswith("memcpy@") for name in wanted):
+        found.append("it has a memcpy of its own")
+    return found
 
 
 def check_wheel(wheel: Path, minor: int) -> None:

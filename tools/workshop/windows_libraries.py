@@ -50,15 +50,15 @@ def import_library(minor: int) -> Path:
 
 
 def memory_functions() -> list[Path]:
-    """Import libraries of the functions that the linker would otherwise take from zig's own runtime, where they
-    are slower.
-    """
+    """Import libraries of what the linker would else take from zig's own runtime, where it is slower."""
     libraries = []
     for part, names in MEMORY.items():
         dll = f"api-ms-win-crt-{part}-l1-1-0"
         definition, library = (WINDOWS.tree / f"{dll}.{suffix}" for suffix in ("def", "a"))
         definition.write_text("\n".join((f"LIBRARY {dll}.dll", "EXPORTS", *names, "")), encoding="utf-8")
-        must([zig.PACKAGE / "zig", "dlltool", "-m", "i386:x86-64", "-d", definition, "-l", library], quiet=True)
+        must(
+            [zig.PACKAGE / "zig", "dlltool", "-m", "i386:x86-64", "-d", definition, "-l", library], quiet=True
+        )
         libraries.append(library)
     return libraries
 

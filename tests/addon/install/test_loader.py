@@ -2,6 +2,7 @@
 """A native module that cannot be loaded: its reason, its remedy, the name of its wheel, and no exception."""
 
 import fnmatch
+import importlib
 import platform
 import sys
 import zipfile
@@ -116,3 +117,30 @@ def test_a_wheel_that_blender_did_not_install_is_named(monkeypatch, tmp_path: Pa
     (tmp_path / "sinew_native-0.1.0-cp399-cp399-win_amd64.whl").touch()
     remedy = refused(monkeypatch, ModuleNotFoundError("sinew_native")).remedy
     assert all(words in remedy for words in ("has not installed", "install the zip again", THIS))
+
+
+def test_an_extension_on_windows_leaves_the_installed_file_free(monkeypatch, tmp_path: Path):
+    """A copy is loaded, since Windows lets nobody replace what is loaded. The next version has its own."""
+    installed = tmp_path / ".local" / "lib" / "site-packages" / "sinew_native.py"
+    installed.parent.mkdir(parents=True)
+    monkeypatch.syspath_prepend(str(installed.parent))
+    monkeypatch.setattr(loader, "_UNPACKED", tmp_path / "none")
+    monkeypatch.setattr(loader, "_ROOT", "bl_ext.somewhere.sinew")
+    monkeypatch.setattr(platform, "system", lambda: "Windows")
+
+    def loaded(version: str) -> Path:
+        installed.write_text(f"__version__ = {version!r}")
+        monkeypatch.setattr(loader, "VERSION", version)
+        monkeypatch.delitem(sys.modules, "sinew_native", raising=False)
+        importlib.invalidate_caches()
+        module = loader.load().module
+        assert module is sys.modules["sinew_native"] is loader.load().module
+        assert module.__version__ == version
+        return Path(module.__file__)
+
+    own = tmp_path / ".user"
+    own.touch()
+    assert loaded("1.0") == installed  # where no copy can be made
+    own.unlink()
+    for version in ("1.0", "2.0"):
+        assert [loaded(version)] == [*own.glob("somewhere/sinew/module/*.*")]

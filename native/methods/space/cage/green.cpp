@@ -150,9 +150,8 @@ struct Green::KernelResults
     }
     void run(const CageTables& tables, const PointLanes& points)
     {
-        touching = widest_kernels<CageKernels>().green(tables, points.lanes, scratch.data(),
-                                                       near_edge.data(), phi.data(), psi.data(),
-                                                       winding.data());
+        touching = widest_kernels<CageKernels>().green(tables, points.lanes, scratch.data(), near_edge.data(),
+                                                       phi.data(), psi.data(), winding.data());
     }
 };
 

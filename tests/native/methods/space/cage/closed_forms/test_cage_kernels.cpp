@@ -40,10 +40,9 @@ Results of(const CageKernels& kernels, const CageGeometry& geometry, const Point
         for (int lane = 0; lane < kernels.lanes; ++lane)
             some.set(lane, geometry.normalized(points.row(first + lane)));
         kernels.mean_value(tables, some.lanes, scratch.data(), weights.data(), sums.data(), on.data());
-        all.touching |=
-            kernels.green(tables, some.lanes, scratch.data(), near_edge.data(), phi.data(), psi.data(),
-                          winding.data())
-            << first;
+        all.touching |= kernels.green(tables, some.lanes, scratch.data(), near_edge.data(), phi.data(),
+                                      psi.data(), winding.data())
+                        << first;
         all.sums.insert(all.sums.end(), sums.begin(), sums.end());
         all.winding.insert(all.winding.end(), winding.begin(), winding.end());
         all.on.insert(all.on.end(), on.begin(), on.end());
