@@ -44,7 +44,7 @@ public:
     void set_rotation(int i, const Matrix3& R);
 
     /// Finds the free positions that minimise E for the current rotations, to the millionth that a factor in
-    /// single precision leaves.
+    /// single precision leaves; where the shape is nearly rigid, to the square of that.
     void global_step(Points& x);
     Points global_step()
     {
