@@ -36,3 +36,4 @@ from .recipes import (
     Shape as Shape,
 )
 from .self_check import Check as Check, check_installation as check_installation, last_check as last_check
+from .surfaces import Curvature as Curvature, Survey as Survey, curvature as curvature, survey as survey

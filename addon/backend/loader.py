@@ -2,7 +2,8 @@
 """Find the native module and compare versions.
 
 The zip for Blender before 4.2 holds the unpacked wheel in the folder ``_native`` beside this package. For an
-extension, Blender installs the wheel, which can then be imported by its name.
+extension, Blender installs the wheel, which can then be imported by its name; on Windows a copy of the module
+is imported.
 """
 
 import contextlib

@@ -28,6 +28,7 @@ from .layout import (
 from .libraries import is_placeholder as is_placeholder
 from .mesh import (
     read_cloud as read_cloud,
+    read_creases as read_creases,
     read_edges as read_edges,
     read_faces as read_faces,
     read_lattice as read_lattice,

@@ -72,6 +72,29 @@ def read_edges(mesh: Mesh) -> np.ndarray:
     return flat.view(np.int32).reshape(-1, 2)
 
 
+def read_creases(mesh: Mesh) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
+    """Which edges (k, 2) and vertices (k,) are creased, each with its crease from 0 to 1, float64 (k,)."""
+    edges, vertices = (
+        _creases(mesh, size, attribute, before)
+        for size, attribute, before in (
+            (len(mesh.edges), "crease_edge", "edge_creases"),
+            (len(mesh.vertices), "crease_vert", "vertex_creases"),
+        )
+    )
+    creased, sharp = np.flatnonzero(edges), np.flatnonzero(vertices)
+    return (read_edges(mesh)[creased], edges[creased]), (sharp, vertices[sharp])
+
+
+def _creases(mesh: Mesh, count: int, attribute: str, before: str) -> np.ndarray:
+    """The creases of all edges or vertices; up to 3.6 these are no attributes, but layers of their own."""
+    values, layer = np.zeros(count, dtype=np.float32), mesh.attributes.get(attribute)
+    if layer is None:
+        layer = next(iter(getattr(mesh, before, None) or ()), None)
+    if layer is not None and len(layer.data) == count:
+        layer.data.foreach_get("value", values)
+    return values.astype(np.float64)
+
+
 def write_positions(mesh: Mesh, positions: np.ndarray) -> None:
     """Replace the positions of all vertices, float32 (n, 3), and tell Blender of the change."""
     flat = np.ascontiguousarray(positions, dtype=np.float32).ravel()

@@ -9,7 +9,7 @@ import bmesh
 import numpy as np
 from bpy.types import Mesh
 
-from ..compat import read_faces, read_positions, write_positions
+from ..compat import read_creases, read_faces, read_positions, write_positions
 from ..core.geometry import frames, numbering
 from ..core.point_types import MESH, PointType, point_type_with_id
 from ..ids import Keys
@@ -100,7 +100,7 @@ def replace_rest(held: Mesh, new: Mesh) -> None:
 def _copy_weights(held: Mesh, new: Mesh) -> bool:
     """Copy only the weights, which takes a tenth of the time; False if that is not enough.
 
-    It is enough if the shapes and UV maps are equal and all weights are stored as attributes.
+    It is enough if shapes, UV maps and creases are equal and all weights are stored as attributes.
     """
     wanted = [weights_attribute(index) for index in range(len(known_groups(new)))]
     if not all(name in new.attributes for name in wanted):
@@ -108,7 +108,7 @@ def _copy_weights(held: Mesh, new: Mesh) -> bool:
     turned = _turned_faces(held, new)
     if turned is None or turned.any() or not np.array_equal(read_positions(held), read_positions(new)):
         return False
-    if not _same_uv_maps(held, new):
+    if not _same_uv_maps(held, new) or not _same_creases(held, new):
         return False
     for name in [attribute.name for attribute in held.attributes]:
         if name.startswith(_WEIGHTS):
@@ -126,6 +126,12 @@ def _same_uv_maps(held: Mesh, new: Mesh) -> bool:
     return names == [layer.name for layer in held.uv_layers] and all(
         np.array_equal(_corner_places(held, name), _corner_places(new, name)) for name in names
     )
+
+
+def _same_creases(held: Mesh, new: Mesh) -> bool:
+    """Whether two meshes with the same faces have the same creases of edges and vertices."""
+    pairs = zip(read_creases(held), read_creases(new), strict=True)
+    return all(np.array_equal(a, b) for own, other in pairs for a, b in zip(own, other, strict=True))
 
 
 def _corner_places(mesh: Mesh, name: str) -> np.ndarray:

@@ -42,6 +42,7 @@ from .deformer.report_renders import SINEW_OT_report_renders
 from .deformer.select_distorted import SINEW_OT_select_distorted
 from .deformer.select_problems import SINEW_OT_select_problems
 from .deformer.sharing import SINEW_OT_settings_share
+from .deformer.survey import SINEW_OT_diagnose, SINEW_OT_measure_curvature, SINEW_OT_select_unusual
 from .handles import clicking
 from .handles.control import SINEW_OT_control_edit, SINEW_OT_control_new
 from .handles.handle import (
@@ -142,6 +143,9 @@ _CLASSES = (
     SINEW_OT_armature_off,
     SINEW_OT_keep_inside,
     SINEW_OT_select_distorted,
+    SINEW_OT_diagnose,
+    SINEW_OT_select_unusual,
+    SINEW_OT_measure_curvature,
     SINEW_OT_curve_edit,
     SINEW_OT_grid_new,
     SINEW_OT_help,

@@ -12,7 +12,7 @@ from bpy.props import (
     PointerProperty,
     StringProperty,
 )
-from bpy.types import Context, Mesh, Modifier, Object, PropertyGroup
+from bpy.types import Context, Mesh, Object, PropertyGroup
 
 from ..core import status
 from ..core.labels import items_of
@@ -71,30 +71,6 @@ def _cage_changed(deformer: "SinewDeformer", context: Context) -> None:
     """Forget the rest cage, since another cage was chosen. The next bind stores its rest shape."""
     deformer.cage_rest = None
     evaluate_again(deformer, context)
-
-
-def _cage_subdivision(deformer: "SinewDeformer") -> Modifier | None:
-    """The Subdivision modifier of the cage, or None."""
-    modifiers = () if deformer.cage is None else deformer.cage.modifiers
-    return next((modifier for modifier in modifiers if modifier.type == "SUBSURF"), None)
-
-
-def _cage_levels(deformer: "SinewDeformer") -> int:
-    subdivision = _cage_subdivision(deformer)
-    return 0 if subdivision is None else subdivision.levels
-
-
-def _set_cage_levels(deformer: "SinewDeformer", levels: int) -> None:
-    cage, subdivision = deformer.cage, _cage_subdivision(deformer)
-    if cage is None or cage.library is not None:
-        return
-    if levels == 0:
-        if subdivision is not None:
-            cage.modifiers.remove(subdivision)
-        return
-    if subdivision is None:
-        subdivision = cage.modifiers.new("Subdivision", "SUBSURF")
-    subdivision.levels = subdivision.render_levels = levels
 
 
 def _keeps_details(deformer: "SinewDeformer") -> bool:
@@ -165,12 +141,6 @@ class SinewDeformer(PropertyGroup):
         PointerProperty,
         type=Mesh,
         description="The shape of the cage at bind, in the object space of the target",
-    )
-    cage_subdivision: field(
-        IntProperty, min=0, max=6, soft_max=3, get=_cage_levels, set=_set_cage_levels, options={"SKIP_SAVE"}
-    ).named(
-        "Subdivision",
-        "Smooth the cage by so many levels of a Subdivision modifier; press New Rest afterwards",
     )
     owns_cage: record(
         BoolProperty, description="Whether the cage was made for this deformer, and is removed with it"

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Panels, lists, menus and overlays, which draw and never solve."""
 
-from . import bake, data_tab, drag_tool, keymap, lists, menus, panel, pie, presets, refining, try_it
+from . import bake, data_tab, drag_tool, keymap, lists, menus, panel, pie, prepare, presets, refining, try_it
 from .browser import menus as task_menus, pictures, popups
 from .overlays import marks, overlay, reach
 
@@ -20,6 +20,7 @@ _MODULES = (
     marks,
     refining,
     bake,
+    prepare,
     data_tab,
     keymap,
     drag_tool,

@@ -3,10 +3,10 @@
 
 from bpy.utils import register_classes_factory
 
-from . import bake, panel
+from . import bake, panel, prepare
 from .overlays import overlay
 from .places import in_properties
 
-_ORIGINALS = (*panel.PANELS, *overlay.PANELS, *bake.PANELS)
+_ORIGINALS = (*panel.PANELS, *overlay.PANELS, *bake.PANELS, *prepare.PANELS)
 
 register, unregister = register_classes_factory(tuple(in_properties(original) for original in _ORIGINALS))

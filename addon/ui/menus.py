@@ -116,6 +116,20 @@ class SINEW_MT_problems(Menu):
         layout.operator(Operators.KEEP_INSIDE, icon="PINNED")
 
 
+class SINEW_MT_prepare(Menu):
+    """Look at a mesh before it is posed: what is unusual about it, and how it bends"""
+
+    bl_idname = Menus.PREPARE
+    bl_label = "Prepare"
+
+    def draw(self, _context: Context) -> None:
+        layout = invoking(self.layout)
+        layout.operator(Operators.DIAGNOSE, icon="VIEWZOOM")
+        layout.operator_menu_enum(Operators.SELECT_UNUSUAL, "what", icon="RESTRICT_SELECT_OFF")
+        layout.separator()
+        layout.operator(Operators.CURVATURE, icon="MOD_SMOOTH")
+
+
 class SINEW_MT_manual(Menu):
     """Open a page of the manual that was installed with the add-on"""
 
@@ -203,6 +217,7 @@ def _draw_common(layout: UILayout) -> None:
     layout.operator(Operators.UNBIND, icon="X")
     layout.operator(Operators.CANCEL, icon="CANCEL")
     layout.separator()
+    layout.menu(Menus.PREPARE, icon="VIEWZOOM")
     layout.menu(Menus.PROBLEMS, icon="ERROR")
     for menu in control.MENUS:
         layout.menu(menu.bl_idname, icon=menu.ICON)
@@ -232,6 +247,7 @@ _CLASSES = (
     SINEW_MT_manual,
     SINEW_MT_manual_methods,
     SINEW_MT_problems,
+    SINEW_MT_prepare,
     SINEW_MT_add_region,
     *control.MENUS,
     SINEW_MT_deformer,

@@ -19,6 +19,7 @@ _PAGES = {
     "SINEW_PT_order": "order-and-masks",
     "SINEW_PT_bake": "bake",
     "SINEW_PT_overlays": "show",
+    "SINEW_PT_prepare": "prepare",
 }
 
 

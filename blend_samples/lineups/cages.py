@@ -172,6 +172,27 @@ def asymmetry(obj: bpy.types.Object) -> float:
     return float(np.linalg.norm(posed[image] * (-1, 1, 1) - posed, axis=1).max() / np.ptp(rest[:, 0]))
 
 
+def arch(blocks: Sequence[bpy.types.Object]) -> None:
+    """Bend the second and third by four boxes, in steps: the third by their smooth surface."""
+    heights = np.linspace(0.0, 2.0, 5)
+    rest = stack_of_boxes([(height, 0.56) for height in heights], blocks[0])
+
+    def bent(points: np.ndarray) -> np.ndarray:
+        turn = np.radians(20.0) * np.repeat(np.arange(5.0), 4)
+        bones = (heights[1] - heights[0]) * np.column_stack((np.sin(turn), np.cos(turn)))
+        ends = np.cumsum(bones[::4], axis=0) - bones[0] + (0.0, heights[0])
+        across = np.column_stack((np.cos(turn), -np.sin(turn)))
+        posed = points.copy()
+        posed[:, (0, 2)] = np.repeat(ends, 4, axis=0) + points[:, :1] * across
+        return posed
+
+    values = {1: 0.0, POSE_FRAME: 1.0, 60: 1.0, 84: 0.0}
+    share_pose(rest, [(block, "mean_value") for block in blocks[1:]], bent, values, 0.016)
+    blocks[2].sinew.deformers[-1].parameters.smooth = "automatic"
+    posing.operate(blocks[2], "bind")
+    posing.check_posed(blocks[2])
+
+
 def fish() -> bpy.types.Object:
     """A drawing of layers, one a little before the other; each shape is one face of many corners."""
     s = np.linspace(0.0, 1.0, 40)
@@ -236,6 +257,16 @@ LINEUPS = {
         spacing=2.9,
         finish=squeeze,
         shot=Shot((0, 0, 0.92), 9.2, 7.0, 26.0, 1.0, picture=(1440, 460), samples=24, text=0.21, front=-1.6),
+    ),
+    "smooth_cages": Lineup(
+        about="Four boxes bend a block: in steps by their faces, evenly by their smooth surface.",
+        build=block,
+        row=dict.fromkeys(("Rest", "Off", "Smooth")),
+        spacing=3.1,
+        finish=arch,
+        shot=Shot(
+            (0.4, 0, 0.95), 9.6, 7.0, 26.0, 1.0, picture=(1440, 460), samples=16, text=0.21, front=-1.6
+        ),
     ),
     "flat_art": Lineup(
         about="Flat art in a flat cage: with mean_value its dots become oval, with green they stay round.",

@@ -7,6 +7,8 @@
 #include "native/core/report.h"
 #include "native/mesh/frames/normal_frame.h"
 #include "native/mesh/half_edges.h"
+#include "native/mesh/sheets.h"
+#include "native/mesh/trees/crossing_faces.h"
 #include "native/mesh/trees/triangle_tree.h"
 
 #include <Eigen/Geometry>
@@ -17,45 +19,6 @@
 namespace sinew {
 
 namespace {
-
-struct Neighbour
-{
-    int face;
-    bool agrees; ///< whether both faces look to the same side
-};
-
-/// A connected part: faces joined through edges that two faces share.
-struct Sheet
-{
-    std::vector<int> faces;
-    std::vector<char> turned; ///< (faces) whether each has to be flipped to agree with the first
-    bool closed = true;       ///< whether each side of each face has a neighbour
-};
-
-std::vector<Sheet> sheets(const SurfaceMesh& cage, const std::vector<std::vector<Neighbour>>& neighbours)
-{
-    std::vector<Sheet> found;
-    std::vector<char> visited(neighbours.size(), 0), turned(neighbours.size(), 0);
-    for (int first = 0; first < static_cast<int>(neighbours.size()); ++first) {
-        if (visited[first])
-            continue;
-        Sheet sheet{{first}, {}};
-        visited[first] = 1;
-        for (std::size_t k = 0; k < sheet.faces.size(); ++k)
-            for (const auto& [face, agrees] : neighbours[sheet.faces[k]])
-                if (!visited[face]) {
-                    visited[face] = 1;
-                    turned[face] = agrees == (turned[sheet.faces[k]] != 0);
-                    sheet.faces.push_back(face);
-                }
-        for (int f : sheet.faces) {
-            sheet.turned.push_back(turned[f]);
-            sheet.closed &= neighbours[f].size() == cage.face(f).size();
-        }
-        found.push_back(std::move(sheet));
-    }
-    return found;
-}
 
 /// The faces of the sheets that look inward. The sign of the volume that a sheet encloses says which way its
 /// faces look; how often the other sheets wind around it says whether it is the wall of a cavity.
@@ -98,20 +61,6 @@ std::vector<int> inverted(const std::vector<Sheet>& found, const std::vector<Vec
     }
     std::ranges::sort(faces);
     return faces;
-}
-
-/// The pairs of faces whose triangles meet, each pair once.
-std::vector<std::array<int, 2>> crossing(const SurfaceMesh& cage, const std::vector<Vector3>& points)
-{
-    std::vector<std::array<int, 2>> pairs;
-    for (const auto& [s, t] : meeting_pairs(points, cage.triangles())) {
-        const auto [f, g] = std::minmax(cage.triangle_faces()[s], cage.triangle_faces()[t]);
-        if (f != g)
-            pairs.push_back({f, g});
-    }
-    std::ranges::sort(pairs);
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    return pairs;
 }
 
 /// The sides of a face, ascending.
@@ -202,17 +151,12 @@ CageDiagnosis diagnose_cage(const SurfaceMesh& cage, const std::optional<PointsV
     const double unit = normal_unit(cage.points());
     soup.points = points_in_unit(view(cage.points()), unit);
 
-    std::vector<std::vector<Neighbour>> neighbours(cage.face_count());
-    for_each_edge(sorted_half_edges(cage), [&](std::span<const HalfEdge> along) {
-        if (along.size() == 1) {
+    const std::vector<HalfEdge> sides = sorted_half_edges(cage);
+    for_each_edge(sides, [&](std::span<const HalfEdge> along) {
+        if (along.size() == 1)
             diagnosis.open_edges.push_back(along[0].edge());
-        } else if (along.size() > 2) {
+        else if (along.size() > 2)
             diagnosis.non_manifold_edges.push_back(along[0].edge());
-        } else {
-            const HalfEdge &a = along[0], &b = along[1];
-            neighbours[a.face].push_back({b.face, a.from != b.from});
-            neighbours[b.face].push_back({a.face, a.from != b.from});
-        }
     });
 
     std::vector<std::vector<Triangle>> cut(cage.face_count());
@@ -223,10 +167,10 @@ CageDiagnosis diagnose_cage(const SurfaceMesh& cage, const std::optional<PointsV
             (diagnosis.degenerate_faces.empty() || diagnosis.degenerate_faces.back() != face))
             diagnosis.degenerate_faces.push_back(face);
     }
-    const std::vector<Sheet> found = sheets(cage, neighbours);
+    const std::vector<Sheet> found = sheets(cage, sides);
     diagnosis.component_count = static_cast<int>(found.size());
     diagnosis.inverted_faces = inverted(found, soup.points, cut);
-    diagnosis.crossing_faces = crossing(cage, soup.points);
+    diagnosis.crossing_faces = crossing_faces(cage, soup.points);
     diagnosis.crowded_diagonals = crowded(cage);
     if (points)
         diagnosis.outside_points = outside(*points, soup, unit);

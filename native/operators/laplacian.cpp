@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
+#include "native/operators/tufted_cover.h"
 #include "native/solvers/sparse_columns.h"
 
 #include <Eigen/Geometry>
@@ -11,6 +12,7 @@
 #include <array>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <string>
 
 namespace sinew {
@@ -84,6 +86,41 @@ void add_mixed_areas(const SurfaceMesh& mesh, const Triangle& t, double area, Ve
     }
 }
 
+std::optional<IntrinsicTriangles> cover_of(const SurfaceMesh& mesh, Discretization discretization)
+{
+    return discretization == Discretization::robust ? delaunay_cover(mesh) : std::nullopt;
+}
+
+/// Half of a triangle of the cover, of which the surface has two.
+struct HalfTriangle
+{
+    std::array<double, 3> half_cotan; ///< at each corner
+    double area;
+
+    HalfTriangle(const std::array<double, 3>& lengths)
+    {
+        const auto [a, b, c] = lengths;
+        const double longest = std::max({a, b, c});
+        const double whole =
+            0.25 * std::sqrt(std::max((a + b + c) * (b + c - a) * (a + c - b) * (a + b - c), 0.0));
+        const double divisor = 16 * std::max(whole, needle * longest * longest);
+        for (int k = 0; k < 3; ++k) {
+            const double from = lengths[k], to = lengths[(k + 2) % 3], opposite = lengths[(k + 1) % 3];
+            half_cotan[k] = divisor > 0 ? (from * from + to * to - opposite * opposite) / divisor : 0.0;
+        }
+        area = 0.5 * whole;
+    }
+
+    /// The mixed Voronoi area at a corner, without the lengths: area (1 + cot cot) / 4 of the other two.
+    double share(int k) const
+    {
+        const int widest = static_cast<int>(std::ranges::min_element(half_cotan) - half_cotan.begin());
+        if (half_cotan[widest] < 0)
+            return area * (k == widest ? 0.5 : 0.25);
+        return area * (0.25 + 4 * half_cotan[(k + 1) % 3] * half_cotan[(k + 2) % 3]);
+    }
+};
+
 } // namespace
 
 double least_area_for_order(int order) { return order < 2 ? needle : order < 3 ? 1e-3 : 1e-2; }
@@ -138,18 +175,23 @@ SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretiza
                               const TriangleMetric& metric, const ElementScale& scale)
 {
     std::vector<WeightedEdge> edges;
-    if (discretization == Discretization::uniform) {
-        for (const auto& edge : mesh.edges())
-            edges.push_back({edge[0], edge[1], scale ? scale(edge) : 1.0});
-    } else {
-        const auto& triangles = mesh.triangles();
+    const auto add = [&](const std::vector<Triangle>& triangles, const auto& half_cotan) {
         edges.resize(3 * triangles.size());
         parallel_for(static_cast<int>(triangles.size()), [&](int t) {
             const double factor = scale ? scale(triangles[t]) : 1.0;
+            const std::array<double, 3> weights = half_cotan(t);
             for (int c = 0; c < 3; ++c)
-                edges[3 * static_cast<std::size_t>(t) + c] = {
-                    triangles[t][(c + 1) % 3], triangles[t][(c + 2) % 3], factor * metric.half_cotan[t][c]};
+                edges[3 * static_cast<std::size_t>(t) + c] = {triangles[t][(c + 1) % 3],
+                                                              triangles[t][(c + 2) % 3], factor * weights[c]};
         });
+    };
+    if (discretization == Discretization::uniform) {
+        for (const auto& edge : mesh.edges())
+            edges.push_back({edge[0], edge[1], scale ? scale(edge) : 1.0});
+    } else if (const auto cover = cover_of(mesh, discretization)) {
+        add(cover->triangles, [&](int t) { return HalfTriangle(cover->lengths[t]).half_cotan; });
+    } else {
+        add(mesh.triangles(), [&](int t) { return metric.half_cotan[t]; });
     }
     return matrix_of_edges(mesh.vertex_count(), edges);
 }
@@ -203,6 +245,12 @@ VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization, cons
             mass[a] += 1;
             mass[b] += 1;
         }
+        return mass;
+    }
+    if (const auto cover = cover_of(mesh, discretization)) {
+        for (std::size_t t = 0; t < cover->triangles.size(); ++t)
+            for (int k = 0; k < 3; ++k)
+                mass[cover->triangles[t][k]] += HalfTriangle(cover->lengths[t]).share(k);
         return mass;
     }
     for (std::size_t t = 0; t < metric.area.size(); ++t)

@@ -24,13 +24,18 @@ namespace sinew {
 ///   uniform        1 for each polygon edge           number of neighbours  [Tau95]
 ///   cotan          1/2 (cot a_ij + cot b_ij)         1                     [YZX*04]
 ///   cotan_voronoi  1/2 (cot a_ij + cot b_ij)         mixed Voronoi area    [PP93, DMSB99, MDSB03]
+///   robust         cotan_voronoi of the triangles of operators/tufted_cover.h, which have no w_ij < 0
 ///
 /// The sums run over all triangles at an edge, so boundaries and non-manifold edges are no special cases.
-enum class Discretization { uniform, cotan, cotan_voronoi };
+/// `robust` is the same as cotan_voronoi, to the last bit, where no triangle is close to a line, the angles
+/// opposite to an edge have a sum of pi or less, and none opposite to a border is obtuse. Elsewhere its
+/// neighbours need not be those of the mesh, and it costs a triangulation more per matrix and mass.
+enum class Discretization { uniform, cotan, cotan_voronoi, robust };
 constexpr auto choices(Discretization)
 {
     return std::array{Choice{"uniform", Discretization::uniform}, Choice{"cotan", Discretization::cotan},
-                      Choice{"cotan_voronoi", Discretization::cotan_voronoi}};
+                      Choice{"cotan_voronoi", Discretization::cotan_voronoi},
+                      Choice{"robust", Discretization::robust}};
 }
 
 /// The metric of the triangles. A triangle whose area is below `least_area` of its longest edge squared is
@@ -58,7 +63,8 @@ int degenerate_face_count(const SurfaceMesh& mesh, double least_area = needle);
 /// Gives a factor for one element (a triangle, or with `uniform` an edge) from its vertices.
 using ElementScale = std::function<double(std::span<const int> vertices)>;
 
-// Each of the following has two versions: for a metric that the caller has, and for a `least_area`.
+// Each of the following has two versions: for a metric that the caller has, and for a `least_area`. With
+// `robust`, both look at neither but for the masses of degenerate triangles.
 
 /// (n, n) L. If there is a `scale`, it scales each element (factors >= 0 keep L semi-definite); it is called
 /// from several threads.
@@ -74,7 +80,7 @@ SparseMatrix laplacian_matrix(const SurfaceMesh& mesh, Discretization discretiza
 /// \return whether there were negative weights, beyond rounding.
 bool make_weights_positive(SparseMatrix& L);
 
-/// (n) masses m_i. With cotan_voronoi their sum is the area of the surface. Vertices in no face have zero.
+/// (n) masses m_i. With cotan_voronoi their sum is the area of the surface, also with robust unless lengths grew. Vertices in no face have zero.
 VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization, const TriangleMetric& metric);
 VectorX mass_vector(const SurfaceMesh& mesh, Discretization discretization);
 

@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/solvers/engines/cholmod_factor.h"
+#include "native/solvers/patch_dissection.h"
 
 #include <Eigen/OrderingMethods>
 
@@ -15,20 +16,22 @@ namespace {
 
 /// Appends to `order` what a breadth-first search from `start` visits, neighbours by rising degree.
 /// E. Cuthill, J. McKee. "Reducing the bandwidth of sparse symmetric matrices." ACM 1969.
-void cuthill_mckee(const SparseMatrix& matrix, int start, std::vector<bool>& visited, std::vector<int>& order)
+/// \param found_by  the last search that came to each vertex. This one passes those of former searches.
+void append_levels(const SparseMatrix& matrix, int start, int search, std::vector<int>& found_by,
+                   std::vector<int>& order)
 {
     const int* offsets = matrix.outerIndexPtr();
     const auto degree = [&](int v) { return offsets[v + 1] - offsets[v]; };
     std::size_t head = order.size();
-    visited[start] = true;
+    found_by[start] = search;
     order.push_back(start);
     while (head < order.size()) {
         const int v = order[head++];
         const std::size_t begin = order.size();
         for (SparseMatrix::InnerIterator it(matrix, v); it; ++it) {
             const int u = static_cast<int>(it.row());
-            if (!visited[u]) {
-                visited[u] = true;
+            if (found_by[u] < search) {
+                found_by[u] = search;
                 order.push_back(u);
             }
         }
@@ -37,23 +40,28 @@ void cuthill_mckee(const SparseMatrix& matrix, int start, std::vector<bool>& vis
     }
 }
 
-std::vector<int> reverse_cuthill_mckee(const SparseMatrix& lower)
+std::vector<int> cuthill_mckee(const SparseMatrix& lower)
 {
     const SparseMatrix matrix = lower.selfadjointView<Eigen::Lower>();
     const int n = static_cast<int>(matrix.cols());
-    std::vector<bool> visited(n, false);
-    std::vector<int> order;
+    std::vector<int> found_by(n, 0);
+    std::vector<int> order, trial;
     order.reserve(n);
     for (int seed = 0; seed < n; ++seed) {
-        if (visited[seed])
+        if (found_by[seed] > 0)
             continue;
         // The levels of the search are narrowest from a vertex at one end of the part. A first search ends at
         // such a vertex, and a second one from there numbers the part.
-        std::vector<bool> visited_by_trial = visited;
-        std::vector<int> trial;
-        cuthill_mckee(matrix, seed, visited_by_trial, trial);
-        cuthill_mckee(matrix, trial.back(), visited, order);
+        trial.clear();
+        append_levels(matrix, seed, 1, found_by, trial);
+        append_levels(matrix, trial.back(), 2, found_by, order);
     }
+    return order;
+}
+
+std::vector<int> reverse_cuthill_mckee(const SparseMatrix& lower)
+{
+    std::vector<int> order = cuthill_mckee(lower);
     std::ranges::reverse(order);
     return order;
 }
@@ -73,12 +81,21 @@ std::vector<int> minimum_degree(const SparseMatrix& matrix)
 std::vector<int> elimination_order(const SparseMatrix& matrix, Ordering ordering)
 {
     switch (ordering) {
+    case Ordering::automatic:
+        return have_cholmod() && matrix.cols() >= fewest_to_dissect ? patch_dissection(matrix)
+                                                                    : minimum_degree(matrix);
+    case Ordering::cuthill_mckee:
+        return cuthill_mckee(matrix);
     case Ordering::reverse_cuthill_mckee:
         return reverse_cuthill_mckee(matrix);
     case Ordering::minimum_degree:
         return minimum_degree(matrix);
     case Ordering::nested_dissection:
         return nested_dissection(matrix);
+    case Ordering::patch_dissection:
+        if (!have_cholmod())
+            throw InvalidOption("patch dissection needs a build with CHOLMOD; choose minimum_degree");
+        return patch_dissection(matrix);
     case Ordering::natural:
         break;
     }

@@ -4,6 +4,7 @@
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
 #include "native/solvers/engines/cholmod_factor.h"
+#include "native/solvers/patch_dissection.h"
 #include "native/solvers/smallest_factor.h"
 #include "native/solvers/supernodal/kernels.h"
 
@@ -45,7 +46,8 @@ std::vector<int> fill_reducing_order(const SparseMatrix& matrix)
     if (matrix.cols() == 0)
         return {};
     try {
-        return elimination_order(matrix, smallest_factor());
+        return elimination_order(matrix,
+                                 matrix.cols() < fewest_to_dissect ? smallest_factor() : Ordering::automatic);
     } catch (const std::bad_alloc&) {
         throw OutOfMemory("memory ran out before the size of the factor was known: use fewer vertices");
     }

@@ -32,7 +32,7 @@ constexpr auto choices(FactorBackend)
 struct FactorOptions
 {
     FactorBackend backend = FactorBackend::automatic;
-    Ordering ordering = Ordering::minimum_degree;
+    Ordering ordering = Ordering::automatic;
 };
 
 /// Sparse Cholesky factor of a symmetric positive definite matrix.

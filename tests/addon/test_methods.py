@@ -55,7 +55,7 @@ def test_a_row_is_complete(method: methods.Method):
     assert all(isinstance(family, Family) for family in method.wraps)
     known = {parameter.id for parameter in (*method.parameters, *method.control_parameters)}
     assert len(method.main) <= 2, "what the panel shows before the other settings"
-    assert set(method.main) <= known | {"cage_subdivision"}
+    assert set(method.main) <= known
 
 
 AUTHORS = {

@@ -31,10 +31,18 @@ SUB_RANKS = {
     "mesh": {"": 0, "frames": 1, "trees": 1},
     "operators": {"fits": 0, "": 1},
     "core": {"": 0, "simd": 1, "system": 1},
-    "solvers": {"dense": 0, "optimization": 0, "supernodal": 0, "engines": 1, "": 2},
+    "solvers": {"dense": 0, "dissection": 0, "optimization": 0, "supernodal": 0, "engines": 1, "": 2},
     "methods/space/lattice": {"grid": 0, "": 1},
     "methods/space/points": {"rbf": 0, "wires": 0, "": 1},
-    "methods/space/cage": {"cage.": 0, "closed_forms": 1, "harmonic": 1, "inside": 2, "visibility": 2, "": 3},
+    "methods/space/cage": {
+        "smooth": 0,
+        "cage.": 1,
+        "closed_forms": 2,
+        "harmonic": 2,
+        "inside": 3,
+        "visibility": 3,
+        "": 4,
+    },
     "methods/surface/linear": {"pyramid": 0, "responses": 0, "volume": 0, "semi_regular": 1, "": 2},
     "methods/surface/nonlinear": {"primo": 0, "pyramids": 0, "sequence": 0, "subspace": 0, "": 1},
     "methods/space/nonlinear": {"handles": 0, "fields": 0, "mls": 0, "cells": 1, "graph": 1, "": 2},
@@ -42,8 +50,8 @@ SUB_RANKS = {
 }
 # Room -> its sub-rooms that nobody outside may see.
 HIDDEN = {
-    "solvers": "engines supernodal",
-    "methods/space/cage": "closed_forms harmonic inside visibility",
+    "solvers": "dissection engines supernodal",
+    "methods/space/cage": "closed_forms harmonic inside smooth visibility",
     "methods/space/lattice": "grid",
     "methods/space/nonlinear": "fields cells graph mls",
     "methods/space/points": "rbf wires",

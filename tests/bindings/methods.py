@@ -78,6 +78,7 @@ CHOICES: dict[str, list[dict[str, object]]] = {
     "field: str": [{"field": "geodesic"}, {"field": "euclidean"}],
     "bands: ": [{"bands": 2}],
     "transforms: str": [{"transforms": name} for name in ("none", "explicit", "implicit")],
+    "smooth: typing": [{"smooth": "levels"}],
     "threshold: ": [{"threshold": 1e-3, "precision": "double"}],
 }
 

@@ -14,7 +14,8 @@ import sinew_native as sn
 from . import limits
 
 BACKENDS = ("automatic", "supernodal", "simplicial", "ldlt")
-ORDERINGS = ("natural", "reverse_cuthill_mckee", "minimum_degree", "nested_dissection")
+ORDERINGS = ("natural", "cuthill_mckee", "reverse_cuthill_mckee", "minimum_degree", "nested_dissection")
+ORDERINGS += ("patch_dissection", "automatic")
 CLOSE = 1e-12  # of the solution; conditions are below 1e3
 
 

@@ -39,13 +39,19 @@ class Target:
     check_module: Callable[[Path, int], None]  # ends the tool if the system could not load the module
     check_wheel: Callable[[Path, int], None]  # ends the tool if the wheel does not work
     python: Callable[[int], list[str]] = lambda minor: []  # further settings of CMake for Python 3.minor
+    has_python: Callable[[int], bool] = lambda minor: True  # whether there is a Python 3.minor to try a wheel
     licences: dict[str, Path] = field(default_factory=dict)  # of what this system alone links into the module
 
 
 def build_wheels(target: Target, for_programs: bool = False) -> list[Path]:
     """A wheel for each Python of a Blender, or of any program, whose headers this machine has."""
-    builders = environments.builders(for_programs)
-    return [build_wheel(target, builder.make(), minor) for minor, builder in builders.items()]
+    wheels = []
+    for minor, builder in environments.builders(for_programs).items():
+        if target.has_python(minor):
+            wheels.append(build_wheel(target, builder.make(), minor))
+        else:
+            say(f"No wheel for Python 3.{minor} on {target.system.title}: there is none to try it with")
+    return wheels
 
 
 def are_built(target: Target) -> bool:

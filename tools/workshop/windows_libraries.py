@@ -19,6 +19,10 @@ MEMORY = {"private": ("memcpy", "memmove", "memcmp"), "string": ("memset",)}
 PYTHONS = WINDOWS.files / "pythons.txt"
 
 
+def has_python(minor: int) -> bool:
+    return any(f"-3.{minor}." in row.archive for row in pinned(PYTHONS))
+
+
 @one_at_a_time()
 def windows_python(minor: int) -> Path:
     """The folder of python.org's embedded Python 3.``minor`` for Windows."""

@@ -12,10 +12,11 @@ from . import wine, zig
 from .archives import unpack
 from .cross_wheels import Target
 from .shell import say
-from .windows_libraries import WINDOWS, import_library, imported_libraries, memory_functions
+from .windows_libraries import WINDOWS, has_python, import_library, imported_libraries, memory_functions
 
 INPUTS = (
-    *(f"tools/requirements/windows{python}.txt" for python in ("", "-3.11", "-3.13")),
+    "tools/requirements/windows.txt",
+    *(f"tools/requirements/windows-3.{minor}.txt" for minor in (10, 11, 12, 13)),
     "tools/workshop/windows",
     *(f"tools/workshop/{name}.py" for name in ("wine", "windows_libraries", "windows_wheels")),
 )
@@ -52,5 +53,6 @@ TARGET = Target(
         f"-DPython_LIBRARY={import_library(minor)}",
         f"-DCMAKE_MODULE_LINKER_FLAGS={' '.join(map(str, memory_functions()))}",
     ],
+    has_python=has_python,
     licences={"mingw-w64": zig.PACKAGE / "lib" / "libc" / "mingw" / "COPYING"},
 )

@@ -262,6 +262,7 @@ LAPLACIANS = items(
         "Cotangent + Area",
         "Takes the angles and sizes of the faces into account: depends least on how the mesh is divided",
     ),
+    robust="Takes the angles and sizes of better faces of the same surface: for messy meshes and slivers",
 )
 
 PRECISIONS = items(
@@ -301,7 +302,7 @@ def stored_precision(of: str) -> Choice:
     )
 
 
-def laplacian(default: str = "cotan_voronoi", choices: int = 3) -> Choice:
+def laplacian(default: str = "cotan_voronoi", choices: int = 4) -> Choice:
     """The weights of the Laplacian of a surface: the first of them, as many as the method can use."""
     return Choice("laplacian", "Laplacian", default, LAPLACIANS[:choices]).described(
         "Make the shape depend less on how the faces divide the surface, by looking at their angles and sizes"

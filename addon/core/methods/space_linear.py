@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from .schema import (
+    BindSeconds,
     Bool,
     Choice,
     Control,
@@ -40,6 +41,38 @@ _FACES = items(
 )
 
 
+_SMOOTH = items(
+    off="The faces of the cage as they are",
+    automatic="The smooth surface that a Subdivision modifier would make of the cage, within a thousandth "
+    "of its size",
+    levels="The smooth surface, with each face split as often as Levels says",
+)
+
+SMOOTH = (
+    Choice("smooth", "Smooth", "off", _SMOOTH).described(
+        "Let the smooth surface of the cage move the mesh, with the creases of the cage: few points pose it, "
+        "and a frame takes no longer"
+    ),
+    Int(
+        "levels", "Levels", 2, Span(1, 6, soft=4), only_with=("smooth", ("levels",)), unit="levels"
+    ).described(
+        "Set how often the faces of the smooth cage are split; each level makes binding four times as long"
+    ),
+)
+
+
+def _smooth_faces(faces: int, options: Mapping[str, Any]) -> int:
+    """How many triangles the smooth surface of a cage has about; automatic levels end at 20,000 quads."""
+    if options["smooth"] == "off":
+        return faces
+    return min(faces << 6, 40_000) if options["smooth"] == "automatic" else faces << 2 * options["levels"]
+
+
+def _on_smooth(seconds: BindSeconds) -> BindSeconds:
+    """The cost for the faces that a smooth cage has."""
+    return lambda points, faces, options: seconds(points, _smooth_faces(faces, options), options)
+
+
 CAGE_PARAMETERS = (
     Float(
         "threshold",
@@ -53,6 +86,7 @@ CAGE_PARAMETERS = (
         "keeps all weights"
     ),
     stored_precision("the weights"),
+    *SMOOTH,
 )
 
 OUTSIDE_REFUSED = Choice("outside", "Outside", "error", _REFUSED).described(
@@ -109,11 +143,11 @@ ROWS = (
         summary="Follows a coarse mesh around it at once; limbs side by side pull at each other",
         fails="Lets limbs side by side pull at each other",
         picture="coordinates",
-        bind_seconds=per_pair(1e-8),
+        bind_seconds=_on_smooth(per_pair(1e-8)),
         reproduces=Reproduced.AFFINE_MAPS,
         takes_flat=True,
         **_CAGE,
-        main=("cage_subdivision",),
+        main=("smooth",),
         parameters=CAGE_PARAMETERS,
     ),
     Method(
@@ -129,10 +163,10 @@ ROWS = (
         fails="Shows creases where sight of the cage ends",
         picture="coordinates",
         also_needs="which is closed and around everything",
-        bind_seconds=_positive_seconds,
+        bind_seconds=_on_smooth(_positive_seconds),
         reproduces=Reproduced.AFFINE_MAPS,
         **_CAGE,
-        main=("cage_subdivision",),
+        main=("smooth",),
         parameters=(
             Bool("exact", "Exact", True).described(
                 "Compute the weights exactly, instead of estimating them with rays: smoother, but slower"
@@ -157,10 +191,10 @@ ROWS = (
         fails="Refuses vertices outside the cage, and takes long to bind",
         picture="coordinates",
         also_needs="which is closed and around everything",
-        bind_seconds=_harmonic_seconds,
+        bind_seconds=_on_smooth(_harmonic_seconds),
         reproduces=Reproduced.AFFINE_MAPS,
         **_CAGE,
-        main=("quality",),
+        main=("quality", "smooth"),
         parameters=(
             Choice("quality", "Quality", "medium", QUALITIES).described(
                 "Set how exactly the weights are computed at bind"
@@ -182,11 +216,11 @@ ROWS = (
         fails="Bulges out of the cage",
         picture="coordinates",
         also_needs="which is closed",
-        bind_seconds=_green_seconds,
+        bind_seconds=_on_smooth(_green_seconds),
         reproduces=Reproduced.SIMILARITIES,
         takes_flat=True,
         **_CAGE,
-        main=("faces",),
+        main=("faces", "smooth"),
         parameters=(
             Choice("outside", "Outside", "nearest", _OUTSIDE).described(
                 "Choose what happens to vertices outside the cage"

@@ -24,6 +24,7 @@ PAGES = (
     ("handles", "Handles, Areas, Mirror, Painting", "What moves and what stays, both sides at once, keys"),
     ("order-and-masks", "Order and Masks", "Several deformers, other modifiers, masks, binding"),
     ("show", "Show in Colour", "Colours of regions, of influence, and of distortion"),
+    ("prepare", "Prepare a Mesh", "What is unusual about a mesh, what mends it, and how the mesh bends"),
     ("bake", "Bake and Apply", "Store shapes in shape keys, caches, or the mesh itself"),
     ("hand-over", "Hand Over, Farms, Linked Files", "Renders, other machines, libraries, copies"),
     ("troubles", "When Something Is Wrong", "What each warning means, and what to do about it"),

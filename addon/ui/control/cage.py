@@ -65,7 +65,5 @@ def draw_row(_context: Context, _layout: UILayout, _obj: Object, _deformer: Sine
 
 
 def draw_settings(context: Context, layout: UILayout, _obj: Object, deformer: SinewDeformer) -> None:
-    """Draw which object is the cage, and how it is smoothed."""
+    """Draw which object is the cage."""
     draw_field(context, layout, deformer, "cage")
-    if "cage_subdivision" not in deformer.definition.main:
-        draw_field(context, layout, deformer, "cage_subdivision")

@@ -4,8 +4,10 @@
 #include "native/mesh/components.h"
 #include "native/mesh/diagnosis.h"
 #include "native/mesh/frames/enclosing_ball.h"
+#include "native/mesh/frames/normal_frame.h"
 #include "native/mesh/frames/surface_frame.h"
 #include "native/mesh/surface_mesh.h"
+#include "native/mesh/trees/crossing_faces.h"
 
 #include <pybind11/stl.h>
 
@@ -102,12 +104,27 @@ void bind_mesh(py::module_& module)
             "inconsistent_edges", [](const Diagnosis& d) { return edge_array(d.inconsistent_edges); },
             "(k, 2) edges along which both faces run the same way.")
         .def_property_readonly(
+            "flipped_faces", [](const Diagnosis& d) { return to_numpy(d.flipped_faces); },
+            "(k,) faces that look to the wrong side: of an open surface those that disagree with most of its "
+            "area,\nof a closed one those that look inward, unless most of it does and it lies in the box of "
+            "another "
+            "closed\none, as the wall of a cavity. None of a one-sided surface, and none that\nis degenerate "
+            "or a duplicate.")
+        .def_property_readonly(
+            "slit_edges", [](const Diagnosis& d) { return edge_array(d.slit_edges); },
+            "(k, 2) edges of one face that lie exactly where another such edge lies.")
+        .def_property_readonly(
             "loose_vertices", [](const Diagnosis& d) { return to_numpy(d.loose_vertices); },
             "(k,) vertices in no face.")
         .def_property_readonly(
             "coincident_vertices", [](const Diagnosis& d) { return to_numpy(d.coincident_vertices); },
             "(k,) vertices exactly where an earlier vertex is.")
         .def_readonly("component_count", &Diagnosis::component_count, "Number of connected parts.")
+        .def_readonly("one_sided_count", &Diagnosis::one_sided_count,
+                      "Number of surfaces that have no two sides, such as a Moebius strip.")
+        .def_readonly(
+            "euler_characteristic", &Diagnosis::euler_characteristic,
+            "Vertices with faces - edges + faces: of a closed surface of genus g without defects, 2 - 2 g.")
         .def_property_readonly(
             "clean", [](const Diagnosis& d) { return summary(d) == "clean"; }, "Nothing is unusual.")
         .def(
@@ -165,6 +182,22 @@ faces   as in the constructor.
 Raises InvalidMesh for arrays of another shape.)")
         .def("diagnose", &diagnose, py::call_guard<py::gil_scoped_release>(),
              "What is unusual about the mesh -> Diagnosis. Cost: O(n log n).")
+        .def(
+            "crossing_faces",
+            [](const SurfaceMesh& mesh) {
+                std::vector<std::array<int, 2>> pairs;
+                {
+                    const py::gil_scoped_release unlocked;
+                    const double unit = normal_unit(mesh.points());
+                    pairs = crossing_faces(mesh, points_in_unit(view(mesh.points()), unit));
+                }
+                return edge_array(pairs);
+            },
+            R"((k, 2) pairs of faces that have more in common than the corners and edges that they share, ascending.
+
+These are where the surface passes through itself, touches itself or is folded onto itself. The answer is exact. Faces
+are taken as their `triangles`; those without area are left out. Cost: O(n log n), and a test for each pair of
+triangles that overlap along x, of which a surface in one piece has n^1.5.)")
         .def("__repr__", [](const SurfaceMesh& m) {
             return "<SurfaceMesh: " + std::to_string(m.vertex_count()) + " vertices, " +
                    std::to_string(m.face_count()) + " faces>";

@@ -58,9 +58,11 @@ void bind_solvers(py::module_& module)
                  shared.factor.factorize(sorted);
                  return shared;
              }),
-             py::arg("matrix"), py::arg("ordering") = "minimum_degree", py::arg("backend") = "automatic", R"(
+             py::arg("matrix"), py::arg("ordering") = "automatic", py::arg("backend") = "automatic", R"(
 matrix    (n, n) SciPy sparse, symmetric positive definite.
-ordering  'natural', 'reverse_cuthill_mckee', 'minimum_degree' or 'nested_dissection'.
+ordering  'natural', 'cuthill_mckee', 'reverse_cuthill_mckee', 'minimum_degree', 'nested_dissection' by METIS,
+          'patch_dissection' by Sinew, or 'automatic': of these, 'minimum_degree' below 50,000 rows and
+          'patch_dissection' from there on.
 backend   'automatic', 'supernodal', 'simplicial' (CHOLMOD) or 'ldlt' (Eigen).
 
 Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemory above limit_memory().)")

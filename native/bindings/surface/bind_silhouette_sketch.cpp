@@ -168,7 +168,7 @@ The points of the line go to their targets, and the surface around keeps its det
 mesh       SurfaceMesh, the rest shape.
 edges      (k, 2) and shares (k,), the points of the line as fit_stroke() gives them.
 held       (h,) vertices that stay.
-laplacian  'uniform', 'cotan' or 'cotan_voronoi'.
+laplacian  'uniform', 'cotan', 'cotan_voronoi' or 'robust'.
 refits     how often the turns of the details are estimated, each time by one more solve.
 sharpness  the curvature that is added along the line, as a multiple of its own: 0 none, 1 twice as much.
 weight     0..1, less than 1: how firmly the points are drawn to their targets.

@@ -60,7 +60,8 @@ inline Lanes<double> signed_as(Lanes<double> a, Lanes<double> b)
                     (bits_of(b) & same_bits(0x8000000000000000ULL)));
 }
 
-/// x = m 2^e with 1 <= m < 2, for positive normal x; also 2^52 + e + 1023.
+/// x = m 2^e with 1 <= m < 2, for positive normal x, where shifted = e + 1023 + 2^52: the difference of two such
+/// numbers is that of the exponents.
 inline void split(Lanes<double> x, Lanes<double>& m, Lanes<double>& shifted)
 {
     const LaneBits bits = bits_of(x);

@@ -131,6 +131,29 @@ cholmod_sparse view(const SparseMatrix& matrix)
     return s;
 }
 
+/// A view of the pattern; CHOLMOD does not write to it.
+cholmod_sparse view(const Graph& graph)
+{
+    cholmod_sparse s{};
+    s.nrow = s.ncol = graph.size();
+    s.nzmax = graph.neighbours.size();
+    s.p = const_cast<int*>(graph.offsets.data());
+    s.i = const_cast<int*>(graph.neighbours.data());
+    s.itype = CHOLMOD_INT;
+    s.xtype = CHOLMOD_PATTERN;
+    s.dtype = CHOLMOD_DOUBLE;
+    s.packed = true;
+    return s;
+}
+
+/// METIS starts rand() anew and draws from it. Other threads that did the same would change the ordering, and with it
+/// the last bits of results.
+std::mutex& random_numbers()
+{
+    static std::mutex mutex;
+    return mutex;
+}
+
 /// The symbolic part of supernodal factors.
 struct Symbolic final : Analysis
 {
@@ -433,15 +456,37 @@ std::vector<int> cholmod_minimum_degree(const SparseMatrix& matrix)
 
 std::vector<int> nested_dissection(const SparseMatrix& matrix)
 {
-    // METIS starts rand() anew and draws from it. Other threads that did the same would change the ordering, and with it
-    // the last bits of results.
-    static std::mutex numbers;
-    const std::lock_guard turn(numbers);
+    const std::lock_guard turn(random_numbers());
     Workspace workspace;
     cholmod_sparse a = view(matrix);
     std::vector<int> order(matrix.cols());
     if (!cholmod_metis(&a, nullptr, 0, true, order.data(), workspace.get()))
         throw InvalidOption("nested dissection needs a CHOLMOD with METIS; choose minimum_degree");
+    return order;
+}
+
+std::vector<Side> bisection(const Graph& graph, const std::vector<int>& weights)
+{
+    const std::lock_guard turn(random_numbers());
+    Workspace workspace;
+    cholmod_sparse a = view(graph);
+    std::vector<int> part(graph.size());
+    if (cholmod_metis_bisector(&a, const_cast<int*>(weights.data()), nullptr, part.data(), workspace.get()) <
+        0)
+        throw std::bad_alloc();
+    std::vector<Side> sides(graph.size());
+    std::ranges::transform(part, sides.begin(), [](int p) { return static_cast<Side>(p); });
+    return sides;
+}
+
+std::vector<int> constrained_minimum_degree(const Graph& graph, const std::vector<int>& sets)
+{
+    Workspace workspace;
+    cholmod_sparse a = view(graph);
+    a.stype = 1; // the lower triangle is not read
+    std::vector<int> order(graph.size());
+    if (!cholmod_camd(&a, nullptr, 0, const_cast<int*>(sets.data()), order.data(), workspace.get()))
+        throw std::bad_alloc();
     return order;
 }
 
@@ -458,6 +503,8 @@ std::vector<int> nested_dissection(const SparseMatrix&)
 {
     throw InvalidOption("nested dissection needs a build with CHOLMOD; choose minimum_degree");
 }
+std::vector<Side> bisection(const Graph&, const std::vector<int>&) { return {}; }
+std::vector<int> constrained_minimum_degree(const Graph&, const std::vector<int>&) { return {}; }
 
 } // namespace sinew
 

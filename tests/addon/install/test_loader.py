@@ -128,6 +128,8 @@ def test_an_extension_on_windows_leaves_the_installed_file_free(monkeypatch, tmp
     monkeypatch.setattr(loader, "_ROOT", "bl_ext.somewhere.sinew")
     monkeypatch.setattr(platform, "system", lambda: "Windows")
 
+    monkeypatch.setitem(sys.modules, "sinew_native", None)  # so that what is there now comes back
+
     def loaded(version: str) -> Path:
         installed.write_text(f"__version__ = {version!r}")
         monkeypatch.setattr(loader, "VERSION", version)

@@ -24,7 +24,7 @@ EVERY_RUN = settings(
 )
 FLAWS = ("double", "turn over", "lose", "flatten", "line", "needle", "far")
 STIFFNESSES = ((1, 0, 0), (0, 1, 0), (0, 0, 1), (0.5, 1, 0.1))
-KINDS = ("uniform", "cotan", "cotan_voronoi")
+KINDS = ("uniform", "cotan", "cotan_voronoi", "robust")
 NUMBERS = st.floats(-1e100, 1e100, allow_nan=False)
 SCALES = st.sampled_from([1.0, 1.0, 1.0, 1e-12, 1e-6, 1e6, 1e12])
 

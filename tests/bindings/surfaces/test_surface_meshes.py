@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 import sinew_native as sn
 
 from ..cages import CUBE, QUADS
-from ..meshes import bar, closed_bar, grid, messy, quad_grid, sphere
+from ..meshes import bar, closed_bar, grid, halved, joined, messy, quad_grid, sphere, torus
 
 
 def cut(polygon: np.ndarray) -> np.ndarray:
@@ -224,6 +224,72 @@ def test_a_surface_is_clean_and_each_border_is_a_loop(mesh, borders: list[int]) 
     found = sn.SurfaceMesh(*mesh).diagnose()
     assert (found.summary(), found.component_count) == ("clean", 1)
     assert [len(loop) for loop in found.boundary_loops] == borders
+
+
+INSIDE = joined(sphere(1), (0.5 * sphere(1)[0], sphere(1)[1][:, ::-1]))  # with a cavity
+
+
+@pytest.mark.parametrize(
+    ("mesh", "found"),
+    [
+        (INSIDE, {"flipped_faces": [], "component_count": 2, "euler_characteristic": 4}),
+        ((INSIDE[0], INSIDE[1][:, ::-1]), {"flipped_faces": list(range(32))}),
+        ((CUBE, TURNED), {"flipped_faces": [2]}),
+        ((SHEET, [*CELLS[:2], CELLS[2][::-1], *CELLS[3:]]), {"flipped_faces": [2], "slit_edges": []}),
+        (([*WING, WING[0], WING[1]], [(0, 1, 2), (6, 5, 3)]), {"slit_edges": [(0, 1), (5, 6)]}),
+        (torus(6, 5), {"euler_characteristic": 0, "one_sided_count": 0, "summary": "clean"}),
+    ],
+)
+def test_sides_slits_and_the_genus_are_found(mesh, found: dict[str, object]) -> None:
+    test_a_diagnosis_names_the_elements(*mesh, found)
+
+
+def test_a_strip_with_one_side_has_no_face_on_the_wrong_one() -> None:
+    angle = np.linspace(0, 2 * np.pi, 8, endpoint=False)
+    far = np.array([-0.3, 0.3])[:, None] * np.cos(angle / 2) + 1
+    rims = np.stack([far * np.cos(angle), far * np.sin(angle), [[-0.3], [0.3]] * np.sin(angle / 2)], -1)
+    strip = [(k, k + 1, k + 9, k + 8) for k in range(7)] + [(7, 8, 0, 15)]
+    found = sn.SurfaceMesh(rims.reshape(-1, 3), strip).diagnose()
+    assert (found.one_sided_count, found.euler_characteristic, len(found.boundary_loops)) == (1, 0, 1)
+    assert len(found.flipped_faces) == 0 < len(found.inconsistent_edges)
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_random_damage_is_found_again(seed: int) -> None:
+    """Balls and rings lose, turn over and double some faces."""
+    rng = np.random.default_rng(seed)
+    rings = [(cut[0], halved(cut[1])) for cut in [torus(12, 8)] * rng.integers(1, 4)]
+    parts = [*rings, *[sphere(3)] * rng.integers(1, 4)]
+    places = rng.permutation(len(parts))
+    points, faces = joined(*((at + (9.0 * k, 0, 0), cut) for k, (at, cut) in zip(places, parts, strict=True)))
+    hit = []  # faces that have no vertex in common
+    for face in rng.permutation(len(faces)):
+        if len(hit) < 15 and not np.isin(faces[face], faces[hit]).any():
+            hit.append(face)
+    lost, turned, doubled = np.split(np.array(hit), 3)
+    faces[turned] = faces[turned][:, ::-1]
+    kept = np.delete(np.arange(len(faces)), lost)
+    order = rng.permutation(len(kept))
+    damaged = np.concatenate([faces[kept[order]], np.roll(faces[doubled], 1, axis=1)])
+    mesh = sn.SurfaceMesh(points, damaged)
+    found = mesh.diagnose()
+    assert (found.component_count, len(found.boundary_loops)) == (len(parts), 5)
+    assert found.euler_characteristic == 2 * (len(parts) - len(rings)) - 5 + 5
+    np.testing.assert_array_equal(found.flipped_faces, np.flatnonzero(np.isin(kept[order], turned)))
+    np.testing.assert_array_equal(found.duplicate_faces, np.arange(len(kept), len(damaged)))
+    assert len(found.non_manifold_edges) == 15
+    twins = np.stack([np.flatnonzero(np.isin(kept[order], d))[0] for d in doubled])
+    pairs = [(a, len(kept) + k) for k, a in enumerate(twins)]
+    assert mesh.crossing_faces().tolist() == sorted(map(list, pairs))
+
+
+def test_faces_that_pass_through_each_other_are_found_in_pairs() -> None:
+    one, other = quad_grid(3, 3), quad_grid(1, 1)
+    wall = other[0][:, [2, 0, 1]] + (1.5, 1.25, -0.5)  # 1.25 <= y <= 2.25 at x = 1.5
+    mesh = sn.SurfaceMesh(*joined(one, (wall, other[1])))
+    assert mesh.crossing_faces().tolist() == [[4, 9], [7, 9]]
+    assert mesh.diagnose().clean
+    assert sn.SurfaceMesh(*one).crossing_faces().shape == (0, 2)
 
 
 def test_all_that_is_odd_is_counted_in_one_mesh() -> None:

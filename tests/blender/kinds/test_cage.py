@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A cage moves the mesh: by object, by its vertices, by shape keys and bones; its rest, its subdivision."""
+"""A cage moves the mesh: by object, by its vertices, by shape keys and bones; its rest, its smoothness."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ import bpy
 import numpy as np
 import pytest
 from inside import inner
-from mathutils import Matrix
+from mathutils import Matrix, Vector
 from registry import WITH_CAGE
 from rigs.cages import (
-    SHEAR,
     assert_goes_on,
     assert_rests,
     ball,
     box,
+    crease,
     cross,
     motion_of,
     place,
@@ -54,28 +54,46 @@ def caged() -> Caged:
     return target, cage
 
 
-def test_the_subdivision_of_the_panel_is_the_cages_own_modifier(caged: Caged):
+@pytest.mark.parametrize("method", ["mean_value", "harmonic"])
+def test_a_smooth_cage_moves_as_one_with_a_subdivision_modifier(method: str):
+    """The same with few points; Blender's limit surface is the other cage, with the same creases."""
+    places = []
+    for smooth in (False, True):
+        target, cage = ball(), box()
+        cage.data.transform(Matrix.Scale(1.7, 4))  # so that its smooth surface encloses the ball
+        crease(cage, range(3), 0.6)
+        if not smooth:
+            refine = cage.modifiers.new("Subdivision", "SUBSURF")
+            refine.levels, refine.quality, refine.use_limit_surface = 2, 10, True
+        deformer = surround(target, cage, method)
+        if smooth:
+            deformer.parameters.smooth = "levels"
+            update()
+            assert "cage of 6 faces (8 vertices)" in deformer.status
+        cage.data.vertices[6].co += Vector((0.9, 0.4, 0.7))
+        cage.data.vertices[1].co += Vector((0.0, -0.8, 0.2))
+        update()
+        assert deformer.status_level == "INFO", deformer.status
+        places.append(evaluated_points(target))
+    assert np.abs(places[0] - base_points(target)).max() > 0.1
+    assert np.abs(places[1] - places[0]).max() < (1e-5 if method == "mean_value" else 5e-3)
+
+
+def test_new_rest_takes_creases(caged: Caged):
     target, cage = caged
-    deformer = target.sinew.active
-    assert deformer.cage_subdivision == 0
-    deformer.cage_subdivision = 2
-    (smoother,) = cage.modifiers
-    assert (smoother.type, smoother.levels, smoother.render_levels) == ("SUBSURF", 2, 2)
+    target.sinew.active.parameters.smooth = "automatic"
+    cage.data.transform(Matrix.Scale(1.7, 4))
     set_rest(target)
-    assert "cage of 96 faces (98 vertices)" in deformer.status
-    smoother.levels = 1
-    assert deformer.cage_subdivision == 1
-    cage.data.transform(Matrix.Scale(1.5, 4))  # so that it encloses the ball
-    set_rest(target)
-    assert "cage of 24 faces (26 vertices)" in deformer.status
-    transform(cage, SHEAR)
-    assert np.abs(evaluated_points(target) - apply_matrix(SHEAR, base_points(target))).max() < FLOAT32
-    deformer.cage_subdivision = 0
-    assert not cage.modifiers
-    cage.modifiers.new("Subdivision", "SUBSURF")
-    deformer.cage = None
-    deformer.cage_subdivision = 3
-    assert deformer.cage_subdivision == 0
+    shapes = []
+    for value in (0.0, 1.0):
+        crease(cage, range(12), value)
+        set_rest(target)
+        cage.data.vertices[7].co *= 1.3
+        update()
+        shapes.append(evaluated_points(target))
+        cage.data.vertices[7].co /= 1.3
+        update()
+    assert np.abs(shapes[1] - shapes[0]).max() > 0.01
 
 
 def test_faces_of_a_cage_that_cross_are_named_and_can_be_selected():

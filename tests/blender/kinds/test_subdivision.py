@@ -13,7 +13,7 @@ from expected import faces_of
 from inside import native
 from rigs.rig import base_points, evaluated_points, nearest, new_object
 
-TOLERANCE = 1e-5  # of the bounding box: Blender computes in single precision
+TOLERANCE = 1e-6  # of the bounding box: Blender computes in single precision
 
 
 def prism() -> bpy.types.Object:
@@ -87,7 +87,7 @@ def farthest(own: np.ndarray, blenders: np.ndarray) -> float:
 
 
 # What Blender is asked for, and what is the same here. Blender's limit stops ten levels in: the end of an
-# endless crease is still 0.42^10 of an edge away from it.
+# endless crease is still 0.42^10 of an edge away from it, so there 1e-5 has to do.
 LIMIT = {"use_limit_surface": True, "quality": 10}
 WAYS = {
     **{
@@ -113,7 +113,7 @@ def test_shapes_are_those_of_blender(shape, way: str, level: int) -> None:
     options = {**options, **(made if blenders.get("use_creases") else {}), "level": level}
     own = ours(obj, **options).refine(base_points(obj))
     subdivide(obj, levels=level, **blenders)
-    assert farthest(own, evaluated_points(obj)) < TOLERANCE
+    assert farthest(own, evaluated_points(obj)) < TOLERANCE * (10.0 if way == "limit of creases" else 1.0)
 
 
 UV_CHOICES = (

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The remedies: broken meshes mended with counts, shared vertices parted, everything bound again."""
+"""The remedies: broken meshes mended with counts, shared vertices parted, all bound again; Prepare."""
 
 from collections import Counter
 
@@ -266,3 +266,48 @@ def test_two_regions_of_the_same_vertices_are_refused_unless_one_is_soft(plate: 
     overlapping(plate, "Twin", lambda point: point[1] > 0.75)
     refused("Top and Twin are the same vertices", "part_regions")
     assert set(members(plate.obj, "Twin")) == set(plate.top)
+
+
+def test_what_is_unusual_is_counted_and_selected(capfd):
+    obj = broken_plate().obj
+    obj.data.polygons[3].flip()
+    press(obj, "diagnose")
+    said = capfd.readouterr().out
+    expected = faults(obj)
+    found = inner.surveying.last_counts(obj).found
+    assert {what: found[what] for what in expected if what != "coincident"}.items() <= expected.items()
+    assert "1 flipped face" in said
+    assert f"{found['slit']} edges of slits" in said
+    assert (found["slit"], found["flipped"]) == (20, 1)
+    for what, count in found.items():
+        assert bpy.ops.sinew.select_unusual(what=what) == {"FINISHED"}
+        edit = bmesh.from_edit_mesh(obj.data)
+        chosen = sum(face.select for face in edit.faces), sum(vertex.select for vertex in edit.verts)
+        if what in ("flipped", "degenerate", "duplicate"):
+            assert chosen[0] >= count, what  # of faces with the same vertices both are selected
+        assert chosen[1] > 0, what
+    bpy.ops.object.mode_set(mode="OBJECT")
+    obj.data.vertices.add(1)
+    assert inner.surveying.last_counts(obj) is None
+
+
+def test_curvature_is_stored_and_shown():
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=2.0)
+    obj = bpy.context.object
+    with in_mode(obj):
+        assert bpy.ops.sinew.measure_curvature(shown="largest", vectors=True) == {"FINISHED"}
+    mesh, count = obj.data, len(obj.data.vertices)
+    for name, expected in (("mean", 0.5), ("gaussian", 0.25), ("largest", 0.5), ("smallest", 0.5)):
+        values = np.empty(count, dtype=np.float32)
+        mesh.attributes[f"curvature_{name}"].data.foreach_get("value", values)
+        assert np.abs(values / expected - 1).max() < 0.03, name  # the fit of edges of a tenth
+    across = np.empty(3 * count, dtype=np.float32)
+    mesh.attributes["curvature_largest_direction"].data.foreach_get("vector", across)
+    assert np.abs((across.reshape(-1, 3) * base_points(obj)).sum(axis=1)).max() < 0.01
+    colours = np.empty(4 * count, dtype=np.float32)
+    mesh.color_attributes.active_color.data.foreach_get("color", colours)
+    assert np.ptp(colours.reshape(-1, 4), axis=0).max() < 0.1
+    assert colours[0] > 2 * colours[2]  # red is convex
+    names = {attribute.name for attribute in mesh.attributes}
+    press(obj, "measure_curvature", shown="none", rings=3)
+    assert {attribute.name for attribute in mesh.attributes} == names

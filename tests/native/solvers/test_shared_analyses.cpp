@@ -10,7 +10,7 @@ namespace sinew::test_shared_analyses {
 std::shared_ptr<const Analysis> kept(const SparseMatrix& A)
 {
     return SharedAnalyses::find(
-        {digest(A), static_cast<int>(A.cols()), FactorBackend::automatic, Ordering::minimum_degree});
+        {digest(A), static_cast<int>(A.cols()), FactorBackend::automatic, Ordering::automatic});
 }
 
 TEST(SharedAnalyses, serve_the_factors_of_one_pattern_while_they_live_and_change_no_bit)

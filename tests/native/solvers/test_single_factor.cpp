@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "native/solvers/single_factor.h"
 
+#include "native/solvers/engines/cholmod_factor.h"
 #include "tests/native/dense.h"
 #include "tests/native/refusals.h"
 #include "tests/native/solvers/matrices.h"
@@ -49,6 +50,15 @@ TEST(SingleFactor, eliminates_every_unknown_once_and_takes_new_names)
     factor.rename(names);
     factor.solve(rhs.colwise().reverse(), after);
     EXPECT_EQ(MatrixX(after.colwise().reverse()), before);
+}
+
+TEST(SingleFactor, is_ordered_by_patches_where_it_is_large)
+{
+    if (!have_cholmod())
+        GTEST_SKIP() << "this build has no CHOLMOD";
+    const SparseMatrix large = matrices::shuffled_grid(224), small = matrices::shuffled_grid(40);
+    EXPECT_EQ(fill_reducing_order(large), elimination_order(large, Ordering::patch_dissection));
+    EXPECT_EQ(fill_reducing_order(small), elimination_order(small, Ordering::nested_dissection));
 }
 
 TEST(SingleFactor, gives_the_same_bits_on_any_number_of_threads)

@@ -1,11 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A cage moves the shape: an ordinary mesh object around it, after its own modifiers. See ``kinds``."""
 
+from dataclasses import replace
+
 import bmesh
 import numpy as np
 from bpy.types import Mesh, Object
 
 from ....backend import CageReport, ControlPoints, Faces, Refusal
+from ....compat import read_creases
 from ....core.elements import Elements, Owner
 from ....core.errors import CageError
 from ....core.status import Level, Remedy, Status
@@ -32,6 +35,18 @@ class CageKind(ObjectKind):
     def bound_to(self, rest: RestShape) -> ControlPoints:
         refusal = Refusal(self.ERROR, self.REST_REMEDY, Remedy.FLIP_CAGE)
         return ControlPoints(rest.points, faces=Faces(rest.counts, rest.corners), refusal=refusal)
+
+    def request(
+        self, settings: SinewDeformer, mesh: Mesh, rest: RestShape, key: tuple, base_count: int
+    ) -> BindInput:
+        """With the creases of a smooth cage."""
+        found = super().request(settings, mesh, rest, key, base_count)
+        if found.recipe.options.get("smooth", "off") == "off":
+            return found
+        pairs = zip(("creases", "corners"), read_creases(self.row(settings).rest), strict=True)
+        own = {name: (where, 10.0 * crease**2) for name, (where, crease) in pairs if len(where)}
+        control = replace(found.recipe.control, own=own)
+        return replace(found, recipe=replace(found.recipe, control=control))
 
     def in_words(self, rest: RestShape) -> str:
         faces = "1 face" if len(rest.counts) == 1 else f"{len(rest.counts):,} faces"

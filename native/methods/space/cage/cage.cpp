@@ -58,15 +58,22 @@ double volume(const SurfaceMesh& mesh)
 
 } // namespace
 
-Cage::Cage(SurfaceMesh rest, bool may_be_flat)
-    : frame_(rest.points()), rest_(frame_.in(rest)),
+Cage::Cage(SurfaceMesh rest, bool may_be_flat, const CageSmoothing& smoothing)
+    : smoothing_((require_valid(smoothing), smoothing)),
+      smooth_(smoothing.smooth != CageSmooth::off && rest.face_count() > 0
+                  ? std::make_shared<const SmoothCage>(rest, smoothing)
+                  : nullptr),
+      frame_(smooth_ ? smooth_->mesh().points() : rest.points()),
+      rest_(frame_.in(smooth_ ? smooth_->mesh() : rest)),
       size_((rest_.points().colwise().maxCoeff() - rest_.points().colwise().minCoeff()).norm())
 {
-    if (!frame_.is_identity())
+    if (smooth_)
+        control_ = frame_.in(rest).points();
+    if (smooth_ || !frame_.is_identity())
         given_ = std::move(rest);
     if (rest_.face_count() == 0)
         throw InvalidMesh("the cage has no faces");
-    std::vector<int> all(static_cast<std::size_t>(rest_.face_count()));
+    std::vector<int> all(static_cast<std::size_t>(given().face_count()));
     std::iota(all.begin(), all.end(), 0);
     outline_ = flat_outline(rest_);
     if (outline_ && !may_be_flat)
@@ -75,7 +82,7 @@ Cage::Cage(SurfaceMesh rest, bool may_be_flat)
                           Error::Element::face, std::move(all));
     if (outline_)
         return;
-    const std::vector<int> unbalanced = unbalanced_vertices(rest_);
+    const std::vector<int> unbalanced = unbalanced_vertices(given());
     if (!unbalanced.empty())
         throw InvalidMesh("the cage is open, or neighbouring faces look to different sides, at vertices " +
                               list_some(unbalanced) + ": close it and recalculate its normals",
@@ -88,14 +95,22 @@ Cage::Cage(SurfaceMesh rest, bool may_be_flat)
     }
 }
 
+PointsView Cage::refined(PointsView control, Points& storage) const
+{
+    if (!smooth_)
+        return control;
+    storage = smooth_->refined(control);
+    return view(storage);
+}
+
 void Cage::check_pose(PointsView vertices) const
 {
-    if (vertices.rows() != vertex_count())
-        throw InvalidConstraint("the cage was bound with " + std::to_string(vertex_count()) +
+    if (vertices.rows() != control_count())
+        throw InvalidConstraint("the cage was bound with " + std::to_string(control_count()) +
                                 " vertices, and posed with " + std::to_string(vertices.rows()) +
                                 ": bind again");
     std::vector<int> bad;
-    for (int v = 0; v < vertex_count(); ++v)
+    for (int v = 0; v < control_count(); ++v)
         if (!vertices.row(v).allFinite())
             bad.push_back(v);
     if (!bad.empty())

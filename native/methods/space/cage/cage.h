@@ -4,7 +4,9 @@
 #include "native/core/options.h"
 #include "native/mesh/flat_outline.h"
 #include "native/mesh/frames/normal_frame.h"
+#include "native/methods/space/cage/smooth/smooth_cage.h"
 
+#include <memory>
 #include <optional>
 
 namespace sinew {
@@ -27,6 +29,10 @@ constexpr auto choices(CageOutside)
 ///
 /// Some methods also take a flat cage: a mesh in a plane, whose outline is what moves the points in that
 /// plane.
+///
+/// A cage may be smooth: then its limit surface moves the points, as a mesh of quads that SmoothCage makes.
+/// Coordinates are computed for the vertices of that mesh, and folded to weights of the control points, the
+/// cage's own vertices. Without that, the vertices are the control points.
 class Cage
 {
 public:
@@ -36,31 +42,54 @@ public:
     ///   the other, which means that the cage is open or that neighbouring faces look to different sides (the
     ///   vertices of such edges are named); or the volume is not positive, which means that the cage is flat
     ///   or inside out (faces are named).
-    explicit Cage(SurfaceMesh rest, bool may_be_flat = false);
+    /// \throw InvalidMesh, InvalidOption, OutOfMemory  as SmoothCage.
+    explicit Cage(SurfaceMesh rest, bool may_be_flat = false, const CageSmoothing& smoothing = {});
 
     bool is_flat() const { return outline_.has_value(); }
     /// Of a flat cage.
     const FlatOutline& outline() const { return *outline_; }
 
     /// The rest cage in its own frame(), in which all coordinates are computed. So neither its size nor its
-    /// place matters.
+    /// place matters. Of a smooth cage, its smooth surface.
     const SurfaceMesh& rest() const { return rest_; }
-    /// The rest cage as it was given.
+    /// The rest cage as it was given, with the control points.
     const SurfaceMesh& given() const { return given_ ? *given_ : rest_; }
     const NormalFrame& frame() const { return frame_; }
-    int vertex_count() const { return rest_.vertex_count(); }
+    int vertex_count() const { return rest_.vertex_count(); } ///< of rest()
+    int control_count() const { return given().vertex_count(); }
+    /// (control_count(), 3) the control points in frame().
+    const Points& control() const { return smooth_ ? control_ : rest_.points(); }
+    /// The face as it was given that a face of rest() is, or is a part of.
+    int given_face(int face) const { return smooth_ ? smooth_->control_face(face) : face; }
     const std::vector<Triangle>& triangles() const { return rest_.triangles(); }
 
     /// Diagonal of the box around the vertices of rest().
     double size() const { return size_; }
 
-    /// \throw InvalidConstraint  there are more or fewer vertices than the cage has, or some are not finite.
+    /// None unless the cage is smooth.
+    const std::shared_ptr<const SmoothCage>& smooth() const { return smooth_; }
+    /// The vertices of rest() for posed control points.
+    /// \param storage  holds them where the cage is smooth.
+    PointsView refined(PointsView control, Points& storage) const;
+    /// Takes weights of the vertices, the first columns of some rows, to weights of the control points.
+    void fold(RowMatrix& rows) const
+    {
+        if (smooth_)
+            smooth_->fold(rows);
+    }
+    const CageSmoothing& smoothing() const { return smoothing_; }
+
+    /// \throw InvalidConstraint  there are more or fewer control points than the cage has, or some are not
+    ///   finite.
     void check_pose(PointsView vertices) const;
 
 private:
+    CageSmoothing smoothing_;
+    std::shared_ptr<const SmoothCage> smooth_;
     NormalFrame frame_;
     SurfaceMesh rest_;
-    std::optional<SurfaceMesh> given_; ///< where the frame is not the identity
+    std::optional<SurfaceMesh> given_; ///< where the frame is not the identity, or the cage is smooth
+    Points control_;                   ///< where the cage is smooth
     std::optional<FlatOutline> outline_;
     double size_;
 };

@@ -62,7 +62,7 @@ Green::Green(Cage cage, const GreenOptions& options)
     }
     const CageTables tables = geometry_.tables();
     if (patches_.count() > 0) {
-        rest_.setZero(columns(), 3);
+        rest_.setZero(wide(), 3);
         for (int v = 0; v < tables.vertex_count; ++v)
             rest_.row(v) = Vector3::Map(tables.vertices + 3 * v).transpose();
         for (int t = 0; t < tables.triangle_count; ++t)
@@ -72,13 +72,16 @@ Green::Green(Cage cage, const GreenOptions& options)
             for (int k = 0; k < 3; ++k)
                 rest_.row(first_of_patches() + 3 * q + k) = patches_.rest_normal(q, k).transpose();
     }
+    if (this->cage().smooth() && options.normals == GreenNormals::control_points)
+        normals_.emplace(this->cage(), normal_columns());
     if (options.outside != GreenOutside::face)
         return;
     for (int t = 0; t < tables.triangle_count && exit_ < 0; ++t)
-        if (faces[static_cast<std::size_t>(geometry_.cage_triangle(t))] == options.exit_face)
+        if (this->cage().given_face(faces[static_cast<std::size_t>(geometry_.cage_triangle(t))]) ==
+            options.exit_face)
             exit_ = t;
     for (int q = 0; q < patches_.count(); ++q)
-        if (patches_.face(q) == options.exit_face)
+        if (exit_patch_ < 0 && this->cage().given_face(patches_.face(q)) == options.exit_face)
             exit_patch_ = q;
     if (exit_ < 0 && exit_patch_ < 0)
         throw InvalidOption("exit face " + std::to_string(options.exit_face) +
@@ -94,15 +97,41 @@ std::vector<std::string> Green::changed_settings(const SpaceMethod& former) cons
 int Green::columns() const
 {
     if (flat_)
-        return cage().vertex_count() + flat_->edge_count() + 1;
-    return first_of_patches() + 3 * patches_.count();
+        return cage().control_count() + flat_->edge_count() + 1;
+    return cage().control_count() + (normals_ ? normals_->columns() : wide() - cage().vertex_count());
+}
+
+std::vector<SmoothNormals::Column> Green::normal_columns() const
+{
+    std::vector<SmoothNormals::Column> all(static_cast<std::size_t>(wide() - cage().vertex_count()),
+                                           {0, Vector3::Zero()});
+    const auto place = [&](int column) -> SmoothNormals::Column& {
+        return all[static_cast<std::size_t>(column - cage().vertex_count())];
+    };
+    const CageTables tables = geometry_.tables();
+    for (int t = 0; t < tables.triangle_count; ++t) {
+        const auto triangle = static_cast<std::size_t>(geometry_.cage_triangle(t));
+        place(columns_[triangle]) = {cage().rest().triangle_faces()[triangle],
+                                     Vector3::Map(tables.triangles[t].normal),
+                                     0.5 * tables.triangles[t].double_area};
+    }
+    for (int q = 0; q < patches_.count(); ++q)
+        for (int k = 0; k < 3; ++k) {
+            // The first part is the normal in the middle, with a quarter of the area as its length.
+            const Vector3 part = patches_.rest_normal(q, k);
+            place(first_of_patches() + 3 * q + k) = {patches_.face(q), part,
+                                                     k == 0 ? 4.0 / part.norm() : 0.0};
+        }
+    return all;
 }
 
 RowMatrix Green::face_weights() const
 {
     const RowMatrix all = weights().dense();
     const double unit = cage().frame().unit() * cage().size();
-    RowMatrix faces = all.rightCols(all.cols() - std::min<Eigen::Index>(all.cols(), cage().vertex_count()));
+    RowMatrix faces = all.rightCols(all.cols() - std::min<Eigen::Index>(all.cols(), cage().control_count()));
+    if (normals_)
+        return unit * faces;
     if (flat_)
         return unit * faces.leftCols(std::max<Eigen::Index>(0, faces.cols() - 1));
     const Eigen::Index triangles = std::min<Eigen::Index>(faces.cols(), triangle_columns_);
@@ -111,25 +140,32 @@ RowMatrix Green::face_weights() const
     return faces;
 }
 
-void Green::controls(PointsView vertices, Points& controls) const
+void Green::controls(PointsView control, Points& controls) const
 {
     const CageTables tables = geometry_.tables();
+    Points storage;
+    const PointsView vertices = cage().refined(control, storage);
     controls.setZero(columns(), 3);
-    controls.topRows(cage().vertex_count()) = vertices;
+    controls.topRows(cage().control_count()) = control;
     if (flat_) {
         flat_->controls(vertices, true, controls.bottomRows(flat_->edge_count() + 1));
         return;
     }
+    Points normals = Points::Zero(wide() - cage().vertex_count(), 3);
     for (int t = 0; t < tables.triangle_count; ++t) {
         const int* const v = tables.triangles[t].corners;
         const auto side = [&](int k) -> Vector3 {
             return Vector3::Map(tables.vertices + 3 * v[k]) - Vector3::Map(tables.vertices + 3 * v[0]);
         };
         const auto to_side = [&](int k) -> Vector3 { return vertices.row(v[k]) - vertices.row(v[0]); };
-        controls.row(columns_[static_cast<std::size_t>(geometry_.cage_triangle(t))]) =
+        normals.row(columns_[static_cast<std::size_t>(geometry_.cage_triangle(t))] - cage().vertex_count()) =
             stretched_normal(side(1), side(2), to_side(1), to_side(2)).transpose();
     }
-    patches_.controls(vertices, controls.bottomRows(3 * patches_.count()));
+    patches_.controls(vertices, normals.bottomRows(3 * patches_.count()));
+    if (normals_)
+        normals_->controls(normals, control, controls.bottomRows(normals_->columns()));
+    else
+        controls.bottomRows(normals.rows()) = normals;
 }
 
 /// The results of the kernels for one vector of points.
@@ -169,7 +205,7 @@ void Green::integrate(const std::vector<Vector3>& points, Integrals& found) cons
     const CageTables tables = geometry_.tables();
     const int vertices = cage().vertex_count(), count = static_cast<int>(points.size());
     const int lanes = widest_kernels<CageKernels>().lanes;
-    found.weights.setZero(count, columns());
+    found.weights.setZero(count, wide());
     found.winding.setZero(count);
     found.touching.assign(points.size(), 0);
     found.near.assign(points.size(), {});
@@ -196,7 +232,7 @@ void Green::integrate(const std::vector<Vector3>& points, Integrals& found) cons
         return;
     patches_.add(points, first_of_patches(), found.weights, found.winding, found.near);
     found.rest.setZero(count, 4);
-    for (int c = 0; c < columns(); ++c) {
+    for (int c = 0; c < wide(); ++c) {
         if (c < vertices)
             found.rest.col(0) += found.weights.col(c);
         for (int axis = 0; axis < 3; ++axis)
@@ -208,6 +244,7 @@ void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& 
 {
     if (flat_) {
         flat_->green(block, rows, outside);
+        cage().fold(rows);
         return;
     }
     std::vector<Vector3> x, moved;
@@ -254,6 +291,9 @@ void Green::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& 
         represent(times == 0.0 ? place_near(x[i]) : Exit{near.q >= 0 ? -1 : geometry_.nearest(x[i]), near},
                   sum, left, row);
     }
+    cage().fold(rows);
+    if (normals_)
+        normals_->fold(rows);
 }
 
 Green::Exit Green::place_near(const Vector3& x) const

@@ -61,7 +61,7 @@ Harmonic::Harmonic(Cage cage, const HarmonicOptions& options)
     if (solver_ == HarmonicSolver::automatic)
         solver_ = this->cage().triangles().size() > most_triangles ? HarmonicSolver::lattice
                                                                    : HarmonicSolver::boundary;
-    const Points& vertices = this->cage().rest().points();
+    const Points& vertices = this->cage().control();
     middle_ = vertices.colwise().mean().transpose();
     places_.resize(4, vertices.rows());
     places_.row(0).setOnes();
@@ -156,8 +156,8 @@ void Harmonic::evaluate(int first, PointsView block, RowMatrix& rows, std::vecto
 {
     if (grid_) {
         rows = Eigen::Map<const Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-                   grid_->rows.data() + static_cast<std::ptrdiff_t>(first) * cage().vertex_count(),
-                   block.rows(), cage().vertex_count())
+                   grid_->rows.data() + static_cast<std::ptrdiff_t>(first) * cage().control_count(),
+                   block.rows(), cage().control_count())
                    .cast<double>();
         outside.assign(grid_->inside.begin() + first, grid_->inside.begin() + first + block.rows());
         complete(block, rows, outside);
@@ -242,7 +242,7 @@ void Harmonic::correct(PointsView block, const std::vector<int>& inside, RowMatr
 /// steps of Newton's method to the weights of least relative entropy.
 void Harmonic::correct_near_cage(const Vector3& point, Eigen::Ref<Eigen::RowVectorXd> row) const
 {
-    const Points& vertices = cage().rest().points();
+    const Points& vertices = cage().control();
     const auto arm = [&](Eigen::Index v) {
         Eigen::Vector4d homogeneous;
         homogeneous << 1.0, (vertices.row(v).transpose() - point) / cage().size();

@@ -14,14 +14,15 @@ MeanValue::MeanValue(Cage cage, const PointWeightOptions& options)
         flat_.emplace(this->cage(), geometry_);
 }
 
-int MeanValue::columns() const { return cage().vertex_count() + (flat_ ? 1 : 0); }
+int MeanValue::columns() const { return cage().control_count() + (flat_ ? 1 : 0); }
 
 void MeanValue::controls(PointsView vertices, Points& controls) const
 {
     controls.resize(columns(), 3);
-    controls.topRows(cage().vertex_count()) = vertices;
+    controls.topRows(cage().control_count()) = vertices;
+    Points storage;
     if (flat_)
-        flat_->controls(vertices, false, controls.bottomRows(1));
+        flat_->controls(cage().refined(vertices, storage), false, controls.bottomRows(1));
 }
 
 void MeanValue::evaluate(int /*first*/, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
@@ -30,6 +31,7 @@ void MeanValue::evaluate(int /*first*/, PointsView block, RowMatrix& rows, std::
         flat_->mean_value(block, rows, outside);
     else
         mean_value_weights(geometry_, block, rows, outside);
+    cage().fold(rows);
 }
 
 } // namespace sinew

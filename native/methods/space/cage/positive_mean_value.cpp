@@ -31,7 +31,7 @@ std::vector<std::string> PositiveMeanValue::changed_settings(const SpaceMethod& 
 
 void PositiveMeanValue::evaluate(int, PointsView block, RowMatrix& rows, std::vector<char>& outside) const
 {
-    rows.setZero(block.rows(), columns());
+    rows.setZero(block.rows(), cage().vertex_count());
     outside.assign(static_cast<std::size_t>(block.rows()), 0);
     VisibleCage::Scratch scratch;
     for (Eigen::Index i = 0; i < block.rows(); ++i) {
@@ -50,6 +50,7 @@ void PositiveMeanValue::evaluate(int, PointsView block, RowMatrix& rows, std::ve
         visible_->has_directions() ? visible_->sampled(x, scratch, row) : visible_->exact(x, scratch, row);
         rows.row(i) /= rows.row(i).sum();
     }
+    cage().fold(rows);
     outside_.fill(block, outside, rows);
 }
 

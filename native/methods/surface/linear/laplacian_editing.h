@@ -54,7 +54,7 @@ struct LaplacianEditingOptions
             option("transforms", &O::transforms, Rebind::update,
                    "'none', 'explicit' (Eq. 16), 'estimated' or 'implicit': the local transformations"),
             option("laplacian", &O::laplacian, Rebind::anew,
-                   "'uniform', 'cotan' or 'cotan_voronoi' (section 3.2)"),
+                   "'uniform', 'cotan', 'cotan_voronoi' or 'robust' (section 3.2)"),
             option("field", &O::field, Rebind::update,
                    "of 'explicit', how the maps of the handles fade: 'harmonic' (Eq. 8), 'geodesic' or "
                    "'euclidean'"),

@@ -130,8 +130,10 @@ RotationInvariantCoordinates::RotationInvariantCoordinates(const SurfaceMesh& re
                                                            const RotationInvariantCoordinatesOptions& options)
     : SurfaceMethodWith(rest, options), impl_(hidden<Impl>())
 {
-    if (options.laplacian == Discretization::cotan_voronoi)
-        throw InvalidOption("laplacian: 'cotan_voronoi' is not one of 'uniform', 'cotan'");
+    if (options.laplacian != Discretization::uniform && options.laplacian != Discretization::cotan)
+        throw InvalidOption(std::string("laplacian: '") +
+                            (options.laplacian == Discretization::robust ? "robust" : "cotan_voronoi") +
+                            "' is not one of 'uniform', 'cotan'");
 }
 
 void RotationInvariantCoordinates::bind(const Regions& regions, BindReport& report, const Progress& progress)

@@ -36,7 +36,7 @@ struct ThinShellOptions
             painted_option("variation", &O::variation, Rebind::update, at_least(0),
                            "k_v: minimum variation of curvature, of order 3; in units of k_s length^4"),
             option("laplacian", &O::laplacian, Rebind::anew,
-                   "'uniform', 'cotan' or 'cotan_voronoi' (section 3.2)"),
+                   "'uniform', 'cotan', 'cotan_voronoi' or 'robust' (section 3.2)"),
             option("affine_basis", &O::affine_basis, Rebind::update,
                    "whether to precompute the response to affine handle motions, which makes a frame one "
                    "small matrix product with the same result")};

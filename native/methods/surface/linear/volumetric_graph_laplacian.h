@@ -24,7 +24,7 @@ struct VolumetricGraphLaplacianOptions
             option("volume", &O::volume, Rebind::update, at_least(0),
                    "alpha, how much the graph counts beside the surface; 0 leaves the surface alone"),
             option("laplacian", &O::laplacian, Rebind::anew,
-                   "'uniform', 'cotan' or 'cotan_voronoi' (section 3.2), of the surface")};
+                   "'uniform', 'cotan', 'cotan_voronoi' or 'robust' (section 3.2), of the surface")};
     }
 };
 

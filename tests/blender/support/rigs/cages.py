@@ -36,6 +36,21 @@ def fine_box(cuts: int) -> bpy.types.Object:
     return obj
 
 
+def crease(obj: bpy.types.Object, edges: range, value: float) -> None:
+    edit = bmesh.new()
+    edit.from_mesh(obj.data)
+    layers = edit.edges.layers
+    if hasattr(layers, "crease"):  # up to 3.6
+        layer = layers.crease.verify()
+    else:
+        layer = layers.float.get("crease_edge") or layers.float.new("crease_edge")
+    edit.edges.ensure_lookup_table()
+    for index in edges:
+        edit.edges[index][layer] = value
+    edit.to_mesh(obj.data)
+    edit.free()
+
+
 def surround(target: bpy.types.Object, cage: bpy.types.Object, method: str = "mean_value"):
     """The deformer; a refusal is in its status."""
     press(target, "cage_add", source="OBJECT", cage=cage.name, method=method)

@@ -47,7 +47,8 @@ struct CageKernels
     void (*mean_value)(const CageTables& cage, const double* points, double* scratch, double* weights,
                        double* sums, int* on);
     /// Green coordinates: phi, psi, and the winding number of the cage around each point.
-    /// \param near_edge     (edge_count) any numbers; one int per edge
+    /// \param near_edge     (edge_count) any numbers: bit k of what is written there tells whether point k is
+    ///                      near the edge
     /// \param[out] phi      (vertex_count)
     /// \param[out] psi      (triangle_count), in units of the cage's size
     /// \param[out] winding  (1)

@@ -111,7 +111,7 @@ struct HarmonicBoundary::Near
 };
 
 HarmonicBoundary::HarmonicBoundary(const Cage& cage, int level, const Progress& progress)
-    : pattern_(harmonic_pattern(level)), vertex_count_(cage.vertex_count()), size_(cage.size()),
+    : pattern_(harmonic_pattern(level)), control_count_(cage.control_count()), size_(cage.size()),
       centre_(
           0.5 *
           (cage.rest().points().colwise().maxCoeff() + cage.rest().points().colwise().minCoeff()).transpose())
@@ -120,10 +120,10 @@ HarmonicBoundary::HarmonicBoundary(const Cage& cage, int level, const Progress& 
     place(cage);
     cut();
     const int count = static_cast<int>(triangles_.size()), n = unknowns();
-    require_memory(DenseSystem::bytes(n, vertex_count_) +
-                       static_cast<std::int64_t>(n + 3 * count) * (vertex_count_ + strip_width) * 8,
+    require_memory(DenseSystem::bytes(n, control_count_) +
+                       static_cast<std::int64_t>(n + 3 * count) * (control_count_ + strip_width) * 8,
                    "the boundary of the cage");
-    DenseSystem system(n, vertex_count_);
+    DenseSystem system(n, control_count_);
     const int group = std::max(1, block_rows / (3 * static_cast<int>(pattern_.panels.size())));
     const int groups = (count + group - 1) / group;
     const int slab = std::max(2, (groups + ticks - 1) / ticks);
@@ -164,7 +164,7 @@ void HarmonicBoundary::place(const Cage& cage)
         const Vector3 area = (p[1] - p[0]).cross(p[2] - p[0]);
         const double longest = std::max({(p[1] - p[0]).norm(), (p[2] - p[1]).norm(), (p[0] - p[2]).norm()});
         if (!(area.norm() > flattest * longest * longest)) {
-            flat.push_back(rest.triangle_faces()[static_cast<std::size_t>(t)]);
+            flat.push_back(cage.given_face(rest.triangle_faces()[static_cast<std::size_t>(t)]));
             continue;
         }
         LayerFace& face = triangles_[static_cast<std::size_t>(t)].face;
@@ -272,15 +272,10 @@ Vector3 HarmonicBoundary::inside_point(int triangle, const Vector3& hats) const
 void HarmonicBoundary::add_double_layer(int triangle, const Block& block, const double* fields, double* rows,
                                         int stride) const
 {
-    const HarmonicData& data = data_[static_cast<std::size_t>(triangle)];
-    const bool quad = triangles_[static_cast<std::size_t>(triangle)].diagonal >= 0;
-    for (int i = 0; i < block.count; ++i, rows += stride) {
-        for (int k = 0; k < 3; ++k)
-            rows[data.vertex[static_cast<std::size_t>(k)]] += fields[k * block.stride + i];
-        if (quad)
-            for (int k = 0; k < 4; ++k)
-                rows[data.quad[k]] += data.share[k] * fields[3 * block.stride + i];
-    }
+    const std::vector<HarmonicData::Entry>& entries = data_[static_cast<std::size_t>(triangle)].entries;
+    for (int i = 0; i < block.count; ++i, rows += stride)
+        for (const HarmonicData::Entry& entry : entries)
+            rows[entry.control] += entry.share * fields[entry.part * block.stride + i];
 }
 
 void HarmonicBoundary::gather_near(int triangle, const Block& block, Near& near) const
@@ -334,14 +329,14 @@ void HarmonicBoundary::assemble(DenseSystem& system, int begin, int end) const
 
     AlignedVector<double> fields(static_cast<std::size_t>(7 * block.stride));
     std::vector<double> twofold(static_cast<std::size_t>(block.count) *
-                                static_cast<std::size_t>(vertex_count_));
+                                static_cast<std::size_t>(control_count_));
     std::vector<int> place(static_cast<std::size_t>(block.count), -1); // index among the near points, or -1
     RowMatrix linear(n, 3);
     Near near;
     for (int s = 0; s < static_cast<int>(triangles_.size()); ++s) {
         widest_kernels<LayerKernels>().both(triangles_[static_cast<std::size_t>(s)], block.xyz.data(),
                                             block.stride, block.stride, fields.data());
-        add_double_layer(s, block, fields.data(), twofold.data(), vertex_count_);
+        add_double_layer(s, block, fields.data(), twofold.data(), control_count_);
         gather_near(s, block, near);
         for (std::size_t k = 0; k < near.points.size(); ++k)
             place[static_cast<std::size_t>(near.points[k])] = static_cast<int>(k);
@@ -381,9 +376,9 @@ void HarmonicBoundary::assemble(DenseSystem& system, int begin, int end) const
                 const HarmonicPattern::Panel& panel = pattern_.panels[static_cast<std::size_t>(p)];
                 for (int c = 0; c < 3; ++c) {
                     double* right = system.right_side(t * n + panel.corner[c]);
-                    const double* row = twofold.data() + static_cast<std::ptrdiff_t>(i) * vertex_count_;
+                    const double* row = twofold.data() + static_cast<std::ptrdiff_t>(i) * control_count_;
                     const double factor = panel.area * rule(q, c);
-                    for (int v = 0; v < vertex_count_; ++v)
+                    for (int v = 0; v < control_count_; ++v)
                         right[v] -= factor * row[v];
                 }
             }
@@ -398,16 +393,16 @@ void HarmonicBoundary::check(const Cage& cage, const DenseSystem& system,
     for (int i = 0; i < system.size(); ++i) {
         const double pivot = system.pivot_sizes()[static_cast<std::size_t>(i)];
         const double* row = system.solution(i);
-        const bool finite = std::all_of(row, row + vertex_count_, [](double x) { return std::isfinite(x); });
+        const bool finite = std::all_of(row, row + control_count_, [](double x) { return std::isfinite(x); });
         if (pivot > least_pivot * diagonal[static_cast<std::size_t>(i)] && finite)
             continue;
         const int t = i / n;
         if (bad.empty() || finite) // after a pivot of zero nothing is finite, so only the first is named then
-            bad.push_back(faces[static_cast<std::size_t>(t)]);
+            bad.push_back(cage.given_face(faces[static_cast<std::size_t>(t)]));
         // The faces that it touches are named, too.
         for (std::size_t s = 0; s < middles_.size(); ++s)
             if (static_cast<int>(s) != t && holds(triangles_[s].face, middles_[static_cast<std::size_t>(t)]))
-                bad.push_back(faces[s]);
+                bad.push_back(cage.given_face(faces[s]));
     }
     std::sort(bad.begin(), bad.end());
     bad.erase(std::unique(bad.begin(), bad.end()), bad.end());
@@ -420,18 +415,19 @@ void HarmonicBoundary::check(const Cage& cage, const DenseSystem& system,
 void HarmonicBoundary::keep(const DenseSystem& system)
 {
     const int n = pattern_.unknowns, count = static_cast<int>(triangles_.size());
-    RowMatrix far(3 * far_group, vertex_count_);
+    RowMatrix far(3 * far_group, control_count_);
     for (int first = 0; first < count; first += far_group) {
         const int size = std::min(far_group, count - first);
         for (int t = first; t < first + size; ++t) {
             const Eigen::Map<const RowMatrix, 0, Eigen::OuterStride<>> flux(
-                system.solution(t * n), n, vertex_count_,
+                system.solution(t * n), n, control_count_,
                 Eigen::OuterStride<>(static_cast<Eigen::Index>(system.stride())));
             far.middleRows(3 * (t - first), 3) = pattern_.to_linear * flux;
             if (n > 3)
-                flux_.emplace_back(system.solution(t * n), n, vertex_count_, system.stride());
+                flux_.emplace_back(system.solution(t * n), n, control_count_, system.stride());
         }
-        far_flux_.emplace_back(far.data(), 3 * size, vertex_count_, static_cast<std::size_t>(vertex_count_));
+        far_flux_.emplace_back(far.data(), 3 * size, control_count_,
+                               static_cast<std::size_t>(control_count_));
     }
 }
 
@@ -473,10 +469,10 @@ void HarmonicBoundary::evaluate(PointsView points, RowMatrix& weights, std::vect
     for (int i = 0; i < block.count; ++i)
         block.set(i, (points.row(i).transpose() - centre_) / size_);
     block.fill();
-    const int stride = padded(vertex_count_, strip_width);
+    const int stride = padded(control_count_, strip_width);
     AlignedVector<double> rows(static_cast<std::size_t>(block.count) * static_cast<std::size_t>(stride));
     evaluate(block, rows.data(), stride);
-    weights = RowMatrix::Map(rows.data(), block.count, stride).leftCols(vertex_count_);
+    weights = RowMatrix::Map(rows.data(), block.count, stride).leftCols(control_count_);
 
     // The flux of a constant is zero, so the sum of the weights is the solid angle of the cage, divided by 4
     // pi.
@@ -493,7 +489,7 @@ void HarmonicBoundary::measure_residual(const Progress& progress)
     std::vector<double> squares(static_cast<std::size_t>(chunks)), largest(squares);
     parallel_chunks(count, block_points, [&](int begin, int end) {
         Block block(end - begin);
-        const int stride = padded(vertex_count_, strip_width);
+        const int stride = padded(control_count_, strip_width);
         RowMatrix rows = RowMatrix::Zero(block.count, stride);
         for (int i = begin; i < end; ++i) {
             const Vector3 hats = i % 4 == 3 ? Vector3(Vector3::Constant(1.0 / 3.0))

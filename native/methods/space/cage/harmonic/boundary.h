@@ -14,7 +14,7 @@
 
 namespace sinew {
 
-/// Harmonic functions of a cage by boundary elements, one per cage vertex:
+/// Harmonic functions of a cage by boundary elements, one per control point of the cage:
 ///
 ///     phi_v(x) = S(x) q_v + D(x) g_v
 ///
@@ -64,7 +64,7 @@ private:
     Vector3 inside_point(int triangle, const Vector3& hats) const;
 
     HarmonicPattern pattern_;
-    int vertex_count_;
+    int control_count_;
     double size_;
     Vector3 centre_;
     std::vector<LayerTriangle> triangles_; ///< relative to the cage's centre, in units of its size

@@ -20,12 +20,21 @@ constexpr double plane_quad = 1e-4;
 std::vector<HarmonicData> harmonic_data(const Cage& cage)
 {
     const SurfaceMesh& rest = cage.rest();
+    const auto add = [&](HarmonicData& data, int vertex, int part, double share) {
+        if (!cage.smooth()) {
+            data.entries.push_back({vertex, part, share});
+            return;
+        }
+        for (SparseRows::InnerIterator entry(cage.smooth()->matrix(), vertex); entry; ++entry)
+            data.entries.push_back({static_cast<int>(entry.col()), part, share * entry.value()});
+    };
     std::vector<HarmonicData> all;
     all.reserve(cage.triangles().size());
     for (std::size_t t = 0; t < cage.triangles().size(); ++t) {
         const Triangle& triangle = cage.triangles()[t];
         HarmonicData& data = all.emplace_back();
-        data.vertex = triangle;
+        for (int corner = 0; corner < 3; ++corner)
+            add(data, triangle[corner], corner, 1.0);
         const std::span<const int> polygon = rest.face(rest.triangle_faces()[t]);
         if (polygon.size() != 4)
             continue;
@@ -53,8 +62,10 @@ std::vector<HarmonicData> harmonic_data(const Cage& cage)
             continue;
         const double most = 1.0 / std::max(alpha, 1.0 - alpha);
         data.diagonal = k;
-        data.quad = {a, b, c, d};
-        data.share = {-most * (1.0 - alpha), most * (1.0 - beta), -most * alpha, most * beta};
+        add(data, a, 3, -most * (1.0 - alpha));
+        add(data, b, 3, most * (1.0 - beta));
+        add(data, c, 3, -most * alpha);
+        add(data, d, 3, most * beta);
     }
     return all;
 }

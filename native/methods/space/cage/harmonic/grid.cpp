@@ -64,7 +64,7 @@ struct HarmonicGrid::Interpolations
 };
 
 HarmonicGrid::HarmonicGrid(const Cage& cage, int cells)
-    : columns_(cage.vertex_count()), lattice_(cage, cells), data_(harmonic_data(cage)),
+    : columns_(cage.control_count()), lattice_(cage, cells), data_(harmonic_data(cage)),
       multigrid_(lattice_, cage, data_)
 {
 }

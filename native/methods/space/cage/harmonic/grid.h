@@ -11,7 +11,7 @@
 
 namespace sinew {
 
-/// Harmonic functions of a cage, one per cage vertex, on a lattice whose lines end where they cross the cage.
+/// Harmonic functions of a cage, one per control point, on a lattice whose lines end where they cross the cage.
 /// HarmonicMultigrid computes the values at the nodes; this class interpolates them.
 ///
 /// In a cube that no triangle touches, the value at a point is the trilinear function of the corners,

@@ -57,10 +57,10 @@ HarmonicMultigrid::HarmonicMultigrid(const HarmonicLattice& lattice, const Cage&
 /// their box.
 void HarmonicMultigrid::order(const HarmonicLattice& lattice, const Cage& cage)
 {
-    const int count = cage.vertex_count();
+    const int count = cage.control_count();
     std::vector<Vector3> at;
     for (int v = 0; v < count; ++v)
-        at.push_back(lattice.coordinates(cage.rest().point(v)));
+        at.push_back(lattice.coordinates(cage.control().row(v).transpose()));
     order_.resize(count);
     std::iota(order_.begin(), order_.end(), 0);
     const std::function<void(int, int)> split = [&](int begin, int end) {
@@ -86,15 +86,24 @@ void HarmonicMultigrid::order(const HarmonicLattice& lattice, const Cage& cage)
 
     constexpr int far = std::numeric_limits<int>::max();
     stars_.assign((count + strip - 1) / strip, {{far, far, far}, {0, 0, 0}});
-    for (int f = 0; f < cage.rest().face_count(); ++f)
-        for (int v : cage.rest().face(f))
-            for (int w : cage.rest().face(f)) {
-                Window& star = stars_[place_[v] / strip];
-                for (int axis = 0; axis < 3; ++axis) {
-                    star.low[axis] = std::min(star.low[axis], static_cast<int>(std::floor(at[w][axis])));
-                    star.high[axis] = std::max(star.high[axis], static_cast<int>(std::ceil(at[w][axis])));
-                }
+    const auto extend = [&](int control, std::span<const int> face) {
+        Window& star = stars_[place_[control] / strip];
+        for (int w : face) {
+            const Vector3 corner = lattice.coordinates(cage.rest().point(w));
+            for (int axis = 0; axis < 3; ++axis) {
+                star.low[axis] = std::min(star.low[axis], static_cast<int>(std::floor(corner[axis])));
+                star.high[axis] = std::max(star.high[axis], static_cast<int>(std::ceil(corner[axis])));
             }
+        }
+    };
+    for (int f = 0; f < cage.rest().face_count(); ++f)
+        for (int v : cage.rest().face(f)) {
+            if (!cage.smooth())
+                extend(v, cage.rest().face(f));
+            else
+                for (SparseRows::InnerIterator entry(cage.smooth()->matrix(), v); entry; ++entry)
+                    extend(static_cast<int>(entry.col()), cage.rest().face(f));
+        }
 }
 
 std::span<const int> HarmonicMultigrid::vertices(int strip_index) const

@@ -9,8 +9,10 @@ namespace sinew {
 
 OutsideWeights::OutsideWeights(const Cage& cage, CageOutside choice)
 {
-    if (choice == CageOutside::mean_value)
+    if (choice == CageOutside::mean_value) {
         geometry_.emplace(cage);
+        smooth_ = cage.smooth();
+    }
 }
 
 void OutsideWeights::fill(PointsView block, const std::vector<char>& outside, RowMatrix& rows) const
@@ -25,6 +27,8 @@ void OutsideWeights::fill(PointsView block, const std::vector<char>& outside, Ro
         if (outside[static_cast<std::size_t>(i)])
             points.row(k++) = block.row(i);
     mean_value_weights(*geometry_, view(points), weights, unused);
+    if (smooth_)
+        smooth_->fold(weights);
     for (Eigen::Index i = 0, k = 0; i < block.rows(); ++i)
         if (outside[static_cast<std::size_t>(i)])
             rows.row(i) = weights.row(k++);

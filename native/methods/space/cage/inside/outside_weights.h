@@ -5,6 +5,7 @@
 #include "native/methods/space/cage/cage.h"
 #include "native/methods/space/cage/closed_forms/cage_geometry.h"
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -23,6 +24,7 @@ public:
 
 private:
     std::optional<CageGeometry> geometry_; ///< for mean value weights
+    std::shared_ptr<const SmoothCage> smooth_;
 };
 
 } // namespace sinew
