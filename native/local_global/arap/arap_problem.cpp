@@ -279,6 +279,49 @@ bool ArapProblem::improve(Points& x, Points& gradient, double& F)
     return false;
 }
 
+bool ArapProblem::go_on(const Points& from, double F_from, double share, Points& x, Points& gradient,
+                        double& F)
+{
+    Points &better = buffers_.better, &better_gradient = buffers_.better_gradient, &torque = buffers_.torque;
+    const int before = current_;
+    better.resize(x.rows(), 3);
+    parallel_for(x.rows(), [&](int i) { better.row(i) = x.row(i) + share * (x.row(i) - from.row(i)); });
+    double F_better;
+    if (graph_.is_smooth()) {
+        const int next = spare(before);
+        for_each_moving([&](const GraphChunk& chunk) {
+            for (int i = chunk.begin; i < chunk.end; ++i) {
+                const std::size_t at = entries * static_cast<std::size_t>(i);
+                const Eigen::Map<const Matrix3> now(buffers_.rotations[before].data() + at),
+                    then(buffers_.rotations[kept_].data() + at);
+                const Matrix3 turn = now * then.transpose();
+                torque.row(i) = 0.5 * share *
+                                Eigen::RowVector3d(turn(2, 1) - turn(1, 2), turn(0, 2) - turn(2, 0),
+                                                   turn(1, 0) - turn(0, 1));
+            }
+            const std::size_t first = entries * static_cast<std::size_t>(chunk.begin);
+            kernels_.turn(torque.data() + 3 * static_cast<std::size_t>(chunk.begin),
+                          buffers_.rotations[before].data() + first, chunk.end - chunk.begin,
+                          buffers_.rotations[next].data() + first);
+        });
+        current_ = next;
+        move_to(better);
+        F_better = energy_and_gradient(better_gradient);
+    } else {
+        F_better = evaluate(better, better_gradient);
+    }
+    if (F_better < F_from) {
+        F = F_better;
+        x.swap(better);
+        gradient.swap(better_gradient);
+        return true;
+    }
+    current_ = before;
+    stale_ = !graph_.is_smooth();
+    move_to(x);
+    return false;
+}
+
 void ArapProblem::global_step(Points& x)
 {
     Points& gradient = buffers_.gradient;

@@ -64,6 +64,8 @@ public:
     /// evaluate(), whose covariances it uses, and fits no rotations.
     void improve_by(const ClusterMotions& motions) { motions_ = &motions; }
     bool improve(Points& x, Points& gradient, double& F) override;
+    bool go_on(const Points& from, double F_from, double share, Points& x, Points& gradient,
+               double& F) override;
     void keep_state() override { kept_ = graph_.is_smooth() ? current_ : -1; }
     void restore_state() override
     {

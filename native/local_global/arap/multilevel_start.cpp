@@ -17,7 +17,8 @@ namespace {
 constexpr int coarsening = 8;
 constexpr int fewest_nodes = 60;
 constexpr int most_levels = 8;
-constexpr int wanted_clusters = 600; ///< of motions: more hardly move better, and their factor costs more
+/// Clusters of motions: one of so many nodes, within bounds. More hardly move better, and their factor costs more.
+constexpr int nodes_per_cluster = 60, fewest_clusters = 60, most_clusters = 600;
 constexpr int coarsest_iterations = 30, level_iterations = 5;
 constexpr int large = 2000, large_iterations = 2; ///< on a level of more than `large` nodes
 constexpr double rounding_floor = 1e-14; ///< of sum w |p_i - p_j|^2: an energy below it is rounding
@@ -53,8 +54,8 @@ struct MotionClusters
     ClusterMap map;
     HandleGraph graph;
 
-    MotionClusters(const HandleGraph& nodes, const Points& points)
-        : map(nodes, Clusters(nodes, points, wanted_clusters)), graph(graph_of_clusters(nodes, points, map))
+    MotionClusters(const HandleGraph& nodes, const Points& points, int wanted)
+        : map(nodes, Clusters(nodes, points, wanted)), graph(graph_of_clusters(nodes, points, map))
     {
         std::vector<int> order = graph.free_nodes();
         for (int p = 0; p < graph.size(); ++p)
@@ -137,6 +138,7 @@ void MultilevelStart::add_motions(const ArapSystem& fine, const Points& rest)
     };
     const auto points = [&](std::size_t g) -> const Points& { return g == 0 ? rest : levels_[g - 1].rest; };
     motions_.resize(levels_.size() + 1);
+    const int wanted = std::clamp(fine.size() / nodes_per_cluster, fewest_clusters, most_clusters);
     std::optional<MotionClusters> made;
     const HandleGraph* last = nullptr; // the clusters of the next coarser graph
     for (std::size_t g = levels_.size(); g-- > 0;) {
@@ -147,11 +149,11 @@ void MultilevelStart::add_motions(const ArapSystem& fine, const Points& rest)
             for (int& p : label)
                 p = p < 0 ? p : map.label()[p];
         };
-        for (; at < levels_.size() && graph(at + 1).size() > 2 * wanted_clusters; ++at)
+        for (; at < levels_.size() && graph(at + 1).size() > 2 * wanted; ++at)
             hand_on(levels_[at].map);
-        const bool found = at < levels_.size() && (at == g || graph(at + 1).size() > wanted_clusters / 2);
+        const bool found = at < levels_.size() && (at == g || graph(at + 1).size() > wanted / 2);
         if (!found && !made)
-            made.emplace(graph(at).nodes(), points(at));
+            made.emplace(graph(at).nodes(), points(at), wanted);
         hand_on(found ? levels_[at].map : made->map);
         const HandleGraph& clusters = found ? graph(at + 1).nodes() : made->graph;
         try {

@@ -25,31 +25,47 @@ constexpr double rounding = 1e-12;
 /// smaller one.
 constexpr double least_curvature = 1e-6;
 
-/// Bounds of the share of its way that an iteration leaves to the next ones: slow parts show late.
-constexpr double least_left = 2.0 / 3.0, most_left = 0.9;
+/// The largest share of its way that an iteration is taken to leave to the next one.
+constexpr double most_left = 0.9;
+/// How many of the last ways go_on() goes on at least and at most, and what it leaves of what was left.
+constexpr double least_on = 0.05, most_on = 1.5, left_by_going_on = 0.5;
 
 constexpr int grain = 2048; ///< numbers per parallel chunk; its vectors stay in the cache between two loops
 constexpr int most_window = 16;
 
-double longest_way(const Points& from, const Points& to)
+/// How far the rows of x went in an iteration.
+struct Way
 {
-    const int rows = static_cast<int>(from.rows());
-    std::vector<double> squares(rows / grain + 1, 0.0);
-    parallel_chunks(rows, grain, [&](int begin, int end) {
-        squares[begin / grain] = (to.middleRows(begin, end - begin) - from.middleRows(begin, end - begin))
-                                     .rowwise()
-                                     .squaredNorm()
-                                     .maxCoeff();
-    });
-    return std::sqrt(*std::ranges::max_element(squares));
-}
+    double longest = 0.0;
+    double square = 0.0, along_last = 0.0; ///< of all rows: products with themselves and with the last ways
 
-/// How far a row has to go if ways shrink on as they did from the last iteration to this one.
-double way_left(double last, double way)
-{
-    const double left = last > 0 ? std::clamp(way / last, least_left, most_left) : most_left;
-    return way * left / (1 - left);
-}
+    /// \param[in,out] ways  the last ones, or none; replaced by these.
+    Way(const Points& from, const Points& to, Points& ways)
+    {
+        const int rows = static_cast<int>(from.rows());
+        const bool first = ways.rows() != rows;
+        if (first)
+            ways.resize(rows, 3);
+        std::vector<Eigen::Vector3d> parts(rows / grain + 1, Eigen::Vector3d::Zero());
+        parallel_chunks(rows, grain, [&](int begin, int end) {
+            Eigen::Vector3d& part = parts[begin / grain];
+            for (int i = begin; i < end; ++i) {
+                const Eigen::RowVector3d way = to.row(i) - from.row(i);
+                const double square = way.squaredNorm();
+                part[0] = std::max(part[0], square);
+                part[1] += square;
+                part[2] += first ? 0.0 : way.dot(ways.row(i));
+                ways.row(i) = way;
+            }
+        });
+        for (const Eigen::Vector3d& part : parts) {
+            longest = std::max(longest, part[0]);
+            square += part[1];
+            along_last += part[2];
+        }
+        longest = std::sqrt(longest);
+    }
+};
 
 } // namespace
 
@@ -212,6 +228,7 @@ LbfgsWorkspace::~LbfgsWorkspace() = default;
 LbfgsWorkspace::LbfgsWorkspace(LbfgsWorkspace&&) noexcept = default;
 
 bool MetricProblem::improve(Points&, Points&, double&) { return false; }
+bool MetricProblem::go_on(const Points&, double, double, Points&, Points&, double&) { return false; }
 
 SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& options, const Progress& progress,
                      LbfgsWorkspace* work)
@@ -221,12 +238,13 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
         return minimize(problem, x, options, progress, &own);
     }
     SolveReport report;
-    auto& [g, z, trial, trial_g, trial_z, kept] = *work;
+    auto& [g, z, trial, trial_g, trial_z, ways, kept] = *work;
     LbfgsWorkspace::History& history = *kept;
     history.reset(std::min(options.window, most_window), x.size());
     int small_steps = 0;
     bool settled = false;
-    double last_way = 0.0;
+    double last_way = 0.0, last_square = 0.0;
+    ways.resize(0, 3);
 
     double F = problem.evaluate(x, g);
     const auto try_step = [&](double t) {
@@ -243,8 +261,11 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
     if (!done()) {
         if (options.size > 0)
             trial = x;
-        if (problem.improve(x, g, F) && options.size > 0)
-            last_way = longest_way(trial, x);
+        if (problem.improve(x, g, F) && options.size > 0) {
+            const Way way(trial, x, ways);
+            last_way = way.longest;
+            last_square = way.square;
+        }
         problem.precondition(g, z);
     }
     while (!done()) {
@@ -295,10 +316,22 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
         if (problem.improve(trial, trial_g, F_trial))
             history.moved(x, trial);
         if (options.size > 0) {
-            const double way = longest_way(x, trial);
-            report.residual = way_left(last_way, way) / options.size;
+            const Way way(x, trial, ways);
+            // As if ways shrink on as they did from the last iteration to this one. Slow parts show late.
+            const double kept = last_way > 0 ? std::min(way.longest / last_way, most_left) : most_left;
+            const auto left = [&](double share) {
+                return way.longest * std::max(1.0, share * kept / (1 - kept)) / options.size;
+            };
+            report.residual = left(1.0);
+            const double slow = last_square > 0 ? way.along_last / last_square : 0.0;
+            const double on = slow < 1 ? std::min(slow / (1 - slow), most_on) : most_on;
+            if (on > least_on &&
+                (left(left_by_going_on) < options.tolerance || report.iterations >= options.max_iterations) &&
+                problem.go_on(x, F, on, trial, trial_g, F_trial))
+                report.residual = left(left_by_going_on);
             settled = report.residual < options.tolerance;
-            last_way = way;
+            last_way = way.longest;
+            last_square = way.square;
         } else {
             report.residual = F != 0 ? (F - F_trial) / std::abs(F) : 0.0;
             small_steps = report.residual < options.tolerance ? small_steps + 1 : 0;

@@ -31,6 +31,12 @@ public:
     /// \return whether it has moved x.
     virtual bool improve(Points& x, Points& gradient, double& F);
 
+    /// Optional end of a descent: x and the state go on by a share of the way that they came since the state
+    /// was kept at `from`, unless F were no lower than it was there. The gradient becomes that of the new x.
+    /// \return whether it has moved x.
+    virtual bool go_on(const Points& from, double F_from, double share, Points& x, Points& gradient,
+                       double& F);
+
     /// Moves a trial point onto the constraints of the problem, for example to a given volume. Such a problem
     /// gives the gradient along its constraints.
     /// \return whether the point has moved.
@@ -42,7 +48,8 @@ struct LbfgsOptions
     int max_iterations = 40;  ///< trial steps, rejected ones included
     double tolerance = 1e-4; ///< stop when the relative decrease of F is below this twice in succession
     /// If not 0, stop instead when no row of x has more than `tolerance` times this left to go: an estimate,
-    /// by the longest way of a row in the last iteration and in the one before.
+    /// by the longest way of a row in the last iteration and in the one before. At the end go_on() is asked
+    /// to take what slow parts have left.
     double size = 0.0;
     double floor = 0.0; ///< stop when F is below this
     int window = 5; ///< number of correction pairs, at most 16
@@ -60,7 +67,7 @@ struct LbfgsWorkspace
     ~LbfgsWorkspace();
     LbfgsWorkspace(LbfgsWorkspace&&) noexcept;
 
-    Points g, z, trial, trial_g, trial_z;
+    Points g, z, trial, trial_g, trial_z, way;
     std::unique_ptr<History> history;
 };
 

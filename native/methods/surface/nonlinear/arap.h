@@ -76,7 +76,8 @@ constexpr auto choices(ArapOptions::Cells)
 /// that, so no term can be negative, and one above 1e4 of the mean is lowered to that. The start is
 /// computed from the poses alone, by a cascade of clustered graphs. The steps are those of L-BFGS in the
 /// metric of the Laplacian, with a test of the energy, each followed by a motion of clusters. Before
-/// rotations are fitted to their cells, one linear solve moves all of them together.
+/// rotations are fitted to their cells, one linear solve moves all of them together. The last step goes on by
+/// what steps that shrink steadily leave, unless the energy would rise above that before the step.
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   O(n)

@@ -292,8 +292,20 @@ public:
         state = x;
         return true;
     }
+    bool go_on(const Points& from, double F_from, double share, Points& x, Points& gradient,
+               double& F) override
+    {
+        went_on = share;
+        if (!may_go_on)
+            return false;
+        x += share * (x - from);
+        F = value(x, gradient);
+        return F < F_from;
+    }
 
     static constexpr int count = 40;
+    bool may_go_on = false;
+    double went_on = 0.0;
 
 private:
     static constexpr double softness = 1e-3;
@@ -326,6 +338,22 @@ TEST(MetricLbfgs, a_size_ends_it_when_no_row_has_more_than_a_share_of_that_left_
             EXPECT_LT(left, 1.01 * report.residual);
             EXPECT_GT(left, 0.1 * tolerance) << "late";
         }
+}
+
+TEST(MetricLbfgs, it_goes_on_at_the_end_by_what_steady_steps_leave)
+{
+    const auto left = [](double share, bool may) {
+        Soft problem(share);
+        problem.may_go_on = may;
+        Points x = Points::Ones(Soft::count, 3), gradient; // soft all through
+        const SolveReport report =
+            minimize(problem, x, {.max_iterations = 2, .tolerance = 0.0, .size = 10.0, .window = 0});
+        EXPECT_EQ(report.energy, problem.value(x, gradient));
+        EXPECT_NEAR(problem.went_on, share < 0.4 ? 1.5 : (1 - share) / share, 2e-2); // bounded
+        return x.norm();
+    };
+    EXPECT_LT(left(0.5, true), 0.02 * left(0.5, false)) << "ways that shrink by a half leave as much again";
+    EXPECT_NEAR(left(0.2, true) / left(0.2, false), 1 - 1.5 * 0.2 / 0.8, 2e-2);
 }
 
 } // namespace sinew::test_metric_lbfgs
