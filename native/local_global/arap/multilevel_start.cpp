@@ -138,7 +138,8 @@ void MultilevelStart::add_motions(const ArapSystem& fine, const Points& rest)
     };
     const auto points = [&](std::size_t g) -> const Points& { return g == 0 ? rest : levels_[g - 1].rest; };
     motions_.resize(levels_.size() + 1);
-    const int wanted = std::clamp(fine.size() / nodes_per_cluster, fewest_clusters, most_clusters);
+    const int wanted =
+        std::clamp(fine.chunks().present() / nodes_per_cluster, fewest_clusters, most_clusters);
     std::optional<MotionClusters> made;
     const HandleGraph* last = nullptr; // the clusters of the next coarser graph
     for (std::size_t g = levels_.size(); g-- > 0;) {

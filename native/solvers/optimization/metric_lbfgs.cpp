@@ -313,20 +313,21 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
             break;
         }
 
-        if (problem.improve(trial, trial_g, F_trial))
+        const bool improved = problem.improve(trial, trial_g, F_trial);
+        if (improved)
             history.moved(x, trial);
         if (options.size > 0) {
             const Way way(x, trial, ways);
-            // As if ways shrink on as they did from the last iteration to this one. Slow parts show late.
+            // As if ways shrink on as they did from the last iteration to this one. Slow parts show late, the
+            // more so where no coarse step moves them.
             const double kept = last_way > 0 ? std::min(way.longest / last_way, most_left) : most_left;
             const auto left = [&](double share) {
-                return way.longest * std::max(1.0, share * kept / (1 - kept)) / options.size;
+                return way.longest * std::max(improved ? 1.0 : 2.0, share * kept / (1 - kept)) / options.size;
             };
             report.residual = left(1.0);
             const double slow = last_square > 0 ? way.along_last / last_square : 0.0;
             const double on = slow < 1 ? std::min(slow / (1 - slow), most_on) : most_on;
-            if (on > least_on &&
-                (left(left_by_going_on) < options.tolerance || report.iterations >= options.max_iterations) &&
+            if (on > least_on && left(left_by_going_on) < options.tolerance &&
                 problem.go_on(x, F, on, trial, trial_g, F_trial))
                 report.residual = left(left_by_going_on);
             settled = report.residual < options.tolerance;

@@ -27,6 +27,8 @@ constexpr double least_rigidity = 1e-3; ///< as a share of the largest painted o
 /// iterate on it.
 constexpr double rounding_floor = 1e-14;
 
+constexpr double slow_share = 0.1; ///< of the tolerance, with point_handles
+
 std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
 {
     std::vector<double> values = painted(rigidity, n, least_rigidity, "rigidity");
@@ -111,7 +113,7 @@ struct Binding
     double unit; ///< of the nodes, whose squares fit into single precision
     ArapSystem graph;
     Points node_rest; ///< the rest points of the nodes
-    double size; ///< the diagonal of their box
+    double size; ///< the diagonal of the box of those that are not idle
     MultilevelStart cascade;
     std::optional<HigherOrder> higher; ///< with point_handles
     mutable Pool<Workspace> workspaces;
@@ -123,7 +125,9 @@ struct Binding
     {
         for (int i = 0; i < graph.size(); ++i)
             node_rest.row(i) = rest.row(graph.order()[i]);
-        size = (rest.colwise().maxCoeff() - rest.colwise().minCoeff()).norm();
+        const auto present = node_rest.topRows(graph.chunks().present());
+        size =
+            present.rows() > 0 ? (present.colwise().maxCoeff() - present.colwise().minCoeff()).norm() : 0.0;
         cascade = MultilevelStart(graph, node_rest, progress);
     }
 
@@ -253,6 +257,7 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
         if (!request.start)
             higher.global_step(fine.x);
         options.plain_steps = 4;
+        options.tolerance *= slow_share; // no motions of clusters help its steps
         report = minimize(higher, fine.x, options, request.progress, &fine.descent);
     } else {
         report = minimize(problem, fine.x, options, request.progress, &fine.descent);

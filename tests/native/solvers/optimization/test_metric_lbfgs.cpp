@@ -342,18 +342,28 @@ TEST(MetricLbfgs, a_size_ends_it_when_no_row_has_more_than_a_share_of_that_left_
 
 TEST(MetricLbfgs, it_goes_on_at_the_end_by_what_steady_steps_leave)
 {
-    const auto left = [](double share, bool may) {
-        Soft problem(share);
-        problem.may_go_on = may;
-        Points x = Points::Ones(Soft::count, 3), gradient; // soft all through
-        const SolveReport report =
-            minimize(problem, x, {.max_iterations = 2, .tolerance = 0.0, .size = 10.0, .window = 0});
-        EXPECT_EQ(report.energy, problem.value(x, gradient));
-        EXPECT_NEAR(problem.went_on, share < 0.4 ? 1.5 : (1 - share) / share, 2e-2); // bounded
-        return x.norm();
-    };
-    EXPECT_LT(left(0.5, true), 0.02 * left(0.5, false)) << "ways that shrink by a half leave as much again";
-    EXPECT_NEAR(left(0.2, true) / left(0.2, false), 1 - 1.5 * 0.2 / 0.8, 2e-2);
+    for (const double share : {0.5, 0.2}) { // from 1 to 1 - share, and to the square of that
+        const double last = share * (1 - share), left = (1 - share) * (1 - share);
+        const double on = std::min((1 - share) / share, 1.5); // it is bounded
+        for (const bool may : {false, true}) {
+            Soft problem(share);
+            problem.may_go_on = may;
+            Points x = Points::Ones(Soft::count, 3), gradient;
+            const double estimate = std::max(last, 0.5 * left); // if it goes on
+            const SolveReport report = minimize(problem, x,
+                                                {.max_iterations = 40,
+                                                 .tolerance = 1.05 * std::sqrt(3) * estimate,
+                                                 .size = 1.0,
+                                                 .window = 0});
+            EXPECT_TRUE(report.converged);
+            EXPECT_EQ(report.energy, problem.value(x, gradient));
+            EXPECT_EQ(report.iterations == 1, may || share == 0.5);
+            if (may) {
+                EXPECT_NEAR(x.maxCoeff(), left - on * last, 5e-3); // the softness
+                EXPECT_NEAR(x.minCoeff(), left - on * last, 5e-3);
+            }
+        }
+    }
 }
 
 } // namespace sinew::test_metric_lbfgs
