@@ -27,7 +27,8 @@ constexpr double least_rigidity = 1e-3; ///< as a share of the largest painted o
 /// iterate on it.
 constexpr double rounding_floor = 1e-14;
 
-constexpr double slow_share = 0.1; ///< of the tolerance, with point_handles
+constexpr double slow_share =
+    0.1; ///< of the tolerance, where no motions of clusters help: ways shrink slowly
 
 std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
 {
@@ -251,13 +252,14 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
         cascade.start();
         problem.global_step(fine.x);
     }
+    if (bound.higher || bound.cascade.motions(0).empty())
+        options.tolerance *= slow_share;
     SolveReport report;
     if (bound.higher) {
         HigherOrderProblem higher(graph, *bound.higher, problem, targets.base(), fine.goals.pulls);
         if (!request.start)
             higher.global_step(fine.x);
         options.plain_steps = 4;
-        options.tolerance *= slow_share; // no motions of clusters help its steps
         report = minimize(higher, fine.x, options, request.progress, &fine.descent);
     } else {
         report = minimize(problem, fine.x, options, request.progress, &fine.descent);
