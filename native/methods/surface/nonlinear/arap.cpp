@@ -27,8 +27,9 @@ constexpr double least_rigidity = 1e-3; ///< as a share of the largest painted o
 /// iterate on it.
 constexpr double rounding_floor = 1e-14;
 
-constexpr double slow_share =
-    0.1; ///< of the tolerance, where no motions of clusters help: ways shrink slowly
+/// Shares of the tolerance: where no motions of clusters help, ways shrink slowly, and on a small mesh unsteadily.
+constexpr double slow_share = 0.1, small_share = 0.2;
+constexpr int small = 10000; ///< nodes
 
 std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
 {
@@ -254,6 +255,8 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
     }
     if (bound.higher || bound.cascade.motions(0).empty())
         options.tolerance *= slow_share;
+    else if (graph.chunks().present() < small)
+        options.tolerance *= small_share;
     SolveReport report;
     if (bound.higher) {
         HigherOrderProblem higher(graph, *bound.higher, problem, targets.base(), fine.goals.pulls);

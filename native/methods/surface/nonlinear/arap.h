@@ -70,7 +70,8 @@ constexpr auto choices(ArapOptions::Cells)
 /// With `point_handles`, the positions for given rotations minimise the energy of HigherOrder instead, four
 /// times which is the energy of a report: (1 - lambda) E + 2 lambda sum |r_i|^2 / m_i, r = dE / dq / 4. Each
 /// step then asks that this energy falls, though the rotations are those of E, so that an early end is
-/// possible. A tenth of the tolerance counts there, and on small meshes without clusters: ways shrink slowly.
+/// possible. A tenth of the tolerance counts there and on meshes too small for
+/// clusters, a fifth below 10,000 vertices.
 ///
 /// Departs from the papers: a weight w_ij below 1e-6 of the mean weight (or negative) is raised to
 /// that, so no term can be negative, and one above 1e4 of the mean is lowered to that. The start is
