@@ -36,4 +36,17 @@ from .recipes import (
     Shape as Shape,
 )
 from .self_check import Check as Check, check_installation as check_installation, last_check as last_check
-from .surfaces import Curvature as Curvature, Survey as Survey, curvature as curvature, survey as survey
+from .surfaces import (
+    Carried as Carried,
+    Curvature as Curvature,
+    Lined as Lined,
+    RefinedSurface as RefinedSurface,
+    Subdivision as Subdivision,
+    Survey as Survey,
+    curvature as curvature,
+    decimate as decimate,
+    remesh as remesh,
+    remove_degenerate as remove_degenerate,
+    semi_regular as semi_regular,
+    survey as survey,
+)

@@ -143,7 +143,8 @@ def _in_cage(method: Method, options: dict[str, object], solve: dict[str, object
     star[6:] *= 0.8
     core, faces = ball(2)
     centre = len(core)
-    target = Shape(np.concatenate((0.5 * core, np.zeros((1, 3)), 0.65 * star[:6])), faces)
+    inside = 0.65 if options.get("smooth", "off") == "off" else 0.3  # a smooth cage has blunt spikes
+    target = Shape(np.concatenate((0.5 * core, np.zeros((1, 3)), inside * star[:6])), faces)
     motions = _motions(method, target.points, lambda matrix: _moved(matrix, star))
     recipe = Recipe(method, target, options, ControlPoints(star, faces=Faces(*star_faces)))
     yield Rig("points in a star", recipe, solve, tuple(motions))

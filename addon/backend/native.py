@@ -38,6 +38,7 @@ _TRANSLATION = {
     "InvalidOption": OptionError,
     "FactorizationFailed": SolverError,
     "OutOfMemory": OutOfMemoryError,
+    "NotConverged": SolverError,
     "Cancelled": CancelledError,
     "ObjectInUse": FactorInUseError,
 }

@@ -27,6 +27,7 @@ from .layout import (
 )
 from .libraries import is_placeholder as is_placeholder
 from .mesh import (
+    edge_creases as edge_creases,
     read_cloud as read_cloud,
     read_creases as read_creases,
     read_edges as read_edges,
@@ -34,6 +35,7 @@ from .mesh import (
     read_lattice as read_lattice,
     read_positions as read_positions,
     read_triangles as read_triangles,
+    write_creases as write_creases,
     write_lattice as write_lattice,
     write_positions as write_positions,
 )

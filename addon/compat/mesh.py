@@ -6,7 +6,7 @@ slower.
 """
 
 import numpy as np
-from bpy.types import ID, Lattice, Mesh
+from bpy.types import ID, Lattice, Mesh, MeshEdge
 
 
 def read_positions(mesh: Mesh) -> np.ndarray:
@@ -93,6 +93,21 @@ def _creases(mesh: Mesh, count: int, attribute: str, before: str) -> np.ndarray:
     if layer is not None and len(layer.data) == count:
         layer.data.foreach_get("value", values)
     return values.astype(np.float64)
+
+
+def edge_creases(mesh: Mesh) -> np.ndarray:
+    """The crease of each edge from 0 to 1, float64 (e,)."""
+    return _creases(mesh, len(mesh.edges), "crease_edge", "edge_creases")
+
+
+def write_creases(mesh: Mesh, creases: np.ndarray) -> None:
+    """Crease the edges, float (e,) from 0 to 1."""
+    values = np.ascontiguousarray(creases, dtype=np.float32)
+    if "crease" in MeshEdge.bl_rna.properties:
+        mesh.edges.foreach_set("crease", values)
+        return
+    attribute = mesh.attributes.get("crease_edge") or mesh.attributes.new("crease_edge", "FLOAT", "EDGE")
+    attribute.data.foreach_set("value", values)
 
 
 def write_positions(mesh: Mesh, positions: np.ndarray) -> None:

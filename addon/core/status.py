@@ -64,6 +64,7 @@ _statuses: dict[str, Status] = remember({})
 _notes: dict[str, tuple[Status, ...]] = remember({})
 _incoming: dict[str, Status] = remember({})
 _masks: dict[str, Status] = remember({})
+_refined: dict[str, Status] = remember({})
 _files: dict[str, tuple[Status, ...]] = remember({})
 _renders: dict[str, Status] = remember({})
 _unreported: dict[str, str] = remember({})
@@ -76,7 +77,7 @@ def current(key: str) -> Status:
 
 def notes(key: str) -> tuple[Status, ...]:
     """The other lines, which are mostly warnings."""
-    live = (_incoming.get(key), _masks.get(key), _renders.get(key))
+    live = (_incoming.get(key), _masks.get(key), _refined.get(key), _renders.get(key))
     return (*_files.get(key, ()), *_notes.get(key, ()), *(line for line in live if line is not None))
 
 
@@ -117,6 +118,14 @@ def put_mask(key: str, text: str) -> None:
         _masks.pop(key, None)
 
 
+def put_refined(key: str, text: str) -> None:
+    """Replace the line that tells why Fast Subdivision shows the control mesh; empty for no line."""
+    if text:
+        _refined[key] = Status(Level.WARNING, f"Fast Subdivision shows the control mesh: {text}")
+    else:
+        _refined.pop(key, None)
+
+
 def put_files(key: str, lines: tuple[Status, ...]) -> None:
     """Replace the lines that tell which files are missing."""
     _files[key] = lines
@@ -151,5 +160,6 @@ def clear(key: str) -> None:
     _statuses.pop(key, None)
     put_notes(key, ())
     put_mask(key, "")
+    put_refined(key, "")
     put_files(key, ())
     put_render(key, "")

@@ -1,7 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Read and write Blender meshes as arrays. Only this room converts float32 to float64."""
 
-from .attributes import read_attributes as read_attributes, read_incoming as read_incoming
+from .attributes import (
+    Incoming as Incoming,
+    read_attributes as read_attributes,
+    read_incoming as read_incoming,
+)
 from .rest import (
     RestShape as RestShape,
     group_names as group_names,

@@ -28,6 +28,7 @@ from .deformer.bind import SINEW_OT_bind, SINEW_OT_unbind
 from .deformer.cancel import SINEW_OT_cancel, SINEW_OT_watch
 from .deformer.check import SINEW_OT_check_installation
 from .deformer.deformer import SINEW_OT_deformer_add, SINEW_OT_deformer_remove
+from .deformer.fast_subdivision import SINEW_OT_fast_subdivision
 from .deformer.help import PAGES as PAGES, SINEW_OT_help, page_of as page_of
 from .deformer.move import SINEW_OT_deformer_move, SINEW_OT_handle_move
 from .deformer.preset import (
@@ -37,7 +38,19 @@ from .deformer.preset import (
     preset_folder as preset_folder,
     template_refusal as template_refusal,
 )
-from .deformer.repair import SINEW_OT_armature_off, SINEW_OT_part_regions, SINEW_OT_refine, SINEW_OT_repair
+from .deformer.remesh import (
+    SINEW_OT_decimate,
+    SINEW_OT_remesh,
+    SINEW_OT_remesh_semi_regular,
+    SINEW_OT_remove_needles,
+)
+from .deformer.repair import (
+    SINEW_OT_armature_off,
+    SINEW_OT_cure,
+    SINEW_OT_part_regions,
+    SINEW_OT_refine,
+    SINEW_OT_repair,
+)
 from .deformer.report_renders import SINEW_OT_report_renders
 from .deformer.select_distorted import SINEW_OT_select_distorted
 from .deformer.select_problems import SINEW_OT_select_problems
@@ -138,14 +151,20 @@ _CLASSES = (
     SINEW_OT_puppet_pin,
     SINEW_OT_puppet_rig,
     SINEW_OT_repair,
+    SINEW_OT_cure,
     SINEW_OT_part_regions,
     SINEW_OT_refine,
+    SINEW_OT_fast_subdivision,
     SINEW_OT_armature_off,
     SINEW_OT_keep_inside,
     SINEW_OT_select_distorted,
     SINEW_OT_diagnose,
     SINEW_OT_select_unusual,
     SINEW_OT_measure_curvature,
+    SINEW_OT_remesh,
+    SINEW_OT_decimate,
+    SINEW_OT_remesh_semi_regular,
+    SINEW_OT_remove_needles,
     SINEW_OT_curve_edit,
     SINEW_OT_grid_new,
     SINEW_OT_help,

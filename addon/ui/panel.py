@@ -10,7 +10,7 @@ from ..ids import Operators
 from ..operators import page_of, target_of
 from ..session.actions import sharing
 from ..session.datablocks import movers
-from ..session.targets import targets
+from ..session.targets import refined_group, targets
 from .control import drawing_of
 from .layouts import Button, draw_field, draw_move_entries, fields, invoking, unless_baked
 from .lists import draw_deformer as draw_deformer_row
@@ -27,6 +27,10 @@ _ENDS = (
     Button(Operators.APPLY, "As Shape Key", "SHAPEKEY_DATA", (("as_shape_key", True),)),
     Button(Operators.DEFORMER_REMOVE, "Remove Deformer", "REMOVE"),
 )
+_REFINES = {
+    False: Button(Operators.FAST_SUBDIVISION, "Fast Subdivision", "MOD_SUBSURF"),
+    True: Button(Operators.FAST_SUBDIVISION, "Stop Fast Subdivision", "X", (("stop", True),)),
+}
 
 
 class SINEW_PT_sinew(SidebarPanel, Panel):
@@ -137,6 +141,8 @@ class SINEW_PT_order(ActiveDeformerPanel, Panel):
             button.draw(column)
         if sharing.sharing(deformer):
             column.operator(Operators.SETTINGS_SHARE, icon="DUPLICATE")
+        if any(modifier.type == "SUBSURF" for modifier in obj.modifiers):
+            _REFINES[refined_group.of(obj) is not None].draw(column)
         text = "Rebind" if deformer.is_bound else "Bind"
         column.operator(Operators.BIND, text=text, icon="FILE_REFRESH")
         for button in _ENDS:

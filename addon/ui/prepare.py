@@ -6,7 +6,7 @@ from bpy.utils import register_classes_factory
 
 from ..ids import Operators
 from ..operators import target_of
-from ..session.actions import surveying
+from ..session.actions import repair, surveying
 from ..session.targets import targets
 from .places import ROOT, SidebarPanel
 from .text import draw_text
@@ -34,6 +34,12 @@ class SINEW_PT_prepare(SidebarPanel, Panel):
         if counts is not None:
             self._draw_counts(context, counts)
         layout.separator()
+        column = layout.column(align=True)
+        column.operator(Operators.REMESH, icon="MOD_REMESH")
+        column.operator(Operators.DECIMATE, icon="MOD_DECIM")
+        column.operator(Operators.SEMI_REGULAR, icon="MOD_MULTIRES")
+        column.operator(Operators.REMOVE_NEEDLES, icon="MOD_TRIANGULATE")
+        layout.separator()
         layout.operator(Operators.CURVATURE, icon="MOD_SMOOTH")
 
     def _draw_counts(self, context: Context, counts: surveying.Counts) -> None:
@@ -43,7 +49,9 @@ class SINEW_PT_prepare(SidebarPanel, Panel):
         draw_text(context, column, f"{parts}{one_sided}", "OUTLINER_OB_MESH")
         for what, count in counts.found.items():
             row = column.row()
-            draw_text(context, row.column(), surveying.counted(what, count), "DOT", beside=30)
+            draw_text(context, row.column(), surveying.counted(what, count), "DOT", beside=60)
+            if what in repair.REMEDIES:
+                row.operator(Operators.CURE, text="", icon="TOOL_SETTINGS").what = what
             row.operator(Operators.SELECT_UNUSUAL, text="", icon="RESTRICT_SELECT_OFF").what = what
         if not counts.found:
             draw_text(context, column, "Nothing unusual", "CHECKMARK")

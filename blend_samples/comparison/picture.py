@@ -12,14 +12,14 @@ import numpy as np
 from bpy.types import Material, NodeSocket, Scene
 from mathutils import Vector
 
-from .. import materials, posing, studio
-from ..models.objects import add_fields, add_groups, mesh_object
+from .. import denoise, materials, posing, studio
+from ..models.objects import add_colours, add_fields, add_groups, mesh_object
 from ..models.shapes import rotation
 from .cases import Case
-from .figures import Figure
+from .figures import PLAIN, Shown
 from .matrix import Distortion, Matrix, distortion
 
-PLAIN, INSIDE = (0.70, 0.66, 0.58), (0.30, 0.10, 0.22)  # of the two sides of a surface
+INSIDE = (0.30, 0.10, 0.22)  # the side of a surface that is plain on the other
 PAPER = (0.90, 0.90, 0.885)
 KEY = Vector((-0.62, -0.52, 0.59)).normalized()  # where the light comes from
 PIXELS = 100  # per unit of the scene
@@ -58,12 +58,14 @@ class Frame:
 
 @dataclass(frozen=True)
 class View:
-    """One shape of a case, or why there is none; with lines below it."""
+    """One shape of a case, or why there is none; with lines below it. Colours are (n, 3)."""
 
     case: Case
     shape: np.ndarray | None
     frame: Frame
     lines: Sequence[str]
+    colours: np.ndarray | None = None
+    flat: bool = False
 
 
 @dataclass(frozen=True)
@@ -123,20 +125,35 @@ def refused(why: str) -> Sequence[str]:
     return ("cannot do this:", *textwrap.wrap(why, 30))
 
 
-def of_figures(every: Sequence[Figure], name: str) -> Sheet:
-    """A sheet with a row per figure of the tutorial."""
-    rows = {}
-    for figure in every:
-        frame = Frame.around(figure.views[0][1], [shape for _caption, _case, shape in figure.views])
-        rows[figure.title] = []
-        for caption, case, shape in figure.views:
-            strain = () if shape is case.points else figures(distortion(case, shape))[:1]
-            rows[figure.title].append(View(case, shape, frame, (caption, *strain)))
-    return Sheet(name, (), rows)
+def of_figure(title: str, every: Sequence[Shown], name: str) -> Sheet:
+    """A sheet with one row: the views of a figure of the tutorial."""
+    frame = Frame.around(every[0].case, [each.shape for each in every])
+    views = []
+    for each in every:
+        note = figures(distortion(each.case, each.shape))[0] if each.note is None else each.note
+        words = (each.caption, note) if note else (each.caption,)
+        views.append(View(each.case, each.shape, frame, words, each.colours, each.flat))
+    return Sheet(name, (), {title: views})
 
 
-def add_sheets(scene: Scene, sheets: Sequence[Sheet]) -> None:
-    """Fill the scene with the sheets, side by side, on paper."""
+def show(scene: Scene, sheets: Sequence[Sheet]) -> None:
+    """Fill the scene with the sheets, side by side, on paper; the camera sees the first. There is no light
+    but what the camera sees itself, and colours are as they are."""
+    data = bpy.data.cameras.new("Camera")
+    data.type, data.clip_end = "ORTHO", 200.0
+    scene.camera = studio.put(scene, "Camera", data)
+    scene.camera.rotation_euler = (radians(90.0), 0.0, 0.0)
+    _add_sheets(scene, sheets)
+    studio.set_up_render(scene, 16, 1440, 600)
+    scene.cycles.use_adaptive_sampling, scene.cycles.max_bounces = False, 0
+    scene.cycles.filter_width = 1.0
+    scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
+    scene.view_settings.exposure = 0.0
+    look_at(scene, sheets, 0)
+    studio.look_through_camera()
+
+
+def _add_sheets(scene: Scene, sheets: Sequence[Sheet]) -> None:
     ink = _glowing(materials.patched_material("Ink", (0.012, 0.012, 0.015), (), roughness=0.6))
     material = _material()
     scene.world = bpy.data.worlds.new("Paper")
@@ -154,6 +171,14 @@ def add_sheets(scene: Scene, sheets: Sequence[Sheet]) -> None:
                 _add_view(scene, f"{title} {across}", view, place, material, ink)
 
 
+def rendered(scene: Scene, sheets: Sequence[Sheet]) -> Iterator[tuple[str, np.ndarray]]:
+    """One picture per sheet: its name and its light (height, width, 3)."""
+    for number, sheet in enumerate(sheets):
+        look_at(scene, sheets, number)
+        bpy.context.view_layer.update()
+        yield sheet.name, denoise.render_passes(scene, ("Image",))["Image"]
+
+
 def look_at(scene: Scene, sheets: Sequence[Sheet], number: int) -> None:
     """Point the camera at a sheet, and set the size of its picture."""
     width, height = sheets[number].size
@@ -161,13 +186,6 @@ def look_at(scene: Scene, sheets: Sequence[Sheet], number: int) -> None:
     camera.data.ortho_scale = max(width, height)
     camera.location = (APART * number + 0.5 * width, -50.0, -0.5 * height)
     scene.render.resolution_x, scene.render.resolution_y = round(PIXELS * width), round(PIXELS * height)
-
-
-def add_camera(scene: Scene) -> None:
-    data = bpy.data.cameras.new("Camera")
-    data.type, data.clip_end = "ORTHO", 200.0
-    scene.camera = studio.put(scene, "Camera", data)
-    scene.camera.rotation_euler = (radians(90.0), 0.0, 0.0)
 
 
 def _add_view(
@@ -180,7 +198,8 @@ def _add_view(
         return
     case = view.case
     placed = view.frame.place(view.shape, x, top - 0.5 * PICTURE)
-    mesh = mesh_object(name, placed, case.triangles, smooth=True, materials=[material]).data
+    mesh = mesh_object(name, placed, case.triangles, smooth=not view.flat, materials=[material]).data
+    add_colours(mesh, np.tile(PLAIN, (len(placed), 1)) if view.colours is None else view.colours)
     mesh.use_auto_smooth, mesh.auto_smooth_angle = True, radians(50.0)
     held = [np.isin(np.arange(len(case.points)), handle) for handle in case.handles]
     add_fields(mesh, {field: np.where(own, 1.0, -1.0) for field, own in zip(("fixed", "handle"), held)})
@@ -195,6 +214,8 @@ def _material() -> Material:
     patches = (("handle", materials.HANDLE_COLOUR, 0.05), ("fixed", materials.FIXED_COLOUR, 0.05))
     material = materials.patched_material("Surface", PLAIN, patches, roughness=0.6)
     tree = material.node_tree
+    base = tree.nodes["RGB"].outputs[0].links[0].to_socket
+    tree.links.new(materials.attribute(material, "Colour", "Color"), base)
     seen = tree.nodes.new("ShaderNodeNewGeometry").outputs
     math = partial(materials.add_math, tree)
     key, up, front = (
@@ -218,15 +239,6 @@ def _glowing(material: Material, light: NodeSocket | float = 1.0) -> Material:
     glow = materials.add_node(tree, "Emission", {"Color": colour, "Strength": light})
     tree.links.new(glow, tree.nodes["Material Output"].inputs["Surface"])
     return material
-
-
-def set_up_render(scene: Scene) -> None:
-    """No light but what the camera sees itself, and colours as they are."""
-    studio.set_up_render(scene, 16, 1440, 600)
-    scene.cycles.use_adaptive_sampling, scene.cycles.max_bounces = False, 0
-    scene.cycles.filter_width = 1.0
-    scene.view_settings.view_transform, scene.view_settings.look = "Standard", "None"
-    scene.view_settings.exposure = 0.0
 
 
 def laplacian_deform(case: Case) -> np.ndarray:

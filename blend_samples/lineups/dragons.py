@@ -14,6 +14,7 @@ from ..lineup import POSE_FRAME, Handle, Lineup, Regions, there_and_back
 from ..models import creature
 from ..models.objects import mesh_object
 from ..models.sculpt import ball
+from ..models.shapes import bars
 from ..posing import Move
 from ..studio import Shot
 
@@ -71,13 +72,7 @@ def show_graph(dragons: Sequence[bpy.types.Object]) -> None:
     graph = posing.bound(dragons[-1], "EmbeddedDeformation", ("nodes",)).graph()
     nodes = np.asarray(graph["nodes"])
     start, end = (nodes[np.asarray(graph["edges"])[:, k]] for k in (0, 1))
-    along = (end - start) / np.linalg.norm(end - start, axis=1, keepdims=True)
-    across = np.cross(along, np.where(np.abs(along[:, 2:]) < 0.9, (0, 0, 1), (1, 0, 0)))
-    across *= BAR / np.linalg.norm(across, axis=1, keepdims=True)
-    beside = np.cross(along, across)
-    ring = np.stack((across, beside, -across, -beside), axis=1)
-    corners = np.concatenate((start[:, None] + ring, end[:, None] + ring), axis=1)
-    sides = np.array([(k, (k + 1) % 4, 4 + (k + 1) % 4, 4 + k) for k in range(4)])
+    corners, sides = bars(start, end, BAR)
     bead, quads = ball((0.0, 0.0, 0.0), BEAD, 4)
     show_in_place("Bars", corners, sides, {"Bars": (0.10, 0.23, 0.55)}, dragons[1], 0.4)
     show_in_place("Beads", nodes[:, None] + bead, quads, {"Beads": materials.HANDLE_COLOUR}, dragons[1], 0.4)

@@ -87,12 +87,16 @@ def to_object(
     """A smooth-shaded object in the scene's collection, with colours, attributes and vertex groups."""
     points, slots = sculpture.points, sculpture.materials
     obj = mesh_object(name, points, sculpture.quads, smooth=True, slots=slots, materials=materials)
-    rgba = np.column_stack((sculpture.colours, np.ones(len(points)))).astype(np.float32)
-    colours = obj.data.color_attributes.new("Colour", "FLOAT_COLOR", "POINT")
-    colours.data.foreach_set("color", rgba.ravel())
+    add_colours(obj.data, sculpture.colours)
     add_fields(obj.data, sculpture.attributes)
     add_groups(obj, sculpture.regions)
     return obj
+
+
+def add_colours(mesh: bpy.types.Mesh, colours: np.ndarray) -> None:
+    """Store linear RGB (n, 3) of the vertices as ``Colour``."""
+    rgba = np.column_stack((colours, np.ones(len(colours)))).astype(np.float32)
+    mesh.color_attributes.new("Colour", "FLOAT_COLOR", "POINT").data.foreach_set("color", rgba.ravel())
 
 
 def add_fields(mesh: bpy.types.Mesh, fields: Mapping[str, np.ndarray]) -> None:

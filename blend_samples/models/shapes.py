@@ -41,6 +41,17 @@ def path_length(curve: np.ndarray) -> np.ndarray:
     return np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))))
 
 
+def bars(start: np.ndarray, end: np.ndarray, radius: float) -> tuple[np.ndarray, np.ndarray]:
+    """Square bars between points (k, 3): the corners (k, 8, 3) of each, and the quads (4, 4) of its sides."""
+    along = (end - start) / np.linalg.norm(end - start, axis=1, keepdims=True)
+    across = np.cross(along, np.where(np.abs(along[:, 2:]) < 0.9, (0, 0, 1), (1, 0, 0)))
+    across *= radius / np.linalg.norm(across, axis=1, keepdims=True)
+    beside = np.cross(along, across)
+    ring = np.stack((across, beside, -across, -beside), axis=1)
+    sides = np.array([(k, (k + 1) % 4, 4 + (k + 1) % 4, 4 + k) for k in range(4)])
+    return np.concatenate((start[:, None] + ring, end[:, None] + ring), axis=1), sides
+
+
 @dataclass(frozen=True)
 class Ellipsoid:
     centre: Vector

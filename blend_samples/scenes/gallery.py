@@ -2,19 +2,16 @@
 """The comparison gallery: every surface method on four hard edits, with its measured distortion."""
 
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 
 import bpy
 import numpy as np
 
-from .. import denoise, posing, studio
+from .. import posing, studio
 from ..comparison import (
     CASES,
     Matrix,
-    all_figures,
     igl_arap,
-    native_solve,
     picture,
     registry_rows,
     space_rows,
@@ -35,20 +32,14 @@ _made: list = []
 
 def make() -> bpy.types.Scene:
     scene = studio.empty_scene()
-    modules = posing.registry(), posing.native()
     matrix = compared()
     matrix.write(OUTPUT / "gallery.json")
     studio.progress("drawing the sheets")
     sheets = [
         picture.of_matrix(matrix, OVERVIEW, "gallery", lines=1, rest="At rest"),
         *picture.paged(matrix, 6, "gallery"),
-        picture.of_figures(list(all_figures(partial(native_solve, *modules))), "gallery-figures"),
     ]
-    picture.add_camera(scene)
-    picture.add_sheets(scene, sheets)
-    picture.set_up_render(scene)
-    picture.look_at(scene, sheets, 0)
-    studio.look_through_camera()
+    picture.show(scene, sheets)
     _made[:] = [matrix, sheets]
     return scene
 
@@ -70,12 +61,7 @@ def compared() -> Matrix:
 
 
 def pictures(scene: bpy.types.Scene) -> Iterator[tuple[str, np.ndarray]]:
-    """One picture per sheet: its name and its light (height, width, 3)."""
-    _matrix, every = _made
-    for number, sheet in enumerate(every):
-        picture.look_at(scene, every, number)
-        bpy.context.view_layer.update()
-        yield sheet.name, denoise.render_passes(scene, ("Image",))["Image"]
+    return picture.rendered(scene, _made[1])
 
 
 def table(matrix: Matrix) -> str:
@@ -98,7 +84,7 @@ def table(matrix: Matrix) -> str:
 def publish() -> None:
     """Write the table of all rows, and the pictures, between the marks of the page of the comparison."""
     matrix, every = _made
-    names = [sheet.name for sheet in every[1:-1]]
+    names = [sheet.name for sheet in every[1:]]
     words = "![Rows of the matrix, sheet {} of {}](../manual/images/{}.jpg)"
     shown = [words.format(number, len(names), name) for number, name in enumerate(names, 1)]
     before, _begin, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)

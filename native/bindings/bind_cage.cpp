@@ -59,14 +59,13 @@ Raises InvalidConstraint for an index that the cage does not have.)")
             [](const CageCoordinates& self) { return smooth_of(self) ? smooth_of(self)->level() : 0; },
             "How often a smooth cage is refined; 0 for other cages.")
         .def_property_readonly(
-            "smooth_mesh",
-            [](const CageCoordinates& self) {
-                return smooth_of(self) ? std::optional(smooth_of(self)->mesh()) : std::nullopt;
-            },
+            "smooth_mesh", [](const CageCoordinates& self) { return self.cage().smooth_mesh(); },
             "SurfaceMesh, the smooth surface at rest, in the frame of the cage; None for other cages.")
         .def(
             "smooth_error",
-            [](const CageCoordinates& self) { return smooth_of(self) ? smooth_of(self)->error() : 0.0; },
+            [](const CageCoordinates& self) {
+                return smooth_of(self) ? smooth_of(self)->error() * self.cage().frame().unit() : 0.0;
+            },
             py::call_guard<py::gil_scoped_release>(), R"(
 How far the faces of smooth_mesh, as bilinear patches, are from the limit surface -> a length: 4/3 of the largest
 distance of their middles and sides from those of the next level; it falls by a factor of four per level. 0 for

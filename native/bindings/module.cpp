@@ -6,6 +6,7 @@ void bind_core(py::module_& module);
 void bind_mesh(py::module_& module);
 void bind_operators(py::module_& module);
 void bind_solvers(py::module_& module);
+void bind_systems(py::module_& module);
 void bind_surface(py::module_& module);
 void bind_affine_basis(py::module_& module);
 void bind_space(py::module_& module);
@@ -27,6 +28,7 @@ PYBIND11_MODULE(sinew_native_bound, module) // entry.cpp calls it
     bind_operators(module);
     bind_solvers(module);
     bind_surface(module);
+    bind_systems(module);
     bind_space(module);
     bind_cage(module);
     bind_handle_methods(module);

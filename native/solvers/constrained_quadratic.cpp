@@ -3,6 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
+#include "native/solvers/solved_system.h"
 
 #include <algorithm>
 #include <cmath>
@@ -195,6 +196,8 @@ void ConstrainedQuadratic::solve(RowMatrix& x, const RowMatrix* rhs) const
 void ConstrainedQuadratic::solve(RowMatrix& x, const RowMatrix* rhs, Workspace& work) const
 {
     right_side(x, rhs, work.unknowns);
+    if (SolvedSystem* const solved = SolvedSystem::of_thread())
+        solved->keep(problem_, work.unknowns);
     factor_.solve_rows(work.unknowns);
     const auto columns = x.cols();
     parallel_for(static_cast<int>(problem_.unknowns.size()), [&](int u) {

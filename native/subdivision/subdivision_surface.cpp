@@ -380,6 +380,11 @@ SubdivisionSurface::SubdivisionSurface(const SurfaceMesh& mesh, const Subdivisio
     if (varies)
         face_varying_ = stencils(*refiner, options.level, refiner->GetLevel(0).GetNumFVarValues(0), true);
 
+    find_faces_around();
+}
+
+void SubdivisionSurface::find_faces_around()
+{
     around_offsets_.assign(vertex_count() + 1, 0);
     for (int v : corners_)
         ++around_offsets_[v + 1];
@@ -389,6 +394,35 @@ SubdivisionSurface::SubdivisionSurface(const SurfaceMesh& mesh, const Subdivisio
     for (std::size_t f = 0, c = 0; f < counts_.size(); ++f)
         for (int k = 0; k < counts_[f]; ++k, ++c)
             around_[next[corners_[c]]++] = static_cast<int>(f);
+}
+
+SubdivisionSurface SubdivisionSurface::reordered(std::span<const int> order) const
+{
+    std::vector<int> places(vertex_count(), -1);
+    for (std::size_t k = 0; k < order.size(); ++k)
+        if (order[k] >= 0 && order[k] < vertex_count())
+            places[order[k]] = static_cast<int>(k);
+    if (order.size() != places.size() || std::ranges::find(places, -1) != places.end())
+        throw InvalidOption("order: each of the " + std::to_string(places.size()) +
+                            " vertices has to be named once");
+    SubdivisionSurface other = *this;
+    const SparseRows& rows = matrix();
+    SparseRows moved(rows.rows(), rows.cols());
+    int* const offsets = moved.outerIndexPtr();
+    offsets[0] = 0;
+    for (std::size_t k = 0; k < order.size(); ++k)
+        offsets[k + 1] = offsets[k] + static_cast<int>(rows.row(order[k]).nonZeros());
+    moved.resizeNonZeros(rows.nonZeros());
+    parallel_for(vertex_count(), [&](int k) {
+        const int from = rows.outerIndexPtr()[order[k]], count = offsets[k + 1] - offsets[k];
+        std::copy_n(rows.innerIndexPtr() + from, count, moved.innerIndexPtr() + offsets[k]);
+        std::copy_n(rows.valuePtr() + from, count, moved.valuePtr() + offsets[k]);
+    });
+    other.stencils_ = Stencils(std::move(moved));
+    for (int& corner : other.corners_)
+        corner = places[corner];
+    other.find_faces_around();
+    return other;
 }
 
 Points SubdivisionSurface::normals(PointsView refined) const

@@ -7,6 +7,7 @@
 #include "native/subdivision/stencils.h"
 
 #include <array>
+#include <span>
 #include <vector>
 
 namespace sinew {
@@ -99,6 +100,11 @@ public:
     ///   corners.
     explicit SubdivisionSurface(const SurfaceMesh& mesh, const SubdivisionOptions& options = {});
 
+    /// The same surface, whose vertex k is what was vertex order[k]: such as in the order of another program.
+    /// Refining costs as much as before.
+    /// \throw InvalidOption  `order` does not name each vertex once.
+    SubdivisionSurface reordered(std::span<const int> order) const;
+
     int control_count() const { return static_cast<int>(stencils_.matrix().cols()); }
     int vertex_count() const { return static_cast<int>(stencils_.matrix().rows()); }
 
@@ -126,6 +132,8 @@ public:
     const std::vector<int>& face_varying_corners() const { return face_varying_corners_; }
 
 private:
+    void find_faces_around();
+
     Stencils stencils_;
     SparseRows face_varying_;
     std::vector<int> counts_, corners_, face_varying_corners_;

@@ -32,7 +32,7 @@ from blend_samples.comparison import (  # noqa: E402
     registry_rows,
 )
 from blend_samples.comparison.cases import bar, branches, cylinder, plane  # noqa: E402
-from blend_samples.comparison.figures import beast, bent_bumps, lifted_disc, uneven_strip  # noqa: E402
+from blend_samples.comparison.figures import bent_bumps  # noqa: E402
 from blend_samples.comparison.numpy_rows import unrotated_gradients  # noqa: E402
 from blend_samples.comparison.space_rows import space_rows  # noqa: E402
 
@@ -168,16 +168,6 @@ def test_gradient_editing_ignores_translation() -> None:
     assert blind.angle_mean > 1.4 * aware.angle_mean
 
 
-def test_a_thin_shell_does_not_rotate_details() -> None:
-    """It moves each point straight up, however steep the slope is; around it, details turn."""
-    edit = case("plane")
-    alone = ours("thin_shell")(edit)
-    assert np.abs((alone - edit.points)[:, :2]).max() < 1e-9
-    sheared, turned = measured(edit, ours("thin_shell")), measured(edit, ours("multiresolution"))
-    assert turned.angle_mean < 0.7 * sheared.angle_mean
-    assert turned.edge_least > 0.95 > 0.9 > sheared.edge_least
-
-
 @pytest.mark.parametrize("mean_frame", [False, True])
 def test_implicit_laplacian_editing_degrades_with_the_angle(mean_frame: bool) -> None:
     for make, angles, factor in ((bar, (45.0, 90.0, 135.0), 1.6), (cylinder, (30.0, 60.0, 90.0, 120.0), 1.5)):
@@ -195,104 +185,6 @@ def test_substeps_made_anew_mend_the_twist(mean_frame: bool) -> None:
     rms = [measured(edit, implicit(mean_frame=mean_frame, substeps=k)).edge_rms for k in (1, 4, 16)]
     assert rms[0] > rms[1] > rms[2]
     assert rms[1] < (0.9 if mean_frame else 0.6) * rms[0]
-
-
-MULTI, SHELL, GRADIENTS = ours("multiresolution"), ours("thin_shell"), ours("gradient_editing")
-VECTORS, NORMAL, VOLUMES, TRANSFER = (
-    ours("multiresolution", details=item[0], wavelength=20.0)
-    for item in methods.BY_ID["multiresolution"].parameters[0].items
-)
-BEND = cylinder(28, angle=90.0)  # figure 15, b and d
-LOW, HIGH = bent_bumps(0.06, 140.0), bent_bumps(0.12, 140.0)  # pressed together on the inner side of a bend
-
-
-@pytest.mark.parametrize(
-    ("edit", "measure", "one", "share", "other"),
-    [
-        (bent_bumps(), "edge_rms", MULTI, 0.65, SHELL),  # figure 13
-        (bent_bumps(), "edge_least", SHELL, 0.5, MULTI),
-        (bent_bumps(), "angle_max", MULTI, 0.5, SHELL),
-        (BEND, "edge_rms", GRADIENTS, 1.0 / 1.5, unrotated_gradients),
-        (BEND, "volume", unrotated_gradients, 0.9, GRADIENTS),
-        (BEND, "edge_least", unrotated_gradients, 0.7, GRADIENTS),
-        *((LOW, "edge_least", NORMAL, 1.0 / 1.4, other) for other in (VOLUMES, TRANSFER)),
-        *((HIGH, "edge_least", NORMAL, 0.5, other) for other in (VOLUMES, TRANSFER)),
-        *((edit, "angle_max", TRANSFER, 0.6, NORMAL) for edit in (LOW, HIGH)),
-        (LOW, "angle_max", VOLUMES, 0.7, NORMAL),
-        (HIGH, "angle_max", VOLUMES, 0.9, NORMAL),
-        (HIGH, "edge_least", VECTORS, 1.1, NORMAL),
-        (HIGH, "angle_max", NORMAL, 1.0 / 0.9, VECTORS),
-    ],
-)
-def test_a_measure_of_one_method_is_a_share_of_that_of_another(edit, measure, one, share, other) -> None:
-    values = [getattr(measured(edit, solve), measure) for solve in (one, other)]
-    assert values[0] < share * values[1], values
-
-
-def test_the_cotangent_laplacian_with_areas_sees_the_surface_and_not_its_faces() -> None:
-    """Figure 5. A lifted thin plate is a cubic in x, whatever its faces are."""
-    edit = uneven_strip()
-    along = np.clip((edit.points[:, 0] - 0.2) / 1.6, 0.0, 1.0)
-    cubic = 0.8 * (3.0 * along**2 - 2.0 * along**3)
-    off = [
-        np.abs(ours("thin_shell", laplacian=kind)(edit)[:, 2] - cubic).max()
-        for kind in ("uniform", "cotan", "cotan_voronoi")
-    ]
-    assert off[0] > 2.0 * off[1] > 10.0 * off[2]
-    assert off[2] < 0.0125 * 0.8  # of the lift; the rest is what the coarse faces at the right cost
-
-
-def test_propagation_by_distance_dents_the_inside_of_a_handle() -> None:
-    """Figure 8. Inside a lifted ring, only the distance field falls again; a thin shell is smooth."""
-    edit = lifted_disc(hollow=True)
-    inside = np.linalg.norm(edit.points[:, :2] - 1.0, axis=1) < 0.4
-    height = {
-        name: solve(edit)[inside, 2]
-        for name, solve in (
-            ("geodesic", ours("propagation", field="geodesic")),
-            ("harmonic", ours("propagation")),
-            ("shell", ours("thin_shell")),
-        )
-    }
-    assert height["geodesic"].min() < 0.75 * 0.5
-    np.testing.assert_allclose(height["harmonic"], 0.5, atol=1e-9)
-    assert 0.5 < height["shell"].min() < height["shell"].max() < 1.05 * 0.5
-
-
-def test_splines_of_degree_one_are_creased_and_smoother_ones_less_round_than_the_thin_shell() -> None:
-    """Figure 6, on the way from the fixed frame to the lifted disc."""
-    edit = lifted_disc()
-    middle = np.flatnonzero(np.abs(edit.points[:, 1] - 1.0) < 1e-9)
-    middle = middle[np.argsort(edit.points[middle, 0])]
-    x = edit.points[middle[1:-1], 0]
-    between, border = (x > 0.15) & (x < 0.5), np.abs(x - 0.55) < 0.06
-
-    def bends(name: str, **options: object) -> np.ndarray:
-        return np.abs(np.diff(ours(name, **options)(edit)[middle, 2], 2))
-
-    creased, smooth, finer = (
-        bends("spline_surface", **options) for options in ({"degree": 1}, {}, {"columns": 20, "rows": 20})
-    )
-    assert creased[between].max() > 5.0 * smooth[between].max()
-    shell = bends("thin_shell")
-    assert min(smooth[border].max(), finer[border].max()) > 1.5 * shell[border].max()
-
-
-def test_a_handle_that_moves_far_turns_too_little_or_too_much() -> None:
-    """Figure 16: the turn of the forelegs, in degrees, of an animal whose head is lifted and carried back."""
-    edit = beast(0.1)
-    x, _y, z = edit.points.T
-    forelegs = edit.points[(x > 0.4) & (x < 1.3) & (z < 0.6)]
-
-    def turn(solve) -> float:
-        found = solve(edit)[(x > 0.4) & (x < 1.3) & (z < 0.6)]
-        u, _s, v = np.linalg.svd((forelegs - forelegs.mean(0)).T @ (found - found.mean(0)))
-        rotation = (u @ v).T
-        return float(np.degrees(np.arctan2(rotation[2, 0], rotation[2, 2])))
-
-    blind, overdone, rigid = (turn(solve) for solve in (ours("gradient_editing"), implicit(), ours("arap")))
-    assert abs(blind) < 3.0
-    assert 30.0 < rigid < 60.0 < 1.5 * rigid < overdone
 
 
 def test_implicit_transforms_let_what_hangs_free_turn() -> None:

@@ -157,6 +157,8 @@ def test_a_parameter_is_hidden_where_it_changes_nothing(method: methods.Method, 
     solving = {} if row.rebinds else changes
 
     def shape(options: dict[str, object], keywords: dict[str, object]) -> np.ndarray:
+        if method.control is Control.CAGE:
+            return _in_cube(native, method, options)
         if method.is_space:
             return _in_space(native, method, mesh.points, options)
         surface = getattr(native, method.native)(mesh, **options)
@@ -185,6 +187,15 @@ def _in_space(native, method: methods.Method, points: np.ndarray, options: dict[
     made = getattr(native, method.native)(control, **options)
     made.bind(points)
     return made.warp(control + np.random.default_rng(1).uniform(-0.5, 0.5, control.shape))
+
+
+def _in_cube(native, method: methods.Method, options: dict[str, object]) -> np.ndarray:
+    """What a twisted cube makes of points in its middle."""
+    cube = np.stack(np.meshgrid(*3 * [[-1.0, 1.0]], indexing="ij"), -1).reshape(-1, 3)
+    faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
+    made = getattr(native, method.native)(native.SurfaceMesh(cube, faces), **options)
+    made.bind(0.2 * cube)
+    return made.warp(cube * [1.0, 2.0, 0.5] + cube[:, [1, 2, 0]] * cube[:, [2, 0, 1]])
 
 
 def test_what_is_painted_and_all_of_a_space_method_goes_into_the_factor():

@@ -171,7 +171,7 @@ def shape_of(line: str) -> str:
 
 
 COUNTS = (
-    Count("lines outside the product", lambda: length(*YARD), 75_000),
+    Count("lines outside the product", lambda: length(*YARD), 77_000),
     Count("lines of tests / of product", lambda: length("tests") / length("native", "addon"), 0.65),
     Count("folders with more than 20 sources", crowded_folders, 2),
     Count("rooms of native", lambda: len({room for arrow in native_arrows() for room in arrow}), 13),

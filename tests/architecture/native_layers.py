@@ -28,10 +28,19 @@ SUB_RANKS = {
     "attachments": {"part.": 0, "sampling.": 0, "host_surface.": 1, "find_hosts.": 2, "frames": 3, "": 4},
     "bindings": {"": 0, "shapes": 1, "space": 1, "surface": 1},
     "local_global": {"arap": 0, "bodies": 1, "reduced": 1, "rows": 1, "": 2},
-    "mesh": {"": 0, "frames": 1, "trees": 1},
+    "mesh": {"": 0, "frames": 1, "trees": 1, "remeshing": 2},
     "operators": {"fits": 0, "": 1},
-    "core": {"": 0, "simd": 1, "system": 1},
-    "solvers": {"dense": 0, "dissection": 0, "optimization": 0, "supernodal": 0, "engines": 1, "": 2},
+    "core": {"": 0, "simd": 1, "space": 1, "system": 1},
+    "solvers": {
+        "dense": 0,
+        "dissection": 0,
+        "optimization": 0,
+        "supernodal": 0,
+        "engines": 1,
+        "": 2,
+        "multigrid": 3,
+        "systems": 4,
+    },
     "methods/space/lattice": {"grid": 0, "": 1},
     "methods/space/points": {"rbf": 0, "wires": 0, "": 1},
     "methods/space/cage": {
@@ -50,7 +59,7 @@ SUB_RANKS = {
 }
 # Room -> its sub-rooms that nobody outside may see.
 HIDDEN = {
-    "solvers": "dissection engines supernodal",
+    "solvers": "dissection engines multigrid supernodal",
     "methods/space/cage": "closed_forms harmonic inside smooth visibility",
     "methods/space/lattice": "grid",
     "methods/space/nonlinear": "fields cells graph mls",

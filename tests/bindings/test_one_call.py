@@ -78,7 +78,7 @@ def test_the_example_of_the_docstring_runs(function, first: tuple, last: tuple) 
             WARP,
             {"exits": 1},
             sn.InvalidOption,
-            "exits: 'green' has no such option; its options are 'exit_face', 'f",
+            "exits: 'green' has no such option; its options are 'boundary_smooth', ",
         ),
         (WARP, {"cage": CUBE}, sn.InvalidConstraint, r"cage: 'green' takes a tuple \(points, faces\)"),
         (WARP, {"cage": CAGE, "method": "rbf"}, TypeError, "cage: cannot be read"),

@@ -98,13 +98,11 @@ def documents(root: Path) -> dict[Path, str]:
 
 
 def overview(found: Iterable[Entry]) -> str:
-    """One line per group, with the available and the planned methods."""
-    lines = ["| | available | planned |", "|---|---|---|"]
-    for group, some in _grouped(found):
-        members = list(some)
+    """One line per group, with the methods that are available."""
+    lines = ["| | available |", "|---|---|"]
+    for group, members in _grouped(found):
         there = ", ".join(f"[{entry.both_names}]({entry.link})" for entry in members if entry.link)
-        to_come = ", ".join(entry.label for entry in members if not entry.link)
-        lines.append(f"| {group} | {there} | {to_come} |")
+        lines.append(f"| {group} | {there} |")
     return "\n".join(lines)
 
 

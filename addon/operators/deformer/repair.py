@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Remedies: mend the mesh, separate regions that share vertices, use more cells, and move a mesh once."""
 
-from bpy.props import BoolProperty
+from bpy.props import BoolProperty, EnumProperty
 from bpy.types import Context, Object, Operator
 
 from ...core.errors import SinewError
 from ...core.labels import label_of
 from ...ids import Operators
 from ...properties import field
-from ...session.actions import bind, refining, repair
+from ...session.actions import bind, refining, repair, surveying
 from ...session.actions.handles import overlaps
 from ...session.actions.repair import RepairOptions
 from ..arguments import distance
@@ -76,7 +76,7 @@ class SINEW_OT_repair(OnTarget, Operator):
         )
         mended, left = repair.repair(obj, wanted)
         self.tell({"INFO"}, repair.summary(mended, left))
-        _bind_again(self, context, obj, any(mended.values()))
+        bind_again(self, context, obj, any(mended.values()))
         return {"FINISHED"}
 
     def draw(self, _context: Context) -> None:
@@ -88,6 +88,43 @@ class SINEW_OT_repair(OnTarget, Operator):
         row = layout.row()
         row.active = self.coincident
         row.prop(self, "distance")
+
+
+class SINEW_OT_cure(OnTarget, Operator):
+    """Mend one kind of what is unusual about the mesh, and nothing else, and bind again.
+
+    Vertex groups, shape keys and UV maps stay
+    """
+
+    bl_idname = Operators.CURE
+    bl_label = "Mend"
+    MESHES_ONLY = True
+
+    what: field(
+        EnumProperty,
+        items=tuple(
+            (name, label, f"Mend each {surveying.NAMES[name][0]}", number)
+            for number, (name, label) in enumerate(repair.REMEDIES.items())
+        ),
+    ).named("What", "Choose what to mend")
+
+    @classmethod
+    def refusal(cls, context: Context) -> str:
+        return SINEW_OT_repair.refusal(context)
+
+    @reports_errors
+    def execute(self, context: Context) -> set[str]:
+        obj = target_of(context)
+        surveying.survey(obj, crossings=False)
+        before = surveying.last_counts(obj).found.get(self.what, 0)
+        repair.cure(obj, self.what)
+        surveying.survey(obj, crossings=False)
+        left = surveying.last_counts(obj).found.get(self.what, 0)
+        told = surveying.counted(self.what, max(before - left, 0))
+        stays = f"; {left:,} stay as they are" if left else ""
+        self.tell({"INFO"}, f"Mended {told}{stays}")
+        bind_again(self, context, obj, before != left)
+        return {"FINISHED"}
 
 
 class SINEW_OT_part_regions(OnDeformer, Operator):
@@ -111,7 +148,7 @@ class SINEW_OT_part_regions(OnDeformer, Operator):
         for kept, lost, count in parted:
             vertices = "1 vertex is" if count == 1 else f"{count:,} vertices are"
             self.tell({"INFO"}, f"{vertices} now in {kept} alone, no longer in {lost}")
-        _bind_again(self, context, obj, True)
+        bind_again(self, context, obj, True)
         return {"FINISHED"}
 
 
@@ -162,7 +199,7 @@ class SINEW_OT_armature_off(OnDeformer, Operator):
         return {"FINISHED"}
 
 
-def _bind_again(operator: Operator, context: Context, obj: Object, changed: bool) -> None:
+def bind_again(operator: Operator, context: Context, obj: Object, changed: bool) -> None:
     """Bind the active deformer and, if the mesh changed, all bound ones. Errors are reported as warnings."""
     active = obj.sinew.active
     for deformer in obj.sinew.deformers:

@@ -34,6 +34,7 @@ class SINEW_OT_diagnose(OnTarget, Operator):
 
     bl_idname = Operators.DIAGNOSE
     bl_label = "Diagnose"
+    bl_options = {"REGISTER"}
     MESHES_ONLY = True
 
     crossings: field(BoolProperty, default=True).named(

@@ -22,7 +22,7 @@ from ..datablocks.shapes import capture, shapes
 from ..evaluation import binding
 from ..state import sessions
 from ..state.sessions import Bound
-from ..targets import targets
+from ..targets import refined_group, targets
 from ..targets.kinds import kind_of
 from . import companions
 
@@ -70,7 +70,8 @@ def bind(
         finally:
             obj.update_tag()
             bpy.context.view_layer.update()  # new shapes enter
-            sessions.forget_edit(obj.name)  # the updates above are no edits by the user
+            if refined_group.of(obj) is None:  # else the refined mesh is made anew
+                sessions.forget_edit(obj.name)  # the updates above are no edits by the user
     finally:
         if entered is not None:
             bpy.data.meshes.remove(entered)

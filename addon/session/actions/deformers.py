@@ -20,6 +20,7 @@ from ..datablocks.shapes import shapes
 from ..evaluation import binding
 from ..state import sessions
 from ..targets import modified, targets
+from . import fast_subdivision
 from .controls import grids
 
 
@@ -99,5 +100,7 @@ def forget_deformer(obj: Object, index: int) -> None:
     obj.sinew.deformers.remove(index)
     animation_paths.deformers_reordered(obj, order)
     obj.sinew.active_deformer = max(0, min(obj.sinew.active_deformer, len(obj.sinew.deformers) - 1))
+    if not obj.sinew.deformers:
+        fast_subdivision.end(obj)
     kinds.keep_evaluated(obj)
     forget_owners()

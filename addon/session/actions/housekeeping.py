@@ -9,7 +9,7 @@ from bpy.types import Object
 
 from ...ids import Datablocks
 from ..controls import kinds
-from ..datablocks import evaluation_driver, references
+from ..datablocks import evaluation_driver, references, refined
 from ..datablocks.owners import copies, forget_owners, has_copies, owners
 from ..datablocks.shapes import shapes
 from ..evaluation import binding, mirroring
@@ -35,6 +35,7 @@ def separate(obj: Object) -> None:
         references.unshare_curves(deformer)
         if shows is not None:
             kind.connect(shows, deformer)
+    refined.separate(obj)
     kind.own_data(obj)
     kinds.keep_evaluated(obj)
     obj.update_tag()

@@ -141,6 +141,22 @@ def _drop_loose(edit: BMesh, elements: np.ndarray, _distance: float) -> None:
         bmesh.ops.delete(edit, geom=loose, context="VERTS")
 
 
+def _turn(edit: BMesh, elements: np.ndarray, _distance: float) -> None:
+    """Turn faces over that look the other way than the rest of their part, or into a closed one."""
+    bmesh.ops.reverse_faces(edit, faces=[edit.faces[index] for index in elements])
+
+
+def _part_fans(edit: BMesh, elements: np.ndarray, _distance: float) -> None:
+    """Give each fan of faces around a vertex a vertex of its own."""
+    for vertex in [edit.verts[index] for index in elements]:
+        bmesh.utils.vert_separate(vertex, [])
+
+
+def _fill_holes(edit: BMesh, _elements: np.ndarray, _distance: float) -> None:
+    """Close each border by a face."""
+    bmesh.ops.holes_fill(edit, edges=[edge for edge in edit.edges if edge.is_boundary], sides=0)
+
+
 STEPS = {
     "coincident": _merge,
     "degenerate": _dissolve,
@@ -148,3 +164,5 @@ STEPS = {
     "non_manifold": _part_edges,
     "loose": _drop_loose,
 }
+# What an artist chooses: these change the mesh more than Repair does.
+CHOSEN = {"flipped": _turn, "pinched": _part_fans, "border": _fill_holes}

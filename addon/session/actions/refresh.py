@@ -16,11 +16,11 @@ from ...ids import Keys
 from ...mesh_io import group_names, keep_lost_groups, keep_shape, read_rest, renumbered, same_topology
 from ...properties import SinewDeformer
 from ..controls import kinds, placement
-from ..datablocks import libraries, rest_frame, vertex_groups
+from ..datablocks import libraries, refined, rest_frame, vertex_groups
 from ..datablocks.owners import owners
 from ..datablocks.shapes import capture, shapes
 from ..state import sessions
-from ..targets import targets
+from ..targets import refined_group, targets
 from ..targets.kinds import kind_of
 from . import bind
 
@@ -110,6 +110,12 @@ def _look_at(edited: list[Object]) -> bool:
         sessions.open_session(deformer.uid).render_settings = capture.render_signature(obj, deformer)
         if not isinstance(meshes, SinewError):  # without vertices: the evaluation shows the error
             changed |= _take(obj, deformer, meshes)
+    for obj in edited:
+        modifier = refined_group.of(obj) if targets.is_mesh(obj) else None
+        if modifier is not None:
+            with suppress(SinewError):  # the control mesh is shown
+                refined.make(obj, modifier)
+            changed = True
     return changed
 
 

@@ -15,7 +15,22 @@ from bpy.types import Mesh, Object
 from ...core.errors import SinewError
 from ..evaluation.mesh_notes import NAMES, counted, elements_by_defect
 from ..state import sessions
-from .mesh_repair import STEPS, diagnosis_of, give_positions
+from . import surveying
+from .mesh_repair import CHOSEN, STEPS, diagnosis_of, give_positions
+
+# What can be mended by itself: for each finding, what an artist does about it.
+REMEDIES = {
+    "not_finite": "Move Lost Vertices",
+    "border": "Fill Holes",
+    "non_manifold": "Remove Fins and Inner Walls",
+    "pinched": "Split Vertices",
+    "degenerate": "Collapse Faces without Area",
+    "duplicate": "Remove Duplicate Faces",
+    "flipped": "Turn Flipped Faces",
+    "slit": "Close Slits",
+    "coincident": "Merge Border Vertices",
+    "loose": "Remove Loose Vertices",
+}
 
 
 @dataclass(frozen=True)
@@ -43,8 +58,7 @@ def summary(mended: dict[str, int], left: dict[str, int]) -> str:
 @sessions.suspended()
 def repair(obj: Object, wanted: RepairOptions) -> tuple[dict[str, int], dict[str, int]]:
     """Repair the base mesh in Object or Edit Mode; how many of each defect were repaired, and are left."""
-    if obj.data.library is not None:
-        raise SinewError("The mesh is linked - make it local, or override it, before you repair it")
+    _refuse_linked(obj)
     mended = dict.fromkeys(NAMES, 0)
     with _editing(obj) as edit:
         if wanted.not_finite:
@@ -63,6 +77,25 @@ def repair(obj: Object, wanted: RepairOptions) -> tuple[dict[str, int], dict[str
     left = {what: len(elements) for what, elements in elements_by_defect(found).items()}
     obj.update_tag()
     return mended, left
+
+
+def cure(obj: Object, what: str) -> None:
+    """Mend what a survey names so, in Object or Edit Mode, and nothing else."""
+    if what in CHOSEN:
+        _refuse_linked(obj)
+        elements = surveying.survey(obj, crossings=False).found[what]
+        with sessions.suspended(), _editing(obj) as edit:
+            diagnosis_of(edit)  # numbers the elements
+            CHOSEN[what](edit, elements, 0.0)
+        obj.update_tag()
+    else:
+        wanted = "coincident" if what == "slit" else what
+        repair(obj, RepairOptions(**{name: name == wanted for name in ("not_finite", *STEPS)}))
+
+
+def _refuse_linked(obj: Object) -> None:
+    if obj.data.library is not None:
+        raise SinewError("The mesh is linked - make it local, or override it, before you repair it")
 
 
 @contextmanager

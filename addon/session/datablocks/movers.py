@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from bpy.types import ID, Modifier, Object
 
 from ...properties import SinewDeformer
-from ..targets import targets
+from ..targets import refined_group, targets
 from ..targets.kinds import kind_of
 from .modifier_objects import objects_of
 
@@ -83,7 +83,7 @@ def place_behind(modifiers: Iterable[Modifier]) -> int:
 
     Blender lets no such modifier stand before a Multiresolution.
     """
-    types = [modifier.type for modifier in modifiers]
+    types = ["SUBSURF" if refined_group.is_refining(other) else other.type for other in modifiers]
     movers = [place for place, kind in enumerate(types) if kind in DEFORMING | _CHANGING]
     first = movers[-1] + 1 if movers else 0
     return next((place for place in range(first, len(types)) if types[place] == "SUBSURF"), len(types))

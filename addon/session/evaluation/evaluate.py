@@ -24,9 +24,9 @@ from ..datablocks.shapes import baked, shapes
 from ..state import sessions
 from ..state.evaluation import Chain, ControlState, Evaluation, ObjectEvaluation, Quality, is_shown
 from ..state.sessions import LastUpdate
-from ..targets import modified, targets
+from ..targets import modified, refined_group, targets
 from ..targets.kinds import kind_of
-from . import applied, binding, incoming, mirroring, renders, schedule, solving
+from . import applied, binding, incoming, mirroring, refined, renders, schedule, solving
 from .changes import Change, Changes
 from .schedule import Step
 
@@ -196,6 +196,8 @@ def _update_object(
         if not is_shown(modifier, mode):
             continue
         if shows is None:
+            if refined_group.is_refining(modifier):
+                refined.update(shared, modifier, chain)
             chain = Chain() if baked.overwrites(modifier) else chain.after_other_modifier()
             continue
         if entered is not None:

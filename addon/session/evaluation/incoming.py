@@ -6,11 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from ...core.errors import TopologyChangedError
-from ...mesh_io import read_incoming
+from ..datablocks import refined
 from ..datablocks.movers import DEFORMING
 from ..state.evaluation import Chain, Evaluation, is_shown
 from ..state.sessions import Bound
-from ..targets import modified, node_group, targets
+from ..targets import node_group, targets
 from ..targets.kinds import kind_of
 
 TOPOLOGY_CHANGED = "Topology changed - Rebind"
@@ -37,9 +37,7 @@ def find(evaluation: Evaluation, bound: Bound) -> tuple[np.ndarray | None, bool]
     source = evaluation.chain.entered
     if not source and not evaluation.new_geometry and evaluation.shown.positions is not None:
         return evaluation.shown.incoming, evaluation.shown.displacement
-    found = read_incoming(
-        evaluation.evaluated.data, *modified.attribute_names(source or evaluation.deformer.uid), expected
-    )
+    found = refined.read_entering(evaluation, source or evaluation.deformer.uid, expected)
     if found.points is not None and len(bound.rest.not_finite):
         points = found.points.copy()
         points[bound.rest.not_finite] = bound.rest.points_float32[bound.rest.not_finite]

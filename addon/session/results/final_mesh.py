@@ -17,6 +17,7 @@ from ...core import status
 from ...core.status import Level
 from ...mesh_io import read_attributes, read_incoming
 from ...properties import SinewDeformer
+from ..datablocks import refined
 from ..state.evaluation import is_shown
 from ..targets import modified, targets
 from .result import Result
@@ -46,6 +47,10 @@ def find(obj: Object, depsgraph: Depsgraph, deformer: SinewDeformer, result: Res
     if obj.mode == "EDIT" or evaluated.type != "MESH":
         return FinalMesh(result.points, result.triangles)
     with _final_mesh(obj, evaluated) as mesh:
+        if refined.keeps_nothing(obj):
+            origin = np.full(len(mesh.vertices), -1, dtype=np.int32)
+            origin[:count] = np.arange(count)
+            return FinalMesh(read_positions(mesh), read_triangles(mesh), origin, read_edges(mesh))
         names = modified.attribute_names(deformer.uid)
         if read_incoming(mesh, *names, count).points is None:
             return FinalMesh(result.points, result.triangles)

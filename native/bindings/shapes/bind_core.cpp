@@ -7,6 +7,7 @@
 #include "native/core/report.h"
 #include "native/core/simd/kernel_set.h"
 #include "native/methods/space/weights/points_outside.h"
+#include "native/solvers/systems/not_converged.h"
 
 #include <pybind11/stl.h>
 
@@ -90,6 +91,8 @@ void bind_core(py::module_& module)
         module, "OutOfMemory",
         "Raised when a bind needs more memory than limit_memory() allows, or than the machine has.",
         module.attr("FactorizationFailed"));
+    add<NotConverged>(module, "NotConverged",
+                      "Raised when an iteration uses up its steps, or moves away from the solution.", base);
     add<Cancelled>(
         module, "Cancelled",
         "Raised when the progress callback returned False. The object is as it was before the call.", base);

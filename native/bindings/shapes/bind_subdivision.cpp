@@ -106,6 +106,17 @@ edges that the mesh does not have, OutOfMemory above limit_memory().)")
 is given. Cost: one pass over the weights.
 
 Raises InvalidConstraint for another shape.)")
+        .def(
+            "reordered",
+            [](const SubdivisionSurface& surface, const ArrayLike& order) {
+                const std::vector<int> wanted = integers(order, "order");
+                const py::gil_scoped_release unlocked;
+                return surface.reordered(wanted);
+            },
+            py::arg("order"), R"(
+(m,) -> the same surface, whose vertex k is what was vertex order[k]. Refining costs as much as before.
+
+Raises InvalidOption where the order does not name each vertex once.)")
         .def_property_readonly("matrix", &SubdivisionSurface::matrix,
                                "(m, n) SciPy CSR; refined points are this times the control points.")
         .def_property_readonly(

@@ -3,7 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/parallel.h"
-#include "native/mesh/trees/space_order.h"
+#include "native/core/space/space_order.h"
 
 #include <algorithm>
 #include <numeric>

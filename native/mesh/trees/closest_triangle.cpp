@@ -2,7 +2,7 @@
 #include "native/mesh/trees/closest_triangle.h"
 
 #include "native/core/parallel.h"
-#include "native/mesh/trees/space_order.h"
+#include "native/core/space/space_order.h"
 #include "native/mesh/trees/triangle_tree.h"
 
 #include <algorithm>

@@ -107,7 +107,12 @@ def test_an_earlier_module_of_the_same_version_is_named(backend, monkeypatch: py
 def test_a_kind_of_control_of_points_is_asked_what_its_method_promises(backend):
     row = dataclasses.replace(BY_ID["mean_value"], control=Control.POINTS, reproduces=Reproduced.SIMILARITIES)
     rigs = list(backend.known_answers.rigs(row))
-    assert {words for words, _rig in rigs} == {"", "precision=double"}
+    assert {words for words, _rig in rigs} == {
+        "",
+        "precision=double",
+        "smooth=automatic",
+        "smooth=levels",
+    }
     for _words, rig in rigs:
         assert len(rig.recipe.control.points) == 6
         assert [answer.claim for answer in rig.answers] == [

@@ -136,7 +136,7 @@ def ball() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 def bound(method: type, options: dict, cage: tuple[np.ndarray, np.ndarray], points: np.ndarray):
     """Coordinates of points, and the error that they report."""
-    quick = {"quality": "fast"} if "solver" in options else {}
+    quick = {"quality": "fast"} if "solver" in options else {"levels": 1} if "smooth" in options else {}
     coordinates = made(method, sn.SurfaceMesh(*cage), **options, **quick)
     report = coordinates.bind(points)
     assert not len(report.outside)

@@ -209,6 +209,18 @@ def test_single_precision_stays_single_and_out_is_written() -> None:
         surface.refine(CUBE.astype(np.float32), out)
 
 
+def test_another_order_moves_rows_faces_and_normals() -> None:
+    surface = cube(level=2, limit=True)
+    order = np.random.default_rng(4).permutation(surface.vertex_count)
+    other, fine = surface.reordered(order), surface.refine(CUBE)
+    np.testing.assert_array_equal(other.refine(CUBE), fine[order])
+    np.testing.assert_array_equal(order[other.faces], surface.faces)
+    np.testing.assert_array_equal(other.normals(fine[order]), surface.normals(fine)[order])
+    for wrong in (order[1:], np.zeros_like(order), order - 1, [*order, 0]):
+        with pytest.raises(sn.InvalidOption, match="named once"):
+            surface.reordered(wrong)
+
+
 def test_normals_of_a_smooth_cube_look_outward() -> None:
     surface = cube(level=5, limit=True)
     fine = surface.refine(CUBE)

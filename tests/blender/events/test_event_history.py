@@ -37,7 +37,8 @@ def test_every_operator_has_its_undo_tested():
     with_undo = {n for n in names if "UNDO" in getattr(getattr(bpy.types, f"SINEW_OT_{n}"), "bl_options", ())}
     elsewhere = {"handle_stand", "puppet_pin", "puppet_rig", "armature_off", "refine", "keep_inside"}
     assert with_undo == {*elsewhere, "control_edit", *(names & set(BUTTONS) - {"start_task"})}
-    without = {"cancel", "check_installation", "help", "key_jump", "preset_add", "report_renders", "watch"}
+    without = {"cancel", "check_installation", "diagnose", "help"}
+    without |= {"key_jump", "preset_add", "report_renders", "watch"}
     beginnings = {"all_tasks", "choose_method", "drag_press", "drag_start", "start_task"}  # of what has steps
     assert names - with_undo <= without | beginnings
 

@@ -40,6 +40,7 @@ def words() -> list[object]:
             obj.vertex_groups.active_index,
             list(obj.modifiers.keys()),
             keys.key_blocks.keys() if keys else [],
+            [layer.name for layer in getattr(obj.data, "color_attributes", ())],
             len(obj.animation_data.drivers) if obj.animation_data else 0,
         ]
         for row in obj.sinew.deformers:

@@ -293,6 +293,7 @@ SITUATIONS: dict[str, Callable[[], object]] = {
     "a posed mesh": posed,
     "a mesh in Edit Mode": lambda: fresh("EDIT"),
     "handles": handles,
+    "a refined mesh": lambda: (handles(), bpy.ops.sinew.fast_subdivision()),
     "handles in Edit Mode": lambda: handles(mode="EDIT"),
     "handles in Weight Paint": lambda: handles(mode="WEIGHT_PAINT"),
     "handle points": handle_points,

@@ -41,12 +41,12 @@ class CageKind(ObjectKind):
     ) -> BindInput:
         """With the creases of a smooth cage."""
         found = super().request(settings, mesh, rest, key, base_count)
-        if found.recipe.options.get("smooth", "off") == "off":
+        control = found.recipe.control
+        if found.recipe.options.get("smooth", "off") == "off" or not isinstance(control, ControlPoints):
             return found
         pairs = zip(("creases", "corners"), read_creases(self.row(settings).rest), strict=True)
         own = {name: (where, 10.0 * crease**2) for name, (where, crease) in pairs if len(where)}
-        control = replace(found.recipe.control, own=own)
-        return replace(found, recipe=replace(found.recipe, control=control))
+        return replace(found, recipe=replace(found.recipe, control=replace(control, own=own)))
 
     def in_words(self, rest: RestShape) -> str:
         faces = "1 face" if len(rest.counts) == 1 else f"{len(rest.counts):,} faces"

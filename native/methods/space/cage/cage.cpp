@@ -59,16 +59,16 @@ double volume(const SurfaceMesh& mesh)
 } // namespace
 
 Cage::Cage(SurfaceMesh rest, bool may_be_flat, const CageSmoothing& smoothing)
-    : smoothing_((require_valid(smoothing), smoothing)),
+    : smoothing_((require_valid(smoothing), smoothing)), frame_(rest.points()), rest_(frame_.in(rest)),
       smooth_(smoothing.smooth != CageSmooth::off && rest.face_count() > 0
-                  ? std::make_shared<const SmoothCage>(rest, smoothing)
-                  : nullptr),
-      frame_(smooth_ ? smooth_->mesh().points() : rest.points()),
-      rest_(frame_.in(smooth_ ? smooth_->mesh() : rest)),
-      size_((rest_.points().colwise().maxCoeff() - rest_.points().colwise().minCoeff()).norm())
+                  ? std::make_shared<const SmoothCage>(rest_, smoothing)
+                  : nullptr)
 {
-    if (smooth_)
-        control_ = frame_.in(rest).points();
+    if (smooth_) {
+        control_ = rest_.points();
+        rest_ = smooth_->mesh(view(control_));
+    }
+    size_ = (rest_.points().colwise().maxCoeff() - rest_.points().colwise().minCoeff()).norm();
     if (smooth_ || !frame_.is_identity())
         given_ = std::move(rest);
     if (rest_.face_count() == 0)
@@ -101,6 +101,11 @@ PointsView Cage::refined(PointsView control, Points& storage) const
         return control;
     storage = smooth_->refined(control);
     return view(storage);
+}
+
+std::optional<SurfaceMesh> Cage::smooth_mesh() const
+{
+    return smooth_ ? std::optional(smooth_->mesh(view(given().points()))) : std::nullopt;
 }
 
 void Cage::check_pose(PointsView vertices) const

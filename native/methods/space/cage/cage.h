@@ -66,8 +66,10 @@ public:
     /// Diagonal of the box around the vertices of rest().
     double size() const { return size_; }
 
-    /// None unless the cage is smooth.
+    /// None unless the cage is smooth. Its unit is that of frame().
     const std::shared_ptr<const SmoothCage>& smooth() const { return smooth_; }
+    /// The smooth surface of the cage as it was given; none for other cages.
+    std::optional<SurfaceMesh> smooth_mesh() const;
     /// The vertices of rest() for posed control points.
     /// \param storage  holds them where the cage is smooth.
     PointsView refined(PointsView control, Points& storage) const;
@@ -85,9 +87,9 @@ public:
 
 private:
     CageSmoothing smoothing_;
-    std::shared_ptr<const SmoothCage> smooth_;
     NormalFrame frame_;
     SurfaceMesh rest_;
+    std::shared_ptr<const SmoothCage> smooth_;
     std::optional<SurfaceMesh> given_; ///< where the frame is not the identity, or the cage is smooth
     Points control_;                   ///< where the cage is smooth
     std::optional<FlatOutline> outline_;

@@ -5,7 +5,7 @@
 #include "native/core/parallel.h"
 #include "native/core/simd/kernel_set.h"
 #include "native/core/simd/product_of_eight.h"
-#include "native/mesh/trees/space_order.h"
+#include "native/core/space/space_order.h"
 #include "native/methods/space/points/rbf/near_centres.h"
 
 #include <algorithm>

@@ -12,6 +12,7 @@
 #include "native/operators/fits/fit_kernels.h"
 #include "native/operators/fits/ring_fit.h"
 #include "native/operators/fits/rotation_fit.h"
+#include "native/solvers/solved_system.h"
 #include "native/solvers/sparse_columns.h"
 
 #include <algorithm>
@@ -144,6 +145,13 @@ struct LaplacianEditing::Impl
         return std::make_shared<ImplicitResponse>(rest, L, mass, rings, delta, regions, groups);
     }
 
+    SolveReport described(const SolveReport& report) const
+    {
+        if (SolvedSystem* const solved = SolvedSystem::of_thread())
+            solved->describe(bound->L, bound->mass, 2);
+        return report;
+    }
+
     /// Solves with delta'_v = turned(v, delta_v).
     template <class Turned>
     SolveReport solve(const Targets& targets, const Points& delta, Workspace& work, Points& positions,
@@ -151,7 +159,7 @@ struct LaplacianEditing::Impl
     {
         const Binding& own = *bound;
         const int n = static_cast<int>(delta.rows());
-        return own.system.solve(targets, positions, [&](RowMatrix& b) {
+        return described(own.system.solve(targets, positions, [&](RowMatrix& b) {
             const double sum = parallel_sum(n, [&](int v) {
                 if (own.groups.group[v] < 0)
                     return 0.0;
@@ -162,7 +170,7 @@ struct LaplacianEditing::Impl
             });
             parallel_for(n, [&](int v) { b.row(v) = laplacian_at(own.L, work.change, v).transpose(); });
             return sum;
-        });
+        }));
     }
 
     /// (n, 9) the rotations of the edges at each vertex from y to x, row by row.
@@ -269,7 +277,7 @@ SolveReport LaplacianEditing::deform(const SolveRequest& request, const Targets&
     const Binding& bound = *impl.bound;
     const LocalTransforms transforms = impl.options.transforms;
     if (transforms == LocalTransforms::none)
-        return bound.system.solve(targets, positions);
+        return impl.described(bound.system.solve(targets, positions));
 
     const int n = rest().vertex_count();
     const auto work = bound.workspaces.take([&] {

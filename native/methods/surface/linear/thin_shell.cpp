@@ -4,10 +4,12 @@
 #include "native/core/errors.h"
 #include "native/handles/constrained_system.h"
 #include "native/operators/painted.h"
+#include "native/solvers/solved_system.h"
 #include "native/solvers/sparse_columns.h"
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <string>
 #include <utility>
 
@@ -128,6 +130,21 @@ struct ThinShell::Impl
         return sum;
     }
 
+    /// Says what the matrix is made of.
+    void describe(const Regions& regions, Discretization of, SolvedSystem& solved) const
+    {
+        if (k.bending.empty() && k.variation.empty())
+            return;
+        const TriangleMetric metric = triangle_metric(rest, least_area());
+        VectorX mass = divisible_mass(rest, of, metric);
+        for (int i = 0; i < rest.vertex_count() && !k.bending.empty(); ++i)
+            mass[i] /= k.bending[i] * bending_continuity(regions, i);
+        const auto& s = k.stretching; // where it is painted, the membrane is its mean
+        solved.describe(laplacian_matrix(rest, of, metric), std::move(mass), k.variation.empty() ? 2 : 3,
+                        s.empty() ? 0.0
+                                  : std::accumulate(s.begin(), s.end(), 0.0) / static_cast<double>(s.size()));
+    }
+
     /// The factor is used again where the pattern of the matrix is the same.
     void bind(const ThinShellOptions& options, const Regions& regions, BindReport& report,
               const Progress& progress)
@@ -221,7 +238,10 @@ SolveReport ThinShell::deform(const SolveRequest& request, const Targets& target
     if (bound.basis && !request.incoming)
         return bound.basis->solve(request.poses, positions, !idle_parts_ride());
 
-    return bound.system.solve(targets, positions);
+    const SolveReport report = bound.system.solve(targets, positions);
+    if (SolvedSystem* const solved = SolvedSystem::of_thread())
+        impl_->describe(regions(), options().laplacian, *solved);
+    return report;
 }
 
 const AffineBasis* ThinShell::affine_basis() const { return impl_->bound.basis.get(); }

@@ -106,8 +106,7 @@ SmoothCage::SmoothCage(const SurfaceMesh& control, const CageSmoothing& smoothin
           plain.scheme = SubdivisionScheme::bilinear;
           plain.level = options_.level;
           return SubdivisionSurface(control, plain).matrix();
-      }()),
-      mesh_(refined(view(control.points())), surface_.face_counts(), surface_.face_corners())
+      }())
 {
     // Each corner of a face of the cage makes a quad at level 1, and each quad four at each further level.
     const int parts = 1 << 2 * (level() - 1);
@@ -118,6 +117,11 @@ SmoothCage::SmoothCage(const SurfaceMesh& control, const CageSmoothing& smoothin
 double SmoothCage::error() const { return error_at(control_, options_, level(), surface_.vertex_count()); }
 
 Points SmoothCage::refined(PointsView control) const { return refine(surface_, control); }
+
+SurfaceMesh SmoothCage::mesh(PointsView control) const
+{
+    return {refined(control), surface_.face_counts(), surface_.face_corners()};
+}
 
 void SmoothCage::fold(RowMatrix& rows) const
 {

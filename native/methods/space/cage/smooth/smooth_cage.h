@@ -77,13 +77,13 @@ public:
     /// (vertices, control points) the weights of plain, bilinear splitting: where each vertex lies on the
     /// faces of the cage.
     const SparseRows& places() const { return places_; }
-    /// The mesh for the control points as they were given.
-    const SurfaceMesh& mesh() const { return mesh_; }
     /// The face of the cage that a quad is a part of.
     int control_face(int quad) const { return control_faces_[static_cast<std::size_t>(quad)]; }
 
-    /// (vertices, 3) the mesh for posed control points.
+    /// (vertices, 3) the vertices of the mesh for posed control points.
     Points refined(PointsView control) const;
+    /// The mesh for posed control points.
+    SurfaceMesh mesh(PointsView control) const;
     /// Takes weights of the vertices, the first columns of some rows, to weights of the control points. Other
     /// columns follow them as before.
     void fold(RowMatrix& rows) const;
@@ -93,7 +93,6 @@ private:
     SubdivisionOptions options_;
     SubdivisionSurface surface_;
     SparseRows places_;
-    SurfaceMesh mesh_;
     std::vector<int> control_faces_;
 };
 

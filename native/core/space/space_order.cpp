@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/mesh/trees/space_order.h"
+#include "native/core/space/space_order.h"
 
 #include "native/core/parallel.h"
 

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+
+#include "native/core/progress.h"
+#include "native/core/types.h"
+
+#include <Eigen/Core>
+
+#include <functional>
+#include <vector>
+
+namespace sinew {
+
+/// Four columns of numbers side by side, a row for each unknown.
+using Columns = std::vector<Eigen::Array4d>;
+/// z = B r for a symmetric positive definite B that is close to A^-1. It may differ a little from call to call.
+using Preconditioner = std::function<void(const Columns& r, Columns& z)>;
+
+/// When an iteration ends.
+struct Stop
+{
+    double tolerance = 1e-8;
+    int most_iterations = 0;
+    /// Whether B r, an estimate of the error, is compared with x, or the residual r = b - A x with b. The first needs a
+    /// B that is very close to A^-1.
+    bool by_error = false;
+};
+
+/// What the iteration of four columns came to.
+struct Iteration
+{
+    int count = 0;
+    double reached = 0.0;       ///< what the tolerance is compared with, of the worst column
+    bool converged = false;
+    double least = 0.0, most = 0.0; ///< eigenvalues of B A, from the coefficients of the worst column
+};
+
+/// The method of conjugate gradients, M. R. Hestenes, E. Stiefel 1952, with Lanczos' estimates of eigenvalues and the
+/// flexible beta of Polak and Ribière. Each column has coefficients of its own.
+/// \param x  what it begins from, and the solution. Columns of b that are 0 give 0.
+/// \throw FactorizationFailed  A or B is not positive definite, or A is singular.
+/// \throw NotConverged  the numbers are no longer finite, or grow without end.
+/// \throw Cancelled
+Iteration conjugate_gradients(const SparseMatrix& A, const Columns& b, Columns& x, const Preconditioner& B,
+                              const Stop& stop, const Progress& progress);
+
+/// The largest singular value of a linear map of one column, by `steps` steps of Lanczos' method with
+/// reorthogonalisation from a random vector; a lower bound that is close.
+double norm_of(int size, const std::function<VectorX(const VectorX&)>& map, int steps = 16);
+
+} // namespace sinew

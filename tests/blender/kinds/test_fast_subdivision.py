@@ -1,0 +1,188 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Fast Subdivision shows in viewports what the Subdivision modifier makes of the deformed mesh."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+from inside import catch_up, notes_of
+from mathutils import Matrix
+from rigs.rig import (
+    Rig,
+    add_armature,
+    change_in_edit_mode,
+    duplicated,
+    move_world,
+    new_object,
+    press,
+    refused,
+    reopen,
+    some_motion,
+    subdivided,
+    update,
+)
+from test_subdivision import LIMIT, TOLERANCE, crease, fin, prism, sheet, subdivide
+
+WAYS = {
+    "limit": LIMIT,
+    "corners": {**LIMIT, "boundary_smooth": "PRESERVE_CORNERS"},
+    "refined": {"use_limit_surface": False},
+    "corners refined": {"use_limit_surface": False, "boundary_smooth": "PRESERVE_CORNERS"},
+    "no creases": {"use_limit_surface": False, "use_creases": False},
+    "simple": {"subdivision_type": "SIMPLE"},
+}
+
+
+def of_mesh(obj: bpy.types.Object) -> dict[str, np.ndarray]:
+    """What Blender shows of a mesh: points, normals, UVs, weights and materials."""
+    update()
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    uvs = mesh.uv_layers[0].data if mesh.uv_layers else ()
+    shown = {
+        "points": np.array([vertex.co for vertex in mesh.vertices]),
+        "normals": np.array([vertex.normal for vertex in mesh.vertices]),
+        "corners": np.array([list(face.vertices) for face in mesh.polygons]),
+        "materials": np.array([face.material_index for face in mesh.polygons]),
+        "uvs": np.array([uv.uv for uv in uvs]),
+        "weights": np.array([sum(group.weight for group in vertex.groups) for vertex in mesh.vertices]),
+    }
+    obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh_clear()
+    return shown
+
+
+def assert_as_blender(obj: bpy.types.Object, tolerance: float = TOLERANCE) -> None:
+    """What is shown is what the Subdivision modifier shows without Fast Subdivision."""
+    own, (by, ours) = of_mesh(obj), (obj.modifiers["Subdivision"], obj.modifiers["Fast Subdivision"])
+    assert (by.show_viewport, by.show_render, ours.show_render) == (False, True, False)
+    by.show_viewport, ours.show_viewport = True, False
+    blenders = of_mesh(obj)
+    by.show_viewport, ours.show_viewport = False, True
+    size = np.linalg.norm(np.ptp(own["points"], axis=0))
+    assert np.array_equal(own["corners"], blenders["corners"])
+    assert np.abs(own["points"] - blenders["points"]).max() < tolerance * size
+    assert np.abs(own["normals"] - blenders["normals"]).max() < 1e-4  # rounded corners of short edges
+    for name in ("materials", "uvs", "weights"):
+        assert np.array_equal(own[name], blenders[name])
+
+
+def tokens() -> list[str]:
+    """What tells refined meshes apart from those that are made anew, and their places."""
+    name = "sinew_refined_token"
+    return sorted(mesh[name] for mesh in bpy.data.meshes if name in mesh)
+
+
+def plate(levels: int = 2, **settings: object) -> Rig:
+    """A bent plate, refined by Sinew."""
+    rig = Rig.plate(6).bind()
+    subdivide(rig.obj, levels=levels, render_levels=3, **settings)
+    rig.lift()
+    press(rig.obj, "fast_subdivision")
+    return rig
+
+
+def in_a_box(obj: bpy.types.Object) -> bpy.types.Object:
+    """The object, and the lattice around it that moves it."""
+    press(obj, "lattice_add")
+    return obj.sinew.active.controls[0].object
+
+
+@pytest.mark.parametrize("level", [1, 3])
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("shape", [prism, sheet, fin])
+def test_shapes_are_those_of_the_modifier(shape, way: str, level: int):
+    obj = shape()
+    crease(obj)
+    obj.data.uv_layers.new(name="UV")
+    obj.vertex_groups.new(name="Some").add([0, 2, 3], 0.7, "REPLACE")
+    lattice = in_a_box(obj)
+    subdivide(obj, levels=level, **WAYS[way])
+    press(obj, "fast_subdivision")
+    move_world(lattice, Matrix.Diagonal((1.0, 0.6, 1.4, 1.0)) @ some_motion())
+    # The end of an endless crease, as in test_subdivision.
+    assert_as_blender(obj, TOLERANCE * (10.0 if WAYS[way].get("use_limit_surface") else 1.0))
+
+
+def test_an_affine_motion_of_the_control_mesh_is_one_of_the_surface():
+    obj = sheet()
+    lattice = in_a_box(obj)
+    subdivide(obj, levels=2, **LIMIT)
+    press(obj, "fast_subdivision")
+    before = of_mesh(obj)["points"]
+    motion = some_motion() @ Matrix.Diagonal((1.3, 0.7, 1.2, 1.0))
+    move_world(lattice, motion)
+    expected = before @ np.array(motion)[:3, :3].T + np.array(motion)[:3, 3]
+    assert np.abs(of_mesh(obj)["points"] - expected).max() < 1e-6 * np.linalg.norm(np.ptp(expected, axis=0))
+
+
+def test_the_surface_follows_keyed_bones_settings_and_edits():
+    """Bones before Sinew, frames, levels, other faces, and a file that is opened again."""
+    rig = plate()
+    armature = add_armature(rig.obj)
+    bpy.ops.object.modifier_move_to_index(modifier="Armature", index=0)
+    press(rig.obj, "bind")
+    catch_up()
+    bone = armature.pose.bones["high"]
+    for frame, turn in ((1, 0.0), (11, 1.0)):
+        bone.rotation_euler.x = turn
+        bone.keyframe_insert("rotation_euler", frame=frame)
+    seen = []
+    for frame in (1, 6, 11):
+        bpy.context.scene.frame_set(frame)
+        assert_as_blender(rig.obj)
+        seen.append(of_mesh(rig.obj)["points"])
+    assert np.abs(seen[2] - seen[0]).max() > 0.3
+    rig.obj.modifiers["Subdivision"].levels = 3
+    assert_as_blender(rig.obj)
+    change_in_edit_mode(rig.obj, lambda edit: edit.faces.remove(edit.faces[14]))
+    press(rig.obj, "bind")
+    catch_up()
+    assert_as_blender(rig.obj)
+
+
+def test_a_file_and_a_copy_and_an_undo_show_it_too(tmp_path):
+    rig, made = plate(), tokens()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "refined.blend"))
+    assert tokens() == made  # nothing was edited
+    copy = duplicated(rig.obj)
+    update()
+    rig.lift(0.4)
+    assert_as_blender(rig.obj)
+    assert_as_blender(copy)
+    bpy.ops.ed.undo_push(message="before")
+    rig.lift(0.5)
+    bpy.ops.ed.undo_push(message="after")
+    bpy.ops.ed.undo()
+    assert_as_blender(rig.obj)
+    reopen(tmp_path / "refined.blend")
+    rig.lift(0.3)
+    assert_as_blender(rig.obj)
+
+
+def test_what_it_cannot_follow_is_told_and_it_ends():
+    rig = plate()
+    rig.deformer.mask_group = "Top"
+    update()
+    assert "Fast Subdivision shows the control mesh: a mask" in " ".join(notes_of(rig.deformer))
+    assert len(of_mesh(rig.obj)["points"]) == len(rig.rest())
+    rig.deformer.mask_group = ""
+    update()
+    assert "Fast Subdivision" not in " ".join(notes_of(rig.deformer))
+    assert_as_blender(rig.obj)
+    press(rig.obj, "unbind")
+    assert_as_blender(rig.obj)
+    press(rig.obj, "deformer_remove")  # ends it, as Stop does
+    assert list(rig.obj.modifiers.keys()) == ["Subdivision"]
+    assert rig.obj.modifiers["Subdivision"].show_viewport
+    assert not [mesh for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew Subdivision")]
+
+
+def test_loose_edges_and_what_stands_between_are_refused():
+    wire = new_object("Wire", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (2, 2, 1)], [(0, 1, 2)], [(2, 3)])
+    in_a_box(wire)
+    refused("in another way", "fast_subdivision", wire)
+    assert [modifier.name for modifier in wire.modifiers] == ["Sinew"]
+    rig = Rig.plate(4).bind()
+    rig.obj.modifiers.new("Solidify", "SOLIDIFY")
+    subdivided(rig.obj, 2)
+    refused("Solidify stands between", "fast_subdivision", rig.obj)
