@@ -25,7 +25,7 @@ from .layout import (
     refresh_popup as refresh_popup,
     text_width as text_width,
 )
-from .libraries import is_placeholder as is_placeholder
+from .libraries import is_placeholder as is_placeholder, session_key as session_key
 from .mesh import (
     edge_creases as edge_creases,
     read_cloud as read_cloud,

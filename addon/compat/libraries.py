@@ -1,13 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Datablocks of libraries that Blender did not find."""
+"""What tells datablocks apart, and those of libraries that Blender did not find."""
 
 import os
+from collections.abc import Hashable
 
 import bpy
 from bpy.types import ID, Object
 from mathutils import Matrix
 
 _NOWHERE = Matrix()
+
+
+def session_key(datablock: ID) -> Hashable:
+    """What only this datablock has until another file is opened.
+
+    Newer releases number them. In others it changes with the name: an address alone is used again.
+    """
+    return getattr(datablock, "session_uid", None) or (datablock.name, datablock.as_pointer())
 
 
 def is_placeholder(linked: ID) -> bool:

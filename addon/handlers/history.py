@@ -8,7 +8,7 @@ from bpy.app.handlers import persistent
 
 from ..core.memory import forget_all
 from ..operators import entering
-from ..session.actions import deformers, housekeeping, refresh, saving
+from ..session.actions import deformers, housekeeping, refresh, saving, surveying
 from ..session.datablocks import owners
 from ..session.evaluation import evaluate, mirroring
 from ..session.state import sessions
@@ -20,6 +20,7 @@ def on_undo(*_args: object) -> None:
     """Undo or redo may have changed the shape meshes, so the next evaluation writes them again."""
     owners.forget_owners()
     sessions.forget_shapes()
+    surveying.forget_counts()
     housekeeping.restore_shapes()
     mirroring.complete_undo()
     evaluation.listen(bool(mirroring.mirrored_targets))

@@ -141,7 +141,7 @@ class SINEW_PT_order(ActiveDeformerPanel, Panel):
             button.draw(column)
         if sharing.sharing(deformer):
             column.operator(Operators.SETTINGS_SHARE, icon="DUPLICATE")
-        if any(modifier.type == "SUBSURF" for modifier in obj.modifiers):
+        if targets.is_mesh(obj):
             _REFINES[refined_group.of(obj) is not None].draw(column)
         text = "Rebind" if deformer.is_bound else "Bind"
         column.operator(Operators.BIND, text=text, icon="FILE_REFRESH")

@@ -37,13 +37,11 @@ std::vector<std::vector<int>> chain(const std::vector<HalfEdge>& border)
         if (used[first])
             continue;
         std::vector<int> loop;
-        for (int v = start, side;;) {
-            if ((side = unused_side(outgoing, v)) >= 0)
-                loop.push_back(std::exchange(v, border[side].to));
-            else if ((side = unused_side(incoming, v)) >= 0)
-                loop.push_back(std::exchange(v, border[side].from));
-            else
+        for (int v = start;;) {
+            const int ahead = unused_side(outgoing, v), side = ahead >= 0 ? ahead : unused_side(incoming, v);
+            if (side < 0)
                 break;
+            loop.push_back(std::exchange(v, side == ahead ? border[side].to : border[side].from));
             used[side] = 1;
         }
         loops.push_back(std::move(loop));

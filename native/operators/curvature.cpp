@@ -20,6 +20,9 @@ namespace sinew {
 
 namespace {
 
+/// What has more neighbours, a hub or a face of many corners, is left out of the rings of others: all around
+/// would count each time.
+constexpr int most_around = 200;
 constexpr int enough_for_cubic = 15, enough_for_quadric = 7; ///< neighbours, for 9 and for 5 coefficients
 
 /// The faces at each vertex.
@@ -42,12 +45,18 @@ public:
     /// The vertices of at least so many rings of faces around a vertex, without it, ascending.
     std::vector<int> neighbours(int vertex, int rings) const
     {
-        std::vector<int> near{vertex}, front = near, ring, joined;
+        std::vector<int> near{vertex}, front = near, faces, ring, joined;
         for (int k = 0; !front.empty() && (k < rings || std::ssize(near) <= enough_for_cubic); ++k) {
-            ring.clear();
+            faces.clear();
             for (int v : front)
-                for (int at = begin_[v]; at < begin_[v + 1]; ++at)
-                    std::ranges::copy(mesh_.face(faces_[at]), std::back_inserter(ring));
+                if (v == vertex || begin_[v + 1] - begin_[v] <= most_around)
+                    faces.insert(faces.end(), faces_.begin() + begin_[v], faces_.begin() + begin_[v + 1]);
+            std::ranges::sort(faces);
+            faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+            ring.clear();
+            for (int f : faces)
+                if (mesh_.face(f).size() <= most_around)
+                    std::ranges::copy(mesh_.face(f), std::back_inserter(ring));
             std::ranges::sort(ring);
             ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
             front.clear();

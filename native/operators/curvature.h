@@ -25,6 +25,9 @@ namespace sinew {
 /// on every sequence of finer meshes that stay in shape, so H and K are taken from it at the border, where
 /// angles and Laplacian say how the border bends instead, and where an edge has more than two triangles.
 ///
+/// A face of more than 200 corners does not count for the fit, nor do, but for itself, the faces of a vertex with
+/// more than 200.
+///
 /// A vertex in no face has curvature 0, and so have those whose neighbours are all on a line.
 struct Curvature
 {

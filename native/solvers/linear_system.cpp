@@ -49,11 +49,11 @@ void require_consistent(const LinearSystem& system)
     }
     if (!system.points.allFinite())
         throw InvalidOption("points: NaN or infinite coordinates");
-    if (system.graph.size() == 0)
-        return;
-    require_size(system.graph.rows(), n, "graph: rows");
-    require_size(system.graph.cols(), n, "graph: columns");
-    require_finite(system.graph, "graph");
+    if (system.graph.size() > 0) {
+        require_size(system.graph.rows(), n, "graph: rows");
+        require_size(system.graph.cols(), n, "graph: columns");
+        require_finite(system.graph, "graph");
+    }
     if (system.mass.size() > 0)
         require_size(system.mass.size(), n, "mass");
     for (Eigen::Index i = 0; i < system.mass.size(); ++i)

@@ -16,9 +16,9 @@ void SolvedSystem::keep(const ConstrainedQuadratic::Problem& problem, const RowM
     described_ = {};
 }
 
-void SolvedSystem::describe(SparseMatrix graph, VectorX mass, int order, double membrane)
+void SolvedSystem::describe(const SparseMatrix& graph, VectorX mass, int order, double membrane)
 {
-    described_.graph = std::move(graph);
+    described_.graph = graph;
     described_.mass = std::move(mass);
     described_.order = order;
     described_.membrane = membrane;

@@ -22,7 +22,7 @@ public:
     /// \param right_side  (unknowns, k)
     void keep(const ConstrainedQuadratic::Problem& problem, const RowMatrix& right_side);
     /// Says what the last system is made of, as in LinearSystem.
-    void describe(SparseMatrix graph, VectorX mass, int order, double membrane = 0);
+    void describe(const SparseMatrix& graph, VectorX mass, int order, double membrane = 0);
 
     bool is_empty() const { return !problem_.matrix; }
     /// The system of the free unknowns. Without a description, its graph is the matrix of all, with the order 1.

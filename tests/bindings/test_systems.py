@@ -102,6 +102,19 @@ def refusals():
     for solver in ("cholesky", "lu", "dense_lu", "dense_qr", "dense_svd"):
         yield loose, b, {"solver": solver}, sn.FactorizationFailed, "singular"
 
+    closed = sn.laplacian(sn.SurfaceMesh(*grid(20)), "uniform")  # of constants it makes 0
+    at_random = np.random.default_rng(3).normal(size=closed.shape[0])
+    for solver in ("automatic", "simplicial", "lu", "conjugate_gradients", "dense_qr"):
+        yield (
+            closed,
+            at_random,
+            {"solver": solver},
+            (sn.FactorizationFailed, sn.NotConverged),
+            "singular|iteration",
+        )
+    yield wrong, b, {"error_bound": True}, sn.InvalidOption, "error_bound: the matrix is not symmetric"
+    yield good * 1j, b, {}, TypeError, "real numbers"
+    yield "x", b, {}, TypeError, "SciPy sparse"
     yield good, np.ones(4), {}, sn.InvalidOption, "b: 4 rows given for a matrix of 3"
     yield good, [1, np.nan, 1], {}, sn.InvalidOption, "b: NaN or infinite entry in row 1"
     yield good * np.inf, b, {}, sn.InvalidOption, "matrix: NaN or infinite"
@@ -143,6 +156,8 @@ def test_budgets_cycles_and_methods_that_do_not_fit_are_refused_by_name() -> Non
     method.set_handles(ends(points, 0.5))
     with pytest.raises(sn.InvalidOption, match="no linear system"):
         sn.system(method, np.tile(np.eye(3, 4), (2, 1, 1)))
+    for solver in ITERATIVE:  # a coarse solution is no sign of a singular matrix
+        assert sn.solve(system, solver=solver, tolerance=0.3)[1].residual < 1e3
     with limits.memory(3_000_000):
         report = sn.solve(system, tolerance=1e-3)[1]
     assert (report.solver, report.why[:10]) == ("multigrid", "the factor")

@@ -10,6 +10,8 @@ from ..offered import OnDeformer
 from ..reporting import reports_errors
 from ..target import object_mode, target_of
 
+_STOP = "Let the Subdivision modifier refine the mesh in viewports again"
+
 
 class SINEW_OT_fast_subdivision(OnDeformer, Operator):
     """Let Sinew refine the mesh in viewports as its Subdivision modifier says, in less time"""
@@ -18,18 +20,22 @@ class SINEW_OT_fast_subdivision(OnDeformer, Operator):
     bl_label = "Fast Subdivision"
     MESHES_ONLY = True
 
-    stop: BoolProperty(
-        name="Stop",
-        description="Let the Subdivision modifier refine the mesh in viewports again",
-        options={"SKIP_SAVE"},
-    )
+    stop: BoolProperty(name="Stop", description=_STOP, options={"SKIP_SAVE"})
+
+    @classmethod
+    def description(cls, _context: Context, properties: "SINEW_OT_fast_subdivision") -> str:
+        """What the button does: it begins or ends."""
+        return _STOP if properties.stop else cls.__doc__
 
     @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
         with object_mode(context, obj):
             if self.stop:
-                return {"FINISHED"} if fast_subdivision.end(obj) else {"CANCELLED"}
+                if not fast_subdivision.end(obj):
+                    return {"CANCELLED"}
+                self.tell({"INFO"}, "Fast Subdivision has ended")
+                return {"FINISHED"}
             by = fast_subdivision.begin(obj)
         self.tell({"INFO"}, f"Sinew refines as {by.name} says, which is for renders now")
         return {"FINISHED"}

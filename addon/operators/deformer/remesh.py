@@ -2,16 +2,19 @@
 """New triangles for a mesh: even, fewer, subdivided, or without needles. All that it carries comes along."""
 
 import math
-from collections.abc import Callable
-from typing import ClassVar
+from collections.abc import Callable, Hashable
+from functools import partial
+from typing import Any, ClassVar
 
+import bpy
+import numpy as np
 from bpy.props import FloatProperty, IntProperty
 from bpy.types import Context, Event, Object, Operator
 
 from ... import backend, compat
 from ...core.errors import SinewError
 from ...ids import Operators
-from ...properties import field
+from ...properties import deformers_of, field
 from ...session.actions import carrying
 from ...session.evaluation import binding
 from ...session.state.background import Work
@@ -23,7 +26,8 @@ from ..target import object_mode, target_of
 from ..waiting import redraw_panels
 from .repair import bind_again
 
-_SECONDS = 6e-5  # for each vertex, about
+_SECONDS = 6e-5  # for each triangle, about
+_MOST = 20_000_000  # triangles that the native module makes
 
 
 class _MakesTriangles(OnTarget, StaysInWindow):
@@ -40,36 +44,37 @@ class _MakesTriangles(OnTarget, StaysInWindow):
 
     _work: Work | None = None
     _name = ""  # of the object
+    _mesh: Hashable = None  # the key of its mesh
     _taken: carrying.Taken
 
     @classmethod
     def refusal(cls, context: Context) -> str:
-        return super().refusal(context) or (
-            "" if target_of(context).mode in ("OBJECT", "EDIT") else "This works in Object and Edit Mode"
-        )
+        return super().refusal(context) or _refusal_of(target_of(context))
 
-    def maker(self, taken: carrying.Taken) -> Callable[[backend.Progress | None], backend.Carried]:
-        """A function that makes the triangles, in any thread."""
-        options = {name: getattr(self, name) for name in self.OPTIONS}
-        return lambda progress: self.MAKE(taken, progress, **options)
+    def arguments(self, _obj: Object) -> dict[str, Any]:
+        """The arguments of ``MAKE``, in the frame of the object."""
+        return {name: getattr(self, name) for name in self.OPTIONS}
 
-    @reports_errors
+    def expected(self, obj: Object) -> float:
+        """About how many triangles there will be."""
+        return _triangles(obj)
+
     def execute(self, context: Context) -> set[str]:
-        obj = target_of(context)
-        with object_mode(context, obj):
-            taken = carrying.take(obj)
-            return self._put(context, obj, taken, self.maker(taken)(None))
+        return self._begin(context, may_wait=False)
 
     def invoke(self, context: Context, _event: Event) -> set[str]:
-        obj = target_of(context)
-        wait = binding.may_wait(_SECONDS * len(obj.data.vertices))
-        return self._begin(context, obj) if wait else self.execute(context)
+        return self._begin(context, may_wait=True)
 
     @reports_errors
-    def _begin(self, context: Context, obj: Object) -> set[str]:
+    def _begin(self, context: Context, may_wait: bool) -> set[str]:
+        obj = target_of(context)
         with object_mode(context, obj):
-            self._taken, self._name = carrying.take(obj), obj.name
-        self._work = Work(self.maker(self._taken))
+            taken, expected = carrying.take(obj), self.expected(obj)
+            make = partial(self.MAKE, taken, **self.arguments(obj))
+            if not (may_wait and binding.may_wait(_SECONDS * max(expected, _triangles(obj)))):
+                return self._put(context, obj, taken, make())
+            self._taken, self._name, self._mesh = taken, obj.name, compat.session_key(obj.data)
+        self._work = Work(make)
         return self.stay(context)
 
     def modal(self, context: Context, event: Event) -> set[str]:
@@ -93,20 +98,20 @@ class _MakesTriangles(OnTarget, StaysInWindow):
             return {"PASS_THROUGH"}
         if work.error is not None:
             raise work.error
-        obj = context.scene.objects.get(self._name)
-        if obj is None:
-            raise SinewError(f"{self._name} is gone")
+        obj = user_of(self._mesh, self._name)
         with object_mode(context, obj):
             return self._put(context, obj, self._taken, work.result)
 
     def _put(self, context: Context, obj: Object, taken: carrying.Taken, made: backend.Carried) -> set[str]:
-        before = len(obj.data.polygons)
+        if obj.data.is_editmode:  # of an object that is not active
+            raise SinewError(f"{obj.data.name} is in Edit Mode - leave it first")
+        before, scale = _triangles(obj), obj.matrix_world.median_scale
         carrying.put(obj, taken, made)
         more = f", {made.told}" if made.told else ""
         self.tell(
             {"INFO"},
-            f"{len(made.faces):,} faces instead of {before:,}{more}; at most {made.distance:.3g} away from "
-            "the old surface",
+            f"{len(made.faces):,} triangles instead of {before:,}{more}; at most "
+            f"{scale * made.distance:.3g} away from the old surface",
         )
         bind_again(self, context, obj, True)
         return {"FINISHED"}
@@ -119,6 +124,26 @@ class _MakesTriangles(OnTarget, StaysInWindow):
         if self._work is not None:
             self._work.cancel()
         super().leave(context)
+
+
+def user_of(mesh: Hashable, name: str) -> Object:
+    """The object of this name that uses the mesh with this key, or else any other one that does."""
+    users = [obj for obj in bpy.data.objects if obj.type == "MESH" and compat.session_key(obj.data) == mesh]
+    if not users:
+        raise SinewError(f"The mesh of {name} is gone")
+    return min(users, key=lambda obj: obj.name != name)
+
+
+def _refusal_of(obj: Object) -> str:
+    baked = [deformer.name for deformer in deformers_of(obj) if deformer.bake.is_baked]
+    if baked:
+        return f"{baked[0]} is baked - Unbake it first"
+    return "" if obj.mode in ("OBJECT", "EDIT") else "This works in Object and Edit Mode"
+
+
+def _triangles(obj: Object) -> int:
+    """How many triangles the faces of a mesh are."""
+    return len(obj.data.loops) - 2 * len(obj.data.polygons)
 
 
 class SINEW_OT_remesh(_MakesTriangles, Operator):
@@ -141,6 +166,17 @@ class SINEW_OT_remesh(_MakesTriangles, Operator):
     rounds: field(IntProperty, default=3, min=1, max=50, soft_max=10).named(
         "Rounds", "Set how often edges are split, joined and flipped; more rounds are more even"
     )
+
+    def arguments(self, obj: Object) -> dict[str, Any]:
+        return super().arguments(obj) | {"length": self.length / (obj.matrix_world.median_scale or 1.0)}
+
+    def expected(self, obj: Object) -> float:
+        length = self.arguments(obj)["length"]
+        if not length:
+            return _triangles(obj) / self.share**2
+        areas = np.empty(len(obj.data.polygons), dtype=np.float32)
+        obj.data.polygons.foreach_get("area", areas)
+        return float(areas.sum()) / (math.sqrt(3) / 4 * length**2)
 
 
 class SINEW_OT_decimate(_MakesTriangles, Operator):
@@ -195,3 +231,11 @@ class SINEW_OT_remesh_semi_regular(_MakesTriangles, Operator):
     base_faces: field(IntProperty, default=0, min=0, soft_max=10_000).named(
         "Base Faces", "Set how many triangles are split; at 0, the last level has as many as the mesh now"
     )
+
+    def expected(self, obj: Object) -> float:
+        """As many as there are at least: kept lines can need a larger base."""
+        count, split = _triangles(obj), 4**self.levels
+        expected = split * (min(self.base_faces, count) or max(4, count // split))
+        if expected > _MOST:
+            raise SinewError(f"These levels have {expected:,} triangles, and {_MOST:,} are the most")
+        return expected

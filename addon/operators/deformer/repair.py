@@ -200,18 +200,17 @@ class SINEW_OT_armature_off(OnDeformer, Operator):
 
 
 def bind_again(operator: Operator, context: Context, obj: Object, changed: bool) -> None:
-    """Bind the active deformer and, if the mesh changed, all bound ones. Errors are reported as warnings."""
-    active = obj.sinew.active
-    for deformer in obj.sinew.deformers:
-        is_active = deformer.uid == active.uid
-        if (
-            not deformer.handles
-            or (deformer.is_bound and not changed)
-            or not (deformer.is_bound or is_active)
-        ):
-            continue
-        try:
-            with object_mode(context, obj):
-                bind.bind(obj, deformer)
-        except SinewError as error:
-            operator.tell({"WARNING"}, f"{deformer.name}: {error}")
+    """Bind the active deformer and, if the mesh changed, all bound ones of all objects here with this mesh.
+
+    Errors are reported as warnings.
+    """
+    for user in (each for each in repair.users_of(obj.data) if each.name in context.view_layer.objects):
+        for deformer in user.sinew.deformers:
+            is_active = user == obj and deformer.uid == obj.sinew.active.uid
+            if not (changed if deformer.is_bound else is_active and deformer.handles):
+                continue
+            try:
+                with object_mode(context, user):
+                    bind.bind(user, deformer)
+            except SinewError as error:
+                operator.tell({"WARNING"}, f"{deformer.name}: {error}")

@@ -3,7 +3,7 @@
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty, IntProperty
-from bpy.types import Context, Operator
+from bpy.types import Context, Object, Operator
 
 from ...ids import Operators
 from ...properties import field
@@ -70,6 +70,10 @@ class SINEW_OT_select_unusual(OnTarget, Operator):
         ),
     ).named("What", "Choose what to select")
 
+    @classmethod
+    def refusal(cls, context: Context) -> str:
+        return super().refusal(context) or _no_edit_mode(target_of(context))
+
     @reports_errors
     def execute(self, context: Context) -> set[str]:
         obj = target_of(context)
@@ -83,6 +87,12 @@ class SINEW_OT_select_unusual(OnTarget, Operator):
         noun = elements.element if count == 1 else {"face": "faces", "vertex": "vertices"}[elements.element]
         self.tell({"INFO"}, f"{count:,} {noun} selected")
         return {"FINISHED"}
+
+
+def _no_edit_mode(obj: Object) -> str:
+    held = obj.override_library or obj.data.library or obj.data.override_library
+    refused = "Blender edits neither linked meshes nor library overrides - make the object local first"
+    return refused if held else ""
 
 
 class SINEW_OT_measure_curvature(OnTarget, Operator):

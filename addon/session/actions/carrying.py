@@ -16,6 +16,7 @@ from bpy.types import Mesh, Object
 from ...backend import Carried, Lined
 from ...compat import (
     edge_creases,
+    read_creases,
     read_edges,
     read_faces,
     read_key,
@@ -25,6 +26,7 @@ from ...compat import (
 )
 from ...core.errors import SinewError
 from ..state import sessions
+from .repair import require_editable, users_of
 
 _ISLAND = 1e-6  # of a UV map: corners that are further apart belong to different islands
 # Of the types of attributes: the field, how many numbers each has, and whether they may be mixed.
@@ -40,6 +42,7 @@ _FIELDS = {
 }
 # Attributes that have other names in some release, or that hold what is read in another way.
 _OWN = {"position", "material_index", "sharp_face", "sharp_edge", "uv_seam", "custom_normal"}
+_SCULPTED = {".sculpt_mask", ".sculpt_face_set"}
 _FLAGS = ("use_seam", "use_edge_sharp")
 
 
@@ -56,10 +59,10 @@ class Taken(Lined):
 def take(obj: Object) -> Taken:
     """Read the mesh of an object in Object Mode."""
     mesh = obj.data
-    if mesh.library is not None:
-        raise SinewError("The mesh is linked - make it local, or override it, before you remesh it")
-    if any(modifier.type == "MULTIRES" for modifier in obj.modifiers):
-        raise SinewError(f"{obj.name} has a Multiresolution modifier - apply or remove it first")
+    require_editable(obj, "remesh")
+    for user in users_of(mesh):
+        if any(modifier.type == "MULTIRES" for modifier in user.modifiers):
+            raise SinewError(f"{user.name} has a Multiresolution modifier - apply or remove it first")
     if not len(mesh.polygons):
         raise SinewError(f"{obj.name} has no faces")
     points = read_positions(mesh).astype(np.float64)
@@ -98,7 +101,13 @@ def put(obj: Object, taken: Taken, made: Carried) -> None:
     keys = mesh.shape_keys
     moves = {} if keys is None else {key.name: read_key(key) - taken.points for key in keys.key_blocks}
 
-    _replace(mesh, made, {index: _weights(weights, made) for index, weights in groups.items()})
+    names, regions = obj.vertex_groups.keys(), _regions(mesh)
+    carried = {index: _weights(weights, made, names[index] in regions) for index, weights in groups.items()}
+    where, sharpness = read_creases(mesh)[1]
+    sharp = np.zeros(len(taken.points))
+    if "crease_vert" not in mesh.attributes:  # else they are carried as an attribute
+        sharp[where] = sharpness
+    _replace(mesh, made, carried, made.at_vertices(sharp))
     for name, moved in moves.items():
         write_key(keys.key_blocks[name], (made.points + made.at_vertices(moved)).astype(np.float32))
     for name, values in uv_maps:
@@ -173,17 +182,25 @@ def _groups(mesh: Mesh) -> dict[int, np.ndarray]:
     return found
 
 
-def _weights(old: np.ndarray, made: Carried) -> np.ndarray:
+def _regions(mesh: Mesh) -> set[str]:
+    """The vertex groups that are regions or masks of deformers."""
+    deformers = [deformer for user in users_of(mesh) for deformer in user.sinew.deformers]
+    regions = {handle.vertex_group for deformer in deformers for handle in deformer.handles}
+    return regions | {deformer.mask_group for deformer in deformers}
+
+
+def _weights(old: np.ndarray, made: Carried, is_region: bool) -> np.ndarray:
     """The weights of a vertex group on the new vertices, NaN for those outside.
 
-    A group with one weight alone, such as a region, keeps it, and loses no part of its vertices entirely.
+    They are mixed, so that all weights of a vertex keep their sum. A region with one weight alone keeps it,
+    and some vertex.
     """
     inside = ~np.isnan(old)
     share = made.at_vertices(inside.astype(float))
     new = made.at_vertices(np.where(inside, old, 0.0))
     new[share <= 0.0] = np.nan
     values = np.unique(old[inside])
-    if len(values) == 1:
+    if is_region and len(values) == 1:
         new = np.where(share >= 0.5, values[0], np.nan)
         if np.isnan(new).all():
             centre = made.old_points[inside].mean(axis=0)
@@ -193,8 +210,11 @@ def _weights(old: np.ndarray, made: Carried) -> np.ndarray:
     return new
 
 
-def _replace(mesh: Mesh, made: Carried, groups: dict[int, np.ndarray]) -> None:
-    """Give the mesh other vertices and faces. Its shape keys stay, with the new points in all of them."""
+def _replace(mesh: Mesh, made: Carried, groups: dict[int, np.ndarray], sharp: np.ndarray) -> None:
+    """Give the mesh other vertices and faces. Its shape keys stay, with the new points in all of them.
+
+    ``sharp`` are the creases of vertices up to Blender 3.6, (n,) from 0 to 1.
+    """
     other = bpy.data.meshes.new(".Sinew Remeshed")
     edit = bmesh.new()
     try:
@@ -206,6 +226,10 @@ def _replace(mesh: Mesh, made: Carried, groups: dict[int, np.ndarray]) -> None:
             members = np.flatnonzero(~np.isnan(weights))
             for vertex, weight in zip(members.tolist(), weights[members].tolist(), strict=True):
                 edit.verts[vertex][layer][index] = weight
+        if sharp.any():
+            crease = edit.verts.layers.crease.verify()
+            for vertex, value in zip(edit.verts, sharp.tolist(), strict=True):
+                vertex[crease] = value
         edit.to_mesh(mesh)
     finally:
         edit.free()
@@ -217,7 +241,7 @@ def _attributes(mesh: Mesh) -> Iterable[tuple[str, str, str, np.ndarray]]:
     for attribute in mesh.attributes:
         name, kind, domain = attribute.name, attribute.data_type, attribute.domain
         if (
-            name.startswith(".")
+            (name.startswith(".") and name not in _SCULPTED)
             or name in _OWN
             or name in mesh.uv_layers
             or kind not in _FIELDS

@@ -5,7 +5,9 @@ import bpy
 from bpy.types import Modifier, Object
 
 from ... import compat
+from ...core import status
 from ...core.errors import MeshError, SinewError
+from ...ids import Keys
 from ..datablocks import refined
 from ..state import sessions
 from ..targets import modified, refined_group
@@ -21,13 +23,13 @@ def begin(obj: Object) -> Modifier:
     if modifier is not None:
         refined.make(obj, modifier)
         by = refined_group.subdivision_of(obj, modifier)
-        by.show_viewport = False
+        _switch_off(obj, by)
         _evaluate(obj)
         return by
     by, is_new = _subdivision(obj)
     modifier = refined_group.new(obj)
     compat.move_modifier(obj, modifier.name, obj.modifiers.find(by.name) + 1)
-    by.show_viewport = False
+    _switch_off(obj, by)
     try:
         refined.make(obj, modifier)
     except SinewError:
@@ -41,16 +43,30 @@ def begin(obj: Object) -> Modifier:
 
 @sessions.suspended()
 def end(obj: Object) -> bool:
-    """Let the Subdivision modifier refine in viewports again; whether Sinew did."""
-    modifier = refined_group.of(obj)
-    if modifier is None:
+    """Let the Subdivision modifier that Sinew has switched off refine in viewports again, wherever it stands
+    now, and also if the modifier of Sinew was deleted; whether there was anything to end.
+    """
+    modifier, name = refined_group.of(obj), obj.pop(Keys.REFINED_BY, "")
+    if modifier is None and not name:
         return False
-    by = refined_group.subdivision_of(obj, modifier)
-    refined.remove_mesh(modifier)
-    obj.modifiers.remove(modifier)
+    by = obj.modifiers.get(name)
+    if modifier is not None:
+        if name and by is None:  # it has another name
+            by = refined_group.subdivision_of(obj, modifier)
+        refined.remove_mesh(modifier)
+        obj.modifiers.remove(modifier)
     if by is not None:
         by.show_viewport = True
+    for deformer in obj.sinew.deformers:
+        status.put_refined(deformer.uid, "")
     return True
+
+
+def _switch_off(obj: Object, by: Modifier) -> None:
+    """Switch a modifier off in viewports, and remember it if it was on."""
+    if by.show_viewport:
+        obj[Keys.REFINED_BY] = by.name
+        by.show_viewport = False
 
 
 def _evaluate(obj: Object) -> None:
@@ -63,6 +79,8 @@ def _evaluate(obj: Object) -> None:
 def _subdivision(obj: Object) -> tuple[Modifier, bool]:
     """The Subdivision modifier behind the deformers, and whether it is new."""
     own = [modified.shown_by(obj, deformer) for deformer in obj.sinew.deformers]
+    if not any(own):
+        raise MeshError("The mesh has no modifier of Sinew - Rebind, which makes one")
     last = max(obj.modifiers.find(modifier.name) for modifier in own if modifier is not None)
     for modifier in obj.modifiers[last + 1 :]:
         if modifier.type == "SUBSURF":

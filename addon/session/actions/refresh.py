@@ -22,7 +22,7 @@ from ..datablocks.shapes import capture, shapes
 from ..state import sessions
 from ..targets import refined_group, targets
 from ..targets.kinds import kind_of
-from . import bind
+from . import bind, fast_subdivision
 
 _BUSY_MODES = ("EDIT", "SCULPT", "SCULPT_CURVES")  # meshes in these modes are looked at afterwards
 
@@ -112,7 +112,9 @@ def _look_at(edited: list[Object]) -> bool:
             changed |= _take(obj, deformer, meshes)
     for obj in edited:
         modifier = refined_group.of(obj) if targets.is_mesh(obj) else None
-        if modifier is not None:
+        if modifier is None:
+            fast_subdivision.end(obj)  # if it was deleted
+        else:
             with suppress(SinewError):  # the control mesh is shown
                 refined.make(obj, modifier)
             changed = True

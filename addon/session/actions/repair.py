@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 
 import bmesh
+import bpy
 from bmesh.types import BMesh
 from bpy.types import Mesh, Object
 
@@ -58,7 +59,7 @@ def summary(mended: dict[str, int], left: dict[str, int]) -> str:
 @sessions.suspended()
 def repair(obj: Object, wanted: RepairOptions) -> tuple[dict[str, int], dict[str, int]]:
     """Repair the base mesh in Object or Edit Mode; how many of each defect were repaired, and are left."""
-    _refuse_linked(obj)
+    require_editable(obj, "repair")
     mended = dict.fromkeys(NAMES, 0)
     with _editing(obj) as edit:
         if wanted.not_finite:
@@ -82,7 +83,7 @@ def repair(obj: Object, wanted: RepairOptions) -> tuple[dict[str, int], dict[str
 def cure(obj: Object, what: str) -> None:
     """Mend what a survey names so, in Object or Edit Mode, and nothing else."""
     if what in CHOSEN:
-        _refuse_linked(obj)
+        require_editable(obj, "repair")
         elements = surveying.survey(obj, crossings=False).found[what]
         with sessions.suspended(), _editing(obj) as edit:
             diagnosis_of(edit)  # numbers the elements
@@ -93,9 +94,21 @@ def cure(obj: Object, what: str) -> None:
         repair(obj, RepairOptions(**{name: name == wanted for name in ("not_finite", *STEPS)}))
 
 
-def _refuse_linked(obj: Object) -> None:
+def users_of(mesh: Mesh) -> list[Object]:
+    """All objects with this mesh."""
+    return [obj for obj in bpy.data.objects if obj.data == mesh]
+
+
+def require_editable(obj: Object, purpose: str) -> None:
+    """Refuse what would change the vertices where that cannot be, or where a bake counts on them."""
     if obj.data.library is not None:
-        raise SinewError("The mesh is linked - make it local, or override it, before you repair it")
+        raise SinewError(f"The mesh is linked - make it local, or override it, before you {purpose} it")
+    if obj.data.is_editmode and obj.mode != "EDIT":
+        raise SinewError("Another object with this mesh is in Edit Mode - leave it first")
+    for user in users_of(obj.data):
+        for deformer in user.sinew.deformers:
+            if deformer.bake.is_baked:
+                raise SinewError(f"{deformer.name} is baked - Unbake it first")
 
 
 @contextmanager

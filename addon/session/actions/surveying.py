@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Counts what is unusual about a base mesh, and measures how it bends. Main thread only."""
 
+from collections.abc import Hashable
 from dataclasses import dataclass
 
 import numpy as np
 from bpy.types import Mesh, Object
 
 from ... import backend
-from ...compat import read_faces, read_positions
+from ...compat import read_faces, read_positions, session_key
 from ...core.elements import Elements, Owner
 from ...core.errors import SinewError
 from ...core.memory import remember
@@ -23,9 +24,8 @@ NAMES = {  # per finding: the noun for one, and for several
 }
 _OF_FACES = ("degenerate", "duplicate", "flipped", "crossing")
 _LOW, _NEUTRAL, _HIGH = np.array(((0.03, 0.12, 0.55), (0.6, 0.6, 0.58), (0.6, 0.07, 0.02)))
-_SHARE = (
-    95  # per cent of the vertices whose colours differ: the sharpest corners would leave grey for all others
-)
+# Per cent of the vertices whose colours differ: the sharpest corners would leave grey for all others.
+_SHARE = 95
 
 
 @dataclass(frozen=True)
@@ -39,23 +39,36 @@ class Counts:
     found: dict[str, int]  # by the names of the findings; those without any are left out
 
 
-_last: dict[str, Counts] = remember({})  # by the name of the mesh
+_last: dict[Hashable, Counts] = remember({})  # by the mesh
 
 
 def survey(obj: Object, crossings: bool = True) -> backend.Survey:
-    """Look at the base mesh as it is now, also in Edit Mode, and remember the counts."""
+    """Look at the base mesh as it is now, also in Edit Mode, and remember the counts.
+
+    Without ``crossings``, their count stays as it was.
+    """
     mesh = _current(obj)
     found = backend.survey(read_positions(mesh).astype(np.float64), read_faces(mesh), crossings)
     counts = {what: len(elements) for what, elements in found.found.items()} | {"border": found.borders}
+    former = last_counts(obj)
+    if former is not None and not crossings:
+        counts["crossing"] = former.found.get("crossing", 0)
     kept = {what: count for what, count in counts.items() if count}
-    _last[mesh.name] = Counts(_size(mesh), found.parts, found.one_sided, found.euler_characteristic, kept)
+    _last[session_key(mesh)] = Counts(
+        _size(mesh), found.parts, found.one_sided, found.euler_characteristic, kept
+    )
     return found
 
 
 def last_counts(obj: Object) -> Counts | None:
     """What the last look found; None if there was none, or if the mesh has other vertices or faces now."""
-    counts = _last.get(obj.data.name)
+    counts = _last.get(session_key(obj.data))
     return counts if counts is not None and counts.size == _size(obj.data) else None
+
+
+def forget_counts() -> None:
+    """Forget what every look found, because undo or redo may have changed the meshes."""
+    _last.clear()
 
 
 def counted(what: str, count: int) -> str:
@@ -87,15 +100,19 @@ def measure_curvature(obj: Object, rings: int, shown: str, vectors: bool) -> tup
         "smallest": found.principal[:, 0],
         "largest": found.principal[:, 1],
     }
-    for name, numbers in values.items():
-        _store(mesh, f"curvature_{name}", "FLOAT", "value", numbers)
+    stored = [(f"curvature_{name}", "FLOAT", "value", numbers) for name, numbers in values.items()]
     if vectors:
         for name, directions in zip(("smallest", "largest"), found.directions.swapaxes(0, 1), strict=True):
-            _store(mesh, f"curvature_{name}_direction", "FLOAT_VECTOR", "vector", directions)
+            stored.append((f"curvature_{name}_direction", "FLOAT_VECTOR", "vector", directions))
     chosen = values.get(shown, found.mean)
     end = float(np.percentile(abs(chosen), _SHARE)) if len(chosen) else 0.0
     if shown in values:
-        _store(mesh, "curvature", "FLOAT_COLOR", "color", _colours(chosen, end))
+        stored.append(("curvature", "FLOAT_COLOR", "color", _colours(chosen, end)))
+    for name, sort, *_rest in stored:
+        _refuse_others(obj, name, sort)
+    for each in stored:
+        _store(mesh, *each)
+    if shown in values:
         mesh.color_attributes.active_color = mesh.color_attributes["curvature"]
     mesh.update_tag()
     ends = (float(chosen.min()), float(chosen.max())) if len(chosen) else (0.0, 0.0)
@@ -109,16 +126,24 @@ def _colours(values: np.ndarray, end: float) -> np.ndarray:
     return np.column_stack([mixed, np.ones(len(values))])
 
 
+def _refuse_others(obj: Object, name: str, sort: str) -> None:
+    """Refuse a name under which the mesh holds anything but such an attribute of the vertices."""
+    old = obj.data.attributes.get(name)
+    if name in obj.vertex_groups:
+        taken = "a vertex group"
+    elif name in obj.data.uv_layers:
+        taken = "a UV map"
+    elif old is not None and (old.data_type, old.domain) != (sort, "POINT"):
+        taken = "another attribute"
+    else:
+        return
+    raise SinewError(f"{obj.name} has {taken} called {name} - rename it before you measure")
+
+
 def _store(mesh: Mesh, name: str, sort: str, field: str, values: np.ndarray) -> None:
-    """Replace an attribute of the vertices."""
-    old = mesh.attributes.get(name)
-    if old is not None and (old.data_type, old.domain) != (sort, "POINT"):
-        mesh.attributes.remove(old)
-        old = None
-    if old is None:
-        mesh.attributes.new(name, sort, "POINT")
-    flat = np.ascontiguousarray(values, dtype=np.float32).ravel()
-    mesh.attributes[name].data.foreach_set(field, flat)
+    """Give the vertices an attribute, or new values to the one that they have."""
+    attribute = mesh.attributes.get(name) or mesh.attributes.new(name, sort, "POINT")
+    attribute.data.foreach_set(field, np.ascontiguousarray(values, dtype=np.float32).ravel())
 
 
 def _current(obj: Object) -> Mesh:

@@ -6,7 +6,9 @@ frame the library moves its points; they are those of the modifier, in its order
 ``surface_of``.
 """
 
+from collections.abc import Iterator
 from dataclasses import replace
+from typing import Any
 
 import bpy
 import numpy as np
@@ -15,7 +17,7 @@ from mathutils.kdtree import KDTree
 
 from ... import compat
 from ...backend import RefinedSurface, Subdivision
-from ...compat import read_creases, read_faces, read_positions, remove_data
+from ...compat import read_creases, read_edges, read_faces, read_positions, remove_data, write_positions
 from ...core.errors import MeshError, SinewError
 from ...core.memory import remember
 from ...ids import Datablocks, Inputs, Keys
@@ -27,6 +29,9 @@ from .shapes import capture, shapes
 
 _ORDER = ".sinew_order"  # an attribute of refined meshes: the library's number of each vertex
 _OTHERWISE = "Blender subdivides this mesh in another way - let its own modifier do that"
+_OF_THE_MOMENT = (".sinew_", ".select_")  # attributes that refined meshes do without
+_SCALARS = {"BOOLEAN": np.bool_, "INT": np.int32, "FLOAT": np.float32}
+_UNSEEN = ("select", "hide")
 _surfaces: dict[str, RefinedSurface] = remember({})  # by the token of the refined mesh
 _refused: dict[str, tuple[str, str]] = remember({})  # by object: for which settings, and why
 
@@ -85,7 +90,7 @@ def surface_of(mesh: Mesh, how: Subdivision) -> RefinedSurface:
 
 
 def make(obj: Object, modifier: NodesModifier) -> None:
-    """Make the refined mesh of a modifier anew, from the mesh as it is.
+    """Make the refined mesh of a modifier from the mesh as it is, unless nothing but points has changed.
 
     Raises a MeshError where Blender's modifier makes something that the library does not.
     """
@@ -97,7 +102,13 @@ def make(obj: Object, modifier: NodesModifier) -> None:
         remove_mesh(modifier)
         return
     control = capture.mesh_after(obj, obj.modifiers.find(by.name))
-    made = [control]
+    for attribute in [each.name for each in control.attributes if each.name.startswith(_OF_THE_MOMENT)]:
+        control.attributes.remove(control.attributes[attribute])
+    made, names = [control], _names(obj, control)
+    if _is_as_before(modifier, by, control, names, signature(by, scene)):
+        remove_data(made)
+        _refused.pop(obj.name, None)
+        return
     try:
         refined = _subdivided(control, by)
         made.append(refined)
@@ -113,7 +124,7 @@ def make(obj: Object, modifier: NodesModifier) -> None:
     refined.name = control.name = Datablocks.REFINED
     refined.attributes.new(_ORDER, "INT", "POINT").data.foreach_set("value", order)
     refined[Keys.REFINED_FOR], refined[Keys.REFINED_TOKEN] = signature(by, scene), shapes.new_key()
-    refined[Keys.REFINED_CONTROL] = control
+    refined[Keys.REFINED_CONTROL], refined[Keys.REFINED_NAMES] = control, names
     _surfaces[refined[Keys.REFINED_TOKEN]] = surface
     places = bpy.data.meshes.new(Datablocks.REFINED)
     places.vertices.add(len(order))
@@ -121,6 +132,48 @@ def make(obj: Object, modifier: NodesModifier) -> None:
     for name, mesh in ((Inputs.REFINED, refined), (Inputs.REFINED_PLACES, places)):
         refined_group.connect(modifier, name, bpy.data.objects.new(Datablocks.REFINED, mesh))
     keep_incoming(obj, modifier)
+
+
+def _is_as_before(modifier: NodesModifier, by: Modifier, control: Mesh, names: str, wanted: str) -> bool:
+    """Whether the refined mesh of a modifier was made of such a control mesh, wherever its points were."""
+    mesh = mesh_of(modifier)
+    if mesh is None or places_of(modifier) is None or (control.has_custom_normals and by.use_custom_normals):
+        return False
+    kept, points = mesh[Keys.REFINED_CONTROL], read_positions(control)
+    if (mesh[Keys.REFINED_FOR], mesh.get(Keys.REFINED_NAMES), len(kept.vertices)) != (
+        wanted,
+        names,
+        len(points),
+    ):
+        return False
+    write_positions(control, read_positions(kept))
+    same = control.unit_test_compare(mesh=kept) == "Same"  # in 3.4 it leaves out some of the following
+    same = same and all(map(np.array_equal, _parts(control), _parts(kept)))
+    write_positions(control, points)
+    return same
+
+
+def _names(obj: Object, control: Mesh) -> str:
+    """All names in the control mesh of an object, for comparison."""
+    uvs = [(layer.name, layer.active_render) for layer in control.uv_layers]
+    materials = [material and material.name_full for material in control.materials]
+    return repr((obj.vertex_groups.keys(), uvs, materials, control.attributes.keys()))
+
+
+def _parts(mesh: Mesh) -> Iterator[Any]:
+    """The faces, edges and creases of a mesh, and the settings of these and of itself."""
+    yield from (*read_faces(mesh), read_edges(mesh), *(part for pair in read_creases(mesh) for part in pair))
+    for elements in ([mesh], mesh.edges, mesh.polygons):
+        for setting in elements[0].bl_rna.properties if len(elements) else ():
+            dtype = _SCALARS.get(setting.type)
+            if dtype is None or setting.is_readonly or setting.is_array or setting.identifier in _UNSEEN:
+                continue
+            if elements == [mesh]:
+                yield getattr(mesh, setting.identifier)
+            else:
+                values: np.ndarray = np.empty(len(elements), dtype=dtype)
+                elements.foreach_get(setting.identifier, values)
+                yield values
 
 
 def remove_mesh(modifier: NodesModifier) -> None:
@@ -146,9 +199,9 @@ def _is_shown(shown: Object, name: str) -> bool:
     )
 
 
-def keep_incoming(obj: Object, modifier: NodesModifier) -> tuple[str, bool]:
+def keep_incoming(obj: Object, modifier: NodesModifier) -> bool:
     """Let the refined mesh keep what the first of the deformers right before it has stored of its incoming
-    shape. Returns the key of that deformer, and whether something else was kept.
+    shape. Whether something else was kept.
 
     Storing costs as much as moving the points, and nothing has to be kept where the mesh itself enters.
     """
@@ -165,7 +218,7 @@ def keep_incoming(obj: Object, modifier: NodesModifier) -> tuple[str, bool]:
     names = ("", "") if is_plain else modified.attribute_names(first)
     pairs = zip((Inputs.KEPT, Inputs.KEPT_INDEX), names, strict=True)
     changed = [refined_group.connect(modifier, name, value) for name, value in pairs]
-    return first, any(changed)
+    return any(changed)
 
 
 def read_entering(shared: ObjectEvaluation, key: str, expected: int) -> Incoming:

@@ -59,7 +59,8 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
             moved.append(pending)
     steps = schedule.steps(found) if moved and len(found) > 1 else []
     is_read = bool(moved) and schedule.others_listen(edit)
-    if steps or (is_read and (not edit or changes.has_scene)):
+    may_bind = depsgraph.mode == "VIEWPORT" and any(_may_bind(pending.obj) for pending in moved)
+    if steps or ((is_read or may_bind) and (not edit or changes.has_scene)):
         changes.take()
         schedule.begin(depsgraph, heard=edit)
         found = [_pending_update(old.obj, depsgraph, changes) for old in moved]
@@ -75,6 +76,11 @@ def update(depsgraph: Depsgraph, preview: bool = False, edit: bool = False, draf
             mirroring.note_keyed(changes.is_edited)
         mirroring.note_seen(edit)
     return bool(moved)
+
+
+def _may_bind(obj: Object) -> bool:
+    """Whether handlers may bind what is written now, or refine it, and so evaluate it before they return."""
+    return refined_group.of(obj) is not None or any(each.auto_rebind for each in obj.sinew.deformers)
 
 
 def _solve_in_order(
@@ -191,6 +197,8 @@ def _update_object(
         layout = _layout(obj, mode)
         if mode == "VIEWPORT":
             mirroring.note_target(obj)
+            for deformer in obj.sinew.deformers:
+                status.put_refined(deformer.uid, "")
     chain = Chain()
     for modifier, shows in zip(kind.stack(obj), layout, strict=True):
         if not is_shown(modifier, mode):

@@ -22,15 +22,14 @@ def update(shared: ObjectEvaluation, modifier: NodesModifier, chain: Chain) -> N
     obj = shared.obj
     if not shared.in_viewport or obj.library is not None:
         return
-    first, is_other = refined.keep_incoming(obj, modifier)
-    if is_other:  # what entered it was not kept in this evaluation
+    if refined.keep_incoming(obj, modifier):  # what entered it was not kept in this evaluation
         sessions.note_count(obj.name)
     try:
         points, refusal = _refined(shared, modifier, chain)
     except SinewError as error:
         points, refusal = None, str(error)
-    if first:
-        status.put_refined(first, refusal)
+    for deformer in obj.sinew.deformers:
+        status.put_refined(deformer.uid, refusal)
     if refined_group.connect(modifier, Inputs.REFINED_POINTS, -1 if points is None else len(points)):
         obj.update_tag()
 

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A native call in a thread of its own, so that Blender's window still responds. It uses no Blender data."""
 
+import atexit
 import sys
 import threading
 import time
+import weakref
 from collections.abc import Callable
 from typing import Any
 
@@ -11,6 +13,7 @@ from ...backend import Progress
 from ...core.errors import SinewError, UnforeseenError
 
 _UNFORESEEN = "A mistake in Sinew ended this work - please report it with what the console shows"
+_PATIENCE = 10.0  # seconds in which a call that is cancelled has to end when Blender quits
 
 
 class Work:
@@ -29,6 +32,7 @@ class Work:
         self._call = call
         self._cancelled = False
         self.thread = threading.Thread(target=self._run, name="sinew", daemon=True)
+        _running.add(self)
         self.thread.start()
 
     @property
@@ -56,6 +60,17 @@ class Work:
     def _progress(self, fraction: float, stage: str) -> bool:
         self.fraction, self.stage = fraction, stage
         return not self._cancelled
+
+
+_running: weakref.WeakSet[Work] = weakref.WeakSet()
+
+
+@atexit.register
+def _end() -> None:
+    """Cancel what still works when Blender quits: a thread that ends within native code aborts Blender."""
+    for work in list(_running):
+        work.cancel()
+        work.thread.join(_PATIENCE)
 
 
 class Works(dict[str, Work]):

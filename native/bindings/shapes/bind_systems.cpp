@@ -20,6 +20,10 @@ using Solution = Typed<"tuple[numpy.typing.NDArray[numpy.float64], SolutionRepor
 /// With sorted columns and without double entries. Those of SciPy may be neither.
 SparseMatrix tidy(const py::object& matrix)
 {
+    const std::string kind =
+        py::str(py::getattr(py::getattr(matrix, "dtype", py::none()), "kind", py::none()));
+    if (!py::hasattr(matrix, "tocsc") || kind == "c")
+        throw py::type_error("a matrix is a SciPy sparse matrix of real numbers");
     return SparseMatrix(matrix.cast<SparseMatrix>().transpose()).transpose();
 }
 
@@ -147,10 +151,10 @@ Raises InvalidOption where sizes do not match or a number is not finite.)")
         .def_readonly("solve", &SolutionReport::solve, "Seconds of the solution of all columns.")
         .def_readonly("iterations", &SolutionReport::iterations, "Iterations; 0 of direct solvers.")
         .def_readonly("residual", &SolutionReport::residual, "|b - A x| / |b| of the worst column.")
-        .def_readonly(
-            "error_bound", &SolutionReport::error_bound,
-            "norm(A^-1) |b - A x| of the worst column, a bound of |x - A^-1 b|, with the norm by Lanczos'\n"
-            "method; -1 unless it was asked for.")
+        .def_readonly("error_bound", &SolutionReport::error_bound,
+                      "norm(A^-1) |b - A x| of the worst column, a bound of |x - A^-1 b|, with the norm "
+                      "estimated by 16 steps\n"
+                      "of Lanczos' method; -1 unless it was asked for.")
         .def_readonly("bytes", &SolutionReport::bytes, "Memory of what was precomputed.")
         .def_readonly("fill", &SolutionReport::fill,
                       "Entries of the factor for each of the lower triangle of A; 0 without a factor.")
@@ -197,8 +201,8 @@ preconditioner  of 'conjugate_gradients': 'none', 'jacobi', 'incomplete_cholesky
 cycle           of 'multigrid': 'v', 'full', which begins with nested iteration, or 'cascading', which has no cycle.
 tolerance       of iterations: |b - A x| / |b|; with the cycles 'v' and 'full' the largest entry of an estimated
                 error, as a share of that of x.
-max_iterations  at most so many for each four columns.
-error_bound     whether to find norm(A^-1) |b - A x|, by 16 solutions more.
+max_iterations  at most so many for each four columns, and 500 cycles.
+error_bound     whether to estimate norm(A^-1) |b - A x| of a symmetric A, by 16 solutions more.
 progress        None or callable(fraction, stage); returning False cancels.
 
 Raises InvalidOption where sizes do not match, a number is not finite, an option is unknown or does not fit the matrix;

@@ -64,7 +64,7 @@ struct Placement
             return profile.p0();
         if (lines->stays[b] || (!along && lines->on_line(b)))
             return profile.p1();
-        const auto found = best(profile);
+        auto found = best(profile);
         if (!found || !along)
             return found;
         const auto ahead = profile.p1() - profile.p0();
@@ -95,6 +95,7 @@ struct Follow : simplification::Edge_collapse_visitor_base<CgalMesh>
     Lines* lines;
 
     explicit Follow(Lines* followed) : lines(followed) {}
+    // NOLINTNEXTLINE(bugprone-derived-method-shadowing-base-method): so that CGAL calls it
     void OnCollapsed(const Profile& profile, const Vertex& kept)
     {
         lines->join(kept, kept == profile.v0() ? profile.v1() : profile.v0());

@@ -107,8 +107,8 @@ void relax(CgalMesh& mesh, const TriangleTree& surface)
     for (std::size_t i = 0; i < moving.size(); ++i) {
         const Vector3 from = place_of(mesh, moving[i]);
         Vector3 to = aims[i];
-        for (double share = 0.5; share > 0.03 && !keeps_sides(mesh, moving[i], from, to); share *= 0.5)
-            to = surface.closest(from + share * (aims[i] - from));
+        for (int halves = 1; halves <= 5 && !keeps_sides(mesh, moving[i], from, to); ++halves)
+            to = surface.closest(from + std::ldexp(1.0, -halves) * (aims[i] - from));
         if (keeps_sides(mesh, moving[i], from, to))
             mesh.point(moving[i]) = {to.x(), to.y(), to.z()};
     }

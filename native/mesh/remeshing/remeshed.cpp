@@ -57,6 +57,8 @@ void join_cuts(Remeshed& remeshed, const SurfaceMesh& mesh, const Manifold& cut)
     for (Triangle& t : remeshed.triangles)
         for (int& v : t)
             v = numbers[v];
+    std::erase_if(remeshed.triangles,
+                  [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
     std::set<Edge> lines;
     for (const Edge& edge : remeshed.lines) {
         const auto [a, b] = std::minmax(numbers[edge[0]], numbers[edge[1]]);

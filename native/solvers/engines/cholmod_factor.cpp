@@ -37,6 +37,8 @@ namespace {
 /// For more columns than this, CHOLMOD is faster than SupernodalSolve, as it reads the factor less often.
 constexpr int most_own_columns = 16;
 
+constexpr int fewest_to_merge_sparingly = 50'000; ///< rows
+
 enum class Blas { unknown, serial, pthread, openmp };
 
 Blas blas()
@@ -100,10 +102,6 @@ public:
         common_.postorder = true;
         common_.final_ll = true;
         common_.quick_return_if_not_posdef = true;
-        // Supernodes are merged where they are narrower than so many columns and the zeros stored for it are
-        // at most such a share. CHOLMOD's own limits cost 4 % of memory and 8 % of a bind at 500,000 vertices.
-        std::ranges::copy(std::array{2, 8, 24}, common_.nrelax);
-        std::ranges::copy(std::array{0.2, 0.03, 0.01}, common_.zrelax);
     }
     ~Workspace() { cholmod_finish(&common_); }
     Workspace(const Workspace&) = delete;
@@ -346,6 +344,13 @@ private:
     {
         Workspace workspace;
         workspace.get()->supernodal = supernodal_ ? CHOLMOD_SUPERNODAL : CHOLMOD_SIMPLICIAL;
+        if (matrix.cols() >= fewest_to_merge_sparingly) {
+            // Supernodes are merged where they are narrower than so many columns and the zeros stored for it are
+            // at most such a share. CHOLMOD's own limits cost 4 % of memory and 8 % of a bind at 500,000 rows;
+            // for small factors they take fewer instructions.
+            std::ranges::copy(std::array{2, 8, 24}, workspace.get()->nrelax);
+            std::ranges::copy(std::array{0.2, 0.03, 0.01}, workspace.get()->zrelax);
+        }
         cholmod_sparse a = view(matrix);
         std::vector<int> permutation = order;
         cholmod_factor* const found = cholmod_analyze_p(&a, permutation.data(), nullptr, 0, workspace.get());

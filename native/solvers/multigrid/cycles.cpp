@@ -98,7 +98,7 @@ Cycles::Cycles(const Hierarchy& hierarchy) : hierarchy_(hierarchy), work_(hierar
 
 /// body(i, (L x)_i) for so many of the first nodes. Those of level.free are the free ones.
 template <class Body>
-void Cycles::multiply_by_L(int l, int count, const std::vector<Four>& x, Body&& body)
+void Cycles::multiply_by_laplacian(int l, int count, const std::vector<Four>& x, Body&& body)
 {
     const Level& level = hierarchy_.levels[l];
     const Level::Link* const links = level.links.data();
@@ -107,7 +107,7 @@ void Cycles::multiply_by_L(int l, int count, const std::vector<Four>& x, Body&& 
         count,
         [&](int i) {
             Four sum = Four::Zero();
-            const Four own = x[i];
+            const Four& own = x[i];
             for (int at = begin[i]; at < begin[i + 1]; ++at)
                 sum += links[at].weight * (own - x[links[at].node]);
             body(i, sum);
@@ -121,16 +121,17 @@ void Cycles::multiply(int l, const std::vector<Four>& x, Body&& body)
 {
     const Level& level = hierarchy_.levels[l];
     if (hierarchy_.order == 1) {
-        multiply_by_L(l, level.free, x,
-                      [&](int i, const Four& sum) { body(i, Four(sum + level.pull[i] * x[i])); });
+        multiply_by_laplacian(l, level.free, x,
+                              [&](int i, const Four& sum) { body(i, Four(sum + level.pull[i] * x[i])); });
         return;
     }
     std::vector<Four>& middle = work_[l].middle;
     const auto membrane = static_cast<float>(hierarchy_.membrane);
-    multiply_by_L(l, level.nodes, x,
-                  [&](int i, const Four& sum) { middle[i] = level.inverse_mass[i] * sum + membrane * x[i]; });
-    multiply_by_L(l, level.free, middle,
-                  [&](int i, const Four& sum) { body(i, Four(sum + level.pull[i] * x[i])); });
+    multiply_by_laplacian(l, level.nodes, x, [&](int i, const Four& sum) {
+        middle[i] = level.inverse_mass[i] * sum + membrane * x[i];
+    });
+    multiply_by_laplacian(l, level.free, middle,
+                          [&](int i, const Four& sum) { body(i, Four(sum + level.pull[i] * x[i])); });
 }
 
 /// The largest Rayleigh quotient after some steps of the power iteration, of four columns.
@@ -218,7 +219,8 @@ void Cycles::restrict_residual(int l)
         parallel_for(
             level.free, [&](int i) { work.step[i] = transfer_damping * level.inverse_of_L[i] * work.r[i]; },
             grain);
-        multiply_by_L(l, level.free, work.step, [&](int i, const Four& product) { work.r[i] -= product; });
+        multiply_by_laplacian(l, level.free, work.step,
+                              [&](int i, const Four& product) { work.r[i] -= product; });
     }
     parallel_for(
         hierarchy_.levels[l + 1].free,
@@ -247,7 +249,7 @@ void Cycles::prolong(int l, bool add)
         },
         grain);
     for (int k = 0; hierarchy_.order == 2 && k < transfer_steps; ++k) {
-        multiply_by_L(l, level.free, work.step, [&](int i, const Four& product) {
+        multiply_by_laplacian(l, level.free, work.step, [&](int i, const Four& product) {
             work.next[i] = work.step[i] - transfer_damping * level.inverse_of_L[i] * product;
         });
         work.step.swap(work.next);

@@ -56,7 +56,7 @@ private:
     template <class Body>
     void multiply(int level, const std::vector<Four>& x, Body&& body);
     template <class Body>
-    void multiply_by_L(int level, int count, const std::vector<Four>& x, Body&& body);
+    void multiply_by_laplacian(int level, int count, const std::vector<Four>& x, Body&& body);
     float largest_eigenvalue(int level);
     void smooth(int level, bool from_zero);
     void find_residual(int level);

@@ -170,7 +170,7 @@ Iteration conjugate_gradients(const SparseMatrix& A, const Columns& b, Columns& 
 
 double norm_of(int size, const std::function<VectorX(const VectorX&)>& map, int steps)
 {
-    std::mt19937 random(1);
+    std::mt19937 random(1); // NOLINT(bugprone-random-generator-seed): the same in each call
     VectorX v(size);
     for (int i = 0; i < size; ++i)
         v[i] = static_cast<double>(random()) / 2147483648.0 - 1.0;

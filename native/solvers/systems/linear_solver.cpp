@@ -26,6 +26,9 @@ namespace sinew {
 
 namespace {
 
+constexpr double wrong = 1e-2; ///< share of the right side that a solution leaves only of a singular system
+constexpr int most_cycles = 500;
+
 std::string short_number(double x)
 {
     std::ostringstream text;
@@ -124,8 +127,9 @@ Solve iterated(const LinearSystem& system, const SolverOptions& options, bool by
                std::function<void(const Columns& b, Columns& x)> begin, const Progress& progress)
 {
     return [&system, &progress, B = std::move(B), begin = std::move(begin),
-            stop = Stop{options.tolerance, options.max_iterations, by_error}](const RowMatrix& b,
-                                                                              SolutionReport& report) {
+            stop = Stop{options.tolerance,
+                        by_error ? std::min(options.max_iterations, most_cycles) : options.max_iterations,
+                        by_error}](const RowMatrix& b, SolutionReport& report) {
         RowMatrix x(b.rows(), b.cols());
         for (Eigen::Index first = 0; first < b.cols(); first += 4) {
             const Columns load = four_of(b, first);
@@ -184,7 +188,7 @@ Preconditioner incomplete(const SparseMatrix& A, bool may_shift, SolutionReport&
             "; the incomplete factor broke down, so the diagonal was raised by " + short_number(shift);
     }
     const std::int64_t entries = factor->matrixL().nonZeros();
-    report.fill = static_cast<double>(entries) / static_cast<double>((A.nonZeros() + A.cols()) / 2);
+    report.fill = static_cast<double>(entries) / (0.5 * static_cast<double>(A.nonZeros() + A.cols()));
     report.bytes = entries * static_cast<std::int64_t>(sizeof(double) + sizeof(int));
     return [factor](const Columns& r, Columns& z) {
         VectorX column(static_cast<Eigen::Index>(r.size()));
@@ -295,7 +299,7 @@ Solve prepare(const LinearSystem& system, const SolverOptions& options, std::vec
     std::function<RowMatrix(const RowMatrix&)> solve =
         factorized(A, report.solver, std::move(order), numbers);
     report.bytes = numbers.bytes;
-    report.fill = static_cast<double>(numbers.entries) / static_cast<double>((A.nonZeros() + A.cols()) / 2);
+    report.fill = static_cast<double>(numbers.entries) / (0.5 * static_cast<double>(A.nonZeros() + A.cols()));
     return [solve = std::move(solve)](const RowMatrix& b, SolutionReport&) { return solve(b); };
 }
 
@@ -342,6 +346,8 @@ RowMatrix solve_linear(const LinearSystem& system, const RowMatrix& B, const Sol
     Clock clock;
     report = {};
     report.solver = choose(system, options, report.why);
+    if (options.error_bound && asymmetry(system.matrix))
+        throw InvalidOption("error_bound: the matrix is not symmetric");
     if (A.cols() == 0)
         return B;
     std::vector<int> order;
@@ -368,15 +374,22 @@ RowMatrix solve_linear(const LinearSystem& system, const RowMatrix& B, const Sol
     RowMatrix x = solve(B, report);
     report.solve = clock.lap();
 
+    if (!x.allFinite())
+        throw FactorizationFailed("the matrix is singular: its solution is not finite");
     const RowMatrix residual = B - A * x;
-    double largest = 0.0;
+    double largest = 0.0,
+           work = 0.0; // what is left of x . b, which does not count rough errors as b - A x does
     for (Eigen::Index c = 0; c < B.cols(); ++c) {
         const double load = B.col(c).norm(), left = residual.col(c).norm();
         report.residual = std::max(report.residual, load > 0 ? left / load : left);
         largest = std::max(largest, left);
+        if (load > 0)
+            work = std::max(work, std::abs(x.col(c).dot(residual.col(c)) / x.col(c).dot(B.col(c))));
     }
-    if (!x.allFinite())
-        throw FactorizationFailed("the matrix is singular: its solution is not finite");
+    const double most = std::max(wrong, 10 * options.tolerance); // of a coarse tolerance the user knows
+    if (report.solver == Solver::multigrid ? !(work < most) : report.residual > most)
+        throw FactorizationFailed("the matrix is singular up to rounding: |b - A x| / |b| is " +
+                                  short_number(report.residual));
     if (options.error_bound) {
         SolutionReport unread;
         const auto inverse = [&](const VectorX& v) { return VectorX(solve(v, unread).col(0)); };

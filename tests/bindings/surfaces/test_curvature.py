@@ -129,6 +129,13 @@ def test_curvature_of_odd_meshes_is_finite_and_flat_ones_have_none() -> None:
     line = sn.curvature(sn.SurfaceMesh(np.arange(12.0).reshape(4, 3), [(0, 1, 2), (1, 2, 3)]))
     assert not line.principal.any()
     assert not line.along(np.ones((4, 3))).any()
+    turn, k = np.linspace(0, 2 * np.pi, 3000, endpoint=False), np.arange(3000)
+    ring = np.column_stack([np.cos(turn), np.sin(turn)])
+    tube = np.vstack([np.column_stack([ring, 0 * k + z]) for z in (0, 0.1)])
+    sides = np.column_stack([k, np.roll(k, -1), np.roll(k, -1) + 3000, k + 3000])
+    counts = [4] * 3000 + [3000] * 2  # with two caps, in which each corner has all the others for neighbours
+    capped = sn.SurfaceMesh(tube, (counts, np.concatenate([sides.ravel(), k[::-1], k + 3000])))
+    assert np.isfinite(sn.curvature(capped).principal).all()
     with pytest.raises(sn.InvalidOption, match="rings: 0 is below 1"):
         sn.curvature(sn.SurfaceMesh(points, faces), rings=0)
     for wrong in (points[1:], points[:, :2], points + np.nan):

@@ -205,6 +205,7 @@ def test_random_meshes_are_remade_or_refused(drawn):
         assert np.isfinite(made.corner_weights).all()
         assert np.isfinite(made.distance)
         assert len(made.face_sources) == len(made.faces)
+        assert all(len(set(face)) == 3 for face in made.faces.tolist())
 
 
 def test_threads_and_calls_change_no_bit_and_progress_cancels():

@@ -22,6 +22,7 @@ from rigs.rig import (
     subdivided,
     update,
 )
+from rigs.sheet import draw
 from test_subdivision import LIMIT, TOLERANCE, crease, fin, prism, sheet, subdivide
 
 WAYS = {
@@ -186,3 +187,47 @@ def test_loose_edges_and_what_stands_between_are_refused():
     rig.obj.modifiers.new("Solidify", "SOLIDIFY")
     subdivided(rig.obj, 2)
     refused("Solidify stands between", "fast_subdivision", rig.obj)
+
+
+def test_it_is_made_anew_for_another_simplify_or_look_and_not_for_points():
+    rig, scene = plate(subdivision_type="SIMPLE"), bpy.context.scene
+    other, scene.render.simplify_subdivision = scene.copy(), 1
+    for simplified, shown, frame in ((1, scene, 0), (1, other, 0), (1, scene, 2), (0, scene, 3)):
+        scene.render.use_simplify, bpy.context.window.scene = simplified, shown
+        shown.frame_set(frame) if frame else update()
+        rig.lift(0.1 * frame)
+        assert_as_blender(rig.obj)
+    for is_other, made in ((False, tokens()), (True, tokens())):
+        rig.obj.data.vertices[3].co.z = 0.1
+        rig.obj.data.polygons[3].use_smooth = is_other
+        change_in_edit_mode(rig.obj, lambda edit: None)
+        catch_up()
+        assert (tokens() != made) == is_other
+        assert_as_blender(rig.obj)
+
+
+def test_it_ends_and_begins_whatever_was_moved_or_deleted():
+    rig, tooltip = plate(), bpy.types.SINEW_OT_fast_subdivision.description
+    stack, move = rig.obj.modifiers, bpy.ops.object.modifier_move_to_index
+    by, cast = stack["Subdivision"], stack.new("Cast", "CAST")
+    move(modifier="Cast", index=1)
+    update()
+    assert "Fast Subdivision shows the control mesh" in " ".join(notes_of(rig.deformer))
+    for index, was_on in ((0, True), (1, False)):
+        move(modifier="Subdivision", index=index)
+        press(rig.obj, "fast_subdivision", stop=True)
+        assert [by.show_viewport, *notes_of(rig.deformer)] == [was_on]
+        cast.show_viewport, by.show_viewport = False, not was_on
+        move(modifier="Subdivision", index=2)
+        press(rig.obj, "fast_subdivision")
+    stack.remove(stack["Fast Subdivision"])
+    update()
+    assert (catch_up(), by.show_viewport) == (False, True)
+    press(rig.obj, "fast_subdivision")
+    stack.remove(by)
+    assert len({tooltip(bpy.context, type("", (), {"stop": stop})) for stop in (True, False)}) == 2
+    for stop in (True, False, True):
+        assert "sinew.fast_subdivision" in draw(bpy.types.SINEW_PT_order).operator_names()
+        press(rig.obj, "fast_subdivision", stop=stop)  # begins with a new one
+    stack.remove(stack["Sinew"])
+    refused("Rebind", "fast_subdivision", rig.obj)

@@ -5,6 +5,7 @@ import bpy
 import numpy as np
 import pytest
 from inside import inner
+from rigs.cages import box
 from rigs.rig import (
     Rig,
     add_group,
@@ -13,6 +14,7 @@ from rigs.rig import (
     evaluated_points,
     grid_object,
     in_mode,
+    make_active,
     members,
     new_object,
     press,
@@ -60,6 +62,8 @@ def loaded_plate() -> bpy.types.Object:
 @pytest.mark.parametrize(("operator", "options"), OPERATORS)
 def test_everything_is_carried_over(operator: str, options: dict):
     obj = loaded_plate()
+    bpy.ops.sinew.deformer_add(method="thin_shell")
+    bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Whole")
     mesh, before = obj.data, base_points(obj)
     middle, level = before[:, 0].mean(), np.median(before[:, 1])
     size = np.ptp(before[:, 0])
@@ -121,10 +125,38 @@ def test_what_cannot_be_remeshed_is_refused():
     obj = loaded_plate()
     before = base_points(obj)
     refused("too short", "remesh", obj, length=1e-6)
-    modifier = obj.modifiers.new("Levels", "MULTIRES")
-    refused("Multiresolution", "decimate", obj)
-    obj.modifiers.remove(modifier)
+    twin = new_object("Twin", before, [])
+    twin.data = obj.data
+    modifier = twin.modifiers.new("Levels", "MULTIRES")
+    refused("Twin has a Multiresolution", "decimate", obj)
+    twin.modifiers.remove(modifier)
+    with in_mode(twin):
+        refused("in Edit Mode", "decimate", obj)
     assert np.array_equal(before, base_points(obj))
+
+
+def test_weights_of_bones_keep_their_sum():
+    obj = grid_object("Skinned", 12)
+    for k in range(8):
+        add_group(obj, f"Bone {k}", lambda point, k=k: int(4 * (point[0] + point[1] + 2)) % 8 == k)
+    press(obj, "remesh", share=0.7)
+    sums = [sum(g.weight for g in vertex.groups) for vertex in obj.data.vertices]
+    np.testing.assert_allclose(sums, 1.0, atol=1e-5)
+
+
+def test_a_cage_and_an_object_with_the_same_mesh_go_on():
+    cage, obj = box(size=6.0), grid_object("Plate", 12)
+    twin = bpy.data.objects.new("Twin", obj.data)
+    bpy.context.scene.collection.objects.link(twin)
+    for each in (obj, twin):
+        make_active(each)
+        assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name) == {"FINISHED"}
+    press(obj, "decimate", share=0.5)
+    cage.location.z = 0.5
+    update()
+    for each in (obj, twin):
+        assert each.sinew.active.is_bound
+        assert np.allclose(evaluated_points(each) - base_points(each), (0, 0, 0.5), atol=1e-4)
 
 
 @pytest.mark.parametrize("what", ["flipped", "pinched", "border", "slit", "duplicate", "loose"])
@@ -149,3 +181,16 @@ def test_each_line_is_mended_alone(what: str):
     assert {round(g.weight, 6) for vertex in obj.data.vertices for g in vertex.groups} == {0.5}
     changed = {name for name in before if after.get(name, 0) != before[name]} - {what}
     assert changed <= {"flipped", "coincident", "border", "slit", "crossing", "non_manifold"}
+
+
+def test_what_is_told_is_in_the_scene(bound_plate: Rig, capfd):
+    obj = grid_object("Scaled", 16)
+    obj.scale = (3.0, 3.0, 3.0)
+    update()
+    refused("20,000,000 are the most", "remesh_semi_regular", obj, levels=8, base_faces=512)
+    assert inner.remesh.user_of(inner.compat.session_key(obj.data), "Former Name") == obj
+    press(obj, "remesh", length=3.0)
+    assert f"{len(obj.data.polygons)} triangles instead of 512" in capfd.readouterr().out
+    assert 8 < len(obj.data.polygons) < 30  # of an area of 36, with 3.9 for each
+    bound_plate.deformer.bake.result = "PC2"
+    refused("Unbake it first", "remesh", bound_plate.obj)

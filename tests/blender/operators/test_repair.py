@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from expected import faces_of as expected_faces
 from inside import inner
+from libraries import put_into_a_library, read
 from mathutils import Matrix
 from rigs.cages import selected
 from rigs.rig import (
@@ -311,3 +312,29 @@ def test_curvature_is_stored_and_shown():
     names = {attribute.name for attribute in mesh.attributes}
     press(obj, "measure_curvature", shown="none", rings=3)
     assert {attribute.name for attribute in mesh.attributes} == names
+
+
+def test_what_prepare_refuses(tmp_path):
+    obj = grid_object()
+    obj.vertex_groups.new(name="curvature_mean")
+    obj.data.uv_layers.new(name="curvature")
+    refused("a vertex group called curvature_mean", "measure_curvature", obj)
+    obj.vertex_groups.clear()
+    refused("a UV map called curvature", "measure_curvature", obj)
+    path = put_into_a_library(tmp_path / "library.blend", grid_object("Linked"))
+    obj = read(path, link=True, kind="objects", name="Linked").override_create()
+    bpy.context.scene.collection.objects.link(obj)
+    refused("local first", "select_unusual", obj, what="border")
+
+
+def test_counts_stay_until_they_may_be_wrong():
+    points = [(-1, -1, 0), (1, -1, 0), (0, 1, 0), (0, 0, -1), (0, 0, 1), (0, 3, 0)]
+    obj, other = (mesh_object(points, [(0, 1, 2), (3, 4, 5)], name) for name in ("Mesh", "Other"))
+    press(obj, "diagnose")
+    inner.surveying.survey(obj, crossings=False)
+    assert inner.surveying.last_counts(obj).found["crossing"] == 2
+    name, obj.data.name = obj.data.name, "Renamed"
+    other.data.name = name
+    assert inner.surveying.last_counts(other) is None
+    inner.history.on_undo()
+    assert not inner.surveying._last
