@@ -18,7 +18,7 @@ constexpr int coarsening = 8;
 constexpr int fewest_nodes = 60;
 constexpr int most_levels = 8;
 /// Clusters of motions: one of so many nodes, within bounds. More hardly move better, and their factor costs more.
-constexpr int nodes_per_cluster = 60, fewest_clusters = 60, most_clusters = 600;
+constexpr int nodes_per_cluster = 60, fewest_clusters = 30, most_clusters = 600;
 constexpr int coarsest_iterations = 30, level_iterations = 5;
 constexpr int large = 2000, large_iterations = 2; ///< on a level of more than `large` nodes
 constexpr double rounding_floor = 1e-14; ///< of sum w |p_i - p_j|^2: an energy below it is rounding
@@ -129,8 +129,9 @@ MultilevelStart::MultilevelStart(const ArapSystem& fine, const Points& rest, con
     add_motions(fine, rest);
 }
 
-/// Adds the motions of each graph but the coarsest. Their clusters are the nodes of the next coarser graph, or of
-/// one further down that has about as many as are wanted; or they are made of the coarsest graph that has more.
+/// Adds the motions of each graph but a coarsest one with few nodes, or without a finer one. Their clusters are the
+/// nodes of the next coarser graph, or of one further down that has about as many as are wanted; or they are made
+/// of the coarsest graph that has more.
 void MultilevelStart::add_motions(const ArapSystem& fine, const Points& rest)
 {
     const auto graph = [&](std::size_t g) -> const ArapSystem& {
@@ -142,8 +143,10 @@ void MultilevelStart::add_motions(const ArapSystem& fine, const Points& rest)
         std::clamp(fine.chunks().present() / nodes_per_cluster, fewest_clusters, most_clusters);
     std::optional<MotionClusters> made;
     const HandleGraph* last = nullptr; // the clusters of the next coarser graph
-    for (std::size_t g = levels_.size(); g-- > 0;) {
+    for (std::size_t g = levels_.size() + 1; g-- > 0;) {
         std::size_t at = g;
+        if (g == levels_.size() && (g == 0 || graph(g).size() <= 2 * wanted))
+            continue;
         std::vector<int> label(graph(g).size()); // the node of graph `at` that each node of graph g is in
         std::iota(label.begin(), label.end(), 0);
         const auto hand_on = [&](const ClusterMap& map) {
