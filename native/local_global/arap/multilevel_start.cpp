@@ -166,7 +166,7 @@ void MultilevelStart::add_motions(const ArapSystem& fine, const Points& rest)
         } catch (const OutOfMemory&) {
             throw;
         } catch (const FactorizationFailed&) {
-            // steps in the metric of the Laplacian find the minimum, too
+            motions_[g] = {}; // steps in the metric of the Laplacian find the minimum, too
         }
         last = &clusters;
     }

@@ -115,6 +115,34 @@ TEST(ArapProblem, a_rejected_step_brings_the_rotations_back)
     EXPECT_EQ(rotations(problem, setting.graph), before);
 }
 
+TEST(ArapProblem, motions_of_clusters_lower_the_energy_or_leave_all_as_it_was)
+{
+    for (const double smoothness : {0.0, 0.02}) {
+        const Setting setting({smoothness, false, false, false});
+        const HandleGraph& nodes = setting.graph.nodes();
+        const Points& rest = setting.mesh.points();
+        const RotationLevel level(nodes, setting.graph.cells(), rest, Clusters(nodes, rest, 20));
+        const ClusterMotions motions(setting.graph, rest, level.map.label(), level.graph.nodes());
+        ArapProblem problem = setting.problem();
+        Points x = shapes::Random(2).shaken(problem.free_rows(view(rest)), 0.1), gradient;
+        double F = settled(problem, x, gradient);
+        const double F_before = F;
+        const std::vector<Matrix3> before = rotations(problem, setting.graph);
+        problem.improve_by(motions);
+
+        Points to = x, uphill = -gradient;
+        EXPECT_FALSE(problem.improve(to, uphill, F));
+        problem.refresh(to);
+        EXPECT_EQ(to, x);
+        EXPECT_EQ(F, F_before);
+        for (int i = 0; i < setting.graph.size(); ++i)
+            EXPECT_LE((problem.rotation(i) - before[i]).norm(), smoothness > 0 ? 0.0 : 1e-7) << i;
+        ASSERT_TRUE(problem.improve(to, gradient, F));
+        EXPECT_LT(F, 0.9 * F_before);
+        EXPECT_LE(problem.evaluate(to, gradient), F * (1 + 1e-12)) << "a fit raised it";
+    }
+}
+
 TEST(ArapProblem, going_on_takes_points_and_rotations_along_unless_it_costs_all_that_was_gained)
 {
     const Setting setting({0.02, false, false, false});

@@ -7,6 +7,8 @@
 
 #include <Eigen/Geometry>
 
+#include <cmath>
+
 namespace sinew::test_cluster_motions {
 
 Matrix3 turn(const Vector3& w)
@@ -110,6 +112,40 @@ TEST(ClusterMotions, a_whole_step_leaves_no_slope_along_any_motion)
         EXPECT_NEAR(before - energy.all(), 0.5 * slope, 1e-3 * slope); // turns are not infinitely small
         EXPECT_LT(solve(), 1e-6 * slope);
     }
+}
+
+TEST(ClusterMotions, bends_are_quadratic_in_the_points)
+{
+    SurfaceMesh mesh = shapes::grid(30, 30, 0.1);
+    std::vector<Handle> pulled{{shapes::where(mesh, [](const Vector3& p) { return p.x() < 0.35; }), {}}};
+    pulled[0].weights.assign(pulled[0].vertices.size(), 0.5); // so that no cluster is held
+    const ArapSystem graph = graphs::of(mesh, pulled, 0.02);
+    const Points& rest = mesh.points();
+    const auto level = RotationLevel::coarser(graph.nodes(), graph.cells(), rest);
+    ASSERT_TRUE(level);
+    const ClusterMotions motions(graph, rest, level->map.label(), level->graph.nodes());
+    ClusterMotions::Motion motion;
+    const std::vector<Matrix3> R(graph.size(), Matrix3::Identity());
+    motions.solve(rest, rest.data(), R.front().data(), rest, Points(), 1.0, motion);
+
+    constexpr double curvature = 1e-6;
+    for (int p = 0; p < level->graph.size(); ++p) { // z = curvature x^2 / 2; a solution is stepped against
+        const double x = motion.places(p, 0);
+        motion.solution.middleRows<6>(6 * p) << 0, 0, -curvature * x * x / 2, 0, curvature * x, 0;
+    }
+    motions.scale(1.0, motion);
+    int inside = 0; // of a triangle of clusters
+    for (int i = 0; i < graph.size(); ++i) {
+        const double x = rest(i, 0);
+        Eigen::RowVector3d to, turned;
+        motions.move(motion, i, rest.row(i), to, turned);
+        if (std::abs(2 * (x - motion.offsets(i, 0)) - x) > 1e-9)
+            continue;
+        ++inside;
+        EXPECT_NEAR(to.z(), curvature * x * x / 2, 1e-5 * curvature) << i;
+        EXPECT_NEAR(turned.y(), -curvature * x, 1e-9 * curvature) << i;
+    }
+    EXPECT_GT(inside, graph.size() / 2);
 }
 
 } // namespace sinew::test_cluster_motions
