@@ -154,10 +154,10 @@ def _is_as_before(modifier: NodesModifier, by: Modifier, control: Mesh, names: s
 
 
 def _names(obj: Object, control: Mesh) -> str:
-    """All names in the control mesh of an object, for comparison."""
+    """All names in the control mesh of an object, for comparison. Edit Mode may reorder attributes."""
     uvs = [(layer.name, layer.active_render) for layer in control.uv_layers]
     materials = [material and material.name_full for material in control.materials]
-    return repr((obj.vertex_groups.keys(), uvs, materials, control.attributes.keys()))
+    return repr((obj.vertex_groups.keys(), uvs, materials, sorted(control.attributes.keys())))
 
 
 def _parts(mesh: Mesh) -> Iterator[Any]:
