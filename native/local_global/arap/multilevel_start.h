@@ -71,7 +71,7 @@ public:
 
     const std::vector<RotationLevel>& levels() const { return levels_; }
     /// The motions that help the graph of the mesh, for 0, or that of a level, counted from 1. They are empty
-    /// where no level is coarser.
+    /// on a mesh without levels and on a coarsest level with few nodes.
     const ClusterMotions& motions(int graph) const { return motions_[graph]; }
     std::int64_t factor_bytes() const;
 
