@@ -9,9 +9,11 @@
 #include "native/local_global/arap/mesh_graph.h"
 #include "native/local_global/arap/multilevel_start.h"
 #include "native/mesh/frames/normal_frame.h"
+#include "native/mesh/frames/surface_frame.h"
 #include "native/operators/laplacian.h"
 #include "native/operators/painted.h"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -60,10 +62,12 @@ struct RestGraph
 {
     GraphCells cells;
     GraphEdges edges;
+    std::vector<double> sizes; ///< one per vertex, see part_sizes()
 
     /// With rims, w_ij is the sum of the bounded half cotangents, so that L is exactly what bounds the
     /// Hessian of the energy.
     RestGraph(const SurfaceMesh& mesh, const ArapOptions& options, const std::vector<double>& rigidity)
+        : sizes(part_sizes(mesh))
     {
         const TriangleMetric metric = triangle_metric(mesh);
         cells.rigidity = rigidity;
@@ -115,7 +119,7 @@ struct Binding
     double unit; ///< of the nodes, whose squares fit into single precision
     ArapSystem graph;
     Points node_rest; ///< the rest points of the nodes
-    double size; ///< the diagonal of the box of those that are not idle
+    double size = 0.0; ///< of the largest part of those that are not idle
     MultilevelStart cascade;
     std::optional<HigherOrder> higher; ///< with point_handles
     mutable Pool<Workspace> workspaces;
@@ -127,9 +131,8 @@ struct Binding
     {
         for (int i = 0; i < graph.size(); ++i)
             node_rest.row(i) = rest.row(graph.order()[i]);
-        const auto present = node_rest.topRows(graph.chunks().present());
-        size =
-            present.rows() > 0 ? (present.colwise().maxCoeff() - present.colwise().minCoeff()).norm() : 0.0;
+        for (int i = 0; i < graph.chunks().present(); ++i)
+            size = std::max(size, mesh.sizes[graph.order()[i]]);
         cascade = MultilevelStart(graph, node_rest, progress);
     }
 
