@@ -81,7 +81,7 @@ struct SolveReport
     int iterations = 0; ///< accepted steps; 1 for a linear method
     int rejected = 0; ///< trial steps that did not lower the energy
     double energy = 0.0; ///< of the returned shape: E of the method's class, soft handles included
-    double residual = 0.0; ///< of a linear method |A d - b| / |b|; else the last relative decrease of E
+    double residual = 0.0; ///< of a linear method |A d - b| / |b|; else what was compared with the tolerance
     bool converged = false; ///< whether the tolerance was met before the iterations were used up
     /// Vertices between handles that are turned against each other by half a turn, where a rule chose the way
     /// to turn.

@@ -145,7 +145,13 @@ ROWS = (
                 "Set how firmly the surface keeps its shape, everywhere or as a vertex group is painted"
             ),
             iterations(40),
-            tolerance(),
+            tolerance(
+                1e-3,
+                soft=0.01,
+                description="Stop when no point has more than this share of the size of the surface "
+                "left to go, as the last two steps let expect",
+                unit="share of the size",
+            ),
         ),
     ),
     Method(

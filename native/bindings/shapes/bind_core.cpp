@@ -182,7 +182,7 @@ void bind_core(py::module_& module)
         .def_readonly("rejected", &SolveReport::rejected, "Trials that did not lower the energy.")
         .def_readonly("energy", &SolveReport::energy, "Of the returned shape, as the class defines it.")
         .def_readonly("residual", &SolveReport::residual,
-                      "Linear: |A d - b| / |b|. Nonlinear: last relative decrease of the energy.")
+                      "Linear: |A d - b| / |b|. Nonlinear: what was last compared with the tolerance.")
         .def_readonly("converged", &SolveReport::converged,
                       "The tolerance was met. If not, the iterations were used up, or no step lowers the "
                       "energy any more.")

@@ -13,6 +13,16 @@
 
 namespace sinew {
 
+namespace {
+
+/// The share of a motion that is taken: bent sheets are stiffer than the rest, whose metric it is found in.
+constexpr double usual_share = 0.8;
+constexpr int most_trials = 3;
+/// A share of sum w |p_i - p_j|^2: with less energy, the rounding of a solve in single precision would show.
+constexpr double nearly_rigid = 1e-9;
+
+} // namespace
+
 ArapProblem::ArapProblem(const ArapSystem& graph, const PointsView& base, const Points& targets,
                          const Points& pulls, ArapBuffers* buffers)
     : graph_(graph), kernels_(widest_kernels<ArapKernels>()), pulls_(pulls),
@@ -192,9 +202,10 @@ double ArapProblem::evaluate(const Points& x, Points& gradient)
         const Matrices& before = buffers_.rotations[current_];
         const int next = spare(current_);
         for_each_moving([&](const GraphChunk& chunk) {
-            double* const S = covariances_of(chunk);
-            kernels_.add_neighbours(view_, chunk, before.data(), S);
-            fit(chunk, S, before, 0.0, buffers_.rotations[next]);
+            std::array<double, chunk_numbers> S;
+            std::copy_n(covariances_of(chunk), covariance_columns * (chunk.end - chunk.begin), S.data());
+            kernels_.add_neighbours(view_, chunk, before.data(), S.data());
+            fit(chunk, S.data(), before, 0.0, buffers_.rotations[next]);
         });
         current_ = next;
     } else {
@@ -208,38 +219,121 @@ void ArapProblem::precondition(const Points& gradient, Points& z) const
     graph_.position_factor().solve(gradient, z);
 }
 
-void ArapProblem::turn(const ClusterMap& map, const std::vector<Eigen::Quaterniond>& turns)
+bool ArapProblem::improve(Points& x, Points& gradient, double& F)
 {
-    const Matrices& before = buffers_.rotations[current_];
-    const int next = current_ == kept_ ? spare(current_) : current_;
-    Matrices& after = buffers_.rotations[next];
-    for_each_moving([&](const GraphChunk& chunk) {
-        for (int i = chunk.begin; i < chunk.end; ++i) {
-            const std::size_t first = entries * static_cast<std::size_t>(i);
-            Eigen::Map<Matrix3>(after.data() + first) = handed_down(map, turns, i).toRotationMatrix() *
-                                                        Eigen::Map<const Matrix3>(before.data() + first);
+    if (!motions_ || motions_->empty())
+        return false;
+    const bool smooth = graph_.is_smooth();
+    ClusterMotions::Motion& motion = buffers_.motion;
+    Points &better = buffers_.better, &better_gradient = buffers_.better_gradient, &torque = buffers_.torque;
+    const Points none;
+    if (smooth)
+        for_each_moving([&](const GraphChunk& chunk) {
+            kernels_.torques(view_, chunk, covariances_of(chunk), buffers_.rotations[current_].data(),
+                             torque.data() + 3 * static_cast<std::size_t>(chunk.begin));
+        });
+    const double slope =
+        motions_->solve(x, buffers_.points.data(), buffers_.rotations[current_].data(), gradient,
+                        smooth ? torque : none, 2.0 / graph_.energy_factor(), motion);
+    const int before = current_;
+    better.resize(x.rows(), 3);
+    double share = usual_share;
+    for (int k = 0; k < most_trials; ++k) {
+        motions_->scale(share, motion);
+        torque.resize(graph_.size(), 3);
+        parallel_for(graph_.size(), [&](int i) {
+            Eigen::RowVector3d to, turn = Eigen::RowVector3d::Zero();
+            if (i < graph_.free_count()) {
+                motions_->move(motion, i, x.row(i), to, turn);
+                better.row(i) = to;
+            }
+            torque.row(i) = turn;
+        });
+        double F_better;
+        if (smooth) {
+            const int next = spare(before);
+            for_each_moving([&](const GraphChunk& chunk) {
+                const std::size_t first = entries * static_cast<std::size_t>(chunk.begin);
+                kernels_.turn(torque.data() + 3 * static_cast<std::size_t>(chunk.begin),
+                              buffers_.rotations[before].data() + first, chunk.end - chunk.begin,
+                              buffers_.rotations[next].data() + first);
+            });
+            current_ = next;
+            move_to(better);
+            F_better = energy_and_gradient(better_gradient);
+        } else {
+            F_better = evaluate(better, better_gradient);
         }
-    });
-    current_ = next;
+        if (F_better < F) {
+            F = F_better;
+            x.swap(better);
+            gradient.swap(better_gradient);
+            return true;
+        }
+        const double parabola = slope * share * share / (2 * (F_better - F + slope * share));
+        share = std::clamp(parabola, 0.1 * share, 0.6 * share);
+    }
+    current_ = before;
+    stale_ = !smooth;
+    move_to(x);
+    return false;
 }
 
-void ArapProblem::relax(Points& x, const Points& tilt)
+bool ArapProblem::go_on(const Points& from, double F_from, double share, Points& x, Points& gradient,
+                        double& F)
 {
-    Points& gradient = buffers_.gradient;
+    Points &better = buffers_.better, &better_gradient = buffers_.better_gradient, &torque = buffers_.torque;
+    const int before = current_;
+    better.resize(x.rows(), 3);
+    parallel_for(x.rows(), [&](int i) { better.row(i) = x.row(i) + share * (x.row(i) - from.row(i)); });
+    double F_better;
+    if (graph_.is_smooth()) {
+        const int next = spare(before);
+        for_each_moving([&](const GraphChunk& chunk) {
+            for (int i = chunk.begin; i < chunk.end; ++i) {
+                const std::size_t at = entries * static_cast<std::size_t>(i);
+                const Eigen::Map<const Matrix3> now(buffers_.rotations[before].data() + at),
+                    then(buffers_.rotations[kept_].data() + at);
+                const Matrix3 turn = now * then.transpose();
+                torque.row(i) = 0.5 * share *
+                                Eigen::RowVector3d(turn(2, 1) - turn(1, 2), turn(0, 2) - turn(2, 0),
+                                                   turn(1, 0) - turn(0, 1));
+            }
+            const std::size_t first = entries * static_cast<std::size_t>(chunk.begin);
+            kernels_.turn(torque.data() + 3 * static_cast<std::size_t>(chunk.begin),
+                          buffers_.rotations[before].data() + first, chunk.end - chunk.begin,
+                          buffers_.rotations[next].data() + first);
+        });
+        current_ = next;
+        move_to(better);
+        F_better = energy_and_gradient(better_gradient);
+    } else {
+        F_better = evaluate(better, better_gradient);
+    }
+    if (F_better < F_from) {
+        F = F_better;
+        x.swap(better);
+        gradient.swap(better_gradient);
+        return true;
+    }
+    current_ = before;
+    stale_ = !graph_.is_smooth();
     move_to(x);
-    energy_and_gradient(gradient);
-    if (tilt.size() > 0)
-        gradient -= tilt;
-    graph_.position_factor().solve(gradient, gradient);
-    x -= gradient;
+    return false;
 }
 
 void ArapProblem::global_step(Points& x)
 {
+    Points& gradient = buffers_.gradient;
     x = PointsView(buffers_.points.data(), graph_.free_count(), 3);
-    for (int k = 0; k < 2; ++k) // the factor is in single precision, so each solve leaves a millionth
-        relax(x, {});
-    move_to(x);
+    for (int k = 0; k < 2; ++k) {
+        const double F = energy_and_gradient(gradient);
+        if (k > 0 && F > nearly_rigid * graph_.rest_scale())
+            break; // the next step takes what the first solve has left
+        graph_.position_factor().solve(gradient, gradient);
+        x -= gradient;
+        move_to(x);
+    }
 }
 
 } // namespace sinew

@@ -3,10 +3,8 @@
 
 #include "native/core/types.h"
 #include "native/local_global/arap/arap_system.h"
-#include "native/local_global/graph/clusters.h"
+#include "native/local_global/arap/cluster_motions.h"
 #include "native/solvers/optimization/metric_lbfgs.h"
-
-#include <Eigen/Geometry>
 
 #include <cstddef>
 #include <functional>
@@ -24,6 +22,8 @@ struct ArapBuffers
     std::vector<double> covariances; ///< only with smoothing
     Points torque, gradient;
     std::vector<double> energies; ///< one per chunk
+    ClusterMotions::Motion motion;
+    Points better, better_gradient;
 };
 
 /// The function F = E / energy_factor() of the free positions on one graph. It has the rotations as its
@@ -43,8 +43,8 @@ public:
     /// and for all.
     void set_rotation(int i, const Matrix3& R);
 
-    /// Finds the free positions that minimise E for the current rotations: a linear solve, and a second one
-    /// for the residual of the first.
+    /// Finds the free positions that minimise E for the current rotations, to the millionth that a factor in
+    /// single precision leaves; where the shape is nearly rigid, to the square of that.
     void global_step(Points& x);
     Points global_step()
     {
@@ -55,17 +55,17 @@ public:
     /// Fits the rotation of each cell to the positions alone, without smoothing.
     void local_step(const Points& x);
 
-    /// Turns the rotation of each node by what the clusters near it turn.
-    void turn(const ClusterMap& map, const std::vector<Eigen::Quaterniond>& turns);
-    /// One step towards the free positions that minimise E - tilt . x for the current rotations.
-    /// \param tilt  (free, 3), or empty for zero.
-    void relax(Points& x, const Points& tilt);
-
     int free_count() const { return graph_.free_count(); }
 
     double evaluate(const Points& x, Points& gradient) override;
     void precondition(const Points& gradient, Points& z) const override;
     /// Without smoothing, rotations depend on the positions alone; they are not kept, but fitted again.
+    /// From now on, improve() takes a step of these motions, shorter until the energy falls. It comes after
+    /// evaluate(), whose covariances it uses, and fits no rotations.
+    void improve_by(const ClusterMotions& motions) { motions_ = &motions; }
+    bool improve(Points& x, Points& gradient, double& F) override;
+    bool go_on(const Points& from, double F_from, double share, Points& x, Points& gradient,
+               double& F) override;
     void keep_state() override { kept_ = graph_.is_smooth() ? current_ : -1; }
     void restore_state() override
     {
@@ -106,6 +106,7 @@ private:
     const Points& pulls_;
     std::unique_ptr<ArapBuffers> own_buffers_;
     ArapBuffers& buffers_;
+    const ClusterMotions* motions_ = nullptr;
     GraphView view_;
     int current_ = 0, kept_ = -1;
     bool fixed_cells_fitted_ = false, stale_ = false;

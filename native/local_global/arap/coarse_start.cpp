@@ -76,10 +76,7 @@ void CoarseStart::rotations(const Targets& targets, Workspace& work,
 
 std::int64_t CoarseStart::factor_bytes() const
 {
-    std::int64_t bytes = level_ || mesh_ ? top().factor_bytes() : 0;
-    for (const RotationLevel& level : below_.levels())
-        bytes += level.graph.factor_bytes();
-    return bytes;
+    return below_.factor_bytes() + (level_ || mesh_ ? top().factor_bytes() : 0);
 }
 
 } // namespace sinew

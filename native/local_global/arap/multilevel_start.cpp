@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <numeric>
 
 namespace sinew {
 
@@ -16,7 +17,10 @@ namespace {
 constexpr int coarsening = 8;
 constexpr int fewest_nodes = 60;
 constexpr int most_levels = 8;
+/// Clusters of motions: one of so many nodes, within bounds. More hardly move better, and their factor costs more.
+constexpr int nodes_per_cluster = 60, fewest_clusters = 30, most_clusters = 600;
 constexpr int coarsest_iterations = 30, level_iterations = 5;
+constexpr int large = 2000, large_iterations = 2; ///< on a level of more than `large` nodes
 constexpr double rounding_floor = 1e-14; ///< of sum w |p_i - p_j|^2: an energy below it is rounding
 constexpr double worthwhile = 0.7;    ///< a level with a larger share of the finer nodes is left out
 
@@ -43,6 +47,24 @@ void blend_handles(ArapProblem& problem, const ArapSystem& graph, const Poses& p
         if (!graph.nodes().is_idle(i))
             problem.set_rotation(i, rotations[i].toRotationMatrix());
 }
+
+/// Clusters of the nodes of one graph, the free ones first.
+struct MotionClusters
+{
+    ClusterMap map;
+    HandleGraph graph;
+
+    MotionClusters(const HandleGraph& nodes, const Points& points, int wanted)
+        : map(nodes, Clusters(nodes, points, wanted)), graph(graph_of_clusters(nodes, points, map))
+    {
+        std::vector<int> order = graph.free_nodes();
+        for (int p = 0; p < graph.size(); ++p)
+            if (graph.place(p) < 0)
+                order.push_back(p);
+        map.renumber(order);
+        graph = graph.renumbered(order);
+    }
+};
 
 } // namespace
 
@@ -104,6 +126,64 @@ MultilevelStart::MultilevelStart(const ArapSystem& fine, const Points& rest, con
         graph = &levels_.back().graph;
         points = &levels_.back().rest;
     }
+    add_motions(fine, rest);
+}
+
+/// Adds the motions of each graph but a coarsest one with few nodes, or without a finer one. Their clusters are the
+/// nodes of the next coarser graph, or of one further down that has about as many as are wanted; or they are made
+/// of the coarsest graph that has more.
+void MultilevelStart::add_motions(const ArapSystem& fine, const Points& rest)
+{
+    const auto graph = [&](std::size_t g) -> const ArapSystem& {
+        return g == 0 ? fine : levels_[g - 1].graph;
+    };
+    const auto points = [&](std::size_t g) -> const Points& { return g == 0 ? rest : levels_[g - 1].rest; };
+    motions_.resize(levels_.size() + 1);
+    const int wanted =
+        std::clamp(fine.chunks().present() / nodes_per_cluster, fewest_clusters, most_clusters);
+    std::optional<MotionClusters> made;
+    const HandleGraph* last = nullptr; // the clusters of the next coarser graph
+    for (std::size_t g = levels_.size() + 1; g-- > 0;) {
+        std::size_t at = g;
+        if (g == levels_.size() && (g == 0 || graph(g).size() <= 2 * wanted))
+            continue;
+        std::vector<int> label(graph(g).size()); // the node of graph `at` that each node of graph g is in
+        std::iota(label.begin(), label.end(), 0);
+        const auto hand_on = [&](const ClusterMap& map) {
+            for (int& p : label)
+                p = p < 0 ? p : map.label()[p];
+        };
+        for (; at < levels_.size() && graph(at + 1).size() > 2 * wanted; ++at)
+            hand_on(levels_[at].map);
+        const bool found = at < levels_.size() && (at == g || graph(at + 1).size() > wanted / 2);
+        if (!found && !made)
+            made.emplace(graph(at).nodes(), points(at), wanted);
+        hand_on(found ? levels_[at].map : made->map);
+        const HandleGraph& clusters = found ? graph(at + 1).nodes() : made->graph;
+        try {
+            motions_[g] = ClusterMotions(graph(g), points(g), std::move(label), clusters,
+                                         &clusters == last ? motions_[g + 1].metric() : nullptr);
+        } catch (const OutOfMemory&) {
+            throw;
+        } catch (const FactorizationFailed&) {
+            motions_[g] = {}; // steps in the metric of the Laplacian find the minimum, too
+        }
+        last = &clusters;
+    }
+}
+
+std::int64_t MultilevelStart::factor_bytes() const
+{
+    std::int64_t bytes = 0;
+    for (const RotationLevel& level : levels_)
+        bytes += level.graph.factor_bytes();
+    const SingleFactor* last = nullptr; // a graph and the next coarser one may share theirs
+    for (const ClusterMotions& motions : motions_)
+        if (const SingleFactor* metric = motions.metric().get(); metric && metric != last) {
+            bytes += metric->bytes();
+            last = metric;
+        }
+    return bytes;
 }
 
 CascadeSolve::CascadeSolve(const MultilevelStart& cascade, ArapProblem& fine_problem, const ArapSystem& fine,
@@ -114,8 +194,7 @@ CascadeSolve::CascadeSolve(const MultilevelStart& cascade, ArapProblem& fine_pro
     const int count = static_cast<int>(levels.size());
     work.resize(count);
     problems_.reserve(count);
-    corrected_.reserve(count + 1);
-    corrected_.emplace_back(fine_problem);
+    fine_problem.improve_by(cascade.motions(0));
     for (int l = 0; l < count; ++l) {
         const ArapSystem& graph = levels[l].graph;
         Targets local{targets.poses, view(levels[l].rest), {}, targets.from_rest};
@@ -127,8 +206,7 @@ CascadeSolve::CascadeSolve(const MultilevelStart& cascade, ArapProblem& fine_pro
         problems_.emplace_back(graph, local.base(), work[l].goals.targets, work[l].goals.pulls,
                                &work[l].buffers);
         floors_.push_back(energy_floor(graph, local));
-        corrected_.emplace_back(problems_.back());
-        corrected_[l].correct_by(corrected_[l + 1], levels[l].map, work[l].descent);
+        problems_.back().improve_by(cascade.motions(l + 1));
     }
 }
 
@@ -159,12 +237,11 @@ const std::vector<Eigen::Quaterniond>& CascadeSolve::descend(int level, ArapProb
 {
     const bool coarsest = level == static_cast<int>(cascade_.levels().size());
     problem.global_step(work.x);
-    minimize(corrected_[level], work.x,
-             {.max_iterations = coarsest ? coarsest_iterations : level_iterations,
-              .tolerance = 1e-4,
-              .floor = floor,
-              .correction_period = correction_period},
-             {}, &work.descent);
+    const int iterations = problem.free_count() > large ? large_iterations : level_iterations;
+    minimize(
+        problem, work.x,
+        {.max_iterations = coarsest ? coarsest_iterations : iterations, .tolerance = 1e-4, .floor = floor},
+        {}, &work.descent);
     problem.refresh(work.x);
     const int nodes = level == 0 ? fine_.size() : cascade_.levels()[level - 1].graph.size();
     work.rotations.resize(nodes);

@@ -3,12 +3,13 @@
 
 #include "native/core/progress.h"
 #include "native/local_global/arap/arap_problem.h"
-#include "native/local_global/arap/corrected_problem.h"
+#include "native/local_global/arap/cluster_motions.h"
 #include "native/local_global/graph/clusters.h"
 #include "native/mesh/regions.h"
 
 #include <Eigen/Geometry>
 
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -56,8 +57,9 @@ struct GraphWorkspace
 ///
 /// Each level has an eighth of the nodes of the finer one, and at least 60; its nodes are clusters of the
 /// finer nodes, see graph_of_clusters(). On the coarsest level, the rotations of the handles are blended by
-/// harmonic weights. Then each level minimises its energy, with corrections by the coarser ones, and hands
-/// its rotations down to the finer one. All levels together cost as much as 2 to 4 iterations on the mesh.
+/// harmonic weights. Then each level minimises its energy and hands its rotations down to the finer one. The
+/// motions of the clusters of a coarser level help each graph, that of the mesh included. All levels together
+/// cost as much as 2 to 4 iterations on the mesh.
 class MultilevelStart
 {
 public:
@@ -68,9 +70,16 @@ public:
     MultilevelStart(const ArapSystem& fine, const Points& rest, const Progress& progress);
 
     const std::vector<RotationLevel>& levels() const { return levels_; }
+    /// The motions that help the graph of the mesh, for 0, or that of a level, counted from 1. They are empty
+    /// on a mesh without levels and on a coarsest level with few nodes.
+    const ClusterMotions& motions(int graph) const { return motions_[graph]; }
+    std::int64_t factor_bytes() const;
 
 private:
+    void add_motions(const ArapSystem& fine, const Points& rest);
+
     std::vector<RotationLevel> levels_; ///< fine to coarse
+    std::vector<ClusterMotions> motions_; ///< one more than levels
 };
 
 /// One solve on all graphs of a cascade.
@@ -91,9 +100,6 @@ public:
     /// \return the rotation of each of its nodes.
     const std::vector<Eigen::Quaterniond>& solve(GraphWorkspace& work);
 
-    /// The fine problem, with corrections by the coarser graphs.
-    MetricProblem& corrected() { return corrected_.front(); }
-
 private:
     const std::vector<Eigen::Quaterniond>& descend(int level, ArapProblem& problem, GraphWorkspace& work,
                                                    double floor);
@@ -104,7 +110,6 @@ private:
     const Targets& targets_;
     std::vector<GraphWorkspace>& work_;
     std::vector<ArapProblem> problems_;
-    std::vector<CorrectedProblem> corrected_; ///< the fine problem, then those of the levels
     std::vector<double> floors_;
 };
 

@@ -25,8 +25,47 @@ constexpr double rounding = 1e-12;
 /// smaller one.
 constexpr double least_curvature = 1e-6;
 
+/// The largest share of its way that an iteration is taken to leave to the next one.
+constexpr double most_left = 0.9;
+/// How many of the last ways go_on() goes on at least and at most, and what it leaves of what was left.
+constexpr double least_on = 0.05, most_on = 1.5, left_by_going_on = 0.5;
+
 constexpr int grain = 2048; ///< numbers per parallel chunk; its vectors stay in the cache between two loops
 constexpr int most_window = 16;
+
+/// How far the rows of x went in an iteration.
+struct Way
+{
+    double longest = 0.0;
+    double square = 0.0, along_last = 0.0; ///< of all rows: products with themselves and with the last ways
+
+    /// \param[in,out] ways  the last ones, or none; replaced by these.
+    Way(const Points& from, const Points& to, Points& ways)
+    {
+        const int rows = static_cast<int>(from.rows());
+        const bool first = ways.rows() != rows;
+        if (first)
+            ways.resize(rows, 3);
+        std::vector<Eigen::Vector3d> parts(rows / grain + 1, Eigen::Vector3d::Zero());
+        parallel_chunks(rows, grain, [&](int begin, int end) {
+            Eigen::Vector3d& part = parts[begin / grain];
+            for (int i = begin; i < end; ++i) {
+                const Eigen::RowVector3d way = to.row(i) - from.row(i);
+                const double square = way.squaredNorm();
+                part[0] = std::max(part[0], square);
+                part[1] += square;
+                part[2] += first ? 0.0 : way.dot(ways.row(i));
+                ways.row(i) = way;
+            }
+        });
+        for (const Eigen::Vector3d& part : parts) {
+            longest = std::max(longest, part[0]);
+            square += part[1];
+            along_last += part[2];
+        }
+        longest = std::sqrt(longest);
+    }
+};
 
 } // namespace
 
@@ -188,7 +227,8 @@ LbfgsWorkspace::LbfgsWorkspace() : history(std::make_unique<History>()) {}
 LbfgsWorkspace::~LbfgsWorkspace() = default;
 LbfgsWorkspace::LbfgsWorkspace(LbfgsWorkspace&&) noexcept = default;
 
-bool MetricProblem::correct(const Points&, const Points&, Points&) { return false; }
+bool MetricProblem::improve(Points&, Points&, double&) { return false; }
+bool MetricProblem::go_on(const Points&, double, double, Points&, Points&, double&) { return false; }
 
 SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& options, const Progress& progress,
                      LbfgsWorkspace* work)
@@ -198,11 +238,13 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
         return minimize(problem, x, options, progress, &own);
     }
     SolveReport report;
-    auto& [g, z, trial, trial_g, trial_z, kept] = *work;
+    auto& [g, z, trial, trial_g, trial_z, ways, kept] = *work;
     LbfgsWorkspace::History& history = *kept;
     history.reset(std::min(options.window, most_window), x.size());
-    int small_steps = 0, next_correction = 0;
-    bool corrected = false;
+    int small_steps = 0;
+    bool settled = false;
+    double last_way = 0.0, last_square = 0.0;
+    ways.resize(0, 3);
 
     double F = problem.evaluate(x, g);
     const auto try_step = [&](double t) {
@@ -213,11 +255,19 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
         return problem.evaluate(trial, trial_g);
     };
     const auto done = [&] {
-        report.converged = report.converged || F <= options.floor || small_steps >= 2;
+        report.converged = report.converged || F <= options.floor || settled;
         return report.converged || report.iterations >= options.max_iterations;
     };
-    if (!done())
+    if (!done()) {
+        if (options.size > 0)
+            trial = x;
+        if (problem.improve(x, g, F) && options.size > 0) {
+            const Way way(trial, x, ways);
+            last_way = way.longest;
+            last_square = way.square;
+        }
         problem.precondition(g, z);
+    }
     while (!done()) {
         progress.tick(static_cast<double>(report.iterations) / options.max_iterations, "solving");
         const double slope = history.recur();
@@ -225,22 +275,6 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
 
         double F_trial = F;
         bool accepted = false;
-        if (options.correction_period > 0 && (report.iterations >= next_correction || small_steps > 0) &&
-            !corrected && problem.correct(x, g, trial)) {
-            corrected = true;
-            next_correction = report.iterations + options.correction_period;
-            F_trial = problem.evaluate(trial, trial_g);
-            ++report.iterations;
-            accepted = F_trial < F;
-            if (!accepted) {
-                ++report.rejected;
-                problem.restore_state();
-                continue;
-            }
-            history.moved(x, trial);
-        } else {
-            corrected = false;
-        }
         double t = 1.0;
         for (int k = 0;
              !accepted && report.iterations < options.max_iterations && k < most_trials && history.size() > 0;
@@ -279,9 +313,32 @@ SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& opti
             break;
         }
 
-        report.residual = F != 0 ? (F - F_trial) / std::abs(F) : 0.0;
-        small_steps = report.residual < options.tolerance ? small_steps + 1 : 0;
-        if (report.iterations < options.max_iterations && small_steps < 2) {
+        const bool improved = problem.improve(trial, trial_g, F_trial);
+        if (improved)
+            history.moved(x, trial);
+        if (options.size > 0) {
+            const Way way(x, trial, ways);
+            // As if ways shrink on as they did from the last iteration to this one. Slow parts show late, the
+            // more so where no coarse step moves them.
+            const double kept = last_way > 0 ? std::min(way.longest / last_way, most_left) : most_left;
+            const auto left = [&](double share) {
+                return way.longest * std::max(improved ? 1.0 : 2.0, share * kept / (1 - kept)) / options.size;
+            };
+            report.residual = left(1.0);
+            const double slow = last_square > 0 ? way.along_last / last_square : 0.0;
+            const double on = slow < 1 ? std::min(slow / (1 - slow), most_on) : most_on;
+            if (on > least_on && left(left_by_going_on) < options.tolerance &&
+                problem.go_on(x, F, on, trial, trial_g, F_trial))
+                report.residual = left(left_by_going_on);
+            settled = report.residual < options.tolerance;
+            last_way = way.longest;
+            last_square = way.square;
+        } else {
+            report.residual = F != 0 ? (F - F_trial) / std::abs(F) : 0.0;
+            small_steps = report.residual < options.tolerance ? small_steps + 1 : 0;
+            settled = small_steps >= 2;
+        }
+        if (report.iterations < options.max_iterations && !settled) {
             problem.precondition(trial_g, trial_z);
             history.extend(g, trial_g, z, trial_z);
         }

@@ -26,10 +26,16 @@ public:
     virtual void keep_state() = 0;
     virtual void restore_state() = 0;
 
-    /// Optional coarse correction: proposes a better point than x. May change the state.
-    /// \param gradient  at x.
-    /// \return whether a point was proposed.
-    virtual bool correct(const Points& x, const Points& gradient, Points& better);
+    /// Optional coarse step from an accepted point, multiplicative: where it lowers F, moves x, and F and its
+    /// gradient with it, and changes the state.
+    /// \return whether it has moved x.
+    virtual bool improve(Points& x, Points& gradient, double& F);
+
+    /// Optional end of a descent: x and the state go on by a share of the way that they came since the state
+    /// was kept at `from`, unless F were no lower than it was there. The gradient becomes that of the new x.
+    /// \return whether it has moved x.
+    virtual bool go_on(const Points& from, double F_from, double share, Points& x, Points& gradient,
+                       double& F);
 
     /// Moves a trial point onto the constraints of the problem, for example to a given volume. Such a problem
     /// gives the gradient along its constraints.
@@ -40,11 +46,13 @@ public:
 struct LbfgsOptions
 {
     int max_iterations = 40;  ///< trial steps, rejected ones included
-    double tolerance = 1e-4;  ///< stop when the relative decrease of F is below this twice in succession
-    double floor = 0.0;       ///< stop when F is below this
-    /// How many iterations pass from one correction to the next, the correction included; 0 for none.
-    int correction_period = 0;
-    int window = 5;           ///< number of correction pairs, at most 16
+    double tolerance = 1e-4; ///< stop when the relative decrease of F is below this twice in succession
+    /// If not 0, stop instead when no row of x has more than `tolerance` times this left to go: an estimate,
+    /// by the longest way of a row in the last iteration and in the one before. At the end go_on() is asked
+    /// to take what slow parts have left.
+    double size = 0.0;
+    double floor = 0.0; ///< stop when F is below this
+    int window = 5; ///< number of correction pairs, at most 16
     /// How many plain steps are tried before the end, of lengths 1, 0.3, 0.09, ... One is enough where L
     /// bounds the Hessian.
     int plain_steps = 1;
@@ -59,7 +67,7 @@ struct LbfgsWorkspace
     ~LbfgsWorkspace();
     LbfgsWorkspace(LbfgsWorkspace&&) noexcept;
 
-    Points g, z, trial, trial_g, trial_z;
+    Points g, z, trial, trial_g, trial_z, way;
     std::unique_ptr<History> history;
 };
 
@@ -77,7 +85,8 @@ struct LbfgsWorkspace
 ///
 /// \param[in,out] x  (n, 3) the start at first, the best point afterwards.
 /// \param work       the workspace of an earlier call; null for a new one.
-/// \return iterations (trials), rejected, energy = F, residual = the last relative decrease, converged.
+/// \return iterations (trials), rejected, energy = F, converged, residual = the last relative decrease, or
+///         what is left to go as a share of the size.
 SolveReport minimize(MetricProblem& problem, Points& x, const LbfgsOptions& options,
                      const Progress& progress = {}, LbfgsWorkspace* work = nullptr);
 

@@ -52,13 +52,16 @@ TEST(SingleFactor, eliminates_every_unknown_once_and_takes_new_names)
     EXPECT_EQ(MatrixX(after.colwise().reverse()), before);
 }
 
-TEST(SingleFactor, is_ordered_by_patches_where_it_is_large)
+TEST(SingleFactor, is_ordered_as_fits_its_size)
 {
     if (!have_cholmod())
         GTEST_SKIP() << "this build has no CHOLMOD";
-    const SparseMatrix large = matrices::shuffled_grid(224), small = matrices::shuffled_grid(40);
-    EXPECT_EQ(fill_reducing_order(large), elimination_order(large, Ordering::patch_dissection));
-    EXPECT_EQ(fill_reducing_order(small), elimination_order(small, Ordering::nested_dissection));
+    for (const auto& [side, ordering] : {std::pair(224, Ordering::patch_dissection),
+                                         {100, Ordering::nested_dissection},
+                                         {99, Ordering::minimum_degree}}) {
+        const SparseMatrix A = matrices::shuffled_grid(side);
+        EXPECT_EQ(fill_reducing_order(A), elimination_order(A, ordering)) << side;
+    }
 }
 
 TEST(SingleFactor, gives_the_same_bits_on_any_number_of_threads)

@@ -9,9 +9,11 @@
 #include "native/local_global/arap/mesh_graph.h"
 #include "native/local_global/arap/multilevel_start.h"
 #include "native/mesh/frames/normal_frame.h"
+#include "native/mesh/frames/surface_frame.h"
 #include "native/operators/laplacian.h"
 #include "native/operators/painted.h"
 
+#include <algorithm>
 #include <limits>
 #include <numeric>
 #include <optional>
@@ -26,6 +28,10 @@ constexpr double least_rigidity = 1e-3; ///< as a share of the largest painted o
 /// An energy below this share of sum w |p_i - p_j|^2 is rounding. Without this floor, rigid poses would
 /// iterate on it.
 constexpr double rounding_floor = 1e-14;
+
+/// Shares of the tolerance: where no motions of clusters help, ways shrink slowly, and on a small mesh unsteadily.
+constexpr double slow_share = 0.1, small_share = 0.2;
+constexpr int small = 10000; ///< nodes
 
 std::vector<double> painted_rigidity(const std::vector<double>& rigidity, int n)
 {
@@ -56,10 +62,12 @@ struct RestGraph
 {
     GraphCells cells;
     GraphEdges edges;
+    std::vector<double> sizes; ///< one per vertex, see part_sizes()
 
     /// With rims, w_ij is the sum of the bounded half cotangents, so that L is exactly what bounds the
     /// Hessian of the energy.
     RestGraph(const SurfaceMesh& mesh, const ArapOptions& options, const std::vector<double>& rigidity)
+        : sizes(part_sizes(mesh))
     {
         const TriangleMetric metric = triangle_metric(mesh);
         cells.rigidity = rigidity;
@@ -111,6 +119,7 @@ struct Binding
     double unit; ///< of the nodes, whose squares fit into single precision
     ArapSystem graph;
     Points node_rest; ///< the rest points of the nodes
+    double size = 0.0; ///< of the largest part of those that are not idle
     MultilevelStart cascade;
     std::optional<HigherOrder> higher; ///< with point_handles
     mutable Pool<Workspace> workspaces;
@@ -122,6 +131,8 @@ struct Binding
     {
         for (int i = 0; i < graph.size(); ++i)
             node_rest.row(i) = rest.row(graph.order()[i]);
+        for (int i = 0; i < graph.chunks().present(); ++i)
+            size = std::max(size, mesh.sizes[graph.order()[i]]);
         cascade = MultilevelStart(graph, node_rest, progress);
     }
 
@@ -199,11 +210,9 @@ void Arap::bind(const Regions& regions, BindReport& report, const Progress& prog
     self.factorizations += (self.bound->graph.is_smooth() ? 2 : 1) + (self.bound->higher ? 1 : 0);
     report.degenerate_faces = self.degenerate_faces;
     report.factorizations = self.factorizations;
-    report.factor_bytes = self.bound->graph.factor_bytes();
+    report.factor_bytes = self.bound->graph.factor_bytes() + self.bound->cascade.factor_bytes();
     if (self.bound->higher)
         report.factor_bytes += self.bound->higher->factor().bytes();
-    for (const RotationLevel& level : self.bound->cascade.levels())
-        report.factor_bytes += level.graph.factor_bytes();
 }
 
 void Arap::swap_binding(SurfaceMethod& other)
@@ -220,7 +229,8 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
     const Binding& bound = *impl_->bound;
     const ArapSystem& graph = bound.graph;
     LbfgsOptions options{.max_iterations = request.max_iterations.value_or(this->options().max_iterations),
-                         .tolerance = request.tolerance.value_or(this->options().tolerance)};
+                         .tolerance = request.tolerance.value_or(this->options().tolerance),
+                         .size = bound.size};
 
     const auto work = bound.workspaces.take([] { return std::make_unique<Workspace>(); });
     GraphWorkspace& fine = work->fine;
@@ -238,7 +248,6 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
     ArapProblem problem(graph, targets.base(), fine.goals.targets, fine.goals.pulls, &fine.buffers);
     options.floor = rounding_floor * (given.incoming ? graph.scale(targets.base()) : graph.rest_scale());
     CascadeSolve cascade(bound.cascade, problem, graph, targets, work->levels);
-    options.correction_period = correction_period;
     if (request.start) {
         bound.to_nodes(*request.start, graph.free_count(), fine.x);
         if (graph.is_smooth()) // without smoothing, the first evaluation fits them
@@ -247,16 +256,19 @@ SolveReport Arap::deform(const SolveRequest& request, const Targets& given, Poin
         cascade.start();
         problem.global_step(fine.x);
     }
+    if (bound.higher || bound.cascade.motions(0).empty())
+        options.tolerance *= slow_share;
+    else if (graph.chunks().present() < small)
+        options.tolerance *= small_share;
     SolveReport report;
     if (bound.higher) {
         HigherOrderProblem higher(graph, *bound.higher, problem, targets.base(), fine.goals.pulls);
         if (!request.start)
             higher.global_step(fine.x);
-        options.correction_period = 0; // coarser graphs know nothing of the second part of the energy
         options.plain_steps = 4;
         report = minimize(higher, fine.x, options, request.progress, &fine.descent);
     } else {
-        report = minimize(cascade.corrected(), fine.x, options, request.progress, &fine.descent);
+        report = minimize(problem, fine.x, options, request.progress, &fine.descent);
     }
     report.energy = bound.energy(report.energy);
     bound.to_vertices(problem.place(fine.x), positions);

@@ -17,7 +17,7 @@ struct ArapOptions
     std::vector<double> rigidity{1.0};
     double point_handles = 0.0;
     int max_iterations = 40;
-    double tolerance = 1e-4;
+    double tolerance = 1e-3;
 
     static constexpr auto table()
     {
@@ -32,7 +32,10 @@ struct ArapOptions
                 "how stiff each vertex's cell is; values below 1e-3 of the largest one are raised to "
                 "that, so that the system stays solvable where a region is painted black"),
             iteration_limit(&O::max_iterations),
-            stopping_tolerance(&O::tolerance),
+            stopping_tolerance(
+                &O::tolerance,
+                "a solve stops when, by the ways of its last two iterations, no point has more "
+                "than this share of the size of the rest shape left to go"),
             option("point_handles", &O::point_handles, Rebind::anew, from_to_below(0, 1),
                    "lambda: how smooth the surface is also at handles of a single vertex, instead of a "
                    "spike [Oehri, Herholz & Sorkine-Hornung 2025]; with 'spokes' only. The energy of a "
@@ -67,23 +70,24 @@ constexpr auto choices(ArapOptions::Cells)
 /// With `point_handles`, the positions for given rotations minimise the energy of HigherOrder instead, four
 /// times which is the energy of a report: (1 - lambda) E + 2 lambda sum |r_i|^2 / m_i, r = dE / dq / 4. Each
 /// step then asks that this energy falls, though the rotations are those of E, so that an early end is
-/// possible.
+/// possible. A tenth of the tolerance counts there and on meshes too small for
+/// clusters, a fifth below 10,000 vertices.
 ///
 /// Departs from the papers: a weight w_ij below 1e-6 of the mean weight (or negative) is raised to
 /// that, so no term can be negative, and one above 1e4 of the mean is lowered to that. The start is
 /// computed from the poses alone, by a cascade of clustered graphs. The steps are those of L-BFGS in the
-/// metric of the Laplacian, with a test of the energy, and corrections by the coarser graphs. Before
-/// rotations are fitted to their cells, one linear solve moves all of them together.
+/// metric of the Laplacian, with a test of the energy, each followed by a motion of clusters. Before
+/// rotations are fitted to their cells, one linear solve moves all of them together. The last step goes on by
+/// what steps that shrink steadily leave, unless the energy would rise above that before the step.
 ///
 ///   call           repeat it when ...            cost
 ///   constructor    rest shape or faces changed   O(n)
 ///   set_handles()  another set of handles        two factorisations (with point_handles, a third one of
 ///                                                twice the order), and those of the cascade; the first call
 ///                                                also computes the weights
-///   solve()        the handles moved             as much as 3 to 5 iterations for the start, then its
-///                                                iterations: two solves for x, y and z and n rotation fits
-///                                                each; every third one is a correction by the coarser
-///                                                graphs and costs three times as much
+///   solve()        the handles moved             as much as two or three iterations for the start, then its
+///                                                iterations: two solves for x, y and z, n rotation fits and
+///                                                a motion of clusters each
 class Arap : public SurfaceMethodWith<ArapOptions>
 {
 public:

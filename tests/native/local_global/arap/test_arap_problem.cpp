@@ -6,7 +6,10 @@
 #include "tests/native/local_global/arap/graphs.h"
 #include "tests/native/shapes.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+
+#include <cmath>
 
 namespace sinew::test_arap_problem {
 
@@ -110,6 +113,67 @@ TEST(ArapProblem, a_rejected_step_brings_the_rotations_back)
     EXPECT_NE(rotations(problem, setting.graph), before);
     problem.restore_state();
     EXPECT_EQ(rotations(problem, setting.graph), before);
+}
+
+TEST(ArapProblem, motions_of_clusters_lower_the_energy_or_leave_all_as_it_was)
+{
+    for (const double smoothness : {0.0, 0.02}) {
+        const Setting setting({smoothness, false, false, false});
+        const HandleGraph& nodes = setting.graph.nodes();
+        const Points& rest = setting.mesh.points();
+        const RotationLevel level(nodes, setting.graph.cells(), rest, Clusters(nodes, rest, 20));
+        const ClusterMotions motions(setting.graph, rest, level.map.label(), level.graph.nodes());
+        ArapProblem problem = setting.problem();
+        Points x = shapes::Random(2).shaken(problem.free_rows(view(rest)), 0.1), gradient;
+        double F = settled(problem, x, gradient);
+        const double F_before = F;
+        const std::vector<Matrix3> before = rotations(problem, setting.graph);
+        problem.improve_by(motions);
+
+        Points to = x, uphill = -gradient;
+        EXPECT_FALSE(problem.improve(to, uphill, F));
+        problem.refresh(to);
+        EXPECT_EQ(to, x);
+        EXPECT_EQ(F, F_before);
+        for (int i = 0; i < setting.graph.size(); ++i)
+            EXPECT_LE((problem.rotation(i) - before[i]).norm(), smoothness > 0 ? 0.0 : 1e-7) << i;
+        ASSERT_TRUE(problem.improve(to, gradient, F));
+        EXPECT_LT(F, 0.9 * F_before);
+        EXPECT_LE(problem.evaluate(to, gradient), F * (1 + 1e-12)) << "a fit raised it";
+    }
+}
+
+TEST(ArapProblem, going_on_takes_points_and_rotations_along_unless_it_costs_all_that_was_gained)
+{
+    const Setting setting({0.02, false, false, false});
+    ArapProblem problem = setting.problem();
+    Points from = shapes::Random(2).shaken(problem.free_rows(view(setting.mesh.points())), 0.1), gradient, z;
+    const double F_from = settled(problem, from, gradient);
+    problem.keep_state();
+    const std::vector<Matrix3> first = rotations(problem, setting.graph);
+    problem.precondition(gradient, z);
+    const Points to = from - 0.2 * z;
+    Points x = to;
+    double F = problem.evaluate(x, gradient);
+    const std::vector<Matrix3> second = rotations(problem, setting.graph);
+    const Points kept = gradient;
+
+    EXPECT_FALSE(problem.go_on(from, F_from, 30.0, x, gradient, F)) << "much too far";
+    EXPECT_EQ(x, to);
+    EXPECT_EQ(gradient, kept);
+    EXPECT_EQ(rotations(problem, setting.graph), second);
+
+    ASSERT_TRUE(problem.go_on(from, F_from, 0.5, x, gradient, F));
+    EXPECT_LT(F, F_from);
+    EXPECT_LT(shapes::distance(x, Points(to + 0.5 * (to - from))), 1e-15);
+    double most = 0.0;
+    for (int i = 0; i < setting.graph.size(); ++i) {
+        const Eigen::AngleAxisd turned(second[i] * first[i].transpose());
+        const Matrix3 on = Eigen::AngleAxisd(0.5 * turned.angle(), turned.axis()) * second[i];
+        EXPECT_LT((problem.rotation(i) - on).norm(), 0.2 * std::pow(turned.angle(), 3) + 1e-14) << i;
+        most = std::max(most, turned.angle());
+    }
+    EXPECT_GT(most, 0.01);
 }
 
 } // namespace sinew::test_arap_problem

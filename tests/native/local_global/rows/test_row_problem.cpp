@@ -74,7 +74,9 @@ TEST(RowProblem, a_table_of_arap_agrees_with_its_own_kernels)
     EXPECT_LT(shapes::distance(gradient, setting.reordered(expected)), 1e-12);
     problem.global_step(x);
     oracle.global_step(x_expected);
-    EXPECT_LT(shapes::distance(x, setting.reordered(x_expected)), 1e-11); // two solves in single precision
+    EXPECT_LT(shapes::distance(x, setting.reordered(x_expected)), 2e-7); // one solve in single precision
+    oracle.global_step(x_expected);
+    EXPECT_LT(shapes::distance(x, setting.reordered(x_expected)), 1e-11); // two
 }
 
 TEST(RowProblem, a_smooth_table_of_arap_ends_where_its_own_kernels_do)

@@ -270,8 +270,8 @@ TEST(MetricLbfgs, shorter_plain_steps_help_where_the_metric_is_too_small)
     }
 }
 
-/// A quadratic with one soft direction, along the ones. A correction moves by `share` of the way to the
-/// minimum in that direction.
+/// A quadratic with one soft direction, along the ones, in which a coarse step goes `share` of the way to the
+/// minimum.
 class Soft final : public DenseProblem
 {
 public:
@@ -283,61 +283,87 @@ public:
         gradient = rest.rowwise() + softness * mean;
         return 0.5 * (rest.squaredNorm() + softness * count * mean.squaredNorm());
     }
-    bool correct(const Points& x, const Points&, Points& better) override
+    bool improve(Points& x, Points& gradient, double& F) override
     {
-        ++corrections;
-        better = x.rowwise() - share_ * x.colwise().mean();
-        state = better;
+        if (share_ == 0)
+            return false;
+        x = x.rowwise() - share_ * x.colwise().mean();
+        F = value(x, gradient);
+        state = x;
         return true;
+    }
+    bool go_on(const Points& from, double F_from, double share, Points& x, Points& gradient,
+               double& F) override
+    {
+        went_on = share;
+        if (!may_go_on)
+            return false;
+        x += share * (x - from);
+        F = value(x, gradient);
+        return F < F_from;
     }
 
     static constexpr int count = 40;
-    int corrections = 0;
+    bool may_go_on = false;
+    double went_on = 0.0;
 
 private:
     static constexpr double softness = 1e-3;
     double share_;
 };
 
-TEST(MetricLbfgs, corrections_settle_what_steps_hardly_change)
+TEST(MetricLbfgs, coarse_steps_settle_what_steps_hardly_change)
 {
-    LbfgsOptions options = budget(4);
-    options.correction_period = 3;
-    Soft corrected(1.0), alone(1.0);
-    Points x = start(Soft::count), y = x;
-    EXPECT_EQ(minimize(corrected, x, options).rejected, 0);
-    EXPECT_EQ(corrected.corrections, 2); // the first and the fourth iteration
-    EXPECT_LT(x.norm(), 1e-6);           // in single precision, pairs bend the steps by some 1e-7
-    EXPECT_EQ(corrected.state, x);
-    options.correction_period = 0;
-    minimize(alone, y, options);
-    EXPECT_EQ(alone.corrections, 0);
+    Soft improved(1.0), alone(0.0);
+    Points x = start(Soft::count), y = x, gradient;
+    const SolveReport report = minimize(improved, x, budget(2));
+    EXPECT_LT(x.norm(), 1e-6); // in single precision, pairs bend the steps by some 1e-7
+    EXPECT_EQ(improved.state, x);
+    EXPECT_EQ(report.energy, improved.value(x, gradient));
+    minimize(alone, y, budget(2));
+    EXPECT_GT(y.norm(), 1e-2);
 }
 
-TEST(MetricLbfgs, a_correction_that_raises_the_function_is_undone)
+TEST(MetricLbfgs, a_size_ends_it_when_no_row_has_more_than_a_share_of_that_left_to_go)
 {
-    LbfgsOptions options = budget(8);
-    options.correction_period = 3;
-    Soft problem(-2.0);
-    Points x = start(Soft::count), gradient;
-    const double before = problem.value(x, gradient);
-    const SolveReport report = minimize(problem, x, options);
-    EXPECT_EQ(report.rejected, problem.corrections);
-    EXPECT_GE(problem.corrections, 2);
-    EXPECT_LE(report.iterations, 8);
-    EXPECT_EQ(problem.state, x);
-    EXPECT_EQ(report.energy, problem.value(x, gradient));
-    EXPECT_LT(report.energy, before);
+    for (const double share : {0.6, 0.2})
+        for (const double tolerance : {1e-3, 1e-6}) {
+            Soft problem(share);
+            Points x = start(Soft::count);
+            const SolveReport report = minimize(
+                problem, x, {.max_iterations = 100, .tolerance = tolerance, .size = 10.0, .window = 0});
+            EXPECT_TRUE(report.converged);
+            EXPECT_LT(report.residual, tolerance);
+            const double left = x.rowwise().norm().maxCoeff() / 10;
+            EXPECT_LT(left, 1.01 * report.residual);
+            EXPECT_GT(left, 0.1 * tolerance) << "late";
+        }
 }
 
-TEST(MetricLbfgs, a_small_step_calls_for_a_correction_before_the_end)
+TEST(MetricLbfgs, it_goes_on_at_the_end_by_what_steady_steps_leave)
 {
-    // The first step settles all but the soft direction; the next one hardly lowers F.
-    LbfgsOptions options{.max_iterations = 50, .tolerance = 0.9, .correction_period = 40};
-    Soft problem(0.5);
-    Points x = start(Soft::count);
-    EXPECT_TRUE(minimize(problem, x, options).converged);
-    EXPECT_GE(problem.corrections, 2);
+    for (const double share : {0.5, 0.2}) { // from 1 to 1 - share, and to the square of that
+        const double last = share * (1 - share), left = (1 - share) * (1 - share);
+        const double on = std::min((1 - share) / share, 1.5); // it is bounded
+        for (const bool may : {false, true}) {
+            Soft problem(share);
+            problem.may_go_on = may;
+            Points x = Points::Ones(Soft::count, 3), gradient;
+            const double estimate = std::max(last, 0.5 * left); // if it goes on
+            const SolveReport report = minimize(problem, x,
+                                                {.max_iterations = 40,
+                                                 .tolerance = 1.05 * std::sqrt(3) * estimate,
+                                                 .size = 1.0,
+                                                 .window = 0});
+            EXPECT_TRUE(report.converged);
+            EXPECT_EQ(report.energy, problem.value(x, gradient));
+            EXPECT_EQ(report.iterations == 1, may || share == 0.5);
+            if (may) {
+                EXPECT_NEAR(x.maxCoeff(), left - on * last, 5e-3); // the softness
+                EXPECT_NEAR(x.minCoeff(), left - on * last, 5e-3);
+            }
+        }
+    }
 }
 
 } // namespace sinew::test_metric_lbfgs
