@@ -197,7 +197,7 @@ void ConstrainedQuadratic::solve(RowMatrix& x, const RowMatrix* rhs, Workspace& 
 {
     right_side(x, rhs, work.unknowns);
     if (SolvedSystem* const solved = SolvedSystem::of_thread())
-        solved->keep(problem_, work.unknowns);
+        solved->keep(problem_, x, work.unknowns);
     factor_.solve_rows(work.unknowns);
     const auto columns = x.cols();
     parallel_for(static_cast<int>(problem_.unknowns.size()), [&](int u) {

@@ -54,6 +54,12 @@ void require_consistent(const LinearSystem& system)
         require_size(system.graph.cols(), n, "graph: columns");
         require_finite(system.graph, "graph");
     }
+    if (system.held.size() > 0) {
+        require_size(system.held.rows(), n, "held: rows");
+        require_size(system.held.cols(), system.right_side.cols(), "held: columns");
+        if (!system.held.allFinite())
+            throw InvalidOption("held: NaN or infinite entry");
+    }
     if (system.mass.size() > 0)
         require_size(system.mass.size(), n, "mass");
     for (Eigen::Index i = 0; i < system.mass.size(); ++i)

@@ -14,6 +14,8 @@ struct LinearSystem
     SparseMatrix matrix; ///< (m, m) A, symmetric with both triangles stored where nothing else is said
     RowMatrix right_side; ///< (m, k) b; may be empty
     std::vector<int> vertices; ///< (m) the node of each unknown, ascending
+    RowMatrix
+        held; ///< (n, k) the values of held nodes that b comes from, 0 at the others; empty where not known
 
     // What multigrid needs; empty where it is not known.
     Points points; ///< (n, 3) the nodes

@@ -9,9 +9,14 @@ namespace sinew {
 
 thread_local SolvedSystem* SolvedSystem::current = nullptr;
 
-void SolvedSystem::keep(const ConstrainedQuadratic::Problem& problem, const RowMatrix& right_side)
+void SolvedSystem::keep(const ConstrainedQuadratic::Problem& problem, const RowMatrix& x,
+                        const RowMatrix& right_side)
 {
     problem_ = problem;
+    held_ = x;
+    for (Eigen::Index i = 0; i < x.rows(); ++i)
+        if (problem.free[i])
+            held_.row(i).setZero();
     right_side_ = right_side;
     described_ = {};
 }
@@ -28,6 +33,7 @@ LinearSystem SolvedSystem::system() const
 {
     const auto& [matrix, free, unknowns] = problem_;
     LinearSystem system = described_;
+    system.held = held_;
     if (system.graph.cols() == 0)
         system.graph = *matrix;
     std::vector<int> rows, place(free.size(), -1);

@@ -19,8 +19,9 @@ public:
     /// The innermost one of this thread, or null.
     static SolvedSystem* of_thread() { return current; }
 
+    /// \param x           (n, k) with the values of the rows that are given
     /// \param right_side  (unknowns, k)
-    void keep(const ConstrainedQuadratic::Problem& problem, const RowMatrix& right_side);
+    void keep(const ConstrainedQuadratic::Problem& problem, const RowMatrix& x, const RowMatrix& right_side);
     /// Says what the last system is made of, as in LinearSystem.
     void describe(const SparseMatrix& graph, VectorX mass, int order, double membrane = 0);
 
@@ -34,7 +35,7 @@ private:
     SolvedSystem* outer_;
     ConstrainedQuadratic::Problem problem_;
     LinearSystem described_;
-    RowMatrix right_side_;
+    RowMatrix held_, right_side_;
 };
 
 } // namespace sinew

@@ -77,7 +77,9 @@ def test_the_system_is_that_of_the_solve(name) -> None:
 
 def test_multigrid_needs_as_many_iterations_for_four_times_the_unknowns_and_no_manifold() -> None:
     counts = [sn.solve(shell(side), solver="multigrid", tolerance=1e-4)[1].iterations for side in (80, 160)]
-    assert max(counts) <= 14
+    assert max(counts) <= 6
+    from_zero = sn.solve(shell(160), solver="multigrid", cycle="v", tolerance=1e-4)[1].iterations
+    assert from_zero >= 2 * counts[1]  # a guess of 0 has a jump beside each handle
     system = shell(0, messy)
     x = sn.solve(system, solver="multigrid", tolerance=1e-10)[0]
     np.testing.assert_allclose(x, expected(system), rtol=0, atol=1e-5)

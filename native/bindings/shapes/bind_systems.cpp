@@ -46,7 +46,7 @@ LinearSystem of_matrix(const py::object& matrix)
 
 LinearSystem make_system(const SystemOrMatrix& matrix, const OptionalArray& right_side,
                          const OptionalArray& points, const OptionalMatrix& graph, const OptionalArray& mass,
-                         const OptionalArray& vertices, int order, double membrane)
+                         const OptionalArray& vertices, int order, double membrane, const OptionalArray& held)
 {
     LinearSystem system = of_matrix(matrix);
     system.order = order;
@@ -63,6 +63,8 @@ LinearSystem make_system(const SystemOrMatrix& matrix, const OptionalArray& righ
     }
     if (!vertices.is_none())
         system.vertices = integers(vertices, "vertices");
+    if (!held.is_none())
+        system.held = columns_of(floats(held, "held"), "held");
     require_consistent(system);
     return system;
 }
@@ -107,7 +109,8 @@ Each of the m unknowns belongs to one of n nodes, in most cases the vertices of 
 value is 0. All that is read from it are copies.)")
         .def(py::init(&make_system), py::arg("matrix"), py::arg("right_side") = py::none(), py::kw_only(),
              py::arg("points") = py::none(), py::arg("graph") = py::none(), py::arg("mass") = py::none(),
-             py::arg("vertices") = py::none(), py::arg("order") = 1, py::arg("membrane") = 0.0, R"(
+             py::arg("vertices") = py::none(), py::arg("order") = 1, py::arg("membrane") = 0.0,
+             py::arg("held") = py::none(), R"(
 matrix      (m, m) SciPy sparse A, with both triangles.
 right_side  None, or (m,) or (m, k) b.
 points      None, or (n, 3) the nodes. Multigrid needs them and the graph.
@@ -116,6 +119,7 @@ mass        None (1), or (n,) M, > 0; infinite where a node does not count.
 vertices    None for all, or (m,) the node of each unknown, rising.
 order       1: A is the block of the unknowns in L. 2: that in L M^-1 L + membrane L. 3 and more: something else.
 membrane    >= 0, of order 2.
+held        None, or (n,) or (n, k) the values of held nodes that the right side comes from, 0 at the unknowns.
 
 Raises InvalidOption where sizes do not match or a number is not finite.)")
         .def_property_readonly(
@@ -128,6 +132,8 @@ Raises InvalidOption where sizes do not match or a number is not finite.)")
             "graph", [](const LinearSystem& s) { return s.graph; }, "(n, n) L, SciPy sparse, or empty.")
         .def_property_readonly(
             "mass", [](const LinearSystem& s) { return s.mass; }, "(n,) M, or empty.")
+        .def_property_readonly(
+            "held", [](const LinearSystem& s) { return s.held; }, "(n, k) values of held nodes, or empty.")
         .def_property_readonly(
             "vertices", [](const LinearSystem& s) { return to_numpy(s.vertices); },
             "(m,) the node of each unknown.")
@@ -184,7 +190,7 @@ InvalidConstraint before set_handles(), InvalidOption of a method that solves no
 Cost: a solve, and a copy.)");
     module.def("solve", &solve_system, py::arg("system"), py::arg("b") = py::none(), py::kw_only(),
                py::arg("solver") = "automatic", py::arg("ordering") = "automatic",
-               py::arg("preconditioner") = "jacobi", py::arg("cycle") = "v", py::arg("tolerance") = 1e-8,
+               py::arg("preconditioner") = "jacobi", py::arg("cycle") = "full", py::arg("tolerance") = 1e-8,
                py::arg("max_iterations") = 10000, py::arg("error_bound") = false,
                py::arg("progress") = py::none(),
                R"(Solve A x = b by any solver of the tutorial's appendix A -> (x, SolutionReport).
@@ -198,7 +204,7 @@ solver          'cholesky' (supernodal), 'simplicial', 'lu' (sparse, needs no sy
 ordering        of 'cholesky' and 'simplicial', as in SpdFactor.
 preconditioner  of 'conjugate_gradients': 'none', 'jacobi', 'incomplete_cholesky', which is refused where it breaks
                 down, or 'shifted_incomplete_cholesky', which raises the diagonal there and says so.
-cycle           of 'multigrid': 'v', 'full', which begins with nested iteration, or 'cascading', which has no cycle.
+cycle           of 'multigrid': 'v', 'full', which begins with nested iteration from the values of held nodes, or 'cascading', which has no cycle.
 tolerance       of iterations: |b - A x| / |b|; with the cycles 'v' and 'full' the largest entry of an estimated
                 error, as a share of that of x.
 max_iterations  at most so many for each four columns, and 500 cycles.

@@ -22,6 +22,7 @@ LinearSystem system_of(const SurfaceMethod& method, const Poses& poses)
     LinearSystem system = solved.system();
     if (system.graph.cols() != rest.vertex_count()) { // the unknowns are no vertices
         system.graph = {};
+        system.held = {};
         return system;
     }
     system.points = rest.points();

@@ -78,10 +78,11 @@ SparseMatrix assembled(const Level& level, int order, double membrane)
 Cycles::Cycles(const Hierarchy& hierarchy) : hierarchy_(hierarchy), work_(hierarchy.levels.size())
 {
     for (int l = 0; l < static_cast<int>(work_.size()); ++l) {
-        const Four zero = Four::Zero();
         Work& work = work_[l];
-        for (std::vector<Four>* each : {&work.b, &work.x, &work.r, &work.step, &work.next, &work.middle})
-            each->assign(hierarchy.levels[l].nodes, zero);
+        for (std::vector<Four>* each : {&work.b, &work.r, &work.step, &work.middle, &work.sum})
+            each->assign(hierarchy.levels[l].nodes, Four::Zero());
+        for (std::vector<Wide>* each : {&work.x, &work.other})
+            each->assign(hierarchy.levels[l].nodes, Wide::Zero());
         work.largest = margin * largest_eigenvalue(l);
     }
     const Level& last = hierarchy.levels.back();
@@ -97,8 +98,8 @@ Cycles::Cycles(const Hierarchy& hierarchy) : hierarchy_(hierarchy), work_(hierar
 }
 
 /// body(i, (L x)_i) for so many of the first nodes. Those of level.free are the free ones.
-template <class Body>
-void Cycles::multiply_by_laplacian(int l, int count, const std::vector<Four>& x, Body&& body)
+template <class Column, class Body>
+void Cycles::multiply_by_laplacian(int l, int count, const std::vector<Column>& x, Body&& body)
 {
     const Level& level = hierarchy_.levels[l];
     const Level::Link* const links = level.links.data();
@@ -106,57 +107,52 @@ void Cycles::multiply_by_laplacian(int l, int count, const std::vector<Four>& x,
     parallel_for(
         count,
         [&](int i) {
-            Four sum = Four::Zero();
-            const Four& own = x[i];
+            Column sum = Column::Zero();
+            const Column& own = x[i];
             for (int at = begin[i]; at < begin[i + 1]; ++at)
-                sum += links[at].weight * (own - x[links[at].node]);
+                sum += typename Column::Scalar(links[at].weight) * (own - x[links[at].node]);
             body(i, sum);
         },
         grain);
 }
 
-/// body(i, (A x)_i) for the free nodes. It may change x where the operator is of order 2.
-template <class Body>
-void Cycles::multiply(int l, const std::vector<Four>& x, Body&& body)
+/// body(i, (A x)_i) for the free nodes. Where the operator is of order 2, body may change x.
+template <class Column, class Body>
+void Cycles::multiply(int l, const std::vector<Column>& x, std::vector<Column>& middle, Body&& body)
 {
+    using Scalar = typename Column::Scalar;
     const Level& level = hierarchy_.levels[l];
-    if (hierarchy_.order == 1) {
-        multiply_by_laplacian(l, level.free, x,
-                              [&](int i, const Four& sum) { body(i, Four(sum + level.pull[i] * x[i])); });
-        return;
-    }
-    std::vector<Four>& middle = work_[l].middle;
-    const auto membrane = static_cast<float>(hierarchy_.membrane);
-    multiply_by_laplacian(l, level.nodes, x, [&](int i, const Four& sum) {
-        middle[i] = level.inverse_mass[i] * sum + membrane * x[i];
+    const auto last = [&](int i, const Column& sum) { body(i, Column(sum + Scalar(level.pull[i]) * x[i])); };
+    if (hierarchy_.order == 1)
+        return multiply_by_laplacian(l, level.free, x, last);
+    const auto membrane = static_cast<Scalar>(hierarchy_.membrane);
+    multiply_by_laplacian(l, level.nodes, x, [&](int i, const Column& sum) {
+        middle[i] = Scalar(level.inverse_mass[i]) * sum + membrane * x[i];
     });
-    multiply_by_laplacian(l, level.free, middle,
-                          [&](int i, const Four& sum) { body(i, Four(sum + level.pull[i] * x[i])); });
+    multiply_by_laplacian(l, level.free, middle, last);
 }
 
 /// The largest Rayleigh quotient after some steps of the power iteration, of four columns.
 float Cycles::largest_eigenvalue(int l)
 {
     const Level& level = hierarchy_.levels[l];
-    std::vector<Four>&x = work_[l].x, &y = work_[l].r;
+    std::vector<Four>&x = work_[l].sum, &y = work_[l].r;
     for (int i = 0; i < level.free; ++i)
         for (int c = 0; c < 4; ++c)
             x[i][c] = scattered(static_cast<std::uint32_t>(4 * i + c));
     double largest = 0.0;
     for (int k = 0; k < powers; ++k) {
-        multiply(l, x, [&](int i, const Four& product) { y[i] = product; });
-        const Eigen::Array4d energy = sum_of(
-            level.free, [&](int i) { return Eigen::Array4d(x[i].cast<double>() * y[i].cast<double>()); });
-        const Eigen::Array4d square = sum_of(level.free, [&](int i) {
+        multiply(l, x, work_[l].middle, [&](int i, const Four& product) { y[i] = product; });
+        const Wide energy =
+            sum_of(level.free, [&](int i) { return Wide(x[i].cast<double>() * y[i].cast<double>()); });
+        const Wide square = sum_of(level.free, [&](int i) {
             const float inverse = level.inverse_diagonal[i];
-            return Eigen::Array4d(x[i].cast<double>().square() * (inverse > 0 ? 1.0 / inverse : 0.0));
+            return Wide(x[i].cast<double>().square() * (inverse > 0 ? 1.0 / inverse : 0.0));
         });
         largest = (energy / square.max(1e-300)).maxCoeff();
         const Four scale = square.max(1e-30).sqrt().inverse().cast<float>();
         parallel_for(level.free, [&](int i) { x[i] = scale * level.inverse_diagonal[i] * y[i]; });
     }
-    for (std::vector<Four>* each : {&x, &y})
-        std::fill(each->begin(), each->end(), Four(Four::Zero()));
     return static_cast<float>(largest);
 }
 
@@ -166,51 +162,39 @@ void Cycles::raise_bounds()
         work.largest *= 1.3F;
 }
 
-/// x += a polynomial of the residual of A x = b.
-void Cycles::smooth(int l, bool from_zero)
+/// sum = a polynomial of r, which is used up.
+void Cycles::smooth(int l)
 {
     const Level& level = hierarchy_.levels[l];
     Work& work = work_[l];
     const float* const inverse = level.inverse_diagonal.data();
     const float first = 4.0F / (3.0F * work.largest);
-    const auto begin = [&](int i, const Four& residual) {
-        work.r[i] = residual;
-        work.step[i] = first * inverse[i] * residual;
-        work.next[i] = work.x[i] + factors[0] * work.step[i];
-    };
-    if (from_zero)
-        parallel_for(
-            level.free,
-            [&](int i) {
-                work.x[i].setZero();
-                begin(i, work.b[i]);
-            },
-            grain);
-    else
-        multiply(l, work.x, [&](int i, const Four& product) { begin(i, work.b[i] - product); });
-    work.x.swap(work.next);
+    parallel_for(
+        level.free,
+        [&](int i) {
+            work.step[i] = first * inverse[i] * work.r[i];
+            work.sum[i] = factors[0] * work.step[i];
+        },
+        grain);
+    const bool in_place = hierarchy_.order == 2;
+    std::vector<Four>& next = in_place ? work.step : work.middle;
     for (int k = 2; k <= degree; ++k) {
         const auto number = static_cast<float>(2 * k + 1);
         const float kept = static_cast<float>(2 * k - 3) / number,
                     added = static_cast<float>(8 * k - 4) / (number * work.largest), factor = factors[k - 1];
-        multiply(l, work.step, [&](int i, const Four& product) {
+        multiply(l, work.step, work.middle, [&](int i, const Four& product) {
             const Four residual = work.r[i] - product,
                        step = kept * work.step[i] + added * inverse[i] * residual;
             work.r[i] = residual;
-            work.next[i] = step;
-            work.x[i] += factor * step;
+            next[i] = step;
+            work.sum[i] += factor * step;
         });
-        work.step.swap(work.next);
+        if (!in_place)
+            work.step.swap(work.middle);
     }
 }
 
-void Cycles::find_residual(int l)
-{
-    Work& work = work_[l];
-    multiply(l, work.x, [&](int i, const Four& product) { work.r[i] = work.b[i] - product; });
-}
-
-/// b of the next level from the residual of this one.
+/// b of the next level from r of this one, which is used up.
 void Cycles::restrict_residual(int l)
 {
     const Level& level = hierarchy_.levels[l];
@@ -233,29 +217,25 @@ void Cycles::restrict_residual(int l)
         grain);
 }
 
-/// x of this level from that of the next, or what is added to it.
-void Cycles::prolong(int l, bool add)
+/// x of this level from that of the next.
+/// \param x, other  have what is on held nodes; `other` is overwritten elsewhere.
+void Cycles::prolong(int l, const std::vector<Wide>& coarse, std::vector<Wide>& x, std::vector<Wide>& other)
 {
     const Level& level = hierarchy_.levels[l];
-    Work& work = work_[l];
-    const std::vector<Four>& coarse = work_[l + 1].x;
     parallel_for(
         level.free,
         [&](int i) {
-            const auto& parents = level.parents[i];
-            const auto& shares = level.shares[i];
-            work.step[i] = shares[0] * coarse[parents[0]] + shares[1] * coarse[parents[1]] +
-                           shares[2] * coarse[parents[2]];
+            x[i].setZero();
+            for (int k = 0; k < 3; ++k)
+                x[i] += static_cast<double>(level.shares[i][k]) * coarse[level.parents[i][k]];
         },
         grain);
     for (int k = 0; hierarchy_.order == 2 && k < transfer_steps; ++k) {
-        multiply_by_laplacian(l, level.free, work.step, [&](int i, const Four& product) {
-            work.next[i] = work.step[i] - transfer_damping * level.inverse_of_L[i] * product;
+        multiply_by_laplacian(l, level.free, x, [&](int i, const Wide& product) {
+            other[i] = x[i] - static_cast<double>(transfer_damping * level.inverse_of_L[i]) * product;
         });
-        work.step.swap(work.next);
+        x.swap(other);
     }
-    parallel_for(
-        level.free, [&](int i) { work.x[i] = add ? Four(work.x[i] + work.step[i]) : work.step[i]; }, grain);
 }
 
 void Cycles::solve_coarsest()
@@ -265,94 +245,147 @@ void Cycles::solve_coarsest()
         columns_.row(i) = work.b[i].cast<double>().matrix().transpose();
     coarsest_.solve_rows(columns_);
     for (int i = 0; i < columns_.rows(); ++i)
-        work.x[i] = columns_.row(i).transpose().array().cast<float>();
+        work.x[i] = columns_.row(i).transpose().array();
 }
 
 void Cycles::cycle(int l)
 {
     if (l + 1 == static_cast<int>(work_.size()))
         return solve_coarsest();
-    smooth(l, true);
-    find_residual(l);
+    const Level& level = hierarchy_.levels[l];
+    Work& work = work_[l];
+    std::copy_n(work.b.begin(), level.free, work.r.begin());
+    smooth(l);
+    multiply(l, work.sum, work.middle, [&](int i, const Four& product) { work.r[i] = work.b[i] - product; });
     restrict_residual(l);
     cycle(l + 1);
-    prolong(l, true);
-    smooth(l, false);
+    std::fill(work.other.begin() + level.free, work.other.end(), Wide(Wide::Zero()));
+    prolong(l, work_[l + 1].x, work.x, work.other);
+    const auto add = [&] {
+        parallel_for(level.free, [&](int i) { work.x[i] += work.sum[i].cast<double>(); }, grain);
+    };
+    add();
+    multiply(l, work.x, work.other, [&](int i, const Wide& product) {
+        work.r[i] = (work.b[i].cast<double>() - product).cast<float>();
+    });
+    smooth(l);
+    add();
 }
 
-void Cycles::begin(const std::vector<Four>& b) { std::copy(b.begin(), b.end(), work_.front().b.begin()); }
-void Cycles::finish(std::vector<Four>& x) const
+const std::vector<Wide>& Cycles::v_cycle()
 {
-    x.assign(work_.front().x.begin(), work_.front().x.begin() + hierarchy_.levels.front().free);
-}
-
-void Cycles::v_cycle(const std::vector<Four>& b, std::vector<Four>& x)
-{
-    begin(b);
     cycle(0);
-    finish(x);
+    return work_.front().x;
 }
 
 /// The right side of each level.
-void Cycles::restrict_all(const std::vector<Four>& b)
+void Cycles::restrict_all()
 {
-    begin(b);
     for (int l = 0; l + 1 < static_cast<int>(work_.size()); ++l) {
         work_[l].r = work_[l].b;
         restrict_residual(l);
     }
-    solve_coarsest();
 }
 
-void Cycles::full_cycle(const std::vector<Four>& b, std::vector<Four>& x)
+/// b -= A x, with held nodes that are not 0.
+void Cycles::find_residual(int l, const std::vector<Wide>& x, const std::vector<Wide>& beyond)
 {
-    restrict_all(b);
-    for (int l = static_cast<int>(work_.size()) - 2; l >= 0; --l) {
-        prolong(l, false);
-        // What is left is solved for by a V-cycle, whose right side is the residual.
-        Work& work = work_[l];
-        const std::vector<Four> before = work.x;
-        find_residual(l);
-        work.b = work.r;
-        cycle(l);
-        parallel_for(hierarchy_.levels[l].free, [&](int i) { work.x[i] += before[i]; });
+    const Level& level = hierarchy_.levels[l];
+    Work& work = work_[l];
+    const auto last = [&](int i, const Wide& sum) {
+        const Wide product = sum + static_cast<double>(level.pull[i]) * x[i];
+        work.b[i] = (work.b[i].cast<double>() - product).cast<float>();
+    };
+    if (hierarchy_.order == 1)
+        return multiply_by_laplacian(l, level.free, x, last);
+    multiply_by_laplacian(l, level.nodes, x, [&](int i, const Wide& sum) {
+        const Wide all = i < level.free ? sum : Wide(sum + beyond[i - level.free]);
+        work.other[i] = static_cast<double>(level.inverse_mass[i]) * all + hierarchy_.membrane * x[i];
+    });
+    multiply_by_laplacian(l, level.free, work.other, last);
+}
+
+std::vector<Wide> Cycles::full_cycle(const HeldValues& held)
+{
+    restrict_all();
+    const int last = static_cast<int>(work_.size()) - 1;
+    std::vector<HeldValues> values(work_.size());
+    for (int l = 0; l <= last; ++l) {
+        const Level& level = hierarchy_.levels[l];
+        HeldValues& own = values[l];
+        own.value.assign(level.nodes - level.free, Wide::Zero());
+        own.beyond = own.value;
+        if (l == 0 && !held.value.empty())
+            own = held;
+        const Level* const above = l > 0 ? &hierarchy_.levels[l - 1] : nullptr;
+        for (int c = level.free; above && c < level.nodes; ++c) {
+            int count = 0;
+            for (int at = above->child_begin[c]; at < above->child_begin[c + 1]; ++at)
+                if (const int i = above->children[at].node - above->free; i >= 0) {
+                    own.value[c - level.free] += values[l - 1].value[i];
+                    own.beyond[c - level.free] += values[l - 1].beyond[i];
+                    ++count;
+                }
+            own.value[c - level.free] /= std::max(count, 1);
+        }
     }
-    finish(x);
+    std::vector<Wide> coarse, x;
+    for (int l = last; l >= 0; --l) {
+        const Level& level = hierarchy_.levels[l];
+        x.assign(level.nodes, Wide::Zero());
+        std::copy(values[l].value.begin(), values[l].value.end(), x.begin() + level.free);
+        if (l < last) {
+            std::vector<Wide> other = x;
+            prolong(l, coarse, x, other);
+        }
+        if (l > 0) {
+            find_residual(l, x, values[l].beyond);
+            cycle(l);
+            parallel_for(level.free, [&](int i) { x[i] += work_[l].x[i]; }, grain);
+        }
+        coarse.swap(x);
+    }
+    return coarse;
 }
 
-void Cycles::descend(const std::vector<Four>& b, std::vector<Four>& x)
+const std::vector<Wide>& Cycles::descend()
 {
-    restrict_all(b);
+    restrict_all();
+    solve_coarsest();
     for (int l = static_cast<int>(work_.size()) - 2; l >= 0; --l) {
-        prolong(l, false);
+        Work& work = work_[l];
+        std::fill(work.other.begin() + hierarchy_.levels[l].free, work.other.end(), Wide(Wide::Zero()));
+        prolong(l, work_[l + 1].x, work.x, work.other);
         steps_of_conjugate_gradients(l, cascade_steps * (l + 1));
     }
-    finish(x);
+    return work_.front().x;
 }
 
 void Cycles::steps_of_conjugate_gradients(int l, int count)
 {
     const Level& level = hierarchy_.levels[l];
     Work& work = work_[l];
-    find_residual(l);
+    multiply(l, work.x, work.other, [&](int i, const Wide& product) {
+        work.r[i] = (work.b[i].cast<double>() - product).cast<float>();
+    });
     const auto squares = [&] {
         return sum_of(level.free, [&](int i) {
-            return Eigen::Array4d((level.inverse_diagonal[i] * work.r[i].square()).cast<double>());
+            return Wide((level.inverse_diagonal[i] * work.r[i].square()).cast<double>());
         });
     };
     parallel_for(level.free, [&](int i) { work.step[i] = level.inverse_diagonal[i] * work.r[i]; });
-    Eigen::Array4d rr = squares();
+    Wide rr = squares();
     for (int k = 0; k < count; ++k) {
-        multiply(l, work.step, [&](int i, const Four& product) { work.next[i] = product; });
-        const Eigen::Array4d energy = sum_of(level.free, [&](int i) {
-            return Eigen::Array4d(work.step[i].cast<double>() * work.next[i].cast<double>());
+        multiply(l, work.step, work.middle, [&](int i, const Four& product) { work.sum[i] = product; });
+        const Wide energy = sum_of(level.free, [&](int i) {
+            return Wide(work.step[i].cast<double>() * work.sum[i].cast<double>());
         });
         const Four alpha = (energy > 0).select(rr / energy, 0.0).cast<float>();
         parallel_for(level.free, [&](int i) {
-            work.x[i] += alpha * work.step[i];
-            work.r[i] -= alpha * work.next[i];
+            work.x[i] += (alpha * work.step[i]).cast<double>();
+            work.r[i] -= alpha * work.sum[i];
         });
-        const Eigen::Array4d before = std::exchange(rr, squares());
+        const Wide before = std::exchange(rr, squares());
         const Four beta = (before > 0).select(rr / before, 0.0).cast<float>();
         parallel_for(level.free, [&](int i) {
             work.step[i] = level.inverse_diagonal[i] * work.r[i] + beta * work.step[i];
@@ -364,7 +397,7 @@ std::int64_t Cycles::bytes() const
 {
     std::int64_t sum = coarsest_.bytes();
     for (const Work& work : work_)
-        sum += static_cast<std::int64_t>(6 * work.b.size() * sizeof(Four));
+        sum += static_cast<std::int64_t>(work.b.size() * (5 * sizeof(Four) + 2 * sizeof(Wide)));
     return sum;
 }
 

@@ -13,9 +13,21 @@ namespace sinew {
 
 /// What a node has in each of four columns that are solved side by side.
 using Four = Eigen::Array4f;
+using Wide = Eigen::Array4d;
 
-/// Approximate inverses of the operator of a hierarchy, in single precision. All are linear and symmetric, but for
-/// descend().
+/// The values of held nodes, where they are not 0.
+struct HeldValues
+{
+    std::vector<Wide> value;  ///< (nodes - free) of the finest level
+    std::vector<Wide>
+        beyond; ///< (nodes - free) what L of these nodes has from held nodes that are no part of the level
+};
+
+/// Approximate inverses of the operator of a hierarchy. All are linear and symmetric, but for the first guesses
+/// full_cycle() and descend().
+///
+/// What a smoother adds is rough, and stands in single precision. What comes from the next level is smooth: on fine
+/// meshes its second differences are below the rounding of single precision, so it and its residual are in double.
 ///
 /// Smoother: J. Lottes. "Optimal polynomial smoothers for multigrid V-cycles." Numer. Linear Algebra Appl. 30(6), 2023,
 /// of degree 4 in the diagonal times A. For the second order, restriction and prolongation are smoothed by two Jacobi
@@ -29,17 +41,22 @@ public:
     /// \throw FactorizationFailed  the operator on the coarsest level is singular.
     explicit Cycles(const Hierarchy& hierarchy);
 
-    /// x = one V-cycle for A x = b. Cost: nine products with A on each level.
-    /// \param b, x  (free) of the finest level.
-    void v_cycle(const std::vector<Four>& b, std::vector<Four>& x);
+    /// (nodes) b of the next cycle, on the free nodes of the finest level.
+    std::vector<Four>& right_side() { return work_.front().b; }
 
-    /// Nested iteration, also called a full cycle: from the solution on the coarsest level through one V-cycle on each.
-    void full_cycle(const std::vector<Four>& b, std::vector<Four>& x);
+    /// x = one V-cycle for A x = b. Cost: nine products with A on each level.
+    /// \return (nodes) of the finest level; the next call changes it.
+    const std::vector<Wide>& v_cycle();
+
+    /// Nested iteration, also called a full cycle: from the solution on the coarsest level through one V-cycle on each
+    /// but the finest one. With the values of held nodes, no level begins with a jump beside them.
+    /// \param held  empty where all are 0.
+    std::vector<Wide> full_cycle(const HeldValues& held);
 
     /// From the coarsest level to the finest, without a way back: conjugate gradients with the diagonal on each level,
     /// more steps on coarser ones. F. A. Bornemann, P. Deuflhard. "The cascadic multigrid method for elliptic
     /// problems." Numer. Math. 75, 1996.
-    void descend(const std::vector<Four>& b, std::vector<Four>& x);
+    const std::vector<Wide>& descend();
 
     /// Raises the bounds of eigenvalues from which the smoothers are made.
     void raise_bounds();
@@ -49,25 +66,24 @@ public:
 private:
     struct Work
     {
-        std::vector<Four> b, x, r, step, next, middle; ///< (nodes); zero on held nodes
+        std::vector<Four> b, r, step, middle, sum; ///< (nodes); zero on held nodes, but for middle
+        std::vector<Wide> x, other;                ///< (nodes); x is zero on held nodes
         float largest = 0; ///< a bound of the eigenvalues of A with the diagonal 1
     };
 
-    template <class Body>
-    void multiply(int level, const std::vector<Four>& x, Body&& body);
-    template <class Body>
-    void multiply_by_laplacian(int level, int count, const std::vector<Four>& x, Body&& body);
+    template <class Column, class Body>
+    void multiply_by_laplacian(int level, int count, const std::vector<Column>& x, Body&& body);
+    template <class Column, class Body>
+    void multiply(int level, const std::vector<Column>& x, std::vector<Column>& middle, Body&& body);
     float largest_eigenvalue(int level);
-    void smooth(int level, bool from_zero);
-    void find_residual(int level);
+    void smooth(int level);
     void restrict_residual(int level);
-    void prolong(int level, bool add);
+    void prolong(int level, const std::vector<Wide>& coarse, std::vector<Wide>& x, std::vector<Wide>& other);
     void solve_coarsest();
     void cycle(int level);
-    void restrict_all(const std::vector<Four>& b);
+    void restrict_all();
+    void find_residual(int level, const std::vector<Wide>& x, const std::vector<Wide>& beyond);
     void steps_of_conjugate_gradients(int level, int count);
-    void begin(const std::vector<Four>& b);
-    void finish(std::vector<Four>& x) const;
 
     const Hierarchy& hierarchy_;
     std::vector<Work> work_;

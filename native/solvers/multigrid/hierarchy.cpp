@@ -22,9 +22,9 @@ constexpr int most_on_coarsest = 3000;
 constexpr double least_gain = 0.7;    ///< no further level that has more than this share of the nodes
 constexpr double least_share = 0.01;  ///< smaller ones of a parent are dropped
 constexpr double least_pull = 1e-9;   ///< as a share of the diagonal; less is rounding
-constexpr double large =
-    0.05; ///< what a triangle loses to one whose sides are shorter by the nearest cell's distance
-constexpr double flattest = 1e-6;     ///< of the squared area of a triangle of cells to that of its edges
+constexpr double wide =
+    0.1; ///< what a triangle loses for each time that its circumcircle has the radius of the nearest cell's distance
+constexpr double flattest = 1e-6; ///< of the squared area of a triangle of cells to that of its edges
 
 std::vector<int> in_space(const Points& points, const std::vector<int>& nodes)
 {
@@ -61,7 +61,8 @@ void complete(Level& level, int order, double membrane)
 }
 
 /// \param weight, mass  the units of the level.
-Level finest(const LinearSystem& system, double weight, double mass, std::vector<int>& unknowns)
+Level finest(const LinearSystem& system, double weight, double mass, std::vector<int>& unknowns,
+             std::vector<int>& held)
 {
     const SparseMatrix& L = system.graph;
     const int n = static_cast<int>(L.cols());
@@ -69,20 +70,20 @@ Level finest(const LinearSystem& system, double weight, double mass, std::vector
     for (int u = 0; u < static_cast<int>(system.vertices.size()); ++u)
         unknown_of[system.vertices[u]] = u;
     const auto is_free = [&](Eigen::Index v) { return unknown_of[v] >= 0; };
-    std::vector<int> held;
+    std::vector<int> beside_free;
     for (int v = 0; v < n; ++v) {
         bool beside = false;
         if (!is_free(v))
             for (SparseMatrix::InnerIterator it(L, v); it && !beside; ++it)
                 beside = is_free(it.row());
         if (beside)
-            held.push_back(v);
+            beside_free.push_back(v);
     }
     std::vector<int> order = in_space(system.points, system.vertices);
-    const std::vector<int> border = in_space(system.points, held);
+    held = in_space(system.points, beside_free);
     Level level;
     level.free = static_cast<int>(order.size());
-    order.insert(order.end(), border.begin(), border.end());
+    order.insert(order.end(), held.begin(), held.end());
     level.nodes = static_cast<int>(order.size());
     unknowns.resize(level.free);
     std::vector<int> name(n, -1);
@@ -98,7 +99,7 @@ Level finest(const LinearSystem& system, double weight, double mass, std::vector
     level.link_begin.assign(level.nodes + 1, 0);
     const auto is_link = [&](int k, const SparseMatrix::InnerIterator& it) {
         const int other = name[it.row()];
-        return other >= 0 && other != k && it.value() != 0.0 && (k < level.free || other < level.free);
+        return other >= 0 && other != k && it.value() != 0.0;
     };
     parallel_for(level.nodes, [&](int k) {
         const int v = order[k];
@@ -145,8 +146,8 @@ void find_pulls(const LinearSystem& system, const Hierarchy& hierarchy, Level& l
 struct Cells
 {
     int free = 0, count = 0;
-    std::vector<int> of;               ///< (nodes)
-    std::vector<int> begin, members;   ///< of each cell
+    std::vector<int> of; ///< (nodes)
+    std::vector<int> begin, members; ///< of each cell
     std::vector<int> touch_begin, touching; ///< the other cells beside each one, rising
     Points centres;
 
@@ -237,6 +238,7 @@ struct CellTriangle
 {
     int first, second;
     Eigen::RowVector3d to_first, to_second;
+    double radius; ///< of the circle through the three
     double a, b, c; ///< the inverse of the Gram matrix of the two sides
 
     std::array<double, 2> place(const Eigen::RowVector3d& v) const
@@ -259,7 +261,8 @@ std::vector<CellTriangle> triangles_of(const Cells& cells, int cell)
                                      f = cells.centres.row(*q) - cells.centres.row(cell);
             const double ee = e.squaredNorm(), ef = e.dot(f), ff = f.squaredNorm(), det = ee * ff - ef * ef;
             if (det > flattest * ee * ff)
-                found.push_back({*p, *q, e, f, ff / det, -ef / det, ee / det});
+                found.push_back({*p, *q, e, f, std::sqrt(ee * ff * (e - f).squaredNorm() / det) / 2, ff / det,
+                                 -ef / det, ee / det});
         }
     return found;
 }
@@ -286,8 +289,8 @@ void interpolate(Level& level, const Cells& cells)
                     const auto [x, y] = t.place(v);
                     const double beside = (v - x * t.to_first - y * t.to_second).norm() /
                                           (t.to_first.norm() + t.to_second.norm());
-                    const double inside = std::min({x, y, 1 - x - y, 0.0}) - beside -
-                                          large * (t.to_first.norm() + t.to_second.norm()) / nearest;
+                    const double inside =
+                        std::min({x, y, 1 - x - y, 0.0}) - beside - wide * t.radius / nearest;
                     if (inside > highest) {
                         highest = inside;
                         best = &t;
@@ -367,7 +370,7 @@ Level coarser(Level& level, int order)
             sum += it.value();
             if (other == c)
                 diagonal = it.value();
-            else if (c < coarse.free || other < coarse.free)
+            else
                 coarse.links.push_back({other, static_cast<float>(-it.value())});
         }
         if (order == 1 && c < coarse.free && sum > least_pull * diagonal)
@@ -411,7 +414,8 @@ Hierarchy::Hierarchy(const LinearSystem& system, const Progress& progress) : ord
     if (order > 2)
         throw InvalidOption("multigrid is for systems of order 1 and 2, not of order " +
                             std::to_string(order));
-    const double diagonal = system.graph.diagonal().mean(), weight = diagonal > 0 ? diagonal : 1.0;
+    const double diagonal = system.graph.diagonal().mean();
+    weight = diagonal > 0 ? diagonal : 1.0;
     double mass = 0.0;
     for (Eigen::Index i = 0; i < system.mass.size(); ++i)
         mass +=
@@ -419,7 +423,7 @@ Hierarchy::Hierarchy(const LinearSystem& system, const Progress& progress) : ord
     mass = mass > 0 ? mass : 1.0;
     scale = order == 1 ? 1.0 / weight : mass / weight / weight;
     membrane = system.membrane * mass / weight;
-    levels.push_back(finest(system, weight, mass, unknowns));
+    levels.push_back(finest(system, weight, mass, unknowns, held));
     complete(levels.back(), order, membrane);
     if (order == 2) {
         find_pulls(system, *this, levels.back());

@@ -27,7 +27,7 @@ struct Level
 
     int free = 0, nodes = 0;
     std::vector<int> link_begin; ///< (nodes + 1)
-    std::vector<Link> links;     ///< of each node by rising numbers of the others; none between held nodes
+    std::vector<Link> links;     ///< of each node by rising numbers of the others
     std::vector<float> pull;     ///< (free)
     Points points;               ///< (nodes, 3)
     VectorX mass;                ///< (nodes)
@@ -55,9 +55,12 @@ struct Hierarchy
 {
     int order = 1; ///< of the operator: 1 or 2
     double membrane = 0; ///< in the units of the hierarchy, in which weights and masses are about 1
+    double weight = 1; ///< of the system that is 1 in the hierarchy
     double scale = 1;    ///< x of the system for the same b, as a multiple of x of the hierarchy
     std::vector<int>
         unknowns; ///< (free) the unknown of the system that each free node of the finest level is
+    std::vector<int>
+        held; ///< (nodes - free) the node of the system that each held one of the finest level is
     std::vector<Level> levels; ///< from fine to coarse; never empty
 
     /// Cost: O(n), the time of some ten products with A.

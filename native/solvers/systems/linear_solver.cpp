@@ -124,7 +124,8 @@ Columns four_of(const RowMatrix& B, Eigen::Index first)
 
 /// Runs an iteration for four columns at a time, each time from begin(b).
 Solve iterated(const LinearSystem& system, const SolverOptions& options, bool by_error, Preconditioner B,
-               std::function<void(const Columns& b, Columns& x)> begin, const Progress& progress)
+               std::function<void(const Columns& b, Eigen::Index first, Columns& x)> begin,
+               const Progress& progress)
 {
     return [&system, &progress, B = std::move(B), begin = std::move(begin),
             stop = Stop{options.tolerance,
@@ -135,7 +136,7 @@ Solve iterated(const LinearSystem& system, const SolverOptions& options, bool by
             const Columns load = four_of(b, first);
             Columns found(load.size(), Eigen::Array4d(Eigen::Array4d::Zero()));
             if (begin)
-                begin(load, found);
+                begin(load, first, found);
             const Iteration done = conjugate_gradients(system.matrix, load, found, B, stop, progress);
             report.iterations = std::max(report.iterations, done.count);
             if (!done.converged)
@@ -208,27 +209,74 @@ struct Multigrid
 {
     Hierarchy hierarchy;
     Cycles cycles;
-    std::vector<Four> b, x;
     int raises = 0; ///< of the bounds of the smoothers, so far
 
     Multigrid(const LinearSystem& system, const Progress& progress)
-        : hierarchy(system, progress), cycles(hierarchy), b(hierarchy.unknowns.size())
+        : hierarchy(system, progress), cycles(hierarchy)
     {
     }
 
-    /// to = cycle(from), of which each column is scaled so that single precision holds it.
-    void apply(void (Cycles::*cycle)(const std::vector<Four>&, std::vector<Four>&), const Columns& from,
-               Columns& to)
+    /// to = cycle(unit) of `from`, of which each column is scaled so that single precision holds it; that is 1 there what
+    /// is `unit` in `to`.
+    template <class Cycle>
+    void apply(const Columns& from, Columns& to, const Cycle& cycle)
     {
         Eigen::Array4d size = Eigen::Array4d::Zero();
         for (const Eigen::Array4d& row : from)
             size = size.max(row.abs());
         size = (size > 0).select(size, 1.0);
-        const int n = static_cast<int>(b.size());
+        const int n = static_cast<int>(hierarchy.unknowns.size());
+        std::vector<Four>& b = cycles.right_side();
         parallel_for(n, [&](int i) { b[i] = (from[hierarchy.unknowns[i]] / size).cast<float>(); });
-        (cycles.*cycle)(b, x);
-        parallel_for(
-            n, [&](int i) { to[hierarchy.unknowns[i]] = x[i].cast<double>() * (hierarchy.scale * size); });
+        const Wide unit = hierarchy.scale * size;
+        const std::vector<Wide>& x = cycle(unit);
+        parallel_for(n, [&](int i) { to[hierarchy.unknowns[i]] = unit * x[i]; });
+    }
+
+    /// Nested iteration, from the values of held nodes where they are known and b follows from them.
+    void guess(const LinearSystem& system, const Columns& b, Eigen::Index first, Columns& x)
+    {
+        if (system.held.size() == 0)
+            return apply(b, x, [&](const Wide&) { return cycles.full_cycle({}); });
+        const SparseMatrix& L = system.graph;
+        const int n = static_cast<int>(L.cols());
+        const Columns d = four_of(system.held, first);
+        Columns change(n);
+        const auto multiply = [&](const Columns& from, int v) {
+            Wide sum = Wide::Zero();
+            for (SparseMatrix::InnerIterator it(L, v); it; ++it)
+                sum += it.value() * (from[it.row()] - from[v]);
+            return sum;
+        };
+        if (hierarchy.order == 2)
+            parallel_for(n, [&](int v) {
+                change[v] = (system.mass.size() > 0 ? 1.0 / system.mass[v] : 1.0) * multiply(d, v) +
+                            system.membrane * d[v];
+            });
+        const Columns& middle = hierarchy.order == 2 ? change : d;
+        Columns f = b;
+        parallel_for(static_cast<int>(f.size()),
+                     [&](int u) { f[u] += multiply(middle, system.vertices[u]); });
+        std::vector<bool> inside(n, false);
+        for (const int v : hierarchy.held)
+            inside[v] = true;
+        for (const int v : system.vertices)
+            inside[v] = true;
+        HeldValues held;
+        for (const int v : hierarchy.held) {
+            Wide sum = Wide::Zero();
+            for (SparseMatrix::InnerIterator it(L, v); it; ++it)
+                if (!inside[it.row()])
+                    sum += it.value() * (d[it.row()] - d[v]);
+            held.value.push_back(d[v]);
+            held.beyond.push_back(sum / hierarchy.weight);
+        }
+        apply(f, x, [&](const Wide& unit) {
+            for (std::vector<Wide>* each : {&held.value, &held.beyond})
+                for (Wide& value : *each)
+                    value /= unit;
+            return cycles.full_cycle(held);
+        });
     }
 };
 
@@ -240,9 +288,13 @@ Solve prepare_multigrid(const LinearSystem& system, const SolverOptions& options
     const auto grid = std::make_shared<Multigrid>(system, progress);
     report.levels = static_cast<int>(grid->hierarchy.levels.size());
     report.bytes = grid->hierarchy.bytes() + grid->cycles.bytes();
-    const auto begin = [grid, cycle = options.cycle](const Columns& b, Columns& x) {
-        if (cycle != Cycle::v)
-            grid->apply(cycle == Cycle::full ? &Cycles::full_cycle : &Cycles::descend, b, x);
+    const auto begin = [grid, &system, cycle = options.cycle](const Columns& b, Eigen::Index first,
+                                                              Columns& x) {
+        if (cycle == Cycle::full)
+            grid->guess(system, b, first, x);
+        if (cycle == Cycle::cascading)
+            grid->apply(b, x,
+                        [&](const Wide&) -> const std::vector<Wide>& { return grid->cycles.descend(); });
     };
     if (options.cycle == Cycle::cascading)
         return iterated(system, options, false, by_diagonal(system.matrix), begin, progress);
@@ -252,7 +304,8 @@ Solve prepare_multigrid(const LinearSystem& system, const SolverOptions& options
         system, options, true,
         [grid, &report](const Columns& r, Columns& z) {
             for (;;) {
-                grid->apply(&Cycles::v_cycle, r, z);
+                grid->apply(r, z,
+                            [&](const Wide&) -> const std::vector<Wide>& { return grid->cycles.v_cycle(); });
                 Eigen::Array4d sum = Eigen::Array4d::Zero();
                 bool zero = true;
                 for (std::size_t i = 0; i < r.size(); ++i) {

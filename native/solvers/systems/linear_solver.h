@@ -65,7 +65,7 @@ constexpr auto choices(Precondition)
 /// What multigrid does.
 ///
 ///   v          V-cycles, from 0
-///   full       the same, from nested iteration
+///   full       the same, from nested iteration, which knows the values of held nodes where they are given
 ///   cascading  no cycle: nested iteration by conjugate gradients, and then these with the diagonal on the finest level
 enum class Cycle { v, full, cascading };
 constexpr auto choices(Cycle)
@@ -79,7 +79,7 @@ struct SolverOptions
     Solver solver = Solver::automatic;
     Ordering ordering = Ordering::automatic; ///< of the sparse Cholesky factors
     Precondition preconditioner = Precondition::jacobi;
-    Cycle cycle = Cycle::v;
+    Cycle cycle = Cycle::full;
     double tolerance =
         1e-8; ///< of iterations: |b - A x| / |b|, and of the cycles v and full |B r| / |x|, largest entries
     int max_iterations = 10000;
