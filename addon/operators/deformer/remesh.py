@@ -40,7 +40,7 @@ class _MakesTriangles(OnTarget, StaysInWindow):
 
     angle: field(FloatProperty, subtype="ANGLE", default=math.radians(45), min=0.01, max=math.pi).named(
         "Fold Angle",
-        "Keep long folds that are sharper, beside seams, sharp and creased edges and the borders of materials",
+        "Keep long folds that are sharper, beside seams, sharp or creased edges and borders of materials",
     )
 
     _work: Work | None = None
