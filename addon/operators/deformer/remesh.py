@@ -249,13 +249,15 @@ class SINEW_OT_remesh_semi_regular(_MakesTriangles, Operator):
         "Levels", "Set how often each triangle is split into four"
     )
     base_faces: field(IntProperty, default=0, min=0, soft_max=10_000).named(
-        "Base Faces", "Set how many triangles are split; at 0, the last level has as many as the mesh now"
+        "Base Faces",
+        "Set how many triangles are split; at 0, the last level has as many as the mesh now, or more: the "
+        "base keeps at least 500",
     )
 
     def expected(self, obj: Object) -> float:
         """As many as there are at least: kept lines can need a larger base."""
         count, split = _triangles(obj), 4**self.levels
-        expected = split * (min(self.base_faces, count) or max(4, count // split))
+        expected = split * (min(self.base_faces, count) or max(4, count // split, min(count // 4, 500)))
         if expected > _MOST:
             raise SinewError(f"These levels have {expected:,} triangles, and {_MOST:,} are the most")
         return expected

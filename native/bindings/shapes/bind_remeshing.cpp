@@ -258,7 +258,8 @@ onto the kept lines. Where the base is too coarse for the shape, triangles may f
 
 mesh        SurfaceMesh.
 levels      1 to 10.
-base_faces  triangles of the base, >= 4; None: so many that the last level has as many as the mesh.
+base_faces  triangles of the base, >= 4; None: so many that the last level has as many as the mesh, but at least 500, or
+            a quarter of those of the mesh.
 angle       radians between the normals of faces, in (0, pi]; long folds that are sharper are kept.
 lines       None or (k, 2) vertices of edges that are kept, such as seams; pairs without an edge are ignored.
 progress    None or callable(fraction, stage); returning False cancels.

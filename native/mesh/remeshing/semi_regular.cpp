@@ -6,6 +6,8 @@
 #include "native/mesh/remeshing/decimation.h"
 #include "native/mesh/trees/triangle_tree.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -17,7 +19,7 @@ namespace sinew {
 
 namespace {
 
-constexpr double most_triangles = 2e7;
+constexpr double most_triangles = 2e7, fewest_faces = 500.0; // of a base that nobody asks for
 
 /// What new vertices are put onto.
 class Ground
@@ -136,10 +138,10 @@ SemiRegular semi_regular(const SurfaceMesh& mesh, const SemiRegularOptions& opti
         throw InvalidOption("base_faces must be at least 4");
     progress.tick(0.0, "decimating");
     Manifold cut(mesh, given);
-    const double share = std::pow(4.0, -options.levels);
-    const int wanted = options.base_faces > 0
-                           ? options.base_faces
-                           : std::max(4, static_cast<int>(share * static_cast<double>(cut.triangles.size())));
+    const double share = std::pow(4.0, -options.levels), present = static_cast<double>(cut.triangles.size());
+    const double least = std::clamp(0.25 * present, 4.0, fewest_faces);
+    const int wanted =
+        options.base_faces > 0 ? options.base_faces : static_cast<int>(std::max(least, share * present));
     SemiRegular made;
     made.finest = decimated(cut, wanted, options.angle, progress);
     Remeshed& finest = made.finest;

@@ -13,8 +13,9 @@ namespace sinew {
 struct SemiRegularOptions
 {
     int levels = 3; ///< 1 to 10 splits of each triangle into four
-    int base_faces =
-        0; ///< triangles of the base, >= 4; 0: so many that the last level has as many as the mesh
+    /// Triangles of the base, >= 4. 0: so many that the last level has as many as the mesh, but at least 500, or
+    /// a quarter of those of the mesh.
+    int base_faces = 0;
     double angle = std::numbers::pi / 4; ///< radians, in (0, pi]; long folds that are sharper are kept
 };
 
