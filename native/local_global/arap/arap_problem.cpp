@@ -225,7 +225,7 @@ bool ArapProblem::improve(Points& x, Points& gradient, double& F)
         return false;
     const bool smooth = graph_.is_smooth();
     ClusterMotions::Motion& motion = buffers_.motion;
-    Points &better = buffers_.better, &better_gradient = buffers_.better_gradient, &torque = buffers_.torque;
+    Points &better = buffers_.better, &torque = buffers_.torque;
     const Points none;
     if (smooth)
         for_each_moving([&](const GraphChunk& chunk) {
@@ -249,46 +249,24 @@ bool ArapProblem::improve(Points& x, Points& gradient, double& F)
             }
             torque.row(i) = turn;
         });
-        double F_better;
-        if (smooth) {
-            const int next = spare(before);
-            for_each_moving([&](const GraphChunk& chunk) {
-                const std::size_t first = entries * static_cast<std::size_t>(chunk.begin);
-                kernels_.turn(torque.data() + 3 * static_cast<std::size_t>(chunk.begin),
-                              buffers_.rotations[before].data() + first, chunk.end - chunk.begin,
-                              buffers_.rotations[next].data() + first);
-            });
-            current_ = next;
-            move_to(better);
-            F_better = energy_and_gradient(better_gradient);
-        } else {
-            F_better = evaluate(better, better_gradient);
-        }
-        if (F_better < F) {
-            F = F_better;
-            x.swap(better);
-            gradient.swap(better_gradient);
-            return true;
-        }
+        const double F_better = try_better(before);
+        if (F_better < F)
+            return accept(F_better, x, gradient, F);
         const double parabola = slope * share * share / (2 * (F_better - F + slope * share));
         share = std::clamp(parabola, 0.1 * share, 0.6 * share);
     }
-    current_ = before;
-    stale_ = !smooth;
-    move_to(x);
+    return_to(before, x);
     return false;
 }
 
 bool ArapProblem::go_on(const Points& from, double F_from, double share, Points& x, Points& gradient,
                         double& F)
 {
-    Points &better = buffers_.better, &better_gradient = buffers_.better_gradient, &torque = buffers_.torque;
+    Points &better = buffers_.better, &torque = buffers_.torque;
     const int before = current_;
     better.resize(x.rows(), 3);
     parallel_for(x.rows(), [&](int i) { better.row(i) = x.row(i) + share * (x.row(i) - from.row(i)); });
-    double F_better;
-    if (graph_.is_smooth()) {
-        const int next = spare(before);
+    if (graph_.is_smooth())
         for_each_moving([&](const GraphChunk& chunk) {
             for (int i = chunk.begin; i < chunk.end; ++i) {
                 const std::size_t at = entries * static_cast<std::size_t>(i);
@@ -299,27 +277,42 @@ bool ArapProblem::go_on(const Points& from, double F_from, double share, Points&
                                 Eigen::RowVector3d(turn(2, 1) - turn(1, 2), turn(0, 2) - turn(2, 0),
                                                    turn(1, 0) - turn(0, 1));
             }
-            const std::size_t first = entries * static_cast<std::size_t>(chunk.begin);
-            kernels_.turn(torque.data() + 3 * static_cast<std::size_t>(chunk.begin),
-                          buffers_.rotations[before].data() + first, chunk.end - chunk.begin,
-                          buffers_.rotations[next].data() + first);
         });
-        current_ = next;
-        move_to(better);
-        F_better = energy_and_gradient(better_gradient);
-    } else {
-        F_better = evaluate(better, better_gradient);
-    }
-    if (F_better < F_from) {
-        F = F_better;
-        x.swap(better);
-        gradient.swap(better_gradient);
-        return true;
-    }
+    if (const double F_better = try_better(before); F_better < F_from)
+        return accept(F_better, x, gradient, F);
+    return_to(before, x);
+    return false;
+}
+
+double ArapProblem::try_better(int before)
+{
+    if (!graph_.is_smooth())
+        return evaluate(buffers_.better, buffers_.better_gradient);
+    const int next = spare(before);
+    for_each_moving([&](const GraphChunk& chunk) {
+        const std::size_t first = entries * static_cast<std::size_t>(chunk.begin);
+        kernels_.turn(buffers_.torque.data() + 3 * static_cast<std::size_t>(chunk.begin),
+                      buffers_.rotations[before].data() + first, chunk.end - chunk.begin,
+                      buffers_.rotations[next].data() + first);
+    });
+    current_ = next;
+    move_to(buffers_.better);
+    return energy_and_gradient(buffers_.better_gradient);
+}
+
+bool ArapProblem::accept(double F_better, Points& x, Points& gradient, double& F)
+{
+    F = F_better;
+    x.swap(buffers_.better);
+    gradient.swap(buffers_.better_gradient);
+    return true;
+}
+
+void ArapProblem::return_to(int before, const Points& x)
+{
     current_ = before;
     stale_ = !graph_.is_smooth();
     move_to(x);
-    return false;
 }
 
 void ArapProblem::global_step(Points& x)

@@ -59,13 +59,13 @@ public:
 
     double evaluate(const Points& x, Points& gradient) override;
     void precondition(const Points& gradient, Points& z) const override;
-    /// Without smoothing, rotations depend on the positions alone; they are not kept, but fitted again.
     /// From now on, improve() takes a step of these motions, shorter until the energy falls. It comes after
     /// evaluate(), whose covariances it uses, and fits no rotations.
     void improve_by(const ClusterMotions& motions) { motions_ = &motions; }
     bool improve(Points& x, Points& gradient, double& F) override;
     bool go_on(const Points& from, double F_from, double share, Points& x, Points& gradient,
                double& F) override;
+    /// Without smoothing, rotations depend on the positions alone; they are not kept, but fitted again.
     void keep_state() override { kept_ = graph_.is_smooth() ? current_ : -1; }
     void restore_state() override
     {
@@ -93,6 +93,13 @@ private:
     void move_to(const Points& x);
     /// The index of one of the three sets of rotations that is neither kept nor `used`.
     int spare(int used) const;
+    /// The energy at buffers_.better, and its gradient. With smoothing, the cells turn by buffers_.torque from the
+    /// rotations `before`; without it, they are fitted.
+    double try_better(int before);
+    /// Takes what try_better() has tried. Returns true.
+    bool accept(double F_better, Points& x, Points& gradient, double& F);
+    /// Takes the positions and rotations from before it.
+    void return_to(int before, const Points& x);
     void for_each_moving(const std::function<void(const GraphChunk&)>& body) const;
     void fit(const GraphChunk& chunk, const double* S, const Matrices& before, double tie,
              Matrices& after) const;

@@ -108,7 +108,7 @@ struct Follow : simplification::Edge_collapse_visitor_base<CgalMesh>
 Remeshed decimated(Manifold& cut, int faces, double angle, const Progress& progress)
 {
     const double grows = std::sqrt(static_cast<double>(cut.triangles.size()) / faces);
-    cut.keep_lines(angle, std::max(1.0, grows) * mean_edge_length(cut));
+    cut.keep_lines(angle, std::max(1.0, grows) * cut.mean_edge);
     CgalMesh work = cgal_mesh(cut);
     const auto is_line = lines_of(work);
     const auto stays = stays_of(work);

@@ -22,8 +22,8 @@ struct DecimateOptions
 /// CGAL: the edge whose collapse changes shape and volume least is collapsed, until so many triangles are left
 /// or no edge can be collapsed without turning a triangle over.
 ///
-/// Kept are the borders, the given edges, long folds sharper than the angle (see Manifold), and where such lines end, meet or bend
-/// sharply: edges along a line are collapsed onto it, edges beside it towards it, and no edge between two lines
+/// Kept are the borders, the given edges, long folds sharper than the angle (see Manifold), and where such
+/// lines end, meet or bend sharply: edges along a line are collapsed onto it, edges beside it towards it, and no edge between two lines
 /// is. A mesh that is no manifold is cut and joined as for remesh().
 ///
 /// Cost: O(n log n).

@@ -22,8 +22,8 @@ Remeshed remove_degenerate(const SurfaceMesh& mesh, const DegenerateOptions& opt
         throw InvalidOption("share must be more than 0");
     progress.tick(0.0, "removing needles");
     Manifold cut(mesh, given);
-    const double mean = mean_edge_length(cut), shortest = options.share * mean;
-    cut.keep_lines(options.angle, mean);
+    const double shortest = options.share * cut.mean_edge;
+    cut.keep_lines(options.angle, cut.mean_edge);
     CgalMesh work = cgal_mesh(cut);
     namespace processing = CGAL::Polygon_mesh_processing;
 #if CGAL_VERSION_MAJOR < 6

@@ -237,7 +237,7 @@ std::vector<double> wanted_lengths(const SurfaceMesh& mesh, const Manifold& cut,
         if (!(given[v] > 0.0 && std::isfinite(given[v])))
             throw InvalidOption("length " + std::to_string(v) + " must be more than 0");
     if (given.size() < 2)
-        return std::vector<double>(cut.points.size(), given.empty() ? mean_edge_length(cut) : given.front());
+        return std::vector<double>(cut.points.size(), given.empty() ? cut.mean_edge : given.front());
     if (static_cast<int>(given.size()) != mesh.vertex_count())
         throw InvalidOption("there are " + std::to_string(given.size()) + " lengths for " +
                             std::to_string(mesh.vertex_count()) + " vertices");

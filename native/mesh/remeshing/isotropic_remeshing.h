@@ -26,8 +26,8 @@ struct RemeshOptions
 /// back onto it. P. Alliez et al. 2005 compare it with others. Between vertices the length is linear; of an
 /// edge, the smaller of its ends counts.
 ///
-/// Kept are the borders, the given edges, long folds sharper than the angle (see Manifold), and where such lines end, meet or bend
-/// sharply: edges along them are only split and joined. A mesh that is no manifold is cut where it is none
+/// Kept are the borders, the given edges, long folds sharper than the angle (see Manifold), and where such
+/// lines end, meet or bend sharply: edges along them are only split and joined. A mesh that is no manifold is cut where it is none
 /// (see Manifold) and joined again afterwards. Vertices without faces are left out.
 ///
 /// Cost: O(n log n) in each round, of the triangles before and after; 86,000 take 5 s of processor time.

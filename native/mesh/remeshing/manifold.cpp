@@ -118,19 +118,6 @@ double angle_between(const Vector3& a, const Vector3& b) { return std::atan2(a.c
 
 } // namespace
 
-double mean_edge_length(const Manifold& manifold)
-{
-    double sum = 0.0;
-    int count = 0;
-    const std::vector<Side> sides = sides_of(manifold.triangles);
-    for (std::size_t i = 0; i < sides.size(); ++i)
-        if (i == 0 || sides[i].edge() != sides[i - 1].edge()) {
-            sum += (manifold.points[sides[i].low] - manifold.points[sides[i].high]).norm();
-            ++count;
-        }
-    return count > 0 ? sum / count : 0.0;
-}
-
 Manifold::Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given) : triangles(oriented(mesh))
 {
     const std::vector<Triangle> old = triangles;
@@ -163,8 +150,11 @@ Manifold::Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given) : tr
     if (!(area > 0.0))
         throw InvalidMesh("no face has an area");
 
+    int edges = 0;
     for_each_edge_of(sides, [&](std::span<const Side> along) {
         const Side& a = along.front();
+        mean_edge += (points[a.low] - points[a.high]).norm();
+        ++edges;
         const Triangle& from = old[a.triangle];
         const int one = from[a.place], other = from[(a.place + 1) % 3];
         const Edge was{std::min(one, other), std::max(one, other)};
@@ -175,6 +165,7 @@ Manifold::Manifold(const SurfaceMesh& mesh, const std::vector<Edge>& given) : tr
         if (border || cut || which >= 0)
             lines.push_back({a.edge(), which, cut});
     });
+    mean_edge /= edges;
 }
 
 void Manifold::keep_lines(double angle, double length)
@@ -190,7 +181,7 @@ void Manifold::keep_lines(double angle, double length)
             chains.join(along[0].low, along[0].high);
         }
     });
-    const double least = least_edges * std::max(mean_edge_length(*this), length);
+    const double least = least_edges * std::max(mean_edge, length);
     std::vector<double> lengths(points.size(), 0.0);
     for (const auto& [a, b] : folds)
         lengths[chains.lowest(a)] += (points[a] - points[b]).norm();

@@ -31,6 +31,7 @@ struct Manifold
     std::vector<int> originals; ///< (points) the vertex of the mesh
     std::vector<Line> lines; ///< borders, given edges, and the folds of keep_lines(), each edge once, sorted
     double area = 0.0; ///< of all triangles
+    double mean_edge = 0.0; ///< the mean length of the edges; those that were cut count once for each side
     std::vector<char> stays; ///< (points) where lines end, meet or bend by more than 75 degrees
 
     /// Cost: O(n log n).
@@ -49,8 +50,5 @@ struct Manifold
     /// The triangles with a vertex for each side of the lines at it, numbered as they come.
     std::vector<Triangle> parted_at_lines() const;
 };
-
-/// The mean length of the edges of the triangles; those that were cut count once for each side.
-double mean_edge_length(const Manifold& manifold);
 
 } // namespace sinew
