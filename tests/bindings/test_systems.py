@@ -180,3 +180,6 @@ def test_an_order_of_elimination_has_the_entries_and_the_envelope_that_are_repor
     report = sn.solve(system, solver="simplicial", ordering=ordering)[1]
     assert report.envelope == (np.arange(len(first)) - first + 1).sum()
     assert report.fill == pytest.approx(entries / np.tril(pattern).sum())
+    for wrong in (([[0, 1]], 0), ([[0, 1]], -1), ([[0, 2]], 2), ([[-1, 0]], 2)):
+        with pytest.raises(sn.InvalidOption):
+            sn.elimination_order(*wrong, ordering)

@@ -74,6 +74,8 @@ Remeshed made_even(const SurfaceMesh& mesh, const OptionalArray& length, int rou
 {
     const std::vector<Edge> given = given_lines(lines);
     const std::vector<double> lengths = length.is_none() ? std::vector<double>{} : numbers(length, "length");
+    if (!length.is_none() && lengths.empty())
+        throw InvalidOption("length: there are none");
     const Progress ticks = bindings::progress(progress);
     const py::gil_scoped_release unlocked;
     return remesh(mesh, {.lengths = lengths, .rounds = rounds, .angle = angle}, given, ticks);

@@ -132,6 +132,8 @@ Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemo
         [](const ArrayLike& entries, int size, const Chosen<Ordering>& ordering) {
             const Ordering chosen = ordering.value("ordering");
             const std::vector<Edge> given = index_pairs(entries, "entries");
+            if (size < 1)
+                throw InvalidOption("size must be at least 1");
             std::vector<int> order;
             {
                 const py::gil_scoped_release unlocked;
@@ -143,7 +145,7 @@ Raises FactorizationFailed where the matrix is singular or indefinite, OutOfMemo
 The order in which a factor of a symmetric matrix eliminates the unknowns -> (n,): row `order[i]` is number i.
 
 entries   (k, 2) rows and columns of its entries, such as the edges of a mesh; of one of both triangles at least.
-size      n, its number of rows.
+size      n, its number of rows, at least 1.
 ordering  as in SpdFactor.
 
 Raises InvalidOption for another word, or an entry that is not in the matrix.)");

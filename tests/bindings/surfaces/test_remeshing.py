@@ -346,7 +346,7 @@ def test_remade_messy_meshes_bind_in_every_method(method: type):
 
 def test_refusals():
     mesh = sn.SurfaceMesh(*grid(3))
-    for wrong in (0.0, -1.0, np.nan, np.inf):
+    for wrong in ([], 0.0, -1.0, np.nan, np.inf):
         with pytest.raises(sn.InvalidOption):
             sn.remesh(mesh, wrong)
     for call in (
