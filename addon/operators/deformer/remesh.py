@@ -57,7 +57,7 @@ class _MakesTriangles(OnTarget, StaysInWindow):
         return {name: getattr(self, name) for name in self.OPTIONS}
 
     def expected(self, obj: Object) -> float:
-        """About how many triangles there will be."""
+        """About how many triangles there will be, or infinity if nobody knows before."""
         return _triangles(obj)
 
     def execute(self, context: Context) -> set[str]:
@@ -189,9 +189,9 @@ class SINEW_OT_remesh(_MakesTriangles, Operator):
         return super().arguments(obj) | {"lengths": lengths}
 
     def expected(self, obj: Object) -> float:
-        length = self.length / (obj.matrix_world.median_scale or 1.0)
         if self.by_curvature:
-            return _triangles(obj)
+            return math.inf
+        length = self.length / (obj.matrix_world.median_scale or 1.0)
         if not length:
             return _triangles(obj) / self.share**2
         areas = np.empty(len(obj.data.polygons), dtype=np.float32)
