@@ -2,6 +2,7 @@
 """The ranks of the rooms of addon/: a room sees itself and rooms of lower rank, never one of its own rank."""
 
 import ast
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -32,12 +33,37 @@ INNER_RANKS = {
 }
 # Folders whose sub-folders may not see each other: adding one kind must not need another.
 APART = ("session/controls",)
+FARM = "native/python/sinew_farm"
+FARM_RANKS = ranked("atom", "errors job", "clusters", "shot sweep", "command", "__main__")
 BLENDER_MODULES = {"bpy", "bpy_extras", "bmesh", "mathutils", "gpu", "blf", "addon_utils", "bl_math", "aud"}
 ROOMS_WITHOUT_BLENDER = {"core", "backend"}
 
 
 def addon_offences(root: Path) -> list[str]:
     return [f"{place}: {what}" for place, what in _addon_offences(root)]
+
+
+def farm_offences(root: Path) -> list[str]:
+    """Modules of sinew_farm see those of lower rank; the atom, which engines carry along, Python alone."""
+    found: list[str] = []
+    for path in files(root, FARM, ".py"):
+        text = path.read_text(encoding="utf-8")
+        for node in ast.walk(ast.parse(text)):
+            if not isinstance(node, ast.Import | ast.ImportFrom):
+                continue
+            place, line = f"{FARM}/{path.name}:{node.lineno}", text.splitlines()[node.lineno - 1]
+            names = [alias.name for alias in node.names]
+            if getattr(node, "level", 0):
+                for target in [node.module] if node.module else names:
+                    known = target if target in FARM_RANKS else None
+                    found += [
+                        f"{place}: {what}" for place, what in step(place, line, path.stem, known, FARM_RANKS)
+                    ]
+            elif path.stem == "atom":
+                modules = names if isinstance(node, ast.Import) else [node.module or ""]
+                further = {module.partition(".")[0] for module in modules} - sys.stdlib_module_names
+                found += [f"{place}: atom sees Python alone: {line.strip()}" for _ in further]
+    return found
 
 
 def step(

@@ -17,7 +17,7 @@ from .dev import BENCHMARK_TARGETS, build_tree
 from .format import checks
 from .neon_tests import neon
 from .package import package
-from .places import BUILD, DEV_MODULE, NATIVE_TREE, PYTHON311, ROOT
+from .places import BUILD, DEV_MODULE, NATIVE_TREE, PACKAGES, PYTHON311, ROOT
 from .release import source_archive
 from .results import Outcome, outcome
 from .shell import must, run
@@ -138,6 +138,14 @@ def benchmarks(timeout: float) -> Outcome:
     return _pytest(timeout, "benchmarks", env={"PYTHONPATH": DEV_MODULE})
 
 
+def farm(timeout: float) -> Outcome:
+    """Bakes on several processes; a program stands in for Blender where these are killed."""
+    debian.install(debian.NODE)
+    build_tree("dev", "sinew_native")
+    env: dict[str, str | Path] = {"PYTHONPATH": f"{PACKAGES}:{DEV_MODULE}"}
+    return _pytest(timeout, "farm", env=env, python=environments.farm().make().python)
+
+
 def updates(timeout: float, system: str = "linux") -> Outcome:
     """Blenders of a system that install and update the extension from a host on this machine."""
     environments.newest_blender().make()  # validates and lists the extensions
@@ -183,9 +191,22 @@ def gui(timeout: float, from_wheel: bool = True, tests: tuple[str, ...] = ()) ->
     return outcome(junit, run(command, env=env, timeout=timeout))
 
 
-def _pytest(timeout: float, name: str, *options: str, env: Mapping[str, str | Path] | None = None) -> Outcome:
+def _pytest(
+    timeout: float,
+    name: str,
+    *options: str,
+    env: Mapping[str, str | Path] | None = None,
+    python: Path | None = None,
+) -> Outcome:
     junit = new_junit(name)
-    command = [environments.dev().make().python, "-m", "pytest", f"tests/{name}", *options, *OPTIONS]
+    command = [
+        python or environments.dev().make().python,
+        "-m",
+        "pytest",
+        f"tests/{name}",
+        *options,
+        *OPTIONS,
+    ]
     return outcome(junit, run([*command, f"--junitxml={junit}"], env=env, timeout=timeout))
 
 
@@ -229,6 +250,7 @@ LAYERS = (
     Alone("blender-3.4", 3000, blender_3_4),
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
     Alone("blender-5", 3000, blender_5),
+    Alone("farm", 600, farm),
     Alone("updates", 300, updates),
     Alone("gui", 1200, gui, waits=True),
     windows_layer("bindings", windows_tests.bindings),
