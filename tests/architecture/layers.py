@@ -14,7 +14,7 @@ ADDON_RANKS = ranked(
     "properties preferences mesh_io",
     "session",
     "bake",
-    "operators",
+    "operators farm",
     "handlers ui",
 )
 # Large rooms have ranks inside; their __init__.py is the face, which only other rooms see.
