@@ -45,25 +45,18 @@ def addon_offences(root: Path) -> list[str]:
 
 def farm_offences(root: Path) -> list[str]:
     """Modules of sinew_farm see those of lower rank; the atom, which engines carry along, Python alone."""
-    found: list[str] = []
+    found: list[tuple[str, str]] = []
     for path in files(root, FARM, ".py"):
-        text = path.read_text(encoding="utf-8")
-        for node in ast.walk(ast.parse(text)):
-            if not isinstance(node, ast.Import | ast.ImportFrom):
-                continue
-            place, line = f"{FARM}/{path.name}:{node.lineno}", text.splitlines()[node.lineno - 1]
-            names = [alias.name for alias in node.names]
-            if getattr(node, "level", 0):
-                for target in [node.module] if node.module else names:
-                    known = target if target in FARM_RANKS else None
-                    found += [
-                        f"{place}: {what}" for place, what in step(place, line, path.stem, known, FARM_RANKS)
-                    ]
-            elif path.stem == "atom":
-                modules = names if isinstance(node, ast.Import) else [node.module or ""]
-                further = {module.partition(".")[0] for module in modules} - sys.stdlib_module_names
-                found += [f"{place}: atom sees Python alone: {line.strip()}" for _ in further]
-    return found
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            place, relative = f"{FARM}/{path.name}:{getattr(node, 'lineno', 0)}", getattr(node, "level", 0)
+            if isinstance(node, ast.ImportFrom) and relative:
+                for target in [node.module] if node.module else [alias.name for alias in node.names]:
+                    found += step(place, ast.unparse(node), path.stem, target, FARM_RANKS)
+            elif isinstance(node, ast.Import | ast.ImportFrom) and path.stem == "atom":
+                module = getattr(node, "module", None) or node.names[0].name
+                if module.partition(".")[0] not in sys.stdlib_module_names:
+                    found.append((place, f"atom sees Python alone: {ast.unparse(node)}"))
+    return [f"{place}: {what}" for place, what in found]
 
 
 def step(

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes on engines whose parts are killed, with a program that stands in for Blender."""
+"""Engines bake a shot to the bits of one process, also where their parts are killed."""
 
 import json
 import os
-import re
 import resource
+import shlex
 import signal
 import socket
 import subprocess
@@ -12,171 +12,180 @@ import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+import psutil
 import pytest
 
 from sinew_farm import atom
 
-BLENDER = Path(__file__).with_name("blender")
-FRAMES = b"".join(frame.to_bytes(4, "big") * 500 for frame in range(1, 25))
+BLENDER = os.environ[
+    "SINEW_ATOM"
+]  # the command line of a Python with Blender, and of the add-on's command.py
 FARM = [sys.executable, "-m", "sinew_farm"]
-WORKER_TTL = {"DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "10s"}
+WORDS = ("--frames", "1-240", "--objects", "Body", "--format", "pc2", "--out")
+OPENJD, CHUNKS = Path(sys.executable).with_name("openjd"), ["--extensions", "TASK_CHUNKING"]
+NODE = """
+const made = (name) => ({ name, after: [],
+    addCommand(command) { this.words = command.args; }, addDependency(task) { this.after.push(task.name); } });
+const author = { Task: made, Command: (name, words) => words }, tasks = [];
+compileJob({ settings: JSON.parse(process.argv[1]), addTask: (task) => tasks.push(task) });
+console.log(JSON.stringify(tasks));"""
 
 
-def said(words: list[str | Path]) -> str:
-    return subprocess.run(words, capture_output=True, text=True, check=True).stdout
+def said(*words: str | Path, code: int = 0) -> str:
+    ended = subprocess.run(list(map(str, words)), stdout=subprocess.PIPE, text=True)
+    assert ended.returncode == code, ended.stdout
+    return ended.stdout
 
 
-class Farm:
-    """A scheduler with workers, each a process, and the command that bakes on them."""
+@pytest.fixture(scope="module")
+def shot(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A shot, and beside it what one process bakes of it."""
+    file, blender = tmp_path_factory.mktemp("shot") / "shot.blend", shlex.split(BLENDER)
+    said(blender[0], Path(__file__).with_name("make_shot.py"), file, "40")
+    said(*blender, "bake", file, *WORDS, file.parent)
+    said(*blender, "join", file.parent, *WORDS, file.parent)
+    return file
 
-    def __init__(self, out: Path) -> None:
-        self.out = out
+
+class Cluster:
+    """A scheduler with four workers, each a process, and the command that bakes on them."""
+
+    def __init__(self) -> None:
         with socket.create_server(("127.0.0.1", 0)) as found:
-            self.port = found.getsockname()[1]
-        self.processes: list[subprocess.Popen] = []
-        self.set_up()
+            self.address = f"tcp://127.0.0.1:{found.getsockname()[1]}"
+        self.start()
 
-    def set_up(self) -> None:
-        address = f"tcp://127.0.0.1:{self.port}"
-        scheduler = ["scheduler", "--host", "127.0.0.1", "--port", str(self.port), "--no-dashboard"]
-        worker = ["worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
-        self.processes = [self._dask(words) for words in (scheduler, *[worker] * 4)]
+    def start(self) -> None:
+        worker = ["worker", self.address, "--nthreads", "1", "--no-nanny"]
+        words = [["scheduler", "--host", self.address], *[worker] * 4]
+        silent = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        env = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "10s"}
+        command = [sys.executable, "-m", "dask"]
+        self.processes = [
+            subprocess.Popen([*command, *each, "--no-dashboard"], env=env, **silent) for each in words
+        ]
 
-    def _dask(self, words: list[str]) -> subprocess.Popen:
-        env = os.environ | WORKER_TTL | {"SECONDS": "0.1"}
-        sink = subprocess.DEVNULL
-        return subprocess.Popen([sys.executable, "-m", "dask", *words], env=env, stdout=sink, stderr=sink)
-
-    def close(self) -> None:
+    def kill(self) -> None:
         for process in self.processes:
             process.kill()
-            process.wait()
 
     def bake(
-        self, deed: Callable[["Farm"], None] = lambda farm: None, objects: str = "Body"
+        self, shot: Path, out: Path, deed: Callable[["Cluster"], None], *further: str
     ) -> tuple[int, str]:
-        """The exit status and what was printed; the deed is done once a first chunk is there."""
-        words = ["shot.blend", "--frames", "1-24", "--objects", objects, "--chunk", "2", "--json"]
-        words += ["--scheduler", f"tcp://127.0.0.1:{self.port}", "--out", self.out, "--blender", BLENDER]
-        command = [*FARM, "dask", *words]
-        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) as baking:
-            self.command, printed = baking, ""
-            for line in baking.stdout:
-                if '"ended"' in line and '"ended"' not in printed:
+        """The status and what was printed, after a deed once frames are baked."""
+        words = ["dask", shot, "--chunk", "30", "--scheduler", self.address, "--blender", BLENDER, "--json"]
+        command = [*FARM, *words, *WORDS, out, *further]
+        with subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True
+        ) as self.command:
+            printed = ""
+            for line in self.command.stdout:
+                if '"frame"' in line and '"frame"' not in printed:
                     deed(self)
                 printed += line
-        return baking.returncode, printed
+        return self.command.returncode, printed
 
 
 @pytest.fixture
-def farm(tmp_path: Path) -> Iterator[Farm]:
-    made = Farm(tmp_path)
+def cluster() -> Iterator[Cluster]:
+    made = Cluster()
     yield made
-    made.close()
+    made.kill()
 
 
-def restart(farm: Farm) -> None:
-    farm.close()
-    farm.set_up()
+def busy(cluster: Cluster) -> psutil.Process:
+    """A worker that bakes."""
+    return next(
+        found for found in map(psutil.Process, [p.pid for p in cluster.processes[1:]]) if found.children()
+    )
 
 
-def fill_disk(farm: Farm) -> None:
-    resource.prlimit(farm.processes[1].pid, resource.RLIMIT_FSIZE, (1000, 1000))
+def fill_disks(cluster: Cluster) -> None:
+    for worker in cluster.processes[1:3]:
+        resource.prlimit(worker.pid, resource.RLIMIT_FSIZE, (10_000, 10_000))
 
 
 DEEDS = {
-    "nothing": lambda farm: None,
-    "a worker is killed": lambda farm: farm.processes[1].kill(),
-    "the disk of a worker is full": fill_disk,
-    "the network of a worker is cut": lambda farm: farm.processes[1].send_signal(signal.SIGSTOP),
-    "the scheduler is killed, and started again": restart,
-    "the command itself is killed": lambda farm: farm.command.kill(),
+    "a worker is killed": (lambda cluster: busy(cluster).kill(), ""),
+    "Blender crashes": (
+        lambda cluster: busy(cluster).children()[0].send_signal(signal.SIGSEGV),
+        "status -11",
+    ),
+    "two disks are full": (fill_disks, '"failed"'),
+    "the network of a worker is cut": (lambda cluster: busy(cluster).suspend(), ""),
+    "the scheduler is killed": (lambda cluster: (cluster.kill(), cluster.start()), "scheduler lost"),
+    "the command is killed": (lambda cluster: cluster.command.kill(), ""),
 }
 
 
 @pytest.mark.parametrize("deed", DEEDS)
-def test_no_frame_is_lost_and_what_is_there_is_not_baked_again(farm: Farm, deed: str) -> None:
-    status, printed = farm.bake(DEEDS[deed])
-    assert status == (-signal.SIGKILL if "command" in deed else 0), printed
-    assert ("File too large" in printed, "scheduler lost" in printed) == ("disk" in deed, "scheduler" in deed)
-    ended = re.findall(r'"ended", "part": "(\d+-\d+)"', printed)
-    assert farm.bake()[0] == 0
-    assert (farm.out / "joined").read_bytes() == FRAMES
-    baked = (farm.out / "baked").read_text().split()
-    assert len(set(baked)) == 12
-    assert len(ended) == 12 or "command" in deed
-    if "worker" not in deed:  # whose chunk may be baked twice at the same time
-        assert all(baked.count(f"Body.{part}.pc2") == 1 for part in ended)
+def test_no_frame_is_lost(cluster: Cluster, shot: Path, tmp_path: Path, deed: str) -> None:
+    status, printed = cluster.bake(shot, tmp_path, DEEDS[deed][0])
+    assert DEEDS[deed][1] in printed, printed
+    assert (status == 0) == ("command" not in deed), printed
+    there = {file: file.stat().st_mtime_ns for file in tmp_path.glob("chunks/*.pc2")}
+    if status:
+        assert cluster.bake(shot, tmp_path, lambda cluster: None)[0] == 0
+    assert (tmp_path / "Body.pc2").read_bytes() == shot.with_name("Body.pc2").read_bytes()
+    assert there.items() <= {file: file.stat().st_mtime_ns for file in tmp_path.glob("chunks/*.pc2")}.items()
+    assert len(list(tmp_path.glob("chunks/*"))) == 16
 
 
-@pytest.mark.parametrize(
-    ("objects", "code", "says", "refusals"),
-    [("Nobody", 3, "no object is called Nobody", {"once"}), ("Wrecked", 0, "ended with status -11", set())],
-)
-def test_a_refusal_ends_all_with_its_code_and_a_crash_is_tried_again(
-    farm: Farm, objects: str, code: int, says: str, refusals: set[str]
-) -> None:
-    status, printed = farm.bake(objects=objects)
-    assert (status, says in printed) == (code, True), printed
-    assert {path.read_text().strip() for path in farm.out.glob("refused-*")} == refusals
+def test_a_refusal_ends_all_with_its_status(shot: Path, tmp_path: Path) -> None:
+    words = ["--frames", "1-8", "--objects", "Nobody", "--out", tmp_path, "--blender", BLENDER]
+    assert said(*FARM, "dask", shot, "--workers", "2", *words, code=3).count("failed on") < 4
+    assert list(tmp_path.glob("**/*.*")) == []
 
 
-NODE = """
-class Task {
-    constructor(name) { Object.assign(this, { name, commands: [], after: [] }); }
-    addCommand(command) { this.commands.push(command.args); }
-    addDependency(task) { this.after.push(task.name); }
-}
-const author = { Task: (name) => new Task(name), Command: (name, words) => words }, tasks = [];
-compileJob({ settings: JSON.parse(process.argv[1]), addTask: (task) => tasks.push(task) });
-console.log(JSON.stringify(tasks));
-"""
-WORDS = {"frames": "1-24", "objects": "Body", "format": "pc2", "threads": 1, "memory": 1.5, "chunk_size": 5}
-
-
-@pytest.mark.parametrize("script", ["", "/addons/sinew/farm/command.py"])
 def test_the_job_type_of_flamenco_bakes_chunks_and_joins_after_all_of_them(
-    tmp_path: Path, script: str
+    shot: Path, tmp_path: Path
 ) -> None:
-    settings = json.dumps({**WORDS, "blendfile": "shot.blend", "out": str(tmp_path), "script": script})
-    *bakes, join = json.loads(said(["node", "-e", said([*FARM, "flamenco"]) + NODE, settings]))
-    assert join["after"] == [f"bake-{part}" for part in ("1-5", "6-10", "11-15", "16-20", "21-24")]
-    for task in (*bakes, join):
-        said([BLENDER, *task["commands"][0]])
-    assert (tmp_path / "joined").read_bytes() == FRAMES
-
-
-def test_the_template_of_openjd_is_valid_and_bakes(tmp_path: Path) -> None:
-    template, openjd = tmp_path / "sinew.yaml", Path(sys.executable).with_name("openjd")
-    template.write_text(said([*FARM, "openjd"]))
-    extension = ["--extensions", "TASK_CHUNKING"]
-    said([openjd, "check", template, *extension])
-    given = {
-        "Shot": "shot.blend",
-        "Out": tmp_path,
-        "Objects": "Body",
-        "Frames": "1-24",
-        "Chunk": 5,
-        "Blender": BLENDER,
+    settings = {
+        "frames": "1-240",
+        "objects": "Body",
+        "format": "pc2",
+        "out": str(tmp_path),
+        "chunk_size": 100,
     }
-    given = [word for name, value in given.items() for word in ("-p", f"{name}={value}")]
-    told = said([openjd, "run", template, *extension, *given])
-    assert (tmp_path / "joined").read_bytes() == FRAMES
-    assert told.count("openjd_progress: 100.0") == 5
-    refused = subprocess.run(
-        [openjd, "run", template, *extension, *given, "-p", "Objects=Nobody"], stdout=subprocess.PIPE
+    settings |= {"blendfile": str(shot), "threads": 1, "memory": 0, "script": "command.py"}
+    tasks = json.loads(said("node", "-e", said(*FARM, "flamenco") + NODE, json.dumps(settings)))
+    assert (
+        tasks[-1]["after"]
+        == ["bake-1-100", "bake-101-200", "bake-201-240"]
+        == [t["name"] for t in tasks[:-1]]
     )
-    assert b"openjd_fail: no object is called Nobody" in refused.stdout
+    for task in tasks:
+        assert task["words"][:4] == ["--background", "--python", "command.py", "--"]
+        said(*shlex.split(BLENDER), *task["words"][4:])
+    assert (tmp_path / "Body.pc2").read_bytes() == shot.with_name("Body.pc2").read_bytes()
 
 
-@pytest.mark.parametrize(
-    ("release", "words"),
-    [
-        ("4.2.0", ["--command", "sinew_bake"]),
-        ("3.4.1", ["--background", "--python", "/addons/sinew/farm/command.py", "--", "bake"]),
-    ],
-)
-def test_a_blender_is_started_in_the_way_of_its_release(monkeypatch, release: str, words: list[str]) -> None:
-    monkeypatch.setenv("RELEASE", release)
-    blender = f"{BLENDER} --factory-startup" if release == "4.2.0" else str(BLENDER)
-    assert atom.command(blender, "bake", ["x"]) == [*blender.split(), *words, "x"]
+def test_the_template_of_openjd_is_valid_and_bakes(shot: Path, tmp_path: Path) -> None:
+    template = tmp_path / "sinew.yaml"
+    template.write_text(said(*FARM, "openjd"))
+    said(OPENJD, "check", template, *CHUNKS)
+    given = {"Shot": shot, "Out": tmp_path, "Objects": "Body", "Chunk": 100, "Blender": BLENDER, "Threads": 1}
+    words = [
+        OPENJD,
+        "run",
+        template,
+        *CHUNKS,
+        *(w for name, value in given.items() for w in ("-p", f"{name}={value}")),
+    ]
+    assert said(*words).count("openjd_progress: 100.0") == 3
+    assert (tmp_path / "Body.pc2").read_bytes() == shot.with_name("Body.pc2").read_bytes()
+    assert "openjd_fail: " in said(*words, "-p", "Objects=Nobody", code=1)
+
+
+OLDER = ["--background", "--python", "/addons/sinew/farm/command.py", "--", "bake"]
+
+
+@pytest.mark.parametrize(("release", "way"), [("4.2.0", ["--command", "sinew_bake"]), ("3.4.1", OLDER)])
+def test_a_blender_is_started_in_the_way_of_its_release(tmp_path: Path, release: str, way: list[str]) -> None:
+    blender = tmp_path / "blender"
+    blender.write_text(
+        f"#!/bin/sh\necho Blender {release}\necho sinew is in /addons/sinew/__init__.py\nexit 1\n"
+    )
+    blender.chmod(0o755)
+    assert atom.command(f"{blender} -y", "bake", ["x"]) == [str(blender), "-y", *way, "x"]
+    assert atom.run(str(blender), "bake", ["x"]).code == atom.REFUSED  # as it tells nothing of Sinew

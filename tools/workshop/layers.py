@@ -12,7 +12,15 @@ from pathlib import Path
 
 from . import cross_wheels, debian, environments, linux_wheels, windows_tests, wine
 from .archives import unpack
-from .blenders import HEADLESS, RUN_PYTEST, blender_module, conditions, install_legacy, layer_of
+from .blenders import (
+    HEADLESS,
+    RUN_PYTEST,
+    blender_module,
+    conditions,
+    install_extension,
+    install_legacy,
+    layer_of,
+)
 from .dev import BENCHMARK_TARGETS, build_tree
 from .format import checks
 from .neon_tests import neon
@@ -139,11 +147,15 @@ def benchmarks(timeout: float) -> Outcome:
 
 
 def farm(timeout: float) -> Outcome:
-    """Bakes on several processes; a program stands in for Blender where these are killed."""
+    """Bakes of the installed extension in many processes, some of which are killed; sweeps of the module."""
     debian.install(debian.NODE)
     build_tree("dev", "sinew_native")
-    env: dict[str, str | Path] = {"PYTHONPATH": f"{PACKAGES}:{DEV_MODULE}"}
-    return _pytest(timeout, "farm", env=env, python=environments.farm().make().python)
+    blender, junit = environments.newest_blender().make(), new_junit("farm")
+    env = install_extension(blender, "farm")
+    command = Path(env["BLENDER_USER_RESOURCES"]) / "extensions/user_default/sinew/farm/command.py"
+    env |= {"SINEW_ATOM": f"{blender.python} {command}", "PYTHONPATH": f"{PACKAGES}:{DEV_MODULE}"}
+    tests = [environments.farm().make().python, "-m", "pytest", "tests/farm", *OPTIONS, f"--junitxml={junit}"]
+    return outcome(junit, run(tests, env=env, timeout=timeout))
 
 
 def updates(timeout: float, system: str = "linux") -> Outcome:
