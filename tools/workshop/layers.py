@@ -10,17 +10,9 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from . import cross_wheels, debian, environments, linux_wheels, windows_tests, wine
+from . import blenders, cross_wheels, debian, environments, linux_wheels, windows_tests, wine
 from .archives import unpack
-from .blenders import (
-    HEADLESS,
-    RUN_PYTEST,
-    blender_module,
-    conditions,
-    install_extension,
-    install_legacy,
-    layer_of,
-)
+from .blenders import HEADLESS, RUN_PYTEST, blender_module, conditions, install_legacy, layer_of
 from .dev import BENCHMARK_TARGETS, build_tree
 from .format import checks
 from .neon_tests import neon
@@ -151,7 +143,7 @@ def farm(timeout: float) -> Outcome:
     debian.install(debian.NODE)
     build_tree("dev", "sinew_native")
     blender, junit = environments.newest_blender().make(), new_junit("farm")
-    env = install_extension(blender, "farm")
+    env = blenders.install_extension(blender, "farm")
     command = Path(env["BLENDER_USER_RESOURCES"]) / "extensions/user_default/sinew/farm/command.py"
     env |= {"SINEW_ATOM": f"{blender.python} {command}", "PYTHONPATH": f"{PACKAGES}:{DEV_MODULE}"}
     tests = [environments.farm().make().python, "-m", "pytest", "tests/farm", *OPTIONS, f"--junitxml={junit}"]
@@ -203,22 +195,9 @@ def gui(timeout: float, from_wheel: bool = True, tests: tuple[str, ...] = ()) ->
     return outcome(junit, run(command, env=env, timeout=timeout))
 
 
-def _pytest(
-    timeout: float,
-    name: str,
-    *options: str,
-    env: Mapping[str, str | Path] | None = None,
-    python: Path | None = None,
-) -> Outcome:
+def _pytest(timeout: float, name: str, *options: str, env: Mapping[str, str | Path] | None = None) -> Outcome:
     junit = new_junit(name)
-    command = [
-        python or environments.dev().make().python,
-        "-m",
-        "pytest",
-        f"tests/{name}",
-        *options,
-        *OPTIONS,
-    ]
+    command = [environments.dev().make().python, "-m", "pytest", f"tests/{name}", *options, *OPTIONS]
     return outcome(junit, run([*command, f"--junitxml={junit}"], env=env, timeout=timeout))
 
 
