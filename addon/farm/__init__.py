@@ -7,17 +7,17 @@ import bpy
 
 from . import atom
 
-_registered: list[object] = []  # Blender forgets a command when its handle is deleted
+registered: list[object] = []  # Blender forgets a command when its handle is deleted
 
 
 def register() -> None:
     """Blender has commands since 4.2; older releases run ``command.py``."""
     if hasattr(bpy.utils, "register_cli_command"):
         for word in atom.ACTIONS:
-            _registered.append(bpy.utils.register_cli_command(f"sinew_{word}", partial(atom.run, word)))
+            registered.append(bpy.utils.register_cli_command(f"sinew_{word}", partial(atom.run, word)))
 
 
 def unregister() -> None:
-    for command in _registered:
+    for command in registered:
         bpy.utils.unregister_cli_command(command)
-    _registered.clear()
+    registered.clear()

@@ -19,11 +19,11 @@ from ..core.errors import SinewError
 from ..properties import SinewDeformer
 
 SHEET, TILE = "contact-sheet.png", "render.png"
-_STEP = re.compile(r"\.?([A-Za-z]\w*)|\[(\d{1,6})\]|\[\"([^\"\]]*)\"\]", re.ASCII)
+_STEP = re.compile(r"(?:^|\.)([A-Za-z]\w*)|\[(\d{1,6})\]|\[\"([^\"\]]*)\"\]", re.ASCII)
 _SIZE = 480, 360  # pixels of a render
 _UNIT = 120  # pixels of the sheet
 _LINE = 0.4  # units, of a line of text
-_SAMPLES = 16
+_SAMPLES = 16, 4  # of a render, of the sheet
 _LONGEST = 120  # letters of a folder
 
 
@@ -61,7 +61,7 @@ class Cell:
             sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
             sun.data.energy, sun.rotation_euler = 3.0, (0.6, 0.2, 0.4)
             scene.collection.objects.link(sun)
-        _render(scene, below(self.folder, TILE), _SIZE)
+        _render(scene, below(self.folder, TILE), _SIZE, _SAMPLES[0])
 
 
 def cells(out: Path, wedges: Sequence[tuple[str, list[str]]]) -> list[Cell]:
@@ -83,10 +83,8 @@ def _steps(path: str) -> Iterator[str | int | tuple[str]]:
     at = 0
     while at < len(path):
         match = _STEP.match(path, at)
-        if match is None or (at == 0) == path.startswith(".", at, at + 1):
-            raise SinewError(
-                f"{path} is no path such as sinew.deformers[0].factor: see it from {path[at:]!r}"
-            )
+        if match is None:
+            raise SinewError(f"{path} is no path such as sinew.deformers[0].factor, from {path[at:]!r} on")
         at = match.end()
         yield match[1] or (int(match[2]) if match[2] else (match[3],))
 
@@ -173,11 +171,11 @@ def _camera_around(scene: Scene, objects: Sequence[Object]) -> Object:
     return camera
 
 
-def _render(scene: Scene, path: Path, size: tuple[int, int]) -> None:
+def _render(scene: Scene, path: Path, size: tuple[int, int], samples: int) -> None:
     """Render one picture by the processor, for which no window and no graphics card is needed."""
     render = scene.render
     render.engine = "CYCLES"
-    scene.cycles.samples, scene.cycles.device, scene.cycles.use_denoising = _SAMPLES, "CPU", False
+    scene.cycles.samples, scene.cycles.device, scene.cycles.use_denoising = samples, "CPU", False
     render.resolution_x, render.resolution_y = size
     render.resolution_percentage, render.use_border = 100, False
     if hasattr(render.image_settings, "media_type"):
@@ -213,7 +211,8 @@ def write_sheet(out: Path, cells: Sequence[Cell]) -> Path:
     scene.collection.objects.link(camera)
     scene.camera = camera
     path = below(out, SHEET)
-    _render(scene, path, (round(columns * width * _UNIT), round(rows * height * _UNIT)))
+    size = round(columns * width * _UNIT), round(rows * height * _UNIT)
+    _render(scene, path, size, _SAMPLES[1])
     return path
 
 
