@@ -11,10 +11,10 @@ bl_info = {
     "category": "Rigging",
 }
 
-from . import handlers, operators, preferences, properties, ui  # noqa: E402
+from . import farm, handlers, operators, preferences, properties, ui  # noqa: E402
 from .compat import translation  # noqa: E402
 
-_ROOMS = (translation, properties, preferences, operators, ui, handlers)
+_ROOMS = (translation, properties, preferences, operators, ui, handlers, farm)
 
 
 def register() -> None:

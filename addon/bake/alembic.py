@@ -17,8 +17,8 @@ def can_write_alembic() -> bool:
     return bool(bpy.app.build_options.alembic)
 
 
-def export_alembic(context: Context, objects: list[Object], frames: range, chosen: str) -> str:
-    """Write the objects into one file, and return its path."""
+def require_exportable(objects: list[Object], frames: range) -> None:
+    """Raise an error if Blender cannot export these objects as they are shown."""
     if not can_write_alembic():
         raise SinewError("This Blender was built without Alembic - bake to PC2 or MDD instead")
     if frames.step != 1:
@@ -35,29 +35,22 @@ def export_alembic(context: Context, objects: list[Object], frames: range, chose
             raise SinewError(
                 f"{obj.name} is hidden in renders, or cannot be selected - allow both to export it"
             )
+
+
+def export_alembic(context: Context, objects: list[Object], frames: range, chosen: str) -> str:
+    """Write the objects into one file, and return its path."""
+    require_exportable(objects, frames)
     path = paths.absolute(paths.choose(objects[0], objects[0].sinew.active, "ALEMBIC", chosen))
-    files.prepare_folder(path)
-    part = files.partial(path)
-    try:
-        with _only_selected(context, objects):
-            bpy.ops.wm.alembic_export(
-                filepath=str(part),
-                start=frames[0],
-                end=frames[-1],
-                selected=True,
-                apply_subdiv=True,
-                as_background_job=False,
-                check_existing=False,
-            )
-        if not part.is_file():
-            raise SinewError(
-                f"Blender could not write {path} - choose another folder, or free some disk space"
-            )
-        files.exchange(path, part)
-    except RuntimeError as error:
-        raise SinewError(f"Blender could not write {path}: {error}") from error
-    finally:
-        part.unlink(missing_ok=True)
+    with files.replacing(path) as part, _only_selected(context, objects):
+        bpy.ops.wm.alembic_export(
+            filepath=str(part),
+            start=frames[0],
+            end=frames[-1],
+            selected=True,
+            apply_subdiv=True,
+            as_background_job=False,
+            check_existing=False,
+        )
     return str(path)
 
 

@@ -6,6 +6,7 @@ the samples (points, 3). MDD: big-endian, int samples, int points, float times i
 """
 
 import contextlib
+import errno
 import os
 import struct
 from collections.abc import Iterator
@@ -29,7 +30,8 @@ class CacheFile:
         self._file = None
         with _readable_errors(path):
             self._folders = _make_folders(path.parent)
-            self._file = open(self._part, "wb")  # noqa: SIM115 (kept open from frame to frame)
+            self._part.unlink(missing_ok=True)  # of a process with the same number that was killed
+            self._file = open(self._part, "xb")  # noqa: SIM115 (kept open from frame to frame; no link)
 
     def append(self, positions: np.ndarray) -> None:
         """Write one more frame, float32 (n, 3). The first frame decides n."""
@@ -64,9 +66,15 @@ class CacheFile:
             with contextlib.suppress(OSError):  # on a full disk the rest of the buffer cannot be written
                 self._file.close()
             self._part.unlink(missing_ok=True)
-        for folder in self._folders:
-            with contextlib.suppress(OSError):  # the folder holds another file by now
-                folder.rmdir()
+        _remove(self._folders)
+
+
+def write(path: Path, content: bytes) -> None:
+    """Write a small file at once, which replaces an older one when it is complete."""
+    with replacing(path) as made, open(made, "xb") as file:
+        file.write(content)
+        file.flush()
+        os.fsync(file.fileno())
 
 
 def partial(path: Path) -> Path:
@@ -94,13 +102,30 @@ def _readable_errors(path: Path) -> Iterator[None]:
         ) from error
 
 
-def exchange(path: Path, made: Path) -> None:
-    """Move the finished file ``made`` to ``path``, where it replaces an older file."""
-    with _readable_errors(path):
-        os.replace(made, path)
+@contextlib.contextmanager
+def replacing(path: Path) -> Iterator[Path]:
+    """The temporary path of a file that is written meanwhile, which then replaces an older one at ``path``.
+
+    If Blender fails, neither the file stays nor the folders that were made for it.
+    """
+    made, folders = partial(path), []
+    try:
+        with _readable_errors(path):
+            folders = _make_folders(path.parent)
+            made.unlink(missing_ok=True)
+            yield made
+            if not made.is_file():
+                raise OSError(errno.EIO, "Blender could not write it")
+            os.replace(made, path)
+    except RuntimeError as error:
+        raise SinewError(f"Blender could not write {path}: {error}") from error
+    finally:
+        made.unlink(missing_ok=True)
+        _remove(folders)
 
 
-def prepare_folder(path: Path) -> None:
-    """Make the folder of a file that Blender will write."""
-    with _readable_errors(path):
-        _make_folders(path.parent)
+def _remove(folders: list[Path]) -> None:
+    """Remove the folders that are empty."""
+    for folder in folders:
+        with contextlib.suppress(OSError):  # the folder holds another file by now
+            folder.rmdir()

@@ -12,6 +12,7 @@ import bpy
 import numpy as np
 from bpy.types import Depsgraph, Object, Scene
 
+from ..core import status
 from ..core.errors import SinewError
 from ..core.status import Level
 from ..properties import SinewDeformer
@@ -48,7 +49,7 @@ class Request:
 
 
 @dataclass
-class _Part:
+class Part:
     """The bake of one deformer.
 
     ``made`` is the name of a modifier that the bake added, ``points`` the number of vertices, and ``shapes``
@@ -71,7 +72,7 @@ class Baking:
         self.done = 0
         self._scene = scene.name
         self._frame = scene.frame_current, scene.frame_subframe
-        self._parts = [_Part(ShapeReader(obj, uid)) for obj, uid in request.deformers]
+        self._parts = [Part(ShapeReader(obj, uid)) for obj, uid in request.deformers]
         self._opened = False
         self._over = False
         refresh.bind_renders()
@@ -123,7 +124,7 @@ class Baking:
         self._restore_frame()
         return warnings
 
-    def _complete(self, part: _Part) -> None:
+    def _complete(self, part: Part) -> None:
         """Do everything that may fail: write the last bytes, and add the modifier to the stack."""
         if part.file is None:
             return
@@ -132,7 +133,7 @@ class Baking:
         if baked.find_cache(obj, deformer) is None:
             part.made = cache.insert(obj, deformer)
 
-    def _show(self, part: _Part) -> list[str]:
+    def _show(self, part: Part) -> list[str]:
         """Show the baked shapes instead of the deformer. Returns warnings."""
         request, obj, deformer = self.request, part.reader.owner(), part.reader.deformer()
         scene, frames = bpy.data.scenes[self._scene], request.frames
@@ -165,7 +166,7 @@ class Baking:
                 record.resume(obj, part.reader.deformer())
         self._restore_frame()
 
-    def _check(self, part: _Part, scene: Scene) -> None:
+    def _check(self, part: Part, scene: Scene) -> None:
         """Raise an error if this deformer cannot be baked, before anything is changed."""
         obj, deformer = part.reader.owner(), part.reader.deformer()
         targets.require_mesh(obj, "Shape keys, PC2 and MDD hold")
@@ -180,9 +181,7 @@ class Baking:
         if deformer.bake.result == "SHAPE_KEYS":
             shape_keys.require_own_mesh(obj)
         if self.request.target == "SHAPE_KEYS":
-            shape_keys.require_keys(obj)
-            shape_keys.require_room(scene, self.request.frames)
-            self._check_keys(part.reader, obj, deformer)
+            self._check_keys(part.reader, obj, deformer, scene)
         else:
             if deformer.renders_differ:
                 raise SinewError(
@@ -190,12 +189,27 @@ class Baking:
                     "the viewport, and a cache holds one number only - use the same Subdivision levels and "
                     "the same visibility in both"
                 )
-            cache.timing(scene, self.request.frames)
-            taken = [other.filepath for other in self._parts if other is not part]
-            part.filepath = paths.choose(obj, deformer, self.request.target, self.request.filepath, taken)
+            part.filepath = self._place(part, scene)
 
-    def _check_keys(self, reader: ShapeReader, obj: Object, deformer: SinewDeformer) -> None:
+    def _place(self, part: Part, scene: Scene) -> str:
+        """The path of the file of this deformer, which a modifier can play."""
+        cache.timing(scene, self.request.frames)
+        taken = [other.filepath for other in self._parts if other is not part]
+        obj, deformer = part.reader.owner(), part.reader.deformer()
+        return paths.choose(obj, deformer, self.request.target, self.request.filepath, taken)
+
+    def _make_file(self, part: Part, rate: float) -> CacheFile:
+        """The file of this deformer, which is empty yet. ``rate`` is the number of frames per second."""
+        return CacheFile(paths.absolute(part.filepath), self.request.target, self.request.frames, rate)
+
+    def _read(self, part: Part, depsgraph: Depsgraph) -> np.ndarray:
+        """The positions after the deformer in this frame, float32 (n, 3)."""
+        return part.reader.positions(depsgraph)
+
+    def _check_keys(self, reader: ShapeReader, obj: Object, deformer: SinewDeformer, scene: Scene) -> None:
         """Blender adds shape keys before all modifiers, so no other modifier may come before the deformer."""
+        shape_keys.require_keys(obj)
+        shape_keys.require_room(scene, self.request.frames)
         here = {uid for name, uid in self.request.deformers if name == obj.name}
         ours = [other for other in obj.sinew.deformers if other.uid in here or other.bake.is_baked]
         replaced = {modified.shown_by(obj, other) for other in ours}
@@ -214,7 +228,6 @@ class Baking:
     def _open(self) -> None:
         """Make deformers live that are baked already, and prepare to read their shapes and to write files."""
         scene = bpy.data.scenes[self._scene]
-        rate = scene.render.fps / scene.render.fps_base
         self._opened = True
         with sessions.suspended():
             for part in self._parts:
@@ -222,8 +235,7 @@ class Baking:
         for part in self._parts:
             part.reader.open()
             if self.request.target != "SHAPE_KEYS":
-                path = paths.absolute(part.filepath)
-                part.file = CacheFile(path, self.request.target, self.request.frames, rate)
+                part.file = self._make_file(part, scene.render.fps / scene.render.fps_base)
 
     def _is_waiting(self) -> bool:
         """Whether a thread binds or solves, which happens only with a window."""
@@ -237,11 +249,12 @@ class Baking:
             bpy.context.view_layer.update()
         return is_waiting
 
-    def _take(self, part: _Part, depsgraph: Depsgraph) -> None:
+    def _take(self, part: Part, depsgraph: Depsgraph) -> None:
         deformer = part.reader.deformer()
         if deformer.status_level == Level.ERROR.value:
-            raise SinewError(f"{deformer.name}: {deformer.status}")
-        left = part.reader.positions(depsgraph)
+            remedy = status.current(deformer.uid).remedy
+            raise SinewError(f"{deformer.name}: {deformer.status}", remedy=remedy)
+        left = self._read(part, depsgraph)
         if part.points < 0:
             part.points = len(left)
         if len(left) != part.points:
@@ -282,7 +295,7 @@ def _naming_frame(frame: int) -> Iterator[None]:
     try:
         yield
     except SinewError as error:
-        raise SinewError(f"Frame {frame}: {error}") from error
+        raise error.with_elements(error.elements, error.remedy, f"Frame {frame}: {error}") from error
 
 
 def _differences(reader: ShapeReader) -> list[str]:

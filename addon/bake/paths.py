@@ -32,6 +32,14 @@ def is_beside(filepath: str) -> bool:
     return Path(os.path.realpath(absolute(filepath))).is_relative_to(_home())
 
 
+def below(folder: Path, *names: str) -> Path:
+    """The path of these names below a folder. Raises an error if a link there leads outside the folder."""
+    path = folder.joinpath(*names)
+    if not Path(os.path.realpath(path)).is_relative_to(os.path.realpath(folder)):
+        raise SinewError(f"{path} is a link that leads outside {folder} - remove the link")
+    return path
+
+
 def default(obj: Object, deformer: SinewDeformer, target: str, taken: Sequence[str] = ()) -> str:
     """``//sinew_cache/<file>/<object>-<deformer>.pc2``, or with the key of the deformer if that is taken.
 

@@ -2,6 +2,7 @@
 """The ranks of the rooms of addon/: a room sees itself and rooms of lower rank, never one of its own rank."""
 
 import ast
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,7 +14,7 @@ ADDON_RANKS = ranked(
     "properties preferences mesh_io",
     "session",
     "bake",
-    "operators",
+    "operators farm",
     "handlers ui",
 )
 # Large rooms have ranks inside; their __init__.py is the face, which only other rooms see.
@@ -32,12 +33,30 @@ INNER_RANKS = {
 }
 # Folders whose sub-folders may not see each other: adding one kind must not need another.
 APART = ("session/controls",)
+FARM = "native/python/sinew_farm"
+FARM_RANKS = ranked("atom", "errors job", "clusters", "shot sweep", "command", "__main__")
 BLENDER_MODULES = {"bpy", "bpy_extras", "bmesh", "mathutils", "gpu", "blf", "addon_utils", "bl_math", "aud"}
 ROOMS_WITHOUT_BLENDER = {"core", "backend"}
 
 
 def addon_offences(root: Path) -> list[str]:
     return [f"{place}: {what}" for place, what in _addon_offences(root)]
+
+
+def farm_offences(root: Path) -> list[str]:
+    """Modules of sinew_farm see those of lower rank; the atom, which engines carry along, Python alone."""
+    found: list[tuple[str, str]] = []
+    for path in files(root, FARM, ".py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            place, relative = f"{FARM}/{path.name}:{getattr(node, 'lineno', 0)}", getattr(node, "level", 0)
+            if isinstance(node, ast.ImportFrom) and relative:
+                for target in [node.module] if node.module else [alias.name for alias in node.names]:
+                    found += step(place, ast.unparse(node), path.stem, target, FARM_RANKS)
+            elif isinstance(node, ast.Import | ast.ImportFrom) and path.stem == "atom":
+                module = getattr(node, "module", None) or node.names[0].name
+                if module.partition(".")[0] not in sys.stdlib_module_names:
+                    found.append((place, f"atom sees Python alone: {ast.unparse(node)}"))
+    return [f"{place}: {what}" for place, what in found]
 
 
 def step(

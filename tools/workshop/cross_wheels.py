@@ -14,7 +14,7 @@ from .cross_libraries import System, libraries
 from .dev import types
 from .environments import Environment
 from .notices import notices
-from .places import ROOT, WHEEL_SOURCES, WHEELS, version
+from .places import PACKAGES, ROOT, WHEEL_SOURCES, WHEELS, version
 from .shell import Stamp, fingerprint, jobs, must, one_at_a_time, said, say
 
 INPUTS = (
@@ -87,6 +87,7 @@ def build_wheel(target: Target, builder: Environment, minor: int) -> Path:
         target.check_module(next(Path(folder).glob(f"*{_suffix(target, minor)}")), minor)
         must([builder.python, "-c", METADATA, folder], quiet=True)
         shutil.copy(types(), folder)  # of this machine's module, which has the same names
+        shutil.copytree(PACKAGES, folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__"))
         files = read_folder(Path(folder))
     about = next(name for name in files if name.endswith(".dist-info/WHEEL"))
     files[about] = re.sub(rb"(?m)^Tag: .*$", f"Tag: {tag}-{tag}-{target.platform}".encode(), files[about])

@@ -15,6 +15,7 @@ QEMU = ("qemu-user-static",)  # runs Linux's programs for other processors
 GOOGLETEST = ("googletest",)  # its sources
 API = ("doxygen",)
 BROWSER = ("chromium",)  # reads the site
+NODE = ("nodejs",)  # reads the job type of Flamenco
 BENCHMARKS = ("valgrind",)  # counts instructions
 # Blender does not depend on NumPy, although its add-ons need it. Without libegl1, Workbench aborts.
 BLENDER = ("blender", "python3-numpy", "libegl1", "libgl1")

@@ -110,7 +110,9 @@ def python(minor: int) -> Path | None:
     return None
 
 
-build, dev, site = (partial(Environment, name, PYTHON311, (name,)) for name in ("build", "dev", "site"))
+build, dev, farm, site = (
+    partial(Environment, name, PYTHON311, (name,)) for name in ("build", "dev", "farm", "site")
+)
 
 
 def build_for(minor: int) -> Environment | None:

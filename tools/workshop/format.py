@@ -10,7 +10,7 @@ from .places import ROOT
 from .shell import run
 
 SOURCE_FOLDERS = ("benchmarks", "examples", "native", "tests")
-PYTHON_FOLDERS = ("addon", "benchmarks", "blend_samples", "examples", "tests", "tools")
+PYTHON_FOLDERS = ("addon", "benchmarks", "blend_samples", "examples", "native", "tests", "tools")
 
 
 def cpp_files() -> list[Path]:

@@ -10,14 +10,14 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from . import cross_wheels, debian, environments, linux_wheels, windows_tests, wine
+from . import blenders, cross_wheels, debian, environments, linux_wheels, windows_tests, wine
 from .archives import unpack
 from .blenders import HEADLESS, RUN_PYTEST, blender_module, conditions, install_legacy, layer_of
 from .dev import BENCHMARK_TARGETS, build_tree
 from .format import checks
 from .neon_tests import neon
 from .package import package
-from .places import BUILD, DEV_MODULE, NATIVE_TREE, PYTHON311, ROOT
+from .places import BUILD, DEV_MODULE, NATIVE_TREE, PACKAGES, PYTHON311, ROOT
 from .release import source_archive
 from .results import Outcome, outcome
 from .shell import must, run
@@ -138,6 +138,18 @@ def benchmarks(timeout: float) -> Outcome:
     return _pytest(timeout, "benchmarks", env={"PYTHONPATH": DEV_MODULE})
 
 
+def farm(timeout: float) -> Outcome:
+    """Bakes of the installed extension in many processes, some of which are killed; sweeps of the module."""
+    debian.install(debian.NODE)
+    build_tree("dev", "sinew_native")
+    blender, junit = environments.newest_blender().make(), new_junit("farm")
+    env = blenders.install_extension(blender, "farm")
+    command = Path(env["BLENDER_USER_RESOURCES"]) / "extensions/user_default/sinew/farm/command.py"
+    env |= {"SINEW_ATOM": f"{blender.python} {command}", "PYTHONPATH": f"{PACKAGES}:{DEV_MODULE}"}
+    tests = [environments.farm().make().python, "-m", "pytest", "tests/farm", *OPTIONS, f"--junitxml={junit}"]
+    return outcome(junit, run(tests, env=env, timeout=timeout))
+
+
 def updates(timeout: float, system: str = "linux") -> Outcome:
     """Blenders of a system that install and update the extension from a host on this machine."""
     environments.newest_blender().make()  # validates and lists the extensions
@@ -229,6 +241,7 @@ LAYERS = (
     Alone("blender-3.4", 3000, blender_3_4),
     *(blender_layer(version, CORE_TESTS) for version in environments.LONG_TERM_BLENDERS),
     Alone("blender-5", 3000, blender_5),
+    Alone("farm", 600, farm),
     Alone("updates", 300, updates),
     Alone("gui", 1200, gui, waits=True),
     windows_layer("bindings", windows_tests.bindings),

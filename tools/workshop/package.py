@@ -59,11 +59,12 @@ def extension_files(wheels: list[Path], manual: dict[str, bytes]) -> dict[str, b
 
 
 def legacy_files(native: dict[str, bytes], manual: dict[str, bytes]) -> dict[str, bytes]:
-    """``native`` are the files of an unpacked wheel."""
+    """``native`` are the files of an unpacked wheel, of which Blender needs the module alone."""
     files = addon_files() | manual
     note = '# SPDX-License-Identifier: GPL-3.0-or-later\n"""The unpacked wheel of sinew_native."""\n'
     files[f"{NATIVE_FOLDER}/__init__.py"] = note.encode()
-    files |= {f"{NATIVE_FOLDER}/{name}": content for name, content in native.items()}
+    module = {name: content for name, content in native.items() if not name.startswith("sinew_farm/")}
+    files |= {f"{NATIVE_FOLDER}/{name}": content for name, content in module.items()}
     return {f"sinew/{name}": content for name, content in files.items()}
 
 

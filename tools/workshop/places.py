@@ -14,6 +14,7 @@ METHODS = ROOT / "docs" / "methods"
 NATIVE_TREE = BUILD / "native"
 DEV_MODULE = BUILD / "dev"
 WHEELS = BUILD / "wheels"
+PACKAGES = ROOT / "native" / "python"  # in Python, beside the module
 PYTHON311 = Path("/usr/bin/python3.11")
 # What every wheel is made from, beside the tools that make it.
 WHEEL_SOURCES = (

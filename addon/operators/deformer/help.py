@@ -26,6 +26,7 @@ PAGES = (
     ("show", "Show in Colour", "Colours of regions, of influence, and of distortion"),
     ("prepare", "Prepare a Mesh", "What is unusual about a mesh, what mends it, and how the mesh bends"),
     ("bake", "Bake and Apply", "Store shapes in shape keys, caches, or the mesh itself"),
+    ("farms", "Farms", "Bakes on many machines, without a window, and sweeps of a property"),
     ("hand-over", "Hand Over, Farms, Linked Files", "Renders, other machines, libraries, copies"),
     ("troubles", "When Something Is Wrong", "What each warning means, and what to do about it"),
     ("scripting", "Scripts", "Operators, properties, and the Python module"),

@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""In a Blender with Sinew: ``make_shot.py FILE SIDE`` saves a sheet with three deformers."""
+
+import sys
+
+import bpy
+
+# isort: split
+import addon_utils  # comes with bpy, not before it
+
+file, side = sys.argv[-2], int(sys.argv[-1])
+addon_utils.enable("bl_ext.user_default.sinew")
+bpy.ops.mesh.primitive_grid_add(x_subdivisions=side - 1, y_subdivisions=side - 1)
+body = bpy.context.object
+body.name = "Body"
+for name, first in (("FIXED", 0), ("HANDLE", side * (side - 4))):
+    body.vertex_groups.new(name=name).add(range(first, first + 4 * side), 1.0, "REPLACE")
+for number, method in enumerate(("thin_shell", "arap", "laplacian_editing")):
+    bpy.ops.sinew.deformer_add(method=method)
+    for kind in ("FIXED", "HANDLE"):
+        bpy.ops.sinew.handle_add(kind=kind, vertex_group=kind)
+    control = body.sinew.deformers[number].handles[-1].control
+    for frame in (1, 80, 160, 240):
+        control.location.z = 0.4 * ((frame // 80 + number) % 3)
+        control.keyframe_insert("location", frame=frame)
+    bpy.context.view_layer.objects.active = body
+bpy.ops.wm.save_as_mainfile(filepath=file)
