@@ -2,6 +2,7 @@
 #include "native/core/memory.h"
 
 #include "native/core/errors.h"
+#include "native/core/memory_limit.h"
 
 #include <atomic>
 #include <cstdio>
@@ -15,6 +16,8 @@ std::atomic<std::int64_t> limit = 0;
 } // namespace
 
 void limit_memory(std::int64_t bytes) { limit = bytes > 0 ? bytes : 0; }
+
+std::int64_t memory_limit() { return limit; }
 
 void require_memory(std::int64_t bytes, const char* what)
 {

@@ -13,22 +13,43 @@ namespace sinew {
 
 namespace {
 
-/// Adds the soft pulls to the diagonal of A, and returns their stiffnesses.
-std::vector<double> add_pulls(const Regions& regions, SparseMatrix& A)
+/// The stiffnesses of the soft pulls.
+std::vector<double> pulls_of(const Regions& regions, const VectorX& diagonal)
 {
     std::vector<double> stiffness;
-    if (regions.soft().empty())
-        return stiffness;
-    const VectorX diagonal = A.diagonal();
     const double mean = diagonal.mean() > 0 ? diagonal.mean() : 1.0;
     for (const SoftConstraint& s : regions.soft())
         stiffness.push_back(s.stiffness() * (diagonal[s.vertex] > 0 ? diagonal[s.vertex] : mean));
+    return stiffness;
+}
+
+/// Adds the soft pulls to the diagonal of A, and returns their stiffnesses.
+std::vector<double> add_pulls(const Regions& regions, SparseMatrix& A)
+{
+    if (regions.soft().empty())
+        return {};
+    std::vector<double> stiffness = pulls_of(regions, A.diagonal());
     for (std::size_t k = 0; k < stiffness.size(); ++k) {
         const int v = regions.soft()[k].vertex;
         A.coeffRef(v, v) += stiffness[k];
     }
     A.makeCompressed();
     return stiffness;
+}
+
+/// The diagonal of A, which follows from the graph.
+VectorX diagonal_of(const LinearSystem& system)
+{
+    const SparseMatrix& L = system.graph;
+    VectorX diagonal = L.diagonal();
+    if (system.order == 2)
+        parallel_for(static_cast<int>(L.cols()), [&](int i) {
+            double sum = system.membrane * diagonal[i];
+            for (SparseMatrix::InnerIterator it(L, i); it; ++it)
+                sum += it.value() * it.value() / system.mass[it.row()];
+            diagonal[i] = sum;
+        });
+    return diagonal;
 }
 
 } // namespace
@@ -55,23 +76,49 @@ void ConstrainedSystem::factorize(std::shared_ptr<SparseMatrix> A, const Regions
         throw;
     }
     ++factorizations_;
+    grid_.reset();
     frames_ = std::make_unique<Pool<Frame>>();
 }
 
-SolveReport ConstrainedSystem::solve(const Targets& targets, Points& positions, const Source& source) const
+void ConstrainedSystem::iterate(LinearSystem system, const Regions& regions, const Progress& progress,
+                                const std::function<void()>& completed)
+{
+    std::vector<double> stiffness;
+    if (!regions.soft().empty())
+        stiffness = pulls_of(regions, diagonal_of(system));
+    VectorX pulls = VectorX::Zero(regions.vertex_count());
+    for (std::size_t k = 0; k < stiffness.size(); ++k)
+        pulls[regions.soft()[k].vertex] += stiffness[k];
+    for (int v = 0; v < regions.vertex_count(); ++v)
+        if (regions.is_free(v))
+            system.vertices.push_back(v);
+    system.pulls = pulls(system.vertices);
+    auto grid = std::make_unique<const MultigridSolver>(system, progress);
+    system = {};
+    if (completed)
+        completed();
+    grid_ = std::move(grid);
+    constraints_ = regions.constraints();
+    stiffness_ = std::move(stiffness);
+    equations_.restore({});
+    frames_ = std::make_unique<Pool<Frame>>();
+}
+
+SolveReport ConstrainedSystem::solve(const Targets& targets, Points& positions, const Source& source,
+                                     const Iterating& how) const
 {
     SolveReport report;
-    solve(targets, positions, source, &report);
+    solve(targets, positions, source, &report, how);
     return report;
 }
 
 void ConstrainedSystem::displace(const Targets& targets, Points& positions, const Source& source) const
 {
-    solve(targets, positions, source, nullptr);
+    solve(targets, positions, source, nullptr, {});
 }
 
 void ConstrainedSystem::solve(const Targets& targets, Points& positions, const Source& source,
-                              SolveReport* report) const
+                              SolveReport* report, const Iterating& how) const
 {
     const PointsView base = targets.base();
     const int n = static_cast<int>(base.rows());
@@ -101,7 +148,13 @@ void ConstrainedSystem::solve(const Targets& targets, Points& positions, const S
     }
 
     const RowMatrix* const rhs = loaded ? &b : nullptr;
-    equations_.solve(d, rhs, frame->work);
+    MultigridSolver::Solution iterated;
+    if (grid_) {
+        const RowMatrix start = how.start ? RowMatrix(*how.start - base) : RowMatrix();
+        iterated = grid_->solve(d, rhs, how.start ? &start : nullptr, how.progress);
+    } else {
+        equations_.solve(d, rhs, frame->work);
+    }
     positions.resize(n, 3);
     parallel_for(n, [&](int i) {
         for (int axis = 0; axis < 3; ++axis)
@@ -110,11 +163,11 @@ void ConstrainedSystem::solve(const Targets& targets, Points& positions, const S
 
     if (!report)
         return;
-    const ConstrainedQuadratic::Norms norms = equations_.norms(d, rhs);
+    const ConstrainedQuadratic::Norms norms = grid_ ? iterated.norms : equations_.norms(d, rhs);
     energy += norms.energy; // with s_i |d_i|^2, as the pulls are on the diagonal
     if (loaded)
         energy -= 2 * parallel_sum(n, [&](int i) { return d.row(i).dot(b.row(i)); });
-    report->iterations = 1;
+    report->iterations = grid_ ? iterated.iterations : 1;
     report->converged = true;
     report->energy = std::max(0.0, 0.5 * energy); // rounding may take it below
     report->residual = norms.load > 0 ? std::sqrt(norms.residual / norms.load) : 0.0;
@@ -128,6 +181,8 @@ RowMatrix ConstrainedSystem::spread(const MatrixX& constraints) const
 
 RowMatrix ConstrainedSystem::spread(const MatrixX& constraints, std::optional<RowMatrix>& b) const
 {
+    if (grid_)
+        throw InvalidOption("solver: the multigrid answers no columns of constraint values; choose the factor");
     if (!equations_.problem().matrix)
         throw InvalidConstraint("there are no handles yet: call set_handles() first");
     const auto columns = constraints.cols();
@@ -179,8 +234,12 @@ LinearResponse ConstrainedSystem::respond(const MatrixX& constraints) const
 
 void ConstrainedSystem::report(BindReport& report) const
 {
-    const SpdFactor& factor = equations_.factor();
     report.factorizations = factorizations_;
+    if (grid_) {
+        report.factor_bytes = grid_->bytes();
+        return;
+    }
+    const SpdFactor& factor = equations_.factor();
     report.analyses = factor.analyses();
     report.refactored = factor.share();
     report.factor_bytes = factor.bytes();

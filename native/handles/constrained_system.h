@@ -2,10 +2,12 @@
 #pragma once
 
 #include "native/core/memory.h"
+#include "native/core/progress.h"
 #include "native/core/report.h"
 #include "native/core/types.h"
 #include "native/mesh/regions.h"
 #include "native/solvers/constrained_quadratic.h"
+#include "native/solvers/systems/multigrid_solver.h"
 
 #include <functional>
 #include <memory>
@@ -24,6 +26,13 @@ struct LinearResponse
     MatrixX load;           ///< (m, m) inner products of b, the right-hand side
 };
 
+/// How an iterative solve begins, and who may end it.
+struct Iterating
+{
+    std::optional<PointsView> start; ///< (n, 3) the shape it begins from; without one, a coarse solution
+    Progress progress;
+};
+
 /// A linear system for the displacements d of a surface with hard and soft position constraints:
 ///
 ///     E(d) = 1/2 d^T A d - b^T d + c / 2 + 1/2 sum_i s_i |d_i - t_i|^2,    s_i = w / (1 - w) A_ii
@@ -33,7 +42,8 @@ struct LinearResponse
 ///
 ///   call         repeat it when ...     cost
 ///   factorize()  the handles changed    one factorisation, or the part of it that depends on these vertices
-///   solve()      the handles moved      one solve for x, y and z
+///   or iterate()                        a hierarchy of graphs, where the factor would be too large
+///   solve()      the handles moved      one solve for x, y and z; after iterate(), 8 to 60 iterations
 class ConstrainedSystem
 {
 public:
@@ -48,12 +58,23 @@ public:
     void factorize(std::shared_ptr<SparseMatrix> A, const Regions& regions,
                    const std::function<void()>& completed = {}, const Regions* wider = nullptr);
 
+    /// The same without a factor and without A, see MultigridSolver.
+    /// \param system     what A is made of, without vertices and pulls, which follow from the regions.
+    /// \param completed  as above.
+    /// \throw OutOfMemory, FactorizationFailed, Cancelled
+    void iterate(LinearSystem system, const Regions& regions, const Progress& progress,
+                 const std::function<void()>& completed = {});
+    bool iterates() const { return grid_ != nullptr; }
+    const MultigridSolver& grid() const { return *grid_; }
+
     /// Fills b (n, 3) and returns c.
     using Source = std::function<double(RowMatrix& b)>;
 
     /// \param[out] positions  (n, 3) the shape that enters, displaced.
     /// \param source          null for b = 0 and c = 0, and then in all calls.
-    SolveReport solve(const Targets& targets, Points& positions, const Source& source = {}) const;
+    /// \throw NotConverged, Cancelled  after iterate().
+    SolveReport solve(const Targets& targets, Points& positions, const Source& source = {},
+                      const Iterating& how = {}) const;
 
     /// The same without a report, whose energy and residual take a product with A.
     void displace(const Targets& targets, Points& positions, const Source& source = {}) const;
@@ -61,6 +82,7 @@ public:
     /// (n, m) d with b = 0 for m columns of constraint values.
     /// \param constraints  (c, m) one row for each of regions.constraints().
     /// \throw InvalidConstraint  before the first factorize().
+    /// \throw InvalidOption      after iterate().
     RowMatrix spread(const MatrixX& constraints) const;
     /// (n, m) d for m columns of b, where held vertices stay and nothing pulls. Rows of b that are no
     /// unknowns are not read.
@@ -87,11 +109,13 @@ private:
         return stiffness_[row + stiffness_.size() - constraints_.size()];
     }
     RowMatrix spread(const MatrixX& constraints, std::optional<RowMatrix>& b) const;
-    void solve(const Targets& targets, Points& positions, const Source& source, SolveReport* report) const;
+    void solve(const Targets& targets, Points& positions, const Source& source, SolveReport* report,
+               const Iterating& how) const;
 
     std::vector<Constraint> constraints_;
     std::vector<double> stiffness_; ///< s_i of the soft ones, which are the last
-    ConstrainedQuadratic equations_; ///< with the pulls on the diagonal
+    ConstrainedQuadratic equations_; ///< with the pulls on the diagonal; empty after iterate()
+    std::unique_ptr<const MultigridSolver> grid_; ///< after iterate()
     int factorizations_ = 0;
     std::unique_ptr<Pool<Frame>> frames_ = std::make_unique<Pool<Frame>>();
 };

@@ -56,7 +56,7 @@ points, faces = grid(180)
 mesh = sn.SurfaceMesh(points, faces)
 
 def bind():
-    return sn.ThinShell(mesh, affine_basis=False).set_handles(ends(points)).factor_bytes
+    return sn.ThinShell(mesh, affine_basis=False, solver="factor").set_handles(ends(points)).factor_bytes
 
 needed = bind()  # also takes what every bind needs once: threads, buffers of the BLAS
 with open("/proc/self/statm") as pages:

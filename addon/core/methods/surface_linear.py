@@ -66,6 +66,12 @@ _SECOND_STAGES = items(
     length="Transforms the details and restores their lengths",
 )
 
+_SOLVERS = items(
+    automatic="Uses a factor, and iterations where the factor needs more memory than the limit or the computer has",
+    factor="Computes a factor at bind, after which frames are quick",
+    multigrid=("Iterations", "Takes a fifth of the memory: binds quickly, and a frame takes as long as a bind"),
+)
+
 _COARSENINGS = items(
     automatic="Undoes subdivision as often as each loose part keeps 64 vertices",
     levels="Undoes subdivision as often as Levels says",
@@ -117,6 +123,9 @@ ROWS = (
             ),
             laplacian(),
             _substeps("more steps keep twists from collapsing, and a frame takes as many binds"),
+            Choice("solver", "Solver", "automatic", _SOLVERS, advanced=True).described(
+                "Set how millions of vertices are solved for, where memory is short"
+            ),
         ),
     ),
     Method(

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 
 namespace sinew {
@@ -104,16 +105,24 @@ void Cycles::multiply_by_laplacian(int l, int count, const std::vector<Column>& 
     const Level& level = hierarchy_.levels[l];
     const Level::Link* const links = level.links.data();
     const int* const begin = level.link_begin.data();
-    parallel_for(
-        count,
-        [&](int i) {
-            Column sum = Column::Zero();
-            const Column& own = x[i];
-            for (int at = begin[i]; at < begin[i + 1]; ++at)
-                sum += typename Column::Scalar(links[at].weight) * (own - x[links[at].node]);
-            body(i, sum);
-        },
-        grain);
+    if (l == 0 && progress_)
+        progress_->tick(0.0, "iterating");
+    const auto multiply_by = [&](const auto& weight) {
+        parallel_for(
+            count,
+            [&](int i) {
+                Column sum = Column::Zero();
+                const Column& own = x[i];
+                for (int at = begin[i]; at < begin[i + 1]; ++at)
+                    sum += typename Column::Scalar(weight(at)) * (own - x[links[at].node]);
+                body(i, sum);
+            },
+            grain);
+    };
+    if (std::is_same_v<Column, Wide> && !level.rounding.empty())
+        multiply_by([&](int at) { return level.weight(at); });
+    else
+        multiply_by([&](int at) { return links[at].weight; });
 }
 
 /// body(i, (A x)_i) for the free nodes. Where the operator is of order 2, body may change x.
@@ -158,6 +167,7 @@ float Cycles::largest_eigenvalue(int l)
 
 void Cycles::raise_bounds()
 {
+    ++raises_;
     for (Work& work : work_)
         work.largest *= 1.3F;
 }
@@ -272,10 +282,26 @@ void Cycles::cycle(int l)
     add();
 }
 
-const std::vector<Wide>& Cycles::v_cycle()
+const std::vector<Wide>* Cycles::v_cycle()
 {
-    cycle(0);
-    return work_.front().x;
+    constexpr int most_raises = 8;
+    const Work& work = work_.front();
+    const auto is_definite = [&] {
+        const int free = hierarchy_.levels.front().free;
+        const Wide sum = sum_of(free, [&](int i) { return Wide(work.b[i].cast<double>() * work.x[i]); });
+        return (sum >= 0.0).all() || !sum.isFinite().all();
+    };
+    for (cycle(0); !is_definite(); cycle(0)) {
+        if (raises_ == most_raises)
+            return nullptr;
+        raise_bounds();
+    }
+    return &work.x;
+}
+
+void Cycles::multiply(const std::vector<Wide>& x, const std::vector<Wide>& beyond, std::vector<Wide>& y)
+{
+    multiply_all(0, x, beyond, [&](int i, const Wide& product) { y[i] = product; });
 }
 
 /// The right side of each level.
@@ -287,19 +313,19 @@ void Cycles::restrict_all()
     }
 }
 
-/// b -= A x, with held nodes that are not 0.
-void Cycles::find_residual(int l, const std::vector<Wide>& x, const std::vector<Wide>& beyond)
+/// body(i, (A x)_i) for the free nodes, with held nodes that are not 0.
+template <class Body>
+void Cycles::multiply_all(int l, const std::vector<Wide>& x, const std::vector<Wide>& beyond, Body&& body)
 {
     const Level& level = hierarchy_.levels[l];
     Work& work = work_[l];
     const auto last = [&](int i, const Wide& sum) {
-        const Wide product = sum + static_cast<double>(level.pull[i]) * x[i];
-        work.b[i] = (work.b[i].cast<double>() - product).cast<float>();
+        body(i, Wide(sum + static_cast<double>(level.pull[i]) * x[i]));
     };
     if (hierarchy_.order == 1)
         return multiply_by_laplacian(l, level.free, x, last);
     multiply_by_laplacian(l, level.nodes, x, [&](int i, const Wide& sum) {
-        const Wide all = i < level.free ? sum : Wide(sum + beyond[i - level.free]);
+        const Wide all = i < level.free || beyond.empty() ? sum : Wide(sum + beyond[i - level.free]);
         work.other[i] = static_cast<double>(level.inverse_mass[i]) * all + hierarchy_.membrane * x[i];
     });
     multiply_by_laplacian(l, level.free, work.other, last);
@@ -339,7 +365,9 @@ std::vector<Wide> Cycles::full_cycle(const HeldValues& held)
             prolong(l, coarse, x, other);
         }
         if (l > 0) {
-            find_residual(l, x, values[l].beyond);
+            multiply_all(l, x, values[l].beyond, [&](int i, const Wide& product) {
+                work_[l].b[i] = (work_[l].b[i].cast<double>() - product).cast<float>();
+            });
             cycle(l);
             parallel_for(level.free, [&](int i) { x[i] += work_[l].x[i]; }, grain);
         }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include "native/core/progress.h"
 #include "native/solvers/multigrid/hierarchy.h"
 #include "native/solvers/spd_factor.h"
 
@@ -44,9 +45,11 @@ public:
     /// (nodes) b of the next cycle, on the free nodes of the finest level.
     std::vector<Four>& right_side() { return work_.front().b; }
 
-    /// x = one V-cycle for A x = b. Cost: nine products with A on each level.
-    /// \return (nodes) of the finest level; the next call changes it.
-    const std::vector<Wide>& v_cycle();
+    /// x = one V-cycle for A x = b. Cost: nine products with A on each level. Smoothers whose bounds of eigenvalues are
+    /// too small make a cycle that is not positive definite: then they are raised, and it begins again.
+    /// \return (nodes) of the finest level, which the next call changes; null where no bounds help.
+    const std::vector<Wide>* v_cycle();
+    int raises() const { return raises_; } ///< of the bounds, so far
 
     /// Nested iteration, also called a full cycle: from the solution on the coarsest level through one V-cycle on each
     /// but the finest one. With the values of held nodes, no level begins with a jump beside them.
@@ -58,8 +61,13 @@ public:
     /// problems." Numer. Math. 75, 1996.
     const std::vector<Wide>& descend();
 
-    /// Raises the bounds of eigenvalues from which the smoothers are made.
-    void raise_bounds();
+    /// y = A x on the free nodes of the finest level.
+    /// \param x       (nodes) also of the held ones.
+    /// \param beyond  as in HeldValues; empty for 0.
+    void multiply(const std::vector<Wide>& x, const std::vector<Wide>& beyond, std::vector<Wide>& y);
+
+    /// Ticks within cycles and products, until another one is given; null for none. It must live until then.
+    void watch(const Progress* progress) { progress_ = progress; }
 
     std::int64_t bytes() const; ///< without the hierarchy
 
@@ -82,13 +90,17 @@ private:
     void solve_coarsest();
     void cycle(int level);
     void restrict_all();
-    void find_residual(int level, const std::vector<Wide>& x, const std::vector<Wide>& beyond);
+    template <class Body>
+    void multiply_all(int level, const std::vector<Wide>& x, const std::vector<Wide>& beyond, Body&& body);
+    void raise_bounds();
     void steps_of_conjugate_gradients(int level, int count);
 
     const Hierarchy& hierarchy_;
     std::vector<Work> work_;
     SpdFactor coarsest_;
     RowMatrix columns_;
+    int raises_ = 0;
+    const Progress* progress_ = nullptr;
 };
 
 } // namespace sinew

@@ -60,8 +60,8 @@ void complete(Level& level, int order, double membrane)
     });
 }
 
-/// \param weight, mass  the units of the level.
-Level finest(const LinearSystem& system, double weight, double mass, std::vector<int>& unknowns,
+/// \param weight, mass, scale  the units of the level.
+Level finest(const LinearSystem& system, double weight, double mass, double scale, std::vector<int>& unknowns,
              std::vector<int>& held)
 {
     const SparseMatrix& L = system.graph;
@@ -110,6 +110,8 @@ Level finest(const LinearSystem& system, double weight, double mass, std::vector
     });
     std::partial_sum(level.link_begin.begin(), level.link_begin.end(), level.link_begin.begin());
     level.links.resize(level.link_begin.back());
+    const bool exact = system.matrix.cols() == 0;
+    level.rounding.resize(exact ? level.links.size() : 0);
     level.pull.resize(level.free);
     parallel_for(level.nodes, [&](int k) {
         Level::Link* const begin = level.links.data() + level.link_begin[k];
@@ -123,7 +125,12 @@ Level finest(const LinearSystem& system, double weight, double mass, std::vector
                 *end++ = {name[it.row()], static_cast<float>(-it.value() / weight)};
         }
         std::sort(begin, end, [](const Level::Link& a, const Level::Link& b) { return a.node < b.node; });
-        if (k < level.free)
+        for (const Level::Link* link = begin; exact && link < end; ++link)
+            level.rounding[link - level.links.data()] =
+                static_cast<float>(-L.coeff(order[link->node], order[k]) / weight - link->weight);
+        if (k < level.free && exact)
+            level.pull[k] = static_cast<float>(scale * system.pulls[unknowns[k]]);
+        else if (k < level.free)
             level.pull[k] =
                 sum > least_pull * diagonal && system.order == 1 ? static_cast<float>(sum / weight) : 0.0F;
     });
@@ -393,7 +400,7 @@ std::int64_t size_of(const std::vector<T>& values)
 
 std::int64_t Level::bytes() const
 {
-    return size_of(link_begin) + size_of(links) + size_of(pull) + size_of(inverse_mass) +
+    return size_of(link_begin) + size_of(links) + size_of(rounding) + size_of(pull) + size_of(inverse_mass) +
            size_of(inverse_of_L) + size_of(inverse_diagonal) + size_of(parents) + size_of(shares) +
            size_of(child_begin) + size_of(children) +
            static_cast<std::int64_t>(sizeof(double)) * (points.size() + mass.size());
@@ -423,9 +430,9 @@ Hierarchy::Hierarchy(const LinearSystem& system, const Progress& progress) : ord
     mass = mass > 0 ? mass : 1.0;
     scale = order == 1 ? 1.0 / weight : mass / weight / weight;
     membrane = system.membrane * mass / weight;
-    levels.push_back(finest(system, weight, mass, unknowns, held));
+    levels.push_back(finest(system, weight, mass, scale, unknowns, held));
     complete(levels.back(), order, membrane);
-    if (order == 2) {
+    if (order == 2 && system.matrix.cols() > 0) {
         find_pulls(system, *this, levels.back());
         complete(levels.back(), order, membrane);
     }
@@ -437,6 +444,8 @@ Hierarchy::Hierarchy(const LinearSystem& system, const Progress& progress) : ord
             break;
         Level next = coarser(levels.back(), order);
         complete(next, order, membrane);
+        levels.back().points.resize(0, 3);
+        levels.back().mass.resize(0);
         levels.push_back(std::move(next));
     }
 }

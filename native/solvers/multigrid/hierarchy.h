@@ -28,9 +28,10 @@ struct Level
     int free = 0, nodes = 0;
     std::vector<int> link_begin; ///< (nodes + 1)
     std::vector<Link> links;     ///< of each node by rising numbers of the others
+    std::vector<float> rounding; ///< (links) weights less what `links` has; on the finest level of a system without a matrix
     std::vector<float> pull;     ///< (free)
-    Points points;               ///< (nodes, 3)
-    VectorX mass;                ///< (nodes)
+    Points points;               ///< (nodes, 3); of the last level alone, once the next one is made
+    VectorX mass;                ///< (nodes); likewise
     std::vector<float> inverse_mass;     ///< (nodes)
     std::vector<float> inverse_of_L;     ///< (free) of the diagonal; 0 where a node has no links
     std::vector<float> inverse_diagonal; ///< (free) of A
@@ -41,6 +42,11 @@ struct Level
     std::vector<int> child_begin;             ///< (coarse nodes + 1)
     std::vector<Link> children;               ///< the transpose
 
+    /// Of a link, in double precision where that is known.
+    double weight(int at) const
+    {
+        return rounding.empty() ? links[at].weight : static_cast<double>(links[at].weight) + rounding[at];
+    }
     std::int64_t bytes() const;
 };
 
@@ -64,6 +70,7 @@ struct Hierarchy
     std::vector<Level> levels; ///< from fine to coarse; never empty
 
     /// Cost: O(n), the time of some ten products with A.
+    /// \param system  with a matrix, or with pulls.
     /// \throw InvalidOption  the system has no nodes, or an order of 3 and more.
     /// \throw Cancelled
     explicit Hierarchy(const LinearSystem& system, const Progress& progress = {});

@@ -84,11 +84,21 @@ Iteration conjugate_gradients(const SparseMatrix& A, const Columns& b, Columns& 
                               const Stop& stop, const Progress& progress)
 {
     const int n = static_cast<int>(A.cols());
-    Columns r(n), z(n), p(n, Array4d(Array4d::Zero())), q = p;
+    Columns r(n);
     const Array4d load = gather(n, [&](int i, Sums& sums) {
                              r[i] = b[i] - row_times(A, i, x);
                              sums.first += b[i].square();
                          }).first;
+    const auto multiply = [&](const Columns& from, Columns& to) {
+        parallel_for(n, [&](int i) { to[i] = row_times(A, i, from); }, grain);
+    };
+    return conjugate_gradients(n, multiply, load.sqrt(), r, x, B, stop, progress);
+}
+
+Iteration conjugate_gradients(int n, const Product& A, const Array4d& load, Columns& r, Columns& x,
+                              const Preconditioner& B, const Stop& stop, const Progress& progress)
+{
+    Columns z(r.size(), Array4d(Array4d::Zero())), p = z, q = z;
     Iteration done;
     std::array<std::vector<double>, 4> alphas, betas;
     Array4d rz = Array4d::Zero(), alpha = Array4d::Zero();
@@ -107,9 +117,11 @@ Iteration conjugate_gradients(const SparseMatrix& A, const Columns& b, Columns& 
         if (!after.first.isFinite().all() || !sizes.first.isFinite().all())
             throw NotConverged("the iteration diverges: its numbers were no longer finite at iteration " +
                                std::to_string(done.count));
-        Array4d wanted = stop.tolerance * load.sqrt(), found = sizes.first.sqrt();
+        Array4d wanted = stop.tolerance * load, found = sizes.first.sqrt();
         if (stop.by_error) {
             wanted = stop.tolerance * sizes.largest.max(after.largest);
+            if (stop.together)
+                wanted = wanted.maxCoeff();
             found = after.largest;
         }
         const auto busy = (load > 0) && (found > wanted);
@@ -132,10 +144,8 @@ Iteration conjugate_gradients(const SparseMatrix& A, const Columns& b, Columns& 
             done.count > 0 ? ratio(-alpha * after.second, rz).max(0.0) : Array4d(Array4d::Zero());
         rz = after.first;
         parallel_for(n, [&](int i) { p[i] = z[i] + beta * p[i]; }, grain);
-        const Array4d energy = gather(n, [&](int i, Sums& sums) {
-                                   q[i] = row_times(A, i, p);
-                                   sums.first += p[i] * q[i];
-                               }).first;
+        A(p, q);
+        const Array4d energy = gather(n, [&](int i, Sums& sums) { sums.first += p[i] * q[i]; }).first;
         if ((busy && energy <= 0).any())
             throw FactorizationFailed("the matrix is not positive definite: p^T A p <= 0 at iteration " +
                                       std::to_string(done.count));

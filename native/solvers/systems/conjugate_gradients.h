@@ -16,6 +16,9 @@ using Columns = std::vector<Eigen::Array4d>;
 /// z = B r for a symmetric positive definite B that is close to A^-1. It may differ a little from call to call.
 using Preconditioner = std::function<void(const Columns& r, Columns& z)>;
 
+/// y = A x on the unknowns.
+using Product = std::function<void(const Columns& x, Columns& y)>;
+
 /// When an iteration ends.
 struct Stop
 {
@@ -24,6 +27,7 @@ struct Stop
     /// Whether B r, an estimate of the error, is compared with x, or the residual r = b - A x with b. The first needs a
     /// B that is very close to A^-1.
     bool by_error = false;
+    bool together = false; ///< whether the errors of all columns are compared with the largest x of all
 };
 
 /// What the iteration of four columns came to.
@@ -43,6 +47,13 @@ struct Iteration
 /// \throw Cancelled
 Iteration conjugate_gradients(const SparseMatrix& A, const Columns& b, Columns& x, const Preconditioner& B,
                               const Stop& stop, const Progress& progress);
+
+/// The same for an A that is no matrix. Rows of x and r after the unknowns are left alone; those that A and B are given
+/// are 0.
+/// \param load  |b| of each column; those that are 0 are not solved for.
+/// \param r     b - A x on the unknowns at first; what the iteration makes of it afterwards.
+Iteration conjugate_gradients(int unknowns, const Product& A, const Eigen::Array4d& load, Columns& r, Columns& x,
+                              const Preconditioner& B, const Stop& stop, const Progress& progress);
 
 /// The largest singular value of a linear map of one column, by `steps` steps of Lanczos' method with
 /// reorthogonalisation from a random vector; a lower bound that is close.

@@ -209,7 +209,6 @@ struct Multigrid
 {
     Hierarchy hierarchy;
     Cycles cycles;
-    int raises = 0; ///< of the bounds of the smoothers, so far
 
     Multigrid(const LinearSystem& system, const Progress& progress)
         : hierarchy(system, progress), cycles(hierarchy)
@@ -280,6 +279,15 @@ struct Multigrid
     }
 };
 
+/// One V-cycle.
+/// \throw NotConverged  the operator is not positive definite, or too far from that.
+const std::vector<Wide>& definite(Cycles& cycles)
+{
+    if (const std::vector<Wide>* const x = cycles.v_cycle())
+        return *x;
+    throw NotConverged("the V-cycle diverges on this system; choose cholesky");
+}
+
 Solve prepare_multigrid(const LinearSystem& system, const SolverOptions& options, SolutionReport& report,
                         const Progress& progress)
 {
@@ -298,28 +306,13 @@ Solve prepare_multigrid(const LinearSystem& system, const SolverOptions& options
     };
     if (options.cycle == Cycle::cascading)
         return iterated(system, options, false, by_diagonal(system.matrix), begin, progress);
-    // Smoothers whose bounds are too small make a cycle that is not positive definite.
-    constexpr int most_raises = 8;
     return iterated(
         system, options, true,
         [grid, &report](const Columns& r, Columns& z) {
-            for (;;) {
-                grid->apply(r, z,
-                            [&](const Wide&) -> const std::vector<Wide>& { return grid->cycles.v_cycle(); });
-                Eigen::Array4d sum = Eigen::Array4d::Zero();
-                bool zero = true;
-                for (std::size_t i = 0; i < r.size(); ++i) {
-                    sum += r[i] * z[i];
-                    zero = zero && (r[i] == 0.0).all();
-                }
-                if (zero || (sum >= 0.0).all())
-                    return;
-                if (grid->raises == most_raises)
-                    throw NotConverged("the V-cycle diverges on this system; choose cholesky");
-                grid->cycles.raise_bounds();
-                if (grid->raises++ == 0)
-                    report.why += "; the bounds of the smoother were raised";
-            }
+            const int raises = grid->cycles.raises();
+            grid->apply(r, z, [&](const Wide&) -> const std::vector<Wide>& { return definite(grid->cycles); });
+            if (raises == 0 && grid->cycles.raises() > 0)
+                report.why += "; the bounds of the smoother were raised";
         },
         begin, progress);
 }

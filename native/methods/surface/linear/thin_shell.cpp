@@ -2,12 +2,15 @@
 #include "native/methods/surface/linear/thin_shell.h"
 
 #include "native/core/errors.h"
-#include "native/handles/constrained_system.h"
+#include "native/core/memory.h"
+#include "native/core/memory_limit.h"
+#include "native/core/system/physical_memory.h"
 #include "native/operators/painted.h"
 #include "native/solvers/solved_system.h"
 #include "native/solvers/sparse_columns.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <numeric>
 #include <string>
@@ -52,6 +55,20 @@ struct Coefficients
 {
     std::vector<double> stretching, bending, variation;
 };
+
+/// About what the factor of a surface takes: the entries of a row grow with the logarithm of their number.
+double factor_bytes(int free, int order)
+{
+    const double doublings = std::max(std::log2(free / 5e4), 0.0);
+    return 8.0 * free * (order == 1 ? 31 + 5 * doublings : 110 + 14 * doublings);
+}
+
+/// The beginning of a message, up to what to do.
+std::string reason_of(const OutOfMemory& error, char end = ':')
+{
+    const std::string text = error.what();
+    return text.substr(0, text.find(end));
+}
 
 /// The results of a bind.
 struct Binding
@@ -130,31 +147,73 @@ struct ThinShell::Impl
         return sum;
     }
 
+    /// What the matrix is made of.
+    LinearSystem parts(const Regions& regions, const TriangleMetric& metric, Discretization of) const
+    {
+        LinearSystem system;
+        const auto& s = k.stretching;
+        system.graph = laplacian_matrix(rest, of, metric);
+        system.mass = divisible_mass(rest, of, metric);
+        for (int i = 0; i < rest.vertex_count() && !k.bending.empty(); ++i)
+            system.mass[i] /= k.bending[i] * bending_continuity(regions, i);
+        system.order = k.variation.empty() ? 2 : 3;
+        if (!s.empty()) // where it is painted, the membrane is its mean
+            system.membrane = std::accumulate(s.begin(), s.end(), 0.0) / static_cast<double>(s.size());
+        return system;
+    }
+
     /// Says what the matrix is made of.
     void describe(const Regions& regions, Discretization of, SolvedSystem& solved) const
     {
         if (k.bending.empty() && k.variation.empty())
             return;
-        const TriangleMetric metric = triangle_metric(rest, least_area());
-        VectorX mass = divisible_mass(rest, of, metric);
-        for (int i = 0; i < rest.vertex_count() && !k.bending.empty(); ++i)
-            mass[i] /= k.bending[i] * bending_continuity(regions, i);
-        const auto& s = k.stretching; // where it is painted, the membrane is its mean
-        solved.describe(laplacian_matrix(rest, of, metric), std::move(mass), k.variation.empty() ? 2 : 3,
-                        s.empty() ? 0.0
-                                  : std::accumulate(s.begin(), s.end(), 0.0) / static_cast<double>(s.size()));
+        LinearSystem system = parts(regions, triangle_metric(rest, least_area()), of);
+        solved.describe(system.graph, std::move(system.mass), system.order, system.membrane);
+    }
+
+    /// Why the multigrid cannot solve this; empty where it can.
+    std::string unsuited() const
+    {
+        if (!k.variation.empty())
+            return "variation must be 0 for the multigrid";
+        const auto [least, most] = std::ranges::minmax_element(k.stretching);
+        if (!k.bending.empty() && !k.stretching.empty() && *least != *most)
+            return "stretching cannot be painted beside bending for the multigrid";
+        return {};
+    }
+
+    TriangleMetric metric_of(BindReport& report) const
+    {
+        TriangleMetric metric = triangle_metric(rest, least_area());
+        report.degenerate_faces = degenerate_face_count(rest, metric);
+        return metric;
+    }
+
+    void iterate(Discretization of, const Regions& regions, const std::string& why, BindReport& report,
+                 const Progress& progress)
+    {
+        LinearSystem system;
+        if (!k.bending.empty())
+            system = parts(regions, metric_of(report), of);
+        else
+            system.graph =
+                laplacian_matrix(rest, of, metric_of(report), [&](std::span<const int> element) {
+                    return mean_over(k.stretching, element);
+                });
+        system.points = rest.points();
+        progress.tick(0.2, "building the multigrid");
+        bound.system.iterate(std::move(system), regions, progress, [&] { progress.tick(1.0, "bound"); });
+        bound.basis.reset();
+        report.remarks.push_back("solved by iterations on a multigrid of " +
+                                 std::to_string(bound.system.grid().levels()) + " levels in " +
+                                 in_words(bound.system.grid().bytes()) + ": " + why);
     }
 
     /// The factor is used again where the pattern of the matrix is the same.
-    void bind(const ThinShellOptions& options, const Regions& regions, BindReport& report,
-              const Progress& progress)
+    void factorize(const ThinShellOptions& options, const Regions& regions, BindReport& report,
+                   const Progress& progress)
     {
-        std::shared_ptr<SparseMatrix> A;
-        {
-            const TriangleMetric metric = triangle_metric(rest, least_area());
-            report.degenerate_faces = degenerate_face_count(rest, metric);
-            A = assemble(regions, metric, options.laplacian);
-        }
+        std::shared_ptr<SparseMatrix> A = assemble(regions, metric_of(report), options.laplacian);
         progress.tick(0.2, "factorising");
         std::unique_ptr<AffineBasis> basis;
         bound.system.factorize(std::move(A), regions, [&] {
@@ -166,6 +225,48 @@ struct ThinShell::Impl
             progress.tick(1.0, "bound");
         });
         bound.basis = std::move(basis);
+    }
+
+    /// Why the factor is not even begun: empty where it may fit.
+    std::string too_large(const Regions& regions) const
+    {
+        constexpr int small = 200'000; // of so few, the analysis that tells the true size takes no time
+        constexpr double least = 0.8;  // what a real one takes at least, as a share of factor_bytes()
+        const auto free = static_cast<int>(std::ranges::count(regions.free_vertices(), true));
+        const double bytes = factor_bytes(free, k.bending.empty() ? 1 : 2);
+        const std::int64_t limit = memory_limit(), most = limit > 0 ? limit : physical_memory();
+        if (free < small || most <= 0 || bytes * (limit > 0 ? least : 1.0) <= static_cast<double>(most))
+            return {};
+        return "the factor needs about " + in_words(static_cast<std::int64_t>(bytes)) + ", the " +
+               (limit > 0 ? "memory limit is " : "machine has ") + in_words(most);
+    }
+
+    void bind(const ThinShellOptions& options, const Regions& regions, BindReport& report,
+              const Progress& progress)
+    {
+        const std::string no = unsuited();
+        if (options.solver == SystemSolver::multigrid && !no.empty())
+            throw InvalidOption("solver: " + no + "; choose the factor");
+        const bool may_choose = options.solver == SystemSolver::automatic && no.empty();
+        std::string why = options.solver == SystemSolver::multigrid ? "asked for"
+                          : may_choose                              ? too_large(regions)
+                                                                    : "";
+        if (why.empty())
+            try {
+                factorize(options, regions, report, progress);
+            } catch (const OutOfMemory& error) {
+                if (!may_choose)
+                    throw;
+                why = reason_of(error);
+            }
+        if (!why.empty())
+            try {
+                iterate(options.laplacian, regions, why, report, progress);
+            } catch (const OutOfMemory& error) {
+                if (!may_choose)
+                    throw;
+                throw OutOfMemory(why.substr(0, why.find(',')) + " and " + error.what());
+            }
         bound.system.report(report);
     }
 };
@@ -238,8 +339,12 @@ SolveReport ThinShell::deform(const SolveRequest& request, const Targets& target
     if (bound.basis && !request.incoming)
         return bound.basis->solve(request.poses, positions, !idle_parts_ride());
 
-    const SolveReport report = bound.system.solve(targets, positions);
-    if (SolvedSystem* const solved = SolvedSystem::of_thread())
+    SolvedSystem* const solved = SolvedSystem::of_thread();
+    if (solved && bound.system.iterates())
+        throw InvalidOption("solver: the multigrid has no matrix; choose the factor");
+    const SolveReport report =
+        bound.system.solve(targets, positions, {}, {.start = request.start, .progress = request.progress});
+    if (solved)
         impl_->describe(regions(), options().laplacian, *solved);
     return report;
 }

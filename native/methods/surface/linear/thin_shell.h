@@ -3,6 +3,7 @@
 
 #include "native/core/hidden.h"
 #include "native/core/options.h"
+#include "native/handles/constrained_system.h"
 #include "native/methods/surface/linear/responses/affine_basis.h"
 #include "native/methods/surface/method.h"
 #include "native/operators/laplacian.h"
@@ -17,6 +18,19 @@ namespace sinew {
 /// so that the system stays solvable where a region is painted black.
 using Stiffness = std::vector<double>;
 
+/// How a ThinShell solves its system.
+///
+///   automatic  factor; multigrid where the factor takes more memory than limit_memory() allows, or without a limit than
+///              the machine has
+///   factor     a Cholesky factor, computed once: a frame takes two triangular solves
+///   multigrid  iterations in each frame, in a fifth of the memory
+enum class SystemSolver { automatic, factor, multigrid };
+constexpr auto choices(SystemSolver)
+{
+    return std::array{Choice{"automatic", SystemSolver::automatic}, Choice{"factor", SystemSolver::factor},
+                      Choice{"multigrid", SystemSolver::multigrid}};
+}
+
 struct ThinShellOptions
 {
     Stiffness stretching{0.0};
@@ -24,6 +38,7 @@ struct ThinShellOptions
     Stiffness variation{0.0};
     Discretization laplacian = Discretization::cotan_voronoi;
     bool affine_basis = true; ///< only where there are at most 16 handles
+    SystemSolver solver = SystemSolver::automatic;
 
     static constexpr auto table()
     {
@@ -39,7 +54,11 @@ struct ThinShellOptions
                    "'uniform', 'cotan', 'cotan_voronoi' or 'robust' (section 3.2)"),
             option("affine_basis", &O::affine_basis, Rebind::update,
                    "whether to precompute the response to affine handle motions, which makes a frame one "
-                   "small matrix product with the same result")};
+                   "small matrix product with the same result"),
+            option("solver", &O::solver, Rebind::update,
+                   "'factor', 'multigrid' (iterations in little memory, to 1e-4 of the motion, without an affine "
+                   "basis), or 'automatic': the multigrid where the factor does not fit limit_memory(), or the "
+                   "machine")};
     }
 };
 
@@ -73,15 +92,21 @@ struct ThinShellOptions
 ///   one of these    some vertices became held,    the part of the factor that depends on these vertices:
 ///   again           or a painted stiffness        about half of it for a patch; where vertices become free,
 ///                   changed on some vertices      a whole factorisation
+///   set_handles()   another set of handles        with the multigrid a hierarchy of graphs, O(n)
 ///   solve()         the handles moved             O(n k) with the basis, else one solve for x, y and z; a
 ///                                                 bind more per substep after the first
+///
+/// With the multigrid a frame takes 8 to 60 iterations (docs/developer/decisions/multigrid-on-graphs.md), 60 to 100 of
+/// which take as long as the factor, and its memory is about 550 bytes per vertex. The shape differs from that of the
+/// factor by less than 1e-4 of the motion, and with SolveRequest::start by as much from call to call. It cannot do
+/// k_v > 0, nor a painted k_s beside k_b; respond() and the system of a solve need the factor.
 ///
 /// Being linear, it suits translations and gentle bends; details do not rotate with the surface.
 class ThinShell final : public SurfaceMethodWith<ThinShellOptions>
 {
 public:
     /// \throw InvalidOption  a stiffness is negative or not finite, or has neither 1 nor n numbers; or all
-    ///   three are zero.
+    ///   three are zero. set_handles() throws it where the solver is the multigrid, which cannot do them.
     explicit ThinShell(const SurfaceMesh& rest, const ThinShellOptions& options = {});
 
     /// Changes k_s, k_b and k_v and keeps the handles. Leaves the object as it was if it throws.
@@ -93,6 +118,7 @@ public:
     /// The displacements for m columns of constraint values, which are solved together. Call set_handles()
     /// first.
     /// \param constraints  (c, m) one row for each of regions().constraints().
+    /// \throw InvalidOption  the multigrid solves.
     LinearResponse respond(const MatrixX& constraints) const;
 
     /// Null where the options do not ask for it, or where there are more than 16 handles; the next bind frees

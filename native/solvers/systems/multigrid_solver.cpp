@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "native/solvers/systems/multigrid_solver.h"
+
+#include "native/core/memory.h"
+#include "native/core/parallel.h"
+#include "native/solvers/multigrid/cycles.h"
+#include "native/solvers/systems/conjugate_gradients.h"
+#include "native/solvers/systems/not_converged.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace sinew {
+
+namespace {
+
+constexpr double tolerance = 3e-5;
+constexpr int most_iterations = 300;
+constexpr int most_restarts = 3; ///< from the residual of the solution, where rounding made another one of it
+constexpr double restarted = 2;  ///< times the tolerance: an error that takes a restart
+
+} // namespace
+
+struct MultigridSolver::Impl
+{
+    Hierarchy hierarchy;
+    std::vector<int> vertices; ///< (nodes) of the finest level
+    std::vector<int> border_begin;
+    /// The links of held nodes of the finest level with held ones that are no part of it, in units of the hierarchy.
+    std::vector<std::pair<int, double>> border;
+    mutable Pool<Cycles> cycles; ///< each of several solves at the same time has its own
+
+    Impl(const LinearSystem& system, const Progress& progress) : hierarchy(system, progress)
+    {
+        const Level& level = hierarchy.levels.front();
+        std::vector<bool> inside(system.points.rows(), false);
+        for (const int u : hierarchy.unknowns)
+            vertices.push_back(system.vertices[u]);
+        vertices.insert(vertices.end(), hierarchy.held.begin(), hierarchy.held.end());
+        for (const int v : vertices)
+            inside[v] = true;
+        border_begin.assign(1, 0);
+        for (int i = level.free; i < level.nodes; ++i) {
+            for (SparseMatrix::InnerIterator it(system.graph, vertices[i]); it; ++it)
+                if (!inside[it.row()] && it.value() != 0.0)
+                    border.emplace_back(static_cast<int>(it.row()), -it.value() / hierarchy.weight);
+            border_begin.push_back(static_cast<int>(border.size()));
+        }
+        hierarchy.unknowns = {};
+        hierarchy.held = {};
+        progress.tick(0.8, "preparing the smoothers");
+        workspace();
+    }
+
+    Pool<Cycles>::Lease workspace() const
+    {
+        return cycles.take([&] { return std::make_unique<Cycles>(hierarchy); });
+    }
+
+    int free() const { return hierarchy.levels.front().free; }
+    int nodes() const { return hierarchy.levels.front().nodes; }
+    ConstrainedQuadratic::Norms norms(const Columns& y, const std::vector<Wide>& beyond) const;
+};
+
+/// The energy of y on the nodes of the finest level, in units of the hierarchy and without pulls.
+ConstrainedQuadratic::Norms MultigridSolver::Impl::norms(const Columns& y,
+                                                         const std::vector<Wide>& beyond) const
+{
+    const Level& level = hierarchy.levels.front();
+    ConstrainedQuadratic::Norms norms;
+    norms.energy = parallel_sum(level.nodes, [&](int i) {
+        Wide sum = i < level.free ? Wide(Wide::Zero()) : beyond[i - level.free];
+        double squares = 0.0;
+        for (int at = level.link_begin[i]; at < level.link_begin[i + 1]; ++at) {
+            const Wide difference = y[i] - y[level.links[at].node];
+            const double w = level.weight(at);
+            sum += w * difference;
+            squares += 0.5 * w * difference.square().sum();
+        }
+        return hierarchy.order == 1 ? squares
+                                    : level.inverse_mass[i] * sum.square().sum() + hierarchy.membrane * squares;
+    });
+    return norms;
+}
+
+std::int64_t MultigridSolver::bytes_for(const LinearSystem& system)
+{
+    // Of a node: what a Level and a Work of Cycles keep; the vectors of the iteration; and three columns of x.
+    constexpr std::int64_t of_level = 68, of_work = 5 * sizeof(Four) + 2 * sizeof(Wide),
+                           of_solution = 5 * sizeof(Wide) + 3 * sizeof(double), of_link = sizeof(Level::Link);
+    constexpr double levels[] = {1.15, 1.4}; // the nodes of all levels, as a multiple of those of the first
+    const auto n = static_cast<std::int64_t>(system.vertices.size());
+    const double share = static_cast<double>(n) / std::max<double>(static_cast<double>(system.graph.cols()), 1.0);
+    const double links = share * static_cast<double>(system.graph.nonZeros() - system.graph.cols());
+    const double all = levels[system.order > 1] *
+                       (static_cast<double>(n * (of_level + of_work)) + of_link * links);
+    return static_cast<std::int64_t>(all + 4 * links) + n * of_solution;
+}
+
+MultigridSolver::MultigridSolver(const LinearSystem& system, const Progress& progress)
+{
+    require_memory(bytes_for(system), "the multigrid");
+    impl_ = std::make_unique<Impl>(system, progress);
+}
+
+MultigridSolver::~MultigridSolver() = default;
+
+MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* rhs, const RowMatrix* start,
+                                                 const Progress& progress) const
+{
+    const Impl& own = *impl_;
+    const Hierarchy& hierarchy = own.hierarchy;
+    const Level& level = hierarchy.levels.front();
+    const int free = level.free, nodes = level.nodes;
+    const auto cycles = own.workspace();
+    cycles->watch(&progress);
+    Solution solution;
+    for (Eigen::Index first = 0; first < x.cols(); first += 4) {
+        const auto count = std::min<Eigen::Index>(4, x.cols() - first);
+        const auto row_of = [&](const RowMatrix& from, int v) {
+            Wide row = Wide::Zero();
+            row.head(count) = from.row(v).segment(first, count).transpose().array();
+            return row;
+        };
+        /// In units of the hierarchy.
+        const auto load = [&](int i) {
+            return rhs ? Wide(hierarchy.scale * row_of(*rhs, own.vertices[i])) : Wide(Wide::Zero());
+        };
+
+        // A makes 0 of a common move but for what pulls: moves are counted from their mean.
+        Wide mean = Wide::Zero(), unit = Wide::Zero();
+        const auto for_each_given = [&](auto&& body) {
+            for (int i = free; i < nodes; ++i)
+                body(row_of(x, own.vertices[i]));
+            for (int i = 0; rhs && i < free; ++i)
+                if (level.pull[i] > 0)
+                    body(Wide(load(i) / static_cast<double>(level.pull[i])));
+        };
+        double number = 0.0;
+        for_each_given([&](const Wide& value) {
+            mean += value;
+            ++number;
+        });
+        mean /= std::max(number, 1.0);
+        for_each_given([&](const Wide& value) { unit = unit.max((value - mean).abs()); });
+        const double largest = unit.maxCoeff();
+        if (!(largest > 0)) {
+            parallel_for(free, [&](int i) {
+                x.row(own.vertices[i]).segment(first, count) = mean.head(count).matrix().transpose();
+            });
+            continue;
+        }
+
+        HeldValues held;
+        for (int i = free; i < nodes; ++i) {
+            const Wide value = row_of(x, own.vertices[i]);
+            held.value.emplace_back((value - mean) / largest);
+            Wide beyond = Wide::Zero();
+            for (int at = own.border_begin[i - free]; at < own.border_begin[i - free + 1]; ++at)
+                beyond += own.border[at].second * (value - row_of(x, own.border[at].first));
+            held.beyond.emplace_back(beyond / largest);
+        }
+        Columns y(nodes, Wide(Wide::Zero())), r(nodes, Wide(Wide::Zero()));
+        std::copy(held.value.begin(), held.value.end(), y.begin() + free);
+        const auto find_residual = [&] {
+            cycles->multiply(y, held.beyond, r);
+            parallel_for(free, [&](int i) {
+                r[i] = (load(i) - static_cast<double>(level.pull[i]) * mean) / largest - r[i];
+            });
+        };
+        const auto size_of = [&](const Columns& columns) {
+            Wide sum = Wide::Zero();
+            for (int c = 0; c < 4; ++c)
+                sum[c] = std::sqrt(parallel_sum(free, [&](int i) { return columns[i][c] * columns[i][c]; }));
+            return sum;
+        };
+        find_residual();
+        const Wide loads = size_of(r);
+        if (start)
+            parallel_for(free, [&](int i) { y[i] = (row_of(*start, own.vertices[i]) - mean) / largest; });
+        else {
+            std::vector<Four>& b = cycles->right_side();
+            parallel_for(free, [&](int i) {
+                b[i] = ((load(i) - static_cast<double>(level.pull[i]) * mean) / largest).cast<float>();
+            });
+            y = cycles->full_cycle(held);
+        }
+
+        const auto multiply = [&](const Columns& from, Columns& to) { cycles->multiply(from, {}, to); };
+        const auto precondition = [&](const Columns& from, Columns& to) {
+            const Wide size = size_of(from).max(1e-300); // so that single precision holds it
+            std::vector<Four>& b = cycles->right_side();
+            parallel_for(free, [&](int i) { b[i] = (from[i] / size).cast<float>(); });
+            const std::vector<Wide>* const found = cycles->v_cycle();
+            if (!found)
+                throw NotConverged("the multigrid diverges on this mesh; choose the factor");
+            parallel_for(free, [&](int i) { to[i] = size * (*found)[i]; });
+        };
+        Stop stop{tolerance, most_iterations, true, true};
+        for (int restart = 0;; ++restart) {
+            find_residual();
+            const Iteration done = conjugate_gradients(free, multiply, loads, r, y, precondition, stop, progress);
+            solution.iterations += done.count;
+            stop.most_iterations -= done.count;
+            if (restart > 0 && done.count == 0)
+                break;
+            if (!done.converged || restart == most_restarts)
+                throw NotConverged("the multigrid stalls on this mesh: after " +
+                                   std::to_string(solution.iterations) +
+                                   " iterations its error is not below 3e-5 of the move; choose the factor, or "
+                                   "repair or remesh the surface");
+            stop.tolerance = restarted * tolerance;
+        }
+        const Wide left = size_of(r);
+        solution.norms.load += std::pow(largest / hierarchy.scale * loads.matrix().norm(), 2);
+        solution.norms.residual += std::pow(largest / hierarchy.scale * left.matrix().norm(), 2);
+        solution.norms.energy += own.norms(y, held.beyond).energy * largest * largest / hierarchy.scale;
+        parallel_for(free, [&](int i) {
+            const Wide value = mean + largest * y[i];
+            x.row(own.vertices[i]).segment(first, count) = value.head(count).matrix().transpose();
+        });
+        if (rhs)
+            solution.norms.energy += parallel_sum(free, [&](int i) {
+                return level.pull[i] / hierarchy.scale * (mean + largest * y[i]).square().sum();
+            });
+    }
+    cycles->watch(nullptr);
+    return solution;
+}
+
+int MultigridSolver::levels() const { return static_cast<int>(impl_->hierarchy.levels.size()); }
+
+std::int64_t MultigridSolver::bytes() const
+{
+    return impl_->hierarchy.bytes() + impl_->workspace()->bytes();
+}
+
+} // namespace sinew
