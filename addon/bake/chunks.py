@@ -163,7 +163,10 @@ class _ChunkFile(CacheFile):
 
 
 class ChunkBaking(Baking):
-    """Bakes the same frames of several objects into a chunk each. ``finish`` leaves the scene as it was."""
+    """Bakes the same frames of several objects into a chunk each. Call ``keep`` in place of ``finish``.
+
+    The scene stays at the last frame, as the next chunk begins with a frame of its own.
+    """
 
     def __init__(
         self, deformers: tuple[tuple[str, str], ...], frames: range, folder: Path, origin: Origin
@@ -179,6 +182,9 @@ class ChunkBaking(Baking):
     def _make_file(self, part: Part, rate: float) -> CacheFile:
         return _ChunkFile(Path(part.filepath), self.request.frames, rate)
 
+    def _restore_frame(self) -> None:
+        """There is nobody to look at the frame, and each frame takes a solve."""
+
     def keep(self) -> list[Path]:
         """Move the chunks to their places, each with its manifest, and end the bake. Returns their paths."""
         frames, made = self.request.frames, []
@@ -191,8 +197,9 @@ class ChunkBaking(Baking):
                 "vertices": part.file.vertices,
                 "points": part.file.points.hexdigest(),
             }
-            part.file.commit()
-            files.write(_beside(part.file.path), json.dumps(told, indent=1).encode())
+            with files.replacing(_beside(part.file.path)) as manifest:
+                files.write(manifest, json.dumps(told, indent=1).encode())
+                part.file.commit()
             _clear_away(part.file)
             made.append(part.file.path)
             part.file = None
