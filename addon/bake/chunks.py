@@ -163,7 +163,10 @@ class _ChunkFile(CacheFile):
 
 
 class ChunkBaking(Baking):
-    """Bakes the same frames of several objects into a chunk each. ``finish`` leaves the scene as it was."""
+    """Bakes the same frames of several objects into a chunk each. Call ``keep`` in place of ``finish``.
+
+    The scene stays at the last frame, as the next chunk begins with a frame of its own.
+    """
 
     def __init__(
         self, deformers: tuple[tuple[str, str], ...], frames: range, folder: Path, origin: Origin
@@ -178,6 +181,9 @@ class ChunkBaking(Baking):
 
     def _make_file(self, part: Part, rate: float) -> CacheFile:
         return _ChunkFile(Path(part.filepath), self.request.frames, rate)
+
+    def _restore_frame(self) -> None:
+        """There is nobody to look at the frame, and each frame takes a solve."""
 
     def keep(self) -> list[Path]:
         """Move the chunks to their places, each with its manifest, and end the bake. Returns their paths."""

@@ -7,6 +7,7 @@
 
 import errno
 import json
+import signal
 import sys
 from collections.abc import Sequence
 from contextlib import suppress
@@ -18,18 +19,23 @@ from .words import WordsError, parse
 
 ACTIONS = {"bake": bake.bake, "join": join.join}
 DONE, WORDS, REFUSED, RESOURCES, INCOMPLETE, INTERRUPTED = 0, 2, 3, 4, 5, 130
-_FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.ENOMEM, errno.EMFILE, errno.ENFILE}
+_PATHS = {errno.EACCES, errno.EPERM, errno.ENOTDIR, errno.EISDIR, errno.EROFS, errno.ENAMETOOLONG}
 
 
 def tell(kind: str, **values: object) -> None:
-    """Write a line of progress for the program that started this one, which may have ended meanwhile."""
+    """Write a line of progress for the program that started this one, which may have ended meanwhile.
+
+    Blender itself may have written half a line before.
+    """
     with suppress(OSError):
-        sys.stdout.write(json.dumps({"sinew": kind, **values}) + "\n")
+        sys.stdout.write(f"\n{json.dumps({'sinew': kind, **values})}\n")
         sys.stdout.flush()
 
 
 def run(action: str, words: Sequence[str]) -> int:
     """Bake or join as the words say. Returns the exit status."""
+    if hasattr(signal, "SIGXFSZ"):
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # a file that may not grow is an error, not the end
     try:
         ACTIONS.get(action, parse)(parse(action, words), tell)
     except SystemExit:  # --help was printed
@@ -59,5 +65,5 @@ def _status_of(error: SinewError) -> int:
     first: BaseException = error
     while first.__cause__ is not None:
         first = first.__cause__
-    full = isinstance(first, MemoryError) or (isinstance(first, OSError) and first.errno in _FULL)
-    return RESOURCES if full else REFUSED
+    is_disk = isinstance(first, OSError) and first.errno not in _PATHS
+    return RESOURCES if is_disk or isinstance(first, MemoryError) else REFUSED

@@ -37,7 +37,8 @@ def origin_of(shot: str, wanted: str) -> Origin:
             while block := file.read(_BLOCK):
                 digest.update(block)
     except (OSError, ValueError) as error:
-        raise SinewError(f"Cannot read {shot}: {getattr(error, 'strerror', error)}") from error
+        reason = getattr(error, "strerror", error)
+        raise SinewError(f"Cannot read {shot}: {reason} - give the path of a .blend file") from None
     kernels = module.instructions().lower().replace("-", "")
     version = bpy.app.version_string
     return Origin(digest.hexdigest(), path, {}, VERSION, version, kernels, wanted)

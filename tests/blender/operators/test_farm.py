@@ -6,7 +6,6 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 
 import bpy
@@ -157,8 +156,11 @@ def test_a_full_disk_and_too_little_memory_end_with_their_status(
     monkeypatch.setattr(inner.shot, "require_memory", lambda _gigabytes: None)
     check_refusal(run("bake", shot, out, "--memory", 0.001), 4, "memory")
     resource = pytest.importorskip("resource")
-    limited = partial(resource.setrlimit, resource.RLIMIT_FSIZE, (4096, 4096))
-    check_refusal(ended(start(words("bake", shot, out), preexec_fn=limited)), 4, "Cannot write")
+    limit, most = resource.RLIMIT_FSIZE, resource.getrlimit(resource.RLIMIT_FSIZE)[1]
+    resource.setrlimit(limit, (8192, most))
+    lines = run("bake", shot, out)
+    resource.setrlimit(limit, (most, most))
+    check_refusal(lines, 4, "Cannot write")
     assert (left(shot.parent), out.exists()) == ([shot.name], False)
 
 
