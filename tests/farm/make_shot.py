@@ -1,15 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""In a Blender with Sinew: ``make_shot.py FILE SIDE`` saves a sheet with three deformers."""
+"""In a Blender with Sinew: ``make_shot.py FILE SIDE`` saves a sheet of SIDE x SIDE vertices that moves."""
 
 import sys
 
 import bpy
 
-# isort: split
-import addon_utils  # comes with bpy, not before it
-
 file, side = sys.argv[-2], int(sys.argv[-1])
-addon_utils.enable("bl_ext.user_default.sinew")
+bpy.ops.preferences.addon_enable(module="bl_ext.user_default.sinew")
 bpy.ops.mesh.primitive_grid_add(x_subdivisions=side - 1, y_subdivisions=side - 1)
 body = bpy.context.object
 body.name = "Body"

@@ -5,9 +5,9 @@ import json
 import os
 import resource
 import signal
-import socket
 import subprocess
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
 import psutil
@@ -20,6 +20,16 @@ FARM, OPENJD = [sys.executable, "-m", "sinew_farm"], Path(sys.executable).with_n
 WORDS = ["--frames", "1-240", "--objects", "Body", "--format", "pc2", "--out"]
 READ = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
 OLDER = ["--background", "--python", "/sinew/farm/command.py", "--", "bake"]
+ADDRESS = f"tcp://127.0.0.1:{20_000 + os.getpid() % 10_000}"
+# What is done to the worker that bakes, to the command, or to all processes; and what is printed then.
+DEEDS = {
+    "a worker is killed": (lambda worker, command, every: worker.kill(), ""),
+    "a network is cut": (lambda worker, command, every: worker.suspend(), ""),
+    "two disks are full": (lambda worker, command, every: [full(each) for each in every[1:3]], '"failed"'),
+    "Blender crashes": (lambda worker, *_: worker.children()[0].send_signal(signal.SIGSEGV), "status -11"),
+    "the scheduler is killed": (lambda worker, command, every: restart(every), "scheduler lost"),
+    "the command is killed": (lambda worker, command, every: command.kill(), ""),
+}
 
 
 def said(*words: object, code: int = 0) -> str:
@@ -42,53 +52,44 @@ def same(shot: Path, out: Path) -> bool:
     return (out / "Body.pc2").read_bytes() == shot.with_name("Body.pc2").read_bytes()
 
 
-def start(address: str) -> list[psutil.Popen]:
-    """A scheduler and four workers, each a process."""
-    env = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "10s"}
-    dask = [sys.executable, "-m", "dask"]
-    worker = [*dask, "worker", address, "--nthreads", "1", "--no-nanny", "--no-dashboard"]
-    scheduler = [*dask, "scheduler", "--host", address, "--no-dashboard"]
-    return [psutil.Popen(words, env=env, stderr=subprocess.DEVNULL) for words in (scheduler, *[worker] * 4)]
-
-
-def kill(processes: list[psutil.Popen]) -> None:
-    for process in processes:
-        process.kill()
-
-
-def fill(process: psutil.Popen) -> None:
+def full(process: psutil.Popen) -> None:
     resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (10_000, 10_000))
 
 
-# What is done once the worker bakes: to it, to the command, or to every process; and what is printed then.
-DEEDS = {
-    "a worker is killed": (lambda worker, command, every: worker.kill(), ""),
-    "a network is cut": (lambda worker, command, every: worker.suspend(), ""),
-    "two disks are full": (lambda worker, command, every: [fill(each) for each in every[1:3]], '"failed"'),
-    "Blender crashes": (lambda worker, *_: worker.children()[0].send_signal(signal.SIGSEGV), "status -11"),
-    "the scheduler is killed": (lambda worker, command, every: kill(every), "scheduler lost"),
-    "the command is killed": (lambda worker, command, every: command.kill(), ""),
-}
+def restart(processes: list[psutil.Popen]) -> None:
+    for process in processes:
+        process.kill()
+    env = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "10s"}
+    starts = [["scheduler", "--host", ADDRESS], *[["worker", ADDRESS, "--nthreads", "1", "--no-nanny"]] * 4]
+    commands = [[sys.executable, "-m", "dask", *words, "--no-dashboard"] for words in starts]
+    processes[:] = [psutil.Popen(words, env=env, stderr=subprocess.DEVNULL) for words in commands]
+
+
+@pytest.fixture
+def processes() -> Iterator[list[psutil.Popen]]:
+    """A scheduler and four workers."""
+    restart(made := [])
+    yield made
+    for process in made:
+        process.kill()
 
 
 @pytest.mark.parametrize("deed", DEEDS)
-def test_no_frame_is_lost_and_none_is_baked_again(shot: Path, tmp_path: Path, deed: str) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as found:
-        address = f"tcp://127.0.0.1:{found.getsockname()[1]}"
-    processes, (do, says) = start(address), DEEDS[deed]
-    words = [*FARM, "dask", shot, "--chunk", "30", "--scheduler", address, "--blender", BLENDER, "--json"]
+def test_no_frame_is_lost_and_none_that_is_there_is_baked_again(
+    shot, tmp_path: Path, processes, deed
+) -> None:
+    do, says = DEEDS[deed]
+    words = [*FARM, "dask", shot, "--chunk", "30", "--scheduler", ADDRESS, "--blender", BLENDER, "--json"]
     with subprocess.Popen([*words, *WORDS, tmp_path], **READ) as command:
         for line in command.stdout:
             if do and '"frame"' in line:
                 do(next(each for each in processes[1:] if each.children()), command, processes)
-                processes += start(address) if "scheduler" in deed else []
                 do = None
             says = "" if says in line else says
     there = {file: file.stat().st_mtime_ns for file in tmp_path.glob("chunks/Body*.pc2")}
     if "command" in deed:
         assert len(there) < 8
         said(*words, *WORDS, tmp_path)
-    kill(processes)
     assert not says
     assert same(shot, tmp_path)
     assert all(file.stat().st_mtime_ns == time for file, time in there.items())
