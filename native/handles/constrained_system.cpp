@@ -182,7 +182,8 @@ RowMatrix ConstrainedSystem::spread(const MatrixX& constraints) const
 RowMatrix ConstrainedSystem::spread(const MatrixX& constraints, std::optional<RowMatrix>& b) const
 {
     if (grid_)
-        throw InvalidOption("solver: the multigrid answers no columns of constraint values; choose the factor");
+        throw InvalidOption(
+            "solver: the multigrid answers no columns of constraint values; choose the factor");
     if (!equations_.problem().matrix)
         throw InvalidConstraint("there are no handles yet: call set_handles() first");
     const auto columns = constraints.cols();

@@ -24,7 +24,8 @@ struct LinearSystem
     int order =
         1; ///< A is the block of the unknowns in L, or with 2 in L M^-1 L + membrane L; 3 and more: others
     double membrane = 0;
-    VectorX pulls; ///< (m) what A has on its diagonal beside these, where there is no matrix to read that from
+    VectorX
+        pulls; ///< (m) what A has on its diagonal beside these, where there is no matrix to read that from
 
     bool has_nodes() const { return points.rows() > 0 && graph.rows() == points.rows(); }
 };

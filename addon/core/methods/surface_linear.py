@@ -67,9 +67,9 @@ _SECOND_STAGES = items(
 )
 
 _SOLVERS = items(
-    automatic="Uses a factor, and iterations where the factor needs more memory than the limit or the computer has",
+    automatic="Iterates only where the factor needs more memory than the limit, or the computer, has",
     factor="Computes a factor at bind, after which frames are quick",
-    multigrid=("Iterations", "Takes a fifth of the memory: binds quickly, and a frame takes as long as a bind"),
+    multigrid=("Iterations", "Takes a fifth of the memory and binds quickly, but frames are slow"),
 )
 
 _COARSENINGS = items(

@@ -28,7 +28,8 @@ std::int64_t physical_memory()
     std::size_t size = sizeof bytes;
     return sysctlbyname("hw.memsize", &bytes, &size, nullptr, 0) == 0 ? bytes : 0;
 #else
-    const auto bytes = std::max<std::int64_t>(std::int64_t{sysconf(_SC_PHYS_PAGES)} * sysconf(_SC_PAGESIZE), 0);
+    const auto bytes =
+        std::max<std::int64_t>(std::int64_t{sysconf(_SC_PHYS_PAGES)} * sysconf(_SC_PAGESIZE), 0);
     std::int64_t most = 0; // where a container has no limit, the file has a word
     return std::ifstream("/sys/fs/cgroup/memory.max") >> most ? std::min(bytes, most) : bytes;
 #endif

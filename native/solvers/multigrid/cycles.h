@@ -75,7 +75,7 @@ private:
     struct Work
     {
         std::vector<Four> b, r, step, middle, sum; ///< (nodes); zero on held nodes, but for middle
-        std::vector<Wide> x, other;                ///< (nodes); x is zero on held nodes
+        std::vector<Wide> x, other; ///< (nodes); x is zero on held nodes
         float largest = 0; ///< a bound of the eigenvalues of A with the diagonal 1
     };
 

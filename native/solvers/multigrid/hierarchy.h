@@ -28,19 +28,20 @@ struct Level
     int free = 0, nodes = 0;
     std::vector<int> link_begin; ///< (nodes + 1)
     std::vector<Link> links;     ///< of each node by rising numbers of the others
-    std::vector<float> rounding; ///< (links) weights less what `links` has; on the finest level of a system without a matrix
-    std::vector<float> pull;     ///< (free)
-    Points points;               ///< (nodes, 3); of the last level alone, once the next one is made
-    VectorX mass;                ///< (nodes); likewise
-    std::vector<float> inverse_mass;     ///< (nodes)
-    std::vector<float> inverse_of_L;     ///< (free) of the diagonal; 0 where a node has no links
+    std::vector<float>
+        rounding; ///< (links) weights less what `links` has; on the finest level of a system without a matrix
+    std::vector<float> pull; ///< (free)
+    Points points; ///< (nodes, 3); of the last level alone, once the next one is made
+    VectorX mass; ///< (nodes); likewise
+    std::vector<float> inverse_mass; ///< (nodes)
+    std::vector<float> inverse_of_L; ///< (free) of the diagonal; 0 where a node has no links
     std::vector<float> inverse_diagonal; ///< (free) of A
 
     // To the next level. A node follows up to three coarse ones with shares of the sum 1.
-    std::vector<std::array<int, 3>> parents;  ///< (nodes)
+    std::vector<std::array<int, 3>> parents; ///< (nodes)
     std::vector<std::array<float, 3>> shares; ///< (nodes)
-    std::vector<int> child_begin;             ///< (coarse nodes + 1)
-    std::vector<Link> children;               ///< the transpose
+    std::vector<int> child_begin; ///< (coarse nodes + 1)
+    std::vector<Link> children; ///< the transpose
 
     /// Of a link, in double precision where that is known.
     double weight(int at) const
@@ -62,7 +63,7 @@ struct Hierarchy
     int order = 1; ///< of the operator: 1 or 2
     double membrane = 0; ///< in the units of the hierarchy, in which weights and masses are about 1
     double weight = 1; ///< of the system that is 1 in the hierarchy
-    double scale = 1;    ///< x of the system for the same b, as a multiple of x of the hierarchy
+    double scale = 1; ///< x of the system for the same b, as a multiple of x of the hierarchy
     std::vector<int>
         unknowns; ///< (free) the unknown of the system that each free node of the finest level is
     std::vector<int>

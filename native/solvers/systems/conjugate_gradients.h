@@ -52,8 +52,9 @@ Iteration conjugate_gradients(const SparseMatrix& A, const Columns& b, Columns& 
 /// are 0.
 /// \param load  |b| of each column; those that are 0 are not solved for.
 /// \param r     b - A x on the unknowns at first; what the iteration makes of it afterwards.
-Iteration conjugate_gradients(int unknowns, const Product& A, const Eigen::Array4d& load, Columns& r, Columns& x,
-                              const Preconditioner& B, const Stop& stop, const Progress& progress);
+Iteration conjugate_gradients(int unknowns, const Product& A, const Eigen::Array4d& load, Columns& r,
+                              Columns& x, const Preconditioner& B, const Stop& stop,
+                              const Progress& progress);
 
 /// The largest singular value of a linear map of one column, by `steps` steps of Lanczos' method with
 /// reorthogonalisation from a random vector; a lower bound that is close.

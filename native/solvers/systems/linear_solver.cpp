@@ -310,7 +310,8 @@ Solve prepare_multigrid(const LinearSystem& system, const SolverOptions& options
         system, options, true,
         [grid, &report](const Columns& r, Columns& z) {
             const int raises = grid->cycles.raises();
-            grid->apply(r, z, [&](const Wide&) -> const std::vector<Wide>& { return definite(grid->cycles); });
+            grid->apply(r, z,
+                        [&](const Wide&) -> const std::vector<Wide>& { return definite(grid->cycles); });
             if (raises == 0 && grid->cycles.raises() > 0)
                 report.why += "; the bounds of the smoother were raised";
         },

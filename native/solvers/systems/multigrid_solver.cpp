@@ -19,7 +19,7 @@ namespace {
 constexpr double tolerance = 3e-5;
 constexpr int most_iterations = 300;
 constexpr int most_restarts = 3; ///< from the residual of the solution, where rounding made another one of it
-constexpr double restarted = 2;  ///< times the tolerance: an error that takes a restart
+constexpr double restarted = 2; ///< times the tolerance: an error that takes a restart
 
 } // namespace
 
@@ -79,8 +79,9 @@ ConstrainedQuadratic::Norms MultigridSolver::Impl::norms(const Columns& y,
             sum += w * difference;
             squares += 0.5 * w * difference.square().sum();
         }
-        return hierarchy.order == 1 ? squares
-                                    : level.inverse_mass[i] * sum.square().sum() + hierarchy.membrane * squares;
+        return hierarchy.order == 1
+                   ? squares
+                   : level.inverse_mass[i] * sum.square().sum() + hierarchy.membrane * squares;
     });
     return norms;
 }
@@ -92,10 +93,11 @@ std::int64_t MultigridSolver::bytes_for(const LinearSystem& system)
                            of_solution = 5 * sizeof(Wide) + 3 * sizeof(double), of_link = sizeof(Level::Link);
     constexpr double levels[] = {1.15, 1.4}; // the nodes of all levels, as a multiple of those of the first
     const auto n = static_cast<std::int64_t>(system.vertices.size());
-    const double share = static_cast<double>(n) / std::max<double>(static_cast<double>(system.graph.cols()), 1.0);
+    const double share =
+        static_cast<double>(n) / std::max<double>(static_cast<double>(system.graph.cols()), 1.0);
     const double links = share * static_cast<double>(system.graph.nonZeros() - system.graph.cols());
-    const double all = levels[system.order > 1] *
-                       (static_cast<double>(n * (of_level + of_work)) + of_link * links);
+    const double all =
+        levels[system.order > 1] * (static_cast<double>(n * (of_level + of_work)) + of_link * links);
     return static_cast<std::int64_t>(all + 4 * links) + n * of_solution;
 }
 
@@ -201,16 +203,17 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
         Stop stop{tolerance, most_iterations, true, true};
         for (int restart = 0;; ++restart) {
             find_residual();
-            const Iteration done = conjugate_gradients(free, multiply, loads, r, y, precondition, stop, progress);
+            const Iteration done =
+                conjugate_gradients(free, multiply, loads, r, y, precondition, stop, progress);
             solution.iterations += done.count;
             stop.most_iterations -= done.count;
             if (restart > 0 && done.count == 0)
                 break;
             if (!done.converged || restart == most_restarts)
-                throw NotConverged("the multigrid stalls on this mesh: after " +
-                                   std::to_string(solution.iterations) +
-                                   " iterations its error is not below 3e-5 of the move; choose the factor, or "
-                                   "repair or remesh the surface");
+                throw NotConverged(
+                    "the multigrid stalls on this mesh: after " + std::to_string(solution.iterations) +
+                    " iterations its error is not below 3e-5 of the move; choose the factor, or "
+                    "repair or remesh the surface");
             stop.tolerance = restarted * tolerance;
         }
         const Wide left = size_of(r);
@@ -232,9 +235,6 @@ MultigridSolver::Solution MultigridSolver::solve(RowMatrix& x, const RowMatrix* 
 
 int MultigridSolver::levels() const { return static_cast<int>(impl_->hierarchy.levels.size()); }
 
-std::int64_t MultigridSolver::bytes() const
-{
-    return impl_->hierarchy.bytes() + impl_->workspace()->bytes();
-}
+std::int64_t MultigridSolver::bytes() const { return impl_->hierarchy.bytes() + impl_->workspace()->bytes(); }
 
 } // namespace sinew

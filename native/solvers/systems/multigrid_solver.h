@@ -44,7 +44,8 @@ public:
     ///   within the tolerance.
     /// \throw NotConverged  the iterations stall.
     /// \throw Cancelled
-    Solution solve(RowMatrix& x, const RowMatrix* rhs, const RowMatrix* start, const Progress& progress) const;
+    Solution solve(RowMatrix& x, const RowMatrix* rhs, const RowMatrix* start,
+                   const Progress& progress) const;
 
     int levels() const;
     std::int64_t bytes() const; ///< of the solver and one workspace

@@ -196,10 +196,9 @@ struct ThinShell::Impl
         if (!k.bending.empty())
             system = parts(regions, metric_of(report), of);
         else
-            system.graph =
-                laplacian_matrix(rest, of, metric_of(report), [&](std::span<const int> element) {
-                    return mean_over(k.stretching, element);
-                });
+            system.graph = laplacian_matrix(rest, of, metric_of(report), [&](std::span<const int> element) {
+                return mean_over(k.stretching, element);
+            });
         system.points = rest.points();
         progress.tick(0.2, "building the multigrid");
         bound.system.iterate(std::move(system), regions, progress, [&] { progress.tick(1.0, "bound"); });

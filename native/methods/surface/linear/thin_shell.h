@@ -55,10 +55,12 @@ struct ThinShellOptions
             option("affine_basis", &O::affine_basis, Rebind::update,
                    "whether to precompute the response to affine handle motions, which makes a frame one "
                    "small matrix product with the same result"),
-            option("solver", &O::solver, Rebind::update,
-                   "'factor', 'multigrid' (iterations in little memory, to 1e-4 of the motion, without an affine "
-                   "basis), or 'automatic': the multigrid where the factor does not fit limit_memory(), or the "
-                   "machine")};
+            option(
+                "solver", &O::solver, Rebind::update,
+                "'factor', 'multigrid' (iterations in little memory, to 1e-4 of the motion, without an "
+                "affine "
+                "basis), or 'automatic': the multigrid where the factor does not fit limit_memory(), or the "
+                "machine")};
     }
 };
 
