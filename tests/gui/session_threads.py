@@ -15,16 +15,7 @@ from hand import glide, keys, open_sidebar, press
 from inside import inner
 from mathutils import Matrix
 from probe import Probe
-from rigs.rig import (
-    Rig,
-    add_group,
-    evaluated_points,
-    grid_object,
-    key_heights,
-    linked,
-    make_active,
-    subdivided,
-)
+from rigs import rig as scenes
 from rigs.rig_of_curves import polyline
 from scenes import deformer, empty_scene, head, heavy_grid, new_camera, only_head, shown
 from window import button, in_view, middle, view, viewport, window
@@ -38,8 +29,8 @@ def plain(levels: int = 0) -> None:
     if levels:
         obj.modifiers.new("Subdivision", "SUBSURF").levels = levels
         bpy.ops.object.modifier_apply(modifier="Subdivision")
-    add_group(obj, "Ear.L", lambda point: point[0] > 1.0)
-    add_group(obj, "Ear.R", lambda point: point[0] < -1.0)
+    scenes.add_group(obj, "Ear.L", lambda point: point[0] > 1.0)
+    scenes.add_group(obj, "Ear.R", lambda point: point[0] < -1.0)
 
 
 def held() -> None:
@@ -75,7 +66,7 @@ def wired() -> None:
 
 def twins() -> None:
     plain()
-    other = linked(bpy.data.objects.new("Twin", head().data.copy()))
+    other = scenes.linked(bpy.data.objects.new("Twin", head().data.copy()))
     other.data.transform(other.matrix_world.Scale(1.5, 4))
 
 
@@ -161,7 +152,7 @@ def one_cage_at_a_time() -> Iterator[None]:
     yield from rest()
     with claim("objects get one cage at a time, and the panel of each cancels it"):
         for cages in (0, 1):
-            make_active(head(), other)
+            scenes.make_active(head(), other)
             button("cage_add", faces=200, method="harmonic")
             for obj in (head(), other):
                 bpy.context.view_layer.objects.active = obj
@@ -209,10 +200,10 @@ def heavy() -> Iterator[None]:
 EXACT = 1e-5
 
 
-def sheet(level: int) -> Rig:
+def sheet(level: int) -> scenes.Rig:
     """A lifted handle on a sheet that has a level in the viewport and in renders."""
-    rig = Rig.plate(5)
-    subdivided(rig.obj, level, level)
+    rig = scenes.Rig.plate(5)
+    scenes.subdivided(rig.obj, level, level)
     rig.bind()
     rig.lift(0.5)
     return rig
@@ -225,7 +216,7 @@ def counts() -> Iterator[None]:
     for level in (0, 1, 3):
         rig = sheet(level)
         yield from rest()
-        wanted[level] = evaluated_points(rig.obj)
+        wanted[level] = scenes.evaluated_points(rig.obj)
         bpy.data.objects.remove(rig.obj)
     rig = sheet(2)
     new_camera(8)
@@ -275,14 +266,14 @@ class Stage:
 
     def __init__(self) -> None:
         empty_scene()
-        self.rig = Rig(grid_object("Plate", cells=24)).bind("thin_shell")
+        self.rig = scenes.Rig(scenes.grid_object("Plate", cells=24)).bind("thin_shell")
         self.expected = Expected.of_rig(self.rig)
         self.rig.obj.rotation_euler.x = TILT  # else the camera sees an edge
-        self.dragged = Rig(grid_object("Dragged", cells=16)).bind("arap")
+        self.dragged = scenes.Rig(scenes.grid_object("Dragged", cells=16)).bind("arap")
         self.dragged_expected = Expected.of_rig(self.dragged, "arap")
         self.dragged.obj.location.x = 50.0
         self._add_follower()
-        key_heights(self.rig.control, {0: 0.0, FRAMES: 1.0}, linear=True)
+        scenes.key_heights(self.rig.control, {0: 0.0, FRAMES: 1.0}, linear=True)
         scene, camera = bpy.context.scene, new_camera(16)
         camera.data.type, camera.data.ortho_scale = "ORTHO", 6.0
         camera.matrix_world = Matrix.Translation((0.0, -10.0, 0.0)) @ Matrix.Rotation(np.pi / 2, 4, "X")
@@ -290,19 +281,19 @@ class Stage:
         scene.render.filepath = str(OUTPUT / "frames" / "f")
         scene.render.use_file_extension = True
         scene.cycles.samples, scene.cycles.use_denoising, scene.cycles.device = 1, False, "CPU"
-        make_active(self.dragged.obj)
+        scenes.make_active(self.dragged.obj)
 
     def _add_follower(self) -> None:
         """A mesh that follows a lattice, which the control of the plate moves, too."""
-        lattice = linked(bpy.data.objects.new("Lattice", bpy.data.lattices.new("Lattice")))
-        self.follower = grid_object("Follower", cells=4)
+        lattice = scenes.linked(bpy.data.objects.new("Lattice", bpy.data.lattices.new("Lattice")))
+        self.follower = scenes.grid_object("Follower", cells=4)
         self.follower.scale = 0.2, 0.2, 0.2
         for obj in (lattice, self.follower):
             obj.location.x = 30.0
         self.follower.modifiers.new("Lattice", "LATTICE").object = lattice
         bpy.context.view_layer.update()
         self.follower_rest = shown(self.follower)
-        make_active(lattice, self.rig.control)
+        scenes.make_active(lattice, self.rig.control)
         bpy.ops.sinew.point_add(source="SELECTED", method="mls")
 
     def drag(self, moment: int) -> None:

@@ -11,20 +11,8 @@ import numpy as np
 import pytest
 from inside import catch_up, inner, settle
 from registry import RIGID_ON_HANDLE_POINTS
+from rigs import rig as scenes
 from rigs.cages import ball, box
-from rigs.rig import (
-    base_points,
-    close,
-    evaluated_points,
-    grid_object,
-    in_mode,
-    new_object,
-    on_all,
-    press,
-    push,
-    reopen,
-    update,
-)
 from rigs.rig_of_curves import polyline
 from rigs.rig_of_lattice import lattice_object, small_ball
 
@@ -35,37 +23,37 @@ CORNERS = [(-1.0, -1.0, 0.2), (1.0, -1.0, 0.0), (1.0, 1.0, -0.3), (-1.0, 1.0, 0.
 
 
 def by_a_cage() -> None:
-    press(ball("Target"), "cage_add", source="OBJECT", cage=box("Control").name)
+    scenes.press(ball("Target"), "cage_add", source="OBJECT", cage=box("Control").name)
 
 
 def by_a_lattice() -> None:
     lattice_object((3, 3, 3), "Control")
-    press(small_ball("Target", 2), "lattice_add", source="OBJECT", lattice="Control")
+    scenes.press(small_ball("Target", 2), "lattice_add", source="OBJECT", lattice="Control")
 
 
 def by_hexahedra() -> None:
     box("Control", 4.0)
-    press(small_ball("Target", 2), "lattice_add", source="OBJECT", lattice="Control")
+    scenes.press(small_ball("Target", 2), "lattice_add", source="OBJECT", lattice="Control")
 
 
 def by_a_wire() -> None:
     """It reaches so far that it carries everything."""
     polyline(LINE, "Control")
-    press(grid_object("Target"), "wire_add", curve="Control", radius=1e5)
+    scenes.press(scenes.grid_object("Target"), "wire_add", curve="Control", radius=1e5)
 
 
 def by_points(method: str = "mls") -> None:
-    new_object("Control", CORNERS, edges=[(0, 1), (1, 2), (2, 3)])
-    use_points(grid_object("Target"), method)
+    scenes.new_object("Control", CORNERS, edges=[(0, 1), (1, 2), (2, 3)])
+    use_points(scenes.grid_object("Target"), method)
 
 
 def by_points_of_a_curve() -> None:
     polyline(np.array(CORNERS), "Control")
-    use_points(grid_object("Target"), "rbf")
+    use_points(scenes.grid_object("Target"), "rbf")
 
 
 def use_points(target: bpy.types.Object, method: str = "mls") -> None:
-    press(target, "deformer_add", method=method)
+    scenes.press(target, "deformer_add", method=method)
     control().select_set(True)
     bpy.ops.sinew.point_add(source="POINTS")
 
@@ -80,7 +68,7 @@ def target(name: str = "Target") -> bpy.types.Object:
 
 
 def subdivided() -> None:
-    on_all(control(), bpy.ops.curve.subdivide if control().type == "CURVE" else bpy.ops.mesh.subdivide)
+    scenes.on_all(control(), bpy.ops.curve.subdivide if control().type == "CURVE" else bpy.ops.mesh.subdivide)
 
 
 def repeated() -> None:
@@ -106,7 +94,7 @@ def resolution(**points: int) -> Callable[[], None]:
 
 def smooth() -> None:
     """Blender then draws the curve in steps."""
-    with in_mode(control()):
+    with scenes.in_mode(control()):
         bpy.ops.curve.select_all(action="SELECT")
         bpy.ops.curve.spline_type_set(type="BEZIER")
         bpy.ops.curve.handle_type_set(type="AUTOMATIC")
@@ -139,7 +127,7 @@ def posed(rig: Callable[..., None], automatic: bool = True, **words: str) -> Non
 
 def at_rest(obj: bpy.types.Object | None = None) -> bool:
     obj = obj or target()
-    return close(evaluated_points(obj), base_points(obj), FITS)
+    return scenes.close(scenes.evaluated_points(obj), scenes.base_points(obj), FITS)
 
 
 def assert_bound_at_rest() -> None:
@@ -155,9 +143,9 @@ def assert_goes_on_from_rest() -> None:
 
 def assert_follows() -> None:
     """A motion of the whole control moves everything, from where it was."""
-    before = evaluated_points(target())
+    before = scenes.evaluated_points(target())
     control().location.z += LIFT[2]
-    assert close(evaluated_points(target()), before + LIFT, FITS), target().sinew.active.status
+    assert scenes.close(scenes.evaluated_points(target()), before + LIFT, FITS), target().sinew.active.status
 
 
 @pytest.mark.parametrize("automatic", [False, True])
@@ -172,7 +160,7 @@ def test_a_control_with_other_points(rig, change, remedy: str, said: str, automa
         for words in ("at bind it had", said, "Rebind" if remedy == "bind" else "New Rest"):
             assert words in deformer.status
         assert at_rest()
-        press(target(), remedy)
+        scenes.press(target(), remedy)
     assert_bound_at_rest()
     assert_follows()
 
@@ -187,17 +175,17 @@ def test_every_method_goes_on_with_more_handle_points(method: str):
 @each_case
 def test_undo_and_redo_of_the_edit(rig, change, remedy: str, said: str):
     posed(rig)
-    push("Posed")
+    scenes.push("Posed")
     change()
     settle()
-    push("Changed")
+    scenes.push("Changed")
     for step in (bpy.ops.ed.undo, bpy.ops.ed.redo, bpy.ops.ed.undo):
         step()
         settle()
         assert target().sinew.active.status_level == "INFO", target().sinew.active.status
         assert_follows()
         control().location.z -= LIFT[2]  # Blender 5 relies on it that a step finds what the last one left
-        update()
+        scenes.update()
 
 
 @pytest.mark.parametrize("automatic", [False, True])
@@ -206,7 +194,7 @@ def test_saving_right_after_the_edit(rig, change, remedy: str, said: str, automa
     """No timer had time to look."""
     posed(rig, automatic)
     change()
-    reopen(tmp_path / "rig.blend")
+    scenes.reopen(tmp_path / "rig.blend")
     settle()
     assert at_rest()
     if automatic:
@@ -217,7 +205,7 @@ def test_saving_right_after_the_edit(rig, change, remedy: str, said: str, automa
 
 def test_it_waits_for_the_end_of_edit_mode():
     posed(by_points)
-    with in_mode(control()):
+    with scenes.in_mode(control()):
         bpy.ops.mesh.select_all(action="SELECT")
         bpy.ops.mesh.subdivide()
         control().update_from_editmode()
@@ -236,34 +224,34 @@ def test_modifiers_come_and_go():
 
 def test_the_points_of_other_controls_stay_posed():
     """Of two wires, the one that has gained points rests as it is; the other still moves what it moved."""
-    plate = grid_object("Target")
+    plate = scenes.grid_object("Target")
     for name, y in (("Control", -0.5), ("Other", 0.5)):
         polyline(LINE + (0.0, y, 0.0), name)
-        press(plate, "wire_add", curve=name, radius=0.4)
+        scenes.press(plate, "wire_add", curve=name, radius=0.4)
     plate.sinew.active.auto_rebind = True
     bpy.data.objects["Other"].location.z = control().location.z = 0.5
-    before, rest = evaluated_points(plate), base_points(plate)
+    before, rest = scenes.evaluated_points(plate), scenes.base_points(plate)
     subdivided()
     settle()
     assert plate.sinew.active.status_level == "INFO", plate.sinew.active.status
     near, far = rest[:, 1] < 0.0, rest[:, 1] > 0.0
     assert before[near, 2].max() > 0.4
-    assert close(evaluated_points(plate)[near], rest[near], FITS)
-    assert close(evaluated_points(plate)[far], before[far], FITS)
+    assert scenes.close(scenes.evaluated_points(plate)[near], rest[near], FITS)
+    assert scenes.close(scenes.evaluated_points(plate)[far], before[far], FITS)
 
 
 def test_all_objects_that_the_points_move_are_bound_again():
     posed(by_points)
-    other = grid_object("Second", cells=7)
+    other = scenes.grid_object("Second", cells=7)
     use_points(other)
     other.sinew.active.auto_rebind = True
     subdivided()
     settle()
-    before = evaluated_points(other)
+    before = scenes.evaluated_points(other)
     assert_bound_at_rest()
     assert at_rest(other)
     assert_follows()
-    assert close(evaluated_points(other), before + LIFT, FITS)
+    assert scenes.close(scenes.evaluated_points(other), before + LIFT, FITS)
 
 
 def test_what_cannot_be_bound_says_so_once():
@@ -276,9 +264,11 @@ def test_what_cannot_be_bound_says_so_once():
     assert at_rest()
     assert not deformer.is_bound
     assert not catch_up()
-    update()
+    scenes.update()
     assert not inner.housekeeping.has_pending()
     control().data.bevel_depth = 0.0
-    press(target(), "bind")
-    assert close(evaluated_points(target()), base_points(target()) + LIFT, FITS), "nothing took another rest"
+    scenes.press(target(), "bind")
+    assert scenes.close(scenes.evaluated_points(target()), scenes.base_points(target()) + LIFT, FITS), (
+        "nothing took another rest"
+    )
     assert_follows()

@@ -16,25 +16,8 @@ from expected import Expected
 from inside import notes_of, settle
 from mathutils import Matrix
 from probe import Probe, exported_points, render, render_points
+from rigs import rig as scenes
 from rigs.kinds import RIGS, point_objects
-from rigs.rig import (
-    Rig,
-    add_armature,
-    add_key,
-    base_points,
-    close,
-    evaluated_points,
-    grid_object,
-    in_mode,
-    key,
-    make_active,
-    move_world,
-    new_nodes,
-    new_object,
-    press,
-    save,
-    subdivided,
-)
 from second_blender import another_blender, by_command_line, is_executable
 
 HEIGHT = 0.5
@@ -46,12 +29,12 @@ CARRIED = 2e-3  # a rest shape that follows from another one of a bent surface
 
 
 def subdivision(obj: bpy.types.Object, levels: int = 2, render_levels: int = 2) -> bpy.types.Modifier:
-    return subdivided(obj, levels, render_levels)
+    return scenes.subdivided(obj, levels, render_levels)
 
 
 def multires(obj: bpy.types.Object) -> None:
     obj.modifiers.new("Multires", "MULTIRES")
-    make_active(obj)
+    scenes.make_active(obj)
     for _ in range(3):
         bpy.ops.object.multires_subdivide(modifier="Multires", mode="CATMULL_CLARK")
     modifier = obj.modifiers["Multires"]
@@ -78,17 +61,17 @@ def copies(obj: bpy.types.Object) -> None:
 
 def boolean(obj: bpy.types.Object) -> bpy.types.Modifier:
     """The level of another object, which a Boolean joins."""
-    other = grid_object("Other", 3)
+    other = scenes.grid_object("Other", 3)
     other.location = (0.0, 0.0, 5.0)
     modifier = obj.modifiers.new("Boolean", "BOOLEAN")
     modifier.operation, modifier.object = "UNION", other
-    make_active(obj)
+    scenes.make_active(obj)
     return subdivision(other, 1, 1)
 
 
 def by_nodes(obj: bpy.types.Object) -> None:
     """Nodes that subdivide once more in renders, once a switch is on."""
-    tree, start, end = new_nodes("Finer")
+    tree, start, end = scenes.new_nodes("Finer")
     finer = tree.nodes.new("GeometryNodeSubdivideMesh")
     asks, choice = tree.nodes.new("GeometryNodeIsViewport"), tree.nodes.new("GeometryNodeSwitch")
     choice.input_type = "INT"
@@ -154,7 +137,7 @@ CASES: dict[str, tuple[Change, Change]] = {
 
 
 @pytest.fixture(params=CASES)
-def changed(request: pytest.FixtureRequest) -> Rig:
+def changed(request: pytest.FixtureRequest) -> scenes.Rig:
     """A sheet, bound, with a lifted handle; after a change."""
     prepare, change = CASES[request.param]
     rig = bound(prepare)
@@ -162,8 +145,8 @@ def changed(request: pytest.FixtureRequest) -> Rig:
     return rig
 
 
-def bound(prepare: Change) -> Rig:
-    rig = Rig.plate(5)
+def bound(prepare: Change) -> scenes.Rig:
+    rig = scenes.Rig.plate(5)
     prepare(rig.obj)
     rig.bind()
     rig.lift(HEIGHT)
@@ -171,7 +154,7 @@ def bound(prepare: Change) -> Rig:
     return rig
 
 
-def plain_of(rig: Rig) -> bpy.types.Object:
+def plain_of(rig: scenes.Rig) -> bpy.types.Object:
     """What a render shows of a copy without Sinew, as a mesh object with its vertex groups."""
     copy = rig.obj.copy()
     copy.sinew.deformers.clear()
@@ -193,7 +176,7 @@ def plain_of(rig: Rig) -> bpy.types.Object:
         Probe.noting = None
         bpy.data.objects.remove(copy)
     points, faces, groups = found["mesh"]
-    plain = new_object("Plain", points, faces)
+    plain = scenes.new_object("Plain", points, faces)
     for group in rig.obj.vertex_groups:
         made = plain.vertex_groups.new(name=group.name)
         for vertex, members in enumerate(groups):
@@ -203,7 +186,7 @@ def plain_of(rig: Rig) -> bpy.types.Object:
     return plain
 
 
-def expected(rig: Rig) -> np.ndarray:
+def expected(rig: scenes.Rig) -> np.ndarray:
     """What a render is to show: solved on what enters there."""
     plain = plain_of(rig)
     shape = Expected(plain, rig.control, method="thin_shell").lifted(HEIGHT)
@@ -211,7 +194,7 @@ def expected(rig: Rig) -> np.ndarray:
     return shape
 
 
-def render_is_right(rig: Rig) -> bool:
+def render_is_right(rig: scenes.Rig) -> bool:
     return off(render_points(rig.obj), expected(rig)) < EXACT
 
 
@@ -223,7 +206,7 @@ def off(seen: np.ndarray, wanted: np.ndarray) -> float:
 # --- the targets
 
 
-def test_renders_and_exporters_are_bound_for_their_own_counts(changed: Rig, tmp_path: Path):
+def test_renders_and_exporters_are_bound_for_their_own_counts(changed: scenes.Rig, tmp_path: Path):
     """Nothing tells Sinew before an exporter begins."""
     seen, wanted = exported_points(changed.obj, tmp_path), expected(changed)
     assert wanted[:, 2].max() > 0.4
@@ -233,12 +216,12 @@ def test_renders_and_exporters_are_bound_for_their_own_counts(changed: Rig, tmp_
 
 
 @pytest.mark.parametrize("changed", ["hidden in renders", "another level in the viewport"], indirect=True)
-def test_another_process_renders_them(changed: Rig, tmp_path: Path, addon_name: str):
+def test_another_process_renders_them(changed: scenes.Rig, tmp_path: Path, addon_name: str):
     """All frames of ``blender -b FILE -a``, of a file that was saved right after the change."""
     wanted, scene = expected(changed), bpy.context.scene
     scene.frame_start, scene.frame_end = 1, 2
     scene.render.filepath = str(tmp_path / "picture")
-    path = save(tmp_path / "counts.blend")
+    path = scenes.save(tmp_path / "counts.blend")
     for shape in frames_of(path, tmp_path, addon_name, changed.name):
         assert off(shape, wanted) < EXACT
 
@@ -275,7 +258,7 @@ def test_the_viewport_goes_on_after_its_level_comes_back():
     assert off(render_points(rig.obj), shown) < EXACT
     rig.obj.modifiers[0].levels = 2
     settle()
-    assert close(rig.points(), shown)
+    assert scenes.close(rig.points(), shown)
     assert off(render_points(rig.obj), shown) < EXACT
 
 
@@ -295,11 +278,11 @@ def test_painted_weights_reach_renders_while_the_viewport_waits(render_levels: i
 
 def posed_by_an_armature(late: bool) -> list[np.ndarray]:
     """At a frame where an armature before Sinew poses the mesh, and at rest."""
-    rig = Rig(grid_object(f"Plate {late}", 5))
-    bone = add_armature(rig.obj).pose.bones["high"]
+    rig = scenes.Rig(scenes.grid_object(f"Plate {late}", 5))
+    bone = scenes.add_armature(rig.obj).pose.bones["high"]
     modifier = subdivision(rig.obj, 2, 2 if late else 3)
     rig.bind()
-    key(bone, {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 20: {"rotation_euler": (0.9, 0.0, 0.2)}})
+    scenes.key(bone, {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 20: {"rotation_euler": (0.9, 0.0, 0.2)}})
     rig.lift(HEIGHT)
     bpy.context.scene.frame_set(20)
     modifier.render_levels, shapes = 3, []
@@ -311,12 +294,12 @@ def posed_by_an_armature(late: bool) -> list[np.ndarray]:
 
 def by_two_deformers(late: bool) -> list[np.ndarray]:
     """The second one gets what the first one makes of the vertices of the render."""
-    rig = Rig(grid_object(f"Plate {late}", 5))
+    rig = scenes.Rig(scenes.grid_object(f"Plate {late}", 5))
     modifier = subdivision(rig.obj, 2, 2 if late else 3)
     first = rig.bind().control
     rig.bind("arap")
     for control, way in ((first, (0.0, 0.0, HEIGHT)), (rig.control, (0.3, 0.0, 0.0))):
-        move_world(control, Matrix.Translation(way))
+        scenes.move_world(control, Matrix.Translation(way))
     modifier.render_levels = 3
     return [render_points(rig.obj)]
 
@@ -330,12 +313,12 @@ def test_the_rest_for_renders_is_that_of_the_bind(shapes_of: Callable[[bool], li
 
 
 def test_a_deformer_that_is_removed_leaves_no_rest_for_renders():
-    plate = Rig.plate(5)
+    plate = scenes.Rig.plate(5)
     subdivision(plate.obj, 0, 1)
     count = len(bpy.data.meshes)
     plate.bind()
     assert plate.deformer.rest_render is not None
-    press(plate.obj, "deformer_remove")
+    scenes.press(plate.obj, "deformer_remove")
     assert len(bpy.data.meshes) == count
 
 
@@ -351,7 +334,7 @@ def test_a_control_with_other_points_in_renders_moves_it_alike(kind: str, tmp_pa
     rig.deformer.auto_rebind = True
     settle()
     rig.deformer.auto_rebind = False
-    points = base_points(rig.control)
+    points = scenes.base_points(rig.control)
     points[:, 2] += 0.3 * points[:, 0] + 0.2 * points[:, 1] ** 2
     rig.control.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
     rig.control.data.update()
@@ -363,22 +346,22 @@ def test_a_control_with_other_points_in_renders_moves_it_alike(kind: str, tmp_pa
     assert off(exported_points(rig.obj, tmp_path), shown) < 0.05  # less is known of the shape of the control
     modifier.render_levels = 3
     assert off(exported_points(rig.obj, tmp_path), shown) < EXACT
-    path = save(tmp_path / "control.blend")
+    path = scenes.save(tmp_path / "control.blend")
     for shape in frames_of(path, tmp_path, addon_name, rig.name):
         assert off(shape, shown) < EXACT
 
 
 @pytest.mark.parametrize("kind", ["lattice", "hair"])
 def test_a_control_without_faces_may_have_modifiers_in_viewports_alone(kind: str, tmp_path: Path):
-    obj, control = grid_object("Plate", 5), getattr(point_objects, kind)()
+    obj, control = scenes.grid_object("Plate", 5), getattr(point_objects, kind)()
     modifier = control.modifiers.new("Nodes", "NODES" if kind == "hair" else "CAST")
     modifier.show_render = False
-    make_active(obj, control)
+    scenes.make_active(obj, control)
     assert bpy.ops.sinew.point_add(source="POINTS", method="mls") == {"FINISHED"}
-    move_world(control, Matrix.Translation((0.0, 0.0, HEIGHT)))
-    shown = evaluated_points(obj)
-    assert off(shown, base_points(obj)) > 0.4
-    save(tmp_path / "control.blend")
+    scenes.move_world(control, Matrix.Translation((0.0, 0.0, HEIGHT)))
+    shown = scenes.evaluated_points(obj)
+    assert off(shown, scenes.base_points(obj)) > 0.4
+    scenes.save(tmp_path / "control.blend")
     assert off(render_points(obj), shown) < EXACT
 
 
@@ -387,13 +370,13 @@ def test_a_control_without_faces_may_have_modifiers_in_viewports_alone(kind: str
 
 def opened(obj: bpy.types.Object) -> None:
     """Half of the sheet and its mirror image, which a key takes apart at frame 10."""
-    points = base_points(obj)
+    points = scenes.base_points(obj)
     points[:, 0] = 0.5 * (points[:, 0] + 1.0)
     obj.data.vertices.foreach_set("co", points.astype(np.float32).ravel())
     modifier = obj.modifiers.new("Mirror", "MIRROR")
     modifier.use_mirror_merge, modifier.merge_threshold = True, 1e-3
-    wide = add_key(obj, "Wide", Matrix.Translation((0.1, 0, 0)) @ Matrix.Diagonal((0.9, 1, 1, 1)))
-    key(wide, {1: {"value": 0.0}, 10: {"value": 1.0}})
+    wide = scenes.add_key(obj, "Wide", Matrix.Translation((0.1, 0, 0)) @ Matrix.Diagonal((0.9, 1, 1, 1)))
+    scenes.key(wide, {1: {"value": 0.0}, 10: {"value": 1.0}})
     bpy.context.scene.frame_set(1)
 
 
@@ -414,7 +397,7 @@ def test_automatic_rebind_where_the_count_changes_by_the_frame():
 def keyed_level(obj: bpy.types.Object) -> None:
     levels = ((1, 2), (4, 3), (10, 1))
     modifier = subdivision(obj)
-    key(modifier, {frame: {"render_levels": level} for frame, level in levels})
+    scenes.key(modifier, {frame: {"render_levels": level} for frame, level in levels})
     bpy.context.scene.frame_set(1)
 
 
@@ -435,11 +418,11 @@ def test_what_a_render_cannot_show_is_said(capfd: pytest.CaptureFixture, monkeyp
     """The other object of a Boolean is in Edit Mode, where it cannot be looked at."""
     # Once a picture was drawn, a graphics card subdivides what is in Edit Mode, and a Boolean goes without.
     monkeypatch.setattr(bpy.context.preferences.system, "use_gpu_subdivision", False)
-    rig = Rig.plate(5)
+    rig = scenes.Rig.plate(5)
     level = boolean(rig.obj)
     rig.bind()
     rig.lift(HEIGHT)
-    with in_mode(level.id_data):
+    with scenes.in_mode(level.id_data):
         level.render_levels = 2
         capfd.readouterr()
         render_points(rig.obj)

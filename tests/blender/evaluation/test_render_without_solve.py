@@ -14,24 +14,8 @@ import pytest
 from libraries import put_into_a_library, read
 from mathutils import Matrix
 from probe import render, render_points
+from rigs import rig as scenes
 from rigs.kinds import HandleRig
-from rigs.rig import (
-    FLOAT32,
-    MATRIX,
-    Rig,
-    add_armature,
-    add_group,
-    close,
-    evaluated_points,
-    key,
-    key_heights,
-    load,
-    make_active,
-    new_file,
-    save,
-    subdivided,
-    update,
-)
 from second_blender import look_elsewhere as elsewhere
 
 NO_MODULE = """
@@ -64,12 +48,12 @@ def rendered(posed: HandleRig) -> HandleRig:
 
 def seen_elsewhere(rig: HandleRig, *how: str) -> list[np.ndarray]:
     """What another Blender shows of the rig, saved as it is now."""
-    return elsewhere(save(rig.folder / "shot.blend"), rig.name, rig.folder, *how)
+    return elsewhere(scenes.save(rig.folder / "shot.blend"), rig.name, rig.folder, *how)
 
 
 def agree(rig: HandleRig, seen: list[np.ndarray], height: float = 0.75) -> None:
     for shape in seen:
-        assert close(shape, rig.at(height), rig.tolerance)
+        assert scenes.close(shape, rig.at(height), rig.tolerance)
 
 
 # --- without the add-on
@@ -91,12 +75,12 @@ def test_a_render_without_the_add_on_shows_the_pose(posed: HandleRig):
 
 def test_factor_and_mask_are_those_of_the_viewport(posed_plate: HandleRig):
     assert posed_plate.renders(posed_plate.at(0.5))
-    add_group(posed_plate.obj, "Left", lambda point: point[0] < 0.0)
+    scenes.add_group(posed_plate.obj, "Left", lambda point: point[0] < 0.0)
     posed_plate.deformer.mask_group, posed_plate.deformer.factor = "Left", 0.25
     shown = posed_plate.points()
-    assert not close(shown, posed_plate.at(0.5), 0.1)
+    assert not scenes.close(shown, posed_plate.at(0.5), 0.1)
     for shape in seen_elsewhere(posed_plate):
-        assert close(shape, shown)
+        assert scenes.close(shape, shown)
 
 
 def test_a_render_after_the_add_on_was_switched_off(rendered: HandleRig, addon_name: str):
@@ -109,30 +93,30 @@ def test_a_render_after_the_add_on_was_switched_off(rendered: HandleRig, addon_n
 
 
 @pytest.mark.parametrize("below", ["rest", "armature"])
-def test_other_vertices_in_renders_than_in_the_viewport(plate: Rig, tmp_path: Path, below: str):
+def test_other_vertices_in_renders_than_in_the_viewport(plate: scenes.Rig, tmp_path: Path, below: str):
     """They are solved at the save, for what enters then."""
-    bone = add_armature(plate.obj).pose.bones["high"] if below == "armature" else None
-    subdivided(plate.obj, 1, 2)
+    bone = scenes.add_armature(plate.obj).pose.bones["high"] if below == "armature" else None
+    scenes.subdivided(plate.obj, 1, 2)
     plate.bind("thin_shell")
     render_points(plate.obj)
     plate.lift(0.5)
     if bone is not None:
         bone.rotation_euler.x = 0.5
-        update()
-    path = save(tmp_path / "shot.blend")
+        scenes.update()
+    path = scenes.save(tmp_path / "shot.blend")
     shown, rendered = plate.points(), render_points(plate.obj)
     assert len(rendered) > len(shown)
     seen = elsewhere(path, plate.name, tmp_path)
-    assert close(seen[0], shown)
-    assert close(seen[1], rendered)
+    assert scenes.close(seen[0], shown)
+    assert scenes.close(seen[1], rendered)
 
 
 def test_a_modifier_that_only_renders_show(posed_plate: HandleRig):
     posed_plate.obj.modifiers[0].show_viewport = False
     posed_plate.lift(0.25)
     shown, rendered = seen_elsewhere(posed_plate)
-    assert close(shown, posed_plate.rest())
-    assert close(rendered, posed_plate.at(0.75))
+    assert scenes.close(shown, posed_plate.rest())
+    assert scenes.close(rendered, posed_plate.at(0.75))
 
 
 # --- with the add-on, but without a solve
@@ -149,8 +133,8 @@ def test_a_linked_rig_without_an_override(rendered: HandleRig):
     path = put_into_a_library(rendered.folder / "library.blend", rendered.obj, rendered.control)
     obj = read(path, True, "objects", name)
     bpy.context.scene.collection.objects.link(obj)
-    update()
-    agree(rendered, [evaluated_points(obj), render()[-1][name]])
+    scenes.update()
+    agree(rendered, [scenes.evaluated_points(obj), render()[-1][name]])
 
 
 def test_a_render_while_live_is_off(rendered: HandleRig):
@@ -160,17 +144,17 @@ def test_a_render_while_live_is_off(rendered: HandleRig):
     assert np.array_equal(rendered.points(), before)
     agree(rendered, [before, render_points(rendered.obj), rendered.points()])
     with without_our_save_handler():
-        path = save(rendered.folder / "shot.blend")
-    load(path)
+        path = scenes.save(rendered.folder / "shot.blend")
+    scenes.load(path)
     agree(rendered, [rendered.points(), render_points(rendered.obj)])
     rendered.deformer.live = True
     assert rendered.renders(rendered.at(1.0))
     assert rendered.is_right()
 
 
-def test_live_is_off_and_renders_have_other_vertices(plate: Rig, tmp_path: Path):
+def test_live_is_off_and_renders_have_other_vertices(plate: scenes.Rig, tmp_path: Path):
     """They show the poses that the viewport shows."""
-    subdivided(plate.obj, 1, 2)
+    scenes.subdivided(plate.obj, 1, 2)
     plate.bind("thin_shell").lift(0.25)
     render_points(plate.obj)
     plate.lift(0.25)
@@ -178,26 +162,26 @@ def test_live_is_off_and_renders_have_other_vertices(plate: Rig, tmp_path: Path)
     plate.lift(-0.5)
     render_points(plate.obj)
     plate.lift(0.5)
-    update()
+    scenes.update()
     plate.deformer.live = False
     plate.lift(0.25)
-    assert close(plate.points(), shown)
-    assert close(render_points(plate.obj), rendered)
-    load(save(tmp_path / "shot.blend"))
-    assert close(plate.points(), shown)
-    assert close(render_points(plate.obj), rendered, MATRIX)
+    assert scenes.close(plate.points(), shown)
+    assert scenes.close(render_points(plate.obj), rendered)
+    scenes.load(scenes.save(tmp_path / "shot.blend"))
+    assert scenes.close(plate.points(), shown)
+    assert scenes.close(render_points(plate.obj), rendered, scenes.MATRIX)
 
 
 def test_frames_that_switch_live_off_keep_the_shape_of_the_frame_before(posed_plate: HandleRig):
     """While an animation is rendered the viewport stays at a frame where it is on."""
     plate, scene = posed_plate, bpy.context.scene
-    key(plate.deformer, {1: {"live": True}, 11: {"live": False}})
+    scenes.key(plate.deformer, {1: {"live": True}, 11: {"live": False}})
     height = plate.control.location.z
-    key_heights(plate.control, {1: height, 10: height + 0.5, 12: height + 0.5})
+    scenes.key_heights(plate.control, {1: height, 10: height + 0.5, 12: height + 0.5})
     scene.frame_set(1)
     scene.frame_start, scene.frame_end = 10, 12
     for shapes in render(animation=True):
-        assert close(shapes[plate.name], plate.at(1.0), MATRIX)
+        assert scenes.close(shapes[plate.name], plate.at(1.0), scenes.MATRIX)
 
 
 def test_a_control_that_is_lost_since_the_file_was_opened(rendered: HandleRig):
@@ -205,12 +189,12 @@ def test_a_control_that_is_lost_since_the_file_was_opened(rendered: HandleRig):
     bpy.data.objects.remove(rendered.control)
     assert rendered.shows(shown)
     with without_our_save_handler():
-        path = save(rendered.folder / "shot.blend")
-    new_file()
-    load(path)
-    assert rendered.shows(shown, tolerance=MATRIX)
-    assert rendered.renders(shown, MATRIX)
-    assert rendered.shows(shown, tolerance=MATRIX)
+        path = scenes.save(rendered.folder / "shot.blend")
+    scenes.new_file()
+    scenes.load(path)
+    assert rendered.shows(shown, tolerance=scenes.MATRIX)
+    assert rendered.renders(shown, scenes.MATRIX)
+    assert rendered.shows(shown, tolerance=scenes.MATRIX)
 
 
 def test_a_second_deformer_above(posed_plate: HandleRig):
@@ -221,6 +205,6 @@ def test_a_second_deformer_above(posed_plate: HandleRig):
     render_points(plate.obj)
     plate.control.matrix_world = Matrix.Translation((0.1, 0.0, 0.3)) @ plate.control.matrix_world
     shown = plate.points()
-    make_active(plate.obj)
+    scenes.make_active(plate.obj)
     for shape in seen_elsewhere(plate):
-        assert close(shape, shown, FLOAT32)
+        assert scenes.close(shape, shown, scenes.FLOAT32)

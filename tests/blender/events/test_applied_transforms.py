@@ -13,25 +13,8 @@ from inside import calls_of, settle
 from mathutils import Matrix
 from probe import render_points
 from registry import METHODS
+from rigs import rig as scenes
 from rigs.kinds import RIGS, HandleRig, rig_for
-from rigs.rig import (
-    add_armature,
-    add_key,
-    apply_matrix,
-    close,
-    evaluated_points,
-    key_heights,
-    make_active,
-    move_world,
-    nearest,
-    new_empty,
-    on_all,
-    push,
-    reopen,
-    slope,
-    subdivided,
-    update,
-)
 
 EXACT = 3e-5  # matrices and coordinates of a few units, rounded by Blender to float32 several times
 PLACE = Matrix.Translation((0.7, -0.4, 1.1)) @ Matrix.Rotation(0.8, 4, (0.5, 0.3, 0.8)) @ Matrix.Scale(1.5, 4)
@@ -41,7 +24,7 @@ STRETCH = Matrix.Translation((0.7, -0.4, 1.1)) @ Matrix.Diagonal((2.0, 1.0, 1.0,
 
 def apply(**what: bool) -> Callable[[bpy.types.Object], None]:
     def do(obj: bpy.types.Object) -> None:
-        make_active(obj)
+        scenes.make_active(obj)
         chosen = {"location": False, "rotation": False, "scale": False} | what
         assert bpy.ops.object.transform_apply("EXEC_DEFAULT", True, **chosen) == {"FINISHED"}
 
@@ -51,7 +34,7 @@ def apply(**what: bool) -> Callable[[bpy.types.Object], None]:
 def set_origin(kind: str) -> Callable[[bpy.types.Object], None]:
     def do(obj: bpy.types.Object) -> None:
         bpy.context.scene.cursor.location = (0.3, 2.0, -1.0)
-        make_active(obj)
+        scenes.make_active(obj)
         assert bpy.ops.object.origin_set("EXEC_DEFAULT", True, type=kind) == {"FINISHED"}
 
     return do
@@ -64,7 +47,7 @@ def by_script(obj: bpy.types.Object) -> None:
     obj.matrix_world = Matrix.Identity(4)
     for child, world in children.items():
         child.matrix_parent_inverse = world @ child.matrix_basis.inverted()
-    update()
+    scenes.update()
 
 
 WAYS = {
@@ -89,27 +72,27 @@ def carry(rig: HandleRig, where: Matrix) -> None:
     rig.obj.matrix_world = where @ rig.obj.matrix_world
     if not follows:
         control.matrix_world = where @ world
-    update()
+    scenes.update()
 
 
 def place(rig: HandleRig, where: Matrix = PLACE) -> None:
     """Move a rig as a whole, and remember where it rests: ``rig.frame``."""
     carry(rig, where)
     rig.frame = np.array(rig.obj.matrix_world)
-    assert close(world_points(rig), expected(rig), EXACT)
+    assert scenes.close(world_points(rig), expected(rig), EXACT)
 
 
 def world_points(rig: HandleRig, obj: bpy.types.Object | None = None) -> np.ndarray:
     """What is shown of the rig, or of a copy."""
-    points = evaluated_points(obj or rig.obj)
-    return apply_matrix((obj or rig.obj).matrix_world, points)
+    points = scenes.evaluated_points(obj or rig.obj)
+    return scenes.apply_matrix((obj or rig.obj).matrix_world, points)
 
 
 def expected(rig: HandleRig, control: bpy.types.Object | None = None) -> np.ndarray:
     """In the world, with the control where it is: by the rest and the frame of before."""
-    update()
+    scenes.update()
     now = np.linalg.inv(rig.frame) @ np.array((control or rig.control).matrix_world, dtype=np.float64)
-    return apply_matrix(rig.frame, rig.poses.shape(now @ np.linalg.inv(rig.poses._at_rest)))
+    return scenes.apply_matrix(rig.frame, rig.poses.shape(now @ np.linalg.inv(rig.poses._at_rest)))
 
 
 def assert_shows(
@@ -117,10 +100,10 @@ def assert_shows(
 ) -> None:
     """In the world, of the rig or of a copy: at once, in a render, and after a pause."""
     obj = obj or rig.obj
-    assert close(world_points(rig, obj), shape, tolerance)
-    assert close(apply_matrix(obj.matrix_world, render_points(obj)), shape, tolerance)
+    assert scenes.close(world_points(rig, obj), shape, tolerance)
+    assert scenes.close(scenes.apply_matrix(obj.matrix_world, render_points(obj)), shape, tolerance)
     settle()
-    assert close(world_points(rig, obj), shape, tolerance)
+    assert scenes.close(world_points(rig, obj), shape, tolerance)
 
 
 def assert_right(rig: HandleRig, tolerance: float = EXACT) -> None:
@@ -167,7 +150,7 @@ def test_twice_and_in_a_saved_file(placed: HandleRig):
     for way in ("rotation", "origin to cursor"):
         WAYS[way](placed.obj)
         assert_right(placed)
-    reopen(placed.folder / "applied.blend")
+    scenes.reopen(placed.folder / "applied.blend")
     assert_lives_on(placed)
     ALL(placed.obj)
     assert_lives_on(placed)
@@ -176,11 +159,11 @@ def test_twice_and_in_a_saved_file(placed: HandleRig):
 @pytest.mark.parametrize("way", ["all", "origin to cursor"])
 def test_undo_and_redo(placed: HandleRig, way: str):
     placed.lift(0.4)
-    push("posed")
+    scenes.push("posed")
     WAYS[way](placed.obj)
     assert_right(placed)
     placed.lift(0.25)
-    push("lifted")
+    scenes.push("lifted")
     undo, redo = bpy.ops.ed.undo, bpy.ops.ed.redo
     for way, applied in ((undo, 1), (undo, 0), (redo, 1), (undo, 0), (redo, 1), (redo, 1)):
         way()
@@ -218,7 +201,7 @@ def test_every_method(method, mirrored: bool):
 
 
 def flip_all(obj: bpy.types.Object) -> None:
-    on_all(obj, bpy.ops.mesh.flip_normals)
+    scenes.on_all(obj, bpy.ops.mesh.flip_normals)
     settle()
 
 
@@ -228,27 +211,27 @@ def test_modifiers_that_number_their_vertices_anew_for_turned_faces(rig: HandleR
     if rig.obj.type != "MESH":
         pytest.skip("about faces")
     rig.obj.modifiers.new("Array", "ARRAY").relative_offset_displace = (0.0, 1.5, 0.0)
-    subdivided(rig.obj, 2, 3)
+    scenes.subdivided(rig.obj, 2, 3)
     rig.bind_alone(rig.methods[0])
     carry(rig, MIRRORED)
     rig.lift(0.3)
-    push("posed")
+    scenes.push("posed")
     before = places_shown(rig)
     turn(rig.obj)
-    push("turned")
+    scenes.push("turned")
     for step in (None, bpy.ops.ed.undo, bpy.ops.ed.redo):
         if step is not None:
             step()
             settle()
         for seen, shape in zip(places_shown(rig), before, strict=True):
-            assert max(nearest(seen, shape)[1].max(), nearest(shape, seen)[1].max()) < EXACT
+            assert max(scenes.nearest(seen, shape)[1].max(), scenes.nearest(shape, seen)[1].max()) < EXACT
         assert rig.deformer.status_level == "INFO", rig.deformer.status
 
 
 def places_shown(rig: HandleRig) -> list[np.ndarray]:
     return [
-        apply_matrix(rig.obj.matrix_world, shape)
-        for shape in (evaluated_points(rig.obj), render_points(rig.obj))
+        scenes.apply_matrix(rig.obj.matrix_world, shape)
+        for shape in (scenes.evaluated_points(rig.obj), render_points(rig.obj))
     ]
 
 
@@ -264,7 +247,7 @@ def stretched_at_rest(rig: HandleRig) -> None:
 
 
 def with_shape_keys(rig: HandleRig) -> None:
-    add_key(rig.obj, "Bump", slope(0.2)).value = 0.5
+    scenes.add_key(rig.obj, "Bump", scenes.slope(0.2)).value = 0.5
     rig.obj.matrix_world = PLACE
 
 
@@ -298,11 +281,11 @@ def test_where_the_proportions_count_the_status_says_so(posed_plate: HandleRig, 
     rig = posed_plate
     world = rig.control.matrix_world.copy()
     rig.control.parent, rig.control.matrix_world = None, world
-    parent = new_empty("Parent")
+    parent = scenes.new_empty("Parent")
     rig.control.parent = rig.obj.parent = parent
     parent.scale = (carried, carried, carried)
     carry(rig, STRETCH)
-    move_world(rig.control, Matrix.Rotation(0.7, 4, "Y"))
+    scenes.move_world(rig.control, Matrix.Rotation(0.7, 4, "Y"))
     before = world_points(rig)
     ALL(rig.obj)
     after = world_points(rig)
@@ -314,8 +297,8 @@ def test_where_the_proportions_count_the_status_says_so(posed_plate: HandleRig, 
     assert rig.deformer.status_level == "WARNING"
     assert float(told[1]) == pytest.approx(changed, rel=0.01)
     assert "undo" in rig.deformer.status
-    assert close(after[rig.top], before[rig.top], EXACT * carried)
-    assert not close(after, before, 1e-3)
+    assert scenes.close(after[rig.top], before[rig.top], EXACT * carried)
+    assert not scenes.close(after, before, 1e-3)
     assert_shows(rig, after, EXACT * carried)
     rig.lift(0.1)
     assert rig.deformer.status_level == "INFO"
@@ -333,7 +316,7 @@ def test_a_copy_stays_where_it_is(placed: HandleRig, on_the_same_mesh: bool):
     rig.lift_of(copy, 0.1)
     before = [world_points(rig, obj) for obj in (rig.obj, copy)]
     if on_the_same_mesh:
-        make_active(rig.obj, copy)
+        scenes.make_active(rig.obj, copy)
         assert bpy.ops.object.origin_set("EXEC_DEFAULT", True, type="ORIGIN_CURSOR") == {"FINISHED"}
         settle()
     else:
@@ -345,7 +328,7 @@ def test_a_copy_stays_where_it_is(placed: HandleRig, on_the_same_mesh: bool):
 
 
 def test_an_armature_below(plate):
-    bone = add_armature(plate.obj).pose.bones["high"]
+    bone = scenes.add_armature(plate.obj).pose.bones["high"]
     plate.obj.matrix_world = Matrix.Translation((0.0, 0.0, 0.6)) @ Matrix.Rotation(0.5, 4, "Z")
     plate.bind("thin_shell")
     bone.rotation_euler.x = 0.5
@@ -355,7 +338,7 @@ def test_an_armature_below(plate):
     assert_shows(plate, before)
     for angle in (0.2, 0.5):
         bone.rotation_euler.x = angle
-        assert close(world_points(plate), before, EXACT if angle == 0.5 else 0.01) == (angle == 0.5)
+        assert scenes.close(world_points(plate), before, EXACT if angle == 0.5 else 0.01) == (angle == 0.5)
 
 
 def test_while_live_is_off(placed: HandleRig):
@@ -373,12 +356,12 @@ def test_a_region_that_has_lost_its_control(placed: HandleRig):
     placed.lift(0.3)
     before = world_points(placed)
     bpy.data.objects.remove(placed.control)
-    assert close(world_points(placed), before, EXACT)
+    assert scenes.close(world_points(placed), before, EXACT)
     ALL(placed.obj)
     assert_shows(placed, before)
     if placed.goes_on:
-        reopen(placed.folder / "lost.blend")
-        assert close(world_points(placed), before, EXACT)
+        scenes.reopen(placed.folder / "lost.blend")
+        assert scenes.close(world_points(placed), before, EXACT)
 
 
 def test_the_cage_rests_again_where_it_is(placed: HandleRig):
@@ -388,10 +371,10 @@ def test_the_cage_rests_again_where_it_is(placed: HandleRig):
     placed.lift(0.3)
     ALL(placed.obj)
     placed.press("cage_set_rest")
-    assert close(placed.points(), placed.unmoved(placed.obj), EXACT)
+    assert scenes.close(placed.points(), placed.unmoved(placed.obj), EXACT)
     placed.press("unbind")
     placed.press("bind")
-    assert close(placed.points(), placed.unmoved(placed.obj), EXACT)
+    assert scenes.close(placed.points(), placed.unmoved(placed.obj), EXACT)
 
 
 # --- what is no Apply
@@ -405,7 +388,7 @@ def geometry_to_origin(obj: bpy.types.Object) -> None:
 def transformed(obj: bpy.types.Object) -> None:
     """By a script that does not touch the object."""
     obj.data.transform(Matrix.Translation((0.2, 0.0, 0.4)) @ Matrix.Rotation(0.4, 4, "X"))
-    push("moved")
+    scenes.push("moved")
 
 
 @pytest.mark.parametrize("move", [geometry_to_origin, transformed], ids=lambda move: move.__name__)
@@ -415,22 +398,22 @@ def test_a_mesh_that_was_moved_away_from_its_controls_says_so(rig: HandleRig, mo
     rig.start()
     rig.lift(0.4)
     before = world_points(rig)
-    push("posed")
+    scenes.push("posed")
     move(rig.obj)
     assert rig.deformer.status_level == "WARNING"
     assert "away from its controls" in rig.deformer.status
     assert "undo" in rig.deformer.status
-    assert not close(world_points(rig), before, 0.1)
+    assert not scenes.close(world_points(rig), before, 0.1)
     bpy.ops.ed.undo()
     settle()
     assert rig.deformer.status_level == "INFO"
-    assert close(world_points(rig), before, EXACT)
+    assert scenes.close(world_points(rig), before, EXACT)
 
 
 def test_an_ordinary_frame_looks_at_nothing(posed_plate: HandleRig):
     rig = posed_plate
     for obj in (rig.control, rig.obj):
-        key_heights(obj, {1: 0.0, 11: 1.0})
+        scenes.key_heights(obj, {1: 0.0, 11: 1.0})
     bpy.context.scene.frame_set(2)
     found = calls_of(lambda: bpy.context.scene.frame_set(5))
     assert found["write_shape"] == 1, found

@@ -14,23 +14,9 @@ import pytest
 from inside import calls_of
 from mathutils import Matrix
 from probe import render
+from rigs import rig as scenes
 from rigs.cages import ball, box, fine_box, surround
 from rigs.kinds import HandleRig
-from rigs.rig import (
-    MATRIX,
-    Rig,
-    add_group,
-    close,
-    evaluated_points,
-    key_heights,
-    make_active,
-    move_world,
-    new_armature,
-    new_empty,
-    new_nodes,
-    press,
-    update,
-)
 from rigs.rig_of_lattice import lattice_object
 from rigs.sheet import draw_panel
 
@@ -50,10 +36,10 @@ def new_base() -> HandleRig:
     return HandleRig.new("Middle").start("thin_shell")
 
 
-def on_vertex(obj: bpy.types.Object, base: Rig, *vertices: int) -> bpy.types.Object:
+def on_vertex(obj: bpy.types.Object, base: scenes.Rig, *vertices: int) -> bpy.types.Object:
     obj.parent, obj.parent_type = base.obj, "VERTEX" if len(vertices) == 1 else "VERTEX_3"
     obj.parent_vertices = [int(vertex) for vertex in (*vertices, 0, 0)[:3]]
-    update()
+    scenes.update()
     return obj
 
 
@@ -61,7 +47,7 @@ def constrain(owner: bpy.types.Object | bpy.types.PoseBone, kind: str, **setting
     constraint = owner.constraints.new(kind)
     for name, value in settings.items():
         setattr(constraint, name, value)
-    update()
+    scenes.update()
 
 
 def free(control: bpy.types.Object) -> bpy.types.Object:
@@ -112,19 +98,19 @@ def its_control_on_three_vertices(base: HandleRig, follower: HandleRig) -> None:
 
 @hangs()
 def its_control_on_a_child_of_a_vertex(base: HandleRig, follower: HandleRig) -> None:
-    free(follower.control).parent = on_vertex(new_empty("Between"), base, base.top[3])
+    free(follower.control).parent = on_vertex(scenes.new_empty("Between"), base, base.top[3])
 
 
 @hangs()
 def its_control_is_carried_by_a_control_that_rides(base: HandleRig, follower: HandleRig) -> None:
     """On a second deformer of the first rig, whose shape the first one moves."""
-    add_group(base.obj, "Spot", lambda point: point[1] > 0.75 and abs(point[0]) < 0.5)
+    scenes.add_group(base.obj, "Spot", lambda point: point[1] > 0.75 and abs(point[0]) < 0.5)
     base.press("deformer_add", method="thin_shell")
     base.press("handle_add", kind="HANDLE", vertex_group="Spot")
     control = base.obj.sinew.deformers[1].handles[0].control
     base.obj.sinew.active_deformer = 0
     free(follower.control).parent = control
-    update()
+    scenes.update()
 
 
 @hangs()
@@ -139,7 +125,7 @@ def its_control_sticks_to_the_surface(base: HandleRig, follower: HandleRig) -> N
 
 @hangs()
 def its_control_is_armature_constrained_to_a_bone(base: HandleRig, follower: HandleRig) -> None:
-    armature = new_armature(button=((0.0, 1.0, 0.0), (0.0, 1.5, 0.0)))
+    armature = scenes.new_armature(button=((0.0, 1.0, 0.0), (0.0, 1.5, 0.0)))
     constrain(armature.pose.bones["button"], "COPY_LOCATION", target=base.obj, subtarget="Top")
     control = free(follower.control)
     constraint = control.constraints.new("ARMATURE")
@@ -150,24 +136,24 @@ def its_control_is_armature_constrained_to_a_bone(base: HandleRig, follower: Han
 @hangs(bound="by it")
 def its_control_is_such_a_bone(base: HandleRig, follower: HandleRig) -> None:
     """A child of one that copies a group."""
-    armature = new_armature(
+    armature = scenes.new_armature(
         button=((0.0, 1.0, 0.0), (0.0, 1.5, 0.0)), tip=((0.0, 1.5, 0.0), (0.0, 2.0, 0.0), "button")
     )
     follower.bind("thin_shell")
     follower.deformer.handles[0].control, follower.deformer.handles[0].bone = armature, "tip"
-    press(follower.obj, "bind")
+    scenes.press(follower.obj, "bind")
     constrain(armature.pose.bones["button"], "COPY_LOCATION", target=base.obj, subtarget="Top")
 
 
 @hangs()
 def its_control_is_driven(base: HandleRig, follower: HandleRig) -> None:
-    empty = on_vertex(new_empty("Between"), base, base.top[3])
+    empty = on_vertex(scenes.new_empty("Between"), base, base.top[3])
     driver = follower.control.driver_add("location", 2).driver
     driver.type = "SUM"
     variable = driver.variables.new()
     variable.type = "TRANSFORMS"
     variable.targets[0].id, variable.targets[0].transform_type = empty, "LOC_Z"
-    update()
+    scenes.update()
 
 
 @hangs()
@@ -178,9 +164,9 @@ def it_is_itself_on_a_vertex(base: HandleRig, follower: HandleRig) -> None:
 
 @hangs(bound="after")
 def it_is_hooked_to_a_child_of_a_vertex(base: HandleRig, follower: HandleRig) -> None:
-    add_group(follower.obj, "Hooked", lambda point: abs(point[1]) < 0.5)
+    scenes.add_group(follower.obj, "Hooked", lambda point: abs(point[1]) < 0.5)
     hook = follower.obj.modifiers.new("Hook", "HOOK")
-    hook.object, hook.vertex_group = on_vertex(new_empty("Between"), base, base.top[3]), "Hooked"
+    hook.object, hook.vertex_group = on_vertex(scenes.new_empty("Between"), base, base.top[3]), "Hooked"
 
 
 @hangs(bound="after")
@@ -202,7 +188,7 @@ def it_takes_weights_from_the_base(base: HandleRig, follower: HandleRig) -> None
 @hangs(bound="after")
 def it_is_moved_by_nodes_that_ask_for_the_base(base: HandleRig, follower: HandleRig) -> None:
     """Below us: by the height of the first vertex of the base."""
-    group, entry, leave = new_nodes("Follow")
+    group, entry, leave = scenes.new_nodes("Follow")
     asked, box = group.nodes.new("GeometryNodeObjectInfo"), group.nodes.new("GeometryNodeBoundBox")
     moved = group.nodes.new("GeometryNodeSetPosition")
     asked.inputs["Object"].default_value = base.obj
@@ -219,7 +205,7 @@ def it_is_moved_by_nodes_that_ask_for_the_base(base: HandleRig, follower: Handle
 @chain_of_its_own
 def its_cage_has_a_deformer(name: str) -> Chain:
     follower, cage = ball(name, 2), fine_box(2)
-    base = Rig(cage).bind("thin_shell")
+    base = scenes.Rig(cage).bind("thin_shell")
     surround(follower, cage)
     return Chain(base.control, base.obj, follower)
 
@@ -229,7 +215,7 @@ def its_cage_is_wrapped_onto_the_base(name: str) -> Chain:
     base, follower, cage = new_base(), ball(name, 2), fine_box(2)
     surround(follower, cage)
     cage.modifiers.new("Shrinkwrap", "SHRINKWRAP").target = base.obj
-    update()
+    scenes.update()
     return Chain(base.control, base.obj, follower)
 
 
@@ -247,7 +233,7 @@ def moved_lattice() -> tuple[bpy.types.Object, bpy.types.Object]:
     """A lattice with a deformer, around all that it carries, and the cage that moves it."""
     lattice, cage = lattice_object((3, 3, 3), "Middle"), box("Cage", 3.0)
     lattice.scale = 1.2, 1.2, 1.2
-    update()
+    scenes.update()
     surround(lattice, cage)
     return lattice, cage
 
@@ -265,7 +251,7 @@ def it_is_below_a_lattice_that_a_cage_moves(name: str) -> Chain:
 def its_lattice_has_a_deformer(name: str) -> Chain:
     base, cage = moved_lattice()
     follower = ball(name, 2)
-    press(follower, "lattice_add", source="OBJECT", lattice=base.name)
+    scenes.press(follower, "lattice_add", source="OBJECT", lattice=base.name)
     return Chain(cage, base, follower)
 
 
@@ -278,8 +264,8 @@ def again(obj: bpy.types.Object) -> np.ndarray:
     for _ in range(4):
         for other in owners():
             other.update_tag()
-        update()
-    return evaluated_points(obj)
+        scenes.update()
+    return scenes.evaluated_points(obj)
 
 
 def difference(one: np.ndarray, other: np.ndarray) -> float:
@@ -296,14 +282,14 @@ def name(request: pytest.FixtureRequest) -> str:
 def chain(request: pytest.FixtureRequest, name: str) -> Chain:
     """Its control rises by one from frame 1 to frame 11."""
     chain = CHAINS[request.param](name)
-    key_heights(chain.control, {1: 0.0, 11: 1.0})
+    scenes.key_heights(chain.control, {1: 0.0, 11: 1.0})
     return chain
 
 
 def at(frame: float, obj: bpy.types.Object) -> np.ndarray:
     whole = int(frame)
     bpy.context.scene.frame_set(whole, subframe=frame - whole)
-    return evaluated_points(obj)
+    return scenes.evaluated_points(obj)
 
 
 def moves(chain: Chain, one: np.ndarray, other: np.ndarray) -> bool:
@@ -320,9 +306,9 @@ def test_a_frame_is_right_from_wherever_it_is_reached(chain: Chain):
     assert difference(again(chain.follower), shown) < EXACT
     assert moves(chain, at(11, chain.follower), at(1, chain.follower))
     for height in (0.9, -0.3):
-        before = evaluated_points(chain.follower)
-        move_world(chain.control, Matrix.Translation((0.0, 0.0, height)))
-        seen = evaluated_points(chain.follower)
+        before = scenes.evaluated_points(chain.follower)
+        scenes.move_world(chain.control, Matrix.Translation((0.0, 0.0, height)))
+        seen = scenes.evaluated_points(chain.follower)
         assert difference(again(chain.follower), seen) < EXACT
         assert height < 0.0 or moves(chain, seen, before)
 
@@ -352,18 +338,18 @@ def test_a_follower_is_solved_for_where_its_control_is(row: str, name: str):
     bpy.data.objects.remove(follower.control)
     bpy.data.objects.remove(obj)
     chain = CHAINS[row](name)
-    key_heights(chain.control, {1: 0.0, 11: 1.0})
+    scenes.key_heights(chain.control, {1: 0.0, 11: 1.0})
     for frame in (11, 7, 2):
         shown = at(frame, chain.follower)
         control = HandleRig.control_of(chain.follower)
-        assert close(shown, poses.now(chain.follower, control), MATRIX)
-        assert difference(evaluated_points(chain.follower), shown) == 0.0
+        assert scenes.close(shown, poses.now(chain.follower, control), scenes.MATRIX)
+        assert difference(scenes.evaluated_points(chain.follower), shown) == 0.0
 
 
 def test_a_parent_given_by_a_script_counts_in_the_next_frame():
     """Nothing is evaluated between."""
     base, follower = new_base(), HandleRig.new("Before").start("thin_shell")
-    key_heights(base.control, {1: 0.0, 11: 1.0})
+    scenes.key_heights(base.control, {1: 0.0, 11: 1.0})
     at(11, follower.obj)
     follower.control.parent_vertices = (int(base.top[0]), 0, 0)
     for frame, parent, kind in ((7, base.obj, "VERTEX"), (5, None, "OBJECT")):
@@ -375,8 +361,8 @@ def test_a_parent_given_by_a_script_counts_in_the_next_frame():
 def test_relations_that_name_nothing_are_followed_nowhere(posed_plate: HandleRig):
     """Objects, bones, groups and nodes that do not exist, or no longer."""
     follower = HandleRig.new("Before").start("thin_shell")
-    armature = new_armature(only=((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
-    make_active(follower.obj)
+    armature = scenes.new_armature(only=((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    scenes.make_active(follower.obj)
     for kind in ("HOOK", "SHRINKWRAP", "ARMATURE", "NODES", "BOOLEAN"):
         follower.obj.modifiers.new(kind, kind)
         bpy.ops.object.modifier_move_to_index(modifier=kind, index=0)
@@ -407,7 +393,7 @@ def frame_cost(frame: int) -> dict[str, int]:
 def test_each_rig_of_a_chain_is_solved_once_per_frame():
     """Blender evaluates once more in between, and once at the end, as ever."""
     chain = CHAINS["it_follows_a_follower"]("Before")
-    key_heights(chain.control, {1: 0.0, 11: 1.0})
+    scenes.key_heights(chain.control, {1: 0.0, 11: 1.0})
     found = frame_cost(8)
     assert found["_answer"] == found["write_shape"] == 3, found
     assert found["evaluate"] == 3, found  # the first one finds nothing to do
@@ -420,13 +406,13 @@ def test_rigs_that_read_no_other_are_evaluated_as_before():
     """Each control is read once, and Blender is asked for nothing."""
     rigs = [HandleRig.new(name).start("thin_shell") for name in ("One", "Two", "Three")]
     for rig in rigs:
-        key_heights(rig.control, {1: 0.0, 11: 1.0})
+        scenes.key_heights(rig.control, {1: 0.0, 11: 1.0})
     found = frame_cost(8)
     assert found["write_shape"] == len(rigs), found
     assert found["read_place"] == len(rigs) * found["on_frame_change"], found
     assert "evaluate" not in found, found
-    other = new_empty("Other")
-    found = [calls_of(lambda: move_world(other, Matrix.Translation((0.1, 0, 0)))) for _ in range(2)]
+    other = scenes.new_empty("Other")
+    found = [calls_of(lambda: scenes.move_world(other, Matrix.Translation((0.1, 0, 0)))) for _ in range(2)]
     assert "reads" not in found[1]
 
 
@@ -439,7 +425,7 @@ def test_each_constraint_and_driver_of_an_armature_is_read_once_per_evaluation()
     """However many handles hang on its bones."""
     count = 24
     rigs = [HandleRig.new(name).start("thin_shell") for name in ("One", "Two")]
-    armature = new_armature(**{f"b{i}": ((0.0, i, 0.0), (0.0, i + 1.0, 0.0)) for i in range(count)})
+    armature = scenes.new_armature(**{f"b{i}": ((0.0, i, 0.0), (0.0, i + 1.0, 0.0)) for i in range(count)})
     for bone in armature.pose.bones:
         bone.constraints.new("COPY_LOCATION").target = rigs[1].control
         variable = bone.driver_add("scale", 0).driver.variables.new()
@@ -448,7 +434,7 @@ def test_each_constraint_and_driver_of_an_armature_is_read_once_per_evaluation()
     for number in range(6):
         handle = rigs[0].deformer.handles.add()
         handle.control, handle.bone = armature, f"b{number * 3}"
-    update()
+    scenes.update()
     found = calls_of(lambda: rigs[1].lift(0.1))
     rounds = found["steps"]
     assert found["_constraint"] // count == found["_variables"] // count == 2 * rounds, found
@@ -457,8 +443,8 @@ def test_each_constraint_and_driver_of_an_armature_is_read_once_per_evaluation()
 # --- circles
 
 
-def told(rig: Rig) -> str:
-    make_active(rig.obj)
+def told(rig: scenes.Rig) -> str:
+    scenes.make_active(rig.obj)
     return draw_panel().texts()
 
 

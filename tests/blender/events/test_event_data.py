@@ -22,24 +22,8 @@ from events import (
 from expected import Expected
 from inside import catch_up, evaluated_by, inner, settle
 from mathutils import Matrix
+from rigs import rig as scenes
 from rigs.kinds import HandleRig
-from rigs.rig import (
-    MATRIX,
-    Rig,
-    add_group,
-    change_in_edit_mode,
-    close,
-    evaluated_points,
-    grid_object,
-    in_mode,
-    linked,
-    make_active,
-    move_world,
-    new_armature,
-    press,
-    reopen,
-    update,
-)
 from test_event_scene import moves_though_hidden
 
 EVENTS = Table()
@@ -52,7 +36,7 @@ EDITS = Table()  # each once with Automatic Rebind and once without
 @EVENTS.on(REGIONS)
 def duplicated_alone_and_given_a_control(rig: HandleRig) -> None:
     """In a window the copy is known as one until the pause. It takes its shape along to the other control."""
-    make_active(rig.obj)
+    scenes.make_active(rig.obj)
     with evaluated_by(None):
         bpy.ops.object.duplicate()
         copy = bpy.context.object
@@ -63,7 +47,7 @@ def duplicated_alone_and_given_a_control(rig: HandleRig) -> None:
     rig.set_control(copy, rig.another_control(copy))
     assert rig.shows(rig.at(0.5), copy)
     rig.lift_of(copy, 0.25)
-    assert np.abs(evaluated_points(copy)[rig.top, 2] - 0.75).max() < MATRIX
+    assert np.abs(scenes.evaluated_points(copy)[rig.top, 2] - 0.75).max() < scenes.MATRIX
 
 
 @EVENTS.on(ALL, then=is_over)
@@ -91,9 +75,9 @@ def a_copy_deleted(rig: HandleRig) -> None:
 def the_target_deleted(rig: HandleRig) -> None:
     """It leaves only orphans, which a purge takes."""
     name = rig.name
-    make_active(rig.obj, rig.control)
+    scenes.make_active(rig.obj, rig.control)
     bpy.ops.object.delete()
-    update()
+    scenes.update()
     assert name not in bpy.data.objects
     bpy.ops.outliner.orphans_purge(do_recursive=True)
     for kind in ("objects", "meshes", "curves", "node_groups"):
@@ -104,9 +88,9 @@ def the_target_deleted(rig: HandleRig) -> None:
 def the_control_deleted(rig: HandleRig) -> None:
     copy = duplicate(rig)
     bpy.data.objects.remove(rig.control_of(copy))
-    make_active(rig.control)
+    scenes.make_active(rig.control)
     bpy.ops.object.delete()
-    make_active(rig.obj)
+    scenes.make_active(rig.obj)
     for frame in (1, 4):
         bpy.context.scene.frame_set(frame)
         for obj in (rig.obj, copy):
@@ -117,21 +101,21 @@ def the_control_deleted(rig: HandleRig) -> None:
 @EVENTS.on(REGIONS, then=is_over)
 def the_control_deleted_saved_and_replaced(rig: HandleRig) -> None:
     """The region stays where it was, and the new control moves it from there."""
-    move_world(rig.control, Matrix.Translation((0.1, 0.0, 0.0)) @ Matrix.Rotation(0.3, 4, "X"))
+    scenes.move_world(rig.control, Matrix.Translation((0.1, 0.0, 0.0)) @ Matrix.Rotation(0.3, 4, "X"))
     before = rig.points()
     bpy.data.objects.remove(rig.control)
     assert rig.shows(before)
-    reopen(rig.folder / "rig.blend")
-    assert rig.shows(before, tolerance=MATRIX)
+    scenes.reopen(rig.folder / "rig.blend")
+    assert rig.shows(before, tolerance=scenes.MATRIX)
     assert rig.control_is_missing(rig.obj)
     control = rig.another_control(rig.obj)
     control.location = (3.0, 2.0, 1.0)
-    update()
+    scenes.update()
     rig.set_control(rig.obj, control)
-    assert rig.shows(before, tolerance=MATRIX)
+    assert rig.shows(before, tolerance=scenes.MATRIX)
     assert not rig.control_is_missing(rig.obj)
     control.location.z += 0.5
-    assert close(rig.points()[rig.top], before[rig.top] + (0.0, 0.0, 0.5), MATRIX)
+    assert scenes.close(rig.points()[rig.top], before[rig.top] + (0.0, 0.0, 0.5), scenes.MATRIX)
 
 
 @pytest.mark.parametrize("factor", [1.0, 0.0])
@@ -141,12 +125,12 @@ def test_the_pose_of_a_soft_region_without_control_is_saved(posed_plate: HandleR
     plate.deformer.handles[0].weight = 0.5
     before = plate.points()
     bpy.data.objects.remove(plate.control)
-    assert close(plate.points(), before, 1e-6)
+    assert scenes.close(plate.points(), before, 1e-6)
     plate.deformer.factor = factor
-    update()
-    reopen(plate.folder / "lost.blend")
+    scenes.update()
+    scenes.reopen(plate.folder / "lost.blend")
     plate.deformer.factor = 1.0
-    assert close(plate.points(), before, 1e-6)
+    assert scenes.close(plate.points(), before, 1e-6)
 
 
 @EVENTS.on(ALL, then=is_over)
@@ -154,7 +138,7 @@ def one_of_two_targets_of_a_control_deleted(rig: HandleRig) -> None:
     copy = duplicate(rig, control=False)
     bpy.data.objects.remove(rig.obj)
     for _ in range(2):
-        assert rig.shows(rig.now(copy), copy, MATRIX)
+        assert rig.shows(rig.now(copy), copy, scenes.MATRIX)
         rig.lift_of(copy, 0.25)
 
 
@@ -191,7 +175,7 @@ def its_deformer_removed(rig: HandleRig) -> None:
 @EVENTS.on(ALL, then=is_over)
 def unbound_with_its_control_active(rig: HandleRig) -> None:
     """Operators find the target from there."""
-    press(rig.control, "unbind")
+    scenes.press(rig.control, "unbind")
     assert rig.is_at_rest()
     assert not rig.deformer.is_bound
 
@@ -298,8 +282,8 @@ def vertex_groups_renamed(rig: HandleRig) -> None:
 
 @EVENTS.on(MESHES)
 def vertex_groups_in_another_order(rig: HandleRig) -> None:
-    add_group(rig.obj, "A", lambda point: point[0] > 0.0)
-    make_active(rig.obj)
+    scenes.add_group(rig.obj, "A", lambda point: point[0] > 0.0)
+    scenes.make_active(rig.obj)
     rig.obj.vertex_groups.active_index = 2
     bpy.ops.object.vertex_group_move(direction="UP")
     bpy.ops.object.vertex_group_sort(sort_type="NAME")
@@ -311,28 +295,28 @@ def vertex_groups_in_another_order(rig: HandleRig) -> None:
     assert masks(rig, "Top")
 
 
-def test_a_bone_renamed_exchanged_and_deleted(plate: Rig):
+def test_a_bone_renamed_exchanged_and_deleted(plate: scenes.Rig):
     """Blender renames it in constraints and drivers, too; another goes on from there."""
-    armature = new_armature(
+    armature = scenes.new_armature(
         **{name: ((0.0, y, 0.0), (0.0, y, 0.5)) for name, y in (("arm", 0.9), ("other", -0.9))}
     )
     plate.bind(control_object="Rig", bone="arm")
     expected = Expected(plate.obj, plate.obj)
     bones, handle = armature.pose.bones, plate.deformer.handles[0]
     bones["arm"].location.y = 0.5  # the bones point along z
-    assert close(plate.points(), expected.lifted(0.5))
+    assert scenes.close(plate.points(), expected.lifted(0.5))
     armature.data.bones["arm"].name = "elbow"
     bones["elbow"].location.y = 0.75
-    assert close(plate.points(), expected.lifted(0.75))
+    assert scenes.close(plate.points(), expected.lifted(0.75))
     assert not handle.control_missing
     handle.bone = "other"
     settle()
-    assert close(plate.points(), expected.lifted(0.75))
+    assert scenes.close(plate.points(), expected.lifted(0.75))
     bones["other"].location.y = 0.25
-    assert close(plate.points(), expected.lifted(1.0))
-    with in_mode(armature):
+    assert scenes.close(plate.points(), expected.lifted(1.0))
+    with scenes.in_mode(armature):
         armature.data.edit_bones.remove(armature.data.edit_bones["other"])
-    assert close(plate.points(), expected.lifted(1.0), MATRIX)
+    assert scenes.close(plate.points(), expected.lifted(1.0), scenes.MATRIX)
     assert plate.deformer.handles[0].control_missing
 
 
@@ -345,7 +329,7 @@ def handles_and_deformers_in_another_order(rig: HandleRig) -> None:
     assert deformers[0].handles.keys() == ["Base", "Top"]
     assert rig.is_right()
     for height in (0.75, 1.0, 1.25):
-        move_world(control, Matrix.Translation((0.0, 0.0, 0.25)))
+        scenes.move_world(control, Matrix.Translation((0.0, 0.0, 0.25)))
         assert rig.shows(rig.at(height))
         if height == 0.75:
             deformers[0].handles.move(0, 1)
@@ -359,9 +343,9 @@ def handles_and_deformers_in_another_order(rig: HandleRig) -> None:
 
 @EDITS.on(MESHES)
 def another_mesh_joined_to_the_target(rig: HandleRig) -> None:
-    count, other = len(rig.rest()), grid_object("Other", cells=2)
+    count, other = len(rig.rest()), scenes.grid_object("Other", cells=2)
     other.location, other.scale = (0.0, 0.0, 0.1), (0.2, 0.2, 0.2)
-    make_active(rig.obj, other)
+    scenes.make_active(rig.obj, other)
     bpy.ops.object.join()
     assert len(rig.rest()) == count + 9
 
@@ -369,12 +353,12 @@ def another_mesh_joined_to_the_target(rig: HandleRig) -> None:
 @EVENTS.on(MESHES, then=is_over)
 def the_target_joined_to_another_mesh(rig: HandleRig) -> None:
     """It is gone, as anything joined; the other one lives on without a deformer."""
-    count, other = len(rig.rest()), grid_object("Other", cells=2)
-    make_active(other, rig.obj)
+    count, other = len(rig.rest()), scenes.grid_object("Other", cells=2)
+    scenes.make_active(other, rig.obj)
     bpy.ops.object.join()
     settle()
     assert rig.name not in bpy.data.objects
-    assert len(evaluated_points(other)) == count + 9
+    assert len(scenes.evaluated_points(other)) == count + 9
     assert inner.owners.owners() == []
 
 
@@ -387,14 +371,14 @@ def a_part_separated_from_the_target(rig: HandleRig) -> None:
             face.select_set(face.calc_center_median().x > 0.4)
         bpy.ops.mesh.separate(type="SELECTED")
 
-    change_in_edit_mode(rig.obj, separate)
+    scenes.change_in_edit_mode(rig.obj, separate)
     settle()
     control = rig.control
     part = next(obj for obj in bpy.data.objects if obj.sinew.deformers and obj != rig.obj)
     for obj in (rig.obj, part):
         assert rig.shows(rig.unmoved(obj), obj)
         assert obj.sinew.deformers[0].status == REBIND
-        press(obj, "bind")
+        scenes.press(obj, "bind")
     assert rig.deformer.proxy != part.sinew.deformers[0].proxy
     rig.lift(0.25)
     for obj in (rig.obj, part):
@@ -414,7 +398,7 @@ def orphans_purged(rig: HandleRig) -> None:
         rig.lift(0.1)
         bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
         assert rig.is_right()
-    reopen(rig.folder / "rig.blend")
+    scenes.reopen(rig.folder / "rig.blend")
 
 
 @EVENTS.on(ALL)
@@ -437,15 +421,15 @@ def raise_one_vertex(mesh: bpy.types.Mesh) -> None:
 @EVENTS.on(MESHES, then=is_over)
 def its_mesh_shared_with_an_object_without_deformer(rig: HandleRig) -> None:
     """An edit of the mesh reaches both, on top of the pose."""
-    twin = linked(bpy.data.objects.new("Twin", rig.obj.data))
+    twin = scenes.linked(bpy.data.objects.new("Twin", rig.obj.data))
     rig.lift(0.25)
     assert rig.is_right()
-    assert close(evaluated_points(twin), rig.rest())
+    assert scenes.close(scenes.evaluated_points(twin), rig.rest())
     before = rig.rest()
     raise_one_vertex(twin.data)
     assert np.abs(rig.rest() - before).max() > 0.09
     assert rig.shows(rig.at(0.75) + rig.rest() - before)
-    assert close(evaluated_points(twin), rig.rest())
+    assert scenes.close(scenes.evaluated_points(twin), rig.rest())
 
 
 @EVENTS.on(ALL)
@@ -453,7 +437,7 @@ def made_single_user(rig: HandleRig) -> None:
     """Two rigs on one mesh; then each has its own, and the topology of one changes."""
     copy = duplicate(rig, linked=True)
     rig.lift_of(copy, 0.25)
-    make_active(copy)
+    scenes.make_active(copy)
     bpy.ops.object.make_single_user(type="SELECTED_OBJECTS", object=True, obdata=True)
     assert copy.data != rig.obj.data
     assert rig.shows(rig.at(0.75), copy)
@@ -468,7 +452,7 @@ def another_mesh_put_in(rig: HandleRig) -> None:
     raise_one_vertex(same)
     rig.obj.data = same
     assert rig.shows(rig.at(0.5) + rig.rest() - before)
-    rig.obj.data = grid_object("Other", cells=5).data
+    rig.obj.data = scenes.grid_object("Other", cells=5).data
     assert rig.is_at_rest()
     assert rig.deformer.status == REBIND
     rig.obj.data = old

@@ -12,26 +12,8 @@ from events import ALL, REGIONS, Event, Table, every, is_over, lives_on
 from inside import handlers_of_ours, inner, settle, without_the_add_on
 from libraries import add_collection, overridden, override, put_into_a_library, read
 from probe import render_points
+from rigs import rig as scenes
 from rigs.kinds import HandleRig
-from rigs.rig import (
-    MATRIX,
-    add_armature,
-    close,
-    evaluated_points,
-    grid_object,
-    instances_of,
-    key,
-    key_heights,
-    load,
-    make_active,
-    new_empty,
-    new_file,
-    press,
-    refused,
-    reopen,
-    save,
-    update,
-)
 
 EVENTS = Table()  # to a rig in the file rig.blend
 ASSETS = Table()  # to a file that is empty, beside library.blend with a rig in the collection Asset
@@ -51,14 +33,14 @@ def goes_on(rig: HandleRig, obj: bpy.types.Object, height: float, tolerance: flo
 @EVENTS.on(ALL)
 def saved_again(rig: HandleRig) -> None:
     for options in ({}, {"copy": True}, {"compress": True}):
-        save(rig.folder / "again.blend", **options)
+        scenes.save(rig.folder / "again.blend", **options)
         assert rig.is_right()
     bpy.ops.wm.save_mainfile(filepath=str(rig.folder / "rig.blend"))
 
 
 @EVENTS.on(ALL)
 def loaded(rig: HandleRig) -> None:
-    load(rig.folder / "rig.blend")
+    scenes.load(rig.folder / "rig.blend")
 
 
 @EVENTS.on(ALL)
@@ -66,7 +48,7 @@ def reverted(rig: HandleRig) -> None:
     before = rig.points()
     rig.lift(0.4)
     rig.deformer.method = rig.methods[-1]
-    assert not close(rig.points(), before)
+    assert not scenes.close(rig.points(), before)
     bpy.ops.wm.revert_mainfile()
     assert rig.deformer.method == rig.methods[0]
     rig.height = 0.5
@@ -75,7 +57,7 @@ def reverted(rig: HandleRig) -> None:
 @EVENTS.on(ALL)
 def recovered_from_an_autosave(rig: HandleRig) -> None:
     """Blender writes an autosave by a timer, which needs a window: a copy saved here stands for it."""
-    autosave = save(rig.folder / "1234_autosave.blend", copy=True)
+    autosave = scenes.save(rig.folder / "1234_autosave.blend", copy=True)
     rig.lift(1.0)
     bpy.ops.wm.recover_auto_save(filepath=autosave)
     rig.height = 0.5
@@ -84,9 +66,9 @@ def recovered_from_an_autosave(rig: HandleRig) -> None:
 @EVENTS.on(ALL)
 def its_copy_saved_before_a_pause(rig: HandleRig) -> None:
     """Our save handler tells them apart."""
-    make_active(rig.obj)
+    scenes.make_active(rig.obj)
     bpy.ops.object.duplicate()
-    save(rig.folder / "copy.blend")
+    scenes.save(rig.folder / "copy.blend")
     assert bpy.context.object.sinew.deformers[0].proxy != rig.deformer.proxy
 
 
@@ -95,7 +77,7 @@ def recovered_from_the_last_session(rig: HandleRig) -> None:
     """``quit.blend`` lies in the folder for temporary files, and opens with its own path forgotten."""
     before = bpy.context.preferences.filepaths.temporary_directory
     bpy.context.preferences.filepaths.temporary_directory = str(rig.folder)
-    save(rig.folder / "quit.blend", copy=True)
+    scenes.save(rig.folder / "quit.blend", copy=True)
     rig.lift(1.0)
     bpy.ops.wm.recover_last_session()
     bpy.context.preferences.filepaths.temporary_directory = before
@@ -108,13 +90,13 @@ def loaded_after_another_file(rig: HandleRig) -> None:
     rig.change_topology()
     rig.press("bind")
     fine = rig.points()
-    other = save(rig.folder / "other.blend")
+    other = scenes.save(rig.folder / "other.blend")
     for _ in range(2):
-        load(rig.folder / "rig.blend")
+        scenes.load(rig.folder / "rig.blend")
         assert rig.is_right()
-        load(other)
+        scenes.load(other)
         assert rig.shows(fine)
-    load(rig.folder / "rig.blend")
+    scenes.load(rig.folder / "rig.blend")
 
 
 @EVENTS.on(REGIONS, then=is_over)
@@ -123,10 +105,10 @@ def loaded_on_a_posed_frame(rig: HandleRig) -> None:
     however it is reached, and in renders.
     """
     rig.press("deformer_remove")
-    bone = add_armature(rig.obj).pose.bones["high"]
+    bone = scenes.add_armature(rig.obj).pose.bones["high"]
     rig.bind("arap")
-    key(bone, {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 20: {"rotation_euler": (0.9, 0.0, 0.0)}})
-    key_heights(rig.control, {1: 0.0, 20: 0.9})
+    scenes.key(bone, {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 20: {"rotation_euler": (0.9, 0.0, 0.0)}})
+    scenes.key_heights(rig.control, {1: 0.0, 20: 0.9})
     shapes: dict[int, np.ndarray] = {}
     for frames in ((1, 12, 20), (20, 1, 12), (12, 20, 1)):
         for frame in frames:
@@ -134,14 +116,14 @@ def loaded_on_a_posed_frame(rig: HandleRig) -> None:
             shape = shapes.setdefault(frame, rig.points())
             assert np.array_equal(rig.points(), shape)
             assert np.array_equal(render_points(rig.obj), shape)
-        reopen(rig.folder / "posed.blend")
+        scenes.reopen(rig.folder / "posed.blend")
 
 
 @EVENTS.on(ALL, then=is_over)
 def replaced_by_a_new_file(rig: HandleRig) -> None:
     """Nothing is left: an object of the same name is another one."""
     uid = rig.deformer.uid
-    new_file()
+    scenes.new_file()
     assert inner.sessions.find(uid) is None
     assert inner.owners.owners() == []
     lives_on(type(rig).new().start())
@@ -155,7 +137,7 @@ def loaded_without_the_add_on_and_enabled(rig: HandleRig) -> None:
     """It shows the last solution, whatever moves, and saves; here all goes on with its settings."""
     control = rig.control.name
     with without_the_add_on():
-        load(rig.folder / "rig.blend")
+        scenes.load(rig.folder / "rig.blend")
         assert rig.is_right()
         bpy.data.objects[control].location.z += 0.25
         bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
@@ -164,7 +146,7 @@ def loaded_without_the_add_on_and_enabled(rig: HandleRig) -> None:
     rig.height += 0.25
     rig.lift(0.25)
     lives_on(rig)
-    load(rig.folder / "rig.blend")
+    scenes.load(rig.folder / "rig.blend")
     rig.height = 0.75
 
 
@@ -181,7 +163,7 @@ def loaded_without_its_native_module(rig: HandleRig) -> None:
         missing = loader.load()
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(inner.binding, "availability", lambda: missing)
-        load(rig.folder / "rig.blend")
+        scenes.load(rig.folder / "rig.blend")
         assert rig.is_right()
         rig.control.location.z += 0.25
         bpy.context.scene.frame_set(bpy.context.scene.frame_current + 1)
@@ -189,11 +171,11 @@ def loaded_without_its_native_module(rig: HandleRig) -> None:
         assert rig.deformer.status_level == "ERROR"
         assert "is missing" in rig.deformer.status
         assert f"cp{sys.version_info.major}{sys.version_info.minor}" in rig.deformer.status
-        refused("is missing", "bind", rig.obj)
+        scenes.refused("is missing", "bind", rig.obj)
         assert rig.deformer.is_bound
         assert rig.is_right()
         bpy.ops.wm.save_mainfile()
-    load(rig.folder / "rig.blend")
+    scenes.load(rig.folder / "rig.blend")
     rig.height = 0.75
 
 
@@ -205,7 +187,7 @@ def disabled_and_enabled(rig: HandleRig) -> None:
         control.location.z += 0.25
         bpy.context.scene.frame_set(3)
         assert rig.is_right()
-        bpy.data.objects.remove(grid_object("Other"))
+        bpy.data.objects.remove(scenes.grid_object("Other"))
     rig.height += 0.25
     rig.obj.update_tag()
 
@@ -244,7 +226,7 @@ def owners() -> list[bpy.types.Object]:
 def follows_its_control(rig: HandleRig, obj: bpy.types.Object) -> None:
     """Wherever the library left the control of an override."""
     for _ in range(2):
-        assert rig.shows(rig.now(obj), obj, MATRIX)
+        assert rig.shows(rig.now(obj), obj, scenes.MATRIX)
         rig.lift_of(obj, 0.25)
 
 
@@ -268,8 +250,8 @@ def appended_twice(rig: HandleRig) -> None:
 
 @ASSETS.on(ALL)
 def appended_into_a_file_that_has_the_rig_itself(rig: HandleRig) -> None:
-    load(library(rig))
-    save(rig.folder / "other.blend")  # no file appends from itself
+    scenes.load(library(rig))
+    scenes.save(rig.folder / "other.blend")  # no file appends from itself
     copy = read(library(rig), False, "objects", rig.name)
     bpy.context.scene.collection.objects.link(copy)
     settle()
@@ -286,25 +268,25 @@ def appended_by_the_file_browsers_operator(rig: HandleRig) -> None:
 @ASSETS.on(ALL, then=is_over)
 def linked(rig: HandleRig) -> None:
     """The last solution, by itself and through an instance; the status says how to pose it."""
-    collection, instance = read(library(rig), True), new_empty("Instance")
+    collection, instance = read(library(rig), True), scenes.new_empty("Instance")
     instance.instance_type, instance.instance_collection = "COLLECTION", collection
     obj = collection.objects[rig.name]
     bpy.context.scene.collection.objects.link(obj)
     settle()
     for frame in (1, 7):
         bpy.context.scene.frame_set(frame)
-        ((_matrix, points),) = instances_of(rig.name)
-        assert close(points, rig.at(0.5), rig.tolerance)
+        ((_matrix, points),) = scenes.instances_of(rig.name)
+        assert scenes.close(points, rig.at(0.5), rig.tolerance)
         assert rig.shows(rig.at(0.5), obj)
     assert "library override" in obj.sinew.deformers[0].status
 
 
 def lives_as_an_override(rig: HandleRig, obj: bpy.types.Object) -> None:
     settle()
-    goes_on(rig, obj, 0.5, MATRIX)
-    reopen(rig.folder / "shot.blend")
+    goes_on(rig, obj, 0.5, scenes.MATRIX)
+    scenes.reopen(rig.folder / "shot.blend")
     settle()
-    goes_on(rig, overridden(), 0.75, MATRIX)
+    goes_on(rig, overridden(), 0.75, scenes.MATRIX)
 
 
 @ASSETS.on(ALL, then=is_over)
@@ -330,12 +312,12 @@ def overridden_with_its_hidden_shapes(rig: HandleRig) -> None:
 @ASSETS.on(ALL, then=is_over)
 def overridden_and_the_library_changed(rig: HandleRig) -> None:
     rig.lift_of(override(library(rig)), 0.25)
-    shot = save(rig.folder / "shot.blend")
-    load(library(rig))
+    shot = scenes.save(rig.folder / "shot.blend")
+    scenes.load(library(rig))
     rig.lift(0.1)
     rig.points()
     bpy.ops.wm.save_mainfile()
-    load(shot)
+    scenes.load(shot)
     settle()
     follows_its_control(rig, overridden())
 
@@ -344,7 +326,7 @@ def overridden_and_the_library_changed(rig: HandleRig) -> None:
 def overridden_and_reset_to_its_library(rig: HandleRig) -> None:
     """All of its own values go, the shapes of its own included; it can be posed again at once."""
     obj = override(library(rig))
-    goes_on(rig, obj, 0.5, MATRIX)
+    goes_on(rig, obj, 0.5, scenes.MATRIX)
     control = rig.control_of(obj)
     obj.override_library.reset()
     control.override_library.reset()
@@ -361,7 +343,7 @@ def hides_its_shapes(rig: HandleRig) -> None:
     for _ in range(2):
         settle()
         assert hidden_ones() == []
-        reopen(rig.folder / "shot.blend")
+        scenes.reopen(rig.folder / "shot.blend")
     assert hidden_ones() == []
     follows_its_control(rig, overridden())
 
@@ -387,9 +369,9 @@ def overridden_by_the_operator(rig: HandleRig) -> None:
         obj = read(library(rig), True, "objects", wanted)
         if obj.name not in bpy.context.scene.objects:
             bpy.context.scene.collection.objects.link(obj)
-    make_active(bpy.data.objects[rig.name])
+    scenes.make_active(bpy.data.objects[rig.name])
     assert bpy.ops.object.make_override_library() == {"FINISHED"}
-    assert rig.shows(rig.at(0.5), overridden(), MATRIX)
+    assert rig.shows(rig.at(0.5), overridden(), scenes.MATRIX)
 
 
 def made_local(rig: HandleRig) -> None:
@@ -398,9 +380,9 @@ def made_local(rig: HandleRig) -> None:
     settle()
     obj = owners()[0]
     assert obj.library is None
-    goes_on(rig, obj, 0.5, MATRIX)
-    press(obj, "bind")
-    goes_on(rig, obj, 0.75, MATRIX)
+    goes_on(rig, obj, 0.5, scenes.MATRIX)
+    scenes.press(obj, "bind")
+    goes_on(rig, obj, 0.75, scenes.MATRIX)
 
 
 @ASSETS.on(ALL, then=made_local)
@@ -418,18 +400,20 @@ def its_target_alone_made_local(rig: HandleRig) -> None:
     """Its control stays in the library, where nobody moves it; another handle goes on, another cage rests."""
     obj = read(library(rig), True, "objects", rig.name)
     bpy.context.scene.collection.objects.link(obj)
-    update()
+    scenes.update()
     local = obj.make_local()
     settle()
-    assert rig.shows(rig.at(0.5), local, MATRIX)
+    assert rig.shows(rig.at(0.5), local, scenes.MATRIX)
     rig.set_control(local, rig.another_control(local))
     settle()
     if not rig.goes_on:
-        press(local, "bind")
-    before = evaluated_points(local)
-    assert close(before, rig.at(0.5) if rig.goes_on else rig.unmoved(local), MATRIX)
+        scenes.press(local, "bind")
+    before = scenes.evaluated_points(local)
+    assert scenes.close(before, rig.at(0.5) if rig.goes_on else rig.unmoved(local), scenes.MATRIX)
     rig.lift_of(local, 0.25)
-    assert close(evaluated_points(local)[rig.held], before[rig.held] + (0.0, 0.0, 0.25), MATRIX)
+    assert scenes.close(
+        scenes.evaluated_points(local)[rig.held], before[rig.held] + (0.0, 0.0, 0.25), scenes.MATRIX
+    )
 
 
 @ASSETS.on(ALL, then=is_over)
@@ -439,18 +423,18 @@ def linked_and_overridden_and_the_library_reloaded(rig: HandleRig) -> None:
     def linked_one() -> bpy.types.Object:
         return next(obj for obj in bpy.data.objects if obj.library and obj.sinew.deformers)
 
-    load(library(rig))
+    scenes.load(library(rig))
     rig.lift(0.1)
     rig.points()
-    changed = save(rig.folder / "changed.blend")
-    new_file()
+    changed = scenes.save(rig.folder / "changed.blend")
+    scenes.new_file()
     rig.lift_of(override(library(rig)), 0.25)
     bpy.context.scene.collection.objects.link(linked_one())
     assert rig.shows(rig.at(0.5), linked_one())
     shutil.copyfile(changed, library(rig))
     bpy.data.libraries[0].reload()
     settle()
-    assert rig.shows(rig.at(0.6), linked_one(), MATRIX)
+    assert rig.shows(rig.at(0.6), linked_one(), scenes.MATRIX)
     follows_its_control(rig, overridden())
 
 
@@ -459,7 +443,7 @@ def linked_and_overridden_and_the_library_reloaded(rig: HandleRig) -> None:
 
 @every(EVENTS)
 def test_a_rig_is(posed: HandleRig, event: Event):
-    save(posed.folder / "rig.blend")
+    scenes.save(posed.folder / "rig.blend")
     event.run(posed)
 
 

@@ -11,20 +11,8 @@ from events import ALL, MESHES, REGIONS
 from inside import bind_in_thread, finish, inner, settle
 from mathutils import Matrix
 from registry import BY_ID
+from rigs import rig as scenes
 from rigs.kinds import HandleRig
-from rigs.rig import (
-    Rig,
-    close,
-    duplicated,
-    evaluated_points,
-    make_active,
-    move_world,
-    new_empty,
-    new_file,
-    push,
-    reopen,
-    update,
-)
 from test_undo_of_buttons import BUTTONS
 
 Act = Callable[[HandleRig], object]
@@ -81,7 +69,7 @@ def pressed(operator: str) -> Act:
 
 
 def moved(motion: Matrix) -> Act:
-    return lambda rig: move_world(rig.control, motion)
+    return lambda rig: scenes.move_world(rig.control, motion)
 
 
 def release(rig: HandleRig) -> None:
@@ -89,13 +77,13 @@ def release(rig: HandleRig) -> None:
 
 
 def constrain(rig: HandleRig) -> None:
-    rig.control.constraints.new("CHILD_OF").target = new_empty("Parent")
-    update()
+    rig.control.constraints.new("CHILD_OF").target = scenes.new_empty("Parent")
+    scenes.update()
 
 
 def move_its_parent(rig: HandleRig) -> None:
     constrain(rig)
-    push("constrained")
+    scenes.push("constrained")
     bpy.data.objects["Parent"].location.x = 0.3
 
 
@@ -121,11 +109,11 @@ CHANGES: dict[str, tuple[tuple[str, ...], Act, Shape]] = {
     indirect=["rig"],
 )
 def test_undo_and_redo_on_every_rig(posed: HandleRig, act: Act, shape: Shape):
-    make_active(posed.obj)
-    push("posed")
+    scenes.make_active(posed.obj)
+    scenes.push("posed")
     act(posed)
     changed, whole = shape(posed), posed.at(0.5)
-    push("changed")
+    scenes.push("changed")
     assert posed.shows(changed)
     for _ in range(2):
         go(bpy.ops.ed.undo, posed, len(whole))
@@ -152,25 +140,25 @@ def go(way: Callable, rig: HandleRig, count: int) -> None:
 def switch_forth_and_back(rig: HandleRig) -> None:
     method = rig.deformer.method
     rig.deformer.method = next(other for other in (*rig.methods, *BY_ID) if other != method)
-    update()
+    scenes.update()
     rig.deformer.method = method
 
 
 def delete(rig: HandleRig) -> None:
-    make_active(rig.obj)
+    scenes.make_active(rig.obj)
     bpy.ops.object.delete()
 
 
 MEANWHILE: dict[str, tuple[Act, Shape | None]] = {
     "undone": (lambda _rig: bpy.ops.ed.undo(), lambda rig: rig.at(0.0)),
-    "saved_and_loaded": (lambda rig: reopen(rig.folder / "rig.blend"), half),
+    "saved_and_loaded": (lambda rig: scenes.reopen(rig.folder / "rig.blend"), half),
     "rendered": (lambda rig: rig.renders(rig.at(0.5)) or pytest.fail("the render"), half),
     "frame_changed": (lambda _rig: bpy.context.scene.frame_set(5), half),
     "set_factor": (sets("factor", 0.25), faded),
     "switched_forth_and_back": (switch_forth_and_back, half),
     "press_unbind": (pressed("unbind"), at_rest),
     "deleted": (delete, None),
-    "replaced_by_a_new_file": (lambda _rig: new_file(), None),
+    "replaced_by_a_new_file": (lambda _rig: scenes.new_file(), None),
 }
 
 
@@ -179,9 +167,9 @@ def test_while_a_thread_binds_a_rig_is(rig: HandleRig, monkeypatch, tmp_path: Pa
     """What the thread was asked for is no longer wanted, or comes later: the shape is that of now."""
     rig.folder = tmp_path
     rig.start()
-    push("bound")
+    scenes.push("bound")
     rig.lift(0.5)
-    push("posed")
+    scenes.push("posed")
     bind_in_thread(rig.obj, rig.deformer, monkeypatch)
     act(rig)
     assert finish()
@@ -198,10 +186,10 @@ def test_while_a_thread_binds_a_rig_is(rig: HandleRig, monkeypatch, tmp_path: Pa
 
 
 @pytest.mark.parametrize("lost", [("VIEWPORT",), ("RENDER",), ("VIEWPORT", "RENDER")], ids=str)
-def test_a_deformer_finds_its_hidden_shapes_again(plate: Rig, lost: tuple[str, ...]):
+def test_a_deformer_finds_its_hidden_shapes_again(plate: scenes.Rig, lost: tuple[str, ...]):
     """So does a copy."""
     plate.bind()
-    names = plate.name, duplicated(plate.obj).name
+    names = plate.name, scenes.duplicated(plate.obj).name
     settle()
     plate.lift(0.5)
 
@@ -210,21 +198,21 @@ def test_a_deformer_finds_its_hidden_shapes_again(plate: Rig, lost: tuple[str, .
         rows = [obj.sinew.deformers[0] for obj in objects]
         assert all(row.proxy.users and row.proxy_render.users for row in rows)
         return [
-            (row.proxy.name, row.proxy_render.name, evaluated_points(obj).tolist(), row.status_level)
+            (row.proxy.name, row.proxy_render.name, scenes.evaluated_points(obj).tolist(), row.status_level)
             for obj, row in zip(objects, rows, strict=True)
         ]
 
     before = seen()
     assert before[0][:2] != before[1][:2]
-    push("moved")
+    scenes.push("moved")
     for name in names:
         obj = bpy.data.objects[name]
         for mode in lost:
             obj.sinew.deformers[0].shape(mode).user_remap(obj)
-    push("with pointers to the targets themselves")
+    scenes.push("with pointers to the targets themselves")
     bpy.ops.ed.undo()
     bpy.ops.ed.redo()
     assert seen() == before
     assert before[0][3] == "INFO"
     plate.lift(0.5)
-    assert close(plate.points()[plate.top], plate.rest()[plate.top] + (0.0, 0.0, 1.0))
+    assert scenes.close(plate.points()[plate.top], plate.rest()[plate.top] + (0.0, 0.0, 1.0))

@@ -9,30 +9,15 @@ import numpy as np
 import pytest
 from events import ALL, MESHES, REBIND, REGIONS, Event, Table, every, is_bound_again, is_over, lives_on
 from inside import catch_up, inner, settle
+from rigs import rig as scenes
 from rigs.kinds import HandleRig
-from rigs.rig import (
-    Rig,
-    add_armature,
-    change_in_edit_mode,
-    close,
-    duplicated,
-    key_heights,
-    make_active,
-    members,
-    on_all,
-    press,
-    push,
-    reopen,
-    subdivided as subdivision,
-    update,
-)
 
 EDITS = Table()
 EVENTS = Table()
 
 
-def enter(rig: Rig, mode: str) -> None:
-    make_active(rig.obj)
+def enter(rig: scenes.Rig, mode: str) -> None:
+    scenes.make_active(rig.obj)
     bpy.ops.object.mode_set(mode=mode)
 
 
@@ -59,16 +44,16 @@ def test_in_every_mode_controls_move_frames_change_and_files_are_saved(posed: Ha
     leave()
     assert posed.is_right()
     assert posed.deformer.status_level == "INFO"
-    key_heights(posed.control, {1: 0.0, 11: 1.0})
+    scenes.key_heights(posed.control, {1: 0.0, 11: 1.0})
     enter(posed, mode)
     for frame in (11, 1, 11):
         bpy.context.scene.frame_set(frame)
     leave()
     assert posed.shows(posed.at(1.0))
     enter(posed, mode)
-    reopen(posed.folder / "rig.blend")
+    scenes.reopen(posed.folder / "rig.blend")
     if posed.obj.mode != "OBJECT":
-        make_active(posed.obj)
+        scenes.make_active(posed.obj)
         leave()
     assert posed.shows(posed.at(1.0))
     posed.control.animation_data_clear()
@@ -86,13 +71,13 @@ def subdivided(rig: HandleRig) -> None:
 
 @EDITS.on(MESHES)
 def reversed_in_order(rig: HandleRig) -> None:
-    on_all(rig.obj, bpy.ops.mesh.sort_elements, type="REVERSE", elements={"VERT"})
+    scenes.on_all(rig.obj, bpy.ops.mesh.sort_elements, type="REVERSE", elements={"VERT"})
 
 
 @EDITS.on(REGIONS)
 def triangulated(rig: HandleRig) -> None:
     """The same vertices, other faces. A ball has triangles already."""
-    on_all(rig.obj, bpy.ops.mesh.quads_convert_to_tris)
+    scenes.on_all(rig.obj, bpy.ops.mesh.quads_convert_to_tris)
 
 
 @pytest.mark.parametrize("automatic", [False, True])
@@ -101,7 +86,7 @@ def test_saving_right_after_a_topology_edit_stores_no_wrong_shape(posed: HandleR
     """No timer had time to look: Blender in the background never has one."""
     posed.deformer.auto_rebind = automatic
     reversed_in_order(posed)
-    reopen(posed.folder / "rig.blend")
+    scenes.reopen(posed.folder / "rig.blend")
     posed.poses.rebind(posed.obj)
     assert posed.is_right() if automatic else posed.is_at_rest()
 
@@ -110,10 +95,10 @@ def test_saving_right_after_a_topology_edit_stores_no_wrong_shape(posed: HandleR
 def its_topology_changed_and_changed_back(rig: HandleRig) -> None:
     """By undo of the edit, Blender's own way back; no rebind is needed."""
     count = len(rig.rest())
-    push("posed")
+    scenes.push("posed")
     rig.change_topology()
     settle()
-    push("changed")
+    scenes.push("changed")
     assert rig.deformer.status == REBIND
     for _ in range(5):  # steps in Edit Mode
         if len(rig.rest()) != count or rig.obj.mode != "OBJECT":
@@ -132,7 +117,7 @@ def turn_faces(obj: bpy.types.Object, where: Callable[[np.ndarray], bool]) -> No
         bmesh.update_edit_mesh(obj.data)
         assert bpy.ops.mesh.flip_normals() == {"FINISHED"}
 
-    change_in_edit_mode(obj, flip)
+    scenes.change_in_edit_mode(obj, flip)
 
 
 @EVENTS.on([kind for kind in ALL if kind != "curve in a cage"], then=is_bound_again)
@@ -142,11 +127,11 @@ def its_faces_turned(rig: HandleRig) -> None:
         turn_faces(rig.obj, where)
         settle()
         lives_on(rig)
-    reopen(rig.folder / "turned.blend")
+    scenes.reopen(rig.folder / "turned.blend")
     lives_on(rig)
 
 
-def test_turned_faces_keep_the_pose_while_weights_are_painted_and_through_a_bind(plate: Rig):
+def test_turned_faces_keep_the_pose_while_weights_are_painted_and_through_a_bind(plate: scenes.Rig):
     """This method makes a cage of the faces."""
     for vertex in plate.obj.data.vertices:
         vertex.co.z = 0.3 * np.sin(3.0 * vertex.co.x)
@@ -155,14 +140,14 @@ def test_turned_faces_keep_the_pose_while_weights_are_painted_and_through_a_bind
     before = plate.points()
     turn_faces(plate.obj, lambda _point: True)
     settle()
-    assert close(plate.points(), before)
+    assert scenes.close(plate.points(), before)
     for weight in (0.5, 1.0):
         plate.obj.vertex_groups["Base"].add(plate.base.tolist(), weight, "REPLACE")
         plate.obj.data.update_tag()
         settle()
-        assert close(plate.points(), before) == (weight == 1.0)
-    press(plate.obj, "bind")
-    assert close(plate.points(), before, 1e-4)
+        assert scenes.close(plate.points(), before) == (weight == 1.0)
+    scenes.press(plate.obj, "bind")
+    assert scenes.close(plate.points(), before, 1e-4)
 
 
 @EVENTS.on(["cage", "curve in a cage"])
@@ -177,7 +162,7 @@ def the_faces_of_its_control_turned(rig: HandleRig) -> None:
 def taken_for_another_topology_in_an_older_file(rig: HandleRig) -> None:
     """As files were saved after faces were turned, before these counted as the same ones."""
     rig.deformer.topology_changed = True
-    reopen(rig.folder / "turned.blend")
+    scenes.reopen(rig.folder / "turned.blend")
 
 
 @EVENTS.on(MESHES, then=is_bound_again)
@@ -193,7 +178,7 @@ def its_vertices_moved_in_edit_or_sculpt_mode(rig: HandleRig) -> None:
         for vertex in some:
             edit.verts[vertex].co.z += 0.1
 
-    change_in_edit_mode(rig.obj, raise_some)
+    scenes.change_in_edit_mode(rig.obj, raise_some)
     settle()
     for sculpted in (False, True):
         if sculpted:
@@ -201,7 +186,7 @@ def its_vertices_moved_in_edit_or_sculpt_mode(rig: HandleRig) -> None:
             for vertex in some:
                 rig.obj.data.vertices[vertex].co.z += 0.1
             rig.obj.data.update()
-            update()
+            scenes.update()
             leave()
         bump = rig.rest() - rest
         assert np.abs(bump).max() > (0.19 if sculpted else 0.09)
@@ -213,9 +198,9 @@ def its_vertices_moved_in_edit_or_sculpt_mode(rig: HandleRig) -> None:
 
 @EVENTS.on(MESHES)
 def edited_beside_its_copy(rig: HandleRig) -> None:
-    copy = duplicated(rig.obj, rig.control)
+    copy = scenes.duplicated(rig.obj, rig.control)
     catch_up()
-    make_active(rig.obj, copy)
+    scenes.make_active(rig.obj, copy)
     bpy.ops.object.mode_set(mode="EDIT")
     assert rig.obj.mode == copy.mode == "EDIT"
     rig.lift(0.25)
@@ -229,7 +214,7 @@ def sculpted_with_deforming_modifiers_only(rig: HandleRig) -> None:
     enter(rig, "SCULPT")
     bpy.context.scene.tool_settings.sculpt.use_deform_only = True
     rig.obj.update_tag()
-    update()
+    scenes.update()
     rig.lift(0.25)
     catch_up()
     leave()
@@ -241,7 +226,7 @@ def sculpted_with_dynamic_topology(rig: HandleRig) -> None:
     enter(rig, "SCULPT")
     if "FINISHED" not in bpy.ops.sculpt.dynamic_topology_toggle():
         pytest.skip("this Blender asks before it starts dynamic topology")
-    update()
+    scenes.update()
     rig.lift(0.25)
     catch_up()
     bpy.ops.sculpt.dynamic_topology_toggle()
@@ -262,8 +247,8 @@ def given_levels_of_multires_above(rig: HandleRig) -> None:
     assert rig.is_right()
 
 
-def test_multires_below(plate: Rig):
-    make_active(plate.obj)
+def test_multires_below(plate: scenes.Rig):
+    scenes.make_active(plate.obj)
     plate.obj.modifiers.new("Multires", "MULTIRES")
     bpy.ops.object.multires_subdivide(modifier="Multires", mode="SIMPLE")
     points = plate.bind().points()
@@ -271,19 +256,19 @@ def test_multires_below(plate: Rig):
     lifted = plate.points()
     assert len(lifted) > len(plate.rest())
     far = points[:, 1] > 0.85
-    assert close(lifted[far], points[far] + (0.0, 0.0, 0.5), 1e-5)
+    assert scenes.close(lifted[far], points[far] + (0.0, 0.0, 0.5), 1e-5)
     enter(plate, "SCULPT")
     plate.lift(0.0)
     leave()
-    assert close(plate.points(), lifted)
+    assert scenes.close(plate.points(), lifted)
 
 
 # --- weights, painted in Object or in Weight Paint Mode
 
 
-def paint(rig: Rig, group: str, weight: float, chosen: list[int] | None = None) -> None:
+def paint(rig: scenes.Rig, group: str, weight: float, chosen: list[int] | None = None) -> None:
     """As one stroke; all vertices of the group where none are named."""
-    chosen = chosen or members(rig.obj, group).tolist()
+    chosen = chosen or scenes.members(rig.obj, group).tolist()
     rig.obj.vertex_groups[group].add(chosen, weight, "REPLACE")
     rig.obj.data.update()
     rig.obj.data.update_tag()
@@ -337,11 +322,11 @@ def its_region_painted_wider_and_emptied(rig: HandleRig) -> None:
     assert inner.sessions.find(rig.deformer.uid).bound is bound
 
 
-def test_weights_painted_on_a_mesh_that_an_armature_poses_keep_the_rest_shape(plate: Rig):
-    armature = add_armature(plate.obj)
+def test_weights_painted_on_a_mesh_that_an_armature_poses_keep_the_rest_shape(plate: scenes.Rig):
+    armature = scenes.add_armature(plate.obj)
     plate.bind("thin_shell")
     armature.pose.bones["high"].location = (0.0, 0.0, 0.4)
-    update()
+    scenes.update()
     rest, key = plate.deformer.rest, inner.ids.Keys.REST_TOKEN
     token, held = rest[key], [vertex.co[:] for vertex in rest.vertices]
     paint(plate, "Top", 0.5)
@@ -350,12 +335,12 @@ def test_weights_painted_on_a_mesh_that_an_armature_poses_keep_the_rest_shape(pl
 
 
 @pytest.mark.parametrize("change", ["weights", "topology", "renders"])
-def test_what_a_pause_renews_keeps_its_datablocks(plate: Rig, change: str):
+def test_what_a_pause_renews_keeps_its_datablocks(plate: scenes.Rig, change: str):
     """Undo leaves an object alone where its steps agree, also one that a pause has changed since."""
-    modifier = subdivision(plate.obj) if change == "renders" else None
+    modifier = scenes.subdivided(plate.obj) if change == "renders" else None
     plate.bind("thin_shell").lift()
     plate.deformer.auto_rebind = True
-    push("bound")
+    scenes.push("bound")
 
     def datablocks() -> list[int]:
         row = plate.deformer
@@ -371,7 +356,7 @@ def test_what_a_pause_renews_keeps_its_datablocks(plate: Rig, change: str):
         plate.obj.vertex_groups["Top"].add(plate.top.tolist(), 0.3, "REPLACE")
     elif change == "topology":
         subdivide = bmesh.ops.subdivide_edges
-        change_in_edit_mode(plate.obj, lambda edit: subdivide(edit, edges=edit.edges, cuts=1))
+        scenes.change_in_edit_mode(plate.obj, lambda edit: subdivide(edit, edges=edit.edges, cuts=1))
     else:
         modifier.render_levels = 2
     plate.obj.data.update_tag()
@@ -385,7 +370,7 @@ def test_what_a_pause_renews_keeps_its_datablocks(plate: Rig, change: str):
     assert size() == count
     bpy.ops.ed.redo()
     settle()
-    assert close(plate.points(), shown, 1e-6)
+    assert scenes.close(plate.points(), shown, 1e-6)
 
 
 # --- each of them

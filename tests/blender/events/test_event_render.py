@@ -15,17 +15,8 @@ from events import ALL, REGIONS, Event, Table, every, is_over
 from mathutils import Euler, Matrix
 from probe import Probe, render
 from registry import BY_ID, WITH_CAGE, WITH_HANDLES
+from rigs import rig as scenes
 from rigs.kinds import RIGS, HandleRig
-from rigs.rig import (
-    MATRIX,
-    Rig,
-    close,
-    key,
-    key_heights,
-    linked,
-    save,
-    update,
-)
 from second_blender import another_blender, by_command_line, is_executable, is_wine
 
 LAST = 20
@@ -46,10 +37,10 @@ def animated(request: pytest.FixtureRequest) -> HandleRig:
     rig.control.rotation_mode = "XYZ"
     still = {"location": (0.0, 0.0, 0.0), "rotation_euler": (0.0, 0.0, 0.0)}
     turned = {"location": (0.0, 0.0, 1.0), "rotation_euler": (math.radians(60.0), 0.0, 0.0)}
-    key(rig.control, {1: still, LAST: turned}, linear=True)
+    scenes.key(rig.control, {1: still, LAST: turned}, linear=True)
     bpy.context.scene.frame_set(1)
     # an iterative method answers within its own tolerance
-    rig.exactness = 1e-3 if BY_ID[method].iterative else max(MATRIX, 2 * rig.tolerance)
+    rig.exactness = 1e-3 if BY_ID[method].iterative else max(scenes.MATRIX, 2 * rig.tolerance)
     return rig
 
 
@@ -88,7 +79,7 @@ def test_scrubbing_and_edits_in_turn(animated: HandleRig):
     for frame in (5, 12):
         bpy.context.scene.frame_set(frame)
         animated.obj.location.x += 0.5
-        update()
+        scenes.update()
         assert animated.shows(keyed(frame), tolerance=exactness)
         animated.lift(0.3)
         assert animated.shows(animated.now(), tolerance=exactness)
@@ -106,7 +97,7 @@ def test_motion_blur_sees_the_shapes_between_frames(animated: HandleRig):
     viewport = animated.points()
     subframes = (0.75, 0.25, 0.0, 0.5)
     for subframe, seen in zip(subframes, render(subframes=subframes), strict=True):
-        assert close(seen[animated.name], at_frame(animated, 10.0 + subframe), animated.exactness)
+        assert scenes.close(seen[animated.name], at_frame(animated, 10.0 + subframe), animated.exactness)
     assert np.array_equal(animated.points(), viewport)
     assert (scene.frame_current, scene.frame_subframe) == (10, 0.0)
 
@@ -123,7 +114,7 @@ def test_an_animation_leaves_the_viewport_at_its_frame(animated: HandleRig, pers
         seen = render(animation=True)
         assert Probe.frames == [9, 11, 13]
         for frame, shapes in zip(Probe.frames, seen, strict=True):
-            assert close(shapes[animated.name], at_frame(animated, frame), animated.exactness)
+            assert scenes.close(shapes[animated.name], at_frame(animated, frame), animated.exactness)
         assert scene.frame_current == 4
         assert np.array_equal(animated.points(), viewport)
 
@@ -157,7 +148,7 @@ def edited_between_renders_with_persistent_data(rig: HandleRig) -> None:
 
 @EVENTS.on(ALL)
 def its_factor_keyed(rig: HandleRig) -> None:
-    key(rig.deformer, {1: {"factor": 0.0}, 11: {"factor": 1.0}})
+    scenes.key(rig.deformer, {1: {"factor": 0.0}, 11: {"factor": 1.0}})
     for frame, share in ((1, 0.0), (6, 0.5), (11, 1.0)):
         bpy.context.scene.frame_set(frame)
         assert rig.shows((1.0 - share) * rig.rest() + share * rig.at(0.5), tolerance=1e-5)
@@ -166,7 +157,7 @@ def its_factor_keyed(rig: HandleRig) -> None:
 
 @EVENTS.on(REGIONS)
 def a_parameter_keyed(rig: HandleRig) -> None:
-    key(rig.deformer.parameters, {1: {"stretching": 0.0}, 11: {"stretching": 1.0}})
+    scenes.key(rig.deformer.parameters, {1: {"stretching": 0.0}, 11: {"stretching": 1.0}})
     bpy.context.scene.frame_set(1)
     smooth = rig.points()
     bpy.context.scene.frame_set(11)
@@ -186,7 +177,7 @@ def render_image(size: int, engine: str = "CYCLES") -> np.ndarray:
     """The current frame along y, six units wide; brightness (rows from below, columns)."""
     scene = bpy.context.scene
     if scene.camera is None:
-        scene.camera = linked(bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera")))
+        scene.camera = scenes.linked(bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera")))
         scene.camera.data.type, scene.camera.data.ortho_scale = "ORTHO", 6.0
         turn = Matrix.Rotation(math.pi / 2.0, 4, "X")
         scene.camera.matrix_world = Matrix.Translation((0.0, -10.0, 0.0)) @ turn
@@ -204,7 +195,7 @@ def render_image(size: int, engine: str = "CYCLES") -> np.ndarray:
 
 
 @pytest.fixture
-def glowing(plate: Rig) -> Rig:
+def glowing(plate: scenes.Rig) -> scenes.Rig:
     """White, whatever the light, and free to follow its control as a whole."""
     plate.bind(fixed=False)
     material = bpy.data.materials.new("Glow")
@@ -220,12 +211,12 @@ def glowing(plate: Rig) -> Rig:
 
 
 @pytest.mark.parametrize("engine", ["CYCLES", "BLENDER_WORKBENCH"])
-def test_the_picture_shows_the_pose(glowing: Rig, engine: str):
+def test_the_picture_shows_the_pose(glowing: scenes.Rig, engine: str):
     """One unit of height is a sixth of the image: the brightest rows rise as far as the handle does."""
     if engine == "BLENDER_WORKBENCH" and is_wine():
         pytest.skip("without a screen Wine has no OpenGL, and any Blender ends where it renders by it")
     glowing.obj.rotation_euler.x = 0.2  # seen a little from above, else it has no height
-    update()
+    scenes.update()
     heights = []
     for height in (0.0, 1.5):
         glowing.control.matrix_basis = Matrix.Identity(4)
@@ -236,9 +227,9 @@ def test_the_picture_shows_the_pose(glowing: Rig, engine: str):
     assert heights[1] - heights[0] == pytest.approx(1.5 * 96 / 6.0, abs=1.0)  # about a pixel
 
 
-def test_motion_blur_in_a_picture(glowing: Rig):
+def test_motion_blur_in_a_picture(glowing: scenes.Rig):
     """Half a frame of shutter on each side smears the plate over the way it goes in one frame."""
-    key_heights(glowing.control, {1: -1.0, 2: 1.0}, linear=True)
+    scenes.key_heights(glowing.control, {1: -1.0, 2: 1.0}, linear=True)
     glowing.obj.rotation_euler.x = 0.1
     scene = bpy.context.scene
     rows = []
@@ -264,7 +255,7 @@ def shot(animated: HandleRig, tmp_path: Path) -> str:
     scene.frame_start, scene.frame_end, scene.frame_step = 5, 14, 3
     scene.render.filepath = str(tmp_path / "picture")
     scene.frame_set(2)
-    return save(tmp_path / "shot.blend")
+    return scenes.save(tmp_path / "shot.blend")
 
 
 ITERATIVE = next(method for method in WITH_HANDLES if BY_ID[method].iterative)
@@ -279,7 +270,7 @@ def test_blender_b_a(animated: HandleRig, shot: str, tmp_path: Path, addon_name:
     frames, shapes = by_command_line(shot, tmp_path, addon_name, animated.name)
     assert frames == [11, 5, 8, 11, 14]
     for frame, shape in zip(frames, shapes, strict=True):
-        assert close(shape, at_frame(animated, frame), animated.exactness)
+        assert scenes.close(shape, at_frame(animated, frame), animated.exactness)
     assert np.array_equal(shapes[0], shapes[3])
 
 

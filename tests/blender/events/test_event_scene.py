@@ -10,20 +10,9 @@ from expected import Expected
 from inside import catch_up
 from mathutils import Matrix
 from probe import render
+from rigs import rig as scenes
 from rigs.cages import ball, box, surround
 from rigs.kinds import HandleRig
-from rigs.rig import (
-    MATRIX,
-    Rig,
-    close,
-    evaluated_points,
-    grid_object,
-    instances_of,
-    key_heights,
-    new_armature,
-    new_empty,
-    update,
-)
 
 INSTANCES = Table()
 
@@ -34,7 +23,7 @@ def own_collection(*objects: bpy.types.Object) -> bpy.types.Collection:
     for obj in objects:
         unlink(obj)
         collection.objects.link(obj)
-    update()
+    scenes.update()
     return collection
 
 
@@ -68,7 +57,7 @@ WAYS: dict[str, Callable[[bpy.types.Object], None]] = {  # of hiding an object, 
 def animated(rig: HandleRig) -> HandleRig:
     """Bound; its control is at height 0 at frame 1, which is now, and at 1 at frame 11."""
     rig.start()
-    key_heights(rig.control, {1: 0.0, 11: 1.0})
+    scenes.key_heights(rig.control, {1: 0.0, 11: 1.0})
     bpy.context.scene.frame_set(1)
     return rig
 
@@ -81,16 +70,16 @@ def test_a_hidden_control_still_moves_the_shape(rig: HandleRig, way: str):
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_a_hidden_armature_still_moves_its_region(plate: Rig, way: str):
+def test_a_hidden_armature_still_moves_its_region(plate: scenes.Rig, way: str):
     rig = HandleRig.called(plate.name)
-    armature = new_armature(high=((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    armature = scenes.new_armature(high=((0.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
     rig.bind(control_object="Rig", bone="high")
     rig.poses = Expected(rig.obj, rig.obj)
     moves_though_hidden(rig, armature, armature.pose.bones["high"], way)
 
 
 def moves_though_hidden(rig: HandleRig, control: bpy.types.Object, mover, way: str) -> None:
-    key_heights(mover, {1: 0.0, 11: 1.0})
+    scenes.key_heights(mover, {1: 0.0, 11: 1.0})
     WAYS[way](control)
     if way == "unlinked" and not rig.counts_in_no_scene:
         assert rig.shows(rig.at(0.0))
@@ -98,13 +87,13 @@ def moves_though_hidden(rig: HandleRig, control: bpy.types.Object, mover, way: s
         return
     for frame, height in ((11, 1.0), (1, 0.0), (11, 1.0)):
         bpy.context.scene.frame_set(frame)
-        assert rig.shows(rig.at(height), tolerance=MATRIX)
-        assert rig.renders(rig.at(height), MATRIX)
-        assert rig.shows(rig.at(height), tolerance=MATRIX)
+        assert rig.shows(rig.at(height), tolerance=scenes.MATRIX)
+        assert rig.renders(rig.at(height), scenes.MATRIX)
+        assert rig.shows(rig.at(height), tolerance=scenes.MATRIX)
     control.animation_data_clear()
     mover.location = (0.0, 0.0, 0.25)
-    assert rig.shows(rig.at(0.25), tolerance=MATRIX)
-    assert rig.renders(rig.at(0.25), MATRIX)
+    assert rig.shows(rig.at(0.25), tolerance=scenes.MATRIX)
+    assert rig.renders(rig.at(0.25), scenes.MATRIX)
 
 
 def test_a_target_hidden_from_renders_is_right_in_the_viewport(animated: HandleRig):
@@ -126,7 +115,7 @@ def test_a_target_hidden_in_the_viewport_is_right_in_renders_and_when_shown_agai
     if way in ("excluded", "unlinked"):
         assert animated.name not in seen
     else:
-        assert close(seen[animated.name], animated.at(1.0), animated.tolerance)
+        assert scenes.close(seen[animated.name], animated.at(1.0), animated.tolerance)
     obj.hide_viewport = False
     if way == "eye":
         obj.hide_set(False)
@@ -157,7 +146,7 @@ def test_view_layers_with_exclusions(animated: HandleRig):
     seen = render(layer="")
     assert [obj.name in layer for layer in seen] == [True, False, True]
     for layer, shapes in ((first, seen[0]), (third, seen[2])):
-        assert close(shapes[obj.name], animated.at(1.0), animated.tolerance)
+        assert scenes.close(shapes[obj.name], animated.at(1.0), animated.tolerance)
         layer.update()
         assert animated.shows_in(layer, animated.at(1.0))
 
@@ -179,10 +168,10 @@ def test_a_control_moved_in_a_layer_without_the_target(rig: HandleRig):
 def test_a_move_counts_where_blender_has_one_hash_for_both_places(before: tuple, after: tuple):
     target, cage = ball(), box()
     surround(target, cage)
-    rest = evaluated_points(target)
+    rest = scenes.evaluated_points(target)
     for place in (before, after):
         cage.location = place
-        assert close(evaluated_points(target), rest + place, MATRIX)
+        assert scenes.close(scenes.evaluated_points(target), rest + place, scenes.MATRIX)
 
 
 # --- several scenes
@@ -207,15 +196,15 @@ def test_scenes_at_different_frames_share_a_target_and_render_apart(animated: Ha
     second = second_scene(animated.obj, *[animated.control] * has_control)
     for frame, height in ((1, 0.0), (11, 1.0)):
         second.frame_set(11)
-        assert animated.shows_in(second, animated.at(1.0), tolerance=MATRIX)
+        assert animated.shows_in(second, animated.at(1.0), tolerance=scenes.MATRIX)
         first.frame_set(frame)
         assert animated.shows(animated.at(height))
     second.frame_start = second.frame_end = 11
     first.frame_set(1)
     seen = render(second, animation=True)[-1]
-    assert close(seen[animated.name], animated.at(1.0), max(MATRIX, animated.tolerance))
+    assert scenes.close(seen[animated.name], animated.at(1.0), max(scenes.MATRIX, animated.tolerance))
     assert animated.shows(animated.at(0.0))
-    assert close(render(first)[-1][animated.name], animated.at(0.0), animated.tolerance)
+    assert scenes.close(render(first)[-1][animated.name], animated.at(0.0), animated.tolerance)
 
 
 @pytest.mark.parametrize(("kind", "pause"), [("LINK_COPY", True), ("FULL_COPY", True), ("FULL_COPY", False)])
@@ -241,7 +230,7 @@ def test_the_scene_deleted_that_the_rig_was_made_in(rig: HandleRig):
     rig.start()
     first, second = bpy.context.scene, second_scene(rig.obj, rig.control)
     bpy.data.scenes.remove(first)
-    update()
+    scenes.update()
     rig.control.location.z += 0.5
     second.view_layers[0].update()
     assert rig.shows_in(second, rig.at(0.5))
@@ -261,7 +250,7 @@ def collection_of(*objects: bpy.types.Object) -> bpy.types.Collection:
 
 
 def add_instance(collection: bpy.types.Collection, x: float = 0.0) -> None:
-    instance = new_empty("Instance")
+    instance = scenes.new_empty("Instance")
     instance.instance_type, instance.instance_collection = "COLLECTION", collection
     instance.location.x = x
 
@@ -272,19 +261,19 @@ def put_into_a_collection_with_instances(rig: HandleRig) -> None:
     for x in (3.0, 6.0):
         add_instance(collection, x)
     rig.lift(0.25)
-    found = instances_of(rig.name)
+    found = scenes.instances_of(rig.name)
     assert sorted(matrix[0, 3] for matrix, _points in found) == [3.0, 6.0]
-    assert all(close(points, rig.at(0.75), rig.tolerance) for _matrix, points in found)
+    assert all(scenes.close(points, rig.at(0.75), rig.tolerance) for _matrix, points in found)
 
 
 @INSTANCES.on(ALL, then=is_over)
 def instanced_on_vertices(rig: HandleRig) -> None:
-    rig.obj.parent = grid_object("Field", cells=1)
+    rig.obj.parent = scenes.grid_object("Field", cells=1)
     rig.obj.parent.instance_type = "VERTS"
     rig.lift(0.25)
-    found = instances_of(rig.name)
+    found = scenes.instances_of(rig.name)
     assert len(found) == 4
-    assert all(close(points, rig.at(0.75), rig.tolerance) for _matrix, points in found)
+    assert all(scenes.close(points, rig.at(0.75), rig.tolerance) for _matrix, points in found)
 
 
 @INSTANCES.on(REGIONS, then=is_over)
@@ -295,10 +284,10 @@ def shown_by_an_instance_alone(rig: HandleRig) -> None:
     for obj in collection.objects:
         bpy.context.scene.collection.objects.unlink(obj)
     add_instance(collection)
-    update()
+    scenes.update()
     control.matrix_basis = Matrix.Translation((0.0, 0.0, 0.75))
-    ((_matrix, points),) = instances_of(rig.name)
-    assert close(points, rig.at(0.75))
+    ((_matrix, points),) = scenes.instances_of(rig.name)
+    assert scenes.close(points, rig.at(0.75))
 
 
 @every(INSTANCES)

@@ -23,25 +23,8 @@ from expected import Expected
 from inside import notes_of, settle
 from mathutils import Matrix
 from probe import render_points
+from rigs import rig as scenes
 from rigs.kinds import HandleRig
-from rigs.rig import (
-    Rig,
-    add_armature,
-    add_group,
-    add_key,
-    add_regions,
-    apply_matrix,
-    close,
-    evaluated_points,
-    grid_object,
-    key_heights,
-    linked,
-    make_active,
-    move_world,
-    slope,
-    subdivided,
-    update,
-)
 
 EVENTS = Table()
 Add = Callable[[bpy.types.Object], bpy.types.Modifier]
@@ -55,7 +38,7 @@ def twist(obj: bpy.types.Object) -> bpy.types.Modifier:
 
 
 def subdivision(obj: bpy.types.Object, levels: int = 1, render_levels: int = 1) -> bpy.types.Modifier:
-    return subdivided(obj, levels, render_levels)
+    return scenes.subdivided(obj, levels, render_levels)
 
 
 def array(obj: bpy.types.Object) -> bpy.types.Modifier:
@@ -71,29 +54,29 @@ def solidify(obj: bpy.types.Object) -> bpy.types.Modifier:
     return modifier
 
 
-def by_blender(rig: Rig, points: np.ndarray, *modifiers: Add) -> np.ndarray:
+def by_blender(rig: scenes.Rig, points: np.ndarray, *modifiers: Add) -> np.ndarray:
     """What Blender's modifiers make of the rig's mesh with these points."""
     mesh = rig.obj.data.copy()
     mesh.vertices.foreach_set("co", points.astype(np.float32).ravel())
     mesh.update()
-    plain = linked(bpy.data.objects.new("Plain", mesh))
+    plain = scenes.linked(bpy.data.objects.new("Plain", mesh))
     for add in modifiers:
         add(plain)
-    found = evaluated_points(plain)
+    found = scenes.evaluated_points(plain)
     bpy.data.objects.remove(plain)
     bpy.data.meshes.remove(mesh)
     return found
 
 
-def move_to(rig: Rig, name: str, index: int) -> None:
+def move_to(rig: scenes.Rig, name: str, index: int) -> None:
     """A modifier, in the stack."""
-    make_active(rig.obj)
+    scenes.make_active(rig.obj)
     bpy.ops.object.modifier_move_to_index(modifier=name, index=index)
 
 
-def apply(rig: Rig, name: str) -> None:
+def apply(rig: scenes.Rig, name: str) -> None:
     """By Blender's own button."""
-    make_active(rig.obj)
+    scenes.make_active(rig.obj)
     bpy.ops.object.modifier_apply(modifier=name)
     settle()
 
@@ -115,7 +98,7 @@ def a_deforming_modifier_before_ours_applied(rig: HandleRig) -> None:
     rig.lift(0.5)
     assert rig.is_right()
     apply(rig, "Twist")
-    assert close(rig.rest(), twisted)
+    assert scenes.close(rig.rest(), twisted)
 
 
 @EVENTS.on(MESHES)
@@ -155,7 +138,7 @@ def test_a_constructive_modifier_put_before_ours(posed: HandleRig, add: Add, aut
     shown = posed.points()
     assert np.abs(shown - entering).max() > 0.4
     if posed.deformer.handles:
-        fresh = HandleRig(grid_object("Fresh"))
+        fresh = HandleRig(scenes.grid_object("Fresh"))
         add(fresh.obj)
         fresh.bind()
         fresh.lift(0.5)
@@ -182,7 +165,7 @@ def test_a_constructive_modifier_after_ours_applied(posed_plate: HandleRig, auto
 @EVENTS.on(REGIONS)
 def shape_keys_added_blended_and_removed(rig: HandleRig) -> None:
     obj, entering = rig.obj, rig.rest()
-    wave = add_key(obj, "Wave", slope(0.2))
+    wave = scenes.add_key(obj, "Wave", scenes.slope(0.2))
     settle()
     for value in (0.0, 1.0, 0.5):
         wave.value = value
@@ -194,19 +177,19 @@ def shape_keys_added_blended_and_removed(rig: HandleRig) -> None:
 @EVENTS.on(MESHES, then=is_over)
 def an_armature_added_before_it(rig: HandleRig) -> None:
     """The skin comes after the pose: the deformer then works on what the bones give it."""
-    armature = add_armature(rig.obj)
+    armature = scenes.add_armature(rig.obj)
     move_to(rig, "Armature", 0)
     bone = armature.pose.bones["high"]
     bone.rotation_euler = (0.0, 0.0, 0.4)
-    update()
+    scenes.update()
     turned = rig.rest()
     high = turned[:, 1] > 0.0
-    turned[high] = apply_matrix(bone.matrix @ bone.bone.matrix_local.inverted(), turned[high])
+    turned[high] = scenes.apply_matrix(bone.matrix @ bone.bone.matrix_local.inverted(), turned[high])
     assert rig.shows(rig.now(incoming=turned), tolerance=1e-5)
 
 
-def test_a_modifier_that_makes_other_vertices_gets_displacements(plate: Rig):
-    armature = add_armature(plate.obj)
+def test_a_modifier_that_makes_other_vertices_gets_displacements(plate: scenes.Rig):
+    armature = scenes.add_armature(plate.obj)
     plate.bind()
     plate.obj.modifiers.new("Remesh", "REMESH").voxel_size = 0.1
     plate.lift(0.5)
@@ -214,7 +197,7 @@ def test_a_modifier_that_makes_other_vertices_gets_displacements(plate: Rig):
     assert plate.points()[:, 2].max() > 0.3
 
 
-def test_vertices_in_another_order_keep_their_own_displacement(plate: Rig):
+def test_vertices_in_another_order_keep_their_own_displacement(plate: scenes.Rig):
     """Build can shuffle the vertices of a complete mesh: the set of points must stay what it was."""
     plate.bind().lift(0.5)
     ordered = plate.points()
@@ -224,29 +207,29 @@ def test_vertices_in_another_order_keep_their_own_displacement(plate: Rig):
     plate.lift(0.0)
     shuffled = plate.points()
     assert not np.array_equal(shuffled, ordered)
-    assert close(*(points[np.lexsort(np.round(points, 4).T)] for points in (ordered, shuffled)))
+    assert scenes.close(*(points[np.lexsort(np.round(points, 4).T)] for points in (ordered, shuffled)))
     assert any("displacement" in text for text in notes_of(plate.deformer))
 
 
 @pytest.mark.parametrize("levels", [(1, 2), (2, 1), (0, 1), (0, 2)])
-def test_other_subdivision_levels_in_renders_before_ours(plate: Rig, levels: tuple[int, int]):
+def test_other_subdivision_levels_in_renders_before_ours(plate: scenes.Rig, levels: tuple[int, int]):
     """Each as a rig of its own that has these levels in the viewport."""
     expected = []
     for level in levels:
-        fresh = Rig(grid_object(f"Level {level}"))
+        fresh = scenes.Rig(scenes.grid_object(f"Level {level}"))
         subdivision(fresh.obj, level, level)
         fresh.bind().lift(0.5)
         expected.append(fresh.points())
     subdivision(plate.obj, *levels)
     plate.bind().lift(0.5)
     for _ in range(2):
-        assert close(plate.points(), expected[0])
-        assert close(render_points(plate.obj), expected[1])
+        assert scenes.close(plate.points(), expected[0])
+        assert scenes.close(render_points(plate.obj), expected[1])
     assert plate.deformer.status_level == "INFO"
 
 
 @pytest.mark.parametrize("in_viewport", [True, False])
-def test_a_modifier_before_ours_that_is_shown_in_one_place_only(plate: Rig, in_viewport: bool):
+def test_a_modifier_before_ours_that_is_shown_in_one_place_only(plate: scenes.Rig, in_viewport: bool):
     modifier, flat = twist(plate.obj), plate.rest()
     modifier.show_viewport, modifier.show_render = in_viewport, not in_viewport
     shapes = [by_blender(plate, flat, twist), flat]
@@ -255,8 +238,8 @@ def test_a_modifier_before_ours_that_is_shown_in_one_place_only(plate: Rig, in_v
     plate.deformer.handles[0].stands_on = "WORLD"  # as its pose is read there
     expected = Expected(plate.obj, plate.control, points=viewport)
     plate.lift(0.5)
-    assert close(plate.points(), expected.now(plate.obj, plate.control, incoming=viewport))
-    assert close(render_points(plate.obj), expected.now(plate.obj, plate.control, incoming=rendered))
+    assert scenes.close(plate.points(), expected.now(plate.obj, plate.control, incoming=viewport))
+    assert scenes.close(render_points(plate.obj), expected.now(plate.obj, plate.control, incoming=rendered))
 
 
 # --- ours, by Blender's own buttons
@@ -280,7 +263,7 @@ def ours_muted_and_shown(rig: HandleRig) -> None:
 @EVENTS.on(MESHES)
 def ours_copied(rig: HandleRig) -> None:
     """Two modifiers show one shape: the pose is seen once, not twice."""
-    make_active(rig.obj)
+    scenes.make_active(rig.obj)
     bpy.ops.object.modifier_copy(modifier=rig.obj.modifiers[0].name)
     for _ in range(3):
         settle()
@@ -294,7 +277,7 @@ def ours_applied(rig: HandleRig) -> None:
     """The mesh takes the shape once; the deformer left behind deforms nothing, and says what to do."""
     apply(rig, rig.obj.modifiers[0].name)
     shape = rig.at(0.5)
-    assert close(rig.rest(), shape)
+    assert scenes.close(rig.rest(), shape)
     for _ in range(2):
         assert rig.shows(shape)
         rig.lift(0.25)
@@ -305,15 +288,15 @@ def ours_applied(rig: HandleRig) -> None:
 
 @EVENTS.on(ALL, then=bind_restores)
 def ours_removed(rig: HandleRig) -> None:
-    make_active(rig.obj)
+    scenes.make_active(rig.obj)
     bpy.ops.object.modifier_remove(modifier=rig.obj.modifiers[0].name)
 
 
 @EVENTS.on(MESHES)
 def ours_copied_to_another_object(rig: HandleRig) -> None:
     """It shows the shape as a mirror does; the rig stays one."""
-    other = linked(bpy.data.objects.new("Other", rig.obj.data.copy()))
-    make_active(rig.obj, other)
+    other = scenes.linked(bpy.data.objects.new("Other", rig.obj.data.copy()))
+    scenes.make_active(rig.obj, other)
     bpy.ops.object.make_links_data(type="MODIFIERS")
     settle()
     rig.lift(0.25)
@@ -326,7 +309,7 @@ def ours_copied_to_another_object(rig: HandleRig) -> None:
 def converted_to_a_mesh(rig: HandleRig) -> None:
     subdivision(rig.obj)
     smooth = by_blender(rig, rig.at(0.5), subdivision)
-    make_active(rig.obj)
+    scenes.make_active(rig.obj)
     bpy.ops.object.convert(target="MESH")
     for _ in range(2):
         settle()
@@ -339,13 +322,13 @@ def converted_to_a_mesh(rig: HandleRig) -> None:
 LIFT, SHIFT = Matrix.Translation((0.0, 0.0, 0.5)), Matrix.Translation((0.2, 0.0, 0.0))
 
 
-def test_the_second_of_two_deformers_is_right_at_once_in_a_jump(plate: Rig):
+def test_the_second_of_two_deformers_is_right_at_once_in_a_jump(plate: scenes.Rig):
     """No frame of delay: the answer after one jump is the answer after many evaluations."""
     first = plate.bind().control
     for name, where in (("Corner", lambda p: min(p[:2]) > 0.3), ("Rest", lambda p: min(p[:2]) < 0.1)):
-        add_group(plate.obj, name, where)
-    add_regions(plate.obj, "arap", {"Corner": "HANDLE", "Rest": "FIXED"})
-    key_heights(first, {1: 0.0, 10: 0.8})
+        scenes.add_group(plate.obj, name, where)
+    scenes.add_regions(plate.obj, "arap", {"Corner": "HANDLE", "Rest": "FIXED"})
+    scenes.key_heights(first, {1: 0.0, 10: 0.8})
     plate.obj.sinew.deformers[1].handles[0].control.rotation_euler.x = 0.4
     bpy.context.scene.frame_set(1)
     bpy.context.scene.frame_set(10)
@@ -353,22 +336,22 @@ def test_the_second_of_two_deformers_is_right_at_once_in_a_jump(plate: Rig):
     assert np.abs(once - plate.rest()).max() > 0.7
     for _ in range(3):
         plate.obj.update_tag()
-        update()
+        scenes.update()
     assert np.array_equal(once, plate.points())
 
 
 @pytest.mark.parametrize("moved", [True, False])
-def test_the_second_follows_at_once_where_the_first_lets_go(plate: Rig, moved: bool):
+def test_the_second_follows_at_once_where_the_first_lets_go(plate: scenes.Rig, moved: bool):
     """What enters it in that evaluation is still what the first one showed before."""
     control = plate.bind().control
     bpy.ops.sinew.deformer_add(method="arap")
     bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Top")
     if moved:
-        move_world(control, Matrix.Translation((0.0, 0.0, 0.5)))
+        scenes.move_world(control, Matrix.Translation((0.0, 0.0, 0.5)))
     assert (np.abs(plate.points() - plate.rest()).max() > 0.4) == moved
     handle = plate.obj.sinew.deformers[0].handles[1]
     handle.vertex_group = "Top"  # refused, since the other region has these vertices
-    assert close(plate.points(), plate.rest())
+    assert scenes.close(plate.points(), plate.rest())
     handle.vertex_group = "Base"
     assert (np.abs(plate.points() - plate.rest()).max() > 0.4) == moved
 
@@ -379,7 +362,7 @@ def given_deformers_without_regions_between(rig: HandleRig) -> None:
     for _ in range(2):
         rig.press("deformer_add", method="thin_shell")
     extent = np.abs(rig.rest()).max()
-    add_group(rig.obj, "Corner", lambda p: p[0] < -0.75 * extent and p[1] < 0.5 * extent)
+    scenes.add_group(rig.obj, "Corner", lambda p: p[0] < -0.75 * extent and p[1] < 0.5 * extent)
     rig.press("handle_add", kind="HANDLE", vertex_group="Corner")
     rig.obj.sinew.active_deformer = 0
     rig.lift(0.4)

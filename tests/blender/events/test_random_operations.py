@@ -19,17 +19,7 @@ from inside import catch_up, native
 from mathutils import Euler, Matrix, Vector
 from oracle import Expected, Oracle, Unsure
 from registry import WITH_HANDLES
-from rigs.rig import (
-    apply_matrix,
-    close,
-    coordinates,
-    evaluated_points,
-    load,
-    make_active,
-    new_empty,
-    press,
-    save,
-)
+from rigs import rig as scenes
 from rigs.targets import GROUPS, SETTINGS, SHAPES, new_target
 from sequences import SEQUENCES, Sequence, run_sequences
 
@@ -174,7 +164,7 @@ class Artist(Sequence):
         Artist.checked += 1
         if expected.shown:
             self.posed.add(obj.name)
-        shown = evaluated_points(obj)
+        shown = scenes.evaluated_points(obj)
         assert shown.shape == expected.points.shape, f"{obj.name}: {len(shown)} vertices"
         off = np.abs(shown - expected.points).max()
         assert off <= expected.tolerance, (
@@ -197,14 +187,14 @@ class Artist(Sequence):
         new_target(shape)
         bpy.ops.sinew.deformer_add(method=method)
         bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Far")
-        press(bpy.data.objects[shape], "handle_add", kind="FIXED", vertex_group="Near")
+        scenes.press(bpy.data.objects[shape], "handle_add", kind="FIXED", vertex_group="Near")
         if caged:
             self.put_into_a_cage(bpy.data.objects[shape], caged, 2.3)
         self.start_over()
 
     def activate(self, obj: bpy.types.Object) -> None:
         if self.in_object_mode:
-            make_active(obj)
+            scenes.make_active(obj)
 
     @step(when=lambda self: self.in_object_mode and len(self.targets) < 3, shape=SHAPE)
     def add_target(self, shape):
@@ -213,7 +203,7 @@ class Artist(Sequence):
     @step("target", in_object_mode, method=METHODS)
     def add_deformer(self, obj, method):
         if len(obj.sinew.deformers) < 3:
-            make_active(obj)
+            scenes.make_active(obj)
             self.call(bpy.ops.sinew.deformer_add, method=method)
 
     @step("deformer")
@@ -263,7 +253,7 @@ class Artist(Sequence):
         bpy.ops.mesh.primitive_cube_add(size=size, location=obj.location)
         cage = bpy.context.object
         cage["cage"] = True
-        press(obj, "cage_add", source="OBJECT", cage=cage.name, method=method)
+        scenes.press(obj, "cage_add", source="OBJECT", cage=cage.name, method=method)
 
     @step(
         "caged",
@@ -276,7 +266,7 @@ class Artist(Sequence):
     def edit_cage(self, deformer, vertex, by, subdivide, leave):
         """In Edit Mode, which may stay."""
         cage = deformer.cage
-        make_active(cage)
+        scenes.make_active(cage)
         bpy.ops.object.mode_set(mode="EDIT")
         edit = bmesh.from_edit_mesh(cage.data)
         edit.verts.ensure_lookup_table()
@@ -295,10 +285,10 @@ class Artist(Sequence):
     def set_rest(self, deformer):
         obj = deformer.id_data
         obj.sinew.active_deformer = obj.sinew.deformers.values().index(deformer)
-        press(obj, "cage_set_rest")
+        scenes.press(obj, "cage_set_rest")
         deformer = obj.sinew.active
-        now = apply_matrix(in_frame(obj, deformer.cage), evaluated_points(deformer.cage))
-        assert close(coordinates(deformer.cage_rest.vertices), now, 2e-5)
+        now = scenes.apply_matrix(in_frame(obj, deformer.cage), scenes.evaluated_points(deformer.cage))
+        assert scenes.close(scenes.coordinates(deformer.cage_rest.vertices), now, 2e-5)
 
     @step("target", by=VECTOR, turn=VECTOR, scale=st.sampled_from((0.5, 1.0, 2.0)))
     def move_target(self, obj, by, turn, scale):
@@ -306,7 +296,7 @@ class Artist(Sequence):
 
     @step("control", in_object_mode)
     def delete_control(self, control):
-        make_active(control)
+        scenes.make_active(control)
         self.call(bpy.ops.object.delete)
 
     @step("control")
@@ -315,20 +305,22 @@ class Artist(Sequence):
 
     @step("target", lambda self: self.in_object_mode and len(self.targets) > 1)
     def delete_target(self, obj):
-        make_active(obj)
+        scenes.make_active(obj)
         self.call(bpy.ops.object.delete)
 
     @step("target", lambda self: self.in_object_mode and len(self.targets) < 3, linked=st.booleans())
     def duplicate(self, obj, linked):
         """Original and copy go on from the same shape, each by a key of its own."""
-        name, before = obj.name, evaluated_points(obj)
-        make_active(obj)
+        name, before = obj.name, scenes.evaluated_points(obj)
+        scenes.make_active(obj)
         assert self.call(bpy.ops.object.duplicate, linked=linked)
         twins = (bpy.data.objects[name], bpy.context.object)
         catch_up()
         if not self.oracle.forget_missing(twins):
             for twin in twins:
-                assert np.abs(evaluated_points(twin) - before).max() <= 1e-4 * max(1.0, np.abs(before).max())
+                assert np.abs(scenes.evaluated_points(twin) - before).max() <= 1e-4 * max(
+                    1.0, np.abs(before).max()
+                )
         used = [deformer.uid for twin in twins for deformer in twin.sinew.deformers]
         assert len(set(used)) == len(used)
 
@@ -337,12 +329,12 @@ class Artist(Sequence):
         """Nothing jumps."""
         new, name = self.control(other), handle.id_data.name
         if new is None:
-            new = new_empty("New", (1.0, 2.0, 3.0))
-        before = evaluated_points(handle.id_data)
+            new = scenes.new_empty("New", (1.0, 2.0, 3.0))
+        before = scenes.evaluated_points(handle.id_data)
         handle.control = new
         self.done()
         if name in self.posed:
-            after = evaluated_points(bpy.data.objects[name])
+            after = scenes.evaluated_points(bpy.data.objects[name])
             assert np.abs(after - before).max() <= 1e-3 * max(1.0, np.abs(before).max())
         return True
 
@@ -395,11 +387,11 @@ class Artist(Sequence):
 
     @step(when=lambda self: len(self.saved) < 3)
     def save(self):
-        self.saved.append(save(self.folder / f"{len(self.saved)}.blend", check_existing=False))
+        self.saved.append(scenes.save(self.folder / f"{len(self.saved)}.blend", check_existing=False))
 
     @step("saved_file")
     def load(self, path):
-        load(path)
+        scenes.load(path)
         self.oracle.last.clear()
         self.oracle.forget_missing(bpy.data.objects)
         self.start_over()
@@ -454,7 +446,7 @@ class Artist(Sequence):
 
     @step("modifier", in_object_mode, index=st.integers(0, 4))
     def move_modifier(self, modifier, index):
-        make_active(modifier.id_data)
+        scenes.make_active(modifier.id_data)
         index %= len(modifier.id_data.modifiers)
         self.call(bpy.ops.object.modifier_move_to_index, modifier=modifier.name, index=index)
 
@@ -477,7 +469,7 @@ class Artist(Sequence):
     def remove_group(self, obj, group):
         """By the button: from Python, Blender evaluates nothing."""
         if group in obj.vertex_groups:
-            make_active(obj)
+            scenes.make_active(obj)
             obj.vertex_groups.active_index = obj.vertex_groups[group].index
             self.call(bpy.ops.object.vertex_group_remove)
 

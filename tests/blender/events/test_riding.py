@@ -19,26 +19,7 @@ from libraries import add_collection, override, put_into_a_library
 from mathutils import Matrix
 from probe import render_points
 from registry import BY_ID, WITH_HANDLES
-from rigs.rig import (
-    MATRIX,
-    Rig,
-    add_armature,
-    add_group,
-    apply_matrix,
-    base_points,
-    close,
-    duplicated,
-    evaluated_points,
-    key,
-    make_active,
-    move_world,
-    new_empty,
-    press,
-    push,
-    refused,
-    reopen,
-    update,
-)
+from rigs import rig as scenes
 from rigs.sheet import draw
 
 MADE, FRAMES = 20, (1, 7, 20, 30)
@@ -48,49 +29,49 @@ LIFT = Matrix.Translation((0.05, -0.1, 0.2))
 TURN = LIFT @ Matrix.Rotation(0.4, 4, "Z")
 
 
-class Posed(Rig):
+class Posed(scenes.Rig):
     """A plate whose far part one bone bends and moves over the frames; it is made at the frame MADE."""
 
     @classmethod
     def new(cls) -> Posed:
         plate = cls.plate()
-        bone = add_armature(plate.obj, split=-0.3).pose.bones["high"]
+        bone = scenes.add_armature(plate.obj, split=-0.3).pose.bones["high"]
         turns = {1: (0.0, 0.0, 0.0), MADE: (1.4, 0.3, -0.5), 30: (-0.6, 0.0, 0.8)}
-        key(bone, {frame: {"rotation_euler": turn} for frame, turn in turns.items()})
-        key(bone, {1: {"location": (0.0, 0.0, 0.0)}, 30: {"location": (0.2, 0.1, -0.3)}})
+        scenes.key(bone, {frame: {"rotation_euler": turn} for frame, turn in turns.items()})
+        scenes.key(bone, {1: {"location": (0.0, 0.0, 0.0)}, 30: {"location": (0.2, 0.1, -0.3)}})
         go(MADE)
         return plate
 
     def correct(self, motion: Matrix = TURN) -> Posed:
         """Move the control in the world of this frame."""
-        move_world(self.control, motion)
+        scenes.move_world(self.control, motion)
         self.made, self.motion = bone_now(), np.array(motion)
         return self
 
     def far_edge(self, obj: bpy.types.Object | None = None) -> np.ndarray:
         obj = obj or self.obj
-        return apply_matrix(obj.matrix_world, evaluated_points(obj)[self.top])
+        return scenes.apply_matrix(obj.matrix_world, scenes.evaluated_points(obj)[self.top])
 
     def expected(self) -> np.ndarray:
         """The far edge now in the world, as ``correct`` moved it when the bone was where it was then."""
-        return apply_matrix(self.carried() @ self.motion @ self.made, self.at_rest())
+        return scenes.apply_matrix(self.carried() @ self.motion @ self.made, self.at_rest())
 
     def at_rest(self) -> np.ndarray:
-        return apply_matrix(self.obj.matrix_world, base_points(self.obj)[self.top])
+        return scenes.apply_matrix(self.obj.matrix_world, scenes.base_points(self.obj)[self.top])
 
     def carried(self) -> np.ndarray:
         """How the bone has moved since ``correct``, (4, 4)."""
         return bone_now() @ np.linalg.inv(self.made)
 
-    def is_right(self, tolerance: float = MATRIX, obj: bpy.types.Object | None = None) -> bool:
+    def is_right(self, tolerance: float = scenes.MATRIX, obj: bpy.types.Object | None = None) -> bool:
         """The far edge is right in every frame."""
-        return all(close(self.far_edge(obj), self.expected(), tolerance) for _frame in frames())
+        return all(scenes.close(self.far_edge(obj), self.expected(), tolerance) for _frame in frames())
 
     def renders_right(self, tolerance: float) -> bool:
         def rendered() -> np.ndarray:
-            return apply_matrix(self.obj.matrix_world, render_points(self.obj)[self.top])
+            return scenes.apply_matrix(self.obj.matrix_world, render_points(self.obj)[self.top])
 
-        return all(close(rendered(), self.expected(), tolerance) for _frame in frames())
+        return all(scenes.close(rendered(), self.expected(), tolerance) for _frame in frames())
 
 
 @pytest.fixture
@@ -127,15 +108,15 @@ def bone_now() -> np.ndarray:
 def test_a_correction_rides_on_the_surface(arm: Posed, method: str):
     arm.bind(method)
     assert arm.deformer.handles[0].stands_on == "SURFACE"
-    off, modifier = ITERATED if BY_ID[method].iterative else MATRIX, arm.obj.modifiers[-1]
+    off, modifier = ITERATED if BY_ID[method].iterative else scenes.MATRIX, arm.obj.modifiers[-1]
     for frame in frames():  # without one, the bones alone count
         shown = arm.points()
         modifier.show_viewport = False
-        assert close(shown, arm.points(), off), frame
+        assert scenes.close(shown, arm.points(), off), frame
         modifier.show_viewport = True
     go(MADE)
     arm.correct()
-    off = APPROXIMATE.get(method, MATRIX)
+    off = APPROXIMATE.get(method, scenes.MATRIX)
     assert arm.is_right(off)
     assert arm.renders_right(off)
 
@@ -143,23 +124,27 @@ def test_a_correction_rides_on_the_surface(arm: Posed, method: str):
 def test_the_control_stands_on_the_surface_in_every_frame(corrected: Posed):
     place = np.array(corrected.control.matrix_world)
     for frame in frames():
-        update()
-        assert close(np.array(corrected.control.matrix_world), corrected.carried() @ place, MATRIX), frame
+        scenes.update()
+        assert scenes.close(
+            np.array(corrected.control.matrix_world), corrected.carried() @ place, scenes.MATRIX
+        ), frame
         bpy.context.view_layer.objects.active = corrected.control
     corrected.control.matrix_basis = Matrix()  # Alt G, R, S
     go(7)
-    assert close(corrected.far_edge(), apply_matrix(bone_now(), corrected.at_rest()), MATRIX)
+    assert scenes.close(
+        corrected.far_edge(), scenes.apply_matrix(bone_now(), corrected.at_rest()), scenes.MATRIX
+    )
 
 
 def saved_and_loaded(arm: Posed, folder: Path) -> None:
     go(7)
-    reopen(folder / "arm.blend")
+    scenes.reopen(folder / "arm.blend")
 
 
 def undone_and_redone(arm: Posed, _folder: Path) -> None:
-    push("corrected")
-    move_world(arm.control, Matrix.Translation((1.0, 0.0, 0.0)))
-    push("moved on")
+    scenes.push("corrected")
+    scenes.move_world(arm.control, Matrix.Translation((1.0, 0.0, 0.0)))
+    scenes.push("moved on")
     go(1)
     bpy.ops.ed.undo()
     assert arm.is_right()
@@ -169,20 +154,20 @@ def undone_and_redone(arm: Posed, _folder: Path) -> None:
 
 def bound_again_at_another_frame(arm: Posed, _folder: Path) -> None:
     go(7)
-    press(arm.obj, "bind")
+    scenes.press(arm.obj, "bind")
 
 
 def given_another_handle_at_another_frame(arm: Posed, _folder: Path) -> None:
-    add_group(arm.obj, "Near", lambda point: -0.75 < point[1] < -0.5)
+    scenes.add_group(arm.obj, "Near", lambda point: -0.75 < point[1] < -0.5)
     go(30)
-    press(arm.obj, "handle_add", kind="HANDLE", vertex_group="Near")
+    scenes.press(arm.obj, "handle_add", kind="HANDLE", vertex_group="Near")
 
 
 def given_a_new_control_at_another_frame(arm: Posed, _folder: Path) -> None:
     bpy.data.objects.remove(arm.control)
     assert arm.is_right()  # the correction stays on the skin meanwhile
     go(7)
-    press(arm.obj, "control_new")
+    scenes.press(arm.obj, "control_new")
 
 
 def moved_turned_and_applied(arm: Posed, _folder: Path) -> None:
@@ -192,7 +177,7 @@ def moved_turned_and_applied(arm: Posed, _folder: Path) -> None:
     go(7)
     arm.obj.matrix_world = bend
     arm.obj.data.transform(bend.inverted())
-    make_active(arm.obj)
+    scenes.make_active(arm.obj)
     bpy.ops.object.transform_apply(location=True, rotation=True, scale=True)
 
 
@@ -205,18 +190,18 @@ def renamed_with_its_control(arm: Posed, _folder: Path) -> None:
 def switched_to_the_world_and_back(arm: Posed, _folder: Path) -> None:
     """By the button, with undo and redo, and by a script."""
     go(7)
-    make_active(arm.obj)
-    push("corrected")
+    scenes.make_active(arm.obj)
+    scenes.push("corrected")
     shown, place = arm.far_edge(), np.array(arm.control.matrix_world)
 
     def stands(on: str) -> None:
         assert arm.deformer.handles[0].stands_on == on
-        assert close(arm.far_edge(), shown, MATRIX)
-        assert close(np.array(arm.control.matrix_world), place, MATRIX)
+        assert scenes.close(arm.far_edge(), shown, scenes.MATRIX)
+        assert scenes.close(np.array(arm.control.matrix_world), place, scenes.MATRIX)
 
     for on in ("WORLD", "SURFACE", "WORLD"):
         assert bpy.ops.sinew.handle_stand(on=on, index=0) == {"FINISHED"}
-        push(on)
+        scenes.push(on)
         stands(on)
     for step, on in ((bpy.ops.ed.undo, "SURFACE"), (bpy.ops.ed.redo, "WORLD"), (bpy.ops.ed.undo, "SURFACE")):
         step()
@@ -229,11 +214,11 @@ def switched_to_the_world_and_back(arm: Posed, _folder: Path) -> None:
 def moved_by_a_script_in_the_world(arm: Posed, _folder: Path) -> None:
     """To a place in the world, in another frame: there the surface goes."""
     go(7)
-    update()
+    scenes.update()
     place = arm.control.matrix_world.copy()
     arm.control.matrix_world = LIFT @ place
-    assert close(arm.far_edge(), apply_matrix(np.array(LIFT), arm.expected()), MATRIX)
-    assert close(np.array(arm.control.matrix_world), np.array(LIFT @ place), MATRIX)
+    assert scenes.close(arm.far_edge(), scenes.apply_matrix(np.array(LIFT), arm.expected()), scenes.MATRIX)
+    assert scenes.close(np.array(arm.control.matrix_world), np.array(LIFT @ place), scenes.MATRIX)
     arm.control.matrix_world = place
 
 
@@ -259,7 +244,7 @@ def test_a_correction_lives_through(corrected: Posed, tmp_path: Path, happens):
 
 def parented_to_the_bone(control: bpy.types.Object) -> None:
     armature = bpy.data.objects["Rig"]
-    make_active(armature)
+    scenes.make_active(armature)
     armature.data.bones.active = armature.data.bones["high"]
     control.select_set(True)
     assert bpy.ops.object.parent_set(type="BONE", keep_transform=True) == {"FINISHED"}
@@ -268,7 +253,7 @@ def parented_to_the_bone(control: bpy.types.Object) -> None:
 def constrained_to_the_bone(control: bpy.types.Object) -> None:
     constraint = control.constraints.new("CHILD_OF")
     constraint.target, constraint.subtarget = bpy.data.objects["Rig"], "high"
-    update()
+    scenes.update()
     armature = bpy.data.objects["Rig"].evaluated_get(bpy.context.evaluated_depsgraph_get())
     constraint.inverse_matrix = (armature.matrix_world @ armature.pose.bones["high"].matrix).inverted()
 
@@ -276,15 +261,15 @@ def constrained_to_the_bone(control: bpy.types.Object) -> None:
 @pytest.mark.parametrize("take", [parented_to_the_bone, constrained_to_the_bone])
 def test_a_parent_that_moves_the_mesh_already_does_not_count_twice(corrected: Posed, take):
     take(corrected.control)
-    update()
+    scenes.update()
     assert "Top now follows high" in notes_of(corrected.deformer)
     if take is parented_to_the_bone:  # a constraint is not carried by the mesh as well
         assert corrected.is_right(2e-5)
-    make_active(corrected.control)
+    scenes.make_active(corrected.control)
     for constraint in corrected.control.constraints:
         corrected.control.constraints.remove(constraint)
     bpy.ops.object.parent_clear(type="CLEAR_KEEP_TRANSFORM")
-    update()
+    scenes.update()
     assert not any("high" in note for note in notes_of(corrected.deformer))
 
 
@@ -299,19 +284,19 @@ def test_keyframes_are_converted(arm: Posed):
         shown[frame] = arm.far_edge()
     for on in ("WORLD", "SURFACE"):
         go(MADE)
-        press(arm.obj, "handle_stand", on=on, index=0)
+        scenes.press(arm.obj, "handle_stand", on=on, index=0)
         assert arm.deformer.handles[0].stands_on == on
         for frame, shape in shown.items():
             go(frame)
-            assert close(arm.far_edge(), shape, 1e-4), (on, frame)
+            assert scenes.close(arm.far_edge(), shape, 1e-4), (on, frame)
 
 
-def test_where_nothing_moves_the_mesh_handles_stand_in_the_world(arm: Posed, plate: Rig):
+def test_where_nothing_moves_the_mesh_handles_stand_in_the_world(arm: Posed, plate: scenes.Rig):
     """And Surface is grey; so do objects of the user. *From Rest* is shown for handles that use it alone."""
     panel = bpy.types.SINEW_PT_region
     for rig, on, says in ((arm, "SURFACE", ""), (plate, "WORLD", "Nothing before Sinew moves this mesh")):
         rig.bind("thin_shell")
-        make_active(rig.obj)
+        scenes.make_active(rig.obj)
         rig.deformer.active_handle = 0
         drawn = draw(panel)
         switches = [properties.on for name, properties in drawn.operators() if name == "sinew.handle_stand"]
@@ -319,10 +304,10 @@ def test_where_nothing_moves_the_mesh_handles_stand_in_the_world(arm: Posed, pla
         assert rig.deformer.handles[0].stands_on == on
         assert says in drawn.texts()
         assert "from_rest" not in drawn.properties()
-    refused("Nothing before Sinew moves this mesh", "handle_stand", plate.obj, on="SURFACE", index=0)
+    scenes.refused("Nothing before Sinew moves this mesh", "handle_stand", plate.obj, on="SURFACE", index=0)
     plate.deformer.handles[0].from_rest = True
     assert "from_rest" in draw(panel).properties()
-    new_empty("Mine")
+    scenes.new_empty("Mine")
     arm.bind("thin_shell", control_object="Mine")
     assert arm.deformer.handles[0].stands_on == "WORLD"
 
@@ -335,14 +320,16 @@ def test_a_bone_as_a_control_does_not_count_twice_on_the_surface(arm: Posed):
 
 
 def test_copies_ride_by_themselves(corrected: Posed):
-    copy = duplicated(corrected.obj, corrected.control)
+    copy = scenes.duplicated(corrected.obj, corrected.control)
     settle()
     control = copy.sinew.deformers[0].handles[0].control
     assert control not in (None, corrected.control)
     assert corrected.is_right(obj=copy)
     control.matrix_basis = Matrix()
     go(7)
-    assert close(corrected.far_edge(copy), apply_matrix(bone_now(), corrected.at_rest()), MATRIX)
+    assert scenes.close(
+        corrected.far_edge(copy), scenes.apply_matrix(bone_now(), corrected.at_rest()), scenes.MATRIX
+    )
     assert corrected.is_right()
 
 
@@ -353,7 +340,7 @@ def test_a_rig_from_a_library_rides(corrected: Posed, tmp_path: Path, bring):
     corrected.name = next(obj.name for obj in bpy.context.scene.objects if obj.sinew.deformers)
     assert corrected.is_right(2e-5)
     if bring is override:
-        refused("does not save new drivers", "drive_by_bone", corrected.obj)
+        scenes.refused("does not save new drivers", "drive_by_bone", corrected.obj)
 
 
 @pytest.mark.parametrize("method", ["arap", "inverse_ffd"])
@@ -365,8 +352,10 @@ def test_sinew_drag_makes_controls_that_ride(arm: Posed, method: str):
     assert arm.deformer.handles[arm.deformer.active_handle].stands_on == "SURFACE"
     for frame in frames():
         turned = (bone_now() @ np.linalg.inv(made))[:3, :3] @ (0.0, 0.0, 0.3)
-        wanted = apply_matrix(bone_now(), arm.rest()[[vertex]]) + turned
-        assert close(arm.points()[[vertex]], wanted, MATRIX if method == "arap" else 0.02), frame
+        wanted = scenes.apply_matrix(bone_now(), arm.rest()[[vertex]]) + turned
+        assert scenes.close(arm.points()[[vertex]], wanted, scenes.MATRIX if method == "arap" else 0.02), (
+            frame
+        )
 
 
 def test_factor_follows_the_bend_of_a_bone_and_so_does_a_shape_key_made_of_it(corrected: Posed):
@@ -375,20 +364,20 @@ def test_factor_follows_the_bend_of_a_bone_and_so_does_a_shape_key_made_of_it(co
             go(frame)
             assert value() == pytest.approx(factor, abs=1e-5)
 
-    make_active(corrected.obj)
+    scenes.make_active(corrected.obj)
     rig = bpy.data.objects["Rig"]
     rig.rotation_euler = (2.0, 0.0, 1.0)  # where it stands does not count
-    update()
+    scenes.update()
     assert bpy.ops.sinew.drive_by_bone() == {"FINISHED"}
     rig.rotation_euler = (0.0, 0.0, 0.0)
     follows(lambda: corrected.obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).sinew.active.factor)
-    press(corrected.obj, "apply", as_shape_key=True, keep_deformer=True)
+    scenes.press(corrected.obj, "apply", as_shape_key=True, keep_deformer=True)
     corrected.obj.modifiers[-1].show_viewport = False
     follows(lambda: corrected.obj.data.shape_keys.key_blocks[-1].value)
-    assert close(corrected.far_edge(), corrected.expected(), MATRIX)
+    assert scenes.close(corrected.far_edge(), corrected.expected(), scenes.MATRIX)
     go(1)
-    refused("is bent now", "drive_by_bone", corrected.obj)
-    refused("no bone 'hand'", "drive_by_bone", corrected.obj, armature="Rig", bone="hand")
+    scenes.refused("is bent now", "drive_by_bone", corrected.obj)
+    scenes.refused("no bone 'hand'", "drive_by_bone", corrected.obj, armature="Rig", bone="hand")
 
 
 @pytest.mark.parametrize("on_cage", [True, False])
@@ -400,7 +389,7 @@ def test_grab_region_moves_what_is_seen_as_far_as_the_mouse(arm: Posed, on_cage:
     edit(arm.obj, lambda point: point.y > 0.75)
     bpy.ops.sinew.grab_region(value=(0.1, 0.2, 0.3), radius=0.3)
     bpy.ops.object.mode_set(mode="OBJECT")
-    assert close(seen()[arm.top], before[arm.top] + (0.1, 0.2, 0.3), MATRIX)
+    assert scenes.close(seen()[arm.top], before[arm.top] + (0.1, 0.2, 0.3), scenes.MATRIX)
 
 
 SIDES = {"L": 1.0, "R": -1.0}
@@ -411,29 +400,31 @@ def test_the_other_side_follows_in_the_frame_of_its_own_surface(arm: Posed, live
     """By Mirror while the arm is bent, or by Mirror where both sides are posed alike."""
     go(1)
     ends = {
-        side: add_group(arm.obj, f"Hand.{side}", lambda point, s=sign: s * point[0] > 0.5 and point[1] > 0.75)
+        side: scenes.add_group(
+            arm.obj, f"Hand.{side}", lambda point, s=sign: s * point[0] > 0.5 and point[1] > 0.75
+        )
         for side, sign in SIDES.items()
     }
     bpy.ops.sinew.deformer_add(method="thin_shell")
     for side in SIDES if live else "L":
-        press(arm.obj, "handle_add", kind="HANDLE", vertex_group=f"Hand.{side}")
-    press(arm.obj, "handle_add", kind="FIXED", vertex_group="Base")
+        scenes.press(arm.obj, "handle_add", kind="HANDLE", vertex_group=f"Hand.{side}")
+    scenes.press(arm.obj, "handle_add", kind="FIXED", vertex_group="Base")
     arm.deformer.use_mirror_x = live
-    update()
+    scenes.update()
     go(7)
     arm.correct(LIFT)
     at_rest = np.linalg.inv(arm.made) @ arm.motion @ arm.made
     if not live:
         go(1)
         arm.deformer.active_handle = 0
-        press(arm.obj, "handle_mirror")
+        scenes.press(arm.obj, "handle_mirror")
     assert [handle.stands_on for handle in arm.deformer.handles if handle.control] == ["SURFACE"] * 2
     for frame in frames():
         shown = arm.points()
         for side, sign in SIDES.items():
             flip = np.diag((sign, 1.0, 1.0, 1.0))
-            wanted = apply_matrix(bone_now() @ flip @ at_rest @ flip, arm.rest()[ends[side]])
-            assert close(shown[ends[side]], wanted, 2e-5), (frame, side)
+            wanted = scenes.apply_matrix(bone_now() @ flip @ at_rest @ flip, arm.rest()[ends[side]])
+            assert scenes.close(shown[ends[side]], wanted, 2e-5), (frame, side)
 
 
 @pytest.mark.parametrize("whose", ["the mesh", "the control"])
@@ -442,7 +433,7 @@ def test_a_scale_of_zero_is_named_and_right_again_afterwards(corrected: Posed, w
     scale = scaled.scale.copy()
     go(7)
     scaled.scale.x = 0.0
-    update()
+    scenes.update()
     assert whose == "the control" or "scaled to zero" in corrected.deformer.status
     go(9)
     scaled.scale = scale

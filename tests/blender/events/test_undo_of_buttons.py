@@ -15,27 +15,11 @@ from baking import CACHES
 from editing import centre, edit
 from mathutils import Matrix, Vector
 from registry import BY_ID, ON_HANDLE_POINTS
+from rigs import rig as scenes
 from rigs.cages import ball, box, place, surround
 from rigs.kinds import RIGS
 from rigs.point_objects import cage_around, lattice
 from rigs.puppets import standing
-from rigs.rig import (
-    Rig,
-    add_armature,
-    add_group,
-    add_key,
-    add_regions,
-    change_in_edit_mode,
-    grid_object,
-    key,
-    make_active,
-    move_world,
-    press,
-    push,
-    refused,
-    reopen,
-    slope,
-)
 from rigs.rig_of_curves import polyline, stroke_through
 from seen import assert_seen, seen
 from situations import cage_inside_out, lost_control
@@ -56,52 +40,52 @@ def button(operator: str, **options: object) -> Callable[[], None]:
 # The scenes. Each leaves active what the button is pressed on.
 
 
-def on_plate(operator: str, **options: object) -> Rig:
-    plate = Rig(grid_object())
-    press(plate.obj, operator, **options)
-    make_active(plate.obj)
+def on_plate(operator: str, **options: object) -> scenes.Rig:
+    plate = scenes.Rig(scenes.grid_object())
+    scenes.press(plate.obj, operator, **options)
+    scenes.make_active(plate.obj)
     return plate
 
 
-def posed(then: Callable[[Rig], object] = lambda plate: None) -> Callable[[], None]:
+def posed(then: Callable[[scenes.Rig], object] = lambda plate: None) -> Callable[[], None]:
     """A bound plate that is lifted, after something else."""
 
     def prepare() -> None:
         plate = lifted("thin_shell")
         then(plate)
-        make_active(plate.obj)
+        scenes.make_active(plate.obj)
         plate.obj.sinew.active_deformer = 0
 
     return prepare
 
 
 def after(operator: str, **options: object) -> Callable[[], None]:
-    return posed(lambda plate: press(plate.obj, operator, **options))
+    return posed(lambda plate: scenes.press(plate.obj, operator, **options))
 
 
-def add_middle(plate: Rig) -> None:
-    add_group(plate.obj, "Middle", lambda point: abs(point[1]) < 0.15)
+def add_middle(plate: scenes.Rig) -> None:
+    scenes.add_group(plate.obj, "Middle", lambda point: abs(point[1]) < 0.15)
 
 
-def add_left_side(plate: Rig) -> None:
-    add_group(plate.obj, "Side.L", lambda point: point[0] > 0.75 and abs(point[1]) < 0.3)
-    press(plate.obj, "handle_add", kind="FIXED", vertex_group="Side.L")
+def add_left_side(plate: scenes.Rig) -> None:
+    scenes.add_group(plate.obj, "Side.L", lambda point: point[0] > 0.75 and abs(point[1]) < 0.3)
+    scenes.press(plate.obj, "handle_add", kind="FIXED", vertex_group="Side.L")
 
 
 def let_the_handle_give_way() -> None:
     bpy.data.objects["Plate"].sinew.active.handles[0].weight = 0.25
-    push("softer")
+    scenes.push("softer")
 
 
-def add_loose_vertex(plate: Rig) -> None:
+def add_loose_vertex(plate: scenes.Rig) -> None:
     plate.obj.data.vertices.add(1)
-    press(plate.obj, "bind")
+    scenes.press(plate.obj, "bind")
 
 
-def let_regions_overlap(plate: Rig) -> None:
+def let_regions_overlap(plate: scenes.Rig) -> None:
     """Base takes a vertex of Top, which refuses the bind."""
     plate.obj.vertex_groups["Base"].add([int(plate.top[0])], 1.0, "REPLACE")
-    refused("share 1 vertex", "bind", plate.obj)
+    scenes.refused("share 1 vertex", "bind", plate.obj)
 
 
 def with_another_file() -> None:
@@ -118,7 +102,7 @@ def on(kind: str) -> Callable[[], None]:
     def prepare() -> None:
         rig = RIGS[kind].new().start()
         rig.lift(0.2)
-        make_active(rig.obj)
+        scenes.make_active(rig.obj)
 
     return prepare
 
@@ -126,37 +110,37 @@ def on(kind: str) -> Callable[[], None]:
 def in_an_automatic_cage(faces: int) -> Callable[[], None]:
     def prepare() -> None:
         target = ball()
-        press(target, "cage_add", faces=faces)
-        make_active(target)
+        scenes.press(target, "cage_add", faces=faces)
+        scenes.make_active(target)
 
     return prepare
 
 
 def send_the_cage_nowhere() -> None:
     place(bpy.data.objects["Cage"], [(math.nan,) * 3] * 8)
-    push("lost")
+    scenes.push("lost")
 
 
 def a_lattice_in_a_box() -> None:
     """Its shape key shows what moves it."""
     obj = lattice()
     cage_around(obj)
-    make_active(obj)
+    scenes.make_active(obj)
 
 
 def a_caged_lattice() -> None:
     a_lattice_in_a_box()
-    press(bpy.context.object, "cage_add", source="OBJECT", cage="Cage")
+    scenes.press(bpy.context.object, "cage_add", source="OBJECT", cage="Cage")
     bpy.data.objects["Cage"].location.z = 1.0
-    make_active(bpy.data.objects["Lattice"])
+    scenes.make_active(bpy.data.objects["Lattice"])
 
 
 def a_figure() -> None:
-    make_active(standing())
+    scenes.make_active(standing())
 
 
 def a_fine_grid() -> None:
-    grid_object(cells=20)
+    scenes.grid_object(cells=20)
 
 
 def draw_a_wire() -> None:
@@ -165,18 +149,18 @@ def draw_a_wire() -> None:
 
 def a_curve() -> None:
     polyline(LINE, "Wire")
-    grid_object()
+    scenes.grid_object()
 
 
-def lifted(method: str) -> Rig:
-    plate = Rig.plate().bind(method)
+def lifted(method: str) -> scenes.Rig:
+    plate = scenes.Rig.plate().bind(method)
     plate.lift(0.5)
-    make_active(plate.obj)
+    scenes.make_active(plate.obj)
     return plate
 
 
 def with_grid() -> None:
-    make_active(lifted("spline_surface").obj)
+    scenes.make_active(lifted("spline_surface").obj)
     run("grid_new")
 
 
@@ -184,38 +168,40 @@ def drag_a_point() -> None:
     def change(mesh) -> None:
         mesh.verts[40].co += Vector((0.1, -0.05, 0.8))
 
-    change_in_edit_mode(bpy.data.objects["Plate"].sinew.active.spline_surface.grid, change)
-    push("dragged")
+    scenes.change_in_edit_mode(bpy.data.objects["Plate"].sinew.active.spline_surface.grid, change)
+    scenes.push("dragged")
 
 
 def two_of_one_topology() -> None:
-    other = grid_object("Other")
+    other = scenes.grid_object("Other")
     other.data.transform(Matrix.Translation((0.3, 0.0, 0.8)))
-    make_active(grid_object(), other)
+    scenes.make_active(scenes.grid_object(), other)
 
 
 def with_keys() -> None:
-    plate = Rig.plate()
-    sway = add_key(plate.obj, "Sway", slope(y=0.5))
-    key(sway, {1: {"value": 0.0}, 20: {"value": 1.0}})
+    plate = scenes.Rig.plate()
+    sway = scenes.add_key(plate.obj, "Sway", scenes.slope(y=0.5))
+    scenes.key(sway, {1: {"value": 0.0}, 20: {"value": 1.0}})
     plate.bind("mesh_sequence")
     for frame in (1, 10):
         bpy.context.scene.frame_set(frame)
-        move_world(plate.control, Matrix.Translation((0.0, 0.0, 0.5)))
-        press(plate.obj, "key_add")
+        scenes.move_world(plate.control, Matrix.Translation((0.0, 0.0, 0.5)))
+        scenes.press(plate.obj, "key_add")
 
 
 def with_an_edit() -> None:
     with_keys()
     bpy.context.scene.frame_set(5)
-    move_world(bpy.data.objects["Plate"].sinew.active.handles[0].control, Matrix.Translation((0.0, 0.2, 0.3)))
+    scenes.move_world(
+        bpy.data.objects["Plate"].sinew.active.handles[0].control, Matrix.Translation((0.0, 0.2, 0.3))
+    )
 
 
 def with_a_preset() -> None:
     plate = lifted("thin_shell")
     for folder in bpy.utils.preset_paths("sinew/thin_shell"):
         (Path(folder) / "Undo.py").unlink(missing_ok=True)
-    press(plate.obj, "preset_add", name="Undo")
+    scenes.press(plate.obj, "preset_add", name="Undo")
     plate.deformer.parameters.stretching = 0.5
 
 
@@ -232,7 +218,7 @@ def refused_outside() -> None:
         obj.data.vertices[3].co.z = 5.0
         surround(obj, cage, "harmonic")
     cage.location.z = 0.5
-    make_active(obj)
+    scenes.make_active(obj)
 
 
 def allowed_outside() -> None:
@@ -248,7 +234,7 @@ def with_a_stroke() -> None:
 
 
 def selected(where: Callable) -> Callable[[], object]:
-    return lambda: edit(grid_object(), where)
+    return lambda: edit(scenes.grid_object(), where)
 
 
 def selected_on_a_target() -> None:
@@ -258,17 +244,17 @@ def selected_on_a_target() -> None:
 
 def with_nameless_sides() -> None:
     """A handle on the left, whose name does not say so."""
-    obj = grid_object()
+    obj = scenes.grid_object()
     left = [vertex.index for vertex in obj.data.vertices if vertex.co.x > 0.7 and vertex.co.y < -0.7]
     obj.vertex_groups.new(name="Foot").add(left, 1.0, "REPLACE")
-    add_regions(obj, "thin_shell", {"Foot": "HANDLE"})
+    scenes.add_regions(obj, "thin_shell", {"Foot": "HANDLE"})
 
 
 def with_a_bent_bone() -> None:
-    plate = Rig.plate()
-    add_armature(plate.obj).pose.bones["high"].rotation_euler.x = 1.0
+    plate = scenes.Rig.plate()
+    scenes.add_armature(plate.obj).pose.bones["high"].rotation_euler.x = 1.0
     plate.bind("thin_shell").lift()
-    make_active(plate.obj)
+    scenes.make_active(plate.obj)
 
 
 def draggable(method: str = "") -> Callable[[], None]:
@@ -283,7 +269,7 @@ FILE = {"filepath": f"{bpy.app.tempdir}undone", **FRAMES}
 GRAB = {"value": (0.0, 0.0, 0.5), "radius": 0.4}
 FRONT = Matrix.Rotation(math.radians(90.0), 4, "X")  # a camera that looks along y
 BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
-    "start_task": (grid_object, button("start_task", task="sheet")),
+    "start_task": (scenes.grid_object, button("start_task", task="sheet")),
     "use_method": (posed(), button("use_method", method="arap")),
     "deformer_add": (posed(), button("deformer_add", method="thin_shell")),
     "deformer_remove": (posed(), button("deformer_remove")),
@@ -327,13 +313,13 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "select_problems": (posed(let_regions_overlap), button("select_problems")),
     "select_distorted": (posed(), button("select_distorted")),
     "drag of a handle": (posed(), button("drag", origin=(0.0, 0.9, 5.0), value=(0.0, 0.0, -0.5))),
-    "lattice_add": (grid_object, button("lattice_add", resolution=(3, 3, 2))),
+    "lattice_add": (scenes.grid_object, button("lattice_add", resolution=(3, 3, 2))),
     "lattice_set_rest": (on("lattice"), button("lattice_set_rest")),
     "wire_add": (a_curve, button("wire_add", curve="Wire", radius=0.6)),
-    "wire_draw": (grid_object, draw_a_wire),
+    "wire_draw": (scenes.grid_object, draw_a_wire),
     "control_remove": (on("curves"), button("control_remove", index=0)),
     "control_set_rest": (on("curves"), button("control_set_rest")),
-    "tool_add": (grid_object, button("tool_add", tool="twist")),
+    "tool_add": (scenes.grid_object, button("tool_add", tool="twist")),
     "reset_pose": (posed(), button("reset_pose")),
     "reset_pose of a cage": (on("cage"), button("reset_pose")),
     "reset_pose of a lattice": (on("lattice"), button("reset_pose")),
@@ -345,8 +331,8 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "reach_drag": (on("curves"), button("reach_drag", length="radius", value=0.9)),
     "drag of a place": (posed(), button("drag", origin=(0.0, 0.0, 5.0), value=(0.0, 0.0, 0.4), places=True)),
     "tool_stop": (on("tools"), button("tool_stop")),
-    "tool_drag": (grid_object, lambda: run("tool_drag", radius=0.8, path=stroke_through(UP))),
-    "point_add": (grid_object, button("point_add", source="CURSOR")),
+    "tool_drag": (scenes.grid_object, lambda: run("tool_drag", radius=0.8, path=stroke_through(UP))),
+    "point_add": (scenes.grid_object, button("point_add", source="CURSOR")),
     "grid_new": (lambda: lifted("spline_surface"), button("grid_new")),
     "a point of the grid": (with_grid, drag_a_point),
     "morph": (two_of_one_topology, button("morph")),
@@ -356,7 +342,7 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "key_remove": (with_keys, button("key_remove", index=1)),
     "preset_apply": (with_a_preset, apply_the_preset),
     "use_template": (posed(), button("use_template", template="rubber")),
-    "try_it": (grid_object, button("try_it", rig="lines")),
+    "try_it": (scenes.grid_object, button("try_it", rig="lines")),
     "try_it beside another rig": (button("try_it", rig="limb"), button("try_it", rig="joint")),
     "try_back": (button("try_it", rig="limb"), button("try_back")),
     "control_new": (lost_control, button("control_new")),
@@ -368,7 +354,7 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
     "grab_region": (selected(centre), button("grab_region", **GRAB)),
     "grab_region on a target": (selected_on_a_target, button("grab_region", **GRAB)),
     "handle_mirror that names both sides": (with_nameless_sides, button("handle_mirror")),
-    "drag": (grid_object, draggable()),
+    "drag": (scenes.grid_object, draggable()),
     **{
         f"drag by {method}": (a_fine_grid, draggable(method))
         for method in ON_HANDLE_POINTS
@@ -381,7 +367,7 @@ BUTTONS: dict[str, tuple[Callable[[], object], Callable[[], None]]] = {
 def test_undo_and_redo_of(name: str, tmp_path: Path):
     prepare, press_it = BUTTONS[name]
     prepare()
-    push("prepared")
+    scenes.push("prepared")
     before = seen()
     press_it()
     after = seen()
@@ -395,5 +381,5 @@ def test_undo_and_redo_of(name: str, tmp_path: Path):
     if bpy.context.mode == "EDIT_MESH":
         bpy.ops.object.mode_set(mode="OBJECT")
         after = seen()
-    reopen(tmp_path / "made.blend")
+    scenes.reopen(tmp_path / "made.blend")
     assert_seen(after)

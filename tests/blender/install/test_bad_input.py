@@ -9,33 +9,23 @@ import pytest
 from inside import inner, settle
 from probe import render_points
 from registry import METHODS, WITH_HANDLES, Control
+from rigs import rig as scenes
 from rigs.cages import assert_goes_on, assert_rests, ball, box, motion_of, selected, set_rest, surround
 from rigs.kinds import BY_CONTROL
-from rigs.rig import (
-    Rig,
-    add_group,
-    add_regions,
-    close,
-    grid_object,
-    make_active,
-    press,
-    refused,
-    subdivided,
-)
 
 
-def assert_at_rest(plate: Rig) -> None:
+def assert_at_rest(plate: scenes.Rig) -> None:
     assert np.array_equal(plate.points(), plate.rest())
 
 
-def assert_lifted(plate: Rig, height: float = 0.5) -> None:
+def assert_lifted(plate: scenes.Rig, height: float = 0.5) -> None:
     """The handle followed its control, so nothing was lost."""
     assert plate.points()[plate.top, 2] == pytest.approx(height, abs=4e-6)
 
 
-def test_all_vertices_constrained(plate: Rig):
-    add_group(plate.obj, "All", lambda point: True)
-    add_regions(plate.obj, "thin_shell", {"All": "HANDLE"})
+def test_all_vertices_constrained(plate: scenes.Rig):
+    scenes.add_group(plate.obj, "All", lambda point: True)
+    scenes.add_regions(plate.obj, "thin_shell", {"All": "HANDLE"})
     plate.lift(0.5)
     assert np.abs(plate.points() - plate.rest() - (0.0, 0.0, 0.5)).max() < 4e-6
 
@@ -62,13 +52,13 @@ HOLDS = {  # the method, and how all its vertices are held: by a role, or by a g
 
 
 @pytest.mark.parametrize("what", HOLDS)
-def test_weights_above_1_count_as_1(plate: Rig, what: str):
+def test_weights_above_1_count_as_1(plate: scenes.Rig, what: str):
     """With Automatic Weights leaves weights of 1.003 behind."""
     method, hold = HOLDS[what]
-    add_group(plate.obj, "Left", lambda point: point[0] < -0.5 and abs(point[1]) < 0.5)
+    scenes.add_group(plate.obj, "Left", lambda point: point[0] < -0.5 and abs(point[1]) < 0.5)
     plate.bind(method)
     if hold.isupper():
-        press(plate.obj, "handle_add", kind=hold, vertex_group="Left")
+        scenes.press(plate.obj, "handle_add", kind=hold, vertex_group="Left")
     else:
         plate.deformer.parameters.stretching = 1.0  # so that it counts how the surface resists bends
         plate.obj.vertex_groups["Left"].add(range(len(plate.rest())), 1.0, "REPLACE")
@@ -81,12 +71,12 @@ def test_weights_above_1_count_as_1(plate: Rig, what: str):
         weigh(plate.obj, "Left", weight)
         for _ in range(2):
             assert plate.deformer.status_level == "INFO", plate.deformer.status
-            assert close(plate.points(), before)
-            assert close(render_points(plate.obj), before)
-            press(plate.obj, "bind")
+            assert scenes.close(plate.points(), before)
+            assert scenes.close(render_points(plate.obj), before)
+            scenes.press(plate.obj, "bind")
 
 
-def test_zero_area_mesh(plate: Rig):
+def test_zero_area_mesh(plate: scenes.Rig):
     for vertex in plate.obj.data.vertices:
         vertex.co = (vertex.co.y, 0.0, 0.0)
     plate.bind()
@@ -100,8 +90,8 @@ def test_zero_area_mesh(plate: Rig):
 
 @pytest.mark.parametrize("method", WITH_HANDLES)
 @pytest.mark.parametrize("value", [float("nan"), float("inf")])
-def test_not_finite_coordinates_are_counted_and_the_rest_works(plate: Rig, method: str, value: float):
-    reference = Rig(grid_object("Reference")).bind(method)
+def test_not_finite_coordinates_are_counted_and_the_rest_works(plate: scenes.Rig, method: str, value: float):
+    reference = scenes.Rig(scenes.grid_object("Reference")).bind(method)
     reference.lift(0.5)
     plate.obj.data.vertices[60].co.z = value
     plate.bind(method)
@@ -119,7 +109,7 @@ def test_not_finite_coordinates_are_counted_and_the_rest_works(plate: Rig, metho
     np.testing.assert_allclose(plate.points(), reference.points(), atol=1e-5)
 
 
-def test_control_scaled_to_zero_flattens_its_region_only_and_a_target_says_so(plate: Rig):
+def test_control_scaled_to_zero_flattens_its_region_only_and_a_target_says_so(plate: scenes.Rig):
     plate.bind()
     plate.control.scale = (0.0, 0.0, 0.0)
     points = plate.points()
@@ -135,7 +125,7 @@ def test_control_scaled_to_zero_flattens_its_region_only_and_a_target_says_so(pl
     assert plate.deformer.status_level == "INFO"
 
 
-def test_cancel_in_the_middle_of_a_bind(plate: Rig):
+def test_cancel_in_the_middle_of_a_bind(plate: scenes.Rig):
     plate.bind().lift(0.5)
     stages = []
 
@@ -149,11 +139,13 @@ def test_cancel_in_the_middle_of_a_bind(plate: Rig):
     assert_at_rest(plate)
     assert plate.deformer.status_level == "ERROR"
     assert len(plate.deformer.handles) == 2
-    press(plate.obj, "bind")
+    scenes.press(plate.obj, "bind")
     assert_lifted(plate)
 
 
-def test_what_the_artist_does_without_the_native_module_is_kept(plate: Rig, monkeypatch: pytest.MonkeyPatch):
+def test_what_the_artist_does_without_the_native_module_is_kept(
+    plate: scenes.Rig, monkeypatch: pytest.MonkeyPatch
+):
     """What is seen and said then: ``test_event_files``."""
     plate.bind().lift(0.5)
     before = plate.points()
@@ -161,27 +153,27 @@ def test_what_the_artist_does_without_the_native_module_is_kept(plate: Rig, monk
     monkeypatch.setattr(inner.binding, "availability", lambda: missing)
     inner.sessions.find(plate.deformer.uid).bound = None
     plate.lift(0.25)
-    add_group(plate.obj, "Side", lambda point: abs(point[1]) < 0.1)
-    press(plate.obj, "handle_add", kind="FIXED", vertex_group="Side")  # with a warning
+    scenes.add_group(plate.obj, "Side", lambda point: abs(point[1]) < 0.1)
+    scenes.press(plate.obj, "handle_add", kind="FIXED", vertex_group="Side")  # with a warning
     assert "native module is missing" in plate.deformer.status
     assert len(plate.deformer.handles) == 3
     assert np.array_equal(plate.points(), before)
     monkeypatch.undo()
-    press(plate.obj, "bind")
+    scenes.press(plate.obj, "bind")
     assert plate.deformer.status_level == "INFO"
     assert_lifted(plate, 0.75)
 
 
 @pytest.mark.parametrize(("method", "painted"), [("arap", "rigidity"), ("thin_shell", "bending")])
-def test_a_painted_number_that_is_none_is_named_and_mended(plate: Rig, method: str, painted: str):
+def test_a_painted_number_that_is_none_is_named_and_mended(plate: scenes.Rig, method: str, painted: str):
     plate.bind(method)
     plate.lift(0.5)
-    add_group(plate.obj, "Paint", lambda _point: True)
+    scenes.add_group(plate.obj, "Paint", lambda _point: True)
     group = plate.obj.vertex_groups["Paint"]
     group.add([60], float("nan"), "REPLACE")
     setattr(plate.deformer.parameters, f"{painted}_group", "Paint")
-    make_active(plate.obj)
-    refused(f"{painted}: values at vertices 60 are not finite", "bind")
+    scenes.make_active(plate.obj)
+    scenes.refused(f"{painted}: values at vertices 60 are not finite", "bind")
     assert plate.deformer.status_level == "ERROR"
     assert np.isfinite(plate.points()).all()
     assert selected(plate.obj, "vertex")[1] == {60}
@@ -204,7 +196,7 @@ def test_a_bind_above_the_limit_names_both_sizes_and_waits_for_a_higher_one(pref
     rig = kind.large(cells=180) if method.is_space and method.control is Control.HANDLES else kind.large()
     rig.attach(method.id)
     obj = rig.obj
-    refused(r"needs [\d.]+ MB, the memory limit is 0\.1 MB", "bind", obj)
+    scenes.refused(r"needs [\d.]+ MB, the memory limit is 0\.1 MB", "bind", obj)
     said = status.current(obj.sinew.active.uid)
     assert (said.level, said.remedy) == (status.Level.ERROR, status.Remedy.PREFERENCES)
     (needed,) = re.findall(r"needs ([\d.]+) MB, the memory limit is 0\.1 MB: raise the limit", said.text)
@@ -212,7 +204,7 @@ def test_a_bind_above_the_limit_names_both_sizes_and_waits_for_a_higher_one(pref
     rig.lift(0.5)
     assert_rests(obj)
     preferences.memory_limit = 1.0
-    press(obj, "bind")
+    scenes.press(obj, "bind")
     assert motion_of(obj)[:, 2].max() == pytest.approx(0.5, abs=OVERSHOT)
     preferences.memory_limit = LIMIT
     rig.lift(0.5)
@@ -223,9 +215,9 @@ def test_a_finer_cage_above_the_limit_is_refused_until_it_is_coarse_again(prefer
     target, cage = ball(), box()
     deformer = surround(target, cage)
     preferences.memory_limit = LIMIT / 2
-    smoother = subdivided(cage, 3, 3)
+    smoother = scenes.subdivided(cage, 3, 3)
     smoother.subdivision_type = "SIMPLE"
-    refused("memory limit", "cage_set_rest", target)
+    scenes.refused("memory limit", "cage_set_rest", target)
     assert_rests(target)
     assert inner.status.current(deformer.uid).remedy.name == "PREFERENCES"
     cage.modifiers.clear()

@@ -11,25 +11,10 @@ import pytest
 from editing import edit, selection
 from inside import inner
 from registry import BY_ID, METHODS
+from rigs import rig as scenes
 from rigs.cages import ball, box, surround
 from rigs.point_objects import text
 from rigs.puppets import figure
-from rigs.rig import (
-    Rig,
-    add_armature,
-    curves_of,
-    grid_object,
-    in_pose_mode,
-    key_heights,
-    linked,
-    make_active,
-    members,
-    new_empty,
-    push,
-    refused,
-    subdivided,
-    update,
-)
 from rigs.rig_of_curves import polyline
 from rigs.sheet import WIDE, DrawContext, Sheet, draw
 
@@ -42,34 +27,34 @@ def far_side(point) -> bool:
 
 
 def grid_in_edit_mode() -> None:
-    edit(grid_object(), far_side)
+    edit(scenes.grid_object(), far_side)
 
 
 def posed_by_bones() -> None:
-    obj = grid_object()
-    add_armature(obj)
-    subdivided(obj)
-    make_active(obj)
+    obj = scenes.grid_object()
+    scenes.add_armature(obj)
+    scenes.subdivided(obj)
+    scenes.make_active(obj)
 
 
 def in_pose_mode_of_bones() -> None:
     posed_by_bones()
-    in_pose_mode(bpy.data.objects["Rig"], "high", bpy.data.objects["Plate"])
+    scenes.in_pose_mode(bpy.data.objects["Rig"], "high", bpy.data.objects["Plate"])
 
 
 def with_another(make: Callable[[], bpy.types.Object]) -> Callable[[], None]:
     """The plate is active, and what ``make`` makes is selected, too."""
 
     def prepare() -> None:
-        obj = grid_object()
-        make_active(obj, make())
+        obj = scenes.grid_object()
+        scenes.make_active(obj, make())
 
     return prepare
 
 
 def caged() -> None:
     cage = box()
-    make_active(ball(), cage)
+    scenes.make_active(ball(), cage)
 
 
 def body() -> bpy.types.Object:
@@ -83,13 +68,13 @@ def body() -> bpy.types.Object:
 def puppet(active: str) -> Callable[[], None]:
     def prepare() -> None:
         armature, mesh = figure(), body()
-        make_active(*((mesh, armature) if active == "mesh" else (armature, mesh)))
+        scenes.make_active(*((mesh, armature) if active == "mesh" else (armature, mesh)))
 
     return prepare
 
 
 def keyed() -> None:
-    obj = grid_object()
+    obj = scenes.grid_object()
     obj.shape_key_add(name="Basis")
     raised = obj.shape_key_add(name="Raised")
     raised.data[0].co.z = 1.0
@@ -97,34 +82,39 @@ def keyed() -> None:
 
 
 def letters() -> None:
-    make_active(text())
+    scenes.make_active(text())
 
 
 def twin(points: int = 10) -> Callable[[], bpy.types.Object]:
-    return lambda: grid_object("Twin", points)
+    return lambda: scenes.grid_object("Twin", points)
 
 
 # By the task: the scene, and of the deformer that it makes the name, the method, and what moves it
 STARTS = {
-    "limb": (grid_object, ("Limb", "arap", set())),
+    "limb": (scenes.grid_object, ("Limb", "arap", set())),
     "limb of a selection": (grid_in_edit_mode, ("Limb", "arap", {"HANDLE"})),
     "joint": (posed_by_bones, ("Joint", "arap", set())),
     "joint in Pose Mode": (in_pose_mode_of_bones, ("Joint", "arap", set())),
-    "sheet": (grid_object, ("Sheet", "thin_shell", {"FIXED"})),
+    "sheet": (scenes.grid_object, ("Sheet", "thin_shell", {"FIXED"})),
     "sheet of a selection": (grid_in_edit_mode, ("Sheet", "thin_shell", {"FIXED", "HANDLE"})),
     "sheet of a closed body": (ball, ("Sheet", "thin_shell", set())),
     "box": (ball, ("Box", "ffd", {"LATTICE"})),
     "box of a selected lattice": (
-        with_another(lambda: linked(bpy.data.objects.new("Lattice", bpy.data.lattices.new("Lattice")))),
+        with_another(
+            lambda: scenes.linked(bpy.data.objects.new("Lattice", bpy.data.lattices.new("Lattice")))
+        ),
         ("Box", "ffd", {"LATTICE"}),
     ),
     "cage": (ball, ("Cage", "mean_value", {"MESH"})),
     "cage of a selected mesh": (caged, ("Cage", "mean_value", {"MESH"})),
     "parts": (letters, ("Parts", "mls", set())),
-    "parts of selected empties": (with_another(lambda: new_empty("Empty")), ("Parts", "mls", {"HANDLE"})),
+    "parts of selected empties": (
+        with_another(lambda: scenes.new_empty("Empty")),
+        ("Parts", "mls", {"HANDLE"}),
+    ),
     "lines": (with_another(lambda: polyline(LINE, "Wire")), ("Brows", "wires", {"CURVE"})),
     "lines of selected edges": (grid_in_edit_mode, ("Brows", "wires", {"CURVE"})),
-    "clay": (grid_object, ("Clay", "vector_field", {"EMPTY"})),
+    "clay": (scenes.grid_object, ("Clay", "vector_field", {"EMPTY"})),
     "figure": (puppet("mesh"), ("Figure", "mesh_puppetry", {"HANDLE"})),
     "figure of an active armature": (puppet("armature"), ("Figure", "mesh_puppetry", {"HANDLE"})),
     "animation": (keyed, ("Animation", "mesh_sequence", set())),
@@ -150,7 +140,7 @@ def test_a_task_starts_on_a_fresh_object(name: str):
     prepare, made = STARTS[name]
     prepare()
     assert start(name) == {"FINISHED"}
-    update()
+    scenes.update()
     if made is None:
         assert not [obj for obj in bpy.data.objects if obj.sinew.deformers], "nothing stays behind"
         return
@@ -172,7 +162,7 @@ def test_a_task_starts_with_each_of_its_methods(task):
         prepare()
         assert start(task.id, method=method) == {"FINISHED"}
         assert target().sinew.active.method == method
-    refused("has no method 'nonsense'", "start_task", None, task=task.id, method="nonsense")
+    scenes.refused("has no method 'nonsense'", "start_task", None, task=task.id, method="nonsense")
 
 
 @pytest.mark.parametrize("task", ["joint", "limb", "sheet"])
@@ -197,8 +187,8 @@ def test_the_border_of_a_sheet_holds_still_but_for_what_is_pulled():
     start("sheet")
     obj = target()
     held = {handle.kind: handle.vertex_group for handle in obj.sinew.active.handles}
-    assert np.array_equal(members(obj, held["HANDLE"]), np.flatnonzero(chosen))
-    assert len(members(obj, held["FIXED"])) == 40 - chosen.sum(), "the border has 40 vertices"
+    assert np.array_equal(scenes.members(obj, held["HANDLE"]), np.flatnonzero(chosen))
+    assert len(scenes.members(obj, held["FIXED"])) == 40 - chosen.sum(), "the border has 40 vertices"
 
 
 @pytest.mark.parametrize(
@@ -208,14 +198,14 @@ def test_the_border_of_a_sheet_holds_still_but_for_what_is_pulled():
 def test_a_lattice_has_more_points_where_it_is_longer(sides: tuple, counts: tuple):
     obj = box("Box")
     obj.scale = sides
-    make_active(obj)
+    scenes.make_active(obj)
     start("box")
     data = target().sinew.active.controls[0].object.data
     assert (data.points_u, data.points_v, data.points_w) == counts
 
 
 def test_a_box_takes_all_that_is_selected():
-    make_active(ball("One"), ball("Two"))
+    scenes.make_active(ball("One"), ball("Two"))
     start("box")
     assert all(bpy.data.objects[name].sinew.active.method == "ffd" for name in ("One", "Two"))
 
@@ -237,29 +227,32 @@ def test_groups_that_overlap_all_over_give_way_to_new_ones():
 
 def test_a_mesh_that_does_not_enclose_is_no_cage():
     aside = box(size=1.0)
-    make_active(ball(), aside)
+    scenes.make_active(ball(), aside)
     start("cage")
     assert target().sinew.active.cage != aside
 
 
 def test_started_twice_before_anything_is_held_there_is_one_deformer():
-    grid_object()
+    scenes.grid_object()
     start("limb")
-    make_active(target())
+    scenes.make_active(target())
     start("limb")
     assert len(target().sinew.deformers) == 1
 
 
 REFUSALS = {
     "limb": (letters, "Needs a surface: this is a text - use Move Loose Parts"),
-    "limb without a selection": (lambda: edit(grid_object(), lambda _point: False), "Select the vertices"),
-    "joint": (grid_object, "Nothing moves this mesh yet"),
+    "limb without a selection": (
+        lambda: edit(scenes.grid_object(), lambda _point: False),
+        "Select the vertices",
+    ),
+    "joint": (scenes.grid_object, "Nothing moves this mesh yet"),
     "sheet": (letters, "Needs a surface"),
-    "box": (lambda: make_active(new_empty("Empty")), "Select a mesh object"),
+    "box": (lambda: scenes.make_active(scenes.new_empty("Empty")), "Select a mesh object"),
     "lines": (letters, "Needs a curve - select it, and then Text"),
-    "figure": (grid_object, "Needs an armature - select one together with Plate"),
-    "animation": (grid_object, "Nothing before Sinew is keyed or cached"),
-    "morph": (grid_object, "Select the mesh to morph to, and then Plate"),
+    "figure": (scenes.grid_object, "Needs an armature - select one together with Plate"),
+    "animation": (scenes.grid_object, "Nothing before Sinew is keyed or cached"),
+    "morph": (scenes.grid_object, "Select the mesh to morph to, and then Plate"),
     "morph to another mesh": (with_another(twin(11)), "Twin has 23 vertices more than Plate"),
     "once": (letters, "Needs a surface"),
 }
@@ -270,7 +263,7 @@ def test_a_task_that_cannot_start_is_grey_and_says_why(name: str):
     prepare, said = REFUSALS[name]
     prepare()
     task = inner.tasks.TASK_BY_ID[name.split()[0]]
-    refused(said, "start_task", None, task=task.id)
+    scenes.refused(said, "start_task", None, task=task.id)
     properties = SimpleNamespace(task=task.id, method="")
     tooltip = bpy.types.SINEW_OT_start_task.description(bpy.context, properties)
     assert tooltip.startswith(said.split(" - ")[0])
@@ -281,10 +274,10 @@ def test_a_task_that_cannot_start_is_grey_and_says_why(name: str):
 
 
 def test_in_sculpt_mode_every_task_says_so():
-    grid_object()
+    scenes.grid_object()
     bpy.ops.object.mode_set(mode="SCULPT")
     for task in TASKS:
-        refused("Leave Sculpt Mode first", "start_task", None, task=task.id)
+        scenes.refused("Leave Sculpt Mode first", "start_task", None, task=task.id)
 
 
 def shown(name: str, search: str = "") -> Sheet:
@@ -307,7 +300,7 @@ HANDLE_METHODS = [method for task in HANDLE_TASKS for method in task.methods if 
 
 
 def test_the_browser_has_a_cell_for_each():
-    Rig.plate().bind("arap")
+    scenes.Rig.plate().bind("arap")
     wanted = {"all_tasks": [task.label for task in TASKS]}
     wanted["choose_method"] = [BY_ID[method].label for method in HANDLE_METHODS]
     for (name, expected), wide in zip(wanted.items(), (114, 83), strict=True):
@@ -319,14 +312,14 @@ def test_the_browser_has_a_cell_for_each():
 def test_cages_show_the_cages_and_a_lattice_has_nothing_to_choose():
     surround(ball(), box())
     assert labels("choose_method") == ["Quick Cage", "Split Cage", "Limb Cage", "Detail Cage"]
-    make_active(grid_object())
+    scenes.make_active(scenes.grid_object())
     assert not bpy.ops.sinew.choose_method.poll()
     start("box")
     assert not bpy.ops.sinew.choose_method.poll()
 
 
 def test_the_card_tells_all_about_the_chosen_one():
-    Rig.plate().bind("arap")
+    scenes.Rig.plate().bind("arap")
     card = shown("SINEW_OT_all_tasks")
     assert [what.page for name, what in card.operators() if name == "sinew.help"] == ["methods/arap"]
     said = card.texts()
@@ -346,33 +339,33 @@ def test_the_card_tells_all_about_the_chosen_one():
     [("soft selection", "Rigid Points"), ("DELTA mush", "Correct a Joint"), ("outline", None)],
 )
 def test_the_search_shows_what_is_found(words: str, first: str | None):
-    grid_object()
+    scenes.grid_object()
     said = shown("SINEW_OT_all_tasks", words).texts()
     assert first in labels("all_tasks", words) if first else "Nothing found" in said
 
 
 def test_the_search_among_methods_finds_only_those_that_can_be_used():
-    Rig.plate().bind("arap")
+    scenes.Rig.plate().bind("arap")
     assert "Wires" not in labels("choose_method", "face")
     assert "Smooth Points" in labels("choose_method", "face")
 
 
-def state(plate: Rig) -> tuple:
+def state(plate: scenes.Rig) -> tuple:
     """Its handles, where their controls are and their keys."""
     rows = [
         (row.name, row.kind, row.vertex_group, row.control and row.control.name)
         for row in plate.deformer.handles
     ]
-    return rows, [tuple(line) for line in plate.control.matrix_world], len(curves_of(plate.control))
+    return rows, [tuple(line) for line in plate.control.matrix_world], len(scenes.curves_of(plate.control))
 
 
 def test_switching_keeps_handles_poses_and_keys():
-    plate = Rig.plate(cells=12)
+    plate = scenes.Rig.plate(cells=12)
     plate.obj.data.uv_layers.new()
     plate.bind("arap")
     assert len(HANDLE_METHODS) == 20
-    key_heights(plate.control, {1: 0.4, 9: 0.5})
-    make_active(plate.obj)
+    scenes.key_heights(plate.control, {1: 0.4, 9: 0.5})
+    scenes.make_active(plate.obj)
     before = state(plate)
     for method in HANDLE_METHODS[1:] + HANDLE_METHODS[:1]:
         assert bpy.ops.sinew.use_method(method=method) == {"FINISHED"}
@@ -383,8 +376,8 @@ def test_switching_keeps_handles_poses_and_keys():
 
 
 def test_details_stay_kept_where_another_method_is_chosen():
-    plate = Rig.plate().bind("multiresolution")
-    make_active(plate.obj)
+    plate = scenes.Rig.plate().bind("multiresolution")
+    scenes.make_active(plate.obj)
     for method, kept in (("arap", "multiresolution"), ("mls", "multiresolution_space")):
         bpy.ops.sinew.use_method(method=method)
         assert (plate.deformer.method, plate.deformer.parameters.base) == (kept, method)
@@ -398,18 +391,18 @@ def test_methods_that_cannot_be_used_are_grey_and_say_why():
     greyed = {text for text, enabled in shown("SINEW_OT_choose_method").buttons if not enabled}
     assert "Soft Sheet" in greyed
     assert "Smooth Points" not in greyed
-    refused("Needs a surface: this is a text", "use_method", None, method="arap")
-    make_active(grid_object(), new_empty("Empty"))
+    scenes.refused("Needs a surface: this is a text", "use_method", None, method="arap")
+    scenes.make_active(scenes.grid_object(), scenes.new_empty("Empty"))
     start("parts")
-    refused("Needs regions", "use_method", None, method="arap")
-    Rig.plate().bind("arap")
-    refused("Needs a UV map", "use_method", None, method="spline_surface")
+    scenes.refused("Needs regions", "use_method", None, method="arap")
+    scenes.Rig.plate().bind("arap")
+    scenes.refused("Needs a UV map", "use_method", None, method="spline_surface")
 
 
 def test_a_click_on_a_method_is_one_step_back():
-    plate = Rig.plate().bind("arap")
-    make_active(plate.obj)
-    push("bound")
+    plate = scenes.Rig.plate().bind("arap")
+    scenes.make_active(plate.obj)
+    scenes.push("bound")
     for method in ("thin_shell", "mls"):
         bpy.ops.sinew.use_method("EXEC_DEFAULT", True, method=method)
     for method in ("thin_shell", "arap"):
@@ -432,7 +425,7 @@ def entries(menu: type, path: tuple[str, ...] = ()) -> list[tuple[str, object, t
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
 def test_no_label_is_there_twice(mode: str):
-    grid_object()  # without vertex groups, whose names are in menus
+    scenes.grid_object()  # without vertex groups, whose names are in menus
     start("limb")
     bpy.ops.object.mode_set(mode=mode)
     times = Counter(label for label, _settings, _path in entries(bpy.types.SINEW_MT_object))
@@ -440,7 +433,7 @@ def test_no_label_is_there_twice(mode: str):
 
 
 def test_every_word_stands_in_a_label():
-    grid_object()
+    scenes.grid_object()
     known = [
         (" ".join((*path, label)).lower(), settings)
         for label, settings, path in entries(bpy.types.SINEW_MT_object)

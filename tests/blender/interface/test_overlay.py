@@ -12,19 +12,8 @@ import numpy as np
 import pytest
 from inside import OPACITY, inner
 from mathutils import Color, Matrix
+from rigs import rig as scenes
 from rigs.cages import ball, box, mean_value, set_rest, surround
-from rigs.rig import (
-    Rig,
-    add_group,
-    add_regions,
-    base_points,
-    in_mode,
-    move_world,
-    new_empty,
-    press,
-    refused,
-    update,
-)
 
 SLACK = 1e-4  # a fortieth of what a screen can show; Blender's own conversion is a fast approximation
 KINDS = ("REGIONS", "WEIGHT", "PARAMETER", "MASK", "CAGE", "GRID", "BANDS", "GRAPH", "DISTORTION")
@@ -51,7 +40,7 @@ def on_screen(linear) -> np.ndarray:
     return np.array(Color(linear).from_scene_linear_to_srgb())
 
 
-def colour_of(plate: Rig) -> np.ndarray:
+def colour_of(plate: scenes.Rig) -> np.ndarray:
     return on_screen(plate.deformer.handles[0].colour)
 
 
@@ -89,12 +78,12 @@ def others(*groups: np.ndarray) -> np.ndarray:
     ],
 )
 def test_grids_and_graphs_move_with_the_handles(
-    paint, plate: Rig, method: str, kind: str, flat: float, none: str
+    paint, plate: scenes.Rig, method: str, kind: str, flat: float, none: str
 ):
     plate.bind(method)
     if kind == "GRID":
         plate.deformer.parameters.columns, plate.deformer.parameters.rows = 7, 5
-        update()
+        scenes.update()
 
     def points() -> np.ndarray:
         """The middle of the bead of each node; beads come after the bars."""
@@ -118,10 +107,10 @@ def test_grids_and_graphs_move_with_the_handles(
     assert paint(plate.obj, overlay=kind).legend.note == none
 
 
-def test_bands_lie_between_the_handles(paint, plate: Rig):
+def test_bands_lie_between_the_handles(paint, plate: scenes.Rig):
     plate.bind("handle_aware_isolines")
     plate.deformer.parameters.bands = 8
-    update()
+    scenes.update()
     picture = paint(plate.obj, overlay="BANDS")
     count = int(picture.legend.note.split()[0])
     assert 5 <= count <= 8  # four around each handle, some of which may have no vertex
@@ -133,7 +122,7 @@ def test_bands_lie_between_the_handles(paint, plate: Rig):
     assert paint(plate.obj, overlay="BANDS").legend.note == "Soft Sheet has no bands"
 
 
-def test_regions_have_their_colours_on_the_whole_mesh(paint, bound_plate: Rig):
+def test_regions_have_their_colours_on_the_whole_mesh(paint, bound_plate: scenes.Rig):
     """Where one ends its colour goes on without cover, else the faces around it would fade to black."""
     picture = paint(bound_plate.obj, overlay="REGIONS")
     assert picture.colours.dtype == picture.points.dtype == np.float32
@@ -151,31 +140,31 @@ def test_regions_have_their_colours_on_the_whole_mesh(paint, bound_plate: Rig):
     assert areas.sum() == pytest.approx(4.0)
 
 
-def test_soft_weights_fade(paint, plate: Rig):
+def test_soft_weights_fade(paint, plate: scenes.Rig):
     for x, weight in ((-1.0, 0.25), (1.0, 0.5)):
         half = [int(v) for v in plate.top if plate.rest()[v, 0] * x > 0.0]
         plate.obj.vertex_groups["Top"].add(half, weight, "REPLACE")
     plate.bind()
     plate.deformer.handles[0].weight = 0.8
-    update()
+    scenes.update()
     x = plate.rest()[plate.top, 0]
     amount = OPACITY * 0.8 * np.where(x < -1e-6, 0.25, np.where(x > 1e-6, 0.5, 1.0))
     assert_covers(paint(plate.obj, overlay="REGIONS"), plate.top, colour_of(plate), amount)
 
 
-def test_around_a_support_is_fixed(paint, plate: Rig):
-    soft = add_group(plate.obj, "Soft", lambda point: point[1] > -0.3)
+def test_around_a_support_is_fixed(paint, plate: scenes.Rig):
+    soft = scenes.add_group(plate.obj, "Soft", lambda point: point[1] > -0.3)
     plate.bind(fixed=False)
-    press(plate.obj, "handle_add", kind="SUPPORT", vertex_group="Soft")
+    scenes.press(plate.obj, "handle_add", kind="SUPPORT", vertex_group="Soft")
     picture = paint(plate.obj, overlay="REGIONS")
     assert_covers(picture, others(soft), chosen("overlay_fixed"))
     assert not covered(picture)[np.setdiff1d(soft, plate.top)].any()
 
 
-def test_what_the_mask_hides_is_dark(paint, bound_plate: Rig):
-    left = add_group(bound_plate.obj, "Left", lambda point: point[0] < 0.0)
+def test_what_the_mask_hides_is_dark(paint, bound_plate: scenes.Rig):
+    left = scenes.add_group(bound_plate.obj, "Left", lambda point: point[0] < 0.0)
     bound_plate.deformer.mask_group = "Left"
-    update()
+    scenes.update()
     picture = paint(bound_plate.obj, overlay="REGIONS")
     dark = np.array(inner.overlay_colours.HIDDEN)
     assert_covers(picture, others(left), dark)
@@ -187,7 +176,7 @@ def test_what_the_mask_hides_is_dark(paint, bound_plate: Rig):
     assert mask.legend.note == "Painted by Left"
 
 
-def test_weight_of_the_active_handle(paint, bound_plate: Rig):
+def test_weight_of_the_active_handle(paint, bound_plate: scenes.Rig):
     bound_plate.deformer.active_handle = 1
     picture = paint(bound_plate.obj, overlay="WEIGHT")
     assert_covers(picture, bound_plate.base, scale(1.0))
@@ -197,11 +186,11 @@ def test_weight_of_the_active_handle(paint, bound_plate: Rig):
     assert_covers(paint(bound_plate.obj), bound_plate.top, scale(1.0))
 
 
-def test_painted_parameter_and_its_numbers(paint, plate: Rig):
-    firm = add_group(plate.obj, "Firm", lambda point: point[0] < 0.0)
+def test_painted_parameter_and_its_numbers(paint, plate: scenes.Rig):
+    firm = scenes.add_group(plate.obj, "Firm", lambda point: point[0] < 0.0)
     plate.bind("arap")
     plate.deformer.arap.rigidity, plate.deformer.arap.rigidity_group = 0.5, "Firm"
-    update()
+    scenes.update()
     picture = paint(plate.obj, overlay="PARAMETER", parameter="rigidity")
     assert picture.legend.title == "Rigidity"
     assert ticks(picture) == ["0", "0.125", "0.25", "0.375", "0.5"]
@@ -212,7 +201,7 @@ def test_painted_parameter_and_its_numbers(paint, plate: Rig):
     assert other.legend.title == "Rigidity"
 
 
-def test_a_parameter_of_zero_is_zero_everywhere(paint, bound_plate: Rig):
+def test_a_parameter_of_zero_is_zero_everywhere(paint, bound_plate: scenes.Rig):
     bound_plate.deformer.thin_shell.stretching = 0.0
     picture = paint(bound_plate.obj, overlay="PARAMETER", parameter="stretching")
     assert np.abs(picture.colours[:, :3] - scale(0.0)).max() < SLACK
@@ -220,21 +209,21 @@ def test_a_parameter_of_zero_is_zero_everywhere(paint, bound_plate: Rig):
     assert picture.legend.note == "The same everywhere"
 
 
-def test_weights_painted_later_show_when_the_mesh_is_tagged(paint, bound_plate: Rig):
+def test_weights_painted_later_show_when_the_mesh_is_tagged(paint, bound_plate: scenes.Rig):
     bound_plate.deformer.mask_group = "Later"
-    update()
+    scenes.update()
     assert paint(bound_plate.obj, overlay="MASK").legend.note == "No mask: shown everywhere"
-    add_group(bound_plate.obj, "Later", lambda point: point[0] < 0.0)
+    scenes.add_group(bound_plate.obj, "Later", lambda point: point[0] < 0.0)
     bound_plate.obj.data.update_tag()
-    update()
+    scenes.update()
     assert paint(bound_plate.obj).legend.note == "Painted by Later"
 
 
-def stretched_plate(plate: Rig, *factors: float) -> bpy.types.Object:
+def stretched_plate(plate: scenes.Rig, *factors: float) -> bpy.types.Object:
     """All of the plate is one handle, scaled."""
-    add_group(plate.obj, "All", lambda point: True)
-    add_regions(plate.obj, "thin_shell", {"All": "HANDLE"})
-    move_world(plate.control, Matrix.Diagonal((*factors, 1.0)))
+    scenes.add_group(plate.obj, "All", lambda point: True)
+    scenes.add_regions(plate.obj, "thin_shell", {"All": "HANDLE"})
+    scenes.move_world(plate.control, Matrix.Diagonal((*factors, 1.0)))
     return plate.obj
 
 
@@ -249,7 +238,7 @@ def stretched_plate(plate: Rig, *factors: float) -> bpy.types.Object:
         ("DIRICHLET", (4.0, 4.0, 1.0), "overlay_stretched"),
     ],
 )
-def test_distortion_has_full_colour_at_the_range(paint, plate: Rig, measure, factors, end):
+def test_distortion_has_full_colour_at_the_range(paint, plate: scenes.Rig, measure, factors, end):
     obj = stretched_plate(plate, *factors)
     picture = paint(obj, overlay="DISTORTION", measure=measure, distortion_range=2.0)
     assert_covers(picture, slice(None), chosen(end))
@@ -257,25 +246,25 @@ def test_distortion_has_full_colour_at_the_range(paint, plate: Rig, measure, fac
     assert ticks(picture)[0] == ("0.5" if measure in ("STRETCH", "AREA") else "1")
 
 
-def test_without_distortion_all_is_neutral(paint, plate: Rig):
+def test_without_distortion_all_is_neutral(paint, plate: scenes.Rig):
     obj = stretched_plate(plate, 1.0, 1.0, 1.0)
-    move_world(plate.control, Matrix.Translation((1.0, 2.0, 3.0)) @ Matrix.Rotation(0.7, 4, "X"))
+    scenes.move_world(plate.control, Matrix.Translation((1.0, 2.0, 3.0)) @ Matrix.Rotation(0.7, 4, "X"))
     neutral = np.array(inner.overlay_colours.NEUTRAL)
     for measure in ("STRETCH", "AREA", "ANGLE", "DIRICHLET"):
         picture = paint(obj, overlay="DISTORTION", measure=measure)
         assert np.abs(picture.colours[:, :3] - neutral).max() < 0.01
 
 
-def test_factor_and_mask_lessen_the_distortion(paint, plate: Rig):
+def test_factor_and_mask_lessen_the_distortion(paint, plate: scenes.Rig):
     obj = stretched_plate(plate, 3.0, 1.0, 1.0)
     plate.deformer.factor = 0.5
-    update()
+    scenes.update()
     paint(obj, overlay="DISTORTION", measure="STRETCH")
     found = inner.result.measured(obj, plate.deformer, inner.distortion.Measure.STRETCH)
     assert np.allclose(found.values, 2.0, atol=1e-5)
 
 
-def test_the_picture_lies_on_what_blender_shows(paint, bound_plate: Rig):
+def test_the_picture_lies_on_what_blender_shows(paint, bound_plate: scenes.Rig):
     smooth = bound_plate.obj.modifiers.new("Smooth", "SMOOTH")
     smooth.factor, smooth.iterations = 0.5, 3
     bound_plate.lift()
@@ -284,7 +273,7 @@ def test_the_picture_lies_on_what_blender_shows(paint, bound_plate: Rig):
     assert np.array_equal(bound_plate.points(), paint(bound_plate.obj).points)
 
 
-def test_a_subdivision_below_is_covered_smoothly(paint, bound_plate: Rig):
+def test_a_subdivision_below_is_covered_smoothly(paint, bound_plate: scenes.Rig):
     bound_plate.lift()
     coarse = covered(paint(bound_plate.obj, overlay="REGIONS"))
     bound_plate.obj.modifiers.new("Subdivision", "SUBSURF").levels = 2
@@ -299,7 +288,7 @@ def test_a_subdivision_below_is_covered_smoothly(paint, bound_plate: Rig):
     assert (beyond[:, 3] <= OPACITY + SLACK).all()
 
 
-def test_copies_have_the_colours_of_their_origin(paint, bound_plate: Rig):
+def test_copies_have_the_colours_of_their_origin(paint, bound_plate: scenes.Rig):
     array = bound_plate.obj.modifiers.new("Array", "ARRAY")
     array.count, array.relative_offset_displace = 3, (1.5, 0.0, 0.0)
     bound_plate.lift(0.5)
@@ -310,56 +299,58 @@ def test_copies_have_the_colours_of_their_origin(paint, bound_plate: Rig):
 
 
 @pytest.mark.parametrize("where", ["Remesh", "Edit Mode"])
-def test_the_deformers_own_shape_is_covered_where_blender_shows_another(paint, bound_plate: Rig, where: str):
+def test_the_deformers_own_shape_is_covered_where_blender_shows_another(
+    paint, bound_plate: scenes.Rig, where: str
+):
     """The order of vertices is lost, or the mesh that is edited is not the one that is shown."""
     bound_plate.lift(0.5)
     own = bound_plate.points()
     if where == "Remesh":
         bound_plate.obj.modifiers.new("Remesh", "REMESH")
-        update()
+        scenes.update()
         picture = paint(bound_plate.obj, overlay="REGIONS")
         assert np.abs(picture.points - own).max() < SLACK
     else:
-        with in_mode(bound_plate.obj):
-            update()
+        with scenes.in_mode(bound_plate.obj):
+            scenes.update()
             picture = paint(bound_plate.obj, overlay="REGIONS")
         assert np.array_equal(picture.points, own)
     assert covered(picture)[bound_plate.top, 3].all()
 
 
-def test_a_mesh_that_lost_vertices_has_no_overlay_until_bound_again(paint, bound_plate: Rig):
+def test_a_mesh_that_lost_vertices_has_no_overlay_until_bound_again(paint, bound_plate: scenes.Rig):
     bound_plate.lift(0.5)
-    with in_mode(bound_plate.obj):
+    with scenes.in_mode(bound_plate.obj):
         bpy.ops.mesh.select_all(action="DESELECT")
         assert paint(bound_plate.obj, overlay="REGIONS") is not None
         edit = bmesh.from_edit_mesh(bound_plate.obj.data)
         edit.verts.ensure_lookup_table()
         bmesh.ops.delete(edit, geom=[edit.verts[60]], context="VERTS")
         bmesh.update_edit_mesh(bound_plate.obj.data)
-        update()
+        scenes.update()
         assert paint(bound_plate.obj) is None
-    update()
+    scenes.update()
     assert paint(bound_plate.obj) is None
     bpy.ops.sinew.bind()
-    update()
+    scenes.update()
     assert len(paint(bound_plate.obj).points) == 120
 
 
-def test_nothing_bound_draws_nothing_and_has_nothing_to_select(paint, plate: Rig):
-    press(plate.obj, "deformer_add", method="arap")
+def test_nothing_bound_draws_nothing_and_has_nothing_to_select(paint, plate: scenes.Rig):
+    scenes.press(plate.obj, "deformer_add", method="arap")
     for kind in KINDS:
         assert paint(plate.obj, overlay=kind) is None
-    refused("poll", "select_distorted")
+    scenes.refused("poll", "select_distorted")
 
 
-def test_a_picture_is_made_anew_exactly_when_something_changed(paint, overlay, bound_plate: Rig):
+def test_a_picture_is_made_anew_exactly_when_something_changed(paint, overlay, bound_plate: scenes.Rig):
     cache, obj = overlay.cache, bound_plate.obj
-    other = new_empty("Other")
+    other = scenes.new_empty("Other")
 
     def painted(change: Callable = lambda: None, **wanted) -> int:
         before = cache.computed
         change()
-        update()
+        scenes.update()
         first = paint(obj, **wanted)
         assert paint(obj) is first
         return cache.computed - before
@@ -384,12 +375,12 @@ def test_a_picture_is_made_anew_exactly_when_something_changed(paint, overlay, b
     assert cache.computed == before
 
 
-def test_select_shows_the_most_distorted_vertex(paint, plate: Rig):
+def test_select_shows_the_most_distorted_vertex(paint, plate: scenes.Rig):
     plate.bind("arap")
-    move_world(plate.control, Matrix.Translation((0.2, 0.5, 0.4)))
+    scenes.move_world(plate.control, Matrix.Translation((0.2, 0.5, 0.4)))
     paint(plate.obj, overlay="DISTORTION", measure="STRETCH")
     found = inner.result.measured(plate.obj, plate.deformer, inner.distortion.Measure.STRETCH)
-    press(plate.obj, "select_distorted", measure="STRETCH")
+    scenes.press(plate.obj, "select_distorted", measure="STRETCH")
     assert plate.obj.mode == "EDIT"
     bpy.ops.object.mode_set(mode="OBJECT")
     (selected,) = [vertex.index for vertex in plate.obj.data.vertices if vertex.select]
@@ -397,7 +388,7 @@ def test_select_shows_the_most_distorted_vertex(paint, plate: Rig):
     assert away[selected] == away.max() > 0.1
 
 
-def test_the_graphics_card_is_not_touched_in_background(paint, overlay, bound_plate: Rig, monkeypatch):
+def test_the_graphics_card_is_not_touched_in_background(paint, overlay, bound_plate: scenes.Rig, monkeypatch):
     imported = builtins.__import__
 
     def guarded(name, *args, **keywords):
@@ -508,13 +499,13 @@ def test_weight_of_the_selected_cage_vertices(paint, caged):
     choose(cage, [5])
     one = paint(target, overlay="CAGE")
     assert one.legend.title == "Weight of cage vertex 5"
-    weights = mean_value(cage, base_points(target)).vertex_weights[:, 5]
+    weights = mean_value(cage, scenes.base_points(target)).vertex_weights[:, 5]
     assert np.abs(covered(one)[:, 3] - OPACITY * (0.6 + 0.4 * weights)).max() < SLACK
     choose(cage, range(8))
     assert_covers(paint(target), slice(None), scale(1.0))
     choose(cage, [])
     assert paint(target).legend.note == "Select vertices of the cage"
-    with in_mode(cage):
+    with scenes.in_mode(cage):
         bpy.ops.mesh.select_all(action="DESELECT")
         edit = bmesh.from_edit_mesh(cage.data)
         edit.verts.ensure_lookup_table()
@@ -525,18 +516,18 @@ def test_weight_of_the_selected_cage_vertices(paint, caged):
 def test_vertices_outside_the_cage_and_negative_weights_stand_out(paint, caged):
     target, cage = caged
     cage.scale = (0.5, 1.0, 1.0)
-    update()
+    scenes.update()
     set_rest(target)
     choose(cage, [vertex.index for vertex in cage.data.vertices if vertex.co.x > 0.0])
     picture, lost = paint(target, overlay="CAGE"), chosen("overlay_stretched")
-    outside = np.abs(base_points(target)[:, 0]) > 0.4 + 1e-6
+    outside = np.abs(scenes.base_points(target)[:, 0]) > 0.4 + 1e-6
     assert_covers(picture, outside, lost)
     at_opacity = np.array((*(lost * OPACITY), OPACITY))
     assert not (np.abs(covered(picture)[~outside] - at_opacity).max(axis=1) < SLACK).any()
     assert f"{outside.sum():,} outside the cage" in picture.legend.note
 
 
-def test_no_cage_weights_without_a_cage_or_while_another_method_is_bound(paint, bound_plate: Rig):
+def test_no_cage_weights_without_a_cage_or_while_another_method_is_bound(paint, bound_plate: scenes.Rig):
     """The latter as in a window, where a thread binds the method just chosen."""
     picture = paint(bound_plate.obj, overlay="CAGE")
     assert not picture.colours[:, 3].any()

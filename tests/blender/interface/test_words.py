@@ -11,22 +11,8 @@ import pytest
 from inside import inner, notes_of, use_threads
 from mathutils import Matrix
 from registry import METHODS, other_values
+from rigs import rig as scenes
 from rigs.cages import ball, box, surround
-from rigs.rig import (
-    Rig,
-    add_armature,
-    add_group,
-    grid_object,
-    in_mode,
-    linked,
-    make_active,
-    move_world,
-    press,
-    push,
-    refused,
-    reopen,
-    update,
-)
 from rigs.sheet import WIDE, Sheet, draw, draw_panel
 
 
@@ -42,7 +28,7 @@ def test_the_menu_of_methods_is_headed_by_what_artists_move():
     assert found == {method.id: method.control.value for method in METHODS}
 
 
-def test_a_row_is_called_after_its_task_and_follows_it(plate: Rig):
+def test_a_row_is_called_after_its_task_and_follows_it(plate: scenes.Rig):
     plate.bind("thin_shell")
     assert plate.deformer.name == "Sheet"
     plate.deformer.method = "arap"
@@ -55,12 +41,12 @@ def test_a_row_is_called_after_its_task_and_follows_it(plate: Rig):
     assert plate.obj.sinew.deformers[2].name == "Limb 2"
 
 
-def test_a_row_that_was_renamed_keeps_its_name(plate: Rig, tmp_path: Path):
+def test_a_row_that_was_renamed_keeps_its_name(plate: scenes.Rig, tmp_path: Path):
     plate.bind("thin_shell")
     plate.deformer.name = "Face"
     plate.deformer.method = "arap"
     assert plate.deformer.name == "Face"
-    reopen(tmp_path / "named.blend")
+    scenes.reopen(tmp_path / "named.blend")
     plate.deformer.method = "thin_shell"
     assert plate.deformer.name == "Face"
 
@@ -78,17 +64,19 @@ def test_a_row_that_an_earlier_build_named_follows_its_method(given: str):
 
 @pytest.mark.parametrize("index", [-1, 0])
 @pytest.mark.parametrize("saved", [False, True])
-def test_new_control_takes_over_where_one_was_lost(plate: Rig, tmp_path: Path, index: int, saved: bool):
+def test_new_control_takes_over_where_one_was_lost(
+    plate: scenes.Rig, tmp_path: Path, index: int, saved: bool
+):
     plate.bind()
     turned = Matrix.Translation((0.1, 0.2, 0.5)) @ Matrix.Rotation(0.4, 4, "X") @ Matrix.Scale(1.2, 4)
-    move_world(plate.control, turned)
+    scenes.move_world(plate.control, turned)
     before = plate.points()
     assert not bpy.ops.sinew.control_new.poll()
     bpy.data.objects.remove(plate.control)
-    update()
+    scenes.update()
     if saved:
-        reopen(tmp_path / "lost.blend")
-    make_active(plate.obj)
+        scenes.reopen(tmp_path / "lost.blend")
+    scenes.make_active(plate.obj)
     assert "sinew.control_new" in draw_panel().operator_names()
     assert bpy.ops.sinew.control_new(index=index) == {"FINISHED"}
     assert plate.control.name == "Plate Top"
@@ -102,13 +90,13 @@ def test_new_control_takes_over_where_one_was_lost(plate: Rig, tmp_path: Path, i
     assert np.abs(plate.points() - plate.rest()).max() < 1e-5, "Alt G brings it to rest"
 
 
-def test_a_lost_bone_gets_an_empty_too(plate: Rig):
-    armature = add_armature(plate.obj)
+def test_a_lost_bone_gets_an_empty_too(plate: scenes.Rig):
+    armature = scenes.add_armature(plate.obj)
     plate.obj.modifiers.remove(plate.obj.modifiers["Armature"])
     plate.bind(control_object="Rig", bone="high")
-    with in_mode(armature):
+    with scenes.in_mode(armature):
         armature.data.edit_bones.remove(armature.data.edit_bones["high"])
-    press(plate.obj, "control_new")
+    scenes.press(plate.obj, "control_new")
     handle = plate.deformer.handles[0]
     assert (handle.control.type, handle.bone, handle.control_missing) == ("EMPTY", "", False)
     assert armature.name in bpy.data.objects
@@ -118,17 +106,19 @@ def test_a_lost_bone_gets_an_empty_too(plate: Rig):
     ("is_there", "said"),
     [(False, "is not on the mesh - pick another"), (True, "has no vertices - assign some")],
 )
-def test_a_region_without_vertices_is_left_out_and_the_others_go_on(plate: Rig, is_there: bool, said: str):
-    add_group(plate.obj, "Side", lambda point: point[0] > 0.75 and abs(point[1]) < 0.3)
+def test_a_region_without_vertices_is_left_out_and_the_others_go_on(
+    plate: scenes.Rig, is_there: bool, said: str
+):
+    scenes.add_group(plate.obj, "Side", lambda point: point[0] > 0.75 and abs(point[1]) < 0.3)
     plate.bind()
-    press(plate.obj, "handle_add", kind="FIXED", vertex_group="Side")
+    scenes.press(plate.obj, "handle_add", kind="FIXED", vertex_group="Side")
     plate.lift(0.5)
     held, groups = plate.points(), plate.obj.vertex_groups
     if is_there:
         groups["Side"].remove(range(121))
     else:
         groups.remove(groups["Side"])
-    press(plate.obj, "bind")
+    scenes.press(plate.obj, "bind")
     assert plate.deformer.status_level == "INFO"
     assert notes_of(plate.deformer) == [f"Side is not used: its vertex group 'Side' {said}"]
     assert "1 handle, 1 still" in plate.deformer.status
@@ -137,11 +127,11 @@ def test_a_region_without_vertices_is_left_out_and_the_others_go_on(plate: Rig, 
     assert np.abs(shown - held).max() > 0.01, "the side is free now"
     for name in ("Top", "Base"):
         groups.remove(groups[name])
-    refused("'Top' is not on the mesh", "bind", plate.obj)
+    scenes.refused("'Top' is not on the mesh", "bind", plate.obj)
 
 
-def test_the_report_after_add_handle_is_the_state_after_it(plate: Rig, capfd: pytest.CaptureFixture):
-    make_active(plate.obj)
+def test_the_report_after_add_handle_is_the_state_after_it(plate: scenes.Rig, capfd: pytest.CaptureFixture):
+    scenes.make_active(plate.obj)
     for kind, group in (("HANDLE", "Top"), ("FIXED", "Base")):
         capfd.readouterr()
         bpy.ops.sinew.handle_add(kind=kind, vertex_group=group)
@@ -149,7 +139,7 @@ def test_the_report_after_add_handle_is_the_state_after_it(plate: Rig, capfd: py
     assert "1 handle, 1 still" in plate.deformer.status
 
 
-def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(plate: Rig, monkeypatch):
+def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(plate: scenes.Rig, monkeypatch):
     """The report comes when the thread has ended, and tells the state then."""
     use_threads(monkeypatch)
     waiting, said = inner.waiting, []
@@ -183,9 +173,9 @@ def test_nothing_is_reported_of_a_bind_that_a_thread_still_computes(plate: Rig, 
         (("HANDLE", "SUPPORT"), "1 handle, 1 free area"),
     ],
 )
-def test_the_status_counts_regions_by_their_role(plate: Rig, kinds, said: str):
+def test_the_status_counts_regions_by_their_role(plate: scenes.Rig, kinds, said: str):
     for kind, group in zip(kinds, ("Top", "Base"), strict=False):
-        press(plate.obj, "handle_add", kind=kind, vertex_group=group)
+        scenes.press(plate.obj, "handle_add", kind=kind, vertex_group=group)
     assert re.match(rf"121 vertices, {said}, bound in", plate.deformer.status), plate.deformer.status
 
 
@@ -194,7 +184,7 @@ def test_a_time_is_never_nothing():
     assert {milliseconds: inner.binding.duration(milliseconds) for milliseconds in said} == said
 
 
-def cancelled(plate: Rig, monkeypatch) -> None:
+def cancelled(plate: scenes.Rig, monkeypatch) -> None:
     use_threads(monkeypatch)
     inner.bind.bind(plate.obj, plate.deformer, wait=False)
     inner.binding.cancel(plate.deformer.uid)
@@ -211,10 +201,10 @@ def cancelled(plate: Rig, monkeypatch) -> None:
     ],
 )
 def test_a_message_names_the_button_as_it_reads(
-    bound_plate: Rig, monkeypatch, spoil, press: str, words: dict
+    bound_plate: scenes.Rig, monkeypatch, spoil, press: str, words: dict
 ):
     """The status, or the refusal of another button."""
-    make_active(bound_plate.obj)
+    scenes.make_active(bound_plate.obj)
     spoil(bound_plate, monkeypatch)
     text = bound_plate.deformer.status
     if press:
@@ -230,24 +220,24 @@ def test_a_message_names_the_button_as_it_reads(
     assert said[1] == buttons[-1]
 
 
-def test_a_place_that_is_not_a_number_is_not_called_a_scale_of_zero(bound_plate: Rig):
+def test_a_place_that_is_not_a_number_is_not_called_a_scale_of_zero(bound_plate: scenes.Rig):
     bound_plate.control.location.x = float("nan")
-    update()
+    scenes.update()
     assert bound_plate.deformer.status_level == "ERROR"
     assert bound_plate.deformer.status.startswith("The control of Top has a location, rotation or scale")
     bound_plate.control.location.x = 0.0
-    update()
+    scenes.update()
     assert bound_plate.deformer.status_level == "INFO"
     bound_plate.obj.location.y = float("nan")
-    update()
+    scenes.update()
     assert "not a number" in bound_plate.deformer.status
     bound_plate.obj.location.y = 0.0
     bound_plate.control.scale = (0.0, 1.0, 1.0)
-    update()
+    scenes.update()
     assert "scaled to zero" not in bound_plate.deformer.status, "a region may be made flat"
 
 
-def test_an_error_of_the_library_names_the_handle(plate: Rig):
+def test_an_error_of_the_library_names_the_handle(plate: scenes.Rig):
     """A file may hold a weight that Blender's own interface refuses."""
     plate.bind()
     binding, errors = inner.binding, inner.errors
@@ -259,8 +249,8 @@ def test_an_error_of_the_library_names_the_handle(plate: Rig):
     assert text == "Base: weights outside [0, 1] at vertices 3, 4; see Top"
 
 
-def test_the_arrow_of_a_row_makes_the_row_active(bound_plate: Rig):
-    make_active(bound_plate.obj)
+def test_the_arrow_of_a_row_makes_the_row_active(bound_plate: scenes.Rig):
+    scenes.make_active(bound_plate.obj)
     for mode in ("WEIGHT_PAINT", "EDIT", "OBJECT"):
         bpy.ops.object.mode_set(mode=mode)
         bound_plate.deformer.active_handle = 1
@@ -272,17 +262,17 @@ def test_the_arrow_of_a_row_makes_the_row_active(bound_plate: Rig):
     assert "Shape a Sheet" in draw_panel().texts()
 
 
-def from_selection(plate: Rig, name: str = "") -> None:
+def from_selection(plate: scenes.Rig, name: str = "") -> None:
     """A handle, as Edit Mode makes it: its group and its empty are made for it."""
-    with in_mode(plate.obj):
+    with scenes.in_mode(plate.obj):
         bpy.ops.mesh.select_all(action="DESELECT")
         plate.obj.vertex_groups.active = plate.obj.vertex_groups["Top"]
         bpy.ops.object.vertex_group_select()
         bpy.ops.sinew.handle_add(kind="HANDLE", handle_name=name)
-    update()
+    scenes.update()
 
 
-def test_renaming_a_row_renames_what_was_made_for_it(plate: Rig, tmp_path: Path):
+def test_renaming_a_row_renames_what_was_made_for_it(plate: scenes.Rig, tmp_path: Path):
     from_selection(plate)
     plate.lift(0.5)
     before, handle = plate.points(), plate.deformer.handles[0]
@@ -296,14 +286,14 @@ def test_renaming_a_row_renames_what_was_made_for_it(plate: Rig, tmp_path: Path)
         assert np.array_equal(plate.points(), before)
         assert plate.deformer.status_level == "INFO", plate.deformer.status
     assert [group.name for group in plate.obj.vertex_groups] == ["Top", "Base", "Ear.L"]
-    reopen(tmp_path / "renamed.blend")
+    scenes.reopen(tmp_path / "renamed.blend")
     assert np.abs(plate.points() - before).max() < 1e-6
     plate.deformer.handles[0].name = "Nose"
     assert plate.deformer.handles[0].vertex_group == "Nose"
-    press(plate.obj, "bind")
+    scenes.press(plate.obj, "bind")
 
 
-def test_what_has_a_name_of_its_own_keeps_it(plate: Rig):
+def test_what_has_a_name_of_its_own_keeps_it(plate: scenes.Rig):
     from_selection(plate)
     handle = plate.deformer.handles[0]
     handle.control.name = "Mine"
@@ -311,30 +301,30 @@ def test_what_has_a_name_of_its_own_keeps_it(plate: Rig):
     handle.name = "Head"
     assert (handle.vertex_group, handle.control.name) == ("Top", "Mine")
     assert "Handle" in plate.obj.vertex_groups
-    plate = Rig(grid_object("Second")).bind()
+    plate = scenes.Rig(scenes.grid_object("Second")).bind()
     plate.deformer.handles[0].name = "Head"
     assert plate.deformer.handles[0].vertex_group == "Top", "an armature may go by it"
     assert plate.control.name == "Second Head"
 
 
-def test_a_copy_keeps_the_names_of_its_groups(plate: Rig):
+def test_a_copy_keeps_the_names_of_its_groups(plate: scenes.Rig):
     from_selection(plate)
-    copy = linked(plate.obj.copy())
+    copy = scenes.linked(plate.obj.copy())
     copy.data = plate.obj.data.copy()
-    update()
+    scenes.update()
     inner.deferred.catch_up()
     plate.deformer.handles[0].name = "Head"
-    make_active(copy)
+    scenes.make_active(copy)
     assert copy.sinew.active.handles[0].vertex_group == "Handle"
     copy.sinew.active.method = "thin_shell"
-    update()
+    scenes.update()
     assert not any("not used" in note for note in notes_of(copy.sinew.active))
     assert copy.sinew.active.status_level == "INFO", copy.sinew.active.status
 
 
 @pytest.mark.parametrize("method", [method.id for method in METHODS])
-def test_a_preset_brings_the_parameters_back(plate: Rig, method: str):
-    press(plate.obj, "deformer_add", method=method)
+def test_a_preset_brings_the_parameters_back(plate: scenes.Rig, method: str):
+    scenes.press(plate.obj, "deformer_add", method=method)
     values, definition = plate.deformer.parameters, plate.deformer.definition
     defaults = {row.id: getattr(values, row.id) for row in definition.parameters}
     assert bpy.ops.sinew.preset_add(name="First") == {"FINISHED"}
@@ -353,9 +343,9 @@ def test_a_preset_brings_the_parameters_back(plate: Rig, method: str):
     assert not path.exists()
 
 
-def test_a_preset_is_applied_where_a_control_is_active(plate: Rig):
+def test_a_preset_is_applied_where_a_control_is_active(plate: scenes.Rig):
     plate.bind("thin_shell")
-    make_active(plate.control)
+    scenes.make_active(plate.control)
     plate.deformer.parameters.bending = 0.5
     bpy.ops.sinew.preset_add(name="Half")
     plate.deformer.parameters.bending = 1.0
@@ -365,7 +355,7 @@ def test_a_preset_is_applied_where_a_control_is_active(plate: Rig):
     path.unlink()
 
 
-def test_the_panel_offers_presets(bound_plate: Rig):
+def test_the_panel_offers_presets(bound_plate: scenes.Rig):
     sheet = Sheet()
     header = SimpleNamespace(layout=sheet, help_page=lambda _context: "start")
     bpy.types.SINEW_PT_advanced.draw_header_preset(header, bpy.context)
@@ -373,18 +363,18 @@ def test_the_panel_offers_presets(bound_plate: Rig):
     assert [keywords["panel"] for keywords in found] == [inner.ids.Panels.PRESETS]
 
 
-def test_a_copied_modifier_says_what_to_do(bound_plate: Rig):
-    other = grid_object("Other")
-    make_active(bound_plate.obj, other)
+def test_a_copied_modifier_says_what_to_do(bound_plate: scenes.Rig):
+    other = scenes.grid_object("Other")
+    scenes.make_active(bound_plate.obj, other)
     bpy.ops.object.make_links_data(type="MODIFIERS")
-    make_active(other)
+    scenes.make_active(other)
     assert [modifier.type for modifier in other.modifiers] == ["NODES"]
     said = draw_panel(WIDE).texts()
     assert "was copied from another object" in said
     assert "remove it" in said
     bpy.ops.object.modifier_remove(modifier=other.modifiers[0].name)
     assert "copied" not in draw_panel(WIDE).texts()
-    make_active(bound_plate.obj)
+    scenes.make_active(bound_plate.obj)
     assert "copied" not in draw_panel(WIDE).texts()
 
 
@@ -394,26 +384,26 @@ def test_nothing_is_printed_when_a_script_deletes_what_is_deformed(kind: str, ca
         target, controls = ball(), [box()]
         surround(target, controls[0])
     else:
-        plate = Rig.plate().bind()
+        plate = scenes.Rig.plate().bind()
         target, controls = plate.obj, [plate.control]
-    update()
+    scenes.update()
     capfd.readouterr()
     bpy.data.objects.remove(target)
-    update()
+    scenes.update()
     for control in controls:
         bpy.data.objects.remove(control)
-    update()
+    scenes.update()
     bpy.context.scene.frame_set(3)
-    reopen(tmp_path / "deleted.blend")
+    scenes.reopen(tmp_path / "deleted.blend")
     said = "".join(capfd.readouterr()).splitlines()
     assert not [line for line in said if line and not re.search("Info: (Total|Saved)|Read b", line)], said
 
 
-def test_after_tab_the_control_is_active_and_the_panel_stays(plate: Rig):
-    make_active(plate.obj)
-    push("start")
+def test_after_tab_the_control_is_active_and_the_panel_stays(plate: scenes.Rig):
+    scenes.make_active(plate.obj)
+    scenes.push("start")
     from_selection(plate)
-    push("Tab")
+    scenes.push("Tab")
     assert bpy.context.mode == "OBJECT"
     assert bpy.context.view_layer.objects.active == plate.control
     assert bpy.context.selected_objects == [plate.control]
@@ -421,14 +411,14 @@ def test_after_tab_the_control_is_active_and_the_panel_stays(plate: Rig):
     bpy.context.object.location.z += 0.5  # as a number typed into the Item tab
     assert plate.points()[plate.top, 2] == pytest.approx(0.5, abs=1e-5)
     assert plate.obj.location.z == 0.0
-    push("moved")
+    scenes.push("moved")
     bpy.ops.ed.undo()
-    update()
+    scenes.update()
     assert bpy.context.view_layer.objects.active == plate.control
 
 
-def test_the_arrow_in_the_modifiers_tab_leaves_the_tab_where_it_is(bound_plate: Rig):
-    make_active(bound_plate.obj)
+def test_the_arrow_in_the_modifiers_tab_leaves_the_tab_where_it_is(bound_plate: scenes.Rig):
+    scenes.make_active(bound_plate.obj)
     window = bpy.context.window_manager.windows[0]
     area = window.screen.areas[0]
     area.type = "PROPERTIES"
@@ -438,19 +428,21 @@ def test_the_arrow_in_the_modifiers_tab_leaves_the_tab_where_it_is(bound_plate: 
     assert bpy.context.selected_objects == [bound_plate.control]
 
 
-def test_the_mesh_stays_active_where_the_artist_selects_it_again(plate: Rig):
-    with in_mode(plate.obj):
+def test_the_mesh_stays_active_where_the_artist_selects_it_again(plate: scenes.Rig):
+    with scenes.in_mode(plate.obj):
         bpy.ops.mesh.select_all(action="SELECT")
         bpy.ops.sinew.handle_add(kind="FIXED")
-    update()
+    scenes.update()
     assert bpy.context.view_layer.objects.active == plate.obj
 
 
 def test_the_panel_stays_with_its_mesh_where_a_control_moves_two():
-    first, second = Rig.plate(), Rig(grid_object("Second"))
+    first, second = scenes.Rig.plate(), scenes.Rig(scenes.grid_object("Second"))
     first.bind()
-    press(second.obj, "handle_add", kind="HANDLE", vertex_group="Top", control_object=first.control.name)
+    scenes.press(
+        second.obj, "handle_add", kind="HANDLE", vertex_group="Top", control_object=first.control.name
+    )
     assert bpy.context.view_layer.objects.active == first.control
     assert inner.operators.target_of(bpy.context) == second.obj
-    press(first.obj, "select_handle", index=0)
+    scenes.press(first.obj, "select_handle", index=0)
     assert inner.operators.target_of(bpy.context) == first.obj

@@ -13,6 +13,7 @@ import pytest
 from inside import inner
 from mathutils import Matrix, Vector
 from registry import WITH_CAGE
+from rigs import rig as scenes
 from rigs.cages import (
     assert_goes_on,
     assert_rests,
@@ -28,20 +29,6 @@ from rigs.cages import (
     transform,
 )
 from rigs.point_objects import bezier, curve_object, poly
-from rigs.rig import (
-    FLOAT32,
-    apply_matrix,
-    base_points,
-    close,
-    evaluated_points,
-    grid_object,
-    make_active,
-    new_empty,
-    new_object,
-    press,
-    refused,
-    update,
-)
 
 Caged = tuple[bpy.types.Object, bpy.types.Object]
 
@@ -68,19 +55,19 @@ def test_a_smooth_cage_moves_as_one_with_a_subdivision_modifier(method: str):
         deformer = surround(target, cage, method)
         if smooth:
             deformer.parameters.smooth = "levels"
-            update()
+            scenes.update()
             assert "cage of 6 faces (8 vertices)" in deformer.status
         cage.data.vertices[6].co += Vector((0.9, 0.4, 0.7))
         cage.data.vertices[1].co += Vector((0.0, -0.8, 0.2))
-        update()
+        scenes.update()
         assert deformer.status_level == "INFO", deformer.status
-        places.append(evaluated_points(target))
+        places.append(scenes.evaluated_points(target))
         if not smooth:
-            surface = evaluated_points(cage)
+            surface = scenes.evaluated_points(cage)
     curves = inner.smooth.curves(deformer)  # of eight pieces, where the modifier makes four
     assert len(curves) == 12
     assert np.linalg.norm(curves[:, ::2, None] - surface, axis=3).min(axis=2).max() < 1e-5
-    assert np.abs(places[0] - base_points(target)).max() > 0.1
+    assert np.abs(places[0] - scenes.base_points(target)).max() > 0.1
     assert np.abs(places[1] - places[0]).max() < (1e-5 if method == "mean_value" else 5e-3)
 
 
@@ -94,10 +81,10 @@ def test_new_rest_takes_creases(caged: Caged):
         crease(cage, range(12), value)
         set_rest(target)
         cage.data.vertices[7].co *= 1.3
-        update()
-        shapes.append(evaluated_points(target))
+        scenes.update()
+        shapes.append(scenes.evaluated_points(target))
         cage.data.vertices[7].co /= 1.3
-        update()
+        scenes.update()
     assert np.abs(shapes[1] - shapes[0]).max() > 0.01
 
 
@@ -115,7 +102,7 @@ def test_faces_of_a_cage_that_cross_are_named_and_can_be_selected():
         assert notes[line].elements.element == "face"
         return line, notes[line].elements
 
-    refused("turn off its modifiers", "select_problems", target, line=crossing()[0])
+    scenes.refused("turn off its modifiers", "select_problems", target, line=crossing()[0])
     cage.modifiers.clear()
     set_rest(target)
     line, elements = crossing()
@@ -132,7 +119,7 @@ def test_a_cage_inside_out_can_be_flipped():
     assert "inside out" in deformer.status
     assert inner.status.current(deformer.uid).remedy.name == "FLIP_CAGE"
     assert_rests(target)
-    press(target, "select_problems")
+    scenes.press(target, "select_problems")
     assert bpy.context.object == cage
     assert cage.mode == "EDIT"
     assert all(face.select for face in bmesh.from_edit_mesh(cage.data).faces)
@@ -170,12 +157,12 @@ def test_points_outside_are_said_alike_by_all_methods_and_can_follow(method: str
     deformer = surround(target, cage, method)
     if method == "green":
         deformer.green.outside = "error"
-        update()
+        scenes.update()
     lines = (status.current(deformer.uid), *status.notes(deformer.uid))
     (said,) = (line for line in lines if "outside" in line.text)
     assert outside in said.text
     assert said.elements.indices == ((3, 5, 7) if kind == "mesh" else ())
-    make_active(target)
+    scenes.make_active(target)
     if method == "mean_value":
         assert said.level is status.Level.WARNING
         assert not bpy.ops.sinew.cage_outside_follow.poll()
@@ -187,7 +174,7 @@ def test_points_outside_are_said_alike_by_all_methods_and_can_follow(method: str
         assert bpy.ops.sinew.use_method(**dict(quick.properties)) == {"FINISHED"}
         assert deformer.status_level == "INFO"
         deformer.method = method
-        update()
+        scenes.update()
         assert bpy.ops.sinew.cage_outside_follow() == {"FINISHED"}
         (note,) = status.notes(deformer.uid)
         assert outside in note.text
@@ -226,7 +213,7 @@ def test_an_automatic_cage_says_where_it_is_not_as_it_was_asked_for(
 ):
     target = ball()
     reshape(target)
-    press(target, "cage_add", source="AUTO", **options)
+    scenes.press(target, "cage_add", source="AUTO", **options)
     assert (words in capfd.readouterr().out) is told
 
 
@@ -234,18 +221,18 @@ def test_faces_of_an_automatic_cage_can_be_changed_as_long_as_it_is_as_made():
     """It is symmetric about a plane of the ball, which is turned."""
     target = ball()
     target.location, target.rotation_euler = (3.0, -1.0, 0.5), (0.4, 0.2, 1.1)
-    press(target, "cage_add", faces=80, margin=0.06)
-    make_active(target)
-    cage, rest = target.sinew.active.cage, evaluated_points(target)
+    scenes.press(target, "cage_add", faces=80, margin=0.06)
+    scenes.make_active(target)
+    cage, rest = target.sinew.active.cage, scenes.evaluated_points(target)
     for faces in (30, 160):
         assert bpy.ops.sinew.cage_faces(faces=faces) == {"FINISHED"}
         assert faces - 2 <= len(cage.data.polygons) <= faces + 1
         assert target.sinew.active.cage == cage
-        assert close(evaluated_points(target), rest, 4 * FLOAT32)
-        low, high = base_points(cage).min(axis=0), base_points(cage).max(axis=0)
+        assert scenes.close(scenes.evaluated_points(target), rest, 4 * scenes.FLOAT32)
+        low, high = scenes.base_points(cage).min(axis=0), scenes.base_points(cage).max(axis=0)
         assert (low == -high).any()
     cage.location.x += 0.5
-    moved = np.linalg.norm(evaluated_points(target) - rest, axis=1)
+    moved = np.linalg.norm(scenes.evaluated_points(target) - rest, axis=1)
     assert np.abs(moved - 0.5).max() < 1e-4  # it is bound, and takes the ball along
 
 
@@ -254,22 +241,22 @@ def test_an_automatic_cage_rides_along_and_stays_where_it_is_under_another_paren
     target = ball()
     target.location, target.rotation_euler, target.scale = (3.0, -1.0, 0.5), (0.4, 0.2, 1.1), (1.5, 0.7, 1.0)
     if sheared:
-        target.parent = new_empty("Above")
+        target.parent = scenes.new_empty("Above")
         target.parent.scale.x = 3.0
-    press(target, "cage_add", source="AUTO", faces=60)
+    scenes.press(target, "cage_add", source="AUTO", faces=60)
     cage = target.sinew.active.cage
     assert not any(vertex.select for vertex in cage.data.vertices)  # so that a first click picks what moves
     target.location.x += 2.0
-    assert np.abs(motion_of(target)).max() < 4 * FLOAT32
+    assert np.abs(motion_of(target)).max() < 4 * scenes.FLOAT32
     if sheared:
         return  # no location, rotation and scale of its own stand for where it is
     target.location.x -= 2.0
-    update()
+    scenes.update()
     place = np.array(cage.matrix_world)
-    rig = new_empty("Rig", (5.0, 6.0, 7.0))
-    make_active(rig, cage)
+    rig = scenes.new_empty("Rig", (5.0, 6.0, 7.0))
+    scenes.make_active(rig, cage)
     assert bpy.ops.object.parent_set(type="OBJECT") == {"FINISHED"}
-    update()
+    scenes.update()
     assert cage.parent == rig
     assert np.abs(np.array(cage.matrix_world) - place).max() < 1e-5
 
@@ -301,18 +288,18 @@ def test_rays_are_shown_until_the_exact_weights_are_there(caged: Caged, monkeypa
             assert binding.ensure(session, deformer, deformer, wait=False) is None
             binding.job(deformer.uid).thread.join(timeout=20.0)
             assert binding.collect() == [deformer.uid]
-        shapes.append(evaluated_points(target) if not is_preview else _shown_by(session, cage, target))
+        shapes.append(scenes.evaluated_points(target) if not is_preview else _shown_by(session, cage, target))
     assert binding.job(deformer.uid) is None
     monkeypatch.undo()
     assert 1e-6 < np.abs(shapes[0] - shapes[1]).max() < 0.1
     bpy.ops.sinew.bind()
-    assert np.abs(evaluated_points(target) - shapes[1]).max() < FLOAT32
+    assert np.abs(scenes.evaluated_points(target) - shapes[1]).max() < scenes.FLOAT32
 
 
 def _shown_by(session, cage: bpy.types.Object, target: bpy.types.Object) -> np.ndarray:
     """By the factor that is bound; in background an evaluation would wait for the exact one."""
     relative = target.matrix_world.inverted() @ cage.matrix_world
-    return session.bound.factor.solve(apply_matrix(relative, base_points(cage)))[0]
+    return session.bound.factor.solve(scenes.apply_matrix(relative, scenes.base_points(cage)))[0]
 
 
 # --- a cage in a plane bends flat art: curves, text and flat meshes
@@ -324,7 +311,7 @@ SHARE = 2e-6  # of a unit: weights and coordinates have single precision
 
 
 def add_cage(obj: bpy.types.Object, method: str, **options: object) -> bpy.types.Object:
-    press(obj, "cage_add", method=method, **options)
+    scenes.press(obj, "cage_add", method=method, **options)
     assert obj.sinew.active.is_bound
     return obj.sinew.active.cage
 
@@ -340,7 +327,7 @@ def drawing() -> bpy.types.Object:
         point.co = (1 + 0.3 * (index % 2)) * np.cos(angle), np.sin(angle), 0.0, 1.0
     spline.use_cyclic_u = True
     obj.matrix_world = Matrix.Rotation(0.7, 4, "X") @ Matrix.Translation((1, 2, 3))
-    update()
+    scenes.update()
     return obj
 
 
@@ -350,7 +337,7 @@ def lettering() -> bpy.types.Object:
     return bpy.context.object
 
 
-TARGETS = {"mesh": grid_object, "curve": drawing, "text": lettering}
+TARGETS = {"mesh": scenes.grid_object, "curve": drawing, "text": lettering}
 
 
 @pytest.mark.parametrize("method", FLAT_METHODS)
@@ -359,21 +346,23 @@ def test_add_cage_makes_a_flat_outline(kind: str, method: str) -> None:
     obj = TARGETS[kind]()
     cage = add_cage(obj, method)
     assert len(cage.data.polygons) == 1
-    assert np.ptp(base_points(cage) @ np.array(cage.data.polygons[0].normal)) < SHARE
+    assert np.ptp(scenes.base_points(cage) @ np.array(cage.data.polygons[0].normal)) < SHARE
     assert "outside" not in obj.sinew.active.status
-    rest = evaluated_points(obj)
+    rest = scenes.evaluated_points(obj)
     motion = Matrix.Translation((0.2, 0.1, 0.4)) @ Matrix.Rotation(0.5, 4, (1.0, 2.0, -1.0))
     transform(cage, motion)
-    update()
-    np.testing.assert_allclose(evaluated_points(obj), apply_matrix(motion, rest), rtol=0, atol=10 * SHARE)
+    scenes.update()
+    np.testing.assert_allclose(
+        scenes.evaluated_points(obj), scenes.apply_matrix(motion, rest), rtol=0, atol=10 * SHARE
+    )
 
 
 @pytest.mark.parametrize("method", OTHERS)
 def test_other_methods_get_a_closed_cage_and_refuse_a_flat_one(method: str) -> None:
-    cage = add_cage(grid_object(), method, faces=60, margin=0.1)
+    cage = add_cage(scenes.grid_object(), method, faces=60, margin=0.1)
     assert len(cage.data.polygons) > 20
-    other = grid_object("Other")
-    outline = new_object("Outline", [(-9, -9, 0), (9, -9, 0), (0, 9, 0)], [(0, 1, 2)])
+    other = scenes.grid_object("Other")
+    outline = scenes.new_object("Outline", [(-9, -9, 0), (9, -9, 0), (0, 9, 0)], [(0, 1, 2)])
     deformer = surround(other, outline, method)
     assert "take flat cages" in deformer.status
     deformer.method = "green"
@@ -383,25 +372,27 @@ def test_other_methods_get_a_closed_cage_and_refuse_a_flat_one(method: str) -> N
 
 def test_a_grid_is_a_cage_by_its_outline() -> None:
     """Its middle vertex is on no outline, so it moves nothing."""
-    target, cage = grid_object(), grid_object("Cage", cells=2)
+    target, cage = scenes.grid_object(), scenes.grid_object("Cage", cells=2)
     cage.data.transform(Matrix.Scale(1.5, 4))
     surround(target, cage)
-    rest, points = base_points(target), base_points(cage)
+    rest, points = scenes.base_points(target), scenes.base_points(cage)
     for lift, stretch in ((0.0, 2.0), (3.0, 1.0)):
         place(cage, points * (1.0, stretch, 1.0) + np.outer(np.arange(9) == 4, (0.0, 0.0, lift)))
-        assert close(evaluated_points(target), rest * (1.0, stretch, 1.0), 10 * SHARE)
+        assert scenes.close(scenes.evaluated_points(target), rest * (1.0, stretch, 1.0), 10 * SHARE)
 
 
 def test_a_flat_cage_that_crosses_itself_is_named() -> None:
-    target = grid_object()
-    bow = new_object("Bow", [(-3, -3, 0), (3, -3, 0), (3, 3, 0), (-1, -4, 0), (-3, 3, 0)], [(0, 1, 2, 3, 4)])
+    target = scenes.grid_object()
+    bow = scenes.new_object(
+        "Bow", [(-3, -3, 0), (3, -3, 0), (3, 3, 0), (-1, -4, 0), (-3, 3, 0)], [(0, 1, 2, 3, 4)]
+    )
     assert "crosses itself" in surround(target, bow).status
     bpy.ops.sinew.select_problems()
     assert [vertex.index for vertex in bow.data.vertices if vertex.select] == [0, 1, 2, 3, 4]
 
 
 def test_changing_the_faces_of_a_flat_cage_keeps_it_flat_and_a_solid_target_gets_a_closed_one() -> None:
-    cage = add_cage(grid_object(), "mean_value", faces=240)
+    cage = add_cage(scenes.grid_object(), "mean_value", faces=240)
     before = len(cage.data.vertices)
     assert bpy.ops.sinew.cage_faces(faces=600) == {"FINISHED"}
     assert len(cage.data.polygons) == 1

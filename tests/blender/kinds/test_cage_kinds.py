@@ -12,6 +12,7 @@ import pytest
 from inside import catch_up, inner, settle
 from mathutils import Matrix
 from probe import exported_points, render_points
+from rigs import rig as scenes
 from rigs.cages import SHEAR, ball, transform
 from rigs.point_objects import (
     CURVES,
@@ -27,23 +28,8 @@ from rigs.point_objects import (
     inside,
     moved_by_hand,
     outline,
-    shown,
     text,
     unmoved,
-)
-from rigs.rig import (
-    FLOAT32,
-    add_key,
-    apply_matrix,
-    in_mode,
-    make_active,
-    nearest,
-    new_nodes,
-    press,
-    push,
-    refused,
-    reopen,
-    update,
 )
 from rigs.sheet import draw, draw_panel
 
@@ -67,9 +53,9 @@ def at_rest(obj: bpy.types.Object) -> np.ndarray:
     return moved_by_hand(obj, lambda points: points)
 
 
-def assert_shows(obj: bpy.types.Object, expected: np.ndarray, tolerance: float = FLOAT32) -> None:
+def assert_shows(obj: bpy.types.Object, expected: np.ndarray, tolerance: float = scenes.FLOAT32) -> None:
     """That, to a share of its size, and nothing complains."""
-    found = shown(obj)
+    found = scenes.evaluated_points(obj)
     assert found.shape == expected.shape
     assert np.abs(found - expected).max() < tolerance * size(expected)
 
@@ -104,21 +90,21 @@ def test_it_lives_through_undo_save_and_the_loss_of_its_cage(caged: Caged, tmp_p
     obj, cage = caged
     name, cage_name = obj.name, cage.name
     bend(cage)
-    before = shown(obj)
-    push("Bound")
+    before = scenes.evaluated_points(obj)
+    scenes.push("Bound")
     cage.location.z = 1.0
-    push("Moved")
+    scenes.push("Moved")
     for step, height in ((bpy.ops.ed.undo, 0.0), (bpy.ops.ed.redo, 1.0)):
         step()
-        assert_shows(bpy.data.objects[name], before + (0.0, 0.0, height), 2 * FLOAT32)
+        assert_shows(bpy.data.objects[name], before + (0.0, 0.0, height), 2 * scenes.FLOAT32)
         assert bpy.data.objects[cage_name].location.z == height
-    reopen(tmp_path / "caged.blend")
+    scenes.reopen(tmp_path / "caged.blend")
     obj, cage = bpy.data.objects[name], bpy.data.objects[cage_name]
     for aside in (0.0, 1.0):
         cage.location.x = aside
-        assert_shows(obj, before + (aside, 0.0, 1.0), 2 * FLOAT32)
+        assert_shows(obj, before + (aside, 0.0, 1.0), 2 * scenes.FLOAT32)
     bpy.data.objects.remove(cage)
-    assert_shows(obj, before + (1.0, 0.0, 1.0), 2 * FLOAT32)
+    assert_shows(obj, before + (1.0, 0.0, 1.0), 2 * scenes.FLOAT32)
     assert obj.sinew.active.cage_missing
 
 
@@ -133,15 +119,15 @@ def test_renders_and_exporters_may_tessellate_otherwise(kind: str, late: bool, t
             spline.resolution_u = 4
     obj, cage = bind(obj)
     transform(cage, SHEAR)
-    expected = moved_by_hand(obj, lambda points: apply_matrix(SHEAR, points))
-    assert np.abs(shown(obj) - expected).max() < FLOAT32
+    expected = moved_by_hand(obj, lambda points: scenes.apply_matrix(SHEAR, points))
+    assert np.abs(scenes.evaluated_points(obj) - expected).max() < scenes.FLOAT32
     obj.data.render_resolution_u = 9
     seen = [render_points(obj)]
     if kind == "text":  # the exporter writes a curve with a surface twice
         seen.append(exported_points(obj, tmp_path))
     assert len(seen[0]) > len(expected)
     obj.data.resolution_u = 9  # the shape for viewports does not fit any more
-    expected = moved_by_hand(obj, lambda points: apply_matrix(SHEAR, points))
+    expected = moved_by_hand(obj, lambda points: scenes.apply_matrix(SHEAR, points))
     for points in seen:
         assert np.abs(points - expected).max() < TESSELLATED
 
@@ -165,14 +151,14 @@ def test_points_added_after_bind_ask_for_a_rebind(caged: Caged, automatic: bool)
     obj, cage = caged
     cage.location.z = 1.0
     obj.sinew.active.auto_rebind = automatic
-    update()
+    scenes.update()
     add_a_point(obj)
     settle()
     rest = at_rest(obj)
     if not automatic:
-        assert np.abs(shown(obj) - unmoved(obj)).max() < FLOAT32
+        assert np.abs(scenes.evaluated_points(obj) - unmoved(obj)).max() < scenes.FLOAT32
         assert obj.sinew.active.status == REFUSED
-        press(obj, "bind")
+        scenes.press(obj, "bind")
     assert_well(obj)
     assert_lifted(obj, rest)
 
@@ -202,8 +188,8 @@ def test_as_many_points_of_another_curve_are_noticed(kind: str):
         obj.data.body = "db"
     obj, cage = bind(obj)
     cage.location.z = 1.0
-    update()
-    mends = [lambda: change(obj), lambda: press(obj, "bind")]
+    scenes.update()
+    mends = [lambda: change(obj), lambda: scenes.press(obj, "bind")]
     if change is change_bevel:  # a surface makes another kind of target, for which it has to be bound
         del mends[0]
     for mend in mends:
@@ -221,7 +207,7 @@ def test_as_many_points_of_another_curve_are_noticed(kind: str):
 def test_points_moved_in_edit_mode_take_the_cages_motion_along(kind: str):
     obj, cage = bind(MAKERS[kind]())
     cage.location.z = 1.0
-    with in_mode(obj):
+    with scenes.in_mode(obj):
         bpy.ops.curve.select_all(action="SELECT")
         bpy.ops.transform.translate(value=(0.25, 0.0, 0.0))
         assert_lifted(obj, at_rest(obj))
@@ -233,19 +219,19 @@ def test_text_is_typed_at_rest_and_bound_anew():
     obj, cage = bind(outline())
     obj.sinew.active.auto_rebind = True
     cage.location.z = 1.0
-    with in_mode(obj):
-        assert np.abs(shown(obj)[:, 2] - 1.0).max() < FLOAT32
+    with scenes.in_mode(obj):
+        assert np.abs(scenes.evaluated_points(obj)[:, 2] - 1.0).max() < scenes.FLOAT32
         bpy.ops.font.text_insert(text="ew")
-        assert np.abs(shown(obj)[:, 2]).max() < FLOAT32
+        assert np.abs(scenes.evaluated_points(obj)[:, 2]).max() < scenes.FLOAT32
     catch_up()
     assert_well(obj)
-    assert np.abs(shown(obj)[:, 2] - 1.0).max() < FLOAT32
+    assert np.abs(scenes.evaluated_points(obj)[:, 2] - 1.0).max() < scenes.FLOAT32
 
 
 def test_hair_follows_while_it_is_sculpted():
     obj, cage = bind(hair())
-    rest = shown(obj)
-    with in_mode(obj, "SCULPT_CURVES"):
+    rest = scenes.evaluated_points(obj)
+    with scenes.in_mode(obj, "SCULPT_CURVES"):
         cage.location.z = 1.0
         assert_lifted(obj, rest)
         catch_up()
@@ -256,17 +242,17 @@ def test_hair_follows_while_it_is_sculpted():
 
 def test_a_shape_key_of_the_curve_still_counts():
     obj, cage = bind(bezier())
-    key = add_key(obj, "Aside", Matrix.Translation((0.3, 0.0, 0.0)))
-    rest = shown(obj)
+    key = scenes.add_key(obj, "Aside", Matrix.Translation((0.3, 0.0, 0.0)))
+    rest = scenes.evaluated_points(obj)
     key.value = 1.0
     cage.location.z = 0.5
-    assert np.abs(shown(obj) - rest - (0.3, 0.0, 0.5)).max() < FLOAT32
+    assert np.abs(scenes.evaluated_points(obj) - rest - (0.3, 0.0, 0.5)).max() < scenes.FLOAT32
 
 
 def test_what_a_modifier_adds_to_a_curve_stays_where_it_is():
     """A point cloud, whose points would else be moved by the numbers of the curve's."""
     obj = bezier()
-    group, entry, leave = new_nodes("Adds")
+    group, entry, leave = scenes.new_nodes("Adds")
     points, join = group.nodes.new("GeometryNodePoints"), group.nodes.new("GeometryNodeJoinGeometry")
     points.inputs["Count"].default_value, points.inputs["Position"].default_value = 5, (3.0, 2.0, 1.0)
     for given in (entry, points.outputs[0]):
@@ -275,7 +261,7 @@ def test_what_a_modifier_adds_to_a_curve_stays_where_it_is():
     obj.modifiers.new("Adds", "NODES").node_group = group
     obj, cage = bind(obj)
     expected = moved_by_hand(obj, bend(cage))
-    assert np.abs(shown(obj) - expected).max() < TESSELLATED
+    assert np.abs(scenes.evaluated_points(obj) - expected).max() < TESSELLATED
     depsgraph = bpy.context.evaluated_depsgraph_get()
     clouds = [  # what is found lives no longer than its turn
         np.array([point.co for point in found.object.data.points])
@@ -291,9 +277,9 @@ def test_several_cages_move_one_object(make: Callable):
     obj, cage = bind(make())
     _, other = bind(obj, cage=cage_around(obj, 0.4))
     obj.sinew.active.factor = 0.5
-    rest = shown(obj)
+    rest = scenes.evaluated_points(obj)
     cage.location.x, other.location.z = 0.4, 1.0
-    assert np.abs(shown(obj) - rest - (0.4, 0.0, 0.5)).max() < FLOAT32
+    assert np.abs(scenes.evaluated_points(obj) - rest - (0.4, 0.0, 0.5)).max() < scenes.FLOAT32
 
 
 def hidden_meshes() -> int:
@@ -305,7 +291,7 @@ def test_an_automatic_cage_holds_points_and_handles_moves_them_and_leaves_nothin
     obj = WITH_MESH[kind]()
     obj.location.x, obj.rotation_euler.z = 2.0, 0.3
     rest = at_rest(obj)
-    press(obj, "cage_add", faces=100)
+    scenes.press(obj, "cage_add", faces=100)
     assert_well(obj)
     assert inner.status.notes(obj.sinew.active.uid) == ()
     cage = obj.sinew.active.cage
@@ -315,24 +301,24 @@ def test_an_automatic_cage_holds_points_and_handles_moves_them_and_leaves_nothin
     assert inside(controls_of(obj) if kind in CURVES else rest, cage).all()
     for y in (0.0, 1.0):
         obj.location.y = y
-        update()
+        scenes.update()
         assert np.abs(np.array(cage.matrix_world) - np.array(obj.matrix_world)).max() < 1e-6
         assert_shows(obj, rest)
     transform(cage, Matrix.Translation((0.0, 0.0, 0.5)))
     assert_lifted(obj, rest, 0.5)
     name, plain = cage.name, unmoved(obj)
     assert hidden_meshes() == 5  # a rest shape, that of the cage, an empty one for renders, two shapes
-    press(obj, "deformer_remove")
+    scenes.press(obj, "deformer_remove")
     assert name not in bpy.data.objects
     assert hidden_meshes() == 0
     assert not obj.modifiers
-    assert np.array_equal(shown(obj), plain)
+    assert np.array_equal(scenes.evaluated_points(obj), plain)
 
 
 def test_surface_methods_are_refused_with_a_way_out(caged: Caged):
     obj, cage = caged
     is_lattice = obj.type == "LATTICE"
-    refused("needs the surface of a mesh", "deformer_add", obj, method="arap")
+    scenes.refused("needs the surface of a mesh", "deformer_add", obj, method="arap")
     buttons = {
         "deformer_add": {"method": "arap"},
         "handle_add": {},
@@ -342,60 +328,60 @@ def test_surface_methods_are_refused_with_a_way_out(caged: Caged):
     }
     buttons |= {} if is_lattice else {"apply": {"as_shape_key": True}}
     for button, keywords in buttons.items():
-        refused("is a lattice" if is_lattice else "convert it to a mesh", button, **keywords)
+        scenes.refused("is a lattice" if is_lattice else "convert it to a mesh", button, **keywords)
     cage.location.z = 0.5
-    update()
+    scenes.update()
     deformer, remedies = obj.sinew.active, inner.status.Remedy
     deformer.method = "arap"
     assert_shows(obj, at_rest(obj))
     assert "needs the surface of a mesh" in deformer.status
     found = inner.status.current(deformer.uid).remedy
     assert found is (remedies.NONE if is_lattice else remedies.CONVERT)
-    refused("needs the surface of a mesh", "bind")
+    scenes.refused("needs the surface of a mesh", "bind")
     deformer.method = "mean_value"
-    press(obj, "bind")
+    scenes.press(obj, "bind")
     assert_well(obj)
 
 
 def test_apply_writes_points_and_handles_where_there_are_any(caged: Caged):
     obj, cage = caged
     bend(cage)
-    before, kind = shown(obj), obj.type
+    before, kind = scenes.evaluated_points(obj), obj.type
     obj.modifiers.new("Later", "CURVE" if kind == "LATTICE" else "NODES")
-    make_active(obj)
+    scenes.make_active(obj)
     if kind == "FONT" or (kind == "CURVE" and has_surface(obj)):
-        refused("convert it to a mesh", "apply")
-        assert np.array_equal(shown(obj), before)
+        scenes.refused("convert it to a mesh", "apply")
+        assert np.array_equal(scenes.evaluated_points(obj), before)
         return
     assert bpy.ops.sinew.apply() == {"FINISHED"}
     assert obj.type == kind
     assert not obj.sinew.deformers
     assert [modifier.name for modifier in obj.modifiers] == ["Later"]
     assert_shows(obj, before)
-    assert np.abs(unmoved(obj) - before).max() < FLOAT32 * size(before)
+    assert np.abs(unmoved(obj) - before).max() < scenes.FLOAT32 * size(before)
 
 
 def test_convert_to_mesh_keeps_the_shape_shown(caged: Caged):
     obj, cage = caged
     bend(cage)
-    before, name = shown(obj), obj.name
-    make_active(obj)
+    before, name = scenes.evaluated_points(obj), obj.name
+    scenes.make_active(obj)
     bpy.ops.object.convert(target="MESH")
     obj = bpy.data.objects[name]
     if obj.type != "MESH":
         pytest.skip("this Blender makes no meshes of these")
     settle()
-    found = shown(obj)
+    found = scenes.evaluated_points(obj)
     if name == "Hair":  # strands become lines through their points, with steps between
-        found = found[nearest(before, found)[0]]
-    assert np.abs(found - before).max() < FLOAT32 * size(before)
+        found = found[scenes.nearest(before, found)[0]]
+    assert np.abs(found - before).max() < scenes.FLOAT32 * size(before)
     assert not obj.sinew.deformers
     assert cage.name in bpy.data.objects
 
 
 def test_panels_draw_what_works_and_overlays_colour_surfaces_alone(caged: Caged):
     obj, cage = caged
-    make_active(obj)
+    scenes.make_active(obj)
     names = {*draw_panel().operator_names(), *draw(bpy.types.SINEW_PT_order).operator_names()}
     assert {"sinew.bind", "sinew.cage_set_rest", "sinew.control_edit"} <= names
     assert not {"sinew.handle_add", "sinew.deformer_add"} & names
@@ -405,7 +391,7 @@ def test_panels_draw_what_works_and_overlays_colour_surfaces_alone(caged: Caged)
     settings.show_overlay = True
     for overlay in ("CAGE", "DISTORTION", "MASK", "REGIONS"):
         settings.overlay = overlay
-        update()
+        scenes.update()
         depsgraph, look = bpy.context.evaluated_depsgraph_get(), picture.overlay_settings(bpy.context)
         painted = picture.OverlayCache().overlay_mesh(obj, obj.sinew.active, look, depsgraph)
         assert (painted is not None) == (obj.type in ("CURVE", "FONT") and has_surface(obj)), overlay
@@ -418,11 +404,11 @@ def test_hair_goes_into_alembic_files_and_curves_and_text_do_not(tmp_path: Path)
     path = str(tmp_path / "hair.abc")
     options = {"target": "ALEMBIC", "filepath": path, "frame_start": 1, "frame_end": 1}
     for maker in (bezier, text):
-        refused("without its modifiers - convert", "bake", bind(maker())[0], **options)
+        scenes.refused("without its modifiers - convert", "bake", bind(maker())[0], **options)
     obj, cage = bind(hair())
     cage.location.z = 0.5
-    posed, before = shown(obj), set(bpy.data.objects)
-    press(obj, "bake", **options)
+    posed, before = scenes.evaluated_points(obj), set(bpy.data.objects)
+    scenes.press(obj, "bake", **options)
     bpy.ops.wm.alembic_import(filepath=path, as_background_job=False)
     (read,) = (other for other in bpy.data.objects if other not in before and other.type == "CURVES")
-    assert np.abs(shown(read) - posed).max() < 1e-5
+    assert np.abs(scenes.evaluated_points(read) - posed).max() < 1e-5

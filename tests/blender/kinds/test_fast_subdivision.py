@@ -8,20 +8,7 @@ import numpy as np
 import pytest
 from inside import catch_up, inner, notes_of
 from mathutils import Matrix
-from rigs.rig import (
-    Rig,
-    add_armature,
-    change_in_edit_mode,
-    duplicated,
-    move_world,
-    new_object,
-    press,
-    refused,
-    reopen,
-    some_motion,
-    subdivided,
-    update,
-)
+from rigs import rig as scenes
 from rigs.sheet import draw
 from test_subdivision import LIMIT, TOLERANCE, crease, fin, prism, sheet, subdivide
 
@@ -37,7 +24,7 @@ WAYS = {
 
 def of_mesh(obj: bpy.types.Object) -> dict[str, np.ndarray]:
     """What Blender shows of a mesh: points, normals, UVs, weights and materials."""
-    update()
+    scenes.update()
     mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
     uvs = mesh.uv_layers[0].data if mesh.uv_layers else ()
     shown = {
@@ -73,18 +60,18 @@ def tokens() -> list[str]:
     return sorted(mesh[name] for mesh in bpy.data.meshes if name in mesh)
 
 
-def plate(levels: int = 2, **settings: object) -> Rig:
+def plate(levels: int = 2, **settings: object) -> scenes.Rig:
     """A bent plate, refined by Sinew."""
-    rig = Rig.plate(6).bind()
+    rig = scenes.Rig.plate(6).bind()
     subdivide(rig.obj, levels=levels, render_levels=3, **settings)
     rig.lift()
-    press(rig.obj, "fast_subdivision")
+    scenes.press(rig.obj, "fast_subdivision")
     return rig
 
 
 def in_a_box(obj: bpy.types.Object) -> bpy.types.Object:
     """The object, and the lattice around it that moves it."""
-    press(obj, "lattice_add")
+    scenes.press(obj, "lattice_add")
     return obj.sinew.active.controls[0].object
 
 
@@ -98,8 +85,8 @@ def test_shapes_are_those_of_the_modifier(shape, way: str, level: int):
     obj.vertex_groups.new(name="Some").add([0, 2, 3], 0.7, "REPLACE")
     lattice = in_a_box(obj)
     subdivide(obj, levels=level, **WAYS[way])
-    press(obj, "fast_subdivision")
-    move_world(lattice, Matrix.Diagonal((1.0, 0.6, 1.4, 1.0)) @ some_motion())
+    scenes.press(obj, "fast_subdivision")
+    scenes.move_world(lattice, Matrix.Diagonal((1.0, 0.6, 1.4, 1.0)) @ scenes.some_motion())
     # The end of an endless crease, as in test_subdivision.
     assert_as_blender(obj, TOLERANCE * (10.0 if WAYS[way].get("use_limit_surface") else 1.0))
 
@@ -108,10 +95,10 @@ def test_an_affine_motion_of_the_control_mesh_is_one_of_the_surface():
     obj = sheet()
     lattice = in_a_box(obj)
     subdivide(obj, levels=2, **LIMIT)
-    press(obj, "fast_subdivision")
+    scenes.press(obj, "fast_subdivision")
     before = of_mesh(obj)["points"]
-    motion = some_motion() @ Matrix.Diagonal((1.3, 0.7, 1.2, 1.0))
-    move_world(lattice, motion)
+    motion = scenes.some_motion() @ Matrix.Diagonal((1.3, 0.7, 1.2, 1.0))
+    scenes.move_world(lattice, motion)
     expected = before @ np.array(motion)[:3, :3].T + np.array(motion)[:3, 3]
     assert np.abs(of_mesh(obj)["points"] - expected).max() < 1e-6 * np.linalg.norm(np.ptp(expected, axis=0))
 
@@ -119,9 +106,9 @@ def test_an_affine_motion_of_the_control_mesh_is_one_of_the_surface():
 def test_the_surface_follows_keyed_bones_settings_and_edits():
     """Bones before Sinew, frames, levels, other faces, and a file that is opened again."""
     rig = plate()
-    armature = add_armature(rig.obj)
+    armature = scenes.add_armature(rig.obj)
     bpy.ops.object.modifier_move_to_index(modifier="Armature", index=0)
-    press(rig.obj, "bind")
+    scenes.press(rig.obj, "bind")
     catch_up()
     bone = armature.pose.bones["high"]
     for frame, turn in ((1, 0.0), (11, 1.0)):
@@ -135,8 +122,8 @@ def test_the_surface_follows_keyed_bones_settings_and_edits():
     assert np.abs(seen[2] - seen[0]).max() > 0.3
     rig.obj.modifiers["Subdivision"].levels = 3
     assert_as_blender(rig.obj)
-    change_in_edit_mode(rig.obj, lambda edit: edit.faces.remove(edit.faces[14]))
-    press(rig.obj, "bind")
+    scenes.change_in_edit_mode(rig.obj, lambda edit: edit.faces.remove(edit.faces[14]))
+    scenes.press(rig.obj, "bind")
     catch_up()
     assert_as_blender(rig.obj)
 
@@ -145,8 +132,8 @@ def test_a_file_and_a_copy_and_an_undo_show_it_too(tmp_path):
     rig, made = plate(), tokens()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "refined.blend"))
     assert tokens() == made  # nothing was edited
-    copy = duplicated(rig.obj)
-    update()
+    copy = scenes.duplicated(rig.obj)
+    scenes.update()
     rig.lift(0.4)
     assert_as_blender(rig.obj)
     assert_as_blender(copy)
@@ -155,7 +142,7 @@ def test_a_file_and_a_copy_and_an_undo_show_it_too(tmp_path):
     bpy.ops.ed.undo_push(message="after")
     bpy.ops.ed.undo()
     assert_as_blender(rig.obj)
-    reopen(tmp_path / "refined.blend")
+    scenes.reopen(tmp_path / "refined.blend")
     rig.lift(0.3)
     assert_as_blender(rig.obj)
 
@@ -163,35 +150,35 @@ def test_a_file_and_a_copy_and_an_undo_show_it_too(tmp_path):
 def test_what_it_cannot_follow_is_told_and_it_ends():
     rig = plate()
     rig.deformer.mask_group = "Top"
-    update()
+    scenes.update()
     assert "Fast Subdivision shows the control mesh: a mask" in " ".join(notes_of(rig.deformer))
     assert [line.remedy for line in inner.status.notes(rig.deformer.uid) if line.text.startswith("Fast")] == [
         inner.status.Remedy.STOP_REFINING
     ]
     assert len(of_mesh(rig.obj)["points"]) == len(rig.rest())
     rig.deformer.mask_group = ""
-    update()
+    scenes.update()
     assert "Fast Subdivision" not in " ".join(notes_of(rig.deformer))
     assert_as_blender(rig.obj)
-    press(rig.obj, "unbind")
+    scenes.press(rig.obj, "unbind")
     assert_as_blender(rig.obj)
-    press(rig.obj, "deformer_remove")  # ends it, as Stop does
+    scenes.press(rig.obj, "deformer_remove")  # ends it, as Stop does
     assert list(rig.obj.modifiers.keys()) == ["Subdivision"]
     assert rig.obj.modifiers["Subdivision"].show_viewport
     assert not [mesh for mesh in bpy.data.meshes if mesh.name.startswith(".Sinew Subdivision")]
 
 
 def test_loose_edges_and_what_stands_between_are_refused():
-    wire = new_object("Wire", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (2, 2, 1)], [(0, 1, 2)], [(2, 3)])
+    wire = scenes.new_object("Wire", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (2, 2, 1)], [(0, 1, 2)], [(2, 3)])
     in_a_box(wire)
-    refused("in another way", "fast_subdivision", wire)
+    scenes.refused("in another way", "fast_subdivision", wire)
     assert [modifier.name for modifier in wire.modifiers] == ["Sinew"]
-    rig = Rig.plate(4).bind()
+    rig = scenes.Rig.plate(4).bind()
     rig.obj.modifiers.new("Solidify", "SOLIDIFY")
-    subdivided(rig.obj, 2)
-    refused("Solidify stands between", "fast_subdivision", rig.obj)
+    scenes.subdivided(rig.obj, 2)
+    scenes.refused("Solidify stands between", "fast_subdivision", rig.obj)
     bpy.ops.object.modifier_move_to_index(modifier="Subdivision", index=0)
-    refused("Subdivision stands before Sinew", "fast_subdivision", rig.obj)
+    scenes.refused("Subdivision stands before Sinew", "fast_subdivision", rig.obj)
 
 
 def test_it_is_made_anew_for_another_simplify_or_look_and_not_for_points():
@@ -199,13 +186,13 @@ def test_it_is_made_anew_for_another_simplify_or_look_and_not_for_points():
     other, scene.render.simplify_subdivision = scene.copy(), 1
     for simplified, shown, frame in ((1, scene, 0), (1, other, 0), (1, scene, 2), (0, scene, 3)):
         scene.render.use_simplify, bpy.context.window.scene = simplified, shown
-        shown.frame_set(frame) if frame else update()
+        shown.frame_set(frame) if frame else scenes.update()
         rig.lift(0.1 * frame)
         assert_as_blender(rig.obj)
     for is_other, made in ((False, tokens()), (True, tokens())):
         rig.obj.data.vertices[3].co.z = 0.1
         rig.obj.data.polygons[3].use_smooth = is_other
-        change_in_edit_mode(rig.obj, lambda edit: None)
+        scenes.change_in_edit_mode(rig.obj, lambda edit: None)
         catch_up()
         assert (tokens() != made) == is_other
         assert_as_blender(rig.obj)
@@ -216,23 +203,23 @@ def test_it_ends_and_begins_whatever_was_moved_or_deleted():
     stack, move = rig.obj.modifiers, bpy.ops.object.modifier_move_to_index
     by, cast = stack["Subdivision"], stack.new("Cast", "CAST")
     move(modifier="Cast", index=1)
-    update()
+    scenes.update()
     assert "Fast Subdivision shows the control mesh" in " ".join(notes_of(rig.deformer))
     for index, was_on in ((0, True), (1, False)):
         move(modifier="Subdivision", index=index)
-        press(rig.obj, "fast_subdivision", stop=True)
+        scenes.press(rig.obj, "fast_subdivision", stop=True)
         assert [by.show_viewport, *notes_of(rig.deformer)] == [was_on]
         cast.show_viewport, by.show_viewport = False, not was_on
         move(modifier="Subdivision", index=2)
-        press(rig.obj, "fast_subdivision")
+        scenes.press(rig.obj, "fast_subdivision")
     stack.remove(stack["Fast Subdivision"])
-    update()
+    scenes.update()
     assert (catch_up(), by.show_viewport) == (False, True)
-    press(rig.obj, "fast_subdivision")
+    scenes.press(rig.obj, "fast_subdivision")
     stack.remove(by)
     assert len({tooltip(bpy.context, type("", (), {"stop": stop})) for stop in (True, False)}) == 2
     for stop in (True, False, True):
         assert "sinew.fast_subdivision" in draw(bpy.types.SINEW_PT_order).operator_names()
-        press(rig.obj, "fast_subdivision", stop=stop)  # begins with a new one
+        scenes.press(rig.obj, "fast_subdivision", stop=stop)  # begins with a new one
     stack.remove(stack["Sinew"])
-    refused("Rebind", "fast_subdivision", rig.obj)
+    scenes.refused("Rebind", "fast_subdivision", rig.obj)

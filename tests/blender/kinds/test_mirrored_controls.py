@@ -8,25 +8,11 @@ import numpy as np
 import pytest
 from probe import render_points
 from registry import WITH_CAGE
+from rigs import rig as scenes
 from rigs.cages import TURN, assert_goes_on, assert_rests, ball, box, place, set_rest, surround
-from rigs.rig import (
-    CORNERS,
-    FLOAT32,
-    MATRIX,
-    Rig,
-    apply_matrix,
-    base_points,
-    close,
-    evaluated_points,
-    move_world,
-    new_empty,
-    press,
-    refused,
-    update,
-)
 
 MIRROR = (-1.0, 1.0, 1.0)
-UNEVEN = [*CORNERS[:-1], (1.5, 1.2, 1.1)]  # no mirror image of itself
+UNEVEN = [*scenes.CORNERS[:-1], (1.5, 1.2, 1.1)]  # no mirror image of itself
 
 
 MIRRORED = {  # what is set of the target, and of its cage
@@ -43,7 +29,7 @@ MIRRORED = {  # what is set of the target, and of its cage
 
 
 def in_world(obj: bpy.types.Object, points: np.ndarray) -> np.ndarray:
-    return apply_matrix(obj.matrix_world, points)
+    return scenes.apply_matrix(obj.matrix_world, points)
 
 
 @pytest.mark.parametrize("mirror", MIRRORED)
@@ -52,18 +38,18 @@ def test_a_mirrored_cage_or_target_is_as_good_as_one_whose_scale_is_applied(meth
     """Bound, posed, rendered and set to rest; and truly inside out it is refused, until it is flipped."""
     target, cage = ball(), box()
     place(cage, UNEVEN)
-    new_empty("Parent").scale = MIRROR
+    scenes.new_empty("Parent").scale = MIRROR
     for obj, settings in zip((target, cage), MIRRORED[mirror], strict=True):
         for name, value in settings.items():
             setattr(obj, name, bpy.data.objects[value] if name == "parent" else value)
-    update()
+    scenes.update()
     deformer = surround(target, cage, method)
     assert deformer.status_level == "INFO", deformer.status
-    rest = base_points(target)
-    assert close(evaluated_points(target), rest, MATRIX)
+    rest = scenes.base_points(target)
+    assert scenes.close(scenes.evaluated_points(target), rest, scenes.MATRIX)
 
     twin, applied = ball("Twin"), box("Applied")
-    place(applied, in_world(cage, base_points(cage)).tolist())
+    place(applied, in_world(cage, scenes.base_points(cage)).tolist())
     if cage.matrix_world.determinant() < 0.0:
         applied.data.flip_normals()
     twin.data.transform(target.matrix_world)
@@ -71,41 +57,45 @@ def test_a_mirrored_cage_or_target_is_as_good_as_one_whose_scale_is_applied(meth
         twin.data.flip_normals()
     surround(twin, applied, method)
     place(cage, [*UNEVEN[:-1], (1.1, 0.7, 1.9)])
-    place(applied, in_world(cage, base_points(cage)).tolist())
-    posed = in_world(target, evaluated_points(target))
+    place(applied, in_world(cage, scenes.base_points(cage)).tolist())
+    posed = in_world(target, scenes.evaluated_points(target))
     assert np.abs(posed - in_world(target, rest)).max() > 0.02
-    assert close(posed, evaluated_points(twin), MATRIX)
-    assert close(in_world(target, render_points(target)), posed, MATRIX)
+    assert scenes.close(posed, scenes.evaluated_points(twin), scenes.MATRIX)
+    assert scenes.close(in_world(target, render_points(target)), posed, scenes.MATRIX)
 
     place(cage, UNEVEN)
-    move_world(cage, TURN)
-    assert close(in_world(target, evaluated_points(target)), apply_matrix(TURN, in_world(target, rest)), 2e-5)
+    scenes.move_world(cage, TURN)
+    assert scenes.close(
+        in_world(target, scenes.evaluated_points(target)),
+        scenes.apply_matrix(TURN, in_world(target, rest)),
+        2e-5,
+    )
     set_rest(target)
     assert deformer.status_level == "INFO", deformer.status
-    assert close(evaluated_points(target), rest, MATRIX)
+    assert scenes.close(scenes.evaluated_points(target), rest, scenes.MATRIX)
 
     cage.data.flip_normals()
-    refused("inside out", "cage_set_rest", target)
+    scenes.refused("inside out", "cage_set_rest", target)
     assert_rests(target)
     assert bpy.ops.sinew.cage_flip() == {"FINISHED"}
-    assert close(evaluated_points(target), rest, MATRIX)
+    assert scenes.close(scenes.evaluated_points(target), rest, scenes.MATRIX)
 
 
 @pytest.mark.parametrize("shape", ["BOX", "CYLINDER", "FITTED"])
 def test_a_mirrored_lattice_is_a_lattice(shape: str):
     target = ball()
-    press(target, "lattice_add", shape=shape, resolution=(4, 2, 3))
-    deformer, rest = target.sinew.active, base_points(target)
+    scenes.press(target, "lattice_add", shape=shape, resolution=(4, 2, 3))
+    deformer, rest = target.sinew.active, scenes.base_points(target)
     lattice = deformer.controls[0].object
     lattice.scale.x *= -1.0
-    press(target, "lattice_set_rest")
+    scenes.press(target, "lattice_set_rest")
     assert deformer.status_level == "INFO", deformer.status
-    assert close(evaluated_points(target), rest, MATRIX)
-    move_world(lattice, TURN)
-    assert close(evaluated_points(target), apply_matrix(TURN, rest), 2e-5)
+    assert scenes.close(scenes.evaluated_points(target), rest, scenes.MATRIX)
+    scenes.move_world(lattice, TURN)
+    assert scenes.close(scenes.evaluated_points(target), scenes.apply_matrix(TURN, rest), 2e-5)
 
 
-def test_a_mirrored_mesh_is_a_cage_of_the_subspace_laplacian(plate: Rig):
+def test_a_mirrored_mesh_is_a_cage_of_the_subspace_laplacian(plate: scenes.Rig):
     plate.bind("subspace_laplacian").lift(1.0)
     cage = plate.deformer.parameters.cage = box(size=4.0)
     shapes = []
@@ -118,11 +108,11 @@ def test_a_mirrored_mesh_is_a_cage_of_the_subspace_laplacian(plate: Rig):
 
 def test_faces_of_an_automatic_cage_that_was_mirrored_can_be_changed():
     target = ball()
-    press(target, "cage_add", faces=80, margin=0.06)
+    scenes.press(target, "cage_add", faces=80, margin=0.06)
     cage = target.sinew.active.cage
     cage.scale = MIRROR
     set_rest(target)
     assert bpy.ops.sinew.cage_faces(faces=40) == {"FINISHED"}
     assert target.sinew.active.status_level == "INFO", target.sinew.active.status
-    assert np.abs(evaluated_points(target) - base_points(target)).max() < 4 * FLOAT32
+    assert np.abs(scenes.evaluated_points(target) - scenes.base_points(target)).max() < 4 * scenes.FLOAT32
     assert_goes_on(target, cage)

@@ -14,25 +14,9 @@ import pytest
 from expected import Expected
 from mathutils import Matrix
 from probe import render_points
+from rigs import rig as scenes
 from rigs.cages import ball, box, mean_value, surround
 from rigs.point_objects import add
-from rigs.rig import (
-    Rig,
-    add_armature,
-    add_key,
-    base_points,
-    close,
-    evaluated_points,
-    grid_object,
-    in_mode,
-    key,
-    move_world,
-    new_empty,
-    new_object,
-    press,
-    slope,
-    update,
-)
 from rigs.rig_of_lattice import WITH_LATTICE, by_lattice, lattice_object, lattice_points, small_ball
 from test_control_grid import METHOD, SIDE, new_grid
 from test_points_of_objects import CORNERS, in_target, warped
@@ -46,13 +30,13 @@ Posable = tuple[bpy.types.Object, bpy.types.Object, Solve]
 def in_a_cage() -> Posable:
     target, control = ball(), box()
     surround(target, control)
-    coordinates = mean_value(control, base_points(target))
+    coordinates = mean_value(control, scenes.base_points(target))
     return target, control, lambda _rest, posed: coordinates.warp(posed)
 
 
 def in_a_lattice() -> Posable:
     target, control = small_ball(levels=2), lattice_object((3, 3, 3))
-    press(target, "lattice_add", source="OBJECT", lattice=control.name)
+    scenes.press(target, "lattice_add", source="OBJECT", lattice=control.name)
     made = by_lattice(target, control, lattice_points(control), WITH_LATTICE[0]).native
     return target, control, lambda _rest, posed: made.warp(posed)
 
@@ -61,22 +45,22 @@ def with_a_wire(kind: str) -> Callable[[], Posable]:
     def make() -> Posable:
         control = curve(kind)
         target = wired(control)
-        return target, control, lambda rest, posed: by_wires(base_points(target), (rest, posed))
+        return target, control, lambda rest, posed: by_wires(scenes.base_points(target), (rest, posed))
 
     return make
 
 
 def with_points(method: str) -> Callable[[], Posable]:
     def make() -> Posable:
-        target, control = grid_object(), new_object("Points", CORNERS, [(0, 1, 2, 3)])
+        target, control = scenes.grid_object(), scenes.new_object("Points", CORNERS, [(0, 1, 2, 3)])
         add(target, control, method=method)
-        return target, control, lambda rest, posed: warped(method, rest, posed, base_points(target))
+        return target, control, lambda rest, posed: warped(method, rest, posed, scenes.base_points(target))
 
     return make
 
 
 def with_a_grid() -> Posable:
-    rig = Rig.plate(cells=20).bind(METHOD)
+    rig = scenes.Rig.plate(cells=20).bind(METHOD)
     rig.deformer.parameters.columns = rig.deformer.parameters.rows = SIDE
 
     def solve(rest: np.ndarray, posed: np.ndarray) -> np.ndarray:
@@ -95,7 +79,7 @@ CONTROLS = {"cage": in_a_cage, "lattice": in_a_lattice, "grid": with_a_grid, **W
 
 def up(control: bpy.types.Object) -> bpy.types.ShapeKey:
     """A key that lifts the points, those ahead more."""
-    block = add_key(control, "Up", Matrix.Translation((0.0, 0.1, 0.4)) @ slope(0.3, 0.2))
+    block = scenes.add_key(control, "Up", Matrix.Translation((0.0, 0.1, 0.4)) @ scenes.slope(0.3, 0.2))
     block.value = 0.8
     return block
 
@@ -109,7 +93,7 @@ def shape_key(target: bpy.types.Object, control: bpy.types.Object) -> Iterator[n
 
 
 def keyframes(target: bpy.types.Object, control: bpy.types.Object) -> Iterator[np.ndarray]:
-    key(up(control), {1: {"value": 0.0}, 11: {"value": 1.0}})
+    scenes.key(up(control), {1: {"value": 0.0}, 11: {"value": 1.0}})
     for frame in (11, 6, 1):
         bpy.context.scene.frame_set(frame)
         yield in_target(target, control)
@@ -117,7 +101,7 @@ def keyframes(target: bpy.types.Object, control: bpy.types.Object) -> Iterator[n
 
 def hook(target: bpy.types.Object, control: bpy.types.Object) -> Iterator[np.ndarray]:
     modifier = control.modifiers.new("Hook", "HOOK")
-    modifier.object, modifier.falloff_type = new_empty("Hook"), "NONE"
+    modifier.object, modifier.falloff_type = scenes.new_empty("Hook"), "NONE"
     modifier.vertex_indices_set([0, 1, 2, 3])
     modifier.object.location.z = 0.5
     yield in_target(target, control)
@@ -126,7 +110,7 @@ def hook(target: bpy.types.Object, control: bpy.types.Object) -> Iterator[np.nda
 def edit_mode(target: bpy.types.Object, control: bpy.types.Object) -> Iterator[np.ndarray]:
     """While it lasts, and afterwards."""
     kind = {"CURVE": bpy.ops.curve, "LATTICE": bpy.ops.lattice}.get(control.type, bpy.ops.mesh)
-    with in_mode(control):
+    with scenes.in_mode(control):
         kind.select_all(action="DESELECT")
         kind.select_random(ratio=0.5, seed=1)  # a grid that moves as a whole would move nothing
         bpy.ops.transform.resize(value=(1.0, 1.2, 1.3))
@@ -138,12 +122,12 @@ def edit_mode(target: bpy.types.Object, control: bpy.types.Object) -> Iterator[n
 def its_object(target: bpy.types.Object, control: bpy.types.Object) -> Iterator[np.ndarray]:
     """The target is elsewhere, too."""
     target.location, target.rotation_euler.z = (0.3, 0.0, 0.1), 0.4
-    move_world(control, Matrix.Translation((0.1, 0.0, 0.4)) @ Matrix.Rotation(0.4, 4, (0.6, 0.0, 0.8)))
+    scenes.move_world(control, Matrix.Translation((0.1, 0.0, 0.4)) @ Matrix.Rotation(0.4, 4, (0.6, 0.0, 0.8)))
     yield in_target(target, control)
 
 
 def bone(target: bpy.types.Object, control: bpy.types.Object) -> Iterator[np.ndarray]:
-    high = add_armature(control).pose.bones["high"]
+    high = scenes.add_armature(control).pose.bones["high"]
     high.rotation_euler.x, high.location.x = 0.4, 0.5
     yield in_target(target, control)
 
@@ -176,13 +160,13 @@ WAYS = {
 )
 def test_what_poses_the_points_of_a_control_moves_the_target(kind: str, way: Callable):
     target, control, solve = CONTROLS[kind]()
-    update()
+    scenes.update()
     rest, moved = in_target(target, control), 0.0
-    assert close(evaluated_points(target), base_points(target))
+    assert scenes.close(scenes.evaluated_points(target), scenes.base_points(target))
     for posed in way(target, control):
         expected = solve(rest, posed)
-        moved = max(moved, np.abs(expected - base_points(target)).max())
-        assert close(evaluated_points(target), expected, DRAWN)
-        assert control.mode == "EDIT" or close(render_points(target), expected, DRAWN)
+        moved = max(moved, np.abs(expected - scenes.base_points(target)).max())
+        assert scenes.close(scenes.evaluated_points(target), expected, DRAWN)
+        assert control.mode == "EDIT" or scenes.close(render_points(target), expected, DRAWN)
     assert moved > 0.05
     assert target.sinew.active.status_level == "INFO", target.sinew.active.status

@@ -10,21 +10,8 @@ import numpy as np
 import pytest
 from inside import native
 from mathutils import Matrix
+from rigs import rig as scenes
 from rigs.cages import fine_box
-from rigs.rig import (
-    FLOAT32,
-    apply_matrix,
-    base_points,
-    close,
-    evaluated_points,
-    grid_object,
-    key,
-    make_active,
-    new_empty,
-    press,
-    reopen,
-    update,
-)
 from rigs.rig_of_curves import stroke_through
 from rigs.rig_of_tools import FRAME
 
@@ -40,12 +27,12 @@ def bar(levels: int = 4) -> bpy.types.Object:
 
 def add(obj: bpy.types.Object, tool: str, **reach: float) -> bpy.types.PropertyGroup:
     """A tool in the middle of the object; its row in the list."""
-    press(obj, "tool_add", tool=tool, location=obj.location)
-    make_active(obj)
+    scenes.press(obj, "tool_add", tool=tool, location=obj.location)
+    scenes.make_active(obj)
     row = obj.sinew.active.controls[-1]
     for name, value in reach.items():
         setattr(row, name, value)
-    update()
+    scenes.update()
     return row
 
 
@@ -71,11 +58,11 @@ def test_tools_are_those_of_the_library(tool: str, inner: float, stops: list[Mat
     for stop in stops:
         row.object.matrix_world = stop
         if stop is not stops[-1]:
-            press(obj, "tool_stop")
-    posed = np.concatenate([apply_matrix(stop, FRAME) for stop in stops])
-    expected = straight(base_points(obj), posed, tools=tool, **reach)
-    assert close(evaluated_points(obj), expected, INTEGRATED)
-    assert np.abs(expected - base_points(obj)).max() > 0.3
+            scenes.press(obj, "tool_stop")
+    posed = np.concatenate([scenes.apply_matrix(stop, FRAME) for stop in stops])
+    expected = straight(scenes.base_points(obj), posed, tools=tool, **reach)
+    assert scenes.close(scenes.evaluated_points(obj), expected, INTEGRATED)
+    assert np.abs(expected - scenes.base_points(obj)).max() > 0.3
 
 
 STOPS = ((0.5, 0.0, 0.0), (0.5, 0.5, 0.2))
@@ -85,11 +72,11 @@ END = (0.0, 0.6, 0.4)
 @pytest.fixture
 def walked() -> tuple[bpy.types.Object, bpy.types.PropertyGroup]:
     """A plate, and the row of the tool that was dragged over it, from stop to stop."""
-    obj = grid_object(cells=20)
+    obj = scenes.grid_object(cells=20)
     row = add(obj, "drag", inner=0.3, outer=0.9)
     for place in STOPS:
         row.object.location = place
-        press(obj, "tool_stop")
+        scenes.press(obj, "tool_stop")
     row.object.location = END
     return obj, row
 
@@ -97,24 +84,28 @@ def walked() -> tuple[bpy.types.Object, bpy.types.PropertyGroup]:
 def is_on_path(obj: bpy.types.Object, *places) -> bool:
     """It shows what a tool on this path makes of it."""
     frames = np.concatenate([FRAME + place for place in places])
-    return close(evaluated_points(obj), straight(base_points(obj), frames, inner=0.3, outer=0.9), INTEGRATED)
+    return scenes.close(
+        scenes.evaluated_points(obj),
+        straight(scenes.base_points(obj), frames, inner=0.3, outer=0.9),
+        INTEGRATED,
+    )
 
 
 def test_the_path_is_stored_and_a_frame_depends_on_it_alone(walked, tmp_path: Path) -> None:
     obj, _row = walked
-    shape = evaluated_points(obj)
+    shape = scenes.evaluated_points(obj)
     assert is_on_path(obj, *STOPS, END)
-    reopen(tmp_path / "path.blend")
+    scenes.reopen(tmp_path / "path.blend")
     obj = bpy.data.objects["Plate"]
-    assert close(evaluated_points(obj), shape)
+    assert scenes.close(scenes.evaluated_points(obj), shape)
     tool = obj.sinew.active.controls[0].object
     tool.location = (0.0, 0.0, 3.0)  # another way to the same place changes nothing
-    update()
+    scenes.update()
     tool.location = END
-    assert close(evaluated_points(obj), shape)
-    press(obj, "tool_stop", clear=True)
+    assert scenes.close(scenes.evaluated_points(obj), shape)
+    scenes.press(obj, "tool_stop", clear=True)
     assert is_on_path(obj, END)
-    assert not close(evaluated_points(obj), shape, 0.02), "the way counts"
+    assert not scenes.close(scenes.evaluated_points(obj), shape, 0.02), "the way counts"
 
 
 def test_progress_goes_along_the_path(walked) -> None:
@@ -129,32 +120,32 @@ def test_progress_goes_along_the_path(walked) -> None:
 
 
 def test_progress_and_tools_can_be_keyed() -> None:
-    obj = grid_object(cells=20)
+    obj = scenes.grid_object(cells=20)
     row = add(obj, "drag", inner=0.3, outer=0.9)
-    key(row, {1: {"progress": 0.0}, 11: {"progress": 1.0}})
-    key(row.object, {1: {"location": (0.6, 0.0, 0.0)}, 21: {"location": (0.6, 0.0, 0.5)}}, linear=True)
+    scenes.key(row, {1: {"progress": 0.0}, 11: {"progress": 1.0}})
+    scenes.key(row.object, {1: {"location": (0.6, 0.0, 0.0)}, 21: {"location": (0.6, 0.0, 0.5)}}, linear=True)
     for frame, place in ((1, (0.0, 0.0, 0.0)), (11, (0.6, 0.0, 0.25)), (21, (0.6, 0.0, 0.5))):
         bpy.context.scene.frame_set(frame)
         assert is_on_path(obj, place), frame
 
 
 def test_a_drag_from_a_script_leaves_a_path() -> None:
-    obj = grid_object(cells=20)
-    make_active(obj)
+    obj = scenes.grid_object(cells=20)
+    scenes.make_active(obj)
     way = stroke_through([(0.0, 0.0, 0.1 * k) for k in range(9)])
     assert bpy.ops.sinew.tool_drag(path=way, radius=0.8) == {"FINISHED"}
     row = obj.sinew.active.controls[0]
     assert row.outer == pytest.approx(0.8)
     assert len(row.rest.vertices) > 8, "stops"
-    middle = np.linalg.norm(base_points(obj), axis=1) < 0.2
-    assert np.allclose(evaluated_points(obj)[middle, 2], 0.8, atol=1e-4)
+    middle = np.linalg.norm(scenes.base_points(obj), axis=1) < 0.2
+    assert np.allclose(scenes.evaluated_points(obj)[middle, 2], 0.8, atol=1e-4)
     assert len(obj.sinew.deformers) == 1
     assert bpy.ops.sinew.tool_drag(path=way[::-1], radius=0.8) == {"FINISHED"}
     assert len(obj.sinew.active.controls) == 2, "a second drag is another tool of the same deformer"
 
 
 def test_wrong_reaches_are_refused_by_name() -> None:
-    obj = grid_object()
+    obj = scenes.grid_object()
     row = add(obj, "drag")
     for inner, tool, said in (
         (row.outer + 1.0, "drag", "Outer must be larger than Inner"),
@@ -162,34 +153,34 @@ def test_wrong_reaches_are_refused_by_name() -> None:
         (-0.5, "bend", ""),
     ):
         row.inner, row.tools = inner, tool
-        update()
+        scenes.update()
         assert f"{row.object.name}: {said}" in obj.sinew.active.status or not said
         assert (obj.sinew.active.status_level == "INFO") is (not said), obj.sinew.active.status
 
 
 def test_a_tool_of_no_size_is_refused_by_name_and_one_scaled_to_nothing_later_is_not_a_crash() -> None:
-    obj, tool = grid_object(), new_empty("Flat")
+    obj, tool = scenes.grid_object(), scenes.new_empty("Flat")
     tool.scale.z = 0.0
-    press(obj, "tool_add", control="Flat")
+    scenes.press(obj, "tool_add", control="Flat")
     assert "Flat is flat" in obj.sinew.active.status
     tool.scale.z = 1.0
-    press(obj, "unbind")
-    press(obj, "bind")
+    scenes.press(obj, "unbind")
+    scenes.press(obj, "bind")
     tool.scale, tool.location.z = (0.0, 0.0, 0.0), 0.3
-    assert np.isfinite(evaluated_points(obj)).all()
+    assert np.isfinite(scenes.evaluated_points(obj)).all()
 
 
 def test_lengths_are_those_of_the_tool() -> None:
     """A larger tool reaches farther, wherever the target is."""
-    obj = grid_object(cells=20)
+    obj = scenes.grid_object(cells=20)
     obj.scale = (2.0, 2.0, 2.0)
-    tool = new_empty("Tool")
+    tool = scenes.new_empty("Tool")
     tool.scale = (3.0, 3.0, 3.0)
-    press(obj, "tool_add", control="Tool", outer=0.5)
+    scenes.press(obj, "tool_add", control="Tool", outer=0.5)
     row = obj.sinew.active.controls[0]
     row.inner = 0.1
     tool.location.z = 0.4
     made = native().VectorField(1.5 * FRAME, inner=0.15, outer=0.75)
-    made.bind(base_points(obj))
+    made.bind(scenes.base_points(obj))
     shape = made.warp(1.5 * FRAME + (0.0, 0.0, 0.2))
-    assert close(evaluated_points(obj), shape, INTEGRATED + FLOAT32)
+    assert scenes.close(scenes.evaluated_points(obj), shape, INTEGRATED + scenes.FLOAT32)

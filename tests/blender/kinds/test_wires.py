@@ -9,18 +9,7 @@ import pytest
 from editing import edit
 from inside import native
 from probe import render_points
-from rigs.rig import (
-    FLOAT32,
-    apply_matrix,
-    base_points,
-    close,
-    evaluated_points,
-    grid_object,
-    linked,
-    make_active,
-    press,
-    update,
-)
+from rigs import rig as scenes
 from rigs.rig_of_curves import places_of, polyline, stroke_through
 
 RADIUS = 0.6
@@ -50,20 +39,20 @@ def curve(kind: str, name: str = "Wire") -> bpy.types.Object:
         for point, place in zip(spline.points, places, strict=True):
             point.co = (*place, 1.0)
         spline.use_endpoint_u = True
-    return linked(bpy.data.objects.new(name, data))
+    return scenes.linked(bpy.data.objects.new(name, data))
 
 
 def drawn(wire: bpy.types.Object) -> np.ndarray:
     """What Blender draws of a curve, in the world, (c, 3)."""
-    return apply_matrix(wire.matrix_world, evaluated_points(wire))
+    return scenes.apply_matrix(wire.matrix_world, scenes.evaluated_points(wire))
 
 
 def wired(*wires: bpy.types.Object, radius: float = RADIUS, target: bpy.types.Object | None = None):
     """The plate, which these curves move."""
-    plate = target or grid_object()
+    plate = target or scenes.grid_object()
     for wire in wires:
-        press(plate, "wire_add", curve=wire.name, radius=radius)
-    make_active(plate)
+        scenes.press(plate, "wire_add", curve=wire.name, radius=radius)
+    scenes.make_active(plate)
     return plate
 
 
@@ -81,19 +70,19 @@ def expected(
 def test_wires_share_a_deformer_until_they_are_removed_and_steer_several_targets() -> None:
     wires = [polyline(line(y), f"Wire {y}") for y in (-0.4, 0.4)]
     plate = wired(*wires)
-    other = wired(wires[0], target=grid_object("Other"))
+    other = wired(wires[0], target=scenes.grid_object("Other"))
     assert len(plate.sinew.deformers) == 1
     assert [row.object for row in plate.sinew.active.controls] == wires
     moves = []
     for wire, height in zip(wires, (0.3, 0.9), strict=True):
         wire.location.z = height
         moves.append((places_of(wire), places_of(wire) + (0.0, 0.0, height)))
-    assert close(evaluated_points(plate), expected(base_points(plate), *moves))
-    assert close(evaluated_points(other), expected(base_points(other), moves[0]))
-    press(plate, "control_remove", index=0)
+    assert scenes.close(scenes.evaluated_points(plate), expected(scenes.base_points(plate), *moves))
+    assert scenes.close(scenes.evaluated_points(other), expected(scenes.base_points(other), moves[0]))
+    scenes.press(plate, "control_remove", index=0)
     assert [row.object for row in plate.sinew.active.controls] == wires[1:]
     wires[1].location.z = 0.0
-    assert close(evaluated_points(plate), base_points(plate))
+    assert scenes.close(scenes.evaluated_points(plate), scenes.base_points(plate))
     assert bpy.ops.sinew.control_remove() == {"FINISHED"}
     assert not plate.sinew.active.controls
     assert not plate.sinew.active.is_bound
@@ -107,31 +96,31 @@ def test_each_wire_has_its_own_settings() -> None:
     first.radius, second.radius, second.scale, first.rotation = 0.3, 0.4, 1.5, 0.0
     for wire in wires:
         wire.rotation_euler.x = 0.5
-    update()
-    moves = [(places_of(wire), apply_matrix(wire.matrix_world, places_of(wire))) for wire in wires]
+    scenes.update()
+    moves = [(places_of(wire), scenes.apply_matrix(wire.matrix_world, places_of(wire))) for wire in wires]
     own = {"radius": [0.3, 0.4], "scale": [1.0, 1.5], "rotation": [0.0, 1.0]}
-    both, rest = expected(base_points(plate), *moves, **own), base_points(plate)
-    assert close(evaluated_points(plate), both)
+    both, rest = expected(scenes.base_points(plate), *moves, **own), scenes.base_points(plate)
+    assert scenes.close(scenes.evaluated_points(plate), both)
     second.enabled = False
-    alone = evaluated_points(plate)
-    assert not close(alone, both)
+    alone = scenes.evaluated_points(plate)
+    assert not scenes.close(alone, both)
     assert np.array_equal(alone[rest[:, 1] > 0.3], rest[rest[:, 1] > 0.3])
 
 
 def test_a_wire_along_selected_edges_follows_and_goes_with_the_deformer() -> None:
-    plate = grid_object()
+    plate = scenes.grid_object()
     edit(plate, lambda point: abs(point.y - 0.2) < 1e-4)
     assert bpy.ops.sinew.wire_add(points=0, radius=RADIUS) == {"FINISHED"}
     assert plate.mode == "EDIT"
     bpy.ops.object.mode_set(mode="OBJECT")
     wire = plate.sinew.active.controls[0].object
     assert wire.parent == plate
-    assert close(drawn(wire)[np.argsort(drawn(wire)[:, 0])], line(0.2, count=11))
+    assert scenes.close(drawn(wire)[np.argsort(drawn(wire)[:, 0])], line(0.2, count=11))
     wire.location.z = 0.5
-    row = np.abs(base_points(plate)[:, 1] - 0.2) < 1e-4
-    assert np.allclose(evaluated_points(plate)[row, 2], 0.5, atol=FLOAT32)
+    row = np.abs(scenes.base_points(plate)[:, 1] - 0.2) < 1e-4
+    assert np.allclose(scenes.evaluated_points(plate)[row, 2], 0.5, atol=scenes.FLOAT32)
     name = wire.name
-    press(plate, "deformer_remove")
+    scenes.press(plate, "deformer_remove")
     assert name not in bpy.data.objects
 
 
@@ -148,16 +137,16 @@ def test_a_ring_of_edges_becomes_a_closed_curve_with_few_points() -> None:
 
 
 def test_a_stroke_becomes_a_wire() -> None:
-    plate = grid_object()
+    plate = scenes.grid_object()
     plate.location = (3.0, 0.0, 1.0)
-    make_active(plate)
+    scenes.make_active(plate)
     stroke = stroke_through([(3.0 + x, 0.3, 1.0) for x in np.linspace(-0.8, 0.8, 40)])
     assert bpy.ops.sinew.wire_draw(stroke=stroke, points=5, radius=RADIUS) == {"FINISHED"}
     wire = plate.sinew.active.controls[0].object
     assert len(wire.data.splines[0].bezier_points) == 5
     assert np.allclose(drawn(wire)[:, 1:], (0.3, 1.0), atol=1e-5)
     wire.location.z += 0.4
-    assert evaluated_points(plate)[:, 2].max() > 0.2
+    assert scenes.evaluated_points(plate)[:, 2].max() > 0.2
 
 
 def test_a_domain_curve_limits_its_wire() -> None:
@@ -166,31 +155,31 @@ def test_a_domain_curve_limits_its_wire() -> None:
     row = plate.sinew.active.controls[0]
     row.domain = domain
     assert "Rebind" in plate.sinew.active.status or plate.sinew.active.status_level != "ERROR"
-    press(plate, "bind")
+    scenes.press(plate, "bind")
     domain.location.y = 5.0  # where it is later does not count
     wire.location.z = 0.5
-    shape = evaluated_points(plate)
-    far = base_points(plate)[:, 1] > 0.3 - 1e-4
+    shape = scenes.evaluated_points(plate)
+    far = scenes.base_points(plate)[:, 1] > 0.3 - 1e-4
     assert np.abs(shape[far, 2]).max() == 0.0
-    assert close(shape, expected(base_points(plate), (line(), line(z=0.5)), domain=line(0.3)))
+    assert scenes.close(shape, expected(scenes.base_points(plate), (line(), line(z=0.5)), domain=line(0.3)))
 
 
 def test_curves_without_length_are_refused_by_name() -> None:
-    plate = grid_object()
-    press(plate, "wire_add", curve=polyline(np.zeros((3, 3)), "Dot").name)
+    plate = scenes.grid_object()
+    scenes.press(plate, "wire_add", curve=polyline(np.zeros((3, 3)), "Dot").name)
     assert plate.sinew.active.status_level == "ERROR"
     assert "Dot has no length" in plate.sinew.active.status
-    assert close(evaluated_points(plate), base_points(plate))
+    assert scenes.close(scenes.evaluated_points(plate), scenes.base_points(plate))
 
 
 @pytest.mark.parametrize("what", ["bevel_depth", "extrude"])
 def test_a_curve_that_shows_faces_is_refused_by_name(what: str) -> None:
-    plate, wire = grid_object(), curve("BEZIER", "Thick")
+    plate, wire = scenes.grid_object(), curve("BEZIER", "Thick")
     setattr(wire.data, what, 0.1)
-    press(plate, "wire_add", curve=wire.name)
+    scenes.press(plate, "wire_add", curve=wire.name)
     assert "Thick shows faces" in plate.sinew.active.status
     setattr(wire.data, what, 0.0)
-    press(plate, "bind")
+    scenes.press(plate, "bind")
     assert plate.sinew.active.is_bound
 
 
@@ -199,7 +188,7 @@ def test_renders_with_another_resolution_show_the_same() -> None:
     wire.data.render_resolution_u = 36
     plate = wired(wire)
     wire.location.z = 0.5
-    shown = evaluated_points(plate)
+    shown = scenes.evaluated_points(plate)
     assert np.abs(render_points(plate) - shown).max() < 1e-4  # places between samples are on their sides
     assert shown[:, 2].max() > 0.4
 
@@ -210,4 +199,6 @@ def test_radius_is_a_length_of_the_curve_object() -> None:
     plate = wired(wire, radius=0.5 * RADIUS)
     plate.scale = (1.0, 1.0, 1.0)
     wire.location.z = 0.5
-    assert close(evaluated_points(plate), expected(base_points(plate), (line(), line(z=0.5))), 1e-5)
+    assert scenes.close(
+        scenes.evaluated_points(plate), expected(scenes.base_points(plate), (line(), line(z=0.5))), 1e-5
+    )

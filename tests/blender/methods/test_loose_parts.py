@@ -18,36 +18,21 @@ from expected import Expected
 from inside import inner, notes_of
 from mathutils import Matrix
 from registry import ON_HANDLE_POINTS, ON_SURFACE
-from rigs.rig import (
-    Rig,
-    add_armature,
-    apply_matrix,
-    base_points,
-    change_in_edit_mode,
-    close,
-    in_pose_mode,
-    make_active,
-    move_world,
-    press,
-    push,
-    reopen,
-    subdivided,
-    update,
-)
+from rigs import rig as scenes
 
 BEND = Matrix.Rotation(math.radians(40.0), 4, "Y") @ Matrix.Translation((0.3, 0.0, 0.4))
 ITERATED = 1e-3  # where a pose differs in its last digit, an iterative method may stop a step earlier
 COUNTS = {0: 33, 1: 129, 2: 497}  # vertices of each of Suzanne's two eyes, by how often she is divided
 
 
-class Suzanne(Rig):
+class Suzanne(scenes.Rig):
     """Her ears move, her chin stays, nothing holds her eyes."""
 
     def __init__(self, levels: int = 0) -> None:
         bpy.ops.mesh.primitive_monkey_add()
         obj = bpy.context.object
         if levels:
-            subdivided(obj, levels)
+            scenes.subdivided(obj, levels)
             bpy.ops.object.modifier_apply(modifier="Subdivision")
         self.name = obj.name
         self.eyes = parts_of(obj)[1:]
@@ -56,7 +41,7 @@ class Suzanne(Rig):
 
     def add(self, name: str, height: float) -> np.ndarray:
         """A group of the head above or below."""
-        points = base_points(self.obj)
+        points = scenes.base_points(self.obj)
         up = np.sign(height) * (points[:, 2] - height) > 0.0
         up[np.concatenate(self.eyes)] = False
         return self.add_members(name, np.flatnonzero(up))
@@ -88,23 +73,23 @@ def test_eyes_follow_the_head_or_stay(suzanne: Suzanne, method: str):
     rest = suzanne.rest()
     suzanne.bind(method)
     assert "2 loose parts follow the surface" in notes_of(suzanne.deformer)
-    assert close(suzanne.points(), rest)
+    assert scenes.close(suzanne.points(), rest)
     expected = Expected.of_rig(suzanne, method)
-    move_world(suzanne.control, BEND)
+    scenes.move_world(suzanne.control, BEND)
     followed = suzanne.points()
-    assert close(followed, expected.now(suzanne.obj, suzanne.control), ITERATED)
+    assert scenes.close(followed, expected.now(suzanne.obj, suzanne.control), ITERATED)
     assert all(np.linalg.norm(followed[eye] - rest[eye], axis=1).min() > 0.05 for eye in suzanne.eyes)
     suzanne.deformer.loose_parts = "STAY"
     stayed = suzanne.points()
     assert "2 loose parts stay at rest" in notes_of(suzanne.deformer)
-    assert close(stayed[suzanne.head], followed[suzanne.head], 1e-4)
-    assert all(close(stayed[eye], rest[eye]) for eye in suzanne.eyes)
+    assert scenes.close(stayed[suzanne.head], followed[suzanne.head], 1e-4)
+    assert all(scenes.close(stayed[eye], rest[eye]) for eye in suzanne.eyes)
     suzanne.deformer.loose_parts = "FOLLOW"
-    assert close(suzanne.points(), followed)
+    assert scenes.close(suzanne.points(), followed)
     suzanne.control.matrix_basis = Matrix.Identity(4)
-    assert close(suzanne.points(), rest)
+    assert scenes.close(suzanne.points(), rest)
     suzanne.deformer.method = ON_HANDLE_POINTS[0]  # which moves all parts anyway
-    update()
+    scenes.update()
     assert not any("loose" in line for line in notes_of(suzanne.deformer))
 
 
@@ -116,45 +101,45 @@ def test_a_region_on_an_eye_takes_it_out_and_a_support_does_not_hold_the_other(
     suzanne.add("Support", -0.5)
     suzanne.add_members("Eye", left)
     suzanne.bind(fixed=False)
-    press(suzanne.obj, "handle_add", kind="SUPPORT", vertex_group="Support")
-    press(suzanne.obj, "handle_add", kind="FIXED", vertex_group="Eye")
-    move_world(suzanne.control, BEND)
+    scenes.press(suzanne.obj, "handle_add", kind="SUPPORT", vertex_group="Support")
+    scenes.press(suzanne.obj, "handle_add", kind="FIXED", vertex_group="Eye")
+    scenes.move_world(suzanne.control, BEND)
     rest, shape = suzanne.rest(), suzanne.points()
     assert "1 loose part follows the surface" in notes_of(suzanne.deformer)
-    assert close(shape[left], rest[left])
+    assert scenes.close(shape[left], rest[left])
     assert np.abs(shape[right] - rest[right]).max() > 0.05
-    push("follow")
+    scenes.push("follow")
     suzanne.deformer.loose_parts = "STAY"
     stayed = suzanne.points()
-    assert close(stayed[right], rest[right])
-    push("stay")
+    assert scenes.close(stayed[right], rest[right])
+    scenes.push("stay")
     for step, expected in ((bpy.ops.ed.undo, shape), (bpy.ops.ed.redo, stayed)):
         step()
-        assert close(suzanne.points(), expected)
-    reopen(tmp_path / "stay.blend")
-    assert close(suzanne.points(), stayed)
+        assert scenes.close(suzanne.points(), expected)
+    scenes.reopen(tmp_path / "stay.blend")
+    assert scenes.close(suzanne.points(), stayed)
 
 
 def test_what_an_armature_below_poses_rides_too(suzanne: Suzanne):
-    armature = add_armature(suzanne.obj)
+    armature = scenes.add_armature(suzanne.obj)
     suzanne.bind()
     suzanne.deformer.handles[0].stands_on = "WORLD"  # as its pose is read there
     expected = Expected.of_rig(suzanne)
     armature.pose.bones["high"].rotation_euler.x = 0.5
     incoming = suzanne.points()
-    assert not close(incoming, suzanne.rest(), 0.01)
+    assert not scenes.close(incoming, suzanne.rest(), 0.01)
     suzanne.obj.modifiers[1].show_viewport = False
-    assert close(suzanne.points(), incoming, 1e-5)  # a control at rest leaves what enters as it is
+    assert scenes.close(suzanne.points(), incoming, 1e-5)  # a control at rest leaves what enters as it is
     suzanne.obj.modifiers[1].show_viewport = True
-    move_world(suzanne.control, BEND)
+    scenes.move_world(suzanne.control, BEND)
     shape = expected.now(suzanne.obj, suzanne.control, incoming)
-    assert close(suzanne.points(), shape, 1e-5)
+    assert scenes.close(suzanne.points(), shape, 1e-5)
 
 
 def test_grab_once_takes_along_what_lies_on_the_moved_surface_but_parts_that_are_hidden(suzanne: Suzanne):
     """A part that is hidden in part stays as a whole."""
     hidden, eye = suzanne.eyes
-    make_active(suzanne.obj)
+    scenes.make_active(suzanne.obj)
     bpy.ops.object.mode_set(mode="EDIT")
     edit = bmesh.from_edit_mesh(suzanne.obj.data)
     edit.verts.ensure_lookup_table()
@@ -167,7 +152,7 @@ def test_grab_once_takes_along_what_lies_on_the_moved_surface_but_parts_that_are
     grab(mode="TRANSLATE", value=(0.0, 0.0, 0.1), unlimited=True)
     after = edited(suzanne.obj)
     assert np.array_equal(after[hidden], before[hidden])
-    assert close(after[eye], before[eye] + np.float32((0.0, 0.0, 0.1)), 1e-6)
+    assert scenes.close(after[eye], before[eye] + np.float32((0.0, 0.0, 0.1)), 1e-6)
     bpy.ops.object.mode_set(mode="OBJECT")
 
 
@@ -176,7 +161,7 @@ def add_button(edit: bmesh.types.BMesh) -> None:
     bmesh.ops.create_icosphere(edit, subdivisions=2, radius=0.1, matrix=Matrix.Translation((0.0, -1.1, 0.5)))
 
 
-def offered(rig: Rig) -> list[int]:
+def offered(rig: scenes.Rig) -> list[int]:
     """The vertices that the button would keep inside."""
     keep, lines = inner.status.Remedy.KEEP_INSIDE, inner.status.notes(rig.deformer.uid)
     return [index for line in lines if line.remedy is keep for index in line.elements.indices]
@@ -185,15 +170,15 @@ def offered(rig: Rig) -> list[int]:
 @pytest.mark.parametrize("way", ["FIXED", "ARMATURE", "BONE"])
 def test_parts_inside_may_stay_with_a_bone(suzanne: Suzanne, way: str):
     """They are named at the first bind; the button keeps them, and what lies outside goes on to follow."""
-    change_in_edit_mode(suzanne.obj, add_button)
+    scenes.change_in_edit_mode(suzanne.obj, add_button)
     obj, rest, inside = suzanne.obj, suzanne.rest(), np.concatenate(suzanne.eyes)
-    armature = None if way == "FIXED" else add_armature(obj)
+    armature = None if way == "FIXED" else scenes.add_armature(obj)
     if way == "BONE":
         obj.modifiers.clear()
     suzanne.bind()
     assert set(offered(suzanne)) == set(inside.tolist())
     if way == "BONE":
-        in_pose_mode(armature, "low", obj)
+        scenes.in_pose_mode(armature, "low", obj)
     assert bpy.ops.sinew.keep_inside() == {"FINISHED"}
     assert not offered(suzanne)
     assert bpy.ops.sinew.keep_inside() == {"CANCELLED"}
@@ -201,11 +186,13 @@ def test_parts_inside_may_stay_with_a_bone(suzanne: Suzanne, way: str):
     if armature is not None:
         bone = armature.pose.bones["low"]
         bone.rotation_euler.x = 0.5
-        update()
-        incoming = apply_matrix(armature.matrix_world @ bone.matrix @ bone.bone.matrix_local.inverted(), rest)
-    move_world(suzanne.control, BEND)
+        scenes.update()
+        incoming = scenes.apply_matrix(
+            armature.matrix_world @ bone.matrix @ bone.bone.matrix_local.inverted(), rest
+        )
+    scenes.move_world(suzanne.control, BEND)
     shape = suzanne.points()
-    assert close(shape[inside], incoming[inside], 1e-5)
+    assert scenes.close(shape[inside], incoming[inside], 1e-5)
     assert np.linalg.norm(shape[507:] - rest[507:], axis=1).min() > 0.05
 
 

@@ -13,19 +13,10 @@ import pytest
 from mathutils import Matrix
 from probe import render_points
 from registry import BY_ID, METHODS, Control, Moved, Reproduced
+from rigs import rig as scenes
 from rigs.cages import ball
 from rigs.kinds import BY_CONTROL
 from rigs.point_objects import MAKERS, TESSELLATED, add, attach, moved_by_hand
-from rigs.rig import (
-    apply_matrix,
-    close as within,
-    evaluated_points,
-    make_active,
-    new_empty,
-    press,
-    some_motion,
-    update,
-)
 from rigs.rig_of_curves import polyline
 
 # What handles move while all else stays has a test of its own: in test_drag_tool.
@@ -45,7 +36,7 @@ def loose_parts() -> bpy.types.Object:
     """Two balls and a vertex that no face holds."""
     obj, other = ball("Parts", 1, 0.3), ball("Other", 1, 0.2)
     other.data.transform(Matrix.Translation((0.6, 0.1, 0.0)))
-    make_active(obj, other)
+    scenes.make_active(obj, other)
     bpy.ops.object.join()
     obj.data.vertices.add(1)
     obj.data.vertices[-1].co.z = 0.7
@@ -56,9 +47,9 @@ TARGETS = {**MAKERS, "loose_parts": loose_parts}
 
 
 def by_handles(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
-    points = evaluated_points(obj)
+    points = scenes.evaluated_points(obj)
     places = points[np.unique([*points.argmin(axis=0), *points.argmax(axis=0)])]  # nothing is far outside
-    empties = [new_empty(f"Point {number}", place) for number, place in enumerate(places)]
+    empties = [scenes.new_empty(f"Point {number}", place) for number, place in enumerate(places)]
     deformer = add(obj, *empties, source="SELECTED", method=method)
     assert [handle.control for handle in deformer.handles] == empties
     assert obj.type == "LATTICE" or not obj.vertex_groups
@@ -66,7 +57,7 @@ def by_handles(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
 
 
 def by_lattice(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
-    press(obj, "lattice_add")
+    scenes.press(obj, "lattice_add")
     lattice = obj.sinew.active.controls[0].object
     lattice.parent = None
     return [lattice]
@@ -74,13 +65,13 @@ def by_lattice(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
 
 def by_wire(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
     wire = polyline(np.array([(-1.0, 0.0, 0.0), (0.0, 0.2, 0.0), (1.0, 0.0, 0.0)]))
-    press(obj, "wire_add", curve=wire.name, radius=1e4 * FAR)
+    scenes.press(obj, "wire_add", curve=wire.name, radius=1e4 * FAR)
     return [wire]
 
 
 def by_tool(obj: bpy.types.Object, method: str) -> list[bpy.types.Object]:
-    tool = new_empty("Tool")
-    press(obj, "tool_add", control=tool.name, outer=FAR)
+    tool = scenes.new_empty("Tool")
+    scenes.press(obj, "tool_add", control=tool.name, outer=FAR)
     obj.sinew.active.controls[0].inner = 0.5 * FAR
     return [tool]
 
@@ -100,25 +91,25 @@ def motion_for(method: str) -> Matrix:
     if row.control in (Control.CAGE, Control.LATTICE):
         return BY_CONTROL[row.control].carries
     is_rigid = row.reproduces not in (Reproduced.REST, Reproduced.TRANSLATIONS)
-    return some_motion() if is_rigid else Matrix.Translation((0.4, -0.2, 0.7))
+    return scenes.some_motion() if is_rigid else Matrix.Translation((0.4, -0.2, 0.7))
 
 
 def close(seen: np.ndarray, expected: np.ndarray) -> bool:
-    return within(seen, expected, (TESSELLATED + ROUNDED) * max(1.0, float(np.abs(expected).max())))
+    return scenes.close(seen, expected, (TESSELLATED + ROUNDED) * max(1.0, float(np.abs(expected).max())))
 
 
 @pytest.mark.parametrize("kind", TARGETS)
 @pytest.mark.parametrize("method", ON_POINTS)
 def test_every_space_method_moves_everything_in_viewports_and_renders(kind: str, method: str):
     obj = TARGETS[kind]()
-    update()
+    scenes.update()
     controls = ADDED[BY_ID[method].control](obj, method)
     assert obj.sinew.active.method == method
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     rest, motion = moved_by_hand(obj, lambda points: points), motion_for(method)
-    assert close(evaluated_points(obj), rest)
-    expected = moved_by_hand(obj, lambda points: apply_matrix(motion, points))
-    make_active(obj)
+    assert close(scenes.evaluated_points(obj), rest)
+    expected = moved_by_hand(obj, lambda points: scenes.apply_matrix(motion, points))
+    scenes.make_active(obj)
     for control in controls:
         for frame, pose in ((1, Matrix.Identity(4)), (11, motion)):
             control.matrix_world = pose @ control.matrix_world
@@ -126,5 +117,5 @@ def test_every_space_method_moves_everything_in_viewports_and_renders(kind: str,
                 control.keyframe_insert(name, frame=frame)
     for frame, shape in ((11, expected), (1, rest), (11, expected)):
         bpy.context.scene.frame_set(frame)
-        assert close(evaluated_points(obj), shape), frame
+        assert close(scenes.evaluated_points(obj), shape), frame
         assert close(render_points(obj), shape), frame

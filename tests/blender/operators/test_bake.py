@@ -23,25 +23,14 @@ from inside import inner
 from mathutils import Matrix
 from probe import render_points
 from registry import WITH_HANDLES
-from rigs.rig import (
-    Rig,
-    add_armature,
-    add_group,
-    add_key,
-    coordinates,
-    curves_of,
-    key,
-    make_active,
-    move_world,
-    refused,
-    slope,
-    subdivided,
-)
+from rigs import rig as scenes
 
 
 @pytest.mark.parametrize("method", WITH_HANDLES)
 @pytest.mark.parametrize("target", TARGETS)
-def test_baked_frames_equal_live_ones_to_the_last_bit(plate: Rig, tmp_path: Path, target: str, method: str):
+def test_baked_frames_equal_live_ones_to_the_last_bit(
+    plate: scenes.Rig, tmp_path: Path, target: str, method: str
+):
     plate.bind(method)
     animate(plate.control)
     before, live = footprint(plate), played(plate.obj)
@@ -57,7 +46,7 @@ def test_baked_frames_equal_live_ones_to_the_last_bit(plate: Rig, tmp_path: Path
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_controls_have_no_effect_while_baked_and_nothing_is_solved(
-    moving: Rig, tmp_path: Path, target: str, monkeypatch: pytest.MonkeyPatch
+    moving: scenes.Rig, tmp_path: Path, target: str, monkeypatch: pytest.MonkeyPatch
 ):
     """Between frames the shape is blended, and outside it holds."""
     live = played(moving.obj)
@@ -66,7 +55,7 @@ def test_controls_have_no_effect_while_baked_and_nothing_is_solved(
     monkeypatch.setattr(inner.solving, "solve", lambda *_: calls.append(1))
     control = moving.control
     control.animation_data_clear()
-    move_world(control, Matrix.Translation((0.0, 0.0, 3.0)))
+    scenes.move_world(control, Matrix.Translation((0.0, 0.0, 3.0)))
     assert_same(played(moving.obj), live)
     found = played(moving.obj, [3.25, -4, 20])
     assert np.abs(found[3.25] - (live[3] * 0.75 + live[4] * 0.25)).max() < 1e-6
@@ -82,11 +71,13 @@ HEADS = {  # of the formats: the numbers before the samples, and their types
 
 
 @pytest.mark.parametrize("target", CACHES)
-def test_a_file_holds_what_its_format_says_and_renders_show_it(moving: Rig, tmp_path: Path, target: str):
+def test_a_file_holds_what_its_format_says_and_renders_show_it(
+    moving: scenes.Rig, tmp_path: Path, target: str
+):
     """Also where it is invoked without a window."""
     bpy.context.scene.render.fps = 24
     live = played(moving.obj)
-    make_active(moving.obj)
+    scenes.make_active(moving.obj)
     path = tmp_path / f"plate.{target.lower()}"
     assert bpy.ops.sinew.bake("INVOKE_DEFAULT", target=target, filepath=str(path)) == {"FINISHED"}
     assert_same(played(moving.obj), live)
@@ -101,15 +92,17 @@ def test_a_file_holds_what_its_format_says_and_renders_show_it(moving: Rig, tmp_
 
 
 @pytest.mark.parametrize("target", CACHES)
-def test_what_comes_before_and_factor_and_mask_are_in_the_cache(plate: Rig, tmp_path: Path, target: str):
+def test_what_comes_before_and_factor_and_mask_are_in_the_cache(
+    plate: scenes.Rig, tmp_path: Path, target: str
+):
     """An armature, and a subdivision, whose fine mesh it holds."""
-    armature = add_armature(plate.obj)
-    subdivided(plate.obj)
+    armature = scenes.add_armature(plate.obj)
+    scenes.subdivided(plate.obj)
     plate.bind("arap")
     animate(plate.control)
     bone = armature.pose.bones["high"]
-    key(bone, {1: {"location": (0.0, 0.0, 0.0)}, 8: {"location": (0.03, 0.0, 0.3)}})
-    add_group(plate.obj, "Right", lambda point: point[0] > 0.1)
+    scenes.key(bone, {1: {"location": (0.0, 0.0, 0.0)}, 8: {"location": (0.03, 0.0, 0.3)}})
+    scenes.add_group(plate.obj, "Right", lambda point: point[0] > 0.1)
     plate.deformer.mask_group, plate.deformer.factor = "Right", 0.6
     live = played(plate.obj)
     assert np.abs(live[8] - live[1]).max() > 0.3
@@ -121,10 +114,10 @@ def test_what_comes_before_and_factor_and_mask_are_in_the_cache(plate: Rig, tmp_
 
 
 @pytest.mark.parametrize("target", TARGETS)
-def test_later_modifiers_act_on_the_baked_shape(plate: Rig, tmp_path: Path, target: str):
+def test_later_modifiers_act_on_the_baked_shape(plate: scenes.Rig, tmp_path: Path, target: str):
     plate.bind("thin_shell")
     animate(plate.control)
-    armature = add_armature(plate.obj)
+    armature = scenes.add_armature(plate.obj)
     armature.pose.bones["high"].location = (0.0, 0.1, 0.4)
     plate.obj.modifiers.new("Subdivision", "SUBSURF").levels = 1
     live, objects = played(plate.obj), len(bpy.data.objects)
@@ -146,29 +139,29 @@ def fill_at_random(path: Path, frames: range) -> np.ndarray:
     return samples
 
 
-def test_shape_keys_are_what_an_artist_expects(moving: Rig):
+def test_shape_keys_are_what_an_artist_expects(moving: scenes.Rig):
     live = played(moving.obj)
     bake(moving, "SHAPE_KEYS", exact_keys=False)
     keys = moving.obj.data.shape_keys
     assert [key.name for key in keys.key_blocks] == ["Basis", *(f"Sheet {frame}" for frame in FRAMES)]
     bpy.context.scene.frame_set(3)
     assert [key.value for key in keys.key_blocks][1:] == [0, 0, 1, 0, 0, 0, 0, 0]
-    assert np.array_equal(coordinates(keys.key_blocks["Sheet 5"].data), live[5])
+    assert np.array_equal(scenes.coordinates(keys.key_blocks["Sheet 5"].data), live[5])
     now = played(moving.obj)
     assert max(np.abs(now[frame] - live[frame]).max() for frame in FRAMES) < 2e-7  # Blender's float32 sum
 
 
-def test_shape_keys_of_the_user_stay_as_they_are(plate: Rig):
+def test_shape_keys_of_the_user_stay_as_they_are(plate: scenes.Rig):
     obj = plate.obj
-    wave = add_key(obj, "Wave", slope(0.2))
-    key(wave, {1: {"value": 0.0}, 8: {"value": 1.0}})
+    wave = scenes.add_key(obj, "Wave", scenes.slope(0.2))
+    scenes.key(wave, {1: {"value": 0.0}, 8: {"value": 1.0}})
     obj.active_shape_key_index = 1
     plate.bind("thin_shell")
     animate(plate.control)
 
     def keyed() -> list[tuple]:
         assert obj.active_shape_key.name == "Wave"
-        return [tuple(point.co) for point in curves_of(obj.data.shape_keys)[0].keyframe_points]
+        return [tuple(point.co) for point in scenes.curves_of(obj.data.shape_keys)[0].keyframe_points]
 
     live = played(obj)
     bpy.context.scene.frame_set(1)
@@ -187,7 +180,7 @@ def test_shape_keys_of_the_user_stay_as_they_are(plate: Rig):
 @pytest.mark.parametrize("step", [2, 3, 7])
 @pytest.mark.parametrize("target", TARGETS)
 def test_a_step_keeps_its_frames_exact_and_blends_between(
-    moving: Rig, tmp_path: Path, target: str, step: int
+    moving: scenes.Rig, tmp_path: Path, target: str, step: int
 ):
     """The current frame comes back."""
     scene, frames = bpy.context.scene, range(2, 10, step)
@@ -205,7 +198,7 @@ def test_a_step_keeps_its_frames_exact_and_blends_between(
 @pytest.mark.parametrize("stretch", STRETCHES)
 @pytest.mark.parametrize("target", TARGETS)
 def test_time_stretching_plays_the_frames_of_the_scene(
-    moving: Rig, tmp_path: Path, target: str, stretch: tuple[int, int]
+    moving: scenes.Rig, tmp_path: Path, target: str, stretch: tuple[int, int]
 ):
     stretch_time(*stretch)
     live = played(moving.obj)
@@ -224,7 +217,7 @@ LONG = (range(1, 251), range(1001, 1100, 2), range(-50, 60, 5))
     ("stretch", "frames"), [*product([(100, 100)], LATE), *product(STRETCHES, LONG)], ids=str
 )
 def test_caches_of_long_and_late_shots_play_exactly_or_are_refused(
-    moving: Rig, tmp_path: Path, stretch: tuple[int, int], frames: range
+    moving: scenes.Rig, tmp_path: Path, stretch: tuple[int, int], frames: range
 ):
     stretch_time(*stretch)
     moving.control.animation_data_clear()
@@ -245,12 +238,12 @@ def test_caches_of_long_and_late_shots_play_exactly_or_are_refused(
 # Alembic
 
 
-def test_alembic_holds_the_result_or_says_why_not(saved: Rig, tmp_path: Path):
-    make_active(saved.obj)
+def test_alembic_holds_the_result_or_says_why_not(saved: scenes.Rig, tmp_path: Path):
+    scenes.make_active(saved.obj)
     saved.obj.modifiers.new("Subdivision", "SUBSURF").levels = 1
     saved.obj.modifiers["Subdivision"].render_levels = 1
     if not bpy.app.build_options.alembic:
-        refused("without Alembic", "bake", target="ALEMBIC")
+        scenes.refused("without Alembic", "bake", target="ALEMBIC")
         return
     live = played(saved.obj)
     bpy.context.scene.frame_set(3)
@@ -266,8 +259,8 @@ def test_alembic_holds_the_result_or_says_why_not(saved: Rig, tmp_path: Path):
     )
     for frame, points in played(imported).items():
         assert np.array_equal(points, live[frame])
-    make_active(saved.obj)
+    scenes.make_active(saved.obj)
     saved.obj.hide_render = True
-    refused("hidden in renders", "bake", target="ALEMBIC")
+    scenes.refused("hidden in renders", "bake", target="ALEMBIC")
     saved.obj.hide_render = False
-    refused("Step", "bake", target="ALEMBIC", step=2)
+    scenes.refused("Step", "bake", target="ALEMBIC", step=2)

@@ -11,26 +11,13 @@ import pytest
 from baking import CACHES, FRAMES, TARGETS, animate, assert_same, bake, footprint, played
 from inside import inner, settle
 from libraries import overridden, override, put_into_a_library
-from rigs.rig import (
-    Rig,
-    add_group,
-    add_regions,
-    duplicated,
-    fails,
-    grid_object,
-    key,
-    load,
-    make_active,
-    reopen,
-    save,
-    update,
-)
+from rigs import rig as scenes
 from rigs.sheet import WIDE, draw, draw_panel
 
 # Paths
 
 
-def test_the_default_path_is_beside_the_file_under_safe_names(saved: Rig, tmp_path: Path):
+def test_the_default_path_is_beside_the_file_under_safe_names(saved: scenes.Rig, tmp_path: Path):
     saved.obj.name = saved.name = "../../../evil:\\*?"
     saved.deformer.name = "..\\..\\x/y"
     bake(saved, "PC2")
@@ -48,26 +35,26 @@ def current_umask() -> int:
     return mask
 
 
-def test_a_path_that_a_file_brings_along_is_used_only_beside_it(saved: Rig, tmp_path: Path):
+def test_a_path_that_a_file_brings_along_is_used_only_beside_it(saved: scenes.Rig, tmp_path: Path):
     for hostile in ("//../victim.pc2", str(tmp_path / "victim.pc2"), "//sub/../../victim.pc2"):
         saved.deformer.bake.filepath = hostile
-        fails("outside", bake, saved, "PC2")
+        scenes.fails("outside", bake, saved, "PC2")
     assert not list(tmp_path.rglob("*.pc2"))
     bake(saved, "PC2", tmp_path / "victim.pc2")  # the user's own word
     assert (tmp_path / "victim.pc2").is_file()
 
 
-def test_a_link_does_not_lead_a_bake_away_from_the_file(saved: Rig, tmp_path: Path):
+def test_a_link_does_not_lead_a_bake_away_from_the_file(saved: scenes.Rig, tmp_path: Path):
     link = tmp_path / "shot" / "sinew_cache"
     (tmp_path / "elsewhere").mkdir()
     link.symlink_to(tmp_path / "elsewhere")
     if not link.is_symlink():
         pytest.skip("Wine shows its links to nobody")
-    fails("outside", bake, saved, "PC2")
+    scenes.fails("outside", bake, saved, "PC2")
     assert not list(tmp_path.rglob("*.pc2"))
 
 
-def test_a_bake_never_replaces_a_file_of_another_kind(saved: Rig, tmp_path: Path):
+def test_a_bake_never_replaces_a_file_of_another_kind(saved: scenes.Rig, tmp_path: Path):
     bake(saved, "PC2", tmp_path / "shot" / "scene.blend")
     assert (tmp_path / "shot" / "scene.blend").read_bytes()[:3] != b"POI"
     assert (tmp_path / "shot" / "scene.blend.pc2").is_file()
@@ -75,8 +62,10 @@ def test_a_bake_never_replaces_a_file_of_another_kind(saved: Rig, tmp_path: Path
 
 @pytest.mark.parametrize("at_once", [False, True])
 @pytest.mark.parametrize("names", [("a:b", "a*b"), ("漢" * 84 + "a", "漢" * 84 + "b")], ids=["alike", "long"])
-def test_objects_whose_names_look_alike_get_files_of_their_own(saved: Rig, names: tuple, at_once: bool):
-    rigs = (saved, Rig(grid_object("Other")).bind())
+def test_objects_whose_names_look_alike_get_files_of_their_own(
+    saved: scenes.Rig, names: tuple, at_once: bool
+):
+    rigs = (saved, scenes.Rig(scenes.grid_object("Other")).bind())
     animate(rigs[1].control, angle=20.0)
     for rig, name in zip(rigs, names):  # Blender before 5.0 keeps 63 bytes of a name
         obj = rig.obj
@@ -84,7 +73,7 @@ def test_objects_whose_names_look_alike_get_files_of_their_own(saved: Rig, names
         rig.name = obj.name
     live = [played(rig.obj) for rig in rigs]
     if at_once:
-        make_active(*(rig.obj for rig in rigs))
+        scenes.make_active(*(rig.obj for rig in rigs))
         assert bpy.ops.sinew.bake(target="PC2", all_deformers=True) == {"FINISHED"}
     else:
         for rig in rigs:
@@ -94,7 +83,7 @@ def test_objects_whose_names_look_alike_get_files_of_their_own(saved: Rig, names
         assert_same(played(rig.obj), shapes)
 
 
-def test_unbake_deletes_only_its_own_file_and_only_when_told(saved: Rig, tmp_path: Path):
+def test_unbake_deletes_only_its_own_file_and_only_when_told(saved: scenes.Rig, tmp_path: Path):
     bake(saved, "PC2")
     (file,) = tmp_path.rglob("*.pc2")
     bpy.ops.sinew.unbake()
@@ -113,22 +102,22 @@ def test_unbake_deletes_only_its_own_file_and_only_when_told(saved: Rig, tmp_pat
 # What goes wrong
 
 
-def test_a_refused_frame_is_named_and_leaves_all_as_it_was(saved: Rig, tmp_path: Path):
+def test_a_refused_frame_is_named_and_leaves_all_as_it_was(saved: scenes.Rig, tmp_path: Path):
     control = saved.control
     whole, gone = {"scale": (1.0, 1.0, 1.0)}, {"scale": (0.0, 0.0, 0.0)}
-    key(control, {1: whole, 4: whole, 5: gone})
+    scenes.key(control, {1: whole, 4: whole, 5: gone})
     control.parent.scale = (1.0, 1.0, 1.0)
-    key(saved.obj, {4: whole, 5: gone})
+    scenes.key(saved.obj, {4: whole, 5: gone})
     bpy.context.scene.frame_set(2)
     before = footprint(saved)
     for target in TARGETS:
-        fails(r"Frame 5: .*scale", bake, saved, target)
+        scenes.fails(r"Frame 5: .*scale", bake, saved, target)
         assert footprint(saved) == before
     assert sorted(path.name for path in (tmp_path / "shot").iterdir()) == ["scene.blend"]
 
 
 @pytest.mark.parametrize("room_left", [0, 3000])
-def test_a_full_disk_is_reported_and_keeps_the_older_file(saved: Rig, tmp_path: Path, room_left: int):
+def test_a_full_disk_is_reported_and_keeps_the_older_file(saved: scenes.Rig, tmp_path: Path, room_left: int):
     resource = pytest.importorskip("resource", reason="limits the size of files as Unix does")
     path = tmp_path / "plate.pc2"
     path.write_text("older")
@@ -136,7 +125,7 @@ def test_a_full_disk_is_reported_and_keeps_the_older_file(saved: Rig, tmp_path: 
     limits = resource.getrlimit(resource.RLIMIT_FSIZE)
     resource.setrlimit(resource.RLIMIT_FSIZE, (room_left, limits[1]))
     try:
-        fails(r"Cannot write .*free some disk space", bake, saved, "PC2", path)
+        scenes.fails(r"Cannot write .*free some disk space", bake, saved, "PC2", path)
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, limits)
     assert path.read_text() == "older"
@@ -146,7 +135,9 @@ def test_a_full_disk_is_reported_and_keeps_the_older_file(saved: Rig, tmp_path: 
 
 @pytest.mark.parametrize("second", TARGETS)
 @pytest.mark.parametrize("first", ["NONE", *TARGETS])
-def test_baking_again_takes_the_new_motion_and_cancel_keeps_the_old(saved: Rig, first: str, second: str):
+def test_baking_again_takes_the_new_motion_and_cancel_keeps_the_old(
+    saved: scenes.Rig, first: str, second: str
+):
     """So it does where nothing was baked before."""
     home = Path(bpy.data.filepath).parent
     saved.obj.modifiers.new("Subdivision", "SUBSURF")
@@ -179,17 +170,17 @@ def test_baking_again_takes_the_new_motion_and_cancel_keeps_the_old(saved: Rig, 
 # Several
 
 
-def two_deformers(plate: Rig) -> Rig:
+def two_deformers(plate: scenes.Rig) -> scenes.Rig:
     obj = plate.obj
-    add_group(obj, "Corner", lambda point: point[0] > 0.75 and point[1] > 0.75)
-    add_group(obj, "Rest", lambda point: point[0] < 0.3 or point[1] < 0.3)
-    add_regions(obj, "thin_shell", {"Corner": "HANDLE", "Rest": "FIXED"})
+    scenes.add_group(obj, "Corner", lambda point: point[0] > 0.75 and point[1] > 0.75)
+    scenes.add_group(obj, "Rest", lambda point: point[0] < 0.3 or point[1] < 0.3)
+    scenes.add_regions(obj, "thin_shell", {"Corner": "HANDLE", "Rest": "FIXED"})
     animate(obj.sinew.deformers[1].handles[0].control, angle=20.0)
     return plate
 
 
 @pytest.mark.parametrize("baked", [0, 1])
-def test_deformers_of_one_stack_are_baked_one_by_one(moving: Rig, tmp_path: Path, baked: int):
+def test_deformers_of_one_stack_are_baked_one_by_one(moving: scenes.Rig, tmp_path: Path, baked: int):
     obj = two_deformers(moving).obj
     live = played(obj)
     obj.sinew.active_deformer = baked
@@ -207,11 +198,11 @@ def test_deformers_of_one_stack_are_baked_one_by_one(moving: Rig, tmp_path: Path
 
 
 @pytest.mark.parametrize("target", TARGETS)
-def test_all_deformers_of_all_selected_meshes_are_baked_at_once(saved: Rig, target: str):
-    rigs = (two_deformers(saved), Rig(grid_object("Second")).bind("arap"))
+def test_all_deformers_of_all_selected_meshes_are_baked_at_once(saved: scenes.Rig, target: str):
+    rigs = (two_deformers(saved), scenes.Rig(scenes.grid_object("Second")).bind("arap"))
     animate(rigs[1].control, angle=40.0)
     live = [played(rig.obj) for rig in rigs]
-    make_active(*(rig.obj for rig in rigs))
+    scenes.make_active(*(rig.obj for rig in rigs))
     assert bpy.ops.sinew.bake(target=target, all_deformers=True) == {"FINISHED"}
     for rig, shapes in zip(rigs, live, strict=True):
         assert all(deformer.bake.is_baked for deformer in rig.obj.sinew.deformers)
@@ -227,7 +218,7 @@ def test_all_deformers_of_all_selected_meshes_are_baked_at_once(saved: Rig, targ
 # Renames, copies, files
 
 
-def test_unbake_finds_its_modifier_after_renames_and_leaves_others(saved: Rig):
+def test_unbake_finds_its_modifier_after_renames_and_leaves_others(saved: scenes.Rig):
     obj = saved.obj
     live = played(obj)
     bake(saved, "PC2")
@@ -236,13 +227,13 @@ def test_unbake_finds_its_modifier_after_renames_and_leaves_others(saved: Rig):
     for modifier, name in zip(obj.modifiers, ("Ours", "Played", "Sheet Cache"), strict=True):
         modifier.name = name
     saved.deformer.name = "Renamed"
-    make_active(obj)
+    scenes.make_active(obj)
     bpy.ops.sinew.unbake()
     assert [modifier.name for modifier in obj.modifiers] == ["Ours", "Sheet Cache"]
     assert_same(played(obj), live)
 
 
-def test_shape_keys_that_the_user_renamed_stay(moving: Rig):
+def test_shape_keys_that_the_user_renamed_stay(moving: scenes.Rig):
     bake(moving, "SHAPE_KEYS")
     keys = moving.obj.data.shape_keys.key_blocks
     keys["Sheet 3"].name = "Smile"
@@ -250,13 +241,13 @@ def test_shape_keys_that_the_user_renamed_stay(moving: Rig):
     assert [key.name for key in moving.obj.data.shape_keys.key_blocks] == ["Basis", "Smile"]
 
 
-def test_a_copy_plays_and_unbakes_by_itself(saved: Rig):
+def test_a_copy_plays_and_unbakes_by_itself(saved: scenes.Rig):
     live = played(saved.obj)
     bake(saved, "PC2")
-    copy = duplicated(saved.obj)
+    copy = scenes.duplicated(saved.obj)
     settle()
     assert_same(played(copy), live)
-    make_active(copy)
+    scenes.make_active(copy)
     bpy.ops.sinew.unbake(delete_file=True)  # the original still plays it
     assert not copy.sinew.deformers[0].bake.is_baked
     assert saved.deformer.bake.is_baked
@@ -265,7 +256,7 @@ def test_a_copy_plays_and_unbakes_by_itself(saved: Rig):
 
 @pytest.mark.parametrize("target", TARGETS)
 def test_a_baked_file_plays_moved_and_without_the_add_on(
-    saved: Rig, tmp_path: Path, target: str, addon_name: str
+    saved: scenes.Rig, tmp_path: Path, target: str, addon_name: str
 ):
     live = played(saved.obj)
     bake(saved, target)
@@ -278,13 +269,13 @@ def test_a_baked_file_plays_moved_and_without_the_add_on(
     finally:
         addon_utils.enable(addon_name, default_set=True)
     bpy.ops.wm.open_mainfile(filepath=str(moved / "scene.blend"))
-    update()
+    scenes.update()
     assert saved.deformer.status == "Baked frames 1-8"
     assert_same(played(saved.obj), live)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "other.blend"))
-    update()
+    scenes.update()
     assert saved.deformer.status == "Baked frames 1-8"
-    make_active(saved.obj)
+    scenes.make_active(saved.obj)
     bpy.ops.sinew.unbake()
     assert [modifier.type for modifier in saved.obj.modifiers] == ["NODES"]
     assert_same(played(saved.obj), live)
@@ -297,7 +288,9 @@ def press(name: str) -> set[str]:
 
 
 @pytest.mark.parametrize("target", CACHES)
-def test_a_missing_cache_file_is_said_with_a_button_for_each_remedy(saved: Rig, tmp_path: Path, target: str):
+def test_a_missing_cache_file_is_said_with_a_button_for_each_remedy(
+    saved: scenes.Rig, tmp_path: Path, target: str
+):
     """So is a modifier that is gone."""
     chosen = range(2, 7, 2)
     live = played(saved.obj, chosen)
@@ -310,12 +303,12 @@ def test_a_missing_cache_file_is_said_with_a_button_for_each_remedy(saved: Rig, 
     bake(saved, target, frame_start=2, frame_end=6, step=2)
     (file,) = tmp_path.rglob(f"*.{target.lower()}")
     file.rename(file.with_suffix(".kept"))
-    reopen(tmp_path / "shot" / "scene.blend")
-    update()
+    scenes.reopen(tmp_path / "shot" / "scene.blend")
+    scenes.update()
     assert "is missing" in saved.deformer.status
     assert file.name in saved.deformer.status
     file.with_suffix(".kept").rename(file)
-    load(bpy.data.filepath)
+    scenes.load(bpy.data.filepath)
     plays()
     saved.obj.modifiers.remove(saved.obj.modifiers[1])
     bpy.context.scene.frame_set(5)
@@ -335,7 +328,7 @@ def test_a_missing_cache_file_is_said_with_a_button_for_each_remedy(saved: Rig, 
 
 
 @pytest.mark.parametrize("target", TARGETS)
-def test_while_baked_the_rows_are_greyed_out_and_the_panel_says_why(saved: Rig, target: str):
+def test_while_baked_the_rows_are_greyed_out_and_the_panel_says_why(saved: scenes.Rig, target: str):
     shown = draw_panel()
     assert not shown.greyed
     bake(saved, target)
@@ -351,17 +344,17 @@ def test_while_baked_the_rows_are_greyed_out_and_the_panel_says_why(saved: Rig, 
     assert bpy.ops.sinew.bind.poll()
 
 
-def test_an_override_is_baked(saved: Rig, tmp_path: Path):
+def test_an_override_is_baked(saved: scenes.Rig, tmp_path: Path):
     live = played(saved.obj)
     override(put_into_a_library(tmp_path / "shot" / "scene.blend", saved.obj, saved.control))
-    save(tmp_path / "shot" / "over.blend")
+    scenes.save(tmp_path / "shot" / "over.blend")
     shown = played(overridden())
     assert max(np.abs(shown[frame] - live[frame]).max() for frame in FRAMES) < 1e-5
-    make_active(overridden())
+    scenes.make_active(overridden())
     assert bpy.ops.sinew.bake(target="PC2", frame_start=1, frame_end=8) == {"FINISHED"}
     assert_same(played(overridden()), shown)
-    reopen(tmp_path / "shot" / "over.blend")
+    scenes.reopen(tmp_path / "shot" / "over.blend")
     assert_same(played(overridden()), shown)
-    make_active(overridden())
+    scenes.make_active(overridden())
     bpy.ops.sinew.unbake()
     assert_same(played(overridden()), shown)

@@ -11,27 +11,7 @@ from inside import finish, inner, use_threads
 from libraries import override, put_into_a_library, read
 from mathutils import Matrix
 from mouse import event
-from rigs.rig import (
-    FLOAT32,
-    add_group,
-    add_key,
-    apply_matrix,
-    base_points,
-    close,
-    curves_of,
-    evaluated_points,
-    grid_object,
-    linked,
-    make_active,
-    members,
-    new_armature,
-    new_object,
-    on_all,
-    press,
-    refused,
-    subdivided,
-    update,
-)
+from rigs import rig as scenes
 from seen import assert_seen, seen
 
 LIFT = (0.0, 0.0, 0.5)
@@ -41,7 +21,7 @@ def drag(x: float = 0.0, y: float = 0.0, z: float = 5.0, **keywords) -> bpy.type
     """Press on what is below a point, drag and release; the control."""
     keywords = {"value": LIFT, "radius": 0.25, "reach": 2.0, **keywords}
     assert bpy.ops.sinew.drag(origin=(x, y, z), **keywords) == {"FINISHED"}
-    update()
+    scenes.update()
     return bpy.context.object
 
 
@@ -50,60 +30,64 @@ def grabbed(obj: bpy.types.Object) -> list[str]:
 
 
 def test_a_handle_is_made_where_one_presses_and_the_rest_stays():
-    obj = grid_object(cells=20)
-    rest = base_points(obj)
+    obj = scenes.grid_object(cells=20)
+    rest = scenes.base_points(obj)
     control = drag()
     handles = obj.sinew.active.handles
     assert [(row.kind, row.name) for row in handles] == [("SUPPORT", "Free Area"), ("HANDLE", "Handle")]
     assert handles[1].control == control
     distance = np.linalg.norm(rest[:, :2], axis=1)
-    assert set(members(obj, grabbed(obj)[0])) == set(np.flatnonzero(distance <= 0.25 + 1e-6))
-    shown = evaluated_points(obj)
-    assert close(shown[distance <= 0.25], rest[distance <= 0.25] + LIFT)
-    assert close(shown[distance > 0.5], rest[distance > 0.5])
+    assert set(scenes.members(obj, grabbed(obj)[0])) == set(np.flatnonzero(distance <= 0.25 + 1e-6))
+    shown = scenes.evaluated_points(obj)
+    assert scenes.close(shown[distance <= 0.25], rest[distance <= 0.25] + LIFT)
+    assert scenes.close(shown[distance > 0.5], rest[distance > 0.5])
     between = shown[(distance > 0.27) & (distance < 0.45), 2]
     assert 1e-3 < between.min() <= between.max() < 0.5
-    assert close(base_points(obj), rest)
+    assert scenes.close(scenes.base_points(obj), rest)
 
 
 def test_the_same_place_is_dragged_on_and_another_place_gets_another_handle():
     """Neighbouring handles share no vertex."""
-    obj = grid_object(cells=20)
-    rest = base_points(obj)
+    obj = scenes.grid_object(cells=20)
+    rest = scenes.base_points(obj)
     first = drag(-0.5)
     assert drag(-0.5, value=(0.1, 0.0, 0.0)) == first
     assert drag(0.5, value=(0.0, 0.0, -0.3)) != first
     rows = [row.name for row in obj.sinew.active.handles if row.kind == "HANDLE"]
     assert rows == ["Handle R", "Handle L"]
-    shown, one, other = evaluated_points(obj), members(obj, grabbed(obj)[0]), members(obj, grabbed(obj)[1])
-    assert close(shown[one], rest[one] + (0.1, 0.0, 0.5))
-    assert close(shown[other], rest[other] + (0.0, 0.0, -0.3))
+    shown, one, other = (
+        scenes.evaluated_points(obj),
+        scenes.members(obj, grabbed(obj)[0]),
+        scenes.members(obj, grabbed(obj)[1]),
+    )
+    assert scenes.close(shown[one], rest[one] + (0.1, 0.0, 0.5))
+    assert scenes.close(shown[other], rest[other] + (0.0, 0.0, -0.3))
     drag(0.8, value=(0.0, 0.0, 0.2))
-    assert not set(members(obj, grabbed(obj)[1])) & set(members(obj, grabbed(obj)[2]))
+    assert not set(scenes.members(obj, grabbed(obj)[1])) & set(scenes.members(obj, grabbed(obj)[2]))
     assert obj.sinew.active.is_bound
     assert len(obj.sinew.deformers) == 1
 
 
 def test_a_click_makes_a_handle_that_stays_and_holds_the_rest():
     """The whole surface without anything that holds it moves in one piece."""
-    obj = grid_object(cells=20)
-    rest = base_points(obj)
+    obj = scenes.grid_object(cells=20)
+    rest = scenes.base_points(obj)
     drag(-0.8, value=(0.0, 0.0, 0.0), unlimited=True)
-    assert close(evaluated_points(obj), rest)
+    assert scenes.close(scenes.evaluated_points(obj), rest)
     drag(-0.8, unlimited=True)
-    assert close(evaluated_points(obj), rest + LIFT)
+    assert scenes.close(scenes.evaluated_points(obj), rest + LIFT)
     drag(0.8, value=(0.0, 0.0, 0.3), unlimited=True)
-    shown = evaluated_points(obj)
+    shown = scenes.evaluated_points(obj)
     for group, height in zip(grabbed(obj), (0.5, 0.8), strict=True):
-        held = members(obj, group)
-        assert close(shown[held], rest[held] + (0.0, 0.0, height))
+        held = scenes.members(obj, group)
+        assert scenes.close(shown[held], rest[held] + (0.0, 0.0, height))
     assert {row.kind for row in obj.sinew.active.handles} == {"HANDLE"}
 
 
 def test_regions_of_the_artist_hold_the_rest():
-    obj = grid_object(cells=20)
-    add_group(obj, "Base", lambda point: point[0] < -0.7)
-    press(obj, "handle_add", kind="FIXED", vertex_group="Base")
+    obj = scenes.grid_object(cells=20)
+    scenes.add_group(obj, "Base", lambda point: point[0] < -0.7)
+    scenes.press(obj, "handle_add", kind="FIXED", vertex_group="Base")
     drag(0.8)
     assert [row.kind for row in obj.sinew.active.handles] == ["FIXED", "HANDLE"]
 
@@ -113,83 +97,83 @@ def test_the_region_goes_along_the_surface_and_not_through_a_thin_limb():
     bpy.ops.mesh.primitive_cube_add(size=2.0)
     obj = bpy.context.object
     obj.data.transform(Matrix.Diagonal((1.0, 1.0, 0.02, 1.0)))
-    on_all(obj, bpy.ops.mesh.subdivide, number_cuts=31)
+    scenes.on_all(obj, bpy.ops.mesh.subdivide, number_cuts=31)
     drag(0.1, 0.1)
-    assert (base_points(obj)[members(obj, grabbed(obj)[0]), 2] > 0.0).all()
+    assert (scenes.base_points(obj)[scenes.members(obj, grabbed(obj)[0]), 2] > 0.0).all()
     drag(0.1, 0.1, -5.0, direction=(0.0, 0.0, 1.0), value=(0.0, 0.0, -0.2))
-    assert (base_points(obj)[members(obj, grabbed(obj)[1]), 2] < 0.0).all()
+    assert (scenes.base_points(obj)[scenes.members(obj, grabbed(obj)[1]), 2] < 0.0).all()
 
 
 def test_the_side_that_is_seen_is_taken_also_where_a_vertex_of_the_other_one_is_nearer():
     corners = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)]
     below = [(x, y, -0.02) for x, y in (*corners, (0.0, 0.0))]
     faces = [(0, 1, 2, 3), (8, 5, 4), (8, 6, 5), (8, 7, 6), (8, 4, 7)]
-    obj = new_object("Sheet", [(x, y, 0.0) for x, y in corners] + below, faces)
+    obj = scenes.new_object("Sheet", [(x, y, 0.0) for x, y in corners] + below, faces)
     drag(0.1, 0.1)
-    assert set(members(obj, grabbed(obj)[0])) == {2}
+    assert set(scenes.members(obj, grabbed(obj)[0])) == {2}
 
 
 def test_a_placed_object_moves_by_the_numbers_of_the_world():
     obj = placed_object(cells=16)
-    world = apply_matrix(obj.matrix_world, base_points(obj))
+    world = scenes.apply_matrix(obj.matrix_world, scenes.base_points(obj))
     place, normal = world[8 * 17 + 8], obj.matrix_world.inverted().transposed().to_3x3().col[2]
     drag(*(place + np.array(normal)), direction=-normal, value=(0.1, 0.2, 0.3), reach=1.5)
-    chosen = members(obj, grabbed(obj)[0])
+    chosen = scenes.members(obj, grabbed(obj)[0])
     assert set(chosen) == set(np.flatnonzero(np.linalg.norm(world - place, axis=1) <= 0.25))
-    shown = apply_matrix(obj.matrix_world, evaluated_points(obj))
-    assert close(shown[chosen], world[chosen] + (0.1, 0.2, 0.3), 2e-5)
+    shown = scenes.apply_matrix(obj.matrix_world, scenes.evaluated_points(obj))
+    assert scenes.close(shown[chosen], world[chosen] + (0.1, 0.2, 0.3), 2e-5)
 
 
 def test_a_turn_is_about_the_place_that_was_pressed():
-    obj = grid_object(cells=20)
-    rest = base_points(obj)
+    obj = scenes.grid_object(cells=20)
+    rest = scenes.base_points(obj)
     drag(0.1, mode="ROTATE", angle=0.6, axis=(0.0, 0.0, 1.0))
-    chosen = members(obj, grabbed(obj)[0])
+    chosen = scenes.members(obj, grabbed(obj)[0])
     place = Matrix.Translation((0.1, 0.0, 0.0))
     around = place @ Matrix.Rotation(0.6, 4, "Z") @ place.inverted()
-    assert close(evaluated_points(obj)[chosen], apply_matrix(around, rest[chosen]), 1e-5)
+    assert scenes.close(scenes.evaluated_points(obj)[chosen], scenes.apply_matrix(around, rest[chosen]), 1e-5)
 
 
 @pytest.mark.parametrize("kind", ["SUBSURF", "MULTIRES", "MIRROR", "SOLIDIFY"])
 def test_on_the_surface_that_modifiers_make(kind: str):
     """The place pressed is found on the mesh itself, wherever the modifiers show it."""
-    obj = grid_object(cells=20)
-    add_key(obj, "Aside", Matrix.Translation((1.0, 0.0, 0.0))).value = 1.0
+    obj = scenes.grid_object(cells=20)
+    scenes.add_key(obj, "Aside", Matrix.Translation((1.0, 0.0, 0.0))).value = 1.0
     obj.modifiers.new("Made", kind)
     drag(1.5, 0.5)
-    chosen = members(obj, grabbed(obj)[0])
-    assert np.abs(base_points(obj)[chosen, :2].mean(axis=0) - 0.5).max() < 0.06
+    chosen = scenes.members(obj, grabbed(obj)[0])
+    assert np.abs(scenes.base_points(obj)[chosen, :2].mean(axis=0) - 0.5).max() < 0.06
     assert obj.sinew.active.is_bound
     assert (obj.modifiers[-1].name == "Made") == (kind == "SUBSURF")
 
 
 def test_a_mesh_too_coarse_for_the_handle_is_dragged_behind_its_subdivision():
-    obj = grid_object(cells=2)
-    subdivided(obj, 3)
+    obj = scenes.grid_object(cells=2)
+    scenes.subdivided(obj, 3)
     drag(0.1)
     assert [modifier.type for modifier in obj.modifiers] == ["SUBSURF", "NODES"]
 
 
 @pytest.mark.parametrize(("x", "alone"), [(0.1, False), (0.0, True)])
 def test_loose_parts_follow_what_they_lie_on_or_move_alone_where_they_are_pressed(x: float, alone: bool):
-    obj = grid_object(cells=20)
+    obj = scenes.grid_object(cells=20)
     bpy.ops.mesh.primitive_cube_add(size=0.05, location=(0.0, 0.0, 0.03))
-    make_active(obj, bpy.context.object)
+    scenes.make_active(obj, bpy.context.object)
     bpy.ops.object.join()
-    rest = base_points(obj)
+    rest = scenes.base_points(obj)
     drag(x)
-    moved = evaluated_points(obj) - rest
-    assert np.abs(moved[-8:] - LIFT).max() < (FLOAT32 if alone else 0.05)
-    assert close(moved[:-8], np.zeros((len(rest) - 8, 3))) == alone
+    moved = scenes.evaluated_points(obj) - rest
+    assert np.abs(moved[-8:] - LIFT).max() < (scenes.FLOAT32 if alone else 0.05)
+    assert scenes.close(moved[:-8], np.zeros((len(rest) - 8, 3))) == alone
 
 
 def test_a_bone_that_moves_the_region_is_dragged():
-    obj = grid_object(cells=20)
+    obj = scenes.grid_object(cells=20)
     tip_of(obj)
-    make_active(obj)
+    scenes.make_active(obj)
     drag(0.9)
-    tip = members(obj, "Tip")
-    assert close(evaluated_points(obj)[tip], base_points(obj)[tip] + LIFT, 1e-5)
+    tip = scenes.members(obj, "Tip")
+    assert scenes.close(scenes.evaluated_points(obj)[tip], scenes.base_points(obj)[tip] + LIFT, 1e-5)
 
 
 MOTIONS = {
@@ -209,50 +193,50 @@ def numbers(mover, kind: str, by_angles: bool) -> np.ndarray:
 @pytest.mark.parametrize("by_angles", [False, True])
 @pytest.mark.parametrize("kind", MOTIONS)
 def test_locked_channels_of_a_control_stay(of_bone: bool, kind: str, by_angles: bool):
-    obj, four = grid_object(cells=8), kind in ("rotation_quaternion", "rotation_axis_angle")
+    obj, four = scenes.grid_object(cells=8), kind in ("rotation_quaternion", "rotation_axis_angle")
     if by_angles and not four:
         pytest.skip("these are the numbers themselves")
     mover = tip_of(obj) if of_bone else drag(0.9, value=(0.0, 0.0, 0.0))
     mover.rotation_mode = kind.removeprefix("rotation_").upper() if four else "XYZ"
     mover.lock_rotations_4d = not by_angles
-    update()
+    scenes.update()
     was, basis = numbers(mover, kind, by_angles), mover.matrix_basis.copy()
     found = []
     for lock in (False, True):
         for axis in (0, 2):
             getattr(mover, f"lock_{kind.partition('_')[0]}")[axis] = lock
-        make_active(obj)
+        scenes.make_active(obj)
         drag(0.9, **MOTIONS[kind])
         found.append(numbers(mover, kind, by_angles))
         mover.matrix_basis = basis
-        update()
+        scenes.update()
     free, held = found
     locked = np.array((False, True, False, True) if len(was) == 4 else (True, False, True))
     assert (np.abs(free - was) > 1e-3).all()
-    assert close(held[locked], was[locked], 1e-6)
-    assert close(held[~locked], free[~locked], 1e-6)
+    assert scenes.close(held[locked], was[locked], 1e-6)
+    assert scenes.close(held[~locked], free[~locked], 1e-6)
 
 
 def tip_of(obj: bpy.types.Object) -> bpy.types.PoseBone:
     """A bone that moves the right end, while the left one stays."""
-    add_group(obj, "Tip", lambda point: point[0] > 0.7)
-    add_group(obj, "Base", lambda point: point[0] < -0.7)
-    armature = new_armature(Bone=((0.8, 0.0, 0.0), (1.0, 0.1, 0.2)))
-    press(obj, "handle_add", kind="FIXED", vertex_group="Base")
-    press(obj, "handle_add", vertex_group="Tip", control_object=armature.name, bone="Bone")
+    scenes.add_group(obj, "Tip", lambda point: point[0] > 0.7)
+    scenes.add_group(obj, "Base", lambda point: point[0] < -0.7)
+    armature = scenes.new_armature(Bone=((0.8, 0.0, 0.0), (1.0, 0.1, 0.2)))
+    scenes.press(obj, "handle_add", kind="FIXED", vertex_group="Base")
+    scenes.press(obj, "handle_add", vertex_group="Tip", control_object=armature.name, bone="Bone")
     return armature.pose.bones["Bone"]
 
 
 def test_automatic_keyframes_are_inserted(monkeypatch: pytest.MonkeyPatch):
-    obj = grid_object(cells=12)
+    obj = scenes.grid_object(cells=12)
     monkeypatch.setattr(bpy.context.scene.tool_settings, "use_keyframe_insert_auto", True)
     control = drag(value=(0.0, 0.0, 0.0))
     assert control.animation_data is None
     drag()
-    shape = evaluated_points(obj)
-    assert {curve.data_path for curve in curves_of(control)} == {"location"}
+    shape = scenes.evaluated_points(obj)
+    assert {curve.data_path for curve in scenes.curves_of(control)} == {"location"}
     bpy.context.scene.frame_set(7)
-    assert close(evaluated_points(obj), shape)
+    assert scenes.close(scenes.evaluated_points(obj), shape)
 
 
 # What is refused
@@ -260,30 +244,30 @@ def test_automatic_keyframes_are_inserted(monkeypatch: pytest.MonkeyPatch):
 
 def refuses(match: str, x: float) -> None:
     before = seen()
-    refused(match, "drag", origin=(x, 0.0, 5.0), value=LIFT)
+    scenes.refused(match, "drag", origin=(x, 0.0, 5.0), value=LIFT)
     assert_seen(before)
 
 
 def test_what_is_linked(tmp_path: Path):
-    path = put_into_a_library(tmp_path / "library.blend", grid_object())
-    linked(read(path, True, "objects", "Plate"))
+    path = put_into_a_library(tmp_path / "library.blend", scenes.grid_object())
+    scenes.linked(read(path, True, "objects", "Plate"))
     refuses("linked - make a library override", 0.0)
 
 
 def test_an_override_has_handles_that_can_be_dragged_and_takes_no_others(tmp_path: Path):
-    obj = grid_object(cells=12)
+    obj = scenes.grid_object(cells=12)
     control = drag(0.5, value=(0.0, 0.0, 0.0))
     obj = override(put_into_a_library(tmp_path / "library.blend", obj, control))
     for collection in [each for each in bpy.context.scene.collection.children if each.library]:
         bpy.context.scene.collection.children.unlink(collection)
-    update()
+    scenes.update()
     drag(0.5)
-    assert evaluated_points(obj)[:, 2].max() == pytest.approx(0.5, abs=1e-5)
+    assert scenes.evaluated_points(obj)[:, 2].max() == pytest.approx(0.5, abs=1e-5)
     refuses("The mesh of Plate is linked", -0.5)
 
 
 def test_what_is_displayed_as_wire_is_seen_through():
-    obj = grid_object(cells=12)
+    obj = scenes.grid_object(cells=12)
     bpy.ops.mesh.primitive_cube_add(size=4.0)
     bpy.context.object.display_type = "WIRE"
     drag()
@@ -318,24 +302,24 @@ class Finger:
 @pytest.mark.parametrize("key", ["ESC", "RIGHTMOUSE"])
 @pytest.mark.parametrize("before", ["nothing", "another deformer", "the handle"])
 def test_cancel_leaves_nothing_behind(key: str, before: str):
-    obj = grid_object(cells=16)
+    obj = scenes.grid_object(cells=16)
     if before == "another deformer":
-        add_group(obj, "Base", lambda point: point[0] < -0.7)
-        press(obj, "handle_add", kind="FIXED", vertex_group="Base")
+        scenes.add_group(obj, "Base", lambda point: point[0] < -0.7)
+        scenes.press(obj, "handle_add", kind="FIXED", vertex_group="Base")
     elif before == "the handle":
         drag(value=(0.1, 0.0, 0.2))
-    make_active(obj)
+    scenes.make_active(obj)
 
     def told() -> list[str]:
         return [inner.status.current(row.uid).text.split(", bound")[0] for row in obj.sinew.deformers]
 
-    was, shape, status = seen(), evaluated_points(obj), told()
+    was, shape, status = seen(), scenes.evaluated_points(obj), told()
     finger = Finger(obj, (0.1, 0.0, 0.2) if before == "the handle" else (0.0, 0.0, 0.0))
     assert finger.drag.is_new == (before != "the handle")
     finger.move(20, 40)
     finger.send("R")
     finger.move(5, 5)
-    assert not close(evaluated_points(obj), shape)
+    assert not scenes.close(scenes.evaluated_points(obj), shape)
     assert finger.send(key) is finger.outcomes.CANCELLED
     assert_seen(was)
     assert told() == status
@@ -344,9 +328,9 @@ def test_cancel_leaves_nothing_behind(key: str, before: str):
 @pytest.mark.parametrize("key", ["LEFTMOUSE", "ESC"])
 def test_a_heavy_mesh_is_bound_by_a_thread(monkeypatch: pytest.MonkeyPatch, key: str):
     use_threads(monkeypatch)
-    obj = grid_object(cells=30)
-    update()
-    rest, was = base_points(obj), seen()
+    obj = scenes.grid_object(cells=30)
+    scenes.update()
+    rest, was = scenes.base_points(obj), seen()
     finger = Finger(obj, wait=False)
     assert finger.tool.job is not None
     finger.move(20, 10)
@@ -356,5 +340,5 @@ def test_a_heavy_mesh_is_bound_by_a_thread(monkeypatch: pytest.MonkeyPatch, key:
         assert_seen(was)
         return
     assert finish()
-    chosen = members(obj, grabbed(obj)[0])
-    assert close(evaluated_points(obj)[chosen], rest[chosen] + (0.2, 0.1, 0.0))
+    chosen = scenes.members(obj, grabbed(obj)[0])
+    assert scenes.close(scenes.evaluated_points(obj)[chosen], rest[chosen] + (0.2, 0.1, 0.0))

@@ -13,22 +13,11 @@ from inside import inner, notes_of
 from mathutils import Euler, Matrix, Vector
 from mouse import event, front_view
 from registry import BY_ID, ON_HANDLE_POINTS
+from rigs import rig as scenes
 from rigs.cages import ball
 from rigs.kinds import RIGS
 from rigs.point_objects import CURVES, MAKERS, bezier, moved_by_hand, text
 from rigs.puppets import figure
-from rigs.rig import (
-    add_armature,
-    base_points,
-    close,
-    evaluated_points,
-    grid_object,
-    in_pose_mode,
-    make_active,
-    press,
-    refused,
-    update,
-)
 from rigs.sheet import Sheet
 from seen import assert_seen, seen
 from situations import cage, lattice_around, skin, tools, wire
@@ -37,21 +26,21 @@ from test_drag import LIFT, drag
 
 def pressed(context: bpy.types.Context, place: tuple[float, float, float]) -> tuple[str, object]:
     """What Automatic drags at a place of the world."""
-    update()
+    scenes.update()
     at = location_3d_to_region_2d(context.region, context.region_data, Vector(place))
     mouse = event("LEFTMOUSE", "PRESS", context.region.x + at.x, context.region.y + at.y)
     return inner.sinew_drag._Press(context, mouse).found()
 
 
 def posing() -> None:
-    in_pose_mode(figure(), "hip")
+    scenes.in_pose_mode(figure(), "hip")
 
 
 FOUND = {
-    "a mesh": (grid_object, (0.2, 0.1, 0.0), "SURFACE"),
+    "a mesh": (scenes.grid_object, (0.2, 0.1, 0.0), "SURFACE"),
     "a text": (text, None, "POINTS"),
     "a curve": (bezier, None, "POINTS"),
-    "nothing": (grid_object, (3.0, 3.0, 0.0), "POINTS"),
+    "nothing": (scenes.grid_object, (3.0, 3.0, 0.0), "POINTS"),
     "a cage": (cage, (0.0, 0.0, 1.0), "CONTROL"),
     "a lattice": (lattice_around, (0.0, 0.0, 1.0), "CONTROL"),
     "a wire": (wire, None, "CONTROL"),
@@ -79,7 +68,7 @@ def some_place(obj: bpy.types.Object) -> Vector:
 def test_automatic_finds(viewport, what: str) -> None:
     prepare, place, wanted = FOUND[what]
     prepare()
-    update()
+    scenes.update()
     found, held = pressed(viewport, place or some_place(bpy.context.object))
     assert found == wanted
     assert (held is None) == (what == "nothing")
@@ -105,7 +94,7 @@ HEADERS = {
 @pytest.mark.parametrize("mode", HEADERS)
 @pytest.mark.parametrize("where", ["OBJECT", "POSE"])
 def test_a_button_takes_the_tool_in_its_mode(viewport, mode: str, where: str) -> None:
-    posing() if where == "POSE" else grid_object()
+    posing() if where == "POSE" else scenes.grid_object()
     assert bpy.ops.sinew.drag_start(mode=mode) == {"FINISHED"}
     assert bpy.context.workspace.tools.from_space_view3d_mode(where).idname == "sinew.drag"
     sheet = Sheet()
@@ -161,8 +150,8 @@ def test_a_part_of_a_control_is_dragged(kind: str) -> None:
 
 def test_a_length_follows_the_mouse_along_its_direction(scene) -> None:
     target = ball()
-    press(target, "tool_add", tool="drag", location=(0.0, 0.0, 0.0), outer=0.8)
-    make_active(target)
+    scenes.press(target, "tool_add", tool="drag", location=(0.0, 0.0, 0.0), outer=0.8)
+    scenes.make_active(target)
     row, outcomes = target.sinew.active.controls[0], inner.grabbing.Outcome
     depsgraph = bpy.context.evaluated_depsgraph_get()
     tool = inner.reach_drag.ReachDragging(row, "outer", depsgraph, (0.0, 0.0))
@@ -180,7 +169,7 @@ def test_a_length_follows_the_mouse_along_its_direction(scene) -> None:
 
 
 def test_pins_and_riding_controls_are_marked(plate) -> None:
-    armature = add_armature(plate.obj)
+    armature = scenes.add_armature(plate.obj)
     armature.pose.bones["low"].sinew.pin = True
     (head, tail) = inner.marks.pins(armature, np.array((0.0, 0.0, 1.0)))
     assert np.allclose([head[:-1].mean(axis=0), tail[:-1].mean(axis=0)], [(0, -1, 0), (0, 0, 0)], atol=1e-6)
@@ -200,8 +189,8 @@ def method(request: pytest.FixtureRequest) -> str:
 
 def at(obj: bpy.types.Object, x: float, y: float) -> np.ndarray:
     """The shown place of a vertex that rests there."""
-    index = int(np.argmin(np.linalg.norm(base_points(obj)[:, :2] - (x, y), axis=1)))
-    return evaluated_points(obj)[index]
+    index = int(np.argmin(np.linalg.norm(scenes.base_points(obj)[:, :2] - (x, y), axis=1)))
+    return scenes.evaluated_points(obj)[index]
 
 
 def names(obj: bpy.types.Object) -> list[str]:
@@ -209,56 +198,56 @@ def names(obj: bpy.types.Object) -> list[str]:
 
 
 def test_a_drag_makes_a_deformer_with_a_handle_at_the_place_and_the_next_one_takes_it(method: str):
-    obj = grid_object(cells=20)
+    obj = scenes.grid_object(cells=20)
     control = drag(0.2, 0.3, method=method)
     (handle,) = obj.sinew.active.handles
     assert obj.sinew.active.method == method
     assert (handle.kind, handle.vertex_group, handle.control) == ("HANDLE", "", control)
     assert not obj.vertex_groups
-    assert close(at(obj, 0.2, 0.3), np.array((0.2, 0.3, 0.5)), MEETS)
+    assert scenes.close(at(obj, 0.2, 0.3), np.array((0.2, 0.3, 0.5)), MEETS)
     assert np.array(control.matrix_world.translation) == pytest.approx((0.2, 0.3, 0.5), abs=1e-5)
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     assert "Hold Still" not in " ".join(notes_of(obj.sinew.active))  # a click holds such a handle
     assert drag(0.2, 0.3, value=(0.1, 0.0, 0.2), method=method) == control
     assert len(names(obj)) == 1
-    assert close(at(obj, 0.2, 0.3), np.array((0.3, 0.3, 0.7)), MEETS)
+    assert scenes.close(at(obj, 0.2, 0.3), np.array((0.3, 0.3, 0.7)), MEETS)
 
 
 def test_a_second_handle_changes_nothing_until_it_is_dragged(method: str):
     """It rests where the surface rests, and is posed as the surface is."""
-    obj = grid_object(cells=20)
+    obj = scenes.grid_object(cells=20)
     drag(-0.5, 0.0, method=method)
     drag(0.7, 0.6, value=(0.0, 0.0, 0.0), method=method)
-    before = evaluated_points(obj)
+    before = scenes.evaluated_points(obj)
     drag(-0.3, 0.1, value=(0.0, 0.0, 0.0), radius=0.05)  # on the slope
     assert len(names(obj)) == 3
     if BY_ID[method].reproduces.value == "rest":  # the least change keeps what is met already
-        assert close(evaluated_points(obj), before, MEETS)
-    assert close(at(obj, -0.5, 0.0), np.array((-0.5, 0.0, 0.5)), MEETS)
-    assert close(evaluated_points(obj), before, 0.05)
+        assert scenes.close(scenes.evaluated_points(obj), before, MEETS)
+    assert scenes.close(at(obj, -0.5, 0.0), np.array((-0.5, 0.0, 0.5)), MEETS)
+    assert scenes.close(scenes.evaluated_points(obj), before, 0.05)
 
 
 def test_a_mirrored_drag_moves_both_sides(method: str):
-    obj = grid_object(cells=20)
-    press(obj, "deformer_add", method=method)
+    obj = scenes.grid_object(cells=20)
+    scenes.press(obj, "deformer_add", method=method)
     obj.sinew.active.use_mirror_x = True
     drag(0.5, 0.3, value=(0.1, 0.0, 0.4))
     assert sorted(names(obj)) == ["Point.L", "Point.R"]
-    assert close(at(obj, 0.5, 0.3), np.array((0.6, 0.3, 0.4)), MEETS)
-    assert close(at(obj, -0.5, 0.3), np.array((-0.6, 0.3, 0.4)), MEETS)
+    assert scenes.close(at(obj, 0.5, 0.3), np.array((0.6, 0.3, 0.4)), MEETS)
+    assert scenes.close(at(obj, -0.5, 0.3), np.array((-0.6, 0.3, 0.4)), MEETS)
     drag(0.0, 0.8, value=(0.0, 0.0, 0.0))
     assert sorted(names(obj)) == ["Point", "Point.L", "Point.R"], "one on the plane of symmetry"
 
 
 def test_a_turned_and_scaled_object_is_dragged_in_the_world(method: str):
-    obj = grid_object(cells=20)
+    obj = scenes.grid_object(cells=20)
     obj.matrix_world = Matrix.LocRotScale((1.0, 2.0, 0.5), Euler((0.3, 0.2, 0.5)), (1.5, 0.8, 1.2))
-    update()
+    scenes.update()
     place = obj.matrix_world @ Vector((0.25, 0.35, 0.0))  # the middle of a face
     control = drag(place.x, place.y, method=method, value=LIFT)
     assert (control.matrix_world.translation - place - Vector(LIFT)).length < 1e-4
-    near = np.linalg.norm(base_points(obj)[:, :2] - (0.25, 0.35), axis=1) < 0.08
-    shown = obj.matrix_world @ Vector(evaluated_points(obj)[near].mean(axis=0))
+    near = np.linalg.norm(scenes.base_points(obj)[:, :2] - (0.25, 0.35), axis=1) < 0.08
+    shown = obj.matrix_world @ Vector(scenes.evaluated_points(obj)[near].mean(axis=0))
     assert near.sum() == 4
     assert (shown - place - Vector(LIFT)).length < 0.02  # a face is curved a little
 
@@ -281,9 +270,9 @@ def middle_of_a_face(obj: bpy.types.Object) -> np.ndarray | None:
 def test_a_drag_takes_hold_of_curves_text_hair_and_clouds(kind: str):
     """On their surface, or at the point that is nearest to the line of sight, by a method that can do it."""
     obj = MAKERS[kind]()
-    update()
+    scenes.update()
     before = moved_by_hand(obj, lambda points: points)
-    make_active(obj)
+    scenes.make_active(obj)
     place = middle_of_a_face(obj)
     place = before[np.argmax(before[:, 2])] if place is None else place
     control = drag(place[0], place[1])
@@ -291,10 +280,10 @@ def test_a_drag_takes_hold_of_curves_text_hair_and_clouds(kind: str):
     (handle,) = obj.sinew.active.handles
     assert handle.control == control
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
-    lifted = evaluated_points(obj) - before
+    lifted = scenes.evaluated_points(obj) - before
     near = np.linalg.norm(before - place, axis=1)
     if kind in ("hair", "cloud", "lattice"):
-        assert close(lifted[near < 1e-6], np.tile(LIFT, ((near < 1e-6).sum(), 1)), MEETS)
+        assert scenes.close(lifted[near < 1e-6], np.tile(LIFT, ((near < 1e-6).sum(), 1)), MEETS)
     # A curve moves by its points: a place half-way between two follows less.
     assert lifted[np.argmin(near), 2] > (0.2 if kind in CURVES else 0.3)
     assert np.abs(lifted).max() < 0.7
@@ -304,6 +293,6 @@ def test_a_drag_takes_hold_of_curves_text_hair_and_clouds(kind: str):
 
 def test_a_surface_method_refuses_what_is_no_mesh():
     hair = MAKERS["hair"]()
-    origin, before = (*evaluated_points(hair)[0][:2], 9.0), seen()
-    refused("needs the surface of a mesh", "drag", origin=origin, value=LIFT, method="arap")
+    origin, before = (*scenes.evaluated_points(hair)[0][:2], 9.0), seen()
+    scenes.refused("needs the surface of a mesh", "drag", origin=origin, value=LIFT, method="arap")
     assert_seen(before)

@@ -13,22 +13,11 @@ from inside import inner, use_threads
 from mathutils import Matrix, Vector
 from mouse import event, front_view
 from registry import GRABBING
-from rigs.rig import (
-    add_group,
-    add_key,
-    apply_matrix,
-    coordinates,
-    grid_object,
-    make_active,
-    new_object,
-    press,
-    refused,
-    slope,
-)
+from rigs import rig as scenes
 
 
 def in_world(obj: bpy.types.Object) -> np.ndarray:
-    return apply_matrix(obj.matrix_world, edited(obj).astype(float))
+    return scenes.apply_matrix(obj.matrix_world, edited(obj).astype(float))
 
 
 def test_the_surface_methods_that_work_alone_are_offered():
@@ -38,7 +27,7 @@ def test_the_surface_methods_that_work_alone_are_offered():
 
 @pytest.mark.parametrize("method", GRABBING)
 def test_the_selection_moves_exactly_and_the_rest_stays(method: str):
-    obj = grid_object(cells=20)
+    obj = scenes.grid_object(cells=20)
     chosen = edit(obj, centre)
     before = edited(obj)
     grab(value=(0.0, 0.0, 1.0), radius=0.5, method=method)
@@ -53,7 +42,9 @@ def test_the_selection_moves_exactly_and_the_rest_stays(method: str):
 
 
 @pytest.mark.parametrize("method", GRABBING)
-@pytest.mark.parametrize("make", [grid_object, placed_object], ids=["at the origin", "placed and scaled"])
+@pytest.mark.parametrize(
+    "make", [scenes.grid_object, placed_object], ids=["at the origin", "placed and scaled"]
+)
 @pytest.mark.parametrize("angle", [0.0, 0.9], ids=["move", "turn"])
 def test_nothing_fixed_means_one_rigid_motion_of_the_world(method: str, make: Callable, angle: float):
     obj = make(cells=12)
@@ -66,8 +57,8 @@ def test_nothing_fixed_means_one_rigid_motion_of_the_world(method: str, make: Ca
     else:
         grab(unlimited=True, method=method, value=(0.3, -0.2, 0.7))
         matrix = Matrix.Translation((0.3, -0.2, 0.7))
-    tolerance = 2e-6 if make is grid_object else 1e-5  # float32 at a size of 2, and a matrix
-    assert np.abs(in_world(obj) - apply_matrix(matrix, before)).max() < tolerance
+    tolerance = 2e-6 if make is scenes.grid_object else 1e-5  # float32 at a size of 2, and a matrix
+    assert np.abs(in_world(obj) - scenes.apply_matrix(matrix, before)).max() < tolerance
 
 
 @pytest.mark.parametrize("method", GRABBING)
@@ -75,7 +66,7 @@ def test_only_the_part_within_reach_changes_the_answer(method: str):
     """Far from the radius there may be anything: the same shape with and without another 5,000 vertices."""
     results = []
     for cells, size in ((20, 1.0), (60, 3.0)):
-        obj = grid_object(f"Plate {cells}", cells)
+        obj = scenes.grid_object(f"Plate {cells}", cells)
         obj.data.transform(Matrix.Scale(size, 4))
         edit(obj, centre)
         before = edited(obj)
@@ -95,12 +86,12 @@ def test_only_the_part_within_reach_changes_the_answer(method: str):
     ],
 )
 def test_rotation_and_scale_about_the_centre(motion: dict, matrix: Matrix):
-    obj = grid_object()
+    obj = scenes.grid_object()
     chosen = edit(obj, lambda point: point.x > 0.75)
     before = edited(obj)[chosen].astype(float)
     grab(radius=0.3, **motion)
     pivot = before.mean(axis=0)
-    assert np.abs(edited(obj)[chosen] - pivot - apply_matrix(matrix, before - pivot)).max() < 1e-6
+    assert np.abs(edited(obj)[chosen] - pivot - scenes.apply_matrix(matrix, before - pivot)).max() < 1e-6
 
 
 @pytest.mark.parametrize("orientation", ["GLOBAL", "LOCAL"])
@@ -118,7 +109,7 @@ def test_the_radius_is_measured_in_the_world_and_over_the_surface():
     line = np.linspace(0.0, 1.0, 11)
     there_and_back = [(x, 0.0) for x in line] + [(x, -0.02) for x in line[::-1]]
     points = [(x, y, z) for y in (0.0, 0.1) for x, z in there_and_back]
-    obj = new_object("Fold", points, [(i, i + 1, i + 23, i + 22) for i in range(21)])
+    obj = scenes.new_object("Fold", points, [(i, i + 1, i + 23, i + 22) for i in range(21)])
     obj.scale = (2.0, 2.0, 2.0)
     edit(obj, lambda point: point.x < 0.05 and point.z > -0.01)
     before = edited(obj)
@@ -130,10 +121,10 @@ def test_the_radius_is_measured_in_the_world_and_over_the_surface():
 
 
 def test_other_parts_hidden_vertices_and_fixed_regions_stay():
-    obj = grid_object(cells=20)
-    held = add_group(obj, "Anchor", lambda point: point[0] > 0.25)
-    press(obj, "handle_add", kind="FIXED", vertex_group="Anchor")
-    make_active(obj)
+    obj = scenes.grid_object(cells=20)
+    held = scenes.add_group(obj, "Anchor", lambda point: point[0] > 0.25)
+    scenes.press(obj, "handle_add", kind="FIXED", vertex_group="Anchor")
+    scenes.make_active(obj)
     bpy.ops.object.mode_set(mode="EDIT")
     bpy.ops.mesh.primitive_cube_add(size=0.1, location=(0.0, 0.0, 0.1))
     other = select(obj, lambda point: point.z > 0.01)
@@ -149,22 +140,22 @@ def test_other_parts_hidden_vertices_and_fixed_regions_stay():
 
 
 def test_a_selected_vertex_of_a_fixed_region_stays():
-    obj = grid_object()
-    members = add_group(obj, "Anchor", lambda point: point[0] < 0.0)
-    press(obj, "handle_add", kind="FIXED", vertex_group="Anchor")
+    obj = scenes.grid_object()
+    members = scenes.add_group(obj, "Anchor", lambda point: point[0] < 0.0)
+    scenes.press(obj, "handle_add", kind="FIXED", vertex_group="Anchor")
     edit(obj, lambda point: abs(point.y) < 0.1)
     before = edited(obj)
     grab(value=(0.0, 0.0, 0.4), radius=0.3)
     assert np.array_equal(edited(obj)[members], before[members])
     select(obj, lambda point: point.x < -0.5)
-    refused("belong to Still regions", "grab_region", value=(0.0, 0.0, 1.0))
+    scenes.refused("belong to Still regions", "grab_region", value=(0.0, 0.0, 1.0))
 
 
 @pytest.mark.parametrize("chosen", [(5,), (4, 5), (2, 5), (0, 1, 2, 3, 4, 5)])
 def test_loose_vertices_just_move(chosen: tuple[int, ...], capfd: pytest.CaptureFixture):
     """A square with a wire at its corner, and a vertex on its own."""
     points = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (2, 1, 0), (5, 5, 5)], dtype=float)
-    obj = new_object("Loose", points, [(0, 1, 2, 3)], [(2, 4)])
+    obj = scenes.new_object("Loose", points, [(0, 1, 2, 3)], [(2, 4)])
     edit(obj, lambda point: any(point == Vector(points[index]) for index in chosen))
     grab(value=(0.0, 0.0, 1.0), radius=0.5)
     points[list(chosen), 2] += 1.0
@@ -185,14 +176,14 @@ def test_loose_vertices_just_move(chosen: tuple[int, ...], capfd: pytest.Capture
     ],
 )
 def test_odd_motions_work(method: str, odd: dict):
-    obj = grid_object()
+    obj = scenes.grid_object()
     edit(obj, centre)
     grab(**{"radius": 0.4, "method": method, **odd})
     assert np.isfinite(edited(obj)).all()
 
 
 def test_mirror_is_said_not_to_be_followed(capfd: pytest.CaptureFixture):
-    obj = grid_object()
+    obj = scenes.grid_object()
     obj.data.use_mirror_x = True
     edit(obj, lambda point: point.x > 0.75)
     before = edited(obj)
@@ -203,7 +194,7 @@ def test_mirror_is_said_not_to_be_followed(capfd: pytest.CaptureFixture):
 
 @pytest.mark.parametrize("method", GRABBING)
 def test_vertices_without_a_place_stay_and_are_counted(method: str, capfd: pytest.CaptureFixture):
-    obj = grid_object(cells=20)
+    obj = scenes.grid_object(cells=20)
     wrong = 10 * 21 + 14  # within the radius
     obj.data.vertices[wrong].co = (math.nan, 0.0, 0.0)
     chosen = edit(obj, lambda point: math.isfinite(point.x) and centre(point))
@@ -215,7 +206,7 @@ def test_vertices_without_a_place_stay_and_are_counted(method: str, capfd: pytes
     assert np.array_equal(after[chosen], before[chosen] + np.float32((0.0, 0.0, 0.5)))
     assert "1 vertex has invalid coordinates (NaN or infinite) and will not move" in capfd.readouterr().out
     select(obj, lambda point: not math.isfinite(point.x))
-    refused("The selected vertices have invalid coordinates", "grab_region", value=(0.0, 0.0, 0.5))
+    scenes.refused("The selected vertices have invalid coordinates", "grab_region", value=(0.0, 0.0, 0.5))
 
 
 @pytest.mark.parametrize("method", GRABBING)
@@ -232,7 +223,7 @@ def test_messy_meshes_still_work(method: str):
     first, second, *_rest = bm.verts
     bm.faces.new((first, second, bm.verts.new(first.co)))
     bm.edges.new((first, bm.verts.new((-2.0, -2.0, 0.0))))
-    obj = new_object("Messy", [])
+    obj = scenes.new_object("Messy", [])
     bm.to_mesh(obj.data)
     bm.free()
     chosen = edit(obj, lambda point: point.x < -0.9)
@@ -244,12 +235,12 @@ def test_messy_meshes_still_work(method: str):
 
 
 def keys_of(obj: bpy.types.Object) -> list[np.ndarray]:
-    return [coordinates(key.data) for key in obj.data.shape_keys.key_blocks]
+    return [scenes.coordinates(key.data) for key in obj.data.shape_keys.key_blocks]
 
 
 def test_the_active_shape_key_is_what_moves():
-    obj = grid_object()
-    add_key(obj, "Pose", Matrix()).data[0].co.z = -0.25
+    obj = scenes.grid_object()
+    scenes.add_key(obj, "Pose", Matrix()).data[0].co.z = -0.25
     obj.active_shape_key_index = 1
     basis, pose = keys_of(obj)
     chosen = edit(obj, centre)
@@ -265,8 +256,8 @@ def test_shape_keys_of_a_mesh_that_grew_in_edit_mode_survive():
     """The same edit with and without a grab that does nothing leaves the same keys."""
     left = []
     for grabs in (False, True):
-        obj = grid_object(f"Keys {grabs}", 4)
-        add_key(obj, "Pose", slope(0.1, 0.2))
+        obj = scenes.grid_object(f"Keys {grabs}", 4)
+        scenes.add_key(obj, "Pose", scenes.slope(0.1, 0.2))
         obj.active_shape_key_index = 0
         edit(obj, lambda point: True)
         bpy.ops.mesh.subdivide()
@@ -279,8 +270,8 @@ def test_shape_keys_of_a_mesh_that_grew_in_edit_mode_survive():
 
 
 def test_other_objects_in_edit_mode_stay():
-    first, second = grid_object("First"), grid_object("Second")
-    make_active(first, second)
+    first, second = scenes.grid_object("First"), scenes.grid_object("Second")
+    scenes.make_active(first, second)
     bpy.ops.object.mode_set(mode="EDIT")
     select(first, centre)
     select(second, centre)
@@ -316,7 +307,7 @@ class Hand:
 
 @pytest.fixture
 def hand() -> Hand:
-    obj = grid_object(cells=20)
+    obj = scenes.grid_object(cells=20)
     edit(obj, centre)
     return Hand(obj)
 
@@ -381,7 +372,7 @@ def test_cancel_restores_every_bit_and_the_selection(key: str, method: str):
 
 @pytest.mark.parametrize("method", GRABBING)
 def test_what_was_confirmed_is_what_the_properties_repeat(method: str):
-    obj = grid_object(cells=20)
+    obj = scenes.grid_object(cells=20)
     edit(obj, centre)
     before = edited(obj)
     hand = Hand(obj, method)
@@ -423,7 +414,7 @@ def test_navigation_passes_through_and_other_keys_do_not(hand: Hand):
 
 
 def test_a_preview_goes_on_while_the_mouse_rests():
-    obj = grid_object(cells=40)
+    obj = scenes.grid_object(cells=40)
     edit(obj, centre)
     hand = Hand(obj, "arap", radius=0.7)
     hand.move(10, 80)
@@ -448,7 +439,7 @@ def test_a_heavy_region_binds_in_a_thread_and_is_confirmed_when_ready(
 ):
     """Or cancelled at once."""
     use_threads(monkeypatch)
-    obj = grid_object(cells=30)
+    obj = scenes.grid_object(cells=30)
     edit(obj, centre)
     before = edited(obj)
     hand = Hand(obj, "arap")
@@ -473,7 +464,7 @@ def test_a_heavy_region_binds_in_a_thread_and_is_confirmed_when_ready(
 def test_scaling_all_that_is_connected_binds_when_it_is_asked_for(monkeypatch: pytest.MonkeyPatch):
     """Moved and turned, a surface that nothing holds goes as one piece, without a bind."""
     use_threads(monkeypatch)
-    obj = grid_object(cells=20)
+    obj = scenes.grid_object(cells=20)
     chosen = edit(obj, centre)
     before = edited(obj)
     hand = Hand(obj, radius=np.inf)

@@ -7,24 +7,7 @@ import pytest
 from editing import edit, select
 from inside import inner
 from mathutils import Matrix
-from rigs.rig import (
-    FLOAT32,
-    Rig,
-    add_key,
-    apply_matrix,
-    base_points,
-    evaluated_points,
-    grid_object,
-    in_mode,
-    make_active,
-    new_armature,
-    new_empty,
-    painted,
-    press,
-    reopen,
-    some_motion,
-    update,
-)
+from rigs import rig as scenes
 
 FLIP = np.array((-1.0, 1.0, 1.0))
 
@@ -38,8 +21,8 @@ def paint(obj: bpy.types.Object, name: str, weight) -> None:
 
 
 def weights(obj: bpy.types.Object, name: str) -> dict[tuple[float, ...], float]:
-    found = painted(obj.data, obj.vertex_groups[name].index)
-    places = map(tuple, np.round(base_points(obj), 4) + 0.0)
+    found = scenes.painted(obj.data, obj.vertex_groups[name].index)
+    places = map(tuple, np.round(scenes.base_points(obj), 4) + 0.0)
     return {place: weight for place, weight in zip(places, found, strict=True) if weight}
 
 
@@ -53,9 +36,9 @@ def soft_left(point) -> float:
 
 
 @pytest.fixture
-def hand() -> Rig:
+def hand() -> scenes.Rig:
     """A plate, posed: soft Hand.L on the left, the centre column fixed. The deformer is bound."""
-    plate = Rig(grid_object())
+    plate = scenes.Rig(scenes.grid_object())
     bpy.ops.sinew.deformer_add(method="thin_shell")
     add_region(plate, "Hand.L", soft_left, "HANDLE")
     add_region(plate, "Spine", lambda point: abs(point[0]) < 0.1)
@@ -63,31 +46,31 @@ def hand() -> Rig:
     return plate
 
 
-def by_name(plate: Rig, name: str):
+def by_name(plate: scenes.Rig, name: str):
     return plate.deformer.handles[name]
 
 
-def handle_names(plate: Rig) -> list[str]:
+def handle_names(plate: scenes.Rig) -> list[str]:
     return plate.deformer.handles.keys()
 
 
 def mirror(**options) -> None:
     assert bpy.ops.sinew.handle_mirror(**options) == {"FINISHED"}
-    update()
+    scenes.update()
 
 
-def add_region(plate: Rig, name: str, where, kind: str = "FIXED") -> None:
+def add_region(plate: scenes.Rig, name: str, where, kind: str = "FIXED") -> None:
     """A vertex group of the vertices for which ``where(point)``, and its region, active."""
     paint(plate.obj, name, lambda point: float(where(point)))
-    press(plate.obj, "handle_add", kind=kind, vertex_group=name)
-    make_active(plate.obj)
+    scenes.press(plate.obj, "handle_add", kind=kind, vertex_group=name)
+    scenes.make_active(plate.obj)
 
 
-def assert_weights_are_mirrored(plate: Rig, left: str = "Hand.L", right: str = "Hand.R") -> None:
+def assert_weights_are_mirrored(plate: scenes.Rig, left: str = "Hand.L", right: str = "Hand.R") -> None:
     assert weights(plate.obj, right) == pytest.approx(reflected(weights(plate.obj, left)))
 
 
-def assert_is_its_own_mirror_image(plate: Rig) -> None:
+def assert_is_its_own_mirror_image(plate: scenes.Rig) -> None:
     points = plate.points()
     assert np.abs(points - mirror_image(plate.obj, points)).max() < 2e-5
 
@@ -97,7 +80,7 @@ def low_corner(sign: float):
     return lambda point: point[0] * sign > 0.7 and point[1] < -0.7
 
 
-def on_the_right(plate: Rig) -> list[int]:
+def on_the_right(plate: scenes.Rig) -> list[int]:
     return [i for i, p in enumerate(plate.rest()) if p[0] < -0.76 and p[1] > -0.5]
 
 
@@ -122,7 +105,7 @@ def test_names_flip_as_blender_flips_them(name: str):
     assert inner.sides.flip(name) == ("" if theirs == name else theirs)
 
 
-def test_a_handle_is_made_for_the_other_side(hand: Rig):
+def test_a_handle_is_made_for_the_other_side(hand: scenes.Rig):
     source = by_name(hand, "Hand.L")
     source.weight, source.continuity, source.colour = 0.9, 1.0, (0.1, 0.2, 0.3)
     mirror()
@@ -137,24 +120,24 @@ def test_a_handle_is_made_for_the_other_side(hand: Rig):
     places = [np.array(handle.control.matrix_world.translation) for handle in (source, target)]
     assert np.allclose(places[0] * FLIP, places[1], atol=1e-6)
     assert hand.deformer.status_level == "INFO"
-    assert np.abs(hand.points() - hand.rest()).max() < FLOAT32  # nothing moved
+    assert np.abs(hand.points() - hand.rest()).max() < scenes.FLOAT32  # nothing moved
 
 
 @pytest.mark.parametrize("turned", [False, True])
-def test_the_pose_is_mirrored_with_it(hand: Rig, turned: bool):
+def test_the_pose_is_mirrored_with_it(hand: scenes.Rig, turned: bool):
     """The posed shape becomes its own mirror image, wherever the mesh object stands.
 
     The numbers are those with x, and the turns about y and z, reversed: what Paste Pose Flipped does.
     """
     if turned:
-        hand.obj.matrix_world = some_motion() @ Matrix.Diagonal((1.0, 2.0, 0.5, 1.0))
+        hand.obj.matrix_world = scenes.some_motion() @ Matrix.Diagonal((1.0, 2.0, 0.5, 1.0))
         bpy.ops.sinew.unbind()
         bpy.ops.sinew.bind()
     control = hand.control
     control.location, control.rotation_euler = (0.1, 0.2, 0.4), (0.3, 0.5, -0.2)
     before = hand.points()
     assert np.abs(before - hand.rest()).max() > 0.3
-    press(hand.obj, "handle_mirror")
+    scenes.press(hand.obj, "handle_mirror")
     assert_is_its_own_mirror_image(hand)
     assert np.abs(hand.points() - hand.rest()).max() > 0.3
     other = by_name(hand, "Hand.R").control
@@ -166,16 +149,16 @@ def test_the_pose_is_mirrored_with_it(hand: Rig, turned: bool):
 
 
 def test_the_support_around_a_dragged_handle_is_mirrored_with_it():
-    plate = Rig(grid_object(cells=20))
+    plate = scenes.Rig(scenes.grid_object(cells=20))
     bpy.ops.sinew.drag(origin=(0.5, 0.1, 5.0), value=(0.1, 0.05, 0.3), radius=0.15, reach=2.5)
-    press(plate.obj, "handle_mirror")
-    update()
+    scenes.press(plate.obj, "handle_mirror")
+    scenes.update()
     assert handle_names(plate) == ["Free Area.L", "Handle L", "Handle R", "Free Area.R"]
     assert_is_its_own_mirror_image(plate)
     assert_weights_are_mirrored(plate, "Free Area.L", "Free Area.R")
 
 
-def test_the_next_mirror_updates_the_counterpart(hand: Rig):
+def test_the_next_mirror_updates_the_counterpart(hand: scenes.Rig):
     """Its weights only, or its settings and its pose as well."""
     mirror()
     first = by_name(hand, "Hand.R").control
@@ -194,7 +177,7 @@ def test_the_next_mirror_updates_the_counterpart(hand: Rig):
 
 
 @pytest.mark.parametrize("name", ["Foot.R", "Foot"])
-def test_all_of_one_side(hand: Rig, name: str):
+def test_all_of_one_side(hand: scenes.Rig, name: str):
     """A handle without a side in its name gets one when its side is mirrored; what is fixed, no control."""
     add_region(hand, name, low_corner(-1.0), "HANDLE")
     add_region(hand, "Pin.L", lambda point: point[0] > 0.9 and point[1] < -0.7)
@@ -208,7 +191,7 @@ def test_all_of_one_side(hand: Rig, name: str):
 
 def test_vertices_on_the_centre_stay_with_the_source(capfd):
     """Both sides would hold them exactly, which no vertex can obey."""
-    plate = Rig(grid_object())
+    plate = scenes.Rig(scenes.grid_object())
     bpy.ops.sinew.deformer_add(method="thin_shell")
     add_region(plate, "Half.L", lambda point: point[0] > -0.01, "HANDLE")
     mirror()
@@ -219,7 +202,7 @@ def test_vertices_on_the_centre_stay_with_the_source(capfd):
     assert right == {place: weight for place, weight in reflected(left).items() if place[0] < 0.0}
 
 
-def test_an_even_handle_takes_one_half_from_the_other(hand: Rig):
+def test_an_even_handle_takes_one_half_from_the_other(hand: scenes.Rig):
     def aside_and_centre() -> tuple[set, dict]:
         head = weights(hand.obj, "Head")
         aside = {weight for place, weight in head.items() if place[0]}
@@ -237,7 +220,7 @@ def test_an_even_handle_takes_one_half_from_the_other(hand: Rig):
     assert aside_and_centre()[0] == {np.float32(0.4)}
 
 
-def test_painted_parameters_are_evened_out_on_request(hand: Rig):
+def test_painted_parameters_are_evened_out_on_request(hand: scenes.Rig):
     paint(hand.obj, "Stiff", lambda point: 0.5 + 0.4 * point[0])
     hand.deformer.method = "arap"
     hand.deformer.arap.rigidity_group = "Stiff"
@@ -250,16 +233,16 @@ def test_painted_parameters_are_evened_out_on_request(hand: Rig):
     assert all(after[place] == weight for place, weight in before.items() if place[0] >= 0.0)
 
 
-def test_the_bone_of_the_other_side_becomes_the_control(hand: Rig):
+def test_the_bone_of_the_other_side_becomes_the_control(hand: scenes.Rig):
     places = {f"arm.{side}": ((0.5 * x, 0, 0), (x, 0.2, 0.3)) for side, x in (("L", 1.0), ("R", -1.0))}
-    armature = new_armature(**places)
+    armature = scenes.new_armature(**places)
     armature.location = (0.0, 0.3, 0.1)
-    with in_mode(armature):
+    with scenes.in_mode(armature):
         for bone, roll in zip(armature.data.edit_bones, (0.3, 1.1), strict=True):  # they do not match
             bone.roll = roll
     handle = by_name(hand, "Hand.L")
     handle.control, handle.bone = armature, "arm.L"
-    press(hand.obj, "bind")
+    scenes.press(hand.obj, "bind")
     bone = armature.pose.bones["arm.R"]
     bone.location = (0.0, 0.0, 0.2)  # posed before it becomes a control
     mirror()
@@ -267,47 +250,47 @@ def test_the_bone_of_the_other_side_becomes_the_control(hand: Rig):
     assert (target.control, target.bone, target.owns_control) == (armature, "arm.R", False)
     moved = armature.matrix_world @ bone.matrix @ bone.bone.matrix_local.inverted()
     hard = on_the_right(hand)
-    expected = apply_matrix(moved @ armature.matrix_world.inverted(), hand.rest()[hard])
+    expected = scenes.apply_matrix(moved @ armature.matrix_world.inverted(), hand.rest()[hard])
     assert np.abs(expected - hand.rest()[hard]).max() > 0.1
     assert np.abs(hand.points()[hard] - expected).max() < 1e-5
 
 
-def test_the_object_of_the_other_side_becomes_the_control(hand: Rig):
-    left, right = new_empty("Ctrl.L", (0.9, 0.1, 0.0)), new_empty("Ctrl.R", (-0.9, 0.1, 0.0))
+def test_the_object_of_the_other_side_becomes_the_control(hand: scenes.Rig):
+    left, right = scenes.new_empty("Ctrl.L", (0.9, 0.1, 0.0)), scenes.new_empty("Ctrl.R", (-0.9, 0.1, 0.0))
     by_name(hand, "Hand.L").control = left
-    press(hand.obj, "bind")
+    scenes.press(hand.obj, "bind")
     left.location.z = 0.4  # posed, while the other one rests
-    update()
+    scenes.update()
     mirror()
     assert by_name(hand, "Hand.R").control == right
-    assert np.abs(hand.points()[on_the_right(hand), 2]).max() < FLOAT32
+    assert np.abs(hand.points()[on_the_right(hand), 2]).max() < scenes.FLOAT32
     right.location.z = 0.4
     assert_is_its_own_mirror_image(hand)
 
 
 def test_a_mirror_modifier_fills_the_other_side():
     """The base mesh is one half: the modifier hands the weights on to the flipped group."""
-    obj = grid_object()
+    obj = scenes.grid_object()
     edit(obj, lambda point: point.x < -0.01)
     bpy.ops.mesh.delete(type="VERT")
     bpy.ops.object.mode_set(mode="OBJECT")
     obj.modifiers.new("Mirror", "MIRROR").use_clip = True
-    plate = Rig(obj)
+    plate = scenes.Rig(obj)
     paint(obj, "Hand.R", lambda point: 0.0)
     bpy.ops.sinew.deformer_add(method="thin_shell")
     add_region(plate, "Hand.L", soft_left, "HANDLE")
     bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Base")
     plate.deformer.active_handle = 0
-    rest = evaluated_points(obj)
+    rest = scenes.evaluated_points(obj)
     plate.control.location.z = 0.5
     mirror()
     assert plate.deformer.status_level == "INFO"
     for sign in (1, -1):
         ends = (rest[:, 0] * sign > 0.9) & (rest[:, 1] > 0.0)
-        assert np.abs(plate.points()[ends, 2] - 0.5).max() < FLOAT32
+        assert np.abs(plate.points()[ends, 2] - 0.5).max() < scenes.FLOAT32
 
 
-def test_vertices_without_an_image_are_counted(hand: Rig, capfd):
+def test_vertices_without_an_image_are_counted(hand: scenes.Rig, capfd):
     lifted = [i for i, p in enumerate(hand.rest()) if p[0] < -0.95 and p[1] > 0.3]
     for index in lifted:
         hand.obj.data.vertices[index].co.z = 0.02
@@ -318,24 +301,24 @@ def test_vertices_without_an_image_are_counted(hand: Rig, capfd):
         assert len(weights(hand.obj, "Hand.R")) == len(weights(hand.obj, "Hand.L")) - without
 
 
-def test_mirror_in_edit_and_weight_paint_mode(hand: Rig):
+def test_mirror_in_edit_and_weight_paint_mode(hand: scenes.Rig):
     for mode in ("EDIT", "WEIGHT_PAINT"):
         hand.deformer.active_handle = 0
-        with in_mode(hand.obj, mode):
+        with scenes.in_mode(hand.obj, mode):
             mirror()
             assert hand.obj.mode == mode
     assert_weights_are_mirrored(hand)
 
 
 @pytest.mark.parametrize(("sign", "ending", "other"), [(1.0, ".L", ".R"), (-1.0, ".R", ".L")])
-def test_a_handle_is_named_by_the_side_that_it_lies_on(hand: Rig, capfd, sign, ending, other):
+def test_a_handle_is_named_by_the_side_that_it_lies_on(hand: scenes.Rig, capfd, sign, ending, other):
     """With the group and the control that carried its name, and is mirrored with its pose."""
     add_region(hand, "Foot", low_corner(sign), "HANDLE")
     control = by_name(hand, "Foot").control
     assert control.name == "Plate Foot"
     control.location.z, control.rotation_euler.y = 0.4, 0.3
     before = hand.points()
-    make_active(hand.obj)
+    scenes.make_active(hand.obj)
     mirror()
     said = capfd.readouterr().out
     assert f"Foot is now Foot{ending}, after the side that it lies on" in said
@@ -349,26 +332,26 @@ def test_a_handle_is_named_by_the_side_that_it_lies_on(hand: Rig, capfd, sign, e
     assert_weights_are_mirrored(hand, f"Foot{ending}", f"Foot{other}")
     corner = [i for i, p in enumerate(hand.rest()) if low_corner(sign)(p)]
     after = hand.points()
-    assert np.abs(after - before)[corner].max() < FLOAT32
+    assert np.abs(after - before)[corner].max() < scenes.FLOAT32
     assert np.abs(after - mirror_image(hand.obj, after))[corner].max() < 2e-5
     assert hand.deformer.status_level == "INFO"
 
 
-def test_what_names_the_group_of_a_handle_follows_its_new_name(hand: Rig, tmp_path):
+def test_what_names_the_group_of_a_handle_follows_its_new_name(hand: scenes.Rig, tmp_path):
     """Shape keys, masks, modifiers, constraints, painted parameters, and the regions of other deformers."""
     add_region(hand, "Foot", low_corner(1.0), "HANDLE")
     obj = hand.obj
-    key = add_key(obj, "Up", Matrix())
+    key = scenes.add_key(obj, "Up", Matrix())
     key.data[0].co.z, key.value, key.vertex_group = 1.0, 0.5, "Foot"
     obj.modifiers.new("Smooth", "SMOOTH").vertex_group = "Foot"
     cloth = obj.modifiers.new("Cloth", "CLOTH")
     cloth.show_viewport = cloth.show_render = False
     cloth.settings.vertex_group_mass = "Foot"
-    follower = new_empty("Follower")
+    follower = scenes.new_empty("Follower")
     constraint = follower.constraints.new("COPY_LOCATION")
     constraint.target, constraint.subtarget = obj, "Foot"
     hand.deformer.mask_group = "Foot"
-    press(obj, "deformer_add", method="arap")
+    scenes.press(obj, "deformer_add", method="arap")
     bpy.ops.sinew.handle_add(kind="HANDLE", vertex_group="Foot", handle_name="Other")
     bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Spine")
     hand.deformer.arap.rigidity_group = "Foot"
@@ -385,19 +368,19 @@ def test_what_names_the_group_of_a_handle_follows_its_new_name(hand: Rig, tmp_pa
     for _ in range(2):
         assert np.abs(hand.points() - before).max() < 2e-5
         assert {deformer.status_level for deformer in hand.obj.sinew.deformers} == {"INFO"}
-        reopen(tmp_path / "renamed.blend")
+        scenes.reopen(tmp_path / "renamed.blend")
 
 
-def test_a_group_that_a_bone_needs_keeps_its_name(hand: Rig):
-    armature = new_armature(Foot=((0.8, -0.8, 0.0), (0.8, -0.8, 0.5)))
+def test_a_group_that_a_bone_needs_keeps_its_name(hand: scenes.Rig):
+    armature = scenes.new_armature(Foot=((0.8, -0.8, 0.0), (0.8, -0.8, 0.5)))
     add_region(hand, "Foot", low_corner(1.0), "HANDLE")
     hand.obj.modifiers.new("Armature", "ARMATURE").object = armature
-    press(hand.obj, "handle_mirror")
+    scenes.press(hand.obj, "handle_mirror")
     groups = {handle.name: handle.vertex_group for handle in hand.deformer.handles[2:]}
     assert groups == {"Foot.L": "Foot", "Foot.R": "Foot.R"}
 
 
-def test_a_name_that_is_taken_gets_a_number(hand: Rig):
+def test_a_name_that_is_taken_gets_a_number(hand: scenes.Rig):
     hand.obj.vertex_groups.new(name="Foot.R")
     add_region(hand, "Foot", low_corner(1.0), "HANDLE")
     mirror()
@@ -406,19 +389,19 @@ def test_a_name_that_is_taken_gets_a_number(hand: Rig):
     assert not weights(hand.obj, "Foot.R")
 
 
-def test_a_region_on_the_centre_line_stays_one_handle_and_is_said_to(hand: Rig, capfd):
+def test_a_region_on_the_centre_line_stays_one_handle_and_is_said_to(hand: scenes.Rig, capfd):
     hand.deformer.active_handle = 1
     mirror()
     assert "Spine lies on the centre line: it stays one handle, made symmetric" in capfd.readouterr().out
     assert handle_names(hand) == ["Hand.L", "Spine"]
 
 
-def test_two_nameless_handles_that_mirror_each_other_become_a_pair(hand: Rig):
+def test_two_nameless_handles_that_mirror_each_other_become_a_pair(hand: scenes.Rig):
     add_region(hand, "Foot", low_corner(-1.0), "HANDLE")
     add_region(hand, "Toes", low_corner(1.0), "HANDLE")
     controls = [by_name(hand, name).control for name in ("Foot", "Toes")]
     controls[1].location.z = 0.4
-    press(hand.obj, "handle_mirror")
+    scenes.press(hand.obj, "handle_mirror")
     assert handle_names(hand)[2:] == ["Toes.R", "Toes.L"]
     assert [by_name(hand, name).control for name in ("Toes.R", "Toes.L")] == controls
     assert controls[0].name == "Plate Toes.R"
@@ -426,13 +409,13 @@ def test_two_nameless_handles_that_mirror_each_other_become_a_pair(hand: Rig):
     assert hand.deformer.status_level == "INFO"
 
 
-def test_a_selection_that_became_a_handle_gets_the_names_of_both_sides(hand: Rig):
+def test_a_selection_that_became_a_handle_gets_the_names_of_both_sides(hand: scenes.Rig):
     """It is mirrored and not what was held still last: the control is active after Edit Mode, and its row."""
-    with in_mode(hand.obj):
+    with scenes.in_mode(hand.obj):
         for kind, chosen in (("HANDLE", low_corner(1.0)), ("FIXED", lambda point: point[1] > 0.9)):
             select(hand.obj, chosen)
             assert bpy.ops.sinew.handle_add(kind=kind) == {"FINISHED"}
-    update()
+    scenes.update()
     assert bpy.context.object == hand.deformer.handles[2].control
     mirror()
     assert handle_names(hand) == ["Hand.L", "Spine", "Handle L", "Still", "Handle R"]

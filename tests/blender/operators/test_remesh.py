@@ -5,22 +5,8 @@ import bpy
 import numpy as np
 import pytest
 from inside import inner
+from rigs import rig as scenes
 from rigs.cages import box
-from rigs.rig import (
-    Rig,
-    add_group,
-    base_points,
-    coordinates,
-    evaluated_points,
-    grid_object,
-    in_mode,
-    make_active,
-    members,
-    new_object,
-    press,
-    refused,
-    update,
-)
 
 OPERATORS = (
     ("remesh", {"share": 0.7}),
@@ -32,10 +18,10 @@ OPERATORS = (
 
 def loaded_plate() -> bpy.types.Object:
     """A plate of squares whose every value is a function of its place, with a seam and two materials."""
-    obj = grid_object("Loaded", 12)
-    mesh, points = obj.data, base_points(obj)
+    obj = scenes.grid_object("Loaded", 12)
+    mesh, points = obj.data, scenes.base_points(obj)
     left = points[:, 0] < points[:, 0].mean() - 1e-6
-    add_group(obj, "Whole", lambda point: point[1] > np.median(points[:, 1]))
+    scenes.add_group(obj, "Whole", lambda point: point[1] > np.median(points[:, 1]))
     slope = obj.vertex_groups.new(name="Slope")
     for vertex, point in enumerate(points):
         slope.add([vertex], float(point[0] - points[:, 0].min()) / np.ptp(points[:, 0]), "REPLACE")
@@ -69,12 +55,12 @@ def test_everything_is_carried_over(operator: str, options: dict):
     obj = loaded_plate()
     bpy.ops.sinew.deformer_add(method="thin_shell")
     bpy.ops.sinew.handle_add(kind="FIXED", vertex_group="Whole")
-    mesh, before = obj.data, base_points(obj)
+    mesh, before = obj.data, scenes.base_points(obj)
     middle, level = before[:, 0].mean(), np.median(before[:, 1])
     size = np.ptp(before[:, 0])
-    with in_mode(obj):
+    with scenes.in_mode(obj):
         assert getattr(bpy.ops.sinew, operator)(**options) == {"FINISHED"}
-    points = base_points(obj)
+    points = scenes.base_points(obj)
     assert len(points) != len(before)
     assert all(len(face.vertices) == 3 for face in mesh.polygons)
     assert np.isclose(sum(face.area for face in mesh.polygons), size**2, rtol=1e-5)
@@ -83,7 +69,7 @@ def test_everything_is_carried_over(operator: str, options: dict):
     group = obj.vertex_groups["Slope"].index
     slope = [sum(g.weight for g in vertex.groups if g.group == group) for vertex in mesh.vertices]
     assert np.allclose(slope, expected, atol=1e-5)
-    whole = members(obj, "Whole")
+    whole = scenes.members(obj, "Whole")
     assert {round(obj.vertex_groups["Whole"].weight(int(v)), 6) for v in whole} == {1.0}
     assert (points[whole, 1] > level - tolerance).all()
     assert set(np.flatnonzero(points[:, 1] > level + size / 12)) <= set(whole)
@@ -106,18 +92,18 @@ def test_everything_is_carried_over(operator: str, options: dict):
     lifted = mesh.shape_keys.key_blocks["Lifted"]
     assert lifted.value == 0.25
     expected = points + np.column_stack([0 * points[:, :2], points[:, 0]])
-    assert np.allclose(coordinates(lifted.data), expected, atol=tolerance)
+    assert np.allclose(scenes.coordinates(lifted.data), expected, atol=tolerance)
 
 
 @pytest.mark.parametrize(("operator", "options"), OPERATORS)
-def test_a_bound_deformer_goes_on(bound_plate: Rig, operator: str, options: dict):
+def test_a_bound_deformer_goes_on(bound_plate: scenes.Rig, operator: str, options: dict):
     obj = bound_plate.obj
     bound_plate.control.location.z += 0.5
-    update()
-    before = evaluated_points(obj)
-    press(obj, operator, **options)
-    update()
-    after, rest = evaluated_points(obj), base_points(obj)
+    scenes.update()
+    before = scenes.evaluated_points(obj)
+    scenes.press(obj, operator, **options)
+    scenes.update()
+    after, rest = scenes.evaluated_points(obj), scenes.base_points(obj)
     assert obj.sinew.active.is_bound
     assert len(after) != len(before)
     assert abs(after[:, 2].max() - 0.5) < 1e-5
@@ -128,40 +114,40 @@ def test_a_bound_deformer_goes_on(bound_plate: Rig, operator: str, options: dict
 
 def test_what_cannot_be_remeshed_is_refused():
     obj = loaded_plate()
-    before = base_points(obj)
-    refused("too short", "remesh", obj, length=1e-6)
-    twin = new_object("Twin", before, [])
+    before = scenes.base_points(obj)
+    scenes.refused("too short", "remesh", obj, length=1e-6)
+    twin = scenes.new_object("Twin", before, [])
     twin.data = obj.data
     modifier = twin.modifiers.new("Levels", "MULTIRES")
-    refused("Twin has a Multiresolution", "decimate", obj)
+    scenes.refused("Twin has a Multiresolution", "decimate", obj)
     twin.modifiers.remove(modifier)
-    with in_mode(twin):
-        refused("in Edit Mode", "decimate", obj)
-    assert np.array_equal(before, base_points(obj))
+    with scenes.in_mode(twin):
+        scenes.refused("in Edit Mode", "decimate", obj)
+    assert np.array_equal(before, scenes.base_points(obj))
 
 
 def test_weights_of_bones_keep_their_sum():
-    obj = grid_object("Skinned", 12)
+    obj = scenes.grid_object("Skinned", 12)
     for k in range(8):
-        add_group(obj, f"Bone {k}", lambda point, k=k: int(4 * (point[0] + point[1] + 2)) % 8 == k)
-    press(obj, "remesh", share=0.7)
+        scenes.add_group(obj, f"Bone {k}", lambda point, k=k: int(4 * (point[0] + point[1] + 2)) % 8 == k)
+    scenes.press(obj, "remesh", share=0.7)
     sums = [sum(g.weight for g in vertex.groups) for vertex in obj.data.vertices]
     np.testing.assert_allclose(sums, 1.0, atol=1e-5)
 
 
 def test_a_cage_and_an_object_with_the_same_mesh_go_on():
-    cage, obj = box(size=6.0), grid_object("Plate", 12)
+    cage, obj = box(size=6.0), scenes.grid_object("Plate", 12)
     twin = bpy.data.objects.new("Twin", obj.data)
     bpy.context.scene.collection.objects.link(twin)
     for each in (obj, twin):
-        make_active(each)
+        scenes.make_active(each)
         assert bpy.ops.sinew.cage_add(source="OBJECT", cage=cage.name) == {"FINISHED"}
-    press(obj, "decimate", share=0.5)
+    scenes.press(obj, "decimate", share=0.5)
     cage.location.z = 0.5
-    update()
+    scenes.update()
     for each in (obj, twin):
         assert each.sinew.active.is_bound
-        assert np.allclose(evaluated_points(each) - base_points(each), (0, 0, 0.5), atol=1e-4)
+        assert np.allclose(scenes.evaluated_points(each) - scenes.base_points(each), (0, 0, 0.5), atol=1e-4)
 
 
 @pytest.mark.parametrize("what", ["flipped", "pinched", "border", "slit", "duplicate", "loose"])
@@ -175,12 +161,12 @@ def test_each_line_is_mended_alone(what: str):
     slit = [(-1, 0, 1), (0, 0, 1), (0, 1, 1), (-1, 1, 1), (-1, 0, 0), (-1, 1, 0)]
     points += slit
     faces = [*cube, cube[0], *turned, (16, 17, 18, 19), (20, 21, 22, 23), (24, 25, 23, 20)]
-    obj = new_object("Broken", points, faces)
+    obj = scenes.new_object("Broken", points, faces)
     obj.vertex_groups.new(name="All").add(list(range(len(points))), 0.5, "REPLACE")
-    press(obj, "diagnose")
+    scenes.press(obj, "diagnose")
     before = dict(inner.surveying.last_counts(obj).found)
     assert before[what] > 0
-    press(obj, "cure", what=what)
+    scenes.press(obj, "cure", what=what)
     after = inner.surveying.last_counts(obj).found
     assert after.get(what, 0) == (2 if what == "border" else 0)  # the rims of the two loose sheets
     assert {round(g.weight, 6) for vertex in obj.data.vertices for g in vertex.groups} == {0.5}
@@ -188,14 +174,14 @@ def test_each_line_is_mended_alone(what: str):
     assert changed <= {"flipped", "coincident", "border", "slit", "crossing", "non_manifold"}
 
 
-def test_what_is_told_is_in_the_scene(bound_plate: Rig, capfd):
-    obj = grid_object("Scaled", 16)
+def test_what_is_told_is_in_the_scene(bound_plate: scenes.Rig, capfd):
+    obj = scenes.grid_object("Scaled", 16)
     obj.scale = (3.0, 3.0, 3.0)
-    update()
-    refused("20,000,000 are the most", "remesh_semi_regular", obj, levels=8, base_faces=512)
+    scenes.update()
+    scenes.refused("20,000,000 are the most", "remesh_semi_regular", obj, levels=8, base_faces=512)
     assert inner.remesh.user_of(inner.compat.session_key(obj.data), "Former Name") == obj
-    press(obj, "remesh", length=3.0)
+    scenes.press(obj, "remesh", length=3.0)
     assert f"{len(obj.data.polygons)} triangles instead of 512" in capfd.readouterr().out
     assert 8 < len(obj.data.polygons) < 30  # of an area of 36, with 3.9 for each
     bound_plate.deformer.bake.result = "PC2"
-    refused("Unbake it first", "remesh", bound_plate.obj)
+    scenes.refused("Unbake it first", "remesh", bound_plate.obj)

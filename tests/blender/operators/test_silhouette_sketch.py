@@ -10,23 +10,7 @@ from expected import Expected
 from inside import inner
 from mathutils import Matrix
 from mouse import event, front_view
-from rigs import cages
-from rigs.rig import (
-    Rig,
-    add_group,
-    add_key,
-    add_regions,
-    apply_matrix,
-    base_points,
-    close,
-    coordinates,
-    evaluated_points,
-    fails,
-    grid_object,
-    linked,
-    make_active,
-    update,
-)
+from rigs import cages, rig as scenes
 from rigs.rig_of_curves import polyline, stroke_through
 
 FRONT = Matrix.Rotation(math.radians(90.0), 4, "X")  # a camera that looks along y
@@ -51,7 +35,7 @@ def bump(angle: float) -> float:
 def curve(points: np.ndarray, name: str = "Stroke", closed: bool = False) -> bpy.types.Object:
     stroke = polyline(points, name)
     stroke.data.splines[0].use_cyclic_u = closed
-    update()
+    scenes.update()
     return stroke
 
 
@@ -72,11 +56,11 @@ def outline(points: np.ndarray, angle: float) -> float:
 
 def test_a_bump_is_drawn_onto_the_outline_and_what_is_far_stays():
     obj = ball()
-    before = base_points(obj)
+    before = scenes.base_points(obj)
     sketch(curve(arc(bump)), reach=0.6)
     assert key_names(obj) == ["Basis", "Silhouette"]
-    assert np.array_equal(base_points(obj), before)
-    after = evaluated_points(obj)
+    assert np.array_equal(scenes.base_points(obj), before)
+    after = scenes.evaluated_points(obj)
     # Between the vertices an outline of edges is lower than the stroke by up to a chord.
     assert outline(after, 0.0) == pytest.approx(1.3, abs=EDGE**2 / 8)
     assert np.abs(after[:, 1] - before[:, 1]).max() < 0.1  # depths are kept, but for the turn of details
@@ -89,12 +73,12 @@ def test_the_view_may_be_that_of_the_camera(kind: str):
     obj = ball()
     data = bpy.data.cameras.new("Camera")
     data.type = kind
-    bpy.context.scene.camera = linked(bpy.data.objects.new("Camera", data))
+    bpy.context.scene.camera = scenes.linked(bpy.data.objects.new("Camera", data))
     bpy.context.scene.camera.matrix_world = Matrix.Translation((0.0, -4.0, 0.0)) @ FRONT
     # A near eye sees a smaller circle, of which the tangents are 1 / sqrt(15), at a depth of 1.
     nearer = math.sqrt(15.0) if kind == "PERSP" else 1.0
     sketch(curve(arc(bump) / (nearer, 1.0, nearer)), None, reach=0.6)
-    after = evaluated_points(obj)
+    after = scenes.evaluated_points(obj)
     seen = after[:, 0] / (after[:, 1] + 4.0) * nearer if kind == "PERSP" else after[:, 0]
     assert seen.max() == pytest.approx(1.3, abs=0.02)  # what is nearer than the line is seen larger
 
@@ -107,32 +91,34 @@ def test_an_object_that_is_placed_turned_and_scaled_is_seen_as_it_is():
     matrix @= Matrix.Diagonal((0.5, -2.0, 1.0, 1.0))
     placed.data.transform(matrix.inverted())
     placed.matrix_world = matrix
-    update()
+    scenes.update()
     sketch(stroke, reach=0.6)
-    assert close(apply_matrix(matrix, evaluated_points(placed)), evaluated_points(plain), 1e-5)
+    assert scenes.close(
+        scenes.apply_matrix(matrix, scenes.evaluated_points(placed)), scenes.evaluated_points(plain), 1e-5
+    )
 
 
 def test_shape_keys_add_up_and_each_can_be_removed():
     obj = ball()
-    before = evaluated_points(obj)
+    before = scenes.evaluated_points(obj)
     sketch(curve(arc(bump)), reach=0.6)
-    first = evaluated_points(obj)
+    first = scenes.evaluated_points(obj)
     sketch(curve(arc(bump) * (-1.0, 1.0, 1.0), "Left"), reach=0.6)
-    both = evaluated_points(obj)
+    both = scenes.evaluated_points(obj)
     assert outline(both, math.pi) == pytest.approx(1.3, abs=EDGE**2 / 8)
-    assert close(both[before[:, 0] > 0.1], first[before[:, 0] > 0.1])
+    assert scenes.close(both[before[:, 0] > 0.1], first[before[:, 0] > 0.1])
     obj.data.shape_keys.key_blocks["Silhouette.001"].value = 0.0
-    assert close(evaluated_points(obj), first)
+    assert scenes.close(scenes.evaluated_points(obj), first)
     obj.shape_key_remove(obj.data.shape_keys.key_blocks["Silhouette"])
-    assert close(evaluated_points(obj), before)
+    assert scenes.close(scenes.evaluated_points(obj), before)
 
 
 def test_an_edited_stroke_redraws_its_key():
     obj = ball()
-    add_key(obj, "Own", Matrix.Diagonal((1.0, 1.0, 0.9, 1.0))).value = 1.0
+    scenes.add_key(obj, "Own", Matrix.Diagonal((1.0, 1.0, 0.9, 1.0))).value = 1.0
     stroke = curve(arc(bump))
     sketch(stroke, reach=0.6)
-    first = evaluated_points(obj)
+    first = scenes.evaluated_points(obj)
     for point in stroke.data.splines[0].points:
         point.co.x *= 1.2
     key = obj.data.shape_keys.key_blocks["Silhouette"]
@@ -140,38 +126,38 @@ def test_an_edited_stroke_redraws_its_key():
     sketch(stroke, reach=0.8, shape_key="Silhouette")
     assert key.mute
     key.mute = False
-    again = evaluated_points(obj)
-    assert not close(again, first, 0.1)
+    again = scenes.evaluated_points(obj)
+    assert not scenes.close(again, first, 0.1)
     assert key_names(obj) == ["Basis", "Own", "Silhouette"]
     obj.shape_key_remove(key)
     sketch(stroke, reach=0.8)
-    assert close(evaluated_points(obj), again)
+    assert scenes.close(scenes.evaluated_points(obj), again)
 
 
 def test_a_drawn_stroke_may_be_kept_as_a_curve():
     obj = ball()
     drawing = {"points": stroke_through(arc(bump)), "keep_stroke": True}
     assert bpy.ops.sinew.silhouette_sketch(view=FRONT, reach=0.6, **drawing) == {"FINISHED"}
-    drawn = evaluated_points(obj)
+    drawn = scenes.evaluated_points(obj)
     kept = bpy.data.objects["Silhouette Stroke"]
-    assert close(np.array([point.co[:3] for point in kept.data.splines[0].points]), arc(bump))
-    make_active(obj)
+    assert scenes.close(np.array([point.co[:3] for point in kept.data.splines[0].points]), arc(bump))
+    scenes.make_active(obj)
     sketch(kept, reach=0.6, shape_key="Silhouette")
-    assert close(evaluated_points(obj), drawn)
+    assert scenes.close(scenes.evaluated_points(obj), drawn)
 
 
-def test_a_deformer_after_the_key_gets_the_redrawn_shape(plate: Rig):
+def test_a_deformer_after_the_key_gets_the_redrawn_shape(plate: scenes.Rig):
     """The border of a plate is its outline from above; the pose comes on top."""
     expected = Expected.of_rig(plate.bind())
     plate.lift(0.5)
-    make_active(plate.obj)
+    scenes.make_active(plate.obj)
     x = np.linspace(-0.8, 0.8, 41)
     stroke = curve(np.column_stack((x, 1.0 + 0.2 * np.cos(0.5 * np.pi * x / 0.8) ** 2, 0.0 * x)))
     sketch(stroke, Matrix.Translation((0.0, 0.0, 5.0)), reach=0.4)
-    make_active(plate.obj)
-    keyed = coordinates(plate.obj.data.shape_keys.key_blocks["Silhouette"].data)
+    scenes.make_active(plate.obj)
+    keyed = scenes.coordinates(plate.obj.data.shape_keys.key_blocks["Silhouette"].data)
     assert keyed[:, 1].max() == pytest.approx(1.2, abs=0.01)
-    assert close(plate.points(), expected.now(plate.obj, plate.control, incoming=keyed), 1e-5)
+    assert scenes.close(plate.points(), expected.now(plate.obj, plate.control, incoming=keyed), 1e-5)
 
 
 @pytest.mark.parametrize(
@@ -181,44 +167,44 @@ def test_only_the_loose_part_with_the_line_follows(before: float, size: float, h
     """Of a ball behind a larger one, whose outline counts only if hidden lines do; and of two that touch."""
     parts = [ball(), ball("Nearer")]
     parts[1].data.transform(Matrix.Translation((0.0, -before, 0.0)) @ Matrix.Scale(size, 4))
-    make_active(*parts)
+    scenes.make_active(*parts)
     bpy.ops.object.join()
-    rest = base_points(parts[0])
+    rest = scenes.base_points(parts[0])
     sketch(curve(arc(lambda angle: 1.0 + (bump(angle) - 1.0) / 3.0)), unlimited=True, use_hidden=hidden)
-    moved = np.abs(evaluated_points(parts[0]) - rest).max(axis=1).reshape(2, -1).max(axis=1)
+    moved = np.abs(scenes.evaluated_points(parts[0]) - rest).max(axis=1).reshape(2, -1).max(axis=1)
     assert moved[1 - stays] > 0.05
     assert moved[stays] == 0.0
 
 
 def test_fixed_regions_stay_and_a_line_inside_one_is_refused():
     obj = ball()
-    before = base_points(obj)
-    fixed = add_group(obj, "Above", lambda point: point[2] > 0.4)
-    add_regions(obj, "thin_shell", {"Above": "FIXED"})
+    before = scenes.base_points(obj)
+    fixed = scenes.add_group(obj, "Above", lambda point: point[2] > 0.4)
+    scenes.add_regions(obj, "thin_shell", {"Above": "FIXED"})
     sketch(curve(arc(bump)), unlimited=True)
-    off = np.abs(coordinates(obj.data.shape_keys.key_blocks["Silhouette"].data) - before)
+    off = np.abs(scenes.coordinates(obj.data.shape_keys.key_blocks["Silhouette"].data) - before)
     assert off[fixed].max() == 0.0
     assert off.max() > 0.2
     above = arc(lambda angle: 1.1, 0.3) @ np.array(Matrix.Rotation(math.radians(-60.0), 3, "Y")).T
     above[:, 1] = -3.0
     assert above[:, 2].min() > 0.5
-    make_active(obj)
-    fails("Still regions", sketch, curve(above, "Above"))
+    scenes.make_active(obj)
+    scenes.fails("Still regions", sketch, curve(above, "Above"))
     assert key_names(obj) == ["Basis", "Silhouette"]
     obj.sinew.deformers[0].handles[0].kind = "SUPPORT"
     sketch(bpy.data.objects["Above"], reach=0.2)
 
 
 def test_selected_edges_are_the_line():
-    obj = grid_object(cells=20)
-    places = base_points(obj)
+    obj = scenes.grid_object(cells=20)
+    places = scenes.base_points(obj)
     for edge in obj.data.edges:
         edge.select = bool((np.abs(places[list(edge.vertices), :2]) < (1e-4, 0.65)).all())
     y = np.linspace(-0.6, 0.6, 31)
     stroke = curve(np.column_stack((np.full(31, 5.0), y, 0.3 * np.cos(0.5 * np.pi * y / 0.6))))
     side = Matrix(((0, 0, 1, 0), (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 0, 1)))
     sketch(stroke, side, line="EDGES", reach=0.3)
-    after = evaluated_points(obj)
+    after = scenes.evaluated_points(obj)
     ridge = np.abs(after[:, 0]) < 1e-3
     assert after[ridge, 2].max() == pytest.approx(0.3, abs=0.01)
     assert np.abs(after[np.abs(after[:, 0]) > 0.35, 2]).max() == 0.0
@@ -247,33 +233,35 @@ class Hand:
 
 def test_events_draw_adjust_and_confirm_what_a_curve_repeats():
     obj = ball()
-    before = base_points(obj)
+    before = scenes.base_points(obj)
 
     def moved() -> int:
-        return (np.abs(evaluated_points(obj) - before).max(axis=1) > 0.0).sum()
+        return (np.abs(scenes.evaluated_points(obj) - before).max(axis=1) > 0.0).sum()
 
     hand = Hand(obj)
     hand.draw(arc(bump))
     assert hand.tool.stage is hand.stages.ADJUSTING
-    assert outline(evaluated_points(obj), 0.0) == pytest.approx(1.3, abs=0.01)
+    assert outline(scenes.evaluated_points(obj), 0.0) == pytest.approx(1.3, abs=0.01)
     for _ in range(3):
         hand.send("WHEELUPMOUSE")
     narrow = moved()
     for _ in range(3):
         hand.send("PAGE_UP")
     assert moved() > narrow
-    blunt = evaluated_points(obj)
+    blunt = scenes.evaluated_points(obj)
     hand.send("WHEELUPMOUSE", shift=True)
     assert hand.tool.sharpness == pytest.approx(0.1)
     assert hand.send("MIDDLEMOUSE") is hand.outcomes.PASS
     assert hand.send("RET") is hand.outcomes.CONFIRMED
-    shown = evaluated_points(obj)
-    assert not close(shown, blunt, 1e-3)
+    shown = scenes.evaluated_points(obj)
+    assert not scenes.close(shown, blunt, 1e-3)
     stroke = np.array(hand.tool.stroke)
     hand.tool.restore(obj)
     assert key_names(obj) == []
     sketch(curve(stroke), reach=hand.tool.radius, sharpness=0.1)
-    assert close(evaluated_points(obj), shown, 1e-4)  # a reach in float32 may leave out a vertex
+    assert scenes.close(
+        scenes.evaluated_points(obj), shown, 1e-4
+    )  # a reach in float32 may leave out a vertex
 
 
 @pytest.mark.parametrize("key", ["ESC", "RIGHTMOUSE"])
@@ -281,17 +269,17 @@ def test_events_draw_adjust_and_confirm_what_a_curve_repeats():
 def test_cancel_leaves_nothing_behind(key: str, keys: str):
     obj = ball()
     if keys == "another key":
-        add_key(obj, "Own", Matrix.Scale(1.1, 4)).value = 1.0
+        scenes.add_key(obj, "Own", Matrix.Scale(1.1, 4)).value = 1.0
     elif keys != "no key":
         sketch(curve(arc(bump)), reach=0.6)
-    names, before = key_names(obj), evaluated_points(obj)
+    names, before = key_names(obj), scenes.evaluated_points(obj)
     hand = Hand(obj, "Silhouette" if "redrawn" in keys else "")
     hand.draw(arc(lambda angle: 2.0 - bump(angle)))
     hand.send("A")
-    assert not close(evaluated_points(obj), before, 0.1)
+    assert not scenes.close(scenes.evaluated_points(obj), before, 0.1)
     assert hand.send(key) is hand.outcomes.CANCELLED
     assert key_names(obj) == names
-    assert np.array_equal(evaluated_points(obj), before)
+    assert np.array_equal(scenes.evaluated_points(obj), before)
 
 
 def test_a_click_and_a_stroke_elsewhere_are_told_and_another_may_follow():

@@ -8,18 +8,7 @@ import numpy as np
 import pytest
 from inside import inner
 from registry import METHODS
-from rigs.rig import (
-    Rig,
-    apply_matrix,
-    evaluated_points,
-    grid_object,
-    make_active,
-    press,
-    refused,
-    reopen,
-    select_bone,
-    update,
-)
+from rigs import rig as scenes
 from rigs.sheet import draw_panel
 
 TICK = "CHECKBOX_HLT"
@@ -28,7 +17,7 @@ AHEAD = {"origin": (0.0, -5.0, 1.85), "direction": (0.0, 1.0, 0.0)}
 
 def run(operator: str, **options: object) -> None:
     assert getattr(bpy.ops.sinew, operator)(**options) == {"FINISHED"}
-    update()
+    scenes.update()
 
 
 def blocks() -> set[tuple[str, str]]:
@@ -45,7 +34,9 @@ def button(operator: str, **options: object) -> Callable[[], None]:
 
 def pull_the_elbow() -> None:
     arm = bpy.context.object
-    lowest = min(apply_matrix(arm.matrix_world, evaluated_points(arm)), key=lambda place: place[2])
+    lowest = min(
+        scenes.apply_matrix(arm.matrix_world, scenes.evaluated_points(arm)), key=lambda place: place[2]
+    )
     below = {"origin": lowest - (0.0, 0.0, 1.0), "direction": (0.0, 0.0, 1.0)}
     run("drag", value=(0.05, 0.0, -0.1), radius=0.1, reach=3.0, **below)
 
@@ -60,11 +51,11 @@ def go_back_in_time() -> None:
 
 def widen() -> None:
     bpy.context.object.sinew.active.controls[0].radius = 0.2
-    update()
+    scenes.update()
 
 
 def pin_a_foot() -> None:
-    select_bone(bpy.context.object, "foot.L")
+    scenes.select_bone(bpy.context.object, "foot.L")
     run("puppet_pin", action="PIN")
 
 
@@ -84,8 +75,8 @@ STEPS: dict[str, tuple[Callable[[], None], ...]] = {
 
 @pytest.mark.parametrize("rig", STEPS)
 def test_a_rig_opens_ticks_and_goes_without_a_trace(rig: str):
-    own = grid_object()
-    press(own, "deformer_add", method="arap")
+    own = scenes.grid_object()
+    scenes.press(own, "deformer_add", method="arap")
     bpy.data.meshes.new("Not used")
     came_from, before = bpy.context.scene, blocks()
     run("try_it", rig=rig)
@@ -116,7 +107,7 @@ def test_all_rigs_in_a_row_beside_objects_of_the_same_names(tmp_path):
         assert [scene.name for scene in bpy.data.scenes if scene.sinew.rig] == [bpy.context.scene.name]
         assert all(row.is_bound for obj in bpy.context.scene.objects for row in obj.sinew.deformers)
     STEPS["figure"][0]()
-    reopen(tmp_path / "tried.blend")
+    scenes.reopen(tmp_path / "tried.blend")
     run("try_back")
     assert bpy.context.scene.name == came_from
     assert blocks() == before
@@ -130,7 +121,7 @@ def test_what_the_artist_takes_along_stays():
     run("try_back")
     assert [obj.name for obj in bpy.context.scene.objects] == [pillar.name]
     assert pillar.sinew.active.handles[0].control is not None
-    refused("none that Try It has opened", "try_back")
+    scenes.refused("none that Try It has opened", "try_back")
 
 
 def test_a_scene_that_is_gone_is_replaced():
@@ -144,9 +135,9 @@ def test_a_scene_that_is_gone_is_replaced():
 def test_a_rig_that_is_missing_is_said_and_nothing_changes(monkeypatch, tmp_path):
     monkeypatch.setattr(inner.try_it, "_FOLDER", tmp_path)
     came_from, before = bpy.context.scene, blocks()
-    refused("missing or damaged", "try_it")
+    scenes.refused("missing or damaged", "try_it")
     (tmp_path / "limb.blend").write_bytes(b"no file of Blender")
-    refused("missing or damaged", "try_it")
+    scenes.refused("missing or damaged", "try_it")
     assert (bpy.context.scene, blocks()) == (came_from, before)
 
 
@@ -155,7 +146,7 @@ def test_the_offer_is_hidden_for_good(preferences):
         return "SINEW_MT_try_it" in draw_panel().menus()
 
     assert offered()
-    make_active(grid_object())
+    scenes.make_active(scenes.grid_object())
     assert offered()
     preferences.show_try_it = False
     assert not offered()
@@ -165,16 +156,16 @@ def test_the_offer_is_hidden_for_good(preferences):
 
 @pytest.mark.parametrize("method", METHODS, ids=lambda method: method.id)
 def test_templates_set_values_that_the_method_takes(method):
-    plate = Rig(grid_object())
-    press(plate.obj, "deformer_add", method=method.id)
+    plate = scenes.Rig(scenes.grid_object())
+    scenes.press(plate.obj, "deformer_add", method=method.id)
     method, values = plate.deformer.methods[-1]  # of one that keeps details, the base
     fitting = 0
     for template in inner.templates.TEMPLATES:
         wanted = inner.templates.values_of(template, method)
         if not wanted:
-            refused("has no settings like", "use_template", plate.obj, template=template.id)
+            scenes.refused("has no settings like", "use_template", plate.obj, template=template.id)
             continue
-        press(plate.obj, "use_template", template=template.id)
+        scenes.press(plate.obj, "use_template", template=template.id)
         for name, value in wanted.items():
             found = getattr(values, name)
             assert found == value if isinstance(value, bool | str) else np.isclose(found, value)

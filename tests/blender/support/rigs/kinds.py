@@ -13,30 +13,17 @@ from mathutils import Matrix
 from probe import render_points
 from registry import BY_ID, WITH_CAGE, WITH_HANDLES, Control
 
-from rigs import point_handles, point_objects
+from rigs import point_handles, point_objects, rig as scenes
 from rigs.cages import TURN, ball
 from rigs.object_rigs import object_class
-from rigs.rig import (
-    FLOAT32,
-    Rig,
-    base_points,
-    close,
-    evaluated_points,
-    grid_object,
-    move_world,
-    new_empty,
-    on_all,
-    points_of,
-    press,
-)
 
 
-class HandleRig(Rig):
+class HandleRig(scenes.Rig):
     """A plate with a handle and a fixed edge; ``poses`` is what to see, ``height`` how far it is lifted."""
 
     height = 0.0
     methods = WITH_HANDLES
-    tolerance = FLOAT32
+    tolerance = scenes.FLOAT32
     goes_on = True  # another control takes over where the one before left the shape; else it is to be bound
     counts_in_no_scene = True  # a control that is in no scene moves the shape; else the last one stays
     hidden_meshes = 4  # what entered at bind, and in renders; two shapes
@@ -45,12 +32,12 @@ class HandleRig(Rig):
 
     @classmethod
     def new(cls, name: str = "Plate") -> HandleRig:
-        return cls(grid_object(name))
+        return cls(scenes.grid_object(name))
 
     @classmethod
     def large(cls, cells: int = 60) -> HandleRig:
         """One whose bind needs 0.11 MB or more: a thousand times that where handles are many points."""
-        return cls(grid_object(cells=cells))
+        return cls(scenes.grid_object(cells=cells))
 
     @property
     def control_size(self) -> int:
@@ -69,7 +56,7 @@ class HandleRig(Rig):
     @staticmethod
     def another_control(obj: bpy.types.Object) -> bpy.types.Object:
         """One that was not the control of anything."""
-        return new_empty("Another")
+        return scenes.new_empty("Another")
 
     @staticmethod
     def control_is_missing(obj: bpy.types.Object) -> bool:
@@ -78,7 +65,7 @@ class HandleRig(Rig):
     @classmethod
     def lift_of(cls, obj: bpy.types.Object, height: float) -> None:
         """Move the control of any object along the world's z."""
-        move_world(cls.control_of(obj), Matrix.Translation((0.0, 0.0, height)))
+        scenes.move_world(cls.control_of(obj), Matrix.Translation((0.0, 0.0, height)))
 
     def lift(self, height: float = 1.0) -> None:
         super().lift(height)
@@ -90,21 +77,21 @@ class HandleRig(Rig):
     @staticmethod
     def unmoved(obj: bpy.types.Object) -> np.ndarray:
         """What it would show without modifiers, (n, 3)."""
-        return base_points(obj)
+        return scenes.base_points(obj)
 
     def shows(self, shape: np.ndarray, obj: bpy.types.Object | None = None, tolerance: float = 0.0) -> bool:
         """That is what Blender shows of the rig, or of another object of its kind."""
-        return close(evaluated_points(obj or self.obj), shape, max(tolerance, self.tolerance))
+        return scenes.close(scenes.evaluated_points(obj or self.obj), shape, max(tolerance, self.tolerance))
 
     def shows_in(self, scene, shape: np.ndarray, obj=None, tolerance: float = 0.0) -> bool:
         """So does any view layer, or the first one of any scene."""
         layer = scene.view_layers[0] if isinstance(scene, bpy.types.Scene) else scene
-        found = points_of((obj or self.obj).evaluated_get(layer.depsgraph))
-        return close(found, shape, max(tolerance, self.tolerance))
+        found = scenes.points_of((obj or self.obj).evaluated_get(layer.depsgraph))
+        return scenes.close(found, shape, max(tolerance, self.tolerance))
 
     def renders(self, shape: np.ndarray, tolerance: float = 0.0) -> bool:
         """So does a render of this frame."""
-        return close(render_points(self.obj), shape, max(tolerance, self.tolerance))
+        return scenes.close(render_points(self.obj), shape, max(tolerance, self.tolerance))
 
     def at(self, height: float) -> np.ndarray:
         """What to see with the control at a height."""
@@ -124,7 +111,7 @@ class HandleRig(Rig):
 
     def press(self, operator: str, **keywords: object) -> None:
         """A button of ours, with the target active."""
-        press(self.obj, operator, **keywords)
+        scenes.press(self.obj, operator, **keywords)
 
     @property
     def held(self) -> np.ndarray:
@@ -158,7 +145,7 @@ class HandleRig(Rig):
 
     def change_topology(self) -> None:
         """In Edit Mode, as a user does: four faces from one."""
-        on_all(self.obj, bpy.ops.mesh.subdivide)
+        scenes.on_all(self.obj, bpy.ops.mesh.subdivide)
 
 
 class CageRig(object_class(HandleRig)):
@@ -182,7 +169,7 @@ class CageRig(object_class(HandleRig)):
 
     def bind(self, method: str = WITH_CAGE[0], **_keywords: object) -> CageRig:
         self.bind_at_rest(method)
-        self._cage_rest = base_points(self.control)
+        self._cage_rest = scenes.base_points(self.control)
         point_objects.bend(self.control)
         return self
 
@@ -215,7 +202,7 @@ class CurveRig(CageRig):
         return point_objects.unmoved(obj)
 
     def change_topology(self) -> None:
-        on_all(self.obj, bpy.ops.curve.subdivide)
+        scenes.on_all(self.obj, bpy.ops.curve.subdivide)
 
 
 RIGS = {

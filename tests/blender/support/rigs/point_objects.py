@@ -13,17 +13,7 @@ from expected import faces_of
 from inside import native
 from mathutils import Vector
 
-from rigs.rig import (
-    CORNERS,
-    SIDES,
-    base_points,
-    evaluated_points as shown,
-    in_mode,
-    make_active,
-    new_object,
-    press,
-    update,
-)
+from rigs import rig as scenes
 
 TESSELLATED = 1e-5  # Blender sums its curves up in float32, a dozen steps per segment
 HANDLES = ("AUTO", "VECTOR", "ALIGNED", "FREE")
@@ -32,7 +22,7 @@ Warp = Callable[[np.ndarray], np.ndarray]
 
 def linked(obj: bpy.types.Object) -> bpy.types.Object:
     bpy.context.scene.collection.objects.link(obj)
-    make_active(obj)
+    scenes.make_active(obj)
     return obj
 
 
@@ -135,7 +125,7 @@ def moved_by_hand(obj: bpy.types.Object, warp: Warp) -> np.ndarray:
     """What Blender shows where points and handles of a curve are moved; of others what it shows, moved."""
     with alone(obj) as copy:
         if obj.type not in ("CURVE", "FONT") or has_surface(obj):
-            return warp(shown(copy))
+            return warp(scenes.evaluated_points(copy))
         curve = curve_of(copy) if obj.type == "FONT" else copy
         points = [point for spline in curve.data.splines for point in (*spline.bezier_points, *spline.points)]
         names = ("co", "handle_left", "handle_right")
@@ -147,10 +137,10 @@ def moved_by_hand(obj: bpy.types.Object, warp: Warp) -> np.ndarray:
                 continue
             point.handle_left_type = point.handle_right_type = "FREE"
             point.co, point.handle_left, point.handle_right = goals
-        found = shown(curve)
+        found = scenes.evaluated_points(curve)
         if curve != copy:
             bpy.data.objects.remove(curve)
-            make_active(obj)
+            scenes.make_active(obj)
         return found
 
 
@@ -183,7 +173,7 @@ def alone(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
         for deformer in obj.sinew.deformers:
             copy.data.shape_keys.key_blocks[deformer.shape_key].mute = True
     bpy.context.scene.collection.objects.link(copy)
-    update()
+    scenes.update()
     try:
         yield copy
     finally:
@@ -193,7 +183,7 @@ def alone(obj: bpy.types.Object) -> Iterator[bpy.types.Object]:
 def unmoved(obj: bpy.types.Object) -> np.ndarray:
     """What Blender shows without modifiers."""
     with alone(obj) as copy:
-        return shown(copy)
+        return scenes.evaluated_points(copy)
 
 
 def has_surface(obj: bpy.types.Object) -> bool:
@@ -204,19 +194,19 @@ def has_surface(obj: bpy.types.Object) -> bool:
 def cage_around(obj: bpy.types.Object, margin: float = 0.15) -> bpy.types.Object:
     """A box of twelve triangles around the points and handles."""
     # Blender 5.2 does not know the bounds of lattices.
-    bounds = shown(obj) if obj.type == "LATTICE" else np.array(obj.bound_box)
+    bounds = scenes.evaluated_points(obj) if obj.type == "LATTICE" else np.array(obj.bound_box)
     low, high = bounds.min(axis=0), bounds.max(axis=0)
     reach = margin + 0.5 * (high - low).max()
     middle = 0.5 * (low + high)
-    faces = [face for a, b, c, d in SIDES for face in ((a, b, c), (a, c, d))]
-    return new_object("Cage", middle + reach * np.array(CORNERS), faces)
+    faces = [face for a, b, c, d in scenes.SIDES for face in ((a, b, c), (a, c, d))]
+    return scenes.new_object("Cage", middle + reach * np.array(scenes.CORNERS), faces)
 
 
 def attach(obj: bpy.types.Object, method: str, cage: bpy.types.Object | None = None) -> bpy.types.Object:
     """Add a cage; a refusal of the bind is in the status."""
-    update()
+    scenes.update()
     cage = cage or cage_around(obj)
-    press(obj, "cage_add", source="OBJECT", cage=cage.name, method=method)
+    scenes.press(obj, "cage_add", source="OBJECT", cage=cage.name, method=method)
     return cage
 
 
@@ -229,13 +219,13 @@ def bind(obj: bpy.types.Object, method: str = "mean_value", cage: bpy.types.Obje
 
 def bend(cage: bpy.types.Object) -> Warp:
     """Pose the cage as no affine map does; the warp of new mean value coordinates in its rest."""
-    rest = base_points(cage)
+    rest = scenes.base_points(cage)
     mesh = native().SurfaceMesh(rest, faces_of(cage.data))
     spread = 0.3 * np.ptp(rest, axis=0).max() * np.random.default_rng(5).uniform(-1.0, 1.0, rest.shape)
     for vertex, place in zip(cage.data.vertices, rest + spread):
         vertex.co = place
     cage.data.update()
-    posed = base_points(cage)
+    posed = scenes.base_points(cage)
 
     def warp(points: np.ndarray) -> np.ndarray:
         coordinates = native().MeanValue(mesh, precision="double")
@@ -273,18 +263,18 @@ def controls_of(obj: bpy.types.Object) -> np.ndarray:
 
 def add(obj: bpy.types.Object, *others: bpy.types.Object, source: str = "POINTS", **words: object):
     """Press the button with these objects selected; the deformer."""
-    make_active(obj, *others)
+    scenes.make_active(obj, *others)
     assert bpy.ops.sinew.point_add(source=source, **words) == {"FINISHED"}
-    make_active(obj)
+    scenes.make_active(obj)
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     return obj.sinew.active
 
 
 def add_bones(obj: bpy.types.Object, armature: bpy.types.Object, **words: object):
-    with in_mode(armature, "POSE"):
+    with scenes.in_mode(armature, "POSE"):
         bpy.ops.pose.select_all(action="SELECT")
         obj.select_set(True)
         assert bpy.ops.sinew.point_add(source="SELECTED", **words) == {"FINISHED"}
-    make_active(obj)
+    scenes.make_active(obj)
     assert obj.sinew.active.status_level == "INFO", obj.sinew.active.status
     return obj.sinew.active
