@@ -2,7 +2,6 @@
 #include "native/core/memory.h"
 
 #include "native/core/errors.h"
-#include "native/core/system/memory_limits.h"
 
 #include <atomic>
 #include <cstdio>

@@ -13,6 +13,8 @@ namespace sinew {
 /// No factor and no weights of points may take more than `bytes`; 0 lifts the limit. What has been computed
 /// already is kept.
 void limit_memory(std::int64_t bytes);
+/// What limit_memory() was given last; 0 for no limit.
+std::int64_t memory_limit();
 
 /// \param what  the thing that needs `bytes`, for the message.
 /// \throw OutOfMemory  `bytes` is more than the limit; the message names both.

@@ -3,7 +3,7 @@
 
 #include "native/core/errors.h"
 #include "native/core/memory.h"
-#include "native/core/system/memory_limits.h"
+#include "native/core/system/physical_memory.h"
 #include "native/operators/painted.h"
 #include "native/solvers/solved_system.h"
 #include "native/solvers/sparse_columns.h"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "native/core/system/memory_limits.h"
+#include "native/core/system/physical_memory.h"
 
 #ifdef _WIN32
 #ifndef NOMINMAX

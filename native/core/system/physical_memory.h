@@ -5,9 +5,6 @@
 
 namespace sinew {
 
-/// What limit_memory() was given last; 0 for no limit.
-std::int64_t memory_limit();
-
 /// The bytes of memory that this machine has, or, where that is less, that the container has in which this process runs.
 /// 0 where the system does not say.
 std::int64_t physical_memory();
