@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes 200 shapes of one model on all cores: python shapes.py in.obj FOLDER [SCHEDULER].
 
-The lowest tenth stays. The highest tenth moves by 20 lengths and turns by 10 angles, as if to find the best
-shape of a handle. What is in the folder already is not made again.
+The lowest tenth stays, the highest tenth moves and turns. What is in the folder is not made again.
 """
 
 import sys
@@ -20,12 +19,11 @@ def shapes(source: str, folder: str) -> Sweep:
     z, size = points[:, 2], np.ptp(points[:, 2])
     foot, head = np.flatnonzero(z < z.min() + 0.1 * size), np.flatnonzero(z > z.max() - 0.1 * size)
     mesh = Mesh(points, ([len(face) for face in faces], np.concatenate(faces)), [foot, head])
-    centre, poses = points[head].mean(axis=0), {}
+    poses = {}
     for length in np.linspace(-0.2, 0.2, 20):
         for angle in np.linspace(0.0, np.pi / 4, 10):
             cos, sin = np.cos(angle), np.sin(angle)
-            turn = np.array([(cos, -sin, 0.0), (sin, cos, 0.0), (0.0, 0.0, 1.0)])
-            moved = np.column_stack([turn, centre - turn @ centre + (0.0, 0.0, length * size)])
+            moved = [(cos, -sin, 0, 0), (sin, cos, 0, 0), (0, 0, 1, length * size)]  # about the z axis
             poses[f"{length:+.3f},{np.degrees(angle):.0f}"] = np.array([np.eye(3, 4), moved])
     return Sweep({Path(source).stem: mesh}, poses, Path(folder), format="obj")
 

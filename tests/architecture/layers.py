@@ -2,7 +2,6 @@
 """The ranks of the rooms of addon/: a room sees itself and rooms of lower rank, never one of its own rank."""
 
 import ast
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -44,18 +43,13 @@ def addon_offences(root: Path) -> list[str]:
 
 
 def farm_offences(root: Path) -> list[str]:
-    """Modules of sinew_farm see those of lower rank; the atom, which engines carry along, Python alone."""
     found: list[tuple[str, str]] = []
     for path in files(root, FARM, ".py"):
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            place, relative = f"{FARM}/{path.name}:{getattr(node, 'lineno', 0)}", getattr(node, "level", 0)
-            if isinstance(node, ast.ImportFrom) and relative:
+            if isinstance(node, ast.ImportFrom) and node.level:
                 for target in [node.module] if node.module else [alias.name for alias in node.names]:
+                    place = f"{FARM}/{path.name}:{node.lineno}"
                     found += step(place, ast.unparse(node), path.stem, target, FARM_RANKS)
-            elif isinstance(node, ast.Import | ast.ImportFrom) and path.stem == "atom":
-                module = getattr(node, "module", None) or node.names[0].name
-                if module.partition(".")[0] not in sys.stdlib_module_names:
-                    found.append((place, f"atom sees Python alone: {ast.unparse(node)}"))
     return [f"{place}: {what}" for place, what in found]
 
 

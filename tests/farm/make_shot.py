@@ -10,12 +10,12 @@ bpy.ops.preferences.addon_enable(module="bl_ext.user_default.sinew")
 bpy.ops.mesh.primitive_grid_add(x_subdivisions=side - 1, y_subdivisions=side - 1)
 body = bpy.context.object
 body.name = "Body"
-for name, first in (("FIXED", 0), ("HANDLE", side * (side - 4))):
-    body.vertex_groups.new(name=name).add(range(first, first + 4 * side), 1.0, "REPLACE")
 for number, method in enumerate(("thin_shell", "arap", "laplacian_editing")):
     bpy.ops.sinew.deformer_add(method=method)
-    for kind in ("FIXED", "HANDLE"):
-        bpy.ops.sinew.handle_add(kind=kind, vertex_group=kind)
+    for kind, first in (("FIXED", 0), ("HANDLE", side * (side - 4))):
+        group = body.vertex_groups.new(name=kind)
+        group.add(range(first, first + 4 * side), 1.0, "REPLACE")
+        bpy.ops.sinew.handle_add(kind=kind, vertex_group=group.name)
     control = body.sinew.deformers[number].handles[-1].control
     for frame in (1, 80, 160, 240):
         control.location.z = 0.4 * ((frame // 80 + number) % 3)

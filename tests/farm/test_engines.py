@@ -3,32 +3,32 @@
 
 import json
 import os
-import resource
-import signal
 import subprocess
 import sys
-from collections.abc import Iterator
 from pathlib import Path
+from signal import SIGSEGV
 
 import psutil
 import pytest
 
 from sinew_farm import atom
 
-HERE, BLENDER = Path(__file__).parent, os.environ["SINEW_ATOM"]  # Python with Blender, and command.py
+HERE, BLENDER = Path(__file__).parent, os.environ["SINEW_ATOM"].split()  # Python with Blender, and command.py
 FARM, OPENJD = [sys.executable, "-m", "sinew_farm"], Path(sys.executable).with_name("openjd")
 WORDS = ["--frames", "1-240", "--objects", "Body", "--format", "pc2", "--out"]
 READ = {"stdout": subprocess.PIPE, "stderr": subprocess.STDOUT, "text": True}
-OLDER = ["--background", "--python", "/sinew/farm/command.py", "--", "bake"]
 ADDRESS = f"tcp://127.0.0.1:{20_000 + os.getpid() % 10_000}"
-# What is done to the worker that bakes, to the command, or to all processes; and what is printed then.
+# What is done to one worker that bakes, to the command, or to all processes; and what is printed then.
 DEEDS = {
-    "a worker is killed": (lambda worker, command, every: worker.kill(), ""),
-    "a network is cut": (lambda worker, command, every: worker.suspend(), ""),
-    "two disks are full": (lambda worker, command, every: [full(each) for each in every[1:3]], '"failed"'),
-    "Blender crashes": (lambda worker, *_: worker.children()[0].send_signal(signal.SIGSEGV), "status -11"),
-    "the scheduler is killed": (lambda worker, command, every: restart(every), "scheduler lost"),
-    "the command is killed": (lambda worker, command, every: command.kill(), ""),
+    "a worker is killed": (lambda one, command, every: one.kill(), ""),
+    "a network is cut": (lambda one, command, every: one.suspend(), ""),
+    "two disks are full": (
+        lambda one, command, every: [each.rlimit(psutil.RLIMIT_FSIZE, (9999, 9999)) for each in every[1:3]],
+        '"failed"',
+    ),
+    "Blender crashes": (lambda one, *_: one.children()[0].send_signal(SIGSEGV), "status -11"),
+    "the scheduler is killed": (lambda one, command, every: restart(every), "scheduler lost"),
+    "the command is killed": (lambda one, command, every: command.kill(), ""),
 }
 
 
@@ -42,9 +42,9 @@ def said(*words: object, code: int = 0) -> str:
 def shot(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A shot, and beside it what one process bakes of it."""
     file = tmp_path_factory.mktemp("shot") / "shot.blend"
-    said(BLENDER.split()[0], HERE / "make_shot.py", file, 40)
-    said(*BLENDER.split(), "bake", file, *WORDS, file.parent)
-    said(*BLENDER.split(), "join", file.parent, *WORDS, file.parent)
+    said(BLENDER[0], HERE / "make_shot.py", file, 40)
+    said(*BLENDER, "bake", file, *WORDS, file.parent)
+    said(*BLENDER, "join", file.parent, *WORDS, file.parent)
     return file
 
 
@@ -52,35 +52,23 @@ def same(shot: Path, out: Path) -> bool:
     return (out / "Body.pc2").read_bytes() == shot.with_name("Body.pc2").read_bytes()
 
 
-def full(process: psutil.Popen) -> None:
-    resource.prlimit(process.pid, resource.RLIMIT_FSIZE, (10_000, 10_000))
-
-
-def restart(processes: list[psutil.Popen]) -> None:
+def restart(processes: list[psutil.Popen], count: int = 4) -> None:
+    """Ends all processes, and starts a scheduler with workers."""
     for process in processes:
         process.kill()
     env = os.environ | {"DASK_DISTRIBUTED__SCHEDULER__WORKER_TTL": "10s"}
-    starts = [["scheduler", "--host", ADDRESS], *[["worker", ADDRESS, "--nthreads", "1", "--no-nanny"]] * 4]
-    commands = [[sys.executable, "-m", "dask", *words, "--no-dashboard"] for words in starts]
-    processes[:] = [psutil.Popen(words, env=env, stderr=subprocess.DEVNULL) for words in commands]
-
-
-@pytest.fixture
-def processes() -> Iterator[list[psutil.Popen]]:
-    """A scheduler and four workers."""
-    restart(made := [])
-    yield made
-    for process in made:
-        process.kill()
+    starts = [["scheduler", "--host"], *[["worker", "--nthreads", "1", "--no-nanny"]] * 4][: count + 1]
+    commands = [[*FARM[:2], "dask", *words, ADDRESS, "--no-dashboard"] for words in starts if count]
+    processes[:] = [psutil.Popen(command, env=env, stderr=subprocess.DEVNULL) for command in commands]
 
 
 @pytest.mark.parametrize("deed", DEEDS)
-def test_no_frame_is_lost_and_none_that_is_there_is_baked_again(
-    shot, tmp_path: Path, processes, deed
-) -> None:
+def test_no_frame_is_lost_and_none_that_is_there_is_baked_again(shot, tmp_path, request, deed: str) -> None:
+    restart(processes := [])
+    request.addfinalizer(lambda: restart(processes, 0))
     do, says = DEEDS[deed]
-    words = [*FARM, "dask", shot, "--chunk", "30", "--scheduler", ADDRESS, "--blender", BLENDER, "--json"]
-    with subprocess.Popen([*words, *WORDS, tmp_path], **READ) as command:
+    words = [*FARM, "dask", shot, "--chunk", "30", "--scheduler", ADDRESS, "--blender", " ".join(BLENDER)]
+    with subprocess.Popen([*words, "--json", *WORDS, tmp_path], **READ) as command:
         for line in command.stdout:
             if do and '"frame"' in line:
                 do(next(each for each in processes[1:] if each.children()), command, processes)
@@ -94,12 +82,6 @@ def test_no_frame_is_lost_and_none_that_is_there_is_baked_again(
     assert same(shot, tmp_path)
     assert all(file.stat().st_mtime_ns == time for file, time in there.items())
     assert len(list(tmp_path.glob("chunks/*"))) == 16  # with their manifests
-
-
-def test_a_refusal_ends_all_with_its_status(shot: Path, tmp_path: Path) -> None:
-    words = ["--workers", 2, "--blender", BLENDER, *WORDS, tmp_path, "--objects", "Nobody"]
-    assert said(*FARM, "dask", shot, *words, code=3).count("failed on") < 4
-    assert not list(tmp_path.glob("**/*.*"))
 
 
 def test_the_job_of_flamenco_bakes_chunks_and_joins_after_all_of_them(shot: Path, tmp_path: Path) -> None:
@@ -116,7 +98,7 @@ def test_the_job_of_flamenco_bakes_chunks_and_joins_after_all_of_them(shot: Path
     assert join["after"] == ["bake-1-100", "bake-101-200", "bake-201-240"] == [task["name"] for task in bakes]
     for task in (*bakes, join):
         assert task["words"][:4] == ["--background", "--python", "command.py", "--"]
-        said(*BLENDER.split(), *task["words"][4:])
+        said(*BLENDER, *task["words"][4:])
     assert same(shot, tmp_path)
 
 
@@ -124,17 +106,24 @@ def test_the_template_of_openjd_is_valid_and_bakes(shot: Path, tmp_path: Path) -
     (tmp_path / "sinew.yaml").write_text(said(*FARM, "openjd"))
     words = [tmp_path / "sinew.yaml", "--extensions", "TASK_CHUNKING"]
     said(OPENJD, "check", *words)
-    given = {"Shot": shot, "Out": tmp_path, "Objects": "Body", "Chunk": 100, "Blender": BLENDER}
+    given = {"Shot": shot, "Out": tmp_path, "Objects": "Body", "Chunk": 100, "Blender": " ".join(BLENDER)}
     words += [word for name, value in given.items() for word in ("-p", f"{name}={value}")]
     assert said(OPENJD, "run", *words).count("openjd_progress: 100.0") == 3
     assert same(shot, tmp_path)
     assert "openjd_fail: " in said(OPENJD, "run", *words, "-p", "Objects=Nobody", code=1)
 
 
-@pytest.mark.parametrize(("release", "way"), [("4.2.0", ["--command", "sinew_bake"]), ("3.4.1", OLDER)])
-def test_a_blender_is_started_in_the_way_of_its_release(tmp_path: Path, release: str, way: list[str]) -> None:
-    blender = tmp_path / "blender"
-    blender.write_text(f"#!/bin/sh\necho Blender {release}\necho sinew is in /sinew/__init__.py\nexit 1\n")
-    blender.chmod(0o755)
-    assert atom.command(f"{blender} -y", "bake", ["x"]) == [str(blender), "-y", *way, "x"]
+def test_a_refusal_ends_all_with_its_status(shot: Path, tmp_path: Path) -> None:
+    words = ["--workers", 2, "--blender", " ".join(BLENDER), *WORDS, tmp_path, "--objects", "Nobody"]
+    assert said(*FARM, "dask", shot, *words, code=3).count("failed on") < 4
+    assert not list(tmp_path.glob("**/*.*"))
+
+
+def test_a_blender_is_started_in_the_way_of_its_release(tmp_path: Path) -> None:
+    blender, older = tmp_path / "blender", "--background --python /sinew/farm/command.py -- bake"
+    for release, way in (("4.2.0", "--command sinew_bake"), ("3.4.1", older)):
+        blender.write_text(f"#!/bin/sh\necho Blender {release}\necho sinew is in /sinew/a.py\nexit 1\n")
+        blender.chmod(0o755)
+        words = atom.command(f"{blender} -{release}", "bake", ["x"])
+        assert words == [str(blender), f"-{release}", *way.split(), "x"]
     assert atom.run(str(blender), "bake", ["x"]).code == atom.REFUSED  # as it tells nothing of Sinew

@@ -87,7 +87,8 @@ def build_wheel(target: Target, builder: Environment, minor: int) -> Path:
         target.check_module(next(Path(folder).glob(f"*{_suffix(target, minor)}")), minor)
         must([builder.python, "-c", METADATA, folder], quiet=True)
         shutil.copy(types(), folder)  # of this machine's module, which has the same names
-        shutil.copytree(PACKAGES, folder, dirs_exist_ok=True, ignore=shutil.ignore_patterns("__pycache__"))
+        unwanted = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(PACKAGES / "sinew_farm", Path(folder) / "sinew_farm", ignore=unwanted)
         files = read_folder(Path(folder))
     about = next(name for name in files if name.endswith(".dist-info/WHEEL"))
     files[about] = re.sub(rb"(?m)^Tag: .*$", f"Tag: {tag}-{tag}-{target.platform}".encode(), files[about])

@@ -17,8 +17,8 @@ def set_up(packages: tuple[tuple[str, ...], ...], *made: environments.Environmen
 def set_up_tests() -> None:
     releases = map(environments.blender, environments.LONG_TERM_BLENDERS)
     newest = environments.newest_blender()
-    packages = (debian.BUILD, debian.GUI, debian.BPY, debian.API, debian.BROWSER)
-    set_up(packages, *builders(), environments.dev(), *releases, newest)
+    packages = (debian.BUILD, debian.GUI, debian.BPY, debian.API, debian.BROWSER, debian.NODE)
+    set_up(packages, *builders(), environments.dev(), environments.farm(), *releases, newest)
     if newest.name == "bpy-5.0.1":
         say("No Python 3.13 here: Blender 5.0.1 stands in, 5.2 is not run.")
 
@@ -29,7 +29,7 @@ def builders() -> tuple[environments.Environment | None, ...]:
 
 PURPOSES = {
     "build": lambda: set_up((debian.BUILD,), *builders()),
-    "samples": lambda: set_up((debian.BUILD, debian.BLENDER), environments.build()),
+    "samples": lambda: set_up((debian.BUILD, debian.BLENDER), environments.build(), environments.farm()),
     "dev": lambda: environments.dev().make(),
     "tests": set_up_tests,
 }

@@ -48,6 +48,7 @@ def start(kind: str, size: Size, hosts: str = "", dashboard: str = "127.0.0.1:87
     the first one runs the scheduler. Raises FarmError for an unknown kind, or one that is not installed.
     """
     made = _class(kind)
+    dask.config.set({"logging.distributed": "critical"})  # also of workers, which end with the scheduler
     memory = {"memory": f"{size.memory}GB"} if size.memory else {}
     if kind == "local":
         limits = {"memory_limit": memory["memory"]} if memory else {}

@@ -110,10 +110,10 @@ class _Pass:
         self.full: set[str] = set()  # workers without space, which others precede
 
     def run(self) -> None:
-        tasks = {self._submit(name): name for name in self.left}
+        tasks = {self._submit(name): name for name in self.left}  # kept, as the dashboard counts them
         ended = as_completed(list(tasks), raise_errors=False)
         for task in ended:
-            name = tasks.pop(task)
+            name = tasks[task]
             if task.status in LOST:
                 return
             end, worker = self._end_of(task)
