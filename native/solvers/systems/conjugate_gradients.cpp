@@ -23,6 +23,7 @@ using Eigen::Array4d;
 
 constexpr int grain = 2048;
 constexpr double singular = 1e-14; ///< a smallest eigenvalue below this share of the largest is rounding
+constexpr double slowest = 0.02;   ///< what an error loses in a step where it hardly shrinks
 constexpr double endless = 1e8;    ///< growth of what the tolerance is compared with
 
 /// Two sums and a largest value over the unknowns, by columns.
@@ -120,9 +121,13 @@ Iteration conjugate_gradients(int n, const Product& A, const Array4d& load, Colu
         Array4d wanted = stop.tolerance * load, found = sizes.first.sqrt();
         if (stop.by_error) {
             wanted = stop.tolerance * sizes.largest.max(after.largest);
-            if (stop.together)
-                wanted = wanted.maxCoeff();
             found = after.largest;
+            if (stop.together) {
+                wanted = wanted.maxCoeff();
+                const double share = found.maxCoeff() / wanted[0] * stop.tolerance / first;
+                if (done.count > 0)
+                    found /= std::max(1 - std::pow(share, 1.0 / done.count), slowest);
+            }
         }
         const auto busy = (load > 0) && (found > wanted);
         done.reached = (load > 0).select(found / wanted.max(1e-300), 0.0).maxCoeff() * stop.tolerance;
@@ -138,7 +143,10 @@ Iteration conjugate_gradients(int n, const Product& A, const Array4d& load, Colu
                                " iterations it was farther from the solution than at first");
         if (done.count == stop.most_iterations)
             break;
-        progress.tick(static_cast<double>(done.count) / stop.most_iterations, "iterating");
+        const double way = std::log(first / stop.tolerance), gone = std::log(first / done.reached);
+        progress.tick(stop.together ? std::clamp(gone / way, 0.0, 1.0)
+                                    : static_cast<double>(done.count) / stop.most_iterations,
+                      "iterating");
         // r_k . z_k+1 = r_k+1 . z_k+1 + alpha q_k . z_k+1
         const Array4d beta =
             done.count > 0 ? ratio(-alpha * after.second, rz).max(0.0) : Array4d(Array4d::Zero());

@@ -27,7 +27,9 @@ struct Stop
     /// Whether B r, an estimate of the error, is compared with x, or the residual r = b - A x with b. The first needs a
     /// B that is very close to A^-1.
     bool by_error = false;
-    bool together = false; ///< whether the errors of all columns are compared with the largest x of all
+    /// Whether the errors of all columns are compared with the largest x of all, and count as much as all steps to come,
+    /// which shrink as those before did.
+    bool together = false;
 };
 
 /// What the iteration of four columns came to.

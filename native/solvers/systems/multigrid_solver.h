@@ -37,7 +37,7 @@ public:
         ConstrainedQuadratic::Norms norms;
     };
 
-    /// Until the estimated error is below 3e-5 of the largest move against the mean of the given rows.
+    /// Until the estimated error is below 5e-5 of the largest move against the mean of the given rows.
     /// \param[in,out] x  (n, k) with the given rows at first, with all rows afterwards.
     /// \param rhs        (n, k) b; null for zero. Where nothing pulls, it is zero.
     /// \param start      (n, k) what the iteration starts from; null for a coarse solution. The solution depends on it
